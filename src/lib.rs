@@ -1,0 +1,15 @@
+//! Terrella: a realistic Earth that any program can draw.
+#![warn(missing_docs)]
+
+pub mod air;
+pub mod earth;
+pub mod frames;
+pub mod globe;
+pub mod gpu;
+pub mod imagery;
+pub mod orbit;
+#[cfg(feature = "command")]
+pub mod play;
+pub mod scene;
+
+pub use earth::{Earth, EarthError, EarthOptions, EyeView, FrameStats, Sky};

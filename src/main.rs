@@ -1,0 +1,2 @@
+//! The `terrella` command.
+fn main() {}

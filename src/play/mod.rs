@@ -1,0 +1,1 @@
+//! Playing a scene: clock, cameras, window, stills and video.
