@@ -1,21 +1,12 @@
 //! The façade: an Earth that a wgpu host draws into its own pass.
 
-use crate::air::Atmosphere;
+use crate::air::{Atmosphere, Billboard, EARTH_AIR};
 use crate::frames::{Epoch, Geodetic, sun_direction_itrf};
-use crate::globe::{Figure, Visibility};
-use crate::imagery::EarthLayers;
-use glam::{DAffine3, DMat4, DQuat, DVec3};
-
-/// How the surface is shaded.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Shading {
-    /// Linear light, the Sun of the date, dark night side with a soft terminator.
-    #[default]
-    Sunlit,
-    /// The three layers as the 2011 paper prints them, in display values.
-    Paper,
-}
+pub use crate::globe::Shading;
+use crate::globe::{BlockGrid, Figure, SubdivisionError, Visibility, select_blocks};
+use crate::gpu::{AirDrawable, Frame, PassFormat, ShaderError, SurfaceDrawable, SurfaceParts};
+use crate::imagery::{EarthLayers, LayerImage};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4, Vec3};
 
 /// The depth buffer of the pass that the Earth is drawn in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +40,11 @@ pub struct EarthOptions {
     pub samples: u32,
     /// Depth buffer of the pass.
     pub depth: DepthBuffer,
+    /// Most samples that a map is filtered with at a grazing view, 1…16; 1 is trilinear.
+    pub anisotropy: u16,
+    /// What a white sheet that faces the Sun in space is drawn with; the target's white is 1. The paper's shading
+    /// works in display values and is not touched by it, the air is.
+    pub exposure: f32,
 }
 
 impl EarthOptions {
@@ -64,6 +60,8 @@ impl EarthOptions {
             color_format: crate::gpu::FrameTargets::COLOR,
             samples: 1,
             depth: DepthBuffer::ReversedZ(crate::gpu::FrameTargets::DEPTH),
+            anisotropy: 8,
+            exposure: 1.4,
         }
     }
 }
@@ -84,16 +82,48 @@ pub struct EyeView {
 impl EyeView {
     /// An eye in ITRF metres that looks along `forward` with `up` upwards on screen; infinite reversed-Z projection.
     ///
-    /// `fov_y_rad` is the vertical field of view, `aspect` width over height.
+    /// `fov_y_rad` is the vertical field of view, `aspect` width over height. Defined for every direction: a zero
+    /// `forward` looks down, an `up` along `forward` is replaced by any direction across it.
     pub fn itrf(eye_itrf_m: DVec3, forward: DVec3, up: DVec3, fov_y_rad: f64, aspect: f64) -> Self {
-        let _ = (forward, up, fov_y_rad, aspect);
+        let down = (-eye_itrf_m).normalize_or(DVec3::NEG_Z);
+        let forward = forward.normalize_or(down);
+        let right = forward
+            .cross(up)
+            .try_normalize()
+            .unwrap_or_else(|| forward.any_orthonormal_vector());
+        let world_from_view = DMat3::from_cols(right, right.cross(forward), -forward);
         Self {
             eye_world: eye_itrf_m,
-            view_from_world: DQuat::IDENTITY,
-            clip_from_view: DMat4::IDENTITY,
+            view_from_world: DQuat::from_mat3(&world_from_view).inverse(),
+            clip_from_view: infinite_reversed_z(fov_y_rad, aspect, Self::NEAR_M),
             itrf_from_world: DAffine3::IDENTITY,
         }
     }
+
+    /// Near plane of [`Self::itrf`], metres.
+    pub const NEAR_M: f64 = 0.1;
+
+    /// The eye in ITRF metres, and the matrix from eye-relative ITRF metres to clip space.
+    pub fn to_itrf(&self) -> (DVec3, DMat4) {
+        let eye_itrf_m = self.itrf_from_world.transform_point3(self.eye_world);
+        let world_from_itrf = self.itrf_from_world.matrix3.inverse();
+        let view_from_itrf = DMat3::from_quat(self.view_from_world) * world_from_itrf;
+        (
+            eye_itrf_m,
+            self.clip_from_view * DMat4::from_mat3(view_from_itrf),
+        )
+    }
+}
+
+/// Perspective projection to wgpu clip space with the near plane at depth 1 and infinity at 0.
+pub fn infinite_reversed_z(fov_y_rad: f64, aspect: f64, near: f64) -> DMat4 {
+    let f = 1.0 / (0.5 * fov_y_rad).tan();
+    DMat4::from_cols(
+        DVec4::new(f / aspect, 0.0, 0.0, 0.0),
+        DVec4::new(0.0, f, 0.0, 0.0),
+        DVec4::new(0.0, 0.0, 0.0, -1.0),
+        DVec4::new(0.0, 0.0, near, 0.0),
+    )
 }
 
 /// What lights the Earth.
@@ -113,7 +143,7 @@ impl Sky {
 }
 
 /// What one frame drew.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameStats {
     /// Blocks left by the horizon test.
     pub blocks_visible: u32,
@@ -129,6 +159,8 @@ pub struct FrameStats {
     pub texture_bytes: u64,
     /// The eye's place.
     pub eye: Geodetic,
+    /// Metres on the ground that a pixel would cover straight below the eye; 0 at and below the surface.
+    pub pixel_m: f64,
 }
 
 /// What can be wrong with the options.
@@ -136,46 +168,215 @@ pub struct FrameStats {
 #[non_exhaustive]
 pub enum EarthError {
     /// Subdivision outside 1…48.
-    #[error("subdivision is {0}; it must be from 1 to 48")]
-    Subdivision(u32),
+    #[error(transparent)]
+    Subdivision(#[from] SubdivisionError),
+    /// A map is larger than the device takes.
+    #[error(
+        "the {layer} map is {width} × {height}; this device takes at most {limit} pixels a side"
+    )]
+    TooLarge {
+        /// Which map.
+        layer: &'static str,
+        /// Its width.
+        width: u32,
+        /// Its height.
+        height: u32,
+        /// The device's limit.
+        limit: u32,
+    },
+    /// A shader file is at fault.
+    #[error(transparent)]
+    Shader(#[from] ShaderError),
+    /// A shader or pipeline was refused by the device, for instance for a colour format it cannot draw to.
+    #[error("the device refused the Earth's pipelines: {0}")]
+    Refused(String),
 }
 
 /// The Earth.
-pub struct Earth {}
+///
+/// The host owns device, queue, pass and depth buffer. Once a frame: [`Earth::prepare`], then [`Earth::render`] inside
+/// the host's pass. Neither waits for disk or GPU.
+pub struct Earth {
+    grid: BlockGrid,
+    visibility: Visibility,
+    exposure: f32,
+    surface: SurfaceDrawable,
+    air: Option<AirDrawable>,
+    stats: FrameStats,
+}
 
 impl Earth {
     /// Makes pipelines and uploads the maps.
     pub fn new(
-        _device: &wgpu::Device,
-        _queue: &wgpu::Queue,
-        _options: &EarthOptions,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        options: &EarthOptions,
     ) -> Result<Self, EarthError> {
-        Ok(Self {})
+        let grid = BlockGrid::new(options.figure.ellipsoid(), options.subdivision)?;
+        let layers = &options.layers;
+        let limit = device.limits().max_texture_dimension_2d;
+        let maps = [
+            ("day", Some(&layers.day)),
+            ("cloud", layers.clouds.as_ref()),
+            ("normal", layers.normals.as_ref()),
+            ("night light", layers.night_lights.as_ref()),
+        ];
+        for (layer, image) in maps {
+            if let Some(&LayerImage { width, height, .. }) = image
+                && width.max(height) > limit
+            {
+                return Err(EarthError::TooLarge {
+                    layer,
+                    width,
+                    height,
+                    limit,
+                });
+            }
+        }
+        let format = PassFormat {
+            color: options.color_format,
+            samples: options.samples,
+            depth: options.depth,
+        };
+        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let air = match options.atmosphere {
+            Atmosphere::Billboard => Some(AirDrawable::new(device, queue, format)?),
+            Atmosphere::None => None,
+        };
+        let parts = SurfaceParts {
+            layers,
+            shading: options.shading,
+            anisotropy: options.anisotropy,
+            format,
+            sunlight: air
+                .as_ref()
+                .filter(|_| options.shading == Shading::Sunlit)
+                .map(|air| &air.sunlight),
+        };
+        let surface = SurfaceDrawable::new(device, queue, &grid, &parts)?;
+        if let Some(error) = resolved(scope.pop()) {
+            return Err(EarthError::Refused(error.to_string()));
+        }
+        let texture_bytes = surface.texture_bytes + air.as_ref().map_or(0, |air| air.texture_bytes);
+        let stats = FrameStats {
+            texture_bytes,
+            ..FrameStats::default()
+        };
+        Ok(Self {
+            grid,
+            visibility: options.visibility,
+            exposure: options.exposure,
+            surface,
+            air,
+            stats,
+        })
     }
 
     /// Chooses what the eye sees and writes it to the GPU. Call once a frame, before the pass. Never waits.
     ///
-    /// `size` is the target's width and height in pixels.
+    /// `size` is the target's width and height in pixels. An eye that is not finite draws nothing.
     pub fn prepare(
         &mut self,
-        _queue: &wgpu::Queue,
-        _view: &EyeView,
-        _sky: &Sky,
-        _size: (u32, u32),
+        queue: &wgpu::Queue,
+        view: &EyeView,
+        sky: &Sky,
+        size: (u32, u32),
     ) -> FrameStats {
-        unreachable!()
+        let (eye_itrf_m, clip_from_eye) = self.plan(view);
+        self.stats.pixel_m = self.stats.eye.height_m.max(0.0) * 2.0
+            / (view.clip_from_view.y_axis.y.abs() * f64::from(size.1.max(1)));
+        let ellipsoid = self.grid.ellipsoid();
+        let ratio = ellipsoid.equatorial_radius_m / ellipsoid.polar_radius_m;
+        let frame = Frame {
+            clip_from_eye: clip_from_eye.as_mat4(),
+            eye_itrf_m: eye_itrf_m.as_vec3(),
+            normal_stretch: (ratio * ratio) as f32,
+            sun_itrf: sky.sun_itrf.as_vec3(),
+            radius_m: ellipsoid.equatorial_radius_m as f32,
+            exposure: self.exposure,
+            padding: [0.0; 3],
+        };
+        self.stats.uploaded_bytes = self.surface.write(queue, &frame);
+        if let Some(air) = &mut self.air {
+            let scale = ellipsoid.itrf_from_scaled();
+            let square = Billboard::new(eye_itrf_m / scale, EARTH_AIR.top(), &clip_from_eye, scale);
+            self.stats.uploaded_bytes +=
+                air.write(queue, &square, sky.sun_itrf / scale, self.exposure);
+        }
+        self.stats
     }
 
-    /// Draws what `prepare` chose into the host's pass.
-    pub fn render(&self, _pass: &mut wgpu::RenderPass<'_>) {}
+    /// The part of [`Self::prepare`] that needs no GPU: selection and the eye-relative vertices. Allocates nothing.
+    fn plan(&mut self, view: &EyeView) -> (DVec3, DMat4) {
+        let (eye_itrf_m, clip_from_eye) = view.to_itrf();
+        let selection = select_blocks(
+            &self.grid,
+            self.visibility,
+            eye_itrf_m,
+            &clip_from_eye,
+            self.surface.drawn_mut(),
+        );
+        self.surface.stage(&self.grid, eye_itrf_m);
+        let drawn = self.surface.drawn();
+        let air = u32::from(self.air.is_some());
+        self.stats.blocks_visible = selection.visible;
+        self.stats.blocks_drawn = drawn.len() as u32;
+        self.stats.triangles = drawn
+            .iter()
+            .map(|block| self.grid.triangles(block.kind()))
+            .sum::<u32>()
+            + 2 * air;
+        self.stats.draw_calls = drawn.len() as u32 + air;
+        self.stats.eye = self.grid.ellipsoid().geodetic_from_itrf(eye_itrf_m);
+        (eye_itrf_m, clip_from_eye)
+    }
+
+    /// Draws what [`Self::prepare`] chose into the host's pass: the surface, then the air over it. Draw opaque things
+    /// before, so that the air lies over those behind it.
+    pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.surface.render(pass);
+        if let Some(air) = &self.air {
+            air.render(pass);
+        }
+    }
+
+    /// The vertices that the GPU gets, eye-relative ITRF metres, each beside its exact ITRF position.
+    pub fn vertices(&self) -> impl Iterator<Item = (Vec3, DVec3)> {
+        let exact = self.surface.drawn().iter().flat_map(|block| {
+            (0..=self.grid.subdivision())
+                .flat_map(|row| self.grid.vertex_row(*block, row).iter().copied())
+        });
+        self.surface.staged().iter().copied().zip(exact)
+    }
 
     /// Names of the features that are on.
     pub fn features_on(&self) -> Vec<&'static str> {
-        Vec::new()
+        self.features(true)
     }
 
     /// Names of the features that are off and cost nothing.
     pub fn features_off(&self) -> Vec<&'static str> {
-        Vec::new()
+        self.features(false)
+    }
+
+    fn features(&self, on: bool) -> Vec<&'static str> {
+        let shader = &self.surface.variant.features;
+        ["clouds", "normals", "night_lights"]
+            .into_iter()
+            .map(|name| (name, shader.contains(&name)))
+            .chain([("atmosphere", self.air.is_some())])
+            .filter(|(_, is_on)| *is_on == on)
+            .map(|(name, _)| name)
+            .collect()
+    }
+}
+
+/// The value of a future that is ready at once, as wgpu's error scopes are everywhere but on the web.
+fn resolved<T>(future: impl Future<Output = Option<T>>) -> Option<T> {
+    let mut future = std::pin::pin!(future);
+    let mut context = std::task::Context::from_waker(std::task::Waker::noop());
+    match future.as_mut().poll(&mut context) {
+        std::task::Poll::Ready(value) => value,
+        std::task::Poll::Pending => None,
     }
 }

@@ -1,4 +1,16 @@
-//! The atmosphere as numbers: density profiles, single and multiple scattering tables, the paper's billboard. No GPU here.
+//! The atmosphere as numbers: density profiles, scattering tables and the paper's billboard. No GPU here.
+//!
+//! Everything is computed on the unit sphere of scaled space (see [`crate::frames::Ellipsoid`]): there the limb of an
+//! ellipsoid is a circle, so halo and limb meet at the poles as they do at the equator. Lengths are in units of the
+//! equatorial radius; that makes the air 0.3 % thinner over the poles, which is far below its natural variation.
+
+mod billboard;
+mod model;
+mod tables;
+
+pub use billboard::{Billboard, HorizonSquare, Screen, horizon_square};
+pub use model::{AirModel, EARTH_AIR, Species};
+pub use tables::{AirTables, MULTIPLE, SCATTERING, SUNLIGHT, TRANSMITTANCE, TableSize};
 
 /// How the air is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]

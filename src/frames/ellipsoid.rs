@@ -15,7 +15,7 @@ pub struct Ellipsoid {
 }
 
 /// Geodetic latitude and longitude, radians, and height above the ellipsoid, metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Geodetic {
     /// Geodetic latitude, −π/2 … π/2.
     pub lat_rad: f64,

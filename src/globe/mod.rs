@@ -1,4 +1,13 @@
-//! The block sphere: which blocks there are, which are seen. No GPU here.
+//! The block sphere of the 2011 paper: which blocks there are and which are seen. No GPU here.
+//!
+//! The Earth is cut into 16 × 8 blocks of 22.5° each; a block is drawn as a lattice of n × n cells.
+//! [`BlockGrid`] holds the lattice in f64, [`select_blocks`] chooses what an eye needs.
+
+mod blocks;
+mod select;
+
+pub use blocks::{BLOCK_COUNT, Block, BlockGrid, BlockRow, COLUMNS, ROWS, SubdivisionError};
+pub use select::{Selection, select_blocks};
 
 /// Which blocks are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
@@ -7,7 +16,7 @@ pub enum Visibility {
     /// Never loses a block of which anything can be seen.
     #[default]
     Conservative,
-    /// The 2011 paper's rule: a block is drawn if (e − v)·n > 0 at one of its four corners. Loses blocks near the ground.
+    /// The paper's rule: a block is drawn if (e − v)·n > 0 at one of its four corners. Loses blocks near the ground.
     Paper,
 }
 
@@ -20,4 +29,25 @@ pub enum Figure {
     Wgs84,
     /// The paper's sphere, R = 6 378 164 m.
     Sphere,
+}
+
+impl Figure {
+    /// The ellipsoid of this figure.
+    pub fn ellipsoid(self) -> crate::frames::Ellipsoid {
+        match self {
+            Self::Wgs84 => crate::frames::Ellipsoid::WGS84,
+            Self::Sphere => crate::frames::Ellipsoid::PAPER_SPHERE,
+        }
+    }
+}
+
+/// How the surface is shaded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Shading {
+    /// Linear light, the Sun of the date, dark night side with a soft terminator.
+    #[default]
+    Sunlit,
+    /// The three layers earth, cloud and normal as the 2011 paper prints them, in display values.
+    Paper,
 }

@@ -6,9 +6,29 @@
 pub enum ContextError {
     /// No adapter at all.
     #[error(
-        "no graphics adapter found; on Debian or Ubuntu `apt-get install mesa-vulkan-drivers` installs a software one"
+        "no graphics adapter found; install a graphics driver, or the software one: \
+         on Debian and Ubuntu `apt-get install mesa-vulkan-drivers`, on Fedora `dnf install mesa-vulkan-drivers`"
     )]
     NoAdapter,
+    /// Adapters, but none of that name.
+    #[error("no graphics adapter's name contains \"{wanted}\"; there are: {}", present.join(", "))]
+    NotNamed {
+        /// What was asked for.
+        wanted: String,
+        /// The adapters there are.
+        present: Vec<String>,
+    },
+    /// The adapter refused a device.
+    #[error("the adapter {adapter} gave no device: {source}")]
+    NoDevice {
+        /// The adapter's name.
+        adapter: String,
+        /// The cause.
+        source: wgpu::RequestDeviceError,
+    },
+    /// No surface could be made for the window.
+    #[error("no drawing surface for the window: {0}")]
+    NoSurface(#[from] wgpu::CreateSurfaceError),
 }
 
 /// An opened adapter: what the command draws with.
@@ -24,17 +44,80 @@ pub struct GpuContext {
 }
 
 impl GpuContext {
-    /// Opens the best adapter: discrete before integrated before software, or the one whose name contains `wanted`.
-    pub async fn open(_wanted: Option<&str>) -> Result<Self, ContextError> {
-        Err(ContextError::NoAdapter)
+    /// Opens the best adapter, or the best of those whose name contains `wanted`, letter case aside.
+    ///
+    /// Discrete comes before integrated, virtual and software; Vulkan, Metal and Direct3D 12 before OpenGL. The
+    /// environment variable `WGPU_BACKEND` limits the choice.
+    pub async fn open(wanted: Option<&str>) -> Result<Self, ContextError> {
+        let instance =
+            wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        Self::open_on(instance, wanted, None).await
     }
 
-    /// Opens an instance that can make window surfaces, and an adapter that can present to `window`.
+    /// The same among adapters that can present to `window`, with the surface to present on.
     pub async fn open_for_window(
-        _wanted: Option<&str>,
-        _window: impl Into<wgpu::SurfaceTarget<'static>>,
+        wanted: Option<&str>,
+        display: Box<dyn wgpu::wgt::WgpuHasDisplayHandle>,
+        window: impl Into<wgpu::SurfaceTarget<'static>>,
     ) -> Result<(Self, wgpu::Surface<'static>), ContextError> {
-        Err(ContextError::NoAdapter)
+        let instance = wgpu::Instance::new(
+            wgpu::InstanceDescriptor::new_with_display_handle_from_env(display),
+        );
+        let surface = instance.create_surface(window)?;
+        Ok((
+            Self::open_on(instance, wanted, Some(&surface)).await?,
+            surface,
+        ))
+    }
+
+    async fn open_on(
+        instance: wgpu::Instance,
+        wanted: Option<&str>,
+        surface: Option<&wgpu::Surface<'static>>,
+    ) -> Result<Self, ContextError> {
+        let mut adapters = ranked(&instance).await;
+        if adapters.is_empty() {
+            return Err(ContextError::NoAdapter);
+        }
+        if let Some(wanted) = wanted {
+            let present = adapters.iter().map(|a| describe(&a.get_info())).collect();
+            let lower = wanted.to_lowercase();
+            adapters.retain(|a| a.get_info().name.to_lowercase().contains(&lower));
+            if adapters.is_empty() {
+                return Err(ContextError::NotNamed {
+                    wanted: wanted.to_owned(),
+                    present,
+                });
+            }
+        }
+        let adapter = adapters
+            .into_iter()
+            .find(|adapter| surface.is_none_or(|surface| adapter.is_surface_supported(surface)))
+            .ok_or(ContextError::NoAdapter)?;
+        // All that the adapter can do in size; of its optional features only those that are used.
+        let (device, queue) = adapter
+            .request_device(&wgpu::DeviceDescriptor {
+                label: Some("terrella device"),
+                required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+                required_limits: adapter.limits(),
+                ..Default::default()
+            })
+            .await
+            .map_err(|source| ContextError::NoDevice {
+                adapter: adapter.get_info().name,
+                source,
+            })?;
+        Ok(Self {
+            instance,
+            adapter,
+            device,
+            queue,
+        })
+    }
+
+    /// Whether pictures are drawn by the processor: then anisotropic filtering and large targets are dear.
+    pub fn is_software(&self) -> bool {
+        self.adapter.get_info().device_type == wgpu::DeviceType::Cpu
     }
 }
 
@@ -59,5 +142,109 @@ pub struct AdapterReport {
 
 /// All adapters present, best first.
 pub async fn adapter_reports() -> Vec<AdapterReport> {
-    Vec::new()
+    let instance =
+        wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let mut reports: Vec<_> = ranked(&instance).await.iter().map(report).collect();
+    if let Some(best) = reports.first_mut() {
+        best.chosen = true;
+    }
+    reports
+}
+
+async fn ranked(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
+    let mut adapters = instance.enumerate_adapters(wgpu::Backends::all()).await;
+    adapters.sort_by_key(|adapter| {
+        let info = adapter.get_info();
+        let kind = match info.device_type {
+            wgpu::DeviceType::DiscreteGpu => 0,
+            wgpu::DeviceType::IntegratedGpu => 1,
+            wgpu::DeviceType::VirtualGpu => 2,
+            wgpu::DeviceType::Cpu => 4,
+            wgpu::DeviceType::Other => 3,
+        };
+        (kind, info.backend == wgpu::Backend::Gl)
+    });
+    adapters
+}
+
+fn describe(info: &wgpu::AdapterInfo) -> String {
+    format!("{} ({})", info.name, info.backend)
+}
+
+fn report(adapter: &wgpu::Adapter) -> AdapterReport {
+    let info = adapter.get_info();
+    let limits = adapter.limits();
+    let software = info.device_type == wgpu::DeviceType::Cpu;
+    let (mut can, mut dropped) = (Vec::new(), Vec::new());
+    let side = limits.max_texture_dimension_2d;
+    can.push(format!("maps and pictures up to {side} × {side} pixels"));
+    if side < 4096 {
+        dropped.push(format!(
+            "the starter pack's 4096-pixel day map does not fit: the limit is {side}"
+        ));
+    }
+    let samples = adapter
+        .get_texture_format_features(super::FrameTargets::COLOR)
+        .flags
+        .supported_sample_counts()
+        .into_iter()
+        .filter(|n| {
+            adapter
+                .get_texture_format_features(super::FrameTargets::DEPTH)
+                .flags
+                .sample_count_supported(*n)
+        })
+        .collect::<Vec<_>>();
+    if samples.contains(&4) {
+        can.push("multisampling, 4 samples a pixel".into());
+    } else {
+        dropped.push(
+            "multisampling: not supported for the picture's formats; edges are drawn with 1 sample"
+                .into(),
+        );
+    }
+    let table = adapter
+        .get_texture_format_features(wgpu::TextureFormat::Rgba16Float)
+        .flags;
+    if table.contains(wgpu::TextureFormatFeatureFlags::FILTERABLE) {
+        can.push("atmosphere (filtered half-float tables)".into());
+    } else {
+        dropped.push(
+            "atmosphere: half-float textures cannot be filtered; set atmosphere = \"none\"".into(),
+        );
+    }
+    if adapter.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+        can.push("GPU time of each pass (timestamp queries)".into());
+    } else {
+        dropped.push(
+            "GPU time of each pass: no timestamp queries; whole frames are still timed".into(),
+        );
+    }
+    if software {
+        dropped.push("anisotropic filtering: a software adapter pays for every sample; maps are filtered trilinearly".into());
+        dropped.push(
+            "compressed textures: slower than RGBA8 on a software adapter; maps are kept as RGBA8"
+                .into(),
+        );
+    } else {
+        can.push("anisotropic filtering, 8 samples".into());
+    }
+    AdapterReport {
+        name: info.name.clone(),
+        backend: info.backend.to_string(),
+        kind: match info.device_type {
+            wgpu::DeviceType::DiscreteGpu => "discrete",
+            wgpu::DeviceType::IntegratedGpu => "integrated",
+            wgpu::DeviceType::VirtualGpu => "virtual",
+            wgpu::DeviceType::Cpu => "software",
+            wgpu::DeviceType::Other => "other",
+        }
+        .into(),
+        driver: format!("{} {}", info.driver, info.driver_info)
+            .trim()
+            .to_owned(),
+        can,
+        dropped,
+        chosen: false,
+    }
 }

@@ -1,6 +1,115 @@
-//! Device, targets and drawables.
+//! Everything that knows wgpu: adapter, targets, shaders, uniform structs, one file per drawable.
+
+mod air;
 mod context;
+mod layers;
+mod shader;
+mod surface;
 mod targets;
+mod uniforms;
 
 pub use context::{AdapterReport, ContextError, GpuContext, adapter_reports};
+pub use shader::{AIR_SHADER, EARTH_SHADER, ShaderError, ShaderVariant};
 pub use targets::{FrameTargets, PictureError};
+pub use uniforms::{AirFrame, Frame};
+
+pub(crate) use air::AirDrawable;
+use layers::GpuLayer;
+pub(crate) use surface::{SurfaceDrawable, SurfaceParts};
+
+use crate::earth::DepthBuffer;
+
+/// What all pipelines of one Earth share: the pass that they are drawn in.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PassFormat {
+    pub color: wgpu::TextureFormat,
+    pub samples: u32,
+    pub depth: DepthBuffer,
+}
+
+impl PassFormat {
+    /// Depth state of a drawable that tests and, if `write`, writes depth.
+    fn depth_stencil(&self, write: bool) -> Option<wgpu::DepthStencilState> {
+        let (format, compare) = match self.depth {
+            DepthBuffer::None => return None,
+            DepthBuffer::ReversedZ(format) => (format, wgpu::CompareFunction::GreaterEqual),
+            DepthBuffer::StandardZ(format) => (format, wgpu::CompareFunction::LessEqual),
+        };
+        Some(wgpu::DepthStencilState {
+            format,
+            depth_write_enabled: Some(write),
+            depth_compare: Some(compare),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        })
+    }
+
+    /// True if the target stores display values itself, so that shaders must encode them.
+    fn stores_display_values(&self) -> bool {
+        use wgpu::TextureFormat as F;
+        !self.color.is_srgb()
+            && !matches!(
+                self.color,
+                F::Rgba16Float | F::Rgba32Float | F::Rg11b10Ufloat
+            )
+    }
+
+    fn multisample(&self) -> wgpu::MultisampleState {
+        wgpu::MultisampleState {
+            count: self.samples,
+            ..Default::default()
+        }
+    }
+}
+
+/// A uniform buffer for one `T`.
+fn uniform_buffer<T>(device: &wgpu::Device, label: &str) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: size_of::<T>() as u64,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+fn uniform_entry(
+    binding: u32,
+    visibility: wgpu::ShaderStages,
+    size: usize,
+) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility,
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: wgpu::BufferSize::new(size as u64),
+        },
+        count: None,
+    }
+}
+
+fn texture_entry(
+    binding: u32,
+    dimension: wgpu::TextureViewDimension,
+) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: true },
+            view_dimension: dimension,
+            multisampled: false,
+        },
+        count: None,
+    }
+}
+
+fn sampler_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+        count: None,
+    }
+}

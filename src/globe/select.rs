@@ -1,0 +1,121 @@
+//! Which blocks an eye needs: horizon, then frustum. Free functions over plain data.
+
+use super::Visibility;
+use super::blocks::{Block, BlockGrid, COLUMNS, Extent};
+use glam::{DMat4, DVec2, DVec3, DVec4};
+use std::f64::consts::PI;
+
+/// What [`select_blocks`] found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Selection {
+    /// Blocks left by the horizon test.
+    pub visible: u32,
+}
+
+/// Chooses the blocks to draw and appends them to `drawn` (cleared first; 128 places are enough).
+///
+/// `eye_itrf_m` is the eye in ITRF metres; `clip_from_eye` takes eye-relative ITRF metres to clip space with z in 0…w.
+/// Neither test ever loses a block of which a facet can be seen, except by the paper's rule if that is asked for.
+pub fn select_blocks(
+    grid: &BlockGrid,
+    visibility: Visibility,
+    eye_itrf_m: DVec3,
+    clip_from_eye: &DMat4,
+    drawn: &mut Vec<Block>,
+) -> Selection {
+    drawn.clear();
+    let eye_scaled = grid.ellipsoid().scaled_from_itrf() * eye_itrf_m;
+    let planes = frustum_planes(
+        clip_from_eye,
+        eye_itrf_m,
+        grid.ellipsoid().itrf_from_scaled(),
+    );
+    let mut visible = 0;
+    for block in Block::all() {
+        let seen = match visibility {
+            Visibility::Conservative => above_horizon(grid, block, eye_scaled),
+            Visibility::Paper => paper_rule(grid, block, eye_itrf_m),
+        };
+        if !seen {
+            continue;
+        }
+        visible += 1;
+        let extent = &grid.extents[block.index() as usize];
+        if planes
+            .iter()
+            .all(|plane| max_dot(extent, plane.truncate()) + plane.w >= 0.0)
+        {
+            drawn.push(block);
+        }
+    }
+    Selection { visible }
+}
+
+/// True if a point of the block, or a facet of its mesh, faces the eye.
+///
+/// A point P of the ellipsoid is above the horizon iff P′·e′ ≥ 1 in scaled space. The mesh is inscribed, so near the
+/// limb a facet can face the eye though no point of its block is above the horizon: that is tested too, a band of
+/// cells at a time, since all cells of one row are tilted alike.
+fn above_horizon(grid: &BlockGrid, block: Block, eye_scaled: DVec3) -> bool {
+    let extent = &grid.extents[block.index() as usize];
+    if eye_scaled.length_squared() >= 1.0 && max_dot(extent, eye_scaled) >= 1.0 {
+        return true;
+    }
+    let n = grid.subdivision();
+    let half_cell = PI / (f64::from(COLUMNS) * f64::from(n));
+    let k = toward(extent.lon, eye_scaled, PI / f64::from(COLUMNS) - half_cell);
+    let first = (block.row * n) as usize;
+    grid.bands[first..first + n as usize]
+        .iter()
+        .any(|band| band.n_rho * k + band.n_z * eye_scaled.z > band.d)
+}
+
+/// The paper's rule: (e − v)·n > 0 at one of the four corners.
+fn paper_rule(grid: &BlockGrid, block: Block, eye_itrf_m: DVec3) -> bool {
+    let n = grid.subdivision();
+    [(0, 0), (n, 0), (0, n), (n, n)].into_iter().any(|(i, j)| {
+        let v = grid.vertex_itrf_m(block, i, j);
+        // The direction of the normal is all that counts: D⁻²v.
+        let d = grid.ellipsoid().scaled_from_itrf();
+        (eye_itrf_m - v).dot(d * d * v) > 0.0
+    })
+}
+
+/// Largest value of P·v over the block's points P on the unit sphere.
+fn max_dot(extent: &Extent, v: DVec3) -> f64 {
+    let k = toward(extent.lon, v, PI / f64::from(COLUMNS));
+    // Maximise k cos β + v_z sin β between the southern and the northern edge.
+    let (north, south) = (extent.north, extent.south);
+    let along = DVec2::new(k, v.z);
+    if south.perp_dot(along) >= 0.0 && along.perp_dot(north) >= 0.0 {
+        along.length()
+    } else {
+        along.dot(north).max(along.dot(south))
+    }
+}
+
+/// Largest horizontal component of `v` towards any meridian within `half_width_rad` of the meridian `lon` (cos, sin).
+fn toward(lon: DVec2, v: DVec3, half_width_rad: f64) -> f64 {
+    let x = lon.x * v.x + lon.y * v.y;
+    let y = (lon.x * v.y - lon.y * v.x).abs();
+    let (sin, cos) = half_width_rad.sin_cos();
+    if x > 0.0 && y * cos <= x * sin {
+        x.hypot(y)
+    } else {
+        x * cos + y * sin
+    }
+}
+
+/// The six clip planes as (normal, offset) on the unit sphere of scaled space: inside where n·P + w ≥ 0.
+fn frustum_planes(clip_from_eye: &DMat4, eye_itrf_m: DVec3, itrf_from_scaled: DVec3) -> [DVec4; 6] {
+    let (x, y, z, w) = (
+        clip_from_eye.row(0),
+        clip_from_eye.row(1),
+        clip_from_eye.row(2),
+        clip_from_eye.row(3),
+    );
+    [w + x, w - x, w + y, w - y, z, w - z].map(|plane| {
+        let normal = plane.truncate();
+        (normal * itrf_from_scaled).extend(plane.w - normal.dot(eye_itrf_m))
+    })
+}

@@ -1,0 +1,154 @@
+//! Maps as textures.
+
+use crate::imagery::{LayerImage, TexelFormat};
+
+/// One map on the GPU.
+pub(crate) struct GpuLayer {
+    pub view: wgpu::TextureView,
+    /// Bytes held, mip levels included.
+    pub bytes: u64,
+}
+
+impl GpuLayer {
+    /// Uploads all levels. With `display_values` a colour map is read as it is stored, not as linear light.
+    pub fn upload(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        label: &str,
+        image: &LayerImage,
+        display_values: bool,
+    ) -> Self {
+        let format = match image.format {
+            TexelFormat::Rgba8Srgb if display_values => wgpu::TextureFormat::Rgba8Unorm,
+            TexelFormat::Rgba8Srgb => wgpu::TextureFormat::Rgba8UnormSrgb,
+            TexelFormat::R8Unorm => wgpu::TextureFormat::R8Unorm,
+            TexelFormat::Rg8Snorm => wgpu::TextureFormat::Rg8Snorm,
+        };
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d {
+                width: image.width,
+                height: image.height,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: image.levels.len() as u32,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let mut bytes = 0;
+        for (level, texels) in image.levels.iter().enumerate() {
+            let (width, height) = (
+                (image.width >> level).max(1),
+                (image.height >> level).max(1),
+            );
+            queue.write_texture(
+                wgpu::TexelCopyTextureInfo {
+                    texture: &texture,
+                    mip_level: level as u32,
+                    origin: wgpu::Origin3d::ZERO,
+                    aspect: wgpu::TextureAspect::All,
+                },
+                texels,
+                wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(width * image.format.texel_bytes() as u32),
+                    rows_per_image: Some(height),
+                },
+                wgpu::Extent3d {
+                    width,
+                    height,
+                    depth_or_array_layers: 1,
+                },
+            );
+            bytes += texels.len() as u64;
+        }
+        Self {
+            view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
+            bytes,
+        }
+    }
+
+    /// Uploads a table of the air as half floats.
+    pub fn upload_table(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        label: &str,
+        size: crate::air::TableSize,
+        texels: &[glam::Vec4],
+    ) -> Self {
+        let halves: Vec<u16> = texels
+            .iter()
+            .flat_map(|t| t.to_array())
+            .map(half_bits)
+            .collect();
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d {
+                width: size.x,
+                height: size.y,
+                depth_or_array_layers: size.z,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: if size.z > 1 {
+                wgpu::TextureDimension::D3
+            } else {
+                wgpu::TextureDimension::D2
+            },
+            format: wgpu::TextureFormat::Rgba16Float,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        queue.write_texture(
+            texture.as_image_copy(),
+            bytemuck::cast_slice(&halves),
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(size.x * 8),
+                rows_per_image: Some(size.y),
+            },
+            texture.size(),
+        );
+        let bytes = 2 * halves.len() as u64;
+        Self {
+            view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
+            bytes,
+        }
+    }
+}
+
+/// A finite, non-negative f32 as IEEE half bits, round to nearest, at most 65504; below 2⁻²⁴ it is zero.
+fn half_bits(value: f32) -> u16 {
+    let value = value.clamp(0.0, 65504.0);
+    if value < 6.103_515_6e-5 {
+        // Subnormal: units of 2⁻²⁴.
+        return (value * 16_777_216.0).round() as u16;
+    }
+    let bits = value.to_bits() + 0x1000;
+    ((bits >> 13) - ((127 - 15) << 10)) as u16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::half_bits;
+
+    #[test]
+    fn halves_match_known_patterns() {
+        for (value, bits) in [
+            (0.0, 0),
+            (1.0, 0x3c00),
+            (0.5, 0x3800),
+            (65504.0, 0x7bff),
+            (1e9, 0x7bff),
+            (6.103_515_6e-5, 0x0400),
+            (5.960_464_5e-8, 1),
+        ] {
+            assert_eq!(half_bits(value), bits, "{value}");
+        }
+        // One third rounds to the nearest half.
+        assert_eq!(half_bits(1.0 / 3.0), 0x3555);
+    }
+}

@@ -1,0 +1,44 @@
+//! The uniform structs of the shaders. `tests/shaders.rs` compares every offset with the one naga reflects.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat4, Vec3};
+
+/// `Frame` of `shaders/common/frame.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Frame {
+    /// Takes eye-relative ITRF metres to clip space.
+    pub clip_from_eye: Mat4,
+    /// The eye, ITRF metres.
+    pub eye_itrf_m: Vec3,
+    /// a²/b².
+    pub normal_stretch: f32,
+    /// Unit vector to the Sun, ITRF axes.
+    pub sun_itrf: Vec3,
+    /// Equatorial radius, metres.
+    pub radius_m: f32,
+    /// What a white sheet that faces the Sun in space is drawn with.
+    pub exposure: f32,
+    /// Unused.
+    pub padding: [f32; 3],
+}
+
+/// `AirFrame` of `shaders/air.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct AirFrame {
+    /// Takes billboard-frame vectors to clip space.
+    pub clip_from_billboard: Mat4,
+    /// Unit vector to the Sun, billboard frame.
+    pub sun: Vec3,
+    /// Distance of the eye from the centre, equatorial radii, at least 1.
+    pub eye_distance: f32,
+    /// Upper boundary of the air, equatorial radii.
+    pub top: f32,
+    /// `eye_distance` − 1, without cancellation.
+    pub eye_height: f32,
+    /// What a white sheet that faces the Sun in space is drawn with.
+    pub exposure: f32,
+    /// Unused.
+    pub padding: f32,
+}
