@@ -1,41 +1,29 @@
-//! Maps of the Earth as texels in memory: reading, checking, mip levels. Knows nothing of the GPU.
+//! Maps of the Earth as texels in memory: finding, reading, checking, mip levels, slopes. Knows nothing of the GPU.
+//!
+//! | file | what |
+//! |---|---|
+//! | `layer.rs` | a map in memory with its mip levels |
+//! | `load.rs` | a folder of maps read from disk, with limits before every allocation |
+//! | `find.rs` | where the starter pack is |
+//! | `slopes.rs` | terrain slopes from elevations |
+//! | `mips.rs`, `srgb.rs` | smaller levels, averaged in linear light |
+//! | `error.rs` | what can be wrong |
 
-use std::path::PathBuf;
+mod error;
+mod find;
+mod layer;
+mod load;
+mod mips;
+mod slopes;
+mod srgb;
 
-/// How a texel is stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TexelFormat {
-    /// Four bytes, colour in sRGB encoding, alpha unused (255).
-    Rgba8Srgb,
-    /// One byte, 0…1: cloud cover, light intensity.
-    R8Unorm,
-    /// Two signed bytes, −1…1: slope east and slope north.
-    Rg8Snorm,
-}
-
-impl TexelFormat {
-    /// Bytes of one texel.
-    pub fn texel_bytes(self) -> usize {
-        match self {
-            Self::Rgba8Srgb => 4,
-            Self::R8Unorm => 1,
-            Self::Rg8Snorm => 2,
-        }
-    }
-}
-
-/// One equirectangular map with its mip levels: north row first, left edge at 180° W.
-#[derive(Clone, Debug)]
-pub struct LayerImage {
-    /// Width of level 0, texels.
-    pub width: u32,
-    /// Height of level 0, texels.
-    pub height: u32,
-    /// How texels are stored.
-    pub format: TexelFormat,
-    /// Level 0 first, each row-major and tightly packed; level n is max(1, width >> n) × max(1, height >> n).
-    pub levels: Vec<Vec<u8>>,
-}
+pub use error::ImageryError;
+pub use find::{TEXTURES_VARIABLE, find_textures};
+pub use layer::{LayerImage, TexelFormat};
+pub use load::{LayerSelection, MAX_FILE_BYTES, MAX_HEIGHT, MIN_HEIGHT, load_layers};
+pub use slopes::{
+    ELEVATION_OFFSET_M, POLE_FADE_DEG, SLOPE_EXAGGERATION, SlopeMap, slopes_from_elevation,
+};
 
 /// The maps that an Earth is drawn with. A layer that is `None` is not loaded, uploaded, bound or in the shader.
 #[derive(Clone, Debug)]
@@ -50,14 +38,15 @@ pub struct EarthLayers {
     pub night_lights: Option<LayerImage>,
 }
 
-/// What can be wrong with a map.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ImageryError {
-    /// No starter pack in any of the places looked at.
-    #[error("no textures found; looked in {}", looked.iter().map(|p| p.display().to_string()).collect::<Vec<_>>().join(", "))]
-    NotFound {
-        /// The folders looked at.
-        looked: Vec<PathBuf>,
-    },
+impl EarthLayers {
+    /// Bytes of all texels of all layers, mip levels included.
+    pub fn texture_bytes(&self) -> u64 {
+        let others = [&self.clouds, &self.normals, &self.night_lights];
+        self.day.bytes()
+            + others
+                .into_iter()
+                .flatten()
+                .map(LayerImage::bytes)
+                .sum::<u64>()
+    }
 }

@@ -1,0 +1,135 @@
+//! What can be wrong with a map, said with its path, its cause and what to do.
+
+use super::layer::TexelFormat;
+use super::load::{MAX_HEIGHT, MIN_HEIGHT};
+use std::path::PathBuf;
+
+/// What can be wrong with a map.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ImageryError {
+    /// No starter pack in any of the places looked at.
+    #[error(
+        "no textures found; looked for day.jpg or day.png in {}; set TERRELLA_TEXTURES to the folder that holds them",
+        looked.iter().map(|p| p.display().to_string()).collect::<Vec<_>>().join(", ")
+    )]
+    NotFound {
+        /// The folders looked at.
+        looked: Vec<PathBuf>,
+    },
+    /// The environment names a folder that is not there.
+    #[error(
+        "TERRELLA_TEXTURES is set to {}, which is not a folder; correct it or unset it to use the starter pack",
+        path.display()
+    )]
+    FolderMissing {
+        /// What the variable holds.
+        path: PathBuf,
+    },
+    /// A map that was asked for is not in the folder.
+    #[error("the {layer} map {} is missing; put it there or switch the layer off", path.display())]
+    Missing {
+        /// The file looked for.
+        path: PathBuf,
+        /// Which map it is.
+        layer: &'static str,
+    },
+    /// The operating system refused.
+    #[error("{} could not be read: {source}; check that it is a file and its permissions", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The system's words.
+        source: std::io::Error,
+    },
+    /// The file is larger than any map may be.
+    #[error("{} has {bytes} bytes; a map file may have at most {limit}", path.display())]
+    FileTooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Its size.
+        bytes: u64,
+        /// The largest size taken.
+        limit: u64,
+    },
+    /// Neither PNG nor JPEG.
+    #[error("{} is not an image: {cause}; a map is a PNG or JPEG file", path.display())]
+    NotAnImage {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        cause: String,
+    },
+    /// Not an equirectangular map of the whole Earth, or too small or large.
+    #[error(
+        "{} is {width} x {height} texels; a map of the whole Earth is twice as wide as high, \
+         with a height from {MIN_HEIGHT} to {MAX_HEIGHT}: resample it",
+        path.display()
+    )]
+    Size {
+        /// The file.
+        path: PathBuf,
+        /// Width in its header.
+        width: u32,
+        /// Height in its header.
+        height: u32,
+    },
+    /// The texels are not of the kind that this map needs.
+    #[error("{} holds {found} texels; the {layer} map needs {needed}: convert it", path.display())]
+    TexelKind {
+        /// The file.
+        path: PathBuf,
+        /// Which map it is.
+        layer: &'static str,
+        /// What the file holds.
+        found: String,
+        /// What is needed.
+        needed: &'static str,
+    },
+    /// It began well and then broke.
+    #[error("{} is truncated or damaged: {cause}; copy or make it again", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// The decoder's words.
+        cause: String,
+    },
+    /// Texels given in memory do not fill the stated size.
+    #[error("a {width} x {height} {format:?} map needs {needed} bytes of texels and got {got}")]
+    Length {
+        /// Stated width.
+        width: u32,
+        /// Stated height.
+        height: u32,
+        /// Stated format.
+        format: TexelFormat,
+        /// Bytes (for elevations: values) that the size asks for.
+        needed: usize,
+        /// Those given.
+        got: usize,
+    },
+    /// A map in memory has no texels or more than can be.
+    #[error("a map in memory is {width} x {height} texels; it must be from 1 x 1 to {max_width} x {MAX_HEIGHT}",
+        max_width = 2 * MAX_HEIGHT)]
+    Dimensions {
+        /// Stated width.
+        width: u32,
+        /// Stated height.
+        height: u32,
+    },
+    /// A map in memory has the wrong mip levels.
+    #[error(
+        "mip level {level} of a {width} x {height} {format:?} map is wrong or missing; \
+         make maps with LayerImage::from_rgba8, from_r8 or from_slopes"
+    )]
+    Levels {
+        /// The first wrong level.
+        level: usize,
+        /// Width of level 0.
+        width: u32,
+        /// Height of level 0.
+        height: u32,
+        /// The format.
+        format: TexelFormat,
+    },
+}

@@ -1,0 +1,194 @@
+//! A map in memory with its mip levels.
+
+use super::error::ImageryError;
+use super::load::MAX_HEIGHT;
+use super::mips;
+
+/// How a texel is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TexelFormat {
+    /// Four bytes, colour in sRGB encoding, alpha unused (255).
+    Rgba8Srgb,
+    /// One byte, 0…1: cloud cover, light intensity.
+    R8Unorm,
+    /// Two signed bytes, −1…1: slope east and slope north.
+    Rg8Snorm,
+}
+
+impl TexelFormat {
+    /// Bytes of one texel.
+    pub fn texel_bytes(self) -> usize {
+        match self {
+            Self::Rgba8Srgb => 4,
+            Self::R8Unorm => 1,
+            Self::Rg8Snorm => 2,
+        }
+    }
+}
+
+/// One equirectangular map with its mip levels: north row first, left edge at 180° W.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LayerImage {
+    /// Width of level 0, texels.
+    pub width: u32,
+    /// Height of level 0, texels.
+    pub height: u32,
+    /// How texels are stored.
+    pub format: TexelFormat,
+    /// Level 0 first, each row-major and tightly packed; level n is max(1, width >> n) × max(1, height >> n).
+    pub levels: Vec<Vec<u8>>,
+}
+
+impl LayerImage {
+    /// A colour map from sRGB-encoded RGBA texels, 4 bytes each. Mip levels are averaged in linear light.
+    ///
+    /// # Errors
+    /// [`ImageryError::Dimensions`] or [`ImageryError::Length`] if size and texels do not fit.
+    pub fn from_rgba8(width: u32, height: u32, texels: Vec<u8>) -> Result<Self, ImageryError> {
+        Self::from_level_0(width, height, TexelFormat::Rgba8Srgb, texels)
+    }
+
+    /// A cover or intensity map from one byte a texel, 0…255 meaning 0…1.
+    ///
+    /// # Errors
+    /// As [`LayerImage::from_rgba8`].
+    pub fn from_r8(width: u32, height: u32, texels: Vec<u8>) -> Result<Self, ImageryError> {
+        Self::from_level_0(width, height, TexelFormat::R8Unorm, texels)
+    }
+
+    /// A slope map from two bytes a texel: east then north, each a signed byte (two's complement), −127…127
+    /// meaning −1…1.
+    ///
+    /// # Errors
+    /// As [`LayerImage::from_rgba8`].
+    pub fn from_slopes(width: u32, height: u32, texels: Vec<u8>) -> Result<Self, ImageryError> {
+        Self::from_level_0(width, height, TexelFormat::Rg8Snorm, texels)
+    }
+
+    fn from_level_0(
+        width: u32,
+        height: u32,
+        format: TexelFormat,
+        texels: Vec<u8>,
+    ) -> Result<Self, ImageryError> {
+        check_dimensions(width, height)?;
+        // At most 2^15 × 2^14 × 4 bytes: fits a usize, which has 64 bits wherever wgpu runs such maps.
+        let needed = width as usize * height as usize * format.texel_bytes();
+        if texels.len() != needed {
+            return Err(ImageryError::Length {
+                width,
+                height,
+                format,
+                needed,
+                got: texels.len(),
+            });
+        }
+        Ok(Self {
+            width,
+            height,
+            format,
+            levels: mips::chain(texels, width as usize, height as usize, format),
+        })
+    }
+
+    /// Width and height of a mip level, texels. Levels beyond the last are 1 × 1.
+    pub fn level_size(&self, level: usize) -> (u32, u32) {
+        let shrink = |n: u32| {
+            n.checked_shr(u32::try_from(level).unwrap_or(u32::MAX))
+                .unwrap_or(0)
+                .max(1)
+        };
+        (shrink(self.width), shrink(self.height))
+    }
+
+    /// Bytes of all levels together.
+    pub fn bytes(&self) -> u64 {
+        self.levels.iter().map(|level| level.len() as u64).sum()
+    }
+
+    /// Checks a map whose fields were filled in by hand: every level present and of the right length.
+    ///
+    /// # Errors
+    /// [`ImageryError::Dimensions`] or [`ImageryError::Levels`], which names the first wrong level.
+    pub fn check(&self) -> Result<(), ImageryError> {
+        check_dimensions(self.width, self.height)?;
+        let count = mips::level_count(self.width, self.height);
+        for level in 0..count.max(self.levels.len()) {
+            let (width, height) = self.level_size(level);
+            let needed = width as usize * height as usize * self.format.texel_bytes();
+            if level >= count || self.levels.get(level).map(Vec::len) != Some(needed) {
+                return Err(ImageryError::Levels {
+                    level,
+                    width: self.width,
+                    height: self.height,
+                    format: self.format,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The size limits of maps in memory: those of files, but of any proportion.
+pub(super) fn check_dimensions(width: u32, height: u32) -> Result<(), ImageryError> {
+    if width == 0 || height == 0 || width > 2 * MAX_HEIGHT || height > MAX_HEIGHT {
+        return Err(ImageryError::Dimensions { width, height });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_lengths_and_sizes_are_refused() {
+        assert!(matches!(
+            LayerImage::from_rgba8(4, 2, vec![0; 31]),
+            Err(ImageryError::Length {
+                needed: 32,
+                got: 31,
+                ..
+            })
+        ));
+        assert!(matches!(
+            LayerImage::from_r8(4, 2, vec![0; 9]),
+            Err(ImageryError::Length { needed: 8, .. })
+        ));
+        assert!(matches!(
+            LayerImage::from_slopes(4, 2, vec![0; 8]),
+            Err(ImageryError::Length { needed: 16, .. })
+        ));
+        for (width, height) in [(0, 2), (4, 0), (40_000, 2), (2, 20_000)] {
+            assert!(matches!(
+                LayerImage::from_r8(width, height, Vec::new()),
+                Err(ImageryError::Dimensions { .. })
+            ));
+        }
+    }
+
+    #[test]
+    fn bytes_count_all_levels_and_check_finds_a_wrong_one() {
+        let mut map = LayerImage::from_rgba8(8, 4, vec![255; 128]).expect("a good map");
+        assert_eq!(map.bytes(), (32 + 8 + 2 + 1) * 4);
+        assert_eq!(map.level_size(2), (2, 1));
+        assert_eq!(map.level_size(99), (1, 1));
+        map.check().expect("built by us");
+        map.levels[2].push(0);
+        assert!(matches!(
+            map.check(),
+            Err(ImageryError::Levels { level: 2, .. })
+        ));
+        map.levels[2].pop();
+        map.levels.push(vec![0; 4]);
+        assert!(matches!(
+            map.check(),
+            Err(ImageryError::Levels { level: 4, .. })
+        ));
+        map.levels.truncate(3);
+        assert!(matches!(
+            map.check(),
+            Err(ImageryError::Levels { level: 3, .. })
+        ));
+    }
+}

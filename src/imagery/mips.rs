@@ -1,0 +1,312 @@
+//! Mip levels by a box filter: each texel is the area mean of the texels of the level above that it covers.
+//!
+//! Colours are averaged in linear light, cover and slopes as they are. Every level is averaged from the unrounded
+//! level above it, so that rounding does not build up over twelve levels. The whole image is one period in longitude;
+//! with even widths no box reaches over the left or right edge.
+
+use super::layer::TexelFormat;
+use super::srgb::{LINEAR_FROM_SRGB, SrgbEncoder};
+
+/// Number of levels down to 1 × 1.
+pub(super) fn level_count(width: u32, height: u32) -> usize {
+    width.max(height).max(1).ilog2() as usize + 1
+}
+
+/// Level 0 and all smaller levels. `texels` must hold width × height texels; both sizes at least 1.
+pub(super) fn chain(
+    texels: Vec<u8>,
+    width: usize,
+    height: usize,
+    format: TexelFormat,
+) -> Vec<Vec<u8>> {
+    match format {
+        TexelFormat::Rgba8Srgb => chain_of::<4>(texels, width, height, format),
+        TexelFormat::R8Unorm => chain_of::<1>(texels, width, height, format),
+        TexelFormat::Rg8Snorm => chain_of::<2>(texels, width, height, format),
+    }
+}
+
+fn chain_of<const CHANNELS: usize>(
+    texels: Vec<u8>,
+    width: usize,
+    height: usize,
+    format: TexelFormat,
+) -> Vec<Vec<u8>> {
+    let mut levels = vec![texels];
+    if (width, height) == (1, 1) {
+        return levels;
+    }
+    let tables = decode_tables::<CHANNELS>(format);
+    let row_len = width * CHANNELS;
+    let mut level = halve::<CHANNELS>(width, height, |y, row| {
+        let bytes = &levels[0][y * row_len..(y + 1) * row_len];
+        for (values, texel) in row
+            .chunks_exact_mut(CHANNELS)
+            .zip(bytes.chunks_exact(CHANNELS))
+        {
+            for channel in 0..CHANNELS {
+                values[channel] = tables[channel][texel[channel] as usize];
+            }
+        }
+    });
+    let (mut width, mut height) = ((width / 2).max(1), (height / 2).max(1));
+    loop {
+        levels.push(encode(&level, format));
+        if (width, height) == (1, 1) {
+            return levels;
+        }
+        let row_len = width * CHANNELS;
+        level = halve::<CHANNELS>(width, height, |y, row| {
+            row.copy_from_slice(&level[y * row_len..(y + 1) * row_len]);
+        });
+        (width, height) = ((width / 2).max(1), (height / 2).max(1));
+    }
+}
+
+/// What each byte of each channel means.
+fn decode_tables<const CHANNELS: usize>(format: TexelFormat) -> [[f32; 256]; CHANNELS] {
+    std::array::from_fn(|channel| match format {
+        TexelFormat::Rgba8Srgb if channel < 3 => *LINEAR_FROM_SRGB,
+        TexelFormat::Rgba8Srgb | TexelFormat::R8Unorm => {
+            std::array::from_fn(|code| code as f32 / 255.0)
+        }
+        // −128 and −127 both mean −1.
+        TexelFormat::Rg8Snorm => {
+            std::array::from_fn(|code| (f32::from(code as u8 as i8) / 127.0).max(-1.0))
+        }
+    })
+}
+
+fn encode(values: &[f32], format: TexelFormat) -> Vec<u8> {
+    let unorm = |value: f32| (value * 255.0 + 0.5) as u8;
+    match format {
+        TexelFormat::Rgba8Srgb => {
+            let srgb = SrgbEncoder::new();
+            let mut bytes = Vec::with_capacity(values.len());
+            for texel in values.chunks_exact(4) {
+                bytes.extend_from_slice(&[
+                    srgb.code(texel[0]),
+                    srgb.code(texel[1]),
+                    srgb.code(texel[2]),
+                    unorm(texel[3]),
+                ]);
+            }
+            bytes
+        }
+        TexelFormat::R8Unorm => values.iter().map(|value| unorm(*value)).collect(),
+        TexelFormat::Rg8Snorm => values
+            .iter()
+            .map(|value| (value * 127.0).round() as i8 as u8)
+            .collect(),
+    }
+}
+
+/// Which texels of a line of `size` texel `target` of the line of half its size covers: the first one, and the weight
+/// of it and of its followers.
+///
+/// An even line has two of equal weight. Of an odd line of 2k + 1 each of the k covers 2 + 1/k texels, three with the
+/// weights (k − i), k and (i + 1) over 2k + 1; plain halving would lose the last texel and shift the map.
+fn taps(size: usize, target: usize) -> (usize, [f32; 3]) {
+    if size == 1 {
+        return (0, [1.0, 0.0, 0.0]);
+    }
+    if size.is_multiple_of(2) {
+        return (2 * target, [0.5, 0.5, 0.0]);
+    }
+    let half = (size / 2) as f32;
+    let (total, target_f) = (size as f32, target as f32);
+    (
+        2 * target,
+        [
+            (half - target_f) / total,
+            half / total,
+            (target_f + 1.0) / total,
+        ],
+    )
+}
+
+/// The level of half the size. `read_row` fills the values of one row of the given level.
+fn halve<const CHANNELS: usize>(
+    width: usize,
+    height: usize,
+    mut read_row: impl FnMut(usize, &mut [f32]),
+) -> Vec<f32> {
+    let (half_width, half_height) = ((width / 2).max(1), (height / 2).max(1));
+    let mut row = vec![0.0; width * CHANNELS];
+    let mut half = vec![0.0; half_width * half_height * CHANNELS];
+    for (y, out) in half.chunks_exact_mut(half_width * CHANNELS).enumerate() {
+        let (first, weights) = taps(height, y);
+        for (offset, weight) in weights.into_iter().enumerate() {
+            if weight != 0.0 {
+                read_row(first + offset, &mut row);
+                add_row::<CHANNELS>(&row, width, weight, out);
+            }
+        }
+    }
+    half
+}
+
+/// Adds `weight` times the row, halved in length, to `out`.
+fn add_row<const CHANNELS: usize>(row: &[f32], width: usize, weight: f32, out: &mut [f32]) {
+    if width > 1 && width.is_multiple_of(2) {
+        let weight = weight * 0.5;
+        for (out, pair) in out
+            .chunks_exact_mut(CHANNELS)
+            .zip(row.chunks_exact(2 * CHANNELS))
+        {
+            for channel in 0..CHANNELS {
+                out[channel] += weight * (pair[channel] + pair[CHANNELS + channel]);
+            }
+        }
+        return;
+    }
+    for (x, out) in out.chunks_exact_mut(CHANNELS).enumerate() {
+        let (first, weights) = taps(width, x);
+        for (offset, weight_x) in weights.into_iter().enumerate() {
+            if weight_x != 0.0 {
+                let texel = &row[(first + offset) * CHANNELS..];
+                for channel in 0..CHANNELS {
+                    out[channel] += weight * weight_x * texel[channel];
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FORMATS: [TexelFormat; 3] = [
+        TexelFormat::Rgba8Srgb,
+        TexelFormat::R8Unorm,
+        TexelFormat::Rg8Snorm,
+    ];
+    const SIZES: [(usize, usize); 8] = [
+        (1, 1),
+        (2, 1),
+        (1, 5),
+        (8, 4),
+        (7, 3),
+        (45, 23),
+        (64, 64),
+        (100, 50),
+    ];
+
+    /// Bytes without pattern, the same at every run.
+    fn noise(count: usize) -> Vec<u8> {
+        let mut state = 0x2545_F491_4F6C_DD1Du64;
+        (0..count)
+            .map(|_| {
+                state ^= state << 13;
+                state ^= state >> 7;
+                state ^= state << 17;
+                (state >> 32) as u8
+            })
+            .collect()
+    }
+
+    #[test]
+    fn levels_have_the_stated_sizes_and_end_at_one_texel() {
+        for format in FORMATS {
+            for (width, height) in SIZES {
+                let texel = format.texel_bytes();
+                let levels = chain(noise(width * height * texel), width, height, format);
+                assert_eq!(levels.len(), level_count(width as u32, height as u32));
+                for (n, level) in levels.iter().enumerate() {
+                    let (w, h) = ((width >> n).max(1), (height >> n).max(1));
+                    assert_eq!(level.len(), w * h * texel, "{width}x{height} level {n}");
+                }
+                assert_eq!(levels.last().map(Vec::len), Some(texel));
+            }
+        }
+    }
+
+    #[test]
+    fn a_constant_map_stays_constant() {
+        for format in FORMATS {
+            for (width, height) in SIZES {
+                for value in [0u8, 1, 37, 127, 129, 200, 255] {
+                    let texels = vec![value; width * height * format.texel_bytes()];
+                    for level in chain(texels, width, height, format) {
+                        assert!(
+                            level.iter().all(|byte| *byte == value),
+                            "{format:?} {width}x{height} value {value}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_checker_of_black_and_white_averages_in_linear_light() {
+        let colour: Vec<u8> = (0..64)
+            .flat_map(|n| [[0, 0, 0, 255], [255, 255, 255, 255]][(n % 8 + n / 8) % 2])
+            .collect();
+        for level in &chain(colour, 8, 8, TexelFormat::Rgba8Srgb)[1..] {
+            for texel in level.chunks_exact(4) {
+                // Half the light is sRGB 188, not 128.
+                assert_eq!(texel, [188, 188, 188, 255]);
+            }
+        }
+        let cover: Vec<u8> = (0..64).map(|n| [0, 255][(n % 8 + n / 8) % 2]).collect();
+        for level in &chain(cover, 8, 8, TexelFormat::R8Unorm)[1..] {
+            assert!(level.iter().all(|byte| *byte == 128));
+        }
+    }
+
+    #[test]
+    fn every_level_keeps_the_mean() {
+        for format in FORMATS {
+            for (width, height) in SIZES {
+                let channels = format.texel_bytes();
+                let levels = chain(noise(width * height * channels), width, height, format);
+                let tables = decode_tables::<4>(format);
+                let mean = |level: &[u8]| {
+                    let sum: f64 = level
+                        .iter()
+                        .enumerate()
+                        .map(|(n, byte)| f64::from(tables[n % channels][*byte as usize]))
+                        .sum();
+                    sum / level.len() as f64
+                };
+                let full = mean(&levels[0]);
+                for (n, level) in levels.iter().enumerate() {
+                    // Each value is rounded by at most half a code: at most 0.0046 in linear light near white.
+                    let error = (mean(level) - full).abs();
+                    assert!(error < 0.0046, "{format:?} {width}x{height} {n}: {error}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn odd_lines_lose_nothing_and_do_not_shift() {
+        for size in 1..40 {
+            let mut weight_of = vec![0.0f32; size];
+            for target in 0..(size / 2).max(1) {
+                let (first, weights) = taps(size, target);
+                assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-6);
+                for (offset, weight) in weights.into_iter().enumerate() {
+                    if weight != 0.0 {
+                        weight_of[first + offset] += weight;
+                    }
+                }
+            }
+            let share = (size / 2).max(1) as f32 / size as f32;
+            assert!(weight_of.iter().all(|w| (w - share).abs() < 1e-6), "{size}");
+        }
+    }
+
+    #[test]
+    fn slopes_of_both_signs_cancel() {
+        let texels: Vec<u8> = [100i8, -100, 100, -100, -100, 100, -100, 100]
+            .map(|slope| slope as u8)
+            .to_vec();
+        assert_eq!(
+            chain(texels, 2, 2, TexelFormat::Rg8Snorm).last(),
+            Some(&vec![0, 0])
+        );
+    }
+}

@@ -1,0 +1,283 @@
+//! Terrain slopes from elevations.
+
+use super::error::ImageryError;
+use super::layer::{LayerImage, TexelFormat, check_dimensions};
+
+/// What the stored elevations have added to them, so that the sea floor is not negative, metres.
+pub const ELEVATION_OFFSET_M: u16 = 11_000;
+
+/// How many times steeper than the truth the stored slopes are.
+///
+/// A texel of the starter pack is 20 km wide, over which real slopes are mostly below 1 : 20: lit truly they would
+/// hardly show. Larger values show more relief at mid-height and look like plaster near the ground.
+pub const SLOPE_EXAGGERATION: f64 = 4.0;
+
+/// Over this distance from each pole slopes fade to nothing, degrees: the direction "east" turns round there
+/// within a few texels, and east–west neighbours come too close together to take differences of whole metres.
+pub const POLE_FADE_DEG: f64 = 2.0;
+
+/// IUGG mean radius R1 of the Earth, metres. The ellipsoid differs by 0.6 %, far less than the exaggeration.
+const MEAN_RADIUS_M: f64 = 6_371_008.8;
+
+/// Slopes of a map and what was lost in storing them.
+#[derive(Clone, Debug)]
+pub struct SlopeMap {
+    /// The slopes, `Rg8Snorm`.
+    pub image: LayerImage,
+    /// Texels of which a slope lay beyond ±1 and was stored as ±1.
+    pub saturated_texels: u64,
+}
+
+/// Slopes (dh/d east, dh/d north), times `exaggeration`, saturated at ±1.
+///
+/// `elevation` is width × height values in metres plus [`ELEVATION_OFFSET_M`], cell-centred, north row first, left edge
+/// at 180° W. Differences are central and periodic in longitude; spacings are the local ones in metres. Ground below
+/// sea level counts as sea: flat at 0 m, also the few dry places that lie lower (around the Dead and the Caspian Sea).
+///
+/// # Errors
+/// [`ImageryError::Dimensions`] or [`ImageryError::Length`] if size and values do not fit.
+pub fn slopes_from_elevation(
+    width: u32,
+    height: u32,
+    elevation: &[u16],
+    exaggeration: f64,
+) -> Result<SlopeMap, ImageryError> {
+    check_dimensions(width, height)?;
+    let (columns, rows) = (width as usize, height as usize);
+    if elevation.len() != columns * rows {
+        return Err(ImageryError::Length {
+            width,
+            height,
+            format: TexelFormat::Rg8Snorm,
+            needed: columns * rows,
+            got: elevation.len(),
+        });
+    }
+    let land_m = |value: u16| f64::from(value.saturating_sub(ELEVATION_OFFSET_M));
+    let row_spacing_m = MEAN_RADIUS_M * std::f64::consts::PI / rows as f64;
+    let equator_spacing_m = MEAN_RADIUS_M * std::f64::consts::TAU / columns as f64;
+
+    let mut saturated_texels = 0;
+    let mut texels = Vec::with_capacity(columns * rows * 2);
+    for (y, row) in elevation.chunks_exact(columns).enumerate() {
+        // Beyond a pole there is no row: the difference is then taken to the row itself, over one spacing.
+        let north_y = y.saturating_sub(1);
+        let south_y = (y + 1).min(rows - 1);
+        let north = &elevation[north_y * columns..(north_y + 1) * columns];
+        let south = &elevation[south_y * columns..(south_y + 1) * columns];
+
+        let latitude_deg = 90.0 - (y as f64 + 0.5) * 180.0 / rows as f64;
+        let gain = exaggeration * pole_fade(latitude_deg);
+        let east_gain = gain / (2.0 * equator_spacing_m * latitude_deg.to_radians().cos());
+        let north_gain = gain / ((south_y - north_y).max(1) as f64 * row_spacing_m);
+
+        for (x, here) in row.iter().enumerate() {
+            if *here < ELEVATION_OFFSET_M {
+                texels.extend_from_slice(&[0, 0]);
+                continue;
+            }
+            let west = land_m(row[(x + columns - 1) % columns]);
+            let east = land_m(row[(x + 1) % columns]);
+            let slope_east = (east - west) * east_gain;
+            let slope_north = (land_m(north[x]) - land_m(south[x])) * north_gain;
+            if slope_east.abs() > 1.0 || slope_north.abs() > 1.0 {
+                saturated_texels += 1;
+            }
+            texels.extend_from_slice(&[snorm8(slope_east), snorm8(slope_north)]);
+        }
+    }
+    Ok(SlopeMap {
+        image: LayerImage::from_slopes(width, height, texels)?,
+        saturated_texels,
+    })
+}
+
+/// 1 away from the poles, 0 at them, smooth between.
+fn pole_fade(latitude_deg: f64) -> f64 {
+    let t = ((90.0 - latitude_deg.abs()) / POLE_FADE_DEG).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// The signed byte nearest to a value in −1…1, saturating.
+fn snorm8(value: f64) -> u8 {
+    (value.clamp(-1.0, 1.0) * 127.0).round() as i8 as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDTH: usize = 256;
+    const HEIGHT: usize = 128;
+
+    /// Elevations from a height in metres at (longitude, latitude) in degrees.
+    fn elevations(height_m: impl Fn(f64, f64) -> f64) -> Vec<u16> {
+        let mut values = Vec::new();
+        for y in 0..HEIGHT {
+            for x in 0..WIDTH {
+                let longitude_deg = (x as f64 + 0.5) * 360.0 / WIDTH as f64 - 180.0;
+                let latitude_deg = 90.0 - (y as f64 + 0.5) * 180.0 / HEIGHT as f64;
+                let height_m = height_m(longitude_deg, latitude_deg);
+                values.push((height_m + f64::from(ELEVATION_OFFSET_M)).round() as u16);
+            }
+        }
+        values
+    }
+
+    fn slopes(height_m: impl Fn(f64, f64) -> f64, exaggeration: f64) -> SlopeMap {
+        let values = elevations(height_m);
+        slopes_from_elevation(WIDTH as u32, HEIGHT as u32, &values, exaggeration)
+            .expect("good size")
+    }
+
+    /// (east, north) stored at the texel that holds a place.
+    fn at(map: &SlopeMap, longitude_deg: f64, latitude_deg: f64) -> (f64, f64) {
+        let x = ((longitude_deg + 180.0) / 360.0 * WIDTH as f64) as usize;
+        let y = ((90.0 - latitude_deg) / 180.0 * HEIGHT as f64) as usize;
+        let texel = &map.image.levels[0][(y * WIDTH + x) * 2..];
+        (
+            f64::from(texel[0] as i8) / 127.0,
+            f64::from(texel[1] as i8) / 127.0,
+        )
+    }
+
+    #[test]
+    fn a_hill_has_the_slopes_of_its_formula() {
+        // h = A exp(−(dλ² + dφ²)/2s²): dh/dφ = −h dφ/s², in metres along the meridian divided by R; east by R cos φ.
+        let (amplitude_m, spread_deg) = (6_000.0, 12.0);
+        let hill = |lon: f64, lat: f64| {
+            amplitude_m
+                * (-(lon.powi(2) + (lat - 40.0).powi(2)) / (2.0 * spread_deg * spread_deg)).exp()
+        };
+        let exaggeration = 100.0;
+        let map = slopes(hill, exaggeration);
+        let mut steepest: f64 = 0.0;
+        for (lon, lat) in [
+            (-12.0, 40.0),
+            (12.0, 40.0),
+            (0.7, 52.0),
+            (0.7, 28.0),
+            (9.0, 47.0),
+            (-14.0, 61.0),
+        ] {
+            let lon_centre = ((lon + 180.0f64) / 360.0 * WIDTH as f64).floor() + 0.5;
+            let lat_centre = ((90.0 - lat) / 180.0 * HEIGHT as f64).floor() + 0.5;
+            let lon_centre = lon_centre * 360.0 / WIDTH as f64 - 180.0;
+            let lat_centre = 90.0 - lat_centre * 180.0 / HEIGHT as f64;
+            let metres_per_deg = MEAN_RADIUS_M.to_radians();
+            let steep = -hill(lon_centre, lat_centre) / (spread_deg * spread_deg * metres_per_deg);
+            let east = exaggeration * steep * lon_centre / lat_centre.to_radians().cos();
+            let north = exaggeration * steep * (lat_centre - 40.0);
+            let stored = at(&map, lon, lat);
+            assert!(
+                (stored.0 - east).abs() < 0.012,
+                "{lon} {lat} east {east} {stored:?}"
+            );
+            assert!(
+                (stored.1 - north).abs() < 0.012,
+                "{lon} {lat} north {north} {stored:?}"
+            );
+            steepest = steepest.max(east.abs()).max(north.abs());
+        }
+        assert!(
+            steepest > 0.25,
+            "the hill must be steep enough to tell: {steepest}"
+        );
+        assert_eq!(map.saturated_texels, 0);
+    }
+
+    #[test]
+    fn signs_are_uphill_to_the_east_and_to_the_north() {
+        let eastward = slopes(|lon, _| 1_000.0 + 20.0 * lon.clamp(-50.0, 50.0), 1_000.0);
+        let (east, north) = at(&eastward, 10.0, 30.0);
+        assert!(east > 0.1 && north == 0.0, "{east} {north}");
+        let northward = slopes(|_, lat| 2_000.0 + 20.0 * lat, 1_000.0);
+        for lat in [-60.0, 0.0, 60.0] {
+            let (east, north) = at(&northward, 10.0, lat);
+            assert!(north > 0.1 && east == 0.0, "{lat}: {east} {north}");
+        }
+    }
+
+    #[test]
+    fn the_same_rise_per_degree_is_steeper_towards_the_poles() {
+        let map = slopes(|lon, _| 3_000.0 + 20.0 * lon.clamp(-50.0, 50.0), 2_000.0);
+        let ratio = at(&map, 10.0, 60.0).0 / at(&map, 10.0, 0.5).0;
+        assert!((ratio - 2.0).abs() < 0.05, "{ratio}");
+    }
+
+    #[test]
+    fn the_sea_is_flat_and_shores_rise_from_sea_level() {
+        // Land of 500 m east of the prime meridian, a trench west of it.
+        let spacing_m = MEAN_RADIUS_M * std::f64::consts::TAU / WIDTH as f64;
+        let rise = 500.0 / (2.0 * spacing_m * 10f64.to_radians().cos());
+        let map = slopes(|lon, _| if lon < 0.0 { -8_000.0 } else { 500.0 }, 100.0);
+        assert_eq!(at(&map, -0.5, 10.0), (0.0, 0.0));
+        assert!((at(&map, 0.5, 10.0).0 - rise * 100.0).abs() < 0.01);
+        assert_eq!(at(&map, 90.0, 10.0), (0.0, 0.0));
+    }
+
+    #[test]
+    fn the_date_line_is_no_edge() {
+        // Periodic in longitude: the slope across the seam follows the cosine there.
+        let wave = |lon: f64, _| 3_000.0 + 2_000.0 * lon.to_radians().sin();
+        let map = slopes(wave, 1_000.0);
+        let expected = 1_000.0 * 2_000.0 * -1.0 / MEAN_RADIUS_M;
+        for lon in [-179.5, 179.5] {
+            let (east, _) = at(&map, lon, 0.5);
+            assert!((east - expected).abs() < 0.02, "{lon}: {east} {expected}");
+        }
+    }
+
+    #[test]
+    fn slopes_fade_at_the_poles() {
+        // Neighbours differ by 3 000 m everywhere: as steep as it gets.
+        let mut values = elevations(|_, _| 0.0);
+        for (n, value) in values.iter_mut().enumerate() {
+            *value += if n / 2 % 2 == 0 { 0 } else { 3_000 };
+        }
+        let map = slopes_from_elevation(WIDTH as u32, HEIGHT as u32, &values, 4.0).expect("good");
+        let steepest_of_row = |y: usize| {
+            map.image.levels[0][y * WIDTH * 2..(y + 1) * WIDTH * 2]
+                .iter()
+                .map(|byte| (*byte as i8).unsigned_abs())
+                .max()
+        };
+        assert_eq!(steepest_of_row(1), Some(127));
+        assert!(map.saturated_texels > 0);
+        // A finer map, whose first row is nearer to the pole than any texel here.
+        let polar: Vec<u16> = (0..8192 * 4096usize)
+            .map(|n| 11_000 + if n % 8192 / 2 % 2 == 0 { 0 } else { 1 })
+            .collect();
+        let fine = slopes_from_elevation(8192, 4096, &polar, 4.0).expect("good");
+        assert!(
+            fine.image.levels[0][..8192 * 2]
+                .iter()
+                .all(|byte| (*byte as i8).abs() <= 1)
+        );
+        assert_eq!(pole_fade(90.0), 0.0);
+        assert_eq!(pole_fade(-88.0), 1.0);
+    }
+
+    #[test]
+    fn saturated_texels_are_counted_once_each() {
+        let mut values = elevations(|_, _| 0.0);
+        values[64 * WIDTH + 100] += 9_000;
+        // The four neighbours of the peak see 9 000 m over two spacings of about 156 km.
+        let map = slopes_from_elevation(WIDTH as u32, HEIGHT as u32, &values, 50.0).expect("good");
+        assert_eq!(map.saturated_texels, 4);
+        let map = slopes_from_elevation(WIDTH as u32, HEIGHT as u32, &values, 30.0).expect("good");
+        assert_eq!(map.saturated_texels, 0);
+    }
+
+    #[test]
+    fn a_wrong_number_of_values_is_refused() {
+        assert!(matches!(
+            slopes_from_elevation(4, 2, &[0; 7], 1.0),
+            Err(ImageryError::Length {
+                needed: 8,
+                got: 7,
+                ..
+            })
+        ));
+    }
+}

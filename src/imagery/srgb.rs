@@ -1,0 +1,86 @@
+//! The sRGB transfer function (IEC 61966-2-1) by table, exact for 8-bit values both ways.
+
+use std::sync::LazyLock;
+
+/// Linear light of every 8-bit sRGB value.
+pub(super) static LINEAR_FROM_SRGB: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|code| linear_from_encoded(code as f64 / 255.0) as f32));
+
+/// C = E/12.92 for E ≤ 0.04045, else ((E + 0.055)/1.055)^2.4.
+fn linear_from_encoded(encoded: f64) -> f64 {
+    if encoded <= 0.04045 {
+        encoded / 12.92
+    } else {
+        ((encoded + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+const BUCKETS: usize = 4096;
+
+struct Encoder {
+    /// `bounds[n]` is the linear value from which n + 1 is the nearest code.
+    bounds: [f32; 255],
+    /// The code of each bucket's darkest value. A bucket spans at most one bound where the curve is steepest
+    /// (12.92 · 255/4096 = 0.8 codes), so at most one step remains.
+    first: [u8; BUCKETS],
+}
+
+static ENCODER: LazyLock<Encoder> = LazyLock::new(|| {
+    let bounds =
+        std::array::from_fn(|code| linear_from_encoded((code as f64 + 0.5) / 255.0) as f32);
+    let first = std::array::from_fn(|bucket| {
+        let darkest = bucket as f32 / BUCKETS as f32;
+        bounds.partition_point(|bound| *bound <= darkest) as u8
+    });
+    Encoder { bounds, first }
+});
+
+/// The nearest 8-bit sRGB value, nearest in encoded space. Takes 0…1, saturates outside, 0 for NaN.
+pub(super) struct SrgbEncoder(&'static Encoder);
+
+impl SrgbEncoder {
+    pub(super) fn new() -> Self {
+        Self(&ENCODER)
+    }
+
+    pub(super) fn code(&self, linear: f32) -> u8 {
+        // `as` saturates and takes NaN to 0.
+        let bucket = ((linear * BUCKETS as f32) as usize).min(BUCKETS - 1);
+        let mut code = self.0.first[bucket];
+        while code < 255 && linear >= self.0.bounds[code as usize] {
+            code += 1;
+        }
+        code
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_code_survives_the_round_trip() {
+        let encoder = SrgbEncoder::new();
+        for code in 0..=255u8 {
+            assert_eq!(encoder.code(LINEAR_FROM_SRGB[code as usize]), code);
+        }
+    }
+
+    #[test]
+    fn encoding_is_the_nearest_code_everywhere() {
+        let encoder = SrgbEncoder::new();
+        for step in 0..=100_000u32 {
+            let linear = f64::from(step) / 100_000.0;
+            let encoded = if linear <= 0.003_130_8 {
+                linear * 12.92
+            } else {
+                1.055 * linear.powf(1.0 / 2.4) - 0.055
+            };
+            let error = (f64::from(encoder.code(linear as f32)) - encoded * 255.0).abs();
+            assert!(error < 0.502, "linear {linear}: off by {error} codes");
+        }
+        assert_eq!(encoder.code(-1.0), 0);
+        assert_eq!(encoder.code(7.0), 255);
+        assert_eq!(encoder.code(f32::NAN), 0);
+    }
+}

@@ -1,0 +1,339 @@
+//! Reading folders of maps: what is selected is read and no more; every kind of bad file is named.
+
+use image::{DynamicImage, ImageBuffer, ImageFormat};
+use std::path::Path;
+use tempfile::TempDir;
+use terrella::imagery::{
+    EarthLayers, ImageryError, LayerSelection, TexelFormat, find_textures, load_layers,
+};
+
+const WIDTH: u32 = 64;
+const HEIGHT: u32 = 32;
+
+/// A folder with four good little maps.
+fn good_folder() -> TempDir {
+    let dir = tempfile::tempdir().expect("temporary folder");
+    let save = |picture: DynamicImage, name: &str, format| {
+        picture
+            .save_with_format(dir.path().join(name), format)
+            .expect("temporary file");
+    };
+    let day = ImageBuffer::from_fn(WIDTH, HEIGHT, |x, y| {
+        image::Rgb([(x * 4) as u8, (y * 8) as u8, 90])
+    });
+    save(DynamicImage::ImageRgb8(day), "day.jpg", ImageFormat::Jpeg);
+    let grey = |value: u8| {
+        DynamicImage::ImageLuma8(ImageBuffer::from_fn(WIDTH, HEIGHT, |x, _| {
+            image::Luma([value.wrapping_add(x as u8)])
+        }))
+    };
+    save(grey(100), "clouds.png", ImageFormat::Png);
+    save(grey(7), "night_lights.png", ImageFormat::Png);
+    let elevation = ImageBuffer::from_fn(WIDTH, HEIGHT, |_, y| {
+        image::Luma([11_000 + (HEIGHT - y) as u16 * 1_600])
+    });
+    save(
+        DynamicImage::ImageLuma16(elevation),
+        "elevation.png",
+        ImageFormat::Png,
+    );
+    dir
+}
+
+fn load_all(dir: &Path) -> Result<EarthLayers, ImageryError> {
+    load_layers(dir, LayerSelection::default())
+}
+
+const DAY_ONLY: LayerSelection = LayerSelection {
+    clouds: false,
+    normals: false,
+    night_lights: false,
+};
+
+/// Loads a folder in which `name` was replaced, expects failure, and checks that the message names the file.
+fn error_with(name: &str, contents: &[u8]) -> (ImageryError, String) {
+    let dir = good_folder();
+    std::fs::write(dir.path().join(name), contents).expect("temporary file");
+    let error = load_all(dir.path()).expect_err("a bad map must be refused");
+    let text = error.to_string();
+    assert!(text.contains(name), "the message must name {name}: {text}");
+    assert!(!text.contains('\n'), "one line: {text}");
+    (error, text)
+}
+
+fn good_bytes(name: &str) -> Vec<u8> {
+    std::fs::read(good_folder().path().join(name)).expect("temporary file")
+}
+
+#[test]
+fn a_good_folder_gives_all_layers_with_their_levels() {
+    let dir = good_folder();
+    let layers = load_all(dir.path()).expect("good maps");
+    let clouds = layers.clouds.as_ref().expect("selected");
+    let normals = layers.normals.as_ref().expect("selected");
+    let lights = layers.night_lights.as_ref().expect("selected");
+    let all = [&layers.day, clouds, normals, lights];
+    for map in all {
+        map.check().expect("complete");
+        assert_eq!((map.width, map.height, map.levels.len()), (64, 32, 7));
+    }
+    assert_eq!(layers.day.format, TexelFormat::Rgba8Srgb);
+    assert_eq!(clouds.format, TexelFormat::R8Unorm);
+    assert_eq!(normals.format, TexelFormat::Rg8Snorm);
+    assert_eq!(lights.format, TexelFormat::R8Unorm);
+    // Level 0 is what the files hold, north row first, opaque.
+    assert_eq!(clouds.levels[0][..3], [100, 101, 102]);
+    assert_eq!(lights.levels[0][..3], [7, 8, 9]);
+    let last_of_first_row = &layers.day.levels[0][63 * 4..64 * 4];
+    assert!(last_of_first_row[0].abs_diff(252) < 20 && last_of_first_row[1] < 20);
+    assert!(layers.day.levels[0][31 * 64 * 4 + 1].abs_diff(248) < 20);
+    assert!(layers.day.levels[0].chunks(4).all(|texel| texel[3] == 255));
+    // The land rises towards the north everywhere.
+    let middle = &normals.levels[0][(16 * 64 + 20) * 2..][..2];
+    assert!(middle[0] == 0 && middle[1] as i8 > 0, "{middle:?}");
+    assert_eq!(
+        layers.texture_bytes(),
+        (2048 + 512 + 128 + 32 + 8 + 2 + 1) * (4 + 1 + 2 + 1)
+    );
+}
+
+#[test]
+fn what_is_not_selected_is_not_even_opened() {
+    let dir = good_folder();
+    for name in ["clouds.png", "night_lights.png", "elevation.png"] {
+        std::fs::remove_file(dir.path().join(name)).expect("temporary file");
+    }
+    let layers = load_layers(dir.path(), DAY_ONLY).expect("only the day map is wanted");
+    assert!(layers.clouds.is_none() && layers.normals.is_none() && layers.night_lights.is_none());
+    assert_eq!(layers.texture_bytes(), layers.day.bytes());
+}
+
+#[test]
+fn a_png_day_map_serves_too() {
+    let dir = good_folder();
+    std::fs::remove_file(dir.path().join("day.jpg")).expect("temporary file");
+    for (picture, first) in [
+        (DynamicImage::new_luma8(4, 2), [0, 0, 0, 255]),
+        (DynamicImage::new_luma_a8(4, 2), [0, 0, 0, 255]),
+        (DynamicImage::new_rgb8(4, 2), [0, 0, 0, 255]),
+        (DynamicImage::new_rgba8(4, 2), [0, 0, 0, 0]),
+    ] {
+        picture
+            .save(dir.path().join("day.png"))
+            .expect("temporary file");
+        let layers = load_layers(dir.path(), DAY_ONLY).expect("good map");
+        assert_eq!((layers.day.width, layers.day.height), (4, 2));
+        assert_eq!(layers.day.levels[0][..4], first);
+    }
+}
+
+#[test]
+fn a_missing_map_is_named() {
+    for name in ["day.jpg", "clouds.png", "night_lights.png", "elevation.png"] {
+        let dir = good_folder();
+        std::fs::remove_file(dir.path().join(name)).expect("temporary file");
+        let error = load_all(dir.path()).expect_err("missing");
+        assert!(matches!(error, ImageryError::Missing { .. }), "{error}");
+        let text = error.to_string();
+        assert!(text.contains(name) && text.contains("missing"), "{text}");
+    }
+}
+
+#[test]
+fn a_folder_in_place_of_a_map_is_refused() {
+    let dir = good_folder();
+    let path = dir.path().join("clouds.png");
+    std::fs::remove_file(&path).expect("temporary file");
+    std::fs::create_dir(&path).expect("temporary folder");
+    let error = load_all(dir.path()).expect_err("not a file");
+    assert!(matches!(error, ImageryError::Unreadable { .. }), "{error}");
+    assert!(error.to_string().contains("not a regular file"), "{error}");
+}
+
+#[test]
+fn truncated_maps_are_refused_at_every_length() {
+    for name in ["day.jpg", "clouds.png", "night_lights.png", "elevation.png"] {
+        let whole = good_bytes(name);
+        // The last 12 bytes of a PNG are an empty end chunk without which every texel is still there.
+        let last = whole.len() - if name.ends_with("png") { 16 } else { 1 };
+        for length in (1..last).step_by(7).chain([last]) {
+            let (error, text) = error_with(name, &whole[..length]);
+            assert!(
+                matches!(
+                    error,
+                    ImageryError::Damaged { .. } | ImageryError::NotAnImage { .. }
+                ),
+                "{name} cut to {length}: {text}"
+            );
+            if length > 64 {
+                assert!(text.contains("truncated"), "{name} cut to {length}: {text}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_jpeg_whose_preview_is_whole_but_whose_picture_is_cut_is_refused() {
+    let whole = good_bytes("day.jpg");
+    // A segment (APP1) that holds an end marker, as a preview picture does, before a cut scan.
+    let mut contents = vec![0xFF, 0xD8, 0xFF, 0xE1, 0x00, 0x06, 0xFF, 0xD9, 0xFF, 0xD9];
+    contents.extend_from_slice(&whole[2..whole.len() - 2]);
+    let (error, text) = error_with("day.jpg", &contents);
+    assert!(matches!(error, ImageryError::Damaged { .. }), "{text}");
+}
+
+#[test]
+fn empty_files_and_other_data_are_no_images() {
+    for name in ["day.jpg", "clouds.png", "elevation.png"] {
+        for contents in [
+            &b""[..],
+            b"not an image at all, only words",
+            &[0; 4096],
+            b"GIF89a\x02\x00\x01\x00",
+        ] {
+            let (error, text) = error_with(name, contents);
+            assert!(matches!(error, ImageryError::NotAnImage { .. }), "{text}");
+            assert!(text.contains("not an image"), "{text}");
+        }
+    }
+}
+
+#[test]
+fn a_wrong_size_is_named_with_its_numbers() {
+    for (width, height) in [(64, 31), (64, 64), (3, 1), (2, 1), (1, 1)] {
+        let mut png = std::io::Cursor::new(Vec::new());
+        DynamicImage::new_luma8(width, height)
+            .write_to(&mut png, ImageFormat::Png)
+            .expect("in memory");
+        let (error, text) = error_with("clouds.png", png.get_ref());
+        assert!(matches!(error, ImageryError::Size { .. }), "{text}");
+        assert!(text.contains(&format!("{width} x {height}")), "{text}");
+    }
+}
+
+/// A PNG that ends after a header which declares a size and 8-bit RGBA texels, and begins its data.
+fn png_header(width: u32, height: u32) -> Vec<u8> {
+    let mut png = b"\x89PNG\r\n\x1a\n".to_vec();
+    let mut chunk = |kind: &[u8; 4], data: &[u8]| {
+        png.extend_from_slice(&(data.len() as u32).to_be_bytes());
+        let body = [kind.as_slice(), data].concat();
+        png.extend_from_slice(&body);
+        png.extend_from_slice(&crc32(&body).to_be_bytes());
+    };
+    let header = [
+        width.to_be_bytes().as_slice(),
+        &height.to_be_bytes(),
+        &[8, 6, 0, 0, 0],
+    ]
+    .concat();
+    chunk(b"IHDR", &header);
+    chunk(b"IDAT", &[0x78, 0x9C]);
+    png
+}
+
+/// CRC-32 of PNG chunks (ISO 3309), bit by bit.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(u32::MAX, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
+            (crc >> 1) ^ if crc & 1 == 1 { 0xEDB8_8320 } else { 0 }
+        })
+    })
+}
+
+#[test]
+fn a_header_that_declares_too_much_is_refused_before_any_allocation() {
+    for (width, height) in [
+        (60_000, 30_000),
+        (32_770, 16_385),
+        (0x7FFF_FFFE, 0x3FFF_FFFF),
+    ] {
+        let contents = png_header(width, height);
+        for name in ["day.jpg", "clouds.png", "elevation.png"] {
+            let before = peak_memory_kib();
+            let (error, text) = error_with(name, &contents);
+            assert!(matches!(error, ImageryError::Size { .. }), "{text}");
+            assert!(text.contains(&format!("{width} x {height}")), "{text}");
+            // The declared texels would fill 7 GB and more. Tests beside this one need a few megabytes.
+            let grown_kib = peak_memory_kib() - before;
+            assert!(grown_kib < 300_000, "{grown_kib} KiB more in use");
+        }
+    }
+}
+
+/// Largest resident memory of this process so far, KiB; 0 where the system does not tell.
+fn peak_memory_kib() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))
+        .and_then(|value| value.trim().trim_end_matches(" kB").parse().ok())
+        .unwrap_or(0)
+}
+
+#[test]
+fn the_wrong_kind_of_texel_is_named_with_the_right_one() {
+    let png = |picture: DynamicImage| {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        picture
+            .write_to(&mut bytes, ImageFormat::Png)
+            .expect("in memory");
+        bytes.into_inner()
+    };
+    for (name, picture, found, needed) in [
+        (
+            "elevation.png",
+            DynamicImage::new_luma8(64, 32),
+            "8-bit grey",
+            "16-bit grey",
+        ),
+        (
+            "elevation.png",
+            DynamicImage::new_rgb16(64, 32),
+            "16-bit colour",
+            "16-bit grey",
+        ),
+        (
+            "clouds.png",
+            DynamicImage::new_luma16(64, 32),
+            "16-bit grey",
+            "8-bit grey",
+        ),
+        (
+            "night_lights.png",
+            DynamicImage::new_rgb8(64, 32),
+            "8-bit colour",
+            "8-bit grey",
+        ),
+        (
+            "day.jpg",
+            DynamicImage::new_rgb16(64, 32),
+            "16-bit colour",
+            "8-bit colour",
+        ),
+    ] {
+        let (error, text) = error_with(name, &png(picture));
+        assert!(matches!(error, ImageryError::TexelKind { .. }), "{text}");
+        let (found_at, needed_at) = (text.find(found), text.rfind(needed));
+        assert!(found_at.is_some() && found_at < needed_at, "{text}");
+    }
+}
+
+#[test]
+fn the_starter_pack_loads_in_little_memory() {
+    let dir = find_textures().expect("the starter pack is part of the source tree");
+    let before = peak_memory_kib();
+    let started = std::time::Instant::now();
+    let layers = load_all(&dir).expect("the starter pack is good");
+    eprintln!("starter pack loaded in {:?}", started.elapsed());
+    let sizes = [
+        Some(&layers.day),
+        layers.clouds.as_ref(),
+        layers.normals.as_ref(),
+        layers.night_lights.as_ref(),
+    ]
+    .map(|map| map.map(|map| (map.width, map.height)));
+    let small = Some((2048, 1024));
+    assert_eq!(sizes, [Some((4096, 2048)), small, small, small]);
+    let grown_kib = peak_memory_kib() - before;
+    assert!(grown_kib < 300_000, "{grown_kib} KiB more in use");
+}
