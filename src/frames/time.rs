@@ -4,9 +4,7 @@ use super::Epoch;
 
 /// Reads an RFC 3339 instant, for example `2018-01-15T12:00:00Z`.
 pub fn utc_from_rfc3339(text: &str) -> Result<Epoch, String> {
-    let bad = || {
-        format!("{text:?} is not an RFC 3339 instant; write it like \"2018-01-15T12:00:00Z\" (UTC)")
-    };
+    let bad = || format!("{text:?} is not a UTC date; write it like 2018-01-15T12:00:00Z");
     // The shape is checked first: hifitime also reads other things (Julian days, other scales), and
     // overflows on more than nine digits of a second.
     let shape: String = text
@@ -27,9 +25,13 @@ pub fn utc_from_rfc3339(text: &str) -> Result<Epoch, String> {
     if !matches!(zone, "Z" | "+00:00" | "-00:00") {
         return Err(bad());
     }
-    let digits = text.trim_end_matches(zone).trim_end_matches('Z');
-    Epoch::from_gregorian_str(&format!("{digits} UTC"))
-        .map_err(|error| format!("{} ({error})", bad()))
+    let epoch = Epoch::from_gregorian_str(text).map_err(|error| format!("{} ({error})", bad()))?;
+    match epoch.to_gregorian_utc() {
+        (1900..=2099, ..) => Ok(epoch),
+        (year, ..) => Err(format!(
+            "{text:?} is not a UTC date: year {year} is not from 1900 to 2099"
+        )),
+    }
 }
 
 /// The instant as RFC 3339 text in UTC, to the second where it is whole.
