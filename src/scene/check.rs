@@ -1,8 +1,9 @@
-//! Values into ranges, names into choices, paths into place, defaults into gaps.
+//! The scene table by table: each key's range, its default, and what contradicts what.
 
-use super::error::{Place, SceneError, printable};
+use super::error::SceneError;
+use super::field::{Field, Wanted, field, flag, in_range, span_of, written};
 use super::limits::*;
-use super::locate::{Source, nearest};
+use super::locate::Source;
 use super::raw::{RawCamera, RawEarth, RawOrbit, RawOutput, RawScene, RawTime};
 use super::{Camera, CameraMode, EarthTable, Lines, Orbit, Output, Scene, Time};
 use crate::air::Atmosphere;
@@ -10,35 +11,7 @@ use crate::earth::Shading;
 use crate::frames::{Epoch, utc_from_rfc3339};
 use crate::globe::{Figure, Visibility};
 use serde::Deserialize;
-use serde::de::value::StrDeserializer;
-use std::fmt::Display;
-use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
 use toml::Spanned;
-
-/// A key with its value, if the file gives one.
-struct Field<'r, T> {
-    table: &'static str,
-    key: &'static str,
-    given: Option<&'r Spanned<T>>,
-}
-
-impl<T> Field<'_, T> {
-    fn is_given(&self) -> bool {
-        self.given.is_some()
-    }
-}
-
-/// The field of a raw table under its own name: the name in a message cannot differ from the key that is read.
-macro_rules! field {
-    ($table:ident . $key:ident) => {
-        Field {
-            table: stringify!($table),
-            key: stringify!($key),
-            given: $table.$key.as_ref(),
-        }
-    };
-}
 
 /// Checks a whole scene.
 pub(super) fn check(source: Source<'_>, raw: RawScene) -> Result<Scene, SceneError> {
@@ -80,7 +53,8 @@ pub(super) fn check(source: Source<'_>, raw: RawScene) -> Result<Scene, SceneErr
 
 impl Source<'_> {
     fn time(&self, time: &RawTime) -> Result<Time, SceneError> {
-        let start = self.start(&field!(time.start))?;
+        let start_field = field!(time.start);
+        let start = self.start(&start_field)?;
         let above_zero = f64::MIN_POSITIVE..=MAX_DURATION_S;
         let duration = field!(time.duration_s);
         let duration_s = self.number(&duration, DEFAULT_DURATION_S, above_zero, |_| {
@@ -112,21 +86,24 @@ impl Source<'_> {
                  shorten the duration, lower the frame rate or raise the speed",
                 speed.abs()
             );
-            // The one of the three that the author chose is the one to name.
-            return Err(match (duration.is_given(), speed_field.is_given()) {
-                (_, true) => self.refuse(&speed_field, advice),
-                (true, _) => self.refuse(&duration, advice),
-                _ => self.refuse(&rate, advice),
-            });
+            // With the default duration only slow motion comes here, so the field that is named is one that is given.
+            let guilty = if speed.abs() < 1.0 {
+                &speed_field
+            } else {
+                &duration
+            };
+            return Err(self.refuse(guilty, advice));
         }
         let (end_year, ..) = time.end().to_gregorian_utc();
-        if !(FIRST_YEAR..=LAST_YEAR).contains(&end_year) {
-            return Err(self.refuse(
-                &duration,
-                format!(
-                    "the flight would end in {end_year}; it must stay in {FIRST_YEAR}…{LAST_YEAR}"
-                ),
-            ));
+        if !YEARS.contains(&end_year) {
+            let advice = format!(
+                "the flight would end in {end_year}; it must stay in the years {}",
+                span_of(&YEARS)
+            );
+            return Err(match duration.is_given() {
+                true => self.refuse(&duration, advice),
+                false => self.refuse(&start_field, advice),
+            });
         }
         Ok(time)
     }
@@ -155,14 +132,7 @@ impl Source<'_> {
                 );
             }
         };
-        let start = utc_from_rfc3339(&text)
-            .map_err(|error| self.refuse(field, format!("{error}; {ADVICE}")))?;
-        let (year, ..) = start.to_gregorian_utc();
-        if !(FIRST_YEAR..=LAST_YEAR).contains(&year) {
-            let advice = format!("must lie in the years {FIRST_YEAR} to {LAST_YEAR}");
-            return Err(self.refuse(field, advice));
-        }
-        Ok(start)
+        utc_from_rfc3339(&text).map_err(|error| self.refuse(field, error))
     }
 
     fn orbit(&self, orbit: &RawOrbit) -> Result<Orbit, SceneError> {
@@ -291,123 +261,16 @@ impl Source<'_> {
         let samples_field = field!(output.samples);
         let samples = match samples_field.given.map(|given| *given.get_ref()) {
             None => DEFAULT_SAMPLES,
-            Some(count) if SAMPLES.contains(&count) => {
-                u32::try_from(count).unwrap_or(DEFAULT_SAMPLES)
-            }
-            Some(_) => {
-                let advice =
-                    "must be 1 (no smoothing of edges) or 4, the counts that every adapter can do";
-                return Err(self.refuse(&samples_field, advice));
-            }
+            Some(count) => u32::try_from(count)
+                .ok()
+                .filter(|count| SAMPLES.contains(count))
+                .ok_or_else(|| {
+                    let advice = "must be 1 (edges as they fall) or 4 (smooth edges), the counts that every adapter can do";
+                    self.refuse(&samples_field, advice)
+                })?,
         };
         Ok(Output { size, samples })
     }
-
-    /// A finite number in a range; `remedy` gets the number that is not.
-    fn number(
-        &self,
-        field: &Field<'_, f64>,
-        default: f64,
-        range: RangeInclusive<f64>,
-        remedy: impl Fn(f64) -> String,
-    ) -> Result<f64, SceneError> {
-        let value = field.given.map_or(default, |given| *given.get_ref());
-        if !value.is_finite() {
-            return Err(self.refuse(field, "must be a finite number, not nan or inf"));
-        }
-        if !range.contains(&value) {
-            return Err(self.refuse(field, remedy(value)));
-        }
-        Ok(value)
-    }
-
-    /// One of the names of an enum, as its serde derive spells them.
-    fn choice<T: for<'de> Deserialize<'de>>(
-        &self,
-        field: &Field<'_, String>,
-        default: T,
-    ) -> Result<T, SceneError> {
-        let Some(given) = field.given else {
-            return Ok(default);
-        };
-        let word = given.get_ref();
-        T::deserialize(StrDeserializer::<UnknownName>::new(word)).map_err(|UnknownName(known)| {
-            let all = known
-                .iter()
-                .map(|name| format!("\"{name}\""))
-                .collect::<Vec<_>>();
-            let list = match all.as_slice() {
-                [only] => format!("must be {only}, the only kind there is"),
-                all => format!("must be one of {}", all.join(", ")),
-            };
-            let hint = match nearest(word, known.iter().copied()) {
-                Some(near) if known.len() > 1 => format!("; did you mean \"{near}\"?"),
-                _ => String::new(),
-            };
-            self.refuse(field, list + &hint)
-        })
-    }
-
-    /// A path relative to the scene's folder, of something that is there.
-    fn path(
-        &self,
-        field: &Field<'_, String>,
-        wanted: Wanted,
-    ) -> Result<Option<PathBuf>, SceneError> {
-        let Some(given) = field.given else {
-            return Ok(None);
-        };
-        let (what, other) = match wanted {
-            Wanted::File => ("a file", "a folder"),
-            Wanted::Folder => ("a folder", "a file"),
-        };
-        if given.get_ref().is_empty() {
-            let advice = format!(
-                "must not be empty; give the path of {what}, relative to the scene's folder"
-            );
-            return Err(self.refuse(field, advice));
-        }
-        let folder = self.path.parent().unwrap_or(Path::new(""));
-        let path = folder.join(given.get_ref());
-        let shown = printable(&path.display().to_string());
-        match std::fs::metadata(&path) {
-            Ok(found) if found.is_dir() == (wanted == Wanted::Folder) => Ok(Some(path)),
-            Ok(_) => {
-                let advice = format!("{shown} is {other}; give the path of {what}");
-                Err(self.refuse(field, advice))
-            }
-            Err(error) => {
-                let advice = format!(
-                    "{shown} cannot be opened: {error}; give the path of {what}, relative to the scene's folder"
-                );
-                Err(self.refuse(field, advice))
-            }
-        }
-    }
-
-    fn refuse<T>(&self, field: &Field<'_, T>, remedy: impl Display) -> SceneError {
-        let span = field.given.map(Spanned::span);
-        SceneError::Value {
-            place: Box::new(Place {
-                path: self.path.to_owned(),
-                line: span.as_ref().map(|span| self.line(span.start)),
-                table: field.table.to_owned(),
-                key: field.key.to_owned(),
-            }),
-            value: match span {
-                Some(span) => self.excerpt(&span),
-                None => "its default".to_owned(),
-            },
-            remedy: remedy.to_string(),
-        }
-    }
-}
-
-/// What a path must lead to.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Wanted {
-    File,
-    Folder,
 }
 
 /// Kinds of orbit source.
@@ -415,50 +278,6 @@ enum Wanted {
 #[serde(rename_all = "lowercase")]
 enum OrbitSource {
     Tle,
-}
-
-/// What serde says of a name that an enum does not have: the names it has.
-#[derive(Debug)]
-struct UnknownName(&'static [&'static str]);
-
-impl Display for UnknownName {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "must be one of {}", self.0.join(", "))
-    }
-}
-
-impl std::error::Error for UnknownName {}
-
-impl serde::de::Error for UnknownName {
-    fn custom<T: Display>(_: T) -> Self {
-        Self(&[])
-    }
-
-    fn unknown_variant(_: &str, expected: &'static [&'static str]) -> Self {
-        Self(expected)
-    }
-}
-
-/// The name of an enum's value as a scene writes it.
-pub(super) fn written(value: &impl serde::Serialize) -> String {
-    match toml::Value::try_from(value) {
-        Ok(toml::Value::String(name)) => name,
-        Ok(other) => other.to_string(),
-        Err(error) => error.to_string(),
-    }
-}
-
-fn flag(field: &Field<'_, bool>, default: bool) -> bool {
-    field.given.map_or(default, |given| *given.get_ref())
-}
-
-fn in_range(value: i64, range: &RangeInclusive<i64>) -> Option<u32> {
-    u32::try_from(value).ok().filter(|_| range.contains(&value))
-}
-
-/// A range in words: "1 to 48".
-fn span_of<T: Display>(range: &RangeInclusive<T>) -> String {
-    format!("{} to {}", range.start(), range.end()).replace('-', "−")
 }
 
 /// A longitude of −360…360 in −180…180, exact where it is there already.

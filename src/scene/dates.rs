@@ -29,17 +29,13 @@ impl Scene {
     pub fn check_dates(&self, validity: (Epoch, Epoch)) -> Result<(), SceneError> {
         let (first, last) = validity;
         let inside = |epoch: Epoch| first <= epoch && epoch <= last;
-        let reach = format!(
-            "the orbit answers from {} to {}",
-            rfc3339(first),
-            rfc3339(last)
-        );
+        let reach = format!("the orbit answers from {} to {}", utc(first), utc(last));
         let (start, end) = (self.time.start, self.time.end());
         if !inside(start) {
             let remedy = format!(
                 "{reach}; choose a start in that time, or name newer elements with file in [orbit]"
             );
-            return Err(self.refuse_time("start", rfc3339(start), remedy));
+            return Err(self.refuse_time("start", utc(start), remedy));
         }
         if !inside(end) {
             let room_s = if self.time.speed > 0.0 {
@@ -49,8 +45,8 @@ impl Scene {
             };
             let remedy = format!(
                 "the flight from {} would end at {}, but {reach}; make it at most {} seconds or choose another start",
-                rfc3339(start),
-                rfc3339(end),
+                utc(start),
+                utc(end),
                 room_s.floor()
             );
             return Err(self.refuse_time("duration_s", self.time.duration_s.to_string(), remedy));
@@ -74,5 +70,14 @@ impl Scene {
             },
             remedy,
         }
+    }
+}
+
+/// An instant as a scene would write it: RFC 3339, without decimals of the second where they are all 0.
+pub(super) fn utc(epoch: Epoch) -> String {
+    let text = rfc3339(epoch);
+    match text.strip_suffix(".000Z") {
+        Some(whole) => format!("{whole}Z"),
+        None => text,
     }
 }

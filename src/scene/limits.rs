@@ -5,10 +5,8 @@ use std::ops::RangeInclusive;
 /// Largest scene file, bytes. A scene of every key with generous comments is a hundredth of it.
 pub const MAX_FILE_BYTES: u64 = 1 << 20;
 
-/// First year (UTC) a scene may play in: the span in which the Sun's series and the Earth's rotation hold.
-pub const FIRST_YEAR: i32 = 1900;
-/// Last year (UTC) a scene may play in.
-pub const LAST_YEAR: i32 = 2100;
+/// First and last year (UTC) that a scene may reach: those of [`utc_from_rfc3339`](crate::frames::utc_from_rfc3339).
+pub const YEARS: RangeInclusive<i32> = 1900..=2099;
 
 /// Longest playback, simulated seconds (about 32 years).
 pub const MAX_DURATION_S: f64 = 1e9;
@@ -35,7 +33,7 @@ pub const SUBDIVISION: RangeInclusive<i64> = 1..=48;
 /// Width and height of the picture, pixels: the largest texture side that desktop adapters promise.
 pub const SIDE_PX: RangeInclusive<i64> = 1..=16_384;
 /// Samples per pixel: the counts that every adapter can do.
-pub const SAMPLES: [i64; 2] = [1, 4];
+pub const SAMPLES: [u32; 2] = [1, 4];
 
 /// `[time] start` where a scene gives none.
 pub const DEFAULT_START: &str = "2018-01-15T12:00:00Z";

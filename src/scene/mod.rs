@@ -1,7 +1,7 @@
 //! Scene files: what to draw, when, from where. TOML read with serde; every message names file, line and key.
 //!
 //! A scene is read in three steps, each in its own file: `raw` (the text as tables and keys, each value with its
-//! place), `check` (ranges, names, paths, defaults) and, once the orbit's elements are read, [`Scene::check_dates`].
+//! place), `check` (ranges, names, paths, defaults, by means of `field`) and, once the orbit's elements are read, [`Scene::check_dates`].
 //! `locate` turns the TOML reader's complaints into messages of our own; `summary` tells what a scene comes to.
 //!
 //! Every table and key may be left out. [`limits`] holds every range and default.
@@ -9,6 +9,7 @@
 mod check;
 mod dates;
 mod error;
+mod field;
 pub mod limits;
 mod locate;
 mod raw;

@@ -1,11 +1,11 @@
 //! What a scene comes to: every value and where it is from, what will be used and what is left out.
 
-use super::check::written;
+use super::dates::utc;
 use super::error::printable;
+use super::field::written;
 use super::raw::TABLES;
 use super::{CameraMode, Scene};
 use crate::air::Atmosphere;
-use crate::frames::rfc3339;
 use std::fmt::Write;
 
 impl Scene {
@@ -59,7 +59,7 @@ impl Scene {
         };
         let quoted = |text: &str| Ok(format!("\"{}\"", printable(text)));
         match (table, key) {
-            ("time", "start") => quoted(&rfc3339(time.start)),
+            ("time", "start") => quoted(&utc(time.start)),
             ("time", "duration_s") => Ok(time.duration_s.to_string()),
             ("time", "speed") => Ok(time.speed.to_string()),
             ("time", "frame_rate_hz") => Ok(time.frame_rate_hz.to_string()),
@@ -112,8 +112,8 @@ impl Scene {
             "playback",
             format!(
                 "{} to {}, {frames} frame{} in {:.1} s",
-                rfc3339(time.start),
-                rfc3339(time.end()),
+                utc(time.start),
+                utc(time.end()),
                 if frames == 1 { "" } else { "s" },
                 time.duration_s / time.speed.abs(),
             ),
@@ -184,4 +184,40 @@ impl Scene {
 fn line(out: &mut String, text: std::fmt::Arguments<'_>) {
     // Writing to a string cannot fail.
     let _ = writeln!(out, "{text}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn every_key_has_a_value_or_a_reason_in_the_summary() {
+        let summary = Scene::from_toml("", Path::new("scene.toml")).map(|scene| scene.summary());
+        let summary = summary.unwrap_or_else(|error| panic!("{error}"));
+        assert!(!summary.contains("unknown"), "{summary}");
+        for key in TABLES.iter().flat_map(|table| table.keys) {
+            let wanted = format!("\n  {} ", key.name);
+            assert!(
+                summary.contains(&wanted),
+                "{} is not in:\n{summary}",
+                key.name
+            );
+        }
+    }
+
+    /// The first scene that a newcomer opens explains every key.
+    #[test]
+    fn the_default_scene_shows_every_key() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/iss.toml");
+        let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{error}"));
+        for key in TABLES.iter().flat_map(|table| table.keys) {
+            let shown = text.lines().any(|line| {
+                let line = line.trim_start_matches("# ");
+                line.strip_prefix(key.name)
+                    .is_some_and(|rest| rest.starts_with(" = "))
+            });
+            assert!(shown, "{} is not in {}", key.name, path.display());
+        }
+    }
 }
