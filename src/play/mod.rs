@@ -1,1 +1,4 @@
 //! Playing a scene: clock, cameras, window, stills and video.
+
+pub mod camera;
+pub mod clock;
