@@ -1,10 +1,29 @@
 //! Scene files: what to draw, when, from where. TOML read with serde; every message names file, line and key.
+//!
+//! A scene is read in three steps, each in its own file: `raw` (the text as tables and keys, each value with its
+//! place), `check` (ranges, names, paths, defaults, by means of `field`) and, once the orbit's elements are read, [`Scene::check_dates`].
+//! `locate` turns the TOML reader's complaints into messages of our own; `summary` tells what a scene comes to.
+//!
+//! Every table and key may be left out. [`limits`] holds every range and default.
+
+mod check;
+mod dates;
+mod error;
+mod field;
+pub mod limits;
+mod locate;
+mod raw;
+mod summary;
 
 use crate::air::Atmosphere;
-use crate::earth::Shading;
+use crate::globe::Shading;
 use crate::frames::Epoch;
 use crate::globe::{Figure, Visibility};
-use std::path::PathBuf;
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+pub use error::{Place, SceneError};
 
 /// A checked scene: every value is in range and every default filled in.
 #[derive(Clone, Debug)]
@@ -21,6 +40,81 @@ pub struct Scene {
     pub earth: EarthTable,
     /// `[output]`
     pub output: Output,
+    /// Which keys the file gave, and where.
+    lines: Lines,
+}
+
+impl Scene {
+    /// Reads and checks a scene file. Paths in it are relative to its folder.
+    ///
+    /// # Errors
+    /// A file that cannot be read, has more than [`limits::MAX_FILE_BYTES`], is not UTF-8, or holds anything
+    /// that [`Scene::from_toml`] refuses.
+    pub fn load(path: &Path) -> Result<Self, SceneError> {
+        let unreadable = |source| SceneError::Read {
+            path: path.to_owned(),
+            source,
+        };
+        let too_large = || SceneError::TooLarge {
+            path: path.to_owned(),
+        };
+        let file = std::fs::File::open(path).map_err(unreadable)?;
+        let found = file.metadata().map_err(unreadable)?;
+        if found.is_dir() {
+            return Err(SceneError::Folder {
+                path: path.to_owned(),
+            });
+        }
+        if found.len() > limits::MAX_FILE_BYTES {
+            return Err(too_large());
+        }
+        // The length is not to be trusted (a pipe has none, a file may grow), so the reading is bounded too.
+        let mut bytes = Vec::new();
+        file.take(limits::MAX_FILE_BYTES + 1)
+            .read_to_end(&mut bytes)
+            .map_err(unreadable)?;
+        if bytes.len() as u64 > limits::MAX_FILE_BYTES {
+            return Err(too_large());
+        }
+        let text = std::str::from_utf8(&bytes).map_err(|error| {
+            let good = bytes.iter().take(error.valid_up_to());
+            SceneError::NotUtf8 {
+                path: path.to_owned(),
+                line: good.filter(|byte| **byte == b'\n').count() + 1,
+            }
+        })?;
+        Self::from_toml(text, path)
+    }
+
+    /// Reads and checks the text of a scene; `path` is the file that messages name and whose folder the
+    /// paths in it are relative to. The empty text is a scene: every default.
+    ///
+    /// # Errors
+    /// Text that is not TOML, unknown tables and keys, values of the wrong type or out of range, values in
+    /// conflict, files and folders that are not there: the first of them.
+    pub fn from_toml(text: &str, path: &Path) -> Result<Self, SceneError> {
+        let source = locate::Source { path, text };
+        check::check(source, source.parse()?)
+    }
+
+    /// The line, from 1, on which the file gives a key; `None` where it does not.
+    pub fn line(&self, table: &str, key: &str) -> Option<usize> {
+        let lines = &self.lines.0;
+        lines
+            .iter()
+            .find(|((t, k), _)| *t == table && *k == key)
+            .map(|(_, line)| *line)
+    }
+}
+
+/// The line of every key that the file gave, by table and key.
+#[derive(Clone, Debug, Default)]
+struct Lines(BTreeMap<(&'static str, &'static str), usize>);
+
+impl Lines {
+    fn insert(&mut self, table: &'static str, key: &'static str, line: usize) {
+        self.0.insert((table, key), line);
+    }
 }
 
 /// `[time]`: when the flight starts and how it is played.
@@ -68,7 +162,7 @@ pub struct Camera {
     pub fov_deg: f64,
     /// Geodetic mode: latitude, degrees.
     pub lat_deg: f64,
-    /// Geodetic mode: longitude, degrees.
+    /// Geodetic mode: longitude east, degrees, −180…180.
     pub lon_deg: f64,
     /// Geodetic mode: height above the ellipsoid, kilometres.
     pub height_km: f64,

@@ -1,0 +1,290 @@
+//! The scene table by table: each key's range, its default, and what contradicts what.
+
+use super::error::SceneError;
+use super::field::{Field, Wanted, field, flag, in_range, span_of, written};
+use super::limits::*;
+use super::locate::Source;
+use super::raw::{RawCamera, RawEarth, RawOrbit, RawOutput, RawScene, RawTime};
+use super::{Camera, CameraMode, EarthTable, Lines, Orbit, Output, Scene, Time};
+use crate::air::Atmosphere;
+use crate::globe::Shading;
+use crate::frames::{Epoch, utc_from_rfc3339};
+use crate::globe::{Figure, Visibility};
+use serde::Deserialize;
+use toml::Spanned;
+
+/// Checks a whole scene.
+pub(super) fn check(source: Source<'_>, raw: RawScene) -> Result<Scene, SceneError> {
+    let has_orbit = raw.orbit.is_some();
+    let time = raw.time.unwrap_or_default();
+    let orbit = raw.orbit.unwrap_or_default();
+    let camera = raw.camera.unwrap_or_default();
+    let earth = raw.earth.unwrap_or_default();
+    let output = raw.output.unwrap_or_default();
+
+    let mut lines = Lines::default();
+    for (table, given) in [
+        ("time", time.given()),
+        ("orbit", orbit.given()),
+        ("camera", camera.given()),
+        ("earth", earth.given()),
+        ("output", output.given()),
+    ] {
+        for (key, span) in given {
+            lines.insert(table, key, source.line(span.start));
+        }
+    }
+
+    let camera = source.camera(&camera)?;
+    let flies = camera.mode != CameraMode::Geodetic;
+    Ok(Scene {
+        path: source.path.to_owned(),
+        time: source.time(&time)?,
+        orbit: match source.orbit(&orbit)? {
+            orbit if flies || has_orbit => Some(orbit),
+            _ => None,
+        },
+        camera,
+        earth: source.earth(&earth)?,
+        output: source.output(&output)?,
+        lines,
+    })
+}
+
+impl Source<'_> {
+    fn time(&self, time: &RawTime) -> Result<Time, SceneError> {
+        let start_field = field!(time.start);
+        let start = self.start(&start_field)?;
+        let above_zero = f64::MIN_POSITIVE..=MAX_DURATION_S;
+        let duration = field!(time.duration_s);
+        let duration_s = self.number(&duration, DEFAULT_DURATION_S, above_zero, |_| {
+            format!("must be more than 0 and at most {MAX_DURATION_S} seconds")
+        })?;
+        let speed_field = field!(time.speed);
+        let speed = self.number(&speed_field, DEFAULT_SPEED, -MAX_SPEED..=MAX_SPEED, |_| {
+            format!("must be from −{MAX_SPEED} to {MAX_SPEED} simulated seconds per second")
+        })?;
+        if speed == 0.0 {
+            return Err(self.refuse(
+                &speed_field,
+                "a scene at speed 0 would never end; give 1 for real time, a negative speed to play backwards",
+            ));
+        }
+        let rate = field!(time.frame_rate_hz);
+        let frame_rate_hz = self.number(&rate, DEFAULT_FRAME_RATE_HZ, FRAME_RATE_HZ, |_| {
+            format!("must be from {} frames per second", span_of(&FRAME_RATE_HZ))
+        })?;
+        let time = Time {
+            start,
+            duration_s,
+            speed,
+            frame_rate_hz,
+        };
+        if time.frames_exact() > MAX_FRAMES {
+            let advice = format!(
+                "duration_s {duration_s} × frame_rate_hz {frame_rate_hz} / speed {} makes more than {MAX_FRAMES} frames; \
+                 shorten the duration, lower the frame rate or raise the speed",
+                speed.abs()
+            );
+            // With the default duration only slow motion comes here, so the field that is named is one that is given.
+            let guilty = if speed.abs() < 1.0 {
+                &speed_field
+            } else {
+                &duration
+            };
+            return Err(self.refuse(guilty, advice));
+        }
+        let (end_year, ..) = time.end().to_gregorian_utc();
+        if !YEARS.contains(&end_year) {
+            let advice = format!(
+                "the flight would end in {end_year}; it must stay in the years {}",
+                span_of(&YEARS)
+            );
+            return Err(match duration.is_given() {
+                true => self.refuse(&duration, advice),
+                false => self.refuse(&start_field, advice),
+            });
+        }
+        Ok(time)
+    }
+
+    fn start(&self, field: &Field<'_, toml::Value>) -> Result<Epoch, SceneError> {
+        const ADVICE: &str = "write UTC like \"2018-01-15T12:00:00Z\"";
+        let text = match field.given.map(Spanned::get_ref) {
+            None => DEFAULT_START.to_owned(),
+            Some(toml::Value::String(text)) => text.clone(),
+            Some(toml::Value::Datetime(when)) => {
+                let mut when = *when;
+                if when.date.is_none() || when.time.is_none() || when.offset.is_none() {
+                    let advice =
+                        format!("must have a date, a time of day and the zone Z; {ADVICE}");
+                    return Err(self.refuse(field, advice));
+                }
+                // TOML lets the seconds be left out, RFC 3339 does not.
+                if let Some(time) = &mut when.time {
+                    time.second.get_or_insert(0);
+                }
+                when.to_string()
+            }
+            Some(_) => {
+                return Err(
+                    self.refuse(field, format!("must be a date and a time of day; {ADVICE}"))
+                );
+            }
+        };
+        utc_from_rfc3339(&text).map_err(|error| self.refuse(field, error))
+    }
+
+    fn orbit(&self, orbit: &RawOrbit) -> Result<Orbit, SceneError> {
+        let OrbitSource::Tle = self.choice(&field!(orbit.source), OrbitSource::Tle)?;
+        let file = self.path(&field!(orbit.file), Wanted::File)?;
+        let name_field = field!(orbit.name);
+        let name = name_field.given.map(|name| name.get_ref().clone());
+        if name.as_ref().is_some_and(|name| name.trim().is_empty()) {
+            let advice = "must not be empty; give the satellite's name, or leave name out where the file holds one satellite";
+            return Err(self.refuse(&name_field, advice));
+        }
+        if name.is_some() && file.is_none() {
+            let advice = "name chooses a satellite of an elements file; add file = \"…\" to [orbit], or leave name out for the built-in space station";
+            return Err(self.refuse(&name_field, advice));
+        }
+        Ok(Orbit { file, name })
+    }
+
+    fn camera(&self, camera: &RawCamera) -> Result<Camera, SceneError> {
+        let (lat, lon, height) = (
+            field!(camera.lat_deg),
+            field!(camera.lon_deg),
+            field!(camera.height_km),
+        );
+        let stands = [&lat, &lon, &height]
+            .into_iter()
+            .find(|field| field.is_given());
+        let default_mode = match stands {
+            Some(_) => CameraMode::Geodetic,
+            None => CameraMode::Nadir,
+        };
+        let mode = self.choice(&field!(camera.mode), default_mode)?;
+        if let Some(field) = stands
+            && mode != CameraMode::Geodetic
+        {
+            let advice = format!(
+                "{} has no meaning with mode = \"{}\", where the eye is the satellite's; leave it out or write mode = \"geodetic\"",
+                field.key,
+                written(&mode)
+            );
+            return Err(self.refuse(field, advice));
+        }
+        let fov_deg = self.number(&field!(camera.fov_deg), DEFAULT_FOV_DEG, FOV_DEG, |_| {
+            format!(
+                "the field of view must be more than 0 and less than 180 degrees (from {})",
+                span_of(&FOV_DEG)
+            )
+        })?;
+        let lat_deg = self.number(&lat, 0.0, LAT_DEG, |_| {
+            format!("must be from {} degrees, south negative", span_of(&LAT_DEG))
+        })?;
+        let lon_deg = self.number(&lon, 0.0, LON_DEG, |_| {
+            format!("must be from {} degrees, west negative", span_of(&LON_DEG))
+        })?;
+        let height_km = self.number(&height, DEFAULT_HEIGHT_KM, HEIGHT_KM, |height_km| {
+            let why = match height_km {
+                h if h < 0.0 => "the eye would be inside the Earth",
+                h if h < *HEIGHT_KM.start() => "the eye would stand in the surface it looks at",
+                _ => "nothing would be seen from so far",
+            };
+            format!("{why}; must be from {} km", span_of(&HEIGHT_KM))
+        })?;
+        Ok(Camera {
+            mode,
+            fov_deg,
+            lat_deg,
+            lon_deg: half_turn(lon_deg),
+            height_km,
+        })
+    }
+
+    fn earth(&self, earth: &RawEarth) -> Result<EarthTable, SceneError> {
+        let shading = self.choice(&field!(earth.shading), Shading::default())?;
+        let lights = field!(earth.night_lights);
+        let night_lights = flag(&lights, shading == Shading::Sunlit);
+        if night_lights && shading == Shading::Paper {
+            let advice = "the paper's shading has no night lights; write false, leave it out, or take shading = \"sunlit\"";
+            return Err(self.refuse(&lights, advice));
+        }
+        Ok(EarthTable {
+            figure: self.choice(&field!(earth.figure), Figure::default())?,
+            subdivision: self.subdivision(&field!(earth.subdivision))?,
+            visibility: self.choice(&field!(earth.visibility), Visibility::default())?,
+            shading,
+            clouds: flag(&field!(earth.clouds), true),
+            normals: flag(&field!(earth.normals), true),
+            night_lights,
+            atmosphere: self.choice(&field!(earth.atmosphere), Atmosphere::default())?,
+            textures: self.path(&field!(earth.textures), Wanted::Folder)?,
+        })
+    }
+
+    fn subdivision(&self, field: &Field<'_, i64>) -> Result<u32, SceneError> {
+        let Some(given) = field.given else {
+            return Ok(DEFAULT_SUBDIVISION);
+        };
+        in_range(*given.get_ref(), &SUBDIVISION).ok_or_else(|| {
+            let advice = format!(
+                "must be from {} cells per block edge",
+                span_of(&SUBDIVISION)
+            );
+            self.refuse(field, advice)
+        })
+    }
+
+    fn output(&self, output: &RawOutput) -> Result<Output, SceneError> {
+        let size_field = field!(output.size);
+        let size = match size_field.given.map(|given| given.get_ref().as_slice()) {
+            None => DEFAULT_SIZE_PX,
+            Some(&[width, height]) => match (in_range(width, &SIDE_PX), in_range(height, &SIDE_PX))
+            {
+                (Some(width), Some(height)) => [width, height],
+                _ => {
+                    let advice = format!(
+                        "width and height must each be from {} pixels",
+                        span_of(&SIDE_PX)
+                    );
+                    return Err(self.refuse(&size_field, advice));
+                }
+            },
+            Some(other) => {
+                let advice = format!("must be two numbers, [width, height], not {}", other.len());
+                return Err(self.refuse(&size_field, advice));
+            }
+        };
+        let samples_field = field!(output.samples);
+        let samples = match samples_field.given.map(|given| *given.get_ref()) {
+            None => DEFAULT_SAMPLES,
+            Some(count) => u32::try_from(count)
+                .ok()
+                .filter(|count| SAMPLES.contains(count))
+                .ok_or_else(|| {
+                    let advice = "must be 1 (edges as they fall) or 4 (smooth edges), the counts that every adapter can do";
+                    self.refuse(&samples_field, advice)
+                })?,
+        };
+        Ok(Output { size, samples })
+    }
+}
+
+/// Kinds of orbit source.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum OrbitSource {
+    Tle,
+}
+
+/// A longitude of −360…360 in −180…180, exact where it is there already.
+fn half_turn(lon_deg: f64) -> f64 {
+    match lon_deg {
+        lon if lon > 180.0 => lon - 360.0,
+        lon if lon < -180.0 => lon + 360.0,
+        lon => lon,
+    }
+}

@@ -1,0 +1,148 @@
+//! What can be wrong with a scene. Every message says where (file, line, key), what, and what to do.
+
+use super::limits::MAX_FILE_BYTES;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// A key of a scene file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The scene file.
+    pub path: PathBuf,
+    /// Line of the file, from 1; `None` where the file does not give the key and its default is meant.
+    pub line: Option<usize>,
+    /// The table's name; empty for what stands outside any table.
+    pub table: String,
+    /// The key; empty for a whole table.
+    pub key: String,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:", self.path.display())?;
+        if let Some(line) = self.line {
+            write!(f, "{line}:")?;
+        }
+        if !self.table.is_empty() {
+            write!(f, " [{}]", printable(&self.table))?;
+        }
+        if !self.key.is_empty() {
+            write!(f, " {}", printable(&self.key))?;
+        }
+        Ok(())
+    }
+}
+
+/// What can be wrong with a scene.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// The file could not be opened or read.
+    #[error("{}: cannot be read: {source}; give the path of a scene file such as config/iss.toml", path.display())]
+    Read {
+        /// The scene file.
+        path: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
+    /// The path is a folder.
+    #[error("{}: is a folder; give the path of a scene file in it", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The file is larger than any scene needs to be.
+    #[error(
+        "{}: is larger than {MAX_FILE_BYTES} bytes, the most that a scene may have; is it a scene file?",
+        path.display()
+    )]
+    TooLarge {
+        /// The scene file.
+        path: PathBuf,
+    },
+    /// The file is not UTF-8 text.
+    #[error("{}:{line}: is not UTF-8 text; save it as UTF-8", path.display())]
+    NotUtf8 {
+        /// The scene file.
+        path: PathBuf,
+        /// First bad line, from 1.
+        line: usize,
+    },
+    /// The text is not TOML.
+    #[error("{}:{line}:{column}: is not TOML: {message}, at {found}", path.display())]
+    Syntax {
+        /// The scene file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Column in characters, from 1.
+        column: usize,
+        /// What the TOML reader expected.
+        message: String,
+        /// The text there.
+        found: String,
+    },
+    /// A key or table that no scene has.
+    #[error("{place}: {remedy}")]
+    Unknown {
+        /// Where.
+        place: Box<Place>,
+        /// The nearest known name and all known names.
+        remedy: String,
+    },
+    /// A value of the wrong type, out of range, or in conflict with another.
+    #[error("{place} = {value}: {remedy}")]
+    Value {
+        /// Where.
+        place: Box<Place>,
+        /// The value as written, or the default.
+        value: String,
+        /// What it must be, and why where that is not plain.
+        remedy: String,
+    },
+}
+
+impl SceneError {
+    /// The scene file.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Read { path, .. }
+            | Self::Folder { path }
+            | Self::TooLarge { path }
+            | Self::NotUtf8 { path, .. }
+            | Self::Syntax { path, .. } => path,
+            Self::Unknown { place, .. } | Self::Value { place, .. } => &place.path,
+        }
+    }
+
+    /// The line of the file, from 1, where there is one to name.
+    pub fn line(&self) -> Option<usize> {
+        match self {
+            Self::Read { .. } | Self::Folder { .. } | Self::TooLarge { .. } => None,
+            Self::NotUtf8 { line, .. } | Self::Syntax { line, .. } => Some(*line),
+            Self::Unknown { place, .. } | Self::Value { place, .. } => place.line,
+        }
+    }
+}
+
+/// Longest excerpt of a scene in a message, characters.
+const EXCERPT_CHARS: usize = 60;
+
+/// An excerpt of a file for one line of a terminal: cut to its first line and a length, control characters escaped.
+pub(super) fn printable(text: &str) -> String {
+    let line = text.trim().lines().next().unwrap_or_default();
+    let mut out = String::new();
+    for c in line.chars().take(EXCERPT_CHARS) {
+        // Also the marks that reorder text: a message must read as it is written.
+        let reorders = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        if c.is_control() || reorders {
+            out.extend(c.escape_unicode());
+        } else {
+            out.push(c);
+        }
+    }
+    if line.len() < text.trim().len() || line.chars().nth(EXCERPT_CHARS).is_some() {
+        out.push('…');
+    }
+    out
+}

@@ -1,0 +1,55 @@
+//! What a scene may ask for, and what it gets where it asks for nothing. Units are in the names.
+
+use std::ops::RangeInclusive;
+
+/// Largest scene file, bytes. A scene of every key with generous comments is a hundredth of it.
+pub const MAX_FILE_BYTES: u64 = 1 << 20;
+
+/// First and last year (UTC) that a scene may reach: those of [`utc_from_rfc3339`](crate::frames::utc_from_rfc3339).
+pub const YEARS: RangeInclusive<i32> = 1900..=2099;
+
+/// Longest playback, simulated seconds (about 32 years).
+pub const MAX_DURATION_S: f64 = 1e9;
+/// Fastest playback, forwards or backwards.
+pub const MAX_SPEED: f64 = 1e6;
+/// Frames per second of playback.
+pub const FRAME_RATE_HZ: RangeInclusive<f64> = 1.0..=240.0;
+/// Most frames in one playback (at 30 per second, almost four days).
+pub const MAX_FRAMES: f64 = 1e7;
+
+/// Vertical field of view, degrees: a thousandth of a degree away from no view at all and from a
+/// half space, where a perspective projection has no meaning.
+pub const FOV_DEG: RangeInclusive<f64> = 0.001..=179.999;
+/// Geodetic latitude, degrees.
+pub const LAT_DEG: RangeInclusive<f64> = -90.0..=90.0;
+/// Longitude east, degrees, before it is brought to −180…180.
+pub const LON_DEG: RangeInclusive<f64> = -360.0..=360.0;
+/// Height of the eye above the ellipsoid, kilometres: from one metre to seven times the distance of the Sun.
+pub const HEIGHT_KM: RangeInclusive<f64> = 0.001..=1e9;
+
+/// Cells per block edge.
+pub const SUBDIVISION: RangeInclusive<i64> = 1..=48;
+
+/// Width and height of the picture, pixels: the largest texture side that desktop adapters promise.
+pub const SIDE_PX: RangeInclusive<i64> = 1..=16_384;
+/// Samples per pixel: the counts that every adapter can do.
+pub const SAMPLES: [u32; 2] = [1, 4];
+
+/// `[time] start` where a scene gives none.
+pub const DEFAULT_START: &str = "2018-01-15T12:00:00Z";
+/// `[time] duration_s` where a scene gives none: one revolution of the International Space Station.
+pub const DEFAULT_DURATION_S: f64 = 5580.0;
+/// `[time] speed` where a scene gives none.
+pub const DEFAULT_SPEED: f64 = 60.0;
+/// `[time] frame_rate_hz` where a scene gives none.
+pub const DEFAULT_FRAME_RATE_HZ: f64 = 30.0;
+/// `[camera] fov_deg` where a scene gives none.
+pub const DEFAULT_FOV_DEG: f64 = 45.0;
+/// `[camera] height_km` where a geodetic scene gives none: the whole disc in view.
+pub const DEFAULT_HEIGHT_KM: f64 = 20_000.0;
+/// `[earth] subdivision` where a scene gives none: the paper's.
+pub const DEFAULT_SUBDIVISION: u32 = 6;
+/// `[output] size` where a scene gives none.
+pub const DEFAULT_SIZE_PX: [u32; 2] = [1280, 720];
+/// `[output] samples` where a scene gives none.
+pub const DEFAULT_SAMPLES: u32 = 4;

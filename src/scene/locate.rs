@@ -1,0 +1,244 @@
+//! From the TOML reader's complaints to messages that name file, line, key, value and remedy.
+
+use super::error::{Place, SceneError, printable};
+use super::raw::{Key, RawScene, TABLES, Table};
+use std::ops::Range;
+use std::path::Path;
+use toml::Spanned;
+use toml::de::{DeString, DeTable, DeValue};
+
+/// A scene's text and the name of its file.
+#[derive(Clone, Copy)]
+pub(super) struct Source<'a> {
+    pub(super) path: &'a Path,
+    pub(super) text: &'a str,
+}
+
+impl<'a> Source<'a> {
+    /// Line of a byte offset, from 1.
+    pub(super) fn line(&self, offset: usize) -> usize {
+        let before = self.text.as_bytes().iter().take(offset);
+        before.filter(|byte| **byte == b'\n').count() + 1
+    }
+
+    /// Column of a byte offset, in characters, from 1.
+    fn column(&self, offset: usize) -> usize {
+        let before = self.text.get(..offset).unwrap_or(self.text);
+        let line = before.rsplit('\n').next().unwrap_or_default();
+        line.chars().count() + 1
+    }
+
+    /// The text of a span, fit for a message.
+    pub(super) fn excerpt(&self, span: &Range<usize>) -> String {
+        printable(self.text.get(span.clone()).unwrap_or_default())
+    }
+
+    /// The file's text as tables and keys, or what is wrong with it.
+    pub(super) fn parse(&self) -> Result<RawScene, SceneError> {
+        let document = DeTable::parse(self.text).map_err(|error| self.syntax(&error))?;
+        // Where the reader stopped is all it says; which key that is, the document tells.
+        let index = document.get_ref().clone();
+        let deserializer = toml::Deserializer::from(document);
+        serde::Deserialize::deserialize(deserializer).map_err(|error| self.explain(&error, &index))
+    }
+
+    fn syntax(&self, error: &toml::de::Error) -> SceneError {
+        let span = error.span().unwrap_or(0..0);
+        let found = match self.excerpt(&span) {
+            text if text.is_empty() => "the end of the line or of the file".to_owned(),
+            text => format!("`{text}`"),
+        };
+        SceneError::Syntax {
+            path: self.path.to_owned(),
+            line: self.line(span.start),
+            column: self.column(span.start),
+            message: printable(error.message()),
+            found,
+        }
+    }
+
+    fn place(&self, offset: usize, table: &str, key: &str) -> Box<Place> {
+        Box::new(Place {
+            path: self.path.to_owned(),
+            line: Some(self.line(offset)),
+            table: table.to_owned(),
+            key: key.to_owned(),
+        })
+    }
+
+    /// The first thing in the document that no scene may have.
+    fn explain(&self, error: &toml::de::Error, document: &DeTable<'_>) -> SceneError {
+        let stop = error.span().unwrap_or(0..0);
+        for (name, value) in document {
+            let Some(table) = TABLES.iter().find(|table| table.name == name.get_ref()) else {
+                if name.span() == stop {
+                    return self.unknown_top(name, value);
+                }
+                continue;
+            };
+            let DeValue::Table(entries) = value.get_ref() else {
+                if contains(&value.span(), &stop) {
+                    return SceneError::Value {
+                        place: self.place(name.span().start, "", table.name),
+                        value: self.excerpt(&value.span()),
+                        remedy: format!(
+                            "must be a table, not {}: write [{}] on a line of its own and its keys below it",
+                            kind(value.get_ref()),
+                            table.name
+                        ),
+                    };
+                }
+                continue;
+            };
+            for (key_name, value) in entries {
+                let known = table.keys.iter().find(|key| key.name == key_name.get_ref());
+                match known {
+                    None if key_name.span() == stop => return self.unknown_key(table, key_name),
+                    Some(key) if contains(&value.span(), &stop) => {
+                        return self.wrong_type(table, key, key_name.span().start, value);
+                    }
+                    _ => {}
+                }
+            }
+        }
+        // Not reached by any document tried; the reader's own words are then better than none.
+        self.syntax(error)
+    }
+
+    fn unknown_top(
+        &self,
+        name: &Spanned<DeString<'_>>,
+        value: &Spanned<DeValue<'_>>,
+    ) -> SceneError {
+        let offset = name.span().start;
+        let word: &str = name.get_ref();
+        let tables = TABLES.iter().map(|table| table.name);
+        let all = tables
+            .clone()
+            .map(|table| format!("[{table}]"))
+            .collect::<Vec<_>>()
+            .join(", ");
+        let is_table = matches!(value.get_ref(), DeValue::Table(_));
+        let home = TABLES
+            .iter()
+            .find(|table| table.keys.iter().any(|key| key.name == word));
+        let (place, remedy) = match home {
+            Some(table) => (
+                self.place(offset, "", word),
+                format!("stands outside its table; move it below [{}]", table.name),
+            ),
+            None if is_table => (
+                self.place(offset, word, ""),
+                match nearest(word, tables) {
+                    Some(near) => {
+                        format!("unknown table; did you mean [{near}]? A scene has {all}")
+                    }
+                    None => format!("unknown table; a scene has {all}"),
+                },
+            ),
+            None => {
+                let keys = TABLES
+                    .iter()
+                    .flat_map(|table| table.keys.iter().map(move |key| (table.name, key.name)));
+                let near = nearest(word, keys.clone().map(|(_, key)| key))
+                    .and_then(|near| keys.clone().find(|(_, key)| *key == near));
+                (
+                    self.place(offset, "", word),
+                    match near {
+                        Some((table, key)) => format!(
+                            "unknown key outside any table; did you mean {key} in [{table}]? A scene has only the tables {all}"
+                        ),
+                        None => format!(
+                            "unknown key outside any table; a scene has only the tables {all}"
+                        ),
+                    },
+                )
+            }
+        };
+        SceneError::Unknown { place, remedy }
+    }
+
+    fn unknown_key(&self, table: &Table, name: &Spanned<DeString<'_>>) -> SceneError {
+        let word: &str = name.get_ref();
+        let keys = table.keys.iter().map(|key| key.name);
+        let all = keys.clone().collect::<Vec<_>>().join(", ");
+        let home = TABLES
+            .iter()
+            .find(|other| other.keys.iter().any(|key| key.name == word));
+        let hint = match (home, nearest(word, keys)) {
+            (Some(home), _) => format!("unknown key here; it belongs in [{}].", home.name),
+            (None, Some(near)) => format!("unknown key; did you mean {near}?"),
+            (None, None) => "unknown key.".to_owned(),
+        };
+        SceneError::Unknown {
+            place: self.place(name.span().start, table.name, word),
+            remedy: format!("{hint} [{}] has {all}", table.name),
+        }
+    }
+
+    fn wrong_type(
+        &self,
+        table: &Table,
+        key: &Key,
+        offset: usize,
+        value: &Spanned<DeValue<'_>>,
+    ) -> SceneError {
+        let why = if too_large(value.get_ref()) {
+            "; this number is too large to be read".to_owned()
+        } else {
+            format!(", not {}", kind(value.get_ref()))
+        };
+        SceneError::Value {
+            place: self.place(offset, table.name, key.name),
+            value: self.excerpt(&value.span()),
+            remedy: format!("must be {}{why}", key.expected),
+        }
+    }
+}
+
+/// What a value is, with its article.
+pub(super) fn kind(value: &DeValue<'_>) -> &'static str {
+    match value {
+        DeValue::String(_) => "a string",
+        DeValue::Integer(_) => "a whole number",
+        DeValue::Float(_) => "a number with a fraction",
+        DeValue::Boolean(_) => "true or false",
+        DeValue::Datetime(_) => "a date-time",
+        DeValue::Array(_) => "a list",
+        DeValue::Table(_) => "a table",
+    }
+}
+
+/// Whether a number, or one in a list, has no 64-bit form.
+fn too_large(value: &DeValue<'_>) -> bool {
+    match value {
+        DeValue::Integer(whole) => i64::from_str_radix(whole.as_str(), whole.radix()).is_err(),
+        DeValue::Float(float) => {
+            let text = float.as_str();
+            !text.contains("inf") && text.parse().is_ok_and(f64::is_infinite)
+        }
+        DeValue::Array(items) => items.iter().any(|item| too_large(item.get_ref())),
+        _ => false,
+    }
+}
+
+fn contains(outer: &Range<usize>, inner: &Range<usize>) -> bool {
+    outer.start <= inner.start && inner.end <= outer.end
+}
+
+/// The known name most like `word`, if any is alike at all.
+pub(super) fn nearest<'k>(word: &str, known: impl Iterator<Item = &'k str>) -> Option<&'k str> {
+    /// Jaro–Winkler similarity below which a suggestion would only confuse.
+    const ALIKE: f64 = 0.7;
+    /// No known name is half as long; the comparison's cost grows with the length.
+    const LONGEST_WORD: usize = 64;
+    if word.len() > LONGEST_WORD {
+        return None;
+    }
+    let word = word.to_lowercase();
+    known
+        .map(|name| (strsim::jaro_winkler(&word, name), name))
+        .filter(|(likeness, _)| *likeness >= ALIKE)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, name)| name)
+}

@@ -1,0 +1,223 @@
+//! What a scene comes to: every value and where it is from, what will be used and what is left out.
+
+use super::dates::utc;
+use super::error::printable;
+use super::field::written;
+use super::raw::TABLES;
+use super::{CameraMode, Scene};
+use crate::air::Atmosphere;
+use std::fmt::Write;
+
+impl Scene {
+    /// The scene in words, many lines, each ended: every key in scene order with its value and whether that is
+    /// from the file or the default; then what the scene uses and what it leaves out.
+    pub fn summary(&self) -> String {
+        let mut out = format!("{}: good\n", self.path.display());
+        for table in TABLES {
+            line(&mut out, format_args!("\n[{}]", table.name));
+            for key in table.keys {
+                let from = match self.line(table.name, key.name) {
+                    Some(number) => format!("line {number} of the file"),
+                    None => "default".to_owned(),
+                };
+                match self.value(table.name, key.name) {
+                    Ok(value) => line(
+                        &mut out,
+                        format_args!("  {:<14} {value:<28} {from}", key.name),
+                    ),
+                    Err(why) => line(&mut out, format_args!("  {:<14} not used: {why}", key.name)),
+                }
+            }
+        }
+        line(&mut out, format_args!("\nuses"));
+        for (what, how) in self.uses() {
+            line(&mut out, format_args!("  {what:<14} {how}"));
+        }
+        line(&mut out, format_args!("\nleaves out"));
+        let left_out = self.leaves_out();
+        if left_out.is_empty() {
+            line(&mut out, format_args!("  nothing"));
+        }
+        for what in left_out {
+            line(
+                &mut out,
+                format_args!("  {what}: off: not loaded, not in the shader"),
+            );
+        }
+        out
+    }
+
+    /// A key's value as a scene would write it, or why it has none.
+    fn value(&self, table: &str, key: &str) -> Result<String, &'static str> {
+        const BUILT_IN: &str = "the space station's elements are built in";
+        const NO_ORBIT: &str = "the camera stands over a place on the ground";
+        const FLYING: &str = "only for mode = \"geodetic\"";
+        let (time, camera, earth) = (&self.time, &self.camera, &self.earth);
+        let place = |degrees: f64| match camera.mode {
+            CameraMode::Geodetic => Ok(degrees.to_string()),
+            _ => Err(FLYING),
+        };
+        let quoted = |text: &str| Ok(format!("\"{}\"", printable(text)));
+        match (table, key) {
+            ("time", "start") => quoted(&utc(time.start)),
+            ("time", "duration_s") => Ok(time.duration_s.to_string()),
+            ("time", "speed") => Ok(time.speed.to_string()),
+            ("time", "frame_rate_hz") => Ok(time.frame_rate_hz.to_string()),
+            ("orbit", key) => {
+                let orbit = self.orbit.as_ref().ok_or(NO_ORBIT)?;
+                match key {
+                    "source" => quoted("tle"),
+                    "file" => {
+                        let file = orbit.file.as_ref().ok_or(BUILT_IN)?;
+                        quoted(&file.display().to_string())
+                    }
+                    _ => match (&orbit.name, &orbit.file) {
+                        (Some(name), _) => quoted(name),
+                        (None, Some(_)) => Err("the file's only satellite is taken"),
+                        (None, None) => Err(BUILT_IN),
+                    },
+                }
+            }
+            ("camera", "mode") => quoted(&written(&camera.mode)),
+            ("camera", "fov_deg") => Ok(camera.fov_deg.to_string()),
+            ("camera", "lat_deg") => place(camera.lat_deg),
+            ("camera", "lon_deg") => place(camera.lon_deg),
+            ("camera", "height_km") => place(camera.height_km),
+            ("earth", "figure") => quoted(&written(&earth.figure)),
+            ("earth", "subdivision") => Ok(earth.subdivision.to_string()),
+            ("earth", "visibility") => quoted(&written(&earth.visibility)),
+            ("earth", "shading") => quoted(&written(&earth.shading)),
+            ("earth", "clouds") => Ok(earth.clouds.to_string()),
+            ("earth", "normals") => Ok(earth.normals.to_string()),
+            ("earth", "night_lights") => Ok(earth.night_lights.to_string()),
+            ("earth", "atmosphere") => quoted(&written(&earth.atmosphere)),
+            ("earth", "textures") => match &earth.textures {
+                Some(folder) => quoted(&folder.display().to_string()),
+                None => Err("the starter pack is taken"),
+            },
+            ("output", "size") => {
+                let [width, height] = self.output.size;
+                Ok(format!("[{width}, {height}]"))
+            }
+            ("output", "samples") => Ok(self.output.samples.to_string()),
+            // A test holds that no known key comes here.
+            _ => Err("unknown to the summary"),
+        }
+    }
+
+    fn uses(&self) -> Vec<(&'static str, String)> {
+        let time = &self.time;
+        let frames = time.frame_count();
+        let mut uses = vec![(
+            "playback",
+            format!(
+                "{} to {}, {frames} frame{} in {:.1} s",
+                utc(time.start),
+                utc(time.end()),
+                if frames == 1 { "" } else { "s" },
+                time.duration_s / time.speed.abs(),
+            ),
+        )];
+        if let Some(orbit) = &self.orbit {
+            let elements = match (&orbit.file, &orbit.name) {
+                (None, _) => "the built-in elements of the International Space Station".to_owned(),
+                (Some(file), Some(name)) => {
+                    format!("{} of {}", printable(name), file.display())
+                }
+                (Some(file), None) => format!("the only satellite of {}", file.display()),
+            };
+            uses.push(("orbit", format!("two-line elements, SGP4: {elements}")));
+        }
+        let camera = &self.camera;
+        let eye = match camera.mode {
+            CameraMode::Nadir => {
+                "at the satellite, straight down, flight upwards on screen".to_owned()
+            }
+            CameraMode::Horizon => "at the satellite, forwards to the horizon".to_owned(),
+            CameraMode::Chase => "behind and above the satellite, looking at it".to_owned(),
+            CameraMode::Geodetic => format!(
+                "{} km above {}° latitude, {}° longitude, straight down, north upwards on screen",
+                camera.height_km, camera.lat_deg, camera.lon_deg
+            ),
+        };
+        uses.push((
+            "camera",
+            format!("{eye}; {}° from bottom to top", camera.fov_deg),
+        ));
+        let maps = match &self.earth.textures {
+            Some(folder) => folder.display().to_string(),
+            None => "the starter pack".to_owned(),
+        };
+        let layers: Vec<_> = self.layers().into_iter().filter(|(_, on)| *on).collect();
+        let names: Vec<_> = layers.iter().map(|(name, _)| *name).collect();
+        uses.push(("layers", format!("{} from {maps}", names.join(", "))));
+        if self.earth.atmosphere != Atmosphere::None {
+            uses.push(("air", written(&self.earth.atmosphere)));
+        }
+        uses
+    }
+
+    /// The layers in the order in which they are drawn, and whether each is on.
+    fn layers(&self) -> [(&'static str, bool); 4] {
+        [
+            ("day map", true),
+            ("clouds", self.earth.clouds),
+            ("normals", self.earth.normals),
+            ("night lights", self.earth.night_lights),
+        ]
+    }
+
+    fn leaves_out(&self) -> Vec<&'static str> {
+        let mut names: Vec<_> = self
+            .layers()
+            .into_iter()
+            .filter(|(_, on)| !on)
+            .map(|(name, _)| name)
+            .collect();
+        if self.earth.atmosphere == Atmosphere::None {
+            names.push("atmosphere");
+        }
+        names
+    }
+}
+
+fn line(out: &mut String, text: std::fmt::Arguments<'_>) {
+    // Writing to a string cannot fail.
+    let _ = writeln!(out, "{text}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn every_key_has_a_value_or_a_reason_in_the_summary() {
+        let summary = Scene::from_toml("", Path::new("scene.toml")).map(|scene| scene.summary());
+        let summary = summary.unwrap_or_else(|error| panic!("{error}"));
+        assert!(!summary.contains("unknown"), "{summary}");
+        for key in TABLES.iter().flat_map(|table| table.keys) {
+            let wanted = format!("\n  {} ", key.name);
+            assert!(
+                summary.contains(&wanted),
+                "{} is not in:\n{summary}",
+                key.name
+            );
+        }
+    }
+
+    /// The first scene that a newcomer opens explains every key.
+    #[test]
+    fn the_default_scene_shows_every_key() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/iss.toml");
+        let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{error}"));
+        for key in TABLES.iter().flat_map(|table| table.keys) {
+            let shown = text.lines().any(|line| {
+                let line = line.trim_start_matches("# ");
+                line.strip_prefix(key.name)
+                    .is_some_and(|rest| rest.starts_with(" = "))
+            });
+            assert!(shown, "{} is not in {}", key.name, path.display());
+        }
+    }
+}
