@@ -139,9 +139,16 @@ fn shade(at: Place) -> vec3f {
     return blend * ninfo;
 }
 #else
+#if clouds
 const CLOUD_ALBEDO: f32 = 0.85;
+#endif
+#if night_lights
 const LIGHT_COLOR: vec3f = vec3f(1.0, 0.72, 0.38);
-const SKYLIGHT_COLOR: vec3f = vec3f(0.55, 0.85, 1.6);
+#endif
+#if air
+// Mean colour of a clear sky, luminance 1.
+const SKYLIGHT_COLOR: vec3f = vec3f(0.62, 1.0, 1.9);
+#endif
 
 // Light that falls on the ground: the Sun's after the air, and the sky's.
 struct Light {

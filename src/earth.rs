@@ -5,7 +5,7 @@ use crate::frames::{Epoch, Geodetic, sun_direction_itrf};
 pub use crate::globe::Shading;
 use crate::globe::{BlockGrid, Figure, SubdivisionError, Visibility, select_blocks};
 use crate::gpu::{AirDrawable, Frame, PassFormat, ShaderError, SurfaceDrawable, SurfaceParts};
-use crate::imagery::{EarthLayers, LayerImage};
+use crate::imagery::{EarthLayers, ImageryError};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4, Vec3};
 
 /// The depth buffer of the pass that the Earth is drawn in.
@@ -184,6 +184,9 @@ pub enum EarthError {
         /// The device's limit.
         limit: u32,
     },
+    /// A map does not hold what it says.
+    #[error(transparent)]
+    Layer(#[from] ImageryError),
     /// A shader file is at fault.
     #[error(transparent)]
     Shader(#[from] ShaderError),
@@ -222,9 +225,10 @@ impl Earth {
             ("night light", layers.night_lights.as_ref()),
         ];
         for (layer, image) in maps {
-            if let Some(&LayerImage { width, height, .. }) = image
-                && width.max(height) > limit
-            {
+            let Some(image) = image else { continue };
+            image.check()?;
+            let (width, height) = (image.width, image.height);
+            if width.max(height) > limit {
                 return Err(EarthError::TooLarge {
                     layer,
                     width,

@@ -12,4 +12,6 @@ pub mod orbit;
 pub mod play;
 pub mod scene;
 
-pub use earth::{Earth, EarthError, EarthOptions, EyeView, FrameStats, Sky};
+pub use air::Atmosphere;
+pub use earth::{DepthBuffer, Earth, EarthError, EarthOptions, EyeView, FrameStats, Sky};
+pub use globe::{Figure, Shading, Visibility};

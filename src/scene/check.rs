@@ -7,7 +7,7 @@ use super::locate::Source;
 use super::raw::{RawCamera, RawEarth, RawOrbit, RawOutput, RawScene, RawTime};
 use super::{Camera, CameraMode, EarthTable, Lines, Orbit, Output, Scene, Time};
 use crate::air::Atmosphere;
-use crate::earth::Shading;
+use crate::globe::Shading;
 use crate::frames::{Epoch, utc_from_rfc3339};
 use crate::globe::{Figure, Visibility};
 use serde::Deserialize;

@@ -16,7 +16,7 @@ mod raw;
 mod summary;
 
 use crate::air::Atmosphere;
-use crate::earth::Shading;
+use crate::globe::Shading;
 use crate::frames::Epoch;
 use crate::globe::{Figure, Visibility};
 use std::collections::BTreeMap;

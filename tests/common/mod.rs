@@ -1,0 +1,144 @@
+//! What the picture tests share: one device for the process, synthetic maps, and a drawn picture in one call.
+#![allow(dead_code)] // Each test crate uses its own part.
+
+use glam::DVec3;
+use image::RgbaImage;
+use std::sync::OnceLock;
+use terrella::frames::{Ellipsoid, Geodetic};
+use terrella::gpu::{FrameTargets, GpuContext};
+use terrella::imagery::{EarthLayers, LayerImage};
+use terrella::{Earth, EarthOptions, EyeView, FrameStats, Sky};
+
+/// The device that all tests of a process draw with: a software adapter if there is one, for the same pictures
+/// everywhere, else the best. `TERRELLA_TEST_ADAPTER` names another.
+pub fn gpu() -> &'static GpuContext {
+    static GPU: OnceLock<GpuContext> = OnceLock::new();
+    GPU.get_or_init(|| {
+        let named = std::env::var("TERRELLA_TEST_ADAPTER").ok();
+        let open = |name| pollster::block_on(GpuContext::open(name));
+        let context = match named.as_deref() {
+            Some(name) => open(Some(name)),
+            None => open(Some("llvmpipe")).or_else(|_| open(None)),
+        };
+        context.expect("picture tests need an adapter: `cargo xtask test` installs a software one")
+    })
+}
+
+/// A map that is a function of latitude and longitude, degrees, sampled at texel centres.
+pub fn map(width: u32, f: impl Fn(f64, f64) -> [u8; 3]) -> LayerImage {
+    let height = width / 2;
+    let mut texels = Vec::with_capacity((4 * width * height) as usize);
+    for y in 0..height {
+        for x in 0..width {
+            let lat = 90.0 - (f64::from(y) + 0.5) * 180.0 / f64::from(height);
+            let lon = -180.0 + (f64::from(x) + 0.5) * 360.0 / f64::from(width);
+            texels.extend(f(lat, lon));
+            texels.push(255);
+        }
+    }
+    LayerImage::from_rgba8(width, height, texels).expect("a sound map")
+}
+
+/// Maps of one plain colour and nothing else.
+pub fn plain(color: [u8; 3]) -> EarthLayers {
+    EarthLayers {
+        day: map(64, |_, _| color),
+        clouds: None,
+        normals: None,
+        night_lights: None,
+    }
+}
+
+/// An Earth with its own targets.
+pub struct Rig {
+    pub earth: Earth,
+    targets: FrameTargets,
+    size: (u32, u32),
+}
+
+impl Rig {
+    pub fn new(options: &EarthOptions, size: (u32, u32)) -> Self {
+        let gpu = gpu();
+        let earth = Earth::new(&gpu.device, &gpu.queue, options).expect("sound options");
+        Self {
+            earth,
+            targets: FrameTargets::new(&gpu.device, size, options.samples),
+            size,
+        }
+    }
+
+    pub fn aspect(&self) -> f64 {
+        f64::from(self.size.0) / f64::from(self.size.1)
+    }
+
+    pub fn draw(&mut self, view: &EyeView, sun_itrf: DVec3) -> (RgbaImage, FrameStats) {
+        let gpu = gpu();
+        let stats = self
+            .earth
+            .prepare(&gpu.queue, view, &Sky { sun_itrf }, self.size);
+        let mut encoder = gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.earth
+            .render(&mut self.targets.begin_pass(&mut encoder));
+        gpu.queue.submit([encoder.finish()]);
+        (
+            self.targets
+                .read_back(&gpu.device, &gpu.queue)
+                .expect("a picture"),
+            stats,
+        )
+    }
+}
+
+/// An eye above a place that looks down, north up.
+pub fn down(place: Geodetic, fov_deg: f64, aspect: f64) -> EyeView {
+    tilted(place, 0.0, -90.0, fov_deg, aspect)
+}
+
+/// An eye above a place that looks towards `azimuth_deg` from north, `pitch_deg` above the horizontal.
+pub fn tilted(
+    place: Geodetic,
+    azimuth_deg: f64,
+    pitch_deg: f64,
+    fov_deg: f64,
+    aspect: f64,
+) -> EyeView {
+    let eye = Ellipsoid::WGS84.itrf_from_geodetic(place);
+    let up = Ellipsoid::normal(place.lat_rad, place.lon_rad);
+    let east = DVec3::new(-place.lon_rad.sin(), place.lon_rad.cos(), 0.0);
+    let north = up.cross(east);
+    let (azimuth, pitch) = (azimuth_deg.to_radians(), pitch_deg.to_radians());
+    let flat = north * azimuth.cos() + east * azimuth.sin();
+    let forward = flat * pitch.cos() + up * pitch.sin();
+    let upwards = up * pitch.cos() - flat * pitch.sin();
+    EyeView::itrf(eye, forward, upwards, fov_deg.to_radians(), aspect)
+}
+
+/// The exact place that a pixel's centre looks at on the ellipsoid, in f64; `None` where it misses.
+pub fn looks_at(view: &EyeView, x: u32, y: u32, size: (u32, u32)) -> Option<Geodetic> {
+    let direction = ray(view, x, y, size);
+    let scale = Ellipsoid::WGS84.scaled_from_itrf();
+    let (e, d) = (view.eye_world * scale, direction * scale);
+    let (a, half_b, c) = (
+        d.length_squared(),
+        e.dot(d),
+        (e.length() - 1.0) * (e.length() + 1.0),
+    );
+    // Discriminant by Lagrange's identity: no cancellation at the limb.
+    let disc = a - e.cross(d).length_squared();
+    if disc < 0.0 || half_b >= 0.0 {
+        return None;
+    }
+    let t = c / (-half_b + disc.sqrt());
+    Some(Ellipsoid::WGS84.geodetic_from_itrf(view.eye_world + direction * t))
+}
+
+/// Unit direction of a pixel's centre, ITRF axes.
+pub fn ray(view: &EyeView, x: u32, y: u32, size: (u32, u32)) -> DVec3 {
+    let ndc_x = 2.0 * (f64::from(x) + 0.5) / f64::from(size.0) - 1.0;
+    let ndc_y = 1.0 - 2.0 * (f64::from(y) + 0.5) / f64::from(size.1);
+    let p = view.clip_from_view;
+    let in_view = DVec3::new(ndc_x / p.x_axis.x, ndc_y / p.y_axis.y, -1.0);
+    (view.view_from_world.inverse() * in_view).normalize()
+}

@@ -1,0 +1,173 @@
+//! Every shader variant compiles, its structs match Rust's, and a feature that is off is not in the text.
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use std::mem::offset_of;
+use terrella::gpu::{AIR_SHADER, AirFrame, EARTH_SHADER, Frame, ShaderVariant};
+
+fn module(variant: &ShaderVariant) -> Result<naga::Module, String> {
+    let source = variant.source().map_err(|e| e.to_string())?;
+    let module = naga::front::wgsl::parse_str(&source).map_err(|e| e.emit_to_string(&source))?;
+    Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(&module)
+        .map_err(|e| e.emit_to_string(&source))?;
+    Ok(module)
+}
+
+/// All combinations of `features`.
+fn variants(file: &'static str, features: &[&'static str]) -> Vec<ShaderVariant> {
+    (0..1_u32 << features.len())
+        .map(|bits| {
+            let flags: Vec<_> = features
+                .iter()
+                .enumerate()
+                .map(|(k, name)| (*name, bits >> k & 1 == 1))
+                .collect();
+            ShaderVariant::new(file, &flags)
+        })
+        .collect()
+}
+
+#[test]
+fn every_variant_compiles() {
+    let mut all = variants(
+        EARTH_SHADER,
+        &[
+            "paper",
+            "clouds",
+            "normals",
+            "night_lights",
+            "air",
+            "encode",
+            "decode",
+        ],
+    );
+    all.extend(variants(
+        AIR_SHADER,
+        &["inside", "depth", "standard_z", "encode"],
+    ));
+    let failures: Vec<_> = all
+        .iter()
+        .filter_map(|variant| {
+            module(variant)
+                .err()
+                .map(|error| format!("{}:\n{error}", variant.name()))
+        })
+        .collect();
+    assert!(
+        failures.is_empty(),
+        "{} of {} variants:\n{}",
+        failures.len(),
+        all.len(),
+        failures.join("\n")
+    );
+    println!("{} variants compiled", all.len());
+}
+
+#[test]
+fn a_layer_that_is_off_is_not_in_the_shader() {
+    let words = [
+        ("clouds", ["cloud", "CLOUD"]),
+        ("normals", ["slope", "slope_map"]),
+        ("night_lights", ["light_map", "LIGHT_COLOR"]),
+        ("air", ["sunlight", "table_"]),
+    ];
+    let code = |source: String| -> String {
+        source
+            .lines()
+            .map(|line| line.split("//").next().unwrap_or_default())
+            .collect::<Vec<_>>()
+            .join("\n")
+    };
+    let minimal = code(ShaderVariant::new(EARTH_SHADER, &[]).source().unwrap());
+    let bindings = minimal.matches("@binding").count();
+    assert_eq!(bindings, 3, "frame, sampler and day map:\n{minimal}");
+    for (feature, names) in words {
+        let with = code(
+            ShaderVariant::new(EARTH_SHADER, &[(feature, true)])
+                .source()
+                .unwrap(),
+        );
+        let without = code(
+            ShaderVariant::new(
+                EARTH_SHADER,
+                &["clouds", "normals", "night_lights", "air"].map(|f| (f, f != feature)),
+            )
+            .source()
+            .unwrap(),
+        );
+        assert!(
+            with.contains(names[0]),
+            "{feature} on must be in the text, or this test cannot fail"
+        );
+        assert!(with.len() > minimal.len());
+        for name in names {
+            assert!(
+                !without.contains(name),
+                "{feature} is off but the shader mentions {name}"
+            );
+            assert!(
+                !minimal.contains(name),
+                "{feature} is off but the shader mentions {name}"
+            );
+        }
+    }
+}
+
+/// Member offsets and size of a struct as naga lays it out.
+fn reflected(variant: &ShaderVariant, name: &str) -> (Vec<(String, usize)>, usize) {
+    let module = module(variant).unwrap();
+    let (_, ty) = module
+        .types
+        .iter()
+        .find(|(_, ty)| ty.name.as_deref() == Some(name))
+        .expect("struct in shader");
+    let naga::TypeInner::Struct { members, span } = &ty.inner else {
+        panic!("{name} is not a struct")
+    };
+    let members = members
+        .iter()
+        .map(|m| (m.name.clone().unwrap_or_default(), m.offset as usize))
+        .collect();
+    (members, *span as usize)
+}
+
+#[test]
+fn uniform_structs_match_the_shaders() {
+    macro_rules! check {
+        ($variant:expr, $ty:ident, [$($member:ident),* $(,)?]) => {{
+            let (members, span) = reflected(&$variant, stringify!($ty));
+            let ours = vec![$((stringify!($member).to_owned(), offset_of!($ty, $member))),*];
+            // Padding stands only on the Rust side or on both; every named member must agree.
+            let ours: Vec<_> = ours.into_iter().filter(|(name, _)| name != "padding").collect();
+            let members: Vec<_> = members.into_iter().filter(|(name, _)| name != "padding").collect();
+            assert_eq!(members, ours);
+            assert_eq!(span, size_of::<$ty>(), "size of {}", stringify!($ty));
+        }};
+    }
+    check!(
+        ShaderVariant::new(EARTH_SHADER, &[]),
+        Frame,
+        [
+            clip_from_eye,
+            eye_itrf_m,
+            normal_stretch,
+            sun_itrf,
+            radius_m,
+            exposure,
+            padding
+        ]
+    );
+    check!(
+        ShaderVariant::new(AIR_SHADER, &[]),
+        AirFrame,
+        [
+            clip_from_billboard,
+            sun,
+            eye_distance,
+            top,
+            eye_height,
+            exposure,
+            padding
+        ]
+    );
+}
