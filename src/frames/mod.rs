@@ -2,11 +2,19 @@
 //!
 //! Earth-fixed axes are ITRF: x to 0° E on the equator, z to the north pole.
 
+mod calendar;
 mod ellipsoid;
 mod rotation;
 mod sun;
+mod time;
 
+pub(crate) use calendar::Calendar;
 pub use ellipsoid::{Ellipsoid, Geodetic};
-pub use hifitime::Epoch;
-pub use rotation::{itrf_from_gcrf, itrf_from_teme};
-pub use sun::sun_direction_itrf;
+pub use hifitime::{Duration, Epoch};
+pub use rotation::{
+    EARTH_ROTATION_RATE_RAD_S, itrf_from_gcrf, itrf_from_gcrf_with_ut1, itrf_from_teme,
+    itrf_from_teme_with_ut1,
+};
+pub use sun::{subsolar_point, sun_direction_itrf};
+pub(crate) use time::tai_from_utc_day;
+pub use time::{TimeError, rfc3339, utc_from_rfc3339};

@@ -1,13 +1,63 @@
-//! Earth rotation.
-use super::Epoch;
-use glam::DMat3;
+//! Earth rotation: from the axes that orbits and ephemerides use to axes fixed in the Earth.
+//!
+//! Computed with `sofars`, a Rust translation of the IAU's SOFA routines; the functions here are our own.
 
-/// Rotation that takes TEME axes to ITRF axes at `epoch`.
-pub fn itrf_from_teme(_epoch: Epoch) -> DMat3 {
-    DMat3::IDENTITY
+use super::Epoch;
+use super::time::JulianDate;
+use glam::{DMat3, DVec3};
+
+/// Angular velocity of the Earth about ITRF z, radians per second of UT1 (Vallado 2013, eq. 3-40; length of day 86 400 s).
+pub const EARTH_ROTATION_RATE_RAD_S: f64 = 7.292_115_146_706_98e-5;
+
+/// Rotation that takes TEME axes (true equator, mean equinox: what SGP4 gives) to ITRF axes at `epoch`, UT1 taken as UTC.
+///
+/// R = R3(θ), θ = Greenwich mean sidereal time of UT1, IAU 1982 (Vallado, Crawford, Hujsak & Kelso 2006, appendix C).
+/// What it leaves out, as the greatest shift of a point at the equator:
+/// - UT1 − UTC is held below 0.9 s by leap seconds: 13.5″, 420 m. [`itrf_from_teme_with_ut1`] takes the true value.
+///   While UT1 = UTC is used, a leap second is a real step: the Earth turns on through 23:59:60 and is then one second,
+///   15″, back at 0 h.
+/// - Polar motion, 0.6″, 20 m.
+pub fn itrf_from_teme(epoch: Epoch) -> DMat3 {
+    itrf_from_teme_with_ut1(epoch, 0.0)
 }
 
-/// Rotation that takes GCRF axes to ITRF axes at `epoch`.
-pub fn itrf_from_gcrf(_epoch: Epoch) -> DMat3 {
-    DMat3::IDENTITY
+/// As [`itrf_from_teme`], with UT1 − UTC in seconds (IERS Bulletin A): what is left is polar motion, 20 m.
+pub fn itrf_from_teme_with_ut1(epoch: Epoch, ut1_minus_utc_s: f64) -> DMat3 {
+    let ut1 = ut1(epoch, ut1_minus_utc_s);
+    rotation_about_z(sofars::erst::gmst82(ut1.midnight, ut1.fraction))
+}
+
+/// Rotation that takes GCRF axes (J2000 to within 0.02″) to ITRF axes at `epoch`, UT1 taken as UTC.
+///
+/// IAU 2000B precession and nutation, good to 0.001″ in 1995…2050 and to 0.1″ over 1900…2100, with the Earth rotation
+/// angle of 2000. What it leaves out is what [`itrf_from_teme`] leaves out: UT1 − UTC up to 13.5″ and polar motion 0.6″.
+pub fn itrf_from_gcrf(epoch: Epoch) -> DMat3 {
+    itrf_from_gcrf_with_ut1(epoch, 0.0)
+}
+
+/// As [`itrf_from_gcrf`], with UT1 − UTC in seconds.
+pub fn itrf_from_gcrf_with_ut1(epoch: Epoch, ut1_minus_utc_s: f64) -> DMat3 {
+    let ut1 = ut1(epoch, ut1_minus_utc_s);
+    let tt = JulianDate::tt(epoch);
+    let rows = sofars::pnp::c2t00b(
+        tt.midnight,
+        tt.fraction,
+        ut1.midnight,
+        ut1.fraction,
+        0.0,
+        0.0,
+    );
+    DMat3::from_cols_array_2d(&rows).transpose()
+}
+
+fn ut1(epoch: Epoch, ut1_minus_utc_s: f64) -> JulianDate {
+    let mut date = JulianDate::utc(epoch);
+    date.fraction += ut1_minus_utc_s / 86_400.0;
+    date
+}
+
+/// R3(θ): coordinates in axes turned by θ about z.
+pub(super) fn rotation_about_z(theta_rad: f64) -> DMat3 {
+    let (s, c) = theta_rad.sin_cos();
+    DMat3::from_cols(DVec3::new(c, -s, 0.0), DVec3::new(s, c, 0.0), DVec3::Z)
 }
