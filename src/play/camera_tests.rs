@@ -40,7 +40,10 @@ fn ground_towards(motion: &Motion, direction: DVec3) -> DVec3 {
 
 fn assert_sound(pose: &Pose, what: &str) {
     assert!(pose.eye_itrf_m.is_finite(), "{what}: {pose:?}");
-    assert!((pose.forward.length() - 1.0).abs() < 1e-12, "{what}: {pose:?}");
+    assert!(
+        (pose.forward.length() - 1.0).abs() < 1e-12,
+        "{what}: {pose:?}"
+    );
     assert!((pose.up.length() - 1.0).abs() < 1e-12, "{what}: {pose:?}");
     assert!(pose.forward.dot(pose.up).abs() < 1e-12, "{what}: {pose:?}");
     let view = pose.view(1e-5, ASPECT);
@@ -57,7 +60,10 @@ fn nadir_has_the_sub_satellite_point_in_the_middle_and_flight_upwards() {
         let at = screen(&view, foot).expect("the ground is ahead");
         assert!(at.length() < 1e-9, "{lat} {lon}: {at}");
         let ahead = screen(&view, ground_towards(&motion, motion.velocity_m_s)).expect("ahead");
-        assert!(ahead.y > 1e-3 && ahead.x.abs() < 1e-4, "{lat} {lon}: {ahead}");
+        assert!(
+            ahead.y > 1e-3 && ahead.x.abs() < 1e-4,
+            "{lat} {lon}: {ahead}"
+        );
         // What lies to the right of the flight is at the right of the picture.
         let right = motion.velocity_m_s.cross(motion.position_itrf_m);
         let right = screen(&view, ground_towards(&motion, right)).expect("right");
@@ -67,7 +73,13 @@ fn nadir_has_the_sub_satellite_point_in_the_middle_and_flight_upwards() {
 
 #[test]
 fn geodetic_has_north_up_and_east_right() {
-    for (lat, lon) in [(0.0, 0.0), (47.0, 8.0), (-33.0, 151.0), (89.0, -120.0), (10.0, 180.0)] {
+    for (lat, lon) in [
+        (0.0, 0.0),
+        (47.0, 8.0),
+        (-33.0, 151.0),
+        (89.0, -120.0),
+        (10.0, 180.0),
+    ] {
         let place = Geodetic::from_degrees(lat, lon, 2_000_000.0);
         let view = Pose::geodetic(place, &WGS84).view(60f64.to_radians(), ASPECT);
         let ground = |dlat: f64, dlon: f64| {
@@ -75,7 +87,10 @@ fn geodetic_has_north_up_and_east_right() {
             screen(&view, WGS84.itrf_from_geodetic(g)).expect("ahead")
         };
         assert!(ground(0.0, 0.0).length() < 1e-9, "{lat} {lon}");
-        assert!(ground(0.5, 0.0).y > 1e-3 && ground(0.5, 0.0).x.abs() < 1e-9, "{lat} {lon}");
+        assert!(
+            ground(0.5, 0.0).y > 1e-3 && ground(0.5, 0.0).x.abs() < 1e-9,
+            "{lat} {lon}"
+        );
         assert!(ground(0.0, 0.5).x > 1e-5, "{lat} {lon}");
     }
 }
@@ -109,7 +124,11 @@ fn limb_direction(motion: &Motion) -> DVec3 {
     let (mut high, mut low) = (0.0, std::f64::consts::FRAC_PI_2);
     for _ in 0..60 {
         let middle = 0.5 * (high + low);
-        if misses(middle) { high = middle } else { low = middle }
+        if misses(middle) {
+            high = middle
+        } else {
+            low = middle
+        }
     }
     high.cos() * ahead - high.sin() * vertical
 }
@@ -125,7 +144,10 @@ fn horizon_has_the_limb_a_third_from_the_top() {
                 assert_sound(&pose, "horizon");
                 let point = motion.position_itrf_m + 1e6 * limb_direction(&motion);
                 let at = screen(&pose.view(fov, ASPECT), point).expect("ahead");
-                assert!((at.y - 1.0 / 3.0).abs() < 1e-6, "{height_m} {lat} {bearing} {fov}: {at}");
+                assert!(
+                    (at.y - 1.0 / 3.0).abs() < 1e-6,
+                    "{height_m} {lat} {bearing} {fov}: {at}"
+                );
                 assert!(at.x.abs() < 1e-9, "{height_m} {lat}: {at}");
             }
         }
@@ -169,7 +191,13 @@ fn a_motion_without_direction_looks_north() {
     for motion in [still, radial] {
         assert!(Pose::nadir(&motion, &WGS84).up.distance(north_of(place)) < 1e-12);
     }
-    for motion in [still, radial, centre, over(90.0, 0.0, 4e5, 0.0), over(0.0, 0.0, -1e3, 0.0)] {
+    for motion in [
+        still,
+        radial,
+        centre,
+        over(90.0, 0.0, 4e5, 0.0),
+        over(0.0, 0.0, -1e3, 0.0),
+    ] {
         for fov in [1e-5, 1.0, 3.14] {
             assert_sound(&Pose::nadir(&motion, &WGS84), "nadir");
             assert_sound(&Pose::horizon(&motion, &WGS84, fov), "horizon");
@@ -194,7 +222,13 @@ fn the_head_turns_right_and_up_and_the_view_narrows() {
     assert!(raised.forward.dot(pose.up) > 0.29);
     assert_sound(&raised, "raised");
 
-    let zoomed = |zoom: f64| Look { zoom, ..Look::default() }.fov_rad(1.0);
+    let zoomed = |zoom: f64| {
+        Look {
+            zoom,
+            ..Look::default()
+        }
+        .fov_rad(1.0)
+    };
     assert!(zoomed(2.0) < 0.6 && zoomed(2.0) > 0.4);
     assert!((zoomed(1.0) - 1.0).abs() < 1e-12);
     assert_eq!(zoomed(1e12), NARROWEST_RAD);

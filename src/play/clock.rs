@@ -172,7 +172,14 @@ mod tests {
         let offset = frame_epoch(&time, 30_000) - time.start;
         assert_eq!(offset.total_nanoseconds(), 1_001_000_000_000);
         assert_eq!(frame_epoch(&time, 0), time.start);
-        let back = frame_epoch(&Time { speed: -2.0, frame_rate_hz: 10.0, ..time }, 5);
+        let back = frame_epoch(
+            &Time {
+                speed: -2.0,
+                frame_rate_hz: 10.0,
+                ..time
+            },
+            5,
+        );
         assert_eq!((back - time.start).total_nanoseconds(), -1_000_000_000);
     }
 

@@ -265,7 +265,13 @@ mod tests {
     fn names(folder: &Path) -> Vec<String> {
         let entries = std::fs::read_dir(folder).expect("a folder");
         let mut names: Vec<_> = entries
-            .map(|entry| entry.expect("an entry").file_name().into_string().expect("UTF-8"))
+            .map(|entry| {
+                entry
+                    .expect("an entry")
+                    .file_name()
+                    .into_string()
+                    .expect("UTF-8")
+            })
             .collect();
         names.sort();
         names
@@ -277,9 +283,17 @@ mod tests {
         let target = folder.path().join("a.png");
         let pending = PendingFile::create(&target, "pictures", "png").expect("writable");
         assert!(!target.exists());
-        pending.open().expect("opens").write_all(b"half").expect("writes");
+        pending
+            .open()
+            .expect("opens")
+            .write_all(b"half")
+            .expect("writes");
         drop(pending);
-        assert!(names(folder.path()).is_empty(), "{:?}", names(folder.path()));
+        assert!(
+            names(folder.path()).is_empty(),
+            "{:?}",
+            names(folder.path())
+        );
 
         std::fs::write(&target, b"old").expect("writes");
         let pending = PendingFile::create(&target, "pictures", "png").expect("writable");
@@ -333,7 +347,11 @@ mod tests {
         let frames = FrameFolder::open(&folder, 3, false).expect("made");
         assert!(frames.path(0).ends_with("frame_00000.png"));
         assert!(names(&folder).is_empty());
-        frames.pending(2).expect("begins").write_whole(b"x").expect("writes");
+        frames
+            .pending(2)
+            .expect("begins")
+            .write_whole(b"x")
+            .expect("writes");
         assert!(matches!(
             FrameFolder::open(&folder, 3, false),
             Err(OutputError::NotEmpty { .. })

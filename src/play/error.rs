@@ -76,7 +76,9 @@ pub enum PlayError {
         limit_mib: u64,
     },
     /// The device refused the picture's textures.
-    #[error("{adapter} cannot hold a picture of {width} × {height} pixels: {cause}; take a smaller size")]
+    #[error(
+        "{adapter} cannot hold a picture of {width} × {height} pixels: {cause}; take a smaller size"
+    )]
     NoRoom {
         /// Width asked for.
         width: u32,
@@ -91,7 +93,9 @@ pub enum PlayError {
     #[error("the graphics device stopped answering: {0}")]
     DeviceLost(String),
     /// A thread that writes frames ended without a word.
-    #[error("the thread that writes the frames broke down; this is a fault of the program, please report it")]
+    #[error(
+        "the thread that writes the frames broke down; this is a fault of the program, please report it"
+    )]
     WriterBroke,
 }
 

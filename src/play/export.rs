@@ -116,7 +116,7 @@ fn pump(
         drop(sender);
         let sinks = writer.join().map_err(|_| PlayError::WriterBroke)??;
         produced?;
-        sinks.into_iter().try_for_each(FrameSink::finish)
+        sinks.into_iter().try_for_each(|sink| sink.finish())
     })
 }
 

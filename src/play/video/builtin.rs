@@ -52,14 +52,18 @@ impl Builtin {
         let rate = format.frame_rate_hz;
         let bits = f64::from(width) * f64::from(height) * rate * BITS_PER_PIXEL;
         let config = EncoderConfig::new()
-            .bitrate(BitRate::from_bps(bits.clamp(200_000.0, 200_000_000.0) as u32))
+            .bitrate(BitRate::from_bps(
+                bits.clamp(200_000.0, 200_000_000.0) as u32
+            ))
             .max_frame_rate(FrameRate::from_hz(rate as f32))
             .rate_control_mode(RateControlMode::Quality)
             .usage_type(UsageType::CameraVideoNonRealTime)
             .qp(QpRange::new(10, 32))
             // A skipped frame would be one too few in the film.
             .skip_frames(false)
-            .intra_frame_period(IntraFramePeriod::from_num_frames((rate * KEY_FRAME_S) as u32))
+            .intra_frame_period(IntraFramePeriod::from_num_frames(
+                (rate * KEY_FRAME_S) as u32,
+            ))
             // One thread: the same frames give the same bytes, and drawing goes on beside it.
             .num_threads(1)
             .vui(VuiConfig::bt709());

@@ -47,12 +47,17 @@ pub fn find() -> Found {
 
 /// A video that ffmpeg is encoding.
 pub struct Ffmpeg {
+    process: Process,
+    file: PendingFile,
+}
+
+/// A running ffmpeg; it is stopped when this is dropped.
+struct Process {
     child: Child,
     /// `None` once all frames are given.
     input: Option<ChildStdin>,
     /// Collects what ffmpeg says, so that its pipe never fills up.
     words: Option<JoinHandle<String>>,
-    file: PendingFile,
 }
 
 impl Ffmpeg {
@@ -88,42 +93,39 @@ impl Ffmpeg {
             .stderr
             .take()
             .map(|stderr| std::thread::spawn(move || last_words(stderr)));
-        Ok(Self {
+        let process = Process {
             input: child.stdin.take(),
             child,
             words,
-            file,
-        })
+        };
+        Ok(Self { process, file })
     }
 
     /// Waits for ffmpeg to end, and tells how if that was not well.
     fn wait(&mut self) -> Result<(), PlayError> {
+        let process = &mut self.process;
         // Ends its input.
-        drop(self.input.take());
-        let status = self
+        drop(process.input.take());
+        let status = process
             .child
             .wait()
             .map_err(|source| write_error(&self.file, source))?;
-        let words = self.words.take().and_then(|thread| thread.join().ok());
+        let words = process.words.take().and_then(|thread| thread.join().ok());
         if status.success() {
             return Ok(());
         }
-        let words = words.unwrap_or_default();
+        let words = words.filter(|words| !words.is_empty());
         Err(PlayError::Video(VideoError::Ffmpeg {
             path: self.file.target().into(),
             status: status.to_string(),
-            words: if words.is_empty() {
-                "it said nothing".into()
-            } else {
-                words
-            },
+            words: words.unwrap_or_else(|| "it said nothing".into()),
         }))
     }
 }
 
 impl FrameSink for Ffmpeg {
     fn push(&mut self, frame: &RgbaImage) -> Result<(), PlayError> {
-        let written = match &mut self.input {
+        let written = match &mut self.process.input {
             Some(input) => input.write_all(frame.as_raw()),
             None => Ok(()),
         };
@@ -139,17 +141,14 @@ impl FrameSink for Ffmpeg {
 
     fn finish(mut self: Box<Self>) -> Result<(), PlayError> {
         self.wait()?;
-        // Moved out piece by piece because the type has a `drop`: what is left behind has nothing to do.
-        let file = &self.file;
-        let target = file.target().to_owned();
-        std::fs::rename(file.temporary(), &target).map_err(|source| write_error(file, source))
+        Ok(self.file.commit()?)
     }
 }
 
-impl Drop for Ffmpeg {
-    /// An encoder that was not finished is stopped; both calls fail harmlessly where it has ended.
+impl Drop for Process {
     fn drop(&mut self) {
         drop(self.input.take());
+        // Both fail harmlessly where it has ended.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -165,7 +164,11 @@ fn last_words(mut source: impl Read) -> String {
         kept.drain(..excess);
     }
     let text = String::from_utf8_lossy(&kept);
-    let lines: Vec<_> = text.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
+    let lines: Vec<_> = text
+        .lines()
+        .map(str::trim)
+        .filter(|l| !l.is_empty())
+        .collect();
     lines.join("; ")
 }
 

@@ -18,7 +18,11 @@ const LUMA: [f64; 3] = [0.2126, 0.7152, 0.0722];
 const fn fixed(value: f64) -> i32 {
     // Round half away from zero; `f64::round` is not const in every toolchain that may build this.
     let scaled = value * 65_536.0;
-    (if scaled < 0.0 { scaled - 0.5 } else { scaled + 0.5 }) as i32
+    (if scaled < 0.0 {
+        scaled - 0.5
+    } else {
+        scaled + 0.5
+    }) as i32
 }
 
 const Y_ROW: [i32; 3] = [
@@ -120,7 +124,11 @@ mod tests {
 
     fn of(rgb: [u8; 3]) -> [u8; 3] {
         let mut planes = Planes::new(4, 2);
-        planes.fill(&RgbaImage::from_pixel(4, 2, Rgba([rgb[0], rgb[1], rgb[2], 7])));
+        planes.fill(&RgbaImage::from_pixel(
+            4,
+            2,
+            Rgba([rgb[0], rgb[1], rgb[2], 7]),
+        ));
         assert!(planes.y().iter().all(|y| *y == planes.y()[0]));
         [planes.y()[0], planes.u()[1], planes.v()[1]]
     }
