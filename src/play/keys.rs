@@ -81,13 +81,13 @@ pub const BINDINGS: &[Binding] = &[
         action: Action::Reverse,
     },
     Binding {
-        keys: "→",
+        keys: "Right",
         does: "five seconds of playback on",
         on: &[Named(NamedKey::ArrowRight)],
         action: Action::Skip(5.0),
     },
     Binding {
-        keys: "←",
+        keys: "Left",
         does: "five seconds of playback back",
         on: &[Named(NamedKey::ArrowLeft)],
         action: Action::Skip(-5.0),
@@ -99,13 +99,13 @@ pub const BINDINGS: &[Binding] = &[
         action: Action::NextCamera,
     },
     Binding {
-        keys: "↑",
+        keys: "Up",
         does: "magnify",
         on: &[Named(NamedKey::ArrowUp), Named(NamedKey::PageUp)],
         action: Action::Zoom(0.25),
     },
     Binding {
-        keys: "↓",
+        keys: "Down",
         does: "widen the view",
         on: &[Named(NamedKey::ArrowDown), Named(NamedKey::PageDown)],
         action: Action::Zoom(-0.25),

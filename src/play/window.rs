@@ -92,18 +92,14 @@ pub fn play_in_window(
     }
 }
 
-/// winit's error holds the place in its source; the reason is enough.
+/// winit's words without the place in its source that they begin with: `os error at FILE:LINE: reason.`
 fn no_display(error: &winit::error::EventLoopError) -> String {
-    match error {
-        winit::error::EventLoopError::Os(os) => {
-            let text = os.to_string();
-            let reason = text
-                .split_once("error: ")
-                .map_or(text.as_str(), |(_, rest)| rest);
-            reason.to_owned()
-        }
-        other => other.to_string(),
-    }
+    let text = error.to_string();
+    let reason = match text.strip_prefix("os error at ") {
+        Some(rest) => rest.split_once(": ").map_or(rest, |(_, reason)| reason),
+        None => &text,
+    };
+    reason.trim_end_matches('.').to_owned()
 }
 
 struct App<'a> {
@@ -269,7 +265,7 @@ impl App<'_> {
                 };
                 window.set_fullscreen(next);
             }
-            Some(WindowTask::Screenshot) => match stage.screenshot(PathBuf::from(".")) {
+            Some(WindowTask::Screenshot) => match stage.screenshot(PathBuf::new()) {
                 Ok(path) => self.tell(format!("saved {}", path.display())),
                 Err(error) => self.tell(error.to_string()),
             },

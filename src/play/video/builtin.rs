@@ -13,7 +13,7 @@ use muxide::api::{Muxer, MuxerBuilder, VideoCodec};
 use openh264::OpenH264API;
 use openh264::encoder::{
     BitRate, Encoder, EncoderConfig, FrameRate, FrameType, IntraFramePeriod, QpRange,
-    RateControlMode, UsageType, VuiConfig,
+    RateControlMode, VuiConfig,
 };
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -57,7 +57,6 @@ impl Builtin {
             ))
             .max_frame_rate(FrameRate::from_hz(rate as f32))
             .rate_control_mode(RateControlMode::Quality)
-            .usage_type(UsageType::CameraVideoNonRealTime)
             .qp(QpRange::new(10, 32))
             // A skipped frame would be one too few in the film.
             .skip_frames(false)
