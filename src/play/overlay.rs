@@ -1,6 +1,6 @@
 //! egui on the window's surface.
 
-use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
+use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor as Screen};
 use std::time::Duration;
 use winit::event::WindowEvent;
 use winit::window::Window;
@@ -93,7 +93,7 @@ impl Overlay {
         let context = self.state.egui_ctx();
         let pixels_per_point = output.pixels_per_point;
         let triangles = context.tessellate(std::mem::take(&mut output.shapes), pixels_per_point);
-        let screen = ScreenDescriptor {
+        let screen = Screen {
             size_in_pixels: size.into(),
             pixels_per_point,
         };

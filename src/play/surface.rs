@@ -168,8 +168,12 @@ impl Attachments {
     ) -> Self {
         let view = |label, format| {
             let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
-            texture(device, label, size, format, samples, usage)
-                .create_view(&wgpu::TextureViewDescriptor::default())
+            texture(device, label, size, format, samples, usage).create_view(
+                &wgpu::TextureViewDescriptor {
+                    label: Some(label),
+                    ..Default::default()
+                },
+            )
         };
         Self {
             multisampled: (samples > 1).then(|| view("terrella window samples", format)),

@@ -42,7 +42,7 @@ impl Builtin {
     pub fn start(file: PendingFile, format: VideoFormat) -> Result<Self, PlayError> {
         let (width, height) = format.size;
         let (long, short) = (width.max(height), width.min(height));
-        if long > 3840 || short > 2160 || short < 16 {
+        if long > 3840 || !(16..=2160).contains(&short) {
             return Err(VideoError::BuiltinSize { width, height }.into());
         }
         let failed = |cause: &dyn std::fmt::Display| VideoError::Builtin {
@@ -56,6 +56,7 @@ impl Builtin {
                 bits.clamp(200_000.0, 200_000_000.0) as u32
             ))
             .max_frame_rate(FrameRate::from_hz(rate as f32))
+            // With frame skipping off OpenH264 says on standard error, once, that it will not hold a bit rate: it need not.
             .rate_control_mode(RateControlMode::Quality)
             .qp(QpRange::new(10, 32))
             // A skipped frame would be one too few in the film.

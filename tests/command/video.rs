@@ -1,0 +1,177 @@
+//! Video by either encoder.
+
+use crate::{Place, SMALL, names, png_size, words};
+use std::path::Path;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+/// Types of the boxes of an MP4 file, in their order, and the contents of one of them.
+fn boxes(file: &[u8]) -> Vec<(String, &[u8])> {
+    let mut rest = file;
+    let mut found = Vec::new();
+    while let Some((head, _)) = rest.split_first_chunk::<8>() {
+        let [a, b, c, d, kind @ ..] = *head;
+        let length = u32::from_be_bytes([a, b, c, d]) as usize;
+        assert!(
+            (8..=rest.len()).contains(&length),
+            "a box of {length} bytes"
+        );
+        found.push((
+            String::from_utf8_lossy(&kind).into_owned(),
+            &rest[8..length],
+        ));
+        rest = &rest[length..];
+    }
+    assert!(rest.is_empty(), "{} bytes after the last box", rest.len());
+    found
+}
+
+fn check_video(path: &Path) {
+    let file = std::fs::read(path).expect("reads");
+    let boxes = boxes(&file);
+    let kinds: Vec<_> = boxes.iter().map(|(kind, _)| kind.as_str()).collect();
+    assert_eq!(kinds.first(), Some(&"ftyp"));
+    let place = |wanted| kinds.iter().position(|kind| *kind == wanted).expect(wanted);
+    assert!(
+        place("moov") < place("mdat"),
+        "the index comes first: {kinds:?}"
+    );
+    let moov = boxes[place("moov")].1;
+    // The sample size table: version and flags, one size for all (0: each its own), and how many there are.
+    let table = moov
+        .windows(4)
+        .position(|kind| kind == b"stsz")
+        .expect("stsz")
+        + 4;
+    assert_eq!(
+        moov[table + 8..table + 12],
+        4_u32.to_be_bytes(),
+        "four frames"
+    );
+    let asked = Command::new("ffprobe")
+        .args(["-v", "error", "-count_frames", "-show_entries"])
+        .arg("stream=codec_name,width,height,color_space,nb_read_frames")
+        .args(["-of", "default=noprint_wrappers=1:nokey=1"])
+        .arg(path)
+        .output();
+    match asked {
+        Ok(answer) => {
+            let text = String::from_utf8_lossy(&answer.stdout).into_owned();
+            let values: Vec<_> = text.lines().collect();
+            assert_eq!(
+                values,
+                ["h264", "64", "36", "bt709", "4"],
+                "{}",
+                words(&answer)
+            );
+        }
+        Err(error) => eprintln!("not checked with ffprobe: {error}"),
+    }
+}
+
+#[test]
+fn the_built_in_encoder_writes_a_video() {
+    let place = Place::new();
+    place.succeed(&[
+        "play",
+        "small.toml",
+        "--video",
+        "a.mp4",
+        "--encoder",
+        "builtin",
+    ]);
+    assert_eq!(place.names(), ["a.mp4", "small.toml"]);
+    check_video(&place.path("a.mp4"));
+}
+
+#[test]
+fn ffmpeg_writes_a_video_where_it_is_installed() {
+    let place = Place::new();
+    let arguments = [
+        "play",
+        "small.toml",
+        "--video",
+        "a.mp4",
+        "--encoder",
+        "ffmpeg",
+    ];
+    let output = place.run(&arguments);
+    let said = words(&output);
+    if said.contains("--encoder builtin") {
+        eprintln!("not checked with ffmpeg: {said}");
+        assert_eq!(output.status.code(), Some(1));
+        assert_eq!(place.names(), ["small.toml"]);
+        return;
+    }
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert_eq!(place.names(), ["a.mp4", "small.toml"]);
+    check_video(&place.path("a.mp4"));
+}
+
+/// Without ffmpeg on the search path the built-in encoder is taken, and asking for ffmpeg is refused.
+#[test]
+fn without_ffmpeg_the_built_in_encoder_is_taken() {
+    let place = Place::new();
+    let empty = place.path("empty");
+    std::fs::create_dir(&empty).expect("makes");
+    let arguments = ["play", "small.toml", "--video", "a.mp4"];
+    let output = place
+        .command(&arguments)
+        .env("PATH", &empty)
+        .output()
+        .expect("starts");
+    assert_eq!(output.status.code(), Some(0), "{}", words(&output));
+    check_video(&place.path("a.mp4"));
+    let asked = [&arguments[..], &["--encoder", "ffmpeg"]].concat();
+    let output = place
+        .command(&asked)
+        .env("PATH", &empty)
+        .output()
+        .expect("starts");
+    assert_eq!(output.status.code(), Some(1));
+    assert!(words(&output).contains("install it"), "{}", words(&output));
+}
+
+/// A film of many frames, stopped in the middle the hard way: nothing stands under a final name.
+#[cfg(unix)]
+#[test]
+fn a_film_that_is_stopped_leaves_nothing_under_its_name() {
+    let place = Place::new();
+    place.scene(
+        "long.toml",
+        &SMALL.replace("duration_s = 4", "duration_s = 100000"),
+    );
+    for encoder in ["builtin", "auto"] {
+        let video = ["--video", "a.mp4", "--encoder", encoder];
+        let frames = ["--frames", encoder];
+        let mut child = place
+            .command(&[&["play", "long.toml"][..], &video, &frames].concat())
+            .spawn()
+            .expect("starts");
+        // Until it is in the middle of it.
+        let second = place.path(encoder).join("frame_00001.png");
+        let begin = Instant::now();
+        while !second.exists() {
+            assert!(
+                begin.elapsed() < Duration::from_secs(60),
+                "no frame in a minute"
+            );
+            assert!(
+                child.try_wait().expect("asks").is_none(),
+                "it ended by itself"
+            );
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        child.kill().expect("stops");
+        child.wait().expect("ends");
+        assert!(!place.path("a.mp4").exists());
+        let shown = names(&place.path(encoder));
+        for name in shown.iter().filter(|name| !name.starts_with('.')) {
+            assert_eq!(
+                png_size(&place.path(encoder).join(name)),
+                (64, 36),
+                "{name}"
+            );
+        }
+    }
+}
