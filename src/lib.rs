@@ -13,5 +13,5 @@ pub mod play;
 pub mod scene;
 
 pub use air::Atmosphere;
-pub use earth::{DepthBuffer, Earth, EarthError, EarthOptions, EyeView, FrameStats, Sky};
+pub use earth::{DepthBuffer, Earth, EarthError, EarthOptions, EyeView, FrameStats, Sky, Viewport};
 pub use globe::{Figure, Shading, Visibility};
