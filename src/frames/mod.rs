@@ -2,11 +2,13 @@
 //!
 //! Earth-fixed axes are ITRF: x to 0° E on the equator, z to the north pole.
 
+mod calendar;
 mod ellipsoid;
 mod rotation;
 mod sun;
 mod time;
 
+pub(crate) use calendar::Calendar;
 pub use ellipsoid::{Ellipsoid, Geodetic};
 pub use hifitime::{Duration, Epoch};
 pub use rotation::{
@@ -14,5 +16,5 @@ pub use rotation::{
     itrf_from_teme_with_ut1,
 };
 pub use sun::{subsolar_point, sun_direction_itrf};
-pub(crate) use time::{Calendar, tai_from_utc_day};
+pub(crate) use time::tai_from_utc_day;
 pub use time::{TimeError, rfc3339, utc_from_rfc3339};

@@ -1,34 +1,16 @@
 //! Feeds: where a satellite is at an epoch.
 
+mod error;
+mod state;
 mod tle;
+mod tle_fields;
+mod tle_text;
 
 use crate::frames::Epoch;
-use glam::DVec3;
-use std::path::PathBuf;
 
+pub use error::{LineFault, OrbitError};
+pub use state::{Frame, OrbitState};
 pub use tle::TleFeed;
-
-/// The axes that a state is given in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Frame {
-    /// True equator, mean equinox of date: what SGP4 gives.
-    Teme,
-    /// Earth-fixed.
-    Itrf,
-}
-
-/// Position and velocity at an epoch, in the axes of `frame`, about the Earth's centre.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OrbitState {
-    /// When.
-    pub epoch: Epoch,
-    /// In which axes.
-    pub frame: Frame,
-    /// Position, metres.
-    pub position_m: DVec3,
-    /// Velocity as seen in `frame`, metres per second.
-    pub velocity_m_s: DVec3,
-}
 
 /// A source of motion.
 pub trait Feed: Send + Sync {
@@ -38,18 +20,4 @@ pub trait Feed: Send + Sync {
     fn validity(&self) -> (Epoch, Epoch);
     /// The state at `epoch`; an epoch outside the validity interval is an error that names the interval.
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError>;
-}
-
-/// What can be wrong with a feed.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum OrbitError {
-    /// The file could not be read.
-    #[error("{}: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The cause.
-        source: std::io::Error,
-    },
 }

@@ -1,0 +1,246 @@
+//! What can be wrong with a feed, each message with the place and the remedy.
+
+use std::path::{Path, PathBuf};
+
+/// What can be wrong with a feed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OrbitError {
+    /// The file could not be read.
+    #[error("{}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
+    /// The file is too large to be a list of element sets.
+    #[error("{}: larger than {limit_mib} MiB, which no list of element sets is; cut out the satellites you need", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// The limit, MiB.
+        limit_mib: u64,
+    },
+    /// The file is not text.
+    #[error("{}:{line}: not text in UTF-8; an element set file is plain text", path.display())]
+    NotText {
+        /// The file.
+        path: PathBuf,
+        /// Line of the first byte that is not UTF-8, from 1.
+        line: usize,
+    },
+    /// No element set in the file.
+    #[error("{}: no element set in it; each is a line that begins with \"1 \" and one that begins with \"2 \"", path.display())]
+    NoElements {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A line of the file is wrong.
+    #[error("{}:{line}{}: {fault}", path.display(), At(*column))]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1, where one is meant.
+        column: Option<usize>,
+        /// What is wrong.
+        fault: LineFault,
+    },
+    /// No satellite of that name.
+    #[error("{}: no satellite {wanted:?} among its {count}; the nearest name is {nearest:?}", path.display())]
+    UnknownName {
+        /// The file.
+        path: PathBuf,
+        /// The name looked for.
+        wanted: String,
+        /// How many sets there are.
+        count: usize,
+        /// The most similar name.
+        nearest: String,
+    },
+    /// More than one set could be meant.
+    #[error("{}: {count} element sets{}: {}{}; {remedy}", path.display(), Answering(wanted.as_deref()), names.join(", "), if *count > names.len() { ", …" } else { "" })]
+    Ambiguous {
+        /// The file.
+        path: PathBuf,
+        /// The name looked for, if one was.
+        wanted: Option<String>,
+        /// How many sets there are to choose from.
+        count: usize,
+        /// The first of them, with catalogue number and line.
+        names: Vec<String>,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// SGP4 cannot start from these elements or fails at an epoch.
+    #[error("{}:{line}: SGP4 fails for {satellite} at {epoch}: {cause}; the orbit has decayed or the elements are spoilt: take a newer set, or a date nearer to its epoch", path.display())]
+    Sgp4 {
+        /// The file.
+        path: PathBuf,
+        /// Line of the set's line 1, from 1.
+        line: usize,
+        /// The satellite.
+        satellite: String,
+        /// When, UTC.
+        epoch: String,
+        /// SGP4's reason.
+        cause: String,
+    },
+    /// SGP4 puts the satellite below the ground: it has decayed by then.
+    #[error("{}:{line}: {satellite} has decayed by {epoch}: SGP4 puts it {depth_km:.0} km below the equatorial radius; take an earlier date or another satellite", path.display())]
+    Decayed {
+        /// The file.
+        path: PathBuf,
+        /// Line of the set's line 1, from 1.
+        line: usize,
+        /// The satellite.
+        satellite: String,
+        /// When, UTC.
+        epoch: String,
+        /// How far below 6378.135 km from the Earth's centre, kilometres.
+        depth_km: f64,
+    },
+    /// The epoch is outside the feed's validity.
+    #[error(
+        "{satellite} is not known at {epoch}: its elements hold from {first} to {last}; change the date or take elements of that time"
+    )]
+    OutOfReach {
+        /// The satellite.
+        satellite: String,
+        /// The epoch asked for, UTC.
+        epoch: String,
+        /// First epoch that the feed answers for, UTC.
+        first: String,
+        /// Last.
+        last: String,
+    },
+}
+
+/// What can be wrong with a line of an element set file.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LineFault {
+    /// Fewer than 69 characters.
+    #[error("short line: {length} characters where an element line has 69; copy the whole line")]
+    Short {
+        /// How many there are.
+        length: usize,
+    },
+    /// More than 69 characters.
+    #[error(
+        "long line: {length} characters where an element line has 69; remove what follows the checksum"
+    )]
+    Long {
+        /// How many there are.
+        length: usize,
+    },
+    /// An element line that does not begin in the first column.
+    #[error(
+        "the element line begins with a blank; its fields are found by column, so move it to the left margin"
+    )]
+    Indented,
+    /// Something that is not printable ASCII.
+    #[error("{character:?} cannot stand here; {expected}")]
+    Character {
+        /// The character.
+        character: char,
+        /// What can.
+        expected: &'static str,
+    },
+    /// A name line of a length that no name has.
+    #[error("neither an element line nor a name: {length} characters; names have at most {limit}")]
+    NameTooLong {
+        /// Its length in characters.
+        length: usize,
+        /// The limit.
+        limit: usize,
+    },
+    /// A line that looks like elements but has another line number than 1 or 2.
+    #[error("line number {digit:?} where an element line has 1 or 2")]
+    LineNumber {
+        /// What stands there.
+        digit: char,
+    },
+    /// Line 1 without a line 2 after it.
+    #[error("line 1 of a set is not followed by its line 2; put the two lines together")]
+    NoLine2,
+    /// Line 2 without a line 1 before it.
+    #[error("line 2 of a set has no line 1 before it; put the two lines together")]
+    NoLine1,
+    /// A name without a set.
+    #[error(
+        "{text:?} is neither an element line nor a name followed by an element set; begin a comment with #"
+    )]
+    NameAlone {
+        /// The line.
+        text: String,
+    },
+    /// The checksum does not fit.
+    #[error(
+        "bad checksum: the line sums to {expected} and ends in {found:?}; a character of it is wrong, copy it anew"
+    )]
+    Checksum {
+        /// Sum of the digits, with 1 for each minus sign, modulo 10.
+        expected: u32,
+        /// The last character.
+        found: char,
+    },
+    /// The two lines name different satellites.
+    #[error(
+        "mixed satellites: line 1 (line {line1} of the file) is of {catalogue1}, line 2 of {catalogue2}; put lines of one set together"
+    )]
+    Mixed {
+        /// Where line 1 is, from 1.
+        line1: usize,
+        /// Catalogue number on line 1.
+        catalogue1: String,
+        /// Catalogue number on line 2.
+        catalogue2: String,
+    },
+    /// A field is not what it should be.
+    #[error("{field} is {text:?}; expected {expected}")]
+    Field {
+        /// Name of the field.
+        field: &'static str,
+        /// What stands there.
+        text: String,
+        /// What should.
+        expected: &'static str,
+    },
+}
+
+impl OrbitError {
+    pub(super) fn line(
+        origin: &Path,
+        line: usize,
+        column: Option<usize>,
+        fault: LineFault,
+    ) -> Self {
+        Self::Line {
+            path: origin.to_owned(),
+            line,
+            column,
+            fault,
+        }
+    }
+}
+
+/// `:column`, or nothing.
+struct At(Option<usize>);
+
+impl std::fmt::Display for At {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.map_or(Ok(()), |column| write!(f, ":{column}"))
+    }
+}
+
+/// ` for "name"`, or nothing.
+struct Answering<'n>(Option<&'n str>);
+
+impl std::fmt::Display for Answering<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.map_or(Ok(()), |name| write!(f, " for {name:?}"))
+    }
+}

@@ -1,0 +1,45 @@
+//! Two-line elements: SGP4 against its published verification, real orbits against what is known of them, bad files.
+
+mod bad_input;
+mod track;
+mod verification;
+
+use std::path::Path;
+use terrella::frames::{Epoch, utc_from_rfc3339};
+use terrella::orbit::{OrbitError, TleFeed};
+
+/// The epoch that a test writes down.
+fn utc(text: &str) -> Epoch {
+    utc_from_rfc3339(text).unwrap()
+}
+
+/// A set of `config/orbits`.
+fn config(file: &str) -> TleFeed {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/orbits");
+    TleFeed::from_file(&folder.join(file), None).unwrap()
+}
+
+fn from_text(text: &str, name: Option<&str>) -> Result<TleFeed, OrbitError> {
+    TleFeed::from_text(text, Path::new("sets.tle"), name)
+}
+
+const ISS: [&str; 2] = [
+    "1 25544U 98067A   18020.89808844  .00002078  00000-0  38550-4 0  9992",
+    "2 25544  51.6424  32.9776 0003646  28.7227  39.5332 15.54190080 95614",
+];
+
+/// The line with other characters from column `first` (from 1) on and a checksum that fits.
+fn edited(line: &str, first: usize, characters: &str) -> String {
+    let mut line = line.to_owned();
+    line.replace_range(first - 1..first - 1 + characters.len(), characters);
+    with_checksum(&line)
+}
+
+fn with_checksum(line: &str) -> String {
+    let sum: u32 = line
+        .chars()
+        .take(68)
+        .map(|c| c.to_digit(10).unwrap_or(u32::from(c == '-')))
+        .sum();
+    format!("{}{}", &line[..68], sum % 10)
+}
