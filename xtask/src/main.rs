@@ -1,1 +1,107 @@
-fn main() {}
+//! Developer commands: `cargo xtask demo`, `cargo xtask test` and the checks that continuous integration runs.
+
+mod cargo;
+mod demo;
+mod licences;
+mod machine;
+mod prepare;
+mod process;
+mod single;
+mod starter_pack;
+mod test;
+mod vulkan;
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Developer commands of Terrella.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", version)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Build the program and make out/iss.png and out/iss.mp4; open the window if there is a display.
+    Demo {
+        #[command(flatten)]
+        install: Install,
+        /// Do not open the window at the end.
+        #[arg(long)]
+        no_window: bool,
+    },
+    /// Run the whole test suite.
+    Test {
+        #[command(flatten)]
+        install: Install,
+        /// Arguments for `cargo test`, and after another `--` for the test programs.
+        #[arg(last = true, value_name = "ARGS")]
+        arguments: Vec<String>,
+    },
+    /// Only install what building and drawing need on this machine.
+    Prepare {
+        #[command(flatten)]
+        install: Install,
+    },
+    /// Check the licences of all dependencies and that the large ones occur once.
+    Licences,
+    /// Make the pictures in textures/ from the source data.
+    StarterPack {
+        /// Folder with the source data.
+        #[arg(long, value_name = "DIR")]
+        data: PathBuf,
+        /// Folder to write to; textures/ of the repository by default.
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        /// Write nothing: compare what would be written with what is there.
+        #[arg(long)]
+        check: bool,
+    },
+}
+
+#[derive(Args)]
+struct Install {
+    /// Never install a package: say what is missing and stop.
+    #[arg(long)]
+    no_install: bool,
+}
+
+impl Install {
+    fn policy(&self) -> prepare::Policy {
+        if self.no_install {
+            prepare::Policy::Never
+        } else {
+            prepare::Policy::IfAllowed
+        }
+    }
+}
+
+fn run(command: Command) -> anyhow::Result<()> {
+    match command {
+        Command::Demo { install, no_window } => demo::run(install.policy(), !no_window),
+        Command::Test { install, arguments } => test::run(install.policy(), &arguments),
+        Command::Prepare { install } => prepare::run(install.policy(), prepare::Window::IfDisplay),
+        Command::Licences => licences::run(),
+        Command::StarterPack { data, out, check } => {
+            let out = out.unwrap_or_else(|| process::repository_root().join("textures"));
+            if check {
+                starter_pack::check(&data, &out)
+            } else {
+                starter_pack::run(&data, &out)
+            }
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    match run(Cli::parse().command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            process::exit_code(&error)
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! The house rules, held against the repository's own files.
+//!
+//! What clippy can hold, clippy holds (`[workspace.lints]`); here is what it cannot.
+
+mod repository;
+mod rooms;
+mod rules;
+mod source;
+
+use repository::Repository;
+use rules::Rule;
+
+/// Fails with one line for each violation.
+#[track_caller]
+fn none(violations: Vec<String>) {
+    assert!(
+        violations.is_empty(),
+        "{} violations:\n  {}\n",
+        violations.len(),
+        violations.join("\n  ")
+    );
+}
+
+/// Applies a rule to every source file of `src/`.
+#[track_caller]
+fn holds_in_src(rule: Rule) {
+    let files = Repository::open().rust_files("src");
+    assert!(!files.is_empty(), "no source file was found");
+    none(files.iter().flat_map(rule).collect());
+}
+
+#[test]
+fn rooms_use_only_rooms_before_them() {
+    let repository = Repository::open();
+    let exports = rooms::exports(&repository.rust_file("src/lib.rs"));
+    assert!(!exports.is_empty(), "src/lib.rs exports nothing");
+    let files = repository.rust_files("src");
+    none(
+        files
+            .iter()
+            .flat_map(|file| rooms::violations(file, &exports))
+            .collect(),
+    );
+}
+
+#[test]
+fn rooms_without_a_gpu_do_not_name_it() {
+    holds_in_src(rules::names_no_gpu);
+}
+
+#[test]
+fn gpu_objects_are_labelled() {
+    holds_in_src(rules::labels_gpu_objects);
+}
+
+#[test]
+fn nothing_is_left_unfinished() {
+    holds_in_src(rules::leaves_nothing_unfinished);
+}
+
+#[test]
+fn errors_of_the_library_are_typed() {
+    holds_in_src(rules::keeps_anyhow_in_the_command);
+}
+
+#[test]
+fn nothing_is_unwrapped() {
+    holds_in_src(rules::unwraps_nothing);
+}
+
+#[test]
+fn files_are_short() {
+    let repository = Repository::open();
+    let mut files = repository.rust_files("src");
+    files.extend(repository.rust_files("xtask/src"));
+    none(files.iter().flat_map(rules::is_short).collect());
+}
+
+#[test]
+fn every_scene_is_presented() {
+    let repository = Repository::open();
+    let scenes = repository.file_names("config", "toml");
+    let pages = [
+        repository.text("README.md"),
+        repository
+            .text_if_there("config/README.md")
+            .unwrap_or_default(),
+    ];
+    none(rules::unpresented(&scenes, &pages));
+}
+
+#[test]
+fn links_in_the_pages_lead_somewhere() {
+    let repository = Repository::open();
+    none(
+        repository
+            .pages()
+            .iter()
+            .flat_map(|page| rules::dead_links(page, &repository))
+            .collect(),
+    );
+}
+
+#[test]
+fn tracked_files_are_small() {
+    let Some(sizes) = Repository::open().tracked_sizes() else {
+        eprintln!(
+            "SKIPPED: sizes of tracked files were not checked, because this is no git checkout"
+        );
+        return;
+    };
+    none(rules::too_large(&sizes));
+}

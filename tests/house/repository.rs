@@ -1,0 +1,135 @@
+//! The repository's files.
+
+use crate::source::File;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A page of documentation.
+pub struct Page {
+    /// Path from the root, with `/`.
+    pub path: String,
+    /// Its text.
+    pub text: String,
+}
+
+/// The repository that this test was compiled in.
+pub struct Repository {
+    root: PathBuf,
+}
+
+impl Repository {
+    /// The repository at the package's folder.
+    pub fn open() -> Self {
+        let root = std::env::var_os("CARGO_MANIFEST_DIR")
+            .unwrap_or_else(|| env!("CARGO_MANIFEST_DIR").into());
+        Self { root: root.into() }
+    }
+
+    /// The text of a file that must be there.
+    pub fn text(&self, path: &str) -> String {
+        match fs::read_to_string(self.root.join(path)) {
+            Ok(text) => text,
+            Err(error) => panic!("{path} cannot be read: {error}"),
+        }
+    }
+
+    /// The text of a file that may be there.
+    pub fn text_if_there(&self, path: &str) -> Option<String> {
+        self.exists(path).then(|| self.text(path))
+    }
+
+    /// There is such a file or folder.
+    pub fn exists(&self, path: &str) -> bool {
+        self.root.join(path).exists()
+    }
+
+    /// One source file.
+    pub fn rust_file(&self, path: &str) -> File {
+        File::new(path, &self.text(path))
+    }
+
+    /// All source files below a folder, in the order of their paths.
+    pub fn rust_files(&self, folder: &str) -> Vec<File> {
+        let mut paths = Vec::new();
+        self.collect(Path::new(folder), &mut paths);
+        paths.retain(|path| path.ends_with(".rs"));
+        paths.sort();
+        paths.iter().map(|path| self.rust_file(path)).collect()
+    }
+
+    fn collect(&self, folder: &Path, paths: &mut Vec<String>) {
+        let entries = fs::read_dir(self.root.join(folder));
+        let entries = entries.unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+        for entry in entries {
+            let entry = entry.unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+            let path = folder.join(entry.file_name());
+            if entry.path().is_dir() {
+                self.collect(&path, paths);
+            } else {
+                paths.push(path.to_string_lossy().replace('\\', "/"));
+            }
+        }
+    }
+
+    /// Names of the files directly in a folder that end so. At least one must be there.
+    pub fn file_names(&self, folder: &str, extension: &str) -> Vec<String> {
+        let entries = fs::read_dir(self.root.join(folder));
+        let entries = entries.unwrap_or_else(|error| panic!("{folder}: {error}"));
+        let mut names: Vec<_> = entries
+            .flatten()
+            .filter(|entry| entry.path().extension().is_some_and(|e| e == extension))
+            .map(|entry| entry.file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        assert!(!names.is_empty(), "{folder} holds no .{extension}");
+        names
+    }
+
+    /// The pages at the top and those of the folders that have one.
+    pub fn pages(&self) -> Vec<Page> {
+        let top = self.file_names(".", "md");
+        let below = [
+            "config/README.md",
+            "textures/SOURCES.md",
+            "tests/goldens/README.md",
+        ];
+        let below = below.iter().map(|path| (*path).to_string());
+        top.into_iter()
+            .chain(below.filter(|path| self.exists(path)))
+            .map(|path| Page {
+                text: self.text(&path),
+                path,
+            })
+            .collect()
+    }
+
+    /// Path and size in bytes of every tracked file; `None` outside a git checkout.
+    pub fn tracked_sizes(&self) -> Option<Vec<(String, u64)>> {
+        if !self.exists(".git") {
+            return None;
+        }
+        let git = Command::new("git")
+            .arg("-C")
+            .arg(&self.root)
+            .args(["ls-files", "-z"])
+            .output();
+        let output = git.unwrap_or_else(|error| panic!("git cannot be started: {error}"));
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "git ls-files failed: {said}");
+        let paths = String::from_utf8_lossy(&output.stdout).into_owned();
+        let sizes: Vec<_> = paths
+            .split('\0')
+            .filter(|path| !path.is_empty())
+            // A tracked file may be deleted in the working tree: then it has no size any more.
+            .filter_map(|path| {
+                Some((
+                    path.to_string(),
+                    fs::metadata(self.root.join(path)).ok()?.len(),
+                ))
+            })
+            .collect();
+        assert!(!sizes.is_empty(), "git names no tracked file");
+        Some(sizes)
+    }
+}

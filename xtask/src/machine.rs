@@ -1,0 +1,209 @@
+//! What this machine has of what building and drawing need.
+
+use crate::vulkan::{Host, Vulkan};
+use std::ffi::OsString;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// Where a window would open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Display {
+    /// Nowhere.
+    None,
+    /// An X server.
+    X11,
+    /// A Wayland compositor.
+    Wayland,
+    /// The system always has one (Windows, macOS).
+    Native,
+}
+
+/// How packages can be installed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Installer {
+    /// apt-get as root.
+    Apt,
+    /// apt-get through `sudo`, which asks for no password.
+    AptThroughSudo,
+    /// apt-get is here, but only the user can become root.
+    AptForbidden,
+    /// Not a Debian-like system.
+    Unknown,
+}
+
+/// The state of the machine.
+#[derive(Clone, Debug)]
+pub struct Machine {
+    /// Drivers; `None` where the system brings its own graphics interface (Windows, macOS).
+    pub vulkan: Option<Vulkan>,
+    /// A C++ compiler is there (openh264 and the picture comparison of the tests are C++).
+    pub cxx: bool,
+    /// Where a window would open.
+    pub display: Display,
+    /// Debian names of the packages with libraries that a window opens at run time and that are missing.
+    pub window_packages: Vec<&'static str>,
+    /// How packages can be installed.
+    pub installer: Installer,
+}
+
+/// Library and the Debian package that has it: what winit and wgpu open at run time on X11.
+const X11_LIBRARIES: &[(&str, &str)] = &[
+    ("libX11.so.6", "libx11-6"),
+    ("libX11-xcb.so.1", "libx11-xcb1"),
+    ("libXcursor.so.1", "libxcursor1"),
+    ("libXi.so.6", "libxi6"),
+    ("libxkbcommon.so.0", "libxkbcommon0"),
+    ("libxkbcommon-x11.so.0", "libxkbcommon-x11-0"),
+];
+
+/// The same on Wayland.
+const WAYLAND_LIBRARIES: &[(&str, &str)] = &[
+    ("libwayland-client.so.0", "libwayland-client0"),
+    ("libwayland-egl.so.1", "libwayland-egl1"),
+    ("libxkbcommon.so.0", "libxkbcommon0"),
+];
+
+/// Where a window would open, from the environment.
+pub fn display(env: &dyn Fn(&str) -> Option<OsString>) -> Display {
+    let set = |name: &str| env(name).is_some_and(|value| !value.is_empty());
+    if !cfg!(target_os = "linux") {
+        Display::Native
+    } else if set("WAYLAND_DISPLAY") {
+        Display::Wayland
+    } else if set("DISPLAY") {
+        Display::X11
+    } else {
+        Display::None
+    }
+}
+
+impl Machine {
+    /// Looks at the machine. Nothing is changed.
+    pub fn look() -> Self {
+        let env = |name: &str| std::env::var_os(name);
+        let host = Host {
+            root: Path::new("/"),
+            env: &env,
+        };
+        let display = display(&env);
+        let linux = cfg!(target_os = "linux");
+        Self {
+            vulkan: linux.then(|| host.vulkan()),
+            // Elsewhere the compiler comes with the linker that has just built this program.
+            cxx: !linux || has_cxx(),
+            display,
+            window_packages: missing(display, &|library| host.has_library(library)),
+            installer: if linux {
+                installer()
+            } else {
+                Installer::Unknown
+            },
+        }
+    }
+}
+
+fn missing(display: Display, has: &dyn Fn(&str) -> bool) -> Vec<&'static str> {
+    let libraries = match display {
+        Display::X11 => X11_LIBRARIES,
+        Display::Wayland => WAYLAND_LIBRARIES,
+        Display::None | Display::Native => &[],
+    };
+    libraries
+        .iter()
+        .filter(|(library, _)| !has(library))
+        .map(|(_, package)| *package)
+        .collect()
+}
+
+/// The program can be started and ends well.
+fn works(program: &str, arguments: &[&str]) -> bool {
+    Command::new(program)
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status()
+        .is_ok_and(|status| status.success())
+}
+
+/// The compiler that the `cc` crate would call.
+fn has_cxx() -> bool {
+    match std::env::var("CXX") {
+        // The variable may hold a wrapper or options too.
+        Ok(chosen) if !chosen.trim().is_empty() => chosen
+            .split_whitespace()
+            .next()
+            .is_some_and(|program| works(program, &["--version"])),
+        _ => works("c++", &["--version"]),
+    }
+}
+
+fn installer() -> Installer {
+    let release = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
+    if !is_debian_like(&release) || !works("apt-get", &["--version"]) {
+        return Installer::Unknown;
+    }
+    let is_root = Command::new("id")
+        .arg("-u")
+        .output()
+        .is_ok_and(|output| output.stdout.trim_ascii() == b"0");
+    if is_root {
+        Installer::Apt
+    } else if works("sudo", &["-n", "true"]) {
+        Installer::AptThroughSudo
+    } else {
+        Installer::AptForbidden
+    }
+}
+
+/// By the ID and ID_LIKE lines of os-release(5).
+fn is_debian_like(os_release: &str) -> bool {
+    os_release
+        .lines()
+        .filter_map(|line| line.split_once('='))
+        .filter(|(key, _)| matches!(*key, "ID" | "ID_LIKE"))
+        .flat_map(|(_, value)| value.trim_matches(['"', '\'']).split_whitespace())
+        .any(|id| id == "debian" || id == "ubuntu")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn debian_and_its_children_are_known() {
+        assert!(is_debian_like("NAME=\"Debian\"\nID=debian\n"));
+        assert!(is_debian_like("ID=linuxmint\nID_LIKE=\"ubuntu debian\"\n"));
+        assert!(!is_debian_like("ID=fedora\nVARIANT=debian\n"));
+        assert!(!is_debian_like(""));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn an_empty_variable_is_no_display() {
+        let env = |pairs: &'static [(&str, &str)]| {
+            move |name: &str| {
+                pairs
+                    .iter()
+                    .find(|(key, _)| *key == name)
+                    .map(|(_, value)| OsString::from(value))
+            }
+        };
+        assert_eq!(display(&env(&[])), Display::None);
+        assert_eq!(display(&env(&[("DISPLAY", "")])), Display::None);
+        assert_eq!(display(&env(&[("DISPLAY", ":0")])), Display::X11);
+        let both = env(&[("DISPLAY", ":0"), ("WAYLAND_DISPLAY", "wayland-0")]);
+        assert_eq!(display(&both), Display::Wayland);
+    }
+
+    #[test]
+    fn only_what_the_display_opens_is_missed() {
+        assert_eq!(missing(Display::None, &|_| false), [""; 0]);
+        assert_eq!(missing(Display::X11, &|_| true), [""; 0]);
+        assert_eq!(
+            missing(Display::X11, &|library| library != "libXi.so.6"),
+            ["libxi6"]
+        );
+        assert!(missing(Display::Wayland, &|_| false).contains(&"libwayland-client0"));
+    }
+}

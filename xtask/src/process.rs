@@ -1,0 +1,136 @@
+//! Running other programs: one line said for each, exit codes passed on.
+
+use anyhow::Context;
+use std::fmt;
+use std::path::PathBuf;
+use std::process::{Command, ExitCode, ExitStatus};
+
+/// The folder that holds the workspace's `Cargo.toml`.
+pub fn repository_root() -> PathBuf {
+    // Cargo says at run time where this package is; the place it was compiled at may have been moved since.
+    let package = std::env::var_os("CARGO_MANIFEST_DIR")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from);
+    match package.parent() {
+        Some(root) => root.to_path_buf(),
+        None => package,
+    }
+}
+
+/// Says one step in one line.
+pub fn say(line: impl fmt::Display) {
+    println!("xtask: {line}");
+}
+
+/// A program that ran and did not succeed. Its exit code becomes ours.
+#[derive(Debug)]
+pub struct ChildFailed {
+    what: String,
+    status: ExitStatus,
+}
+
+impl ChildFailed {
+    pub fn new(what: impl Into<String>, status: ExitStatus) -> Self {
+        Self {
+            what: what.into(),
+            status,
+        }
+    }
+
+    fn code(&self) -> u8 {
+        #[cfg(unix)]
+        if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&self.status) {
+            // The shells' convention for a program that a signal ended.
+            return u8::try_from(128 + signal).unwrap_or(1);
+        }
+        // A code above 255 exists on Windows only.
+        self.status
+            .code()
+            .and_then(|code| u8::try_from(code).ok())
+            .filter(|code| *code != 0)
+            .unwrap_or(1)
+    }
+}
+
+impl fmt::Display for ChildFailed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "`{}` failed ({})", self.what, self.status)
+    }
+}
+
+impl std::error::Error for ChildFailed {}
+
+/// The exit code for an error: the failed program's own, else 1.
+pub fn exit_code(error: &anyhow::Error) -> ExitCode {
+    match error.downcast_ref::<ChildFailed>() {
+        Some(child) => ExitCode::from(child.code()),
+        None => ExitCode::FAILURE,
+    }
+}
+
+/// A command as a person would type it.
+pub fn shown(command: &Command) -> String {
+    std::iter::once(command.get_program())
+        .chain(command.get_args())
+        .map(|word| {
+            let word = word.to_string_lossy();
+            if word.is_empty() || word.contains(char::is_whitespace) {
+                format!("'{word}'")
+            } else {
+                word.into_owned()
+            }
+        })
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// Says the command, runs it with our own input and output, and fails as it fails.
+pub fn run(command: &mut Command) -> anyhow::Result<()> {
+    let what = shown(command);
+    say(&what);
+    let status = command
+        .status()
+        .with_context(|| format!("cannot start `{what}`"))?;
+    if status.success() {
+        Ok(())
+    } else {
+        Err(ChildFailed::new(what, status).into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_root_holds_the_workspace() {
+        let text = std::fs::read_to_string(repository_root().join("Cargo.toml")).unwrap();
+        assert!(text.contains("[workspace]"));
+    }
+
+    #[test]
+    fn a_command_is_shown_as_typed() {
+        let mut command = Command::new("cargo");
+        command.args(["test", "two words"]);
+        assert_eq!(shown(&command), "cargo test 'two words'");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn exit_codes_are_passed_on() {
+        for (script, expected) in [("exit 2", 2), ("exit 101", 101), ("kill -KILL $$", 137)] {
+            let error = run(Command::new("sh").args(["-c", script])).unwrap_err();
+            assert_eq!(exit_code(&error), ExitCode::from(expected), "{script}");
+            // Context added on the way up must not lose the code.
+            let wrapped = error.context("while testing");
+            assert_eq!(exit_code(&wrapped), ExitCode::from(expected), "{script}");
+        }
+        assert_eq!(exit_code(&anyhow::anyhow!("other")), ExitCode::FAILURE);
+        run(Command::new("sh").args(["-c", "exit 0"])).unwrap();
+    }
+
+    #[test]
+    fn a_missing_program_is_named() {
+        let error = run(&mut Command::new("no-such-program-here")).unwrap_err();
+        assert!(format!("{error:#}").contains("no-such-program-here"));
+    }
+}
