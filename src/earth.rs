@@ -4,20 +4,10 @@ use crate::air::{Atmosphere, Billboard, EARTH_AIR};
 use crate::frames::{Epoch, Geodetic, sun_direction_itrf};
 pub use crate::globe::Shading;
 use crate::globe::{BlockGrid, Figure, SubdivisionError, Visibility, select_blocks};
+pub use crate::gpu::DepthBuffer;
 use crate::gpu::{AirDrawable, Frame, PassFormat, ShaderError, SurfaceDrawable, SurfaceParts};
 use crate::imagery::{EarthLayers, ImageryError};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4, Vec3};
-
-/// The depth buffer of the pass that the Earth is drawn in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DepthBuffer {
-    /// The pass has none: the Earth is drawn over what is there already.
-    None,
-    /// Nearer is larger (clear to 0). The one to choose: it keeps precision to the horizon.
-    ReversedZ(wgpu::TextureFormat),
-    /// Nearer is smaller (clear to 1).
-    StandardZ(wgpu::TextureFormat),
-}
 
 /// What is fixed when an Earth is made.
 #[derive(Clone, Debug)]
