@@ -1,1 +1,44 @@
 //! Playing a scene: clock, cameras, window, stills and video.
+//!
+//! [`Flight`] is a scene made ready; at any instant it gives a [`Moment`]: where the eye is and what lights the Earth.
+//! A [`Picture`] draws moments without a display. Three ways lead out: [`write_still`], [`export`] (frames and video)
+//! and [`play_in_window`].
+//!
+//! | file | what |
+//! |---|---|
+//! | `clock` | simulated time, exact frame instants |
+//! | `camera` | the four cameras, pure functions |
+//! | `flight` | scene and orbit to moments |
+//! | `picture`, `still`, `stats`, `export`, `video/` | pictures, their numbers, films |
+//! | `destination` | files that are whole or not there |
+//! | `window`, `stage`, `surface`, `overlay`, `panel`, `controls`, `keys` | the window |
+
+pub mod camera;
+pub mod clock;
+mod controls;
+mod destination;
+mod error;
+mod export;
+mod flight;
+mod keys;
+mod overlay;
+mod panel;
+mod picture;
+mod progress;
+mod stage;
+mod stats;
+mod still;
+mod surface;
+mod video;
+mod window;
+
+pub use destination::OutputError;
+pub use error::PlayError;
+pub use export::{ExportRequest, export};
+pub use flight::{Flight, Moment, Satellite, ViewRequest};
+pub use picture::{Measured, Picture};
+pub use progress::Progress;
+pub use stats::{Eye, Stats, SubsolarPoint};
+pub use still::{StillRequest, write_still};
+pub use video::{EncoderChoice, VideoError};
+pub use window::{WindowError, WindowRequest, play_in_window};

@@ -1,0 +1,164 @@
+//! The command line: what can be asked, where logs and errors go, exit codes. Everything else is the library's.
+
+mod check;
+mod doctor;
+mod frame;
+mod play;
+mod progress;
+mod values;
+
+use clap::{Args, Parser, Subcommand};
+use std::io::{IsTerminal, Write};
+use std::process::ExitCode;
+use terrella::play::PlayError;
+use terrella::scene::SceneError;
+
+/// Exit code of a bad scene, and of bad usage (clap's own).
+const BAD_SCENE: u8 = 2;
+/// Exit code of every other failure.
+const FAILED: u8 = 1;
+
+/// A realistic Earth seen from a satellite.
+#[derive(Debug, Parser)]
+#[command(name = "terrella", version, about, max_term_width = 100)]
+#[command(after_help = "Exit codes: 0 done, 2 bad scene or bad usage, 1 any other failure.")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// What every command takes.
+#[derive(Clone, Debug, Args)]
+struct Common {
+    /// Tell more on standard error; twice for all. The variable RUST_LOG says it in detail
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    verbose: u8,
+    /// Tell nothing but errors, and show no progress
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Draw with the best adapter whose name contains this (see `terrella doctor`)
+    #[arg(long, global = true, value_name = "NAME")]
+    adapter: Option<String>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Play a scene in a window, or write it as frames or video
+    Play(play::PlayArgs),
+    /// Write one picture of a scene
+    Frame(frame::FrameArgs),
+    /// Check a scene and say what it uses and leaves out
+    Check(check::CheckArgs),
+    /// List the graphics adapters, what each can do and what is dropped on it
+    Doctor,
+}
+
+/// Runs the command that the arguments name.
+pub fn run() -> ExitCode {
+    // Bad usage ends here with clap's message and exit code 2.
+    let cli = Cli::parse();
+    log_to_stderr(&cli.common);
+    let common = &cli.common;
+    let done = match &cli.command {
+        Command::Play(args) => play::run(args, common),
+        Command::Frame(args) => frame::run(args, common),
+        Command::Check(args) => check::run(args, common),
+        Command::Doctor => doctor::run(common),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let mut stderr = std::io::stderr().lock();
+            // Nobody is left to tell if standard error is closed.
+            let _ = writeln!(stderr, "error: {}", message(&error));
+            ExitCode::from(exit_code(&error))
+        }
+    }
+}
+
+/// The error and its causes on one line; most messages name their cause already, and none is told twice.
+fn message(error: &anyhow::Error) -> String {
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1) {
+        let cause = cause.to_string();
+        if !text.contains(&cause) {
+            text.push_str(": ");
+            text.push_str(&cause);
+        }
+    }
+    text
+}
+
+fn exit_code(error: &anyhow::Error) -> u8 {
+    let bad_scene = error.chain().any(|cause| {
+        let play = cause.downcast_ref::<PlayError>();
+        cause.is::<SceneError>() || play.is_some_and(PlayError::is_bad_scene)
+    });
+    if bad_scene { BAD_SCENE } else { FAILED }
+}
+
+fn log_to_stderr(common: &Common) {
+    use tracing_subscriber::EnvFilter;
+    let default = match (common.quiet, common.verbose) {
+        (true, _) => "error",
+        (false, 0) => "warn",
+        // wgpu's own news are for its developers.
+        (false, 1) => "warn,terrella=info",
+        (false, _) => "info,terrella=debug",
+    };
+    let filter = match std::env::var("RUST_LOG") {
+        Ok(directives) => EnvFilter::try_new(&directives).unwrap_or_else(|error| {
+            eprintln!("warning: RUST_LOG={directives:?} is not understood: {error}");
+            EnvFilter::new(default)
+        }),
+        Err(_) => EnvFilter::new(default),
+    };
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal())
+        .without_time()
+        .init();
+}
+
+/// Prints to standard output; a reader that has gone away (`| head`) is not a failure.
+fn print(text: &str) -> anyhow::Result<()> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arguments_hold_together() {
+        use clap::CommandFactory;
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn causes_are_told_once() {
+        let cause = || std::io::Error::other("disk full");
+        let plain = anyhow::Error::from(cause()).context("writing a.png");
+        assert_eq!(message(&plain), "writing a.png: disk full");
+        let named = anyhow::Error::from(cause()).context("a.png: disk full; make room");
+        assert_eq!(message(&named), "a.png: disk full; make room");
+    }
+
+    #[test]
+    fn a_bad_scene_is_told_from_a_bad_machine() {
+        let scene = terrella::scene::Scene::from_toml("[camera]\nfov_deg = 0\n", "x.toml".as_ref());
+        let error = scene.expect_err("a bad scene");
+        assert_eq!(exit_code(&anyhow::Error::from(error)), BAD_SCENE);
+        let scene = terrella::scene::Scene::from_toml("[x]\n", "x.toml".as_ref());
+        let error = PlayError::from(scene.expect_err("a bad scene"));
+        assert_eq!(exit_code(&anyhow::Error::from(error)), BAD_SCENE);
+        let lost = PlayError::DeviceLost("test".into());
+        assert_eq!(exit_code(&anyhow::Error::from(lost)), FAILED);
+    }
+}

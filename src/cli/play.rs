@@ -1,0 +1,72 @@
+//! `terrella play`
+
+use super::Common;
+use super::progress::Bars;
+use super::values;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+use terrella::play::{EncoderChoice, ExportRequest, Flight, WindowRequest, export, play_in_window};
+use terrella::scene::Scene;
+
+/// Arguments of `terrella play`.
+#[derive(Debug, Args)]
+pub struct PlayArgs {
+    /// The scene file
+    scene: PathBuf,
+    /// Write every frame as a PNG into this folder instead of opening a window
+    #[arg(long, value_name = "FOLDER")]
+    frames: Option<PathBuf>,
+    /// With --frames: take a folder that is not empty, and replace frames in it
+    #[arg(long, requires = "frames")]
+    overwrite: bool,
+    /// Write an MP4 video (H.264) instead of opening a window
+    #[arg(long, value_name = "FILE.mp4")]
+    video: Option<PathBuf>,
+    /// With --video: what encodes it
+    #[arg(long, value_enum, default_value_t = Encoder::Auto, requires = "video")]
+    encoder: Encoder,
+    /// Width and height in pixels, instead of the scene's
+    #[arg(long, value_name = "WxH", value_parser = values::size)]
+    size: Option<(u32, u32)>,
+    /// Close the window by itself after so many seconds
+    #[arg(long, value_name = "N", value_parser = values::seconds, conflicts_with_all = ["frames", "video"])]
+    for_seconds: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Encoder {
+    /// ffmpeg with libx264 if it is installed, else the built-in one
+    Auto,
+    /// ffmpeg with libx264
+    Ffmpeg,
+    /// The built-in one (OpenH264), up to 3840x2160
+    Builtin,
+}
+
+/// Runs it.
+pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
+    let flight = Flight::open(Scene::load(&args.scene)?)?;
+    let bars = Bars::new(common.quiet);
+    let adapter = common.adapter.as_deref();
+    if args.frames.is_none() && args.video.is_none() {
+        let request = WindowRequest {
+            adapter,
+            size: args.size,
+            for_seconds: args.for_seconds,
+        };
+        return Ok(play_in_window(&flight, &request, &bars)?);
+    }
+    let request = ExportRequest {
+        frames: args.frames.as_deref(),
+        overwrite: args.overwrite,
+        video: args.video.as_deref(),
+        encoder: match args.encoder {
+            Encoder::Auto => EncoderChoice::Auto,
+            Encoder::Ffmpeg => EncoderChoice::Ffmpeg,
+            Encoder::Builtin => EncoderChoice::Builtin,
+        },
+        size: args.size,
+        adapter,
+    };
+    Ok(export(&flight, &request, &bars)?)
+}

@@ -1,0 +1,73 @@
+//! Values of options, read from their text. What clap is told here it reports with the option's name and exit code 2.
+
+use terrella::frames::{Epoch, utc_from_rfc3339};
+use terrella::scene::limits::SIDE_PX;
+
+/// `1280x720`.
+pub fn size(text: &str) -> Result<(u32, u32), String> {
+    let sides = text.split_once(['x', 'X', '×']);
+    let side = |text: &str| text.trim().parse::<u32>().ok();
+    match sides.map(|(width, height)| (side(width), side(height))) {
+        Some((Some(width), Some(height))) => {
+            for (name, side) in [("width", width), ("height", height)] {
+                if !SIDE_PX.contains(&i64::from(side)) {
+                    return Err(format!(
+                        "the {name} is {side}; it must be from {} to {} pixels",
+                        SIDE_PX.start(),
+                        SIDE_PX.end()
+                    ));
+                }
+            }
+            Ok((width, height))
+        }
+        _ => Err("write it as WIDTHxHEIGHT in pixels, for example 1280x720".into()),
+    }
+}
+
+/// An RFC 3339 instant.
+pub fn instant(text: &str) -> Result<Epoch, String> {
+    utc_from_rfc3339(text).map_err(|error| error.to_string())
+}
+
+/// Seconds of the wall clock, more than none and at most a day.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= 86_400.0 => Ok(seconds),
+        _ => Err("it must be a number of seconds, more than 0 and at most 86400".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes() {
+        assert_eq!(size("1280x720"), Ok((1280, 720)));
+        assert_eq!(size("64X36"), Ok((64, 36)));
+        for bad in [
+            "",
+            "x",
+            "12",
+            "0x10",
+            "10x0",
+            "-1x5",
+            "1e3x5",
+            "100000x10",
+            "99999999999x1",
+        ] {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+        assert!(size("0x10").is_err_and(|words| words.contains("width")));
+    }
+
+    #[test]
+    fn instants_and_seconds() {
+        assert!(instant("2018-01-15T12:00:00Z").is_ok());
+        assert!(instant("yesterday").is_err());
+        assert_eq!(seconds("2.5"), Ok(2.5));
+        for bad in ["0", "-1", "nan", "inf", "1e9", ""] {
+            assert!(seconds(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,367 @@
+//! Files that are whole or not there.
+//!
+//! A file is written under a temporary name in its own folder and renamed when it is complete, so that its final name
+//! never holds half of it, whatever stops the program. The temporary file is made before anything is drawn: a folder
+//! that cannot be written to is found at once and not after an hour.
+
+use image::{ImageEncoder, RgbaImage};
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use tempfile::TempPath;
+
+/// Why something cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OutputError {
+    /// Another kind of file than its name says.
+    #[error("{}: {what} are written as .{extension}; name it {}", path.display(), path.with_extension(extension).display())]
+    Extension {
+        /// The name asked for.
+        path: PathBuf,
+        /// What is to be written.
+        what: &'static str,
+        /// The extension it has.
+        extension: &'static str,
+    },
+    /// The folder is not there.
+    #[error("{}: cannot be written: there is no folder {}; make it first", path.display(), folder.display())]
+    NoFolder {
+        /// The file.
+        path: PathBuf,
+        /// Its folder.
+        folder: PathBuf,
+    },
+    /// The path is taken by something that is not a file.
+    #[error("{}: cannot be written: {found} of that name is in the way; choose another name", path.display())]
+    InTheWay {
+        /// The path.
+        path: PathBuf,
+        /// What it is.
+        found: &'static str,
+    },
+    /// A file of that name is write-protected.
+    #[error("{}: cannot be written: the file there is write-protected; choose another name or allow writing", path.display())]
+    Protected {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The folder for frames holds something already.
+    #[error("{}: is not empty; choose another folder, or give --overwrite to replace frames in it", path.display())]
+    NotEmpty {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The system refuses.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
+    /// A picture could not be encoded.
+    #[error("{}: the picture could not be encoded: {source}", path.display())]
+    Encode {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: image::ImageError,
+    },
+}
+
+/// A file on its way: it exists under a temporary name beside its final one, and vanishes if it is not committed.
+#[derive(Debug)]
+pub struct PendingFile {
+    temporary: TempPath,
+    target: PathBuf,
+}
+
+impl PendingFile {
+    /// Makes the temporary file. `what` are the things that are written with `extension`, for the message.
+    pub fn create(
+        target: &Path,
+        what: &'static str,
+        extension: &'static str,
+    ) -> Result<Self, OutputError> {
+        let fits = target
+            .extension()
+            .is_some_and(|given| given.eq_ignore_ascii_case(extension));
+        if target.is_dir() {
+            return Err(OutputError::InTheWay {
+                path: target.into(),
+                found: "a folder",
+            });
+        }
+        if !fits {
+            return Err(OutputError::Extension {
+                path: target.into(),
+                what,
+                extension,
+            });
+        }
+        if let Ok(found) = std::fs::metadata(target) {
+            if !found.is_file() {
+                return Err(OutputError::InTheWay {
+                    path: target.into(),
+                    found: "something that is not a file",
+                });
+            }
+            if found.permissions().readonly() {
+                return Err(OutputError::Protected {
+                    path: target.into(),
+                });
+            }
+        }
+        let folder = match target.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        if !folder.is_dir() {
+            return Err(OutputError::NoFolder {
+                path: target.into(),
+                folder: folder.into(),
+            });
+        }
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".terrella-").suffix(".part");
+        // Not the 0600 of a secret: what any new file gets under the user's mask.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let temporary = builder
+            .tempfile_in(folder)
+            .map_err(|source| OutputError::Write {
+                path: target.into(),
+                source,
+            })?;
+        Ok(Self {
+            temporary: temporary.into_temp_path(),
+            target: target.into(),
+        })
+    }
+
+    /// The final name.
+    pub fn target(&self) -> &Path {
+        &self.target
+    }
+
+    /// The temporary name, for programs that write by name.
+    pub fn temporary(&self) -> &Path {
+        &self.temporary
+    }
+
+    /// Opens the temporary file for writing.
+    pub fn open(&self) -> Result<BufWriter<File>, OutputError> {
+        match File::options().write(true).open(&self.temporary) {
+            Ok(file) => Ok(BufWriter::new(file)),
+            Err(source) => Err(self.write_error(source)),
+        }
+    }
+
+    /// Writes all of the file and gives it its name.
+    pub fn write_whole(self, contents: &[u8]) -> Result<(), OutputError> {
+        let mut file = self.open()?;
+        file.write_all(contents)
+            .and_then(|()| file.flush())
+            .map_err(|source| self.write_error(source))?;
+        self.commit()
+    }
+
+    /// Writes a picture as PNG and gives the file its name. Space is opaque: the alpha channel is not kept.
+    pub fn write_png(self, picture: &RgbaImage) -> Result<(), OutputError> {
+        let file = self.open()?;
+        let (width, height) = picture.dimensions();
+        let rgb: Vec<u8> = picture.pixels().flat_map(|p| [p[0], p[1], p[2]]).collect();
+        image::codecs::png::PngEncoder::new(file)
+            .write_image(&rgb, width, height, image::ExtendedColorType::Rgb8)
+            .map_err(|source| OutputError::Encode {
+                path: self.target.clone(),
+                source,
+            })?;
+        self.commit()
+    }
+
+    /// Gives the complete file its name, replacing what had it.
+    pub fn commit(self) -> Result<(), OutputError> {
+        let Self { temporary, target } = self;
+        temporary
+            .persist(&target)
+            .map_err(|error| OutputError::Write {
+                path: target,
+                source: error.error,
+            })
+    }
+
+    fn write_error(&self, source: std::io::Error) -> OutputError {
+        OutputError::Write {
+            path: self.target.clone(),
+            source,
+        }
+    }
+}
+
+/// A folder of numbered frames.
+#[derive(Debug)]
+pub struct FrameFolder {
+    folder: PathBuf,
+    digits: usize,
+}
+
+impl FrameFolder {
+    /// Makes the folder, or takes an empty one, or with `overwrite` one with files in it, and tries to write there.
+    ///
+    /// Overwriting replaces frames of the same number and touches nothing else.
+    pub fn open(folder: &Path, frame_count: u64, overwrite: bool) -> Result<Self, OutputError> {
+        let refused = |source| OutputError::Write {
+            path: folder.into(),
+            source,
+        };
+        if folder.exists() && !folder.is_dir() {
+            return Err(OutputError::InTheWay {
+                path: folder.into(),
+                found: "a file",
+            });
+        }
+        std::fs::create_dir_all(folder).map_err(refused)?;
+        let last = frame_count.saturating_sub(1);
+        let frames = Self {
+            folder: folder.into(),
+            digits: last.to_string().len().max(5),
+        };
+        let mut entries = std::fs::read_dir(folder).map_err(refused)?;
+        if !overwrite && entries.next().is_some() {
+            return Err(OutputError::NotEmpty {
+                path: folder.into(),
+            });
+        }
+        if overwrite && frames.path(frame_count).exists() {
+            tracing::warn!(
+                "{} holds frames of a longer film; those from {} on stay",
+                folder.display(),
+                frames.path(frame_count).display()
+            );
+        }
+        // Shows whether files can be made there.
+        frames.pending(0)?;
+        Ok(frames)
+    }
+
+    /// The file of a frame: `frame_00000.png` and on, with as many digits as the last one needs.
+    pub fn path(&self, index: u64) -> PathBuf {
+        self.folder
+            .join(format!("frame_{index:0digits$}.png", digits = self.digits))
+    }
+
+    /// Begins the file of a frame.
+    pub fn pending(&self, index: u64) -> Result<PendingFile, OutputError> {
+        PendingFile::create(&self.path(index), "frames", "png")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = std::fs::read_dir(folder).expect("a folder");
+        let mut names: Vec<_> = entries
+            .map(|entry| {
+                entry
+                    .expect("an entry")
+                    .file_name()
+                    .into_string()
+                    .expect("UTF-8")
+            })
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_file_appears_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let target = folder.path().join("a.png");
+        let pending = PendingFile::create(&target, "pictures", "png").expect("writable");
+        assert!(!target.exists());
+        pending
+            .open()
+            .expect("opens")
+            .write_all(b"half")
+            .expect("writes");
+        drop(pending);
+        assert!(
+            names(folder.path()).is_empty(),
+            "{:?}",
+            names(folder.path())
+        );
+
+        std::fs::write(&target, b"old").expect("writes");
+        let pending = PendingFile::create(&target, "pictures", "png").expect("writable");
+        assert_eq!(std::fs::read(&target).expect("reads"), b"old");
+        pending.write_whole(b"new").expect("commits");
+        assert_eq!(std::fs::read(&target).expect("reads"), b"new");
+        assert_eq!(names(folder.path()), ["a.png"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_is_as_readable_as_any_other() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().expect("a folder");
+        let (ours, plain) = (folder.path().join("a.png"), folder.path().join("b"));
+        let pending = PendingFile::create(&ours, "pictures", "png").expect("writable");
+        pending.commit().expect("commits");
+        std::fs::write(&plain, b"").expect("writes");
+        let mode = |path: &Path| std::fs::metadata(path).expect("there").permissions().mode();
+        assert_eq!(mode(&ours), mode(&plain));
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_refused_before() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        let refusal = |path: PathBuf| {
+            PendingFile::create(&path, "pictures", "png")
+                .expect_err("refused")
+                .to_string()
+        };
+        assert!(refusal(at("missing/a.png")).contains("make it first"));
+        let jpg = refusal(at("a.jpg"));
+        assert!(jpg.contains(".png") && jpg.contains("a.png"), "{jpg}");
+        std::fs::create_dir(at("b.png")).expect("makes");
+        assert!(refusal(at("b.png")).contains("a folder"));
+        std::fs::write(at("file"), b"").expect("writes");
+        assert!(refusal(at("file/c.png")).contains("no folder"));
+        std::fs::write(at("d.png"), b"").expect("writes");
+        let mut rights = std::fs::metadata(at("d.png")).expect("there").permissions();
+        rights.set_readonly(true);
+        std::fs::set_permissions(at("d.png"), rights).expect("sets");
+        assert!(refusal(at("d.png")).contains("write-protected"));
+        assert_eq!(names(folder.path()), ["b.png", "d.png", "file"]);
+    }
+
+    #[test]
+    fn frames_go_into_an_empty_folder() {
+        let root = tempfile::tempdir().expect("a folder");
+        let folder = root.path().join("new/frames");
+        let frames = FrameFolder::open(&folder, 3, false).expect("made");
+        assert!(frames.path(0).ends_with("frame_00000.png"));
+        assert!(names(&folder).is_empty());
+        frames
+            .pending(2)
+            .expect("begins")
+            .write_whole(b"x")
+            .expect("writes");
+        assert!(matches!(
+            FrameFolder::open(&folder, 3, false),
+            Err(OutputError::NotEmpty { .. })
+        ));
+        FrameFolder::open(&folder, 3, true).expect("overwrites");
+        let many = FrameFolder::open(&root.path().join("many"), 1_000_000, false).expect("made");
+        assert!(many.path(7).ends_with("frame_000007.png"));
+        assert!(matches!(
+            FrameFolder::open(&folder.join("frame_00002.png"), 3, false),
+            Err(OutputError::InTheWay { .. })
+        ));
+    }
+}

@@ -1,0 +1,110 @@
+//! What can go wrong between a scene and a picture.
+
+use super::destination::OutputError;
+use super::video::VideoError;
+use super::window::WindowError;
+use crate::EarthError;
+use crate::gpu::{ContextError, PictureError};
+use crate::imagery::ImageryError;
+use crate::orbit::OrbitError;
+use crate::scene::SceneError;
+
+/// What can go wrong between a scene and a picture. The messages are those of the rooms they come from.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PlayError {
+    /// The scene.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The orbit's elements, or SGP4 at some instant.
+    #[error(transparent)]
+    Orbit(#[from] OrbitError),
+    /// The maps.
+    #[error(transparent)]
+    Imagery(#[from] ImageryError),
+    /// The renderer.
+    #[error(transparent)]
+    Earth(#[from] EarthError),
+    /// The adapter.
+    #[error(transparent)]
+    Context(#[from] ContextError),
+    /// Reading a picture back.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// Writing files.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// Encoding video.
+    #[error(transparent)]
+    Video(#[from] VideoError),
+    /// The window.
+    #[error(transparent)]
+    Window(#[from] WindowError),
+    /// A camera at a satellite, and no satellite.
+    #[error("this camera flies with a satellite and the scene has none; give it an [orbit] table")]
+    NoSatellite,
+    /// The picture is larger than the adapter draws.
+    #[error(
+        "a picture of {width} × {height} pixels is larger than {adapter} draws, at most {limit} pixels a side; \
+         take a smaller size"
+    )]
+    TooLarge {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+        /// The adapter.
+        adapter: String,
+        /// Its limit.
+        limit: u32,
+    },
+    /// The picture needs more memory than this program takes.
+    #[error(
+        "a picture of {width} × {height} pixels with {samples} samples each needs {mib} MiB, more than the {limit_mib} \
+         MiB allowed; take a smaller size, or samples = 1 in [output]"
+    )]
+    TooMuchMemory {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+        /// Samples a pixel.
+        samples: u32,
+        /// What it would take, MiB.
+        mib: u64,
+        /// What is allowed, MiB.
+        limit_mib: u64,
+    },
+    /// The device refused the picture's textures.
+    #[error(
+        "{adapter} cannot hold a picture of {width} × {height} pixels: {cause}; take a smaller size"
+    )]
+    NoRoom {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+        /// The adapter.
+        adapter: String,
+        /// The device's words.
+        cause: String,
+    },
+    /// The device stopped answering.
+    #[error("the graphics device stopped answering: {0}")]
+    DeviceLost(String),
+    /// A thread that writes frames ended without a word.
+    #[error(
+        "the thread that writes the frames broke down; this is a fault of the program, please report it"
+    )]
+    WriterBroke,
+}
+
+impl PlayError {
+    /// Whether the scene, or a date asked for, is at fault, and not the machine.
+    pub fn is_bad_scene(&self) -> bool {
+        matches!(
+            self,
+            Self::Scene(_) | Self::NoSatellite | Self::Orbit(OrbitError::OutOfReach { .. })
+        )
+    }
+}

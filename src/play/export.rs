@@ -1,0 +1,202 @@
+//! A flight as numbered pictures and as video. While one frame is written the next one is drawn.
+
+use super::clock::frame_epoch;
+use super::destination::{FrameFolder, PendingFile};
+use super::error::PlayError;
+use super::flight::Flight;
+use super::picture::Picture;
+use super::progress::Progress;
+use super::video::{EncoderChoice, VideoFormat, check_size, open_video};
+use image::RgbaImage;
+use std::path::Path;
+use std::sync::mpsc::sync_channel;
+
+/// Frames that may wait to be written: one in the writer's hands, this many more drawn ahead of it.
+const FRAMES_AHEAD: usize = 2;
+
+/// Takes frames in their order.
+pub trait FrameSink: Send {
+    /// Takes the next frame.
+    fn push(&mut self, frame: &RgbaImage) -> Result<(), PlayError>;
+    /// All frames were given: completes what is written and gives it its name. A sink that is dropped without it
+    /// leaves no incomplete file under a final name.
+    fn finish(self: Box<Self>) -> Result<(), PlayError>;
+}
+
+/// What a flight is written to.
+#[derive(Clone, Debug, Default)]
+pub struct ExportRequest<'r> {
+    /// Folder for PNG frames.
+    pub frames: Option<&'r Path>,
+    /// Whether that folder may hold something already.
+    pub overwrite: bool,
+    /// The MP4 to write.
+    pub video: Option<&'r Path>,
+    /// What encodes it.
+    pub encoder: EncoderChoice,
+    /// Width and height, pixels; `None` is the scene's.
+    pub size: Option<(u32, u32)>,
+    /// Part of the adapter's name; `None` takes the best.
+    pub adapter: Option<&'r str>,
+}
+
+/// Draws every frame of a flight and writes them. Nothing is drawn before all files are known to be writable.
+pub fn export(
+    flight: &Flight,
+    request: &ExportRequest<'_>,
+    progress: &dyn Progress,
+) -> Result<(), PlayError> {
+    let scene = flight.scene();
+    let size = request.size.unwrap_or(scene.output.size.into());
+    let frame_count = scene.time.frame_count();
+    let mut sinks: Vec<Box<dyn FrameSink>> = Vec::new();
+    if request.video.is_some() {
+        check_size(size)?;
+    }
+    // The video's file first: it makes no folder where it is refused.
+    if let Some(path) = request.video {
+        let file = PendingFile::create(path, "videos", "mp4")?;
+        let format = VideoFormat {
+            size,
+            frame_rate_hz: scene.time.frame_rate_hz,
+        };
+        sinks.push(open_video(file, format, request.encoder)?);
+    }
+    if let Some(folder) = request.frames {
+        sinks.push(Box::new(Frames {
+            folder: FrameFolder::open(folder, frame_count, request.overwrite)?,
+            next: 0,
+        }));
+    }
+
+    progress.begin("loading maps", None);
+    let options = flight.earth_options()?;
+    progress.end();
+    let mut picture = Picture::open(request.adapter, options, size)?;
+    tracing::info!(
+        "{frame_count} frames of {} × {} on {}",
+        size.0,
+        size.1,
+        picture.adapter_info().name
+    );
+    progress.begin("frames", Some(frame_count));
+    let aspect = picture.aspect();
+    pump(sinks, |give| {
+        for index in 0..frame_count {
+            let moment = flight.at(frame_epoch(&scene.time, index), aspect)?;
+            picture.draw(&moment);
+            if !give(picture.read()?) {
+                break;
+            }
+            progress.step();
+        }
+        Ok(())
+    })?;
+    progress.end();
+    Ok(())
+}
+
+/// Runs `produce` here and the sinks on a thread of their own. `produce` is given a function that takes frames and
+/// answers whether more are wanted. The sinks are finished only if both sides were without error.
+fn pump(
+    mut sinks: Vec<Box<dyn FrameSink>>,
+    produce: impl FnOnce(&mut dyn FnMut(RgbaImage) -> bool) -> Result<(), PlayError>,
+) -> Result<(), PlayError> {
+    let (sender, receiver) = sync_channel::<RgbaImage>(FRAMES_AHEAD);
+    std::thread::scope(|scope| {
+        let writer = scope.spawn(move || {
+            for frame in receiver {
+                for sink in &mut sinks {
+                    sink.push(&frame)?;
+                }
+            }
+            Ok::<_, PlayError>(sinks)
+        });
+        let produced = produce(&mut |frame| sender.send(frame).is_ok());
+        drop(sender);
+        let sinks = writer.join().map_err(|_| PlayError::WriterBroke)??;
+        produced?;
+        sinks.into_iter().try_for_each(|sink| sink.finish())
+    })
+}
+
+/// PNG files in a folder, each complete when it appears.
+struct Frames {
+    folder: FrameFolder,
+    next: u64,
+}
+
+impl FrameSink for Frames {
+    fn push(&mut self, frame: &RgbaImage) -> Result<(), PlayError> {
+        self.folder.pending(self.next)?.write_png(frame)?;
+        self.next += 1;
+        Ok(())
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), PlayError> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    /// Counts frames, fails at one of them, remembers whether it was finished.
+    struct Probe<'p> {
+        pushed: &'p AtomicU32,
+        finished: &'p AtomicU32,
+        fail_at: u32,
+    }
+
+    impl FrameSink for Probe<'_> {
+        fn push(&mut self, frame: &RgbaImage) -> Result<(), PlayError> {
+            let index = self.pushed.fetch_add(1, Ordering::Relaxed);
+            assert_eq!(u32::from(frame.get_pixel(0, 0)[0]), index, "out of order");
+            if index == self.fail_at {
+                return Err(PlayError::DeviceLost("probe".into()));
+            }
+            Ok(())
+        }
+
+        fn finish(self: Box<Self>) -> Result<(), PlayError> {
+            self.finished.fetch_add(1, Ordering::Relaxed);
+            Ok(())
+        }
+    }
+
+    static COUNTS: [AtomicU32; 6] = [const { AtomicU32::new(0) }; 6];
+
+    fn run(case: usize, fail_at: u32, last: Result<(), PlayError>) -> (bool, u32, u32) {
+        let (pushed, finished) = (&COUNTS[2 * case], &COUNTS[2 * case + 1]);
+        let probe = Probe {
+            pushed,
+            finished,
+            fail_at,
+        };
+        let result = pump(vec![Box::new(probe)], |give| {
+            for index in 0..20 {
+                if !give(RgbaImage::from_pixel(1, 1, image::Rgba([index; 4]))) {
+                    break;
+                }
+            }
+            last
+        });
+        (
+            result.is_ok(),
+            pushed.load(Ordering::Relaxed),
+            finished.load(Ordering::Relaxed),
+        )
+    }
+
+    #[test]
+    fn frames_come_in_order_and_only_success_finishes() {
+        assert_eq!(run(0, u32::MAX, Ok(())), (true, 20, 1));
+        // The writer fails: the drawing side stops too.
+        assert_eq!(run(1, 3, Ok(())), (false, 4, 0));
+        // The drawing side fails after its last frame.
+        let broken = Err(PlayError::DeviceLost("drawing".into()));
+        assert_eq!(run(2, u32::MAX, broken), (false, 20, 0));
+    }
+}

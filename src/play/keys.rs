@@ -1,0 +1,199 @@
+//! What each key does in the window. One table serves the keyboard and the help.
+
+use winit::keyboard::{Key, NamedKey};
+
+/// What a user can ask of the window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Action {
+    /// Stops time or lets it go on.
+    Pause,
+    /// Doubles the speed, to the next power of two.
+    Faster,
+    /// Halves it.
+    Slower,
+    /// Turns time round.
+    Reverse,
+    /// Sets the clock to a part of the flight, 0…1.
+    Seek(f64),
+    /// Moves the clock by seconds of playback at the present speed.
+    Skip(f64),
+    /// The next camera that makes sense for the scene.
+    NextCamera,
+    /// Magnifies by 2 to the power of this.
+    Zoom(f64),
+    /// Turns the head by pixels of a drag: to the right, downwards.
+    Drag(f64, f64),
+    /// The camera as the scene has it.
+    ResetView,
+    /// Writes the picture without the panel.
+    Screenshot,
+    /// To full screen or back.
+    FullScreen,
+    /// Shows or hides the help.
+    Help,
+    /// Shows or hides the panel.
+    Panel,
+    /// Closes the window.
+    Quit,
+}
+
+/// One line of the help: the keys, and what they do.
+pub struct Binding {
+    /// The keys as the help names them.
+    pub keys: &'static str,
+    /// What they do.
+    pub does: &'static str,
+    on: &'static [On],
+    action: Action,
+}
+
+enum On {
+    Named(NamedKey),
+    Char(&'static str),
+}
+
+use On::{Char, Named};
+
+/// All keys.
+pub const BINDINGS: &[Binding] = &[
+    Binding {
+        keys: "Space",
+        does: "pause",
+        on: &[Named(NamedKey::Space)],
+        action: Action::Pause,
+    },
+    Binding {
+        keys: ". or +",
+        does: "faster",
+        on: &[Char("."), Char("+"), Char("="), Char(">")],
+        action: Action::Faster,
+    },
+    Binding {
+        keys: ", or -",
+        does: "slower",
+        on: &[Char(","), Char("-"), Char("<"), Char("_")],
+        action: Action::Slower,
+    },
+    Binding {
+        keys: "R",
+        does: "reverse time",
+        on: &[Char("r")],
+        action: Action::Reverse,
+    },
+    Binding {
+        keys: "Right",
+        does: "five seconds of playback on",
+        on: &[Named(NamedKey::ArrowRight)],
+        action: Action::Skip(5.0),
+    },
+    Binding {
+        keys: "Left",
+        does: "five seconds of playback back",
+        on: &[Named(NamedKey::ArrowLeft)],
+        action: Action::Skip(-5.0),
+    },
+    Binding {
+        keys: "C",
+        does: "next camera",
+        on: &[Char("c")],
+        action: Action::NextCamera,
+    },
+    Binding {
+        keys: "Up",
+        does: "magnify",
+        on: &[Named(NamedKey::ArrowUp), Named(NamedKey::PageUp)],
+        action: Action::Zoom(0.25),
+    },
+    Binding {
+        keys: "Down",
+        does: "widen the view",
+        on: &[Named(NamedKey::ArrowDown), Named(NamedKey::PageDown)],
+        action: Action::Zoom(-0.25),
+    },
+    Binding {
+        keys: "Home",
+        does: "the scene's own view",
+        on: &[Named(NamedKey::Home)],
+        action: Action::ResetView,
+    },
+    Binding {
+        keys: "S or F12",
+        does: "save a picture in the working folder",
+        on: &[Char("s"), Named(NamedKey::F12)],
+        action: Action::Screenshot,
+    },
+    Binding {
+        keys: "F or F11",
+        does: "full screen",
+        on: &[Char("f"), Named(NamedKey::F11)],
+        action: Action::FullScreen,
+    },
+    Binding {
+        keys: "P",
+        does: "hide or show the panel",
+        on: &[Char("p")],
+        action: Action::Panel,
+    },
+    Binding {
+        keys: "H or F1",
+        does: "this help",
+        on: &[Char("h"), Char("?"), Named(NamedKey::F1)],
+        action: Action::Help,
+    },
+    Binding {
+        keys: "Q or Esc",
+        does: "close",
+        on: &[Char("q"), Named(NamedKey::Escape)],
+        action: Action::Quit,
+    },
+];
+
+/// What the mouse does, for the help.
+pub const MOUSE: &[(&str, &str)] = &[
+    ("drag", "look around"),
+    ("wheel or pinch", "magnify or widen"),
+];
+
+/// What a key does, letter case aside.
+pub fn action_of(key: &Key) -> Option<Action> {
+    let means = |on: &On| match (on, key) {
+        (Named(wanted), Key::Named(pressed)) => wanted == pressed,
+        (Char(wanted), Key::Character(pressed)) => pressed.eq_ignore_ascii_case(wanted),
+        _ => false,
+    };
+    let binding = BINDINGS.iter().find(|binding| binding.on.iter().any(means));
+    binding.map(|binding| binding.action)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_do_what_the_help_says() {
+        let char = |c: &str| action_of(&Key::Character(c.into()));
+        let named = |name| action_of(&Key::Named(name));
+        assert_eq!(named(NamedKey::Space), Some(Action::Pause));
+        assert_eq!(char("C"), Some(Action::NextCamera));
+        assert_eq!(char("c"), Some(Action::NextCamera));
+        assert_eq!(char("+"), Some(Action::Faster));
+        assert_eq!(char("-"), Some(Action::Slower));
+        assert_eq!(named(NamedKey::F12), Some(Action::Screenshot));
+        assert_eq!(named(NamedKey::Escape), Some(Action::Quit));
+        assert_eq!(char("z"), None);
+        assert_eq!(named(NamedKey::Tab), None);
+    }
+
+    #[test]
+    fn no_key_does_two_things() {
+        for binding in BINDINGS {
+            for on in binding.on {
+                let key = match on {
+                    Named(name) => Key::Named(*name),
+                    Char(text) => Key::Character((*text).into()),
+                };
+                assert_eq!(action_of(&key), Some(binding.action), "{}", binding.keys);
+            }
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! egui on the window's surface.
+
+use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
+use std::time::Duration;
+use winit::event::WindowEvent;
+use winit::window::Window;
+
+/// egui's input, its renderer, and what it wants drawn.
+pub struct Overlay {
+    state: egui_winit::State,
+    renderer: Renderer,
+    output: Option<egui::FullOutput>,
+}
+
+/// What egui makes of an event.
+pub struct Response {
+    /// egui wants it for itself.
+    pub consumed: bool,
+    /// The picture is to be drawn anew.
+    pub repaint: bool,
+}
+
+impl Overlay {
+    /// For a window with a surface of this format.
+    pub fn new(window: &Window, device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
+        let context = egui::Context::default();
+        context.set_visuals(egui::Visuals::dark());
+        // Keys belong to the window: egui would walk its buttons with them.
+        context.options_mut(|options| options.zoom_with_keyboard = false);
+        let side = device.limits().max_texture_dimension_2d as usize;
+        Self {
+            state: egui_winit::State::new(
+                context,
+                egui::ViewportId::ROOT,
+                window,
+                Some(window.scale_factor() as f32),
+                None,
+                Some(side),
+            ),
+            renderer: Renderer::new(device, format, RendererOptions::default()),
+            output: None,
+        }
+    }
+
+    /// Offers an event to egui.
+    pub fn on_event(&mut self, window: &Window, event: &WindowEvent) -> Response {
+        let response = self.state.on_window_event(window, event);
+        Response {
+            consumed: response.consumed,
+            repaint: response.repaint,
+        }
+    }
+
+    /// Whether the pointer is over the panel or holds something of it.
+    pub fn wants_pointer(&self) -> bool {
+        self.state.egui_ctx().egui_wants_pointer_input()
+    }
+
+    /// Lays out one frame. Answers how long it may stand before egui wants another.
+    pub fn lay_out(&mut self, window: &Window, mut add: impl FnMut(&egui::Context)) -> Duration {
+        let input = self.state.take_egui_input(window);
+        let context = self.state.egui_ctx().clone();
+        let mut output = context.run_ui(input, |ui| add(ui.ctx()));
+        let platform = std::mem::take(&mut output.platform_output);
+        self.state.handle_platform_output(window, platform);
+        let root = output.viewport_output.get(&egui::ViewportId::ROOT);
+        let delay = root.map_or(Duration::MAX, |viewport| viewport.repaint_delay);
+        match &mut self.output {
+            // A frame that was laid out and never drawn still brought its textures.
+            Some(waiting) => waiting.append(output),
+            None => self.output = Some(output),
+        }
+        delay
+    }
+
+    /// Draws what was laid out over the picture on `view`.
+    pub fn draw(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &wgpu::TextureView,
+        size: (u32, u32),
+    ) -> Vec<wgpu::CommandBuffer> {
+        let Some(mut output) = self.output.take() else {
+            return Vec::new();
+        };
+        for (id, deltas) in output.textures_delta.set.drain() {
+            for delta in deltas {
+                self.renderer.update_texture(device, queue, id, &delta);
+            }
+        }
+        let context = self.state.egui_ctx();
+        let pixels_per_point = output.pixels_per_point;
+        let triangles = context.tessellate(std::mem::take(&mut output.shapes), pixels_per_point);
+        let screen = ScreenDescriptor {
+            size_in_pixels: size.into(),
+            pixels_per_point,
+        };
+        let commands = self
+            .renderer
+            .update_buffers(device, queue, encoder, &triangles, &screen);
+        let mut pass = encoder
+            .begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("terrella panel"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Load,
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                depth_stencil_attachment: None,
+                timestamp_writes: None,
+                occlusion_query_set: None,
+                multiview_mask: None,
+            })
+            .forget_lifetime();
+        self.renderer.render(&mut pass, &triangles, &screen);
+        drop(pass);
+        for id in output.textures_delta.free.drain() {
+            self.renderer.free_texture(&id);
+        }
+        commands
+    }
+}
+
+impl Drop for Overlay {
+    fn drop(&mut self) {
+        // egui holds it for a fault if textures that came with a layout are dropped unused; at the end they are.
+        if let Some(output) = &mut self.output {
+            output.textures_delta.clear();
+        }
+    }
+}

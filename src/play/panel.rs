@@ -1,0 +1,178 @@
+//! The panel, the help and messages over the picture.
+
+use super::controls::Controls;
+use super::flight::Moment;
+use super::keys::{Action, BINDINGS, MOUSE};
+use crate::FrameStats;
+use crate::frames::rfc3339;
+use crate::scene::CameraMode;
+use egui::{Align2, Context, Grid, RichText, Slider, Ui, Vec2};
+
+/// What the panel shows beside the controls.
+pub struct PanelData<'p> {
+    /// The satellite's name, if there is one.
+    pub satellite: Option<&'p str>,
+    /// What is on screen.
+    pub moment: &'p Moment,
+    /// What was drawn.
+    pub stats: FrameStats,
+    /// Milliseconds between frames, smoothed; `None` before there are two.
+    pub interval_ms: Option<f64>,
+    /// Milliseconds of this program's own work on a frame, smoothed.
+    pub work_ms: f64,
+    /// The adapter's name and backend.
+    pub adapter: &'p str,
+}
+
+/// Lays everything out and answers what the user clicked.
+pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec<Action> {
+    let mut actions = Vec::new();
+    if controls.panel {
+        egui::Window::new("Terrella")
+            .anchor(Align2::LEFT_TOP, Vec2::splat(8.0))
+            .resizable(false)
+            .show(context, |ui| panel(ui, controls, data, &mut actions));
+    }
+    if controls.help {
+        egui::Window::new("Keys")
+            .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
+            .resizable(false)
+            .collapsible(false)
+            .show(context, help);
+    }
+    if let Some(message) = &controls.message {
+        egui::Area::new("message".into())
+            .anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -16.0))
+            .show(context, |ui| {
+                egui::Frame::popup(ui.style()).show(ui, |ui| ui.label(message));
+            });
+    }
+    actions
+}
+
+fn panel(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut Vec<Action>) {
+    let clock = &controls.clock;
+    Grid::new("numbers").num_columns(2).show(ui, |ui| {
+        let mut row = |name: &str, value: String| {
+            ui.label(name);
+            ui.label(RichText::new(value).monospace());
+            ui.end_row();
+        };
+        row("time", rfc3339(data.moment.epoch));
+        row("speed", speed_text(clock.speed(), clock.is_paused()));
+        if let Some(satellite) = data.moment.satellite {
+            row("satellite", data.satellite.unwrap_or("unnamed").to_owned());
+            let place = satellite.place;
+            row("above", place_text(place.lat_rad, place.lon_rad));
+            row("height", format!("{:.1} km", place.height_m / 1000.0));
+            row(
+                "velocity",
+                format!("{:.3} km/s", satellite.speed_m_s / 1000.0),
+            );
+        } else {
+            let eye = data.stats.eye;
+            row("eye above", place_text(eye.lat_rad, eye.lon_rad));
+            row("height", format!("{:.1} km", eye.height_m / 1000.0));
+        }
+        row("camera", camera_text(controls.mode).to_owned());
+        row("view", format!("{:.3}°", controls.fov_rad().to_degrees()));
+        row("frame", frame_text(data.interval_ms, data.work_ms));
+        row(
+            "blocks",
+            format!(
+                "{} of {} in sight",
+                data.stats.blocks_drawn, data.stats.blocks_visible
+            ),
+        );
+        row("adapter", data.adapter.to_owned());
+    });
+    let mut progress = clock.progress();
+    let slider = Slider::new(&mut progress, 0.0..=1.0).show_value(false);
+    if ui.add(slider).on_hover_text("part of the flight").changed() {
+        actions.push(Action::Seek(progress));
+    }
+    ui.horizontal(|ui| {
+        let pause = if clock.is_paused() { "play" } else { "pause" };
+        let buttons = [
+            (pause, Action::Pause),
+            ("slower", Action::Slower),
+            ("faster", Action::Faster),
+            ("reverse", Action::Reverse),
+            ("camera", Action::NextCamera),
+            ("help", Action::Help),
+        ];
+        for (text, action) in buttons {
+            if ui.button(text).clicked() {
+                actions.push(action);
+            }
+        }
+    });
+}
+
+fn help(ui: &mut Ui) {
+    Grid::new("keys").num_columns(2).show(ui, |ui| {
+        let keys = BINDINGS.iter().map(|binding| (binding.keys, binding.does));
+        for (keys, does) in keys.chain(MOUSE.iter().copied()) {
+            ui.label(RichText::new(keys).strong());
+            ui.label(does);
+            ui.end_row();
+        }
+    });
+}
+
+fn camera_text(mode: CameraMode) -> &'static str {
+    match mode {
+        CameraMode::Nadir => "nadir",
+        CameraMode::Horizon => "horizon",
+        CameraMode::Chase => "chase",
+        CameraMode::Geodetic => "geodetic",
+    }
+}
+
+fn speed_text(speed: f64, paused: bool) -> String {
+    let times = if speed.abs() < 1.0 {
+        format!("{speed} × real time")
+    } else {
+        format!("{speed:.0} × real time")
+    };
+    if paused {
+        format!("{times}, paused")
+    } else {
+        times
+    }
+}
+
+fn frame_text(interval_ms: Option<f64>, work_ms: f64) -> String {
+    match interval_ms {
+        Some(interval) => format!(
+            "{interval:.1} ms ({:.0} per second), {work_ms:.1} ms of it here",
+            1000.0 / interval
+        ),
+        None => format!("{work_ms:.1} ms"),
+    }
+}
+
+fn place_text(lat_rad: f64, lon_rad: f64) -> String {
+    let (lat, lon) = (lat_rad.to_degrees(), lon_rad.to_degrees());
+    format!(
+        "{:.3}° {}, {:.3}° {}",
+        lat.abs(),
+        if lat < 0.0 { "S" } else { "N" },
+        lon.abs(),
+        if lon < 0.0 { "W" } else { "E" }
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_and_speeds_read_well() {
+        let text = place_text((-33.5_f64).to_radians(), (-70.25_f64).to_radians());
+        assert_eq!(text, "33.500° S, 70.250° W");
+        assert_eq!(speed_text(-64.0, false), "-64 × real time");
+        assert_eq!(speed_text(0.25, true), "0.25 × real time, paused");
+        assert!(frame_text(Some(20.0), 3.0).contains("50 per second"));
+    }
+}

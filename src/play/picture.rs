@@ -1,0 +1,211 @@
+//! The renderer of stills, frames and video: an adapter of its own, an Earth, and textures to draw into.
+
+use super::error::PlayError;
+use super::flight::Moment;
+use crate::gpu::{FrameTargets, GpuContext};
+use crate::{Earth, EarthOptions, FrameStats};
+use image::RgbaImage;
+use std::time::{Duration, Instant};
+
+/// Most memory that the textures and the read-back buffer of one picture may take, MiB.
+pub const MAX_PICTURE_MIB: u64 = 4096;
+
+/// An Earth with textures to draw it into.
+pub struct Picture {
+    gpu: GpuContext,
+    earth: Earth,
+    targets: FrameTargets,
+}
+
+/// A frame and how long it took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// What was drawn.
+    pub stats: FrameStats,
+    /// Time of [`Earth::prepare`] alone.
+    pub prepare: Duration,
+    /// Time of the whole frame, the device waited for.
+    pub frame: Duration,
+}
+
+impl Picture {
+    /// Opens the adapter (the best, or the best whose name contains `adapter`) and uploads the maps.
+    ///
+    /// Where the adapter cannot do the samples asked for, one sample a pixel is drawn, with a warning.
+    pub fn open(
+        adapter: Option<&str>,
+        mut options: EarthOptions,
+        size: (u32, u32),
+    ) -> Result<Self, PlayError> {
+        check_memory(size, options.samples)?;
+        let gpu = pollster::block_on(GpuContext::open(adapter))?;
+        options.color_format = FrameTargets::COLOR;
+        options.samples = supported_samples(&gpu.adapter, FrameTargets::COLOR, options.samples);
+        let targets = new_targets(&gpu, size, options.samples)?;
+        let earth = Earth::new(&gpu.device, &gpu.queue, &options)?;
+        Ok(Self {
+            gpu,
+            earth,
+            targets,
+        })
+    }
+
+    /// Width and height, pixels.
+    pub fn size(&self) -> (u32, u32) {
+        self.targets.size()
+    }
+
+    /// Width over height.
+    pub fn aspect(&self) -> f64 {
+        let (width, height) = self.size();
+        f64::from(width) / f64::from(height)
+    }
+
+    /// The adapter that draws.
+    pub fn adapter_info(&self) -> wgpu::AdapterInfo {
+        self.gpu.adapter.get_info()
+    }
+
+    /// The Earth.
+    pub fn earth(&self) -> &Earth {
+        &self.earth
+    }
+
+    /// Draws an instant. Does not wait for the device.
+    pub fn draw(&mut self, moment: &Moment) -> FrameStats {
+        let stats = self.prepare(moment);
+        self.submit();
+        stats
+    }
+
+    /// Reads back what was drawn last. Waits for the device.
+    pub fn read(&self) -> Result<RgbaImage, PlayError> {
+        Ok(self.targets.read_back(&self.gpu.device, &self.gpu.queue)?)
+    }
+
+    /// Draws an instant twice and times the second time: the first fills caches and compiles what drivers compile late.
+    pub fn measure(&mut self, moment: &Moment) -> Result<Measured, PlayError> {
+        self.draw(moment);
+        self.wait()?;
+        let begin = Instant::now();
+        let stats = self.prepare(moment);
+        let prepare = begin.elapsed();
+        self.submit();
+        self.wait()?;
+        Ok(Measured {
+            stats,
+            prepare,
+            frame: begin.elapsed(),
+        })
+    }
+
+    fn prepare(&mut self, moment: &Moment) -> FrameStats {
+        let size = self.size();
+        self.earth
+            .prepare(&self.gpu.queue, &moment.view, &moment.sky, size)
+    }
+
+    fn submit(&self) {
+        let mut encoder = self
+            .gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                label: Some("terrella picture"),
+            });
+        let mut pass = self.targets.begin_pass(&mut encoder);
+        self.earth.render(&mut pass);
+        drop(pass);
+        self.gpu.queue.submit([encoder.finish()]);
+    }
+
+    fn wait(&self) -> Result<(), PlayError> {
+        match self.gpu.device.poll(wgpu::PollType::wait_indefinitely()) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(PlayError::DeviceLost(error.to_string())),
+        }
+    }
+}
+
+/// `wanted` samples a pixel where the adapter does them for this colour format and our depth format, else 1.
+pub(super) fn supported_samples(
+    adapter: &wgpu::Adapter,
+    color: wgpu::TextureFormat,
+    wanted: u32,
+) -> u32 {
+    let does = |format| {
+        let flags = adapter.get_texture_format_features(format).flags;
+        flags.sample_count_supported(wanted)
+    };
+    if wanted <= 1 || (does(color) && does(FrameTargets::DEPTH)) {
+        return wanted.max(1);
+    }
+    tracing::warn!(
+        "{} does not do {wanted} samples a pixel; edges are drawn with one",
+        adapter.get_info().name
+    );
+    1
+}
+
+/// Colour, its samples, their depth, and the read-back buffer: four bytes each.
+fn check_memory(size: (u32, u32), samples: u32) -> Result<(), PlayError> {
+    let (width, height) = size;
+    let multisampled = if samples > 1 { u64::from(samples) } else { 0 };
+    let bytes_per_pixel = 4 * (1 + multisampled + u64::from(samples) + 1);
+    let mib = (u64::from(width) * u64::from(height) * bytes_per_pixel) >> 20;
+    if mib <= MAX_PICTURE_MIB {
+        return Ok(());
+    }
+    Err(PlayError::TooMuchMemory {
+        width,
+        height,
+        samples,
+        mib,
+        limit_mib: MAX_PICTURE_MIB,
+    })
+}
+
+fn new_targets(
+    gpu: &GpuContext,
+    size: (u32, u32),
+    samples: u32,
+) -> Result<FrameTargets, PlayError> {
+    let (width, height) = size;
+    let adapter = gpu.adapter.get_info().name;
+    let limit = gpu.device.limits().max_texture_dimension_2d;
+    if width == 0 || height == 0 || width > limit || height > limit {
+        return Err(PlayError::TooLarge {
+            width,
+            height,
+            adapter,
+            limit,
+        });
+    }
+    // Without the scopes a device that is out of memory would end the program in the middle of a word.
+    let memory = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+    let validation = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let targets = FrameTargets::new(&gpu.device, size, samples);
+    let refused = pollster::block_on(validation.pop());
+    let full = pollster::block_on(memory.pop());
+    match full.or(refused) {
+        None => Ok(targets),
+        Some(cause) => Err(PlayError::NoRoom {
+            width,
+            height,
+            adapter,
+            cause: cause.to_string(),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_picture_fits_with_one_sample_and_not_with_four() {
+        assert!(check_memory((1280, 720), 4).is_ok());
+        assert!(check_memory((16_384, 16_384), 1).is_ok());
+        let refused = check_memory((16_384, 16_384), 4).expect_err("too much");
+        assert!(refused.to_string().contains("samples = 1"), "{refused}");
+    }
+}

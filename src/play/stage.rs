@@ -1,0 +1,306 @@
+//! What stands behind the window: adapter, Earth, surface, panel.
+
+use super::controls::Controls;
+use super::destination::PendingFile;
+use super::error::PlayError;
+use super::flight::{Flight, Moment};
+use super::keys::Action;
+use super::overlay::{Overlay, Response};
+use super::panel::{self, PanelData};
+use super::surface::{WindowSurface, read_texture};
+use super::window::WindowError;
+use crate::frames::rfc3339;
+use crate::gpu::GpuContext;
+use crate::{Earth, EarthOptions, FrameStats};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use wgpu::CurrentSurfaceTexture;
+use winit::dpi::PhysicalSize;
+use winit::event::WindowEvent;
+use winit::event_loop::ActiveEventLoop;
+use winit::window::Window;
+
+/// Weight of the newest frame in the times that the panel shows.
+const SMOOTHING: f64 = 0.1;
+
+/// A window with everything that draws in it.
+pub struct Stage {
+    overlay: Overlay,
+    surface: WindowSurface,
+    earth: Earth,
+    gpu: GpuContext,
+    window: Arc<Window>,
+    device_lost: Arc<AtomicBool>,
+    adapter: String,
+    satellite: Option<String>,
+    last: Option<(Moment, FrameStats)>,
+    interval_ms: Option<f64>,
+    work_ms: f64,
+}
+
+/// What became of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// It is on screen and may stand this long.
+    Until(Duration),
+    /// The surface had no texture for it; try again later.
+    Not,
+}
+
+impl Stage {
+    /// Opens the window, the adapter that presents to it, and the Earth.
+    pub fn open(
+        event_loop: &ActiveEventLoop,
+        size: PhysicalSize<u32>,
+        flight: &Flight,
+        adapter: Option<&str>,
+        mut options: EarthOptions,
+    ) -> Result<Self, PlayError> {
+        let scene = flight.scene().path.file_stem();
+        let name = scene.unwrap_or_default().to_string_lossy();
+        let attributes = Window::default_attributes()
+            .with_title(format!("{name} · Terrella"))
+            .with_inner_size(size);
+        let window = event_loop
+            .create_window(attributes)
+            .map_err(|error| WindowError::NoDisplay(error.to_string()))?;
+        let window = Arc::new(window);
+        let display = Box::new(event_loop.owned_display_handle());
+        let (gpu, surface) = pollster::block_on(GpuContext::open_for_window(
+            adapter,
+            display,
+            window.clone(),
+        ))?;
+        let device_lost = Arc::new(AtomicBool::new(false));
+        let flag = device_lost.clone();
+        gpu.device.set_device_lost_callback(move |reason, words| {
+            // Also called when the device is dropped in good order.
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                tracing::error!("the graphics device was lost: {words}");
+                flag.store(true, Ordering::Relaxed);
+            }
+        });
+        let inner = window.inner_size();
+        let inner = (inner.width, inner.height);
+        let surface = WindowSurface::new(&gpu, surface, inner, options.samples)?;
+        options.color_format = surface.format();
+        options.samples = surface.samples();
+        let earth = Earth::new(&gpu.device, &gpu.queue, &options)?;
+        let info = gpu.adapter.get_info();
+        tracing::info!("window on {} ({})", info.name, info.backend);
+        Ok(Self {
+            overlay: Overlay::new(&window, &gpu.device, surface.format()),
+            surface,
+            earth,
+            gpu,
+            window,
+            device_lost,
+            adapter: format!("{} ({})", info.name, info.backend),
+            satellite: flight.feed().map(|feed| feed.name().to_owned()),
+            last: None,
+            interval_ms: None,
+            work_ms: 0.0,
+        })
+    }
+
+    /// The window.
+    pub fn window(&self) -> &Window {
+        &self.window
+    }
+
+    /// Whether the device has stopped for good.
+    pub fn is_device_lost(&self) -> bool {
+        self.device_lost.load(Ordering::Relaxed)
+    }
+
+    /// Width and height of the picture, pixels.
+    pub fn size(&self) -> (u32, u32) {
+        self.surface.size()
+    }
+
+    /// Width over height.
+    pub fn aspect(&self) -> f64 {
+        let (width, height) = self.size();
+        f64::from(width) / f64::from(height)
+    }
+
+    /// What was drawn last.
+    pub fn last_moment(&self) -> Option<Moment> {
+        self.last.map(|(moment, _)| moment)
+    }
+
+    /// Follows the window to another size.
+    pub fn resize(&mut self, size: (u32, u32)) {
+        self.surface.resize(&self.gpu.device, size);
+    }
+
+    /// Offers an event to the panel.
+    pub fn offer(&mut self, event: &WindowEvent) -> Response {
+        let response = self.overlay.on_event(&self.window, event);
+        let is_pointer = matches!(
+            event,
+            WindowEvent::MouseInput { .. } | WindowEvent::MouseWheel { .. }
+        );
+        Response {
+            consumed: response.consumed || (is_pointer && self.overlay.wants_pointer()),
+            ..response
+        }
+    }
+
+    /// Draws an instant and the panel over it. `interval` is the time since the frame before, where there was one.
+    pub fn draw(
+        &mut self,
+        moment: &Moment,
+        controls: &Controls,
+        interval: Option<Duration>,
+    ) -> (Shown, Vec<Action>) {
+        if let Some(interval) = interval {
+            let milliseconds = interval.as_secs_f64() * 1e3;
+            self.interval_ms = Some(smooth(self.interval_ms, milliseconds));
+        }
+        let frame = match self.surface.acquire() {
+            CurrentSurfaceTexture::Success(frame) | CurrentSurfaceTexture::Suboptimal(frame) => {
+                frame
+            }
+            CurrentSurfaceTexture::Outdated => {
+                self.surface.configure(&self.gpu.device);
+                return (Shown::Not, Vec::new());
+            }
+            CurrentSurfaceTexture::Lost => {
+                self.replace_surface();
+                return (Shown::Not, Vec::new());
+            }
+            CurrentSurfaceTexture::Timeout
+            | CurrentSurfaceTexture::Occluded
+            | CurrentSurfaceTexture::Validation => return (Shown::Not, Vec::new()),
+        };
+        let begin = Instant::now();
+        let view = self.surface.view_of(&frame.texture);
+        let mut encoder = self.encoder();
+        let stats = self.draw_earth(moment, &mut encoder, &view);
+        let (delay, actions) = self.lay_out_panel(moment, controls, stats);
+        let panel = self.overlay.draw(
+            &self.gpu.device,
+            &self.gpu.queue,
+            &mut encoder,
+            &view,
+            self.surface.size(),
+        );
+        self.gpu
+            .queue
+            .submit(panel.into_iter().chain([encoder.finish()]));
+        self.window.pre_present_notify();
+        self.gpu.queue.present(frame);
+        let work = begin.elapsed().as_secs_f64() * 1e3;
+        self.work_ms = smooth((self.work_ms > 0.0).then_some(self.work_ms), work);
+        self.last = Some((*moment, stats));
+        (Shown::Until(delay), actions)
+    }
+
+    /// Writes the last picture, without the panel, into a folder. Answers the file.
+    pub fn screenshot(&mut self, folder: PathBuf) -> Result<PathBuf, PlayError> {
+        let Some((moment, _)) = self.last else {
+            return Err(PlayError::DeviceLost("nothing has been drawn yet".into()));
+        };
+        let path = free_name(folder, &rfc3339(moment.epoch));
+        let file = PendingFile::create(&path, "pictures", "png")?;
+        // Some surfaces cannot be read: the same is drawn once more into a texture that can.
+        let texture = self.surface.capture_texture(&self.gpu.device);
+        let view = self.surface.view_of(&texture);
+        let mut encoder = self.encoder();
+        self.draw_earth(&moment, &mut encoder, &view);
+        self.gpu.queue.submit([encoder.finish()]);
+        file.write_png(&read_texture(&self.gpu, &texture)?)?;
+        tracing::info!("saved {}", path.display());
+        Ok(path)
+    }
+
+    fn encoder(&self) -> wgpu::CommandEncoder {
+        let device = &self.gpu.device;
+        device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
+            label: Some("terrella window"),
+        })
+    }
+
+    fn draw_earth(
+        &mut self,
+        moment: &Moment,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &wgpu::TextureView,
+    ) -> FrameStats {
+        let size = self.surface.size();
+        let stats = self
+            .earth
+            .prepare(&self.gpu.queue, &moment.view, &moment.sky, size);
+        let mut pass = self.surface.begin_pass(encoder, view);
+        self.earth.render(&mut pass);
+        stats
+    }
+
+    fn lay_out_panel(
+        &mut self,
+        moment: &Moment,
+        controls: &Controls,
+        stats: FrameStats,
+    ) -> (Duration, Vec<Action>) {
+        let data = PanelData {
+            satellite: self.satellite.as_deref(),
+            moment,
+            stats,
+            interval_ms: self.interval_ms,
+            work_ms: self.work_ms,
+            adapter: &self.adapter,
+        };
+        let mut actions = Vec::new();
+        let delay = self.overlay.lay_out(&self.window, |context| {
+            // egui may lay out more than once; a click counts once.
+            actions = panel::show(context, controls, &data);
+        });
+        (delay, actions)
+    }
+
+    fn replace_surface(&mut self) {
+        match self.gpu.instance.create_surface(self.window.clone()) {
+            Ok(surface) => self.surface.replace(&self.gpu.device, surface),
+            Err(error) => tracing::warn!("the window's surface was lost: {error}"),
+        }
+    }
+}
+
+fn smooth(before: Option<f64>, newest: f64) -> f64 {
+    before.map_or(newest, |before| before + SMOOTHING * (newest - before))
+}
+
+/// `terrella-<time of the picture>.png`, with a number where that is taken.
+fn free_name(folder: PathBuf, epoch: &str) -> PathBuf {
+    // Colons cannot stand in file names everywhere.
+    let stem = format!("terrella-{}", epoch.replace(':', "-"));
+    let first = folder.join(format!("{stem}.png"));
+    let numbered = (2_u32..).map(|n| folder.join(format!("{stem}-{n}.png")));
+    std::iter::once(first)
+        .chain(numbered)
+        .find(|path| !path.exists())
+        .unwrap_or_else(|| folder.join("terrella.png"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn screenshots_of_one_instant_get_numbers() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let name = || free_name(folder.path().into(), "2018-01-15T12:00:00.000Z");
+        assert!(name().ends_with("terrella-2018-01-15T12-00-00.000Z.png"));
+        std::fs::write(name(), b"").expect("writes");
+        assert!(name().ends_with("terrella-2018-01-15T12-00-00.000Z-2.png"));
+    }
+
+    #[test]
+    fn times_are_smoothed() {
+        assert_eq!(smooth(None, 10.0), 10.0);
+        assert!((smooth(Some(10.0), 20.0) - 11.0).abs() < 1e-12);
+    }
+}

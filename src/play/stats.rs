@@ -1,0 +1,143 @@
+//! The numbers of one picture, as `terrella frame --stats` writes them.
+
+use super::flight::Moment;
+use super::picture::{Measured, Picture};
+use crate::frames::{Geodetic, rfc3339};
+use glam::DVec3;
+use std::time::Duration;
+
+/// The numbers of one picture. Every key is always there.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stats {
+    /// Name of the adapter.
+    pub adapter: String,
+    /// vulkan, gl, metal or dx12.
+    pub backend: String,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Wall time of one frame, milliseconds: choosing, writing, drawing, waiting for the device. Not the first frame.
+    pub frame_ms: f64,
+    /// Wall time of its `prepare` alone, milliseconds.
+    pub prepare_ms: f64,
+    /// Blocks left by the horizon test.
+    pub blocks_visible: u32,
+    /// Blocks left by the frustum test too.
+    pub blocks_drawn: u32,
+    /// Triangles drawn, air included.
+    pub triangles: u32,
+    /// Draw calls, air included.
+    pub draw_calls: u32,
+    /// Bytes of all textures, mip levels included.
+    pub texture_bytes: u64,
+    /// Features that are drawn.
+    pub features_on: Vec<String>,
+    /// Features that are off and cost nothing.
+    pub features_off: Vec<String>,
+    /// Where the eye is.
+    pub eye: Eye,
+    /// Where the Sun stands in the zenith.
+    pub sun: SubsolarPoint,
+    /// The instant, UTC, RFC 3339.
+    pub epoch: String,
+}
+
+/// Where the eye is, above the scene's figure.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Eye {
+    /// Geodetic latitude, degrees.
+    pub lat_deg: f64,
+    /// Longitude east, degrees, −180…180.
+    pub lon_deg: f64,
+    /// Height above the ellipsoid, kilometres.
+    pub height_km: f64,
+}
+
+/// Where the Sun stands in the zenith.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SubsolarPoint {
+    /// Geodetic latitude, degrees.
+    pub lat_deg: f64,
+    /// Longitude east, degrees, −180…180.
+    pub lon_deg: f64,
+}
+
+impl Stats {
+    /// The numbers of a picture of `moment` that was measured.
+    pub fn new(picture: &Picture, moment: &Moment, measured: &Measured) -> Self {
+        let info = picture.adapter_info();
+        let (width, height) = picture.size();
+        let counts = &measured.stats;
+        let names = |names: Vec<&str>| names.into_iter().map(str::to_owned).collect();
+        Self {
+            adapter: info.name,
+            backend: info.backend.to_string(),
+            size: [width, height],
+            frame_ms: milliseconds(measured.frame),
+            prepare_ms: milliseconds(measured.prepare),
+            blocks_visible: counts.blocks_visible,
+            blocks_drawn: counts.blocks_drawn,
+            triangles: counts.triangles,
+            draw_calls: counts.draw_calls,
+            texture_bytes: counts.texture_bytes,
+            features_on: names(picture.earth().features_on()),
+            features_off: names(picture.earth().features_off()),
+            eye: Eye::new(counts.eye),
+            sun: SubsolarPoint::new(moment.sky.sun_itrf),
+            epoch: rfc3339(moment.epoch),
+        }
+    }
+
+    /// As indented JSON with a line end.
+    pub fn to_json(&self) -> String {
+        // Numbers, strings and lists cannot fail to be written; the error is kept for the type's sake.
+        let mut text = serde_json::to_string_pretty(self).unwrap_or_else(|error| error.to_string());
+        text.push('\n');
+        text
+    }
+}
+
+impl Eye {
+    fn new(place: Geodetic) -> Self {
+        Self {
+            lat_deg: place.lat_rad.to_degrees(),
+            lon_deg: place.lon_rad.to_degrees(),
+            height_km: place.height_m / 1000.0,
+        }
+    }
+}
+
+impl SubsolarPoint {
+    /// Where the ellipsoid's normal points at the Sun: its geodetic latitude is the direction's, on any figure.
+    fn new(sun_itrf: DVec3) -> Self {
+        Self {
+            lat_deg: sun_itrf.z.atan2(sun_itrf.x.hypot(sun_itrf.y)).to_degrees(),
+            lon_deg: sun_itrf.y.atan2(sun_itrf.x).to_degrees(),
+        }
+    }
+}
+
+/// To the microsecond: more digits would be noise.
+fn milliseconds(duration: Duration) -> f64 {
+    (duration.as_secs_f64() * 1e6).round() / 1e3
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sun_stands_where_its_direction_is_the_vertical() {
+        let normal = crate::frames::Ellipsoid::normal((-23.0_f64).to_radians(), 2.5);
+        let point = SubsolarPoint::new(normal);
+        assert!((point.lat_deg + 23.0).abs() < 1e-12);
+        assert!((point.lon_deg - 2.5_f64.to_degrees()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn milliseconds_to_the_microsecond() {
+        assert_eq!(milliseconds(Duration::from_nanos(1_234_567)), 1.235);
+    }
+}

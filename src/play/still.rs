@@ -1,0 +1,66 @@
+//! One picture, and its numbers.
+
+use super::destination::PendingFile;
+use super::error::PlayError;
+use super::flight::Flight;
+use super::picture::Picture;
+use super::progress::Progress;
+use super::stats::Stats;
+use crate::frames::Epoch;
+use std::path::Path;
+
+/// What a still is.
+#[derive(Clone, Debug)]
+pub struct StillRequest<'r> {
+    /// The instant; `None` is the scene's start.
+    pub epoch: Option<Epoch>,
+    /// Width and height, pixels; `None` is the scene's.
+    pub size: Option<(u32, u32)>,
+    /// Part of the adapter's name; `None` takes the best.
+    pub adapter: Option<&'r str>,
+    /// The PNG to write.
+    pub output: &'r Path,
+    /// The JSON to write its numbers to, if they are wanted.
+    pub stats: Option<&'r Path>,
+}
+
+/// Draws and writes one picture. Nothing is left behind where that fails.
+pub fn write_still(
+    flight: &Flight,
+    request: &StillRequest<'_>,
+    progress: &dyn Progress,
+) -> Result<(), PlayError> {
+    let scene = flight.scene();
+    let epoch = request.epoch.unwrap_or(scene.time.start);
+    let size = request.size.unwrap_or(scene.output.size.into());
+    let aspect = f64::from(size.0) / f64::from(size.1);
+    // In the order of what is cheapest to find out: the date, the files, the maps, the adapter.
+    let moment = flight.at(epoch, aspect)?;
+    let output = PendingFile::create(request.output, "pictures", "png")?;
+    let stats = match request.stats {
+        Some(path) => Some(PendingFile::create(path, "numbers", "json")?),
+        None => None,
+    };
+
+    progress.begin("loading maps", None);
+    let options = flight.earth_options()?;
+    progress.end();
+    progress.begin("drawing", None);
+    let mut picture = Picture::open(request.adapter, options, size)?;
+    let numbers = match &stats {
+        Some(_) => {
+            let measured = picture.measure(&moment)?;
+            Some(Stats::new(&picture, &moment, &measured))
+        }
+        None => {
+            picture.draw(&moment);
+            None
+        }
+    };
+    output.write_png(&picture.read()?)?;
+    progress.end();
+    if let (Some(file), Some(numbers)) = (stats, numbers) {
+        file.write_whole(numbers.to_json().as_bytes())?;
+    }
+    Ok(())
+}

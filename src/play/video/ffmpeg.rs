@@ -1,0 +1,185 @@
+//! The `ffmpeg` program, fed with raw frames through a pipe.
+
+use super::{VideoError, VideoFormat, write_error};
+use crate::play::destination::PendingFile;
+use crate::play::error::PlayError;
+use crate::play::export::FrameSink;
+use image::RgbaImage;
+use std::io::{Read, Write};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::thread::JoinHandle;
+
+/// Most of what ffmpeg says that is kept for a message, bytes.
+const KEPT_WORDS: usize = 2_000;
+
+/// What is on the search path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Found {
+    /// An ffmpeg that encodes H.264 with libx264.
+    WithX264,
+    /// An ffmpeg that does not.
+    WithoutX264,
+    /// None.
+    Nothing,
+}
+
+/// Looks for ffmpeg and asks it what it can.
+pub fn find() -> Found {
+    let answer = Command::new("ffmpeg")
+        .args(["-hide_banner", "-loglevel", "error", "-encoders"])
+        .stdin(Stdio::null())
+        .output();
+    match answer {
+        Ok(answer) if answer.status.success() => {
+            let text = String::from_utf8_lossy(&answer.stdout);
+            if text
+                .lines()
+                .any(|line| line.split_whitespace().nth(1) == Some("libx264"))
+            {
+                Found::WithX264
+            } else {
+                Found::WithoutX264
+            }
+        }
+        _ => Found::Nothing,
+    }
+}
+
+/// A video that ffmpeg is encoding.
+pub struct Ffmpeg {
+    process: Process,
+    file: PendingFile,
+}
+
+/// A running ffmpeg; it is stopped when this is dropped.
+struct Process {
+    child: Child,
+    /// `None` once all frames are given.
+    input: Option<ChildStdin>,
+    /// Collects what ffmpeg says, so that its pipe never fills up.
+    words: Option<JoinHandle<String>>,
+}
+
+impl Ffmpeg {
+    /// Starts ffmpeg.
+    pub fn start(file: PendingFile, format: VideoFormat) -> Result<Self, PlayError> {
+        let (width, height) = format.size;
+        let mut child = Command::new("ffmpeg")
+            .args(["-hide_banner", "-loglevel", "error", "-y"])
+            .args(["-f", "rawvideo", "-pix_fmt", "rgba"])
+            .args(["-s", &format!("{width}x{height}")])
+            .args(["-r", &format.frame_rate_hz.to_string()])
+            .args(["-i", "pipe:0", "-an"])
+            // Convert with BT.709 and say so: without the filter ffmpeg would convert with BT.601.
+            .args([
+                "-vf",
+                "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p",
+            ])
+            .args(["-c:v", "libx264", "-preset", "medium", "-crf", "18"])
+            .args(["-colorspace", "bt709", "-color_primaries", "bt709"])
+            .args(["-color_trc", "bt709", "-color_range", "tv"])
+            .args(["-movflags", "+faststart", "-f", "mp4"])
+            .arg(file.temporary())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(|source| VideoError::Ffmpeg {
+                path: file.target().into(),
+                status: "did not start".into(),
+                words: source.to_string(),
+            })?;
+        let words = child
+            .stderr
+            .take()
+            .map(|stderr| std::thread::spawn(move || last_words(stderr)));
+        let process = Process {
+            input: child.stdin.take(),
+            child,
+            words,
+        };
+        Ok(Self { process, file })
+    }
+
+    /// Waits for ffmpeg to end, and tells how if that was not well.
+    fn wait(&mut self) -> Result<(), PlayError> {
+        let process = &mut self.process;
+        // Ends its input.
+        drop(process.input.take());
+        let status = process
+            .child
+            .wait()
+            .map_err(|source| write_error(&self.file, source))?;
+        let words = process.words.take().and_then(|thread| thread.join().ok());
+        if status.success() {
+            return Ok(());
+        }
+        let words = words.filter(|words| !words.is_empty());
+        Err(PlayError::Video(VideoError::Ffmpeg {
+            path: self.file.target().into(),
+            status: status.to_string(),
+            words: words.unwrap_or_else(|| "it said nothing".into()),
+        }))
+    }
+}
+
+impl FrameSink for Ffmpeg {
+    fn push(&mut self, frame: &RgbaImage) -> Result<(), PlayError> {
+        let written = match &mut self.process.input {
+            Some(input) => input.write_all(frame.as_raw()),
+            None => Ok(()),
+        };
+        match written {
+            Ok(()) => Ok(()),
+            // It closed its end: its own words are better than "broken pipe".
+            Err(source) => Err(match self.wait() {
+                Err(error) => error,
+                Ok(()) => write_error(&self.file, source),
+            }),
+        }
+    }
+
+    fn finish(mut self: Box<Self>) -> Result<(), PlayError> {
+        self.wait()?;
+        Ok(self.file.commit()?)
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        drop(self.input.take());
+        // Both fail harmlessly where it has ended.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// The end of what a program says, on one line.
+fn last_words(mut source: impl Read) -> String {
+    let mut kept = Vec::new();
+    let mut buffer = [0; 1024];
+    while let Ok(count @ 1..) = source.read(&mut buffer) {
+        kept.extend_from_slice(&buffer[..count]);
+        let excess = kept.len().saturating_sub(KEPT_WORDS);
+        kept.drain(..excess);
+    }
+    let text = String::from_utf8_lossy(&kept);
+    let lines: Vec<_> = text
+        .lines()
+        .map(str::trim)
+        .filter(|l| !l.is_empty())
+        .collect();
+    lines.join("; ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_last_words_are_kept() {
+        assert_eq!(last_words(&b"one\n\n two \n"[..]), "one; two");
+        let long = vec![b'x'; 100_000];
+        assert_eq!(last_words(long.as_slice()).len(), KEPT_WORDS);
+    }
+}

@@ -1,0 +1,165 @@
+//! Video: H.264 in MP4, by `ffmpeg` where it is installed, else by the built-in encoder.
+//!
+//! Both write 4:2:0 in BT.709, limited range, tagged as such, with the index before the data so that a browser can
+//! begin to play at once. Half-size colour needs an even width and height.
+
+mod builtin;
+mod ffmpeg;
+mod yuv;
+
+use super::destination::{OutputError, PendingFile};
+use super::error::PlayError;
+use super::export::FrameSink;
+use std::path::PathBuf;
+
+/// What encodes a video.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum EncoderChoice {
+    /// `ffmpeg` with libx264 if the search path has it, else the built-in one.
+    #[default]
+    Auto,
+    /// `ffmpeg` with libx264, or an error.
+    Ffmpeg,
+    /// OpenH264 and an MP4 writer inside this program.
+    Builtin,
+}
+
+/// What a video is like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VideoFormat {
+    /// Width and height, pixels, both even.
+    pub size: (u32, u32),
+    /// Frames per second.
+    pub frame_rate_hz: f64,
+}
+
+/// Why a video could not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum VideoError {
+    /// An odd width or height.
+    #[error(
+        "a video of {width} × {height} pixels is not possible: H.264 video needs an even width and height; \
+         take {even_width} × {even_height}, or write --frames"
+    )]
+    OddSize {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+        /// An even width near it.
+        even_width: u32,
+        /// An even height near it.
+        even_height: u32,
+    },
+    /// Larger than the built-in encoder takes.
+    #[error(
+        "the built-in encoder writes videos from 16 × 16 to 3840 × 2160 pixels (or upright), not {width} × {height}; \
+         install ffmpeg, or write --frames"
+    )]
+    BuiltinSize {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+    },
+    /// More data than the built-in MP4 writer takes.
+    #[error(
+        "{}: the video has grown over {limit_mib} MiB, the most that the built-in encoder writes; install ffmpeg, or \
+         make the film shorter or smaller", path.display()
+    )]
+    BuiltinLength {
+        /// The file.
+        path: PathBuf,
+        /// The limit, MiB.
+        limit_mib: u64,
+    },
+    /// The built-in encoder failed.
+    #[error("{}: the built-in encoder failed: {cause}", path.display())]
+    Builtin {
+        /// The file.
+        path: PathBuf,
+        /// Its words.
+        cause: String,
+    },
+    /// `ffmpeg` was asked for and is not there.
+    #[error(
+        "ffmpeg was not found on the search path; install it (on Debian and Ubuntu `apt-get install ffmpeg`), or \
+         choose --encoder builtin"
+    )]
+    NoFfmpeg,
+    /// `ffmpeg` is there without an encoder for H.264.
+    #[error(
+        "the installed ffmpeg has no libx264; install one that has, or choose --encoder builtin"
+    )]
+    NoX264,
+    /// `ffmpeg` stopped.
+    #[error("{}: ffmpeg failed ({status}): {words}", path.display())]
+    Ffmpeg {
+        /// The file.
+        path: PathBuf,
+        /// How it ended.
+        status: String,
+        /// What it said last.
+        words: String,
+    },
+}
+
+/// Refuses sizes that no video can have.
+pub fn check_size(size: (u32, u32)) -> Result<(), VideoError> {
+    let (width, height) = size;
+    if width % 2 == 0 && height % 2 == 0 {
+        return Ok(());
+    }
+    Err(VideoError::OddSize {
+        width,
+        height,
+        even_width: width.next_multiple_of(2),
+        even_height: height.next_multiple_of(2),
+    })
+}
+
+/// Begins a video: chooses the encoder and starts it.
+pub fn open_video(
+    file: PendingFile,
+    format: VideoFormat,
+    choice: EncoderChoice,
+) -> Result<Box<dyn FrameSink>, PlayError> {
+    check_size(format.size)?;
+    let found = match choice {
+        EncoderChoice::Builtin => ffmpeg::Found::Nothing,
+        EncoderChoice::Auto | EncoderChoice::Ffmpeg => ffmpeg::find(),
+    };
+    match (choice, found) {
+        (EncoderChoice::Ffmpeg | EncoderChoice::Auto, ffmpeg::Found::WithX264) => {
+            tracing::info!("encoding with ffmpeg, libx264");
+            Ok(Box::new(ffmpeg::Ffmpeg::start(file, format)?))
+        }
+        (EncoderChoice::Ffmpeg, ffmpeg::Found::WithoutX264) => Err(VideoError::NoX264.into()),
+        (EncoderChoice::Ffmpeg, ffmpeg::Found::Nothing) => Err(VideoError::NoFfmpeg.into()),
+        (EncoderChoice::Auto | EncoderChoice::Builtin, _) => {
+            tracing::info!("encoding with the built-in encoder, OpenH264");
+            Ok(Box::new(builtin::Builtin::start(file, format)?))
+        }
+    }
+}
+
+fn write_error(file: &PendingFile, source: std::io::Error) -> PlayError {
+    PlayError::Output(OutputError::Write {
+        path: file.target().into(),
+        source,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn odd_sizes_are_refused_with_an_even_one() {
+        check_size((64, 36)).expect("even");
+        let refused = check_size((641, 360)).expect_err("odd").to_string();
+        assert!(refused.contains("642 × 360"), "{refused}");
+        assert!(check_size((640, 361)).is_err());
+    }
+}

@@ -1,0 +1,313 @@
+//! The window: winit's events in, pictures out.
+
+use super::controls::{Controls, WindowTask};
+use super::error::PlayError;
+use super::flight::Flight;
+use super::keys::{Action, action_of};
+use super::progress::Progress;
+use super::stage::{Shown, Stage};
+use crate::EarthOptions;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
+use winit::event::{ElementState, MouseButton, MouseScrollDelta, StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::window::{Fullscreen, WindowId};
+
+/// Wait before a surface that gave no texture is asked again.
+const RETRY: Duration = Duration::from_millis(100);
+/// Pixels of a touchpad that magnify like one notch of a wheel.
+const PIXELS_PER_NOTCH: f64 = 50.0;
+/// Magnification of one notch, as a power of two.
+const ZOOM_PER_NOTCH: f64 = 0.25;
+/// How long a message stays.
+const MESSAGE_TIME: Duration = Duration::from_secs(4);
+
+/// Why there is no window.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WindowError {
+    /// No display, or none that answers.
+    #[error(
+        "no window can be opened: {0}; without a display, write a film with --video FILE.mp4 or --frames FOLDER, or \
+         one picture with `terrella frame`"
+    )]
+    NoDisplay(String),
+    /// The window's surface takes no 8-bit sRGB colour.
+    #[error(
+        "the window's surface offers no 8-bit sRGB colour, only {present:?}; choose another adapter with --adapter, or \
+         write --video or --frames"
+    )]
+    NoFormat {
+        /// What it offers.
+        present: Vec<wgpu::TextureFormat>,
+    },
+}
+
+/// How the window is opened.
+#[derive(Clone, Debug, Default)]
+pub struct WindowRequest<'r> {
+    /// Part of the adapter's name; `None` takes the best.
+    pub adapter: Option<&'r str>,
+    /// Width and height of the inside, pixels; `None` is the scene's.
+    pub size: Option<(u32, u32)>,
+    /// Closes the window by itself after this many seconds.
+    pub for_seconds: Option<f64>,
+}
+
+/// Opens a window and plays the flight in it until it is closed. Call it on the main thread, once in a program.
+pub fn play_in_window(
+    flight: &Flight,
+    request: &WindowRequest<'_>,
+    progress: &dyn Progress,
+) -> Result<(), PlayError> {
+    // Before the maps are loaded: whether there is a display is known at once.
+    let event_loop =
+        EventLoop::new().map_err(|error| WindowError::NoDisplay(no_display(&error)))?;
+    progress.begin("loading maps", None);
+    let options = flight.earth_options()?;
+    progress.end();
+    let mut app = App {
+        controls: Controls::new(flight),
+        flight,
+        request,
+        options: Some(options),
+        stage: None,
+        failure: None,
+        closes_at: None,
+        last_frame: None,
+        message_ends: None,
+        repaint_at: None,
+        dragging: false,
+        pointer: None,
+        hidden: false,
+    };
+    event_loop
+        .run_app(&mut app)
+        .map_err(|error| WindowError::NoDisplay(error.to_string()))?;
+    match app.failure {
+        Some(failure) => Err(failure),
+        None => Ok(()),
+    }
+}
+
+/// winit's words without the place in its source that they begin with: `os error at FILE:LINE: reason.`
+fn no_display(error: &winit::error::EventLoopError) -> String {
+    let text = error.to_string();
+    let reason = match text.strip_prefix("os error at ") {
+        Some(rest) => rest.split_once(": ").map_or(rest, |(_, reason)| reason),
+        None => &text,
+    };
+    reason.trim_end_matches('.').to_owned()
+}
+
+struct App<'a> {
+    flight: &'a Flight,
+    request: &'a WindowRequest<'a>,
+    controls: Controls,
+    /// Taken when the window is made.
+    options: Option<EarthOptions>,
+    stage: Option<Stage>,
+    failure: Option<PlayError>,
+    closes_at: Option<Instant>,
+    /// When the last frame began; `None` after a time without frames.
+    last_frame: Option<Instant>,
+    message_ends: Option<Instant>,
+    /// When egui, or a surface without a texture, wants another frame.
+    repaint_at: Option<Instant>,
+    dragging: bool,
+    /// Where the pointer was, pixels.
+    pointer: Option<(f64, f64)>,
+    /// Minimised or covered.
+    hidden: bool,
+}
+
+impl ApplicationHandler for App<'_> {
+    fn new_events(&mut self, _event_loop: &ActiveEventLoop, cause: StartCause) {
+        if matches!(cause, StartCause::ResumeTimeReached { .. }) {
+            self.redraw();
+        }
+    }
+
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        // Desktop systems resume once; on others the stage of the first time is kept.
+        let Some(options) = self.options.take() else {
+            return;
+        };
+        let [width, height] = self.flight.scene().output.size;
+        let (width, height) = self.request.size.unwrap_or((width, height));
+        let size = PhysicalSize::new(width, height);
+        match Stage::open(event_loop, size, self.flight, self.request.adapter, options) {
+            Ok(stage) => {
+                self.stage = Some(stage);
+                let time = self.request.for_seconds;
+                let time = time.and_then(|time| Duration::try_from_secs_f64(time).ok());
+                self.closes_at = time.and_then(|time| Instant::now().checked_add(time));
+                self.redraw();
+            }
+            Err(error) => self.fail(event_loop, error),
+        }
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _id: WindowId, event: WindowEvent) {
+        let Some(stage) = &mut self.stage else {
+            return;
+        };
+        let response = stage.offer(&event);
+        if response.repaint && !matches!(event, WindowEvent::RedrawRequested) {
+            stage.window().request_redraw();
+        }
+        match event {
+            WindowEvent::CloseRequested => event_loop.exit(),
+            WindowEvent::Resized(size) => {
+                self.hidden = size.width == 0 || size.height == 0;
+                stage.resize((size.width, size.height));
+                self.redraw();
+            }
+            WindowEvent::Occluded(occluded) => {
+                self.hidden = occluded;
+                self.redraw();
+            }
+            WindowEvent::RedrawRequested => self.draw(event_loop),
+            WindowEvent::KeyboardInput { event, .. } if event.state == ElementState::Pressed => {
+                let repeats = |action: Action| matches!(action, Action::Zoom(_) | Action::Skip(_));
+                let action = action_of(&event.logical_key);
+                if let Some(action) = action.filter(|action| !event.repeat || repeats(*action)) {
+                    self.act(event_loop, action);
+                }
+            }
+            WindowEvent::MouseInput {
+                state,
+                button: MouseButton::Left,
+                ..
+            } => {
+                self.dragging = state == ElementState::Pressed && !response.consumed;
+            }
+            WindowEvent::CursorMoved { position, .. } => {
+                let before = self.pointer.replace((position.x, position.y));
+                if let (true, Some((x, y))) = (self.dragging, before) {
+                    self.act(event_loop, Action::Drag(position.x - x, position.y - y));
+                }
+            }
+            WindowEvent::CursorLeft { .. } => self.pointer = None,
+            WindowEvent::MouseWheel { delta, .. } if !response.consumed => {
+                let notches = match delta {
+                    MouseScrollDelta::LineDelta(_, lines) => f64::from(lines),
+                    MouseScrollDelta::PixelDelta(pixels) => pixels.y / PIXELS_PER_NOTCH,
+                };
+                self.act(event_loop, Action::Zoom(notches * ZOOM_PER_NOTCH));
+            }
+            WindowEvent::PinchGesture { delta, .. } if delta.is_finite() => {
+                self.act(event_loop, Action::Zoom((1.0 + delta.max(-0.9)).log2()));
+            }
+            _ => {}
+        }
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        let now = Instant::now();
+        if self.closes_at.is_some_and(|end| end <= now) {
+            event_loop.exit();
+            return;
+        }
+        if self.stage.as_ref().is_some_and(Stage::is_device_lost) {
+            let error = PlayError::DeviceLost("the driver reset or removed it".into());
+            self.fail(event_loop, error);
+            return;
+        }
+        if self.message_ends.is_some_and(|end| end <= now) {
+            (self.message_ends, self.controls.message) = (None, None);
+            self.redraw();
+        }
+        let moving = !self.controls.clock.is_paused() && !self.hidden;
+        if moving && self.repaint_at.is_none() {
+            self.redraw();
+        }
+        let wake = [self.closes_at, self.message_ends, self.repaint_at];
+        event_loop.set_control_flow(match wake.into_iter().flatten().min() {
+            Some(time) => ControlFlow::WaitUntil(time),
+            None => ControlFlow::Wait,
+        });
+    }
+}
+
+impl App<'_> {
+    fn redraw(&self) {
+        if let (Some(stage), false) = (&self.stage, self.hidden) {
+            stage.window().request_redraw();
+        }
+    }
+
+    fn fail(&mut self, event_loop: &ActiveEventLoop, error: PlayError) {
+        self.failure = Some(error);
+        event_loop.exit();
+    }
+
+    fn tell(&mut self, message: String) {
+        self.controls.message = Some(message);
+        self.message_ends = Some(Instant::now() + MESSAGE_TIME);
+    }
+
+    fn act(&mut self, event_loop: &ActiveEventLoop, action: Action) {
+        let Some(stage) = &mut self.stage else {
+            return;
+        };
+        let height_px = f64::from(stage.size().1);
+        match self.controls.apply(action, height_px) {
+            None => {}
+            Some(WindowTask::Quit) => event_loop.exit(),
+            Some(WindowTask::FullScreen) => {
+                let window = stage.window();
+                let next = match window.fullscreen() {
+                    Some(_) => None,
+                    None => Some(Fullscreen::Borderless(None)),
+                };
+                window.set_fullscreen(next);
+            }
+            Some(WindowTask::Screenshot) => match stage.screenshot(PathBuf::new()) {
+                Ok(path) => self.tell(format!("saved {}", path.display())),
+                Err(error) => self.tell(error.to_string()),
+            },
+        }
+        self.redraw();
+    }
+
+    fn draw(&mut self, event_loop: &ActiveEventLoop) {
+        let Some(stage) = &mut self.stage else {
+            return;
+        };
+        let now = Instant::now();
+        let interval = self.last_frame.map(|last| now - last);
+        self.controls
+            .advance(interval.unwrap_or_default().as_secs_f64());
+        let moment = self.flight.view_at(
+            self.controls.clock.now(),
+            &self.controls.request(stage.aspect()),
+        );
+        let moment = match (moment, stage.last_moment()) {
+            (Ok(moment), _) => moment,
+            // The satellite cannot be followed any further: the last picture stays, with the reason.
+            (Err(error), Some(last)) => {
+                self.controls.clock.set_paused(true);
+                self.controls.message = Some(error.to_string());
+                last
+            }
+            (Err(error), None) => {
+                self.fail(event_loop, error);
+                return;
+            }
+        };
+        // Only frames that follow each other tell the frame rate.
+        let moving = !self.controls.clock.is_paused();
+        self.last_frame = moving.then_some(now);
+        let (shown, actions) = stage.draw(&moment, &self.controls, interval);
+        self.repaint_at = match shown {
+            Shown::Until(delay) => now.checked_add(delay).filter(|_| !moving),
+            Shown::Not => Some(now + RETRY),
+        };
+        for action in actions {
+            self.act(event_loop, action);
+        }
+    }
+}
