@@ -194,11 +194,8 @@ fn fragment(in: Varying) -> Output {
     out.color = air_light;
 #endif
 #if depth
-    // The air stands where the ray enters it if it ends on the ground, else where it passes nearest: what is nearer
-    // hides it, what is farther is seen through it.
-    let q2 = pass_.q * pass_.q;
-    let enters = pass_.along - sqrt(max(air.top * air.top - q2, 0.0));
-    let at = max(select(pass_.along, enters, pass_.q < 1.0), 0.0);
+    // The air stands where the ray enters it: what is nearer hides it, what is farther is seen through it.
+    let at = max(pass_.along - sqrt(max((air.top - pass_.q) * (air.top + pass_.q), 0.0)), 0.0);
     let clip = air.clip_from_billboard * vec4f(pass_.direction * at, 1.0);
 #if standard_z
     out.depth = select(clip.z / max(clip.w, 1e-30), 0.0, at == 0.0);

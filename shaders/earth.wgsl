@@ -1,4 +1,4 @@
-// The surface: one block a draw, texture coordinates and normals exact at every pixel of the mesh.
+// The surface: one block a draw, texture coordinates and normals exact at every pixel.
 //
 // Features (see src/gpu/shader.rs): paper, clouds, normals, night_lights, air, encode, decode.
 
@@ -48,24 +48,18 @@ struct BlockVertex {
 
 struct Varying {
     @builtin(position) clip: vec4f,
-    @location(0) from_eye_m: vec3f,
-    @location(1) @interpolate(flat) center_lon: vec2f,
-    @location(2) @interpolate(flat) center_lat: vec2f,
-    @location(3) @interpolate(flat) center_uv: vec2f,
+    @location(0) @interpolate(flat) center_lon: vec2f,
+    @location(1) @interpolate(flat) center_lat: vec2f,
+    @location(2) @interpolate(flat) center_uv: vec2f,
 }
 
 @vertex
 fn vertex(in: BlockVertex) -> Varying {
-    var out: Varying;
-    out.clip = frame.clip_from_eye * vec4f(in.from_eye_m, 1.0);
-    out.from_eye_m = in.from_eye_m;
-    out.center_lon = in.center_lon;
-    out.center_lat = in.center_lat;
-    out.center_uv = in.center_uv;
-    return out;
+    let clip = frame.clip_from_eye * vec4f(in.from_eye_m, 1.0);
+    return Varying(clip, in.center_lon, in.center_lat, in.center_uv);
 }
 
-// atan(y/x) for |y/x| ≤ tan 15°, error below 1e-8: a block reaches 11.25° to each side of its centre.
+// atan(y/x) for |y/x| ≤ tan 15°, error below 1e-7: a block reaches 11.25° to each side of its centre.
 fn atan_near(y: f32, x: f32) -> f32 {
     let t = y / x;
     let s = t * t;
@@ -85,10 +79,22 @@ struct Place {
     uv_dy: vec2f,
 }
 
+// The mesh says which pixels show the ground; what they show is found by the pixel's own ray on the exact ellipsoid.
+// So nothing is interpolated: facets seen edge on, where interpolation is ill-conditioned, cannot shake, and a coarse
+// mesh shifts nothing.
 fn place(in: Varying) -> Place {
     var out: Place;
-    let p = frame.eye_itrf_m + in.from_eye_m;
-    out.up = normalize(vec3f(p.xy, p.z * frame.normal_stretch));
+    let ray = frame.corner_ray + in.clip.x * frame.pixel_right + in.clip.y * frame.pixel_down;
+    let to_scaled = vec3f(1.0, 1.0, frame.polar_stretch);
+    let scaled = ray * to_scaled;
+    let d = normalize(scaled);
+    // |e + t d| = 1 with c = |e|² − 1: t = c / (−e·d + √(1 − |e × d|²)). Lagrange's identity instead of b² − c.
+    let across_ray = cross(frame.eye_scaled, d);
+    let root = sqrt(max(1.0 - dot(across_ray, across_ray), 0.0));
+    let t = max(frame.above / max(root - dot(frame.eye_scaled, d), 1e-9), 0.0);
+    let p = frame.eye_scaled + t * d;
+    out.up = normalize(p * to_scaled);
+
     let across = max(length(out.up.xy), 1e-7);
     out.east = vec3f(-out.up.y, out.up.x, 0.0) / across;
     out.north = cross(out.up, out.east);
@@ -100,9 +106,13 @@ fn place(in: Varying) -> Place {
         in.center_lat.x * across + in.center_lat.y * out.up.z,
     );
     out.uv = in.center_uv + vec2f(longitude / (2.0 * PI), -latitude / PI);
-    let to_uv = vec2f(0.5, -1.0) / (PI * frame.radius_m);
-    let dx = dpdx(in.from_eye_m);
-    let dy = dpdy(in.from_eye_m);
+
+    // The neighbour pixel's ray on the tangent plane: r − ray·(up·r)/(up·ray), times the distance in radii.
+    let facing = min(dot(out.up, ray), -0.02 * length(ray));
+    let radii = t / length(scaled);
+    let dx = radii * (frame.pixel_right - ray * (dot(out.up, frame.pixel_right) / facing));
+    let dy = radii * (frame.pixel_down - ray * (dot(out.up, frame.pixel_down) / facing));
+    let to_uv = vec2f(0.5, -1.0) / PI;
     out.uv_dx = vec2f(dot(out.east, dx), dot(out.north, dx)) * to_uv;
     out.uv_dy = vec2f(dot(out.east, dy), dot(out.north, dy)) * to_uv;
     return out;
@@ -143,7 +153,7 @@ fn shade(at: Place) -> vec3f {
 const CLOUD_ALBEDO: f32 = 0.85;
 #endif
 #if night_lights
-const LIGHT_COLOR: vec3f = vec3f(1.0, 0.72, 0.38);
+const LAMP_COLOR: vec3f = vec3f(1.0, 0.72, 0.38);
 #endif
 #if air
 // Mean colour of a clear sky, luminance 1.
@@ -179,7 +189,7 @@ fn shade(at: Place) -> vec3f {
     var color = sample_map(day_map, at).rgb * (light.sun * facing + light.sky);
 #if night_lights
     let glow = sample_map(light_map, at).r * (1.0 - smoothstep(-0.12, 0.02, mu_s));
-    color += glow * glow * LIGHT_COLOR;
+    color += glow * glow * LAMP_COLOR;
 #endif
 #if clouds
     let cover = sample_map(cloud_map, at).r;

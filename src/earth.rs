@@ -4,20 +4,10 @@ use crate::air::{Atmosphere, Billboard, EARTH_AIR};
 use crate::frames::{Epoch, Geodetic, sun_direction_itrf};
 pub use crate::globe::Shading;
 use crate::globe::{BlockGrid, Figure, SubdivisionError, Visibility, select_blocks};
+pub use crate::gpu::DepthBuffer;
 use crate::gpu::{AirDrawable, Frame, PassFormat, ShaderError, SurfaceDrawable, SurfaceParts};
 use crate::imagery::{EarthLayers, ImageryError};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4, Vec3};
-
-/// The depth buffer of the pass that the Earth is drawn in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DepthBuffer {
-    /// The pass has none: the Earth is drawn over what is there already.
-    None,
-    /// Nearer is larger (clear to 0). The one to choose: it keeps precision to the horizon.
-    ReversedZ(wgpu::TextureFormat),
-    /// Nearer is smaller (clear to 1).
-    StandardZ(wgpu::TextureFormat),
-}
 
 /// What is fixed when an Earth is made.
 #[derive(Clone, Debug)]
@@ -40,7 +30,8 @@ pub struct EarthOptions {
     pub samples: u32,
     /// Depth buffer of the pass.
     pub depth: DepthBuffer,
-    /// Most samples that a map is filtered with at a grazing view, 1…16; 1 is trilinear.
+    /// Most samples that a map is filtered with at a grazing view, 1…16; 1 is trilinear. A software adapter always
+    /// filters trilinearly: each sample costs it time, and Mesa's returns wrong texels at the limb.
     pub anisotropy: u16,
     /// What a white sheet that faces the Sun in space is drawn with; the target's white is 1. The paper's shading
     /// works in display values and is not touched by it, the air is.
@@ -113,6 +104,60 @@ impl EyeView {
             self.clip_from_view * DMat4::from_mat3(view_from_itrf),
         )
     }
+
+    /// The rays of a target's pixels, ITRF axes.
+    fn pixel_rays(&self, viewport: Viewport) -> PixelRays {
+        let itrf_from_view =
+            self.itrf_from_world.matrix3 * DMat3::from_quat(self.view_from_world.inverse());
+        let axes = [
+            itrf_from_view.x_axis,
+            itrf_from_view.y_axis,
+            itrf_from_view.z_axis,
+        ]
+        .map(DVec3::normalize_or_zero);
+        let p = &self.clip_from_view;
+        let (width, height) = (
+            f64::from(viewport.size.0.max(1)),
+            f64::from(viewport.size.1.max(1)),
+        );
+        let right = axes[0] * (2.0 / (p.x_axis.x * width));
+        let down = axes[1] * (-2.0 / (p.y_axis.y * height));
+        // Upper left: x_clip = −w, y_clip = w at one unit ahead; the third column shifts an off-centre projection.
+        let upper_left = axes[0] * ((p.z_axis.x - 1.0) / p.x_axis.x)
+            + axes[1] * ((p.z_axis.y + 1.0) / p.y_axis.y)
+            - axes[2];
+        let (x, y) = (f64::from(viewport.origin.0), f64::from(viewport.origin.1));
+        PixelRays {
+            corner: upper_left - right * x - down * y,
+            right,
+            down,
+        }
+    }
+}
+
+/// The part of the target that the host's pass draws to, pixels. A size alone is a viewport at the corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Viewport {
+    /// Upper left corner, as given to `set_viewport`.
+    pub origin: (f32, f32),
+    /// Width and height.
+    pub size: (u32, u32),
+}
+
+impl From<(u32, u32)> for Viewport {
+    fn from(size: (u32, u32)) -> Self {
+        Self {
+            origin: (0.0, 0.0),
+            size,
+        }
+    }
+}
+
+/// Rays on the plane one unit in front of the eye: through pixel (0, 0)'s corner, and to the next pixel.
+struct PixelRays {
+    corner: DVec3,
+    right: DVec3,
+    down: DVec3,
 }
 
 /// Perspective projection to wgpu clip space with the near plane at depth 1 and infinity at 0.
@@ -242,6 +287,7 @@ impl Earth {
             samples: options.samples,
             depth: options.depth,
         };
+        let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let air = match options.atmosphere {
             Atmosphere::Billboard => Some(AirDrawable::new(device, queue, format)?),
@@ -250,7 +296,7 @@ impl Earth {
         let parts = SurfaceParts {
             layers,
             shading: options.shading,
-            anisotropy: options.anisotropy,
+            anisotropy: if software { 1 } else { options.anisotropy },
             format,
             sunlight: air
                 .as_ref()
@@ -278,32 +324,38 @@ impl Earth {
 
     /// Chooses what the eye sees and writes it to the GPU. Call once a frame, before the pass. Never waits.
     ///
-    /// `size` is the target's width and height in pixels. An eye that is not finite draws nothing.
+    /// `target` is the target's width and height in pixels, or the [`Viewport`] that the pass sets. An eye that is not
+    /// finite draws nothing.
     pub fn prepare(
         &mut self,
         queue: &wgpu::Queue,
         view: &EyeView,
         sky: &Sky,
-        size: (u32, u32),
+        target: impl Into<Viewport>,
     ) -> FrameStats {
         let (eye_itrf_m, clip_from_eye) = self.plan(view);
-        self.stats.pixel_m = self.stats.eye.height_m.max(0.0) * 2.0
-            / (view.clip_from_view.y_axis.y.abs() * f64::from(size.1.max(1)));
+        let rays = view.pixel_rays(target.into());
+        self.stats.pixel_m = self.stats.eye.height_m.max(0.0) * rays.down.length();
         let ellipsoid = self.grid.ellipsoid();
-        let ratio = ellipsoid.equatorial_radius_m / ellipsoid.polar_radius_m;
+        let scale = ellipsoid.itrf_from_scaled();
+        let eye_scaled = eye_itrf_m / scale;
+        let distance = eye_scaled.length();
         let frame = Frame {
             clip_from_eye: clip_from_eye.as_mat4(),
-            eye_itrf_m: eye_itrf_m.as_vec3(),
-            normal_stretch: (ratio * ratio) as f32,
+            eye_scaled: eye_scaled.as_vec3(),
+            above: ((distance - 1.0) * (distance + 1.0)) as f32,
             sun_itrf: sky.sun_itrf.as_vec3(),
             radius_m: ellipsoid.equatorial_radius_m as f32,
+            corner_ray: rays.corner.as_vec3(),
+            polar_stretch: (ellipsoid.equatorial_radius_m / ellipsoid.polar_radius_m) as f32,
+            pixel_right: rays.right.as_vec3(),
             exposure: self.exposure,
-            padding: [0.0; 3],
+            pixel_down: rays.down.as_vec3(),
+            padding: 0.0,
         };
         self.stats.uploaded_bytes = self.surface.write(queue, &frame);
         if let Some(air) = &mut self.air {
-            let scale = ellipsoid.itrf_from_scaled();
-            let square = Billboard::new(eye_itrf_m / scale, EARTH_AIR.top(), &clip_from_eye, scale);
+            let square = Billboard::new(eye_scaled, EARTH_AIR.top(), &clip_from_eye, scale);
             self.stats.uploaded_bytes +=
                 air.write(queue, &square, sky.sun_itrf / scale, self.exposure);
         }

@@ -1,5 +1,74 @@
 //! Terrella: a realistic Earth that any program can draw.
-#![warn(missing_docs)]
+//!
+//! The library is a wgpu component: the host owns device, queue, pass and depth buffer, and calls three verbs,
+//! [`Earth::new`], [`Earth::prepare`] and [`Earth::render`]. The command `terrella` plays scene files with the same
+//! public interface. This page is the architecture of both.
+//!
+//! # One frame, as data flows
+//!
+//! ```text
+//! scene.toml ─► scene ─► clock ─► orbit ─► frames ─► view ─► globe ──► gpu ──► picture
+//!              (what)   (when)   (where   (ITRF,    (eye,   (which    (draw)
+//!                                is it)   Sun)      rays)   blocks)
+//!                                                      └──► air (which part of the screen)
+//! ```
+//!
+//! Every arrow is a plain value ([`frames::Epoch`], [`orbit::OrbitState`], [`EyeView`], [`globe::Block`],
+//! [`FrameStats`]), so each room can be tested alone.
+//!
+//! # Rooms
+//!
+//! A room may use those above it in this table and none below; `tests/house` reads the sources and holds it.
+//!
+//! | room | knows | must not know |
+//! |---|---|---|
+//! | [`frames`] | ellipsoid, time scales, Earth rotation, Sun; f64 | anything below |
+//! | [`orbit`] | readers and propagators: a state at an epoch | GPU |
+//! | [`globe`] | the block sphere: lattice, horizon and frustum tests | GPU, files |
+//! | [`air`] | density, scattering tables, the billboard | GPU, files |
+//! | [`imagery`] | maps on disk, checks, mip levels, slopes | GPU, orbits |
+//! | [`scene`] | the TOML file, defaults, checks with line and key | GPU |
+//! | [`gpu`] | adapter, targets, shaders, one file per drawable | files, orbits |
+//! | [`earth`] | the façade | the command |
+//! | `play` | clock, cameras, window, stills, video | |
+//! | `cli` | arguments, progress, exit codes | mathematics |
+//!
+//! # The Earth, after Wang and Dai 2011
+//!
+//! "Realistic rendering of virtual earth in real-time application", Journal of Beijing University of Aeronautics and
+//! Astronautics 37(8). What is kept, and what is mended:
+//!
+//! - **Blocks.** 16 × 8 blocks of 22.5°, n × n cells each (6 as printed, 1…48). Latitudes are geodetic, so that cells
+//!   meet the texels of an equirectangular map. Neighbours share vertices bit for bit: no cracks.
+//! - **Visibility.** The printed rule, (e − v)·n > 0 at a block's corners, loses visible blocks near the ground (a third
+//!   of all views at 100 km). [`globe::select_blocks`] finds the largest P′·e′ over a whole block in closed form, and
+//!   the facets that face the eye; the printed rule remains as [`Visibility::Paper`].
+//! - **Where a pixel looks.** The mesh says which pixels show the ground; what they show is found by the pixel's own
+//!   ray on the exact ellipsoid. So a coarse mesh costs accuracy at its silhouette only, and there is no seam at ±180°,
+//!   no swirl at the poles, and no derivative to go wrong at the limb: the mip level follows the ray's footprint.
+//! - **Shading.** The three layers as printed ([`Shading::Paper`], display values), or real sunlight in linear light.
+//!   n and L of the printed formula are both taken in Earth-fixed axes.
+//! - **Air.** The square of side 2√(L1·L2) that faces the eye, enlarged to the air's tangent cone, carries a halo that is
+//!   computed ([`air::AirTables`]): single scattering along each ray and higher orders after Hillaire 2020. In the air
+//!   the shader marches along the ray instead of reading the table.
+//!
+//! # Precision
+//!
+//! Positions are f64 up to one subtraction, eye from vertex, on the CPU; the GPU gets small f32 offsets. Nothing on the
+//! GPU is a two-float sum. Horizon, limb and air are computed in *scaled space*, (x/a, y/a, z/b), where the ellipsoid is
+//! the unit sphere and tangents stay tangents. Forms that cancel are avoided: L2 = h(L + R)/L for L − R²/L, Lagrange's
+//! identity for b² − c. Depth is reversed Z unless the host's is not. `tests/precision.rs` and `tests/picture.rs` measure
+//! it all.
+//!
+//! # Nothing unused is paid for
+//!
+//! A layer that is off is not read from disk, not uploaded, not bound and not in the shader's text: variants are made
+//! from one source by [`gpu::ShaderVariant`]. Steady state allocates nothing of its own (`tests/steady_state.rs`).
+//!
+//! # Features
+//!
+//! `command` (default) is the window, the video writer and the command line. A host that only embeds the Earth says
+//! `default-features = false`.
 
 pub mod air;
 pub mod earth;
@@ -13,5 +82,5 @@ pub mod play;
 pub mod scene;
 
 pub use air::Atmosphere;
-pub use earth::{DepthBuffer, Earth, EarthError, EarthOptions, EyeView, FrameStats, Sky};
+pub use earth::{DepthBuffer, Earth, EarthError, EarthOptions, EyeView, FrameStats, Sky, Viewport};
 pub use globe::{Figure, Shading, Visibility};

@@ -1,14 +1,23 @@
 //! Reading folders of maps: what is selected is read and no more; every kind of bad file is named.
 
 use image::{DynamicImage, ImageBuffer, ImageFormat};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use tempfile::TempDir;
 use terrella::imagery::{
-    EarthLayers, ImageryError, LayerSelection, TexelFormat, find_textures, load_layers,
+    EarthLayers, ImageryError, LayerSelection, SLOPE_EXAGGERATION, TexelFormat, load_layers,
+    slopes_from_elevation,
 };
 
 const WIDTH: u32 = 64;
 const HEIGHT: u32 = 32;
+
+/// Held by tests that load the starter pack: one of them looks at how much memory that takes.
+static HEAVY: Mutex<()> = Mutex::new(());
+
+fn starter_pack() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("textures")
+}
 
 /// A folder with four good little maps.
 fn good_folder() -> TempDir {
@@ -249,25 +258,48 @@ fn a_header_that_declares_too_much_is_refused_before_any_allocation() {
     ] {
         let contents = png_header(width, height);
         for name in ["day.jpg", "clouds.png", "elevation.png"] {
-            let before = peak_memory_kib();
-            let (error, text) = error_with(name, &contents);
+            let ((error, text), risen_kib) = memory_risen_kib(|| error_with(name, &contents));
             assert!(matches!(error, ImageryError::Size { .. }), "{text}");
             assert!(text.contains(&format!("{width} x {height}")), "{text}");
-            // The declared texels would fill 7 GB and more. Tests beside this one need a few megabytes.
-            let grown_kib = peak_memory_kib() - before;
-            assert!(grown_kib < 300_000, "{grown_kib} KiB more in use");
+            // The declared texels would fill 2 GB and more.
+            assert!(risen_kib < 300_000, "{risen_kib} KiB more in use");
         }
     }
 }
 
-/// Largest resident memory of this process so far, KiB; 0 where the system does not tell.
-fn peak_memory_kib() -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))
-        .and_then(|value| value.trim().trim_end_matches(" kB").parse().ok())
-        .unwrap_or(0)
+/// Runs `work` and gives by how many KiB the resident memory of this process rose meanwhile, looked at every
+/// millisecond; 0 where the system does not tell. Tests beside this one need a few megabytes, one of them 100.
+fn memory_risen_kib<T>(work: impl FnOnce() -> T) -> (T, u64) {
+    use std::sync::atomic::{AtomicBool, Ordering};
+    let resident_kib = || -> u64 {
+        let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+        let value = line.map(|line| line.trim().trim_end_matches(" kB").parse());
+        value.and_then(Result::ok).unwrap_or(0)
+    };
+    struct EndsWatch<'a>(&'a AtomicBool);
+    impl Drop for EndsWatch<'_> {
+        fn drop(&mut self) {
+            self.0.store(true, Ordering::Relaxed);
+        }
+    }
+    let done = &AtomicBool::new(false);
+    let before = resident_kib();
+    std::thread::scope(|scope| {
+        let watch = scope.spawn(move || {
+            let mut peak = before;
+            while !done.load(Ordering::Relaxed) {
+                peak = peak.max(resident_kib());
+                std::thread::sleep(std::time::Duration::from_millis(1));
+            }
+            peak - before
+        });
+        // Dropped also if the work panics: the scope would wait for the watch for ever.
+        let ends_watch = EndsWatch(done);
+        let result = work();
+        drop(ends_watch);
+        (result, watch.join().expect("the watch does not panic"))
+    })
 }
 
 #[test]
@@ -320,11 +352,12 @@ fn the_wrong_kind_of_texel_is_named_with_the_right_one() {
 
 #[test]
 fn the_starter_pack_loads_in_little_memory() {
-    let dir = find_textures().expect("the starter pack is part of the source tree");
-    let before = peak_memory_kib();
+    let _alone = HEAVY.lock().unwrap_or_else(PoisonError::into_inner);
+    let dir = starter_pack();
     let started = std::time::Instant::now();
-    let layers = load_all(&dir).expect("the starter pack is good");
-    eprintln!("starter pack loaded in {:?}", started.elapsed());
+    let (layers, risen_kib) = memory_risen_kib(|| load_all(&dir));
+    eprintln!("starter pack: {:?}, {risen_kib} KiB", started.elapsed());
+    let layers = layers.expect("the starter pack is good");
     let sizes = [
         Some(&layers.day),
         layers.clouds.as_ref(),
@@ -334,6 +367,54 @@ fn the_starter_pack_loads_in_little_memory() {
     .map(|map| map.map(|map| (map.width, map.height)));
     let small = Some((2048, 1024));
     assert_eq!(sizes, [Some((4096, 2048)), small, small, small]);
-    let grown_kib = peak_memory_kib() - before;
-    assert!(grown_kib < 300_000, "{grown_kib} KiB more in use");
+    // What stays is 56 MB.
+    assert!(risen_kib < 300_000, "{risen_kib} KiB more in use");
+}
+
+#[test]
+fn no_slope_of_the_starter_pack_saturates() {
+    let _alone = HEAVY.lock().unwrap_or_else(PoisonError::into_inner);
+    let dir = starter_pack();
+    let picture = image::open(dir.join("elevation.png")).expect("the starter pack is good");
+    let (width, height) = (picture.width(), picture.height());
+    let elevation = picture.into_luma16().into_raw();
+    let saturated = |exaggeration| {
+        slopes_from_elevation(width, height, &elevation, exaggeration)
+            .expect("the starter pack is good")
+            .saturated_texels
+    };
+    assert_eq!(saturated(SLOPE_EXAGGERATION), 0);
+    assert_eq!(saturated(8.0), 36);
+}
+
+/// A row of the map at a pole is one place: were it not nearly one value, the pole would show a swirl.
+#[test]
+fn the_starter_pack_has_neither_seam_nor_pinch() {
+    let _alone = HEAVY.lock().unwrap_or_else(PoisonError::into_inner);
+    let dir = starter_pack();
+    let layers = load_all(&dir).expect("the starter pack is good");
+    let clouds = layers.clouds.as_ref().expect("selected");
+    let lights = layers.night_lights.as_ref().expect("selected");
+    for (name, map) in [("day", &layers.day), ("clouds", clouds), ("lights", lights)] {
+        let bytes = map.format.texel_bytes();
+        let (width, height) = (map.width as usize, map.height as usize);
+        let texel = |x: usize, y: usize| i32::from(map.levels[0][(y * width + x) * bytes]);
+        for y in [0, height - 1] {
+            let row = (0..width).map(|x| texel(x, y));
+            let (least, most) = (row.clone().min(), row.max());
+            let spread = most.zip(least).map_or(0, |(most, least)| most - least);
+            assert!(spread <= 6, "{name}: row {y} spreads over {spread}");
+        }
+        // The edges differ no more than neighbouring columns do elsewhere.
+        let step = |x: usize| {
+            let next = (x + 1) % width;
+            let sum: i32 = (0..height)
+                .map(|y| (texel(x, y) - texel(next, y)).abs())
+                .sum();
+            f64::from(sum) / height as f64
+        };
+        let near = (2..22).map(|k| step(k) + step(width - 2 - k)).sum::<f64>() / 40.0;
+        let seam = step(width - 1);
+        assert!(seam <= 1.3 * near + 0.05, "{name}: {seam}, near it {near}");
+    }
 }

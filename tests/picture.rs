@@ -62,7 +62,7 @@ fn every_pixel_looks_where_the_exact_ray_does() {
     let mut options = EarthOptions::new(position_layers());
     options.atmosphere = Atmosphere::None;
     options.shading = Shading::Paper;
-    options.subdivision = 48;
+    options.subdivision = 6;
     options.anisotropy = 1;
     let mut rig = Rig::new(&options, SIZE);
     for (name, view) in views(rig.aspect()) {
@@ -223,7 +223,7 @@ fn halo_and_limb_meet_at_every_distance() {
             let scale = Ellipsoid::WGS84.itrf_from_scaled();
             let e = eye / scale;
             let l = e.length();
-            let across = e.any_orthonormal_vector();
+            let across = e.normalize().any_orthonormal_vector();
             // The tangent point of the limb in scaled space, and back.
             let foot = e / (l * l) + across * ((l - 1.0) * (l + 1.0)).sqrt() / l;
             let limb = foot * scale - eye;

@@ -68,7 +68,7 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
     let words = [
         ("clouds", ["cloud", "CLOUD"]),
         ("normals", ["slope", "slope_map"]),
-        ("night_lights", ["light_map", "LIGHT_COLOR"]),
+        ("night_lights", ["light_map", "LAMP_COLOR"]),
         ("air", ["sunlight", "table_"]),
     ];
     let code = |source: String| -> String {
@@ -149,11 +149,15 @@ fn uniform_structs_match_the_shaders() {
         Frame,
         [
             clip_from_eye,
-            eye_itrf_m,
-            normal_stretch,
+            eye_scaled,
+            above,
             sun_itrf,
             radius_m,
+            corner_ray,
+            polar_stretch,
+            pixel_right,
             exposure,
+            pixel_down,
             padding
         ]
     );

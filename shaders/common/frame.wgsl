@@ -2,14 +2,21 @@
 struct Frame {
     // Takes eye-relative ITRF metres to clip space.
     clip_from_eye: mat4x4f,
-    // The eye, ITRF metres.
-    eye_itrf_m: vec3f,
-    // Sharpness of the polar axis: a²/b².
-    normal_stretch: f32,
+    // The eye in scaled space, (x/a, y/a, z/b), and |eye|² − 1, computed without cancellation.
+    eye_scaled: vec3f,
+    above: f32,
     // Unit vector to the Sun, ITRF axes.
     sun_itrf: vec3f,
-    // Equatorial radius, metres.
+    // Equatorial radius a, metres.
     radius_m: f32,
+    // The ray through the target's corner at pixel (0, 0), and its change to the next pixel right and down; all end on
+    // the plane one metre in front of the eye. ITRF axes.
+    corner_ray: vec3f,
+    // a/b.
+    polar_stretch: f32,
+    pixel_right: vec3f,
     // What a white sheet that faces the Sun in space is drawn with.
     exposure: f32,
+    pixel_down: vec3f,
+    padding: f32,
 }

@@ -1,8 +1,7 @@
 //! The drawable of the air: one square that faces the eye.
 
-use super::{AirFrame, GpuLayer, PassFormat, ShaderError, ShaderVariant};
+use super::{AirFrame, DepthBuffer, GpuLayer, PassFormat, ShaderError, ShaderVariant};
 use crate::air::{self, AirTables, Billboard, EARTH_AIR};
-use crate::earth::DepthBuffer;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec4};
 

@@ -46,12 +46,20 @@ pub struct GpuContext {
 impl GpuContext {
     /// Opens the best adapter, or the best of those whose name contains `wanted`, letter case aside.
     ///
-    /// Discrete comes before integrated, virtual and software; Vulkan, Metal and Direct3D 12 before OpenGL. The
-    /// environment variable `WGPU_BACKEND` limits the choice.
+    /// Discrete comes before integrated, virtual and software. OpenGL is looked at only where Vulkan, Metal and Direct3D
+    /// 12 have nothing that will do. The environment variable `WGPU_BACKEND` limits the choice.
     pub async fn open(wanted: Option<&str>) -> Result<Self, ContextError> {
-        let instance =
-            wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        Self::open_on(instance, wanted, None).await
+        let backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::all());
+        let first =
+            Self::open_on(instance(backends - wgpu::Backends::GL, None), wanted, None).await;
+        match first {
+            Err(ContextError::NoAdapter | ContextError::NotNamed { .. })
+                if backends.contains(wgpu::Backends::GL) =>
+            {
+                Self::open_on(instance(backends, None), wanted, None).await
+            }
+            other => other,
+        }
     }
 
     /// The same among adapters that can present to `window`, with the surface to present on.
@@ -60,8 +68,9 @@ impl GpuContext {
         display: Box<dyn wgpu::wgt::WgpuHasDisplayHandle>,
         window: impl Into<wgpu::SurfaceTarget<'static>>,
     ) -> Result<(Self, wgpu::Surface<'static>), ContextError> {
-        let instance = wgpu::Instance::new(
-            wgpu::InstanceDescriptor::new_with_display_handle_from_env(display),
+        let instance = instance(
+            wgpu::Backends::from_env().unwrap_or(wgpu::Backends::all()),
+            Some(display),
         );
         let surface = instance.create_surface(window)?;
         Ok((
@@ -149,6 +158,20 @@ pub async fn adapter_reports() -> Vec<AdapterReport> {
         best.chosen = true;
     }
     reports
+}
+
+fn instance(
+    backends: wgpu::Backends,
+    display: Option<Box<dyn wgpu::wgt::WgpuHasDisplayHandle>>,
+) -> wgpu::Instance {
+    let descriptor = match display {
+        Some(display) => wgpu::InstanceDescriptor::new_with_display_handle_from_env(display),
+        None => wgpu::InstanceDescriptor::new_without_display_handle_from_env(),
+    };
+    wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends,
+        ..descriptor
+    })
 }
 
 async fn ranked(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {

@@ -66,7 +66,7 @@ impl GpuLayer {
             bytes += texels.len() as u64;
         }
         Self {
-            view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
+            view: super::view(&texture),
             bytes,
         }
     }
@@ -114,7 +114,7 @@ impl GpuLayer {
         );
         let bytes = 2 * halves.len() as u64;
         Self {
-            view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
+            view: super::view(&texture),
             bytes,
         }
     }

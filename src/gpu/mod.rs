@@ -17,7 +17,16 @@ pub(crate) use air::AirDrawable;
 use layers::GpuLayer;
 pub(crate) use surface::{SurfaceDrawable, SurfaceParts};
 
-use crate::earth::DepthBuffer;
+/// The depth buffer of the pass that the Earth is drawn in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DepthBuffer {
+    /// The pass has none: the Earth is drawn over what is there already.
+    None,
+    /// Nearer is larger (clear to 0). The one to choose: it keeps precision to the horizon.
+    ReversedZ(wgpu::TextureFormat),
+    /// Nearer is smaller (clear to 1).
+    StandardZ(wgpu::TextureFormat),
+}
 
 /// What all pipelines of one Earth share: the pass that they are drawn in.
 #[derive(Clone, Copy, Debug)]
@@ -60,6 +69,14 @@ impl PassFormat {
             ..Default::default()
         }
     }
+}
+
+/// The whole of a texture.
+fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        label: Some("terrella view"),
+        ..Default::default()
+    })
 }
 
 /// A uniform buffer for one `T`.

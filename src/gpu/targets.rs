@@ -52,8 +52,7 @@ impl FrameTargets {
             1,
             target | wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING,
         );
-        let view =
-            |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let view = super::view;
         Self {
             size,
             picture_view: view(&picture),

@@ -9,18 +9,26 @@ use glam::{Mat4, Vec3};
 pub struct Frame {
     /// Takes eye-relative ITRF metres to clip space.
     pub clip_from_eye: Mat4,
-    /// The eye, ITRF metres.
-    pub eye_itrf_m: Vec3,
-    /// a²/b².
-    pub normal_stretch: f32,
+    /// The eye in scaled space, (x/a, y/a, z/b).
+    pub eye_scaled: Vec3,
+    /// |`eye_scaled`|² − 1, computed without cancellation.
+    pub above: f32,
     /// Unit vector to the Sun, ITRF axes.
     pub sun_itrf: Vec3,
-    /// Equatorial radius, metres.
+    /// Equatorial radius a, metres.
     pub radius_m: f32,
+    /// The ray through the corner at pixel (0, 0), to the plane one metre in front of the eye; ITRF axes.
+    pub corner_ray: Vec3,
+    /// a/b.
+    pub polar_stretch: f32,
+    /// The ray's change to the next pixel right.
+    pub pixel_right: Vec3,
     /// What a white sheet that faces the Sun in space is drawn with.
     pub exposure: f32,
+    /// The ray's change to the next pixel down.
+    pub pixel_down: Vec3,
     /// Unused.
-    pub padding: [f32; 3],
+    pub padding: f32,
 }
 
 /// `AirFrame` of `shaders/air.wgsl`.

