@@ -168,15 +168,18 @@ mod tests {
 
     static COUNTS: [AtomicU32; 6] = [const { AtomicU32::new(0) }; 6];
 
-    fn run(case: usize, fail_at: u32, last: Result<(), PlayError>) -> (bool, u32, u32) {
+    /// Whether it succeeded, and how many frames were drawn, written and finished.
+    fn run(case: usize, fail_at: u32, last: Result<(), PlayError>) -> (bool, usize, u32, u32) {
         let (pushed, finished) = (&COUNTS[2 * case], &COUNTS[2 * case + 1]);
         let probe = Probe {
             pushed,
             finished,
             fail_at,
         };
+        let mut drawn = 0_usize;
         let result = pump(vec![Box::new(probe)], |give| {
             for index in 0..20 {
+                drawn += 1;
                 if !give(RgbaImage::from_pixel(1, 1, image::Rgba([index; 4]))) {
                     break;
                 }
@@ -185,6 +188,7 @@ mod tests {
         });
         (
             result.is_ok(),
+            drawn,
             pushed.load(Ordering::Relaxed),
             finished.load(Ordering::Relaxed),
         )
@@ -192,11 +196,13 @@ mod tests {
 
     #[test]
     fn frames_come_in_order_and_only_success_finishes() {
-        assert_eq!(run(0, u32::MAX, Ok(())), (true, 20, 1));
-        // The writer fails: the drawing side stops too.
-        assert_eq!(run(1, 3, Ok(())), (false, 4, 0));
+        assert_eq!(run(0, u32::MAX, Ok(())), (true, 20, 20, 1));
+        // The writer fails: the drawing side stops too, at most the waiting frames and the one in hand later.
+        let (done, drawn, written, finished) = run(1, 3, Ok(()));
+        assert_eq!((done, written, finished), (false, 4, 0));
+        assert!(drawn <= 4 + FRAMES_AHEAD + 1, "{drawn} drawn");
         // The drawing side fails after its last frame.
         let broken = Err(PlayError::DeviceLost("drawing".into()));
-        assert_eq!(run(2, u32::MAX, broken), (false, 20, 0));
+        assert_eq!(run(2, u32::MAX, broken), (false, 20, 20, 0));
     }
 }

@@ -6,6 +6,8 @@ mod bad_input;
 mod pictures;
 mod usage;
 mod video;
+#[cfg(target_os = "linux")]
+mod window;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
