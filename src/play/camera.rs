@@ -6,10 +6,10 @@
 use crate::earth::EyeView;
 use crate::frames::{Ellipsoid, Geodetic};
 use crate::scene::CameraUp;
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 /// Distance of the eye from the satellite in chase mode, metres.
-pub const CHASE_DISTANCE_M: f64 = 200.0;
+pub const CHASE_DISTANCE_M: f64 = 40.0;
 /// How high the chasing eye stands above the satellite's level, seen from it, radians (25°).
 pub const CHASE_ELEVATION_RAD: f64 = 25.0 * std::f64::consts::PI / 180.0;
 /// Where the limb lies in horizon mode: this part of the picture's height below its top edge.
@@ -101,6 +101,14 @@ impl Motion {
         } else {
             north_of(place)
         }
+    }
+
+    /// Axes of a craft that flies level, in ITRF: x ahead, y to the right, z straight down.
+    pub fn itrf_from_level(&self, ellipsoid: &Ellipsoid) -> DMat3 {
+        let place = self.place(ellipsoid);
+        let down = -Ellipsoid::normal(place.lat_rad, place.lon_rad);
+        let ahead = self.ahead(place);
+        DMat3::from_cols(ahead, down.cross(ahead), down)
     }
 }
 

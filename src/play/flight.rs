@@ -1,6 +1,7 @@
 //! A scene made ready to be played: where the eye is and what lights it at any instant.
 
 use super::camera::{Look, Motion, Pose};
+use super::craft::CraftPose;
 use super::error::PlayError;
 use crate::frames::{Ellipsoid, Epoch, Geodetic};
 use crate::imagery::{LayerSelection, find_textures, load_layers};
@@ -37,6 +38,8 @@ pub struct Moment {
     pub sky: Sky,
     /// Where the satellite is, if there is one.
     pub satellite: Option<Satellite>,
+    /// The spacecraft to draw, if the camera looks at it.
+    pub craft: Option<CraftPose>,
 }
 
 /// A satellite at an instant.
@@ -118,10 +121,18 @@ impl Flight {
             }
             (CameraMode::Chase, Some(state)) => Pose::chase(&motion(state), &self.ellipsoid),
         };
+        let sky = Sky::at(epoch);
+        let craft = match (request.mode, &state) {
+            (CameraMode::Chase, Some(state)) => {
+                Some(CraftPose::new(&motion(state), &self.ellipsoid, &sky))
+            }
+            _ => None,
+        };
         Ok(Moment {
             epoch,
             view: pose.turned(&request.look).view(fov_rad, request.aspect),
-            sky: Sky::at(epoch),
+            sky,
+            craft,
             satellite: state.map(|state| Satellite {
                 place: self.ellipsoid.geodetic_from_itrf(state.position_itrf_m()),
                 speed_m_s: state.inertial_velocity_itrf_axes_m_s().length(),

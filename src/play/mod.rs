@@ -1,7 +1,7 @@
 //! Playing a scene: clock, cameras, window, stills and video.
 //!
 //! [`Flight`] is a scene made ready; at any instant it gives a [`Moment`]: where the eye is and what lights the Earth.
-//! A [`Picture`] draws moments without a display. Three ways lead out: [`write_still`], [`export`] (frames and video)
+//! A [`Picture`] draws moments without a display. Three ways lead out: [`write_still`], [`export()`] (frames and video)
 //! and [`play_in_window`].
 //!
 //! | file | what |
@@ -9,6 +9,7 @@
 //! | `clock` | simulated time, exact frame instants |
 //! | `camera` | the four cameras, pure functions |
 //! | `flight` | scene and orbit to moments |
+//! | `craft/` | the spacecraft that the chase camera follows |
 //! | `picture`, `still`, `stats`, `export`, `video/` | pictures, their numbers, films |
 //! | `destination` | files that are whole or not there |
 //! | `window`, `stage`, `surface`, `overlay`, `panel`, `controls`, `keys` | the window |
@@ -16,6 +17,7 @@
 pub mod camera;
 pub mod clock;
 mod controls;
+mod craft;
 mod destination;
 mod error;
 mod export;
@@ -32,6 +34,7 @@ mod surface;
 mod video;
 mod window;
 
+pub use craft::CraftPose;
 pub use destination::OutputError;
 pub use error::PlayError;
 pub use export::{ExportRequest, export};

@@ -1,5 +1,6 @@
 //! The renderer of stills, frames and video: an adapter of its own, an Earth, and textures to draw into.
 
+use super::craft::CraftLayer;
 use super::error::PlayError;
 use super::flight::Moment;
 use crate::gpu::{FrameTargets, GpuContext};
@@ -14,6 +15,7 @@ pub const MAX_PICTURE_MIB: u64 = 4096;
 pub struct Picture {
     gpu: GpuContext,
     earth: Earth,
+    craft: CraftLayer,
     targets: FrameTargets,
 }
 
@@ -22,7 +24,7 @@ pub struct Picture {
 pub struct Measured {
     /// What was drawn.
     pub stats: FrameStats,
-    /// Time of [`Earth::prepare`] alone.
+    /// Time of [`Earth::prepare`], and of the craft's where there is one.
     pub prepare: Duration,
     /// Time of the whole frame, the device waited for.
     pub frame: Duration,
@@ -46,6 +48,7 @@ impl Picture {
         Ok(Self {
             gpu,
             earth,
+            craft: CraftLayer::new(&options),
             targets,
         })
     }
@@ -101,8 +104,11 @@ impl Picture {
 
     fn prepare(&mut self, moment: &Moment) -> FrameStats {
         let size = self.size();
-        self.earth
-            .prepare(&self.gpu.queue, &moment.view, &moment.sky, size)
+        let mut stats = self
+            .earth
+            .prepare(&self.gpu.queue, &moment.view, &moment.sky, size);
+        self.craft.prepare(&self.gpu, moment, &mut stats);
+        stats
     }
 
     fn submit(&self) {
@@ -113,6 +119,7 @@ impl Picture {
                 label: Some("terrella picture"),
             });
         let mut pass = self.targets.begin_pass(&mut encoder);
+        self.craft.render(&mut pass);
         self.earth.render(&mut pass);
         drop(pass);
         self.gpu.queue.submit([encoder.finish()]);

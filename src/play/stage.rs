@@ -1,6 +1,7 @@
 //! What stands behind the window: adapter, Earth, surface, panel.
 
 use super::controls::Controls;
+use super::craft::CraftLayer;
 use super::destination::PendingFile;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
@@ -30,6 +31,7 @@ pub struct Stage {
     overlay: Overlay,
     surface: WindowSurface,
     earth: Earth,
+    craft: CraftLayer,
     gpu: GpuContext,
     window: Arc<Window>,
     device_lost: Arc<AtomicBool>,
@@ -94,6 +96,7 @@ impl Stage {
             overlay: Overlay::new(&window, &gpu.device, surface.format()),
             surface,
             earth,
+            craft: CraftLayer::new(&options),
             gpu,
             window,
             device_lost,
@@ -231,10 +234,12 @@ impl Stage {
         view: &wgpu::TextureView,
     ) -> FrameStats {
         let size = self.surface.size();
-        let stats = self
+        let mut stats = self
             .earth
             .prepare(&self.gpu.queue, &moment.view, &moment.sky, size);
+        self.craft.prepare(&self.gpu, moment, &mut stats);
         let mut pass = self.surface.begin_pass(encoder, view);
+        self.craft.render(&mut pass);
         self.earth.render(&mut pass);
         stats
     }

@@ -24,9 +24,9 @@ pub struct Stats {
     pub blocks_visible: u32,
     /// Blocks left by the frustum test too.
     pub blocks_drawn: u32,
-    /// Triangles drawn, air included.
+    /// Triangles drawn, air and craft included.
     pub triangles: u32,
-    /// Draw calls, air included.
+    /// Draw calls, air and craft included.
     pub draw_calls: u32,
     /// Bytes of all textures, mip levels included.
     pub texture_bytes: u64,

@@ -1,6 +1,10 @@
 //! Stills, their numbers, and frames.
 
 use crate::{Place, names, png_size};
+use std::path::Path;
+use terrella::frames::Duration;
+use terrella::play::{Flight, Moment, Picture};
+use terrella::scene::Scene;
 
 #[test]
 fn a_still_has_its_size_and_exactly_the_numbers_of_the_contract() {
@@ -106,4 +110,86 @@ fn frames_are_numbered_whole_and_not_mixed_with_others() {
     assert!(words.contains("--overwrite"), "{words}");
     place.succeed(&[&arguments[..], &["--overwrite"]].concat());
     assert_eq!(names(&frames), expected);
+}
+
+/// A scene of the built-in space station with a small picture.
+fn station(mode: &str, samples: u32) -> String {
+    format!(
+        "[camera]\nmode = \"{mode}\"\n[earth]\nclouds = false\nnormals = false\nnight_lights = false\n\
+         [output]\nsize = [96, 54]\nsamples = {samples}\n"
+    )
+}
+
+/// A revolution of it, a moment each minute. It begins in the Earth's shadow.
+fn revolution(flight: &Flight) -> Vec<(Moment, f64)> {
+    let start = flight.scene().time.start;
+    (0..93)
+        .map(|minute| start + Duration::from_seconds(f64::from(60 * minute)))
+        .map(|epoch| flight.at(epoch, 96.0 / 54.0).expect("a moment"))
+        .map(|moment| (moment, moment.craft.expect("a craft to chase").sunlight))
+        .collect()
+}
+
+#[test]
+fn a_chase_picture_has_the_craft_in_its_middle_lit_from_the_right_side() {
+    for samples in [1, 4] {
+        let scene = Scene::from_toml(&station("chase", samples), Path::new("a.toml"));
+        let flight = Flight::open(scene.expect("a scene")).expect("opens");
+        let options = flight.earth_options().expect("maps");
+        let mut picture = Picture::open(None, options, (96, 54)).expect("an adapter");
+        // The same moment with and without the craft: where they differ is the craft.
+        let mut brightness = |moment: &Moment| {
+            let with = picture.draw(moment);
+            let seen = picture.read().expect("reads");
+            let without = picture.draw(&Moment {
+                craft: None,
+                ..*moment
+            });
+            let bare = picture.read().expect("reads");
+            assert_eq!(with.draw_calls, without.draw_calls + 1);
+            assert!(with.triangles > without.triangles + 100);
+            let craft: Vec<_> = seen
+                .enumerate_pixels()
+                .filter(|(x, y, pixel)| *pixel != bare.get_pixel(*x, *y))
+                .collect();
+            assert!(craft.len() > 100, "{samples}: {} pixels", craft.len());
+            for (x, y, _) in &craft {
+                assert!((15..81).contains(x) && (15..39).contains(y), "{x} {y}");
+            }
+            let middle = craft.iter().any(|(x, y, _)| (*x, *y) == (48, 27));
+            assert!(middle, "{samples}: nothing in the middle");
+            let light = craft.iter().map(|(.., pixel)| f64::from(pixel[1]));
+            light.sum::<f64>() / craft.len() as f64
+        };
+        // The craft is seen from behind: dark against the rising Sun, bright before the Sun sets behind the eye.
+        let moments = revolution(&flight);
+        let lit = |(_, light): &&(Moment, f64)| *light == 1.0;
+        let sunrise = moments.iter().find(lit).expect("a day");
+        let sunset = moments.iter().rev().find(lit).expect("a day");
+        let night = &moments[0];
+        assert_eq!(night.1, 0.0, "the revolution begins in shadow");
+        let [sunrise, sunset, night] = [sunrise, sunset, night].map(|(m, _)| brightness(m));
+        assert!(
+            sunset > 80.0 && sunrise < 30.0 && night < 15.0,
+            "{samples}: {sunset} {sunrise} {night}"
+        );
+    }
+}
+
+#[test]
+fn only_a_chase_draws_the_craft() {
+    let place = Place::new();
+    for (mode, crafts) in [("nadir", 0), ("horizon", 0), ("chase", 1)] {
+        place.scene("station.toml", &station(mode, 1));
+        place.succeed(&["frame", "station.toml", "-o", "a.png", "--stats", "a.json"]);
+        let text = std::fs::read_to_string(place.path("a.json")).expect("reads");
+        let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        let number = |key: &str| stats[key].as_u64().expect("a number");
+        // One for each block, one for the air.
+        assert_eq!(
+            number("draw_calls"),
+            number("blocks_drawn") + 1 + crafts,
+            "{mode}"
+        );
+    }
 }
