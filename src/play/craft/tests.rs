@@ -142,10 +142,8 @@ fn the_shader_compiles_and_its_struct_is_ours() {
     {
         panic!("{}", error.emit_to_string(SHADER));
     }
-    let structs = module.types.iter().map(|(_, ty)| ty);
-    let frame = structs
-        .filter(|ty| ty.name.as_deref() == Some("CraftFrame"))
-        .next();
+    let mut structs = module.types.iter().map(|(_, ty)| ty);
+    let frame = structs.find(|ty| ty.name.as_deref() == Some("CraftFrame"));
     let Some(naga::TypeInner::Struct { members, span }) = frame.map(|ty| &ty.inner) else {
         panic!("no struct CraftFrame");
     };
