@@ -189,7 +189,7 @@ fn shade(at: Place) -> vec3f {
     var color = sample_map(day_map, at).rgb * (light.sun * facing + light.sky);
 #if night_lights
     let glow = sample_map(light_map, at).r * (1.0 - smoothstep(-0.12, 0.02, mu_s));
-    color += glow * glow * LAMP_COLOR;
+    color += 0.6 * glow * glow * LAMP_COLOR;
 #endif
 #if clouds
     let cover = sample_map(cloud_map, at).r;

@@ -10,31 +10,23 @@ use terrella::{Atmosphere, EarthOptions, EyeView, Shading, Visibility};
 
 const SIZE: (u32, u32) = (320, 180);
 
-/// Unshaded: the paper's shading with the Sun overhead everywhere is the map times 1.1; so use a flat, sunlit map.
+/// Waves of latitude and longitude, one a block, and one of longitude round the whole Earth to tell blocks apart. One
+/// unit of 255 is 0.04° at the steepest, a ninth of a texel. Display values below saturation after the paper's × 1.1.
+fn waves(lat_rad: f64, lon_rad: f64) -> [f64; 3] {
+    let wave = |angle: f64| 110.0 + 100.0 * angle.sin();
+    [wave(16.0 * lat_rad), wave(16.0 * lon_rad), wave(lon_rad)]
+}
+
 fn position_layers() -> EarthLayers {
-    // Latitude in red, longitude's cosine and sine in green and blue, all well below saturation after × 1.1.
+    let day = map(1024, |lat, lon| {
+        waves(lat.to_radians(), lon.to_radians()).map(|v| v.round() as u8)
+    });
     EarthLayers {
-        day: map(1024, |lat, lon| {
-            let wave = |x: f64| (110.0 + 100.0 * x) as u8;
-            [
-                wave(lat / 90.0),
-                wave(lon.to_radians().cos()),
-                wave(lon.to_radians().sin()),
-            ]
-        }),
+        day,
         clouds: None,
         normals: None,
         night_lights: None,
     }
-}
-
-fn expected(place: Geodetic, lit: f64) -> [f64; 3] {
-    let wave = |x: f64| (110.0 + 100.0 * x) * lit;
-    [
-        wave(place.lat_rad / std::f64::consts::FRAC_PI_2),
-        wave(place.lon_rad.cos()),
-        wave(place.lon_rad.sin()),
-    ]
 }
 
 /// Views that between them hold both poles, the date line, Greenwich and the limb.
@@ -76,20 +68,26 @@ fn every_pixel_looks_where_the_exact_ray_does() {
             let up = Ellipsoid::normal(place.lat_rad, place.lon_rad);
             // Keep off the limb's very edge, where a pixel covers degrees.
             let facing = -up.dot(ray(&view, x, y, SIZE));
-            // And off the last rows of the map at a pole, where clamping flattens the wave: half a texel.
+            // And off the last texels at a pole.
             if facing < 0.2 || place.lat_rad.abs() > 89.7_f64.to_radians() {
                 continue;
             }
             let lit = (up.dot(sun) + 0.3).clamp(0.0, 1.0) * 1.1;
-            let want = expected(place, lit);
+            let want = waves(place.lat_rad, place.lon_rad).map(|v| v * lit);
             for k in 0..3 {
+                // Where a pixel covers much of a block's wave, filtering flattens it: near a pole, and far away.
+                let near_pole = k == 1 && place.lat_rad.abs() > 80_f64.to_radians();
+                let far = k < 2 && view.eye_world.length() > 2e7 && facing < 0.8;
+                if near_pole || far {
+                    continue;
+                }
                 worst = worst.max((f64::from(pixel.0[k]) - want[k]).abs());
             }
             count += 1;
         }
         println!("{name}: worst {worst:.2} of 255 over {count} pixels");
         assert!(count > 5_000, "{name}: only {count} pixels compared");
-        // One unit of the map is 0.57° of longitude or 0.9° of latitude; three are rounding of map, mip and target.
+        // Half a texel aside is 5 units; rounding of map, mip level and target are 2.
         assert!(worst < 4.0, "{name}: off by {worst} of 255");
     }
 }

@@ -133,6 +133,8 @@ const BAD: &[Bad] = &[
     ("[earth]\natmosphere = \"off\"", 2, &["[earth] atmosphere = \"off\":", "\"billboard\", \"none\""]),
     ("[orbit]\nsource = \"oem\"", 2, &["[orbit] source = \"oem\":", "\"tle\""]),
     // Conflicts.
+    ("[camera]\nmode = \"horizon\"\nup = \"north\"", 3, &["[camera] up = \"north\":", "no meaning with mode = \"horizon\""]),
+    ("[camera]\nup = \"left\"", 2, &["[camera] up", "left", "flight", "north"]),
     ("[camera]\nmode = \"nadir\"\nlat_deg = 10", 3, &["[camera] lat_deg = 10:", "no meaning with mode = \"nadir\"", "mode = \"geodetic\""]),
     ("[camera]\nheight_km = 400\nmode = \"chase\"", 2, &["[camera] height_km = 400:", "no meaning with mode = \"chase\""]),
     ("[earth]\nshading = \"paper\"\nnight_lights = true", 3, &["[earth] night_lights = true:", "no night lights", "shading = \"sunlit\""]),

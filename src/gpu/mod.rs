@@ -10,7 +10,7 @@ mod uniforms;
 
 pub use context::{AdapterReport, ContextError, GpuContext, adapter_reports};
 pub use shader::{AIR_SHADER, EARTH_SHADER, ShaderError, ShaderVariant};
-pub use targets::{FrameTargets, PictureError};
+pub use targets::{Attachments, FrameTargets, PictureError, color_texture, read_texture};
 pub use uniforms::{AirFrame, Frame};
 
 pub(crate) use air::AirDrawable;

@@ -1,5 +1,7 @@
 //! Colour and depth textures for programs that have none, and reading a picture back.
 
+use image::RgbaImage;
+
 /// Why a picture could not be read back.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -11,14 +13,9 @@ pub enum PictureError {
 
 /// A colour texture (`Rgba8UnormSrgb`, multisampled if asked) and a reversed-Z depth buffer of one size.
 pub struct FrameTargets {
-    size: (u32, u32),
-    /// The resolved picture.
     picture: wgpu::Texture,
-    picture_view: wgpu::TextureView,
-    /// What is drawn into where there are several samples a pixel.
-    multisampled: Option<wgpu::TextureView>,
-    depth: wgpu::TextureView,
-    read_back: wgpu::Buffer,
+    view: wgpu::TextureView,
+    attachments: Attachments,
 }
 
 impl FrameTargets {
@@ -29,61 +26,68 @@ impl FrameTargets {
 
     /// Makes the textures. `samples` is 1 or 4; `size` is within the device's limits and not zero.
     pub fn new(device: &wgpu::Device, size: (u32, u32), samples: u32) -> Self {
-        let texture = |label, format, samples, usage| {
-            device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d {
-                    width: size.0,
-                    height: size.1,
-                    depth_or_array_layers: 1,
-                },
-                mip_level_count: 1,
-                sample_count: samples,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage,
-                view_formats: &[],
-            })
-        };
-        let target = wgpu::TextureUsages::RENDER_ATTACHMENT;
-        let picture = texture(
-            "terrella picture",
-            Self::COLOR,
-            1,
-            target | wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING,
-        );
-        let view = super::view;
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        let picture = color_texture(device, "terrella picture", size, Self::COLOR, 1, usage);
         Self {
-            size,
-            picture_view: view(&picture),
+            view: super::view(&picture),
             picture,
-            multisampled: (samples > 1)
-                .then(|| view(&texture("terrella samples", Self::COLOR, samples, target))),
-            depth: view(&texture("terrella depth", Self::DEPTH, samples, target)),
-            read_back: device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("terrella read back"),
-                size: u64::from(padded_row(size.0)) * u64::from(size.1),
-                usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-                mapped_at_creation: false,
-            }),
+            attachments: Attachments::new(device, size, Self::COLOR, samples),
         }
     }
 
     /// Width and height, pixels.
     pub fn size(&self) -> (u32, u32) {
-        self.size
-    }
-
-    /// The picture, for showing it elsewhere.
-    pub fn picture_view(&self) -> &wgpu::TextureView {
-        &self.picture_view
+        (self.picture.width(), self.picture.height())
     }
 
     /// Begins a pass that clears colour to black (space) and depth to 0 (infinitely far, reversed Z).
     pub fn begin_pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
+        self.attachments.begin_pass(encoder, &self.view)
+    }
+
+    /// Reads the picture back, sRGB RGBA8 rows without padding. Waits for the device.
+    pub fn read_back(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+    ) -> Result<RgbaImage, PictureError> {
+        read_texture(device, queue, &self.picture)
+    }
+}
+
+/// What a pass needs besides the texture that is shown: samples where there are several a pixel, and depth.
+pub struct Attachments {
+    multisampled: Option<wgpu::TextureView>,
+    depth: wgpu::TextureView,
+}
+
+impl Attachments {
+    /// Attachments for a colour target of this size and format; depth is [`FrameTargets::DEPTH`], reversed.
+    pub fn new(
+        device: &wgpu::Device,
+        size: (u32, u32),
+        format: wgpu::TextureFormat,
+        samples: u32,
+    ) -> Self {
+        let attachment = |label, format| {
+            let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
+            super::view(&color_texture(device, label, size, format, samples, usage))
+        };
+        Self {
+            multisampled: (samples > 1).then(|| attachment("terrella samples", format)),
+            depth: attachment("terrella depth", FrameTargets::DEPTH),
+        }
+    }
+
+    /// Begins a pass on `target`: black space, depth infinitely far.
+    pub fn begin_pass<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        target: &wgpu::TextureView,
+    ) -> wgpu::RenderPass<'e> {
         let (view, resolve_target, store) = match &self.multisampled {
-            Some(samples) => (samples, Some(&self.picture_view), wgpu::StoreOp::Discard),
-            None => (&self.picture_view, None, wgpu::StoreOp::Store),
+            Some(samples) => (samples, Some(target), wgpu::StoreOp::Discard),
+            None => (target, None, wgpu::StoreOp::Store),
         };
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("terrella pass"),
@@ -109,61 +113,90 @@ impl FrameTargets {
             multiview_mask: None,
         })
     }
-
-    /// Reads the picture back, sRGB RGBA8 rows without padding. Waits for the device.
-    pub fn read_back(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-    ) -> Result<image::RgbaImage, PictureError> {
-        let failed = |what: &dyn std::fmt::Display| PictureError::ReadBack(what.to_string());
-        let (width, height) = self.size;
-        let padded = padded_row(width);
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
-            label: Some("terrella read back"),
-        });
-        encoder.copy_texture_to_buffer(
-            self.picture.as_image_copy(),
-            wgpu::TexelCopyBufferInfo {
-                buffer: &self.read_back,
-                layout: wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(padded),
-                    rows_per_image: Some(height),
-                },
-            },
-            self.picture.size(),
-        );
-        queue.submit([encoder.finish()]);
-        let (sender, receiver) = std::sync::mpsc::channel();
-        self.read_back
-            .map_async(wgpu::MapMode::Read, .., move |result| {
-                // The receiver lives until the end of this function; if it is gone nobody waits.
-                let _ = sender.send(result);
-            });
-        device
-            .poll(wgpu::PollType::wait_indefinitely())
-            .map_err(|e| failed(&e))?;
-        receiver
-            .recv()
-            .map_err(|e| failed(&e))?
-            .map_err(|e| failed(&e))?;
-        let mapped = self
-            .read_back
-            .get_mapped_range(..)
-            .map_err(|e| failed(&e))?;
-        let row = 4 * width as usize;
-        let mut pixels = Vec::with_capacity(row * height as usize);
-        for line in mapped.chunks_exact(padded as usize) {
-            pixels.extend_from_slice(&line[..row]);
-        }
-        drop(mapped);
-        self.read_back.unmap();
-        image::RgbaImage::from_raw(width, height, pixels).ok_or_else(|| failed(&"short read"))
-    }
 }
 
-/// Bytes of a row in a copy buffer.
-fn padded_row(width: u32) -> u32 {
-    (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
+/// A texture of one level.
+pub fn color_texture(
+    device: &wgpu::Device,
+    label: &str,
+    (width, height): (u32, u32),
+    format: wgpu::TextureFormat,
+    sample_count: u32,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
+}
+
+/// Reads an 8-bit RGBA or BGRA texture (usage `COPY_SRC`) as RGBA rows without padding. Waits for the device.
+pub fn read_texture(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    texture: &wgpu::Texture,
+) -> Result<RgbaImage, PictureError> {
+    let failed = |what: &dyn std::fmt::Display| PictureError::ReadBack(what.to_string());
+    let (width, height) = (texture.width(), texture.height());
+    let padded = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("terrella read back"),
+        size: u64::from(padded) * u64::from(height),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
+        label: Some("terrella read back"),
+    });
+    encoder.copy_texture_to_buffer(
+        texture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout: wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(padded),
+                rows_per_image: Some(height),
+            },
+        },
+        texture.size(),
+    );
+    queue.submit([encoder.finish()]);
+    let (sender, receiver) = std::sync::mpsc::channel();
+    buffer.map_async(wgpu::MapMode::Read, .., move |result| {
+        // The receiver lives until the end of this function; if it is gone nobody waits.
+        let _ = sender.send(result);
+    });
+    device
+        .poll(wgpu::PollType::wait_indefinitely())
+        .map_err(|e| failed(&e))?;
+    receiver
+        .recv()
+        .map_err(|e| failed(&e))?
+        .map_err(|e| failed(&e))?;
+    let mapped = buffer.get_mapped_range(..).map_err(|e| failed(&e))?;
+    let row = 4 * width as usize;
+    let mut pixels: Vec<u8> = Vec::with_capacity(row * height as usize);
+    for line in mapped.chunks_exact(padded as usize) {
+        pixels.extend_from_slice(&line[..row]);
+    }
+    drop(mapped);
+    if matches!(
+        texture.format(),
+        wgpu::TextureFormat::Bgra8UnormSrgb | wgpu::TextureFormat::Bgra8Unorm
+    ) {
+        for pixel in pixels.as_chunks_mut::<4>().0 {
+            pixel.swap(0, 2);
+        }
+    }
+    RgbaImage::from_raw(width, height, pixels).ok_or_else(|| failed(&"short read"))
 }

@@ -5,6 +5,7 @@
 
 use crate::earth::EyeView;
 use crate::frames::{Ellipsoid, Geodetic};
+use crate::scene::CameraUp;
 use glam::{DMat3, DQuat, DVec3};
 
 /// Distance of the eye from the satellite in chase mode, metres.
@@ -112,13 +113,16 @@ impl Motion {
 }
 
 impl Pose {
-    /// At the satellite, straight down, the direction of flight upwards on screen.
-    pub fn nadir(motion: &Motion, ellipsoid: &Ellipsoid) -> Self {
+    /// At the satellite, straight down, the direction of flight or north upwards on screen.
+    pub fn nadir(motion: &Motion, up: CameraUp, ellipsoid: &Ellipsoid) -> Self {
         let place = motion.place(ellipsoid);
         Self {
             eye_itrf_m: motion.position_itrf_m,
             forward: -Ellipsoid::normal(place.lat_rad, place.lon_rad),
-            up: motion.ahead(place),
+            up: match up {
+                CameraUp::Flight => motion.ahead(place),
+                CameraUp::North => north_of(place),
+            },
         }
     }
 

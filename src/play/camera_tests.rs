@@ -55,7 +55,7 @@ fn assert_sound(pose: &Pose, what: &str) {
 fn nadir_has_the_sub_satellite_point_in_the_middle_and_flight_upwards() {
     for (lat, lon, bearing) in [(0.0, 0.0, 40.0), (51.6, -75.0, 90.0), (-80.0, 179.9, 200.0)] {
         let motion = over(lat, lon, 420_000.0, bearing);
-        let view = Pose::nadir(&motion, &WGS84).view(45f64.to_radians(), ASPECT);
+        let view = Pose::nadir(&motion, CameraUp::Flight, &WGS84).view(45f64.to_radians(), ASPECT);
         let foot = WGS84.itrf_from_geodetic(Geodetic::from_degrees(lat, lon, 0.0));
         let at = screen(&view, foot).expect("the ground is ahead");
         assert!(at.length() < 1e-9, "{lat} {lon}: {at}");
@@ -69,6 +69,17 @@ fn nadir_has_the_sub_satellite_point_in_the_middle_and_flight_upwards() {
         let right = screen(&view, ground_towards(&motion, right)).expect("right");
         assert!(right.x > 1e-3, "{lat} {lon}: {right}");
     }
+}
+
+#[test]
+fn nadir_can_have_north_upwards() {
+    let motion = over(20.0, -75.2, 35_786_000.0, 90.0);
+    let view = Pose::nadir(&motion, CameraUp::North, &WGS84).view(0.3, ASPECT);
+    let place = |lat, lon| WGS84.itrf_from_geodetic(Geodetic::from_degrees(lat, lon, 0.0));
+    let north = screen(&view, place(30.0, -75.2)).expect("the north is ahead");
+    let east = screen(&view, place(20.0, -65.0)).expect("the east is ahead");
+    assert!(north.y > 1e-3 && north.x.abs() < 1e-9, "{north}");
+    assert!(east.x > 1e-3, "{east}");
 }
 
 #[test]
@@ -189,7 +200,12 @@ fn a_motion_without_direction_looks_north() {
         velocity_m_s: DVec3::ZERO,
     };
     for motion in [still, radial] {
-        assert!(Pose::nadir(&motion, &WGS84).up.distance(north_of(place)) < 1e-12);
+        assert!(
+            Pose::nadir(&motion, CameraUp::Flight, &WGS84)
+                .up
+                .distance(north_of(place))
+                < 1e-12
+        );
     }
     for motion in [
         still,
@@ -199,7 +215,7 @@ fn a_motion_without_direction_looks_north() {
         over(0.0, 0.0, -1e3, 0.0),
     ] {
         for fov in [1e-5, 1.0, 3.1] {
-            assert_sound(&Pose::nadir(&motion, &WGS84), "nadir");
+            assert_sound(&Pose::nadir(&motion, CameraUp::Flight, &WGS84), "nadir");
             assert_sound(&Pose::horizon(&motion, &WGS84, fov), "horizon");
             assert_sound(&Pose::chase(&motion, &WGS84), "chase");
         }
@@ -208,7 +224,7 @@ fn a_motion_without_direction_looks_north() {
 
 #[test]
 fn the_head_turns_right_and_up_and_the_view_narrows() {
-    let pose = Pose::nadir(&over(0.0, 0.0, 4e5, 0.0), &WGS84);
+    let pose = Pose::nadir(&over(0.0, 0.0, 4e5, 0.0), CameraUp::Flight, &WGS84);
     let right = pose.forward.cross(pose.up);
     let turned = pose.turned(&Look {
         yaw_rad: 0.3,

@@ -112,7 +112,9 @@ impl Flight {
                 Pose::geodetic(place, &self.ellipsoid)
             }
             (_, None) => return Err(PlayError::NoSatellite),
-            (CameraMode::Nadir, Some(state)) => Pose::nadir(&motion(state), &self.ellipsoid),
+            (CameraMode::Nadir, Some(state)) => {
+                Pose::nadir(&motion(state), camera.up, &self.ellipsoid)
+            }
             (CameraMode::Horizon, Some(state)) => {
                 // The scene's own field of view, so that zooming keeps its centre.
                 Pose::horizon(&motion(state), &self.ellipsoid, camera.fov_deg.to_radians())

@@ -8,10 +8,10 @@ use super::flight::{Flight, Moment};
 use super::keys::Action;
 use super::overlay::{Overlay, Response};
 use super::panel::{self, PanelData};
-use super::surface::{WindowSurface, read_texture};
+use super::surface::WindowSurface;
 use super::window::WindowError;
 use crate::frames::rfc3339;
-use crate::gpu::GpuContext;
+use crate::gpu::{GpuContext, read_texture};
 use crate::{Earth, EarthOptions, FrameStats};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -215,7 +215,7 @@ impl Stage {
         let mut encoder = self.encoder();
         self.draw_earth(&moment, &mut encoder, &view);
         self.gpu.queue.submit([encoder.finish()]);
-        file.write_png(&read_texture(&self.gpu, &texture)?)?;
+        file.write_png(&read_texture(&self.gpu.device, &self.gpu.queue, &texture)?)?;
         tracing::info!("saved {}", path.display());
         Ok(path)
     }

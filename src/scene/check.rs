@@ -5,11 +5,10 @@ use super::field::{Field, Wanted, field, flag, in_range, span_of, written};
 use super::limits::*;
 use super::locate::Source;
 use super::raw::{RawCamera, RawEarth, RawOrbit, RawOutput, RawScene, RawTime};
-use super::{Camera, CameraMode, EarthTable, Lines, Orbit, Output, Scene, Time};
+use super::{Camera, CameraMode, CameraUp, EarthTable, Lines, Orbit, Output, Scene, Time};
 use crate::air::Atmosphere;
 use crate::frames::{Epoch, utc_from_rfc3339};
-use crate::globe::Shading;
-use crate::globe::{Figure, Visibility};
+use crate::globe::{Figure, Shading, Visibility};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -175,6 +174,15 @@ impl Source<'_> {
             );
             return Err(self.refuse(field, advice));
         }
+        let up = field!(camera.up);
+        if up.is_given() && mode != CameraMode::Nadir {
+            let advice = format!(
+                "up has no meaning with mode = \"{}\"; leave it out or write mode = \"nadir\"",
+                written(&mode)
+            );
+            return Err(self.refuse(&up, advice));
+        }
+        let up = self.choice(&up, CameraUp::default())?;
         let fov_deg = self.number(&field!(camera.fov_deg), DEFAULT_FOV_DEG, FOV_DEG, |_| {
             format!(
                 "the field of view must be more than 0 and less than 180 degrees (from {})",
@@ -197,6 +205,7 @@ impl Source<'_> {
         })?;
         Ok(Camera {
             mode,
+            up,
             fov_deg,
             lat_deg,
             lon_deg: half_turn(lon_deg),

@@ -143,7 +143,7 @@ pub struct Orbit {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CameraMode {
-    /// At the satellite, straight down, direction of flight up on screen.
+    /// At the satellite, straight down.
     Nadir,
     /// At the satellite, forward along the track with the horizon in the upper third.
     Horizon,
@@ -153,11 +153,24 @@ pub enum CameraMode {
     Geodetic,
 }
 
+/// What is upwards on screen when the eye looks straight down from a satellite.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CameraUp {
+    /// The direction of flight.
+    #[default]
+    Flight,
+    /// North.
+    North,
+}
+
 /// `[camera]`
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Where the eye looks from.
     pub mode: CameraMode,
+    /// Nadir mode: what is upwards on screen.
+    pub up: CameraUp,
     /// Vertical field of view, degrees.
     pub fov_deg: f64,
     /// Geodetic mode: latitude, degrees.

@@ -58,6 +58,7 @@ table!(RawOrbit {
 
 table!(RawCamera {
     mode: String = "a string: \"nadir\", \"horizon\", \"chase\" or \"geodetic\"",
+    up: String = "a string: \"flight\" or \"north\"",
     fov_deg: f64 = "a number of degrees",
     lat_deg: f64 = "a number of degrees",
     lon_deg: f64 = "a number of degrees",

@@ -79,6 +79,10 @@ impl Scene {
                 }
             }
             ("camera", "mode") => quoted(&written(&camera.mode)),
+            ("camera", "up") => match camera.mode {
+                CameraMode::Nadir => quoted(&written(&camera.up)),
+                _ => Err("only for mode = \"nadir\""),
+            },
             ("camera", "fov_deg") => Ok(camera.fov_deg.to_string()),
             ("camera", "lat_deg") => place(camera.lat_deg),
             ("camera", "lon_deg") => place(camera.lon_deg),
@@ -130,9 +134,10 @@ impl Scene {
         }
         let camera = &self.camera;
         let eye = match camera.mode {
-            CameraMode::Nadir => {
-                "at the satellite, straight down, flight upwards on screen".to_owned()
-            }
+            CameraMode::Nadir => format!(
+                "at the satellite, straight down, {} upwards on screen",
+                written(&camera.up)
+            ),
             CameraMode::Horizon => "at the satellite, forwards to the horizon".to_owned(),
             CameraMode::Chase => "behind and above the satellite, looking at it".to_owned(),
             CameraMode::Geodetic => format!(

@@ -87,6 +87,11 @@ pub fn shown(command: &Command) -> String {
 pub fn run(command: &mut Command) -> anyhow::Result<()> {
     let what = shown(command);
     say(&what);
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        // Mesa looks for a Wayland session whenever a program opens Vulkan, and Wayland's library prints an error where
+        // this is not set. A folder without a session is answered in silence.
+        command.env("XDG_RUNTIME_DIR", std::env::temp_dir());
+    }
     let status = command
         .status()
         .with_context(|| format!("cannot start `{what}`"))?;
