@@ -74,14 +74,14 @@ fn every_pixel_looks_where_the_exact_ray_does() {
             }
             let lit = (up.dot(sun) + 0.3).clamp(0.0, 1.0) * 1.1;
             let want = waves(place.lat_rad, place.lon_rad).map(|v| v * lit);
-            for k in 0..3 {
+            for (k, want) in want.into_iter().enumerate() {
                 // Where a pixel covers much of a block's wave, filtering flattens it: near a pole, and far away.
                 let near_pole = k == 1 && place.lat_rad.abs() > 80_f64.to_radians();
                 let far = k < 2 && view.eye_world.length() > 2e7 && facing < 0.8;
                 if near_pole || far {
                     continue;
                 }
-                worst = worst.max((f64::from(pixel.0[k]) - want[k]).abs());
+                worst = worst.max((f64::from(pixel.0[k]) - want).abs());
             }
             count += 1;
         }
@@ -167,12 +167,11 @@ fn the_papers_shading_is_the_printed_formula() {
         } else {
             2
         }] += 1;
-        for k in 0..3 {
-            let blend =
-                1.0 - (1.0 - f64::from(color[k]) / 255.0) * (1.0 - f64::from(cover) / 255.0);
+        for (channel, color) in pixel.0.into_iter().zip(color) {
+            let blend = 1.0 - (1.0 - f64::from(color) / 255.0) * (1.0 - f64::from(cover) / 255.0);
             let want = (blend * ninfo * 255.0).min(255.0);
             assert!(
-                (f64::from(pixel.0[k]) - want).abs() < 2.5,
+                (f64::from(channel) - want).abs() < 2.5,
                 "{x}, {y}: {:?} instead of {want}",
                 pixel.0
             );

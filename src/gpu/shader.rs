@@ -145,21 +145,16 @@ fn include(
                 _ => return Err(error(number, "#else without #if".into())),
             },
             (Some("#endif"), None) => {
-                if open.pop().is_none() {
-                    return Err(error(number, "#endif without #if".into()));
-                }
+                open.pop()
+                    .ok_or_else(|| error(number, "#endif without #if".into()))?;
             }
-            (Some("#import"), Some(path)) => {
-                if kept && seen.insert(path.to_owned()) {
-                    include(path, on, seen, out).map_err(|inner| {
-                        if inner.line == 0 {
-                            error(number, format!("{}: {}", inner.file, inner.what))
-                        } else {
-                            inner
-                        }
-                    })?;
-                }
+            (Some("#import"), Some(path)) if kept && seen.insert(path.to_owned()) => {
+                include(path, on, seen, out).map_err(|inner| match inner.line {
+                    0 => error(number, format!("{}: {}", inner.file, inner.what)),
+                    _ => inner,
+                })?;
             }
+            (Some("#import"), Some(_)) => {}
             (Some(word), _) if word.starts_with('#') => {
                 return Err(error(number, format!("unknown directive {word}")));
             }

@@ -265,7 +265,7 @@ mod tests {
         // Periodic in longitude: the slope across the seam follows the cosine there.
         let wave = |lon: f64, _| 3_000.0 + 2_000.0 * lon.to_radians().sin();
         let map = slopes(wave, 1_000.0);
-        let expected = 1_000.0 * 2_000.0 * -1.0 / MEAN_RADIUS_M;
+        let expected = -(1_000.0 * 2_000.0) / MEAN_RADIUS_M;
         for lon in [-179.5, 179.5] {
             let (east, _) = at(&map, lon, 0.5);
             assert!((east - expected).abs() < 0.02, "{lon}: {east} {expected}");

@@ -1,7 +1,7 @@
 //! Playing a scene: clock, cameras, window, stills and video.
 //!
 //! [`Flight`] is a scene made ready; at any instant it gives a [`Moment`]: where the eye is and what lights the Earth.
-//! A [`Picture`] draws moments without a display. Three ways lead out: [`write_still`], [`export`] (frames and video)
+//! A [`Picture`] draws moments without a display. Three ways lead out: [`write_still`], [`export()`] (frames and video)
 //! and [`play_in_window`].
 //!
 //! | file | what |
