@@ -115,7 +115,8 @@ fn frames_are_numbered_whole_and_not_mixed_with_others() {
 /// A scene of the built-in space station with a small picture.
 fn station(mode: &str, samples: u32) -> String {
     format!(
-        "[time]\nstart = \"2018-01-15T12:00:00Z\"\n[camera]\nmode = \"{mode}\"\n[earth]\nclouds = false\nnormals = false\nnight_lights = false\n\
+        "[time]\nstart = \"2018-01-15T12:00:00Z\"\n[camera]\nmode = \"{mode}\"\n\
+         [earth]\nclouds = false\nnormals = false\nnight_lights = false\n\
          [output]\nsize = [96, 54]\nsamples = {samples}\n"
     )
 }
