@@ -27,7 +27,7 @@ pub enum ImageryError {
         path: PathBuf,
     },
     /// A map that was asked for is not in the folder.
-    #[error("the {layer} map {} is missing; put it there or switch the layer off", path.display())]
+    #[error("the {layer} map {} is missing; put it there or, unless it is the day map, switch the layer off", path.display())]
     Missing {
         /// The file looked for.
         path: PathBuf,

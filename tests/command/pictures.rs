@@ -79,6 +79,32 @@ fn a_still_has_its_size_and_exactly_the_numbers_of_the_contract() {
 }
 
 #[test]
+fn the_minimal_scene_pays_for_the_day_map_alone() {
+    let place = Place::new();
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("config");
+    let stats = |name: &str| -> serde_json::Value {
+        let scene = scenes.join(name).with_extension("toml");
+        let scene = scene.to_str().expect("UTF-8");
+        place.succeed(&[
+            "frame", scene, "-o", "a.png", "--stats", "a.json", "--size", "64x36",
+        ]);
+        let text = std::fs::read_to_string(place.path("a.json")).expect("reads");
+        serde_json::from_str(&text).expect("JSON")
+    };
+    let (minimal, iss) = (stats("minimal"), stats("iss"));
+    let all = serde_json::json!(["clouds", "normals", "night_lights", "atmosphere"]);
+    assert_eq!(minimal["features_on"], serde_json::json!([]));
+    assert_eq!(minimal["features_off"], all);
+    assert_eq!(iss["features_on"], all);
+    // The day map's levels, four bytes a texel, and not one byte more.
+    let day: u64 = (0..=12)
+        .map(|level| 4 * (4096_u64 >> level).max(1) * (2048_u64 >> level).max(1))
+        .sum();
+    assert_eq!(minimal["texture_bytes"], day);
+    assert!(iss["texture_bytes"].as_u64().expect("bytes") > day + 4_000_000);
+}
+
+#[test]
 fn the_same_still_twice_is_the_same_file() {
     let place = Place::new();
     place.succeed(&["frame", "small.toml", "-o", "a.png"]);
