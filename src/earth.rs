@@ -251,6 +251,8 @@ pub struct Earth {
     surface: SurfaceDrawable,
     air: Option<AirDrawable>,
     stats: FrameStats,
+    /// False if the last view was not finite: then nothing is drawn.
+    drawable: bool,
 }
 
 impl Earth {
@@ -319,13 +321,14 @@ impl Earth {
             surface,
             air,
             stats,
+            drawable: false,
         })
     }
 
     /// Chooses what the eye sees and writes it to the GPU. Call once a frame, before the pass. Never waits.
     ///
-    /// `target` is the target's width and height in pixels, or the [`Viewport`] that the pass sets. An eye that is not
-    /// finite draws nothing.
+    /// `target` is the target's width and height in pixels, or the [`Viewport`] that the pass sets. A view or
+    /// sky that is not finite draws nothing.
     pub fn prepare(
         &mut self,
         queue: &wgpu::Queue,
@@ -334,6 +337,15 @@ impl Earth {
         target: impl Into<Viewport>,
     ) -> FrameStats {
         let (eye_itrf_m, clip_from_eye) = self.plan(view);
+        self.drawable =
+            eye_itrf_m.is_finite() && clip_from_eye.is_finite() && sky.sun_itrf.is_finite();
+        if !self.drawable {
+            self.stats = FrameStats {
+                texture_bytes: self.stats.texture_bytes,
+                ..FrameStats::default()
+            };
+            return self.stats;
+        }
         let rays = view.pixel_rays(target.into());
         self.stats.pixel_m = self.stats.eye.height_m.max(0.0) * rays.down.length();
         let ellipsoid = self.grid.ellipsoid();
@@ -390,6 +402,9 @@ impl Earth {
     /// Draws what [`Self::prepare`] chose into the host's pass: the surface, then the air over it. Draw opaque things
     /// before, so that the air lies over those behind it.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
+        if !self.drawable {
+            return;
+        }
         self.surface.render(pass);
         if let Some(air) = &self.air {
             air.render(pass);

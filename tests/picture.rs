@@ -312,6 +312,21 @@ fn strange_eyes_give_a_defined_picture() {
             }
         }
     }
+    // What is not finite draws nothing, and the Earth recovers from it.
+    let good = down(Geodetic::from_degrees(0.0, 0.0, 2e7), 30.0, 1.0);
+    let (expected, _) = rig.draw(&good, DVec3::X);
+    let bad = EyeView {
+        eye_world: DVec3::new(f64::NAN, 0.0, 0.0),
+        ..good
+    };
+    let cases = [(bad, DVec3::X), (good, DVec3::NAN)];
+    for (view, sun) in cases {
+        let (picture, stats) = rig.draw(&view, sun);
+        assert!(picture.pixels().all(|p| p.0[..3] == [0, 0, 0]));
+        assert_eq!((stats.blocks_drawn, stats.draw_calls), (0, 0));
+        assert!(stats.texture_bytes > 0);
+    }
+    assert_eq!(rig.draw(&good, DVec3::X).0, expected);
     // The day side from 2 m above the ground is neither black nor blown out.
     let view = tilted(Geodetic::from_degrees(0.0, 0.0, 2.0), 90.0, 5.0, 60.0, 1.0);
     let (sky, _) = rig.draw(&view, DVec3::X);

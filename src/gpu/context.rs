@@ -103,11 +103,10 @@ impl GpuContext {
             .into_iter()
             .find(|adapter| surface.is_none_or(|surface| adapter.is_surface_supported(surface)))
             .ok_or(ContextError::NoAdapter)?;
-        // All that the adapter can do in size; of its optional features only those that are used.
+        // All that the adapter can do in size, and no optional feature: none is used.
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {
                 label: Some("terrella device"),
-                required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
                 required_limits: adapter.limits(),
                 ..Default::default()
             })
@@ -236,19 +235,8 @@ fn report(adapter: &wgpu::Adapter) -> AdapterReport {
             "atmosphere: half-float textures cannot be filtered; set atmosphere = \"none\"".into(),
         );
     }
-    if adapter.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
-        can.push("GPU time of each pass (timestamp queries)".into());
-    } else {
-        dropped.push(
-            "GPU time of each pass: no timestamp queries; whole frames are still timed".into(),
-        );
-    }
     if software {
         dropped.push("anisotropic filtering: a software adapter pays for every sample; maps are filtered trilinearly".into());
-        dropped.push(
-            "compressed textures: slower than RGBA8 on a software adapter; maps are kept as RGBA8"
-                .into(),
-        );
     } else {
         can.push("anisotropic filtering, 8 samples".into());
     }
