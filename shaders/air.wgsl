@@ -27,7 +27,8 @@ struct AirFrame {
     // Height of the eye above the surface, without cancellation.
     eye_height: f32,
     exposure: f32,
-    padding: f32,
+    // How far the air is drawn before its place, in depth: what the backend rounds depths by.
+    depth_rounding: f32,
 }
 
 @group(0) @binding(0) var<uniform> air: AirFrame;
@@ -197,10 +198,11 @@ fn fragment(in: Varying) -> Output {
     // The air stands where the ray enters it: what is nearer hides it, what is farther is seen through it.
     let at = max(pass_.along - sqrt(max((air.top - pass_.q) * (air.top + pass_.q), 0.0)), 0.0);
     let clip = air.clip_from_billboard * vec4f(pass_.direction * at, 1.0);
+    let depth = clip.z / max(clip.w, 1e-30);
 #if standard_z
-    out.depth = select(clip.z / max(clip.w, 1e-30), 0.0, at == 0.0);
+    out.depth = select(depth - air.depth_rounding, 0.0, at == 0.0);
 #else
-    out.depth = select(clip.z / max(clip.w, 1e-30), 1.0, at == 0.0);
+    out.depth = select(depth + air.depth_rounding, 1.0, at == 0.0);
 #endif
     out.depth = clamp(out.depth, 0.0, 1.0);
 #endif

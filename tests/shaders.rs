@@ -171,7 +171,7 @@ fn uniform_structs_match_the_shaders() {
             top,
             eye_height,
             exposure,
-            padding
+            depth_rounding
         ]
     );
 }

@@ -21,6 +21,7 @@ pub(crate) struct AirDrawable {
     frame: wgpu::Buffer,
     vertices: wgpu::Buffer,
     eye_is_inside: bool,
+    depth_rounding: f32,
     /// What the surface reads of it.
     pub sunlight: GpuLayer,
     pub texture_bytes: u64,
@@ -55,6 +56,10 @@ impl AirDrawable {
         let sunlight = upload("terrella sunlight", air::SUNLIGHT, &tables.sunlight);
         let texture_bytes =
             scattering.bytes + transmittance.bytes + multiple.bytes + sunlight.bytes;
+        // OpenGL's clip space is −1…1: the vertex stage's depths, but not those that a fragment writes, are shifted to it
+        // and back, and lose all below 2⁻²³. Twice that keeps the ground from coming before the air on it.
+        let shifts_depth = device.adapter_info().backend == wgpu::Backend::Gl;
+        let depth_rounding = if shifts_depth { 2.4e-7 } else { 0.0 };
         let frame = super::uniform_buffer::<AirFrame>(device, "terrella air frame");
         let vertices = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("terrella air square"),
@@ -75,6 +80,7 @@ impl AirDrawable {
             frame,
             vertices,
             eye_is_inside: false,
+            depth_rounding,
             sunlight,
             texture_bytes,
         })
@@ -99,7 +105,7 @@ impl AirDrawable {
             top: air_top as f32,
             eye_height: (square.eye_distance - 1.0) as f32,
             exposure,
-            padding: 0.0,
+            depth_rounding: self.depth_rounding,
         };
         let mut corners = [AirVertex::default(); 4];
         for (corner, (clip, ray)) in corners.iter_mut().zip(square.clip.iter().zip(&square.ray)) {

@@ -47,6 +47,6 @@ pub struct AirFrame {
     pub eye_height: f32,
     /// What a white sheet that faces the Sun in space is drawn with.
     pub exposure: f32,
-    /// Unused.
-    pub padding: f32,
+    /// How far the air is drawn before its place, in depth: what the backend rounds depths by.
+    pub depth_rounding: f32,
 }
