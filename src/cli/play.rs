@@ -1,7 +1,7 @@
 //! `terrella play`
 
 use super::Common;
-use super::progress::Bars;
+use super::progress::{Bars, stop_on_interrupt};
 use super::values;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -68,5 +68,6 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
         size: args.size,
         adapter,
     };
+    stop_on_interrupt();
     Ok(export(&flight, &request, &bars)?)
 }

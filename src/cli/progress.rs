@@ -2,8 +2,24 @@
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use terrella::play::Progress;
+
+/// Set by Ctrl-C or a request to terminate.
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// From now on the first Ctrl-C (or request to terminate) asks work to stop, and the second ends the program at once.
+pub fn stop_on_interrupt() {
+    let handler = || {
+        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    };
+    if let Err(error) = ctrlc::set_handler(handler) {
+        tracing::warn!("an interrupt will leave a hidden unfinished file behind: {error}");
+    }
+}
 
 /// One bar at a time.
 pub struct Bars {
@@ -59,6 +75,10 @@ impl Progress for Bars {
                 bar.inc(1);
             }
         });
+    }
+
+    fn cancelled(&self) -> bool {
+        INTERRUPTED.load(Ordering::Relaxed)
     }
 
     fn end(&self) {

@@ -40,6 +40,16 @@ pub enum PlayError {
     /// The window.
     #[error(transparent)]
     Window(#[from] WindowError),
+    /// The work was stopped from outside.
+    #[error(
+        "interrupted after {done} of {wanted} frames; an unfinished video is taken away, finished frames stay"
+    )]
+    Interrupted {
+        /// Frames drawn.
+        done: u64,
+        /// Frames wanted.
+        wanted: u64,
+    },
     /// A camera at a satellite, and no satellite.
     #[error("this camera flies with a satellite and the scene has none; give it an [orbit] table")]
     NoSatellite,

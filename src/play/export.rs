@@ -83,6 +83,12 @@ pub fn export(
     let aspect = picture.aspect();
     pump(sinks, |give| {
         for index in 0..frame_count {
+            if progress.cancelled() {
+                return Err(PlayError::Interrupted {
+                    done: index,
+                    wanted: frame_count,
+                });
+            }
             let moment = flight.at(frame_epoch(&scene.time, index), aspect)?;
             picture.draw(&moment);
             if !give(picture.read()?) {

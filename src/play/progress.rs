@@ -1,6 +1,6 @@
 //! How long work tells how far it is.
 
-/// Told how far work is. The command shows bars; `()` shows nothing.
+/// Told how far work is, and asked whether to go on. The command shows bars; `()` shows nothing and never stops.
 pub trait Progress: Sync {
     /// Work begins; `steps` is how many there will be, where that is known.
     fn begin(&self, what: &str, steps: Option<u64>);
@@ -8,6 +8,10 @@ pub trait Progress: Sync {
     fn step(&self);
     /// The work that was begun last is over.
     fn end(&self);
+    /// True once the work is no longer wanted: it stops at the next step and leaves nothing unfinished behind.
+    fn cancelled(&self) -> bool {
+        false
+    }
 }
 
 impl Progress for () {

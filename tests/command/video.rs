@@ -132,36 +132,43 @@ fn without_ffmpeg_the_built_in_encoder_is_taken() {
     assert!(words(&output).contains("install it"), "{}", words(&output));
 }
 
-/// A film of many frames, stopped in the middle the hard way: nothing stands under a final name.
+/// A film of many frames and the same as pictures, in the middle of it. `folder` is where the pictures go.
 #[cfg(unix)]
-#[test]
-fn a_film_that_is_stopped_leaves_nothing_under_its_name() {
-    let place = Place::new();
+fn in_the_middle_of_a_film(place: &Place, encoder: &str, folder: &str) -> std::process::Child {
     place.scene(
         "long.toml",
         &SMALL.replace("duration_s = 4", "duration_s = 100000"),
     );
+    let video = ["--video", "a.mp4", "--encoder", encoder];
+    let frames = ["--frames", folder];
+    let mut child = place
+        .command(&[&["play", "long.toml"][..], &video, &frames].concat())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("starts");
+    let second = place.path(folder).join("frame_00001.png");
+    let begin = Instant::now();
+    while !second.exists() {
+        assert!(
+            begin.elapsed() < Duration::from_secs(60),
+            "no frame in a minute"
+        );
+        assert!(
+            child.try_wait().expect("asks").is_none(),
+            "it ended by itself"
+        );
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    child
+}
+
+/// Stopped the hard way: nothing stands under a final name.
+#[cfg(unix)]
+#[test]
+fn a_film_that_is_killed_leaves_nothing_under_its_name() {
+    let place = Place::new();
     for encoder in ["builtin", "auto"] {
-        let video = ["--video", "a.mp4", "--encoder", encoder];
-        let frames = ["--frames", encoder];
-        let mut child = place
-            .command(&[&["play", "long.toml"][..], &video, &frames].concat())
-            .spawn()
-            .expect("starts");
-        // Until it is in the middle of it.
-        let second = place.path(encoder).join("frame_00001.png");
-        let begin = Instant::now();
-        while !second.exists() {
-            assert!(
-                begin.elapsed() < Duration::from_secs(60),
-                "no frame in a minute"
-            );
-            assert!(
-                child.try_wait().expect("asks").is_none(),
-                "it ended by itself"
-            );
-            std::thread::sleep(Duration::from_millis(20));
-        }
+        let mut child = in_the_middle_of_a_film(&place, encoder, encoder);
         child.kill().expect("stops");
         child.wait().expect("ends");
         assert!(!place.path("a.mp4").exists());
@@ -173,5 +180,33 @@ fn a_film_that_is_stopped_leaves_nothing_under_its_name() {
                 "{name}"
             );
         }
+    }
+}
+
+/// Stopped by Ctrl-C: nothing unfinished is left at all, hidden files included.
+#[cfg(unix)]
+#[test]
+fn a_film_that_is_interrupted_takes_its_unfinished_files_away() {
+    for encoder in ["builtin", "auto"] {
+        let place = Place::new();
+        let child = in_the_middle_of_a_film(&place, encoder, "frames");
+        let sent = Command::new("kill")
+            .args(["-INT", &child.id().to_string()])
+            .status();
+        assert!(sent.expect("kill starts").success());
+        let output = child.wait_with_output().expect("ends");
+        assert_eq!(output.status.code(), Some(1), "{}", words(&output));
+        assert!(
+            words(&output).contains("interrupted after"),
+            "{}",
+            words(&output)
+        );
+        assert_eq!(place.names(), ["frames", "long.toml", "small.toml"]);
+        let frames = names(&place.path("frames"));
+        assert!(frames.len() >= 2);
+        assert!(
+            frames.iter().all(|name| name.starts_with("frame_")),
+            "{frames:?}"
+        );
     }
 }
