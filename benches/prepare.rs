@@ -52,6 +52,7 @@ fn prepare(criterion: &mut Criterion) {
         clouds: None,
         normals: None,
         night_lights: None,
+        water: None,
     };
     for subdivision in [6, 48] {
         let options = EarthOptions {

@@ -28,6 +28,7 @@ fn layers() -> EarthLayers {
         clouds: None,
         normals: None,
         night_lights: None,
+        water: None,
     }
 }
 

@@ -26,6 +26,7 @@ fn position_layers() -> EarthLayers {
         clouds: None,
         normals: None,
         night_lights: None,
+        water: None,
     }
 }
 
@@ -141,6 +142,7 @@ fn the_papers_shading_is_the_printed_formula() {
         clouds: Some(LayerImage::from_r8(64, 32, vec![cover; 64 * 32]).unwrap()),
         normals: None,
         night_lights: None,
+        water: None,
     };
     let mut options = EarthOptions::new(layers);
     options.atmosphere = Atmosphere::None;

@@ -79,6 +79,8 @@ pub fn load_layers(dir: &Path, selection: LayerSelection) -> Result<EarthLayers,
             clouds: clouds.transpose()?,
             night_lights: night_lights.transpose()?,
             normals: normals.transpose()?,
+            // Folders hold none; packs do.
+            water: None,
         })
     })
 }

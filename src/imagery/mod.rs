@@ -7,6 +7,8 @@
 //! | `find.rs` | where the starter pack is |
 //! | `slopes.rs` | terrain slopes from elevations |
 //! | `mips.rs`, `srgb.rs` | smaller levels, averaged in linear light |
+//! | `tile.rs` | tiles of a pack: names, sizes, formats |
+//! | `pack/` | packs on disk |
 //! | `error.rs` | what can be wrong |
 
 mod error;
@@ -14,8 +16,10 @@ mod find;
 mod layer;
 mod load;
 mod mips;
+pub mod pack;
 mod slopes;
 mod srgb;
+pub mod tile;
 
 pub use error::ImageryError;
 pub use find::{TEXTURES_VARIABLE, find_textures};
@@ -36,12 +40,14 @@ pub struct EarthLayers {
     pub normals: Option<LayerImage>,
     /// City lights, `R8Unorm`.
     pub night_lights: Option<LayerImage>,
+    /// Open water, `R8Unorm`: where the sea glints in sunlight.
+    pub water: Option<LayerImage>,
 }
 
 impl EarthLayers {
     /// Bytes of all texels of all layers, mip levels included.
     pub fn texture_bytes(&self) -> u64 {
-        let others = [&self.clouds, &self.normals, &self.night_lights];
+        let others = [&self.clouds, &self.normals, &self.night_lights, &self.water];
         self.day.bytes()
             + others
                 .into_iter()

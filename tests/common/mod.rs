@@ -46,6 +46,7 @@ pub fn plain(color: [u8; 3]) -> EarthLayers {
         clouds: None,
         normals: None,
         night_lights: None,
+        water: None,
     }
 }
 

@@ -1,0 +1,95 @@
+//! What a pack says of itself: `pack.toml`.
+
+use crate::globe::Block;
+use crate::imagery::tile::{MapLayer, Storage, TileKey, TileShape};
+use std::path::PathBuf;
+
+/// Name of the manifest in the pack's folder.
+pub const MANIFEST_FILE: &str = "pack.toml";
+
+/// Version of the format that is written and read.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// The manifest of a pack.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Manifest {
+    /// What the pack is called.
+    pub name: String,
+    /// Whose data it is, a line each.
+    pub attribution: Vec<String>,
+    /// How tiles are kept, each kind once; at least one.
+    pub storages: Vec<Storage>,
+    /// The maps, in the order of [`MapLayer::index`], each once; the day map always.
+    pub layers: Vec<LayerEntry>,
+}
+
+/// One map of a manifest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayerEntry {
+    /// Which map.
+    pub layer: MapLayer,
+    /// What it was made from: file name and size.
+    pub source: String,
+    /// Normals only: how many times steeper than the truth the slopes are.
+    pub exaggeration: Option<f64>,
+    /// The levels, the finest first.
+    pub levels: Vec<LevelEntry>,
+}
+
+/// One level of a map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LevelEntry {
+    /// Size of its tiles.
+    pub shape: TileShape,
+    /// For each of the manifest's storages, in their order, the tile of each of the 128 blocks; `None` where there is
+    /// none. A block has a tile in all storages or in none.
+    pub tiles: Vec<Vec<Option<TileFile>>>,
+}
+
+/// What a tile's file must be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TileFile {
+    /// Its length.
+    pub bytes: u64,
+    /// The first 16 bytes of its BLAKE3 hash.
+    pub checksum: [u8; 16],
+}
+
+impl TileFile {
+    /// Of these contents.
+    pub fn of(contents: &[u8]) -> Self {
+        let mut checksum = [0; 16];
+        checksum.copy_from_slice(&blake3::hash(contents).as_bytes()[..16]);
+        Self {
+            bytes: contents.len() as u64,
+            checksum,
+        }
+    }
+}
+
+/// Where a tile lies below the pack's folder: `tiles/plain/day/1350/r3c12.ktx2`. Paths are made from names that this
+/// program knows and never read from a manifest.
+pub fn tile_path(storage: Storage, layer: MapLayer, shape: TileShape, block: Block) -> PathBuf {
+    let Block { column, row } = block;
+    PathBuf::from(format!(
+        "tiles/{}/{}/{}/r{row}c{column}.ktx2",
+        storage.name(),
+        layer.name(),
+        shape.pixels
+    ))
+}
+
+impl Manifest {
+    /// The entry of a map.
+    pub fn layer(&self, layer: MapLayer) -> Option<&LayerEntry> {
+        self.layers.iter().find(|entry| entry.layer == layer)
+    }
+
+    /// Shape and file of a tile in one storage.
+    pub fn tile(&self, storage: Storage, key: TileKey) -> Option<(TileShape, TileFile)> {
+        let place = self.storages.iter().position(|kept| *kept == storage)?;
+        let level = self.layer(key.layer)?.levels.get(usize::from(key.level))?;
+        let file = level.tiles.get(place)?.get(usize::from(key.block))?;
+        file.map(|file| (level.shape, file))
+    }
+}
