@@ -82,5 +82,7 @@ pub mod play;
 pub mod scene;
 
 pub use air::Atmosphere;
-pub use earth::{DepthBuffer, Earth, EarthError, EarthOptions, EyeView, FrameStats, Sky, Viewport};
-pub use globe::{Figure, Shading, Visibility};
+pub use earth::{
+    DepthBuffer, Earth, EarthError, EarthOptions, EyeView, FrameStats, Sky, TileOptions, Viewport,
+};
+pub use globe::{Figure, LevelRule, Shading, Visibility};
