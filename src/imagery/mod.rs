@@ -9,6 +9,7 @@
 //! | `mips.rs`, `srgb.rs` | smaller levels, averaged in linear light |
 //! | `tile.rs` | tiles of a pack: names, sizes, formats |
 //! | `pack/` | packs on disk |
+//! | `stream/` | tiles streamed into memory: what is wanted, loaded, resident and drawn |
 //! | `error.rs` | what can be wrong |
 
 mod error;
@@ -19,6 +20,7 @@ mod mips;
 pub mod pack;
 mod slopes;
 mod srgb;
+pub mod stream;
 pub mod tile;
 
 pub use error::ImageryError;

@@ -1,0 +1,66 @@
+//! What a block is drawn with.
+
+use super::{Stage, TileCache, place_of};
+use crate::globe::BLOCK_COUNT;
+use crate::imagery::stream::Slot;
+use crate::imagery::tile::{MapLayer, TileKey};
+
+impl TileCache {
+    /// The tile to draw a block of a map with; `None` is the whole coarsest map: see [`super::super::TileStream::draw`].
+    pub fn draw(&mut self, layer: MapLayer, block: u8) -> Option<(u8, Slot)> {
+        let levels = self.maps[layer.index()].levels.len() as u8;
+        if levels == 0 || u32::from(block) >= BLOCK_COUNT {
+            return None;
+        }
+        let fitted = self.fitted[layer.index() * BLOCK_COUNT as usize + usize::from(block)];
+        if fitted.frame != self.frame {
+            return None;
+        }
+        let coarsest = levels - 1;
+        let coarser = fitted.goal..coarsest;
+        // A map that the eye asks for no finer is drawn as it is.
+        let finer = if fitted.goal < coarsest {
+            0..fitted.goal
+        } else {
+            0..0
+        };
+        let drawn = coarser.chain(finer.rev()).find_map(|level| {
+            let key = TileKey {
+                layer,
+                level,
+                block,
+            };
+            let slot = self.drawable(key, level < fitted.goal)?;
+            Some((level, slot))
+        });
+        let level = drawn.map_or(coarsest, |(level, _)| level);
+        if level <= fitted.target {
+            self.counters.hits += 1;
+        } else {
+            self.counters.fallbacks += 1;
+        }
+        drawn
+    }
+
+    /// The slot of a tile that may be drawn; marks it.
+    fn drawable(&mut self, key: TileKey, is_finer: bool) -> Option<Slot> {
+        let pool = self.pool_of(key)?;
+        let state = &self.tiles[place_of(key)];
+        let Stage::Resident(index) = state.stage else {
+            return None;
+        };
+        let room = &mut self.rooms[pool];
+        let place = &mut room.places[usize::from(index)];
+        if !state.is_promised(self.frame) && place.drawn != self.frame {
+            // Slots that those who wait can have without this one.
+            let is_spare = room.loose > room.promised - room.held;
+            if (is_finer || room.is_pressed) && !is_spare {
+                return None;
+            }
+            room.loose -= 1;
+        }
+        (place.drawn, place.used) = (self.frame, self.frame);
+        let pool = pool as u16;
+        Some(Slot { pool, index })
+    }
+}

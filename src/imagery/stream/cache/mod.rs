@@ -1,0 +1,400 @@
+//! What is wanted, loaded, resident and drawn: the state machine of streaming, without threads or a clock.
+
+mod draw;
+mod fit;
+mod upload;
+
+use super::pools::usable;
+use super::{Pool, StreamCounters, Want};
+use crate::globe::BLOCK_COUNT;
+use crate::imagery::tile::{
+    BlockSet, LayerLayout, LevelLayout, MAP_LAYERS, MAX_LEVELS, Tile, TileError, TileFormat,
+    TileKey, TileShape,
+};
+use std::time::{Duration, Instant};
+
+/// Why a load gave no tile.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LoadError {
+    /// The source said so.
+    #[error(transparent)]
+    Source(#[from] TileError),
+    /// The source gave something else than its layout says.
+    #[error(
+        "the source gave {got} where {expected} was due; run `terrella pack verify` and build the pack again"
+    )]
+    Unexpected {
+        /// What its layout says.
+        expected: String,
+        /// What came.
+        got: String,
+    },
+    /// The source panicked.
+    #[error("its reader panicked: {0}; please report this")]
+    Panicked(String),
+}
+
+/// Names a load: the thread that works on it, and a number that no other load has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ticket {
+    /// The thread.
+    pub worker: usize,
+    /// The number, from 1.
+    pub number: u64,
+}
+
+/// A load under way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Flight {
+    /// The tile.
+    pub key: TileKey,
+    /// Its name.
+    pub ticket: Ticket,
+    /// It is wanted no longer, as of the last [`TileCache::fit`].
+    pub cancel: bool,
+    /// It has been unwanted at some time, so that it may end as cancelled.
+    was_cancelled: bool,
+}
+
+/// Which tiles are wanted, under way, resident and drawn.
+///
+/// The host loads tiles itself: it takes keys from [`Self::queue`], says [`Self::begin`] for each that it has taken and
+/// [`Self::finish`] when it is there or has failed. [`super::TileStream`] does it with threads.
+pub struct TileCache {
+    maps: [Map; MAP_LAYERS],
+    pools: Vec<Pool>,
+    rooms: Vec<Room>,
+    tiles: Vec<TileState>,
+    fitted: Vec<Fitted>,
+    queue: Vec<TileKey>,
+    targets: Vec<TileKey>,
+    flights: Vec<Flight>,
+    waiting: Vec<Waiting>,
+    spent: Vec<Tile>,
+    decoded_limit: u64,
+    /// Number of the frame; [`Self::fit`] begins the next. Never 0, which marks what has not been yet.
+    frame: u64,
+    /// Number of promises in this frame.
+    promises: u32,
+    counters: StreamCounters,
+}
+
+/// The levels of a map; none if the source does not have it.
+#[derive(Clone, Default)]
+struct Map {
+    levels: Vec<Level>,
+}
+
+#[derive(Clone, Copy)]
+struct Level {
+    present: BlockSet,
+    pool: Option<u16>,
+    format: TileFormat,
+    shape: TileShape,
+}
+
+impl Level {
+    /// Bytes of a tile.
+    fn bytes(&self) -> u64 {
+        self.shape.bytes(self.format) as u64
+    }
+}
+
+/// What goes on in a pool.
+#[derive(Default)]
+struct Room {
+    places: Vec<Place>,
+    /// Slots promised to this frame's wants.
+    promised: u32,
+    /// Slots that hold a promised tile, whole or in part.
+    held: u32,
+    /// Promised tiles without a slot that are in this frame's picture.
+    lacking_drawn: u32,
+    /// Slots that are empty, or whose tile is neither promised nor drawn in this frame.
+    loose: u32,
+    /// Stand-ins give way: see the module's words on waiting.
+    is_pressed: bool,
+}
+
+/// A slot.
+#[derive(Clone, Copy, Default)]
+struct Place {
+    tile: Option<TileKey>,
+    /// The last frame that it was drawn in.
+    drawn: u64,
+    /// The last frame that it was drawn or promised in.
+    used: u64,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Stage {
+    /// Nowhere: perhaps queued.
+    #[default]
+    Away,
+    Loading,
+    /// Decoded, without a slot.
+    Decoded,
+    /// In part in a slot of its level's pool.
+    Uploading(u16),
+    /// In a slot of its level's pool.
+    Resident(u16),
+}
+
+#[derive(Clone, Copy, Default)]
+struct TileState {
+    stage: Stage,
+    /// The last frame that a slot was promised in.
+    promised: u64,
+    /// The last frame that it was asked for in.
+    asked: u64,
+    /// The promise is for this frame's picture.
+    is_drawn: bool,
+    /// Place among the promises, 0 the most urgent.
+    rank: u32,
+    /// Failed loads since the last good one.
+    failures: u32,
+    /// After a failure: when to try again.
+    retry_at: Option<Instant>,
+    /// Its failure was told.
+    is_told: bool,
+}
+
+/// What a block of a map is to be drawn with.
+#[derive(Clone, Copy, Default)]
+struct Fitted {
+    /// The last frame that it was wanted in.
+    frame: u64,
+    /// The level that the pools have room for.
+    target: u8,
+    /// The same, or a coarser one if that tile cannot be read.
+    goal: u8,
+}
+
+/// A decoded tile that is not wholly uploaded.
+struct Waiting {
+    key: TileKey,
+    tile: Tile,
+    /// Mip level and row of units to go on with.
+    mip: u32,
+    row: u32,
+    /// There was no slot for it at the last upload.
+    is_blocked: bool,
+}
+
+impl TileState {
+    /// A slot is promised to it in this frame.
+    fn is_promised(&self, frame: u64) -> bool {
+        self.promised == frame
+    }
+
+    fn slot(&self) -> Option<u16> {
+        match self.stage {
+            Stage::Uploading(slot) | Stage::Resident(slot) => Some(slot),
+            Stage::Away | Stage::Loading | Stage::Decoded => None,
+        }
+    }
+}
+
+/// Place of a tile in the table of all tiles.
+fn place_of(key: TileKey) -> usize {
+    (key.layer.index() * MAX_LEVELS + usize::from(key.level)) * BLOCK_COUNT as usize
+        + usize::from(key.block)
+}
+
+const ALL_TILES: usize = MAP_LAYERS * MAX_LEVELS * BLOCK_COUNT as usize;
+
+impl TileCache {
+    /// For a source's maps and pools made by [`super::plan_pools`] from them. `decoded_bytes` is the limit that the host
+    /// keeps for tiles under way or waiting.
+    pub fn new(layers: &[LayerLayout], pools: Vec<Pool>, decoded_bytes: u64) -> Self {
+        let mut maps: [Map; MAP_LAYERS] = Default::default();
+        for layout in usable(layers) {
+            let level = |(place, level): (usize, &LevelLayout)| Level {
+                present: level.present,
+                pool: pools
+                    .iter()
+                    .position(|pool| pool.layer == layout.layer && usize::from(pool.level) == place)
+                    .map(|pool| pool as u16),
+                format: layout.format,
+                shape: level.shape,
+            };
+            maps[layout.layer.index()].levels =
+                layout.levels.iter().enumerate().map(level).collect();
+        }
+        let slots: u32 = pools.iter().map(|pool| pool.slots).sum();
+        let room = |pool: &Pool| Room {
+            places: vec![Place::default(); pool.slots as usize],
+            loose: pool.slots,
+            ..Room::default()
+        };
+        Self {
+            maps,
+            rooms: pools.iter().map(room).collect(),
+            pools,
+            tiles: vec![TileState::default(); ALL_TILES],
+            fitted: vec![Fitted::default(); MAP_LAYERS * BLOCK_COUNT as usize],
+            queue: Vec::with_capacity(slots as usize),
+            targets: Vec::with_capacity(MAP_LAYERS * BLOCK_COUNT as usize),
+            flights: Vec::with_capacity(64),
+            waiting: Vec::with_capacity(64),
+            spent: Vec::with_capacity(64),
+            decoded_limit: decoded_bytes,
+            frame: 1,
+            promises: 0,
+            counters: StreamCounters::default(),
+        }
+    }
+
+    /// The pools.
+    pub fn pools(&self) -> &[Pool] {
+        &self.pools
+    }
+
+    /// Tiles to load, most urgent first. None of them is under way.
+    pub fn queue(&self) -> &[TileKey] {
+        &self.queue
+    }
+
+    /// Loads under way.
+    pub fn flights(&self) -> &[Flight] {
+        &self.flights
+    }
+
+    /// Decoded tiles that have done their work, for the host to drop where that does not disturb. Each was given by
+    /// [`Self::finish`].
+    pub fn spent(&mut self) -> std::vec::Drain<'_, Tile> {
+        self.spent.drain(..)
+    }
+
+    /// What it is doing.
+    pub fn counters(&self) -> StreamCounters {
+        StreamCounters {
+            queued: self.queue.len() as u32,
+            loading: self.flights.len() as u32,
+            waiting_upload: self.waiting.len() as u32,
+            waiting_bytes: self
+                .waiting
+                .iter()
+                .map(|w| w.tile.texels.len() as u64)
+                .sum(),
+            ..self.counters
+        }
+    }
+
+    /// Drawn wants of this frame that are not resident at the level asked for after fitting, though they could be.
+    pub fn missing(&self) -> impl Iterator<Item = TileKey> + '_ {
+        let is_missing =
+            |key: &TileKey| !matches!(self.tiles[place_of(*key)].stage, Stage::Resident(_));
+        self.targets.iter().copied().filter(is_missing)
+    }
+
+    /// A thread has taken a tile from the queue. False, and nothing else, if it is not there to be taken.
+    pub fn begin(&mut self, key: TileKey, ticket: Ticket) -> bool {
+        let known = self.level(key).is_some();
+        if !known || self.tiles[place_of(key)].stage != Stage::Away {
+            return false;
+        }
+        self.tiles[place_of(key)].stage = Stage::Loading;
+        self.queue.retain(|queued| *queued != key);
+        self.flights.push(Flight {
+            key,
+            ticket,
+            cancel: false,
+            was_cancelled: false,
+        });
+        self.counters.loads += 1;
+        true
+    }
+
+    /// A load has ended. The error comes back if it is the first of its tile, to be told. A tile that is not as its
+    /// layout says is a failure.
+    pub fn finish(
+        &mut self,
+        key: TileKey,
+        now: Instant,
+        result: Result<Tile, LoadError>,
+    ) -> Option<LoadError> {
+        let flight = self.flights.iter().position(|flight| flight.key == key)?;
+        let flight = self.flights.swap_remove(flight);
+        let result = match (result, self.level(key)) {
+            (Ok(tile), Some(level)) => check(tile, level.format, level.shape),
+            (result, _) => result,
+        };
+        let state = &mut self.tiles[place_of(key)];
+        state.stage = Stage::Away;
+        match result {
+            Ok(tile) => {
+                self.counters.decoded_bytes += tile.texels.len() as u64;
+                (state.failures, state.retry_at) = (0, None);
+                if state.is_promised(self.frame) {
+                    state.stage = Stage::Decoded;
+                    self.waiting.push(Waiting {
+                        key,
+                        tile,
+                        mip: 0,
+                        row: 0,
+                        is_blocked: false,
+                    });
+                    self.sort_waiting();
+                } else {
+                    self.counters.cancelled += 1;
+                    self.spent.push(tile);
+                }
+                None
+            }
+            Err(LoadError::Source(TileError::Cancelled)) if flight.was_cancelled => {
+                self.counters.cancelled += 1;
+                None
+            }
+            Err(error) => {
+                self.counters.failures += 1;
+                state.retry_at = Some(now + retry_pause(state.failures));
+                state.failures = state.failures.saturating_add(1);
+                (!std::mem::replace(&mut state.is_told, true)).then_some(error)
+            }
+        }
+    }
+
+    /// The level of a tile, if there is such a one.
+    fn level(&self, key: TileKey) -> Option<&Level> {
+        let level = self.maps[key.layer.index()]
+            .levels
+            .get(usize::from(key.level))?;
+        (u32::from(key.block) < BLOCK_COUNT).then_some(level)
+    }
+
+    /// The pool of a tile's level.
+    fn pool_of(&self, key: TileKey) -> Option<usize> {
+        self.level(key)?.pool.map(usize::from)
+    }
+
+    /// The tile begun first, then the most urgent: one that is half in its slot is of no use yet.
+    fn sort_waiting(&mut self) {
+        let tiles = &self.tiles;
+        self.waiting.sort_unstable_by_key(|waiting| {
+            let state = &tiles[place_of(waiting.key)];
+            (state.slot().is_none(), state.rank)
+        });
+    }
+}
+
+/// The tile, if it is what was asked for.
+pub(super) fn check(tile: Tile, format: TileFormat, shape: TileShape) -> Result<Tile, LoadError> {
+    let (due, got) = (shape.bytes(format), tile.texels.len());
+    if (tile.format, tile.shape, got) == (format, shape, due) {
+        return Ok(tile);
+    }
+    let words = |format, pixels, bytes| {
+        format!("a tile of {bytes} bytes, {format:?}, {pixels} texels a side")
+    };
+    Err(LoadError::Unexpected {
+        expected: words(format, shape.pixels, due),
+        got: words(tile.format, tile.shape.pixels, got),
+    })
+}
+
+/// Time to wait after so many failures and one more: 1, 2, 4 … 60 s.
+fn retry_pause(failures: u32) -> Duration {
+    Duration::from_secs((1_u64 << failures.min(6)).min(60))
+}

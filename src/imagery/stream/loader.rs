@@ -1,0 +1,312 @@
+//! Decoder threads, and what they share with the frame.
+//!
+//! One mutex guards lists of keys and finished tiles; nobody reads, decodes, computes or frees a tile under it. The
+//! frame only tries it: where a thread of low priority was put to sleep inside, the frame goes on and comes back the
+//! next time.
+
+use super::cache::{LoadError, Ticket, TileCache, check};
+use super::pools::usable;
+use crate::imagery::tile::{LayerLayout, Tile, TileFormat, TileKey, TileShape, TileSource};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, TryLockError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+use thread_priority::{ThreadPriority, ThreadPriorityValue};
+
+/// Where decoder threads stand between the lowest priority, 0, and the highest, 99: on Linux a niceness of about 10.
+const PRIORITY: u8 = 25;
+
+/// How long a dropped stream waits for its threads. One that is stuck in a read is left to itself then.
+const FAREWELL: Duration = Duration::from_secs(2);
+
+pub(super) struct Loader {
+    shared: Arc<Shared>,
+    threads: Vec<JoinHandle<()>>,
+    /// What the last look under the mutex found.
+    reserved_bytes: u64,
+    /// Lists that change places with the shared ones, so that nothing is allocated under the mutex.
+    started: Vec<(TileKey, Ticket)>,
+    finished: Vec<(TileKey, Result<Tile, LoadError>)>,
+}
+
+struct Shared {
+    source: Arc<dyn TileSource>,
+    layers: Vec<LayerLayout>,
+    limit_bytes: u64,
+    work: Mutex<Work>,
+    /// There may be something to do for a thread.
+    to_do: Condvar,
+    /// A load or a thread has ended.
+    ended: Condvar,
+    stop: AtomicBool,
+    /// For each thread the number of the load that it shall give up; 0 is none.
+    cancelled: Vec<AtomicU64>,
+}
+
+#[derive(Default)]
+struct Work {
+    /// Tiles to load, the most urgent first; those before `next` are taken.
+    queue: Vec<TileKey>,
+    next: usize,
+    /// Taken since the frame last looked.
+    started: Vec<(TileKey, Ticket)>,
+    finished: Vec<(TileKey, Result<Tile, LoadError>)>,
+    /// Tiles that have done their work, to be freed by a thread: giving back much memory takes time.
+    spent: Vec<Tile>,
+    /// Bytes of all tiles from the moment that a thread takes them to the moment that they are freed.
+    reserved_bytes: u64,
+    /// Number of loads taken so far.
+    loads: u64,
+    threads: usize,
+}
+
+impl Loader {
+    /// Starts the threads.
+    pub fn new(source: Arc<dyn TileSource>, limit_bytes: u64, threads: usize) -> Self {
+        let layers = usable(source.layers()).into_iter().cloned().collect();
+        let shared = Arc::new(Shared {
+            source,
+            layers,
+            limit_bytes,
+            work: Mutex::default(),
+            to_do: Condvar::new(),
+            ended: Condvar::new(),
+            stop: AtomicBool::new(false),
+            cancelled: (0..threads).map(|_| AtomicU64::new(0)).collect(),
+        });
+        let start = |worker: usize| {
+            let own = Arc::clone(&shared);
+            shared.lock().threads += 1;
+            let name = format!("terrella tiles {worker}");
+            let thread = thread::Builder::new().name(name);
+            let thread = thread.spawn(move || own.work_until_stopped(worker));
+            if let Err(error) = &thread {
+                shared.lock().threads -= 1;
+                tracing::warn!("a decoder thread could not be started: {error}");
+            }
+            thread.ok()
+        };
+        let threads = (0..threads).filter_map(start).collect();
+        Self {
+            shared,
+            threads,
+            reserved_bytes: 0,
+            started: Vec::new(),
+            finished: Vec::new(),
+        }
+    }
+
+    /// Bytes of tiles under way or waiting, when last looked.
+    pub fn reserved_bytes(&self) -> u64 {
+        self.reserved_bytes
+    }
+
+    /// Tells the cache which loads were taken and which have ended. Never waits.
+    pub fn collect(
+        &mut self,
+        cache: &mut TileCache,
+        now: Instant,
+        tell: impl FnMut(TileKey, LoadError),
+    ) {
+        let shared = Arc::clone(&self.shared);
+        if let Some(mut work) = shared.try_lock() {
+            self.exchange(&mut work);
+        }
+        self.report(cache, now, tell);
+    }
+
+    /// Hands the threads the new queue and what is to be freed, and cancels what is no longer wanted. Never waits.
+    pub fn hand_over(&mut self, cache: &mut TileCache) {
+        for flight in cache.flights() {
+            let Ticket { worker, number } = flight.ticket;
+            let number = if flight.cancel { number } else { 0 };
+            self.shared.cancelled[worker].store(number, Ordering::Relaxed);
+        }
+        if let Some(mut work) = self.shared.try_lock() {
+            self.shared.hand_over(&mut work, cache);
+        }
+    }
+
+    /// Waits until a load ends or the time is over; whether one has ended.
+    pub fn wait(
+        &mut self,
+        cache: &mut TileCache,
+        timeout: Duration,
+        now: Instant,
+        tell: impl FnMut(TileKey, LoadError),
+    ) -> bool {
+        let shared = Arc::clone(&self.shared);
+        let mut work = shared.lock();
+        shared.hand_over(&mut work, cache);
+        let waited = shared
+            .ended
+            .wait_timeout_while(work, timeout, |work| work.finished.is_empty());
+        let (mut work, _) = waited.unwrap_or_else(PoisonError::into_inner);
+        let has_ended = !work.finished.is_empty();
+        self.exchange(&mut work);
+        drop(work);
+        self.report(cache, now, tell);
+        has_ended
+    }
+
+    fn exchange(&mut self, work: &mut Work) {
+        self.reserved_bytes = work.reserved_bytes;
+        std::mem::swap(&mut self.started, &mut work.started);
+        std::mem::swap(&mut self.finished, &mut work.finished);
+    }
+
+    fn report(
+        &mut self,
+        cache: &mut TileCache,
+        now: Instant,
+        mut tell: impl FnMut(TileKey, LoadError),
+    ) {
+        for (key, ticket) in self.started.drain(..) {
+            cache.begin(key, ticket);
+        }
+        for (key, result) in self.finished.drain(..) {
+            if let Some(error) = cache.finish(key, now, result) {
+                tell(key, error);
+            }
+        }
+    }
+}
+
+impl Drop for Loader {
+    fn drop(&mut self) {
+        let shared = &self.shared;
+        shared.stop.store(true, Ordering::Relaxed);
+        let work = shared.lock();
+        shared.to_do.notify_all();
+        let waited = shared
+            .ended
+            .wait_timeout_while(work, FAREWELL, |work| work.threads > 0);
+        let left = waited.unwrap_or_else(PoisonError::into_inner).0.threads;
+        if left > 0 {
+            tracing::warn!("{left} decoder threads are stuck in a read and are left behind");
+            return;
+        }
+        for thread in self.threads.drain(..) {
+            // A thread catches what its source panics with: nothing is lost by not asking.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Shared {
+    /// The work. Nothing panics under the mutex, so that a poisoned one is as good.
+    fn lock(&self) -> MutexGuard<'_, Work> {
+        self.work.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn try_lock(&self) -> Option<MutexGuard<'_, Work>> {
+        match self.work.try_lock() {
+            Ok(work) => Some(work),
+            Err(TryLockError::Poisoned(work)) => Some(work.into_inner()),
+            Err(TryLockError::WouldBlock) => None,
+        }
+    }
+
+    fn hand_over(&self, work: &mut Work, cache: &mut TileCache) {
+        let spent = cache.spent();
+        let has_spent = spent.len() > 0;
+        work.spent.extend(spent);
+        let Work { queue, started, .. } = work;
+        queue.clear();
+        // The cache does not know yet of what was taken since it was last told.
+        let is_taken = |key: &TileKey| started.iter().any(|(taken, _)| taken == key);
+        queue.extend(cache.queue().iter().filter(|key| !is_taken(key)));
+        work.next = 0;
+        if has_spent || !work.queue.is_empty() {
+            self.to_do.notify_all();
+        }
+    }
+
+    /// Format and shape that a tile must have.
+    fn expected(&self, key: TileKey) -> Option<(TileFormat, TileShape)> {
+        let layer = self.layers.iter().find(|layer| layer.layer == key.layer)?;
+        let level = layer.levels.get(usize::from(key.level))?;
+        Some((layer.format, level.shape))
+    }
+
+    fn bytes(&self, key: TileKey) -> u64 {
+        let expected = self.expected(key);
+        expected.map_or(0, |(format, shape)| shape.bytes(format) as u64)
+    }
+
+    fn work_until_stopped(&self, worker: usize) {
+        if let Ok(priority) = ThreadPriorityValue::try_from(PRIORITY) {
+            // Some systems do not let a program choose: then the frame and the threads share as equals.
+            let _ = ThreadPriority::Crossplatform(priority).set_for_current();
+        }
+        while let Some((key, number)) = self.take(worker) {
+            let result = self.load(key, worker, number);
+            let mut work = self.lock();
+            if result.is_err() {
+                work.reserved_bytes -= self.bytes(key);
+            }
+            work.finished.push((key, result));
+            self.ended.notify_all();
+        }
+        self.lock().threads -= 1;
+        self.ended.notify_all();
+    }
+
+    /// Waits for a tile to load and takes it; frees spent tiles meanwhile. `None` when it is time to stop.
+    fn take(&self, worker: usize) -> Option<(TileKey, u64)> {
+        let mut work = self.lock();
+        loop {
+            if self.stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            if let Some(tile) = work.spent.pop() {
+                drop(work);
+                let bytes = tile.texels.len() as u64;
+                drop(tile);
+                work = self.lock();
+                work.reserved_bytes -= bytes;
+                continue;
+            }
+            if let Some(key) = work.queue.get(work.next).copied() {
+                let bytes = self.bytes(key);
+                let reserved = work.reserved_bytes;
+                if reserved == 0 || reserved.saturating_add(bytes) <= self.limit_bytes {
+                    work.next += 1;
+                    work.loads += 1;
+                    work.reserved_bytes += bytes;
+                    let number = work.loads;
+                    work.started.push((key, Ticket { worker, number }));
+                    return Some((key, number));
+                }
+            }
+            work = self
+                .to_do
+                .wait(work)
+                .unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    fn load(&self, key: TileKey, worker: usize, number: u64) -> Result<Tile, LoadError> {
+        let is_cancelled = || {
+            self.stop.load(Ordering::Relaxed)
+                || self.cancelled[worker].load(Ordering::Relaxed) == number
+        };
+        // A source that panics half-way may be left in disorder; what it gives is checked each time.
+        let read = catch_unwind(AssertUnwindSafe(|| self.source.read(key, &is_cancelled)));
+        let tile = match read {
+            Ok(tile) => tile?,
+            Err(panic) => return Err(LoadError::Panicked(words_of(panic.as_ref()))),
+        };
+        match self.expected(key) {
+            Some((format, shape)) => check(tile, format, shape),
+            None => Ok(tile),
+        }
+    }
+}
+
+fn words_of(panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    text.or_else(|| panic.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "without a word".to_owned())
+}

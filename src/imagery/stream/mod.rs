@@ -1,0 +1,232 @@
+//! Streaming: which tiles are in memory, and the threads that bring them. Knows nothing of the GPU.
+//!
+//! | file | what |
+//! |---|---|
+//! | `pools.rs` | the budget of texture memory, split into pools of slots |
+//! | `cache/` | what is wanted, loaded, resident and drawn: a state machine without threads or a clock |
+//! | `loader.rs` | decoder threads and what they share with the frame |
+//!
+//! # A tile's way
+//!
+//! ```text
+//! wanted ─► queued ─► loading ─► decoded ─► in parts into a slot ─► resident ─► evicted
+//!                     (thread)   (waits)    (upload budget)         (drawn)
+//! ```
+//!
+//! A slot is taken only when the first part of a decoded tile is written, so that what it held before is drawn until
+//! then. A tile that is no longer wanted leaves this way wherever it is.
+//!
+//! # Why nothing waits for ever
+//!
+//! Wants are fitted to the pools: a pool never promises more slots than it has. So a tile that lacks a slot can only be
+//! kept out by tiles that nobody asked for and that are drawn as stand-ins. A stand-in that is coarser than its block's
+//! own tile waits for a finer pool than the one it is in, and in the finest pool there is none: the waiting ends there,
+//! and from there in each coarser pool. A stand-in that is finer than its block's own tile gives way as soon as its slot
+//! is needed. Decoded tiles can fill their memory while the very tile that would free a slot is still queued; then the
+//! coarser stand-ins of their pools give way too, and tiles that are only expected soon are dropped.
+
+mod cache;
+mod loader;
+mod pools;
+
+pub use cache::{Flight, LoadError, Ticket, TileCache};
+pub use pools::{Pool, plan_pools};
+
+use super::tile::{MAX_LEVELS, MapLayer, TileKey, TileSource};
+use loader::Loader;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// What a [`TileStream`] may use. Fixed when it is made.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StreamOptions {
+    /// Bytes of all pools: texture memory. 512 MiB by default.
+    pub texture_bytes: u64,
+    /// Bytes of tiles that are being decoded or wait for upload; one tile is always allowed. 64 MiB by default. More
+    /// keeps the threads busy when much is wanted at once, less keeps the process small.
+    pub decoded_bytes: u64,
+    /// Decoder threads, 1…16. By default 1 on a machine of one or two cores, else half of the cores and at most 4.
+    pub threads: usize,
+}
+
+impl Default for StreamOptions {
+    fn default() -> Self {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        Self {
+            texture_bytes: 512 << 20,
+            decoded_bytes: 64 << 20,
+            threads: if cores <= 2 { 1 } else { (cores / 2).min(4) },
+        }
+    }
+}
+
+/// Place of a tile in the pools.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Slot {
+    /// Index into [`TileStream::pools`].
+    pub pool: u16,
+    /// 0…[`Pool::slots`] − 1.
+    pub index: u16,
+}
+
+/// A tile that is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Want {
+    /// The tile; its level is the one that the eye asks for.
+    pub key: TileKey,
+    /// It is in this frame's picture. Otherwise it is expected to be soon.
+    pub drawn: bool,
+}
+
+/// A part of a tile on its way into a slot: whole rows of one mip level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Upload<'a> {
+    /// Where it goes.
+    pub slot: Slot,
+    /// The tile.
+    pub key: TileKey,
+    /// Mip level, 0 the base.
+    pub mip: u32,
+    /// First row, counted in units of the format: see [`TileFormat::rows`](super::tile::TileFormat::rows).
+    pub first_row: u32,
+    /// Number of rows of units.
+    pub rows: u32,
+    /// Bytes of each.
+    pub row_bytes: u32,
+    /// `rows` × `row_bytes` bytes.
+    pub texels: &'a [u8],
+}
+
+/// What a stream is doing. Per level counts run over all maps; the coarsest level is never counted, it is always there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StreamCounters {
+    /// Tiles wanted in this frame at the level that is asked for, drawn or expected soon, each once.
+    pub wanted: [u32; MAX_LEVELS],
+    /// Tiles that can be drawn.
+    pub resident: [u32; MAX_LEVELS],
+    /// Tiles that no thread has taken yet.
+    pub queued: u32,
+    /// Tiles that threads are working on.
+    pub loading: u32,
+    /// Decoded tiles that are not wholly uploaded.
+    pub waiting_upload: u32,
+    /// Bytes of those.
+    pub waiting_bytes: u64,
+    /// Bytes decoded since the start.
+    pub decoded_bytes: u64,
+    /// Bytes given to `write` since the start.
+    pub uploaded_bytes: u64,
+    /// Resident tiles that made room for another, since the start.
+    pub evictions: u64,
+    /// Draws in this frame at the level asked for after fitting to the pools, or finer. What no pool could have held
+    /// and what the source does not have is no miss; a tile that cannot be read is.
+    pub hits: u32,
+    /// Draws in this frame of something coarser than that.
+    pub fallbacks: u32,
+    /// Loads that threads have taken, since the start. Each ends in one of the next three.
+    pub loads: u64,
+    /// Loads that ended with a resident tile, since the start.
+    pub completed: u64,
+    /// Loads that ended because the tile was no longer wanted, since the start.
+    pub cancelled: u64,
+    /// Loads that failed, since the start.
+    pub failures: u64,
+}
+
+/// Tiles of a source, streamed into pools.
+///
+/// A frame is [`Self::update`], then [`Self::draw`] for each map of each block drawn, then [`Self::upload`], then the
+/// submission of what was drawn and written. A slot that was drawn is not written in the same frame.
+pub struct TileStream {
+    cache: TileCache,
+    loader: Loader,
+    now: Instant,
+    warnings: Warnings,
+}
+
+impl TileStream {
+    /// Plans the pools and starts the decoder threads. A thread that the system refuses is done without.
+    pub fn new(source: Arc<dyn TileSource>, options: &StreamOptions) -> Self {
+        let pools = plan_pools(source.layers(), options.texture_bytes);
+        let cache = TileCache::new(source.layers(), pools, options.decoded_bytes);
+        let loader = Loader::new(source, options.decoded_bytes, options.threads.clamp(1, 16));
+        Self {
+            cache,
+            loader,
+            now: Instant::now(),
+            warnings: Warnings::default(),
+        }
+    }
+
+    /// The pools, fixed from the start.
+    pub fn pools(&self) -> &[Pool] {
+        self.cache.pools()
+    }
+
+    /// Begins a frame: what is wanted, most urgent first; of several drawn wants for the same map and block the first
+    /// counts. Takes finished loads, re-orders the queue and cancels what is no longer wanted. Never waits.
+    pub fn update(&mut self, now: Instant, wants: &[Want]) {
+        self.now = now;
+        let warnings = &mut self.warnings;
+        let tell = |key, error| warnings.add(now, key, &error);
+        self.loader.collect(&mut self.cache, now, tell);
+        self.cache.fit(now, wants, self.loader.reserved_bytes());
+        self.loader.hand_over(&mut self.cache);
+    }
+
+    /// The tile to draw a block of a map with: its level and slot; `None` is the whole coarsest map. Marks the slot as
+    /// drawn in this frame. A block without a drawn want in this frame has `None`.
+    ///
+    /// That is the tile fitted to the pools if it is resident, else the next coarser one, else a finer one whose slot
+    /// nobody waits for.
+    pub fn draw(&mut self, layer: MapLayer, block: u8) -> Option<(u8, Slot)> {
+        self.cache.draw(layer, block)
+    }
+
+    /// Gives parts of decoded tiles to `write`, at most `budget` bytes but at least one row unless the budget is 0. A
+    /// tile becomes resident with its last part. Returns the bytes written.
+    pub fn upload(&mut self, budget: u64, write: &mut dyn FnMut(Upload<'_>)) -> u64 {
+        self.cache.upload(budget, write)
+    }
+
+    /// What it is doing.
+    pub fn counters(&self) -> StreamCounters {
+        self.cache.counters()
+    }
+
+    /// Drawn wants of this frame that are not resident at the level asked for after fitting to the pools, though they
+    /// could be. For export.
+    pub fn missing(&self) -> impl Iterator<Item = TileKey> + '_ {
+        self.cache.missing()
+    }
+
+    /// Blocks until a load ends or the time is over; whether one ended. For export only.
+    pub fn wait(&mut self, timeout: Duration) -> bool {
+        let (now, warnings) = (self.now, &mut self.warnings);
+        let tell = |key, error| warnings.add(now, key, &error);
+        self.loader.wait(&mut self.cache, timeout, now, tell)
+    }
+}
+
+/// Warnings of tiles that cannot be read, at most one a second.
+#[derive(Default)]
+struct Warnings {
+    last: Option<Instant>,
+    silent: u64,
+}
+
+impl Warnings {
+    fn add(&mut self, now: Instant, key: TileKey, error: &LoadError) {
+        const PAUSE: Duration = Duration::from_secs(1);
+        let is_soon = |last: Instant| now.saturating_duration_since(last) < PAUSE;
+        if self.last.is_some_and(is_soon) {
+            self.silent += 1;
+            return;
+        }
+        let others = self.silent;
+        tracing::warn!(
+            "{key} is drawn coarser: {error} ({others} other tiles since the last word)"
+        );
+        (self.last, self.silent) = (Some(now), 0);
+    }
+}

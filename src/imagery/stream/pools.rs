@@ -1,0 +1,261 @@
+//! How a budget of texture memory is split into pools of tile-sized slots.
+
+use crate::imagery::tile::{LayerLayout, LevelLayout, MAX_LEVELS, MapLayer, TileFormat, TileShape};
+
+/// A fixed number of slots for tiles of one level of one map: a texture array.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pool {
+    /// The map.
+    pub layer: MapLayer,
+    /// The level, 0 the finest; never the coarsest, which is held as a whole.
+    pub level: u8,
+    /// How texels are stored.
+    pub format: TileFormat,
+    /// Size of its tiles.
+    pub shape: TileShape,
+    /// Number of slots, 1…128.
+    pub slots: u32,
+}
+
+impl Pool {
+    /// Bytes of all slots.
+    pub fn bytes(&self) -> u64 {
+        u64::from(self.slots) * self.shape.bytes(self.format) as u64
+    }
+}
+
+/// Blocks of one level that a view commonly needs: those about the eye to its horizon, or a row round a pole.
+const BLOCKS_OF_A_VIEW: u32 = 24;
+
+/// Splits `texture_bytes` into pools, the finest levels first. Pools without a slot are left out; all pools together
+/// never take more than the budget, and none has more slots than there are tiles.
+///
+/// Near the ground an eye asks for a few blocks at the finest level and for more at each coarser one, from afar for half
+/// the Earth at one of the coarser levels. A block is seldom asked for in one map alone, so slots are given to all maps
+/// of a level together. From the coarsest pool to the finest:
+///
+/// - Level 0 has half of the budget, level 1 a quarter, and so on; the coarsest pool has as much as the next finer.
+/// - Where that is not enough for [`BLOCKS_OF_A_VIEW`] blocks, a level takes up to half of what is still left for that
+///   number: a small budget goes to the coarse levels, which cover most of a picture, but some of it stays for finer
+///   ones under the eye.
+/// - What a level leaves over flows to the finer ones, and in the end back from the finest to the coarsest.
+///
+/// A map that breaks the contract of [`LayerLayout`] gets no pool.
+pub fn plan_pools(layers: &[LayerLayout], texture_bytes: u64) -> Vec<Pool> {
+    let layers = usable(layers);
+    let levels = layers.iter().map(|layer| layer.levels.len() - 1);
+    let levels = levels.max().unwrap_or(0);
+    let mut plan = Plan {
+        levels: (0..levels).map(|level| demands(&layers, level)).collect(),
+        left: texture_bytes,
+    };
+    for level in (0..levels).rev() {
+        let parts = if level + 1 == levels {
+            level
+        } else {
+            level + 1
+        };
+        let share = texture_bytes >> parts.min(63);
+        let floor = plan.cost(level, BLOCKS_OF_A_VIEW).min(plan.left / 2);
+        let allowance = if level == 0 {
+            plan.left
+        } else {
+            share.max(floor)
+        };
+        plan.grow(level, allowance.min(plan.left));
+    }
+    for level in 0..levels {
+        plan.grow(level, plan.left);
+    }
+    for level in 0..levels {
+        plan.fill(level);
+    }
+    plan.levels
+        .into_iter()
+        .flatten()
+        .filter(|pool| pool.0.slots > 0)
+        .map(|pool| pool.0)
+        .collect()
+}
+
+/// The maps that keep the contract: one for each [`MapLayer`], 1…[`MAX_LEVELS`] levels.
+pub(super) fn usable(layers: &[LayerLayout]) -> Vec<&LayerLayout> {
+    let mut kept: Vec<&LayerLayout> = Vec::new();
+    for layer in layers {
+        let is_new = kept.iter().all(|other| other.layer != layer.layer);
+        if is_new && (1..=MAX_LEVELS).contains(&layer.levels.len()) {
+            kept.push(layer);
+        }
+    }
+    kept
+}
+
+/// The pools of one level, still without slots, each with the number of its tiles.
+fn demands(layers: &[&LayerLayout], level: usize) -> Vec<(Pool, u32)> {
+    let streamed = layers.iter().filter(|layer| level + 1 < layer.levels.len());
+    streamed
+        .map(|layer| {
+            let LevelLayout { shape, present } = layer.levels[level];
+            let pool = Pool {
+                layer: layer.layer,
+                level: level as u8,
+                format: layer.format,
+                shape,
+                slots: 0,
+            };
+            (pool, present.len())
+        })
+        .collect()
+}
+
+struct Plan {
+    levels: Vec<Vec<(Pool, u32)>>,
+    left: u64,
+}
+
+impl Plan {
+    /// Bytes of so many blocks of a level in all its maps.
+    fn cost(&self, level: usize, blocks: u32) -> u64 {
+        let pools = self.levels[level].iter();
+        pools
+            .map(|(pool, tiles)| slot_bytes(pool) * u64::from(blocks.min(*tiles)))
+            .sum()
+    }
+
+    /// Gives a level blocks for at most so many bytes more.
+    fn grow(&mut self, level: usize, allowance: u64) {
+        let pools = &self.levels[level];
+        let most = pools.iter().map(|(_, tiles)| *tiles).max().unwrap_or(0);
+        let have = pools.iter().map(|(pool, _)| pool.slots).max().unwrap_or(0);
+        let taken = self.cost(level, have);
+        let blocks = (have..=most)
+            .take_while(|blocks| self.cost(level, *blocks) - taken <= allowance)
+            .last();
+        let Some(blocks) = blocks else { return };
+        self.left -= self.cost(level, blocks) - taken;
+        for (pool, tiles) in &mut self.levels[level] {
+            pool.slots = blocks.min(*tiles);
+        }
+    }
+
+    /// Gives single maps of a level one slot more, where the rest of the budget holds it.
+    fn fill(&mut self, level: usize) {
+        for (pool, tiles) in &mut self.levels[level] {
+            if pool.slots < *tiles && slot_bytes(pool) <= self.left {
+                pool.slots += 1;
+                self.left -= slot_bytes(pool);
+            }
+        }
+    }
+}
+
+fn slot_bytes(pool: &Pool) -> u64 {
+    pool.shape.bytes(pool.format) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::imagery::tile::{BlockSet, Storage};
+
+    fn paper(storage: Storage) -> Vec<LayerLayout> {
+        let layout = |layer: MapLayer| LayerLayout {
+            layer,
+            format: layer.tile_format(storage),
+            levels: layer
+                .paper_pixels()
+                .iter()
+                .map(|pixels| LevelLayout {
+                    shape: TileShape::new(*pixels).expect("in range"),
+                    present: BlockSet::ALL,
+                })
+                .collect(),
+        };
+        MapLayer::ALL.map(layout).to_vec()
+    }
+
+    /// Slots of a map's levels.
+    fn slots(pools: &[Pool], layer: MapLayer) -> [u32; 4] {
+        let of = |level| {
+            let mut of_level = pools
+                .iter()
+                .filter(|pool| pool.layer == layer && pool.level == level);
+            of_level.next().map_or(0, |pool| pool.slots)
+        };
+        [of(0), of(1), of(2), of(3)]
+    }
+
+    fn total(pools: &[Pool]) -> u64 {
+        pools.iter().map(Pool::bytes).sum()
+    }
+
+    #[test]
+    fn the_papers_ladder_is_shared_out() {
+        let day = |storage, megabytes: u64| {
+            let budget = megabytes << 20;
+            let pools = plan_pools(&paper(storage), budget);
+            assert!(total(&pools) <= budget);
+            assert_eq!(pools, plan_pools(&paper(storage), budget));
+            slots(&pools, MapLayer::Day)
+        };
+        // Blocks at the levels of 1350, 675, 450 and 270 texels.
+        assert_eq!(day(Storage::Plain, 512), [15, 30, 33, 92]);
+        assert_eq!(day(Storage::Plain, 64), [0, 0, 0, 0]);
+        assert_eq!(day(Storage::Plain, 8), [0, 0, 0, 0]);
+        assert_eq!(day(Storage::Plain, 0), [0; 4]);
+        assert_eq!(day(Storage::Bc, 512), [0, 0, 0, 0]);
+        assert_eq!(day(Storage::Bc, 64), [0, 0, 0, 0]);
+        assert_eq!(day(Storage::Bc, 8), [0, 0, 0, 0]);
+        assert_eq!(day(Storage::Bc, 0), [0; 4]);
+    }
+
+    #[test]
+    fn a_budget_is_used_and_never_exceeded() {
+        let layers = paper(Storage::Plain);
+        for budget in (0..200).map(|n| n * n * n * 1_000) {
+            let pools = plan_pools(&layers, budget);
+            assert!(total(&pools) <= budget, "{budget}");
+            // What is left would not hold the smallest tile that has no slot yet.
+            let is_full = |layer: MapLayer| slots(&pools, layer).iter().all(|n| *n == 128);
+            if budget > 1_000_000 && !MapLayer::ALL.into_iter().all(is_full) {
+                assert!(
+                    total(&pools) as f64 > 0.8 * budget as f64,
+                    "{budget}: {pools:?}"
+                );
+            }
+        }
+        let pools = plan_pools(&layers, u64::MAX);
+        assert_eq!(pools.len(), 20);
+        assert!(pools.iter().all(|pool| pool.slots == 128));
+    }
+
+    #[test]
+    fn there_are_no_more_slots_than_tiles() {
+        let mut layers = paper(Storage::Bc);
+        layers[0].levels[0].present = BlockSet(0b111);
+        layers[1].levels[2].present = BlockSet::default();
+        layers[4].levels.truncate(1);
+        let pools = plan_pools(&layers, u64::MAX);
+        assert_eq!(slots(&pools, MapLayer::Day), [3, 128, 128, 128]);
+        assert_eq!(slots(&pools, MapLayer::Clouds), [128, 128, 0, 128]);
+        assert_eq!(slots(&pools, MapLayer::Water), [0; 4]);
+        assert!(pools.iter().all(|pool| pool.slots > 0));
+    }
+
+    #[test]
+    fn layouts_that_break_the_contract_get_nothing() {
+        let layers = paper(Storage::Plain);
+        let mut none = layers[0].clone();
+        none.levels.clear();
+        let mut many = layers[1].clone();
+        many.levels = vec![many.levels[0]; MAX_LEVELS + 1];
+        let twice = [layers[2].clone(), layers[2].clone()];
+        let pools = plan_pools(&[none, many], 1 << 30);
+        assert_eq!(pools, []);
+        assert_eq!(
+            plan_pools(&twice, 1 << 30),
+            plan_pools(&twice[..1], 1 << 30)
+        );
+        assert_eq!(plan_pools(&[], 1 << 30), []);
+    }
+}
