@@ -18,7 +18,6 @@ pub use uniforms::{AirFrame, Frame};
 pub(crate) use air::AirDrawable;
 use layers::GpuLayer;
 pub(crate) use surface::{SurfaceDrawable, SurfaceParts};
-pub(crate) use tiles::BlockTiles;
 
 /// The depth buffer of the pass that the Earth is drawn in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

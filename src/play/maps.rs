@@ -7,7 +7,7 @@ use crate::imagery::tile::{MapLayer, Storage};
 use crate::imagery::{LayerSelection, find_textures, load_layers};
 use crate::scene::{EarthTable, PackTable, Scene, StorageChoice};
 use crate::{EarthOptions, TileOptions};
-use std::path::Path;
+
 use std::sync::Arc;
 
 /// Loads the maps that a scene wants and no others, and gathers its options. `bc` is what the adapter does with

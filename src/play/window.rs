@@ -7,6 +7,7 @@ use super::keys::{Action, action_of};
 use super::progress::Progress;
 use super::stage::{Shown, Stage};
 use crate::EyeView;
+use hifitime::Unit;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
