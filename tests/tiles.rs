@@ -12,7 +12,7 @@ use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::globe::LevelRule;
 use terrella::imagery::EarthLayers;
 use terrella::imagery::tile::TileSource;
-use terrella::{Atmosphere, EarthOptions, EyeView, Shading, TileOptions};
+use terrella::{Atmosphere, EarthOptions, EyeView, Shading, TILED_SUBDIVISION, TileOptions};
 
 const SIZE: (u32, u32) = (320, 180);
 const LADDER: [u32; 3] = [128, 64, 32];
@@ -47,6 +47,8 @@ fn bare(layers: EarthLayers) -> EarthOptions {
     options.atmosphere = Atmosphere::None;
     options.shading = Shading::Paper;
     options.anisotropy = 1;
+    // A pixel whose ray meets the ground in the next block finds its texel in the border only if the mesh is fine.
+    options.subdivision = TILED_SUBDIVISION;
     options
 }
 
@@ -63,15 +65,24 @@ fn ocean(lat: f64, lon: f64) -> [u8; 3] {
     [20, 50, (120.0 + swell).round() as u8]
 }
 
-/// As much detail as the coarsest map can hold: 4 of its texels a wave.
-fn detail(lat: f64, lon: f64) -> [u8; 3] {
+/// So many waves round the Earth, which have nothing to do with the grid of blocks.
+fn uneven(lat: f64, lon: f64, waves: f64) -> [u8; 3] {
     let wave = |angle: f64| (120.0 + 80.0 * angle.sin()).round() as u8;
     let (lat, lon) = (lat.to_radians(), lon.to_radians());
     [
-        wave(64.0 * lat),
-        wave(64.0 * lon * lat.cos().signum()),
-        wave(40.0 * (lat + lon)),
+        wave(waves * lat + 0.7),
+        wave(waves * lon + 1.9),
+        wave(waves * (lat + lon) + 0.3),
     ]
+}
+
+fn hills(lat: f64, lon: f64) -> [u8; 3] {
+    uneven(lat, lon, 29.0)
+}
+
+/// As much detail as the coarsest map can hold: 4 of its texels a wave.
+fn detail(lat: f64, lon: f64) -> [u8; 3] {
+    uneven(lat, lon, 127.0)
 }
 
 fn views(aspect: f64) -> Vec<(&'static str, EyeView)> {
@@ -88,11 +99,12 @@ fn views(aspect: f64) -> Vec<(&'static str, EyeView)> {
     ]
 }
 
-/// Whether a pixel looks at the ground well inside the limb.
+/// Where a pixel looks at the ground, well inside the limb and not at a pole's last texels.
 fn is_steady(view: &EyeView, x: u32, y: u32) -> Option<Geodetic> {
     let place = looks_at(view, x, y, SIZE)?;
     let up = Ellipsoid::normal(place.lat_rad, place.lon_rad);
-    (-up.dot(ray(view, x, y, SIZE)) > 0.25).then_some(place)
+    let is_steady = -up.dot(ray(view, x, y, SIZE)) > 0.25 && place.lat_rad.abs() < 1.565;
+    is_steady.then_some(place)
 }
 
 #[test]
@@ -114,7 +126,7 @@ fn tiles_lie_where_the_map_says() {
             for k in 0..3 {
                 // Where a pixel covers much of a wave, filtering flattens it.
                 let flat = k == 1 && place.lat_rad.abs() > 80_f64.to_radians();
-                if flat || (name == "whole disc" && k < 2) || place.lat_rad.abs() > 1.565 {
+                if flat || (name == "whole disc" && k < 2) {
                     continue;
                 }
                 let off = f64::from(pixel.0[k]) - f64::from(want[k]) * lit;
@@ -198,10 +210,10 @@ fn steps(picture: &RgbaImage, view: &EyeView) -> ([f64; 2], [f64; 2]) {
 #[test]
 fn edges_between_blocks_are_no_steps_whatever_their_levels() {
     let at = Geodetic::from_degrees;
-    for (name, map, slack) in [
-        ("ocean", ocean as Map, 0.3),
-        ("waves", waves as Map, 0.5),
-        ("detail", detail as Map, 1.0),
+    for (name, map) in [
+        ("ocean", ocean as Map),
+        ("hills", hills as Map),
+        ("detail", detail as Map),
     ] {
         for fine in 0..LADDER.len() {
             for coarse in fine..LADDER.len() {
@@ -230,8 +242,15 @@ fn edges_between_blocks_are_no_steps_whatever_their_levels() {
                         "{name} {fine}|{coarse} {place}: mean {:.2} inside, {:.2} across; worst {} and {}",
                         mean[0], mean[1], worst[0], worst[1]
                     );
+                    // Edges are few and meet the waves at a few phases only: their mean may differ by chance. Where a
+                    // sharp block meets one that can only just hold the waves, part of their contrast ends there.
+                    let blur = if name == "detail" && coarse > fine {
+                        1.35
+                    } else {
+                        1.15
+                    };
                     assert!(
-                        mean[1] <= mean[0] * 1.15 + slack && worst[1] <= worst[0] + 2.0,
+                        mean[1] <= mean[0] * blur + 0.4 && worst[1] <= worst[0],
                         "{name}, levels {fine} and {coarse}, {place}: {mean:?} {worst:?}"
                     );
                 }

@@ -22,8 +22,8 @@ use crate::imagery::tile::{LayerLayout, MapLayer, TileKey};
 use crate::imagery::{EarthLayers, ImageryError};
 use glam::{DMat4, DVec3, Vec3};
 use std::time::{Duration, Instant};
-pub use tiles::TileOptions;
 use tiles::{Eye, TileDriver};
+pub use tiles::{TILED_SUBDIVISION, TileOptions};
 use view::PixelRays;
 pub use view::{EyeView, Viewport, infinite_reversed_z};
 
@@ -33,7 +33,8 @@ pub struct EarthOptions {
     /// The maps. A layer that is `None` costs nothing.
     pub layers: EarthLayers,
     /// Tiles of a pack, drawn in place of the whole maps of the same layers as they arrive; `None` draws whole maps
-    /// only and costs nothing. `layers` must be the pack's coarsest maps.
+    /// only and costs nothing. `layers` must be the pack's coarsest maps, `subdivision` at least [`TILED_SUBDIVISION`] if
+    /// nothing is to be seen of block edges at grazing views.
     pub tiles: Option<TileOptions>,
     /// The figure.
     pub figure: Figure,

@@ -228,7 +228,7 @@ impl Source<'_> {
         }
         Ok(EarthTable {
             figure: self.choice(&field!(earth.figure), Figure::default())?,
-            subdivision: self.subdivision(&field!(earth.subdivision))?,
+            subdivision: self.subdivision(&field!(earth.subdivision), earth.pack.is_some())?,
             visibility: self.choice(&field!(earth.visibility), Visibility::default())?,
             shading,
             clouds: flag(&field!(earth.clouds), true),
@@ -313,9 +313,12 @@ impl Source<'_> {
         Err(self.refuse(field, advice))
     }
 
-    fn subdivision(&self, field: &Field<'_, i64>) -> Result<u32, SceneError> {
+    fn subdivision(&self, field: &Field<'_, i64>, has_pack: bool) -> Result<u32, SceneError> {
         let Some(given) = field.given else {
-            return Ok(DEFAULT_SUBDIVISION);
+            return Ok(match has_pack {
+                true => DEFAULT_PACK_SUBDIVISION,
+                false => DEFAULT_SUBDIVISION,
+            });
         };
         in_range(*given.get_ref(), &SUBDIVISION).ok_or_else(|| {
             let advice = format!(

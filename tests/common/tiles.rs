@@ -79,24 +79,8 @@ impl<F: Fn(f64, f64) -> [u8; 3] + Send + Sync> TileSource for FunctionTiles<F> {
                 texels.push(255);
             }
         }
-        let (mut start, mut side) = (0, side as usize);
-        for _ in 1..TILE_MIPS {
-            let half = side / 2;
-            for y in 0..half {
-                for x in 0..half {
-                    for channel in 0..4 {
-                        let at = |dx, dy| {
-                            let place = (2 * y + dy) * side + 2 * x + dx;
-                            u32::from(texels[start + place * 4 + channel])
-                        };
-                        let sum = at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1);
-                        texels.push(((sum + 2) / 4) as u8);
-                    }
-                }
-            }
-            start += side * side * 4;
-            side = half;
-        }
+        let image = LayerImage::from_rgba8(side as u32, side as u32, texels).expect("a good map");
+        let texels = image.levels[..TILE_MIPS as usize].concat();
         Ok(Tile {
             format: TileFormat::Rgba8Srgb,
             shape,
