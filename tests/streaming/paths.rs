@@ -179,7 +179,7 @@ fn loading() -> impl Strategy<Value = Loading> {
 
 proptest! {
     // A failure is printed with its input; no file of past failures is kept.
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(400) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn promises_hold_on_any_path(
