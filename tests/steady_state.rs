@@ -133,3 +133,85 @@ fn choosing_and_staging_allocate_nothing_at_all() {
     });
     assert_eq!(count, 0);
 }
+
+#[test]
+fn streaming_what_is_there_allocates_nothing_at_all() {
+    use std::sync::Arc;
+    use std::time::{Duration, Instant};
+    use terrella::imagery::stream::{StreamOptions, TileStream, Want};
+    use terrella::imagery::tile::{
+        BlockSet, LayerLayout, LevelLayout, MapLayer, Storage, Tile, TileError, TileKey, TileShape,
+        TileSource,
+    };
+    struct Grey(Vec<LayerLayout>);
+    impl TileSource for Grey {
+        fn layers(&self) -> &[LayerLayout] {
+            &self.0
+        }
+        fn read(&self, key: TileKey, _: &dyn Fn() -> bool) -> Result<Tile, TileError> {
+            let layer = &self.0[key.layer.index()];
+            let shape = layer.levels[usize::from(key.level)].shape;
+            Ok(Tile {
+                format: layer.format,
+                shape,
+                texels: vec![128; shape.bytes(layer.format)],
+            })
+        }
+    }
+    let layout = |layer: MapLayer| LayerLayout {
+        layer,
+        format: layer.tile_format(Storage::Plain),
+        levels: [32, 24, 16]
+            .map(|pixels| LevelLayout {
+                shape: TileShape::new(pixels).unwrap(),
+                present: BlockSet::ALL,
+            })
+            .to_vec(),
+    };
+    let source = Arc::new(Grey(MapLayer::ALL.map(layout).to_vec()));
+    let mut stream = TileStream::new(source, &StreamOptions::default());
+    // The most there is: every block of every map.
+    let wants: Vec<_> = (0..128)
+        .flat_map(|block| {
+            MapLayer::ALL.map(|layer| Want {
+                key: TileKey {
+                    layer,
+                    level: block % 2,
+                    block,
+                },
+                drawn: true,
+            })
+        })
+        .collect();
+    let start = Instant::now();
+    while stream.counters().hits < 640 {
+        stream.update(Instant::now(), &wants);
+        for want in &wants {
+            stream.draw(want.key.layer, want.key.block);
+        }
+        stream.upload(u64::MAX, &mut |_| {});
+        stream.wait(Duration::from_millis(1));
+        assert!(
+            start.elapsed() < Duration::from_secs(60),
+            "{:?}",
+            stream.counters()
+        );
+    }
+    let mut best = Duration::MAX;
+    let count = allocations(|| {
+        for _ in 0..100 {
+            let start = Instant::now();
+            stream.update(start, &wants);
+            for want in &wants {
+                std::hint::black_box(stream.draw(want.key.layer, want.key.block));
+            }
+            stream.upload(8 << 20, &mut |_| {});
+            assert_eq!(std::hint::black_box(stream.counters()).hits, 640);
+            assert_eq!(stream.missing().count(), 0);
+            best = best.min(start.elapsed());
+        }
+    });
+    println!("{best:?} for a frame of {} wants", wants.len());
+    assert_eq!(count, 0);
+    assert!(best < Duration::from_millis(1), "{best:?}");
+}

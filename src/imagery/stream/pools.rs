@@ -199,13 +199,13 @@ mod tests {
             slots(&pools, MapLayer::Day)
         };
         // Blocks at the levels of 1350, 675, 450 and 270 texels.
-        assert_eq!(day(Storage::Plain, 512), [15, 30, 33, 92]);
-        assert_eq!(day(Storage::Plain, 64), [0, 0, 0, 0]);
-        assert_eq!(day(Storage::Plain, 8), [0, 0, 0, 0]);
+        assert_eq!(day(Storage::Plain, 512), [16, 30, 33, 93]);
+        assert_eq!(day(Storage::Plain, 64), [0, 5, 13, 26]);
+        assert_eq!(day(Storage::Plain, 8), [0, 0, 2, 6]);
         assert_eq!(day(Storage::Plain, 0), [0; 4]);
-        assert_eq!(day(Storage::Bc, 512), [0, 0, 0, 0]);
-        assert_eq!(day(Storage::Bc, 64), [0, 0, 0, 0]);
-        assert_eq!(day(Storage::Bc, 8), [0, 0, 0, 0]);
+        assert_eq!(day(Storage::Bc, 512), [49, 89, 95, 128]);
+        assert_eq!(day(Storage::Bc, 64), [3, 15, 24, 32]);
+        assert_eq!(day(Storage::Bc, 8), [0, 1, 3, 18]);
         assert_eq!(day(Storage::Bc, 0), [0; 4]);
     }
 

@@ -1,0 +1,399 @@
+//! Random eye paths over a simulated loader that is slow, fails and is told to stop.
+
+use super::host::{Host, Loading};
+use super::source::{layout, scramble};
+use proptest::prelude::*;
+use std::collections::HashMap;
+use std::time::Duration;
+use terrella::imagery::stream::{Pool, Want, plan_pools};
+use terrella::imagery::tile::{BlockSet, LayerLayout, MapLayer, Storage, TileKey};
+
+/// One frame of an eye path.
+#[derive(Clone, Debug)]
+struct Step {
+    /// Block below the eye.
+    eye: u8,
+    /// Level asked for there.
+    level: u8,
+    /// Blocks further away than this are not in the picture.
+    reach: u32,
+    /// What else is asked for.
+    noise: u64,
+    /// How long it lasts, frames.
+    frames: u32,
+    /// A frame that is not drawn: an export that only loads.
+    draws: bool,
+    budget: u64,
+}
+
+/// Columns and rows between two blocks, the larger.
+fn distance(one: u8, other: u8) -> u32 {
+    let columns = (one % 16).abs_diff(other % 16);
+    let rows = (one / 16).abs_diff(other / 16);
+    u32::from(columns.min(16 - columns).max(rows))
+}
+
+/// What an eye wants: nearest blocks first and finest, then what is expected beyond.
+fn wants(layers: &[LayerLayout], step: &Step) -> Vec<Want> {
+    let mut blocks: Vec<u8> = (0..128)
+        .filter(|block| distance(*block, step.eye) <= step.reach + 1)
+        .collect();
+    blocks.sort_by_key(|block| (distance(*block, step.eye), *block));
+    let mut wants = Vec::new();
+    for block in blocks {
+        let away = distance(block, step.eye);
+        for layer in layers {
+            let noise = scramble(step.noise ^ u64::from(block) << 8 ^ layer.layer.index() as u64);
+            let key = TileKey {
+                layer: layer.layer,
+                level: step.level + away as u8 + u8::from(noise % 7 == 0),
+                block,
+            };
+            let drawn = away <= step.reach;
+            wants.push(Want { key, drawn });
+            if noise % 5 == 1 {
+                // The same block is soon to be asked for finer.
+                let level = key.level.saturating_sub(1);
+                let key = TileKey { level, ..key };
+                wants.push(Want { key, drawn: false });
+            }
+        }
+    }
+    if step.noise % 3 == 0 {
+        // Hosts may err: what does not exist, the same twice, an order that is no order.
+        let key = TileKey {
+            layer: MapLayer::Water,
+            level: 255,
+            block: 255,
+        };
+        wants.push(Want { key, drawn: true });
+        wants.extend_from_within(..wants.len() / 2);
+        let turn = (step.noise >> 8) as usize % wants.len();
+        wants.rotate_left(turn);
+    }
+    wants
+}
+
+/// What the rules say that each map of each block is fitted to when every tile can be read: the oracle.
+fn fitted(layers: &[LayerLayout], pools: &[Pool], wants: &[Want]) -> HashMap<TileKey, bool> {
+    let mut promised: HashMap<TileKey, bool> = HashMap::new();
+    let mut seen = Vec::new();
+    for drawn in [true, false] {
+        for want in wants.iter().filter(|want| want.drawn == drawn) {
+            let TileKey { layer, block, .. } = want.key;
+            let Some(layout) = layers.iter().find(|layout| layout.layer == layer) else {
+                continue;
+            };
+            if block > 127 || drawn && seen.contains(&(layer, block)) {
+                continue;
+            }
+            if drawn {
+                seen.push((layer, block));
+            }
+            let coarsest = layout.levels.len() as u8 - 1;
+            for level in want.key.level.min(coarsest)..coarsest {
+                let key = TileKey { level, ..want.key };
+                let pool = pools.iter().find(|p| (p.layer, p.level) == (layer, level));
+                let full = promised
+                    .keys()
+                    .filter(|k| (k.layer, k.level) == (layer, level))
+                    .count();
+                let has_room = promised.contains_key(&key)
+                    || pool.is_some_and(|pool| full < pool.slots as usize);
+                if has_room && layout.levels[usize::from(level)].present.contains(block) {
+                    promised.entry(key).or_insert(drawn);
+                    break;
+                }
+            }
+        }
+    }
+    promised
+}
+
+fn steps() -> impl Strategy<Value = Vec<Step>> {
+    let budgets = prop_oneof![0_u64..3, 20_u64..3_000, Just(u64::MAX)];
+    let step = (
+        (0_u8..128, 0_u8..4, 0_u32..3),
+        any::<u64>(),
+        1_u32..12,
+        prop::bool::weighted(0.9),
+        budgets,
+    );
+    let step = step.prop_map(|((eye, level, reach), noise, frames, draws, budget)| Step {
+        eye,
+        level,
+        reach,
+        noise,
+        frames,
+        draws,
+        budget,
+    });
+    prop::collection::vec(step, 1..14)
+}
+
+fn maps() -> impl Strategy<Value = Vec<LayerLayout>> {
+    let levels = prop::sample::select(vec![
+        &[40_u32, 24, 20, 16][..],
+        &[24, 16, 16],
+        &[20, 16],
+        &[16],
+    ]);
+    let absent = any::<u64>();
+    let map = (levels, prop::bool::ANY, absent);
+    prop::collection::vec(map, 1..4).prop_map(|maps| {
+        let places = maps.into_iter().zip(MapLayer::ALL);
+        let map = |((pixels, is_bc, absent), layer): ((&[u32], bool, u64), MapLayer)| {
+            let storage = if is_bc { Storage::Bc } else { Storage::Plain };
+            let mut map = layout(layer, storage, pixels);
+            let streamed = map.levels.len() - 1;
+            for (level, entry) in map.levels[..streamed].iter_mut().enumerate() {
+                // A third of all maps lack some tiles.
+                if absent % 3 == 0 {
+                    let seed = absent ^ level as u64;
+                    let bits = u128::from(scramble(seed)) << 64 | u128::from(scramble(!seed));
+                    entry.present = BlockSet(bits);
+                }
+            }
+            map
+        };
+        places.map(map).collect()
+    })
+}
+
+fn loading() -> impl Strategy<Value = Loading> {
+    (
+        1_usize..5,
+        prop_oneof![Just(0_u64), 1_000_u64..40_000],
+        prop_oneof![Just(0_u64), 0_u64..256],
+        0_u64..9,
+        any::<u64>(),
+    )
+        .prop_map(|(threads, limit, failing, slowest, seed)| Loading {
+            threads,
+            limit,
+            failing,
+            slowest,
+            seed,
+        })
+}
+
+proptest! {
+    // A failure is printed with its input; no file of past failures is kept.
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn promises_hold_on_any_path(
+        maps in maps(),
+        texture_bytes in prop_oneof![0_u64..20_000, 0_u64..400_000],
+        loading in loading(),
+        steps in steps(),
+    ) {
+        let pools = plan_pools(&maps, texture_bytes);
+        let sum: u64 = pools.iter().map(Pool::bytes).sum();
+        prop_assert!(sum <= texture_bytes);
+        let mut host = Host::new(&maps, &pools, loading);
+        for step in &steps {
+            let wants = wants(&maps, step);
+            for _ in 0..step.frames {
+                host.frame(&wants, step.draws, step.budget);
+            }
+        }
+        // The disk is mended and the eye stands still: in the end everything that fits is there.
+        let still = wants(&maps, steps.last().expect("one at least"));
+        host.heal();
+        let promised = fitted(&maps, &pools, &still);
+        let is_done = |host: &Host| {
+            let counters = host.counters();
+            counters.queued + counters.loading + counters.waiting_upload == 0
+        };
+        let bytes: u64 = promised.keys().map(|key| host.bytes(*key)).sum();
+        // Each tile in turn: its load, its upload a few rows a frame, and as many frames as stand-ins wait in a chain.
+        let most = 100 + bytes / 100 + promised.len() as u64 * 16;
+        let mut frames = 0;
+        while !is_done(&host) || frames < 2 {
+            host.frame(&still, true, 150);
+            frames += 1;
+            prop_assert!(frames < most, "nothing comes of {:?}", host.counters());
+        }
+        prop_assert_eq!(host.missing(), 0);
+        let before = host.counters();
+        let drawn = host.frame(&still, true, 150);
+        for ((layer, block), level) in drawn {
+            let of_block = |key: &&TileKey| (key.layer, key.block) == (layer, block);
+            let mut drawn_keys = promised.iter().filter(|(_, drawn)| **drawn);
+            let expected = drawn_keys.find(|(key, _)| of_block(key)).map(|(key, _)| key.level);
+            prop_assert_eq!(level, expected, "{:?} {}", layer, block);
+        }
+        for key in promised.keys() {
+            prop_assert!(host.is_resident(*key), "{} was promised", key);
+        }
+        let after = host.counters();
+        prop_assert_eq!(after.fallbacks, 0);
+        prop_assert_eq!((before.loads, before.uploaded_bytes), (after.loads, after.uploaded_bytes));
+    }
+}
+
+/// An eye that hovers between two blocks in a pool of one slot, the stand-ins' pool of one too: each waits for the other.
+#[test]
+fn stand_ins_in_two_pools_do_not_block_each_other() {
+    let maps = [layout(MapLayer::Day, Storage::Plain, &[24, 20, 16])];
+    let mut pools = plan_pools(&maps, u64::MAX);
+    for pool in &mut pools {
+        pool.slots = 1;
+    }
+    let key = |level, block| TileKey {
+        layer: MapLayer::Day,
+        level,
+        block,
+    };
+    let want = |key| Want { key, drawn: true };
+    let loading = Loading {
+        threads: 1,
+        limit: 0,
+        failing: 0,
+        slowest: 0,
+        seed: 1,
+    };
+    let mut host = Host::new(&maps, &pools, loading);
+    let settle = |host: &mut Host, wants: &[Want]| {
+        for _ in 0..40 {
+            host.frame(wants, true, 1_000);
+        }
+        assert_eq!(host.missing(), 0);
+    };
+    settle(&mut host, &[want(key(0, 1)), want(key(1, 2))]);
+    assert!(host.is_resident(key(0, 1)) && host.is_resident(key(1, 2)));
+    // Block 1 is drawn with its finer tile, block 2 with its coarser one, and each wants the other's slot.
+    settle(&mut host, &[want(key(1, 1)), want(key(0, 2))]);
+    assert!(host.is_resident(key(1, 1)) && host.is_resident(key(0, 2)));
+}
+
+/// The tile that would free a slot is queued behind a decoded one that waits for that slot.
+#[test]
+fn a_decoded_tile_without_a_slot_does_not_stop_the_rest() {
+    let maps = [layout(MapLayer::Day, Storage::Plain, &[24, 20, 16])];
+    let mut pools = plan_pools(&maps, u64::MAX);
+    for pool in &mut pools {
+        pool.slots = 1;
+    }
+    let want = |level, block| Want {
+        key: TileKey {
+            layer: MapLayer::Day,
+            level,
+            block,
+        },
+        drawn: true,
+    };
+    let loading = Loading {
+        threads: 1,
+        limit: 0,
+        failing: 0,
+        slowest: 0,
+        seed: 1,
+    };
+    let mut host = Host::new(&maps, &pools, loading);
+    for _ in 0..20 {
+        host.frame(&[want(1, 1)], true, u64::MAX);
+    }
+    // Block 2 takes the only place for decoded tiles, and block 1, drawn with the tile in the slot that block 2 waits
+    // for, then wants a finer one.
+    let wants = [want(1, 2), want(0, 1)];
+    for _ in 0..40 {
+        host.frame(&wants, true, u64::MAX);
+    }
+    assert_eq!(host.missing(), 0);
+    assert!(wants.iter().all(|want| host.is_resident(want.key)));
+}
+
+/// What is only expected takes no slot from the picture, not even one that its tiles still wait for.
+#[test]
+fn what_is_expected_waits_for_the_picture() {
+    let maps = [layout(MapLayer::Day, Storage::Plain, &[24, 16])];
+    let mut pools = plan_pools(&maps, u64::MAX);
+    pools[0].slots = 2;
+    let want = |block, drawn| Want {
+        key: TileKey {
+            layer: MapLayer::Day,
+            level: 0,
+            block,
+        },
+        drawn,
+    };
+    let loading = Loading {
+        threads: 2,
+        limit: u64::MAX,
+        failing: 0,
+        slowest: 3,
+        seed: 5,
+    };
+    let mut host = Host::new(&maps, &pools, loading);
+    for _ in 0..30 {
+        host.frame(&[want(1, true), want(2, true)], true, u64::MAX);
+    }
+    // Expected first in the list all the same.
+    let wants = [want(3, false), want(4, false), want(1, true), want(2, true)];
+    for _ in 0..30 {
+        let drawn = host.frame(&wants, true, u64::MAX);
+        assert!(drawn.values().all(|level| *level == Some(0)));
+    }
+    assert_eq!(host.counters().evictions, 0);
+    let wants = [want(3, false), want(4, false), want(1, true)];
+    for _ in 0..30 {
+        host.frame(&wants, true, u64::MAX);
+    }
+    assert!(host.is_resident(want(1, true).key) && host.is_resident(want(3, false).key));
+    assert_eq!(host.counters().evictions, 1);
+}
+
+/// A tile that cannot be read is tried again after 1, 2, 4 … 60 s, and its block is drawn coarser meanwhile.
+#[test]
+fn failures_are_tried_again_more_and_more_seldom() {
+    let maps = [layout(MapLayer::Day, Storage::Plain, &[24, 20, 16])];
+    let pools = plan_pools(&maps, u64::MAX);
+    let fine = TileKey {
+        layer: MapLayer::Day,
+        level: 0,
+        block: 9,
+    };
+    let loading = Loading {
+        threads: 1,
+        limit: u64::MAX,
+        failing: 0,
+        slowest: 0,
+        seed: 3,
+    };
+    let mut host = Host::new(&maps, &pools, loading);
+    host.bad = Some(fine);
+    let want = [Want {
+        key: fine,
+        drawn: true,
+    }];
+    let start = host.now;
+    let mut failed_at = Vec::new();
+    while host.now - start < Duration::from_secs(260) {
+        host.now += Duration::from_millis(40);
+        let failures = host.counters().failures;
+        let drawn = host.frame(&want, true, u64::MAX);
+        if host.counters().failures > failures {
+            failed_at.push((host.now - start).as_secs_f64());
+        }
+        let is_early = host.now - start < Duration::from_secs(1);
+        assert!(is_early || drawn[&(MapLayer::Day, 9)] == Some(1));
+        assert!(is_early || host.counters().fallbacks == 1 && host.missing() == 1);
+    }
+    let pauses: Vec<_> = failed_at.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    for (pause, due) in pauses
+        .iter()
+        .zip([1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 60.0, 60.0, 60.0])
+    {
+        assert!((due..due + 0.3).contains(pause), "{pauses:?}");
+    }
+    assert_eq!(pauses.len(), 9, "{pauses:?}");
+    host.bad = None;
+    host.now += Duration::from_secs(60);
+    for _ in 0..10 {
+        host.frame(&want, true, u64::MAX);
+    }
+    assert!(host.is_resident(fine));
+    assert_eq!((host.counters().hits, host.missing()), (1, 0));
+}
