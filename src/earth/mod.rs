@@ -474,6 +474,11 @@ impl Earth {
         self.surface.staged().iter().copied().zip(exact)
     }
 
+    /// Whether blocks are drawn with tiles.
+    pub fn has_tiles(&self) -> bool {
+        self.tiles.is_some()
+    }
+
     /// Names of the features that are on.
     pub fn features_on(&self) -> Vec<&'static str> {
         self.features(true)
@@ -486,8 +491,15 @@ impl Earth {
 
     fn features(&self, on: bool) -> Vec<&'static str> {
         let shader = &self.surface.variant.features;
-        ["clouds", "normals", "night_lights", "water", "tiles"]
-            .into_iter()
+        // Water and tiles come with packs; an Earth without one has nothing to switch off.
+        let of_packs: &[&str] = match self.tiles {
+            Some(_) => &["water", "tiles"],
+            None => &[],
+        };
+        ["clouds", "normals", "night_lights"]
+            .iter()
+            .chain(of_packs)
+            .copied()
             .map(|name| (name, shader.contains(&name)))
             .chain([("atmosphere", self.air.is_some())])
             .filter(|(_, is_on)| *is_on == on)

@@ -2,13 +2,13 @@
 
 use super::flight::Moment;
 use super::picture::{Measured, Picture};
+use crate::FrameStats;
 use crate::frames::{Geodetic, rfc3339};
-use crate::imagery::stream::StreamCounters;
 use crate::imagery::tile::TileKey;
 use glam::DVec3;
 use std::time::Duration;
 
-/// The numbers of one picture. Every key is always there.
+/// The numbers of one picture. Every key is always there, but `tiles` only where a pack is drawn.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stats {
@@ -32,10 +32,9 @@ pub struct Stats {
     pub draw_calls: u32,
     /// Bytes of all textures, mip levels included.
     pub texture_bytes: u64,
-    /// Texels of the day map per pixel, where there are fewest; 1 and more is sharp.
-    pub texels_per_pixel: f64,
-    /// The tiles of the pack; all zero without one.
-    pub tiles: Tiles,
+    /// The tiles of the pack; left out where there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tiles: Option<Tiles>,
     /// Features that are drawn.
     pub features_on: Vec<String>,
     /// Features that are off and cost nothing.
@@ -52,6 +51,8 @@ pub struct Stats {
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tiles {
+    /// Texels of the day map per pixel, where there are fewest; 1 and more is sharp.
+    pub texels_per_pixel: f64,
     /// Tiles that the picture asks for.
     pub wanted: Vec<u32>,
     /// Tiles on the GPU.
@@ -73,8 +74,10 @@ pub struct Tiles {
 }
 
 impl Tiles {
-    fn new(counters: &StreamCounters, missing: &[TileKey]) -> Self {
+    fn new(stats: &FrameStats, missing: &[TileKey]) -> Self {
+        let counters = &stats.tiles;
         Self {
+            texels_per_pixel: stats.texels_per_pixel,
             wanted: counters.wanted.to_vec(),
             resident: counters.resident.to_vec(),
             hits: counters.hits,
@@ -133,8 +136,10 @@ impl Stats {
             triangles: counts.triangles,
             draw_calls: counts.draw_calls,
             texture_bytes: counts.texture_bytes,
-            texels_per_pixel: counts.texels_per_pixel,
-            tiles: Tiles::new(&counts.tiles, missing),
+            tiles: picture
+                .earth()
+                .has_tiles()
+                .then(|| Tiles::new(counts, missing)),
             features_on: names(picture.earth().features_on()),
             features_off: names(picture.earth().features_off()),
             eye: Eye::new(counts.eye),

@@ -177,17 +177,20 @@ impl Scene {
     }
 
     /// The layers in the order in which they are drawn, and whether each is on.
-    fn layers(&self) -> [(&'static str, bool); 5] {
-        [
+    fn layers(&self) -> Vec<(&'static str, bool)> {
+        let mut layers = vec![
             ("day map", true),
             ("clouds", self.earth.clouds),
             ("normals", self.earth.normals),
             ("night lights", self.earth.night_lights),
-            (
-                "sea glint",
-                self.earth.pack.as_ref().is_some_and(|pack| pack.water),
-            ),
-        ]
+        ];
+        layers.extend(
+            self.earth
+                .pack
+                .as_ref()
+                .map(|pack| ("sea glint", pack.water)),
+        );
+        layers
     }
 
     fn leaves_out(&self) -> Vec<&'static str> {
