@@ -192,7 +192,7 @@ impl Host {
             assert!(flights.next().is_none(), "{key} is loaded twice");
             assert_eq!(flight.ticket, ticket);
             let gives_up = flight.cancel && self.random(2) == 0;
-            if self.stuck.contains(&key) {
+            if self.stuck.contains(&key) && !gives_up {
                 continue;
             }
             if self.loads[place].frames_left > 0 && !gives_up {
