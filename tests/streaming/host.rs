@@ -42,6 +42,8 @@ pub struct Host {
     loading: Loading,
     /// A tile that cannot be read.
     pub bad: Option<TileKey>,
+    /// Tiles whose loads do not end.
+    pub stuck: Vec<TileKey>,
     pub now: Instant,
     slots: HashMap<Slot, Held>,
     loads: Vec<Load>,
@@ -82,6 +84,7 @@ impl Host {
             cache: TileCache::new(layers, pools.to_vec(), loading.limit),
             loading,
             bad: None,
+            stuck: Vec::new(),
             now: Instant::now(),
             slots: HashMap::new(),
             loads: Vec::new(),
@@ -189,6 +192,9 @@ impl Host {
             assert!(flights.next().is_none(), "{key} is loaded twice");
             assert_eq!(flight.ticket, ticket);
             let gives_up = flight.cancel && self.random(2) == 0;
+            if self.stuck.contains(&key) && !gives_up {
+                continue;
+            }
             if self.loads[place].frames_left > 0 && !gives_up {
                 self.loads[place].frames_left -= 1;
                 continue;

@@ -1,9 +1,10 @@
 //! Streaming, held to its promises: no hole, nothing overwritten that is drawn, nothing lost, nothing waited for in vain.
 //!
-//! `paths.rs` drives the state machine along random eye paths; `host.rs` simulates the loader and compares every slot with the
+//! `paths.rs` drives the state machine along random eye paths, `rules.rs` into single corners; `host.rs` simulates the loader and compares every slot with the
 //! tile that it should hold; `threads.rs` does the same in short with real threads.
 
 mod host;
 mod paths;
+mod rules;
 mod source;
 mod threads;

@@ -310,3 +310,64 @@ fn words_of(panic: &(dyn std::any::Any + Send)) -> String {
     text.or_else(|| panic.downcast_ref::<String>().cloned())
         .unwrap_or_else(|| "without a word".to_owned())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::imagery::stream::{Want, plan_pools};
+    use crate::imagery::tile::{BlockSet, LevelLayout, MapLayer, TileError};
+
+    /// Waits in each read until it may go on.
+    struct Gate(Vec<LayerLayout>, AtomicBool);
+
+    impl TileSource for Gate {
+        fn layers(&self) -> &[LayerLayout] {
+            &self.0
+        }
+
+        fn read(&self, key: TileKey, _: &dyn Fn() -> bool) -> Result<Tile, TileError> {
+            while !self.1.load(Ordering::Relaxed) {
+                thread::sleep(Duration::from_millis(1));
+            }
+            Err(TileError::Absent(key))
+        }
+    }
+
+    #[test]
+    fn a_tile_taken_since_the_last_look_is_not_queued_again() {
+        let level = |pixels| LevelLayout {
+            shape: TileShape::new(pixels).expect("in range"),
+            present: BlockSet::ALL,
+        };
+        let layers = vec![LayerLayout {
+            layer: MapLayer::Day,
+            format: TileFormat::R8Unorm,
+            levels: vec![level(24), level(16)],
+        }];
+        let mut cache = TileCache::new(&layers, plan_pools(&layers, u64::MAX), u64::MAX);
+        let source = Arc::new(Gate(layers, AtomicBool::new(false)));
+        let mut loader = Loader::new(Arc::clone(&source) as Arc<dyn TileSource>, u64::MAX, 1);
+        let key = |block| TileKey {
+            layer: MapLayer::Day,
+            level: 0,
+            block,
+        };
+        let wants = [1, 2].map(|block| Want {
+            key: key(block),
+            drawn: true,
+        });
+        cache.fit(Instant::now(), &wants, 0);
+        let shared = Arc::clone(&loader.shared);
+        shared.hand_over(&mut shared.lock(), &mut cache);
+        while shared.lock().started.is_empty() {
+            thread::sleep(Duration::from_millis(1));
+        }
+        // The frame has not looked, and hands over what it still believes to be queued.
+        assert_eq!(cache.queue(), [key(1), key(2)]);
+        shared.hand_over(&mut shared.lock(), &mut cache);
+        assert_eq!(shared.lock().queue, [key(2)]);
+        loader.collect(&mut cache, Instant::now(), |_, _| {});
+        assert_eq!(cache.queue(), [key(2)]);
+        source.1.store(true, Ordering::Relaxed);
+    }
+}
