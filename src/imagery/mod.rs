@@ -9,8 +9,11 @@
 //! | `mips.rs`, `srgb.rs` | smaller levels, averaged in linear light |
 //! | `tile.rs` | tiles of a pack: names, sizes, formats |
 //! | `pack/` | packs on disk |
+//! | `build/` | packs built from large maps, with the feature `pack-build` |
 //! | `error.rs` | what can be wrong |
 
+#[cfg(feature = "pack-build")]
+pub mod build;
 mod error;
 mod find;
 mod layer;

@@ -9,7 +9,7 @@ mod tiff;
 use super::error::BuildError;
 use std::fmt;
 use std::fs::File;
-use std::io::{BufRead, BufReader, Seek, SeekFrom};
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 /// Smallest height of a map, texels.
@@ -177,7 +177,8 @@ pub fn read_source<R: BufRead + Seek + 'static>(
 ) -> Result<Box<dyn RowSource>, BuildError> {
     let blame = Blame::new(path);
     let mut magic = Vec::with_capacity(8);
-    std::io::Read::take(&mut reader, 8)
+    (&mut reader)
+        .take(8)
         .read_to_end(&mut magic)
         .and_then(|_| reader.seek(SeekFrom::Start(0)))
         .map_err(|error| blame.unreadable(error))?;
