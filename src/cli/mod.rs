@@ -3,6 +3,7 @@
 mod check;
 mod doctor;
 mod frame;
+mod pack;
 mod play;
 mod progress;
 mod values;
@@ -51,6 +52,8 @@ enum Command {
     Frame(frame::FrameArgs),
     /// Check a scene and say what it uses and leaves out
     Check(check::CheckArgs),
+    /// Build imagery packs from large maps
+    Pack(pack::PackArgs),
     /// List the graphics adapters, what each can do and what is dropped on it
     Doctor,
 }
@@ -65,6 +68,7 @@ pub fn run() -> ExitCode {
         Command::Play(args) => play::run(args, common),
         Command::Frame(args) => frame::run(args, common),
         Command::Check(args) => check::run(args, common),
+        Command::Pack(args) => pack::run(args, common),
         Command::Doctor => doctor::run(common),
     };
     match done {
