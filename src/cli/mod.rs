@@ -52,10 +52,10 @@ enum Command {
     Frame(frame::FrameArgs),
     /// Check a scene and say what it uses and leaves out
     Check(check::CheckArgs),
-    /// Build imagery packs from large maps
-    Pack(pack::PackArgs),
     /// List the graphics adapters, what each can do and what is dropped on it
     Doctor,
+    /// Build imagery packs and look into them: maps larger than memory, cut into tiles
+    Pack(pack::PackArgs),
 }
 
 /// Runs the command that the arguments name.
@@ -68,8 +68,8 @@ pub fn run() -> ExitCode {
         Command::Play(args) => play::run(args, common),
         Command::Frame(args) => frame::run(args, common),
         Command::Check(args) => check::run(args, common),
-        Command::Pack(args) => pack::run(args, common),
         Command::Doctor => doctor::run(common),
+        Command::Pack(args) => pack::run(args, common),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

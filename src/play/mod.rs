@@ -35,7 +35,7 @@ mod video;
 mod window;
 
 pub use craft::CraftPose;
-pub use destination::OutputError;
+pub use destination::{OutputError, PendingFile};
 pub use error::PlayError;
 pub use export::{ExportRequest, export};
 pub use flight::{Flight, Moment, Satellite, ViewRequest};

@@ -5,16 +5,16 @@ use crate::cli::progress::{Bars, stop_on_interrupt};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use terrella::imagery::SLOPE_EXAGGERATION;
-use terrella::imagery::build::{
-    BuildOptions, BuildProgress, DEFAULT_MEMORY_BYTES, Relief, build,
-};
+use terrella::imagery::build::{BuildOptions, BuildProgress, DEFAULT_MEMORY_BYTES, Relief, build};
 use terrella::imagery::tile::{MapLayer, Storage};
 use terrella::play::Progress;
 
 /// What `pack build` takes.
 #[derive(Debug, Args)]
-#[command(after_help = "Maps are equirectangular PNG, JPEG or (Geo)TIFF files of the whole Earth, twice as wide as \
-    high, north up, left edge at 180° W. A build that was stopped goes on when the same command is run again.")]
+#[command(
+    after_help = "Maps are equirectangular PNG, JPEG or (Geo)TIFF files of the whole Earth, twice as wide as \
+    high, north up, left edge at 180° W. A build that was stopped goes on when the same command is run again."
+)]
 pub struct BuildArgs {
     /// Surface colour by day, sRGB
     #[arg(long, value_name = "MAP")]
@@ -57,7 +57,12 @@ pub struct BuildArgs {
     #[arg(long, value_name = "TIMES", default_value_t = SLOPE_EXAGGERATION, requires = "elevation")]
     exaggeration: f64,
     /// What is subtracted from elevations, metres [default: 11000 for PNG, 0 for TIFF]
-    #[arg(long, value_name = "METRES", requires = "elevation", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "METRES",
+        requires = "elevation",
+        allow_negative_numbers = true
+    )]
     elevation_offset: Option<f64>,
     /// Throw away what the folder holds of another build or a finished pack
     #[arg(long)]

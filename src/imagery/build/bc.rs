@@ -66,7 +66,14 @@ impl<'a> Padded<'a> {
         let side = self.side as u32;
         let start = out.len();
         out.resize(start + variant.blocks_byte_size(side, side), 0);
-        compress_rgba8(variant, &self.texels, &mut out[start..], side, side, side * 4);
+        compress_rgba8(
+            variant,
+            &self.texels,
+            &mut out[start..],
+            side,
+            side,
+            side * 4,
+        );
     }
 
     /// Blocks of 8 bytes, one a channel.
@@ -76,8 +83,8 @@ impl<'a> Padded<'a> {
             let (x, y) = (block % units * 4, block / units * 4);
             for channel in 0..self.channels {
                 let values = std::array::from_fn(|n| {
-                    let byte =
-                        self.texels[((y + n / 4) * self.side + x + n % 4) * self.channels + channel];
+                    let byte = self.texels
+                        [((y + n / 4) * self.side + x + n % 4) * self.channels + channel];
                     if SIGNED {
                         // −128 and −127 both mean −1.
                         i32::from(byte as i8).max(-127)
@@ -99,7 +106,9 @@ const SCALE: i32 = 35;
 fn bc4_block<const SIGNED: bool>(values: [i32; 16]) -> [u8; 8] {
     let (low, high) = if SIGNED { (-127, 127) } else { (0, 255) };
     let min_max = |values: &mut dyn Iterator<Item = i32>| {
-        values.fold((high, low), |(min, max), value| (value.min(min), value.max(max)))
+        values.fold((high, low), |(min, max), value| {
+            (value.min(min), value.max(max))
+        })
     };
     let (min, max) = min_max(&mut values.into_iter());
     if min == max {
@@ -109,9 +118,14 @@ fn bc4_block<const SIGNED: bool>(values: [i32; 16]) -> [u8; 8] {
     if error == 0 || (min != low && max != high) {
         return pack(max, min, eight);
     }
-    let (inner_min, inner_max) = min_max(&mut values.into_iter().filter(|v| *v != low && *v != high));
+    let (inner_min, inner_max) =
+        min_max(&mut values.into_iter().filter(|v| *v != low && *v != high));
     // Without inner values the ends are all there is; then any two in rising order serve.
-    let (first, second) = if inner_min <= inner_max { (inner_min, inner_max) } else { (low, high) };
+    let (first, second) = if inner_min <= inner_max {
+        (inner_min, inner_max)
+    } else {
+        (low, high)
+    };
     let (six, six_error) = nearest(&values, six_steps(first, second, low, high));
     if six_error < error {
         pack(first, second, six)
@@ -185,7 +199,13 @@ mod tests {
     fn decode<const SIGNED: bool>(block: &[u8; 8]) -> [i32; 16] {
         let mut bytes = [0u8; 16];
         bcdec_rs::bc4(block, &mut bytes, 4, SIGNED);
-        bytes.map(|byte| if SIGNED { i32::from(byte as i8) } else { i32::from(byte) })
+        bytes.map(|byte| {
+            if SIGNED {
+                i32::from(byte as i8)
+            } else {
+                i32::from(byte)
+            }
+        })
     }
 
     #[test]
@@ -198,11 +218,23 @@ mod tests {
             let signed = unsigned.map(|value| value - spread / 2);
             // Half a step between palette entries, and the decoder's own rounding.
             let tolerance = spread as f64 / 14.0 + 1.0;
-            for (value, got) in unsigned.into_iter().zip(decode::<false>(&bc4_block::<false>(unsigned))) {
-                assert!(f64::from((value - got).abs()) <= tolerance, "{seed}: {value} {got}");
+            for (value, got) in unsigned
+                .into_iter()
+                .zip(decode::<false>(&bc4_block::<false>(unsigned)))
+            {
+                assert!(
+                    f64::from((value - got).abs()) <= tolerance,
+                    "{seed}: {value} {got}"
+                );
             }
-            for (value, got) in signed.into_iter().zip(decode::<true>(&bc4_block::<true>(signed))) {
-                assert!(f64::from((value - got).abs()) <= tolerance, "{seed}: {value} {got}");
+            for (value, got) in signed
+                .into_iter()
+                .zip(decode::<true>(&bc4_block::<true>(signed)))
+            {
+                assert!(
+                    f64::from((value - got).abs()) <= tolerance,
+                    "{seed}: {value} {got}"
+                );
             }
         }
     }
@@ -210,7 +242,10 @@ mod tests {
     #[test]
     fn one_value_two_values_and_the_ends_are_exact() {
         for value in [0, 1, 128, 255] {
-            assert_eq!(decode::<false>(&bc4_block::<false>([value; 16])), [value; 16]);
+            assert_eq!(
+                decode::<false>(&bc4_block::<false>([value; 16])),
+                [value; 16]
+            );
         }
         for value in [-127, -1, 0, 127] {
             assert_eq!(decode::<true>(&bc4_block::<true>([value; 16])), [value; 16]);
@@ -218,7 +253,9 @@ mod tests {
         let two = std::array::from_fn(|n| if n % 3 == 0 { 17 } else { 201 });
         assert_eq!(decode::<false>(&bc4_block::<false>(two)), two);
         // A coast in a mask: the ends exact, what lies between close by.
-        let coast = [0, 0, 0, 255, 0, 0, 120, 255, 0, 130, 255, 255, 255, 255, 255, 255];
+        let coast = [
+            0, 0, 0, 255, 0, 0, 120, 255, 0, 130, 255, 255, 255, 255, 255, 255,
+        ];
         let got = decode::<false>(&bc4_block::<false>(coast));
         for (value, got) in coast.into_iter().zip(got) {
             assert!((value - got).abs() <= 1, "{value} {got}");
@@ -241,10 +278,15 @@ mod tests {
                 for n in 0..side * side {
                     let (x, y) = (n % side, n / side);
                     let level = ((x + y) * 90 / side) as u8 + 20;
-                    texels.extend((0..channels).map(|c| if c == 3 { 255 } else { level + c as u8 }));
+                    texels
+                        .extend((0..channels).map(|c| if c == 3 { 255 } else { level + c as u8 }));
                 }
             }
-            let plain = Tile { format, shape, texels };
+            let plain = Tile {
+                format,
+                shape,
+                texels,
+            };
             let packed = compress(&plain, layer);
             assert_eq!(packed.texels.len(), shape.bytes(packed.format));
             for mip in 0..TILE_MIPS {
@@ -266,7 +308,10 @@ mod tests {
                         for c in 0..channels {
                             let value = plain.mip(mip)[(y * side + x) * channels + c];
                             let got = decoded[n * channels + c];
-                            assert!(value.abs_diff(got) <= 2, "{layer:?} {mip} {x} {y} {c}: {value} {got}");
+                            assert!(
+                                value.abs_diff(got) <= 2,
+                                "{layer:?} {mip} {x} {y} {c}: {value} {got}"
+                            );
                         }
                     }
                 }

@@ -41,12 +41,19 @@ fn of_file(path: &Path) -> Result<String, BuildError> {
         let mut file = File::open(path)?;
         let metadata = file.metadata()?;
         // A file system without times is told by the rest.
-        let modified = metadata.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+        let modified = metadata
+            .modified()
+            .ok()
+            .and_then(|time| time.duration_since(UNIX_EPOCH).ok());
         let mut hasher = blake3::Hasher::new();
         hasher.update_reader((&mut file).take(ENDS))?;
         file.seek(SeekFrom::Start(metadata.len().saturating_sub(ENDS)))?;
         hasher.update_reader((&mut file).take(ENDS))?;
-        Ok(format!("{} {modified:?} {}", metadata.len(), hasher.finalize().to_hex()))
+        Ok(format!(
+            "{} {modified:?} {}",
+            metadata.len(),
+            hasher.finalize().to_hex()
+        ))
     };
     read().map_err(|error| Blame::new(path).unreadable(error))
 }

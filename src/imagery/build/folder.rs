@@ -128,7 +128,8 @@ impl<'a> BuildFolder<'a> {
         }
         let noted = journal.tiles();
         let is_whole = |(name, file): &(TileName, TileFile)| {
-            name.path().is_some_and(|path| holds(&dir.join(path), *file))
+            name.path()
+                .is_some_and(|path| holds(&dir.join(path), *file))
         };
         let done = noted.into_iter().filter(is_whole).collect();
         Ok(Self {
@@ -178,7 +179,10 @@ impl<'a> BuildFolder<'a> {
             .write(&path, manifest.to_toml().as_bytes())
             .and_then(|()| sync_folder(&self.dir))
             .map_err(|source| BuildError::Write { path, source })?;
-        let state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let state = self
+            .state
+            .into_inner()
+            .unwrap_or_else(PoisonError::into_inner);
         state.journal.remove()
     }
 }

@@ -60,7 +60,10 @@ impl Journal {
             Err(TryLockError::Error(error)) => return Err(fail(error)),
         }
         let mut bytes = Vec::new();
-        (&mut file).take(MAX_BYTES).read_to_end(&mut bytes).map_err(fail)?;
+        (&mut file)
+            .take(MAX_BYTES)
+            .read_to_end(&mut bytes)
+            .map_err(fail)?;
         // What is not text is not ours: no fingerprint will fit.
         let text = String::from_utf8(bytes).unwrap_or_else(|_| "?".to_string());
         Ok(Self { path, file, text })
@@ -120,7 +123,11 @@ impl Journal {
 
     /// Notes a tile.
     pub(super) fn note(&mut self, name: TileName, file: TileFile) -> Result<(), BuildError> {
-        let checksum: String = file.checksum.iter().map(|byte| format!("{byte:02x}")).collect();
+        let checksum: String = file
+            .checksum
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect();
         let line = format!(
             "{} {} {} {} {} {checksum}\n",
             name.storage.name(),
@@ -149,12 +156,17 @@ fn parse(line: &str) -> Option<(TileName, TileFile)> {
     let [storage, layer, pixels, block, bytes, digits] = words.as_slice() else {
         return None;
     };
-    let storage = Storage::ALL.into_iter().find(|kind| kind.name() == *storage)?;
+    let storage = Storage::ALL
+        .into_iter()
+        .find(|kind| kind.name() == *storage)?;
     let name = TileName {
         storage,
         layer: MapLayer::from_name(layer)?,
         pixels: pixels.parse().ok()?,
-        block: block.parse().ok().filter(|block| u32::from(*block) < BLOCK_COUNT)?,
+        block: block
+            .parse()
+            .ok()
+            .filter(|block| u32::from(*block) < BLOCK_COUNT)?,
     };
     let mut checksum = [0; 16];
     if digits.len() != 32 || !digits.is_ascii() {

@@ -35,7 +35,10 @@ impl Pool {
 
     fn state(&self) -> MutexGuard<'_, State> {
         // Counters are good whatever happened elsewhere.
-        self.0.state.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+        self.0
+            .state
+            .lock()
+            .unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 
     /// Waits for so many bytes; `None` once the work has stopped.

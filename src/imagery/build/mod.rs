@@ -139,7 +139,10 @@ impl BuildOptions {
             (MapLayer::Day, Some((&self.day, Meaning::Colour))),
             (MapLayer::Clouds, self.clouds.as_ref().and_then(amount)),
             (MapLayer::Normals, relief),
-            (MapLayer::NightLights, self.night_lights.as_ref().and_then(amount)),
+            (
+                MapLayer::NightLights,
+                self.night_lights.as_ref().and_then(amount),
+            ),
             (MapLayer::Water, self.water.as_ref().and_then(amount)),
         ];
         all.into_iter()
@@ -155,7 +158,9 @@ impl BuildOptions {
                 cause: cause.to_string(),
             })
         };
-        if self.storages.is_empty() || (1..self.storages.len()).any(|n| self.storages[..n].contains(&self.storages[n])) {
+        if self.storages.is_empty()
+            || (1..self.storages.len()).any(|n| self.storages[..n].contains(&self.storages[n]))
+        {
             return refuse("--storage", "give plain, bc or both, each once");
         }
         if let Some(Relief::Elevation {
@@ -168,12 +173,20 @@ impl BuildOptions {
                 return refuse("--exaggeration", "must be from 0.01 to 1000");
             }
             if offset_m.is_some_and(|offset_m| !(offset_m.abs() <= 100_000.0)) {
-                return refuse("--elevation-offset", "must be from -100000 to 100000 metres");
+                return refuse(
+                    "--elevation-offset",
+                    "must be from -100000 to 100000 metres",
+                );
             }
         }
         if let Some((layer, _)) = self.pixels.iter().find(|(layer, _)| {
             self.maps().iter().all(|(present, ..)| present != layer)
-                || self.pixels.iter().filter(|(other, _)| other == layer).count() > 1
+                || self
+                    .pixels
+                    .iter()
+                    .filter(|(other, _)| other == layer)
+                    .count()
+                    > 1
         }) {
             return refuse(
                 "--pixels",
@@ -190,8 +203,15 @@ impl BuildOptions {
 
     /// The name asked for, else the folder's.
     fn pack_name(&self) -> String {
-        let folder = || self.out.file_name().map(|name| name.to_string_lossy().into_owned());
-        self.name.clone().or_else(folder).unwrap_or_else(|| "pack".to_string())
+        let folder = || {
+            self.out
+                .file_name()
+                .map(|name| name.to_string_lossy().into_owned())
+        };
+        self.name
+            .clone()
+            .or_else(folder)
+            .unwrap_or_else(|| "pack".to_string())
     }
 }
 
@@ -257,10 +277,12 @@ fn build_with(
         map.plan.columns = columns.unwrap_or(map.plan.columns);
         maps.push(map);
     }
-    let draft = manifest(options, &maps, |_| Some(TileFile::of(&[])));
-    Manifest::from_toml(&draft.to_toml(), Path::new("manifest")).map_err(|error| BuildError::Option {
-        option: "--name, --attribution",
-        cause: error.to_string(),
+    let draft = manifest(options, &maps, |_| Some(TileFile::of(b"draft")));
+    Manifest::from_toml(&draft.to_toml(), Path::new("manifest")).map_err(|error| {
+        BuildError::Option {
+            option: "--name, --attribution",
+            cause: error.to_string(),
+        }
     })?;
 
     let fingerprint = fingerprint::of(options, &maps)?;

@@ -70,7 +70,10 @@ fn check_pixels(layer: MapLayer, pixels: &[u32]) -> Result<Vec<TileShape>, Build
     if pixels.windows(2).any(|pair| pair[0] <= pair[1]) {
         return refuse("levels must fall, the finest first".to_string());
     }
-    if pixels.last().is_some_and(|last| *last > MAX_COARSEST_PIXELS) {
+    if pixels
+        .last()
+        .is_some_and(|last| *last > MAX_COARSEST_PIXELS)
+    {
         return refuse(format!(
             "the coarsest level is always held and may have at most {MAX_COARSEST_PIXELS} pixels per block: add one"
         ));
@@ -132,7 +135,10 @@ pub(super) fn plan<const C: usize>(
         let fixed = BASE_BYTES
             + reading_bytes::<C>(info, levels, columns)
             + threads as u64 * encoding_bytes(layer, levels, storages);
-        let bands: u64 = levels.iter().map(|shape| band_bytes::<C>(*shape, &(0..columns))).sum();
+        let bands: u64 = levels
+            .iter()
+            .map(|shape| band_bytes::<C>(*shape, &(0..columns)))
+            .sum();
         let total = fixed.saturating_add(bands);
         needed = needed.min(total);
         if total <= means.memory_bytes {
@@ -168,9 +174,17 @@ fn reading_bytes<const C: usize>(info: &SourceInfo, levels: &[TileShape], column
 fn encoding_bytes(layer: MapLayer, levels: &[TileShape], storages: &[Storage]) -> u64 {
     let bytes = |storage| {
         let format = layer.tile_format(storage);
-        levels.iter().map(|shape| shape.bytes(format) as u64).max().unwrap_or(0)
+        levels
+            .iter()
+            .map(|shape| shape.bytes(format) as u64)
+            .max()
+            .unwrap_or(0)
     };
-    let largest = storages.iter().map(|storage| bytes(*storage)).max().unwrap_or(0);
+    let largest = storages
+        .iter()
+        .map(|storage| bytes(*storage))
+        .max()
+        .unwrap_or(0);
     bytes(Storage::Plain) + 3 * largest
 }
 
@@ -232,7 +246,13 @@ mod tests {
             memory_bytes: memory_mb * 1_000_000,
             threads: 2,
         };
-        plan::<3>(MapLayer::Day, &info(asked[0] * 16), &levels, &Storage::ALL, means)
+        plan::<3>(
+            MapLayer::Day,
+            &info(asked[0] * 16),
+            &levels,
+            &Storage::ALL,
+            means,
+        )
     }
 
     #[test]

@@ -25,7 +25,10 @@ pub(super) const LANES: usize = 2;
 fn edge(texel: u32, source: u32, level: u32) -> (u32, f32) {
     let place = u64::from(texel) * u64::from(source);
     let level = u64::from(level);
-    ((place / level) as u32, ((place % level) as f64 / level as f64) as f32)
+    (
+        (place / level) as u32,
+        ((place % level) as f64 / level as f64) as f32,
+    )
 }
 
 /// Where the centre of a texel lies between two centres of the source: the first of them, and the part of the way to
@@ -42,7 +45,8 @@ fn centre(texel: u32, source: u32, level: u32) -> (i64, f32) {
 /// Catmull–Rom between `b` and `c`, held between them.
 #[inline]
 fn cubic([a, b, c, d]: [f32; 4], t: f32) -> f32 {
-    let value = b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)));
+    let value =
+        b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)));
     value.clamp(b.min(c), b.max(c))
 }
 
@@ -57,7 +61,9 @@ enum Columns {
 impl Columns {
     /// `count` columns from `first` on, which may lie beyond the edges.
     fn new(source: u32, level: u32, first: i64, count: usize) -> Self {
-        let columns = (first..).take(count).map(|column| column.rem_euclid(i64::from(level)) as u32);
+        let columns = (first..)
+            .take(count)
+            .map(|column| column.rem_euclid(i64::from(level)) as u32);
         if source >= level {
             Self::Box(
                 columns
@@ -155,7 +161,8 @@ impl<const C: usize> Resampler<C> {
         // Footprints and the cubic's reach included.
         let reach = edge(polar_rows + 1, source.1, level.1).0 + 4;
         let is_box = source.0 >= level.0;
-        let area = f64::from(source.0) / f64::from(level.0) * f64::from(source.1) / f64::from(level.1);
+        let area =
+            f64::from(source.0) / f64::from(level.0) * f64::from(source.1) / f64::from(level.1);
         Self {
             sizes,
             lanes: [lane(first), lane(first + i64::from(level.0 / 2))],
@@ -200,7 +207,11 @@ impl<const C: usize> Resampler<C> {
             }
             if y + 1 == self.sizes.source.1 {
                 let height = i64::from(self.sizes.source.1);
-                self.mirror([height - 1, height - 2], |place| 2 * height - 1 - place, false);
+                self.mirror(
+                    [height - 1, height - 2],
+                    |place| 2 * height - 1 - place,
+                    false,
+                );
             }
             if y >= 1 {
                 for lane in 0..LANES {
@@ -285,7 +296,10 @@ impl<const C: usize> Resampler<C> {
                 let others = &self.lanes[1 - lane].rows;
                 let found = places.iter().filter_map(|place| {
                     let (place, row) = others.iter().find(|(at, _)| at == place)?;
-                    Some((beyond(*place), row.iter().map(|value| value * sign).collect()))
+                    Some((
+                        beyond(*place),
+                        row.iter().map(|value| value * sign).collect(),
+                    ))
                 });
                 found.collect()
             })

@@ -79,7 +79,8 @@ impl Job<'_> {
             } else {
                 format!("{} {}/{}", self.layer.name(), n + 1, passes.len())
             };
-            self.progress.begin(&what, Some(u64::from(self.info.height)));
+            self.progress
+                .begin(&what, Some(u64::from(self.info.height)));
             let done = self.pass::<C>(&threads, columns, &levels);
             self.progress.end();
             saturated_texels = done?;
@@ -111,7 +112,8 @@ impl Job<'_> {
     }
 
     fn missing_storages(&self, shape: TileShape, row: u32, column: u32) -> Vec<Storage> {
-        let is_missing = |storage: &&Storage| !self.folder.has(self.name(**storage, shape, row, column));
+        let is_missing =
+            |storage: &&Storage| !self.folder.has(self.name(**storage, shape, row, column));
         self.storages.iter().filter(is_missing).copied().collect()
     }
 
@@ -135,7 +137,11 @@ impl Job<'_> {
             }
             read
         });
-        let failure = shared.failure.0.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let failure = shared
+            .failure
+            .0
+            .into_inner()
+            .unwrap_or_else(PoisonError::into_inner);
         match failure {
             Some(error) => Err(error),
             None => read,
@@ -197,7 +203,14 @@ fn encode_band<'s, const C: usize>(shared: &'s Shared<'s>, scope: &Scope<'s>, ba
     let tiles: Vec<_> = band
         .columns
         .clone()
-        .map(|column| (column, shared.job.missing_storages(band.shape, band.block_row, column)))
+        .map(|column| {
+            (
+                column,
+                shared
+                    .job
+                    .missing_storages(band.shape, band.block_row, column),
+            )
+        })
         .filter(|(_, storages)| !storages.is_empty())
         .collect();
     let left = Arc::new(AtomicU32::new(tiles.len() as u32));
@@ -210,7 +223,11 @@ fn encode_band<'s, const C: usize>(shared: &'s Shared<'s>, scope: &Scope<'s>, ba
             }
             let done = encode_tile::<C>(shared.job, &band, column, &storages).and_then(|()| {
                 let is_last = left.fetch_sub(1, Ordering::AcqRel) == 1;
-                if is_last { shared.job.folder.sync() } else { Ok(()) }
+                if is_last {
+                    shared.job.folder.sync()
+                } else {
+                    Ok(())
+                }
             });
             if let Err(error) = done {
                 shared.fail(error);
@@ -231,8 +248,10 @@ fn encode_tile<const C: usize>(
             Storage::Plain => write_ktx2(&plain),
             Storage::Bc => write_ktx2(&bc::compress(&plain, job.layer)),
         };
-        job.folder
-            .put(job.name(*storage, band.shape, band.block_row, column), &file)?;
+        job.folder.put(
+            job.name(*storage, band.shape, band.block_row, column),
+            &file,
+        )?;
     }
     Ok(())
 }

@@ -239,7 +239,9 @@ fn sample(kind: SampleKind, bytes: &[u8], index: usize) -> f32 {
         SampleKind::U8 => f32::from(bytes[at]),
         SampleKind::U16 => f32::from(u16::from_ne_bytes([bytes[at], bytes[at + 1]])),
         SampleKind::I16 => f32::from(i16::from_ne_bytes([bytes[at], bytes[at + 1]])),
-        SampleKind::F32 => f32::from_ne_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]),
+        SampleKind::F32 => {
+            f32::from_ne_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
+        }
     }
 }
 
@@ -274,7 +276,9 @@ fn read_normals(info: &SourceInfo, bytes: &[u8], fade: f32, out: &mut [f32]) {
     };
     let (texels, _) = out.as_chunks_mut::<2>();
     for (x, texel) in texels.iter_mut().enumerate() {
-        let at = |channel: usize| (sample(info.sample, bytes, x * info.channels + channel) - zero) / full;
+        let at = |channel: usize| {
+            (sample(info.sample, bytes, x * info.channels + channel) - zero) / full
+        };
         // A wall or an overhang is as steep as can be stored.
         let up = at(2).max(0.01);
         *texel = [0, 1].map(|channel| (-at(channel) / up).clamp(-1.0, 1.0) * fade);
@@ -284,6 +288,10 @@ fn read_normals(info: &SourceInfo, bytes: &[u8], fade: f32, out: &mut [f32]) {
 fn read_heights(info: &SourceInfo, bytes: &[u8], offset_m: f64, heights_m: &mut [f64]) {
     for (x, height_m) in heights_m.iter_mut().enumerate() {
         let value = f64::from(sample(info.sample, bytes, x * info.channels)) - offset_m;
-        *height_m = if value.abs() <= HIGHEST_M { value } else { f64::NAN };
+        *height_m = if value.abs() <= HIGHEST_M {
+            value
+        } else {
+            f64::NAN
+        };
     }
 }

@@ -106,7 +106,12 @@ mod tests {
         assert_eq!(grid.complaint(721, 361), None);
 
         let shifted = tags([0.5, 0.5], [0.0, 0.0, 0.0, 90.0]);
-        assert!(shifted.complaint(720, 360).unwrap().contains("0.0000 to 360.0000"));
+        assert!(
+            shifted
+                .complaint(720, 360)
+                .unwrap()
+                .contains("0.0000 to 360.0000")
+        );
         let quarter = tags([0.25, 0.25], [0.0, 0.0, -180.0, 90.0]);
         assert!(quarter.complaint(720, 360).is_some());
         let mut projected = whole.clone();

@@ -130,7 +130,11 @@ impl Blame {
         }
     }
 
-    pub(super) fn refused(&self, cause: impl Into<String>, advice: impl Into<String>) -> BuildError {
+    pub(super) fn refused(
+        &self,
+        cause: impl Into<String>,
+        advice: impl Into<String>,
+    ) -> BuildError {
         BuildError::Source {
             path: self.0.clone(),
             cause: cause.into(),
@@ -139,7 +143,13 @@ impl Blame {
     }
 
     /// That the file cannot be read in strips and is too large to be held.
-    pub(super) fn too_large(&self, what: &str, bytes: u64, limits: SourceLimits, advice: &str) -> BuildError {
+    pub(super) fn too_large(
+        &self,
+        what: &str,
+        bytes: u64,
+        limits: SourceLimits,
+        advice: &str,
+    ) -> BuildError {
         let megabytes = |bytes: u64| bytes.div_ceil(1_000_000);
         self.refused(
             format!(
@@ -183,7 +193,9 @@ pub fn read_source<R: BufRead + Seek + 'static>(
         .and_then(|_| reader.seek(SeekFrom::Start(0)))
         .map_err(|error| blame.unreadable(error))?;
     let source: Box<dyn RowSource> = match magic.as_slice() {
-        [0x89, b'P', b'N', b'G', ..] => Box::new(png::PngRows::open(reader, blame.clone(), limits)?),
+        [0x89, b'P', b'N', b'G', ..] => {
+            Box::new(png::PngRows::open(reader, blame.clone(), limits)?)
+        }
         [0xFF, 0xD8, ..] => Box::new(jpeg::JpegRows::open(reader, blame.clone(), limits)?),
         [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => {
             Box::new(tiff::TiffRows::open(reader, blame.clone(), limits)?)

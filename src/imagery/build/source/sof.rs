@@ -152,10 +152,7 @@ fn segment<R: BufRead>(
     Ok(segment)
 }
 
-fn bytes<const N: usize, R: BufRead>(
-    reader: &mut R,
-    blame: &Blame,
-) -> Result<[u8; N], BuildError> {
+fn bytes<const N: usize, R: BufRead>(reader: &mut R, blame: &Blame) -> Result<[u8; N], BuildError> {
     let mut bytes = [0; N];
     fill(reader, &mut bytes, blame)?;
     Ok(bytes)

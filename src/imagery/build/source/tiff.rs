@@ -59,7 +59,12 @@ impl<R: BufRead + Seek> TiffRows<R> {
             (16, 1) => SampleKind::U16,
             (16, 2) => SampleKind::I16,
             (32, 3) => SampleKind::F32,
-            _ => return Err(unfit(&blame, format!("holds {bits}-bit samples of format {format}"))),
+            _ => {
+                return Err(unfit(
+                    &blame,
+                    format!("holds {bits}-bit samples of format {format}"),
+                ));
+            }
         };
         if let Some(complaint) = geo_tags(&mut decoder).complaint(width, height) {
             return Err(blame.refused(
@@ -71,7 +76,11 @@ impl<R: BufRead + Seek> TiffRows<R> {
         let (chunk_columns, chunk_rows) = decoder.chunk_dimensions();
         let is_tiled = decoder.get_chunk_type() == ChunkType::Tile;
         // A strip may claim more rows than the map has; a tile may be wider and higher than it.
-        let chunk_rows = if is_tiled { chunk_rows } else { chunk_rows.min(height) };
+        let chunk_rows = if is_tiled {
+            chunk_rows
+        } else {
+            chunk_rows.min(height)
+        };
         let texel_bytes = (channels * sample.bytes()) as u64;
         // Both below 2^32, at most 16 bytes a texel: no overflow.
         let across = u64::from(width.div_ceil(chunk_columns));
@@ -126,7 +135,11 @@ impl<R: BufRead + Seek> TiffRows<R> {
                 DecodingResult::U16(values) => bytemuck::cast_slice(values),
                 DecodingResult::I16(values) => bytemuck::cast_slice(values),
                 DecodingResult::F32(values) => bytemuck::cast_slice(values),
-                _ => return Err(self.blame.damaged("texels of another kind than its header says")),
+                _ => {
+                    return Err(self
+                        .blame
+                        .damaged("texels of another kind than its header says"));
+                }
             };
             let (columns, rows) = self.decoder.chunk_data_dimensions(first_chunk + place);
             let rows = rows.min(self.info.height - first_row) as usize;
@@ -177,7 +190,9 @@ fn geo_tags<R: BufRead + Seek>(decoder: &mut Decoder<R>) -> GeoTags {
         scale,
         tie,
         matrix,
-        keys: keys.map(|keys| GeoTags::read_keys(&keys)).unwrap_or_default(),
+        keys: keys
+            .map(|keys| GeoTags::read_keys(&keys))
+            .unwrap_or_default(),
     }
 }
 
