@@ -54,7 +54,7 @@ enum Command {
     Check(check::CheckArgs),
     /// List the graphics adapters, what each can do and what is dropped on it
     Doctor,
-    /// Look into imagery packs: maps larger than memory, cut into tiles
+    /// Build imagery packs and look into them: maps larger than memory, cut into tiles
     Pack(pack::PackArgs),
 }
 

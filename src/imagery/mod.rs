@@ -10,8 +10,11 @@
 //! | `tile.rs` | tiles of a pack: names, sizes, formats |
 //! | `pack/` | packs on disk |
 //! | `stream/` | tiles streamed into memory: what is wanted, loaded, resident and drawn |
+//! | `build/` | packs built from large maps, with the feature `pack-build` |
 //! | `error.rs` | what can be wrong |
 
+#[cfg(feature = "pack-build")]
+pub mod build;
 mod error;
 mod find;
 mod layer;

@@ -1,5 +1,6 @@
 //! `terrella pack`: imagery packs, one file for each of its commands.
 
+mod build;
 mod info;
 mod preview;
 mod verify;
@@ -16,6 +17,8 @@ pub struct PackArgs {
 
 #[derive(Debug, Subcommand)]
 enum PackCommand {
+    /// Build a pack from maps of the whole Earth
+    Build(build::BuildArgs),
     /// Say what a pack holds: maps, levels, sizes, attribution
     Info(info::InfoArgs),
     /// Read every tile of a pack and name the bad ones
@@ -30,6 +33,7 @@ enum PackCommand {
 /// Runs it.
 pub fn run(args: &PackArgs, common: &Common) -> anyhow::Result<()> {
     match &args.command {
+        PackCommand::Build(args) => build::run(args, common),
         PackCommand::Info(args) => info::run(args),
         PackCommand::Verify(args) => verify::run(args, common),
         PackCommand::Preview(args) => preview::run(args),
