@@ -120,6 +120,8 @@ pub struct FrameStats {
     pub texels_per_pixel: f64,
     /// Tiles, all zero without a pack.
     pub tiles: StreamCounters,
+    /// The part of `prepare` that copied tiles for upload.
+    pub tile_upload: Duration,
 }
 
 /// What can be wrong with the options.
@@ -426,6 +428,7 @@ impl Earth {
         self.uploaded_tiles = frame.uploaded_bytes;
         self.stats.tiles = frame.counters;
         self.stats.texels_per_pixel = frame.texels_per_pixel;
+        self.stats.tile_upload = frame.upload;
     }
 
     /// The part of [`Self::prepare`] that needs no GPU: selection and the eye-relative vertices. Allocates nothing.

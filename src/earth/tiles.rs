@@ -93,6 +93,7 @@ pub(super) struct Eye {
 pub(super) struct TileFrame {
     pub counters: StreamCounters,
     pub uploaded_bytes: u64,
+    pub upload: Duration,
     pub texels_per_pixel: f64,
 }
 
@@ -209,12 +210,14 @@ impl TileDriver {
             surface.choose(device, *block, chosen);
         }
         let budget = budget.unwrap_or(self.upload_bytes);
+        let begin = Instant::now();
         let uploaded_bytes = self
             .stream
             .upload(budget, &mut |part| surface.write_tile(queue, &part));
         TileFrame {
             counters: self.stream.counters(),
             uploaded_bytes,
+            upload: begin.elapsed(),
             texels_per_pixel: if fewest.is_finite() { fewest } else { 0.0 },
         }
     }
