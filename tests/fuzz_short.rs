@@ -11,10 +11,10 @@ mod tile;
 #[path = "../fuzz/bodies/tle.rs"]
 mod tle;
 
-type Seeds = fn() -> Vec<Vec<u8>>;
-
 /// Name, seeds, body, and how many inputs are tried.
-const TARGETS: [(&str, Seeds, fn(&[u8]), u32); 4] = [
+type Target = (&'static str, fn() -> Vec<Vec<u8>>, fn(&[u8]), u32);
+
+const TARGETS: [Target; 4] = [
     ("manifest", manifest::seeds, manifest::run, 10_000),
     ("tile", tile::seeds, tile::run, 100_000),
     ("scene", scene::seeds, scene::run, 100_000),
