@@ -1,6 +1,6 @@
 // The surface: one block a draw, texture coordinates and normals exact at every pixel.
 //
-// Features (see src/gpu/shader.rs): paper, clouds, normals, night_lights, air, encode, decode.
+// Features (see src/gpu/shader.rs): paper, clouds, normals, night_lights, water, tiles, air, encode, decode.
 
 #import common/frame.wgsl
 #import common/color.wgsl
@@ -11,28 +11,43 @@
 // | group | binding | what                        | when         |
 // |-------|---------|-----------------------------|--------------|
 // | 0     | 0       | frame                       | always       |
-// | 0     | 1       | map sampler                 | always       |
-// | 0     | 2       | day                         | always       |
-// | 0     | 3       | cloud cover                 | clouds       |
-// | 0     | 4       | slopes east, north          | normals      |
-// | 0     | 5       | city lights                 | night_lights |
-// | 0     | 6       | sunlight through the air    | air          |
-// | 0     | 7       | table sampler               | air          |
+// | 0     | 1       | sunlight through the air    | air          |
+// | 0     | 2       | table sampler               | air          |
+// | 0     | 3       | where tiles lie             | tiles        |
+// | 1     | 0, 5    | day, its sampler            | always       |
+// | 1     | 1, 6    | cloud cover                 | clouds       |
+// | 1     | 2, 7    | slopes east, north          | normals      |
+// | 1     | 3, 8    | city lights                 | night_lights |
+// | 1     | 4, 9    | open water                  | water        |
+//
+// Group 1 is the whole Earth's, or with tiles each block's own: maps then are tiles of its block or whole maps.
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var map_sampler: sampler;
-@group(0) @binding(2) var day_map: texture_2d<f32>;
+#if air
+@group(0) @binding(1) var sunlight_table: texture_2d<f32>;
+@group(0) @binding(2) var table_sampler: sampler;
+#endif
+#if tiles
+// Where a map's texels lie, for each block and map: texture coordinates of the block's centre, and their change per
+// whole map. In the order of the bindings of group 1.
+@group(0) @binding(3) var<uniform> placements: array<array<vec4f, 5>, 128>;
+#endif
+@group(1) @binding(0) var day_map: texture_2d<f32>;
+@group(1) @binding(5) var day_sampler: sampler;
 #if clouds
-@group(0) @binding(3) var cloud_map: texture_2d<f32>;
+@group(1) @binding(1) var cloud_map: texture_2d<f32>;
+@group(1) @binding(6) var cloud_sampler: sampler;
 #endif
 #if normals
-@group(0) @binding(4) var slope_map: texture_2d<f32>;
+@group(1) @binding(2) var slope_map: texture_2d<f32>;
+@group(1) @binding(7) var slope_sampler: sampler;
 #endif
 #if night_lights
-@group(0) @binding(5) var light_map: texture_2d<f32>;
+@group(1) @binding(3) var light_map: texture_2d<f32>;
+@group(1) @binding(8) var light_sampler: sampler;
 #endif
-#if air
-@group(0) @binding(6) var sunlight_table: texture_2d<f32>;
-@group(0) @binding(7) var table_sampler: sampler;
+#if water
+@group(1) @binding(4) var water_map: texture_2d<f32>;
+@group(1) @binding(9) var water_sampler: sampler;
 #endif
 
 const PI: f32 = 3.14159265;
@@ -44,19 +59,30 @@ struct BlockVertex {
     @location(1) center_lon: vec2f,
     @location(2) center_lat: vec2f,
     @location(3) center_uv: vec2f,
+#if tiles
+    @location(4) block: u32,
+#endif
 }
 
 struct Varying {
     @builtin(position) clip: vec4f,
     @location(0) @interpolate(flat) center_lon: vec2f,
     @location(1) @interpolate(flat) center_lat: vec2f,
+#if tiles
+    @location(2) @interpolate(flat) block: u32,
+#else
     @location(2) @interpolate(flat) center_uv: vec2f,
+#endif
 }
 
 @vertex
 fn vertex(in: BlockVertex) -> Varying {
     let clip = frame.clip_from_eye * vec4f(in.from_eye_m, 1.0);
+#if tiles
+    return Varying(clip, in.center_lon, in.center_lat, in.block);
+#else
     return Varying(clip, in.center_lon, in.center_lat, in.center_uv);
+#endif
 }
 
 // atan(y/x) for |y/x| ≤ tan 15°, error below 1e-7: a block reaches 11.25° to each side of its centre.
@@ -68,15 +94,25 @@ fn atan_near(y: f32, x: f32) -> f32 {
 
 // Where a pixel lies on the ground.
 struct Place {
+#if water
+    // Towards the eye, of any length.
+    to_eye: vec3f,
+#endif
     // Outward normal of the ellipsoid, unit vectors east and north.
     up: vec3f,
     east: vec3f,
     north: vec3f,
+    // Texture coordinates on the whole map, from the block's centre.
     uv: vec2f,
     // Change of uv to the next pixel right and down, u counted in ground distance as v is (× cos latitude), so that
     // the mip level follows the pixel's footprint at the poles and has no seam at ±180°.
     uv_dx: vec2f,
     uv_dy: vec2f,
+#if tiles
+    block: u32,
+#else
+    center_uv: vec2f,
+#endif
 }
 
 // The mesh says which pixels show the ground; what they show is found by the pixel's own ray on the exact ellipsoid.
@@ -94,6 +130,9 @@ fn place(in: Varying) -> Place {
     let t = max(frame.above / max(root - dot(frame.eye_scaled, d), 1e-9), 0.0);
     let p = frame.eye_scaled + t * d;
     out.up = normalize(p * to_scaled);
+#if water
+    out.to_eye = -ray;
+#endif
 
     let across = max(length(out.up.xy), 1e-7);
     out.east = vec3f(-out.up.y, out.up.x, 0.0) / across;
@@ -105,7 +144,12 @@ fn place(in: Varying) -> Place {
         in.center_lat.x * out.up.z - in.center_lat.y * across,
         in.center_lat.x * across + in.center_lat.y * out.up.z,
     );
-    out.uv = in.center_uv + vec2f(longitude / (2.0 * PI), -latitude / PI);
+    out.uv = vec2f(longitude / (2.0 * PI), -latitude / PI);
+#if tiles
+    out.block = in.block;
+#else
+    out.center_uv = in.center_uv;
+#endif
 
     // The neighbour pixel's ray on the tangent plane: r − ray·(up·r)/(up·ray), times the distance in radii.
     let facing = min(dot(out.up, ray), -0.02 * length(ray));
@@ -118,13 +162,34 @@ fn place(in: Varying) -> Place {
     return out;
 }
 
-fn sample_map(map: texture_2d<f32>, at: Place) -> vec4f {
-    return textureSampleGrad(map, map_sampler, at.uv, at.uv_dx, at.uv_dy);
+// Places in `placements`, and bindings of group 1.
+const DAY: u32 = 0;
+#if clouds
+const CLOUDS: u32 = 1;
+#endif
+#if normals
+const NORMALS: u32 = 2;
+#endif
+#if night_lights
+const NIGHT_LIGHTS: u32 = 3;
+#endif
+#if water
+const WATER: u32 = 4;
+#endif
+
+fn sample_map(map: texture_2d<f32>, filtering: sampler, layer: u32, at: Place) -> vec4f {
+#if tiles
+    let placement = placements[at.block][layer];
+    let uv = placement.xy + at.uv * placement.zw;
+    return textureSampleGrad(map, filtering, uv, at.uv_dx * placement.zw, at.uv_dy * placement.zw);
+#else
+    return textureSampleGrad(map, filtering, at.center_uv + at.uv, at.uv_dx, at.uv_dy);
+#endif
 }
 
 fn surface_normal(at: Place) -> vec3f {
 #if normals
-    let slope = sample_map(slope_map, at).xy;
+    let slope = sample_map(slope_map, slope_sampler, NORMALS, at).xy;
     return normalize(at.up - slope.x * at.east - slope.y * at.north);
 #else
     return at.up;
@@ -138,9 +203,9 @@ fn surface_normal(at: Place) -> vec3f {
 //   out   = blend·ninfo
 // in display values. n and L are both taken in Earth-fixed axes, so that the normal texel carries day and night.
 fn shade(at: Place) -> vec3f {
-    let earth = sample_map(day_map, at).rgb;
+    let earth = sample_map(day_map, day_sampler, DAY, at).rgb;
 #if clouds
-    let cloud = vec3f(sample_map(cloud_map, at).r);
+    let cloud = vec3f(sample_map(cloud_map, cloud_sampler, CLOUDS, at).r);
 #else
     let cloud = vec3f(0.0);
 #endif
@@ -181,18 +246,44 @@ fn light_at(mu_s: f32) -> Light {
     return out;
 }
 
+#if water
+// Sunlight mirrored by the sea, per light that falls on a sheet facing the Sun. Cox and Munk 1954 (J. Opt. Soc. Am.
+// 44, 838): slopes of the waves are Gaussian with mean square 0.003 + 0.00512 W, here for a wind of W = 7 m/s.
+//   L/E = ρ(ω) p(β) / (4 cos θ cos⁴β),  p = exp(−tan²β/σ²)/(πσ²)
+// with ρ by Schlick for water's 1.33. Where the eye looks along the sea, waves hide each other: cos θ is kept from 0.
+const WAVE_SLOPE_SQUARED: f32 = 0.039;
+
+fn glint(at: Place) -> f32 {
+    let to_eye = normalize(at.to_eye);
+    let half_way = normalize(to_eye + frame.sun_itrf);
+    let cos_beta = max(dot(half_way, at.up), 1e-3);
+    let cos_squared = cos_beta * cos_beta;
+    let tan_squared = (1.0 - cos_squared) / cos_squared;
+    let slopes = exp(-tan_squared / WAVE_SLOPE_SQUARED) / (PI * WAVE_SLOPE_SQUARED);
+    let fresnel = 0.02 + 0.98 * pow(1.0 - saturate(dot(half_way, to_eye)), 5.0);
+    let seen = max(dot(to_eye, at.up), 0.15);
+    // A white sheet that faces the Sun is L = E/π.
+    return PI * fresnel * slopes / (4.0 * seen * cos_squared * cos_squared);
+}
+#endif
+
 // Linear light: a white sheet that faces the Sun in space is `exposure`.
 fn shade(at: Place) -> vec3f {
     let mu_s = dot(at.up, frame.sun_itrf);
     let light = light_at(mu_s);
     let facing = max(dot(surface_normal(at), frame.sun_itrf), 0.0);
-    var color = sample_map(day_map, at).rgb * (light.sun * facing + light.sky);
+    var color = sample_map(day_map, day_sampler, DAY, at).rgb * (light.sun * facing + light.sky);
+#if water
+    // The glint fades with the last sunlight; waves do not mirror a Sun that is below their own horizon.
+    let sea = sample_map(water_map, water_sampler, WATER, at).r;
+    color += sea * light.sun * glint(at) * smoothstep(-0.01, 0.05, mu_s);
+#endif
 #if night_lights
-    let glow = sample_map(light_map, at).r * (1.0 - smoothstep(-0.12, 0.02, mu_s));
+    let glow = sample_map(light_map, light_sampler, NIGHT_LIGHTS, at).r * (1.0 - smoothstep(-0.12, 0.02, mu_s));
     color += 0.6 * glow * glow * LAMP_COLOR;
 #endif
 #if clouds
-    let cover = sample_map(cloud_map, at).r;
+    let cover = sample_map(cloud_map, cloud_sampler, CLOUDS, at).r;
     let cloud = CLOUD_ALBEDO * (light.sun * max(mu_s, 0.0) + light.sky);
     color = mix(color, cloud, cover);
 #endif

@@ -82,5 +82,8 @@ pub mod play;
 pub mod scene;
 
 pub use air::Atmosphere;
-pub use earth::{DepthBuffer, Earth, EarthError, EarthOptions, EyeView, FrameStats, Sky, Viewport};
-pub use globe::{Figure, Shading, Visibility};
+pub use earth::{
+    DepthBuffer, Earth, EarthError, EarthOptions, EyeView, FrameStats, Sky, TILED_SUBDIVISION,
+    TileOptions, Viewport,
+};
+pub use globe::{Figure, LevelRule, Shading, Visibility};

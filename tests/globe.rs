@@ -355,3 +355,37 @@ fn strange_eyes_are_defined() {
             && BlockGrid::new(Ellipsoid::WGS84, 49).is_err()
     );
 }
+
+#[test]
+fn distances_and_the_sun_s_height_are_those_of_the_block_s_points() {
+    let grid = BlockGrid::new(Ellipsoid::PAPER_SPHERE, 24).expect("in range");
+    let radius_m = grid.ellipsoid().equatorial_radius_m;
+    for (k, direction) in directions(60).enumerate() {
+        let height_m = 10_f64.powf(2.0 + 6.0 * k as f64 / 60.0);
+        let eye = direction * (radius_m + height_m);
+        for block in Block::all() {
+            let (mut nearest, mut lowest, mut highest) = (f64::INFINITY, 1.0_f64, -1.0_f64);
+            for j in 0..=24 {
+                for i in 0..=24 {
+                    nearest = nearest.min((grid.vertex_itrf_m(block, i, j) - eye).length());
+                    let sine = grid.vertex_normal(block, i, j).dot(direction);
+                    (lowest, highest) = (lowest.min(sine), highest.max(sine));
+                }
+            }
+            let distance = grid.distance_m(block, eye);
+            // The lattice's spacing is 104 km: its nearest vertex is at most 74 km aside from the nearest point.
+            assert!(distance <= nearest + 1e-3, "{distance} {nearest}");
+            assert!(
+                distance.hypot(80e3) >= nearest * 0.99,
+                "{height_m}: {distance} {nearest}"
+            );
+            let (low, high) = grid.sun_range(block, direction);
+            assert!(low <= lowest + 1e-12 && low > lowest - 0.01);
+            assert!(high >= highest - 1e-12 && high < highest + 0.01);
+        }
+        let below = Block::all()
+            .map(|block| grid.distance_m(block, eye))
+            .fold(f64::INFINITY, f64::min);
+        assert!((below / height_m - 1.0).abs() < 1e-6, "{below} {height_m}");
+    }
+}

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use terrella::air::Atmosphere;
 use terrella::earth::Shading;
 use terrella::frames::{Epoch, utc_from_rfc3339};
-use terrella::globe::{Figure, Visibility};
-use terrella::scene::{CameraMode, Scene, SceneError, limits};
+use terrella::globe::{Figure, LevelRule, Visibility};
+use terrella::scene::{CameraMode, Scene, SceneError, StorageChoice, limits};
 
 /// A folder with what the scenes of these tests refer to: `sat.tle` and `maps/`.
 struct Folder(tempfile::TempDir);
@@ -147,6 +147,21 @@ const BAD: &[Bad] = &[
     ("[orbit]\nfile = \"a\\u0000b\"", 2, &["[orbit] file", "cannot be opened"]),
     ("[earth]\ntextures = \"nowhere\"", 2, &["[earth] textures = \"nowhere\":", "cannot be opened", "relative to the scene's folder"]),
     ("[earth]\ntextures = \"sat.tle\"", 2, &["[earth] textures = \"sat.tle\":", "is a file", "a folder"]),
+    // Packs.
+    ("[earth]\npack = \"nowhere\"", 2, &["[earth] pack = \"nowhere\":", "cannot be opened"]),
+    ("[earth]\npack = \"maps\"\ntextures = \"maps\"", 3, &["[earth] textures", "leave out textures or pack"]),
+    ("[earth]\nlevels = \"screen\"", 2, &["[earth] levels", "for imagery packs", "pack = \"…\""]),
+    ("[earth]\ntexture_mb = 64", 2, &["[earth] texture_mb = 64", "for imagery packs"]),
+    ("[earth]\nwater = true", 2, &["[earth] water = true", "for imagery packs"]),
+    ("[earth]\npack = \"maps\"\nlevels = \"fine\"", 3, &["[earth] levels = \"fine\":", "\"screen\", \"paper\""]),
+    ("[earth]\npack = \"maps\"\nlevels = \"paper\"\ntexel_px = 2", 4, &["[earth] texel_px = 2", "distances alone decide"]),
+    ("[earth]\npack = \"maps\"\ntexel_px = 0", 3, &["[earth] texel_px = 0:", "must be from 0.25 to 16"]),
+    ("[earth]\npack = \"maps\"\ntexture_mb = 0.5", 3, &["[earth] texture_mb = 0.5:", "must be from 1 to 1000000 megabytes"]),
+    ("[earth]\npack = \"maps\"\nupload_mb = -1", 3, &["[earth] upload_mb = -1:", "must be from 0.01 to 10000"]),
+    ("[earth]\npack = \"maps\"\nstorage = \"dds\"", 3, &["[earth] storage = \"dds\":", "\"auto\", \"plain\", \"bc\""]),
+    ("[earth]\npack = \"maps\"\nshading = \"paper\"\nwater = true", 4, &["[earth] water = true:", "no glint"]),
+    ("[output]\nwait_s = 5", 2, &["[output] wait_s = 5", "for imagery packs"]),
+    ("[earth]\npack = \"maps\"\n[output]\nwait_s = 5000", 4, &["[output] wait_s = 5000:", "must be from 0 to 3600"]),
     // Not TOML.
     ("[time]\nspeed 60", 2, &["is not TOML", "`"]),
     ("[time]\nspeed = 60\nspeed = 70", 3, &["is not TOML", "duplicate", "`speed`"]),
@@ -249,6 +264,7 @@ fn an_empty_scene_is_all_defaults() {
     assert!(scene.earth.clouds && scene.earth.normals && scene.earth.night_lights);
     assert_eq!(scene.earth.atmosphere, Atmosphere::Billboard);
     assert_eq!(scene.earth.textures, None);
+    assert_eq!(scene.earth.pack, None);
     assert_eq!(scene.output.size, [1280, 720]);
     assert_eq!(scene.output.samples, 4);
     assert_eq!(scene.line("time", "speed"), None);
@@ -294,6 +310,28 @@ fn every_key_is_read() {
     assert_eq!(scene.line("output", "samples"), Some(28));
     let summary = scene.summary();
     assert!(!summary.contains("default"), "{summary}");
+}
+
+#[test]
+fn a_pack_has_defaults_of_its_own() {
+    let folder = Folder::new();
+    let scene = folder.load("[earth]\npack = \"maps\"\n").expect("good");
+    let pack = scene.earth.pack.as_ref().expect("a pack");
+    assert_eq!(pack.folder, folder.path("maps"));
+    assert_eq!((pack.levels, pack.texel_px), (LevelRule::Screen, 1.0));
+    assert_eq!((pack.texture_mb, pack.upload_mb), (512.0, 8.0));
+    assert_eq!((pack.storage, pack.water), (StorageChoice::Auto, true));
+    assert_eq!((scene.earth.subdivision, scene.output.wait_s), (24, 30.0));
+    let scene = folder
+        .load("[earth]\npack = \"maps\"\nlevels = \"paper\"\nstorage = \"bc\"\nwater = false\nsubdivision = 6\n")
+        .expect("good");
+    let pack = scene.earth.pack.as_ref().expect("a pack");
+    assert_eq!(
+        (pack.levels, pack.storage),
+        (LevelRule::Paper, StorageChoice::Bc)
+    );
+    assert_eq!((pack.water, scene.earth.subdivision), (false, 6));
+    assert!(scene.summary().contains("the pack"), "{}", scene.summary());
 }
 
 #[test]

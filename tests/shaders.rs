@@ -36,6 +36,8 @@ fn every_variant_compiles() {
             "clouds",
             "normals",
             "night_lights",
+            "water",
+            "tiles",
             "air",
             "encode",
             "decode",
@@ -67,8 +69,10 @@ fn every_variant_compiles() {
 fn a_layer_that_is_off_is_not_in_the_shader() {
     let words = [
         ("clouds", ["cloud", "CLOUD"]),
-        ("normals", ["slope", "slope_map"]),
+        ("normals", ["slope_map", "NORMALS"]),
         ("night_lights", ["light_map", "LAMP_COLOR"]),
+        ("water", ["water_map", "glint"]),
+        ("tiles", ["placements", "block"]),
         ("air", ["sunlight", "table_"]),
     ];
     let code = |source: String| -> String {
@@ -90,7 +94,8 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
         let without = code(
             ShaderVariant::new(
                 EARTH_SHADER,
-                &["clouds", "normals", "night_lights", "air"].map(|f| (f, f != feature)),
+                &["clouds", "normals", "night_lights", "water", "tiles", "air"]
+                    .map(|f| (f, f != feature)),
             )
             .source()
             .unwrap(),

@@ -215,3 +215,44 @@ fn streaming_what_is_there_allocates_nothing_at_all() {
     assert_eq!(count, 0);
     assert!(best < Duration::from_millis(1), "{best:?}");
 }
+
+#[test]
+fn a_view_at_rest_with_all_its_tiles_allocates_nothing_of_its_own() {
+    let gpu = common::gpu();
+    let tiles = std::sync::Arc::new(common::tiles::FunctionTiles::new(&[64, 32], |lat, lon| {
+        [lat as u8, lon as u8, 100]
+    }));
+    let mut options = EarthOptions::new(common::plain([90, 90, 90]));
+    options.layers.day = tiles.whole(1);
+    let mut without = Earth::new(&gpu.device, &gpu.queue, &options).expect("an Earth");
+    options.tiles = Some(terrella::TileOptions::new(tiles));
+    let mut with = Earth::new(&gpu.device, &gpu.queue, &options).expect("an Earth");
+    let view = common::down(Geodetic::from_degrees(20.0, 30.0, 3e6), 50.0, 1.6);
+    let sky = Sky {
+        sun_itrf: view.eye_world.normalize(),
+    };
+    let wait = std::time::Duration::from_secs(10);
+    let (stats, missing) = with.prepare_complete(&gpu.queue, &view, &sky, (640, 400), wait);
+    assert!(missing.is_empty() && stats.tiles.hits > 0);
+    let mut worst_of = |earth: &mut Earth| {
+        let mut worst = 0;
+        for round in 0..40 {
+            let count = allocations(|| {
+                earth.prepare(&gpu.queue, &view, &sky, (640, 400));
+            });
+            // The first rounds fill wgpu's own pools.
+            worst = if round < 20 { 0 } else { worst.max(count) };
+            gpu.queue.submit([]);
+            gpu.device
+                .poll(wgpu::PollType::wait_indefinitely())
+                .expect("the device answers");
+        }
+        worst
+    };
+    let (whole, tiled) = (worst_of(&mut without), worst_of(&mut with));
+    println!("{tiled} allocations with tiles, {whole} without");
+    assert!(
+        tiled <= whole,
+        "{tiled} allocations with tiles, {whole} without"
+    );
+}

@@ -3,6 +3,7 @@
 mod check;
 mod doctor;
 mod frame;
+mod pack;
 mod play;
 mod progress;
 mod values;
@@ -53,6 +54,8 @@ enum Command {
     Check(check::CheckArgs),
     /// List the graphics adapters, what each can do and what is dropped on it
     Doctor,
+    /// Build imagery packs and look into them: maps larger than memory, cut into tiles
+    Pack(pack::PackArgs),
 }
 
 /// Runs the command that the arguments name.
@@ -66,6 +69,7 @@ pub fn run() -> ExitCode {
         Command::Frame(args) => frame::run(args, common),
         Command::Check(args) => check::run(args, common),
         Command::Doctor => doctor::run(common),
+        Command::Pack(args) => pack::run(args, common),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

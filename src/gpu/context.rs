@@ -31,6 +31,17 @@ pub enum ContextError {
     NoSurface(#[from] wgpu::CreateSurfaceError),
 }
 
+/// What a device does with BC7, BC5 and BC4 textures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BcSupport {
+    /// It cannot read them.
+    None,
+    /// It reads them as a program: software adapters take more than ten times as long as for plain texels.
+    Slow,
+    /// It reads them as fast as plain texels or faster.
+    Fast,
+}
+
 /// An opened adapter: what the command draws with.
 pub struct GpuContext {
     /// The instance that surfaces are created from.
@@ -103,10 +114,11 @@ impl GpuContext {
             .into_iter()
             .find(|adapter| surface.is_none_or(|surface| adapter.is_surface_supported(surface)))
             .ok_or(ContextError::NoAdapter)?;
-        // All that the adapter can do in size, and no optional feature: none is used.
+        // All that the adapter can do in size, and the one optional feature that is used.
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {
                 label: Some("terrella device"),
+                required_features: adapter.features() & wgpu::Features::TEXTURE_COMPRESSION_BC,
                 required_limits: adapter.limits(),
                 ..Default::default()
             })
@@ -121,6 +133,16 @@ impl GpuContext {
             device,
             queue,
         })
+    }
+
+    /// What the device does with compressed textures.
+    pub fn bc_support(&self) -> BcSupport {
+        let has_bc = self.device.features();
+        match has_bc.contains(wgpu::Features::TEXTURE_COMPRESSION_BC) {
+            true if self.is_software() => BcSupport::Slow,
+            true => BcSupport::Fast,
+            false => BcSupport::None,
+        }
     }
 
     /// Whether pictures are drawn by the processor: then anisotropic filtering and large targets are dear.
@@ -234,6 +256,12 @@ fn report(adapter: &wgpu::Adapter) -> AdapterReport {
         dropped.push(
             "atmosphere: half-float textures cannot be filtered; set atmosphere = \"none\"".into(),
         );
+    }
+    let has_bc = adapter.features();
+    match has_bc.contains(wgpu::Features::TEXTURE_COMPRESSION_BC) {
+        true if software => dropped.push("compressed tiles: a software adapter unpacks every texel anew; packs are read as plain texels".into()),
+        true => can.push("compressed tiles (BC7, BC5, BC4)".into()),
+        false => dropped.push("compressed tiles: not supported; packs are read as plain texels".into()),
     }
     if software {
         dropped.push("anisotropic filtering: a software adapter pays for every sample; maps are filtered trilinearly".into());

@@ -3,12 +3,14 @@
 mod air;
 mod context;
 mod layers;
+mod maps;
 mod shader;
 mod surface;
 mod targets;
+mod tiles;
 mod uniforms;
 
-pub use context::{AdapterReport, ContextError, GpuContext, adapter_reports};
+pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
 pub use shader::{AIR_SHADER, EARTH_SHADER, ShaderError, ShaderVariant};
 pub use targets::{Attachments, FrameTargets, PictureError, color_texture, read_texture};
 pub use uniforms::{AirFrame, Frame};

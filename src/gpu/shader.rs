@@ -37,6 +37,8 @@ const FEATURES: &[&str] = &[
     "clouds",
     "normals",
     "night_lights",
+    "water",
+    "tiles",
     "air",
     "encode",
     "decode",

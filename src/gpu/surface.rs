@@ -1,8 +1,11 @@
 //! The drawable of the surface: blocks of a lattice, one indexed draw each.
 
+use super::maps::Maps;
+use super::tiles::{BlockTiles, PLACEMENTS_BYTES, TileTextures};
 use super::{Frame, GpuLayer, PassFormat, ShaderError, ShaderVariant};
 use crate::globe::{BLOCK_COUNT, Block, BlockGrid, BlockRow, Shading};
 use crate::imagery::EarthLayers;
+use crate::imagery::stream::{Pool, Upload};
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec2, Vec3};
 use wgpu::util::DeviceExt;
@@ -14,15 +17,18 @@ struct BlockInstance {
     center_lon: Vec2,
     center_lat: Vec2,
     center_uv: Vec2,
+    block: u32,
 }
 
 const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float32x3];
-const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 3] =
-    wgpu::vertex_attr_array![1 => Float32x2, 2 => Float32x2, 3 => Float32x2];
+const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 4] =
+    wgpu::vertex_attr_array![1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Uint32];
 
 pub(crate) struct SurfaceDrawable {
     pipeline: wgpu::RenderPipeline,
     bind_group: wgpu::BindGroup,
+    maps: Maps,
+    imagery: Imagery,
     frame: wgpu::Buffer,
     vertices: wgpu::Buffer,
     instances: wgpu::Buffer,
@@ -38,9 +44,19 @@ pub(crate) struct SurfaceDrawable {
     pub variant: ShaderVariant,
 }
 
+/// What blocks are drawn with.
+enum Imagery {
+    /// All with the whole maps.
+    Whole(wgpu::BindGroup),
+    /// Each with tiles of its own.
+    Tiles(TileTextures),
+}
+
 /// What the surface needs besides the maps.
 pub(crate) struct SurfaceParts<'a> {
     pub layers: &'a EarthLayers,
+    /// Pools of tiles, if blocks are drawn with tiles.
+    pub pools: Option<&'a [Pool]>,
     pub shading: Shading,
     pub anisotropy: u16,
     pub format: PassFormat,
@@ -69,6 +85,9 @@ impl SurfaceDrawable {
                 ("clouds", layers.clouds.is_some()),
                 ("normals", layers.normals.is_some()),
                 ("night_lights", layers.night_lights.is_some()),
+                // The paper's shading has no glint.
+                ("water", !paper && layers.water.is_some()),
+                ("tiles", parts.pools.is_some()),
                 ("air", parts.sunlight.is_some()),
                 ("encode", !paper && format.stores_display_values()),
                 ("decode", paper && !format.stores_display_values()),
@@ -76,72 +95,42 @@ impl SurfaceDrawable {
         );
         let module = variant.module(device)?;
         let frame = super::uniform_buffer::<Frame>(device, "terrella frame");
-        let map_sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("terrella maps"),
-            // Around the Earth; not over the poles.
-            address_mode_u: wgpu::AddressMode::Repeat,
-            address_mode_v: wgpu::AddressMode::ClampToEdge,
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            mipmap_filter: wgpu::MipmapFilterMode::Linear,
-            anisotropy_clamp: parts.anisotropy,
-            ..Default::default()
-        });
+        let maps = Maps::upload(device, queue, layers, paper, parts.anisotropy);
+        let imagery = match parts.pools {
+            Some(pools) => Imagery::Tiles(TileTextures::new(device, &maps, pools, paper)),
+            None => Imagery::Whole(maps.bind(device, "terrella whole maps", Default::default())),
+        };
+        let tile_bytes = match &imagery {
+            Imagery::Tiles(tiles) => tiles.bytes,
+            Imagery::Whole(_) => 0,
+        };
+        let texture_bytes = maps.bytes() + tile_bytes;
         let table_sampler = table_sampler(device);
 
-        let maps = [
-            (2, "terrella day", Some(&layers.day)),
-            (3, "terrella clouds", layers.clouds.as_ref()),
-            (4, "terrella normals", layers.normals.as_ref()),
-            (5, "terrella night lights", layers.night_lights.as_ref()),
-        ]
-        .into_iter()
-        .filter_map(|(binding, label, image)| {
-            image.map(|image| {
-                (
-                    binding,
-                    GpuLayer::upload(device, queue, label, image, paper),
-                )
-            })
-        })
-        .collect::<Vec<_>>();
-        let texture_bytes = maps.iter().map(|(_, layer)| layer.bytes).sum();
-
         let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
-        let mut layout = vec![
-            super::uniform_entry(0, both, size_of::<Frame>()),
-            super::sampler_entry(1),
-        ];
-        let mut entries = vec![
-            wgpu::BindGroupEntry {
-                binding: 0,
-                resource: frame.as_entire_binding(),
-            },
-            wgpu::BindGroupEntry {
-                binding: 1,
-                resource: wgpu::BindingResource::Sampler(&map_sampler),
-            },
-        ];
-        let sunlight = parts.sunlight.map(|layer| (6, layer));
-        for (binding, layer) in maps
-            .iter()
-            .map(|(binding, layer)| (*binding, layer))
-            .chain(sunlight)
-        {
-            layout.push(super::texture_entry(
-                binding,
-                wgpu::TextureViewDimension::D2,
-            ));
+        let mut layout = vec![super::uniform_entry(0, both, size_of::<Frame>())];
+        let mut entries = vec![wgpu::BindGroupEntry {
+            binding: 0,
+            resource: frame.as_entire_binding(),
+        }];
+        if let Some(sunlight) = parts.sunlight {
+            layout.push(super::texture_entry(1, wgpu::TextureViewDimension::D2));
+            layout.push(super::sampler_entry(2));
             entries.push(wgpu::BindGroupEntry {
-                binding,
-                resource: wgpu::BindingResource::TextureView(&layer.view),
+                binding: 1,
+                resource: wgpu::BindingResource::TextureView(&sunlight.view),
+            });
+            entries.push(wgpu::BindGroupEntry {
+                binding: 2,
+                resource: wgpu::BindingResource::Sampler(&table_sampler),
             });
         }
-        if parts.sunlight.is_some() {
-            layout.push(super::sampler_entry(7));
+        if let Imagery::Tiles(tiles) = &imagery {
+            let fragment = wgpu::ShaderStages::FRAGMENT;
+            layout.push(super::uniform_entry(3, fragment, PLACEMENTS_BYTES));
             entries.push(wgpu::BindGroupEntry {
-                binding: 7,
-                resource: wgpu::BindingResource::Sampler(&table_sampler),
+                binding: 3,
+                resource: tiles.placements().as_entire_binding(),
             });
         }
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
@@ -155,7 +144,7 @@ impl SurfaceDrawable {
         });
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("terrella earth"),
-            bind_group_layouts: &[Some(&layout)],
+            bind_group_layouts: &[Some(&layout), Some(maps.layout())],
             immediate_size: 0,
         });
         let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -206,6 +195,7 @@ impl SurfaceDrawable {
                     center_lon: cos_sin(block.center_lon_rad()),
                     center_lat: cos_sin(block.center_lat_rad()),
                     center_uv: block.center_uv().as_vec2(),
+                    block: block.index(),
                 }
             })
             .collect();
@@ -241,6 +231,8 @@ impl SurfaceDrawable {
         Ok(Self {
             pipeline,
             bind_group,
+            maps,
+            imagery,
             frame,
             vertices,
             instances,
@@ -283,14 +275,32 @@ impl SurfaceDrawable {
         &self.staging
     }
 
+    /// Has a drawn block use these tiles; where there are none, whole maps are drawn and nothing is done.
+    pub fn choose(&mut self, device: &wgpu::Device, block: Block, chosen: BlockTiles) {
+        if let Imagery::Tiles(tiles) = &mut self.imagery {
+            tiles.choose(device, &self.maps, block, chosen);
+        }
+    }
+
+    /// Writes a part of a tile.
+    pub fn write_tile(&self, queue: &wgpu::Queue, part: &Upload<'_>) {
+        if let Imagery::Tiles(tiles) = &self.imagery {
+            tiles.write(queue, part);
+        }
+    }
+
     /// Writes what was staged. Returns the bytes written.
-    pub fn write(&self, queue: &wgpu::Queue, frame: &Frame) -> u64 {
+    pub fn write(&mut self, queue: &wgpu::Queue, frame: &Frame) -> u64 {
         queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
         let vertices: &[u8] = bytemuck::cast_slice(&self.staging);
         if !vertices.is_empty() {
             queue.write_buffer(&self.vertices, 0, vertices);
         }
-        (size_of::<Frame>() + vertices.len()) as u64
+        let placements = match &mut self.imagery {
+            Imagery::Tiles(tiles) => tiles.flush(queue),
+            Imagery::Whole(_) => 0,
+        };
+        (size_of::<Frame>() + vertices.len()) as u64 + placements
     }
 
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
@@ -301,6 +311,9 @@ impl SurfaceDrawable {
         pass.set_bind_group(0, &self.bind_group, &[]);
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_vertex_buffer(1, self.instances.slice(..));
+        if let Imagery::Whole(maps) = &self.imagery {
+            pass.set_bind_group(1, maps, &[]);
+        }
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
         for (place, block) in (0u32..).zip(&self.drawn) {
             let range = match block.kind() {
@@ -308,6 +321,9 @@ impl SurfaceDrawable {
                 BlockRow::Middle => &self.ranges[1],
                 BlockRow::South => &self.ranges[2],
             };
+            if let Imagery::Tiles(tiles) = &self.imagery {
+                pass.set_bind_group(1, tiles.bind_group(*block), &[]);
+            }
             let base = (place * self.vertices_per_block) as i32;
             pass.draw_indexed(range.clone(), base, block.index()..block.index() + 1);
         }

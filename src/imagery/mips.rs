@@ -64,7 +64,7 @@ fn chain_of<const CHANNELS: usize>(
 }
 
 /// What each byte of each channel means.
-fn decode_tables<const CHANNELS: usize>(format: TexelFormat) -> [[f32; 256]; CHANNELS] {
+pub(super) fn decode_tables<const CHANNELS: usize>(format: TexelFormat) -> [[f32; 256]; CHANNELS] {
     std::array::from_fn(|channel| match format {
         TexelFormat::Rgba8Srgb if channel < 3 => *LINEAR_FROM_SRGB,
         TexelFormat::Rgba8Srgb | TexelFormat::R8Unorm => {
@@ -77,7 +77,8 @@ fn decode_tables<const CHANNELS: usize>(format: TexelFormat) -> [[f32; 256]; CHA
     })
 }
 
-fn encode(values: &[f32], format: TexelFormat) -> Vec<u8> {
+/// The bytes of values that [`decode_tables`] gave, rounded.
+pub(super) fn encode(values: &[f32], format: TexelFormat) -> Vec<u8> {
     let unorm = |value: f32| (value * 255.0 + 0.5) as u8;
     match format {
         TexelFormat::Rgba8Srgb => {

@@ -10,8 +10,11 @@
 //! | `tile.rs` | tiles of a pack: names, sizes, formats |
 //! | `pack/` | packs on disk |
 //! | `stream/` | tiles streamed into memory: what is wanted, loaded, resident and drawn |
+//! | `build/` | packs built from large maps, with the feature `pack-build` |
 //! | `error.rs` | what can be wrong |
 
+#[cfg(feature = "pack-build")]
+pub mod build;
 mod error;
 mod find;
 mod layer;
@@ -31,6 +34,8 @@ pub use slopes::{
     ELEVATION_OFFSET_M, POLE_FADE_DEG, SLOPE_EXAGGERATION, SlopeMap, slopes_from_elevation,
 };
 
+use tile::MapLayer;
+
 /// The maps that an Earth is drawn with. A layer that is `None` is not loaded, uploaded, bound or in the shader.
 #[derive(Clone, Debug)]
 pub struct EarthLayers {
@@ -47,14 +52,23 @@ pub struct EarthLayers {
 }
 
 impl EarthLayers {
+    /// A map by its kind.
+    pub fn get(&self, layer: MapLayer) -> Option<&LayerImage> {
+        match layer {
+            MapLayer::Day => Some(&self.day),
+            MapLayer::Clouds => self.clouds.as_ref(),
+            MapLayer::Normals => self.normals.as_ref(),
+            MapLayer::NightLights => self.night_lights.as_ref(),
+            MapLayer::Water => self.water.as_ref(),
+        }
+    }
+
     /// Bytes of all texels of all layers, mip levels included.
     pub fn texture_bytes(&self) -> u64 {
-        let others = [&self.clouds, &self.normals, &self.night_lights, &self.water];
-        self.day.bytes()
-            + others
-                .into_iter()
-                .flatten()
-                .map(LayerImage::bytes)
-                .sum::<u64>()
+        MapLayer::ALL
+            .into_iter()
+            .filter_map(|layer| self.get(layer))
+            .map(LayerImage::bytes)
+            .sum()
     }
 }

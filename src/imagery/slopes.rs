@@ -58,56 +58,124 @@ pub fn slopes_from_elevation(
             got: elevation.len(),
         });
     }
-    let row_spacing_m = MEAN_RADIUS_M * std::f64::consts::PI / rows as f64;
-    let equator_spacing_m = MEAN_RADIUS_M * std::f64::consts::TAU / columns as f64;
-    let latitude_of_row_deg = |y: usize| 90.0 - (y as f64 + 0.5) * 180.0 / rows as f64;
-    let land_row = |y: usize| {
-        let row = &elevation[y * columns..(y + 1) * columns];
-        let land_m = |value: &u16| f64::from(value.saturating_sub(ELEVATION_OFFSET_M));
-        let heights_m: Vec<f64> = row.iter().map(land_m).collect();
-        let shrink = latitude_of_row_deg(y).to_radians().cos();
-        let grain = GRAIN_LATITUDE_DEG.to_radians().cos() / shrink;
-        if grain > 1.0 {
-            box_mean(&heights_m, grain.min(columns as f64))
-        } else {
-            heights_m
-        }
-    };
-
+    let mut slopes = SlopeRows::new(columns, rows, exaggeration);
     let mut saturated_texels = 0;
     let mut texels = Vec::with_capacity(columns * rows * 2);
-    // Beyond a pole there is no row: the difference is then taken to the row itself, over one spacing.
-    let mut north = land_row(0);
-    let mut middle = north.clone();
-    for (y, row) in elevation.chunks_exact(columns).enumerate() {
-        let south = land_row((y + 1).min(rows - 1));
-        let spacings = usize::from(y > 0) + usize::from(y + 1 < rows);
-
-        let latitude_deg = latitude_of_row_deg(y);
-        let gain = exaggeration * pole_fade(latitude_deg);
-        let east_gain = gain / (2.0 * equator_spacing_m * latitude_deg.to_radians().cos());
-        let north_gain = gain / (spacings.max(1) as f64 * row_spacing_m);
-
-        for (x, here) in row.iter().enumerate() {
-            if *here < ELEVATION_OFFSET_M {
-                texels.extend_from_slice(&[0, 0]);
-                continue;
-            }
-            let west_m = middle[(x + columns - 1) % columns];
-            let east_m = middle[(x + 1) % columns];
-            let slope_east = (east_m - west_m) * east_gain;
-            let slope_north = (north[x] - south[x]) * north_gain;
-            if slope_east.abs() > 1.0 || slope_north.abs() > 1.0 {
-                saturated_texels += 1;
-            }
-            texels.extend_from_slice(&[snorm8(slope_east), snorm8(slope_north)]);
+    let mut store = |[east, north]: [f64; 2]| {
+        if east.abs() > 1.0 || north.abs() > 1.0 {
+            saturated_texels += 1;
         }
-        north = std::mem::replace(&mut middle, south);
+        texels.extend_from_slice(&[snorm8(east), snorm8(north)]);
+    };
+    let mut heights_m = vec![0.0; columns];
+    for row in elevation.chunks_exact(columns) {
+        for (height_m, value) in heights_m.iter_mut().zip(row) {
+            *height_m = f64::from(*value) - f64::from(ELEVATION_OFFSET_M);
+        }
+        slopes.push(&heights_m, &mut store);
     }
+    slopes.finish(&mut store);
     Ok(SlopeMap {
         image: LayerImage::from_slopes(width, height, texels)?,
         saturated_texels,
     })
+}
+
+/// Makes slopes a row at a time, three rows of heights in memory. Rows go in from the north; each row's slopes come out
+/// when the row south of it is known.
+pub(super) struct SlopeRows {
+    rows: usize,
+    row_spacing_m: f64,
+    equator_spacing_m: f64,
+    exaggeration: f64,
+    /// Rows taken so far.
+    taken: usize,
+    /// Heights of the land two rows and one row back; the sea at 0 m.
+    north_m: Vec<f64>,
+    middle_m: Vec<f64>,
+    /// Which texels of the row before are sea.
+    is_sea: Vec<bool>,
+}
+
+impl SlopeRows {
+    /// For a map of so many columns and rows, each at least 1.
+    pub(super) fn new(columns: usize, rows: usize, exaggeration: f64) -> Self {
+        Self {
+            rows,
+            row_spacing_m: MEAN_RADIUS_M * std::f64::consts::PI / rows as f64,
+            equator_spacing_m: MEAN_RADIUS_M * std::f64::consts::TAU / columns as f64,
+            exaggeration,
+            taken: 0,
+            north_m: Vec::new(),
+            middle_m: Vec::new(),
+            is_sea: Vec::new(),
+        }
+    }
+
+    fn latitude_deg(&self, y: usize) -> f64 {
+        90.0 - (y as f64 + 0.5) * 180.0 / self.rows as f64
+    }
+
+    /// Takes the next row, metres above the sea, negative in it. `store` gets the slopes of the row before, (east,
+    /// north), not saturated; nothing for the first row.
+    pub(super) fn push(&mut self, heights_m: &[f64], store: impl FnMut([f64; 2])) {
+        let y = self.taken;
+        let south_m = self.land_row(y, heights_m);
+        if y == 0 {
+            // Beyond a pole there is no row: the difference is then taken to the row itself, over one spacing.
+            self.north_m = south_m.clone();
+            self.middle_m = south_m;
+        } else {
+            self.slopes(y - 1, &south_m, store);
+            self.north_m = std::mem::replace(&mut self.middle_m, south_m);
+        }
+        // A height that is not a number is where there are no data: sea.
+        self.is_sea.clear();
+        self.is_sea
+            .extend(heights_m.iter().map(|height_m| !(*height_m >= 0.0)));
+        self.taken += 1;
+    }
+
+    /// The slopes of the last row; nothing if there was none.
+    pub(super) fn finish(&mut self, store: impl FnMut([f64; 2])) {
+        if let Some(y) = self.taken.checked_sub(1) {
+            self.slopes(y, &self.middle_m, store);
+        }
+    }
+
+    fn land_row(&self, y: usize, heights_m: &[f64]) -> Vec<f64> {
+        let columns = heights_m.len();
+        let land_m: Vec<f64> = heights_m.iter().map(|height_m| height_m.max(0.0)).collect();
+        let shrink = self.latitude_deg(y).to_radians().cos();
+        let grain = GRAIN_LATITUDE_DEG.to_radians().cos() / shrink;
+        if grain > 1.0 {
+            box_mean(&land_m, grain.min(columns as f64))
+        } else {
+            land_m
+        }
+    }
+
+    /// Slopes of row `y`, which is `middle_m`.
+    fn slopes(&self, y: usize, south_m: &[f64], mut store: impl FnMut([f64; 2])) {
+        let spacings = usize::from(y > 0) + usize::from(y + 1 < self.rows);
+        let latitude_deg = self.latitude_deg(y);
+        let gain = self.exaggeration * pole_fade(latitude_deg);
+        let east_gain = gain / (2.0 * self.equator_spacing_m * latitude_deg.to_radians().cos());
+        let north_gain = gain / (spacings.max(1) as f64 * self.row_spacing_m);
+
+        let columns = self.middle_m.len();
+        for (x, is_sea) in self.is_sea.iter().enumerate() {
+            if *is_sea {
+                store([0.0, 0.0]);
+                continue;
+            }
+            let west = if x == 0 { columns - 1 } else { x - 1 };
+            let east = if x + 1 == columns { 0 } else { x + 1 };
+            let slope_east = (self.middle_m[east] - self.middle_m[west]) * east_gain;
+            let slope_north = (self.north_m[x] - south_m[x]) * north_gain;
+            store([slope_east, slope_north]);
+        }
+    }
 }
 
 /// The mean over `size` texels round each texel of a periodic row, the outermost counted in part; `size` from 1 to the
@@ -137,13 +205,13 @@ fn box_mean(row: &[f64], size: f64) -> Vec<f64> {
 }
 
 /// 1 away from the poles, 0 at them, smooth between.
-fn pole_fade(latitude_deg: f64) -> f64 {
+pub(super) fn pole_fade(latitude_deg: f64) -> f64 {
     let t = ((90.0 - latitude_deg.abs()) / POLE_FADE_DEG).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
 /// The signed byte nearest to a value in −1…1, saturating.
-fn snorm8(value: f64) -> u8 {
+pub(super) fn snorm8(value: f64) -> u8 {
     (value.clamp(-1.0, 1.0) * 127.0).round() as i8 as u8
 }
 

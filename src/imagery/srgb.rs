@@ -7,7 +7,7 @@ pub(super) static LINEAR_FROM_SRGB: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|code| linear_from_encoded(code as f64 / 255.0) as f32));
 
 /// C = E/12.92 for E ≤ 0.04045, else ((E + 0.055)/1.055)^2.4.
-fn linear_from_encoded(encoded: f64) -> f64 {
+pub(super) fn linear_from_encoded(encoded: f64) -> f64 {
     if encoded <= 0.04045 {
         encoded / 12.92
     } else {

@@ -250,6 +250,7 @@ impl TileKey {
     }
 }
 
+/// Counts levels from 1, as the paper does.
 impl fmt::Display for TileKey {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Block { column, row } = self.block();
@@ -257,7 +258,7 @@ impl fmt::Display for TileKey {
             f,
             "{} level {} block r{row}c{column}",
             self.layer.name(),
-            self.level
+            u32::from(self.level) + 1
         )
     }
 }
@@ -381,9 +382,7 @@ mod tests {
         for (pixels, side) in [(1350, 1360), (675, 688), (450, 464), (270, 280), (135, 144)] {
             let shape = TileShape::new(pixels).expect("in range");
             assert_eq!(shape.side(), side);
-            assert!(shape.side() >= pixels + 2 * TILE_BORDER && shape.side() % 8 == 0);
-            // Half a texel of border at the last mip level.
-            assert!(TILE_BORDER * 2 >= 1 << (TILE_MIPS - 1));
+            assert!(shape.side() >= pixels + 2 * TILE_BORDER && shape.side().is_multiple_of(8));
         }
         assert_eq!(TileShape::new(MAX_PIXELS).map(TileShape::side), Some(8192));
         assert_eq!(TileShape::new(MIN_PIXELS - 1), None);
@@ -420,7 +419,7 @@ mod tests {
             level: 2,
             block: 28,
         };
-        assert_eq!(key.to_string(), "day level 2 block r1c12");
+        assert_eq!(key.to_string(), "day level 3 block r1c12");
     }
 
     #[test]

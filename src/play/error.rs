@@ -6,8 +6,10 @@ use super::window::WindowError;
 use crate::EarthError;
 use crate::gpu::{ContextError, PictureError};
 use crate::imagery::ImageryError;
+use crate::imagery::pack::PackError;
 use crate::orbit::OrbitError;
 use crate::scene::SceneError;
+use std::path::PathBuf;
 
 /// What can go wrong between a scene and a picture. The messages are those of the rooms they come from.
 #[derive(Debug, thiserror::Error)]
@@ -22,6 +24,35 @@ pub enum PlayError {
     /// The maps.
     #[error(transparent)]
     Imagery(#[from] ImageryError),
+    /// The imagery pack.
+    #[error(transparent)]
+    Pack(#[from] PackError),
+    /// The scene asks for a map that its pack has not.
+    #[error(
+        "{}:{line}: [earth] {layer}: the pack {} has no such map; write {layer} = false, leave it out, or build the pack with it",
+        scene.display(), folder.display()
+    )]
+    NoLayer {
+        /// The scene's file.
+        scene: PathBuf,
+        /// Its line.
+        line: usize,
+        /// The map.
+        layer: &'static str,
+        /// The pack's folder.
+        folder: PathBuf,
+    },
+    /// The scene asks for a storage that its pack has not.
+    #[error(
+        "the pack {} keeps its tiles as {kept} only; write storage = \"auto\" in [earth], or build the pack with the other",
+        folder.display()
+    )]
+    NoStorage {
+        /// The pack's folder.
+        folder: PathBuf,
+        /// What it keeps.
+        kept: String,
+    },
     /// The renderer.
     #[error(transparent)]
     Earth(#[from] EarthError),
@@ -114,7 +145,11 @@ impl PlayError {
     pub fn is_bad_scene(&self) -> bool {
         matches!(
             self,
-            Self::Scene(_) | Self::NoSatellite | Self::Orbit(OrbitError::OutOfReach { .. })
+            Self::Scene(_)
+                | Self::NoSatellite
+                | Self::NoLayer { .. }
+                | Self::NoStorage { .. }
+                | Self::Orbit(OrbitError::OutOfReach { .. })
         )
     }
 }

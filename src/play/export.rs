@@ -7,7 +7,10 @@ use super::flight::Flight;
 use super::picture::Picture;
 use super::progress::Progress;
 use super::video::{EncoderChoice, VideoFormat, check_size, open_video};
+use crate::gpu::GpuContext;
+use crate::imagery::tile::TileKey;
 use image::RgbaImage;
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::mpsc::sync_channel;
 
@@ -70,9 +73,11 @@ pub fn export(
     }
 
     progress.begin("loading maps", None);
-    let options = flight.earth_options()?;
+    let gpu = pollster::block_on(GpuContext::open(request.adapter))?;
+    let options = flight.earth_options(gpu.bc_support())?;
+    let has_tiles = options.tiles.is_some();
     progress.end();
-    let mut picture = Picture::open(request.adapter, options, size)?;
+    let mut picture = Picture::open(gpu, options, size)?;
     tracing::info!(
         "{frame_count} frames of {} × {} on {}",
         size.0,
@@ -81,6 +86,8 @@ pub fn export(
     );
     progress.begin("frames", Some(frame_count));
     let aspect = picture.aspect();
+    let wait = scene.output.wait();
+    let mut lacking = Lacking::default();
     pump(sinks, |give| {
         for index in 0..frame_count {
             if progress.cancelled() {
@@ -90,7 +97,16 @@ pub fn export(
                 });
             }
             let moment = flight.at(frame_epoch(&scene.time, index), aspect)?;
-            picture.draw(&moment);
+            if has_tiles {
+                // The next frame's tiles are read while this one is drawn and written.
+                let next = flight.at(frame_epoch(&scene.time, index + 1), aspect);
+                picture.expect(
+                    next.as_ref()
+                        .map_or(&[], |next| std::slice::from_ref(&next.view)),
+                );
+            }
+            let (_, missing) = picture.draw_complete(&moment, wait);
+            lacking.add(index, &missing);
             if !give(picture.read()?) {
                 break;
             }
@@ -99,7 +115,37 @@ pub fn export(
         Ok(())
     })?;
     progress.end();
+    lacking.tell();
     Ok(())
+}
+
+/// Frames that lack tiles.
+#[derive(Default)]
+struct Lacking {
+    frames: u64,
+    first: Option<(u64, TileKey)>,
+    tiles: BTreeSet<TileKey>,
+}
+
+impl Lacking {
+    fn add(&mut self, frame: u64, missing: &[TileKey]) {
+        self.frames += u64::from(!missing.is_empty());
+        self.first = self.first.or(missing.first().map(|key| (frame, *key)));
+        self.tiles.extend(missing);
+    }
+
+    fn tell(&self) {
+        let Some((frame, key)) = self.first else {
+            return;
+        };
+        let tiles: Vec<_> = self.tiles.iter().map(TileKey::to_string).collect();
+        tracing::warn!(
+            "{} frames lack tiles and are drawn coarser there, first frame {frame} ({key}); give them more time (wait_s \
+             under [output]) or run `terrella pack verify`. Missing: {}",
+            self.frames,
+            tiles.join(", ")
+        );
+    }
 }
 
 /// Runs `produce` here and the sinks on a thread of their own. `produce` is given a function that takes frames and

@@ -3,8 +3,9 @@
 use super::camera::{Look, Motion, Pose};
 use super::craft::CraftPose;
 use super::error::PlayError;
+use super::maps::earth_options;
 use crate::frames::{Ellipsoid, Epoch, Geodetic};
-use crate::imagery::{LayerSelection, find_textures, load_layers};
+use crate::gpu::BcSupport;
 use crate::orbit::{Feed, OrbitState, TleFeed};
 use crate::scene::{CameraMode, Orbit, Scene};
 use crate::{EarthOptions, EyeView, Sky};
@@ -140,27 +141,10 @@ impl Flight {
         })
     }
 
-    /// Loads the maps that the scene wants and no others, and gathers its options.
-    pub fn earth_options(&self) -> Result<EarthOptions, PlayError> {
-        let table = &self.scene.earth;
-        let folder = match &table.textures {
-            Some(folder) => folder.clone(),
-            None => find_textures()?,
-        };
-        let selection = LayerSelection {
-            clouds: table.clouds,
-            normals: table.normals,
-            night_lights: table.night_lights,
-        };
-        tracing::info!("maps from {}", folder.display());
-        let mut options = EarthOptions::new(load_layers(&folder, selection)?);
-        options.figure = table.figure;
-        options.subdivision = table.subdivision;
-        options.visibility = table.visibility;
-        options.shading = table.shading;
-        options.atmosphere = table.atmosphere;
-        options.samples = self.scene.output.samples;
-        Ok(options)
+    /// Loads the maps that the scene wants and no others, and gathers its options. `bc` is what the adapter does with
+    /// compressed textures; it matters to packs alone.
+    pub fn earth_options(&self, bc: BcSupport) -> Result<EarthOptions, PlayError> {
+        earth_options(&self.scene, bc)
     }
 }
 

@@ -9,6 +9,7 @@
 //! | `clock` | simulated time, exact frame instants |
 //! | `camera` | the four cameras, pure functions |
 //! | `flight` | scene and orbit to moments |
+//! | `maps` | the scene's maps: a folder or a pack |
 //! | `craft/` | the spacecraft that the chase camera follows |
 //! | `picture`, `still`, `stats`, `export`, `video/` | pictures, their numbers, films |
 //! | `destination` | files that are whole or not there |
@@ -23,6 +24,7 @@ mod error;
 mod export;
 mod flight;
 mod keys;
+mod maps;
 mod overlay;
 mod panel;
 mod picture;
@@ -35,7 +37,7 @@ mod video;
 mod window;
 
 pub use craft::CraftPose;
-pub use destination::OutputError;
+pub use destination::{OutputError, PendingFile};
 pub use error::PlayError;
 pub use export::{ExportRequest, export};
 pub use flight::{Flight, Moment, Satellite, ViewRequest};

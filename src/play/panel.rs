@@ -16,6 +16,8 @@ pub struct PanelData<'p> {
     pub moment: &'p Moment,
     /// What was drawn.
     pub stats: FrameStats,
+    /// Whether the tiles of a pack are drawn.
+    pub has_tiles: bool,
     /// Milliseconds between frames, smoothed; `None` before there are two.
     pub interval_ms: Option<f64>,
     /// Milliseconds of this program's own work on a frame, smoothed.
@@ -84,6 +86,11 @@ fn panel(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut V
                 data.stats.blocks_drawn, data.stats.blocks_visible
             ),
         );
+        if data.has_tiles {
+            for (name, value) in tile_rows(&data.stats) {
+                row(name, value);
+            }
+        }
         row("adapter", data.adapter.to_owned());
     });
     let mut progress = clock.progress();
@@ -107,6 +114,51 @@ fn panel(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut V
             }
         }
     });
+}
+
+/// What the panel tells of tiles.
+fn tile_rows(stats: &FrameStats) -> [(&'static str, String); 4] {
+    let tiles = &stats.tiles;
+    let by_level = |counts: &[u32]| {
+        let last = counts.iter().rposition(|n| *n > 0).map_or(1, |n| n + 1);
+        let counts: Vec<_> = counts[..last].iter().map(u32::to_string).collect();
+        counts.join(" ")
+    };
+    let mb = |bytes: u64| format!("{:.0} MB", bytes as f64 / 1e6);
+    let failures = match tiles.failures {
+        0 => String::new(),
+        n => format!(", {n} unreadable"),
+    };
+    [
+        (
+            "texels",
+            format!("{:.2} a pixel at least", stats.texels_per_pixel),
+        ),
+        (
+            "tiles",
+            format!(
+                "{} wanted, {} held, finest first",
+                by_level(&tiles.wanted),
+                by_level(&tiles.resident)
+            ),
+        ),
+        (
+            "loading",
+            format!(
+                "{} queued, {} decoding, {} to upload, {} stand-ins{failures}",
+                tiles.queued, tiles.loading, tiles.waiting_upload, tiles.fallbacks
+            ),
+        ),
+        (
+            "so far",
+            format!(
+                "{} decoded, {} uploaded, {} replaced",
+                mb(tiles.decoded_bytes),
+                mb(tiles.uploaded_bytes),
+                tiles.evictions
+            ),
+        ),
+    ]
 }
 
 fn help(ui: &mut Ui) {

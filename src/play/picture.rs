@@ -4,7 +4,8 @@ use super::craft::CraftLayer;
 use super::error::PlayError;
 use super::flight::Moment;
 use crate::gpu::{FrameTargets, GpuContext};
-use crate::{Earth, EarthOptions, FrameStats};
+use crate::imagery::tile::TileKey;
+use crate::{Earth, EarthOptions, EyeView, FrameStats};
 use image::RgbaImage;
 use std::time::{Duration, Instant};
 
@@ -31,16 +32,15 @@ pub struct Measured {
 }
 
 impl Picture {
-    /// Opens the adapter (the best, or the best whose name contains `adapter`) and uploads the maps.
+    /// Uploads the maps to an adapter.
     ///
     /// Where the adapter cannot do the samples asked for, one sample a pixel is drawn, with a warning.
     pub fn open(
-        adapter: Option<&str>,
+        gpu: GpuContext,
         mut options: EarthOptions,
         size: (u32, u32),
     ) -> Result<Self, PlayError> {
         check_memory(size, options.samples)?;
-        let gpu = pollster::block_on(GpuContext::open(adapter))?;
         options.color_format = FrameTargets::COLOR;
         options.samples = supported_samples(&gpu.adapter, FrameTargets::COLOR, options.samples);
         let targets = new_targets(&gpu, size, options.samples)?;
@@ -79,6 +79,23 @@ impl Picture {
         let stats = self.prepare(moment);
         self.submit();
         stats
+    }
+
+    /// Draws an instant when all tiles that it wants have come, or `wait` is over. Answers the tiles that are missing.
+    pub fn draw_complete(&mut self, moment: &Moment, wait: Duration) -> (FrameStats, Vec<TileKey>) {
+        let size = self.size();
+        let (view, sky) = (&moment.view, &moment.sky);
+        let (mut stats, missing) =
+            self.earth
+                .prepare_complete(&self.gpu.queue, view, sky, size, wait);
+        self.craft.prepare(&self.gpu, moment, &mut stats);
+        self.submit();
+        (stats, missing)
+    }
+
+    /// Says where the eye will be soon, so that tiles are there when it comes.
+    pub fn expect(&mut self, views: &[EyeView]) {
+        self.earth.expect(views);
     }
 
     /// Reads back what was drawn last. Waits for the device.

@@ -8,11 +8,12 @@ use super::flight::{Flight, Moment};
 use super::keys::Action;
 use super::overlay::{Overlay, Response};
 use super::panel::{self, PanelData};
+use super::progress::Progress;
 use super::surface::WindowSurface;
 use super::window::WindowError;
 use crate::frames::rfc3339;
 use crate::gpu::{GpuContext, read_texture};
-use crate::{Earth, EarthOptions, FrameStats};
+use crate::{Earth, EyeView, FrameStats};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -37,6 +38,7 @@ pub struct Stage {
     device_lost: Arc<AtomicBool>,
     adapter: String,
     satellite: Option<String>,
+    has_tiles: bool,
     last: Option<(Moment, FrameStats)>,
     interval_ms: Option<f64>,
     work_ms: f64,
@@ -58,13 +60,15 @@ impl Stage {
         size: PhysicalSize<u32>,
         flight: &Flight,
         adapter: Option<&str>,
-        mut options: EarthOptions,
+        progress: &dyn Progress,
     ) -> Result<Self, PlayError> {
         let scene = flight.scene().path.file_stem();
         let name = scene.unwrap_or_default().to_string_lossy();
         let attributes = Window::default_attributes()
             .with_title(format!("{name} · Terrella"))
-            .with_inner_size(size);
+            .with_inner_size(size)
+            // Shown when there is something to see.
+            .with_visible(false);
         let window = event_loop
             .create_window(attributes)
             .map_err(|error| WindowError::NoDisplay(error.to_string()))?;
@@ -84,12 +88,16 @@ impl Stage {
                 flag.store(true, Ordering::Relaxed);
             }
         });
+        progress.begin("loading maps", None);
+        let mut options = flight.earth_options(gpu.bc_support())?;
+        progress.end();
         let inner = window.inner_size();
         let inner = (inner.width, inner.height);
         let surface = WindowSurface::new(&gpu, surface, inner, options.samples)?;
         options.color_format = surface.format();
         options.samples = surface.samples();
         let earth = Earth::new(&gpu.device, &gpu.queue, &options)?;
+        window.set_visible(true);
         let info = gpu.adapter.get_info();
         tracing::info!("window on {} ({})", info.name, info.backend);
         Ok(Self {
@@ -102,6 +110,7 @@ impl Stage {
             device_lost,
             adapter: format!("{} ({})", info.name, info.backend),
             satellite: flight.feed().map(|feed| feed.name().to_owned()),
+            has_tiles: options.tiles.is_some(),
             last: None,
             interval_ms: None,
             work_ms: 0.0,
@@ -127,6 +136,24 @@ impl Stage {
     pub fn aspect(&self) -> f64 {
         let (width, height) = self.size();
         f64::from(width) / f64::from(height)
+    }
+
+    /// Whether the Earth is drawn with the tiles of a pack.
+    pub fn has_tiles(&self) -> bool {
+        self.has_tiles
+    }
+
+    /// Whether the last picture still waits for tiles.
+    pub fn is_loading(&self) -> bool {
+        self.last.is_some_and(|(_, stats)| {
+            let tiles = stats.tiles;
+            tiles.queued + tiles.loading + tiles.waiting_upload > 0
+        })
+    }
+
+    /// Says where the eye will be soon.
+    pub fn expect(&mut self, views: &[EyeView]) {
+        self.earth.expect(views);
     }
 
     /// What was drawn last.
@@ -254,6 +281,7 @@ impl Stage {
             satellite: self.satellite.as_deref(),
             moment,
             stats,
+            has_tiles: self.has_tiles,
             interval_ms: self.interval_ms,
             work_ms: self.work_ms,
             adapter: &self.adapter,

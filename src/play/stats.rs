@@ -2,11 +2,13 @@
 
 use super::flight::Moment;
 use super::picture::{Measured, Picture};
+use crate::FrameStats;
 use crate::frames::{Geodetic, rfc3339};
+use crate::imagery::tile::TileKey;
 use glam::DVec3;
 use std::time::Duration;
 
-/// The numbers of one picture. Every key is always there.
+/// The numbers of one picture. Every key is always there, but `tiles` only where a pack is drawn.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stats {
@@ -30,6 +32,9 @@ pub struct Stats {
     pub draw_calls: u32,
     /// Bytes of all textures, mip levels included.
     pub texture_bytes: u64,
+    /// The tiles of the pack; left out where there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tiles: Option<Tiles>,
     /// Features that are drawn.
     pub features_on: Vec<String>,
     /// Features that are off and cost nothing.
@@ -40,6 +45,50 @@ pub struct Stats {
     pub sun: SubsolarPoint,
     /// The instant, UTC, RFC 3339.
     pub epoch: String,
+}
+
+/// How the picture's tiles stand. Lists are by level, the finest first.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tiles {
+    /// Texels of the day map per pixel, where there are fewest; 1 and more is sharp.
+    pub texels_per_pixel: f64,
+    /// Tiles that the picture asks for.
+    pub wanted: Vec<u32>,
+    /// Tiles on the GPU.
+    pub resident: Vec<u32>,
+    /// Maps of blocks drawn with the tile that was asked for.
+    pub hits: u32,
+    /// Maps of blocks drawn with something coarser.
+    pub fallbacks: u32,
+    /// Bytes decoded so far.
+    pub decoded_bytes: u64,
+    /// Bytes uploaded so far.
+    pub uploaded_bytes: u64,
+    /// Tiles that made room for others so far.
+    pub evictions: u64,
+    /// Tiles that could not be read so far.
+    pub failures: u64,
+    /// Tiles that had not come when the picture was drawn.
+    pub missing: Vec<String>,
+}
+
+impl Tiles {
+    fn new(stats: &FrameStats, missing: &[TileKey]) -> Self {
+        let counters = &stats.tiles;
+        Self {
+            texels_per_pixel: stats.texels_per_pixel,
+            wanted: counters.wanted.to_vec(),
+            resident: counters.resident.to_vec(),
+            hits: counters.hits,
+            fallbacks: counters.fallbacks,
+            decoded_bytes: counters.decoded_bytes,
+            uploaded_bytes: counters.uploaded_bytes,
+            evictions: counters.evictions,
+            failures: counters.failures,
+            missing: missing.iter().map(TileKey::to_string).collect(),
+        }
+    }
 }
 
 /// Where the eye is, above the scene's figure.
@@ -65,8 +114,13 @@ pub struct SubsolarPoint {
 }
 
 impl Stats {
-    /// The numbers of a picture of `moment` that was measured.
-    pub fn new(picture: &Picture, moment: &Moment, measured: &Measured) -> Self {
+    /// The numbers of a picture of `moment` that was measured, and the tiles that it lacks.
+    pub fn new(
+        picture: &Picture,
+        moment: &Moment,
+        measured: &Measured,
+        missing: &[TileKey],
+    ) -> Self {
         let info = picture.adapter_info();
         let (width, height) = picture.size();
         let counts = &measured.stats;
@@ -82,6 +136,10 @@ impl Stats {
             triangles: counts.triangles,
             draw_calls: counts.draw_calls,
             texture_bytes: counts.texture_bytes,
+            tiles: picture
+                .earth()
+                .has_tiles()
+                .then(|| Tiles::new(counts, missing)),
             features_on: names(picture.earth().features_on()),
             features_off: names(picture.earth().features_off()),
             eye: Eye::new(counts.eye),

@@ -7,6 +7,8 @@ use super::picture::Picture;
 use super::progress::Progress;
 use super::stats::Stats;
 use crate::frames::Epoch;
+use crate::gpu::GpuContext;
+use crate::imagery::tile::TileKey;
 use std::path::Path;
 
 /// What a still is.
@@ -42,20 +44,20 @@ pub fn write_still(
         None => None,
     };
 
+    let gpu = pollster::block_on(GpuContext::open(request.adapter))?;
     progress.begin("loading maps", None);
-    let options = flight.earth_options()?;
+    let options = flight.earth_options(gpu.bc_support())?;
     progress.end();
     progress.begin("drawing", None);
-    let mut picture = Picture::open(request.adapter, options, size)?;
+    let mut picture = Picture::open(gpu, options, size)?;
+    let (_, missing) = picture.draw_complete(&moment, scene.output.wait());
+    tell_missing(&missing);
     let numbers = match &stats {
         Some(_) => {
             let measured = picture.measure(&moment)?;
-            Some(Stats::new(&picture, &moment, &measured))
+            Some(Stats::new(&picture, &moment, &measured, &missing))
         }
-        None => {
-            picture.draw(&moment);
-            None
-        }
+        None => None,
     };
     output.write_png(&picture.read()?)?;
     progress.end();
@@ -63,4 +65,24 @@ pub fn write_still(
         file.write_whole(numbers.to_json().as_bytes())?;
     }
     Ok(())
+}
+
+/// Most missing tiles that are named.
+const NAMED: usize = 8;
+
+/// Warns of tiles that a picture lacks.
+fn tell_missing(missing: &[TileKey]) {
+    if missing.is_empty() {
+        return;
+    }
+    let names: Vec<_> = missing.iter().take(NAMED).map(TileKey::to_string).collect();
+    let more = match missing.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    tracing::warn!(
+        "{} tiles are missing and drawn coarser: {}{more}; give them more time (wait_s under [output]) or run `terrella pack verify`",
+        missing.len(),
+        names.join(", ")
+    );
 }

@@ -6,7 +6,8 @@ use super::flight::Flight;
 use super::keys::{Action, action_of};
 use super::progress::Progress;
 use super::stage::{Shown, Stage};
-use crate::EarthOptions;
+use crate::EyeView;
+use hifitime::Unit;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
@@ -21,6 +22,8 @@ const RETRY: Duration = Duration::from_millis(100);
 const PIXELS_PER_NOTCH: f64 = 50.0;
 /// Magnification of one notch, as a power of two.
 const ZOOM_PER_NOTCH: f64 = 0.25;
+/// How far ahead tiles are read for, seconds of the user's time.
+const EXPECTED_S: [f64; 3] = [0.5, 1.5, 4.0];
 /// How long a message stays.
 const MESSAGE_TIME: Duration = Duration::from_secs(4);
 
@@ -65,14 +68,11 @@ pub fn play_in_window(
     // Before the maps are loaded: whether there is a display is known at once.
     let event_loop =
         EventLoop::new().map_err(|error| WindowError::NoDisplay(no_display(&error)))?;
-    progress.begin("loading maps", None);
-    let options = flight.earth_options()?;
-    progress.end();
     let mut app = App {
         controls: Controls::new(flight),
         flight,
         request,
-        options: Some(options),
+        progress,
         stage: None,
         failure: None,
         closes_at: None,
@@ -82,6 +82,7 @@ pub fn play_in_window(
         dragging: false,
         pointer: None,
         hidden: false,
+        expected: Vec::new(),
     };
     event_loop
         .run_app(&mut app)
@@ -106,8 +107,7 @@ struct App<'a> {
     flight: &'a Flight,
     request: &'a WindowRequest<'a>,
     controls: Controls,
-    /// Taken when the window is made.
-    options: Option<EarthOptions>,
+    progress: &'a dyn Progress,
     stage: Option<Stage>,
     failure: Option<PlayError>,
     closes_at: Option<Instant>,
@@ -121,6 +121,8 @@ struct App<'a> {
     pointer: Option<(f64, f64)>,
     /// Minimised or covered.
     hidden: bool,
+    /// Where the eye will be soon.
+    expected: Vec<EyeView>,
 }
 
 impl ApplicationHandler for App<'_> {
@@ -132,13 +134,14 @@ impl ApplicationHandler for App<'_> {
 
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         // Desktop systems resume once; on others the stage of the first time is kept.
-        let Some(options) = self.options.take() else {
+        if self.stage.is_some() {
             return;
-        };
+        }
         let [width, height] = self.flight.scene().output.size;
         let (width, height) = self.request.size.unwrap_or((width, height));
         let size = PhysicalSize::new(width, height);
-        match Stage::open(event_loop, size, self.flight, self.request.adapter, options) {
+        let adapter = self.request.adapter;
+        match Stage::open(event_loop, size, self.flight, adapter, self.progress) {
             Ok(stage) => {
                 self.stage = Some(stage);
                 let time = self.request.for_seconds;
@@ -301,8 +304,20 @@ impl App<'_> {
         // Only frames that follow each other tell the frame rate.
         let moving = !self.controls.clock.is_paused();
         self.last_frame = moving.then_some(now);
+        self.expected.clear();
+        if moving && stage.has_tiles() {
+            let request = self.controls.request(stage.aspect());
+            let speed = self.controls.clock.speed();
+            self.expected
+                .extend(EXPECTED_S.iter().filter_map(|seconds| {
+                    let epoch = moment.epoch + Unit::Second * (seconds * speed);
+                    Some(self.flight.view_at(epoch, &request).ok()?.view)
+                }));
+        }
+        stage.expect(&self.expected);
         let (shown, actions) = stage.draw(&moment, &self.controls, interval);
         self.repaint_at = match shown {
+            Shown::Until(_) if stage.is_loading() => Some(now),
             Shown::Until(delay) => now.checked_add(delay).filter(|_| !moving),
             Shown::Not => Some(now + RETRY),
         };

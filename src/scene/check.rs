@@ -5,11 +5,15 @@ use super::field::{Field, Wanted, field, flag, in_range, span_of, written};
 use super::limits::*;
 use super::locate::Source;
 use super::raw::{RawCamera, RawEarth, RawOrbit, RawOutput, RawScene, RawTime};
-use super::{Camera, CameraMode, CameraUp, EarthTable, Lines, Orbit, Output, Scene, Time};
+use super::{
+    Camera, CameraMode, CameraUp, EarthTable, Lines, Orbit, Output, PackTable, Scene,
+    StorageChoice, Time,
+};
 use crate::air::Atmosphere;
 use crate::frames::{Epoch, utc_from_rfc3339};
-use crate::globe::{Figure, Shading, Visibility};
+use crate::globe::{Figure, LevelRule, Shading, Visibility};
 use serde::Deserialize;
+use std::ops::RangeInclusive;
 use toml::Spanned;
 
 /// Checks a whole scene.
@@ -35,6 +39,7 @@ pub(super) fn check(source: Source<'_>, raw: RawScene) -> Result<Scene, SceneErr
     }
 
     let camera = source.camera(&camera)?;
+    let earth = source.earth(&earth)?;
     let flies = camera.mode != CameraMode::Geodetic;
     Ok(Scene {
         path: source.path.to_owned(),
@@ -44,8 +49,8 @@ pub(super) fn check(source: Source<'_>, raw: RawScene) -> Result<Scene, SceneErr
             _ => None,
         },
         camera,
-        earth: source.earth(&earth)?,
-        output: source.output(&output)?,
+        output: source.output(&output, earth.pack.is_some())?,
+        earth,
         lines,
     })
 }
@@ -223,7 +228,7 @@ impl Source<'_> {
         }
         Ok(EarthTable {
             figure: self.choice(&field!(earth.figure), Figure::default())?,
-            subdivision: self.subdivision(&field!(earth.subdivision))?,
+            subdivision: self.subdivision(&field!(earth.subdivision), earth.pack.is_some())?,
             visibility: self.choice(&field!(earth.visibility), Visibility::default())?,
             shading,
             clouds: flag(&field!(earth.clouds), true),
@@ -231,12 +236,89 @@ impl Source<'_> {
             night_lights,
             atmosphere: self.choice(&field!(earth.atmosphere), Atmosphere::default())?,
             textures: self.path(&field!(earth.textures), Wanted::Folder)?,
+            pack: self.pack(earth, shading)?,
         })
     }
 
-    fn subdivision(&self, field: &Field<'_, i64>) -> Result<u32, SceneError> {
+    fn pack(&self, earth: &RawEarth, shading: Shading) -> Result<Option<PackTable>, SceneError> {
+        let folder = self.path(&field!(earth.pack), Wanted::Folder)?;
+        let (water, levels, texel_px, storage) = (
+            field!(earth.water),
+            field!(earth.levels),
+            field!(earth.texel_px),
+            field!(earth.storage),
+        );
+        let (texture_mb, upload_mb) = (field!(earth.texture_mb), field!(earth.upload_mb));
+        let Some(folder) = folder else {
+            self.only_with_a_pack(&water)?;
+            self.only_with_a_pack(&levels)?;
+            self.only_with_a_pack(&texel_px)?;
+            self.only_with_a_pack(&storage)?;
+            self.only_with_a_pack(&texture_mb)?;
+            self.only_with_a_pack(&upload_mb)?;
+            return Ok(None);
+        };
+        let textures = field!(earth.textures);
+        if textures.is_given() {
+            let advice = "a scene draws a folder of maps or a pack; leave out textures or pack";
+            return Err(self.refuse(&textures, advice));
+        }
+        if shading == Shading::Paper && flag(&water, false) {
+            let advice = "the paper's shading has no glint; write false, leave it out, or take shading = \"sunlit\"";
+            return Err(self.refuse(&water, advice));
+        }
+        let rule = self.choice(&levels, LevelRule::default())?;
+        if rule == LevelRule::Paper && texel_px.is_given() {
+            let advice = "texel_px has no meaning with levels = \"paper\", where distances alone decide; leave it out or write levels = \"screen\"";
+            return Err(self.refuse(&texel_px, advice));
+        }
+        let within = |range: RangeInclusive<f64>, unit: &'static str| {
+            move |_| format!("must be from {} {unit}", span_of(&range))
+        };
+        let (px, mb, frame_mb) = (TEXEL_PX, TEXTURE_MB, UPLOAD_MB);
+        Ok(Some(PackTable {
+            folder,
+            water: flag(&water, shading == Shading::Sunlit),
+            levels: rule,
+            texel_px: self.number(
+                &texel_px,
+                DEFAULT_TEXEL_PX,
+                px.clone(),
+                within(px, "screen pixels a texel"),
+            )?,
+            storage: self.choice(&storage, StorageChoice::default())?,
+            texture_mb: self.number(
+                &texture_mb,
+                DEFAULT_TEXTURE_MB,
+                mb.clone(),
+                within(mb, "megabytes"),
+            )?,
+            upload_mb: self.number(
+                &upload_mb,
+                DEFAULT_UPLOAD_MB,
+                frame_mb.clone(),
+                within(frame_mb, "megabytes a frame"),
+            )?,
+        }))
+    }
+
+    fn only_with_a_pack<T>(&self, field: &Field<'_, T>) -> Result<(), SceneError> {
+        if !field.is_given() {
+            return Ok(());
+        }
+        let advice = format!(
+            "{} is for imagery packs; leave it out, or name the pack's folder by pack = \"…\"",
+            field.key
+        );
+        Err(self.refuse(field, advice))
+    }
+
+    fn subdivision(&self, field: &Field<'_, i64>, has_pack: bool) -> Result<u32, SceneError> {
         let Some(given) = field.given else {
-            return Ok(DEFAULT_SUBDIVISION);
+            return Ok(match has_pack {
+                true => DEFAULT_PACK_SUBDIVISION,
+                false => DEFAULT_SUBDIVISION,
+            });
         };
         in_range(*given.get_ref(), &SUBDIVISION).ok_or_else(|| {
             let advice = format!(
@@ -247,7 +329,7 @@ impl Source<'_> {
         })
     }
 
-    fn output(&self, output: &RawOutput) -> Result<Output, SceneError> {
+    fn output(&self, output: &RawOutput, has_pack: bool) -> Result<Output, SceneError> {
         let size_field = field!(output.size);
         let size = match size_field.given.map(|given| given.get_ref().as_slice()) {
             None => DEFAULT_SIZE_PX,
@@ -278,7 +360,18 @@ impl Source<'_> {
                     self.refuse(&samples_field, advice)
                 })?,
         };
-        Ok(Output { size, samples })
+        let wait = field!(output.wait_s);
+        if !has_pack {
+            self.only_with_a_pack(&wait)?;
+        }
+        let wait_s = self.number(&wait, DEFAULT_WAIT_S, WAIT_S, |_| {
+            format!("must be from {} seconds", span_of(&WAIT_S))
+        })?;
+        Ok(Output {
+            size,
+            samples,
+            wait_s,
+        })
     }
 }
 

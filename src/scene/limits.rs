@@ -30,6 +30,15 @@ pub const HEIGHT_KM: RangeInclusive<f64> = 0.001..=1e9;
 /// Cells per block edge.
 pub const SUBDIVISION: RangeInclusive<i64> = 1..=48;
 
+/// Most screen pixels that a texel of a tile may cover.
+pub const TEXEL_PX: RangeInclusive<f64> = 0.25..=16.0;
+/// Textures of maps and tiles, megabytes (10⁶ bytes): from what the coarsest maps take to more than any adapter has.
+pub const TEXTURE_MB: RangeInclusive<f64> = 1.0..=1e6;
+/// Tiles uploaded in one frame, megabytes.
+pub const UPLOAD_MB: RangeInclusive<f64> = 0.01..=1e4;
+/// How long a picture that is kept waits for its tiles, seconds.
+pub const WAIT_S: RangeInclusive<f64> = 0.0..=3600.0;
+
 /// Width and height of the picture, pixels: the largest texture side that desktop adapters promise.
 pub const SIDE_PX: RangeInclusive<i64> = 1..=16_384;
 /// Samples per pixel: the counts that every adapter can do.
@@ -49,7 +58,18 @@ pub const DEFAULT_FOV_DEG: f64 = 45.0;
 pub const DEFAULT_HEIGHT_KM: f64 = 20_000.0;
 /// `[earth] subdivision` where a scene gives none: the paper's.
 pub const DEFAULT_SUBDIVISION: u32 = 6;
+/// `[earth] subdivision` where a scene with a pack gives none: fine enough for tiles that meet at grazing views, see
+/// `TILED_SUBDIVISION`.
+pub const DEFAULT_PACK_SUBDIVISION: u32 = 24;
 /// `[output] size` where a scene gives none.
 pub const DEFAULT_SIZE_PX: [u32; 2] = [1280, 720];
 /// `[output] samples` where a scene gives none.
 pub const DEFAULT_SAMPLES: u32 = 4;
+/// `[earth] texel_px` where a scene gives none.
+pub const DEFAULT_TEXEL_PX: f64 = 1.0;
+/// `[earth] texture_mb` where a scene gives none.
+pub const DEFAULT_TEXTURE_MB: f64 = 512.0;
+/// `[earth] upload_mb` where a scene gives none.
+pub const DEFAULT_UPLOAD_MB: f64 = 8.0;
+/// `[output] wait_s` where a scene gives none.
+pub const DEFAULT_WAIT_S: f64 = 30.0;

@@ -17,8 +17,7 @@ mod summary;
 
 use crate::air::Atmosphere;
 use crate::frames::Epoch;
-use crate::globe::Shading;
-use crate::globe::{Figure, Visibility};
+use crate::globe::{Figure, LevelRule, Shading, Visibility};
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -200,8 +199,42 @@ pub struct EarthTable {
     pub night_lights: bool,
     /// The air.
     pub atmosphere: Atmosphere,
-    /// Folder of the maps; `None` is the starter pack.
+    /// Folder of the maps; `None` is the starter pack. Not looked at where there is a pack.
     pub textures: Option<PathBuf>,
+    /// The imagery pack; `None` draws whole maps.
+    pub pack: Option<PackTable>,
+}
+
+/// The keys of `[earth]` that say how an imagery pack is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PackTable {
+    /// The pack's folder.
+    pub folder: PathBuf,
+    /// Whether the sea glints, if the pack has a water map.
+    pub water: bool,
+    /// How the level of a block is chosen.
+    pub levels: LevelRule,
+    /// `levels = "screen"`: most screen pixels that a texel may cover.
+    pub texel_px: f64,
+    /// Which of the pack's storages is read.
+    pub storage: StorageChoice,
+    /// Textures of maps and tiles, megabytes.
+    pub texture_mb: f64,
+    /// Tiles uploaded in one frame, megabytes.
+    pub upload_mb: f64,
+}
+
+/// Which of a pack's storages is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum StorageChoice {
+    /// Compressed on graphics hardware that reads it, plain on software adapters; whichever there is otherwise.
+    #[default]
+    Auto,
+    /// Plain texels.
+    Plain,
+    /// BC7, BC5 and BC4.
+    Bc,
 }
 
 /// `[output]`
@@ -211,4 +244,14 @@ pub struct Output {
     pub size: [u32; 2],
     /// Samples per pixel, 1 or 4.
     pub samples: u32,
+    /// How long a picture that is kept waits for the tiles of its pack, seconds.
+    pub wait_s: f64,
+}
+
+impl Output {
+    /// [`Self::wait_s`] as a duration.
+    pub fn wait(&self) -> std::time::Duration {
+        // Bounds of scene files: a finite number that is not negative.
+        std::time::Duration::try_from_secs_f64(self.wait_s).unwrap_or_default()
+    }
 }

@@ -75,12 +75,20 @@ table!(RawEarth {
     night_lights: bool = "true or false",
     atmosphere: String = "a string: \"billboard\" or \"none\"",
     textures: String = "a string, the path of a folder of maps",
+    pack: String = "a string, the path of an imagery pack's folder",
+    water: bool = "true or false",
+    levels: String = "a string: \"screen\" or \"paper\"",
+    texel_px: f64 = "a number of screen pixels",
+    storage: String = "a string: \"auto\", \"plain\" or \"bc\"",
+    texture_mb: f64 = "a number of megabytes",
+    upload_mb: f64 = "a number of megabytes",
 });
 
 table!(RawOutput {
     // A list of any length, so that a wrong length gets our own message.
     size: Vec<i64> = "[width, height], two whole numbers of pixels",
     samples: i64 = "1 or 4",
+    wait_s: f64 = "a number of seconds",
 });
 
 /// A scene file; a table that is left out is `None`.

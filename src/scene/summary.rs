@@ -4,8 +4,9 @@ use super::dates::utc;
 use super::error::printable;
 use super::field::written;
 use super::raw::TABLES;
-use super::{CameraMode, Scene};
+use super::{CameraMode, PackTable, Scene};
 use crate::air::Atmosphere;
+use crate::globe::LevelRule;
 use std::fmt::Write;
 
 impl Scene {
@@ -97,13 +98,25 @@ impl Scene {
             ("earth", "atmosphere") => quoted(&written(&earth.atmosphere)),
             ("earth", "textures") => match &earth.textures {
                 Some(folder) => quoted(&folder.display().to_string()),
+                None if earth.pack.is_some() => Err("the pack is taken"),
                 None => Err("the starter pack is taken"),
+            },
+            (
+                "earth",
+                "pack" | "water" | "levels" | "texel_px" | "storage" | "texture_mb" | "upload_mb",
+            ) => match &earth.pack {
+                Some(pack) => pack_value(pack, key),
+                None => Err("no pack: whole maps are drawn"),
             },
             ("output", "size") => {
                 let [width, height] = self.output.size;
                 Ok(format!("[{width}, {height}]"))
             }
             ("output", "samples") => Ok(self.output.samples.to_string()),
+            ("output", "wait_s") => match earth.pack {
+                Some(_) => Ok(self.output.wait_s.to_string()),
+                None => Err("no pack: nothing to wait for"),
+            },
             // A test holds that no known key comes here.
             _ => Err("unknown to the summary"),
         }
@@ -149,9 +162,10 @@ impl Scene {
             "camera",
             format!("{eye}; {}° from bottom to top", camera.fov_deg),
         ));
-        let maps = match &self.earth.textures {
-            Some(folder) => folder.display().to_string(),
-            None => "the starter pack".to_owned(),
+        let maps = match (&self.earth.pack, &self.earth.textures) {
+            (Some(pack), _) => format!("the pack {}, those that it has", pack.folder.display()),
+            (None, Some(folder)) => folder.display().to_string(),
+            (None, None) => "the starter pack".to_owned(),
         };
         let layers: Vec<_> = self.layers().into_iter().filter(|(_, on)| *on).collect();
         let names: Vec<_> = layers.iter().map(|(name, _)| *name).collect();
@@ -163,13 +177,20 @@ impl Scene {
     }
 
     /// The layers in the order in which they are drawn, and whether each is on.
-    fn layers(&self) -> [(&'static str, bool); 4] {
-        [
+    fn layers(&self) -> Vec<(&'static str, bool)> {
+        let mut layers = vec![
             ("day map", true),
             ("clouds", self.earth.clouds),
             ("normals", self.earth.normals),
             ("night lights", self.earth.night_lights),
-        ]
+        ];
+        layers.extend(
+            self.earth
+                .pack
+                .as_ref()
+                .map(|pack| ("sea glint", pack.water)),
+        );
+        layers
     }
 
     fn leaves_out(&self) -> Vec<&'static str> {
@@ -184,6 +205,22 @@ impl Scene {
         }
         names
     }
+}
+
+/// The value of one of the pack's keys.
+fn pack_value(pack: &PackTable, key: &str) -> Result<String, &'static str> {
+    Ok(match key {
+        "pack" => format!("\"{}\"", printable(&pack.folder.display().to_string())),
+        "water" => pack.water.to_string(),
+        "levels" => format!("\"{}\"", written(&pack.levels)),
+        "texel_px" if pack.levels == LevelRule::Paper => {
+            return Err("only for levels = \"screen\"");
+        }
+        "texel_px" => pack.texel_px.to_string(),
+        "storage" => format!("\"{}\"", written(&pack.storage)),
+        "texture_mb" => pack.texture_mb.to_string(),
+        _ => pack.upload_mb.to_string(),
+    })
 }
 
 fn line(out: &mut String, text: std::fmt::Arguments<'_>) {

@@ -162,8 +162,9 @@ fn a_chase_picture_has_the_craft_in_its_middle_lit_from_the_right_side() {
     for samples in [1, 4] {
         let scene = Scene::from_toml(&station("chase", samples), Path::new("a.toml"));
         let flight = Flight::open(scene.expect("a scene")).expect("opens");
-        let options = flight.earth_options().expect("maps");
-        let mut picture = Picture::open(None, options, (96, 54)).expect("an adapter");
+        let gpu = pollster::block_on(terrella::gpu::GpuContext::open(None)).expect("an adapter");
+        let options = flight.earth_options(gpu.bc_support()).expect("maps");
+        let mut picture = Picture::open(gpu, options, (96, 54)).expect("an adapter");
         // The same moment with and without the craft: where they differ is the craft.
         let mut brightness = |moment: &Moment| {
             let with = picture.draw(moment);

@@ -1,11 +1,15 @@
 //! What the picture tests share: one device for the process, synthetic maps, and a drawn picture in one call.
 #![allow(dead_code)] // Each test crate uses its own part.
 
+pub mod tiles;
+
 use glam::DVec3;
 use image::RgbaImage;
 use std::sync::OnceLock;
+use std::time::Duration;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::gpu::{FrameTargets, GpuContext};
+use terrella::imagery::tile::TileKey;
 use terrella::imagery::{EarthLayers, LayerImage};
 use terrella::{Earth, EarthOptions, EyeView, FrameStats, Sky};
 
@@ -73,22 +77,35 @@ impl Rig {
     }
 
     pub fn draw(&mut self, view: &EyeView, sun_itrf: DVec3) -> (RgbaImage, FrameStats) {
+        let sky = Sky { sun_itrf };
+        let stats = self.earth.prepare(&gpu().queue, view, &sky, self.size);
+        (self.picture(), stats)
+    }
+
+    /// Draws when all tiles have come; answers those that have not after ten seconds.
+    pub fn draw_complete(
+        &mut self,
+        view: &EyeView,
+        sun_itrf: DVec3,
+    ) -> (RgbaImage, FrameStats, Vec<TileKey>) {
+        let (sky, wait) = (Sky { sun_itrf }, Duration::from_secs(10));
+        let (stats, missing) =
+            self.earth
+                .prepare_complete(&gpu().queue, view, &sky, self.size, wait);
+        (self.picture(), stats, missing)
+    }
+
+    fn picture(&mut self) -> RgbaImage {
         let gpu = gpu();
-        let stats = self
-            .earth
-            .prepare(&gpu.queue, view, &Sky { sun_itrf }, self.size);
         let mut encoder = gpu
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.earth
             .render(&mut self.targets.begin_pass(&mut encoder));
         gpu.queue.submit([encoder.finish()]);
-        (
-            self.targets
-                .read_back(&gpu.device, &gpu.queue)
-                .expect("a picture"),
-            stats,
-        )
+        self.targets
+            .read_back(&gpu.device, &gpu.queue)
+            .expect("a picture")
     }
 }
 

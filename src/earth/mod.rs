@@ -1,19 +1,41 @@
 //! The façade: an Earth that a wgpu host draws into its own pass.
+//!
+//! | file | what |
+//! |---|---|
+//! | `mod.rs` | options, the three verbs, what a frame drew |
+//! | `view.rs` | the eye and the target |
+//! | `tiles.rs` | which tiles of a pack a frame wants and is drawn with |
+
+mod tiles;
+mod view;
 
 use crate::air::{Atmosphere, Billboard, EARTH_AIR};
 use crate::frames::{Epoch, Geodetic, sun_direction_itrf};
 pub use crate::globe::Shading;
-use crate::globe::{BlockGrid, Figure, SubdivisionError, Visibility, select_blocks};
+use crate::globe::{
+    BlockGrid, COLUMNS, Figure, SubdivisionError, Visibility, select_blocks, texels_per_pixel,
+};
 pub use crate::gpu::DepthBuffer;
 use crate::gpu::{AirDrawable, Frame, PassFormat, ShaderError, SurfaceDrawable, SurfaceParts};
+use crate::imagery::stream::StreamCounters;
+use crate::imagery::tile::{LayerLayout, MapLayer, TileKey};
 use crate::imagery::{EarthLayers, ImageryError};
-use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4, Vec3};
+use glam::{DMat4, DVec3, Vec3};
+use std::time::{Duration, Instant};
+use tiles::{Eye, TileDriver};
+pub use tiles::{TILED_SUBDIVISION, TileOptions};
+use view::PixelRays;
+pub use view::{EyeView, Viewport, infinite_reversed_z};
 
 /// What is fixed when an Earth is made.
 #[derive(Clone, Debug)]
 pub struct EarthOptions {
     /// The maps. A layer that is `None` costs nothing.
     pub layers: EarthLayers,
+    /// Tiles of a pack, drawn in place of the whole maps of the same layers as they arrive; `None` draws whole maps
+    /// only and costs nothing. `layers` must be the pack's coarsest maps, `subdivision` at least [`TILED_SUBDIVISION`] if
+    /// nothing is to be seen of block edges at grazing views.
+    pub tiles: Option<TileOptions>,
     /// The figure.
     pub figure: Figure,
     /// Cells per block edge, 1…48.
@@ -43,6 +65,7 @@ impl EarthOptions {
     pub fn new(layers: EarthLayers) -> Self {
         Self {
             layers,
+            tiles: None,
             figure: Figure::default(),
             subdivision: 6,
             visibility: Visibility::default(),
@@ -55,120 +78,6 @@ impl EarthOptions {
             exposure: 1.4,
         }
     }
-}
-
-/// Where the eye is and what it sees, in the host's own world.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EyeView {
-    /// The eye in the host's world and unit.
-    pub eye_world: DVec3,
-    /// Rotation from world axes to view axes: x right, y up, −z forward.
-    pub view_from_world: DQuat,
-    /// The host's projection from view space (host's unit) to wgpu clip space, z in 0…1.
-    pub clip_from_view: DMat4,
-    /// Where the Earth stands: takes the host's world to ITRF metres. A rotation, a uniform scale and a shift.
-    pub itrf_from_world: DAffine3,
-}
-
-impl EyeView {
-    /// An eye in ITRF metres that looks along `forward` with `up` upwards on screen; infinite reversed-Z projection.
-    ///
-    /// `fov_y_rad` is the vertical field of view, `aspect` width over height. Defined for every direction: a zero
-    /// `forward` looks down, an `up` along `forward` is replaced by any direction across it.
-    pub fn itrf(eye_itrf_m: DVec3, forward: DVec3, up: DVec3, fov_y_rad: f64, aspect: f64) -> Self {
-        let down = (-eye_itrf_m).normalize_or(DVec3::NEG_Z);
-        let forward = forward.normalize_or(down);
-        let right = forward
-            .cross(up)
-            .try_normalize()
-            .unwrap_or_else(|| forward.any_orthonormal_vector());
-        let world_from_view = DMat3::from_cols(right, right.cross(forward), -forward);
-        Self {
-            eye_world: eye_itrf_m,
-            view_from_world: DQuat::from_mat3(&world_from_view).inverse(),
-            clip_from_view: infinite_reversed_z(fov_y_rad, aspect, Self::NEAR_M),
-            itrf_from_world: DAffine3::IDENTITY,
-        }
-    }
-
-    /// Near plane of [`Self::itrf`], metres.
-    pub const NEAR_M: f64 = 0.1;
-
-    /// The eye in ITRF metres, and the matrix from eye-relative ITRF metres to clip space.
-    pub fn to_itrf(&self) -> (DVec3, DMat4) {
-        let eye_itrf_m = self.itrf_from_world.transform_point3(self.eye_world);
-        let world_from_itrf = self.itrf_from_world.matrix3.inverse();
-        let view_from_itrf = DMat3::from_quat(self.view_from_world) * world_from_itrf;
-        (
-            eye_itrf_m,
-            self.clip_from_view * DMat4::from_mat3(view_from_itrf),
-        )
-    }
-
-    /// The rays of a target's pixels, ITRF axes.
-    fn pixel_rays(&self, viewport: Viewport) -> PixelRays {
-        let itrf_from_view =
-            self.itrf_from_world.matrix3 * DMat3::from_quat(self.view_from_world.inverse());
-        let axes = [
-            itrf_from_view.x_axis,
-            itrf_from_view.y_axis,
-            itrf_from_view.z_axis,
-        ]
-        .map(DVec3::normalize_or_zero);
-        let p = &self.clip_from_view;
-        let (width, height) = (
-            f64::from(viewport.size.0.max(1)),
-            f64::from(viewport.size.1.max(1)),
-        );
-        let right = axes[0] * (2.0 / (p.x_axis.x * width));
-        let down = axes[1] * (-2.0 / (p.y_axis.y * height));
-        // Upper left: x_clip = −w, y_clip = w at one unit ahead; the third column shifts an off-centre projection.
-        let upper_left = axes[0] * ((p.z_axis.x - 1.0) / p.x_axis.x)
-            + axes[1] * ((p.z_axis.y + 1.0) / p.y_axis.y)
-            - axes[2];
-        let (x, y) = (f64::from(viewport.origin.0), f64::from(viewport.origin.1));
-        PixelRays {
-            corner: upper_left - right * x - down * y,
-            right,
-            down,
-        }
-    }
-}
-
-/// The part of the target that the host's pass draws to, pixels. A size alone is a viewport at the corner.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Viewport {
-    /// Upper left corner, as given to `set_viewport`.
-    pub origin: (f32, f32),
-    /// Width and height.
-    pub size: (u32, u32),
-}
-
-impl From<(u32, u32)> for Viewport {
-    fn from(size: (u32, u32)) -> Self {
-        Self {
-            origin: (0.0, 0.0),
-            size,
-        }
-    }
-}
-
-/// Rays on the plane one unit in front of the eye: through pixel (0, 0)'s corner, and to the next pixel.
-struct PixelRays {
-    corner: DVec3,
-    right: DVec3,
-    down: DVec3,
-}
-
-/// Perspective projection to wgpu clip space with the near plane at depth 1 and infinity at 0.
-pub fn infinite_reversed_z(fov_y_rad: f64, aspect: f64, near: f64) -> DMat4 {
-    let f = 1.0 / (0.5 * fov_y_rad).tan();
-    DMat4::from_cols(
-        DVec4::new(f / aspect, 0.0, 0.0, 0.0),
-        DVec4::new(0.0, f, 0.0, 0.0),
-        DVec4::new(0.0, 0.0, 0.0, -1.0),
-        DVec4::new(0.0, 0.0, near, 0.0),
-    )
 }
 
 /// What lights the Earth.
@@ -206,6 +115,13 @@ pub struct FrameStats {
     pub eye: Geodetic,
     /// Metres on the ground that a pixel would cover straight below the eye; 0 at and below the surface.
     pub pixel_m: f64,
+    /// Texels of the day map per screen pixel, seen face on at the nearest point of the block where there are fewest;
+    /// 1 and more is sharp. Blocks that lie in the dark are not counted; 0 where none is left.
+    pub texels_per_pixel: f64,
+    /// Tiles, all zero without a pack.
+    pub tiles: StreamCounters,
+    /// The part of `prepare` that copied tiles for upload.
+    pub tile_upload: Duration,
 }
 
 /// What can be wrong with the options.
@@ -235,10 +151,35 @@ pub enum EarthError {
     /// A shader file is at fault.
     #[error(transparent)]
     Shader(#[from] ShaderError),
+    /// A source of tiles has a map that the Earth is not drawn with.
+    #[error(
+        "there are tiles of the {0} map but no whole map of it among the layers; add it or leave its tiles out"
+    )]
+    NoWholeMap(&'static str),
+    /// Tiles are compressed and the device does not read them.
+    #[error(
+        "the tiles are BC-compressed and the device was opened without TEXTURE_COMPRESSION_BC; \
+         open it with that feature, or have the tiles decoded (PackTiles::new with decode = true)"
+    )]
+    NoBc,
+    /// The textures do not fit into the device's memory.
+    #[error(
+        "the device has no room for {mib} MiB of maps and tiles: {cause}; \
+         give a smaller texture budget (texture_mb under [earth] in a scene)"
+    )]
+    NoRoom {
+        /// What was asked for.
+        mib: u64,
+        /// The device's words.
+        cause: String,
+    },
     /// A shader or pipeline was refused by the device, for instance for a colour format it cannot draw to.
     #[error("the device refused the Earth's pipelines: {0}")]
     Refused(String),
 }
+
+/// Bytes of tiles uploaded at once where a picture waits for them.
+const WAITING_UPLOAD_BYTES: u64 = 64_000_000;
 
 /// The Earth.
 ///
@@ -250,6 +191,12 @@ pub struct Earth {
     exposure: f32,
     surface: SurfaceDrawable,
     air: Option<AirDrawable>,
+    tiles: Option<TileDriver>,
+    /// Texels of the day map per block side where no tile is drawn.
+    whole_day_pixels: u32,
+    device: wgpu::Device,
+    /// Bytes of tiles uploaded by the last `prepare`.
+    uploaded_tiles: u64,
     stats: FrameStats,
     /// False if the last view was not finite: then nothing is drawn.
     drawable: bool,
@@ -265,13 +212,9 @@ impl Earth {
         let grid = BlockGrid::new(options.figure.ellipsoid(), options.subdivision)?;
         let layers = &options.layers;
         let limit = device.limits().max_texture_dimension_2d;
-        let maps = [
-            ("day", Some(&layers.day)),
-            ("cloud", layers.clouds.as_ref()),
-            ("normal", layers.normals.as_ref()),
-            ("night light", layers.night_lights.as_ref()),
-        ];
-        for (layer, image) in maps {
+        for layer in MapLayer::ALL {
+            let image = layers.get(layer);
+            let layer = layer.name();
             let Some(image) = image else { continue };
             image.check()?;
             let (width, height) = (image.width, image.height);
@@ -289,7 +232,13 @@ impl Earth {
             samples: options.samples,
             depth: options.depth,
         };
+        let tiles = match &options.tiles {
+            Some(tiles) if !reads(device, tiles) => return Err(EarthError::NoBc),
+            Some(tiles) => Some(TileDriver::new(tiles, layers, options.visibility)?),
+            None => None,
+        };
         let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+        let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let air = match options.atmosphere {
             Atmosphere::Billboard => Some(AirDrawable::new(device, queue, format)?),
@@ -297,6 +246,7 @@ impl Earth {
         };
         let parts = SurfaceParts {
             layers,
+            pools: tiles.as_ref().map(TileDriver::pools),
             shading: options.shading,
             anisotropy: if software { 1 } else { options.anisotropy },
             format,
@@ -306,7 +256,15 @@ impl Earth {
                 .map(|air| &air.sunlight),
         };
         let surface = SurfaceDrawable::new(device, queue, &grid, &parts)?;
-        if let Some(error) = resolved(scope.pop()) {
+        let refused = resolved(scope.pop());
+        let full = resolved(memory.pop());
+        if let Some(error) = full {
+            return Err(EarthError::NoRoom {
+                mib: surface.texture_bytes >> 20,
+                cause: error.to_string(),
+            });
+        }
+        if let Some(error) = refused {
             return Err(EarthError::Refused(error.to_string()));
         }
         let texture_bytes = surface.texture_bytes + air.as_ref().map_or(0, |air| air.texture_bytes);
@@ -320,6 +278,10 @@ impl Earth {
             exposure: options.exposure,
             surface,
             air,
+            tiles,
+            whole_day_pixels: layers.day.width / COLUMNS,
+            device: device.clone(),
+            uploaded_tiles: 0,
             stats,
             drawable: false,
         })
@@ -336,17 +298,70 @@ impl Earth {
         sky: &Sky,
         target: impl Into<Viewport>,
     ) -> FrameStats {
+        self.prepare_within(queue, view, sky, target.into(), None)
+    }
+
+    /// As [`Self::prepare`], but waits until every tile that the view wants is on the GPU, at most `timeout`: for
+    /// pictures that are kept. Answers what is still missing; such blocks are drawn with something coarser.
+    ///
+    /// Submits to `queue` what it uploads on the way.
+    pub fn prepare_complete(
+        &mut self,
+        queue: &wgpu::Queue,
+        view: &EyeView,
+        sky: &Sky,
+        target: impl Into<Viewport>,
+        timeout: Duration,
+    ) -> (FrameStats, Vec<TileKey>) {
+        let (target, deadline) = (target.into(), Instant::now() + timeout);
+        loop {
+            let stats = self.prepare_within(queue, view, sky, target, Some(WAITING_UPLOAD_BYTES));
+            let Some(tiles) = self.tiles.as_mut().filter(|_| self.drawable) else {
+                return (stats, Vec::new());
+            };
+            // What was uploaded just now is drawn in the next round.
+            let left = deadline.saturating_duration_since(Instant::now());
+            let is_missing = tiles.missing().next().is_some();
+            if self.uploaded_tiles == 0 && (!is_missing || left.is_zero()) {
+                return (stats, tiles.missing().collect());
+            }
+            if self.uploaded_tiles == 0 {
+                tiles.wait(left);
+            }
+            // Lets go of the copies that the uploads are made from.
+            queue.submit([]);
+        }
+    }
+
+    /// Says where the eye is expected soon, the nearest time first, so that tiles are there when it comes. At most four
+    /// views are looked at; they stand until others are given. Without tiles it does nothing.
+    pub fn expect(&mut self, views: &[EyeView]) {
+        if let Some(tiles) = &mut self.tiles {
+            tiles.expect(views);
+        }
+    }
+
+    fn prepare_within(
+        &mut self,
+        queue: &wgpu::Queue,
+        view: &EyeView,
+        sky: &Sky,
+        target: Viewport,
+        upload_bytes: Option<u64>,
+    ) -> FrameStats {
         let (eye_itrf_m, clip_from_eye) = self.plan(view);
         self.drawable =
             eye_itrf_m.is_finite() && clip_from_eye.is_finite() && sky.sun_itrf.is_finite();
         if !self.drawable {
+            self.uploaded_tiles = 0;
             self.stats = FrameStats {
                 texture_bytes: self.stats.texture_bytes,
                 ..FrameStats::default()
             };
             return self.stats;
         }
-        let rays = view.pixel_rays(target.into());
+        let rays = view.pixel_rays(target);
+        self.choose_maps(queue, eye_itrf_m, &rays, sky, upload_bytes);
         self.stats.pixel_m = self.stats.eye.height_m.max(0.0) * rays.down.length();
         let ellipsoid = self.grid.ellipsoid();
         let scale = ellipsoid.itrf_from_scaled();
@@ -365,13 +380,55 @@ impl Earth {
             pixel_down: rays.down.as_vec3(),
             padding: 0.0,
         };
-        self.stats.uploaded_bytes = self.surface.write(queue, &frame);
+        self.stats.uploaded_bytes = self.uploaded_tiles + self.surface.write(queue, &frame);
         if let Some(air) = &mut self.air {
             let square = Billboard::new(eye_scaled, EARTH_AIR.top(), &clip_from_eye, scale);
             self.stats.uploaded_bytes +=
                 air.write(queue, &square, sky.sun_itrf / scale, self.exposure);
         }
         self.stats
+    }
+
+    /// Chooses what map each block is drawn with.
+    fn choose_maps(
+        &mut self,
+        queue: &wgpu::Queue,
+        eye_itrf_m: DVec3,
+        rays: &PixelRays,
+        sky: &Sky,
+        upload_bytes: Option<u64>,
+    ) {
+        let pixel_rad = rays.down.length();
+        let Some(tiles) = &mut self.tiles else {
+            let nearest_m = self.surface.drawn().iter();
+            let nearest_m = nearest_m
+                .map(|block| self.grid.distance_m(*block, eye_itrf_m))
+                .fold(f64::INFINITY, f64::min);
+            let radius_m = self.grid.ellipsoid().equatorial_radius_m;
+            self.stats.texels_per_pixel = if nearest_m.is_finite() {
+                texels_per_pixel(self.whole_day_pixels, radius_m, nearest_m, pixel_rad)
+            } else {
+                0.0
+            };
+            return;
+        };
+        let eye = Eye {
+            itrf_m: eye_itrf_m,
+            sun_itrf: sky.sun_itrf,
+            pixel_rad,
+        };
+        let frame = tiles.prepare(
+            &self.grid,
+            &eye,
+            upload_bytes,
+            &mut self.surface,
+            &self.device,
+            queue,
+        );
+        self.uploaded_tiles = frame.uploaded_bytes;
+        self.stats.tiles = frame.counters;
+        self.stats.texels_per_pixel = frame.texels_per_pixel;
+        self.stats.tile_upload = frame.upload;
     }
 
     /// The part of [`Self::prepare`] that needs no GPU: selection and the eye-relative vertices. Allocates nothing.
@@ -420,6 +477,11 @@ impl Earth {
         self.surface.staged().iter().copied().zip(exact)
     }
 
+    /// Whether blocks are drawn with tiles.
+    pub fn has_tiles(&self) -> bool {
+        self.tiles.is_some()
+    }
+
     /// Names of the features that are on.
     pub fn features_on(&self) -> Vec<&'static str> {
         self.features(true)
@@ -432,14 +494,29 @@ impl Earth {
 
     fn features(&self, on: bool) -> Vec<&'static str> {
         let shader = &self.surface.variant.features;
+        // Water and tiles come with packs; an Earth without one has nothing to switch off.
+        let of_packs: &[&str] = match self.tiles {
+            Some(_) => &["water", "tiles"],
+            None => &[],
+        };
         ["clouds", "normals", "night_lights"]
-            .into_iter()
+            .iter()
+            .chain(of_packs)
+            .copied()
             .map(|name| (name, shader.contains(&name)))
             .chain([("atmosphere", self.air.is_some())])
             .filter(|(_, is_on)| *is_on == on)
             .map(|(name, _)| name)
             .collect()
     }
+}
+
+/// Whether the device reads the tiles' formats.
+fn reads(device: &wgpu::Device, tiles: &TileOptions) -> bool {
+    let is_plain = |layer: &LayerLayout| layer.format.unit_side() == 1;
+    let has_bc = device.features();
+    tiles.source.layers().iter().all(is_plain)
+        || has_bc.contains(wgpu::Features::TEXTURE_COMPRESSION_BC)
 }
 
 /// The value of a future that is ready at once, as wgpu's error scopes are everywhere but on the web.

@@ -1,5 +1,11 @@
 //! What a pack says of itself: `pack.toml`.
 
+mod fields;
+mod read;
+#[cfg(test)]
+mod tests;
+mod write;
+
 use crate::globe::Block;
 use crate::imagery::tile::{MapLayer, Storage, TileKey, TileShape};
 use std::path::PathBuf;
@@ -10,10 +16,19 @@ pub const MANIFEST_FILE: &str = "pack.toml";
 /// Version of the format that is written and read.
 pub const FORMAT_VERSION: u32 = 1;
 
+/// Most characters of a pack's name.
+pub const MAX_NAME_CHARS: usize = 200;
+
+/// Most lines of attribution.
+pub const MAX_ATTRIBUTION_LINES: usize = 64;
+
+/// Most characters of a line of attribution and of what a map was made from.
+pub const MAX_TEXT_CHARS: usize = 1000;
+
 /// The manifest of a pack.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Manifest {
-    /// What the pack is called.
+    /// What the pack is called; this and all texts on one line each, without control characters.
     pub name: String,
     /// Whose data it is, a line each.
     pub attribution: Vec<String>,

@@ -1,0 +1,181 @@
+//! Flights over an imagery pack in real time, as a window flies them: no frame waits for a tile.
+//!
+//! ```text
+//! cargo bench --bench streaming -- --pack DIR [--texture-mb N] [--upload-mb N] [--size WxH] [--flight orbit|spin]
+//!                                  [--seconds N] [--storage plain|bc|auto] [--frames DIR]
+//! ```
+//!
+//! Two flights: `orbit`, the International Space Station for 90 minutes at 60 ×, looking down; and `spin`, 200 km above
+//! the ground, once round the Earth in 20 s, looking at the horizon, the Sun always behind. Each frame is prepared,
+//! submitted and waited for; its time is the whole, and that of `prepare` is told apart with and without the copying of
+//! tiles. Memory is the process's largest so far, so give one flight a process where it matters.
+
+#[path = "streaming/arguments.rs"]
+mod arguments;
+#[path = "streaming/record.rs"]
+mod record;
+
+use arguments::{Arguments, Course};
+use glam::{DQuat, DVec3};
+use record::Record;
+use std::time::{Duration, Instant};
+use terrella::frames::{Ellipsoid, Epoch};
+use terrella::gpu::{FrameTargets, GpuContext};
+use terrella::play::Flight;
+use terrella::scene::Scene;
+use terrella::{Earth, EyeView, Sky};
+
+/// As far ahead as the window looks, seconds.
+const EXPECTED_S: [f64; 3] = [0.5, 1.5, 4.0];
+
+/// Height of the spin, metres, and time of one turn, seconds.
+const SPIN_HEIGHT_M: f64 = 200e3;
+const SPIN_TURN_S: f64 = 20.0;
+
+fn main() {
+    let arguments = Arguments::read();
+    let Some(pack) = &arguments.pack else {
+        println!(
+            "SKIPPED: flights over a pack need one: --pack DIR; `cargo xtask big-pack` makes a large one"
+        );
+        return;
+    };
+    let begin = Instant::now();
+    let scene = format!(
+        "[time]\nspeed = 60\nduration_s = 5400\n[camera]\nmode = \"nadir\"\n[earth]\npack = {:?}\ntexture_mb = {}\n\
+         upload_mb = {}\nstorage = {:?}\n[output]\nsize = [{}, {}]\n",
+        pack.display().to_string(),
+        arguments.texture_mb,
+        arguments.upload_mb,
+        arguments.storage,
+        arguments.size.0,
+        arguments.size.1,
+    );
+    let scene = Scene::from_toml(&scene, "streaming.toml".as_ref()).expect("a good scene");
+    let flight = Flight::open(scene).expect("the built-in orbit");
+    let gpu = pollster::block_on(GpuContext::open(None)).expect("an adapter");
+    let options = flight.earth_options(gpu.bc_support()).expect("a good pack");
+    let mut options = options;
+    options.color_format = FrameTargets::COLOR;
+    let earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("an Earth");
+    let targets = FrameTargets::new(&gpu.device, arguments.size, options.samples);
+    let mut rig = Rig {
+        gpu,
+        earth,
+        targets,
+        size: arguments.size,
+    };
+    for course in arguments.courses() {
+        let at = |seconds: f64| course_at(*course, &flight, seconds, rig.aspect());
+        let (view, sky) = at(0.0);
+        if rig.record_start(&view, &sky) {
+            let info = rig.gpu.adapter.get_info();
+            println!(
+                "{} ({}), {} x {}, {} samples, texture budget {} MB, upload budget {} MB a frame",
+                info.name,
+                info.backend,
+                arguments.size.0,
+                arguments.size.1,
+                options.samples,
+                arguments.texture_mb,
+                arguments.upload_mb
+            );
+            println!(
+                "first complete coarse picture {:.0} ms after the start",
+                begin.elapsed().as_secs_f64() * 1e3
+            );
+        }
+        fly(&mut rig, *course, &flight, &arguments).print(course.name());
+    }
+}
+
+struct Rig {
+    gpu: GpuContext,
+    earth: Earth,
+    targets: FrameTargets,
+    size: (u32, u32),
+}
+
+impl Rig {
+    fn aspect(&self) -> f64 {
+        f64::from(self.size.0) / f64::from(self.size.1)
+    }
+
+    /// Draws one frame and waits for it. Whether it was drawn.
+    fn record_start(&mut self, view: &EyeView, sky: &Sky) -> bool {
+        let stats = self.earth.prepare(&self.gpu.queue, view, sky, self.size);
+        self.draw();
+        stats.blocks_drawn > 0
+    }
+
+    fn draw(&mut self) {
+        let label = Some("terrella streaming");
+        let mut encoder = self
+            .gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
+        self.earth
+            .render(&mut self.targets.begin_pass(&mut encoder));
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu
+            .device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .expect("the device answers");
+    }
+}
+
+/// The eye and the Sun, so many seconds of real time after the start.
+fn course_at(course: Course, flight: &Flight, seconds: f64, aspect: f64) -> (EyeView, Sky) {
+    match course {
+        Course::Orbit => {
+            let scene = flight.scene();
+            let epoch: Epoch =
+                scene.time.start + hifitime::Unit::Second * (seconds * scene.time.speed);
+            let moment = flight
+                .at(epoch, aspect)
+                .expect("within the elements' reach");
+            (moment.view, moment.sky)
+        }
+        Course::Spin => {
+            let angle = seconds / SPIN_TURN_S * std::f64::consts::TAU;
+            let tilt = DQuat::from_rotation_x(51.6_f64.to_radians());
+            let (up, forward) = (
+                tilt * DVec3::new(angle.cos(), angle.sin(), 0.0),
+                tilt * DVec3::new(-angle.sin(), angle.cos(), 0.0),
+            );
+            let eye = Ellipsoid::WGS84.surface_point(up) + SPIN_HEIGHT_M * up;
+            let look = forward - 0.45 * up;
+            let view = EyeView::itrf(eye, look, up, 60_f64.to_radians(), aspect);
+            (view, Sky { sun_itrf: up })
+        }
+    }
+}
+
+fn fly(rig: &mut Rig, course: Course, flight: &Flight, arguments: &Arguments) -> Record {
+    let aspect = rig.aspect();
+    let length_s = arguments.seconds.unwrap_or(match course {
+        Course::Orbit => 90.0,
+        Course::Spin => 2.0 * SPIN_TURN_S,
+    });
+    let mut record = Record::new(course.name(), arguments.frames.as_deref());
+    let start = Instant::now();
+    loop {
+        let begin = Instant::now();
+        let seconds = (begin - start).as_secs_f64();
+        if seconds >= length_s {
+            return record;
+        }
+        let (view, sky) = course_at(course, flight, seconds, aspect);
+        let expected = EXPECTED_S.map(|ahead| course_at(course, flight, seconds + ahead, aspect).0);
+        let prepare = Instant::now();
+        rig.earth.expect(&expected);
+        let stats = rig.earth.prepare(&rig.gpu.queue, &view, &sky, rig.size);
+        let prepare: Duration = prepare.elapsed();
+        rig.draw();
+        record.add(begin.elapsed(), prepare, &stats);
+        if record.keeps_frames() {
+            let read = rig.targets.read_back(&rig.gpu.device, &rig.gpu.queue);
+            record.keep(read.expect("a picture"));
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! What the benchmark is asked to do.
+
+use std::path::PathBuf;
+
+/// A way to fly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Course {
+    Orbit,
+    Spin,
+}
+
+impl Course {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Orbit => "orbit",
+            Self::Spin => "spin",
+        }
+    }
+}
+
+pub struct Arguments {
+    pub pack: Option<PathBuf>,
+    pub texture_mb: f64,
+    pub upload_mb: f64,
+    pub size: (u32, u32),
+    pub flight: Option<Course>,
+    pub seconds: Option<f64>,
+    pub storage: String,
+    pub frames: Option<PathBuf>,
+}
+
+impl Arguments {
+    /// From the command line; what cargo adds of its own is passed over.
+    pub fn read() -> Self {
+        let mut read = Self {
+            pack: None,
+            texture_mb: 512.0,
+            upload_mb: 8.0,
+            size: (640, 360),
+            flight: None,
+            seconds: None,
+            storage: "auto".into(),
+            frames: None,
+        };
+        let mut words = std::env::args().skip(1).filter(|word| word != "--bench");
+        while let Some(word) = words.next() {
+            let mut value = || {
+                words
+                    .next()
+                    .unwrap_or_else(|| panic!("{word} needs a value"))
+            };
+            let number = |text: String| -> f64 {
+                text.parse()
+                    .unwrap_or_else(|_| panic!("{word} needs a number, not {text}"))
+            };
+            match word.as_str() {
+                "--pack" => read.pack = Some(value().into()),
+                "--texture-mb" => read.texture_mb = number(value()),
+                "--upload-mb" => read.upload_mb = number(value()),
+                "--seconds" => read.seconds = Some(number(value())),
+                "--storage" => read.storage = value(),
+                "--frames" => read.frames = Some(value().into()),
+                "--size" => {
+                    let text = value();
+                    let size = text.split_once('x').and_then(|(width, height)| {
+                        Some((width.parse().ok()?, height.parse().ok()?))
+                    });
+                    read.size = size.unwrap_or_else(|| panic!("--size needs WxH, not {text}"));
+                }
+                "--flight" => {
+                    read.flight = Some(match value().as_str() {
+                        "orbit" => Course::Orbit,
+                        "spin" => Course::Spin,
+                        other => panic!("--flight is orbit or spin, not {other}"),
+                    });
+                }
+                // A filter for other benchmarks.
+                _ if !word.starts_with('-') => {}
+                _ => panic!("unknown argument {word}; see the first lines of benches/streaming.rs"),
+            }
+        }
+        read
+    }
+
+    pub fn courses(&self) -> &[Course] {
+        match self.flight {
+            Some(Course::Orbit) => &[Course::Orbit],
+            Some(Course::Spin) => &[Course::Spin],
+            None => &[Course::Orbit, Course::Spin],
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! What a flight was like.
+
+use image::RgbaImage;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Sender, channel};
+use std::thread::JoinHandle;
+use std::time::Duration;
+use terrella::FrameStats;
+
+/// Time that `prepare` may take without the copying of tiles.
+const PREPARE_LIMIT_MS: f64 = 2.0;
+
+pub struct Record {
+    frames_ms: Vec<f64>,
+    prepare_ms: Vec<f64>,
+    /// Without the copying of tiles.
+    choosing_ms: Vec<f64>,
+    texels_per_pixel: Vec<f64>,
+    uploads: Vec<u64>,
+    stand_ins: Vec<f64>,
+    last: FrameStats,
+    before: Option<u64>,
+    writer: Option<Writer>,
+}
+
+struct Writer {
+    sender: Option<Sender<RgbaImage>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Record {
+    pub fn new(name: &str, folder: Option<&Path>) -> Self {
+        Self {
+            frames_ms: Vec::new(),
+            prepare_ms: Vec::new(),
+            choosing_ms: Vec::new(),
+            texels_per_pixel: Vec::new(),
+            uploads: Vec::new(),
+            stand_ins: Vec::new(),
+            last: FrameStats::default(),
+            before: None,
+            writer: folder.map(|folder| Writer::new(folder.join(name))),
+        }
+    }
+
+    pub fn add(&mut self, frame: Duration, prepare: Duration, stats: &FrameStats) {
+        let ms = |time: Duration| time.as_secs_f64() * 1e3;
+        self.frames_ms.push(ms(frame));
+        self.prepare_ms.push(ms(prepare));
+        self.choosing_ms
+            .push(ms(prepare.saturating_sub(stats.tile_upload)));
+        if stats.texels_per_pixel > 0.0 {
+            self.texels_per_pixel.push(stats.texels_per_pixel);
+        }
+        let uploaded = stats.tiles.uploaded_bytes;
+        self.uploads
+            .push(uploaded - self.before.unwrap_or(uploaded));
+        self.before = Some(uploaded);
+        let draws = stats.tiles.hits + stats.tiles.fallbacks;
+        if draws > 0 {
+            self.stand_ins
+                .push(f64::from(stats.tiles.fallbacks) / f64::from(draws));
+        }
+        self.last = *stats;
+    }
+
+    pub fn keeps_frames(&self) -> bool {
+        self.writer.is_some()
+    }
+
+    pub fn keep(&mut self, frame: RgbaImage) {
+        if let Some(sender) = self
+            .writer
+            .as_ref()
+            .and_then(|writer| writer.sender.as_ref())
+        {
+            sender.send(frame).expect("the writer runs");
+        }
+    }
+
+    pub fn print(&self, name: &str) {
+        let frames = Quantiles::of(&self.frames_ms);
+        let median = frames.at(0.5);
+        let long: Vec<f64> = self
+            .frames_ms
+            .iter()
+            .copied()
+            .filter(|ms| *ms > 2.0 * median)
+            .collect();
+        let jank: f64 = long.iter().map(|ms| ms - 2.0 * median).sum();
+        // Our own work of those frames: choosing and copying, in the frame's own thread.
+        let own = self.frames_ms.iter().zip(&self.prepare_ms);
+        let own = own.filter(|(frame, prepare)| {
+            **frame > 2.0 * median && **frame - **prepare <= 2.0 * median
+        });
+        let choosing = Quantiles::of(&self.choosing_ms);
+        let slow = self
+            .choosing_ms
+            .iter()
+            .filter(|ms| **ms > PREPARE_LIMIT_MS)
+            .count();
+        let tiles = self.last.tiles;
+        println!("\n{name}: {} frames", self.frames_ms.len());
+        println!("  frame            {frames} ms");
+        println!(
+            "  over 2 x median  {} frames, jank sum {jank:.1} ms; {} of them only by our own prepare",
+            long.len(),
+            own.count()
+        );
+        println!("  prepare          {} ms", Quantiles::of(&self.prepare_ms));
+        println!("    less uploads   {choosing} ms, {slow} frames over {PREPARE_LIMIT_MS} ms");
+        println!(
+            "  uploaded         {:.1} MB in all, at most {:.2} MB a frame",
+            tiles.uploaded_bytes as f64 / 1e6,
+            self.uploads.iter().max().copied().unwrap_or(0) as f64 / 1e6
+        );
+        println!(
+            "  stand-ins        {} of all maps of blocks",
+            Quantiles::of(&self.stand_ins)
+        );
+        println!(
+            "  texels a pixel   {}",
+            Quantiles::of(&self.texels_per_pixel)
+        );
+        println!(
+            "  tiles            {} loads, {} completed, {} cancelled, {} failed, {} evicted, {:.1} MB decoded",
+            tiles.loads,
+            tiles.completed,
+            tiles.cancelled,
+            tiles.failures,
+            tiles.evictions,
+            tiles.decoded_bytes as f64 / 1e6
+        );
+        println!(
+            "  textures         {:.1} MB",
+            self.last.texture_bytes as f64 / 1e6
+        );
+        match peak_mb() {
+            Some(mb) => println!("  peak memory      {mb:.0} MB"),
+            None => println!("  peak memory      not told by this system"),
+        }
+    }
+}
+
+/// The process's largest memory so far, megabytes.
+fn peak_mb() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kib: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kib * 1024.0 / 1e6)
+}
+
+struct Quantiles(Vec<f64>);
+
+impl Quantiles {
+    fn of(values: &[f64]) -> Self {
+        let mut sorted = values.to_vec();
+        sorted.sort_unstable_by(f64::total_cmp);
+        Self(sorted)
+    }
+
+    fn at(&self, part: f64) -> f64 {
+        let last = self.0.len().saturating_sub(1) as f64;
+        self.0
+            .get((part * last).round() as usize)
+            .copied()
+            .unwrap_or(f64::NAN)
+    }
+}
+
+impl std::fmt::Display for Quantiles {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [least, p50, p95, p99, most] = [0.0, 0.5, 0.95, 0.99, 1.0].map(|part| self.at(part));
+        write!(
+            f,
+            "{least:.3} least, {p50:.3} median, {p95:.3} p95, {p99:.3} p99, {most:.3} most"
+        )
+    }
+}
+
+impl Writer {
+    fn new(folder: PathBuf) -> Self {
+        std::fs::create_dir_all(&folder).expect("a folder for the frames");
+        let (sender, receiver) = channel::<RgbaImage>();
+        let thread = std::thread::spawn(move || {
+            for (number, frame) in receiver.iter().enumerate() {
+                let path = folder.join(format!("{number:06}.png"));
+                frame.save(&path).expect("a frame is written");
+            }
+        });
+        Self {
+            sender: Some(sender),
+            thread: Some(thread),
+        }
+    }
+}
+
+impl Drop for Writer {
+    fn drop(&mut self) {
+        drop(self.sender.take());
+        if let Some(thread) = self.thread.take() {
+            thread.join().expect("the writer ends well");
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! `terrella pack`: imagery packs, one file for each of its commands.
+
+mod build;
+mod info;
+mod preview;
+mod verify;
+
+use super::{Common, print};
+use clap::{Args, Subcommand};
+
+/// Arguments of `terrella pack`.
+#[derive(Debug, Args)]
+pub struct PackArgs {
+    #[command(subcommand)]
+    command: PackCommand,
+}
+
+#[derive(Debug, Subcommand)]
+enum PackCommand {
+    /// Build a pack from maps of the whole Earth
+    Build(build::BuildArgs),
+    /// Say what a pack holds: maps, levels, sizes, attribution
+    Info(info::InfoArgs),
+    /// Read every tile of a pack and name the bad ones
+    ///
+    /// Presence, length, checksum and contents are checked. Exit code 1 if a tile is bad; files that are no tiles of
+    /// the pack are named too but do no harm.
+    Verify(verify::VerifyArgs),
+    /// Write a contact sheet: each map as a whole, and one block of it at every level
+    Preview(preview::PreviewArgs),
+}
+
+/// Runs it.
+pub fn run(args: &PackArgs, common: &Common) -> anyhow::Result<()> {
+    match &args.command {
+        PackCommand::Build(args) => build::run(args, common),
+        PackCommand::Info(args) => info::run(args),
+        PackCommand::Verify(args) => verify::run(args, common),
+        PackCommand::Preview(args) => preview::run(args),
+    }
+}
+
+/// A number of bytes for people, in powers of ten.
+fn bytes(count: u64) -> String {
+    match count {
+        0..1_000 => format!("{count} B"),
+        1_000..1_000_000 => format!("{:.1} kB", count as f64 / 1e3),
+        1_000_000..1_000_000_000 => format!("{:.1} MB", count as f64 / 1e6),
+        _ => format!("{:.2} GB", count as f64 / 1e9),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::bytes;
+
+    #[test]
+    fn bytes_are_told_in_the_unit_that_fits() {
+        let told = [0, 999, 1_000, 27_540, 1_500_000, 1_020_000_000].map(bytes);
+        assert_eq!(
+            told,
+            ["0 B", "999 B", "1.0 kB", "27.5 kB", "1.5 MB", "1.02 GB"]
+        );
+    }
+}

@@ -1,0 +1,60 @@
+//! `terrella pack verify`
+
+use super::{Common, bytes, print};
+use crate::cli::progress::Bars;
+use clap::Args;
+use std::fmt::Write;
+use std::path::PathBuf;
+use terrella::imagery::pack::{VerifyReport, verify};
+use terrella::play::Progress;
+
+/// Most lines of files that do not belong.
+const SHOWN_STRANGERS: usize = 20;
+
+/// Arguments of `terrella pack verify`.
+#[derive(Debug, Args)]
+pub struct VerifyArgs {
+    /// The pack's folder
+    dir: PathBuf,
+}
+
+/// Runs it. A bad tile is a failure.
+pub fn run(args: &VerifyArgs, common: &Common) -> anyhow::Result<()> {
+    let bars = Bars::new(common.quiet);
+    let report = verify(&args.dir, |done, total| match done {
+        0 => bars.begin("verifying", Some(total)),
+        _ => bars.step(),
+    })?;
+    bars.end();
+    let told = describe(&report);
+    if report.is_good() {
+        return if common.quiet { Ok(()) } else { print(&told) };
+    }
+    print(&told)?;
+    anyhow::bail!(
+        "{}: {} of {} tiles are bad; build the pack again",
+        args.dir.display(),
+        report.bad.len(),
+        report.tiles
+    )
+}
+
+fn describe(report: &VerifyReport) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    for tile in &report.bad {
+        let _ = writeln!(text, "bad       {}: {}", tile.path.display(), tile.cause);
+    }
+    for path in report.strangers.iter().take(SHOWN_STRANGERS) {
+        let path = path.display().to_string();
+        let _ = writeln!(text, "no tile   {}", path.escape_debug());
+    }
+    let more = report.stranger_count.saturating_sub(SHOWN_STRANGERS as u64);
+    if more > 0 {
+        let _ = writeln!(text, "no tile   and {more} more");
+    }
+    let good = report.tiles - report.bad.len() as u64;
+    let (tiles, size) = (report.tiles, bytes(report.bytes));
+    let _ = writeln!(text, "{good} of {tiles} tiles are good, {size} in all");
+    text
+}

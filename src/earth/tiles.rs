@@ -1,0 +1,331 @@
+//! Which tiles of a pack a frame wants, and which it is drawn with.
+
+use super::{EarthError, EyeView};
+use crate::globe::{
+    BLOCK_COUNT, Block, BlockGrid, LevelRule, Visibility, paper_level, screen_level, select_blocks,
+    texels_per_pixel,
+};
+use crate::gpu::SurfaceDrawable;
+use crate::imagery::EarthLayers;
+use crate::imagery::stream::{Pool, StreamCounters, StreamOptions, TileStream, Want};
+use crate::imagery::tile::{MAP_LAYERS, MapLayer, TileKey, TileSource};
+use glam::DVec3;
+use std::fmt;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Most expected views that are looked at.
+const MAX_EXPECTED: usize = 4;
+
+/// Below this sine of the Sun's elevation a block is drawn black: the sky is dark (18° below the horizon), and the
+/// paper's shading ends at −0.3.
+const DARK: f64 = -0.32;
+
+/// Above this one city lights are out, and below 0 the sea mirrors no Sun; both with room for the ellipsoid.
+const LIGHTS_OUT: f64 = 0.03;
+const NO_GLINT: f64 = -0.02;
+
+/// Cells per block edge that an Earth with tiles should have.
+///
+/// A pixel shows what its ray meets on the exact ellipsoid, and its block is that of the facet before it. Near an edge
+/// the ray may meet the next block's ground, of which a tile has a border of [`TILE_BORDER`] texels. Facets lie up to
+/// R(1 − cos(11.25°/n)) below the ellipsoid: 3.4 km for n = 6 and 0.21 km for n = 24, which even at 6° above the ground
+/// is little more than a texel of 1.9 km, the paper's finest.
+///
+/// [`TILE_BORDER`]: crate::imagery::tile::TILE_BORDER
+pub const TILED_SUBDIVISION: u32 = 24;
+
+/// How tiles are chosen, loaded and held.
+#[derive(Clone)]
+pub struct TileOptions {
+    /// Where tiles come from. It must have no map that is not among the Earth's whole maps.
+    pub source: Arc<dyn TileSource>,
+    /// How levels are chosen.
+    pub rule: LevelRule,
+    /// [`LevelRule::Screen`]: most screen pixels that a texel may cover.
+    pub most_px: f64,
+    /// Bytes for the textures of tiles and whole maps together; the whole maps are held even where they alone are more.
+    pub texture_bytes: u64,
+    /// Bytes of tiles that one [`super::Earth::prepare`] may upload.
+    pub upload_bytes: u64,
+    /// Decoder threads; `None` leaves the choice to the machine.
+    pub threads: Option<usize>,
+}
+
+impl TileOptions {
+    /// The defaults: one screen pixel a texel, 512 MB of textures, 8 MB uploaded a frame.
+    pub fn new(source: Arc<dyn TileSource>) -> Self {
+        Self {
+            source,
+            rule: LevelRule::default(),
+            most_px: 1.0,
+            texture_bytes: 512_000_000,
+            upload_bytes: 8_000_000,
+            threads: None,
+        }
+    }
+}
+
+impl fmt::Debug for TileOptions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("TileOptions")
+            .field("layers", &self.source.layers())
+            .field("rule", &self.rule)
+            .field("most_px", &self.most_px)
+            .field("texture_bytes", &self.texture_bytes)
+            .field("upload_bytes", &self.upload_bytes)
+            .field("threads", &self.threads)
+            .finish()
+    }
+}
+
+/// What a frame's choice depends on beside the blocks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Eye {
+    pub itrf_m: DVec3,
+    pub sun_itrf: DVec3,
+    /// Angle of a screen pixel.
+    pub pixel_rad: f64,
+}
+
+/// What became of a frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TileFrame {
+    pub counters: StreamCounters,
+    pub uploaded_bytes: u64,
+    pub upload: Duration,
+    pub texels_per_pixel: f64,
+}
+
+/// Level of a block that was not wanted in the frame before.
+const NONE: u8 = u8::MAX;
+
+pub(super) struct TileDriver {
+    stream: TileStream,
+    rule: LevelRule,
+    most_px: f64,
+    upload_bytes: u64,
+    visibility: Visibility,
+    /// Texels per block side of each map's levels, by [`MapLayer::index`]; empty where a map has no tiles.
+    pixels: [Vec<u32>; MAP_LAYERS],
+    /// The level that each block was given in the frame before, for the hysteresis.
+    levels: [[u8; BLOCK_COUNT as usize]; MAP_LAYERS],
+    expected: Vec<EyeView>,
+    // Kept to allocate nothing in steady state.
+    near: Vec<(f64, Block)>,
+    expected_blocks: Vec<Block>,
+    wants: Vec<Want>,
+}
+
+impl TileDriver {
+    pub fn new(
+        options: &TileOptions,
+        layers: &EarthLayers,
+        visibility: Visibility,
+    ) -> Result<Self, EarthError> {
+        let mut pixels = [const { Vec::new() }; MAP_LAYERS];
+        for tiled in options.source.layers() {
+            if layers.get(tiled.layer).is_none() {
+                return Err(EarthError::NoWholeMap(tiled.layer.name()));
+            }
+            pixels[tiled.layer.index()] = tiled
+                .levels
+                .iter()
+                .map(|level| level.shape.pixels)
+                .collect();
+        }
+        let mut stream = StreamOptions {
+            texture_bytes: options.texture_bytes.saturating_sub(layers.texture_bytes()),
+            ..StreamOptions::default()
+        };
+        if let Some(threads) = options.threads {
+            stream.threads = threads.max(1);
+        }
+        Ok(Self {
+            stream: TileStream::new(options.source.clone(), &stream),
+            rule: options.rule,
+            most_px: options.most_px,
+            upload_bytes: options.upload_bytes,
+            visibility,
+            pixels,
+            levels: [[NONE; BLOCK_COUNT as usize]; MAP_LAYERS],
+            expected: Vec::with_capacity(MAX_EXPECTED),
+            near: Vec::with_capacity(BLOCK_COUNT as usize),
+            expected_blocks: Vec::with_capacity(BLOCK_COUNT as usize),
+            wants: Vec::with_capacity((1 + MAX_EXPECTED) * MAP_LAYERS * BLOCK_COUNT as usize),
+        })
+    }
+
+    /// The pools that the GPU must have.
+    pub fn pools(&self) -> &[Pool] {
+        self.stream.pools()
+    }
+
+    /// Where the eye will be soon, the nearest time first.
+    pub fn expect(&mut self, views: &[EyeView]) {
+        self.expected.clear();
+        self.expected.extend(views.iter().take(MAX_EXPECTED));
+    }
+
+    /// Chooses levels, has blocks drawn with what is there, and uploads parts of what has come, at most `budget` bytes.
+    pub fn prepare(
+        &mut self,
+        grid: &BlockGrid,
+        eye: &Eye,
+        budget: Option<u64>,
+        surface: &mut SurfaceDrawable,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+    ) -> TileFrame {
+        self.wants.clear();
+        let mut levels = [[NONE; BLOCK_COUNT as usize]; MAP_LAYERS];
+        sort_by_distance(&mut self.near, grid, eye.itrf_m, surface.drawn());
+        for place in 0..self.near.len() {
+            let (distance_m, block) = self.near[place];
+            self.want(grid, eye, distance_m, block, Some(&mut levels));
+        }
+        self.levels = levels;
+        self.want_expected(grid, eye);
+        self.stream.update(Instant::now(), &self.wants);
+
+        let mut fewest = f64::INFINITY;
+        for (distance_m, block) in &self.near {
+            let index = block.index() as u8;
+            let chosen = MapLayer::ALL.map(|layer| {
+                let pixels = &self.pixels[layer.index()];
+                let drawn = (!pixels.is_empty())
+                    .then(|| self.stream.draw(layer, index))
+                    .flatten();
+                if layer == MapLayer::Day && is_lit(grid, *block, eye.sun_itrf) {
+                    let level =
+                        drawn.map_or(pixels.len().saturating_sub(1), |(level, _)| level.into());
+                    if let Some(pixels) = pixels.get(level) {
+                        let radius_m = grid.ellipsoid().equatorial_radius_m;
+                        let sharp = texels_per_pixel(*pixels, radius_m, *distance_m, eye.pixel_rad);
+                        fewest = fewest.min(sharp);
+                    }
+                }
+                drawn.map(|(_, slot)| slot)
+            });
+            surface.choose(device, *block, chosen);
+        }
+        let budget = budget.unwrap_or(self.upload_bytes);
+        let begin = Instant::now();
+        let uploaded_bytes = self
+            .stream
+            .upload(budget, &mut |part| surface.write_tile(queue, &part));
+        TileFrame {
+            counters: self.stream.counters(),
+            uploaded_bytes,
+            upload: begin.elapsed(),
+            texels_per_pixel: if fewest.is_finite() { fewest } else { 0.0 },
+        }
+    }
+
+    /// Tiles that the last frame's picture lacks and that may still come.
+    pub fn missing(&self) -> impl Iterator<Item = TileKey> + '_ {
+        self.stream.missing()
+    }
+
+    /// Waits until a tile has come.
+    pub fn wait(&mut self, timeout: Duration) {
+        self.stream.wait(timeout);
+    }
+
+    /// Wants a block's tiles. `levels` is given for a block of the picture: there the levels chosen are kept for the
+    /// next frame's hysteresis.
+    fn want(
+        &mut self,
+        grid: &BlockGrid,
+        eye: &Eye,
+        distance_m: f64,
+        block: Block,
+        mut levels: Option<&mut [[u8; BLOCK_COUNT as usize]; MAP_LAYERS]>,
+    ) {
+        let index = block.index() as usize;
+        for layer in MapLayer::ALL {
+            let pixels = &self.pixels[layer.index()];
+            if pixels.is_empty() || !shows(grid, layer, block, eye.sun_itrf) {
+                continue;
+            }
+            let before = self.levels[layer.index()][index];
+            let level = match self.rule {
+                LevelRule::Paper => paper_level(distance_m, pixels.len()),
+                LevelRule::Screen => screen_level(
+                    pixels,
+                    grid.ellipsoid().equatorial_radius_m,
+                    distance_m,
+                    eye.pixel_rad,
+                    self.most_px,
+                    (before != NONE).then_some(before.into()),
+                ),
+            } as u8;
+            if let Some(levels) = &mut levels {
+                levels[layer.index()][index] = level;
+            }
+            self.wants.push(Want {
+                key: TileKey {
+                    layer,
+                    level,
+                    block: index as u8,
+                },
+                drawn: levels.is_some(),
+            });
+        }
+    }
+
+    fn want_expected(&mut self, grid: &BlockGrid, eye: &Eye) {
+        for place in 0..self.expected.len() {
+            let (itrf_m, clip_from_eye) = self.expected[place].to_itrf();
+            if !itrf_m.is_finite() || !clip_from_eye.is_finite() {
+                continue;
+            }
+            let blocks = &mut self.expected_blocks;
+            select_blocks(grid, self.visibility, itrf_m, &clip_from_eye, blocks);
+            let mut near = std::mem::take(&mut self.near);
+            // The picture's own blocks stay at the front: they are drawn after this.
+            let own = near.len();
+            near.extend(
+                self.expected_blocks
+                    .iter()
+                    .map(|block| (grid.distance_m(*block, itrf_m), *block)),
+            );
+            near[own..].sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+            for (distance_m, block) in &near[own..] {
+                self.want(grid, eye, *distance_m, *block, None);
+            }
+            near.truncate(own);
+            self.near = near;
+        }
+    }
+}
+
+fn sort_by_distance(
+    near: &mut Vec<(f64, Block)>,
+    grid: &BlockGrid,
+    eye_itrf_m: DVec3,
+    blocks: &[Block],
+) {
+    near.clear();
+    near.extend(
+        blocks
+            .iter()
+            .map(|block| (grid.distance_m(*block, eye_itrf_m), *block)),
+    );
+    near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+}
+
+/// Whether daylight or twilight reaches any of the block.
+fn is_lit(grid: &BlockGrid, block: Block, sun_itrf: DVec3) -> bool {
+    grid.sun_range(block, sun_itrf).1 > DARK
+}
+
+/// Whether anything of a map can be seen on a block.
+fn shows(grid: &BlockGrid, layer: MapLayer, block: Block, sun_itrf: DVec3) -> bool {
+    let (lowest, highest) = grid.sun_range(block, sun_itrf);
+    match layer {
+        MapLayer::Day | MapLayer::Clouds | MapLayer::Normals => highest > DARK,
+        MapLayer::NightLights => lowest < LIGHTS_OUT,
+        MapLayer::Water => highest > NO_GLINT,
+    }
+}

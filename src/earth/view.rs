@@ -1,0 +1,117 @@
+//! The eye: where it is, what it sees, and on which part of the host's target.
+
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
+
+/// Where the eye is and what it sees, in the host's own world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EyeView {
+    /// The eye in the host's world and unit.
+    pub eye_world: DVec3,
+    /// Rotation from world axes to view axes: x right, y up, −z forward.
+    pub view_from_world: DQuat,
+    /// The host's projection from view space (host's unit) to wgpu clip space, z in 0…1.
+    pub clip_from_view: DMat4,
+    /// Where the Earth stands: takes the host's world to ITRF metres. A rotation, a uniform scale and a shift.
+    pub itrf_from_world: DAffine3,
+}
+
+impl EyeView {
+    /// An eye in ITRF metres that looks along `forward` with `up` upwards on screen; infinite reversed-Z projection.
+    ///
+    /// `fov_y_rad` is the vertical field of view, `aspect` width over height. Defined for every direction: a zero
+    /// `forward` looks down, an `up` along `forward` is replaced by any direction across it.
+    pub fn itrf(eye_itrf_m: DVec3, forward: DVec3, up: DVec3, fov_y_rad: f64, aspect: f64) -> Self {
+        let down = (-eye_itrf_m).normalize_or(DVec3::NEG_Z);
+        let forward = forward.normalize_or(down);
+        let right = forward
+            .cross(up)
+            .try_normalize()
+            .unwrap_or_else(|| forward.any_orthonormal_vector());
+        let world_from_view = DMat3::from_cols(right, right.cross(forward), -forward);
+        Self {
+            eye_world: eye_itrf_m,
+            view_from_world: DQuat::from_mat3(&world_from_view).inverse(),
+            clip_from_view: infinite_reversed_z(fov_y_rad, aspect, Self::NEAR_M),
+            itrf_from_world: DAffine3::IDENTITY,
+        }
+    }
+
+    /// Near plane of [`Self::itrf`], metres.
+    pub const NEAR_M: f64 = 0.1;
+
+    /// The eye in ITRF metres, and the matrix from eye-relative ITRF metres to clip space.
+    pub fn to_itrf(&self) -> (DVec3, DMat4) {
+        let eye_itrf_m = self.itrf_from_world.transform_point3(self.eye_world);
+        let world_from_itrf = self.itrf_from_world.matrix3.inverse();
+        let view_from_itrf = DMat3::from_quat(self.view_from_world) * world_from_itrf;
+        (
+            eye_itrf_m,
+            self.clip_from_view * DMat4::from_mat3(view_from_itrf),
+        )
+    }
+
+    /// The rays of a target's pixels, ITRF axes.
+    pub(super) fn pixel_rays(&self, viewport: Viewport) -> PixelRays {
+        let itrf_from_view =
+            self.itrf_from_world.matrix3 * DMat3::from_quat(self.view_from_world.inverse());
+        let axes = [
+            itrf_from_view.x_axis,
+            itrf_from_view.y_axis,
+            itrf_from_view.z_axis,
+        ]
+        .map(DVec3::normalize_or_zero);
+        let p = &self.clip_from_view;
+        let (width, height) = (
+            f64::from(viewport.size.0.max(1)),
+            f64::from(viewport.size.1.max(1)),
+        );
+        let right = axes[0] * (2.0 / (p.x_axis.x * width));
+        let down = axes[1] * (-2.0 / (p.y_axis.y * height));
+        // Upper left: x_clip = −w, y_clip = w at one unit ahead; the third column shifts an off-centre projection.
+        let upper_left = axes[0] * ((p.z_axis.x - 1.0) / p.x_axis.x)
+            + axes[1] * ((p.z_axis.y + 1.0) / p.y_axis.y)
+            - axes[2];
+        let (x, y) = (f64::from(viewport.origin.0), f64::from(viewport.origin.1));
+        PixelRays {
+            corner: upper_left - right * x - down * y,
+            right,
+            down,
+        }
+    }
+}
+
+/// The part of the target that the host's pass draws to, pixels. A size alone is a viewport at the corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Viewport {
+    /// Upper left corner, as given to `set_viewport`.
+    pub origin: (f32, f32),
+    /// Width and height.
+    pub size: (u32, u32),
+}
+
+impl From<(u32, u32)> for Viewport {
+    fn from(size: (u32, u32)) -> Self {
+        Self {
+            origin: (0.0, 0.0),
+            size,
+        }
+    }
+}
+
+/// Rays on the plane one unit in front of the eye: through pixel (0, 0)'s corner, and to the next pixel.
+pub(super) struct PixelRays {
+    pub corner: DVec3,
+    pub right: DVec3,
+    pub down: DVec3,
+}
+
+/// Perspective projection to wgpu clip space with the near plane at depth 1 and infinity at 0.
+pub fn infinite_reversed_z(fov_y_rad: f64, aspect: f64, near: f64) -> DMat4 {
+    let f = 1.0 / (0.5 * fov_y_rad).tan();
+    DMat4::from_cols(
+        DVec4::new(f / aspect, 0.0, 0.0, 0.0),
+        DVec4::new(0.0, f, 0.0, 0.0),
+        DVec4::new(0.0, 0.0, 0.0, -1.0),
+        DVec4::new(0.0, 0.0, near, 0.0),
+    )
+}

@@ -1,0 +1,113 @@
+//! Why a pack could not be built, said with the file, the cause and what to do.
+
+use crate::imagery::tile::MapLayer;
+use std::path::PathBuf;
+
+/// Why a pack could not be built.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// A map could not be opened or read.
+    #[error("{}: {source}; check that it is a file and its permissions", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The system's words.
+        source: std::io::Error,
+    },
+    /// A map cannot be used as it is.
+    #[error("{}: {cause}; {advice}", path.display())]
+    Source {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        cause: String,
+        /// What to do.
+        advice: String,
+    },
+    /// A map began well and then broke.
+    #[error("{}: truncated or damaged: {cause}; copy or make it again", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// The decoder's words.
+        cause: String,
+    },
+    /// A ladder of levels that cannot be.
+    #[error("--pixels {}={pixels}: {cause}", layer.name())]
+    Pixels {
+        /// The map.
+        layer: MapLayer,
+        /// What was asked for.
+        pixels: String,
+        /// What is wrong and what is allowed.
+        cause: String,
+    },
+    /// An option that cannot be.
+    #[error("{option}: {cause}")]
+    Option {
+        /// Which.
+        option: &'static str,
+        /// What is wrong and what is allowed.
+        cause: String,
+    },
+    /// Not enough memory allowed.
+    #[error(
+        "--memory {allowed_mb}: the {} map needs {needed_mb} MB at least; allow that much or give a ladder \
+         with fewer pixels", layer.name()
+    )]
+    Memory {
+        /// The map.
+        layer: MapLayer,
+        /// What is allowed, megabytes.
+        allowed_mb: u64,
+        /// What is needed, megabytes.
+        needed_mb: u64,
+    },
+    /// The folder holds something that is not a pack.
+    #[error("{}: holds {found}, which no pack has; give an empty folder or a new name", path.display())]
+    NotEmpty {
+        /// The folder.
+        path: PathBuf,
+        /// A name that was found there.
+        found: String,
+    },
+    /// The folder holds a finished pack.
+    #[error("{}: is a finished pack; add --restart to throw it away and build anew", path.display())]
+    Finished {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The folder holds a build with other maps or options.
+    #[error(
+        "{}: holds an unfinished pack of other maps or options; repeat them to go on with it, or add --restart to \
+         throw it away", path.display()
+    )]
+    OtherBuild {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// Another process builds there.
+    #[error("{}: another build is writing there; wait for it or give another folder", path.display())]
+    Busy {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A file of the pack could not be written.
+    #[error(
+        "{}: {source}; make room or correct the permissions, then run the same command again to go on",
+        path.display()
+    )]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's words.
+        source: std::io::Error,
+    },
+    /// The machine cannot start threads.
+    #[error("no threads for encoding: {0}; end other programs and try again")]
+    Threads(String),
+    /// Stopped on request.
+    #[error("stopped; run the same command again to go on")]
+    Cancelled,
+}

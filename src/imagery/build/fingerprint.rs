@@ -1,0 +1,59 @@
+//! What tells one build from another: all that decides what is written, and the maps by size, time and their ends.
+
+use super::error::BuildError;
+use super::source::Blame;
+use super::{BuildOptions, Map};
+use std::fmt::Write;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+use std::time::UNIX_EPOCH;
+
+/// Bytes of a map's file that are looked at, at its start and at its end.
+const ENDS: u64 = 1 << 20;
+
+/// Hexadecimal digits; equal for builds that write the same files. Memory and threads do not count.
+pub(super) fn of(options: &BuildOptions, maps: &[Map<'_>]) -> Result<String, BuildError> {
+    let mut text = format!(
+        "{} {:?} {:?} {:?}\n",
+        env!("CARGO_PKG_VERSION"),
+        options.pack_name(),
+        options.attribution,
+        options.storages
+    );
+    for map in maps {
+        // Writing to a string does not fail.
+        let _ = writeln!(
+            text,
+            "{} {:?} {:?} {:?} {}",
+            map.layer.name(),
+            map.path,
+            map.meaning,
+            map.levels,
+            of_file(map.path)?
+        );
+    }
+    Ok(blake3::hash(text.as_bytes()).to_hex().to_string())
+}
+
+fn of_file(path: &Path) -> Result<String, BuildError> {
+    let read = || -> std::io::Result<String> {
+        let mut file = File::open(path)?;
+        let metadata = file.metadata()?;
+        // A file system without times is told by the rest.
+        let modified = metadata
+            .modified()
+            .ok()
+            .and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+        let mut hasher = blake3::Hasher::new();
+        hasher.update_reader((&mut file).take(ENDS))?;
+        file.seek(SeekFrom::Start(metadata.len().saturating_sub(ENDS)))?;
+        hasher.update_reader((&mut file).take(ENDS))?;
+        Ok(format!(
+            "{} {modified:?} {}",
+            metadata.len(),
+            hasher.finalize().to_hex()
+        ))
+    };
+    read().map_err(|error| Blame::new(path).unreadable(error))
+}

@@ -1,0 +1,253 @@
+//! The folder that a pack is built in: what may be there, and files that are whole or not there.
+
+use super::error::BuildError;
+use super::journal::{JOURNAL_FILE, Journal};
+use crate::globe::Block;
+use crate::imagery::pack::{MANIFEST_FILE, Manifest, TileFile, tile_path};
+use crate::imagery::tile::{MapLayer, Storage, TileShape};
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Folder of the tiles.
+const TILES: &str = "tiles";
+
+/// Ending of a file that is being written.
+const PART: &str = "part";
+
+/// Writes whole files. Tests put their own in its place.
+pub(super) trait Writer: Sync {
+    /// Writes a file so that it is there with all its contents or not at all.
+    fn write(&self, path: &Path, contents: &[u8]) -> io::Result<()>;
+}
+
+/// Writes to disk: first beside the file, then renames.
+pub(super) struct Disk;
+
+impl Writer for Disk {
+    fn write(&self, path: &Path, contents: &[u8]) -> io::Result<()> {
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder)?;
+        }
+        let mut name = std::ffi::OsString::from(".");
+        name.push(path.file_name().unwrap_or_default());
+        name.push(".");
+        name.push(PART);
+        let part = path.with_file_name(name);
+        let written = File::create(&part)
+            .and_then(|mut file| {
+                file.write_all(contents)?;
+                file.sync_data()
+            })
+            .and_then(|()| fs::rename(&part, path));
+        if written.is_err() {
+            // The error that counts is the one above.
+            let _ = fs::remove_file(&part);
+        }
+        written
+    }
+}
+
+/// A tile's file, by what its path is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct TileName {
+    pub storage: Storage,
+    pub layer: MapLayer,
+    /// Texels per block.
+    pub pixels: u32,
+    /// Index of the block.
+    pub block: u8,
+}
+
+impl TileName {
+    fn path(self) -> Option<PathBuf> {
+        let shape = TileShape::new(self.pixels)?;
+        let block = u32::from(self.block);
+        let block = Block {
+            column: block % crate::globe::COLUMNS,
+            row: block / crate::globe::COLUMNS,
+        };
+        Some(tile_path(self.storage, self.layer, shape, block))
+    }
+}
+
+/// The folder of one build, locked against others.
+pub(super) struct BuildFolder<'a> {
+    dir: PathBuf,
+    writer: &'a dyn Writer,
+    state: Mutex<State>,
+}
+
+struct State {
+    journal: Journal,
+    done: BTreeMap<TileName, TileFile>,
+}
+
+impl<'a> BuildFolder<'a> {
+    /// Opens or makes the folder. Tiles of an earlier run of the same build, by its fingerprint, are taken over if they
+    /// are whole.
+    pub(super) fn open(
+        dir: &Path,
+        fingerprint: &str,
+        restart: bool,
+        writer: &'a dyn Writer,
+    ) -> Result<Self, BuildError> {
+        let write_error = |source| BuildError::Write {
+            path: dir.to_path_buf(),
+            source,
+        };
+        fs::create_dir_all(dir).map_err(write_error)?;
+        let present = Present::look(dir)?;
+        if present.manifest && !present.journal && !restart {
+            return Err(BuildError::Finished {
+                path: dir.to_path_buf(),
+            });
+        }
+        let mut journal = Journal::open(dir)?;
+        if restart {
+            // Without its manifest it is no pack any more; then the rest may go.
+            for (name, is_there) in [(MANIFEST_FILE, present.manifest), (TILES, present.tiles)] {
+                let path = dir.join(name);
+                let removed = match (is_there, name) {
+                    (false, _) => Ok(()),
+                    (true, TILES) => fs::remove_dir_all(&path),
+                    (true, _) => fs::remove_file(&path),
+                };
+                removed.map_err(|source| BuildError::Write { path, source })?;
+            }
+            journal.begin(fingerprint)?;
+        } else if !journal.has_fingerprint(fingerprint) {
+            if !journal.is_empty() {
+                return Err(BuildError::OtherBuild {
+                    path: dir.to_path_buf(),
+                });
+            }
+            journal.begin(fingerprint)?;
+        }
+        let noted = journal.tiles();
+        let is_whole = |(name, file): &(TileName, TileFile)| {
+            name.path()
+                .is_some_and(|path| holds(&dir.join(path), *file))
+        };
+        let done = noted.into_iter().filter(is_whole).collect();
+        Ok(Self {
+            dir: dir.to_path_buf(),
+            writer,
+            state: Mutex::new(State { journal, done }),
+        })
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        // Entries are put in whole.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether a tile is there.
+    pub(super) fn has(&self, name: TileName) -> bool {
+        self.state().done.contains_key(&name)
+    }
+
+    /// The tile's file, once it is there.
+    pub(super) fn tile(&self, name: TileName) -> Option<TileFile> {
+        self.state().done.get(&name).copied()
+    }
+
+    /// Writes a tile and notes it.
+    pub(super) fn put(&self, name: TileName, contents: &[u8]) -> Result<(), BuildError> {
+        let file = TileFile::of(contents);
+        let path = self.dir.join(name.path().unwrap_or_default());
+        self.writer
+            .write(&path, contents)
+            .map_err(|source| BuildError::Write { path, source })?;
+        let mut state = self.state();
+        state.journal.note(name, file)?;
+        state.done.insert(name, file);
+        Ok(())
+    }
+
+    /// What has been noted survives a fall of the machine.
+    pub(super) fn sync(&self) -> Result<(), BuildError> {
+        self.state().journal.sync()
+    }
+
+    /// Writes the manifest, and the build is over.
+    pub(super) fn finish(self, manifest: &Manifest) -> Result<(), BuildError> {
+        let path = self.dir.join(MANIFEST_FILE);
+        self.writer
+            .write(&path, manifest.to_toml().as_bytes())
+            .and_then(|()| sync_folder(&self.dir))
+            .map_err(|source| BuildError::Write { path, source })?;
+        let state = self
+            .state
+            .into_inner()
+            .unwrap_or_else(PoisonError::into_inner);
+        state.journal.remove()
+    }
+}
+
+/// Names in a folder are kept by the folder.
+fn sync_folder(dir: &Path) -> io::Result<()> {
+    if cfg!(unix) {
+        File::open(dir)?.sync_all()
+    } else {
+        Ok(())
+    }
+}
+
+/// What of a pack is in the folder.
+struct Present {
+    manifest: bool,
+    journal: bool,
+    tiles: bool,
+}
+
+impl Present {
+    fn look(dir: &Path) -> Result<Self, BuildError> {
+        let unreadable = |source| BuildError::Unreadable {
+            path: dir.to_path_buf(),
+            source,
+        };
+        let mut present = Self {
+            manifest: false,
+            journal: false,
+            tiles: false,
+        };
+        let other = |name: &str| BuildError::NotEmpty {
+            path: dir.to_path_buf(),
+            found: name.to_string(),
+        };
+        for entry in fs::read_dir(dir).map_err(unreadable)? {
+            let entry = entry.map_err(unreadable)?;
+            let kind = entry.file_type().map_err(unreadable)?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            match name.as_str() {
+                MANIFEST_FILE if kind.is_file() => present.manifest = true,
+                JOURNAL_FILE if kind.is_file() => present.journal = true,
+                TILES if kind.is_dir() => present.tiles = true,
+                // Left by a fall between writing and renaming.
+                name if name == format!(".{MANIFEST_FILE}.{PART}") => {}
+                _ => return Err(other(&name)),
+            }
+        }
+        if present.tiles && !present.manifest && !present.journal {
+            return Err(other(TILES));
+        }
+        Ok(present)
+    }
+}
+
+/// Whether the file has this length and checksum.
+fn holds(path: &Path, file: TileFile) -> bool {
+    let read = || -> io::Result<bool> {
+        let opened = File::open(path)?;
+        if opened.metadata()?.len() != file.bytes {
+            return Ok(false);
+        }
+        let mut hasher = blake3::Hasher::new();
+        hasher.update_reader(opened.take(file.bytes))?;
+        Ok(hasher.finalize().as_bytes()[..16] == file.checksum)
+    };
+    read().unwrap_or(false)
+}

@@ -1,0 +1,180 @@
+//! What a build has done so far, line by line, so that it can go on after any end.
+//!
+//! ```text
+//! terrella build 1
+//! <fingerprint of maps and options>
+//! plain day 1350 0 123456 <checksum>
+//! ```
+//!
+//! A line that has no end, or is not understood, was cut off: it and all after it do not count.
+
+use super::error::BuildError;
+use super::folder::TileName;
+use crate::globe::BLOCK_COUNT;
+use crate::imagery::pack::TileFile;
+use crate::imagery::tile::{MapLayer, Storage};
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+/// Name of the journal in the pack's folder.
+pub(super) const JOURNAL_FILE: &str = "build.journal";
+
+const FIRST_LINE: &str = "terrella build 1";
+
+/// A journal of every tile that can be has less: 5 maps × 8 levels × 128 blocks × 2 storages × 100 bytes.
+const MAX_BYTES: u64 = 2 << 20;
+
+/// The open, locked journal.
+pub(super) struct Journal {
+    path: PathBuf,
+    file: File,
+    /// What it held when it was opened.
+    text: String,
+}
+
+impl Journal {
+    /// Opens or makes it and locks it.
+    pub(super) fn open(dir: &Path) -> Result<Self, BuildError> {
+        let path = dir.join(JOURNAL_FILE);
+        let fail = |source| BuildError::Write {
+            path: path.clone(),
+            source,
+        };
+        let mut options = OpenOptions::new();
+        let mut file = options
+            .read(true)
+            .append(true)
+            .create(true)
+            .open(&path)
+            .map_err(fail)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                return Err(BuildError::Busy {
+                    path: dir.to_path_buf(),
+                });
+            }
+            // A file system without locks: one does without.
+            Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
+            Err(TryLockError::Error(error)) => return Err(fail(error)),
+        }
+        let mut bytes = Vec::new();
+        (&mut file)
+            .take(MAX_BYTES)
+            .read_to_end(&mut bytes)
+            .map_err(fail)?;
+        // What is not text is not ours: no fingerprint will fit.
+        let text = String::from_utf8(bytes).unwrap_or_else(|_| "?".to_string());
+        Ok(Self { path, file, text })
+    }
+
+    /// Nothing was ever begun.
+    pub(super) fn is_empty(&self) -> bool {
+        self.text.is_empty()
+    }
+
+    /// Whether it is of this build.
+    pub(super) fn has_fingerprint(&self, fingerprint: &str) -> bool {
+        self.text
+            .starts_with(&format!("{FIRST_LINE}\n{fingerprint}\n"))
+    }
+
+    fn fail(&self, source: io::Error) -> BuildError {
+        BuildError::Write {
+            path: self.path.clone(),
+            source,
+        }
+    }
+
+    /// Empties it and begins a build.
+    pub(super) fn begin(&mut self, fingerprint: &str) -> Result<(), BuildError> {
+        let begun = self
+            .file
+            .set_len(0)
+            .and_then(|()| writeln!(self.file, "{FIRST_LINE}\n{fingerprint}"))
+            .and_then(|()| self.file.sync_all());
+        begun.map_err(|error| self.fail(error))?;
+        self.text.clear();
+        Ok(())
+    }
+
+    /// The tiles noted when it was opened. What was cut off is taken away, so that new lines begin well.
+    pub(super) fn tiles(&mut self) -> Vec<(TileName, TileFile)> {
+        let mut tiles = Vec::new();
+        let mut good = 0;
+        for (n, line) in self.text.split_inclusive('\n').enumerate() {
+            let Some(whole) = line.strip_suffix('\n') else {
+                break;
+            };
+            if n >= 2 {
+                let Some(tile) = parse(whole) else { break };
+                tiles.push(tile);
+            }
+            good += line.len();
+        }
+        if good < self.text.len() {
+            // If this fails, notes on the same line as the cut one are not understood next time: tiles are made again.
+            let _ = self.file.set_len(good as u64);
+            let _ = self.file.seek(SeekFrom::End(0));
+        }
+        tiles
+    }
+
+    /// Notes a tile.
+    pub(super) fn note(&mut self, name: TileName, file: TileFile) -> Result<(), BuildError> {
+        let checksum: String = file
+            .checksum
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect();
+        let line = format!(
+            "{} {} {} {} {} {checksum}\n",
+            name.storage.name(),
+            name.layer.name(),
+            name.pixels,
+            name.block,
+            file.bytes
+        );
+        self.file
+            .write_all(line.as_bytes())
+            .map_err(|error| self.fail(error))
+    }
+
+    pub(super) fn sync(&self) -> Result<(), BuildError> {
+        self.file.sync_data().map_err(|error| self.fail(error))
+    }
+
+    /// The build is over.
+    pub(super) fn remove(self) -> Result<(), BuildError> {
+        fs::remove_file(&self.path).map_err(|error| self.fail(error))
+    }
+}
+
+fn parse(line: &str) -> Option<(TileName, TileFile)> {
+    let words: Vec<&str> = line.split(' ').collect();
+    let [storage, layer, pixels, block, bytes, digits] = words.as_slice() else {
+        return None;
+    };
+    let storage = Storage::ALL
+        .into_iter()
+        .find(|kind| kind.name() == *storage)?;
+    let name = TileName {
+        storage,
+        layer: MapLayer::from_name(layer)?,
+        pixels: pixels.parse().ok()?,
+        block: block
+            .parse()
+            .ok()
+            .filter(|block| u32::from(*block) < BLOCK_COUNT)?,
+    };
+    let mut checksum = [0; 16];
+    if digits.len() != 32 || !digits.is_ascii() {
+        return None;
+    }
+    for (n, byte) in checksum.iter_mut().enumerate() {
+        *byte = u8::from_str_radix(&digits[2 * n..2 * n + 2], 16).ok()?;
+    }
+    let bytes = bytes.parse().ok()?;
+    Some((name, TileFile { bytes, checksum }))
+}

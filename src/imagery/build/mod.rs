@@ -1,0 +1,425 @@
+//! Building packs from maps of any size in bounded memory.
+//!
+//! | file | what |
+//! |---|---|
+//! | `source/` | PNG, JPEG and TIFF read a row at a time |
+//! | `values.rs` | texels as linear light, cover or slopes |
+//! | `resample.rs` | rows at another size |
+//! | `bands.rs` | rows gathered into rows of blocks with borders |
+//! | `cut.rs`, `codes.rs` | tiles with mip levels; values as bytes |
+//! | `bc.rs` | tiles compressed in blocks |
+//! | `plan.rs`, `memory.rs` | levels, passes, and who may hold how much |
+//! | `folder.rs`, `journal.rs` | whole files, and going on after an end |
+//! | `run.rs` | one map, from its file to its tiles |
+//!
+//! A source is read once for all levels; if the bands of all levels do not fit into the memory allowed, it is read
+//! several times, for some columns of blocks each. What is written does not depend on that, nor on the number of
+//! threads.
+
+mod bands;
+mod bc;
+mod codes;
+mod cut;
+mod error;
+mod fingerprint;
+mod folder;
+mod journal;
+mod memory;
+mod plan;
+mod resample;
+mod run;
+pub mod source;
+#[cfg(test)]
+mod tests;
+mod values;
+
+pub use error::BuildError;
+
+use super::pack::{LayerEntry, LevelEntry, Manifest, TileFile};
+use super::tile::{MapLayer, Storage, TileShape};
+use crate::globe::BLOCK_COUNT;
+use folder::{BuildFolder, Disk, TileName, Writer};
+use plan::{Means, Plan};
+use run::Job;
+use source::{SourceInfo, SourceLimits};
+use std::path::{Path, PathBuf};
+use values::{Meaning, ValueRows};
+
+/// Memory that a build takes unless told otherwise, bytes.
+pub const DEFAULT_MEMORY_BYTES: u64 = 512_000_000;
+
+/// Where terrain slopes come from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Relief {
+    /// A tangent-space normal map: red east, green north, blue up. A slope up to the east has red below its middle
+    /// (128 of 255), one up to the north green below its middle.
+    Normals(PathBuf),
+    /// Elevations in metres.
+    Elevation {
+        /// 16-bit PNG, or TIFF of 16-bit or float samples.
+        path: PathBuf,
+        /// What is subtracted from the samples, metres. By default 11 000 for PNG, which cannot hold depths below
+        /// zero, and 0 for TIFF.
+        offset_m: Option<f64>,
+        /// How many times steeper than the truth slopes are stored.
+        exaggeration: f64,
+    },
+}
+
+/// What is built from what, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BuildOptions {
+    /// Surface colour, sRGB.
+    pub day: PathBuf,
+    /// Cloud cover: grey, or the luminance of colour.
+    pub clouds: Option<PathBuf>,
+    /// Terrain slopes.
+    pub relief: Option<Relief>,
+    /// City lights: grey, or the luminance of colour.
+    pub night_lights: Option<PathBuf>,
+    /// Open water: white where there is some.
+    pub water: Option<PathBuf>,
+    /// The pack's folder: new, empty, or of the same build stopped before.
+    pub out: PathBuf,
+    /// What the pack is called; by default as its folder.
+    pub name: Option<String>,
+    /// Whose data it is, a line each.
+    pub attribution: Vec<String>,
+    /// How tiles are kept, each kind once.
+    pub storages: Vec<Storage>,
+    /// Levels of a map, texels per block, the finest first; by default the paper's up to the first that holds all
+    /// detail of the map.
+    pub pixels: Vec<(MapLayer, Vec<u32>)>,
+    /// Most memory of the process, bytes.
+    pub memory_bytes: u64,
+    /// Encoder threads; by default one a processor.
+    pub threads: Option<usize>,
+    /// Throw away what the folder holds of another build or a finished pack.
+    pub restart: bool,
+}
+
+impl BuildOptions {
+    /// Of a day map alone, everything else as it is by default.
+    pub fn new(day: impl Into<PathBuf>, out: impl Into<PathBuf>) -> Self {
+        Self {
+            day: day.into(),
+            clouds: None,
+            relief: None,
+            night_lights: None,
+            water: None,
+            out: out.into(),
+            name: None,
+            attribution: Vec::new(),
+            storages: Storage::ALL.to_vec(),
+            pixels: Vec::new(),
+            memory_bytes: DEFAULT_MEMORY_BYTES,
+            threads: None,
+            restart: false,
+        }
+    }
+
+    /// The maps with their files, in the order of the manifest.
+    fn maps(&self) -> Vec<(MapLayer, &Path, Meaning)> {
+        let relief = self.relief.as_ref().map(|relief| match relief {
+            Relief::Normals(path) => (path, Meaning::Normals),
+            Relief::Elevation {
+                path,
+                offset_m,
+                exaggeration,
+            } => (
+                path,
+                Meaning::Elevation {
+                    offset_m: *offset_m,
+                    exaggeration: *exaggeration,
+                },
+            ),
+        });
+        let amount = |path| Some((path, Meaning::Amount));
+        let all = [
+            (MapLayer::Day, Some((&self.day, Meaning::Colour))),
+            (MapLayer::Clouds, self.clouds.as_ref().and_then(amount)),
+            (MapLayer::Normals, relief),
+            (
+                MapLayer::NightLights,
+                self.night_lights.as_ref().and_then(amount),
+            ),
+            (MapLayer::Water, self.water.as_ref().and_then(amount)),
+        ];
+        all.into_iter()
+            .filter_map(|(layer, map)| map.map(|(path, meaning)| (layer, path.as_path(), meaning)))
+            .collect()
+    }
+
+    /// Refuses what can be told to be wrong without a look at the maps.
+    fn check(&self) -> Result<(), BuildError> {
+        let refuse = |option, cause: &str| {
+            Err(BuildError::Option {
+                option,
+                cause: cause.to_string(),
+            })
+        };
+        if self.storages.is_empty()
+            || (1..self.storages.len()).any(|n| self.storages[..n].contains(&self.storages[n]))
+        {
+            return refuse("--storage", "give plain, bc or both, each once");
+        }
+        if let Some(Relief::Elevation {
+            offset_m,
+            exaggeration,
+            ..
+        }) = &self.relief
+        {
+            if !(0.01..=1000.0).contains(exaggeration) {
+                return refuse("--exaggeration", "must be from 0.01 to 1000");
+            }
+            if offset_m.is_some_and(|offset_m| !(offset_m.abs() <= 100_000.0)) {
+                return refuse(
+                    "--elevation-offset",
+                    "must be from -100000 to 100000 metres",
+                );
+            }
+        }
+        if let Some((layer, _)) = self.pixels.iter().find(|(layer, _)| {
+            self.maps().iter().all(|(present, ..)| present != layer)
+                || self
+                    .pixels
+                    .iter()
+                    .filter(|(other, _)| other == layer)
+                    .count()
+                    > 1
+        }) {
+            return refuse(
+                "--pixels",
+                &format!("{} is not among the maps, or given twice", layer.name()),
+            );
+        }
+        Ok(())
+    }
+
+    fn asked_pixels(&self, layer: MapLayer) -> Option<&[u32]> {
+        let asked = self.pixels.iter().find(|(of, _)| *of == layer);
+        asked.map(|(_, pixels)| pixels.as_slice())
+    }
+
+    /// The name asked for, else the folder's.
+    fn pack_name(&self) -> String {
+        let folder = || {
+            self.out
+                .file_name()
+                .map(|name| name.to_string_lossy().into_owned())
+        };
+        self.name
+            .clone()
+            .or_else(folder)
+            .unwrap_or_else(|| "pack".to_string())
+    }
+}
+
+/// Told how far a build is, and asked whether to go on. The command shows bars; `()` shows nothing and never stops.
+pub trait BuildProgress: Sync {
+    /// A pass over a map begins, of so many rows.
+    fn begin(&self, what: &str, steps: Option<u64>);
+    /// A row is done.
+    fn step(&self);
+    /// The pass is over.
+    fn end(&self);
+    /// Something worth knowing that is no error.
+    fn note(&self, _text: &str) {}
+    /// True once the work is no longer wanted: it stops at the next row, and the same build can go on later.
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+impl BuildProgress for () {
+    fn begin(&self, _what: &str, _steps: Option<u64>) {}
+    fn step(&self) {}
+    fn end(&self) {}
+}
+
+/// A map that has been looked at: all that decides what is built from it.
+struct Map<'a> {
+    layer: MapLayer,
+    path: &'a Path,
+    meaning: Meaning,
+    info: SourceInfo,
+    levels: Vec<TileShape>,
+    plan: Plan,
+}
+
+/// Builds a pack, or goes on with one whose building was stopped. The folder holds a manifest only when all is done.
+///
+/// # Errors
+/// [`BuildError`] with what is wrong and what to do. What has been built stays for the next run.
+pub fn build(options: &BuildOptions, progress: &dyn BuildProgress) -> Result<Manifest, BuildError> {
+    build_with(options, progress, &Disk, None)
+}
+
+/// The build with other means of writing and, for tests, so many columns of blocks a pass.
+fn build_with(
+    options: &BuildOptions,
+    progress: &dyn BuildProgress,
+    writer: &dyn Writer,
+    columns: Option<u32>,
+) -> Result<Manifest, BuildError> {
+    options.check()?;
+    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
+    let means = Means {
+        memory_bytes: options.memory_bytes,
+        threads: options.threads.unwrap_or_else(processors).clamp(1, 64),
+    };
+    let limits = SourceLimits {
+        buffer_bytes: means.source_bytes(),
+    };
+    let mut maps = Vec::new();
+    for (layer, path, meaning) in options.maps() {
+        let mut map = look(options, layer, path, meaning, means, limits, progress)?;
+        map.plan.columns = columns.unwrap_or(map.plan.columns);
+        maps.push(map);
+    }
+    let draft = manifest(options, &maps, |_| Some(TileFile::of(b"draft")));
+    Manifest::from_toml(&draft.to_toml(), Path::new("manifest")).map_err(|error| {
+        BuildError::Option {
+            option: "--name, --attribution",
+            cause: error.to_string(),
+        }
+    })?;
+
+    let fingerprint = fingerprint::of(options, &maps)?;
+    let folder = BuildFolder::open(&options.out, &fingerprint, options.restart, writer)?;
+    for map in &maps {
+        let job = Job {
+            layer: map.layer,
+            path: map.path,
+            meaning: map.meaning,
+            info: map.info,
+            limits,
+            levels: &map.levels,
+            storages: &options.storages,
+            plan: map.plan,
+            folder: &folder,
+            progress,
+        };
+        let saturated_texels = match map.meaning.channels() {
+            3 => job.run::<3>(),
+            2 => job.run::<2>(),
+            _ => job.run::<1>(),
+        }?;
+        if saturated_texels > 0 {
+            progress.note(&format!(
+                "{saturated_texels} of {} slopes are steeper than can be stored and drawn less steep; a smaller \
+                 --exaggeration keeps them",
+                u64::from(map.info.width) * u64::from(map.info.height)
+            ));
+        }
+    }
+    let done = manifest(options, &maps, |name| folder.tile(name));
+    folder.finish(&done)?;
+    Ok(done)
+}
+
+/// Opens a map, and decides its levels and how its work is divided.
+fn look<'a>(
+    options: &BuildOptions,
+    layer: MapLayer,
+    path: &'a Path,
+    meaning: Meaning,
+    means: Means,
+    limits: SourceLimits,
+    progress: &dyn BuildProgress,
+) -> Result<Map<'a>, BuildError> {
+    let source = source::open_source(path, limits)?;
+    let info = source.info();
+    // Refuses texels of the wrong kind.
+    drop(ValueRows::new(source, meaning, path)?);
+    if meaning == Meaning::Amount && info.channels >= 3 {
+        progress.note(&format!(
+            "{}: is in colour; its luminance is taken for the {} map",
+            path.display(),
+            layer.name()
+        ));
+    }
+    let ladder = plan::ladder(layer, info.width, options.asked_pixels(layer))?;
+    if !ladder.left_out.is_empty() {
+        let finest = ladder.levels.first().map_or(0, |shape| shape.pixels);
+        let left_out: Vec<_> = ladder.left_out.iter().map(u32::to_string).collect();
+        progress.note(&format!(
+            "{}: {finest} pixels per block hold all its detail; the {} levels {} are left out (--pixels forces them)",
+            path.display(),
+            layer.name(),
+            left_out.join(", ")
+        ));
+    }
+    let levels = ladder.levels;
+    let plan = match meaning.channels() {
+        3 => plan::plan::<3>(layer, &info, &levels, &options.storages, means),
+        2 => plan::plan::<2>(layer, &info, &levels, &options.storages, means),
+        _ => plan::plan::<1>(layer, &info, &levels, &options.storages, means),
+    }?;
+    tracing::debug!(layer = layer.name(), ?info, ?plan, "planned");
+    Ok(Map {
+        layer,
+        path,
+        meaning,
+        info,
+        levels,
+        plan,
+    })
+}
+
+fn manifest(
+    options: &BuildOptions,
+    maps: &[Map<'_>],
+    file: impl Fn(TileName) -> Option<TileFile>,
+) -> Manifest {
+    let tiles = |layer: MapLayer, shape: TileShape, storage: Storage| {
+        (0..BLOCK_COUNT)
+            .map(|block| {
+                file(TileName {
+                    storage,
+                    layer,
+                    pixels: shape.pixels,
+                    // 0…127.
+                    block: block as u8,
+                })
+            })
+            .collect()
+    };
+    let layers = maps.iter().map(|map| LayerEntry {
+        layer: map.layer,
+        source: source_text(map),
+        exaggeration: match map.meaning {
+            Meaning::Elevation { exaggeration, .. } => Some(exaggeration),
+            _ => None,
+        },
+        levels: map
+            .levels
+            .iter()
+            .map(|shape| LevelEntry {
+                shape: *shape,
+                tiles: options
+                    .storages
+                    .iter()
+                    .map(|storage| tiles(map.layer, *shape, *storage))
+                    .collect(),
+            })
+            .collect(),
+    });
+    Manifest {
+        name: options.pack_name(),
+        attribution: options.attribution.clone(),
+        storages: options.storages.clone(),
+        layers: layers.collect(),
+    }
+}
+
+/// File name and size, in characters that a manifest can hold.
+fn source_text(map: &Map<'_>) -> String {
+    let name = map.path.file_name().unwrap_or_default().to_string_lossy();
+    let name: String = name
+        .chars()
+        .map(|c| if c.is_control() { '?' } else { c })
+        .take(500)
+        .collect();
+    format!("{name}, {} x {}", map.info.width, map.info.height)
+}

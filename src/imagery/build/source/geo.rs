@@ -1,0 +1,137 @@
+//! Where a GeoTIFF says that it lies.
+
+/// What its tags say, as far as they are there.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct GeoTags {
+    /// Size of a texel, degrees east and degrees south.
+    pub scale: Option<Vec<f64>>,
+    /// Texel column, row, (height) and longitude, latitude, (height) of a point.
+    pub tie: Option<Vec<f64>>,
+    /// The affine map from texels to degrees, 4 × 4 row-major.
+    pub matrix: Option<Vec<f64>>,
+    /// Pairs of (key, value) of the keys whose value is a number.
+    pub keys: Vec<(u16, u16)>,
+}
+
+const MODEL_TYPE: u16 = 1024;
+const RASTER_TYPE: u16 = 1025;
+const MODEL_GEOGRAPHIC: u16 = 2;
+const RASTER_POINT: u16 = 2;
+
+impl GeoTags {
+    /// The keys of a key directory: four numbers a key after a header of four.
+    pub(super) fn read_keys(directory: &[u16]) -> Vec<(u16, u16)> {
+        let (entries, _) = directory.get(4..).unwrap_or(&[]).as_chunks::<4>();
+        entries
+            .iter()
+            .filter(|[_, place, count, _]| *place == 0 && *count == 1)
+            .map(|[key, _, _, value]| (*key, *value))
+            .collect()
+    }
+
+    fn key(&self, key: u16) -> Option<u16> {
+        self.keys.iter().find(|(k, _)| *k == key).map(|(_, v)| *v)
+    }
+
+    /// What is wrong if the map is not the whole globe with its left edge at 180° W, north up. Without tags nothing is.
+    ///
+    /// A texel of tolerance: maps whose texels stand on whole degrees (grid-registered, 21 601 × 10 801) are taken.
+    pub(super) fn complaint(&self, width: u32, height: u32) -> Option<String> {
+        if let Some(model) = self.key(MODEL_TYPE)
+            && model != MODEL_GEOGRAPHIC
+        {
+            return Some("is projected (its GeoTIFF model is not geographic)".to_string());
+        }
+        let (scale_x, scale_y, left, top) = match (&self.matrix, &self.scale, &self.tie) {
+            (Some(m), ..) if m.len() == 16 => {
+                if m[1] != 0.0 || m[4] != 0.0 {
+                    return Some("is rotated or sheared by its GeoTIFF matrix".to_string());
+                }
+                (m[0], -m[5], m[3], m[7])
+            }
+            (_, Some(scale), Some(tie)) if scale.len() >= 2 && tie.len() >= 6 => (
+                scale[0],
+                scale[1],
+                tie[3] - tie[0] * scale[0],
+                tie[4] + tie[1] * scale[1],
+            ),
+            _ => return None,
+        };
+        // The point may be the texel's centre.
+        let half = if self.key(RASTER_TYPE) == Some(RASTER_POINT) {
+            0.5
+        } else {
+            0.0
+        };
+        let (left, top) = (left - half * scale_x, top + half * scale_y);
+        let (right, bottom) = (
+            left + scale_x * f64::from(width),
+            top - scale_y * f64::from(height),
+        );
+        let near = |value: f64, target: f64, texel: f64| (value - target).abs() <= texel * 1.001;
+        let (texel_x, texel_y) = (360.0 / f64::from(width), 180.0 / f64::from(height));
+        let fits = near(left, -180.0, texel_x)
+            && near(right, 180.0, texel_x)
+            && near(top, 90.0, texel_y)
+            && near(bottom, -90.0, texel_y);
+        (!fits).then(|| {
+            format!(
+                "covers longitudes {left:.4} to {right:.4} and latitudes {bottom:.4} to {top:.4} by its GeoTIFF tags"
+            )
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tags(scale: [f64; 2], tie: [f64; 4]) -> GeoTags {
+        GeoTags {
+            scale: Some(vec![scale[0], scale[1], 0.0]),
+            tie: Some(vec![tie[0], tie[1], 0.0, tie[2], tie[3], 0.0]),
+            matrix: None,
+            keys: vec![(MODEL_TYPE, MODEL_GEOGRAPHIC)],
+        }
+    }
+
+    #[test]
+    fn the_whole_globe_is_taken_and_others_are_named() {
+        let whole = tags([0.5, 0.5], [0.0, 0.0, -180.0, 90.0]);
+        assert_eq!(whole.complaint(720, 360), None);
+        assert_eq!(GeoTags::default().complaint(720, 360), None);
+        // Texels that stand on whole degrees, told as points: half a texel over on all sides.
+        let mut grid = tags([0.5, 0.5], [0.0, 0.0, -180.0, 90.0]);
+        grid.keys.push((RASTER_TYPE, RASTER_POINT));
+        assert_eq!(grid.complaint(721, 361), None);
+
+        let shifted = tags([0.5, 0.5], [0.0, 0.0, 0.0, 90.0]);
+        assert!(
+            shifted
+                .complaint(720, 360)
+                .unwrap()
+                .contains("0.0000 to 360.0000")
+        );
+        let quarter = tags([0.25, 0.25], [0.0, 0.0, -180.0, 90.0]);
+        assert!(quarter.complaint(720, 360).is_some());
+        let mut projected = whole.clone();
+        projected.keys = vec![(MODEL_TYPE, 1)];
+        assert!(projected.complaint(720, 360).unwrap().contains("projected"));
+        let south_up = GeoTags {
+            matrix: Some(vec![
+                0.5, 0.0, 0.0, -180.0, 0.0, 0.5, 0.0, -90.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0,
+            ]),
+            ..GeoTags::default()
+        };
+        assert!(south_up.complaint(720, 360).is_some());
+        let not_a_number = tags([f64::NAN, 0.5], [0.0, 0.0, -180.0, 90.0]);
+        assert!(not_a_number.complaint(720, 360).is_some());
+    }
+
+    #[test]
+    fn keys_with_values_elsewhere_are_passed_over() {
+        let directory = [1, 1, 0, 2, 1024, 0, 1, 2, 2049, 34737, 7, 0, 1025, 0];
+        assert_eq!(GeoTags::read_keys(&directory), [(1024, 2)]);
+        assert_eq!(GeoTags::read_keys(&[1]), []);
+    }
+}

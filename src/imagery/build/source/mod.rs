@@ -1,0 +1,227 @@
+//! Maps read from disk, a row at a time.
+
+mod geo;
+mod jpeg;
+mod png;
+mod sof;
+mod tiff;
+
+use super::error::BuildError;
+use std::fmt;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+/// Smallest height of a map, texels.
+pub const MIN_SOURCE_HEIGHT: u32 = 16;
+
+/// Largest height of a map, texels; its width is twice that. 8 rows of the largest tiles.
+pub const MAX_SOURCE_HEIGHT: u32 = 65_536;
+
+/// What one sample is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SampleKind {
+    /// 0…255.
+    U8,
+    /// 0…65 535, the machine's byte order.
+    U16,
+    /// −32 768…32 767, the machine's byte order.
+    I16,
+    /// 32-bit float, the machine's byte order.
+    F32,
+}
+
+impl SampleKind {
+    /// Bytes of a sample.
+    pub fn bytes(self) -> usize {
+        match self {
+            Self::U8 => 1,
+            Self::U16 | Self::I16 => 2,
+            Self::F32 => 4,
+        }
+    }
+}
+
+impl fmt::Display for SampleKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::U8 => "8-bit",
+            Self::U16 => "16-bit",
+            Self::I16 => "signed 16-bit",
+            Self::F32 => "32-bit float",
+        })
+    }
+}
+
+/// What a file is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// Portable Network Graphics.
+    Png,
+    /// JPEG, baseline or progressive.
+    Jpeg,
+    /// TIFF, also BigTIFF and GeoTIFF.
+    Tiff,
+}
+
+/// Size and texels of a map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SourceInfo {
+    /// What it is read from.
+    pub file: FileKind,
+    /// Texels of a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Samples of a texel: 1 grey, 2 grey and alpha, 3 colour, 4 colour and alpha.
+    pub channels: usize,
+    /// What each sample is.
+    pub sample: SampleKind,
+    /// Bytes that reading holds beside the row that it gives.
+    pub buffer_bytes: u64,
+}
+
+impl SourceInfo {
+    /// Bytes of one row.
+    pub fn row_bytes(&self) -> usize {
+        self.width as usize * self.channels * self.sample.bytes()
+    }
+}
+
+/// A map read from north to south.
+pub trait RowSource {
+    /// Its size and texels.
+    fn info(&self) -> SourceInfo;
+
+    /// Fills a row of [`SourceInfo::row_bytes`] bytes. Called at most once for each row.
+    ///
+    /// # Errors
+    /// [`BuildError::Damaged`] or [`BuildError::Unreadable`]. The source gives no more rows after it.
+    fn next_row(&mut self, row: &mut [u8]) -> Result<(), BuildError>;
+}
+
+/// What reading may take.
+#[derive(Clone, Copy, Debug)]
+pub struct SourceLimits {
+    /// Most bytes to hold beside a row: for strips and tiles, and for files that cannot be read in strips.
+    pub buffer_bytes: u64,
+}
+
+/// Errors about one file.
+#[derive(Clone, Debug)]
+pub(super) struct Blame(PathBuf);
+
+impl Blame {
+    pub(super) fn new(path: &Path) -> Self {
+        Self(path.to_path_buf())
+    }
+
+    pub(super) fn unreadable(&self, source: std::io::Error) -> BuildError {
+        BuildError::Unreadable {
+            path: self.0.clone(),
+            source,
+        }
+    }
+
+    pub(super) fn damaged(&self, cause: impl fmt::Display) -> BuildError {
+        BuildError::Damaged {
+            path: self.0.clone(),
+            cause: cause.to_string(),
+        }
+    }
+
+    pub(super) fn refused(
+        &self,
+        cause: impl Into<String>,
+        advice: impl Into<String>,
+    ) -> BuildError {
+        BuildError::Source {
+            path: self.0.clone(),
+            cause: cause.into(),
+            advice: advice.into(),
+        }
+    }
+
+    /// That the file cannot be read in strips and is too large to be held.
+    pub(super) fn too_large(
+        &self,
+        what: &str,
+        bytes: u64,
+        limits: SourceLimits,
+        advice: &str,
+    ) -> BuildError {
+        let megabytes = |bytes: u64| bytes.div_ceil(1_000_000);
+        self.refused(
+            format!(
+                "{what} would take {} MB of memory and {} MB are left for it",
+                megabytes(bytes),
+                megabytes(limits.buffer_bytes)
+            ),
+            advice,
+        )
+    }
+}
+
+/// Opens a map; the contents say what it is, not the name.
+///
+/// # Errors
+/// [`BuildError`] with the file and what to do, before anything large is allocated.
+pub fn open_source(path: &Path, limits: SourceLimits) -> Result<Box<dyn RowSource>, BuildError> {
+    let blame = Blame::new(path);
+    let file = File::open(path).map_err(|error| blame.unreadable(error))?;
+    let metadata = file.metadata().map_err(|error| blame.unreadable(error))?;
+    if !metadata.is_file() {
+        return Err(blame.refused("is no file", "give a PNG, JPEG or TIFF file"));
+    }
+    read_source(BufReader::with_capacity(1 << 16, file), path, limits)
+}
+
+/// Reads a map from anything; `path` is its name in messages.
+///
+/// # Errors
+/// As [`open_source`].
+pub fn read_source<R: BufRead + Seek + 'static>(
+    mut reader: R,
+    path: &Path,
+    limits: SourceLimits,
+) -> Result<Box<dyn RowSource>, BuildError> {
+    let blame = Blame::new(path);
+    let mut magic = Vec::with_capacity(8);
+    (&mut reader)
+        .take(8)
+        .read_to_end(&mut magic)
+        .and_then(|_| reader.seek(SeekFrom::Start(0)))
+        .map_err(|error| blame.unreadable(error))?;
+    let source: Box<dyn RowSource> = match magic.as_slice() {
+        [0x89, b'P', b'N', b'G', ..] => {
+            Box::new(png::PngRows::open(reader, blame.clone(), limits)?)
+        }
+        [0xFF, 0xD8, ..] => Box::new(jpeg::JpegRows::open(reader, blame.clone(), limits)?),
+        [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => {
+            Box::new(tiff::TiffRows::open(reader, blame.clone(), limits)?)
+        }
+        _ => {
+            return Err(blame.refused(
+                "is neither PNG nor JPEG nor TIFF",
+                "convert it to one of these",
+            ));
+        }
+    };
+    Ok(source)
+}
+
+/// Refuses what is no map of the whole Earth. Readers call it with the sizes of the header, before they allocate.
+fn check_size(blame: &Blame, width: u32, height: u32) -> Result<(), BuildError> {
+    if !(MIN_SOURCE_HEIGHT..=MAX_SOURCE_HEIGHT).contains(&height)
+        || width.abs_diff(height.saturating_mul(2)) > 1
+    {
+        return Err(blame.refused(
+            format!("is {width} x {height} texels"),
+            format!(
+                "give an equirectangular map of the whole Earth, twice as wide as high, from {MIN_SOURCE_HEIGHT} to \
+                 {MAX_SOURCE_HEIGHT} texels high"
+            ),
+        ));
+    }
+    Ok(())
+}

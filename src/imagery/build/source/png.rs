@@ -1,0 +1,128 @@
+//! PNG maps: grey, palette and colour of 8 or 16 bits.
+
+use super::{Blame, FileKind, RowSource, SampleKind, SourceInfo, SourceLimits, check_size};
+use crate::imagery::build::error::BuildError;
+use png::{BitDepth, DecodingError, Limits, Reader, Transformations};
+use std::io::{BufRead, Seek};
+
+/// What the decoder itself may hold: rows, palette, text. 65 536 × 4 × 2 bytes a row, a few of them.
+const DECODER_BYTES: usize = 64 << 20;
+
+/// Rows of a PNG file.
+pub(super) struct PngRows<R: BufRead + Seek> {
+    reader: Reader<R>,
+    info: SourceInfo,
+    blame: Blame,
+    /// Rows given so far.
+    given: u32,
+    /// All texels of an interlaced map.
+    whole: Option<Vec<u8>>,
+}
+
+impl<R: BufRead + Seek> PngRows<R> {
+    pub(super) fn open(reader: R, blame: Blame, limits: SourceLimits) -> Result<Self, BuildError> {
+        let told = |error| tell(&blame, error);
+        let mut decoder = png::Decoder::new_with_limits(
+            reader,
+            Limits {
+                bytes: DECODER_BYTES,
+            },
+        );
+        // Palettes become colour, few bits become eight, a transparent colour becomes alpha.
+        decoder.set_transformations(Transformations::EXPAND);
+        decoder.set_ignore_text_chunk(true);
+        decoder.set_ignore_iccp_chunk(true);
+        let (width, height) = decoder.read_header_info().map_err(told)?.size();
+        check_size(&blame, width, height)?;
+        let mut reader = decoder.read_info().map_err(told)?;
+        if reader.info().is_animated() {
+            return Err(blame.refused("is an animation", "give a PNG with one picture"));
+        }
+        let (colour, depth) = reader.output_color_type();
+        let sample = if depth == BitDepth::Sixteen {
+            SampleKind::U16
+        } else {
+            SampleKind::U8
+        };
+        let mut info = SourceInfo {
+            file: FileKind::Png,
+            width,
+            height,
+            channels: colour.samples(),
+            sample,
+            buffer_bytes: 1 << 20,
+        };
+        let mut whole = None;
+        if reader.info().interlaced {
+            // The first pass alone has texels of the whole map.
+            let bytes = info.row_bytes() as u64 * u64::from(height);
+            if bytes > limits.buffer_bytes {
+                return Err(blame.too_large(
+                    "an interlaced PNG cannot be read in strips: it",
+                    bytes,
+                    limits,
+                    "save it without interlacing (`magick IN.png -interlace none OUT.png`) or allow more --memory",
+                ));
+            }
+            info.buffer_bytes = bytes;
+            // At most `limits.buffer_bytes`.
+            let mut texels = vec![0; bytes as usize];
+            reader.next_frame(&mut texels).map_err(told)?;
+            whole = Some(texels);
+        }
+        Ok(Self {
+            reader,
+            info,
+            blame,
+            given: 0,
+            whole,
+        })
+    }
+}
+
+impl<R: BufRead + Seek> RowSource for PngRows<R> {
+    fn info(&self) -> SourceInfo {
+        self.info
+    }
+
+    fn next_row(&mut self, row: &mut [u8]) -> Result<(), BuildError> {
+        if let Some(whole) = &self.whole {
+            let start = self.given as usize * row.len();
+            let texels = whole.get(start..start + row.len());
+            row.copy_from_slice(texels.ok_or_else(|| self.blame.damaged("too few rows"))?);
+        } else {
+            let read = self.reader.read_row(row);
+            if read.map_err(|error| tell(&self.blame, error))?.is_none() {
+                return Err(self.blame.damaged("too few rows"));
+            }
+        }
+        self.given += 1;
+        if self.given == self.info.height && self.whole.is_none() {
+            // What is left must be whole too: checksums and the end chunk.
+            self.reader
+                .finish()
+                .map_err(|error| tell(&self.blame, error))?;
+        }
+        if self.info.sample == SampleKind::U16 {
+            let (pairs, _) = row.as_chunks_mut::<2>();
+            for pair in pairs {
+                *pair = u16::from_be_bytes(*pair).to_ne_bytes();
+            }
+        }
+        Ok(())
+    }
+}
+
+fn tell(blame: &Blame, error: DecodingError) -> BuildError {
+    match error {
+        DecodingError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
+            blame.damaged("the file ends too early")
+        }
+        DecodingError::IoError(error) => blame.unreadable(error),
+        DecodingError::LimitsExceeded => blame.refused(
+            "has chunks beyond all measure",
+            "strip it of everything but the picture",
+        ),
+        other => blame.damaged(other),
+    }
+}

@@ -1,0 +1,108 @@
+//! Opening a pack: its folder and its manifest.
+
+use super::error::{MAX_MANIFEST_BYTES, PackError};
+use super::manifest::{MANIFEST_FILE, Manifest, tile_path};
+use crate::imagery::tile::{Storage, TileKey};
+use std::io::{ErrorKind, Read};
+use std::path::{Path, PathBuf};
+
+/// Name of the file in a pack's folder by which the building goes on after it was broken off. It is there from the
+/// first tile to the last, and the manifest only after it.
+pub const JOURNAL_FILE: &str = "build.journal";
+
+/// A pack on disk whose manifest was read and found good. Of its tiles nothing is known yet.
+#[derive(Debug)]
+pub struct Pack {
+    dir: PathBuf,
+    manifest: Manifest,
+}
+
+impl Pack {
+    /// Reads the manifest of the pack in a folder.
+    ///
+    /// # Errors
+    /// No folder, a folder that is no pack or one that is not finished, and whatever [`Manifest::from_toml`] refuses.
+    pub fn open(dir: &Path) -> Result<Self, PackError> {
+        let found = std::fs::metadata(dir).map_err(|source| match source.kind() {
+            ErrorKind::NotFound => PackError::Missing { path: dir.into() },
+            _ => PackError::Read {
+                path: dir.into(),
+                source,
+            },
+        })?;
+        if !found.is_dir() {
+            return Err(PackError::NotAFolder { path: dir.into() });
+        }
+        let path = dir.join(MANIFEST_FILE);
+        let text = match read_text(&path) {
+            Err(PackError::Read { source, .. }) if source.kind() == ErrorKind::NotFound => {
+                let path = dir.into();
+                return Err(if dir.join(JOURNAL_FILE).exists() {
+                    PackError::Unfinished { path }
+                } else {
+                    PackError::NoManifest { path }
+                });
+            }
+            text => text?,
+        };
+        Ok(Self {
+            dir: dir.into(),
+            manifest: Manifest::from_toml(&text, &path)?,
+        })
+    }
+
+    /// Its folder.
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// What it says of itself.
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// The file of a tile; `None` for a level that the manifest has not.
+    pub fn tile_path(&self, storage: Storage, key: TileKey) -> Option<PathBuf> {
+        let entry = self.manifest.layer(key.layer)?;
+        let level = entry.levels.get(usize::from(key.level))?;
+        Some(
+            self.dir
+                .join(tile_path(storage, key.layer, level.shape, key.block())),
+        )
+    }
+}
+
+/// A text file of at most [`MAX_MANIFEST_BYTES`].
+fn read_text(path: &Path) -> Result<String, PackError> {
+    let unreadable = |source| PackError::Read {
+        path: path.into(),
+        source,
+    };
+    let too_large = || PackError::TooLarge { path: path.into() };
+    let found = std::fs::metadata(path).map_err(unreadable)?;
+    if !found.is_file() {
+        // A pipe would be waited for.
+        return Err(unreadable(std::io::Error::other("it is not a file")));
+    }
+    if found.len() > MAX_MANIFEST_BYTES {
+        return Err(too_large());
+    }
+    // It may grow meanwhile, so the reading is bounded too.
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)
+        .and_then(|file| file.take(MAX_MANIFEST_BYTES + 1).read_to_end(&mut bytes))
+        .map_err(unreadable)?;
+    if bytes.len() as u64 > MAX_MANIFEST_BYTES {
+        return Err(too_large());
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let good = error
+            .as_bytes()
+            .iter()
+            .take(error.utf8_error().valid_up_to());
+        PackError::NotUtf8 {
+            path: path.into(),
+            line: good.filter(|byte| **byte == b'\n').count() + 1,
+        }
+    })
+}
