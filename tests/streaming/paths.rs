@@ -111,8 +111,10 @@ fn fitted(layers: &[LayerLayout], pools: &[Pool], wants: &[Want]) -> HashMap<Til
 
 fn steps() -> impl Strategy<Value = Vec<Step>> {
     let budgets = prop_oneof![0_u64..3, 20_u64..3_000, Just(u64::MAX)];
+    // A small country, so that a path comes back to where it was; across the date line.
+    let eye = prop::sample::select(vec![48_u8, 49, 50, 63, 62, 64, 65, 79]);
     let step = (
-        (0_u8..128, 0_u8..4, 0_u32..3),
+        (eye, 0_u8..3, 0_u32..3),
         any::<u64>(),
         1_u32..12,
         prop::bool::weighted(0.9),
@@ -128,6 +130,18 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
         budget,
     });
     prop::collection::vec(step, 1..14)
+}
+
+/// Few slots or many; a pool of none is left out, as [`plan_pools`] does.
+fn pools(maps: &[LayerLayout], seed: u64) -> Vec<Pool> {
+    let mut pools = plan_pools(maps, u64::MAX);
+    for pool in &mut pools {
+        let name = pool.layer.index() as u64 * 8 + u64::from(pool.level);
+        let few = scramble(seed ^ name) % (2 + seed % 12);
+        pool.slots = pool.slots.min(few as u32);
+    }
+    pools.retain(|pool| pool.slots > 0);
+    pools
 }
 
 fn maps() -> impl Strategy<Value = Vec<LayerLayout>> {
@@ -183,13 +197,11 @@ proptest! {
     #[test]
     fn promises_hold_on_any_path(
         maps in maps(),
-        texture_bytes in prop_oneof![0_u64..20_000, 0_u64..400_000],
+        seed in any::<u64>(),
         loading in loading(),
         steps in steps(),
     ) {
-        let pools = plan_pools(&maps, texture_bytes);
-        let sum: u64 = pools.iter().map(Pool::bytes).sum();
-        prop_assert!(sum <= texture_bytes);
+        let pools = pools(&maps, seed);
         let mut host = Host::new(&maps, &pools, loading);
         for step in &steps {
             let wants = wants(&maps, step);
