@@ -1,0 +1,225 @@
+//! Imagery packs from maps to pictures: built, verified, drawn in both storages; damaged and unfinished ones.
+
+use crate::{Place, png_size, words};
+use image::{Rgb, RgbImage};
+use std::path::PathBuf;
+use terrella::play::Stats;
+
+/// A place with a pack of a map with coasts and waves, in both storages.
+fn with_pack() -> Place {
+    let place = Place::new();
+    let map = RgbImage::from_fn(1024, 512, |x, y| {
+        let (a, b) = (f64::from(x) / 1024.0, f64::from(y) / 512.0);
+        let wave = |angle: f64| (128.0 + 90.0 * angle.sin()) as u8;
+        let (a, b) = (a * std::f64::consts::TAU, b * std::f64::consts::PI);
+        Rgb([
+            wave(23.0 * a),
+            wave(17.0 * b),
+            if (7.0 * a + 5.0 * b).sin() > 0.0 {
+                180
+            } else {
+                60
+            },
+        ])
+    });
+    map.save(place.path("day.png")).expect("writes");
+    place.succeed(&[
+        "--quiet",
+        "pack",
+        "build",
+        "--day",
+        "day.png",
+        "--pixels",
+        "day=64,32,16",
+        "-o",
+        "earth",
+    ]);
+    place
+}
+
+fn scene(place: &Place, name: &str, earth: &str) {
+    let text = format!(
+        "[camera]\nmode = \"geodetic\"\nlat_deg = 22.5\nlon_deg = 45\nheight_km = 3000\n\
+         [time]\nstart = \"2018-03-20T09:00:00Z\"\nduration_s = 2\nspeed = 10\nframe_rate_hz = 10\n\
+         [earth]\npack = \"earth\"\natmosphere = \"none\"\n{earth}\n[output]\nsize = [160, 90]\n"
+    );
+    place.scene(name, &text);
+}
+
+fn stats(place: &Place, name: &str) -> Stats {
+    let text = std::fs::read_to_string(place.path(name)).expect("numbers");
+    serde_json::from_str(&text).expect("the numbers of a picture")
+}
+
+/// A tile that the scene's picture shows, of one storage, at the finest level.
+fn shown_tile(place: &Place, storage: &str) -> PathBuf {
+    place.path(&format!("earth/tiles/{storage}/day/64/r3c10.ktx2"))
+}
+
+#[test]
+fn a_pack_is_built_verified_shown_and_drawn_alike_in_both_storages() {
+    let place = with_pack();
+    let told = place.succeed(&["pack", "info", "earth"]);
+    let told = String::from_utf8_lossy(&told.stdout).into_owned();
+    assert!(told.contains("day.png") && told.contains("64"), "{told}");
+    place.succeed(&["--quiet", "pack", "verify", "earth"]);
+    place.succeed(&["pack", "preview", "earth", "-o", "sheet.png"]);
+    assert!(png_size(&place.path("sheet.png")).0 > 100);
+
+    let mut pictures = Vec::new();
+    for storage in ["plain", "bc", "auto"] {
+        let name = format!("{storage}.toml");
+        scene(&place, &name, &format!("storage = \"{storage}\""));
+        let (png, json) = (format!("{storage}.png"), format!("{storage}.json"));
+        place.succeed(&["--quiet", "frame", &name, "-o", &png, "--stats", &json]);
+        let tiles = stats(&place, &json).tiles.expect("numbers of tiles");
+        assert!(
+            tiles.hits > 0 && tiles.fallbacks == 0 && tiles.missing.is_empty(),
+            "{tiles:?}"
+        );
+        assert!(
+            tiles.wanted[0] > 0 && tiles.resident[0] >= tiles.wanted[0],
+            "{tiles:?}"
+        );
+        pictures.push(image::open(place.path(&png)).expect("a picture").to_rgb8());
+    }
+    let (worst, mean) = difference(&pictures[0], &pictures[1]);
+    println!("plain against bc: worst {worst}, mean {mean:.3} of 255");
+    assert!(
+        worst > 0,
+        "the storages must differ, or one of them was not read"
+    );
+    assert!(mean < 1.0 && worst < 24, "{worst} {mean}");
+    // The tests draw on a software adapter where there is one: it takes the plain tiles by itself.
+    assert!(difference(&pictures[0], &pictures[2]).1 < 1.0);
+}
+
+fn difference(a: &RgbImage, b: &RgbImage) -> (u8, f64) {
+    let off = || a.iter().zip(b.iter()).map(|(a, b)| a.abs_diff(*b));
+    let sum: f64 = off().map(f64::from).sum();
+    (off().max().unwrap_or(0), sum / a.len() as f64)
+}
+
+#[test]
+fn a_damaged_tile_is_named_and_the_picture_is_drawn_coarser_there() {
+    let place = with_pack();
+    scene(&place, "a.toml", "storage = \"plain\"");
+    let good = ["--quiet", "frame", "a.toml", "-o", "good.png"];
+    place.succeed(&good);
+    let tile = shown_tile(&place, "plain");
+    let mut bytes = std::fs::read(&tile).expect("a tile");
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(&tile, &bytes).expect("writes");
+
+    let output = place.run(&["--quiet", "pack", "verify", "earth"]);
+    assert_eq!(output.status.code(), Some(1));
+    let told = words(&output) + &String::from_utf8_lossy(&output.stdout);
+    assert!(told.contains("tiles/plain/day/64/r3c10.ktx2"), "{told}");
+
+    let output = place.succeed(&["frame", "a.toml", "-o", "bad.png", "--stats", "bad.json"]);
+    let told = words(&output);
+    assert!(
+        told.contains("r3c10") && told.contains("pack verify"),
+        "{told}"
+    );
+    let tiles = stats(&place, "bad.json").tiles.expect("numbers of tiles");
+    assert!(tiles.failures > 0 && tiles.fallbacks > 0, "{tiles:?}");
+    let open = |name| image::open(place.path(name)).expect("a picture").to_rgb8();
+    let (worst, mean) = difference(&open("good.png"), &open("bad.png"));
+    assert!(worst > 4, "the block must be drawn with something else");
+    // Coarser, not black and not of another place.
+    assert!(mean < 8.0, "{mean}");
+
+    // Gone altogether, and the next coarser one too.
+    std::fs::remove_file(&tile).expect("removes");
+    std::fs::remove_file(place.path("earth/tiles/plain/day/32/r3c10.ktx2")).expect("removes");
+    let output = place.run(&["--quiet", "pack", "verify", "earth"]);
+    assert_eq!(output.status.code(), Some(1));
+    place.succeed(&["--quiet", "frame", "a.toml", "-o", "gone.png"]);
+    assert!(difference(&open("good.png"), &open("gone.png")).1 < 16.0);
+    // A film goes on too and lists what it lacks.
+    let output = place.succeed(&["play", "a.toml", "--frames", "film"]);
+    assert!(words(&output).contains("r3c10"), "{}", words(&output));
+}
+
+#[test]
+fn a_coarsest_tile_that_is_damaged_is_replaced_by_finer_ones() {
+    let place = with_pack();
+    scene(&place, "a.toml", "levels = \"paper\"");
+    std::fs::write(place.path("earth/tiles/plain/day/16/r3c10.ktx2"), b"KTX").expect("writes");
+    let output = place.succeed(&["frame", "a.toml", "-o", "a.png"]);
+    let told = words(&output);
+    assert!(told.contains("r3c10") && told.contains("finer"), "{told}");
+}
+
+#[test]
+fn what_is_no_pack_is_refused_with_advice() {
+    let place = with_pack();
+    scene(&place, "a.toml", "");
+    let draw = ["frame", "a.toml", "-o", "a.png"];
+    let manifest = place.path("earth/pack.toml");
+    let text = std::fs::read_to_string(&manifest).expect("a manifest");
+
+    std::fs::write(&manifest, text.replace("pixels = 64", "pixels = 65")).expect("writes");
+    let told = place.fail(1, &draw);
+    assert!(told.contains("pack.toml"), "{told}");
+
+    std::fs::remove_file(&manifest).expect("removes");
+    let told = place.fail(1, &draw);
+    assert!(told.contains("pack build"), "{told}");
+
+    std::fs::write(&manifest, &text).expect("writes");
+    scene(&place, "a.toml", "clouds = true");
+    let told = place.fail(2, &draw);
+    assert!(
+        told.contains("a.toml:12") && told.contains("clouds"),
+        "{told}"
+    );
+
+    place.succeed(&[
+        "--quiet",
+        "pack",
+        "build",
+        "--day",
+        "day.png",
+        "--pixels",
+        "day=32,16",
+        "--storage",
+        "bc",
+        "-o",
+        "earth2",
+    ]);
+    let text = std::fs::read_to_string(place.path("a.toml")).expect("a scene");
+    let text = text
+        .replace("\"earth\"", "\"earth2\"")
+        .replace("clouds = true", "");
+    place.scene(
+        "b.toml",
+        &text.replace("atmosphere", "storage = \"plain\"\natmosphere"),
+    );
+    let told = place.fail(2, &["frame", "b.toml", "-o", "a.png"]);
+    assert!(told.contains("bc only"), "{told}");
+    // Without being forced it is decoded and drawn.
+    place.scene("b.toml", &text);
+    place.succeed(&["--quiet", "frame", "b.toml", "-o", "b.png"]);
+    assert!(!place.names().contains(&"a.png".to_owned()));
+}
+
+#[test]
+fn a_pack_without_time_to_read_it_is_drawn_coarse_and_said_so() {
+    let place = with_pack();
+    scene(&place, "a.toml", "");
+    let text = std::fs::read_to_string(place.path("a.toml")).expect("a scene");
+    place.scene("a.toml", &(text + "wait_s = 0\n"));
+    let output = place.succeed(&["frame", "a.toml", "-o", "a.png", "--stats", "a.json"]);
+    // The first frame cannot have a tile: nothing was asked for before.
+    assert!(words(&output).contains("wait_s"), "{}", words(&output));
+    assert!(
+        !stats(&place, "a.json")
+            .tiles
+            .expect("tiles")
+            .missing
+            .is_empty()
+    );
+}
