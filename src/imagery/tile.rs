@@ -381,9 +381,9 @@ mod tests {
         for (pixels, side) in [(1350, 1360), (675, 688), (450, 464), (270, 280), (135, 144)] {
             let shape = TileShape::new(pixels).expect("in range");
             assert_eq!(shape.side(), side);
-            assert!(shape.side() >= pixels + 2 * TILE_BORDER && shape.side() % 8 == 0);
+            assert!(shape.side() >= pixels + 2 * TILE_BORDER && shape.side().is_multiple_of(8));
             // Half a texel of border at the last mip level.
-            assert!(TILE_BORDER * 2 >= 1 << (TILE_MIPS - 1));
+            const { assert!(TILE_BORDER * 2 >= 1 << (TILE_MIPS - 1)) };
         }
         assert_eq!(TileShape::new(MAX_PIXELS).map(TileShape::side), Some(8192));
         assert_eq!(TileShape::new(MIN_PIXELS - 1), None);

@@ -8,7 +8,7 @@ fn every_command_has_help() {
     for (arguments, must_say) in [
         (
             &["--help"][..],
-            &["play", "frame", "check", "doctor", "--adapter"][..],
+            &["play", "frame", "check", "doctor", "pack", "--adapter"][..],
         ),
         (
             &["play", "--help"],

@@ -145,9 +145,8 @@ fn a_bad_block_is_made_of_the_next_finer_level() {
                     continue;
                 }
             };
-            for channel in 0..3 {
-                let (found, expected) =
-                    (linear(after[channel]), mean(pixels, column, row, channel));
+            for (channel, code) in after[..3].iter().enumerate() {
+                let (found, expected) = (linear(*code), mean(pixels, column, row, channel));
                 // Half a code of sRGB.
                 assert!(
                     (found - expected).abs() < 0.0047,

@@ -61,3 +61,96 @@ fn decode_image(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::imagery::tile::TileShape;
+
+    /// The first 4 × 4 texels of a tile all of whose blocks are these.
+    fn decoded(format: TileFormat, block: &[u8]) -> Vec<Vec<u8>> {
+        let shape = TileShape::new(16).expect("in range");
+        let texels = block.repeat(shape.bytes(format) / block.len());
+        let tile = decode_tile(Tile {
+            format,
+            shape,
+            texels,
+        });
+        assert_eq!(tile.texels.len(), shape.bytes(format.decoded()));
+        let texel_bytes = tile.format.unit_bytes() as usize;
+        let rows = tile.mip(0).chunks_exact(24 * texel_bytes).take(4);
+        let texels = rows.flat_map(|row| row[..4 * texel_bytes].chunks_exact(texel_bytes));
+        texels.map(<[u8]>::to_vec).collect()
+    }
+
+    /// A BC4 block whose texels have the indices 0…7, 0…7.
+    fn bc4(ends: [u8; 2]) -> [u8; 8] {
+        let indices = (0..16).fold(0_u64, |bits, texel| bits | (texel % 8) << (3 * texel));
+        let mut block = (indices << 16).to_le_bytes();
+        block[..2].copy_from_slice(&ends);
+        block
+    }
+
+    #[test]
+    fn single_channels_are_interpolated_as_the_format_says() {
+        let texels = decoded(TileFormat::Bc4Unorm, &bc4([200, 60]));
+        // Eight values: the ends, then sevenths from the first to the second.
+        let expected = [200, 60, 180, 160, 140, 120, 100, 80];
+        let expected: Vec<_> = expected
+            .into_iter()
+            .cycle()
+            .take(16)
+            .map(|v| vec![v])
+            .collect();
+        assert_eq!(texels, expected);
+        let texels = decoded(TileFormat::Bc4Unorm, &bc4([50, 200]));
+        // Six values, fifths between, then 0 and 255.
+        let expected = [50, 200, 80, 110, 140, 170, 0, 255];
+        assert_eq!(texels[..8].concat(), expected);
+    }
+
+    #[test]
+    fn slopes_are_signed() {
+        let block = [bc4([70, -70_i8 as u8]), bc4([-50_i8 as u8, 50])].concat();
+        let texels = decoded(TileFormat::Bc5Snorm, &block);
+        let east: Vec<_> = texels[..8].iter().map(|texel| texel[0] as i8).collect();
+        let north: Vec<_> = texels[..8].iter().map(|texel| texel[1] as i8).collect();
+        assert_eq!(east, [70, -70, 50, 30, 10, -10, -30, -50]);
+        assert_eq!(north, [-50, 50, -30, -10, 10, 30, -127, 127]);
+    }
+
+    #[test]
+    fn colours_are_interpolated_as_the_format_says() {
+        // Mode 6: per channel two ends of seven bits, two lowest bits, indices of four bits, the first of three.
+        let ends = [[10, 100], [127, 0], [64, 64], [127, 127]];
+        let lowest = [0_u32, 1];
+        let mut block = 1_u128 << 6;
+        for (channel, ends) in ends.iter().enumerate() {
+            block |= ends[0] << (7 + 14 * channel) | ends[1] << (14 + 14 * channel);
+        }
+        block |= u128::from(lowest[0]) << 63 | u128::from(lowest[1]) << 64;
+        for texel in 1..16_u128 {
+            block |= texel << (64 + 4 * texel);
+        }
+        let texels = decoded(TileFormat::Bc7Srgb, &block.to_le_bytes());
+        let weights = [0, 4, 9, 13, 17, 21, 26, 30, 34, 38, 43, 47, 51, 55, 60, 64];
+        for (texel, weight) in texels.iter().zip(weights) {
+            let expected = ends.map(|ends| {
+                let [from, to] = [0, 1].map(|end| (ends[end] as u32) << 1 | lowest[end]);
+                (((64 - weight) * from + weight * to + 32) >> 6) as u8
+            });
+            assert_eq!(texel[..], expected, "weight {weight}");
+        }
+    }
+
+    #[test]
+    fn plain_tiles_stay_as_they_are() {
+        let shape = TileShape::new(17).expect("in range");
+        let tile = Tile {
+            format: TileFormat::Rg8Snorm,
+            shape,
+            texels: vec![3; shape.bytes(TileFormat::Rg8Snorm)],
+        };
+        assert_eq!(decode_tile(tile.clone()), tile);
+    }
+}

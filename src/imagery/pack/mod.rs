@@ -1,4 +1,95 @@
 //! Imagery packs: maps larger than memory, cut into tiles.
+//!
+//! # The format, version 1
+//!
+//! A pack is a folder. All it takes to read one is a TOML reader, a KTX2 reader and BLAKE3:
+//!
+//! ```text
+//! earth/
+//!     pack.toml                                    the manifest
+//!     tiles/<storage>/<layer>/<pixels>/r<row>c<column>.ktx2
+//!     tiles/plain/day/1350/r3c12.ktx2              for example
+//! ```
+//!
+//! While a pack is being built there is a `build.journal` and no `pack.toml`: the manifest is the last file that is
+//! written, so a folder with one is whole. Nothing else in the folder is read.
+//!
+//! ## Blocks
+//!
+//! Maps are equirectangular and of the whole Earth: north row first, left edge at 180° W, twice as wide as high. Each
+//! is cut into 16 columns × 8 rows of blocks of 22.5°: column 0 begins at 180° W, row 0 at the north pole. Lists of
+//! blocks run row by row. At a level with n texels a block's side the map is W = 16 n texels wide and H = 8 n high, and
+//! the centre of texel (i, j), counted from 0, lies at longitude −180° + (i + ½)·360°/W, latitude 90° − (j + ½)·180°/H.
+//!
+//! ## Levels
+//!
+//! A map has 1 to 8 levels, the finest first, with strictly falling n from 16 to 8184. The last, coarsest one has at
+//! most 256 and all 128 blocks; in the others any block may be missing, and the next coarser tile is drawn there.
+//!
+//! ## Tiles
+//!
+//! A tile has the n × n texels of its block and around them texels of the neighbours, so that filtering finds the same
+//! texels on both sides of an edge. There are 4 of these on the west and north, and on the east and south as many more
+//! as make the side s = n + 8, rounded up to a multiple of 8. Columns run on round the date line. Beyond a pole row
+//! −1 − k is row k of the opposite meridian, column i + W/2; beyond the south pole likewise.
+//!
+//! Each tile is a KTX2 file by itself with four mip levels of sides s, s/2, s/4 and s/8, in one of two storages:
+//!
+//! | layer | what | `plain` | `bc` |
+//! |---|---|---|---|
+//! | `day` | colour, sRGB; alpha is 255 | `R8G8B8A8_SRGB` (43) | `BC7_SRGB_BLOCK` (146) |
+//! | `clouds` | cover, 0…1 | `R8_UNORM` (9) | `BC4_UNORM_BLOCK` (139) |
+//! | `normals` | slopes dh/d east, dh/d north, exaggerated as the manifest says, −1…1 | `R8G8_SNORM` (17) | `BC5_SNORM_BLOCK` (142) |
+//! | `night_lights` | intensity, 0…1 | `R8_UNORM` (9) | `BC4_UNORM_BLOCK` (139) |
+//! | `water` | open water, 0…1 | `R8_UNORM` (9) | `BC4_UNORM_BLOCK` (139) |
+//!
+//! The KTX2 header says: type size 1, width = height = s, depth 0, layers 0, faces 1, levels 4, supercompression 2
+//! (Zstandard), no global data. The data format descriptor is the one basic block of that Vulkan format, BT.709
+//! primaries, straight alpha, with the sizes of planes (or, as in earlier revisions of KTX2, with zeros for them).
+//! `KTXorientation`, if given, is `rd`. Each mip level is compressed by itself. A file has at most 64 KiB more than its
+//! texels uncompressed.
+//!
+//! ## The manifest
+//!
+//! ```toml
+//! format = 1                      # this version; readers refuse others
+//! name = "Blue Marble"            # at most 200 characters, as all texts without control characters
+//! attribution = ["NASA"]          # at most 64 lines of 1000 characters
+//! columns = 16                    # these four are always so
+//! rows = 8
+//! border = 4
+//! mips = 4
+//! storages = ["plain", "bc"]      # one or both, each once
+//!
+//! [[layer]]                       # 1 to 5, each once, `day` always
+//! name = "normals"
+//! source = "elevation.tif"        # what it was made from, at most 1000 characters
+//! exaggeration = 4.0              # may be left out; `normals` only: above 0
+//!
+//! [[layer.level]]                 # the finest first
+//! pixels = 750                    # n
+//! side = 760                      # s
+//!
+//! [layer.level.plain]             # one such table for each storage
+//! bytes = [12345, 0, …]           # 128: the length of each tile's file, 0 for no tile
+//! checksums = ["0123…", "", …]    # 128: the first 16 bytes of its BLAKE3 as 32 hexadecimal digits, small; "" for none
+//! ```
+//!
+//! A block has a tile in all storages or in none. No other key is allowed, and the file has at most 4 MiB. It holds no
+//! paths: those of tiles are made of the names above, so that no manifest can lead out of its folder.
+//!
+//! # Files
+//!
+//! | file | what |
+//! |---|---|
+//! | `manifest/` | `pack.toml`: read, with line and key in every message, and written |
+//! | `container/` | a tile as KTX2: read and written |
+//! | `open.rs` | a pack's folder |
+//! | `tiles.rs` | a pack as a source of tiles, each checked before it is used |
+//! | `decode.rs` | BC texels made plain |
+//! | `coarsest.rs` | the coarsest level as whole maps |
+//! | `verify.rs`, `preview.rs` | every tile checked; a contact sheet |
+//! | `error.rs` | what can be wrong |
 
 mod coarsest;
 mod container;

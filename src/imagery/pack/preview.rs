@@ -19,6 +19,9 @@ const ROW_HEIGHT: u32 = 320;
 /// Between and around pictures, pixels.
 const MARGIN: u32 = 12;
 
+/// How many times steeper than stored slopes are shown.
+const SHOWN_STEEPER: f32 = 4.0;
+
 const BACKGROUND: Rgb<u8> = Rgb([24, 24, 28]);
 
 /// Where a block has no tile of a level.
@@ -35,7 +38,7 @@ const SAMPLE: Block = Block { column: 8, row: 2 };
 /// A row for each map, in the manifest's order. In it, from left to right: the coarsest level as a whole, the block
 /// that is shown framed; then that block, from 0° to 22.5° E and 22.5° to 45° N, at every level, the finest first. A
 /// level without the block is a grey square, a bad tile a magenta one. Clouds, lights and water are shown as grey,
-/// slopes as the colours of a normal map.
+/// slopes as the colours of a normal map, four times steeper than stored, for most ground is nearly flat.
 ///
 /// `storage` is the one that is shown, or else the pack's first.
 ///
@@ -172,7 +175,8 @@ fn shown(texel: &[u8], format: TexelFormat) -> [u8; 3] {
         TexelFormat::R8Unorm => [texel[0]; 3],
         TexelFormat::Rg8Snorm => {
             // The normal leans away from the ascent.
-            let [east, north] = [texel[0], texel[1]].map(|byte| f32::from(byte as i8) / 127.0);
+            let [east, north] =
+                [texel[0], texel[1]].map(|byte| f32::from(byte as i8) / 127.0 * SHOWN_STEEPER);
             let len = (east * east + north * north + 1.0).sqrt();
             [-east, -north, 1.0].map(|part| ((part / len * 0.5 + 0.5) * 255.0).round() as u8)
         }
@@ -195,5 +199,25 @@ fn frame_sample(sheet: &mut RgbImage, (left, top): (u32, u32)) {
         for (x, y) in [(step, 0), (step, side - 1), (0, step), (side - 1, step)] {
             sheet.put_pixel(left + x, top + y, Rgb([255, 200, 60]));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slopes_are_shown_as_normals() {
+        let color = |east: i8, north: i8| shown(&[east as u8, north as u8], TexelFormat::Rg8Snorm);
+        assert_eq!(color(0, 0), [128, 128, 255]);
+        let [red, green, _] = color(40, 0);
+        assert!(red < 60 && green == 128, "rising to the east leans west");
+        let [red, green, blue] = color(0, -127);
+        assert!(
+            red == 128 && green > 245 && blue > 150,
+            "rising to the south leans north"
+        );
+        assert_eq!(shown(&[7], TexelFormat::R8Unorm), [7; 3]);
+        assert_eq!(shown(&[1, 2, 3, 255], TexelFormat::Rgba8Srgb), [1, 2, 3]);
     }
 }

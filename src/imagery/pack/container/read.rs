@@ -31,11 +31,13 @@ pub fn read_ktx2(bytes: &[u8], format: TileFormat, shape: TileShape) -> Result<T
     let levels = levels(bytes, format, shape)?;
 
     let mut texels = vec![0; shape.bytes(format)];
+    let mut decompressor = zstd::bulk::Decompressor::new().map_err(|error| error.to_string())?;
     let mut rest = texels.as_mut_slice();
     for (mip, level) in (0..).zip(levels) {
         let (image, following) = rest.split_at_mut(format.image_bytes(shape.mip_side(mip)));
         let damaged = |cause: String| format!("mip level {mip} cannot be decompressed: {cause}");
-        let count = zstd::bulk::decompress_to_buffer(level, image)
+        let count = decompressor
+            .decompress_to_buffer(level, image)
             .map_err(|error| damaged(error.to_string()))?;
         if count != image.len() {
             let needed = image.len();

@@ -50,7 +50,8 @@ fn files_are_as_the_specification_says() {
     // Vulkan format, colour model, transfer function, side of a unit, bytes of a unit, and for each sample: bit
     // offset, bits, channel with qualifiers, lower, upper.
     type Sample = (u32, u32, u32, u32, u32);
-    let expected: [(TileFormat, u32, u8, u8, u8, u32, &[Sample]); 6] = [
+    type Expected = (TileFormat, u32, u8, u8, u8, u32, &'static [Sample]);
+    let expected: [Expected; 6] = [
         (
             TileFormat::Rgba8Srgb,
             43,

@@ -25,7 +25,7 @@ pub fn write_ktx2(tile: &Tile) -> Vec<u8> {
         tile.shape.bytes(tile.format),
         "a tile has the texels of its shape"
     );
-    let levels: Vec<Vec<u8>> = (0..TILE_MIPS).map(|mip| compress(tile.mip(mip))).collect();
+    let levels = compress(tile).expect("only lack of memory fails: parameters and buffers fit");
     let descriptor = descriptor(tile.format);
     let key_values = key_values();
 
@@ -80,14 +80,13 @@ pub fn write_ktx2(tile: &Tile) -> Vec<u8> {
     file
 }
 
-/// One Zstandard frame with its length in front and a checksum behind.
-fn compress(texels: &[u8]) -> Vec<u8> {
-    let compressed = zstd::bulk::Compressor::new(ZSTD_LEVEL).and_then(|mut compressor| {
-        compressor.include_checksum(true)?;
-        compressor.compress(texels)
-    });
-    compressed
-        .expect("level and parameter are valid and the buffer fits: only lack of memory fails")
+/// Each mip level as a Zstandard frame, with its length in front and a checksum behind.
+fn compress(tile: &Tile) -> std::io::Result<Vec<Vec<u8>>> {
+    let mut compressor = zstd::bulk::Compressor::new(ZSTD_LEVEL)?;
+    compressor.include_checksum(true)?;
+    (0..TILE_MIPS)
+        .map(|mip| compressor.compress(tile.mip(mip)))
+        .collect()
 }
 
 fn key_values() -> Vec<u8> {

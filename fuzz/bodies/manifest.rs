@@ -1,0 +1,63 @@
+//! A pack's manifest.
+
+use std::path::Path;
+use terrella::imagery::pack::{LayerEntry, LevelEntry, Manifest, TileFile};
+use terrella::imagery::tile::{MapLayer, Storage, TileShape};
+
+/// Reads any text; what is found good must be written and read back the same.
+pub fn run(data: &[u8]) {
+    let path = Path::new("pack.toml");
+    let Ok(text) = std::str::from_utf8(data) else {
+        return;
+    };
+    match Manifest::from_toml(text, path) {
+        Ok(manifest) => {
+            let again = Manifest::from_toml(&manifest.to_toml(), path);
+            assert_eq!(again.expect("its own text"), manifest);
+        }
+        Err(error) => {
+            let said = error.to_string();
+            assert!(!said.contains(char::is_control), "{said:?}");
+            assert!(said.len() < 4000, "{said}");
+        }
+    }
+}
+
+/// Good inputs to start from.
+#[allow(dead_code, reason = "the fuzzer reads its corpus from files")]
+pub fn seeds() -> Vec<Vec<u8>> {
+    let manifest = |storages: &[Storage], layers: &[(MapLayer, &[u32])]| {
+        let file = Some(TileFile::of(b"tile"));
+        let level = |pixels: &u32| LevelEntry {
+            shape: TileShape::new(*pixels).expect("in range"),
+            tiles: vec![vec![file; 128]; storages.len()],
+        };
+        let layer = |(layer, ladder): &(MapLayer, &[u32])| LayerEntry {
+            layer: *layer,
+            source: "a.tif, 5400 × 2700".into(),
+            exaggeration: (*layer == MapLayer::Normals).then_some(4.0),
+            levels: ladder.iter().map(level).collect(),
+        };
+        Manifest {
+            name: "Earth".into(),
+            attribution: vec!["NASA".into()],
+            storages: storages.to_vec(),
+            layers: layers.iter().map(layer).collect(),
+        }
+        .to_toml()
+        .into_bytes()
+    };
+    let mut seeds = vec![
+        manifest(&[Storage::Plain], &[(MapLayer::Day, &[16])]),
+        manifest(
+            &Storage::ALL,
+            &[(MapLayer::Day, &[150, 75]), (MapLayer::Normals, &[75])],
+        ),
+    ];
+    // Short ones, of which a change seldom hits a checksum.
+    let head = String::from_utf8_lossy(&seeds[0]).into_owned();
+    let head = head.split("bytes =").next().unwrap_or_default();
+    seeds.push(format!("{head}bytes = [0, 1]\nchecksums = [\"\", \"0f\"]\n").into_bytes());
+    seeds.push(b"format = 1\nname = \"x\"\nlayer = [{name = \"day\", level = [{}]}]\n".to_vec());
+    seeds
+}

@@ -1,0 +1,155 @@
+//! The bodies of the fuzz targets of `fuzz/`, for a second or two each: the same mutated inputs every time.
+
+use std::path::Path;
+
+#[path = "../fuzz/bodies/manifest.rs"]
+mod manifest;
+#[path = "../fuzz/bodies/scene.rs"]
+mod scene;
+#[path = "../fuzz/bodies/tile.rs"]
+mod tile;
+#[path = "../fuzz/bodies/tle.rs"]
+mod tle;
+
+/// Name, seeds, body, and how many inputs are tried.
+type Target = (&'static str, fn() -> Vec<Vec<u8>>, fn(&[u8]), u32);
+
+const TARGETS: [Target; 4] = [
+    ("manifest", manifest::seeds, manifest::run, 10_000),
+    ("tile", tile::seeds, tile::run, 100_000),
+    ("scene", scene::seeds, scene::run, 100_000),
+    ("tle", tle::seeds, tle::run, 200_000),
+];
+
+/// Marsaglia's xorshift: the same numbers on every machine.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    /// A number below `end`; 0 for 0.
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() % end.max(1) as u64) as usize
+    }
+}
+
+/// Changes an input in one of the ways in which fuzzers do; `other` gives pieces to put in.
+fn mutate(input: &mut Vec<u8>, other: &[u8], random: &mut Random) {
+    const WORDS: [&[u8]; 12] = [
+        b"\0",
+        b"\xff\xff\xff\xff",
+        b"\xff\xff\xff\x7f",
+        b"-1",
+        b"nan",
+        b"1e999",
+        b"\"",
+        b"[[",
+        b"\n",
+        b"9999999999",
+        b"../",
+        "\u{202e}é".as_bytes(),
+    ];
+    let at = random.below(input.len());
+    let len = 1 + random.below(24);
+    match random.below(7) {
+        0 if !input.is_empty() => input[at] ^= 1 << random.below(8),
+        1 if !input.is_empty() => input[at] = random.next() as u8,
+        2 => input.truncate(at),
+        3 => drop(input.drain(at..(at + len).min(input.len()))),
+        4 => {
+            let word = WORDS[random.below(WORDS.len())];
+            input.splice(at..at, word.iter().copied());
+        }
+        5 => {
+            let word = WORDS[random.below(WORDS.len())];
+            let end = (at + word.len()).min(input.len());
+            input.splice(at..end, word.iter().copied());
+        }
+        _ => {
+            let from = random.below(other.len());
+            let piece = &other[from..(from + len * 4).min(other.len())];
+            input.splice(at..at, piece.iter().copied());
+        }
+    }
+}
+
+fn run(target: &str) {
+    let (_, seeds, body, inputs) = TARGETS
+        .into_iter()
+        .find(|t| t.0 == target)
+        .expect("a target");
+    let seeds = seeds();
+    for seed in &seeds {
+        body(seed);
+    }
+    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    for _ in 0..inputs {
+        let mut input = seeds[random.below(seeds.len())].clone();
+        for _ in 0..=random.below(4) {
+            let other = &seeds[random.below(seeds.len())];
+            mutate(&mut input, other, &mut random);
+        }
+        body(&input);
+    }
+}
+
+#[test]
+fn manifests() {
+    run("manifest");
+}
+
+#[test]
+fn tiles() {
+    run("tile");
+}
+
+#[test]
+fn scenes() {
+    run("scene");
+}
+
+#[test]
+fn elements() {
+    run("tle");
+}
+
+/// The seeds are good inputs: a fuzzer that starts from refused ones would look at little.
+#[test]
+fn seeds_are_good() {
+    use terrella::imagery::pack::Manifest;
+    let text = |seed: &Vec<u8>| String::from_utf8(seed.clone()).expect("text");
+    let path = Path::new("seed");
+    let good = |seed: &&Vec<u8>| Manifest::from_toml(&text(seed), path).is_ok();
+    assert_eq!(manifest::seeds().iter().filter(good).count(), 2);
+    for seed in scene::seeds() {
+        terrella::scene::Scene::from_toml(&text(&seed), path).expect("a good scene");
+    }
+    let good =
+        |seed: &&Vec<u8>| terrella::orbit::TleFeed::from_text(&text(seed), path, None).is_ok();
+    let elements = tle::seeds();
+    assert!(
+        elements.iter().filter(good).count() > 20,
+        "of {}",
+        elements.len()
+    );
+}
+
+/// Writes them where `cargo fuzz` looks for its corpus.
+#[test]
+#[ignore = "writes to fuzz/corpus"]
+fn write_the_corpus() {
+    for (target, seeds, _, _) in TARGETS {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("fuzz/corpus")
+            .join(target);
+        std::fs::create_dir_all(&folder).expect("made");
+        for (number, seed) in seeds().iter().enumerate() {
+            std::fs::write(folder.join(format!("seed-{number}")), seed).expect("written");
+        }
+    }
+}
