@@ -302,7 +302,8 @@ impl Earth {
     }
 
     /// As [`Self::prepare`], but waits until every tile that the view wants is on the GPU, at most `timeout`: for
-    /// pictures that are kept. Answers what is still missing; such blocks are drawn with something coarser.
+    /// pictures that are kept. Answers what is missing; such blocks are drawn with something coarser. A tile that cannot
+    /// be read is not waited for.
     ///
     /// Submits to `queue` what it uploads on the way.
     pub fn prepare_complete(
@@ -321,8 +322,7 @@ impl Earth {
             };
             // What was uploaded just now is drawn in the next round.
             let left = deadline.saturating_duration_since(Instant::now());
-            let is_missing = tiles.missing().next().is_some();
-            if self.uploaded_tiles == 0 && (!is_missing || left.is_zero()) {
+            if self.uploaded_tiles == 0 && (tiles.is_settled() || left.is_zero()) {
                 return (stats, tiles.missing().collect());
             }
             if self.uploaded_tiles == 0 {

@@ -222,9 +222,14 @@ impl TileDriver {
         }
     }
 
-    /// Tiles that the last frame's picture lacks and that may still come.
+    /// Tiles that the last frame's picture lacks.
     pub fn missing(&self) -> impl Iterator<Item = TileKey> + '_ {
         self.stream.missing()
+    }
+
+    /// Whether nothing is left to wait for.
+    pub fn is_settled(&self) -> bool {
+        self.stream.is_settled()
     }
 
     /// Waits until a tile has come.

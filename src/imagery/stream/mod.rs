@@ -200,6 +200,11 @@ impl TileStream {
         self.cache.missing()
     }
 
+    /// Whether there is nothing left to wait for: what is missing could not be read. For export.
+    pub fn is_settled(&self) -> bool {
+        self.cache.is_settled()
+    }
+
     /// Blocks until a load ends or the time is over; whether one ended. For export only.
     pub fn wait(&mut self, timeout: Duration) -> bool {
         let (now, warnings) = (self.now, &mut self.warnings);

@@ -289,6 +289,22 @@ impl TileCache {
         self.targets.iter().copied().filter(is_missing)
     }
 
+    /// Whether nothing is left to wait for: all that this frame draws is resident, or could not be read and what
+    /// stands in for it is resident. A tile that failed once is tried again by and by and not waited for.
+    pub fn is_settled(&self) -> bool {
+        let is_resident =
+            |key: TileKey| matches!(self.tiles[place_of(key)].stage, Stage::Resident(_));
+        self.targets.iter().all(|key| {
+            let fitted = key.layer.index() * BLOCK_COUNT as usize + usize::from(key.block);
+            let level = self.fitted[fitted].goal;
+            let goal = TileKey { level, ..*key };
+            is_resident(*key)
+                || self.tiles[place_of(*key)].retry_at.is_some()
+                    && (self.level(goal).is_none_or(|level| level.pool.is_none())
+                        || is_resident(goal))
+        })
+    }
+
     /// A thread has taken a tile from the queue. False, and nothing else, if it is not there to be taken.
     pub fn begin(&mut self, key: TileKey, ticket: Ticket) -> bool {
         let known = self.level(key).is_some();
