@@ -10,7 +10,9 @@
 //! scene.toml ─► scene ─► clock ─► orbit ─► frames ─► view ─► globe ──► gpu ──► picture
 //!              (what)   (when)   (where   (ITRF,    (eye,   (which    (draw)
 //!                                is it)   Sun)      rays)   blocks)
-//!                                                      └──► air (which part of the screen)
+//!                                                      ├──► air (which part of the screen)
+//!                                                      └──► levels ─► imagery::stream ─► gpu
+//!                                                          (how fine)  (which tiles are there)
 //! ```
 //!
 //! Every arrow is a plain value ([`frames::Epoch`], [`orbit::OrbitState`], [`EyeView`], [`globe::Block`],
@@ -24,9 +26,9 @@
 //! |---|---|---|
 //! | [`frames`] | ellipsoid, time scales, Earth rotation, Sun; f64 | anything below |
 //! | [`orbit`] | readers and propagators: a state at an epoch | GPU |
-//! | [`globe`] | the block sphere: lattice, horizon and frustum tests | GPU, files |
+//! | [`globe`] | the block sphere: lattice, horizon and frustum tests, level choice | GPU, files |
 //! | [`air`] | density, scattering tables, the billboard | GPU, files |
-//! | [`imagery`] | maps on disk, checks, mip levels, slopes | GPU, orbits |
+//! | [`imagery`] | maps and packs on disk, checks, mip levels, slopes, streaming | GPU, orbits |
 //! | [`scene`] | the TOML file, defaults, checks with line and key | GPU |
 //! | [`gpu`] | adapter, targets, shaders, one file per drawable | files, orbits |
 //! | [`earth`] | the façade | the command |
@@ -52,6 +54,25 @@
 //!   computed ([`air::AirTables`]): single scattering along each ray and higher orders after Hillaire 2020. In the air
 //!   the shader marches along the ray instead of reading the table.
 //!
+//! # Imagery larger than memory
+//!
+//! A *pack* ([`imagery::pack`] describes the format) holds each map at several levels, cut into one tile for each block,
+//! with borders. `terrella pack build` makes it from maps of any size ([`imagery::build`], feature `pack-build`).
+//!
+//! - **The coarsest level is a whole map**, drawn as the maps of a scene without a pack are, and resident from the first
+//!   frame. It is the last stand-in of everything, so that there is never a hole.
+//! - **Levels.** [`globe::screen_level`] takes the coarsest level whose texels are small enough on screen, by each block's
+//!   own distance and with hysteresis; [`globe::paper_level`] is the paper's Table 1. Blocks in the dark want no day
+//!   tiles, blocks in daylight no city lights.
+//! - **Streaming** ([`imagery::stream`]) knows no GPU: wants are fitted to fixed pools of slots, decoder threads of low
+//!   priority take the most urgent first, finished tiles are handed out in parts within a budget per frame, and what
+//!   was drawn in a frame is never overwritten in it. The cache is a state machine without threads or a clock, which
+//!   property tests drive.
+//! - **Drawing.** Each block has a bind group of its own tiles or whole maps, made anew only when one of them changes. The
+//!   same shader draws both: a placement (centre and scale of texture coordinates) is all that differs.
+//! - **Live and kept pictures.** [`Earth::prepare`] never waits. [`Earth::prepare_complete`] waits up to a time-out and
+//!   answers what is missing. [`Earth::expect`] says where the eye will be soon.
+//!
 //! # Precision
 //!
 //! Positions are f64 up to one subtraction, eye from vertex, on the CPU; the GPU gets small f32 offsets. Nothing on the
@@ -67,7 +88,7 @@
 //!
 //! # Features
 //!
-//! `command` (default) is the window, the video writer and the command line. A host that only embeds the Earth says
+//! `pack-build` makes packs from maps (reading and drawing packs needs no feature). `command` (default) is that and the window, the video writer and the command line. A host that only embeds the Earth says
 //! `default-features = false`.
 
 pub mod air;
