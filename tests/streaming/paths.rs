@@ -45,7 +45,7 @@ fn wants(layers: &[LayerLayout], step: &Step) -> Vec<Want> {
             let noise = scramble(step.noise ^ u64::from(block) << 8 ^ layer.layer.index() as u64);
             let key = TileKey {
                 layer: layer.layer,
-                level: step.level + away as u8 + u8::from(noise % 7 == 0),
+                level: step.level + away as u8 + u8::from(noise.is_multiple_of(7)),
                 block,
             };
             let drawn = away <= step.reach;
@@ -58,7 +58,7 @@ fn wants(layers: &[LayerLayout], step: &Step) -> Vec<Want> {
             }
         }
     }
-    if step.noise % 3 == 0 {
+    if step.noise.is_multiple_of(3) {
         // Hosts may err: what does not exist, the same twice, an order that is no order.
         let key = TileKey {
             layer: MapLayer::Water,
@@ -161,7 +161,7 @@ fn maps() -> impl Strategy<Value = Vec<LayerLayout>> {
             let streamed = map.levels.len() - 1;
             for (level, entry) in map.levels[..streamed].iter_mut().enumerate() {
                 // A third of all maps lack some tiles.
-                if absent % 3 == 0 {
+                if absent.is_multiple_of(3) {
                     let seed = absent ^ level as u64;
                     let bits = u128::from(scramble(seed)) << 64 | u128::from(scramble(!seed));
                     entry.present = BlockSet(bits);

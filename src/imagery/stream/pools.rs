@@ -31,46 +31,46 @@ const BLOCKS_OF_A_VIEW: u32 = 24;
 /// never take more than the budget, and none has more slots than there are tiles.
 ///
 /// Near the ground an eye asks for a few blocks at the finest level and for more at each coarser one, from afar for half
-/// the Earth at one of the coarser levels. A block is seldom asked for in one map alone, so slots are given to all maps
-/// of a level together. From the coarsest pool to the finest:
+/// the Earth at one of the coarser levels. A block is seldom asked for in one map alone, so slots are given to levels of
+/// all maps together: those that are equally many steps from their coarsest, since a map of less detail has fewer levels.
+/// From the coarsest step to the finest:
 ///
-/// - Level 0 has half of the budget, level 1 a quarter, and so on; the coarsest pool has as much as the next finer.
-/// - Where that is not enough for [`BLOCKS_OF_A_VIEW`] blocks, a level takes up to half of what is still left for that
+/// - The finest has half of the budget, the next a quarter, and so on; the coarsest has as much as the next finer.
+/// - Where that is not enough for [`BLOCKS_OF_A_VIEW`] blocks, a step takes up to half of what is still left for that
 ///   number: a small budget goes to the coarse levels, which cover most of a picture, but some of it stays for finer
 ///   ones under the eye.
-/// - What a level leaves over flows to the finer ones, and in the end back from the finest to the coarsest.
+/// - What a step leaves over flows to the finer ones, and in the end back from the finest to the coarsest.
 ///
 /// A map that breaks the contract of [`LayerLayout`] gets no pool.
 pub fn plan_pools(layers: &[LayerLayout], texture_bytes: u64) -> Vec<Pool> {
     let layers = usable(layers);
-    let levels = layers.iter().map(|layer| layer.levels.len() - 1);
-    let levels = levels.max().unwrap_or(0);
+    let steps = layers.iter().map(|layer| layer.levels.len() - 1);
+    let steps = steps.max().unwrap_or(0);
     let mut plan = Plan {
-        levels: (0..levels).map(|level| demands(&layers, level)).collect(),
+        steps: (0..steps)
+            .rev()
+            .map(|step| demands(&layers, step))
+            .collect(),
         left: texture_bytes,
     };
-    for level in (0..levels).rev() {
-        let parts = if level + 1 == levels {
-            level
-        } else {
-            level + 1
-        };
-        let share = texture_bytes >> parts.min(63);
-        let floor = plan.cost(level, BLOCKS_OF_A_VIEW).min(plan.left / 2);
-        let allowance = if level == 0 {
+    for step in (0..steps).rev() {
+        let halvings = if step + 1 == steps { step } else { step + 1 };
+        let share = texture_bytes >> halvings;
+        let floor = plan.cost(step, BLOCKS_OF_A_VIEW).min(plan.left / 2);
+        let allowance = if step == 0 {
             plan.left
         } else {
             share.max(floor)
         };
-        plan.grow(level, allowance.min(plan.left));
+        plan.grow(step, allowance.min(plan.left));
     }
-    for level in 0..levels {
-        plan.grow(level, plan.left);
+    for step in 0..steps {
+        plan.grow(step, plan.left);
     }
-    for level in 0..levels {
-        plan.fill(level);
+    for step in 0..steps {
+        plan.fill(step);
     }
-    plan.levels
+    plan.steps
         .into_iter()
         .flatten()
         .filter(|pool| pool.0.slots > 0)
@@ -90,57 +90,58 @@ pub(super) fn usable(layers: &[LayerLayout]) -> Vec<&LayerLayout> {
     kept
 }
 
-/// The pools of one level, still without slots, each with the number of its tiles.
-fn demands(layers: &[&LayerLayout], level: usize) -> Vec<(Pool, u32)> {
-    let streamed = layers.iter().filter(|layer| level + 1 < layer.levels.len());
-    streamed
-        .map(|layer| {
-            let LevelLayout { shape, present } = layer.levels[level];
-            let pool = Pool {
-                layer: layer.layer,
-                level: level as u8,
-                format: layer.format,
-                shape,
-                slots: 0,
-            };
-            (pool, present.len())
-        })
-        .collect()
+/// The pools of the levels that have so many streamed ones below them, still without slots, each with the number of its
+/// tiles.
+fn demands(layers: &[&LayerLayout], coarser: usize) -> Vec<(Pool, u32)> {
+    let demand = |layer: &&LayerLayout| {
+        let level = layer.levels.len().checked_sub(2 + coarser)?;
+        let LevelLayout { shape, present } = layer.levels[level];
+        let pool = Pool {
+            layer: layer.layer,
+            level: level as u8,
+            format: layer.format,
+            shape,
+            slots: 0,
+        };
+        Some((pool, present.len()))
+    };
+    layers.iter().filter_map(demand).collect()
 }
 
 struct Plan {
-    levels: Vec<Vec<(Pool, u32)>>,
+    /// The finest step first.
+    steps: Vec<Vec<(Pool, u32)>>,
     left: u64,
 }
 
 impl Plan {
-    /// Bytes of so many blocks of a level in all its maps.
-    fn cost(&self, level: usize, blocks: u32) -> u64 {
-        let pools = self.levels[level].iter();
+    /// Bytes of so many blocks of a step in all its maps.
+    fn cost(&self, step: usize, blocks: u32) -> u64 {
+        let pools = self.steps[step].iter();
         pools
             .map(|(pool, tiles)| slot_bytes(pool) * u64::from(blocks.min(*tiles)))
             .sum()
     }
 
-    /// Gives a level blocks for at most so many bytes more.
-    fn grow(&mut self, level: usize, allowance: u64) {
-        let pools = &self.levels[level];
+    /// Gives a step blocks for at most so many bytes more.
+    fn grow(&mut self, step: usize, allowance: u64) {
+        let pools = &self.steps[step];
         let most = pools.iter().map(|(_, tiles)| *tiles).max().unwrap_or(0);
         let have = pools.iter().map(|(pool, _)| pool.slots).max().unwrap_or(0);
-        let taken = self.cost(level, have);
+        let taken = self.cost(step, have);
         let blocks = (have..=most)
-            .take_while(|blocks| self.cost(level, *blocks) - taken <= allowance)
+            .take_while(|blocks| self.cost(step, *blocks) - taken <= allowance)
             .last();
         let Some(blocks) = blocks else { return };
-        self.left -= self.cost(level, blocks) - taken;
-        for (pool, tiles) in &mut self.levels[level] {
+        self.left -= self.cost(step, blocks) - taken;
+        for (pool, tiles) in &mut self.steps[step] {
             pool.slots = blocks.min(*tiles);
         }
     }
 
-    /// Gives single maps of a level one slot more, where the rest of the budget holds it.
-    fn fill(&mut self, level: usize) {
-        for (pool, tiles) in &mut self.levels[level] {
+    /// Gives single maps of a step one slot more, where the rest of the budget holds it.
+    fn fill(&mut self, step: usize) {
+        for (pool, tiles) in &mut self.steps[step] {
             if pool.slots < *tiles && slot_bytes(pool) <= self.left {
                 pool.slots += 1;
                 self.left -= slot_bytes(pool);
@@ -240,6 +241,18 @@ mod tests {
         assert_eq!(slots(&pools, MapLayer::Clouds), [128, 128, 0, 128]);
         assert_eq!(slots(&pools, MapLayer::Water), [0; 4]);
         assert!(pools.iter().all(|pool| pool.slots > 0));
+    }
+
+    #[test]
+    fn a_map_of_less_detail_is_not_starved() {
+        let mut layers = paper(Storage::Plain);
+        // Slopes of a small elevation map: 375 texels per block at the finest.
+        layers[2].levels.remove(0);
+        let pools = plan_pools(&layers, 64 << 20);
+        let [fine, middle, coarse, _] = slots(&pools, MapLayer::Normals);
+        let day = slots(&pools, MapLayer::Day);
+        assert!(fine >= day[1] && middle >= day[2] && coarse >= day[3]);
+        assert!(fine > 0, "{pools:?}");
     }
 
     #[test]

@@ -40,7 +40,7 @@ pub fn open_day(data: &Path) -> Result<Day<impl std::io::Read>> {
     let map = Map::read(&data.join(day::JUNE), 3)?;
     let colour = Bytes::of(&day::mended(map, data)?);
     ensure!(
-        mask::WIDTH % colour.width == 0,
+        mask::WIDTH.is_multiple_of(colour.width),
         "the day map is {} texels wide, no part of {}",
         colour.width,
         mask::WIDTH
