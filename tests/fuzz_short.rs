@@ -6,6 +6,9 @@ use std::path::Path;
 mod manifest;
 #[path = "../fuzz/bodies/scene.rs"]
 mod scene;
+#[cfg(feature = "pack-build")]
+#[path = "../fuzz/bodies/source.rs"]
+mod source;
 #[path = "../fuzz/bodies/tile.rs"]
 mod tile;
 #[path = "../fuzz/bodies/tle.rs"]
@@ -14,11 +17,13 @@ mod tle;
 /// Name, seeds, body, and how many inputs are tried.
 type Target = (&'static str, fn() -> Vec<Vec<u8>>, fn(&[u8]), u32);
 
-const TARGETS: [Target; 4] = [
+const TARGETS: &[Target] = &[
     ("manifest", manifest::seeds, manifest::run, 10_000),
     ("tile", tile::seeds, tile::run, 100_000),
     ("scene", scene::seeds, scene::run, 100_000),
     ("tle", tle::seeds, tle::run, 200_000),
+    #[cfg(feature = "pack-build")]
+    ("source", source::seeds, source::run, 30_000),
 ];
 
 /// Marsaglia's xorshift: the same numbers on every machine.
@@ -79,10 +84,7 @@ fn mutate(input: &mut Vec<u8>, other: &[u8], random: &mut Random) {
 }
 
 fn run(target: &str) {
-    let (_, seeds, body, inputs) = TARGETS
-        .into_iter()
-        .find(|t| t.0 == target)
-        .expect("a target");
+    let (_, seeds, body, inputs) = *TARGETS.iter().find(|t| t.0 == target).expect("a target");
     let seeds = seeds();
     for seed in &seeds {
         body(seed);
@@ -114,6 +116,12 @@ fn scenes() {
 }
 
 #[test]
+#[cfg(feature = "pack-build")]
+fn maps() {
+    run("source");
+}
+
+#[test]
 fn elements() {
     run("tle");
 }
@@ -126,6 +134,18 @@ fn seeds_are_good() {
     let path = Path::new("seed");
     let good = |seed: &&Vec<u8>| Manifest::from_toml(&text(seed), path).is_ok();
     assert_eq!(manifest::seeds().iter().filter(good).count(), 2);
+    #[cfg(feature = "pack-build")]
+    {
+        use terrella::imagery::build::source::{SourceLimits, read_source};
+        let limits = SourceLimits {
+            buffer_bytes: 256 << 10,
+        };
+        let good = |seed: &&Vec<u8>| {
+            read_source(std::io::Cursor::new(seed.to_vec()), path, limits).is_ok()
+        };
+        // All but the one of separate planes.
+        assert_eq!(source::seeds().iter().filter(good).count(), 8);
+    }
     for seed in scene::seeds() {
         terrella::scene::Scene::from_toml(&text(&seed), path).expect("a good scene");
     }

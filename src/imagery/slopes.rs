@@ -93,8 +93,8 @@ pub(super) struct SlopeRows {
     /// Heights of the land two rows and one row back; the sea at 0 m.
     north_m: Vec<f64>,
     middle_m: Vec<f64>,
-    /// Which texels of the row before are sea.
-    is_sea: Vec<bool>,
+    /// Which texels of the row before are land.
+    is_land: Vec<bool>,
 }
 
 impl SlopeRows {
@@ -108,7 +108,7 @@ impl SlopeRows {
             taken: 0,
             north_m: Vec::new(),
             middle_m: Vec::new(),
-            is_sea: Vec::new(),
+            is_land: Vec::new(),
         }
     }
 
@@ -130,9 +130,9 @@ impl SlopeRows {
             self.north_m = std::mem::replace(&mut self.middle_m, south_m);
         }
         // A height that is not a number is where there are no data: sea.
-        self.is_sea.clear();
-        self.is_sea
-            .extend(heights_m.iter().map(|height_m| !(*height_m >= 0.0)));
+        self.is_land.clear();
+        self.is_land
+            .extend(heights_m.iter().map(|height_m| *height_m >= 0.0));
         self.taken += 1;
     }
 
@@ -164,8 +164,8 @@ impl SlopeRows {
         let north_gain = gain / (spacings.max(1) as f64 * self.row_spacing_m);
 
         let columns = self.middle_m.len();
-        for (x, is_sea) in self.is_sea.iter().enumerate() {
-            if *is_sea {
+        for (x, is_land) in self.is_land.iter().enumerate() {
+            if !*is_land {
                 store([0.0, 0.0]);
                 continue;
             }

@@ -18,7 +18,7 @@ pub struct PackArgs {
 #[derive(Debug, Subcommand)]
 enum PackCommand {
     /// Build a pack from maps of the whole Earth
-    Build(build::BuildArgs),
+    Build(Box<build::BuildArgs>),
     /// Say what a pack holds: maps, levels, sizes, attribution
     Info(info::InfoArgs),
     /// Read every tile of a pack and name the bad ones

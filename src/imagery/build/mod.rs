@@ -172,7 +172,7 @@ impl BuildOptions {
             if !(0.01..=1000.0).contains(exaggeration) {
                 return refuse("--exaggeration", "must be from 0.01 to 1000");
             }
-            if offset_m.is_some_and(|offset_m| !(offset_m.abs() <= 100_000.0)) {
+            if !offset_m.is_none_or(|offset_m| offset_m.abs() <= 100_000.0) {
                 return refuse(
                     "--elevation-offset",
                     "must be from -100000 to 100000 metres",

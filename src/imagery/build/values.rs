@@ -261,8 +261,12 @@ fn read_amount(info: &SourceInfo, bytes: &[u8], out: &mut [f32]) {
         } else {
             LUMINANCE[0] * at(0) + LUMINANCE[1] * at(1) + LUMINANCE[2] * at(2)
         };
-        // What is not a number counts as nothing.
-        *value = amount.max(0.0).min(1.0);
+        *value = if amount.is_nan() {
+            // Where there are no data there is nothing.
+            0.0
+        } else {
+            amount.clamp(0.0, 1.0)
+        };
     }
 }
 

@@ -230,10 +230,7 @@ fn map_texel<const C: usize>(map: &[u8], shape: TileShape, column: i64, row: i64
 fn check_tiles<const C: usize>(pixels: u32, columns: u32, layer: MapLayer) {
     let shape = TileShape::new(pixels).expect("in range");
     let (map, tiles) = tiles::<C>(shape, columns, layer);
-    let mut blocks: Vec<u32> = tiles
-        .iter()
-        .map(|(block, _)| block.index() as u32)
-        .collect();
+    let mut blocks: Vec<u32> = tiles.iter().map(|(block, _)| block.index()).collect();
     blocks.sort_unstable();
     assert_eq!(blocks, (0..128).collect::<Vec<_>>());
     let stored = if C == 3 { 4 } else { C };
