@@ -36,7 +36,7 @@ const BLOCKS_OF_A_VIEW: u32 = 24;
 /// From the coarsest step to the finest:
 ///
 /// - The finest has half of the budget, the next a quarter, and so on; the coarsest has as much as the next finer.
-/// - Where that is not enough for [`BLOCKS_OF_A_VIEW`] blocks, a step takes up to half of what is still left for that
+/// - Where that is not enough for 24 blocks, as many as a view needs, a step takes up to half of what is still left for that
 ///   number: a small budget goes to the coarse levels, which cover most of a picture, but some of it stays for finer
 ///   ones under the eye.
 /// - What a step leaves over flows to the finer ones, and in the end back from the finest to the coarsest.
