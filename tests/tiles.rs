@@ -123,13 +123,13 @@ fn tiles_lie_where_the_map_says() {
             let up = Ellipsoid::normal(place.lat_rad, place.lon_rad);
             let lit = (up.dot(sun) + 0.3).clamp(0.0, 1.0) * 1.1;
             let want = waves(place.lat_rad.to_degrees(), place.lon_rad.to_degrees());
-            for k in 0..3 {
+            for (k, want) in want.into_iter().enumerate() {
                 // Where a pixel covers much of a wave, filtering flattens it.
                 let flat = k == 1 && place.lat_rad.abs() > 80_f64.to_radians();
                 if flat || (name == "whole disc" && k < 2) {
                     continue;
                 }
-                let off = f64::from(pixel.0[k]) - f64::from(want[k]) * lit;
+                let off = f64::from(pixel.0[k]) - f64::from(want) * lit;
                 worst = worst.max(off.abs());
             }
             count += 1;
@@ -233,7 +233,7 @@ fn edges_between_blocks_are_no_steps_whatever_their_levels() {
         for fine in 0..LADDER.len() {
             for coarse in fine..LADDER.len() {
                 // A chessboard of the two levels.
-                let is_white = |block: u8| (block % 16 + block / 16) % 2 == 0;
+                let is_white = |block: u8| (block % 16 + block / 16).is_multiple_of(2);
                 let has = |level: usize| {
                     move |block| {
                         (level == fine && is_white(block)) || (level == coarse && !is_white(block))

@@ -107,6 +107,7 @@ impl Record {
             long.len(),
             own.count()
         );
+        println!("  longest          {}", self.longest());
         println!("  prepare          {} ms", Quantiles::of(&self.prepare_ms));
         println!("    less uploads   {choosing} ms, {slow} frames over {PREPARE_LIMIT_MS} ms");
         println!(
@@ -139,6 +140,24 @@ impl Record {
             Some(mb) => println!("  peak memory      {mb:.0} MB"),
             None => println!("  peak memory      not told by this system"),
         }
+    }
+}
+
+impl Record {
+    /// The longest frames: which, how long, and what of it was our own.
+    fn longest(&self) -> String {
+        let mut order: Vec<usize> = (0..self.frames_ms.len()).collect();
+        order.sort_unstable_by(|a, b| self.frames_ms[*b].total_cmp(&self.frames_ms[*a]));
+        let words = order.iter().take(4).map(|n| {
+            format!(
+                "{:.1} ms (frame {n}: choosing {:.2}, copying {:.2} ms, {:.1} MB)",
+                self.frames_ms[*n],
+                self.choosing_ms[*n],
+                self.prepare_ms[*n] - self.choosing_ms[*n],
+                self.uploads[*n] as f64 / 1e6
+            )
+        });
+        words.collect::<Vec<_>>().join(", ")
     }
 }
 
