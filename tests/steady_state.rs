@@ -234,7 +234,7 @@ fn a_view_at_rest_with_all_its_tiles_allocates_nothing_of_its_own() {
     let wait = std::time::Duration::from_secs(10);
     let (stats, missing) = with.prepare_complete(&gpu.queue, &view, &sky, (640, 400), wait);
     assert!(missing.is_empty() && stats.tiles.hits > 0);
-    let mut worst_of = |earth: &mut Earth| {
+    let worst_of = |earth: &mut Earth| {
         let mut worst = 0;
         for round in 0..40 {
             let count = allocations(|| {

@@ -11,8 +11,8 @@ use std::sync::atomic::Ordering;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::globe::LevelRule;
 use terrella::imagery::EarthLayers;
-use terrella::imagery::tile::TileSource;
-use terrella::{Atmosphere, EarthOptions, EyeView, Shading, TILED_SUBDIVISION, TileOptions};
+use terrella::imagery::tile::{MapLayer, TileSource};
+use terrella::{Atmosphere, Earth, EarthOptions, EyeView, Shading, TILED_SUBDIVISION, TileOptions};
 
 const SIZE: (u32, u32) = (320, 180);
 const LADDER: [u32; 3] = [128, 64, 32];
@@ -377,21 +377,48 @@ fn the_papers_rule_gives_levels_by_distance() {
         tiles.rule = LevelRule::Paper;
     }
     let mut rig = Rig::new(&given, SIZE);
-    for (height_m, levels) in [(1e5, 0..2), (1.5e6, 2..3), (3e7, 2..3)] {
-        let view = down(
-            Geodetic::from_degrees(11.0, 11.0, height_m),
-            20.0,
-            rig.aspect(),
-        );
+    // Three levels: the paper's last three. The coarsest is not counted, it is always there.
+    for (height_m, level) in [
+        (1e5, Some(0)),
+        (1.5e6, Some(0)),
+        (5e6, Some(1)),
+        (3e7, None),
+    ] {
+        let place = Geodetic::from_degrees(11.0, 11.0, height_m);
+        let view = down(place, 2.0, rig.aspect());
         let (_, stats, _) = rig.draw_complete(&view, view.eye_world.normalize());
-        for (level, wanted) in stats.tiles.wanted.iter().enumerate() {
-            // The coarsest is not counted: it is always there.
-            let expected = levels.contains(&level) && level < 2;
-            assert_eq!(
-                *wanted > 0,
-                expected && level == 0,
-                "{height_m} m, level {level}"
-            );
+        for (n, wanted) in stats.tiles.wanted.iter().enumerate() {
+            assert_eq!(*wanted > 0, level == Some(n), "{height_m} m, level {n}");
         }
     }
+}
+
+#[test]
+fn compressed_tiles_need_a_device_that_reads_them() {
+    let gpu = common::gpu();
+    let descriptor = wgpu::DeviceDescriptor {
+        label: Some("terrella test without compressed textures"),
+        ..Default::default()
+    };
+    let opened = pollster::block_on(gpu.adapter.request_device(&descriptor));
+    let (device, queue) = opened.expect("a device");
+    let refused = |tiles: FunctionTiles<Map>| {
+        let earth = Earth::new(&device, &queue, &options(Arc::new(tiles)));
+        earth.err().map(|error| error.to_string())
+    };
+    assert_eq!(refused(source(ocean)), None);
+    let words = refused(source(ocean).compressed()).expect("refused");
+    assert!(
+        words.contains("TEXTURE_COMPRESSION_BC") && words.contains("decode"),
+        "{words}"
+    );
+}
+
+#[test]
+fn tiles_of_a_map_that_is_not_drawn_are_refused() {
+    let gpu = common::gpu();
+    let tiles = source(ocean).of(MapLayer::Water);
+    let error = Earth::new(&gpu.device, &gpu.queue, &options(Arc::new(tiles))).err();
+    let words = error.expect("refused").to_string();
+    assert!(words.contains("water"), "{words}");
 }

@@ -23,14 +23,14 @@ pub const PAPER_BANDS_M: [f64; 4] = [200e3, 1_000e3, 2_000e3, 7_000e3];
 /// A coarser level is taken only once its texels are this much smaller than asked for.
 pub const HYSTERESIS: f64 = 0.8;
 
-/// The paper's Table 1: the level at a distance. `levels` is how many there are; where fewer than five, the coarsest
-/// serves for those beyond.
+/// The paper's Table 1: the level at a distance, of a map with so many levels.
 ///
-/// The paper reads the height of the eye from its table; the distance of each block from the eye is used here, which is
-/// the height for the block below.
+/// The last five levels are the paper's. Where a map has fewer, for want of detail, its finest serves for those that
+/// are missing; levels finer than the paper's are not used. The paper reads the height of the eye from its table; the
+/// distance of each block from the eye is used here, which is the height for the block below.
 pub fn paper_level(distance_m: f64, levels: usize) -> usize {
     let band = PAPER_BANDS_M.partition_point(|end| *end < distance_m);
-    band.min(levels.saturating_sub(1))
+    (band + levels).saturating_sub(PAPER_BANDS_M.len() + 1)
 }
 
 /// The coarsest level whose texel, seen face on at this distance, covers at most `most_px` screen pixels; the finest
@@ -92,7 +92,10 @@ mod tests {
         ] {
             assert_eq!(paper_level(km * 1e3, 5), level, "{km} km");
         }
-        assert_eq!(paper_level(1e9, 3), 2);
+        // A map without the two finest levels, and one with two finer ones.
+        let of_3 = [1e5, 5e5, 1.5e6, 5e6, 1e7].map(|distance_m| paper_level(distance_m, 3));
+        assert_eq!(of_3, [0, 0, 0, 1, 2]);
+        assert_eq!((paper_level(1e5, 7), paper_level(1e9, 7)), (2, 6));
         assert_eq!(paper_level(1e9, 1), 0);
     }
 

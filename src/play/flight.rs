@@ -3,7 +3,7 @@
 use super::camera::{Look, Motion, Pose};
 use super::craft::CraftPose;
 use super::error::PlayError;
-use super::maps::earth_options;
+use super::maps::{check_pack, earth_options};
 use crate::frames::{Ellipsoid, Epoch, Geodetic};
 use crate::gpu::BcSupport;
 use crate::orbit::{Feed, OrbitState, TleFeed};
@@ -53,8 +53,10 @@ pub struct Satellite {
 }
 
 impl Flight {
-    /// Opens the scene's orbit and checks that it answers for all of the scene's dates.
+    /// Opens the scene's orbit and checks that it answers for all of the scene's dates, and that its pack, if it has
+    /// one, holds what it asks for.
     pub fn open(scene: Scene) -> Result<Self, PlayError> {
+        check_pack(&scene)?;
         let feed = match &scene.orbit {
             Some(orbit) => Some(open_feed(orbit)?),
             None => None,

@@ -27,6 +27,28 @@ pub(super) fn earth_options(scene: &Scene, bc: BcSupport) -> Result<EarthOptions
     Ok(options)
 }
 
+/// Opens a scene's pack, if it has one, to see that it holds what the scene asks for. Reads no tile.
+pub(super) fn check_pack(scene: &Scene) -> Result<(), PlayError> {
+    let Some(table) = &scene.earth.pack else {
+        return Ok(());
+    };
+    let pack = Pack::open(&table.folder)?;
+    wanted_layers(scene, table, |layer| pack.manifest().layer(layer).is_some())?;
+    storage_of(&pack, table, BcSupport::None)?;
+    Ok(())
+}
+
+fn storage_of(pack: &Pack, table: &PackTable, bc: BcSupport) -> Result<(Storage, bool), PlayError> {
+    let storages = &pack.manifest().storages;
+    choose_storage(storages, table.storage, bc).ok_or_else(|| {
+        let kept = storages.iter().map(|kept| kept.name()).collect::<Vec<_>>();
+        PlayError::NoStorage {
+            folder: table.folder.clone(),
+            kept: kept.join(", "),
+        }
+    })
+}
+
 fn folder_options(table: &EarthTable) -> Result<EarthOptions, PlayError> {
     let folder = match &table.textures {
         Some(folder) => folder.clone(),
@@ -47,14 +69,7 @@ fn pack_options(
     bc: BcSupport,
 ) -> Result<EarthOptions, PlayError> {
     let pack = Arc::new(Pack::open(&table.folder)?);
-    let storages = &pack.manifest().storages;
-    let (storage, decode) = choose_storage(storages, table.storage, bc).ok_or_else(|| {
-        let kept = storages.iter().map(|kept| kept.name()).collect::<Vec<_>>();
-        PlayError::NoStorage {
-            folder: table.folder.clone(),
-            kept: kept.join(", "),
-        }
-    })?;
+    let (storage, decode) = storage_of(&pack, table, bc)?;
     let layers = wanted_layers(scene, table, |layer| pack.manifest().layer(layer).is_some())?;
     tracing::info!(
         "tiles from {}, {}{}",

@@ -2,6 +2,8 @@
 //!
 //! Tests that draw need an adapter and the maps of the starter pack, which a checkout has.
 
+#![cfg(feature = "command")]
+
 mod bad_input;
 mod packs;
 mod pictures;

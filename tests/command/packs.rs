@@ -169,6 +169,8 @@ fn what_is_no_pack_is_refused_with_advice() {
     std::fs::remove_file(&manifest).expect("removes");
     let told = place.fail(1, &draw);
     assert!(told.contains("pack build"), "{told}");
+    // Known before anything is drawn.
+    assert_eq!(place.fail(1, &["check", "a.toml"]), told);
 
     std::fs::write(&manifest, &text).expect("writes");
     scene(&place, "a.toml", "clouds = true");

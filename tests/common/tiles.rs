@@ -43,6 +43,18 @@ impl<F: Fn(f64, f64) -> [u8; 3] + Send + Sync> FunctionTiles<F> {
         self
     }
 
+    /// Says that its tiles are compressed.
+    pub fn compressed(mut self) -> Self {
+        self.layers[0].format = TileFormat::Bc7Srgb;
+        self
+    }
+
+    /// Says that they are of another map.
+    pub fn of(mut self, layer: MapLayer) -> Self {
+        self.layers[0].layer = layer;
+        self
+    }
+
     /// The whole map at a level's size.
     pub fn whole(&self, level: usize) -> LayerImage {
         super::map(self.layers[0].levels[level].shape.map_width(), &self.f)

@@ -195,7 +195,7 @@ fn only_a_block_without_any_good_level_is_lost() {
     );
     let said = error.to_string();
     assert!(
-        said.contains("no level of day level 1 block r0c5") && said.contains("day/16/r0c5"),
+        said.contains("no level of day level 2 block r0c5") && said.contains("day/16/r0c5"),
         "{said}"
     );
 }

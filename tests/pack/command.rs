@@ -86,7 +86,7 @@ fn preview_writes_a_whole_picture_or_none() {
     let (code, _, complaint) = write_sheet(&[]);
     assert_eq!(code, Some(1));
     assert!(
-        complaint.contains("no level of day level 1 block r0c7"),
+        complaint.contains("no level of day level 2 block r0c7"),
         "{complaint}"
     );
     assert_eq!(std::fs::read(&sheet).expect("there"), before);
