@@ -19,8 +19,8 @@ fn texel_of(map: &LayerImage, column: u32, row: u32) -> &[u8] {
 
 #[test]
 fn every_texel_is_where_the_map_has_it() {
-    let fixture = Fixture::small();
-    let (maps, errors) = tiles(&fixture, Storage::Plain, false)
+    let fixture = Fixture::shared();
+    let (maps, errors) = tiles(fixture, Storage::Plain, false)
         .coarsest_maps()
         .expect("good");
     assert!(errors.is_empty(), "{errors:?}");
@@ -52,9 +52,9 @@ fn every_texel_is_where_the_map_has_it() {
 /// Whole maps are plain, whether the tiles are given compressed or not.
 #[test]
 fn compressed_levels_become_plain_maps() {
-    let fixture = Fixture::small();
+    let fixture = Fixture::shared();
     for decode in [false, true] {
-        let (maps, _) = tiles(&fixture, Storage::Bc, decode)
+        let (maps, _) = tiles(fixture, Storage::Bc, decode)
             .coarsest_maps()
             .expect("good");
         // Border of four texels: blocks of 4 × 4 begin at the tile's own first texel.

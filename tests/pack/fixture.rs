@@ -1,7 +1,7 @@
 //! Small packs whose every texel is known.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use tempfile::TempDir;
 use terrella::globe::Block;
 use terrella::imagery::pack::{
@@ -67,10 +67,21 @@ impl Fixture {
         fixture
     }
 
+    /// All maps on two small levels in both storages, made once for the tests that only read.
+    pub fn shared() -> &'static Self {
+        static MADE: LazyLock<Fixture> = LazyLock::new(Fixture::small);
+        &MADE
+    }
+
     /// All maps on two small levels in both storages.
     pub fn small() -> Self {
         let layers = MapLayer::ALL.map(|layer| (layer, &[33, 16][..]));
         Self::new(&Storage::ALL, &layers, |_| false)
+    }
+
+    /// The day map on two small levels in both storages: a fifth of the files.
+    pub fn day() -> Self {
+        Self::new(&Storage::ALL, &[(MapLayer::Day, &[33, 16])], |_| false)
     }
 
     pub fn dir(&self) -> &Path {

@@ -17,7 +17,7 @@ static TILES: LazyLock<Vec<Tile>> = LazyLock::new(|| {
     tiles.concat()
 });
 
-static MANIFEST: LazyLock<String> = LazyLock::new(|| Fixture::small().manifest.to_toml());
+static MANIFEST: LazyLock<String> = LazyLock::new(|| Fixture::shared().manifest.to_toml());
 
 /// What may happen to a file.
 #[derive(Clone, Debug)]
@@ -125,7 +125,7 @@ proptest! {
     fn a_damaged_file_gives_a_tile_only_if_it_is_unchanged(
         changes in prop::collection::vec(change(), 0..4),
     ) {
-        static PACK: LazyLock<Fixture> = LazyLock::new(Fixture::small);
+        static PACK: LazyLock<Fixture> = LazyLock::new(Fixture::day);
         let tiles = PackTiles::new(PACK.open(), Storage::Bc, true, &[]).expect("good");
         let key = key(MapLayer::Day, 1, 64);
         let path = PACK.path(Storage::Bc, key);

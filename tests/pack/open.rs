@@ -10,7 +10,7 @@ fn refused(dir: &Path) -> PackError {
 
 #[test]
 fn a_pack_is_opened() {
-    let fixture = Fixture::small();
+    let fixture = Fixture::day();
     let pack = fixture.open();
     assert_eq!(pack.manifest(), &fixture.manifest);
     assert_eq!(pack.dir(), fixture.dir());

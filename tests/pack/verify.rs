@@ -7,7 +7,7 @@ use terrella::imagery::tile::{MapLayer, Storage};
 
 #[test]
 fn a_good_pack_is_good() {
-    let fixture = Fixture::small();
+    let fixture = Fixture::shared();
     let mut steps = Vec::new();
     let report = verify(fixture.dir(), |done, total| steps.push((done, total))).expect("a pack");
     assert!(
