@@ -70,7 +70,7 @@ pub fn run(data: &Path, out: &Path, only_sources: bool) -> Result<()> {
     build.arg("--night").arg(sources.join("night_lights.png"));
     build.arg("--water").arg(sources.join("water.png"));
     build.arg("--elevation").arg(data.join(ELEVATION));
-    build.arg("--out").arg(out.join("pack"));
+    build.arg("--output").arg(out.join("pack"));
     process::run(&mut build)?;
     say(format_args!("the pack is {}", out.join("pack").display()));
     Ok(())

@@ -36,7 +36,7 @@ pub struct BuildArgs {
     water: Option<PathBuf>,
     /// The pack's folder
     #[arg(short, long, value_name = "DIR")]
-    out: PathBuf,
+    output: PathBuf,
     /// What the pack is called [default: as its folder]
     #[arg(long)]
     name: Option<String>,
@@ -144,7 +144,7 @@ pub fn run(args: &BuildArgs, common: &Common) -> anyhow::Result<()> {
         pixels: args.pixels.clone(),
         memory_bytes: args.memory * 1_000_000,
         restart: args.restart,
-        ..BuildOptions::new(&args.day, &args.out)
+        ..BuildOptions::new(&args.day, &args.output)
     };
     stop_on_interrupt();
     let shown = Shown {
@@ -152,7 +152,7 @@ pub fn run(args: &BuildArgs, common: &Common) -> anyhow::Result<()> {
         quiet: common.quiet,
     };
     let manifest = build(&options, &shown)?;
-    tracing::info!(pack = %args.out.display(), name = manifest.name, "built");
+    tracing::info!(pack = %args.output.display(), name = manifest.name, "built");
     Ok(())
 }
 
