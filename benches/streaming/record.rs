@@ -109,7 +109,10 @@ impl Record {
         );
         println!("  longest          {}", self.longest());
         println!("  prepare          {} ms", Quantiles::of(&self.prepare_ms));
-        println!("    less uploads   {choosing} ms, {slow} frames over {PREPARE_LIMIT_MS} ms");
+        println!(
+            "    less uploads   {choosing} ms, {slow} frames over {PREPARE_LIMIT_MS} ms{}",
+            self.slowest()
+        );
         println!(
             "  uploaded         {:.1} MB in all, at most {:.2} MB a frame",
             tiles.uploaded_bytes as f64 / 1e6,
@@ -144,6 +147,21 @@ impl Record {
 }
 
 impl Record {
+    /// Which frames took over the limit to choose.
+    fn slowest(&self) -> String {
+        let slow = self.choosing_ms.iter().enumerate();
+        let slow: Vec<_> = slow
+            .filter(|(_, ms)| **ms > PREPARE_LIMIT_MS)
+            .map(|(frame, ms)| format!("{ms:.1} ms in frame {frame}"))
+            .take(8)
+            .collect();
+        if slow.is_empty() {
+            String::new()
+        } else {
+            format!(": {}", slow.join(", "))
+        }
+    }
+
     /// The longest frames: which, how long, and what of it was our own.
     fn longest(&self) -> String {
         let mut order: Vec<usize> = (0..self.frames_ms.len()).collect();

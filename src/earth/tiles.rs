@@ -36,6 +36,29 @@ const NO_GLINT: f64 = -0.02;
 pub const TILED_SUBDIVISION: u32 = 24;
 
 /// How tiles are chosen, loaded and held.
+///
+/// An Earth of a pack:
+///
+/// ```no_run
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// use std::sync::Arc;
+/// use terrella::imagery::pack::{Pack, PackTiles};
+/// use terrella::imagery::tile::{MapLayer, Storage};
+/// use terrella::{EarthOptions, TILED_SUBDIVISION, TileOptions};
+///
+/// let pack = Arc::new(Pack::open("earth".as_ref())?);
+/// let tiles = PackTiles::new(pack, Storage::Plain, false, &[MapLayer::Day, MapLayer::Clouds])?;
+/// let (layers, _unreadable) = tiles.coarsest_maps()?;
+/// let options = EarthOptions {
+///     tiles: Some(TileOptions::new(Arc::new(tiles))),
+///     subdivision: TILED_SUBDIVISION,
+///     ..EarthOptions::new(layers)
+/// };
+/// # Ok(())
+/// # }
+/// ```
+///
+/// `Storage::Bc` needs a device with `TEXTURE_COMPRESSION_BC`, or tiles that are decoded on the way.
 #[derive(Clone)]
 pub struct TileOptions {
     /// Where tiles come from. It must have no map that is not among the Earth's whole maps.
@@ -150,7 +173,7 @@ impl TileDriver {
             pixels,
             levels: [[NONE; BLOCK_COUNT as usize]; MAP_LAYERS],
             expected: Vec::with_capacity(MAX_EXPECTED),
-            near: Vec::with_capacity(BLOCK_COUNT as usize),
+            near: Vec::with_capacity(2 * BLOCK_COUNT as usize),
             expected_blocks: Vec::with_capacity(BLOCK_COUNT as usize),
             wants: Vec::with_capacity((1 + MAX_EXPECTED) * MAP_LAYERS * BLOCK_COUNT as usize),
         })
