@@ -33,6 +33,7 @@
 //! | [`gpu`] | adapter, targets, shaders, one file per drawable | files, orbits |
 //! | [`earth`] | the façade | the command |
 //! | `play` | clock, cameras, window, stills, video | |
+//! | `measure` | harness, reference renderer, error against run time, stability | |
 //! | `cli` | arguments, progress, exit codes | mathematics |
 //!
 //! # The Earth, after Wang and Dai 2011
@@ -97,6 +98,8 @@ pub mod frames;
 pub mod globe;
 pub mod gpu;
 pub mod imagery;
+#[cfg(feature = "command")]
+pub mod measure;
 pub mod orbit;
 #[cfg(feature = "command")]
 pub mod play;

@@ -1,0 +1,1 @@
+//! Formulas held against arbitrary precision, and numerical methods compared by error and cost.
