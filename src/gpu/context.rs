@@ -42,7 +42,8 @@ pub enum BcSupport {
     Fast,
 }
 
-/// An opened adapter: what the command draws with.
+/// An opened adapter: what the command draws with. Clones share it.
+#[derive(Clone)]
 pub struct GpuContext {
     /// The instance that surfaces are created from.
     pub instance: wgpu::Instance,

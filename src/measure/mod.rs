@@ -2,8 +2,25 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | `stations` | where the harness looks from: the heights of the paper's Table 2 and farther |
+//! | `rig` | an Earth on a test stand: frames and their floor, timed turn about |
+//! | `floor` | the least that a frame could cost |
 //! | [`reference`] | the true picture: ray casting in f64 on the processor |
 //! | [`numeric`] | formulas held against arbitrary precision, methods compared by error and cost |
+//! | `quantiles`, `pareto`, `chart` | what is told of measurements |
 
+mod chart;
+mod floor;
 pub mod numeric;
+mod pareto;
+mod quantiles;
 pub mod reference;
+mod rig;
+mod stations;
+
+pub use chart::{Chart, ChartError, Point, Series};
+pub use floor::Floor;
+pub use pareto::pareto_front;
+pub use quantiles::{Quantiles, Spread, jank};
+pub use rig::{Rig, Sample};
+pub use stations::{GroundPath, STATIONS, Station};

@@ -18,6 +18,7 @@ pub struct Picture {
     earth: Earth,
     craft: CraftLayer,
     targets: FrameTargets,
+    samples: u32,
 }
 
 /// A frame and how long it took.
@@ -50,6 +51,7 @@ impl Picture {
             earth,
             craft: CraftLayer::new(&options),
             targets,
+            samples: options.samples,
         })
     }
 
@@ -72,6 +74,16 @@ impl Picture {
     /// The Earth.
     pub fn earth(&self) -> &Earth {
         &self.earth
+    }
+
+    /// What it draws with.
+    pub fn gpu(&self) -> &GpuContext {
+        &self.gpu
+    }
+
+    /// Samples a pixel that are really drawn.
+    pub fn samples(&self) -> u32 {
+        self.samples
     }
 
     /// Draws an instant. Does not wait for the device.
@@ -105,8 +117,12 @@ impl Picture {
 
     /// Draws an instant twice and times the second time: the first fills caches and compiles what drivers compile late.
     pub fn measure(&mut self, moment: &Moment) -> Result<Measured, PlayError> {
-        self.draw(moment);
-        self.wait()?;
+        self.time(moment)?;
+        self.time(moment)
+    }
+
+    /// Draws an instant and times it, the device waited for.
+    pub fn time(&mut self, moment: &Moment) -> Result<Measured, PlayError> {
         let begin = Instant::now();
         let stats = self.prepare(moment);
         let prepare = begin.elapsed();
@@ -128,7 +144,25 @@ impl Picture {
         stats
     }
 
+    /// Times a pass into the same textures that draws something else in place of the Earth, the device waited for.
+    pub fn time_other(
+        &self,
+        draw: impl FnOnce(&mut wgpu::RenderPass<'_>),
+    ) -> Result<Duration, PlayError> {
+        let begin = Instant::now();
+        self.submit_pass(draw);
+        self.wait()?;
+        Ok(begin.elapsed())
+    }
+
     fn submit(&self) {
+        self.submit_pass(|pass| {
+            self.craft.render(pass);
+            self.earth.render(pass);
+        });
+    }
+
+    fn submit_pass(&self, draw: impl FnOnce(&mut wgpu::RenderPass<'_>)) {
         let mut encoder = self
             .gpu
             .device
@@ -136,8 +170,7 @@ impl Picture {
                 label: Some("terrella picture"),
             });
         let mut pass = self.targets.begin_pass(&mut encoder);
-        self.craft.render(&mut pass);
-        self.earth.render(&mut pass);
+        draw(&mut pass);
         drop(pass);
         self.gpu.queue.submit([encoder.finish()]);
     }

@@ -1,0 +1,303 @@
+//! The least that a frame could cost: the same samples on the same pixels, and nothing computed.
+
+use crate::gpu::{FrameTargets, GpuContext};
+use crate::imagery::tile::MapLayer;
+use crate::imagery::{LayerImage, TexelFormat};
+use crate::{Atmosphere, EarthOptions, EyeView, Shading, air};
+use glam::DVec3;
+use std::fmt::Write;
+
+/// A full-screen pass that takes as many texture samples on each pixel of the ground as the Earth's shaders do, from
+/// textures of the same sizes and formats, and clears the rest. It counts one sample for each map, one for the sunlight
+/// table and one for the scattering table, of those that the Earth is drawn with.
+///
+/// Maps are read trilinearly at about one texel a pixel. Tiles are not: an Earth of a pack has the floor of its coarsest
+/// whole maps.
+pub struct Floor {
+    pipeline: wgpu::RenderPipeline,
+    bind_group: wgpu::BindGroup,
+    view: wgpu::Buffer,
+}
+
+/// Bytes of the shader's `View`: four vectors of four.
+const VIEW_BYTES: u64 = 64;
+/// The first binding of a texture.
+const FIRST_TEXTURE: u32 = 2;
+
+impl Floor {
+    /// Makes the pass for an Earth with these options, `samples` a pixel being those of the targets.
+    pub fn new(gpu: &GpuContext, options: &EarthOptions) -> Self {
+        let device = &gpu.device;
+        let textures = Textures::of(gpu, options);
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("terrella floor"),
+            source: wgpu::ShaderSource::Wgsl(textures.shader().into()),
+        });
+        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("terrella floor"),
+            layout: None,
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("vertex"),
+                compilation_options: Default::default(),
+                buffers: &[],
+            },
+            primitive: Default::default(),
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: FrameTargets::DEPTH,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
+                stencil: Default::default(),
+                bias: Default::default(),
+            }),
+            multisample: wgpu::MultisampleState {
+                count: options.samples,
+                ..Default::default()
+            },
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("fragment"),
+                compilation_options: Default::default(),
+                targets: &[Some(FrameTargets::COLOR.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("terrella floor"),
+            address_mode_u: wgpu::AddressMode::Repeat,
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            anisotropy_clamp: match gpu.is_software() {
+                true => 1,
+                false => options.anisotropy,
+            },
+            ..Default::default()
+        });
+        let view = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("terrella floor"),
+            size: VIEW_BYTES,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut entries = vec![
+            wgpu::BindGroupEntry {
+                binding: 0,
+                resource: view.as_entire_binding(),
+            },
+            wgpu::BindGroupEntry {
+                binding: 1,
+                resource: wgpu::BindingResource::Sampler(&sampler),
+            },
+        ];
+        for (binding, texture) in (FIRST_TEXTURE..).zip(&textures.views) {
+            entries.push(wgpu::BindGroupEntry {
+                binding,
+                resource: wgpu::BindingResource::TextureView(texture),
+            });
+        }
+        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("terrella floor"),
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &entries,
+        });
+        Self {
+            pipeline,
+            bind_group,
+            view,
+        }
+    }
+
+    /// Writes where the eye is. The ground is a sphere for it.
+    pub fn prepare(&self, queue: &wgpu::Queue, view: &EyeView, size: (u32, u32)) {
+        queue.write_buffer(&self.view, 0, bytemuck::cast_slice(&rays(view, size)));
+    }
+
+    /// Draws it.
+    pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.bind_group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+/// What is sampled.
+struct Textures {
+    views: Vec<wgpu::TextureView>,
+    /// How many of them are maps; tables follow.
+    maps: usize,
+    /// Whether the last table has three dimensions.
+    has_volume: bool,
+}
+
+impl Textures {
+    fn of(gpu: &GpuContext, options: &EarthOptions) -> Self {
+        let layers = MapLayer::ALL.iter();
+        let layers = layers.filter_map(|layer| options.layers.get(*layer));
+        let mut views: Vec<_> = layers.map(|image| upload(gpu, image)).collect();
+        let maps = views.len();
+        let has_volume = options.atmosphere != Atmosphere::None;
+        if has_volume && options.shading == Shading::Sunlit {
+            views.push(table(gpu, air::SUNLIGHT, wgpu::TextureDimension::D2));
+        }
+        if has_volume {
+            views.push(table(gpu, air::SCATTERING, wgpu::TextureDimension::D3));
+        }
+        Self {
+            views,
+            maps,
+            has_volume,
+        }
+    }
+
+    fn shader(&self) -> String {
+        let mut text = HEAD.to_owned();
+        let mut samples = String::new();
+        for n in 0..self.views.len() {
+            let is_volume = self.has_volume && n + 1 == self.views.len();
+            let kind = if is_volume { "3d" } else { "2d" };
+            let binding = n + FIRST_TEXTURE as usize;
+            // Writing to a string does not fail.
+            let _ = writeln!(
+                text,
+                "@group(0) @binding({binding}) var t{n}: texture_{kind}<f32>;"
+            );
+            let _ = match (n < self.maps, is_volume) {
+                (true, _) => writeln!(
+                    samples,
+                    "    c += textureSampleGrad(t{n}, maps, uv, dx, dy);"
+                ),
+                (_, true) => writeln!(
+                    samples,
+                    "    c += textureSampleLevel(t{n}, maps, vec3f(uv, 0.5), 0.0);"
+                ),
+                (_, false) => {
+                    writeln!(samples, "    c += textureSampleLevel(t{n}, maps, uv, 0.0);")
+                }
+            };
+        }
+        text + BODY.0 + &samples + BODY.1
+    }
+}
+
+const HEAD: &str = "struct View { ray: vec4f, right: vec4f, down: vec4f, eye: vec4f }
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var maps: sampler;
+";
+const BODY: (&str, &str) = (
+    "@vertex fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+    return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.5, 1.0);
+}
+@fragment fn fragment(@builtin(position) at: vec4f) -> @location(0) vec4f {
+    let ray = normalize(view.ray.xyz + at.x * view.right.xyz + at.y * view.down.xyz);
+    let miss = cross(view.eye.xyz, ray);
+    if dot(miss, miss) > 1.0 || dot(view.eye.xyz, ray) > 0.0 { discard; }
+    let uv = at.xy / vec2f(4096.0, 2048.0);
+    let dx = vec2f(1.0 / 4096.0, 0.0);
+    let dy = vec2f(0.0, 1.0 / 2048.0);
+    var c = vec4f(0.0);
+",
+    "    return c * 0.2;
+}
+",
+);
+
+/// The pixels' rays and the eye on the unit sphere, four vectors of four.
+fn rays(view: &EyeView, size: (u32, u32)) -> [f32; 16] {
+    let itrf_from_view =
+        view.itrf_from_world.matrix3 * glam::DMat3::from_quat(view.view_from_world.inverse());
+    let axis = |v: DVec3| v.normalize_or_zero();
+    let p = &view.clip_from_view;
+    let (width, height) = (f64::from(size.0.max(1)), f64::from(size.1.max(1)));
+    let right = axis(itrf_from_view.x_axis) * (2.0 / (p.x_axis.x * width));
+    let down = axis(itrf_from_view.y_axis) * (-2.0 / (p.y_axis.y * height));
+    let corner = axis(itrf_from_view.x_axis) * ((p.z_axis.x - 1.0) / p.x_axis.x)
+        + axis(itrf_from_view.y_axis) * ((p.z_axis.y + 1.0) / p.y_axis.y)
+        - axis(itrf_from_view.z_axis);
+    let eye = view.itrf_from_world.transform_point3(view.eye_world) / EARTH_RADIUS_M;
+    let mut out = [0.0; 16];
+    for (four, v) in out.chunks_exact_mut(4).zip([corner, right, down, eye]) {
+        four[..3].copy_from_slice(&v.as_vec3().to_array());
+    }
+    out
+}
+
+/// Mean radius, metres.
+const EARTH_RADIUS_M: f64 = 6.371e6;
+
+fn table(
+    gpu: &GpuContext,
+    size: air::TableSize,
+    dimension: wgpu::TextureDimension,
+) -> wgpu::TextureView {
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("terrella floor table"),
+        size: wgpu::Extent3d {
+            width: size.x,
+            height: size.y,
+            depth_or_array_layers: size.z,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension,
+        format: wgpu::TextureFormat::Rgba16Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    });
+    texture.create_view(&Default::default())
+}
+
+fn upload(gpu: &GpuContext, image: &LayerImage) -> wgpu::TextureView {
+    use wgpu::util::DeviceExt;
+    let format = match image.format {
+        TexelFormat::Rgba8Srgb => wgpu::TextureFormat::Rgba8UnormSrgb,
+        TexelFormat::R8Unorm => wgpu::TextureFormat::R8Unorm,
+        TexelFormat::Rg8Snorm => wgpu::TextureFormat::Rg8Snorm,
+    };
+    let texture = gpu.device.create_texture_with_data(
+        &gpu.queue,
+        &wgpu::TextureDescriptor {
+            label: Some("terrella floor map"),
+            size: wgpu::Extent3d {
+                width: image.width,
+                height: image.height,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: image.levels.len() as u32,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        },
+        wgpu::util::TextureDataOrder::LayerMajor,
+        &image.levels.concat(),
+    );
+    texture.create_view(&Default::default())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frames::{Ellipsoid, Geodetic};
+
+    #[test]
+    fn the_middle_ray_of_a_nadir_view_meets_the_centre() {
+        let eye = Ellipsoid::WGS84.itrf_from_geodetic(Geodetic::from_degrees(0.0, 30.0, 1e6));
+        let view = EyeView::itrf(eye, -eye.normalize(), DVec3::Z, 0.8, 2.0);
+        let four = rays(&view, (200, 100));
+        let v = |n: usize| {
+            DVec3::new(
+                four[4 * n].into(),
+                four[4 * n + 1].into(),
+                four[4 * n + 2].into(),
+            )
+        };
+        let middle = v(0) + 100.0 * v(1) + 50.0 * v(2);
+        assert!(middle.normalize().dot(-v(3).normalize()) > 1.0 - 1e-9);
+        // A pixel is square, and the corner's ray is half a field of view above.
+        assert!((v(1).length() / v(2).length() - 1.0).abs() < 1e-6);
+        assert!(((v(0) + 100.0 * v(1)).angle_between(middle) - 0.4).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,119 @@
+//! An Earth on a test stand: frames, their floor and a bare clear, timed turn about on the same textures.
+
+use super::floor::Floor;
+use crate::frames::Epoch;
+use crate::gpu::GpuContext;
+use crate::play::{Measured, Moment, Picture, PlayError};
+use crate::{EarthOptions, EyeView, FrameStats, Sky};
+use image::RgbaImage;
+use std::time::Duration;
+
+/// An Earth, textures of one size, and what its frames are compared with.
+///
+/// Absolute times on a shared machine say little; the ratio of a frame to its floor, taken in the same moment, does.
+pub struct Rig {
+    picture: Picture,
+    floor: Floor,
+}
+
+/// Times of one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// What was drawn.
+    pub stats: FrameStats,
+    /// `prepare` alone, milliseconds.
+    pub prepare_ms: f64,
+    /// The whole frame, the device waited for, milliseconds.
+    pub frame_ms: f64,
+    /// The floor, waited for likewise, milliseconds.
+    pub floor_ms: f64,
+}
+
+impl Rig {
+    /// Uploads the maps and makes both passes.
+    ///
+    /// # Errors
+    /// As [`Picture::open`].
+    pub fn new(
+        gpu: &GpuContext,
+        options: &EarthOptions,
+        size: (u32, u32),
+    ) -> Result<Self, PlayError> {
+        let picture = Picture::open(gpu.clone(), options.clone(), size)?;
+        let options = EarthOptions {
+            samples: picture.samples(),
+            ..options.clone()
+        };
+        Ok(Self {
+            floor: Floor::new(gpu, &options),
+            picture,
+        })
+    }
+
+    /// The picture that is drawn.
+    pub fn picture(&self) -> &Picture {
+        &self.picture
+    }
+
+    /// Draws a view when its tiles have come, or `wait` is over, and reads it back.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn draw(
+        &mut self,
+        view: &EyeView,
+        sky: &Sky,
+        wait: Duration,
+    ) -> Result<RgbaImage, PlayError> {
+        self.picture.draw_complete(&moment(view, sky), wait);
+        self.picture.read()
+    }
+
+    /// Times a view and its floor, once each.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn sample(&mut self, view: &EyeView, sky: &Sky) -> Result<Sample, PlayError> {
+        let measured = self.frame(view, sky)?;
+        let gpu = self.picture.gpu();
+        self.floor.prepare(&gpu.queue, view, self.picture.size());
+        let floor = self.picture.time_other(|pass| self.floor.render(pass))?;
+        Ok(Sample {
+            stats: measured.stats,
+            prepare_ms: milliseconds(measured.prepare),
+            frame_ms: milliseconds(measured.frame),
+            floor_ms: milliseconds(floor),
+        })
+    }
+
+    /// Times a view, the device waited for.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn frame(&mut self, view: &EyeView, sky: &Sky) -> Result<Measured, PlayError> {
+        self.picture.time(&moment(view, sky))
+    }
+
+    /// Times a pass that clears and draws nothing, milliseconds.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn clear_ms(&self) -> Result<f64, PlayError> {
+        Ok(milliseconds(self.picture.time_other(|_| {})?))
+    }
+}
+
+fn moment(view: &EyeView, sky: &Sky) -> Moment {
+    Moment {
+        // Nothing that is drawn without a craft asks for it.
+        epoch: Epoch::from_gregorian_utc(2000, 1, 1, 12, 0, 0, 0),
+        view: *view,
+        sky: *sky,
+        satellite: None,
+        craft: None,
+    }
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}
