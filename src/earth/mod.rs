@@ -5,7 +5,11 @@
 //! | `mod.rs` | options, the three verbs, what a frame drew |
 //! | `view.rs` | the eye and the target |
 //! | `tiles.rs` | which tiles of a pack a frame wants and is drawn with |
+//! | `quality.rs` | what can be given up to draw faster, and in what order |
+//! | `governor.rs` | when it is given up, to hold a frame time |
 
+mod governor;
+mod quality;
 mod tiles;
 mod view;
 
@@ -16,11 +20,13 @@ use crate::globe::{
     BlockGrid, COLUMNS, Figure, SubdivisionError, Visibility, select_blocks, texels_per_pixel,
 };
 pub use crate::gpu::DepthBuffer;
-use crate::gpu::{AirDrawable, Frame, PassFormat, ShaderError, SurfaceDrawable, SurfaceParts};
+use crate::gpu::{AirDrawable, Frame, PassFormat, ShaderError, SurfaceDrawable, SurfaceLook};
 use crate::imagery::stream::StreamCounters;
 use crate::imagery::tile::{LayerLayout, MapLayer, TileKey};
 use crate::imagery::{EarthLayers, ImageryError};
 use glam::{DMat4, DVec3, Vec3};
+pub use governor::{Change, Governor};
+pub use quality::{GiveUp, Quality, Rung};
 use std::time::{Duration, Instant};
 use tiles::{Eye, TileDriver};
 pub use tiles::{TILED_SUBDIVISION, TileOptions};
@@ -195,6 +201,9 @@ pub struct Earth {
     /// Texels of the day map per block side where no tile is drawn.
     whole_day_pixels: u32,
     device: wgpu::Device,
+    shading: Shading,
+    format: PassFormat,
+    quality: Quality,
     /// Bytes of tiles uploaded by the last `prepare`.
     uploaded_tiles: u64,
     stats: FrameStats,
@@ -237,25 +246,16 @@ impl Earth {
             Some(tiles) => Some(TileDriver::new(tiles, layers, options.visibility)?),
             None => None,
         };
-        let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+        let quality = Quality::of(options);
         let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let air = match options.atmosphere {
             Atmosphere::Billboard => Some(AirDrawable::new(device, queue, format)?),
             Atmosphere::None => None,
         };
-        let parts = SurfaceParts {
-            layers,
-            pools: tiles.as_ref().map(TileDriver::pools),
-            shading: options.shading,
-            anisotropy: if software { 1 } else { options.anisotropy },
-            format,
-            sunlight: air
-                .as_ref()
-                .filter(|_| options.shading == Shading::Sunlit)
-                .map(|air| &air.sunlight),
-        };
-        let surface = SurfaceDrawable::new(device, queue, &grid, &parts)?;
+        let look = look(device, options.shading, format, &quality, air.as_ref());
+        let pools = tiles.as_ref().map(TileDriver::pools);
+        let surface = SurfaceDrawable::new(device, queue, &grid, layers, pools, &look)?;
         let refused = resolved(scope.pop());
         let full = resolved(memory.pop());
         if let Some(error) = full {
@@ -281,6 +281,9 @@ impl Earth {
             tiles,
             whole_day_pixels: layers.day.width / COLUMNS,
             device: device.clone(),
+            shading: options.shading,
+            format,
+            quality,
             uploaded_tiles: 0,
             stats,
             drawable: false,
@@ -338,6 +341,55 @@ impl Earth {
     pub fn expect(&mut self, views: &[EyeView]) {
         if let Some(tiles) = &mut self.tiles {
             tiles.expect(views);
+        }
+    }
+
+    /// How well it is drawn.
+    pub fn quality(&self) -> &Quality {
+        &self.quality
+    }
+
+    /// Draws better or worse from the next [`Self::prepare`] on. Maps and tiles stay on the GPU; pipelines and the
+    /// lattice are made anew where they differ, which takes some milliseconds.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; the Earth is then as it was.
+    pub fn set_quality(
+        &mut self,
+        queue: &wgpu::Queue,
+        quality: &Quality,
+    ) -> Result<(), EarthError> {
+        let before = self.quality;
+        self.apply(queue, quality).or_else(|failure| {
+            self.apply(queue, &before)?;
+            Err(failure)
+        })
+    }
+
+    fn apply(&mut self, queue: &wgpu::Queue, quality: &Quality) -> Result<(), EarthError> {
+        let grid = BlockGrid::new(self.grid.ellipsoid(), quality.subdivision)?;
+        let format = PassFormat {
+            samples: quality.samples,
+            ..self.format
+        };
+        let device = self.device.clone();
+        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let air = match quality.atmosphere {
+            Atmosphere::Billboard => Some(AirDrawable::new(&device, queue, format)?),
+            Atmosphere::None => None,
+        };
+        let look = look(&device, self.shading, format, quality, air.as_ref());
+        self.surface.set_look(&device, &grid, &look)?;
+        (self.grid, self.air, self.format, self.quality) = (grid, air, format, *quality);
+        if let Some(tiles) = &mut self.tiles {
+            tiles.set_quality(quality);
+        }
+        self.drawable = false;
+        self.stats.texture_bytes =
+            self.surface.texture_bytes + self.air.as_ref().map_or(0, |air| air.texture_bytes);
+        match resolved(scope.pop()) {
+            None => Ok(()),
+            Some(error) => Err(EarthError::Refused(error.to_string())),
         }
     }
 
@@ -508,6 +560,28 @@ impl Earth {
             .filter(|(_, is_on)| *is_on == on)
             .map(|(name, _)| name)
             .collect()
+    }
+}
+
+/// How the surface is drawn with a quality.
+fn look<'a>(
+    device: &wgpu::Device,
+    shading: Shading,
+    format: PassFormat,
+    quality: &Quality,
+    air: Option<&'a AirDrawable>,
+) -> SurfaceLook<'a> {
+    let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+    let mut shown = quality.maps;
+    shown[MapLayer::Day.index()] = true;
+    SurfaceLook {
+        shading,
+        shown,
+        anisotropy: if software { 1 } else { quality.anisotropy },
+        format,
+        sunlight: air
+            .filter(|_| shading == Shading::Sunlit)
+            .map(|air| &air.sunlight),
     }
 }
 

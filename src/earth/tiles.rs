@@ -1,5 +1,6 @@
 //! Which tiles of a pack a frame wants, and which it is drawn with.
 
+use super::quality::Quality;
 use super::{EarthError, EyeView};
 use crate::globe::{
     BLOCK_COUNT, Block, BlockGrid, LevelRule, Visibility, paper_level, screen_level, select_blocks,
@@ -127,6 +128,8 @@ pub(super) struct TileDriver {
     stream: TileStream,
     rule: LevelRule,
     most_px: f64,
+    /// Which maps are drawn, by [`MapLayer::index`].
+    shown: [bool; MAP_LAYERS],
     upload_bytes: u64,
     visibility: Visibility,
     /// Texels per block side of each map's levels, by [`MapLayer::index`]; empty where a map has no tiles.
@@ -168,6 +171,7 @@ impl TileDriver {
             stream: TileStream::new(options.source.clone(), &stream),
             rule: options.rule,
             most_px: options.most_px,
+            shown: [true; MAP_LAYERS],
             upload_bytes: options.upload_bytes,
             visibility,
             pixels,
@@ -177,6 +181,13 @@ impl TileDriver {
             expected_blocks: Vec::with_capacity(BLOCK_COUNT as usize),
             wants: Vec::with_capacity((1 + MAX_EXPECTED) * MAP_LAYERS * BLOCK_COUNT as usize),
         })
+    }
+
+    /// Wants from now on what this quality needs. Tiles that are there stay until others need their place.
+    pub fn set_quality(&mut self, quality: &Quality) {
+        self.most_px = quality.texel_px;
+        self.shown = quality.maps;
+        self.shown[MapLayer::Day.index()] = true;
     }
 
     /// The pools that the GPU must have.
@@ -216,7 +227,7 @@ impl TileDriver {
             let index = block.index() as u8;
             let chosen = MapLayer::ALL.map(|layer| {
                 let pixels = &self.pixels[layer.index()];
-                let drawn = (!pixels.is_empty())
+                let drawn = (!pixels.is_empty() && self.shown[layer.index()])
                     .then(|| self.stream.draw(layer, index))
                     .flatten();
                 if layer == MapLayer::Day && is_lit(grid, *block, eye.sun_itrf) {
@@ -273,7 +284,8 @@ impl TileDriver {
         let index = block.index() as usize;
         for layer in MapLayer::ALL {
             let pixels = &self.pixels[layer.index()];
-            if pixels.is_empty() || !shows(grid, layer, block, eye.sun_itrf) {
+            let is_drawn = !pixels.is_empty() && self.shown[layer.index()];
+            if !is_drawn || !shows(grid, layer, block, eye.sun_itrf) {
                 continue;
             }
             let before = self.levels[layer.index()][index];

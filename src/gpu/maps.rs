@@ -7,8 +7,10 @@ use crate::imagery::tile::{MAP_LAYERS, MapLayer};
 /// Whole maps on the GPU and what is needed to bind them, each map with its own sampler: around the Earth a whole map
 /// repeats, a tile ends at its border.
 pub(crate) struct Maps {
-    layout: wgpu::BindGroupLayout,
     whole: [Option<GpuLayer>; MAP_LAYERS],
+    /// Which of them are bound.
+    shown: [bool; MAP_LAYERS],
+    layout: wgpu::BindGroupLayout,
     repeat: wgpu::Sampler,
     clamp: wgpu::Sampler,
 }
@@ -23,6 +25,7 @@ impl Maps {
         queue: &wgpu::Queue,
         layers: &EarthLayers,
         display_values: bool,
+        shown: [bool; MAP_LAYERS],
         anisotropy: u16,
     ) -> Self {
         let whole = MapLayer::ALL.map(|layer| {
@@ -36,6 +39,21 @@ impl Maps {
                 display_values,
             ))
         });
+        Self::arranged(device, whole, shown, anisotropy)
+    }
+
+    /// Binds from now on the maps that are `shown`, filtered so. Bind groups made before do not fit any more.
+    pub fn arrange(&mut self, device: &wgpu::Device, shown: [bool; MAP_LAYERS], anisotropy: u16) {
+        let whole = std::mem::take(&mut self.whole);
+        *self = Self::arranged(device, whole, shown, anisotropy);
+    }
+
+    fn arranged(
+        device: &wgpu::Device,
+        whole: [Option<GpuLayer>; MAP_LAYERS],
+        shown: [bool; MAP_LAYERS],
+        anisotropy: u16,
+    ) -> Self {
         let sampler = |label, address_mode_u| {
             device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some(label),
@@ -50,8 +68,8 @@ impl Maps {
             })
         };
         let entries: Vec<_> = (0..)
-            .zip(&whole)
-            .filter(|(_, layer)| layer.is_some())
+            .zip(whole.iter().zip(shown))
+            .filter(|(_, (layer, shown))| layer.is_some() && *shown)
             .flat_map(|(binding, _)| {
                 [
                     super::texture_entry(binding, wgpu::TextureViewDimension::D2),
@@ -60,14 +78,20 @@ impl Maps {
             })
             .collect();
         Self {
+            whole,
+            shown,
             layout: device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
                 label: Some("terrella maps"),
                 entries: &entries,
             }),
-            whole,
             repeat: sampler("terrella whole maps", wgpu::AddressMode::Repeat),
             clamp: sampler("terrella tiles", wgpu::AddressMode::ClampToEdge),
         }
+    }
+
+    /// Whether a map is there and shown.
+    pub fn has(&self, layer: MapLayer) -> bool {
+        self.shown[layer.index()] && self.whole[layer.index()].is_some()
     }
 
     /// Layout of the bind groups.
@@ -80,6 +104,11 @@ impl Maps {
         self.whole.iter().flatten().map(|layer| layer.bytes).sum()
     }
 
+    /// A bind group of whole maps alone.
+    pub fn bind_whole(&self, device: &wgpu::Device) -> wgpu::BindGroup {
+        self.bind(device, "terrella whole maps", Default::default())
+    }
+
     /// A bind group with these tiles, and the whole map where there is none.
     pub fn bind(
         &self,
@@ -88,8 +117,11 @@ impl Maps {
         tiles: [Option<&wgpu::TextureView>; MAP_LAYERS],
     ) -> wgpu::BindGroup {
         let mut entries = Vec::with_capacity(2 * MAP_LAYERS);
-        for ((binding, whole), tile) in (0..).zip(&self.whole).zip(tiles) {
-            let Some(whole) = whole else { continue };
+        let shown = (0..).zip(self.whole.iter().zip(self.shown)).zip(tiles);
+        for ((binding, (whole, shown)), tile) in shown {
+            let Some(whole) = whole.as_ref().filter(|_| shown) else {
+                continue;
+            };
             let (view, sampler) = match tile {
                 Some(tile) => (tile, &self.clamp),
                 None => (&whole.view, &self.repeat),

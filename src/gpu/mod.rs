@@ -2,6 +2,7 @@
 
 mod air;
 mod context;
+mod lattice;
 mod layers;
 mod maps;
 mod shader;
@@ -17,7 +18,7 @@ pub use uniforms::{AirFrame, Frame};
 
 pub(crate) use air::AirDrawable;
 use layers::GpuLayer;
-pub(crate) use surface::{SurfaceDrawable, SurfaceParts};
+pub(crate) use surface::{SurfaceDrawable, SurfaceLook};
 
 /// The depth buffer of the pass that the Earth is drawn in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

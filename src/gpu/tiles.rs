@@ -60,7 +60,7 @@ impl TileTextures {
         let blocks = (0..BLOCK_COUNT)
             .map(|_| BlockMaps {
                 tiles: whole,
-                bind_group: maps.bind(device, "terrella block", whole.map(|_: Option<Slot>| None)),
+                bind_group: bind(device, &pools, maps, whole),
             })
             .collect();
         let mut placements = Box::new([[Vec4::ZERO; MAP_LAYERS]; BLOCK_COUNT as usize]);
@@ -129,22 +129,24 @@ impl TileTextures {
         if self.blocks[index].tiles == tiles {
             return;
         }
-        let pools = &self.pools;
-        let pool_of = |slot: Slot| pools.get(usize::from(slot.pool));
-        let views = tiles.map(|slot| {
-            let slot = slot?;
-            let (_, view) = pool_of(slot)?.slots.get(usize::from(slot.index))?;
-            Some(view)
-        });
         let mut placements = [whole_map(block); MAP_LAYERS];
-        for pool in tiles.into_iter().flatten().filter_map(pool_of) {
-            placements[pool.layer] = in_tile(pool.shape);
+        for slot in tiles.into_iter().flatten() {
+            if let Some(pool) = self.pools.get(usize::from(slot.pool)) {
+                placements[pool.layer] = in_tile(pool.shape);
+            }
         }
-        let bind_group = maps.bind(device, "terrella block", views);
+        let bind_group = bind(device, &self.pools, maps, tiles);
         self.blocks[index] = BlockMaps { tiles, bind_group };
         if self.placements[index] != placements {
             self.placements[index] = placements;
             self.is_stale = true;
+        }
+    }
+
+    /// Makes the bind groups of all blocks anew, the maps having been arranged otherwise.
+    pub fn bind_again(&mut self, device: &wgpu::Device, maps: &Maps) {
+        for block in &mut self.blocks {
+            block.bind_group = bind(device, &self.pools, maps, block.tiles);
         }
     }
 
@@ -160,6 +162,21 @@ impl TileTextures {
         );
         PLACEMENTS_BYTES as u64
     }
+}
+
+fn bind(
+    device: &wgpu::Device,
+    pools: &[PoolTextures],
+    maps: &Maps,
+    tiles: BlockTiles,
+) -> wgpu::BindGroup {
+    let views = tiles.map(|slot| {
+        let slot = slot?;
+        let pool = pools.get(usize::from(slot.pool))?;
+        let (_, view) = pool.slots.get(usize::from(slot.index))?;
+        Some(view)
+    });
+    maps.bind(device, "terrella block", views)
 }
 
 /// Texture coordinates of a block's centre on the whole map, and their change per whole map.

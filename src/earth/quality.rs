@@ -1,0 +1,210 @@
+//! How well an Earth is drawn, and in what order that is given up where time is short.
+
+use super::{EarthOptions, TILED_SUBDIVISION};
+use crate::air::Atmosphere;
+use crate::imagery::tile::{MAP_LAYERS, MapLayer};
+use std::fmt;
+
+/// How well an Earth is drawn: what [`super::Earth::set_quality`] changes while maps and tiles stay where they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quality {
+    /// Cells per block edge, 1…48.
+    pub subdivision: u32,
+    /// Most samples that a map is filtered with at a grazing view, as in [`EarthOptions::anisotropy`].
+    pub anisotropy: u16,
+    /// Sample count of the pass. The host's pass must have as many.
+    pub samples: u32,
+    /// Most screen pixels that a texel of a tile may cover, as in [`super::TileOptions::most_px`]; without tiles it
+    /// changes nothing.
+    pub texel_px: f64,
+    /// Which maps are drawn, by [`MapLayer::index`]. One that the Earth was made without is never drawn; the day map
+    /// always is.
+    pub maps: [bool; MAP_LAYERS],
+    /// How the air is drawn.
+    pub atmosphere: Atmosphere,
+}
+
+impl Quality {
+    /// The quality of an Earth that is made with these options.
+    pub fn of(options: &EarthOptions) -> Self {
+        Self {
+            subdivision: options.subdivision,
+            anisotropy: options.anisotropy,
+            samples: options.samples,
+            texel_px: options.tiles.as_ref().map_or(1.0, |tiles| tiles.most_px),
+            maps: MapLayer::ALL.map(|layer| options.layers.get(layer).is_some()),
+            atmosphere: options.atmosphere,
+        }
+    }
+
+    /// What may be given up, the cheapest loss for the time it saves first: each rung gives up one thing more than the
+    /// one before. Rungs that would change nothing on this Earth are left out, so that each saves something.
+    ///
+    /// The order is that of the measured front of error against time, `docs/accuracy.md`.
+    pub fn ladder(self, has_tiles: bool, is_software: bool) -> Vec<Rung> {
+        let mut rungs = vec![Rung {
+            gives_up: GiveUp::Nothing,
+            quality: self,
+        }];
+        for gives_up in GiveUp::ORDER {
+            let filtered_once = is_software && gives_up == GiveUp::Anisotropy;
+            let without_tiles = !has_tiles && gives_up == GiveUp::Detail;
+            let last = rungs.last().map_or(self, |rung| rung.quality);
+            let quality = gives_up.apply(last, has_tiles);
+            if quality != last && !filtered_once && !without_tiles {
+                rungs.push(Rung { gives_up, quality });
+            }
+        }
+        rungs
+    }
+}
+
+/// A step of [`Quality::ladder`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rung {
+    /// What it gives up that the one above has.
+    pub gives_up: GiveUp,
+    /// What is left.
+    pub quality: Quality,
+}
+
+/// A thing that can be given up to draw faster.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GiveUp {
+    /// All is drawn.
+    Nothing,
+    /// Maps are filtered with two samples at grazing views.
+    Anisotropy,
+    /// Texels of tiles may cover twice as many pixels.
+    Detail,
+    /// Relief in the light: the normals.
+    Relief,
+    /// Smooth edges: one sample a pixel.
+    Samples,
+    /// A round limb: six cells a block edge, the paper's; with tiles as many as they need.
+    Roundness,
+    /// Lights of cities and the glint of the sea.
+    Lights,
+    /// Clouds.
+    Clouds,
+    /// The air.
+    Air,
+}
+
+impl GiveUp {
+    const ORDER: [Self; 8] = [
+        Self::Anisotropy,
+        Self::Detail,
+        Self::Relief,
+        Self::Samples,
+        Self::Roundness,
+        Self::Lights,
+        Self::Clouds,
+        Self::Air,
+    ];
+
+    fn apply(self, from: Quality, has_tiles: bool) -> Quality {
+        let coarsest = if has_tiles { TILED_SUBDIVISION } else { 6 };
+        let without = |layers: &[MapLayer]| {
+            let mut maps = from.maps;
+            for layer in layers {
+                maps[layer.index()] = false;
+            }
+            Quality { maps, ..from }
+        };
+        match self {
+            Self::Nothing => from,
+            Self::Anisotropy => Quality {
+                anisotropy: from.anisotropy.min(2),
+                ..from
+            },
+            Self::Detail => Quality {
+                texel_px: 2.0 * from.texel_px,
+                ..from
+            },
+            Self::Relief => without(&[MapLayer::Normals]),
+            Self::Samples => Quality { samples: 1, ..from },
+            Self::Roundness => Quality {
+                subdivision: from.subdivision.min(coarsest),
+                ..from
+            },
+            Self::Lights => without(&[MapLayer::NightLights, MapLayer::Water]),
+            Self::Clouds => without(&[MapLayer::Clouds]),
+            Self::Air => Quality {
+                atmosphere: Atmosphere::None,
+                ..from
+            },
+        }
+    }
+}
+
+impl fmt::Display for GiveUp {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Nothing => "nothing",
+            Self::Anisotropy => "anisotropy",
+            Self::Detail => "fine tiles",
+            Self::Relief => "relief",
+            Self::Samples => "smooth edges",
+            Self::Roundness => "round limb",
+            Self::Lights => "lights and glint",
+            Self::Clouds => "clouds",
+            Self::Air => "air",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn full() -> Quality {
+        Quality {
+            subdivision: 24,
+            anisotropy: 8,
+            samples: 4,
+            texel_px: 1.0,
+            maps: [true; MAP_LAYERS],
+            atmosphere: Atmosphere::Billboard,
+        }
+    }
+
+    #[test]
+    fn every_rung_gives_up_one_thing_more() {
+        let full = || Quality {
+            subdivision: 48,
+            ..full()
+        };
+        let ladder = full().ladder(true, false);
+        assert_eq!(ladder.len(), 1 + GiveUp::ORDER.len());
+        assert_eq!(ladder[0].quality, full());
+        for pair in ladder.windows(2) {
+            assert_eq!(
+                pair[1].gives_up.apply(pair[0].quality, true),
+                pair[1].quality,
+                "{}",
+                pair[1].gives_up
+            );
+            assert_ne!(pair[0].quality, pair[1].quality);
+        }
+        let last = ladder[ladder.len() - 1].quality;
+        assert_eq!((last.samples, last.subdivision), (1, TILED_SUBDIVISION));
+        assert_eq!(last.maps, [true, false, false, false, false]);
+    }
+
+    #[test]
+    fn what_changes_nothing_is_no_rung() {
+        let names = |rungs: Vec<Rung>| rungs.iter().map(|rung| rung.gives_up).collect::<Vec<_>>();
+        let software = names(full().ladder(false, true));
+        assert!(!software.contains(&GiveUp::Anisotropy) && !software.contains(&GiveUp::Detail));
+        let mut bare = Quality {
+            subdivision: 6,
+            anisotropy: 1,
+            samples: 1,
+            atmosphere: Atmosphere::None,
+            ..full()
+        };
+        bare.maps = [true, false, false, false, false];
+        assert_eq!(names(bare.ladder(false, false)), [GiveUp::Nothing]);
+    }
+}

@@ -1,0 +1,127 @@
+//! The lattice of a block on the GPU: eye-relative vertices, what is the same for a whole block, and indices.
+
+use crate::globe::{BLOCK_COUNT, Block, BlockGrid, BlockRow};
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec2, Vec3};
+use wgpu::util::DeviceExt;
+
+/// Per-block values, one instance a block.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct BlockInstance {
+    center_lon: Vec2,
+    center_lat: Vec2,
+    center_uv: Vec2,
+    block: u32,
+}
+
+const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float32x3];
+const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 4] =
+    wgpu::vertex_attr_array![1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Uint32];
+
+/// The vertex buffers of `shaders/earth.wgsl`.
+pub(super) const BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
+    Some(wgpu::VertexBufferLayout {
+        array_stride: size_of::<Vec3>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &VERTEX_ATTRIBUTES,
+    }),
+    Some(wgpu::VertexBufferLayout {
+        array_stride: size_of::<BlockInstance>() as u64,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes: &INSTANCE_ATTRIBUTES,
+    }),
+];
+
+/// Buffers for all blocks of a grid.
+pub(super) struct Lattice {
+    vertices: wgpu::Buffer,
+    instances: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    /// Ranges of the index buffer for north, middle and south blocks.
+    ranges: [std::ops::Range<u32>; 3],
+    vertices_per_block: u32,
+}
+
+impl Lattice {
+    pub fn new(device: &wgpu::Device, grid: &BlockGrid) -> Self {
+        let instances: Vec<BlockInstance> = Block::all()
+            .map(|block| {
+                let cos_sin = |angle: f64| Vec2::new(angle.cos() as f32, angle.sin() as f32);
+                BlockInstance {
+                    center_lon: cos_sin(block.center_lon_rad()),
+                    center_lat: cos_sin(block.center_lat_rad()),
+                    center_uv: block.center_uv().as_vec2(),
+                    block: block.index(),
+                }
+            })
+            .collect();
+        let instances = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("terrella blocks"),
+            contents: bytemuck::cast_slice(&instances),
+            usage: wgpu::BufferUsages::VERTEX,
+        });
+        let lists =
+            [BlockRow::North, BlockRow::Middle, BlockRow::South].map(|kind| grid.indices(kind));
+        let mut start = 0;
+        let ranges = [0, 1, 2].map(|kind: usize| {
+            let range = start..start + lists[kind].len() as u32;
+            start = range.end;
+            range
+        });
+        let mut list = lists.concat();
+        // Buffer sizes are multiples of four bytes.
+        list.resize(list.len().next_multiple_of(2), 0);
+        let indices = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("terrella block indices"),
+            contents: bytemuck::cast_slice(&list),
+            usage: wgpu::BufferUsages::INDEX,
+        });
+        let vertices_per_block = grid.vertices_per_block();
+        let vertices = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("terrella block vertices"),
+            size: (Self::most_vertices(grid) * size_of::<Vec3>()) as u64,
+            usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        Self {
+            vertices,
+            instances,
+            indices,
+            ranges,
+            vertices_per_block,
+        }
+    }
+
+    /// Vertices of all blocks together.
+    pub fn most_vertices(grid: &BlockGrid) -> usize {
+        (BLOCK_COUNT * grid.vertices_per_block()) as usize
+    }
+
+    /// Writes the vertices of the blocks that are drawn, eye-relative ITRF metres. Returns the bytes written.
+    pub fn write(&self, queue: &wgpu::Queue, vertices: &[Vec3]) -> u64 {
+        let bytes: &[u8] = bytemuck::cast_slice(vertices);
+        if !bytes.is_empty() {
+            queue.write_buffer(&self.vertices, 0, bytes);
+        }
+        bytes.len() as u64
+    }
+
+    /// Makes the buffers those of the pass.
+    pub fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_vertex_buffer(0, self.vertices.slice(..));
+        pass.set_vertex_buffer(1, self.instances.slice(..));
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
+    }
+
+    /// Draws a block whose vertices were written as the `place`th.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, place: u32, block: Block) {
+        let range = match block.kind() {
+            BlockRow::North => &self.ranges[0],
+            BlockRow::Middle => &self.ranges[1],
+            BlockRow::South => &self.ranges[2],
+        };
+        let base = (place * self.vertices_per_block) as i32;
+        pass.draw_indexed(range.clone(), base, block.index()..block.index() + 1);
+    }
+}
