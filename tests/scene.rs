@@ -162,6 +162,8 @@ const BAD: &[Bad] = &[
     ("[earth]\npack = \"maps\"\nshading = \"paper\"\nwater = true", 4, &["[earth] water = true:", "no glint"]),
     ("[output]\nwait_s = 5", 2, &["[output] wait_s = 5", "for imagery packs"]),
     ("[earth]\npack = \"maps\"\n[output]\nwait_s = 5000", 4, &["[output] wait_s = 5000:", "must be from 0 to 3600"]),
+    ("[quality]\ntarget_ms = 0", 2, &["[quality] target_ms = 0:", "must be from 1 to 1000 milliseconds"]),
+    ("[quality]\ntarget = 16", 2, &["[quality] target", "target_ms"]),
     // Not TOML.
     ("[time]\nspeed 60", 2, &["is not TOML", "`"]),
     ("[time]\nspeed = 60\nspeed = 70", 3, &["is not TOML", "duplicate", "`speed`"]),

@@ -14,10 +14,12 @@
 //! | `picture`, `still`, `stats`, `export`, `video/` | pictures, their numbers, films |
 //! | `destination` | files that are whole or not there |
 //! | `window`, `stage`, `surface`, `overlay`, `panel`, `controls`, `keys` | the window |
+//! | `cost` | what its frames cost, for the governor of quality |
 
 pub mod camera;
 pub mod clock;
 mod controls;
+mod cost;
 mod craft;
 mod destination;
 mod error;

@@ -3,9 +3,9 @@
 use super::controls::Controls;
 use super::flight::Moment;
 use super::keys::{Action, BINDINGS, MOUSE};
-use crate::FrameStats;
 use crate::frames::rfc3339;
 use crate::scene::CameraMode;
+use crate::{FrameStats, Governor};
 use egui::{Align2, Context, Grid, RichText, Slider, Ui, Vec2};
 
 /// What the panel shows beside the controls.
@@ -18,6 +18,8 @@ pub struct PanelData<'p> {
     pub stats: FrameStats,
     /// Whether the tiles of a pack are drawn.
     pub has_tiles: bool,
+    /// What governs the quality, if a frame time is to be held.
+    pub governor: Option<&'p Governor>,
     /// Milliseconds between frames, smoothed; `None` before there are two.
     pub interval_ms: Option<f64>,
     /// Milliseconds of this program's own work on a frame, smoothed.
@@ -90,6 +92,9 @@ fn panel(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut V
             for (name, value) in tile_rows(&data.stats) {
                 row(name, value);
             }
+        }
+        if let Some(governor) = data.governor {
+            row("quality", quality_text(governor));
         }
         row("adapter", data.adapter.to_owned());
     });
@@ -201,6 +206,14 @@ fn frame_text(interval_ms: Option<f64>, work_ms: f64) -> String {
             1000.0 / interval
         ),
         None => format!("{work_ms:.1} ms"),
+    }
+}
+
+fn quality_text(governor: &Governor) -> String {
+    let given_up: Vec<_> = governor.given_up().map(|what| what.to_string()).collect();
+    match given_up.is_empty() {
+        true => format!("full, held to {} ms", governor.target_ms()),
+        false => format!("without {}", given_up.join(", ")),
     }
 }
 

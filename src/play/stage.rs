@@ -1,6 +1,7 @@
 //! What stands behind the window: adapter, Earth, surface, panel.
 
 use super::controls::Controls;
+use super::cost::FrameCosts;
 use super::craft::CraftLayer;
 use super::destination::PendingFile;
 use super::error::PlayError;
@@ -13,7 +14,7 @@ use super::surface::WindowSurface;
 use super::window::WindowError;
 use crate::frames::rfc3339;
 use crate::gpu::{GpuContext, read_texture};
-use crate::{Earth, EyeView, FrameStats};
+use crate::{Earth, EyeView, FrameStats, Governor};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -39,9 +40,16 @@ pub struct Stage {
     adapter: String,
     satellite: Option<String>,
     has_tiles: bool,
+    governed: Option<Governed>,
     last: Option<(Moment, FrameStats)>,
     interval_ms: Option<f64>,
     work_ms: f64,
+}
+
+/// Quality that gives way to a frame time.
+struct Governed {
+    governor: Governor,
+    costs: FrameCosts,
 }
 
 /// What became of a frame.
@@ -97,6 +105,16 @@ impl Stage {
         options.color_format = surface.format();
         options.samples = surface.samples();
         let earth = Earth::new(&gpu.device, &gpu.queue, &options)?;
+        let governed = match flight.scene().quality {
+            Some(quality) => {
+                let ladder = earth.quality().ladder(earth.has_tiles(), gpu.is_software());
+                Some(Governed {
+                    governor: Governor::new(quality.target_ms, ladder),
+                    costs: FrameCosts::new(&gpu.device).map_err(WindowError::NoThread)?,
+                })
+            }
+            None => None,
+        };
         window.set_visible(true);
         let info = gpu.adapter.get_info();
         tracing::info!("window on {} ({})", info.name, info.backend);
@@ -111,6 +129,7 @@ impl Stage {
             adapter: format!("{} ({})", info.name, info.backend),
             satellite: flight.feed().map(|feed| feed.name().to_owned()),
             has_tiles: options.tiles.is_some(),
+            governed,
             last: None,
             interval_ms: None,
             work_ms: 0.0,
@@ -207,6 +226,7 @@ impl Stage {
             | CurrentSurfaceTexture::Validation => return (Shown::Not, Vec::new()),
         };
         let begin = Instant::now();
+        self.govern();
         let view = self.surface.view_of(&frame.texture);
         let mut encoder = self.encoder();
         let stats = self.draw_earth(moment, &mut encoder, &view);
@@ -218,9 +238,13 @@ impl Stage {
             &view,
             self.surface.size(),
         );
-        self.gpu
+        let submission = self
+            .gpu
             .queue
             .submit(panel.into_iter().chain([encoder.finish()]));
+        if let Some(governed) = &self.governed {
+            governed.costs.time(begin, submission);
+        }
         self.window.pre_present_notify();
         self.gpu.queue.present(frame);
         let work = begin.elapsed().as_secs_f64() * 1e3;
@@ -245,6 +269,37 @@ impl Stage {
         file.write_png(&read_texture(&self.gpu.device, &self.gpu.queue, &texture)?)?;
         tracing::info!("saved {}", path.display());
         Ok(path)
+    }
+
+    /// Gives up quality, or takes it back, as the last frames' costs ask for.
+    fn govern(&mut self) {
+        let Some(Governed { governor, costs }) = &mut self.governed else {
+            return;
+        };
+        // All that has come since counts; of several changes the last is made.
+        let change = costs
+            .completed_ms()
+            .filter_map(|cost_ms| governor.observe(cost_ms))
+            .last();
+        let Some(change) = change else { return };
+        let quality = governor.ladder()[change.rung].quality;
+        let given_up: Vec<_> = governor.given_up().map(|what| what.to_string()).collect();
+        tracing::info!(
+            "frames cost {:.1} ms, {:.1} ms are allowed; given up: {}",
+            change.cost_ms,
+            governor.target_ms(),
+            match given_up.is_empty() {
+                true => "nothing".to_owned(),
+                false => given_up.join(", "),
+            }
+        );
+        if let Err(error) = self.earth.set_quality(&self.gpu.queue, &quality) {
+            tracing::warn!("the quality stays as it is: {error}");
+            self.governed = None;
+        }
+        let samples = self.earth.quality().samples;
+        self.surface.set_samples(&self.gpu.device, samples);
+        self.craft.set_samples(samples);
     }
 
     fn encoder(&self) -> wgpu::CommandEncoder {
@@ -282,6 +337,7 @@ impl Stage {
             moment,
             stats,
             has_tiles: self.has_tiles,
+            governor: self.governed.as_ref().map(|governed| &governed.governor),
             interval_ms: self.interval_ms,
             work_ms: self.work_ms,
             adapter: &self.adapter,

@@ -62,6 +62,14 @@ impl WindowSurface {
         self.samples
     }
 
+    /// Draws from now on with `samples` a pixel, which must be 1 or what the surface was made with.
+    pub fn set_samples(&mut self, device: &wgpu::Device, samples: u32) {
+        if samples != self.samples {
+            self.samples = samples;
+            self.attachments = Attachments::new(device, self.size(), self.format, samples);
+        }
+    }
+
     /// Width and height, pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.config.width, self.config.height)

@@ -37,6 +37,9 @@ pub enum WindowError {
          one picture with `terrella frame`"
     )]
     NoDisplay(String),
+    /// The thread that times frames cannot be started.
+    #[error("frames cannot be timed: {0}; leave target_ms out of the scene's [quality]")]
+    NoThread(std::io::Error),
     /// The window's surface takes no 8-bit sRGB colour.
     #[error(
         "the window's surface offers no 8-bit sRGB colour, only {present:?}; choose another adapter with --adapter, or \

@@ -4,9 +4,9 @@ use super::error::SceneError;
 use super::field::{Field, Wanted, field, flag, in_range, span_of, written};
 use super::limits::*;
 use super::locate::Source;
-use super::raw::{RawCamera, RawEarth, RawOrbit, RawOutput, RawScene, RawTime};
+use super::raw::{RawCamera, RawEarth, RawOrbit, RawOutput, RawQuality, RawScene, RawTime};
 use super::{
-    Camera, CameraMode, CameraUp, EarthTable, Lines, Orbit, Output, PackTable, Scene,
+    Camera, CameraMode, CameraUp, EarthTable, Lines, Orbit, Output, PackTable, QualityTable, Scene,
     StorageChoice, Time,
 };
 use crate::air::Atmosphere;
@@ -24,6 +24,7 @@ pub(super) fn check(source: Source<'_>, raw: RawScene) -> Result<Scene, SceneErr
     let camera = raw.camera.unwrap_or_default();
     let earth = raw.earth.unwrap_or_default();
     let output = raw.output.unwrap_or_default();
+    let quality = raw.quality.unwrap_or_default();
 
     let mut lines = Lines::default();
     for (table, given) in [
@@ -32,6 +33,7 @@ pub(super) fn check(source: Source<'_>, raw: RawScene) -> Result<Scene, SceneErr
         ("camera", camera.given()),
         ("earth", earth.given()),
         ("output", output.given()),
+        ("quality", quality.given()),
     ] {
         for (key, span) in given {
             lines.insert(table, key, source.line(span.start));
@@ -50,6 +52,7 @@ pub(super) fn check(source: Source<'_>, raw: RawScene) -> Result<Scene, SceneErr
         },
         camera,
         output: source.output(&output, earth.pack.is_some())?,
+        quality: source.quality(&quality)?,
         earth,
         lines,
     })
@@ -372,6 +375,23 @@ impl Source<'_> {
             samples,
             wait_s,
         })
+    }
+}
+
+impl Source<'_> {
+    fn quality(&self, quality: &RawQuality) -> Result<Option<QualityTable>, SceneError> {
+        let target = field!(quality.target_ms);
+        if !target.is_given() {
+            return Ok(None);
+        }
+        // The default is not looked at where a value is given.
+        let target_ms = self.number(&target, *TARGET_MS.end(), TARGET_MS, |_| {
+            format!(
+                "must be from {} milliseconds (16.7 is 60 frames per second)",
+                span_of(&TARGET_MS)
+            )
+        })?;
+        Ok(Some(QualityTable { target_ms }))
     }
 }
 

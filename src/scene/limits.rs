@@ -39,6 +39,9 @@ pub const UPLOAD_MB: RangeInclusive<f64> = 0.01..=1e4;
 /// How long a picture that is kept waits for its tiles, seconds.
 pub const WAIT_S: RangeInclusive<f64> = 0.0..=3600.0;
 
+/// Most milliseconds that a frame may cost before quality is given up.
+pub const TARGET_MS: RangeInclusive<f64> = 1.0..=1000.0;
+
 /// Width and height of the picture, pixels: the largest texture side that desktop adapters promise.
 pub const SIDE_PX: RangeInclusive<i64> = 1..=16_384;
 /// Samples per pixel: the counts that every adapter can do.

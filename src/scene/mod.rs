@@ -39,6 +39,8 @@ pub struct Scene {
     pub earth: EarthTable,
     /// `[output]`
     pub output: Output,
+    /// `[quality]`; `None` draws everything however long it takes.
+    pub quality: Option<QualityTable>,
     /// Which keys the file gave, and where.
     lines: Lines,
 }
@@ -246,6 +248,13 @@ pub struct Output {
     pub samples: u32,
     /// How long a picture that is kept waits for the tiles of its pack, seconds.
     pub wait_s: f64,
+}
+
+/// `[quality]`: a frame time that the window holds by giving up quality. Pictures that are kept are drawn in full.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct QualityTable {
+    /// Most milliseconds that a frame may cost.
+    pub target_ms: f64,
 }
 
 impl Output {

@@ -91,6 +91,10 @@ table!(RawOutput {
     wait_s: f64 = "a number of seconds",
 });
 
+table!(RawQuality {
+    target_ms: f64 = "a number of milliseconds",
+});
+
 /// A scene file; a table that is left out is `None`.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -100,6 +104,7 @@ pub(super) struct RawScene {
     pub(super) camera: Option<RawCamera>,
     pub(super) earth: Option<RawEarth>,
     pub(super) output: Option<RawOutput>,
+    pub(super) quality: Option<RawQuality>,
 }
 
 /// Every table and key, in the order in which a scene is best written.
@@ -123,5 +128,9 @@ pub(super) const TABLES: &[Table] = &[
     Table {
         name: "output",
         keys: RawOutput::KEYS,
+    },
+    Table {
+        name: "quality",
+        keys: RawQuality::KEYS,
     },
 ];

@@ -117,6 +117,10 @@ impl Scene {
                 Some(_) => Ok(self.output.wait_s.to_string()),
                 None => Err("no pack: nothing to wait for"),
             },
+            ("quality", "target_ms") => match self.quality {
+                Some(quality) => Ok(quality.target_ms.to_string()),
+                None => Err("everything is drawn however long it takes"),
+            },
             // A test holds that no known key comes here.
             _ => Err("unknown to the summary"),
         }

@@ -11,7 +11,7 @@ use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::gpu::{FrameTargets, GpuContext};
 use terrella::imagery::tile::TileKey;
 use terrella::imagery::{EarthLayers, LayerImage};
-use terrella::{Earth, EarthOptions, EyeView, FrameStats, Sky};
+use terrella::{Earth, EarthOptions, EyeView, FrameStats, Quality, Sky};
 
 /// The device that all tests of a process draw with: a software adapter if there is one, for the same pictures
 /// everywhere, else the best. `TERRELLA_TEST_ADAPTER` names another.
@@ -70,6 +70,14 @@ impl Rig {
             targets: FrameTargets::new(&gpu.device, size, options.samples),
             size,
         }
+    }
+
+    /// Draws better or worse from now on, into textures that fit.
+    pub fn set_quality(&mut self, quality: &Quality) {
+        let gpu = gpu();
+        let changed = self.earth.set_quality(&gpu.queue, quality);
+        changed.expect("a sound quality");
+        self.targets = FrameTargets::new(&gpu.device, self.size, quality.samples);
     }
 
     pub fn aspect(&self) -> f64 {

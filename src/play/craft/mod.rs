@@ -143,6 +143,14 @@ impl CraftLayer {
         }
     }
 
+    /// Follows the pass to another sample count.
+    pub fn set_samples(&mut self, samples: u32) {
+        if samples != self.samples {
+            self.samples = samples;
+            self.drawable = None;
+        }
+    }
+
     /// Writes the moment's craft, if it has one, and counts it.
     pub fn prepare(&mut self, gpu: &GpuContext, moment: &Moment, stats: &mut FrameStats) {
         self.is_shown = moment.craft.is_some();
