@@ -74,6 +74,13 @@
 //! - **Live and kept pictures.** [`Earth::prepare`] never waits. [`Earth::prepare_complete`] waits up to a time-out and
 //!   answers what is missing. [`Earth::expect`] says where the eye will be soon.
 //!
+//! # Quality against time
+//!
+//! [`Quality`] is what can be changed while the Earth is drawn ([`Earth::set_quality`]); its ladder is the order in which
+//! things are given up, the cheapest loss for the time it saves first. [`Governor`] goes down and up the ladder by what
+//! frames cost: a state machine without a clock, with hysteresis. The window does so where a scene has
+//! `[quality] target_ms`; pictures that are kept are always drawn in full.
+//!
 //! # Precision
 //!
 //! Positions are f64 up to one subtraction, eye from vertex, on the CPU; the GPU gets small f32 offsets. Nothing on the

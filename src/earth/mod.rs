@@ -374,9 +374,12 @@ impl Earth {
         };
         let device = self.device.clone();
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let air = match quality.atmosphere {
-            Atmosphere::Billboard => Some(AirDrawable::new(&device, queue, format)?),
-            Atmosphere::None => None,
+        // The air's tables need not be uploaded again where its pipelines fit.
+        let fits = quality.samples == self.format.samples;
+        let air = match (quality.atmosphere, self.air.take().filter(|_| fits)) {
+            (Atmosphere::None, _) => None,
+            (Atmosphere::Billboard, Some(air)) => Some(air),
+            (Atmosphere::Billboard, None) => Some(AirDrawable::new(&device, queue, format)?),
         };
         let look = look(&device, self.shading, format, quality, air.as_ref());
         self.surface.set_look(&device, &grid, &look)?;

@@ -188,6 +188,8 @@ impl TileDriver {
         self.most_px = quality.texel_px;
         self.shown = quality.maps;
         self.shown[MapLayer::Day.index()] = true;
+        // What is chosen now does not depend on what was chosen before.
+        self.levels = [[NONE; BLOCK_COUNT as usize]; MAP_LAYERS];
     }
 
     /// The pools that the GPU must have.
