@@ -107,7 +107,7 @@ pub mod scene;
 
 pub use air::Atmosphere;
 pub use earth::{
-    DepthBuffer, Earth, EarthError, EarthOptions, EyeView, FrameStats, Sky, TILED_SUBDIVISION,
-    TileOptions, Viewport,
+    DepthBuffer, Earth, EarthError, EarthOptions, EyeView, FrameStats, Sky, SurfaceOutput,
+    TILED_SUBDIVISION, TileOptions, Viewport,
 };
 pub use globe::{Figure, LevelRule, Shading, Visibility};

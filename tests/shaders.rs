@@ -41,6 +41,7 @@ fn every_variant_compiles() {
             "air",
             "encode",
             "decode",
+            "places",
         ],
     );
     all.extend(variants(

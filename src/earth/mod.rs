@@ -15,8 +15,8 @@ pub use crate::globe::Shading;
 use crate::globe::{
     BlockGrid, COLUMNS, Figure, SubdivisionError, Visibility, select_blocks, texels_per_pixel,
 };
-pub use crate::gpu::DepthBuffer;
 use crate::gpu::{AirDrawable, Frame, PassFormat, ShaderError, SurfaceDrawable, SurfaceParts};
+pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::stream::StreamCounters;
 use crate::imagery::tile::{LayerLayout, MapLayer, TileKey};
 use crate::imagery::{EarthLayers, ImageryError};
@@ -58,6 +58,8 @@ pub struct EarthOptions {
     /// What a white sheet that faces the Sun in space is drawn with; the target's white is 1. The paper's shading
     /// works in display values and is not touched by it, the air is.
     pub exposure: f32,
+    /// What is written to the target: the picture, or for measuring where each pixel looks.
+    pub output: SurfaceOutput,
 }
 
 impl EarthOptions {
@@ -76,6 +78,7 @@ impl EarthOptions {
             depth: DepthBuffer::ReversedZ(crate::gpu::FrameTargets::DEPTH),
             anisotropy: 8,
             exposure: 1.4,
+            output: SurfaceOutput::Color,
         }
     }
 }
@@ -240,14 +243,17 @@ impl Earth {
         let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let air = match options.atmosphere {
-            Atmosphere::Billboard => Some(AirDrawable::new(device, queue, format)?),
-            Atmosphere::None => None,
+        let air = match (options.atmosphere, options.output) {
+            (Atmosphere::Billboard, SurfaceOutput::Color) => {
+                Some(AirDrawable::new(device, queue, format)?)
+            }
+            (Atmosphere::None, _) | (_, SurfaceOutput::Places) => None,
         };
         let parts = SurfaceParts {
             layers,
             pools: tiles.as_ref().map(TileDriver::pools),
             shading: options.shading,
+            output: options.output,
             anisotropy: if software { 1 } else { options.anisotropy },
             format,
             sunlight: air

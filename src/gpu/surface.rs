@@ -2,7 +2,7 @@
 
 use super::maps::Maps;
 use super::tiles::{BlockTiles, PLACEMENTS_BYTES, TileTextures};
-use super::{Frame, GpuLayer, PassFormat, ShaderError, ShaderVariant};
+use super::{Frame, GpuLayer, PassFormat, ShaderError, ShaderVariant, SurfaceOutput};
 use crate::globe::{BLOCK_COUNT, Block, BlockGrid, BlockRow, Shading};
 use crate::imagery::EarthLayers;
 use crate::imagery::stream::{Pool, Upload};
@@ -58,6 +58,7 @@ pub(crate) struct SurfaceParts<'a> {
     /// Pools of tiles, if blocks are drawn with tiles.
     pub pools: Option<&'a [Pool]>,
     pub shading: Shading,
+    pub output: SurfaceOutput,
     pub anisotropy: u16,
     pub format: PassFormat,
     /// The air's sunlight table, if there is air and the shading uses it.
@@ -78,21 +79,13 @@ impl SurfaceDrawable {
             ..
         } = parts;
         let paper = *shading == Shading::Paper;
-        let variant = ShaderVariant::new(
-            super::EARTH_SHADER,
-            &[
-                ("paper", paper),
-                ("clouds", layers.clouds.is_some()),
-                ("normals", layers.normals.is_some()),
-                ("night_lights", layers.night_lights.is_some()),
-                // The paper's shading has no glint.
-                ("water", !paper && layers.water.is_some()),
-                ("tiles", parts.pools.is_some()),
-                ("air", parts.sunlight.is_some()),
-                ("encode", !paper && format.stores_display_values()),
-                ("decode", paper && !format.stores_display_values()),
-            ],
-        );
+        let variant = match parts.output {
+            SurfaceOutput::Color => color_variant(parts, paper),
+            SurfaceOutput::Places => ShaderVariant::new(
+                super::EARTH_SHADER,
+                &[("places", true), ("tiles", parts.pools.is_some())],
+            ),
+        };
         let module = variant.module(device)?;
         let frame = super::uniform_buffer::<Frame>(device, "terrella frame");
         let maps = Maps::upload(device, queue, layers, paper, parts.anisotropy);
@@ -328,6 +321,27 @@ impl SurfaceDrawable {
             pass.draw_indexed(range.clone(), base, block.index()..block.index() + 1);
         }
     }
+}
+
+/// The shader that draws pictures.
+fn color_variant(parts: &SurfaceParts<'_>, paper: bool) -> ShaderVariant {
+    let layers = parts.layers;
+    let stores_display_values = parts.format.stores_display_values();
+    ShaderVariant::new(
+        super::EARTH_SHADER,
+        &[
+            ("paper", paper),
+            ("clouds", layers.clouds.is_some()),
+            ("normals", layers.normals.is_some()),
+            ("night_lights", layers.night_lights.is_some()),
+            // The paper's shading has no glint.
+            ("water", !paper && layers.water.is_some()),
+            ("tiles", parts.pools.is_some()),
+            ("air", parts.sunlight.is_some()),
+            ("encode", !paper && stores_display_values),
+            ("decode", paper && !stores_display_values),
+        ],
+    )
 }
 
 /// Linear, clamped: for tables that end on texel centres.

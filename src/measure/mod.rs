@@ -7,9 +7,11 @@
 //! | `floor` | the least that a frame could cost |
 //! | [`reference`] | the true picture: ray casting in f64 on the processor |
 //! | [`numeric`] | formulas held against arbitrary precision, methods compared by error and cost |
+//! | [`errors`] | how wrong a picture is: colours, places, silhouette |
 //! | `quantiles`, `pareto`, `chart` | what is told of measurements |
 
 mod chart;
+pub mod errors;
 mod floor;
 pub mod numeric;
 mod pareto;
