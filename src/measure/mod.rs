@@ -8,6 +8,7 @@
 //! | [`reference`] | the true picture: ray casting in f64 on the processor |
 //! | [`numeric`] | formulas held against arbitrary precision, methods compared by error and cost |
 //! | [`errors`] | how wrong a picture is: colours, places, silhouette |
+//! | [`report`] | error against run time over a scene's settings: tables, charts, a page |
 //! | `quantiles`, `pareto`, `chart` | what is told of measurements |
 
 mod chart;
@@ -17,6 +18,7 @@ pub mod numeric;
 mod pareto;
 mod quantiles;
 pub mod reference;
+pub mod report;
 mod rig;
 mod stations;
 

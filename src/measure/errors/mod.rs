@@ -12,7 +12,7 @@ mod silhouette;
 
 pub use difference::Difference;
 pub use places::{Geolocation, Places, PlacesEarth, geolocation};
-pub use silhouette::{Silhouette, silhouette};
+pub use silhouette::{DrawPlaces, Silhouette, silhouette};
 
 use crate::EyeView;
 use glam::{DVec2, DVec3};

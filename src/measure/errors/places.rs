@@ -6,7 +6,7 @@ use crate::gpu::{Attachments, GpuContext, color_texture, read_floats};
 use crate::imagery::{EarthLayers, LayerImage};
 use crate::measure::reference::ground_point;
 use crate::play::PlayError;
-use crate::{Atmosphere, Earth, EarthError, EarthOptions, EyeView, Sky, SurfaceOutput};
+use crate::{Earth, EarthError, EarthOptions, EyeView, Figure, Sky, SurfaceOutput, Visibility};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -33,26 +33,30 @@ pub struct Places {
 }
 
 impl PlacesEarth {
-    /// Makes it with the figure, mesh and visibility rule of these options. One sample a pixel, its middle; no tiles.
+    /// Makes it with a figure, so many cells per block edge and a visibility rule. One sample a pixel, its middle.
     ///
     /// # Errors
     /// As [`Earth::new`].
-    pub fn new(gpu: &GpuContext, options: &EarthOptions) -> Result<Self, PlayError> {
+    pub fn new(
+        gpu: &GpuContext,
+        figure: Figure,
+        subdivision: u32,
+        visibility: Visibility,
+    ) -> Result<Self, PlayError> {
         let day = LayerImage::from_rgba8(1, 1, vec![0; 4]).map_err(EarthError::from)?;
         let options = EarthOptions {
+            figure,
+            subdivision,
+            visibility,
             output: SurfaceOutput::Places,
             color_format: SurfaceOutput::PLACES,
-            samples: 1,
-            tiles: None,
-            atmosphere: Atmosphere::None,
-            layers: EarthLayers {
+            ..EarthOptions::new(EarthLayers {
                 day,
                 clouds: None,
                 normals: None,
                 night_lights: None,
                 water: None,
-            },
-            ..options.clone()
+            })
         };
         Ok(Self {
             earth: Earth::new(&gpu.device, &gpu.queue, &options)?,

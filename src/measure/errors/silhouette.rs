@@ -22,6 +22,9 @@ pub struct Silhouette {
     pub in_view: bool,
 }
 
+/// Draws where the pixels of a view and size look.
+pub type DrawPlaces<'d> = dyn FnMut(&EyeView, (u32, u32)) -> Result<Places, PlayError> + 'd;
+
 /// Places of the limb that are tried; those in the picture are kept.
 const CANDIDATES: usize = 720;
 /// Most places that are looked at.
@@ -55,7 +58,7 @@ pub fn silhouette(
     view: &EyeView,
     figure: &Ellipsoid,
     size: (u32, u32),
-    draw: &mut dyn FnMut(&EyeView, (u32, u32)) -> Result<Places, PlayError>,
+    draw: &mut DrawPlaces<'_>,
 ) -> Result<Silhouette, PlayError> {
     let (eye_itrf_m, _) = view.to_itrf();
     let all = limb(eye_itrf_m, figure);
@@ -126,7 +129,7 @@ fn edge_above(
     point: &LimbPoint,
     eye_itrf_m: DVec3,
     size: (u32, u32),
-    draw: &mut dyn FnMut(&EyeView, (u32, u32)) -> Result<Places, PlayError>,
+    draw: &mut DrawPlaces<'_>,
 ) -> Result<f64, PlayError> {
     let (columns, rows) = STRIP;
     let aspect = f64::from(columns) / f64::from(rows);
