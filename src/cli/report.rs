@@ -16,12 +16,12 @@ pub struct ReportArgs {
     /// The folder to write to: index.html, tables, charts, pictures
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
-    /// Three heights, fewer values, smaller pictures: minutes instead of an hour
+    /// Three heights and fewer values: minutes instead of an hour
     #[arg(long)]
     quick: bool,
-    /// Width and height of the pictures in pixels [default: 640x360, with --quick 320x180]
-    #[arg(long, value_name = "WxH", value_parser = values::size)]
-    size: Option<(u32, u32)>,
+    /// Width and height of the pictures in pixels
+    #[arg(long, value_name = "WxH", value_parser = values::size, default_value = "640x360")]
+    size: (u32, u32),
     /// How often each frame is timed [default: 9, with --quick 5]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeats: Option<u32>,
@@ -42,10 +42,7 @@ pub fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
     let request = ReportRequest {
         folder: &args.output,
         quick: args.quick,
-        size: args.size.unwrap_or(match args.quick {
-            true => (320, 180),
-            false => (640, 360),
-        }),
+        size: args.size,
         repeats: pick(args.repeats, 9, 5),
         samples: pick(args.samples, 4, 2),
         heights_km: args.heights.clone(),

@@ -9,8 +9,9 @@
 //! | [`numeric`] | formulas held against arbitrary precision, methods compared by error and cost |
 //! | [`errors`] | how wrong a picture is: colours, places, silhouette |
 //! | [`report`] | error against run time over a scene's settings: tables, charts, a page |
-//! | `quantiles`, `pareto`, `chart` | what is told of measurements |
+//! | `quantiles`, `pareto`, `chart`, `axis` | what is told of measurements |
 
+mod axis;
 mod chart;
 pub mod errors;
 mod floor;

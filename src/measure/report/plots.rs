@@ -2,7 +2,7 @@
 
 use super::change::{Change, PARAMETERS};
 use super::{ReportError, Row, Study};
-use crate::measure::{Chart, ChartError, Point, Series, pareto_front};
+use crate::measure::{Chart, ChartError, Point, Series, Spread, pareto_front};
 
 /// A chart of the report.
 #[derive(Clone, Debug)]
@@ -25,6 +25,27 @@ struct Metric {
     axis: &'static str,
     of: fn(&Row) -> f64,
 }
+
+/// What an error is drawn against.
+struct Cost {
+    suffix: &'static str,
+    words: &'static str,
+    axis: &'static str,
+    of: fn(&Row) -> Spread,
+}
+
+const FRAME_TIME: Cost = Cost {
+    suffix: "",
+    words: "frame time",
+    axis: "frame, ms (quartiles as bars)",
+    of: |row| row.frame_ms,
+};
+const FLOOR_RATIO: Cost = Cost {
+    suffix: "_floor",
+    words: "frame over floor",
+    axis: "frame over floor (quartiles as bars)",
+    of: |row| row.floor_ratio,
+};
 
 /// What the strip across the limb can tell apart; smaller errors are drawn as this.
 const LIMB_RESOLUTION_PX: f64 = 1.0 / 128.0;
@@ -89,13 +110,17 @@ pub fn plots(study: &Study) -> Result<Vec<Plot>, ReportError> {
         push(&mut plots, name.into(), "height", words, true, &chart)?;
     }
     for parameter in PARAMETERS {
-        for (n, metric) in METRICS.iter().enumerate() {
-            let Some(chart) = sweep(study, parameter, metric) else {
+        for (metric, cost) in METRICS
+            .iter()
+            .flat_map(|m| [(m, FRAME_TIME), (m, FLOOR_RATIO)])
+        {
+            let Some(chart) = sweep(study, parameter, metric, &cost) else {
                 continue;
             };
-            let is_main = n == 0 || (parameter == "subdivision" && metric.name == "silhouette_px");
+            let is_limb = parameter == "subdivision" && metric.name == "silhouette_px";
+            let is_main = cost.suffix.is_empty() && (metric.name == "flip_mean" || is_limb);
             let words = format!("{}. Ringed: the Pareto front of each height.", chart.title);
-            let name = format!("{parameter}_{}", metric.name);
+            let name = format!("{parameter}_{}{}", metric.name, cost.suffix);
             push(&mut plots, name, parameter, words, is_main, &chart)?;
         }
     }
@@ -155,17 +180,19 @@ fn overview(study: &Study, height_km: f64, title: String) -> Chart {
             name: name.replace('_', " "),
             joined: false,
             points: of_it
-                .map(|(row, on_front)| point(row, row.flip_mean, *on_front, label_of(row)))
+                .map(|(row, on_front)| point(row.frame_ms, row.flip_mean, *on_front, label_of(row)))
                 .collect(),
         }
     });
+    let mut series: Vec<Series> = series.collect();
+    declutter(&mut series);
     Chart {
         title,
-        x_name: "frame, ms (quartiles as bars)".into(),
+        x_name: FRAME_TIME.axis.into(),
         y_name: "FLIP, mean".into(),
         x_log: true,
         y_log: true,
-        series: series.collect(),
+        series,
     }
 }
 
@@ -176,12 +203,45 @@ fn label_of(row: &Row) -> String {
     }
 }
 
-fn point(row: &Row, error: f64, on_front: bool, label: String) -> Point {
+fn point(cost: Spread, error: f64, on_front: bool, label: String) -> Point {
     Point {
-        x_spread: Some((row.frame_ms.low, row.frame_ms.high)),
+        x_spread: Some((cost.low, cost.high)),
         on_front,
         label,
-        ..Point::new(row.frame_ms.median, error)
+        ..Point::new(cost.median, error)
+    }
+}
+
+/// Room that a label takes of a logarithmic chart's width and height.
+const LABEL_ROOM: (f64, f64) = (0.05, 0.04);
+
+/// Takes labels away that would lie over another: those on a front stay first.
+fn declutter(series: &mut [Series]) {
+    let all = || series.iter().flat_map(|series| &series.points);
+    let span = |of: fn(&Point) -> f64| {
+        let values = all().map(of).filter(|value| *value > 0.0);
+        let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
+        (high / low).ln().max(0.5)
+    };
+    let (wide, tall) = (span(|p| p.x), span(|p| p.y));
+    let mut kept: Vec<(f64, f64)> = Vec::new();
+    for fronts in [true, false] {
+        for point in series.iter_mut().flat_map(|series| &mut series.points) {
+            if point.on_front != fronts {
+                continue;
+            }
+            let at = (point.x.ln() / wide, point.y.ln() / tall);
+            let is_free = kept.iter().all(|other| {
+                (at.0 - other.0).abs() > LABEL_ROOM.0 || (at.1 - other.1).abs() > LABEL_ROOM.1
+            });
+            if is_free {
+                kept.push(at);
+            } else {
+                point.label.clear();
+            }
+        }
     }
 }
 
@@ -236,7 +296,7 @@ fn by_height(study: &Study) -> Vec<(&'static str, Chart)> {
 }
 
 /// One error over one sweep, a line for each height; `None` where there is nothing to tell.
-fn sweep(study: &Study, parameter: &str, metric: &Metric) -> Option<Chart> {
+fn sweep(study: &Study, parameter: &str, metric: &Metric, cost: &Cost) -> Option<Chart> {
     let mut series = Vec::new();
     let mut changes = metric.name == "flip_mean";
     for height_km in &study.heights_km {
@@ -255,7 +315,7 @@ fn sweep(study: &Study, parameter: &str, metric: &Metric) -> Option<Chart> {
         let times: Vec<_> = rows
             .iter()
             .zip(&errors)
-            .map(|(row, error)| (row.frame_ms.median, *error))
+            .map(|(row, error)| ((cost.of)(row).median, *error))
             .collect();
         let front = pareto_front(&times);
         let points = rows.iter().zip(&errors).zip(front);
@@ -263,17 +323,21 @@ fn sweep(study: &Study, parameter: &str, metric: &Metric) -> Option<Chart> {
             name: format!("{height_km} km"),
             joined: true,
             points: points
-                .map(|((row, error), on_front)| point(row, *error, on_front, row.change.value()))
+                .map(|((row, error), on_front)| {
+                    point((cost.of)(row), *error, on_front, row.change.value())
+                })
                 .collect(),
         });
     }
+    declutter(&mut series);
     (changes && !series.is_empty()).then(|| Chart {
         title: format!(
-            "{}: {} against frame time",
+            "{}: {} against {}",
             parameter.replace('_', " "),
-            metric.axis.split(" (").next().unwrap_or_default()
+            metric.axis.split(" (").next().unwrap_or_default(),
+            cost.words
         ),
-        x_name: "frame, ms (quartiles as bars)".into(),
+        x_name: cost.axis.into(),
         y_name: metric.axis.into(),
         x_log: true,
         y_log: true,
