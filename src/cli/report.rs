@@ -25,7 +25,7 @@ pub struct ReportArgs {
     /// How often each frame is timed [default: 9, with --quick 5]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeats: Option<u32>,
-    /// The true pictures have N × N rays a pixel [default: 4, with --quick 2]
+    /// The true pictures have N × N rays a pixel [default: 4, with --quick 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
     samples: Option<u32>,
     /// Heights to look from in kilometres, instead of the usual ones: 400,36000
@@ -44,7 +44,7 @@ pub fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
         quick: args.quick,
         size: args.size,
         repeats: pick(args.repeats, 9, 5),
-        samples: pick(args.samples, 4, 2),
+        samples: pick(args.samples, 4, 3),
         heights_km: args.heights.clone(),
         adapter: common.adapter.as_deref(),
     };

@@ -276,7 +276,7 @@ fn by_height(study: &Study) -> Vec<(&'static str, Chart)> {
         series("rmse_linear", "RMSE, linear light"),
     ];
     let geometry = vec![
-        series("silhouette_px", "silhouette (1/128 and less as 1/128)"),
+        series("silhouette_px", "silhouette"),
         series("geolocation_px", "geolocation, largest"),
     ];
     vec![
