@@ -36,7 +36,7 @@ impl Effort {
     pub const PICTURE: Self = Self {
         sight: 4,
         to_sun: 5,
-        depths: (256, 192),
+        depths: (512, 192),
         higher: (64, 24),
         directions: (10, 8, 8),
     };
@@ -307,16 +307,21 @@ impl Air {
 /// Most nodes in a piece of a ray of sight.
 const MOST_NODES: usize = 16;
 
-/// Zenith cosines and weights of directions evenly round a place, sum 1. Those above and below the horizon stand apart:
-/// between them the light jumps.
+/// Zenith cosines and weights of directions evenly round a place, sum 1. Those above and below the horizon stand apart,
+/// both crowded towards it: there the light changes most, and jumps.
 fn directions<'g>(
     height: f64,
     up: &'g Gauss,
     down: &'g Gauss,
 ) -> impl Iterator<Item = (f64, f64)> + 'g {
     let horizon = horizon_cosine(height);
-    let all = up.on(horizon, 1.0).chain(down.on(-1.0, horizon));
-    all.map(|(cos, weight)| (cos, 0.5 * weight))
+    let side = move |rule: &'g Gauss, end: f64| {
+        rule.on(0.0, 1.0).map(move |(s, weight)| {
+            let reach = end - horizon;
+            (horizon + reach * s * s, reach.abs() * s * weight)
+        })
+    };
+    side(up, 1.0).chain(side(down, -1.0))
 }
 
 /// Rayleigh, 1/sr.
