@@ -50,7 +50,6 @@ pub(super) struct Air {
     pub top: f64,
     shells: Vec<f64>,
     sight: Gauss,
-    to_sun: Gauss,
     depths: Sheet,
     higher: Option<Sheet>,
 }
@@ -102,7 +101,6 @@ impl Air {
             top,
             shells,
             sight: Gauss::new(effort.sight),
-            to_sun,
             depths,
             higher: None,
         };
@@ -139,12 +137,13 @@ impl Air {
 
     /// Optical depth from a height, equatorial radii, at zenith cosine `mu` out of the air, by quadrature. The ground is
     /// not looked at.
-    pub fn depth_to_sun(&self, height: f64, mu: f64) -> DVec3 {
+    #[cfg(test)]
+    pub fn depth_to_sun(&self, height: f64, mu: f64, rule: &Gauss) -> DVec3 {
         depth(
             &Path::out_of_air(height, mu, self.top),
             &self.shells,
             self.model.radius_m,
-            &self.to_sun,
+            rule,
             |height| medium(&self.model, height).extinction,
         )
     }
