@@ -237,7 +237,7 @@ impl Air {
             for turn in 0..around {
                 // Both halves of the turn are alike.
                 let turn = PI * (turn as f64 + 0.5) / around as f64;
-                let Some(path) = self.from_height(height, cos, turn) else {
+                let Some(path) = self.way_from(height, cos, turn) else {
                     continue;
                 };
                 let sight = self.march(&path, Some(sun), |place, medium| {
@@ -260,7 +260,7 @@ impl Air {
     /// evenly scattered light that is scattered again (Hillaire 2020, eqs. 7 to 9).
     fn series(&self, height: f64, up: &Gauss, down: &Gauss) -> DVec3 {
         let again = directions(height, up, down).map(|(cos, weight)| {
-            let path = self.from_height(height, cos, 0.0);
+            let path = self.way_from(height, cos, 0.0);
             let sight = path.map(|path| self.march(&path, None, |_, m| m.molecules + m.aerosol));
             sight.map_or(DVec3::ZERO, |sight| sight.light * weight)
         });
@@ -268,7 +268,7 @@ impl Air {
     }
 
     /// The way from a height on the z axis at a zenith cosine and turned about the axis.
-    fn from_height(&self, height: f64, cos: f64, turn: f64) -> Option<Path> {
+    fn way_from(&self, height: f64, cos: f64, turn: f64) -> Option<Path> {
         let start = DVec3::new(0.0, 0.0, 1.0 + height);
         let flat = (1.0 - cos * cos).max(0.0).sqrt();
         let direction = DVec3::new(flat * turn.cos(), flat * turn.sin(), cos);

@@ -32,15 +32,19 @@ mod geometry;
 mod grid;
 mod light;
 mod maps;
+mod pack;
 mod path;
 mod picture;
 mod render;
 mod shading;
+mod still;
 
 pub use geometry::{ground_point, limb_angle_rad};
 pub use maps::{FullMap, FullMaps};
+pub use pack::MOST_MAP_BYTES;
 pub use picture::ReferencePicture;
 pub use render::MOST_TAPS;
+pub use still::{ReferenceRequest, ReferenceStats, StillError, write_reference_still};
 
 use crate::globe::Figure;
 use crate::imagery::{EarthLayers, ImageryError, TexelFormat};
