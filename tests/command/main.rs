@@ -7,6 +7,7 @@
 mod bad_input;
 mod packs;
 mod pictures;
+mod reference;
 mod usage;
 mod video;
 #[cfg(target_os = "linux")]

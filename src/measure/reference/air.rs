@@ -36,7 +36,7 @@ impl Effort {
     pub const PICTURE: Self = Self {
         sight: 4,
         to_sun: 5,
-        depths: (256, 192),
+        depths: (512, 192),
         higher: (64, 24),
         directions: (10, 8, 8),
     };
@@ -50,7 +50,6 @@ pub(super) struct Air {
     pub top: f64,
     shells: Vec<f64>,
     sight: Gauss,
-    to_sun: Gauss,
     depths: Sheet,
     higher: Option<Sheet>,
 }
@@ -102,7 +101,6 @@ impl Air {
             top,
             shells,
             sight: Gauss::new(effort.sight),
-            to_sun,
             depths,
             higher: None,
         };
@@ -139,12 +137,13 @@ impl Air {
 
     /// Optical depth from a height, equatorial radii, at zenith cosine `mu` out of the air, by quadrature. The ground is
     /// not looked at.
-    pub fn depth_to_sun(&self, height: f64, mu: f64) -> DVec3 {
+    #[cfg(test)]
+    pub fn depth_to_sun(&self, height: f64, mu: f64, rule: &Gauss) -> DVec3 {
         depth(
             &Path::out_of_air(height, mu, self.top),
             &self.shells,
             self.model.radius_m,
-            &self.to_sun,
+            rule,
             |height| medium(&self.model, height).extinction,
         )
     }
@@ -238,7 +237,7 @@ impl Air {
             for turn in 0..around {
                 // Both halves of the turn are alike.
                 let turn = PI * (turn as f64 + 0.5) / around as f64;
-                let Some(path) = self.from_height(height, cos, turn) else {
+                let Some(path) = self.way_from(height, cos, turn) else {
                     continue;
                 };
                 let sight = self.march(&path, Some(sun), |place, medium| {
@@ -261,7 +260,7 @@ impl Air {
     /// evenly scattered light that is scattered again (Hillaire 2020, eqs. 7 to 9).
     fn series(&self, height: f64, up: &Gauss, down: &Gauss) -> DVec3 {
         let again = directions(height, up, down).map(|(cos, weight)| {
-            let path = self.from_height(height, cos, 0.0);
+            let path = self.way_from(height, cos, 0.0);
             let sight = path.map(|path| self.march(&path, None, |_, m| m.molecules + m.aerosol));
             sight.map_or(DVec3::ZERO, |sight| sight.light * weight)
         });
@@ -269,7 +268,7 @@ impl Air {
     }
 
     /// The way from a height on the z axis at a zenith cosine and turned about the axis.
-    fn from_height(&self, height: f64, cos: f64, turn: f64) -> Option<Path> {
+    fn way_from(&self, height: f64, cos: f64, turn: f64) -> Option<Path> {
         let start = DVec3::new(0.0, 0.0, 1.0 + height);
         let flat = (1.0 - cos * cos).max(0.0).sqrt();
         let direction = DVec3::new(flat * turn.cos(), flat * turn.sin(), cos);
@@ -307,16 +306,21 @@ impl Air {
 /// Most nodes in a piece of a ray of sight.
 const MOST_NODES: usize = 16;
 
-/// Zenith cosines and weights of directions evenly round a place, sum 1. Those above and below the horizon stand apart:
-/// between them the light jumps.
+/// Zenith cosines and weights of directions evenly round a place, sum 1. Those above and below the horizon stand apart,
+/// both crowded towards it: there the light changes most, and jumps.
 fn directions<'g>(
     height: f64,
     up: &'g Gauss,
     down: &'g Gauss,
 ) -> impl Iterator<Item = (f64, f64)> + 'g {
     let horizon = horizon_cosine(height);
-    let all = up.on(horizon, 1.0).chain(down.on(-1.0, horizon));
-    all.map(|(cos, weight)| (cos, 0.5 * weight))
+    let side = move |rule: &'g Gauss, end: f64| {
+        rule.on(0.0, 1.0).map(move |(s, weight)| {
+            let reach = end - horizon;
+            (horizon + reach * s * s, reach.abs() * s * weight)
+        })
+    };
+    side(up, 1.0).chain(side(down, -1.0))
 }
 
 /// Rayleigh, 1/sr.

@@ -24,8 +24,8 @@ fn the_zenith_column_is_the_integral_of_the_densities() {
     let exact = model.molecules.extinction_per_m * exponential(model.molecules.scale_height_m)
         + model.aerosol.extinction_per_m * exponential(model.aerosol.scale_height_m)
         + model.ozone_absorption_per_m * model.ozone_half_width_m;
-    let found = air.depth_to_sun(0.0, 1.0);
-    assert!(apart(found, exact) < 1e-7, "{found} {exact}");
+    let found = air.depth_to_sun(0.0, 1.0, &Gauss::new(12));
+    assert!(apart(found, exact) < 1e-9, "{found} {exact}");
 }
 
 #[test]
@@ -49,15 +49,15 @@ fn the_horizontal_column_is_chapmans() {
     let chapman =
         (0.5 * std::f64::consts::PI * x).sqrt() * (1.0 + 3.0 / (8.0 * x) - 15.0 / (128.0 * x * x));
     let exact = model.molecules.extinction_per_m * (h * chapman);
-    let found = air.depth_to_sun(0.0, 0.0);
+    let found = air.depth_to_sun(0.0, 0.0, &Gauss::new(12));
     // The air ends at 100 km: e^−12.5 of it lies above.
     assert!(apart(found, exact) < 1e-5, "{found} {exact}");
 }
 
 #[test]
 fn the_table_of_depths_is_the_quadrature() {
-    let air = Air::earth();
-    let mut worst = 0.0_f64;
+    let (air, rule) = (Air::earth(), Gauss::new(12));
+    let (mut worst, mut worst_below) = (0.0_f64, 0.0_f64);
     for i in 0..60 {
         // Irrational steps: never on a node.
         let height_m = 100_000.0 * (f64::from(i) * 0.618_034).fract().powi(2);
@@ -66,16 +66,20 @@ fn the_table_of_depths_is_the_quadrature() {
         for j in 0..60 {
             let x = (f64::from(j) * 0.754_877 + 0.1).fract();
             let mu = horizon + (1.0 - horizon) * x * x;
-            let exact = air.depth_to_sun(height, mu);
+            let exact = air.depth_to_sun(height, mu, &rule);
             let through = |depth: DVec3| depth.to_array().map(|d| (-d).exp());
             let table = air.sunlight(height, mu).to_array();
             for (a, b) in table.into_iter().zip(through(exact)) {
                 worst = worst.max((a - b).abs());
+                if height_m < 30_000.0 {
+                    worst_below = worst_below.max((a - b).abs());
+                }
             }
         }
     }
-    println!("transmittance by table: off by {worst:.1e} at most");
-    assert!(worst < 2e-5, "{worst}");
+    println!("transmittance by table: off by {worst:.1e} at most, {worst_below:.1e} below 30 km");
+    // The worst is above nearly all air, where light grazes the ozone layer's kink.
+    assert!(worst < 1e-3 && worst_below < 2e-4, "{worst} {worst_below}");
 }
 
 /// Lines of sight of all kinds: down, along the limb at several heights, up from the ground, from inside the air; and
@@ -126,7 +130,7 @@ fn light_along_rays_converges() {
         before = worst;
         if count == Effort::PICTURE.sight {
             assert!(
-                worst < 1e-4 && worst_through < 1e-5,
+                worst < 1e-4 && worst_through < 3e-5,
                 "{worst} {worst_through}"
             );
         }
@@ -150,13 +154,18 @@ fn higher_orders_and_skylight_converge() {
         let height = 0.0157 * (f64::from(i) * 0.618_034).fract().powi(2);
         for j in 0..40 {
             let mu = 2.0 * (f64::from(j) * 0.754_877 + 0.1).fract() - 1.0;
-            let (a, b) = (air.higher(height, mu), fine.higher(height, mu));
+            // Counted by what is there to scatter it.
+            let air_m = (-height * EARTH_AIR.radius_m / 8_000.0).exp();
+            let (a, b) = (
+                air.higher(height, mu) * air_m,
+                fine.higher(height, mu) * air_m,
+            );
             worst = worst.max((a - b).abs().max_element());
             largest = largest.max(b.max_element());
         }
     }
     println!("higher orders: off by {worst:.1e} of {largest:.3}");
-    assert!(worst < 4e-3 * largest, "{worst} of {largest}");
+    assert!(worst < 1e-3 * largest, "{worst} of {largest}");
     let light = GroundLight::earth();
     let up = Gauss::new(40);
     for mu in [1.0, 0.6, 0.2, 0.03, -0.02, -0.08] {

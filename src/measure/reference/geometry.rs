@@ -30,18 +30,17 @@ pub fn ground_point(
 /// `eye_m` is the eye and `axis` a direction that meets the ellipsoid, both ITRF; `across` is turned at right angles to
 /// it. `None` for an eye inside, a zero vector, and where the limb is 90° away or more.
 ///
-/// The rays d that meet the ellipsoid fill the cone (e·d)² − (|e|² − 1)|d|² ≥ 0 of scaled space; in the plane of `axis`
-/// and `across` that is a quadratic equation for the angle's tangent.
+/// The rays d that meet the ellipsoid fill the cone |d|² − |e × d|² ≥ 0 of scaled space; in the plane of `axis` and
+/// `across` that is a quadratic equation for the angle's tangent.
 pub fn limb_angle_rad(figure: Ellipsoid, eye_m: DVec3, axis: DVec3, across: DVec3) -> Option<f64> {
     let scale = figure.itrf_from_scaled();
     let axis = axis.try_normalize()?;
     let across = across.reject_from_normalized(axis).try_normalize()?;
     let eye = eye_m / scale;
-    let above = (eye.length() - 1.0) * (eye.length() + 1.0);
     let (a, c) = (axis / scale, across / scale);
-    let form = |u: DVec3, v: DVec3| eye.dot(u) * eye.dot(v) - above * u.dot(v);
+    let form = |u: DVec3, v: DVec3| u.dot(v) - eye.cross(u).dot(eye.cross(v));
     let (constant, half, square) = (form(a, a), form(a, c), form(c, c));
-    if above <= 0.0 || constant < 0.0 || square >= 0.0 || eye.dot(a) >= 0.0 {
+    if eye.length() <= 1.0 || constant < 0.0 || square >= 0.0 || eye.dot(a) >= 0.0 {
         return None;
     }
     let root = (half * half - constant * square).sqrt();

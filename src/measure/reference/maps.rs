@@ -80,13 +80,6 @@ impl FullMaps {
         maps.map(|map| map.texels.len() as u64).sum()
     }
 
-    /// Names of the layers that there are.
-    pub fn names(&self) -> impl Iterator<Item = &'static str> {
-        let maps = MapLayer::ALL.into_iter().zip(&self.layers);
-        maps.filter(|(_, map)| map.is_some())
-            .map(|(layer, _)| layer.name())
-    }
-
     /// Checks formats and lengths, and that there is a day map.
     pub(super) fn check(&self) -> Result<(), ReferenceError> {
         for (layer, map) in MapLayer::ALL.into_iter().zip(&self.layers) {

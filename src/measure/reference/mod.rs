@@ -6,8 +6,8 @@
 //! - **Geometry.** Every ray meets the exact ellipsoid. Inside it no ground is seen, as from inside a one-sided mesh,
 //!   and the air is that over the ground above the eye. Near and far plane cut nothing off.
 //! - **Maps** are piecewise bilinear functions of their full-resolution texels, without mip levels. A pixel is its box
-//!   average: N × N rays, and where a ray's part of the pixel covers more than a texel, taps no farther apart than one, up
-//!   to [`MOST_TAPS`] a side. The whole light model is evaluated at each tap and its light averaged, not its inputs: the
+//!   average: N × N rays, and where a ray's part of the pixel covers more than half a texel, taps no farther apart than half a
+//!   texel, up to [`MOST_TAPS`] a side. The whole light model is evaluated at each tap and its light averaged, not its inputs: the
 //!   mean of what is there, not what is there in the mean.
 //! - **Light.** Sunlight and skylight at each tap, red, green and blue apart; the air once a ray.
 //! - **Air** by quadrature along each ray, in scaled space as the drawables' air is ([`crate::air`]). What is behind it
@@ -32,15 +32,19 @@ mod geometry;
 mod grid;
 mod light;
 mod maps;
+mod pack;
 mod path;
 mod picture;
 mod render;
 mod shading;
+mod still;
 
 pub use geometry::{ground_point, limb_angle_rad};
 pub use maps::{FullMap, FullMaps};
+pub use pack::MOST_MAP_BYTES;
 pub use picture::ReferencePicture;
 pub use render::MOST_TAPS;
+pub use still::{ReferenceRequest, ReferenceStats, StillError, write_reference_still};
 
 use crate::globe::Figure;
 use crate::imagery::{EarthLayers, ImageryError, TexelFormat};

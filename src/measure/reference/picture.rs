@@ -51,7 +51,7 @@ mod tests {
             linear,
             ground: vec![0.0; 256],
         };
-        for (code, pixel) in (0_u8..).zip(picture.to_rgba8().pixels()) {
+        for (code, pixel) in (0..=255_u8).zip(picture.to_rgba8().pixels()) {
             assert_eq!(pixel.0, [code, code, code, 255]);
         }
     }

@@ -8,7 +8,14 @@ use glam::DVec3;
 use std::f64::consts::PI;
 
 /// Most taps along each side of a ray's part of the pixel.
-pub const MOST_TAPS: u32 = 256;
+pub const MOST_TAPS: u32 = 512;
+
+/// Taps for each texel that a ray's part of the pixel is long: at one, a map of stripes of a texel would beat with them.
+const TAPS_PER_TEXEL: f64 = 2.0;
+
+/// Texels are counted as narrow as here where they are narrower, cosine of the latitude (84°): at the pole itself all
+/// columns of a map meet, and none of them means anything.
+const NARROWEST: f64 = 0.1;
 
 /// What a picture is made of.
 pub(super) struct Frame<'r> {
@@ -110,8 +117,8 @@ impl<'r> Frame<'r> {
     /// Mean light of the ground in a cell. `line` is the ray through its middle, which meets the ground at `distance`.
     ///
     /// The cell is divided into so many equal parts that the rays through their middles, the taps, are no farther apart
-    /// on the ground than a texel of the finest map, as far as [`MOST_TAPS`] allows. The spacing is that about the cell's
-    /// middle: in a cell that the limb runs through it is wider beyond.
+    /// on the ground than half a texel of the finest map, as far as [`MOST_TAPS`] allows. The spacing is that about the
+    /// cell's middle: in a cell that the limb runs through it is wider beyond.
     fn ground_light(&self, cell: &Cell, direction: DVec3, line: &Line, distance: f64) -> DVec3 {
         let point = line.point(distance);
         let (across, down) = self.taps(cell, direction, point, distance);
@@ -143,21 +150,21 @@ impl<'r> Frame<'r> {
         let up = point / self.scale;
         let length = up.length();
         let up = up / length;
-        // Radii of curvature over those of the sphere: v changes with latitude, u with longitude.
         let across = up.x.hypot(up.y).max(1e-9);
         let east = DVec3::new(-up.y, up.x, 0.0) / across;
         let north = up.cross(east);
         // Metres per unit of the unscaled ray.
         let reach = distance / (direction / self.scale).length();
         let facing = up.dot(direction).min(-1e-6 * direction.length());
+        // Both radii of curvature are at most 0.7 % larger.
         let radius = self.scale.z;
         let (per_lon, per_lat) = self.texels_per_rad;
         let count = |step: DVec3| {
             // The neighbour's ray on the tangent plane, for a step of the whole cell.
             let moved = (step - direction * (up.dot(step) / facing)) * (reach * cell.side);
-            let u = moved.dot(east).abs() / (radius * across) * per_lon;
+            let u = moved.dot(east).abs() / (radius * across.max(NARROWEST)) * per_lon;
             let v = moved.dot(north).abs() / radius * per_lat;
-            (u.max(v).ceil() as u32).clamp(1, MOST_TAPS)
+            ((TAPS_PER_TEXEL * u.max(v)).ceil() as u32).clamp(1, MOST_TAPS)
         };
         (count(self.rays.right), count(self.rays.down))
     }
