@@ -3,63 +3,52 @@
 use super::method::{Method, Sweep, Work};
 use super::oracle::Real;
 
-/// How far off a value is.
-#[derive(Clone, Copy)]
-pub enum Judge<I> {
-    /// |value − exact|/|exact|.
-    Relative(fn(&I) -> Real),
-    /// |value − exact| by a unit, in which errors are then told.
-    Absolute {
-        /// The unit's name.
-        unit: &'static str,
-        /// How many of them the value's own unit is.
-        per_unit: f64,
-        /// The exact value.
-        exact: fn(&I) -> Real,
-    },
-    /// As the function says, which knows the exact value or what it would take to make the value exact.
-    By {
-        /// The unit's name.
-        unit: &'static str,
-        /// Error of a value.
-        error: fn(&I, f64) -> f64,
-    },
+/// How far off an answer is.
+pub struct Judge<I, O = f64> {
+    unit: &'static str,
+    error: Box<dyn Fn(&I, &O) -> f64>,
 }
 
-impl<I> Judge<I> {
-    fn unit(&self) -> &'static str {
-        match self {
-            Self::Relative(_) => "relative",
-            Self::Absolute { unit, .. } | Self::By { unit, .. } => unit,
-        }
+impl<I: 'static> Judge<I> {
+    /// |value − exact|/|exact|.
+    pub fn relative(exact: fn(&I) -> Real) -> Self {
+        Self::by("relative", move |input, value| {
+            exact(input).relative_error(*value)
+        })
     }
 
-    fn error(&self, input: &I, value: f64) -> f64 {
-        match self {
-            Self::Relative(exact) => exact(input).relative_error(value),
-            Self::Absolute {
-                per_unit, exact, ..
-            } => exact(input).absolute_error(value) * per_unit,
-            Self::By { error, .. } => error(input, value),
+    /// |value − exact|.
+    pub fn absolute(unit: &'static str, exact: fn(&I) -> Real) -> Self {
+        Self::by(unit, move |input, value| {
+            exact(input).absolute_error(*value)
+        })
+    }
+}
+
+impl<I, O> Judge<I, O> {
+    /// As a function says, which knows the exact answer or what it would take to make the answer exact.
+    pub fn by(unit: &'static str, error: impl Fn(&I, &O) -> f64 + 'static) -> Self {
+        Self {
+            unit,
+            error: Box::new(error),
         }
     }
 }
 
 /// One way to write a formula.
-#[derive(Clone, Copy)]
-pub struct Form<I> {
+pub struct Form<I, O = f64> {
     /// What it is called: `as printed: L − R²/L`.
     pub name: &'static str,
     /// The largest error that it must keep over the whole range; `None` for a form that is there to be compared with.
     pub bound: Option<f64>,
-    /// Its value.
-    pub value: fn(&I) -> f64,
+    /// Its answer.
+    pub value: fn(&I) -> O,
 }
 
 /// A formula with its forms, the range that it is needed in, and what is exact.
 ///
-/// `I` is what a form computes from, bits and all: the oracle starts from the same floats.
-pub struct Formula<I> {
+/// `I` is what a form computes from, bits and all: the oracle starts from the same floats. `O` is what it answers.
+pub struct Formula<I, O = f64> {
     /// What is computed.
     pub name: &'static str,
     /// The range in words.
@@ -71,9 +60,9 @@ pub struct Formula<I> {
     /// The cases that a value stands for. The error at the value is the worst of them.
     pub inputs: fn(f64) -> Vec<I>,
     /// What an error is.
-    pub judge: Judge<I>,
+    pub judge: Judge<I, O>,
     /// The forms; the first is the printed or obvious one.
-    pub forms: Vec<Form<I>>,
+    pub forms: Vec<Form<I, O>>,
 }
 
 /// How one form of a formula stands up to the oracle.
@@ -160,18 +149,18 @@ fn worst_of(errors: impl Iterator<Item = f64>) -> f64 {
         .fold(0.0, f64::max)
 }
 
-impl<I> Formula<I> {
-    fn error_of(&self, form: &Form<I>, at: f64) -> f64 {
+impl<I, O> Formula<I, O> {
+    fn error_of(&self, form: &Form<I, O>, at: f64) -> f64 {
         let inputs = (self.inputs)(at);
         worst_of(
             inputs
                 .iter()
-                .map(|input| self.judge.error(input, (form.value)(input))),
+                .map(|input| (self.judge.error)(input, &(form.value)(input))),
         )
     }
 }
 
-impl<I> AnyFormula for Formula<I> {
+impl<I, O> AnyFormula for Formula<I, O> {
     fn rows(&self) -> Vec<StabilityRow> {
         let bound = self
             .forms
@@ -200,7 +189,7 @@ impl<I> AnyFormula for Formula<I> {
                     range_holds: longest_run(&errors, bound),
                     bound,
                     is_stable: form.bound.is_some(),
-                    unit: self.judge.unit(),
+                    unit: self.judge.unit,
                     worst,
                     at,
                 }
@@ -220,13 +209,13 @@ fn longest_run(errors: &[(f64, f64)], bound: f64) -> Option<(f64, f64)> {
 /// Calls in one timed run.
 const CALLS: usize = 512;
 
-impl<I> Method for Formula<I> {
+impl<I, O> Method for Formula<I, O> {
     fn name(&self) -> &str {
         self.name
     }
 
     fn error_unit(&self) -> &str {
-        self.judge.unit()
+        self.judge.unit
     }
 
     fn variants(&self) -> Vec<String> {
@@ -277,7 +266,7 @@ mod tests {
             parameter: "x",
             values: (0..=16).map(|k| 10f64.powi(k)).collect(),
             inputs: |x| vec![x],
-            judge: Judge::Relative(|x| {
+            judge: Judge::relative(|x| {
                 let x = Real::from(*x);
                 (&x + Real::from(1.0)).sqrt() - x.sqrt()
             }),
