@@ -1,4 +1,11 @@
 //! The extremes: formulas at the ends of their ranges, held against arbitrary precision, and pictures that nobody
 //! would ask for.
 
+#[path = "../common/mod.rs"]
+mod common;
 mod formulas;
+mod horizon;
+mod levels;
+mod projection;
+mod shader;
+mod time;

@@ -123,7 +123,7 @@ impl StabilityRow {
             None => "holds nowhere".into(),
         };
         format!(
-            "{}, {}: {holds} of {}; worst {:.2e} at {} = {:.3e}, bound {:.0e} ({})",
+            "{}, {}: {holds} of {}; worst {:.2e} at {} = {:.3e}, bound {:.1e} ({})",
             self.formula,
             self.form,
             self.range,

@@ -332,7 +332,7 @@ pub(super) fn formulas() -> Vec<Box<dyn AnyFormula>> {
             values: degrees(),
             inputs: pixels_at_the_seam,
             judge: across(),
-            forms: forms(2.0),
+            forms: forms(1.0),
         }),
         Box::new(Formula {
             name: "normal at the poles",
