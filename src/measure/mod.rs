@@ -4,6 +4,8 @@
 //! |---|---|
 //! | [`reference`] | the true picture: ray casting in f64 on the processor |
 //! | [`numeric`] | formulas held against arbitrary precision, methods compared by error and cost |
+//! | [`extreme`] | pictures that nobody would ask for, and what they must show |
 
+pub mod extreme;
 pub mod numeric;
 pub mod reference;

@@ -6,6 +6,7 @@ mod common;
 mod formulas;
 mod horizon;
 mod levels;
+mod pictures;
 mod projection;
 mod shader;
 mod time;
