@@ -1,7 +1,7 @@
 //! Every extreme picture is a defined one.
 
 use crate::common::{gpu, plain};
-use terrella::measure::extreme::{cases, draw, run};
+use terrella::measure::extreme::{cases, run};
 
 #[test]
 fn every_extreme_case_gives_a_defined_picture_or_a_clear_error() {

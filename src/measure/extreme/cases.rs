@@ -150,7 +150,7 @@ fn near_the_ground() -> Vec<ExtremeCase> {
         ),
         case(
             "eye 1 m above the ground, level",
-            "day sky above, ground below",
+            "day sky above, ground below, a dark line between: the mesh ends 0.5° short of the horizon",
             ALL,
             over(1.0, level, 60.0),
         ),
@@ -405,11 +405,19 @@ fn suns() -> Vec<ExtremeCase> {
         .sun(TOWARDS),
         case(
             "Sun exactly behind the Earth",
-            "a ring of lit air",
-            Lit::Share(0.005, 0.1),
+            "black: the limb's air stands in the shadow, the Sun 19° below its horizon",
+            Lit::Nothing,
             view,
         )
         .sun(-TOWARDS),
+        case(
+            "Sun exactly behind the Earth at 1e9 m",
+            "a ring of lit air about a black disc",
+            Lit::Share(0.005, 0.1),
+            centred(TOWARDS * 1e9, 0.8),
+        )
+        .sun(-TOWARDS)
+        .sides(Side::Pixels(256), Side::Pixels(256)),
         case(
             "Sun exactly behind the Earth, no air",
             "the night side: black",
@@ -441,22 +449,22 @@ fn suns() -> Vec<ExtremeCase> {
         .sun(DVec3::Z),
         case(
             "no Sun: a direction of length 0",
-            "a defined picture",
-            Lit::Share(0.0, 1.0),
+            "nothing: there is no day and no night",
+            Lit::Nothing,
             view,
         )
         .sun(DVec3::ZERO),
         case(
             "a Sun of length 1e30",
-            "a defined picture",
-            Lit::Share(0.0, 1.0),
+            "the full disc, as with a Sun of length 1",
+            Lit::Share(0.2, 0.35),
             view,
         )
         .sun(TOWARDS * 1e30),
         case(
             "a Sun of length 1e300",
-            "a defined picture",
-            Lit::Share(0.0, 1.0),
+            "the full disc, as with a Sun of length 1",
+            Lit::Share(0.2, 0.35),
             view,
         )
         .sun(TOWARDS * 1e300),
