@@ -5,6 +5,8 @@
 //! 8-bit target would hide.
 
 mod cases;
+mod places;
+mod settings;
 
 pub use cases::{ExtremeCase, Lit, Side, cases};
 
