@@ -7,6 +7,7 @@
 //! | `floor` | the least that a frame could cost |
 //! | [`reference`] | the true picture: ray casting in f64 on the processor |
 //! | [`numeric`] | formulas held against arbitrary precision, methods compared by error and cost |
+//! | [`extreme`] | pictures that nobody would ask for, and what they must show |
 //! | [`errors`] | how wrong a picture is: colours, places, silhouette |
 //! | [`report`] | error against run time over a scene's settings: tables, charts, a page |
 //! | `quantiles`, `pareto`, `chart`, `axis` | what is told of measurements |
@@ -14,6 +15,7 @@
 mod axis;
 mod chart;
 pub mod errors;
+pub mod extreme;
 mod floor;
 pub mod numeric;
 mod pareto;

@@ -1,0 +1,12 @@
+//! The extremes: formulas at the ends of their ranges, held against arbitrary precision, and pictures that nobody
+//! would ask for.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod formulas;
+mod horizon;
+mod levels;
+mod pictures;
+mod projection;
+mod shader;
+mod time;
