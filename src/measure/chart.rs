@@ -1,7 +1,9 @@
 //! Charts of measurements as SVG: linear or logarithmic axes, error bars, the Pareto front ringed.
 
 use super::axis::Axis;
+use plotters::coord::ranged1d::Ranged;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::fmt::Debug;
 
 /// A value on a chart with its spread, for both axes.
@@ -159,7 +161,7 @@ impl Chart {
             .margin(14)
             .x_label_area_size(46)
             .y_label_area_size(72)
-            .build_cartesian_2d(x, y)
+            .build_cartesian_2d(x.clone(), y)
             .map_err(words)?;
         chart
             .configure_mesh()
@@ -197,8 +199,14 @@ impl Chart {
             let labels = points.iter().filter(|p| !p.label.is_empty());
             chart
                 .draw_series(labels.map(|p| {
+                    // Words beside a point at the right edge stand on its left.
+                    let (side, offset) = match x.map(&p.x, (0, 100)) > 80 {
+                        true => (HPos::Right, -7),
+                        false => (HPos::Left, 7),
+                    };
                     let style = ("sans-serif", 12).into_font().color(&color);
-                    EmptyElement::at((p.x, p.y)) + Text::new(p.label.clone(), (7, -13), style)
+                    let style = style.pos(Pos::new(side, VPos::Top));
+                    EmptyElement::at((p.x, p.y)) + Text::new(p.label.clone(), (offset, -13), style)
                 }))
                 .map_err(words)?;
             if n < COLORS.len() {

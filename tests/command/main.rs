@@ -8,6 +8,7 @@ mod bad_input;
 mod packs;
 mod pictures;
 mod reference;
+mod report;
 mod usage;
 mod video;
 #[cfg(target_os = "linux")]

@@ -42,6 +42,7 @@ mod still;
 pub use geometry::{ground_point, limb_angle_rad};
 pub use maps::{FullMap, FullMaps};
 pub use pack::MOST_MAP_BYTES;
+pub(super) use pack::whole_maps;
 pub use picture::ReferencePicture;
 pub use render::MOST_TAPS;
 pub use still::{ReferenceRequest, ReferenceStats, StillError, write_reference_still};

@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub const MOST_MAP_BYTES: u64 = 1 << 30;
 
 /// Maps of a pack, and where they are coarser than the pack is.
-pub(super) struct PackMaps {
+pub(in crate::measure) struct PackMaps {
     pub maps: FullMaps,
     /// Names of the layers of which a finer level did not fit, and the width of what was taken, texels.
     pub coarser: Vec<(&'static str, u32)>,
@@ -25,7 +25,7 @@ pub(super) struct PackMaps {
 ///
 /// # Errors
 /// A tile that cannot be read: a true picture has no stand-ins. [`StillError::Interrupted`] after `cancelled`.
-pub(super) fn whole_maps(
+pub(in crate::measure) fn whole_maps(
     source: &dyn TileSource,
     limit: u64,
     cancelled: &(dyn Fn() -> bool + Sync),

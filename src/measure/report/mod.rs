@@ -8,10 +8,12 @@
 //! | `change.rs` | what is swept |
 //! | `run.rs` | drawing, timing and comparing |
 //! | `rows.rs` | what is found, as tables |
+//! | `numbers.rs` | formulas, methods and extreme views, which need no scene |
 //! | `plots.rs` | as charts |
 //! | `page.rs`, `words.rs` | as a page |
 
 mod change;
+mod numbers;
 mod page;
 mod plots;
 mod rows;
@@ -19,11 +21,12 @@ mod run;
 mod words;
 
 pub use change::{Change, Plan, Unavailable};
+pub use numbers::{Numbers, method_plots};
 pub use plots::{Plot, plots};
 pub use rows::{CSV_HEADER, GEOLOCATION_MOST_PX, Row, SILHOUETTE_MOST_PX, csv, spread_csv};
 
 use crate::measure::ChartError;
-use crate::measure::reference::ReferenceError;
+use crate::measure::reference::{ReferenceError, StillError};
 use crate::play::{Flight, OutputError, PendingFile, PlayError, Progress};
 use std::path::{Path, PathBuf};
 
@@ -56,6 +59,9 @@ pub enum ReportError {
     /// The true picture.
     #[error(transparent)]
     Reference(#[from] ReferenceError),
+    /// The maps of the true picture, from a pack.
+    #[error(transparent)]
+    Maps(#[from] StillError),
     /// Writing.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -101,8 +107,12 @@ pub struct Study {
     pub wanted: usize,
     /// What could not be swept here.
     pub unavailable: Vec<Unavailable>,
+    /// What the reader must know besides, a sentence each.
+    pub notes: Vec<String>,
     /// Heights of which the folder `pictures` holds the view, the true picture and their difference.
     pub pictured_km: Vec<f64>,
+    /// What needs no scene.
+    pub numbers: Numbers,
 }
 
 impl Study {
@@ -157,15 +167,15 @@ pub fn report(
     let folder = Folder::open(request.folder)?;
     let study = run::run(flight, request, &folder, progress, tell)?;
     folder.write_tables(&study)?;
-    if !study.rows.is_empty() {
-        let plots = plots(&study)?;
-        for plot in &plots {
-            folder.write(&format!("plots/{}.svg", plot.name), plot.svg.as_bytes())?;
-        }
-        folder.write("index.html", page::page(&study, &plots).as_bytes())?;
-    } else {
-        folder.write("index.html", page::page(&study, &[]).as_bytes())?;
+    let numbers = &study.numbers;
+    folder.write("methods.csv", numbers.methods_csv().as_bytes())?;
+    folder.write("stability.csv", numbers.stability_csv().as_bytes())?;
+    let mut plots = plots(&study)?;
+    plots.extend(method_plots(&numbers.measurements)?);
+    for plot in &plots {
+        folder.write(&format!("plots/{}.svg", plot.name), plot.svg.as_bytes())?;
     }
+    folder.write("index.html", page::page(&study, &plots).as_bytes())?;
     if !study.is_complete() {
         tell(&study.summary());
         return Err(ReportError::Interrupted {

@@ -1,11 +1,11 @@
 //! What is found, as one page that needs nothing from elsewhere but the pictures beside it.
 
-use super::Study;
 use super::change::PARAMETERS;
 use super::plots::Plot;
 use super::rows::{GEOLOCATION_MOST_PX, Row, SILHOUETTE_MOST_PX, number};
 use super::run::picture_name;
 use super::words::{escaped, verdict};
+use super::{Study, numbers};
 use crate::measure::Spread;
 use std::fmt::Write;
 
@@ -42,11 +42,15 @@ pub(super) fn page(study: &Study, plots: &[Plot]) -> String {
              complete in itself.</p>"
         );
     }
+    for note in &study.notes {
+        let _ = writeln!(out, "<p>{}</p>", escaped(note));
+    }
     verdict_table(&mut out, study);
     pictures(&mut out, study);
     charts(&mut out, study, plots);
     subdivision_table(&mut out, study);
     sweeps(&mut out, study, plots);
+    numbers::section(&mut out, study, plots, chart);
     definitions(&mut out);
     out.push_str("</body>\n</html>\n");
     out
@@ -178,7 +182,7 @@ fn charts(out: &mut String, study: &Study, plots: &[Plot]) {
          are quartiles of the frame time. A ring marks the Pareto front: nothing else on the chart, or in its line, is \
          both faster and better.</p>\n<div class=\"charts\">\n",
     );
-    for plot in plots.iter().filter(|plot| plot.is_main) {
+    for plot in plots.iter().filter(|p| p.is_main && p.about != "methods") {
         chart(out, plot);
     }
     out.push_str("</div>\n");

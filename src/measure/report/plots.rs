@@ -9,7 +9,7 @@ use crate::measure::{Chart, ChartError, Point, Series, Spread, pareto_front};
 pub struct Plot {
     /// The file's name without its extension.
     pub name: String,
-    /// What it is about: `overview`, `height`, or a parameter's name.
+    /// What it is about: `overview`, `height`, `methods`, or a parameter's name.
     pub about: &'static str,
     /// What is seen in it, for those who do not see it.
     pub words: String,
@@ -127,7 +127,7 @@ pub fn plots(study: &Study) -> Result<Vec<Plot>, ReportError> {
     Ok(plots)
 }
 
-fn push(
+pub(super) fn push(
     plots: &mut Vec<Plot>,
     name: String,
     about: &'static str,

@@ -1,6 +1,7 @@
 //! Drawing, timing and comparing.
 
 use super::change::{Change, Plan};
+use super::numbers::Numbers;
 use super::rows::Row;
 use super::{Folder, ReportError, ReportRequest, Study};
 use crate::frames::Ellipsoid;
@@ -8,7 +9,9 @@ use crate::gpu::GpuContext;
 use crate::measure::errors::{
     Difference, Geolocation, PlacesEarth, Silhouette, geolocation, silhouette,
 };
-use crate::measure::reference::{Reference, ReferenceOptions, ReferencePicture};
+use crate::measure::reference::{
+    FullMaps, Reference, ReferenceOptions, ReferencePicture, StillError, whole_maps,
+};
 use crate::measure::{GroundPath, Rig, Sample, Spread};
 use crate::play::{Flight, PlayError, Progress};
 use crate::{Atmosphere, EarthOptions, EyeView, Shading, Sky, Visibility};
@@ -20,6 +23,8 @@ use std::time::{Duration, Instant};
 const HEIGHTS_KM: std::ops::RangeInclusive<f64> = 1.0..=1e6;
 /// Places on the path that are tried for a Sun of [`SUN_ELEVATION_DEG`].
 const PARTS: usize = 360;
+/// Most bytes of maps put together of a pack's tiles, for each of at most three true Earths.
+const MAP_BYTES: u64 = 256 << 20;
 /// How high the Sun stands over the point below the eye: day and dusk are both in sight from far.
 const SUN_ELEVATION_DEG: f64 = 40.0;
 
@@ -71,7 +76,9 @@ pub(super) fn run(
         rows: Vec::new(),
         wanted: plan.changes.iter().map(wanted).sum(),
         unavailable: plan.unavailable.clone(),
+        notes: Vec::new(),
         pictured_km: Vec::new(),
+        numbers: Numbers::default(),
     };
     let mut bench = Bench {
         flight,
@@ -81,6 +88,7 @@ pub(super) fn run(
         progress,
         sky: Sky::at(flight.scene().time.start),
         references: Vec::new(),
+        notes: Vec::new(),
         truths: Vec::new(),
         geometry: Vec::new(),
     };
@@ -123,6 +131,10 @@ pub(super) fn run(
         folder.write_tables(&study)?;
     }
     progress.end();
+    study.notes = bench.notes;
+    if study.is_complete() {
+        study.numbers = Numbers::gather(&bench.gpu, request.repeats, progress)?;
+    }
     Ok(study)
 }
 
@@ -208,6 +220,7 @@ struct Bench<'r> {
     progress: &'r dyn Progress,
     sky: Sky,
     references: Vec<Reference>,
+    notes: Vec<String>,
     truths: Vec<(TrueKey, Arc<ReferencePicture>)>,
     geometry: Vec<(GeometryKey, (Silhouette, Geolocation))>,
 }
@@ -262,9 +275,10 @@ impl Bench<'_> {
         let index = match known {
             Some(index) => index,
             None => {
-                // The scene's maps: a setting with less is held against them too.
-                let reference = Reference::new(&self.options.layers, wanted)?;
-                self.references.push(reference);
+                let Some(maps) = self.true_maps()? else {
+                    return Ok(None);
+                };
+                self.references.push(Reference::with_maps(maps, wanted)?);
                 self.references.len() - 1
             }
         };
@@ -277,6 +291,29 @@ impl Bench<'_> {
             self.truths.push((key, picture.clone()));
             picture
         }))
+    }
+
+    /// The scene's maps, against which a setting with less is held too; `None` if reading them was stopped.
+    fn true_maps(&mut self) -> Result<Option<FullMaps>, ReportError> {
+        let Some(tiles) = &self.options.tiles else {
+            return Ok(Some(FullMaps::copied(&self.options.layers)?));
+        };
+        let stop = || self.progress.cancelled();
+        let found = match whole_maps(tiles.source.as_ref(), MAP_BYTES, &stop) {
+            Err(StillError::Interrupted) => return Ok(None),
+            found => found?,
+        };
+        if self.notes.is_empty() {
+            let coarser = found.coarser.iter();
+            self.notes.extend(coarser.map(|(layer, width)| {
+                format!(
+                    "The true pictures have the {layer} map {width} texels wide, less than the pack has: finer ones do not \
+                     fit into {} MiB.",
+                    MAP_BYTES >> 20
+                )
+            }));
+        }
+        Ok(Some(found.maps))
     }
 
     fn measure(
