@@ -40,7 +40,7 @@ impl Ranged for Axis {
             return named;
         }
         let between = match self.is_log {
-            true => of_digits(low, high, &[1, 2, 3, 4, 5, 6, 7, 8, 9]),
+            true => of_digits(low, high, &DIGITS),
             false => linear_ticks(low, high, 5 * most),
         };
         if between.len() <= hint.max_num_points() {
@@ -55,13 +55,15 @@ impl Ranged for Axis {
     }
 }
 
+const DIGITS: [i32; 9] = [1, 2, 3, 4, 5, 6, 7, 8, 9];
+
 /// At most `most` round numbers of a logarithmic axis: a span of less than a factor of three is as good as linear, then
-/// 1, 2 and 5 of each decade, then 1 and 3, then decades, then some of them.
+/// every digit of each decade, then 1, 2 and 5, then 1 and 3, then decades, then some of them.
 fn log_ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
     if high < 3.0 * low {
         return linear_ticks(low, high, most);
     }
-    for digits in [&[1, 2, 5][..], &[1, 3], &[1]] {
+    for digits in [&DIGITS[..], &[1, 2, 5], &[1, 3], &[1]] {
         let ticks = of_digits(low, high, digits);
         if (2..=most).contains(&ticks.len()) {
             return ticks;
@@ -111,6 +113,10 @@ mod tests {
                 "{ticks:?} instead of {expected:?}"
             );
         };
+        near(
+            log_ticks(0.015, 0.07, 8),
+            &[0.02, 0.03, 0.04, 0.05, 0.06, 0.07],
+        );
         near(log_ticks(0.004, 0.05, 8), &[0.005, 0.01, 0.02, 0.05]);
         near(
             log_ticks(0.9, 700.0, 8),

@@ -89,7 +89,7 @@ pub enum ReportError {
 /// What was measured, and with what.
 #[derive(Clone, Debug)]
 pub struct Study {
-    /// The scene's file.
+    /// Name of the scene's file.
     pub scene: String,
     /// The adapter's name and backend.
     pub adapter: String,

@@ -130,16 +130,17 @@ pub fn method_plots(measurements: &[Measurement]) -> Result<Vec<Plot>, ReportErr
             true,
             &over,
         )?;
-        let costs: Vec<_> = of_it.iter().map(|m| (m.cost.median, m.error)).collect();
-        let front = pareto_front(&costs);
+        let costs = costs(&of_it);
+        let points: Vec<_> = costs.iter().map(|c| (c.cost.median, c.error)).collect();
+        let front = pareto_front(&points);
         let is_on_front = |m: &Measurement| {
-            let place = of_it.iter().position(|other| std::ptr::eq(*other, m));
+            let place = costs.iter().position(|other| std::ptr::eq(other, m));
             place.is_some_and(|place| front[place])
         };
         let against = chart(
             format!("{method}: error against cost"),
             first.cost_unit.clone(),
-            variants(&of_it, false, |m| Point {
+            variants(&costs.iter().collect::<Vec<_>>(), false, |m| Point {
                 x_spread: Some((m.cost.lower, m.cost.upper)),
                 on_front: is_on_front(m),
                 ..Point::new(m.cost.median, m.error)
@@ -156,6 +157,32 @@ pub fn method_plots(measurements: &[Measurement]) -> Result<Vec<Plot>, ReportErr
         )?;
     }
     Ok(plots)
+}
+
+/// A cost that changes by less than this factor over a sweep is the same.
+const SAME_COST: f64 = 4.0;
+
+/// What errors are held against costs. Where the parameter trades one for the other, every measurement; where it says only
+/// how hard a case is, and costs are the same throughout, each variant's worst error.
+fn costs(measurements: &[&Measurement]) -> Vec<Measurement> {
+    let mut worst: Vec<Measurement> = Vec::new();
+    let mut is_trade = false;
+    for measurement in measurements {
+        let known = worst.iter_mut().find(|w| w.variant == measurement.variant);
+        let Some(known) = known else {
+            worst.push((*measurement).clone());
+            continue;
+        };
+        let (cost, other) = (measurement.cost.median, known.cost.median);
+        is_trade |= cost.max(other) > SAME_COST * cost.min(other);
+        if measurement.error > known.error || measurement.error.is_nan() {
+            *known = (*measurement).clone();
+        }
+    }
+    match is_trade {
+        true => measurements.iter().map(|m| (*m).clone()).collect(),
+        false => worst,
+    }
 }
 
 /// One series for each variant.
@@ -269,4 +296,49 @@ fn extremes(out: &mut String, outcomes: &[Outcome]) {
         );
     }
     out.push_str("</table></div></details>\n");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::numeric::Quartiles;
+
+    fn measurement(variant: &str, value: f64, error: f64, cost: f64) -> Measurement {
+        Measurement {
+            method: "m: n".into(),
+            variant: variant.into(),
+            parameter: "step_s",
+            value,
+            error,
+            error_unit: "m".into(),
+            cost: Quartiles {
+                lower: 0.9 * cost,
+                median: cost,
+                upper: 1.1 * cost,
+            },
+            cost_unit: "calls".into(),
+        }
+    }
+
+    #[test]
+    fn a_trade_is_told_from_a_hard_case() {
+        let trade = [
+            measurement("a", 1.0, 1e-3, 100.0),
+            measurement("a", 10.0, 1e-1, 10.0),
+            measurement("b", 1.0, 1e-6, 400.0),
+        ];
+        let hard = [
+            measurement("a", 1.0, 1e-3, 10.0),
+            measurement("a", 10.0, 1e-1, 12.0),
+            measurement("b", 1.0, 1e-6, 11.0),
+        ];
+        let of = |all: &[Measurement]| costs(&all.iter().collect::<Vec<_>>()).len();
+        assert_eq!((of(&trade), of(&hard)), (3, 2));
+        let worst = costs(&hard.iter().collect::<Vec<_>>());
+        assert_eq!((worst[0].error, worst[1].error), (1e-1, 1e-6));
+        let plots = method_plots(&trade).expect("draws");
+        let names: Vec<_> = plots.iter().map(|plot| plot.name.as_str()).collect();
+        assert_eq!(names, ["method_m__n_range", "method_m__n_cost"]);
+        assert!(plots[1].svg.contains("calls"));
+    }
 }

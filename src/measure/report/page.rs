@@ -4,7 +4,7 @@ use super::change::PARAMETERS;
 use super::plots::Plot;
 use super::rows::{GEOLOCATION_MOST_PX, Row, SILHOUETTE_MOST_PX, number};
 use super::run::picture_name;
-use super::words::{escaped, verdict};
+use super::words::{escaped, subdivision_advice, verdict};
 use super::{Study, numbers};
 use crate::measure::Spread;
 use std::fmt::Write;
@@ -79,7 +79,7 @@ fn verdict_table(out: &mut String, study: &Study) {
             digits(row.flip_mean, 3),
             digits(row.flip_p99, 3),
             digits(row.rmse_linear, 3),
-            marked(row.silhouette.max_px, SILHOUETTE_MOST_PX, 3),
+            marked_limb(row.silhouette.max_px),
             marked(row.geolocation.max_px, GEOLOCATION_MOST_PX, 2),
             digits(row.geolocation.median_m, 2),
             digits(row.geolocation.max_m, 2),
@@ -118,6 +118,14 @@ fn marked(value: f64, most: f64, significant: i32) -> String {
         "<span class=\"{class}\">{} {mark}</span>",
         digits(value, significant)
     )
+}
+
+/// A limb's error, which is told to 1/64 pixel.
+fn marked_limb(value: f64) -> String {
+    if value < 1.0 / 64.0 {
+        return "<span class=\"good\">&lt; 1/64 ✓</span>".into();
+    }
+    marked(value, SILHOUETTE_MOST_PX, 2)
 }
 
 fn pictures(out: &mut String, study: &Study) {
@@ -222,7 +230,7 @@ fn subdivision_table(out: &mut String, study: &Study) {
             let cell = row.zip(scene).map(|(row, scene)| {
                 format!(
                     "{} <span class=\"spread\">× {:.2}</span>",
-                    marked(row.silhouette.max_px, SILHOUETTE_MOST_PX, 2),
+                    marked_limb(row.silhouette.max_px),
                     row.floor_ratio.median / scene.floor_ratio.median
                 )
             });
@@ -231,6 +239,9 @@ fn subdivision_table(out: &mut String, study: &Study) {
         out.push_str("</tr>\n");
     }
     out.push_str("</table></div>\n");
+    if let Some(advice) = subdivision_advice(study) {
+        let _ = writeln!(out, "<p>{}</p>", escaped(&advice));
+    }
 }
 
 /// Each sweep with all its numbers and the charts that are not above.

@@ -67,7 +67,10 @@ pub(super) fn run(
     let wanted = |change: &Change| plan.heights_of(change, request.size).len();
     let info = gpu.adapter.get_info();
     let mut study = Study {
-        scene: flight.scene().path.display().to_string(),
+        scene: match flight.scene().path.file_name() {
+            Some(name) => name.to_string_lossy().into_owned(),
+            None => flight.scene().path.display().to_string(),
+        },
         adapter: format!("{} ({})", info.name, info.backend),
         size: request.size,
         repeats: request.repeats,

@@ -2,6 +2,7 @@
 
 use super::rows::number;
 use super::{GEOLOCATION_MOST_PX, SILHOUETTE_MOST_PX, Study};
+use crate::measure::Spread;
 use std::fmt::Write;
 
 /// The heights of the paper's Table 2 end here, kilometres.
@@ -26,6 +27,44 @@ pub(super) fn verdict(study: &Study) -> String {
         let _ = write!(text, " They miss that from {} km.", heights.join(", "));
     }
     text
+}
+
+/// The coarsest mesh that keeps the limb from every height, and what it costs.
+pub(super) fn subdivision_advice(study: &Study) -> Option<String> {
+    let heights: Vec<f64> = study.scene_rows().map(|row| row.height_km).collect();
+    let of = |value: &str| -> Option<Vec<(f64, f64)>> {
+        let at = heights.iter().map(|height_km| {
+            let row = study.row("subdivision", value, *height_km)?;
+            let scene = study.row("scene", "as it is", *height_km)?;
+            let times = row.floor_ratio.median / scene.floor_ratio.median;
+            Some((row.silhouette.max_px, times))
+        });
+        at.collect()
+    };
+    let values = study.values_of("subdivision");
+    let found = values.iter().find_map(|value| {
+        let found = of(value)?;
+        let keeps = found
+            .iter()
+            .all(|(limb_px, _)| *limb_px <= SILHOUETTE_MOST_PX);
+        (keeps && !found.is_empty()).then_some((value, found))
+    });
+    let text = match found {
+        Some((value, found)) => {
+            let times = Spread::of(&found.iter().map(|(_, times)| *times).collect::<Vec<_>>());
+            let most = found.iter().map(|(_, times)| *times).fold(0.0, f64::max);
+            format!(
+                "{value} cells is the coarsest mesh of the sweep that draws the limb to {SILHOUETTE_MOST_PX} px from every \
+                 height; a frame then takes {:.2} times as long as the scene's (median of the heights; {most:.2} at most).",
+                times.median
+            )
+        }
+        None if values.is_empty() => return None,
+        None => format!(
+            "No mesh of the sweep draws the limb to {SILHOUETTE_MOST_PX} px from every height."
+        ),
+    };
+    Some(text)
 }
 
 /// Lines for a terminal.
@@ -63,6 +102,9 @@ pub(super) fn summary(study: &Study) -> String {
         );
     }
     let _ = writeln!(text, "{}", verdict(study));
+    if let Some(advice) = subdivision_advice(study) {
+        let _ = writeln!(text, "{advice}");
+    }
     for missing in &study.unavailable {
         let _ = writeln!(text, "{}: {}", missing.parameter, missing.why);
     }
