@@ -105,6 +105,8 @@ pub struct Study {
     pub rows: Vec<Row>,
     /// Rows that were wanted; more than there are if it was stopped.
     pub wanted: usize,
+    /// Whether it was stopped before the end.
+    pub is_stopped: bool,
     /// What could not be swept here.
     pub unavailable: Vec<Unavailable>,
     /// What the reader must know besides, a sentence each.
@@ -118,7 +120,7 @@ pub struct Study {
 impl Study {
     /// Whether everything that was wanted is there.
     pub fn is_complete(&self) -> bool {
-        self.rows.len() >= self.wanted
+        !self.is_stopped && self.rows.len() >= self.wanted
     }
 
     /// The rows of the scene as it is, one for each height.

@@ -79,6 +79,7 @@ pub(super) fn run(
         rows: Vec::new(),
         wanted: plan.changes.iter().map(wanted).sum(),
         unavailable: plan.unavailable.clone(),
+        is_stopped: false,
         notes: Vec::new(),
         pictured_km: Vec::new(),
         numbers: Numbers::default(),
@@ -99,7 +100,17 @@ pub(super) fn run(
     'changes: for change in &plan.changes {
         let begin = Instant::now();
         let size = change.size(request.size);
-        let mut rig = Rig::new(&bench.gpu, &change.apply(&bench.options), size)?;
+        let mut rig = match Rig::new(&bench.gpu, &change.apply(&bench.options), size) {
+            // A size that does not fit is no reason to throw the others away.
+            Err(error) if matches!(change, Change::Size(_)) => {
+                study.wanted -= wanted(change);
+                study
+                    .notes
+                    .push(format!("Size {}: {error}.", change.value()));
+                continue;
+            }
+            opened => opened?,
+        };
         let mut places: Option<PlacesEarth> = None;
         for height_km in plan.heights_of(change, request.size) {
             if progress.cancelled() {
@@ -134,10 +145,11 @@ pub(super) fn run(
         folder.write_tables(&study)?;
     }
     progress.end();
-    study.notes = bench.notes;
+    study.notes.append(&mut bench.notes);
     if study.is_complete() {
         study.numbers = Numbers::gather(&bench.gpu, request.repeats, progress)?;
     }
+    study.is_stopped = progress.cancelled();
     Ok(study)
 }
 
