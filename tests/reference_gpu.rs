@@ -107,7 +107,15 @@ fn what_is_drawn_is_near_the_reference() {
         picture.draw(&moment);
         let drawn = picture.read().expect("reads");
         let rgb = |picture| image::DynamicImage::ImageRgba8(picture).to_rgb8();
-        let (flip, rms) = apart(&rgb(exact), &rgb(drawn));
+        let (exact, drawn) = (rgb(exact), rgb(drawn));
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("reference");
+        std::fs::create_dir_all(&folder).expect("a folder");
+        // To look at side by side.
+        for (kind, picture) in [("reference", &exact), ("drawn", &drawn)] {
+            let file = folder.join(format!("{name}, {kind}.png"));
+            picture.save(file).expect("writes");
+        }
+        let (flip, rms) = apart(&exact, &drawn);
         println!("{name}: FLIP {flip:.4}, root mean square {rms:.2} of 255");
         assert!(flip < 0.08 && rms < 9.0, "{name}: {flip} {rms}");
         assert!(rms > 0.1, "{name}: too near to be another renderer's");
