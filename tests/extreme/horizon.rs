@@ -93,7 +93,7 @@ fn a_block_is_kept_from_a_millimetre_above_its_corner() {
 }
 
 #[test]
-fn a_block_s_distance_is_exact_on_a_sphere() {
+fn a_block_s_distance_is_good_to_decimetres_on_a_sphere() {
     // Against the nearest point of the block in the oracle, for an eye above the block: L − R.
     let grid = BlockGrid::new(Ellipsoid::PAPER_SPHERE, 6).unwrap();
     for height_m in log_spaced(1e-3, 1e12, 2) {

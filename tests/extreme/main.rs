@@ -1,5 +1,6 @@
 //! The extremes: formulas at the ends of their ranges, held against arbitrary precision, and pictures that nobody
 //! would ask for.
+#![cfg(feature = "command")]
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -27,7 +27,7 @@ fn j2000() -> Epoch {
 }
 
 #[test]
-fn the_sun_never_jumps_from_1800_to_2200() {
+fn the_sun_moves_by_a_minute_in_a_minute_from_1800_to_2200() {
     let (mut worst_lat, mut worst_lon, mut count) = (0.0_f64, 0.0_f64, 0);
     // A step without a common measure with day or year.
     for step in -3_600..3_600 {
@@ -42,6 +42,55 @@ fn the_sun_never_jumps_from_1800_to_2200() {
         "{count} minutes: {worst_lat:.6}° of latitude, {worst_lon:.6}° of longitude off 0.25°"
     );
     assert!(worst_lat < LAT_A_MINUTE_DEG && worst_lon < LON_A_MINUTE_DEG);
+}
+
+/// Third difference of four values a step apart.
+fn third(v: &[f64]) -> f64 {
+    v[3] - v[0] - 3.0 * (v[2] - v[1])
+}
+
+#[test]
+fn the_sun_s_path_is_smooth_from_1800_to_2200() {
+    // Every two days. A jump of the path stands in a third difference at its full height; the path itself leaves 0.001° of
+    // latitude there, 23.4° × (2 days × 2π/year)³, and 0.002° of longitude.
+    let step = Duration::from_days(2.0);
+    let first = j2000() - Duration::from_days(73_000.0);
+    let path: Vec<_> = (0..73_000)
+        .map(|k| {
+            let place = subsolar_point(first + step * f64::from(k));
+            (place.lat_rad.to_degrees(), place.lon_rad.to_degrees())
+        })
+        .collect();
+    let (mut worst_lat, mut worst_lon) = (0.0_f64, 0.0_f64);
+    for (k, four) in path.windows(4).enumerate() {
+        let lat = third(&four.iter().map(|p| p.0).collect::<Vec<_>>()).abs();
+        let lon = third(&four.iter().map(|p| p.1).collect::<Vec<_>>()).abs();
+        let year = 2_000.0 + (2.0 * (k as f64 + 1.5) - 73_000.0) / 365.25;
+        // Two joints, 0.0125° at most and three times that in a third difference, and the leap seconds: 15″ each.
+        let joint = [1_900.0, 2_100.0].iter().any(|y| (year - y).abs() < 0.05);
+        let leaps = (1_971.9..2_017.1).contains(&year);
+        let most_lon = if leaps {
+            0.003 + 3.0 * 15.05 / 3_600.0
+        } else {
+            0.003
+        };
+        let extra = if joint { 0.0375 } else { 0.0 };
+        // The ten seconds of 1971 make 150″.
+        let ten = if (year - 1_972.0).abs() < 0.05 {
+            3.0 * 150.5 / 3_600.0
+        } else {
+            0.0
+        };
+        assert!(lat < 0.0015 + extra, "{year:.2}: {lat}°");
+        assert!(lon < most_lon + extra + ten, "{year:.2}: {lon}°");
+        if !joint {
+            worst_lat = worst_lat.max(lat);
+        }
+        if !joint && !leaps {
+            worst_lon = worst_lon.max(lon);
+        }
+    }
+    println!("third differences: {worst_lat:.5}° of latitude, {worst_lon:.5}° of longitude");
 }
 
 #[test]

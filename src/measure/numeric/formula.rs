@@ -3,10 +3,12 @@
 use super::method::{Method, Sweep, Work};
 use super::oracle::Real;
 
+type ErrorOf<I, O> = dyn Fn(&I, &O) -> f64;
+
 /// How far off an answer is.
 pub struct Judge<I, O = f64> {
     unit: &'static str,
-    error: Box<dyn Fn(&I, &O) -> f64>,
+    error: Box<ErrorOf<I, O>>,
 }
 
 impl<I: 'static> Judge<I> {

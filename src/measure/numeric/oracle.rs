@@ -140,11 +140,11 @@ impl Real {
         let Some((top, below)) = words.split_last() else {
             return 0.0;
         };
-        let top = *top as u64;
+        let top: u64 = *top;
         if top == 0 {
             return 0.0;
         }
-        // 64 bits and one that says whether anything follows: enough for a correct last rounding.
+        // 64 bits (astro-float's word on machines of 64 bits) and one that says whether anything follows: enough for a correct last rounding.
         let sticky = u64::from(below.iter().any(|word| *word != 0));
         let mantissa = (top | sticky) as f64;
         let power = exponent - 64;
