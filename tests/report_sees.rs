@@ -187,7 +187,7 @@ fn a_radius_that_is_1_percent_too_large_shows_in_places_and_limb() {
 fn a_coarse_mesh_costs_the_silhouette_and_nothing_else() {
     let mut last = f64::INFINITY;
     for subdivision in [3, 6, 12, 24] {
-        let (places, limb) = geometry(48, |view| *view);
+        let (places, limb) = geometry(subdivision, |view| *view);
         println!(
             "{subdivision}: limb {:.3} px, places {:.4} px",
             limb.max_px, places.max_px
