@@ -1,6 +1,6 @@
 // The surface: one block a draw, texture coordinates and normals exact at every pixel.
 //
-// Features (see src/gpu/shader.rs): paper, clouds, normals, night_lights, water, tiles, air, encode, decode.
+// Features (see src/gpu/shader.rs): paper, clouds, normals, night_lights, water, tiles, air, encode, decode, places.
 
 #import common/frame.wgsl
 #import common/color.wgsl
@@ -291,6 +291,20 @@ fn shade(at: Place) -> vec3f {
 }
 #endif
 
+#if places
+// In place of colour, for measuring: the texture coordinates that maps would be read with, from the block's centre, and
+// that centre. Kept apart, they are rounded as little as the samplers' are. The target is cleared to 0; no centre is 0.
+@fragment
+fn fragment(in: Varying) -> @location(0) vec4f {
+    let at = place(in);
+#if tiles
+    let center = (vec2f(f32(at.block % 16u), f32(at.block / 16u)) + 0.5) / vec2f(16.0, 8.0);
+#else
+    let center = at.center_uv;
+#endif
+    return vec4f(at.uv, center);
+}
+#else
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
     var color = shade(place(in));
@@ -302,3 +316,4 @@ fn fragment(in: Varying) -> @location(0) vec4f {
 #endif
     return vec4f(color, 1.0);
 }
+#endif

@@ -41,6 +41,7 @@ fn every_variant_compiles() {
             "air",
             "encode",
             "decode",
+            "places",
         ],
     );
     all.extend(variants(
@@ -116,6 +117,16 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
             );
         }
     }
+}
+
+#[test]
+fn a_picture_s_shader_draws_no_places() {
+    let text = |places| {
+        let variant = ShaderVariant::new(EARTH_SHADER, &[("places", places)]);
+        variant.source().unwrap()
+    };
+    let places = "return vec4f(at.uv, center);";
+    assert!(text(true).contains(places) && !text(false).contains(places));
 }
 
 /// Member offsets and size of a struct as naga lays it out.

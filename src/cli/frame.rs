@@ -1,13 +1,19 @@
 //! `terrella frame`
 
-use super::Common;
-use super::progress::Bars;
+use super::progress::{Bars, stop_on_interrupt};
 use super::values;
-use clap::Args;
+use super::{Cli, Common};
+use clap::error::ErrorKind;
+use clap::{Args, CommandFactory, ValueEnum};
 use std::path::PathBuf;
 use terrella::frames::Epoch;
-use terrella::play::{Flight, StillRequest, write_still};
+use terrella::gpu::ContextError;
+use terrella::measure::reference::{ReferenceRequest, SAMPLES, write_reference_still};
+use terrella::play::{Flight, PlayError, StillRequest, write_still};
 use terrella::scene::Scene;
+
+/// Rays along each side of a pixel where none are asked for.
+const DEFAULT_SAMPLES: u32 = 4;
 
 /// Arguments of `terrella frame`.
 #[derive(Debug, Args)]
@@ -23,20 +29,74 @@ pub struct FrameArgs {
     /// Width and height in pixels, instead of the scene's
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<(u32, u32)>,
-    /// Write the picture's numbers (times, blocks, memory, eye, Sun) to this file
+    /// Write the picture's numbers (times, memory, features, eye, Sun) to this file
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
+    /// What draws: a graphics adapter, or the slow and exact renderer that it is judged against
+    #[arg(long, value_enum, default_value_t = Renderer::Gpu)]
+    renderer: Renderer,
+    /// With --renderer reference: N × N rays a pixel, 1 to 16. Default: 4
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(
+        i64::from(*SAMPLES.start())..=i64::from(*SAMPLES.end())
+    ))]
+    samples: Option<u32>,
 }
 
-/// Runs it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Renderer {
+    /// The best graphics adapter, or the one that --adapter names
+    Gpu,
+    /// Rays on the processor, to double precision; needs no adapter
+    Reference,
+}
+
+/// Runs it. Where there is no graphics adapter at all, and none was asked for by name, the reference draws.
 pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
+    refuse_conflicts(args, common);
     let flight = Flight::open(Scene::load(&args.scene)?)?;
-    let request = StillRequest {
+    let bars = Bars::new(common.quiet);
+    if args.renderer == Renderer::Gpu {
+        let request = StillRequest {
+            epoch: args.at,
+            size: args.size,
+            adapter: common.adapter.as_deref(),
+            output: &args.output,
+            stats: args.stats.as_deref(),
+        };
+        match write_still(&flight, &request, &bars) {
+            Err(PlayError::Context(error @ ContextError::NoAdapter))
+                if common.adapter.is_none() =>
+            {
+                tracing::warn!("{error}. The reference renderer draws instead, slowly");
+            }
+            done => return Ok(done?),
+        }
+    }
+    let request = ReferenceRequest {
         epoch: args.at,
         size: args.size,
-        adapter: common.adapter.as_deref(),
+        samples: args.samples.unwrap_or(DEFAULT_SAMPLES),
         output: &args.output,
         stats: args.stats.as_deref(),
     };
-    Ok(write_still(&flight, &request, &Bars::new(common.quiet))?)
+    stop_on_interrupt();
+    Ok(write_reference_still(&flight, &request, &bars)?)
+}
+
+/// Ends the program, as clap does, where options have no meaning together.
+fn refuse_conflicts(args: &FrameArgs, common: &Common) {
+    let refuse = |words: &str| -> ! {
+        Cli::command()
+            .error(ErrorKind::ArgumentConflict, words)
+            .exit()
+    };
+    match args.renderer {
+        Renderer::Gpu if args.samples.is_some() => refuse(
+            "--samples is for --renderer reference; a graphics adapter takes samples under [output] in the scene",
+        ),
+        Renderer::Reference if common.adapter.is_some() => {
+            refuse("--adapter has no meaning with --renderer reference, which uses none")
+        }
+        _ => {}
+    }
 }

@@ -6,6 +6,7 @@ mod frame;
 mod pack;
 mod play;
 mod progress;
+mod report;
 mod values;
 
 use clap::{Args, Parser, Subcommand};
@@ -54,6 +55,8 @@ enum Command {
     Check(check::CheckArgs),
     /// List the graphics adapters, what each can do and what is dropped on it
     Doctor,
+    /// Measure error against run time: a page with tables, charts and pictures
+    Report(report::ReportArgs),
     /// Build imagery packs and look into them: maps larger than memory, cut into tiles
     Pack(pack::PackArgs),
 }
@@ -69,6 +72,7 @@ pub fn run() -> ExitCode {
         Command::Frame(args) => frame::run(args, common),
         Command::Check(args) => check::run(args, common),
         Command::Doctor => doctor::run(common),
+        Command::Report(args) => report::run(args, common),
         Command::Pack(args) => pack::run(args, common),
     };
     match done {

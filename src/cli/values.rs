@@ -37,6 +37,14 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A height in kilometres from which the whole Earth can be looked at.
+pub fn height_km(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(km) if (1.0..=1e6).contains(&km) => Ok(km),
+        _ => Err("it must be a number of kilometres from 1 to 1000000".into()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,13 +2,15 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `mod.rs` | options, the three verbs, what a frame drew |
+//! | `mod.rs` | the three verbs, what a frame drew |
+//! | `options.rs` | what is fixed when an Earth is made |
 //! | `view.rs` | the eye and the target |
 //! | `tiles.rs` | which tiles of a pack a frame wants and is drawn with |
 //! | `quality.rs` | what can be given up to draw faster, and in what order |
 //! | `governor.rs` | when it is given up, to hold a frame time |
 
 mod governor;
+mod options;
 mod quality;
 mod tiles;
 mod view;
@@ -16,80 +18,25 @@ mod view;
 use crate::air::{Atmosphere, Billboard, EARTH_AIR};
 use crate::frames::{Epoch, Geodetic, sun_direction_itrf};
 pub use crate::globe::Shading;
-use crate::globe::{
-    BlockGrid, COLUMNS, Figure, SubdivisionError, Visibility, select_blocks, texels_per_pixel,
-};
-pub use crate::gpu::DepthBuffer;
-use crate::gpu::{AirDrawable, Frame, PassFormat, ShaderError, SurfaceDrawable, SurfaceLook};
+use crate::globe::{BlockGrid, COLUMNS, Visibility, select_blocks, texels_per_pixel};
+use crate::gpu::{AirDrawable, Frame, PassFormat, SurfaceDrawable, SurfaceLook};
+pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::stream::StreamCounters;
 use crate::imagery::tile::{LayerLayout, MapLayer, TileKey};
-use crate::imagery::{EarthLayers, ImageryError};
 use glam::{DMat4, DVec3, Vec3};
 pub use governor::{Change, Governor};
+pub use options::{EarthError, EarthOptions};
 pub use quality::{GiveUp, Quality, Rung};
 use std::time::{Duration, Instant};
 use tiles::{Eye, TileDriver};
 pub use tiles::{TILED_SUBDIVISION, TileOptions};
-use view::PixelRays;
 pub use view::{EyeView, Viewport, infinite_reversed_z};
-
-/// What is fixed when an Earth is made.
-#[derive(Clone, Debug)]
-pub struct EarthOptions {
-    /// The maps. A layer that is `None` costs nothing.
-    pub layers: EarthLayers,
-    /// Tiles of a pack, drawn in place of the whole maps of the same layers as they arrive; `None` draws whole maps
-    /// only and costs nothing. `layers` must be the pack's coarsest maps, `subdivision` at least [`TILED_SUBDIVISION`] if
-    /// nothing is to be seen of block edges at grazing views.
-    pub tiles: Option<TileOptions>,
-    /// The figure.
-    pub figure: Figure,
-    /// Cells per block edge, 1…48.
-    pub subdivision: u32,
-    /// Which blocks are drawn.
-    pub visibility: Visibility,
-    /// How they are shaded.
-    pub shading: Shading,
-    /// How the air is drawn.
-    pub atmosphere: Atmosphere,
-    /// Format of the colour target.
-    pub color_format: wgpu::TextureFormat,
-    /// Sample count of the pass.
-    pub samples: u32,
-    /// Depth buffer of the pass.
-    pub depth: DepthBuffer,
-    /// Most samples that a map is filtered with at a grazing view, 1…16; 1 is trilinear. A software adapter always
-    /// filters trilinearly: each sample costs it time, and Mesa's returns wrong texels at the limb.
-    pub anisotropy: u16,
-    /// What a white sheet that faces the Sun in space is drawn with; the target's white is 1. The paper's shading
-    /// works in display values and is not touched by it, the air is.
-    pub exposure: f32,
-}
-
-impl EarthOptions {
-    /// The defaults for a picture of [`crate::gpu::FrameTargets`] with these maps.
-    pub fn new(layers: EarthLayers) -> Self {
-        Self {
-            layers,
-            tiles: None,
-            figure: Figure::default(),
-            subdivision: 6,
-            visibility: Visibility::default(),
-            shading: Shading::default(),
-            atmosphere: Atmosphere::default(),
-            color_format: crate::gpu::FrameTargets::COLOR,
-            samples: 1,
-            depth: DepthBuffer::ReversedZ(crate::gpu::FrameTargets::DEPTH),
-            anisotropy: 8,
-            exposure: 1.4,
-        }
-    }
-}
+use view::{PixelRays, can_be_drawn};
 
 /// What lights the Earth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sky {
-    /// Unit vector to the Sun in ITRF axes.
+    /// Vector to the Sun in ITRF axes, of length 1; of any other finite length it is made a unit vector.
     pub sun_itrf: DVec3,
 }
 
@@ -99,6 +46,19 @@ impl Sky {
         Self {
             sun_itrf: sun_direction_itrf(epoch),
         }
+    }
+
+    /// The same with a Sun of length 1; `None` where that has no direction or is not finite.
+    fn with_unit_sun(self) -> Option<Self> {
+        let sun = self.sun_itrf;
+        if (sun.length_squared() - 1.0).abs() < 1e-6 {
+            return Some(self);
+        }
+        // By the largest component first: squares of very long vectors are infinite, of very short ones 0.
+        let largest = sun.abs().max_element();
+        (sun.is_finite() && largest > 0.0).then(|| Self {
+            sun_itrf: (sun / largest).normalize(),
+        })
     }
 }
 
@@ -130,60 +90,6 @@ pub struct FrameStats {
     pub tile_upload: Duration,
 }
 
-/// What can be wrong with the options.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum EarthError {
-    /// Subdivision outside 1…48.
-    #[error(transparent)]
-    Subdivision(#[from] SubdivisionError),
-    /// A map is larger than the device takes.
-    #[error(
-        "the {layer} map is {width} × {height}; this device takes at most {limit} pixels a side"
-    )]
-    TooLarge {
-        /// Which map.
-        layer: &'static str,
-        /// Its width.
-        width: u32,
-        /// Its height.
-        height: u32,
-        /// The device's limit.
-        limit: u32,
-    },
-    /// A map does not hold what it says.
-    #[error(transparent)]
-    Layer(#[from] ImageryError),
-    /// A shader file is at fault.
-    #[error(transparent)]
-    Shader(#[from] ShaderError),
-    /// A source of tiles has a map that the Earth is not drawn with.
-    #[error(
-        "there are tiles of the {0} map but no whole map of it among the layers; add it or leave its tiles out"
-    )]
-    NoWholeMap(&'static str),
-    /// Tiles are compressed and the device does not read them.
-    #[error(
-        "the tiles are BC-compressed and the device was opened without TEXTURE_COMPRESSION_BC; \
-         open it with that feature, or have the tiles decoded (PackTiles::new with decode = true)"
-    )]
-    NoBc,
-    /// The textures do not fit into the device's memory.
-    #[error(
-        "the device has no room for {mib} MiB of maps and tiles: {cause}; \
-         give a smaller texture budget (texture_mb under [earth] in a scene)"
-    )]
-    NoRoom {
-        /// What was asked for.
-        mib: u64,
-        /// The device's words.
-        cause: String,
-    },
-    /// A shader or pipeline was refused by the device, for instance for a colour format it cannot draw to.
-    #[error("the device refused the Earth's pipelines: {0}")]
-    Refused(String),
-}
-
 /// Bytes of tiles uploaded at once where a picture waits for them.
 const WAITING_UPLOAD_BYTES: u64 = 64_000_000;
 
@@ -201,7 +107,7 @@ pub struct Earth {
     /// Texels of the day map per block side where no tile is drawn.
     whole_day_pixels: u32,
     device: wgpu::Device,
-    shading: Shading,
+    style: Style,
     format: PassFormat,
     quality: Quality,
     /// Bytes of tiles uploaded by the last `prepare`.
@@ -219,6 +125,9 @@ impl Earth {
         options: &EarthOptions,
     ) -> Result<Self, EarthError> {
         let grid = BlockGrid::new(options.figure.ellipsoid(), options.subdivision)?;
+        if !(options.exposure.is_finite() && options.exposure >= 0.0) {
+            return Err(EarthError::Exposure(options.exposure));
+        }
         let layers = &options.layers;
         let limit = device.limits().max_texture_dimension_2d;
         for layer in MapLayer::ALL {
@@ -246,14 +155,21 @@ impl Earth {
             Some(tiles) => Some(TileDriver::new(tiles, layers, options.visibility)?),
             None => None,
         };
-        let quality = Quality::of(options);
+        let mut quality = Quality::of(options);
+        if options.output == SurfaceOutput::Places {
+            quality.atmosphere = Atmosphere::None;
+        }
         let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let air = match options.atmosphere {
+        let air = match quality.atmosphere {
             Atmosphere::Billboard => Some(AirDrawable::new(device, queue, format)?),
             Atmosphere::None => None,
         };
-        let look = look(device, options.shading, format, &quality, air.as_ref());
+        let style = Style {
+            shading: options.shading,
+            output: options.output,
+        };
+        let look = look(device, style, format, &quality, air.as_ref());
         let pools = tiles.as_ref().map(TileDriver::pools);
         let surface = SurfaceDrawable::new(device, queue, &grid, layers, pools, &look)?;
         let refused = resolved(scope.pop());
@@ -281,7 +197,7 @@ impl Earth {
             tiles,
             whole_day_pixels: layers.day.width / COLUMNS,
             device: device.clone(),
-            shading: options.shading,
+            style,
             format,
             quality,
             uploaded_tiles: 0,
@@ -292,8 +208,9 @@ impl Earth {
 
     /// Chooses what the eye sees and writes it to the GPU. Call once a frame, before the pass. Never waits.
     ///
-    /// `target` is the target's width and height in pixels, or the [`Viewport`] that the pass sets. A view or
-    /// sky that is not finite draws nothing.
+    /// `target` is the target's width and height in pixels, or the [`Viewport`] that the pass sets. Nothing is drawn where
+    /// no picture is defined: of a view or sky that is not finite, a Sun without direction, a projection that has no
+    /// inverse, and an eye beyond 1e24 m.
     pub fn prepare(
         &mut self,
         queue: &wgpu::Queue,
@@ -367,6 +284,10 @@ impl Earth {
     }
 
     fn apply(&mut self, queue: &wgpu::Queue, quality: &Quality) -> Result<(), EarthError> {
+        let mut quality = *quality;
+        if self.style.output == SurfaceOutput::Places {
+            quality.atmosphere = Atmosphere::None;
+        }
         let grid = BlockGrid::new(self.grid.ellipsoid(), quality.subdivision)?;
         let format = PassFormat {
             samples: quality.samples,
@@ -381,11 +302,11 @@ impl Earth {
             (Atmosphere::Billboard, Some(air)) => Some(air),
             (Atmosphere::Billboard, None) => Some(AirDrawable::new(&device, queue, format)?),
         };
-        let look = look(&device, self.shading, format, quality, air.as_ref());
+        let look = look(&device, self.style, format, &quality, air.as_ref());
         self.surface.set_look(&device, &grid, &look)?;
-        (self.grid, self.air, self.format, self.quality) = (grid, air, format, *quality);
+        (self.grid, self.air, self.format, self.quality) = (grid, air, format, quality);
         if let Some(tiles) = &mut self.tiles {
-            tiles.set_quality(quality);
+            tiles.set_quality(&quality);
         }
         self.drawable = false;
         self.stats.texture_bytes =
@@ -405,17 +326,19 @@ impl Earth {
         upload_bytes: Option<u64>,
     ) -> FrameStats {
         let (eye_itrf_m, clip_from_eye) = self.plan(view);
-        self.drawable =
-            eye_itrf_m.is_finite() && clip_from_eye.is_finite() && sky.sun_itrf.is_finite();
-        if !self.drawable {
+        let rays = view.pixel_rays(target);
+        let sky = sky
+            .with_unit_sun()
+            .filter(|_| can_be_drawn(eye_itrf_m, &clip_from_eye, &rays));
+        self.drawable = sky.is_some();
+        let Some(sky) = &sky else {
             self.uploaded_tiles = 0;
             self.stats = FrameStats {
                 texture_bytes: self.stats.texture_bytes,
                 ..FrameStats::default()
             };
             return self.stats;
-        }
-        let rays = view.pixel_rays(target);
+        };
         self.choose_maps(queue, eye_itrf_m, &rays, sky, upload_bytes);
         self.stats.pixel_m = self.stats.eye.height_m.max(0.0) * rays.down.length();
         let ellipsoid = self.grid.ellipsoid();
@@ -566,10 +489,17 @@ impl Earth {
     }
 }
 
+/// How the surface is drawn, whatever the quality.
+#[derive(Clone, Copy)]
+struct Style {
+    shading: Shading,
+    output: SurfaceOutput,
+}
+
 /// How the surface is drawn with a quality.
 fn look<'a>(
     device: &wgpu::Device,
-    shading: Shading,
+    style: Style,
     format: PassFormat,
     quality: &Quality,
     air: Option<&'a AirDrawable>,
@@ -578,12 +508,13 @@ fn look<'a>(
     let mut shown = quality.maps;
     shown[MapLayer::Day.index()] = true;
     SurfaceLook {
-        shading,
+        shading: style.shading,
         shown,
+        output: style.output,
         anisotropy: if software { 1 } else { quality.anisotropy },
         format,
         sunlight: air
-            .filter(|_| shading == Shading::Sunlit)
+            .filter(|_| style.shading == Shading::Sunlit)
             .map(|air| &air.sunlight),
     }
 }

@@ -13,7 +13,9 @@ mod uniforms;
 
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
 pub use shader::{AIR_SHADER, EARTH_SHADER, ShaderError, ShaderVariant};
-pub use targets::{Attachments, FrameTargets, PictureError, color_texture, read_texture};
+pub use targets::{
+    Attachments, FrameTargets, PictureError, color_texture, read_floats, read_texture,
+};
 pub use uniforms::{AirFrame, Frame};
 
 pub(crate) use air::AirDrawable;
@@ -29,6 +31,24 @@ pub enum DepthBuffer {
     ReversedZ(wgpu::TextureFormat),
     /// Nearer is smaller (clear to 1).
     StandardZ(wgpu::TextureFormat),
+}
+
+/// What the surface writes to the colour target.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SurfaceOutput {
+    /// The picture.
+    #[default]
+    Color,
+    /// For measuring: where each pixel looks, and no picture. The target is [`SurfaceOutput::PLACES`] with one sample a
+    /// pixel, cleared to 0; a pixel of the ground holds texture coordinates (u east from 180° W, v south from the north
+    /// pole, both 0…1 over the whole map) as they are from the block's centre, two numbers, and that centre's, two more.
+    /// There is no air, and no map is read.
+    Places,
+}
+
+impl SurfaceOutput {
+    /// The target's format for places.
+    pub const PLACES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 }
 
 /// What all pipelines of one Earth share: the pass that they are drawn in.

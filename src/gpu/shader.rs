@@ -45,6 +45,7 @@ const FEATURES: &[&str] = &[
     "inside",
     "depth",
     "standard_z",
+    "places",
 ];
 
 /// What is wrong with a shader file.

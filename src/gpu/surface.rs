@@ -3,7 +3,7 @@
 use super::lattice::{self, Lattice};
 use super::maps::Maps;
 use super::tiles::{BlockTiles, PLACEMENTS_BYTES, TileTextures};
-use super::{Frame, GpuLayer, PassFormat, ShaderError, ShaderVariant};
+use super::{Frame, GpuLayer, PassFormat, ShaderError, ShaderVariant, SurfaceOutput};
 use crate::globe::{BLOCK_COUNT, Block, BlockGrid, Shading};
 use crate::imagery::EarthLayers;
 use crate::imagery::stream::{Pool, Upload};
@@ -38,6 +38,7 @@ pub(crate) struct SurfaceLook<'a> {
     pub shading: Shading,
     /// Which maps are used, of those that there are.
     pub shown: [bool; MAP_LAYERS],
+    pub output: SurfaceOutput,
     pub anisotropy: u16,
     pub format: PassFormat,
     /// The air's sunlight table, if there is air and the shading uses it.
@@ -191,23 +192,15 @@ fn assemble(
     frame: &wgpu::Buffer,
     look: &SurfaceLook<'_>,
 ) -> Result<(ShaderVariant, wgpu::RenderPipeline, wgpu::BindGroup), ShaderError> {
-    let paper = look.shading == Shading::Paper;
     let format = look.format;
-    let variant = ShaderVariant::new(
-        super::EARTH_SHADER,
-        &[
-            ("paper", paper),
-            ("clouds", maps.has(MapLayer::Clouds)),
-            ("normals", maps.has(MapLayer::Normals)),
-            ("night_lights", maps.has(MapLayer::NightLights)),
-            // The paper's shading has no glint.
-            ("water", !paper && maps.has(MapLayer::Water)),
-            ("tiles", matches!(imagery, Imagery::Tiles(_))),
-            ("air", look.sunlight.is_some()),
-            ("encode", !paper && format.stores_display_values()),
-            ("decode", paper && !format.stores_display_values()),
-        ],
-    );
+    let has_tiles = matches!(imagery, Imagery::Tiles(_));
+    let variant = match look.output {
+        SurfaceOutput::Color => color_variant(maps, look, has_tiles),
+        SurfaceOutput::Places => ShaderVariant::new(
+            super::EARTH_SHADER,
+            &[("places", true), ("tiles", has_tiles)],
+        ),
+    };
     let module = variant.module(device)?;
     let table_sampler = table_sampler(device);
     let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
@@ -280,6 +273,27 @@ fn assemble(
         cache: None,
     });
     Ok((variant, pipeline, bind_group))
+}
+
+/// The shader that draws pictures.
+fn color_variant(maps: &Maps, look: &SurfaceLook<'_>, has_tiles: bool) -> ShaderVariant {
+    let paper = look.shading == Shading::Paper;
+    let stores_display_values = look.format.stores_display_values();
+    ShaderVariant::new(
+        super::EARTH_SHADER,
+        &[
+            ("paper", paper),
+            ("clouds", maps.has(MapLayer::Clouds)),
+            ("normals", maps.has(MapLayer::Normals)),
+            ("night_lights", maps.has(MapLayer::NightLights)),
+            // The paper's shading has no glint.
+            ("water", !paper && maps.has(MapLayer::Water)),
+            ("tiles", has_tiles),
+            ("air", look.sunlight.is_some()),
+            ("encode", !paper && stores_display_values),
+            ("decode", paper && !stores_display_values),
+        ],
+    )
 }
 
 /// Linear, clamped: for tables that end on texel centres.

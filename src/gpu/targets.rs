@@ -146,9 +146,41 @@ pub fn read_texture(
     queue: &wgpu::Queue,
     texture: &wgpu::Texture,
 ) -> Result<RgbaImage, PictureError> {
+    let mut pixels = read_rows(device, queue, texture, 4)?;
+    if matches!(
+        texture.format(),
+        wgpu::TextureFormat::Bgra8UnormSrgb | wgpu::TextureFormat::Bgra8Unorm
+    ) {
+        for pixel in pixels.as_chunks_mut::<4>().0 {
+            pixel.swap(0, 2);
+        }
+    }
+    RgbaImage::from_raw(texture.width(), texture.height(), pixels)
+        .ok_or_else(|| PictureError::ReadBack("short read".into()))
+}
+
+/// Reads an `Rgba32Float` texture (usage `COPY_SRC`), rows one after another. Waits for the device.
+pub fn read_floats(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    texture: &wgpu::Texture,
+) -> Result<Vec<[f32; 4]>, PictureError> {
+    let bytes = read_rows(device, queue, texture, size_of::<[f32; 4]>() as u32)?;
+    let floats = bytes.as_chunks::<4>().0.iter();
+    let floats: Vec<f32> = floats.map(|bytes| f32::from_le_bytes(*bytes)).collect();
+    Ok(floats.as_chunks::<4>().0.to_vec())
+}
+
+/// The texels of a texture, rows without padding.
+fn read_rows(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    texture: &wgpu::Texture,
+    texel_bytes: u32,
+) -> Result<Vec<u8>, PictureError> {
     let failed = |what: &dyn std::fmt::Display| PictureError::ReadBack(what.to_string());
     let (width, height) = (texture.width(), texture.height());
-    let padded = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let padded = (texel_bytes * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let buffer = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("terrella read back"),
         size: u64::from(padded) * u64::from(height),
@@ -184,19 +216,10 @@ pub fn read_texture(
         .map_err(|e| failed(&e))?
         .map_err(|e| failed(&e))?;
     let mapped = buffer.get_mapped_range(..).map_err(|e| failed(&e))?;
-    let row = 4 * width as usize;
+    let row = (texel_bytes * width) as usize;
     let mut pixels: Vec<u8> = Vec::with_capacity(row * height as usize);
     for line in mapped.chunks_exact(padded as usize) {
         pixels.extend_from_slice(&line[..row]);
     }
-    drop(mapped);
-    if matches!(
-        texture.format(),
-        wgpu::TextureFormat::Bgra8UnormSrgb | wgpu::TextureFormat::Bgra8Unorm
-    ) {
-        for pixel in pixels.as_chunks_mut::<4>().0 {
-            pixel.swap(0, 2);
-        }
-    }
-    RgbaImage::from_raw(width, height, pixels).ok_or_else(|| failed(&"short read"))
+    Ok(pixels)
 }

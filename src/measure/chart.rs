@@ -1,7 +1,9 @@
 //! Charts of measurements as SVG: linear or logarithmic axes, error bars, the Pareto front ringed.
 
-use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use super::axis::Axis;
+use plotters::coord::ranged1d::Ranged;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::fmt::Debug;
 
 /// A value on a chart with its spread, for both axes.
@@ -78,6 +80,10 @@ pub enum ChartError {
 
 /// Width and height, SVG pixels.
 const SIZE: (u32, u32) = (840, 520);
+/// Width of the legend, of [`SIZE`].
+const LEGEND_PX: u32 = 150;
+/// What the legend is drawn on.
+type LegendArea<'t> = DrawingArea<SVGBackend<'t>, plotters::coord::Shift>;
 /// Colours that people who confuse red and green can tell apart (Okabe and Ito 2008).
 const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
@@ -96,21 +102,18 @@ impl Chart {
     /// # Errors
     /// No point left.
     pub fn to_svg(&self) -> Result<String, ChartError> {
-        let (x, y) = (
-            self.range(self.x_log, |p| p.x)?,
-            self.range(self.y_log, |p| p.y)?,
-        );
-        let mut text = String::new();
-        let drawn = match (self.x_log, self.y_log) {
-            (true, true) => self.draw(&mut text, x.log_scale(), y.log_scale()),
-            (true, false) => self.draw(&mut text, x.log_scale(), y),
-            (false, true) => self.draw(&mut text, x, y.log_scale()),
-            (false, false) => self.draw(&mut text, x, y),
+        let ends = |p: &Point| match p.x_spread {
+            Some((low, high)) if low.is_finite() && high.is_finite() => [p.x, low, high],
+            _ => [p.x; 3],
         };
-        drawn.map_err(|cause| ChartError::Drawing {
-            title: self.title.clone(),
-            cause,
-        })?;
+        let x = Axis::new(self.range(self.x_log, ends)?, self.x_log);
+        let y = Axis::new(self.range(self.y_log, |p| [p.y; 3])?, self.y_log);
+        let mut text = String::new();
+        self.draw(&mut text, x, y)
+            .map_err(|cause| ChartError::Drawing {
+                title: self.title.clone(),
+                cause,
+            })?;
         Ok(text)
     }
 
@@ -123,10 +126,11 @@ impl Chart {
     fn range(
         &self,
         log: bool,
-        of: impl Fn(&Point) -> f64,
+        of: impl Fn(&Point) -> [f64; 3],
     ) -> Result<std::ops::Range<f64>, ChartError> {
         let points = self.series.iter().flat_map(|series| &series.points);
-        let values = points.filter(|point| self.can_show(point)).map(of);
+        let values = points.filter(|point| self.can_show(point)).flat_map(of);
+        let values = values.filter(|value| !log || *value > 0.0);
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
             (low.min(value), high.max(value))
         });
@@ -141,21 +145,23 @@ impl Chart {
         })
     }
 
-    fn draw<X, Y>(&self, text: &mut String, x: X, y: Y) -> Result<(), String>
-    where
-        X: AsRangedCoord<Value = f64>,
-        Y: AsRangedCoord<Value = f64>,
-        X::CoordDescType: ValueFormatter<f64>,
-        Y::CoordDescType: ValueFormatter<f64>,
-    {
-        let root = SVGBackend::with_string(text, SIZE).into_drawing_area();
-        root.fill(&WHITE).map_err(words)?;
+    fn draw(&self, text: &mut String, x: Axis, y: Axis) -> Result<(), String> {
+        let whole = SVGBackend::with_string(text, SIZE).into_drawing_area();
+        whole.fill(&WHITE).map_err(words)?;
+        // The legend stands beside the chart, where it covers nothing.
+        let (root, legend) = match self.series.len() {
+            0 | 1 => (whole.clone(), None),
+            _ => {
+                let (root, legend) = whole.split_horizontally(SIZE.0 - LEGEND_PX);
+                (root, Some(legend))
+            }
+        };
         let mut chart = ChartBuilder::on(&root)
             .caption(&self.title, ("sans-serif", 20))
             .margin(14)
             .x_label_area_size(46)
             .y_label_area_size(72)
-            .build_cartesian_2d(x, y)
+            .build_cartesian_2d(x.clone(), y)
             .map_err(words)?;
         chart
             .configure_mesh()
@@ -193,31 +199,48 @@ impl Chart {
             let labels = points.iter().filter(|p| !p.label.is_empty());
             chart
                 .draw_series(labels.map(|p| {
+                    // Words beside a point at the right edge stand on its left.
+                    let (side, offset) = match x.map(&p.x, (0, 100)) > 80 {
+                        true => (HPos::Right, -7),
+                        false => (HPos::Left, 7),
+                    };
                     let style = ("sans-serif", 12).into_font().color(&color);
-                    EmptyElement::at((p.x, p.y)) + Text::new(p.label.clone(), (7, -13), style)
+                    let style = style.pos(Pos::new(side, VPos::Top));
+                    EmptyElement::at((p.x, p.y)) + Text::new(p.label.clone(), (offset, -13), style)
                 }))
                 .map_err(words)?;
-            chart
-                .draw_series(
-                    points
-                        .iter()
-                        .map(|p| Circle::new((p.x, p.y), 4, color.filled())),
-                )
-                .map_err(words)?
-                .label(&series.name)
-                .legend(move |(x, y)| Circle::new((x + 8, y), 4, color.filled()));
+            if n < COLORS.len() {
+                let marks = points.iter();
+                let marks = marks.map(|p| Circle::new((p.x, p.y), 4, color.filled()));
+                chart.draw_series(marks).map_err(words)?;
+            } else {
+                // Colours come again: other marks tell the series apart.
+                let marks = points.iter();
+                let marks = marks.map(|p| TriangleMarker::new((p.x, p.y), 6, color.filled()));
+                chart.draw_series(marks).map_err(words)?;
+            }
         }
-        if self.series.len() > 1 {
-            chart
-                .configure_series_labels()
-                .position(SeriesLabelPosition::UpperRight)
-                .background_style(WHITE.mix(0.85))
-                .border_style(RGBColor(200, 200, 200))
-                .label_font(("sans-serif", 13))
-                .draw()
-                .map_err(words)?;
+        if let Some(legend) = legend {
+            self.draw_legend(&legend)?;
         }
-        root.present().map_err(words)
+        whole.present().map_err(words)
+    }
+
+    fn draw_legend(&self, area: &LegendArea<'_>) -> Result<(), String> {
+        for ((n, series), row) in self.series.iter().enumerate().zip(0..) {
+            let color = COLORS[n % COLORS.len()];
+            let at = (8, 64 + 22 * row);
+            if n < COLORS.len() {
+                area.draw(&Circle::new(at, 4, color.filled()))
+            } else {
+                area.draw(&TriangleMarker::new(at, 6, color.filled()))
+            }
+            .map_err(words)?;
+            let style = ("sans-serif", 13).into_font().color(&BLACK);
+            let name = Text::new(series.name.clone(), (at.0 + 12, at.1 - 7), style);
+            area.draw(&name).map_err(words)?;
+        }
+        Ok(())
     }
 }
 

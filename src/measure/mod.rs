@@ -7,14 +7,21 @@
 //! | `floor` | the least that a frame could cost |
 //! | [`reference`] | the true picture: ray casting in f64 on the processor |
 //! | [`numeric`] | formulas held against arbitrary precision, methods compared by error and cost |
-//! | `quantiles`, `pareto`, `chart` | what is told of measurements |
+//! | [`extreme`] | pictures that nobody would ask for, and what they must show |
+//! | [`errors`] | how wrong a picture is: colours, places, silhouette |
+//! | [`report`] | error against run time over a scene's settings: tables, charts, a page |
+//! | `quantiles`, `pareto`, `chart`, `axis` | what is told of measurements |
 
+mod axis;
 mod chart;
+pub mod errors;
+pub mod extreme;
 mod floor;
 pub mod numeric;
 mod pareto;
 mod quantiles;
 pub mod reference;
+pub mod report;
 mod rig;
 mod stations;
 

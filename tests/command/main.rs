@@ -7,6 +7,8 @@
 mod bad_input;
 mod packs;
 mod pictures;
+mod reference;
+mod report;
 mod usage;
 mod video;
 #[cfg(target_os = "linux")]

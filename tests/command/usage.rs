@@ -22,7 +22,14 @@ fn every_command_has_help() {
         ),
         (
             &["frame", "--help"],
-            &["--output", "--at", "--size", "--stats"],
+            &[
+                "--output",
+                "--at",
+                "--size",
+                "--stats",
+                "--renderer",
+                "--samples",
+            ],
         ),
         (&["check", "--help"], &["<SCENE>"]),
         (&["doctor", "--help"], &["adapters"]),

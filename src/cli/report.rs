@@ -1,0 +1,69 @@
+//! `terrella report`
+
+use super::progress::{Bars, stop_on_interrupt};
+use super::{Common, print, values};
+use clap::Args;
+use std::path::PathBuf;
+use terrella::measure::report::{ReportError, ReportRequest, report};
+use terrella::play::Flight;
+use terrella::scene::Scene;
+
+/// Arguments of `terrella report`.
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    /// The scene file
+    scene: PathBuf,
+    /// The folder to write to: index.html, tables, charts, pictures
+    #[arg(short, long, value_name = "FOLDER")]
+    output: PathBuf,
+    /// Three heights and fewer values: minutes instead of an hour
+    #[arg(long)]
+    quick: bool,
+    /// Width and height of the pictures in pixels
+    #[arg(long, value_name = "WxH", value_parser = values::size, default_value = "640x360")]
+    size: (u32, u32),
+    /// How often each frame is timed [default: 9, with --quick 5]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    repeats: Option<u32>,
+    /// The true pictures have N × N rays a pixel [default: 4, with --quick 3]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
+    samples: Option<u32>,
+    /// Heights to look from in kilometres, instead of the usual ones: 400,36000
+    #[arg(long, value_name = "KM,…", value_delimiter = ',', value_parser = values::height_km)]
+    heights: Option<Vec<f64>>,
+}
+
+/// Runs it.
+pub fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
+    let flight = Flight::open(Scene::load(&args.scene)?)?;
+    let pick = |given: Option<u32>, full: u32, quick: u32| {
+        given.unwrap_or(if args.quick { quick } else { full })
+    };
+    let request = ReportRequest {
+        folder: &args.output,
+        quick: args.quick,
+        size: args.size,
+        repeats: pick(args.repeats, 9, 5),
+        samples: pick(args.samples, 4, 3),
+        heights_km: args.heights.clone(),
+        adapter: common.adapter.as_deref(),
+    };
+    stop_on_interrupt();
+    let tell = |text: &str| {
+        if !common.quiet {
+            // A reader that has gone away is no reason to stop measuring.
+            let _ = print(&format!("{}\n", text.trim_end()));
+        }
+    };
+    let study = match report(&flight, &request, &Bars::new(common.quiet), &tell) {
+        Ok(study) => study,
+        // So that a bad scene is told by its exit code.
+        Err(ReportError::Play(error)) => return Err(error.into()),
+        Err(error) => return Err(error.into()),
+    };
+    if common.quiet {
+        return Ok(());
+    }
+    let page = args.output.join("index.html");
+    print(&format!("{}{}\n", study.summary(), page.display()))
+}

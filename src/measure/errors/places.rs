@@ -1,0 +1,188 @@
+//! Where each pixel of the drawn Earth looks, by its own account, against the exact ray.
+
+use super::{pixel_of, quantile};
+use crate::frames::Ellipsoid;
+use crate::gpu::{Attachments, GpuContext, color_texture, read_floats};
+use crate::imagery::{EarthLayers, LayerImage};
+use crate::measure::reference::ground_point;
+use crate::play::PlayError;
+use crate::{Earth, EarthError, EarthOptions, EyeView, Figure, Sky, SurfaceOutput, Visibility};
+use glam::{DVec2, DVec3};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// An Earth that draws places instead of colours, on the same mesh.
+pub struct PlacesEarth {
+    gpu: GpuContext,
+    earth: Earth,
+    targets: Option<Targets>,
+}
+
+struct Targets {
+    texture: wgpu::Texture,
+    view: wgpu::TextureView,
+    attachments: Attachments,
+}
+
+/// A picture of places.
+#[derive(Clone, Debug)]
+pub struct Places {
+    /// Width and height, pixels.
+    pub size: (u32, u32),
+    /// Row by row: texture coordinates from the block's centre, and the centre's; all 0 where space is drawn.
+    texels: Vec<[f32; 4]>,
+}
+
+impl PlacesEarth {
+    /// Makes it with a figure, so many cells per block edge and a visibility rule. One sample a pixel, its middle.
+    ///
+    /// # Errors
+    /// As [`Earth::new`].
+    pub fn new(
+        gpu: &GpuContext,
+        figure: Figure,
+        subdivision: u32,
+        visibility: Visibility,
+    ) -> Result<Self, PlayError> {
+        let day = LayerImage::from_rgba8(1, 1, vec![0; 4]).map_err(EarthError::from)?;
+        let options = EarthOptions {
+            figure,
+            subdivision,
+            visibility,
+            output: SurfaceOutput::Places,
+            color_format: SurfaceOutput::PLACES,
+            ..EarthOptions::new(EarthLayers {
+                day,
+                clouds: None,
+                normals: None,
+                night_lights: None,
+                water: None,
+            })
+        };
+        Ok(Self {
+            earth: Earth::new(&gpu.device, &gpu.queue, &options)?,
+            gpu: gpu.clone(),
+            targets: None,
+        })
+    }
+
+    /// Draws a view and reads it back.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn draw(&mut self, view: &EyeView, size: (u32, u32)) -> Result<Places, PlayError> {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        // Nothing is lit.
+        let sky = Sky { sun_itrf: DVec3::X };
+        self.earth.prepare(queue, view, &sky, size);
+        let targets = match self.targets.take() {
+            Some(targets) if (targets.texture.width(), targets.texture.height()) == size => targets,
+            _ => Targets::new(&self.gpu, size),
+        };
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
+            label: Some("terrella places"),
+        });
+        let mut pass = targets.attachments.begin_pass(&mut encoder, &targets.view);
+        self.earth.render(&mut pass);
+        drop(pass);
+        queue.submit([encoder.finish()]);
+        let texels = read_floats(device, queue, &targets.texture)?;
+        self.targets = Some(targets);
+        Ok(Places { size, texels })
+    }
+}
+
+impl Targets {
+    fn new(gpu: &GpuContext, size: (u32, u32)) -> Self {
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        let format = SurfaceOutput::PLACES;
+        let texture = color_texture(&gpu.device, "terrella places", size, format, 1, usage);
+        Self {
+            view: texture.create_view(&wgpu::TextureViewDescriptor {
+                label: Some("terrella places"),
+                ..Default::default()
+            }),
+            texture,
+            attachments: Attachments::new(&gpu.device, size, format, 1),
+        }
+    }
+}
+
+impl Places {
+    /// Whether the ground is drawn at a pixel.
+    pub fn is_ground(&self, x: u32, y: u32) -> bool {
+        self.texel(x, y)[2] != 0.0
+    }
+
+    /// Geodetic latitude and longitude that maps are read at for a pixel, radians; `None` in space.
+    pub fn lat_lon_rad(&self, x: u32, y: u32) -> Option<(f64, f64)> {
+        let texel = self.texel(x, y).map(f64::from);
+        let [u, v, center_u, center_v] = texel;
+        (center_u != 0.0).then(|| {
+            let lon_rad = (u + (center_u - 0.5)) * TAU;
+            (FRAC_PI_2 - (v + center_v) * PI, lon_rad)
+        })
+    }
+
+    /// The same as a point of the ground, ITRF metres.
+    pub fn point_itrf_m(&self, x: u32, y: u32, figure: &Ellipsoid) -> Option<DVec3> {
+        let (lat_rad, lon_rad) = self.lat_lon_rad(x, y)?;
+        Some(figure.surface_point(Ellipsoid::normal(lat_rad, lon_rad)))
+    }
+
+    fn texel(&self, x: u32, y: u32) -> [f32; 4] {
+        let index = y as usize * self.size.0 as usize + x as usize;
+        self.texels.get(index).copied().unwrap_or_default()
+    }
+}
+
+/// Errors of places, over those pixels that show ground and whose exact ray, through their middle, meets it.
+///
+/// In metres they are distances between the place by the pixel's account and the place that the exact ray meets. At the
+/// limb, where the ground is seen edge on, an angle of nothing is a long way on the ground; so they are given in pixels
+/// of the picture too: how far from the pixel's middle the place by its account appears.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Geolocation {
+    /// Pixels compared.
+    pub pixels: usize,
+    /// Median, metres.
+    pub median_m: f64,
+    /// What 99 of a hundred pixels do not exceed, metres.
+    pub p99_m: f64,
+    /// Largest, metres.
+    pub max_m: f64,
+    /// What 99 of a hundred pixels do not exceed, pixels.
+    pub p99_px: f64,
+    /// Largest, pixels.
+    pub max_px: f64,
+}
+
+/// Compares drawn places with those of a view's exact rays.
+pub fn geolocation(places: &Places, view: &EyeView, figure: &Ellipsoid) -> Geolocation {
+    let (eye_itrf_m, _) = view.to_itrf();
+    let (width, height) = places.size;
+    let (mut metres, mut pixels) = (Vec::new(), Vec::new());
+    for y in 0..height {
+        for x in 0..width {
+            let Some(drawn) = places.point_itrf_m(x, y, figure) else {
+                continue;
+            };
+            let middle = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            let Some(exact) = ground_point(view, *figure, places.size, middle) else {
+                continue;
+            };
+            let shown = pixel_of(view, places.size, drawn - eye_itrf_m);
+            metres.push(drawn.distance(exact));
+            pixels.push(shown.map_or(f64::INFINITY, |shown| shown.distance(middle)));
+        }
+    }
+    metres.sort_by(f64::total_cmp);
+    pixels.sort_by(f64::total_cmp);
+    Geolocation {
+        pixels: pixels.len(),
+        median_m: quantile(&metres, 0.5),
+        p99_m: quantile(&metres, 0.99),
+        max_m: quantile(&metres, 1.0),
+        p99_px: quantile(&pixels, 0.99),
+        max_px: quantile(&pixels, 1.0),
+    }
+}

@@ -1,0 +1,314 @@
+//! Whole maps of a pack's finest levels, as far as memory allows.
+
+use super::maps::{FullMap, FullMaps};
+use super::still::StillError;
+use crate::imagery::TexelFormat;
+use crate::imagery::tile::{
+    BlockSet, LayerLayout, LevelLayout, TILE_BORDER, Tile, TileError, TileFormat, TileKey,
+    TileSource,
+};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Most bytes of the maps that are made of a pack's tiles.
+pub const MOST_MAP_BYTES: u64 = 1 << 30;
+
+/// Maps of a pack, and where they are coarser than the pack is.
+pub(in crate::measure) struct PackMaps {
+    pub maps: FullMaps,
+    /// Names of the layers of which a finer level did not fit, and the width of what was taken, texels.
+    pub coarser: Vec<(&'static str, u32)>,
+}
+
+/// Puts the tiles of each layer together, at the finest levels that take at most `limit` bytes together. Where the level
+/// has no tile of a block, the next coarser one is enlarged, bilinearly in stored values.
+///
+/// # Errors
+/// A tile that cannot be read: a true picture has no stand-ins. [`StillError::Interrupted`] after `cancelled`.
+pub(in crate::measure) fn whole_maps(
+    source: &dyn TileSource,
+    limit: u64,
+    cancelled: &(dyn Fn() -> bool + Sync),
+) -> Result<PackMaps, StillError> {
+    let layouts = source.layers();
+    let levels = chosen_levels(layouts, limit);
+    let mut found = PackMaps {
+        maps: FullMaps::default(),
+        coarser: Vec::new(),
+    };
+    for (layout, level) in layouts.iter().zip(levels) {
+        let map = whole_map(source, layout, level, cancelled)?;
+        if level > 0 {
+            found.coarser.push((layout.layer.name(), map.width));
+        }
+        found.maps.layers[layout.layer.index()] = Some(map);
+    }
+    Ok(found)
+}
+
+/// For each layer the finest level, made coarser where all together are larger than `limit`: the largest first, as long as
+/// there is a coarser one.
+fn chosen_levels(layouts: &[LayerLayout], limit: u64) -> Vec<usize> {
+    let bytes = |place: usize, level: usize| {
+        let shape = layouts[place].levels[level].shape;
+        let texels = u64::from(shape.map_width()) * u64::from(shape.map_height());
+        texels * u64::from(layouts[place].format.decoded().unit_bytes())
+    };
+    let mut levels = vec![0; layouts.len()];
+    loop {
+        let sum: u64 = levels.iter().enumerate().map(|(i, n)| bytes(i, *n)).sum();
+        let next = (0..layouts.len())
+            .filter(|place| levels[*place] + 1 < layouts[*place].levels.len())
+            .max_by_key(|place| bytes(*place, levels[*place]));
+        match next {
+            Some(place) if sum > limit => levels[place] += 1,
+            _ => return levels,
+        }
+    }
+}
+
+fn whole_map(
+    source: &dyn TileSource,
+    layout: &LayerLayout,
+    level: usize,
+    cancelled: &(dyn Fn() -> bool + Sync),
+) -> Result<FullMap, StillError> {
+    let shape = layout.levels[level].shape;
+    let format = match layout.format.decoded() {
+        TileFormat::Rgba8Srgb => TexelFormat::Rgba8Srgb,
+        TileFormat::Rg8Snorm => TexelFormat::Rg8Snorm,
+        _ => TexelFormat::R8Unorm,
+    };
+    let (width, height) = (shape.map_width(), shape.map_height());
+    let row_bytes = width as usize * format.texel_bytes();
+    let mut texels = vec![0; row_bytes * height as usize];
+    let pixels = shape.pixels as usize;
+    let failed = AtomicBool::new(false);
+    // One strip of blocks after another to a thread: no two write to the same row.
+    let strips = texels.par_chunks_mut(row_bytes * pixels).enumerate();
+    strips
+        .try_for_each(|(row, strip)| {
+            for column in 0..crate::globe::COLUMNS as usize {
+                let stop = || cancelled() || failed.load(Ordering::Relaxed);
+                let block = (row * crate::globe::COLUMNS as usize + column) as u8;
+                let tile = read(source, layout, level, block, &stop).inspect_err(|_| {
+                    failed.store(true, Ordering::Relaxed);
+                })?;
+                let own = pixels * format.texel_bytes();
+                for (y, line) in strip.chunks_exact_mut(row_bytes).enumerate() {
+                    copy_row(
+                        &tile,
+                        y,
+                        pixels,
+                        &mut line[column * own..(column + 1) * own],
+                    );
+                }
+            }
+            Ok(())
+        })
+        .map_err(|error| match error {
+            TileError::Cancelled => StillError::Interrupted,
+            error => StillError::Tile(error),
+        })?;
+    Ok(FullMap {
+        width,
+        height,
+        format,
+        texels,
+    })
+}
+
+/// The block's tile at this level or the next coarser one that there is; the coarsest has all.
+fn read(
+    source: &dyn TileSource,
+    layout: &LayerLayout,
+    level: usize,
+    block: u8,
+    cancelled: &dyn Fn() -> bool,
+) -> Result<Tile, TileError> {
+    let has = |level: &LevelLayout| BlockSet::contains(level.present, block);
+    let finer = layout.levels.iter().skip(level).take_while(|l| !has(l));
+    let key = TileKey {
+        layer: layout.layer,
+        level: (level + finer.count()) as u8,
+        block,
+    };
+    if cancelled() {
+        return Err(TileError::Cancelled);
+    }
+    source.read(key, cancelled)
+}
+
+/// Row `y` of a block of `pixels` a side, from a tile that has as many or fewer.
+fn copy_row(tile: &Tile, y: usize, pixels: usize, line: &mut [u8]) {
+    let texel_bytes = tile.format.unit_bytes() as usize;
+    let (own, border) = (tile.shape.pixels as usize, TILE_BORDER as usize);
+    let tile_row = tile.shape.side() as usize * texel_bytes;
+    let texels = tile.mip(0);
+    if own == pixels {
+        let start = (y + border) * tile_row + border * texel_bytes;
+        line.copy_from_slice(&texels[start..start + line.len()]);
+        return;
+    }
+    // Place of a texel's centre on the smaller tile; its border holds what is beyond an edge.
+    let place = |at: usize| {
+        let at = (at as f64 + 0.5) * own as f64 / pixels as f64 - 0.5 + border as f64;
+        (at as usize, at.fract())
+    };
+    let is_signed = tile.format == TileFormat::Rg8Snorm;
+    let value = |byte: u8| {
+        if is_signed {
+            f64::from(byte as i8)
+        } else {
+            f64::from(byte)
+        }
+    };
+    let (row, down) = place(y);
+    for (x, texel) in line.chunks_exact_mut(texel_bytes).enumerate() {
+        let (column, across) = place(x);
+        for (channel, byte) in texel.iter_mut().enumerate() {
+            let at = |row: usize, column: usize| {
+                value(texels[row * tile_row + column * texel_bytes + channel])
+            };
+            let along =
+                |row: usize| at(row, column) * (1.0 - across) + at(row, column + 1) * across;
+            let mixed = along(row) * (1.0 - down) + along(row + 1) * down;
+            *byte = if is_signed {
+                mixed.round() as i8 as u8
+            } else {
+                mixed.round() as u8
+            };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::imagery::tile::{LevelLayout, MapLayer, TileShape};
+
+    /// A pack of tiles whose texels tell block and place. Its finest level has no block 5.
+    struct Made {
+        layouts: Vec<LayerLayout>,
+    }
+
+    impl Made {
+        fn new() -> Self {
+            let level = |pixels, present| LevelLayout {
+                shape: TileShape::new(pixels).expect("in range"),
+                present,
+            };
+            let all = BlockSet::ALL;
+            let most = BlockSet(all.0 & !(1 << 5));
+            let layout = |layer: MapLayer, format, levels| LayerLayout {
+                layer,
+                format,
+                levels,
+            };
+            Self {
+                layouts: vec![
+                    layout(
+                        MapLayer::Day,
+                        TileFormat::Rgba8Srgb,
+                        vec![level(40, most), level(20, all)],
+                    ),
+                    layout(
+                        MapLayer::Normals,
+                        TileFormat::Rg8Snorm,
+                        vec![level(16, all)],
+                    ),
+                ],
+            }
+        }
+    }
+
+    /// A value that rises by 1 a texel of a block of 20, −0.5 at its west edge's outside.
+    fn ramp(at: f64, pixels: f64) -> f64 {
+        (at + 0.5) * 20.0 / pixels + 20.0
+    }
+
+    impl TileSource for Made {
+        fn layers(&self) -> &[LayerLayout] {
+            &self.layouts
+        }
+
+        fn read(&self, key: TileKey, cancelled: &dyn Fn() -> bool) -> Result<Tile, TileError> {
+            if cancelled() {
+                return Err(TileError::Cancelled);
+            }
+            let layout = self.layouts.iter().find(|l| l.layer == key.layer);
+            let layout = layout.ok_or(TileError::Absent(key))?;
+            let level = layout.levels[usize::from(key.level)];
+            if !level.present.contains(key.block) {
+                return Err(TileError::Absent(key));
+            }
+            let (side, pixels) = (level.shape.side() as usize, f64::from(level.shape.pixels));
+            let mut texels = Vec::new();
+            for y in 0..side {
+                for x in 0..side {
+                    let [x, y] = [x, y].map(|at| ramp(at as f64 - 4.0, pixels).max(0.0) as u8);
+                    match layout.format {
+                        TileFormat::Rg8Snorm => texels.extend([0_u8.wrapping_sub(x), y]),
+                        _ => texels.extend([x, y, key.block, 255]),
+                    }
+                }
+            }
+            let bytes = level.shape.bytes(layout.format);
+            texels.resize(bytes, 0);
+            Ok(Tile {
+                format: layout.format,
+                shape: level.shape,
+                texels,
+            })
+        }
+    }
+
+    #[test]
+    fn tiles_are_put_together_at_their_places() {
+        let found = whole_maps(&Made::new(), u64::MAX, &|| false).expect("maps");
+        assert!(found.coarser.is_empty());
+        let day = found.maps.layers[0].as_ref().expect("a day map");
+        assert_eq!((day.width, day.height), (640, 320));
+        for (x, y) in [(0, 0), (639, 0), (45, 81), (600, 319), (210, 3), (239, 39)] {
+            let texel = &day.texels[4 * (y * 640 + x)..][..4];
+            let (column, row) = (x / 40, y / 40);
+            let block = row * 16 + column;
+            let at = |at: usize| ramp((at % 40) as f64, 40.0);
+            // Block 5 is enlarged from tiles of 20: the same ramp to a rounding.
+            for (value, exact) in [(texel[0], at(x)), (texel[1], at(y))] {
+                assert!(
+                    (f64::from(value) - exact).abs() <= 1.3,
+                    "{x} {y}: {texel:?} {exact}"
+                );
+            }
+            assert_eq!((texel[2], texel[3]), (block as u8, 255));
+        }
+        let slopes = found.maps.layers[2].as_ref().expect("slopes");
+        assert_eq!(slopes.texels[2 * 3] as i8, -(ramp(3.0, 16.0) as i8));
+        assert!(found.maps.check().is_ok());
+    }
+
+    #[test]
+    fn memory_decides_the_levels() {
+        let made = Made::new();
+        let day_bytes = 4 * 640 * 320;
+        let slope_bytes = 2 * 256 * 128;
+        assert_eq!(
+            chosen_levels(&made.layouts, day_bytes + slope_bytes),
+            [0, 0]
+        );
+        assert_eq!(
+            chosen_levels(&made.layouts, day_bytes + slope_bytes - 1),
+            [1, 0]
+        );
+        assert_eq!(chosen_levels(&made.layouts, 0), [1, 0]);
+        let found = whole_maps(&made, day_bytes, &|| false).expect("maps");
+        assert_eq!(found.coarser, [("day", 320)]);
+    }
+
+    #[test]
+    fn reading_can_be_stopped() {
+        let stopped = whole_maps(&Made::new(), u64::MAX, &|| true);
+        assert!(matches!(stopped, Err(StillError::Interrupted)));
+    }
+}

@@ -1,0 +1,181 @@
+//! One picture of a reference: rays, and how finely each looks at the maps.
+
+use super::air::Air;
+use super::geometry::{Line, Rays};
+use super::shading::{Ground, Seen};
+use crate::{EyeView, Sky};
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// Most taps along each side of a ray's part of the pixel.
+pub const MOST_TAPS: u32 = 512;
+
+/// Taps for each texel that a ray's part of the pixel is long: at one, a map of stripes of a texel would beat with them.
+const TAPS_PER_TEXEL: f64 = 2.0;
+
+/// Texels are counted as narrow as here where they are narrower, cosine of the latitude (84°): at the pole itself all
+/// columns of a map meet, and none of them means anything.
+const NARROWEST: f64 = 0.1;
+
+/// What a picture is made of.
+pub(super) struct Frame<'r> {
+    ground: &'r Ground,
+    air: Option<&'static Air>,
+    exposure: f64,
+    rays: Rays,
+    /// The figure's diagonal (a, a, b), metres.
+    scale: DVec3,
+    /// The eye in scaled space, and as the air sees it: lifted to the ground if it lies below.
+    eye: DVec3,
+    eye_in_air: DVec3,
+    sun: DVec3,
+    sun_scaled: DVec3,
+    /// Texels of the finest map per radian of longitude and of latitude.
+    texels_per_rad: (f64, f64),
+}
+
+/// The light of one ray.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sample {
+    /// Linear light, clamped to 0…1.
+    pub light: DVec3,
+    /// Whether it met the ground.
+    pub is_ground: bool,
+}
+
+/// A part of the picture, pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell {
+    /// Upper left corner.
+    pub x: f64,
+    /// Upper left corner.
+    pub y: f64,
+    /// Its side.
+    pub side: f64,
+}
+
+impl<'r> Frame<'r> {
+    /// `None` if view or sky are not finite: such a picture is black.
+    pub fn new(
+        ground: &'r Ground,
+        air: Option<&'static Air>,
+        exposure: f64,
+        scale: DVec3,
+        (view, sky): (&EyeView, &Sky),
+        size: (u32, u32),
+    ) -> Option<Self> {
+        let rays = Rays::new(view, size)?;
+        let sun_scaled = (sky.sun_itrf / scale).try_normalize()?;
+        let eye = rays.eye_m / scale;
+        let eye_in_air = match eye.length() {
+            0.0 => DVec3::X,
+            radius if radius < 1.0 => eye / radius,
+            _ => eye,
+        };
+        let (width, height) = ground.maps.finest();
+        Some(Self {
+            ground,
+            air,
+            exposure,
+            rays,
+            scale,
+            eye,
+            eye_in_air,
+            sun: sky.sun_itrf,
+            sun_scaled,
+            texels_per_rad: (f64::from(width) / (2.0 * PI), f64::from(height) / PI),
+        })
+    }
+
+    /// The light of a cell: the air along the ray through its middle, and the mean light of the ground in it, if that
+    /// ray meets the ground.
+    pub fn sample(&self, cell: &Cell) -> Sample {
+        let half = 0.5 * cell.side;
+        let direction = self.rays.at(cell.x + half, cell.y + half);
+        let Some(scaled) = (direction / self.scale).try_normalize() else {
+            return Sample::default();
+        };
+        let line = Line::new(self.eye, scaled);
+        let ground = line.ground();
+        let mut light = match ground {
+            Some(distance) => self.ground_light(cell, direction, &line, distance),
+            None => DVec3::ZERO,
+        };
+        if let Some(air) = self.air {
+            let line = Line::new(self.eye_in_air, scaled);
+            if let Some(sight) = air.sight(&line, self.sun_scaled) {
+                // A white sheet that faces the Sun is L = E/π.
+                light = light * sight.through + sight.light * (PI * self.exposure);
+            }
+        }
+        Sample {
+            light: light.clamp(DVec3::ZERO, DVec3::ONE),
+            is_ground: ground.is_some(),
+        }
+    }
+
+    /// Mean light of the ground in a cell. `line` is the ray through its middle, which meets the ground at `distance`.
+    ///
+    /// The cell is divided into so many equal parts that the rays through their middles, the taps, are no farther apart
+    /// on the ground than half a texel of the finest map, as far as [`MOST_TAPS`] allows. The spacing is that about the
+    /// cell's middle: in a cell that the limb runs through it is wider beyond.
+    fn ground_light(&self, cell: &Cell, direction: DVec3, line: &Line, distance: f64) -> DVec3 {
+        let point = line.point(distance);
+        let (across, down) = self.taps(cell, direction, point, distance);
+        if across == 1 && down == 1 {
+            return self.shade(point, direction);
+        }
+        let (step_x, step_y) = (cell.side / f64::from(across), cell.side / f64::from(down));
+        let (mut sum, mut count) = (DVec3::ZERO, 0_u32);
+        for j in 0..down {
+            let y = cell.y + step_y * (f64::from(j) + 0.5);
+            for i in 0..across {
+                let x = cell.x + step_x * (f64::from(i) + 0.5);
+                let direction = self.rays.at(x, y);
+                let line = Line::new(self.eye, (direction / self.scale).normalize_or_zero());
+                if let Some(distance) = line.ground() {
+                    sum += self.shade(line.point(distance), direction);
+                    count += 1;
+                }
+            }
+        }
+        if count == 0 {
+            return self.shade(point, direction);
+        }
+        sum / f64::from(count)
+    }
+
+    /// Number of taps across and down.
+    fn taps(&self, cell: &Cell, direction: DVec3, point: DVec3, distance: f64) -> (u32, u32) {
+        let up = point / self.scale;
+        let length = up.length();
+        let up = up / length;
+        let across = up.x.hypot(up.y).max(1e-9);
+        let east = DVec3::new(-up.y, up.x, 0.0) / across;
+        let north = up.cross(east);
+        // Metres per unit of the unscaled ray.
+        let reach = distance / (direction / self.scale).length();
+        let facing = up.dot(direction).min(-1e-6 * direction.length());
+        // Both radii of curvature are at most 0.7 % larger.
+        let radius = self.scale.z;
+        let (per_lon, per_lat) = self.texels_per_rad;
+        let count = |step: DVec3| {
+            // The neighbour's ray on the tangent plane, for a step of the whole cell.
+            let moved = (step - direction * (up.dot(step) / facing)) * (reach * cell.side);
+            let u = moved.dot(east).abs() / (radius * across.max(NARROWEST)) * per_lon;
+            let v = moved.dot(north).abs() / radius * per_lat;
+            ((TAPS_PER_TEXEL * u.max(v)).ceil() as u32).clamp(1, MOST_TAPS)
+        };
+        (count(self.rays.right), count(self.rays.down))
+    }
+
+    /// Light of a place in scaled space, the exposure in it.
+    fn shade(&self, point: DVec3, direction: DVec3) -> DVec3 {
+        let seen = Seen {
+            up: (point / self.scale).normalize(),
+            to_eye: -direction.normalize(),
+        };
+        let light = self.ground.shade(&seen, self.sun);
+        light * self.ground.exposure(self.exposure)
+    }
+}

@@ -1,0 +1,179 @@
+//! Pictures by the reference renderer.
+
+use crate::{Place, png_size, words};
+
+/// Four rays a pixel: these pictures are small.
+const REFERENCE: [&str; 4] = ["--renderer", "reference", "--samples", "2"];
+
+fn arguments<'a>(scene: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    [&["frame", scene, "-o", "a.png"], more, &REFERENCE].concat()
+}
+
+#[test]
+fn a_reference_still_looks_like_the_drawn_one_and_tells_its_numbers() {
+    let place = Place::new();
+    place.succeed(&arguments("small.toml", &["--stats", "a.json"]));
+    assert_eq!(png_size(&place.path("a.png")), (64, 36));
+    assert_eq!(place.names(), ["a.json", "a.png", "small.toml"]);
+    let text = std::fs::read_to_string(place.path("a.json")).expect("reads");
+    let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(stats["renderer"], "reference");
+    assert_eq!(stats["samples"], 2);
+    assert_eq!(stats["size"], serde_json::json!([64, 36]));
+    assert_eq!(stats["day_width"], 4096);
+    assert_eq!(
+        stats["features_on"],
+        serde_json::json!(["clouds", "atmosphere"])
+    );
+    let bytes = 4 * 4096 * 2048 + 2048 * 1024;
+    assert_eq!(stats["map_bytes"], bytes);
+    let ground = stats["ground"].as_f64().expect("a number");
+    assert!((0.2..0.9).contains(&ground), "{ground}");
+    assert!(stats["frame_ms"].as_f64().expect("a number") > 0.0);
+    place.succeed(&["frame", "small.toml", "-o", "b.png"]);
+    let open = |name| image::open(place.path(name)).expect("opens").to_rgb8();
+    let (reference, drawn) = (open("a.png"), open("b.png"));
+    let apart = reference.iter().zip(drawn.iter());
+    let sum: u64 = apart.map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+    let mean = sum as f64 / reference.len() as f64;
+    assert!(mean < 6.0, "{mean} of 255 apart");
+    assert!(reference.pixels().any(|pixel| pixel[2] > 60));
+    // The same again is the same file.
+    place.succeed(&[
+        "frame",
+        "small.toml",
+        "-o",
+        "c.png",
+        "--renderer",
+        "reference",
+        "--samples",
+        "2",
+    ]);
+    let read = |name| std::fs::read(place.path(name)).expect("reads");
+    assert_eq!(read("a.png"), read("c.png"));
+}
+
+#[test]
+fn options_that_mean_nothing_together_are_refused() {
+    let place = Place::new();
+    for (more, must_say) in [
+        (&["--samples", "2"][..], "--renderer reference"),
+        (
+            &["--renderer", "gpu", "--samples", "2"],
+            "--renderer reference",
+        ),
+        (&["--renderer", "reference", "--samples", "0"], "--samples"),
+        (&["--renderer", "reference", "--samples", "17"], "--samples"),
+        (
+            &["--renderer", "reference", "--adapter", "llvmpipe"],
+            "--adapter",
+        ),
+        (&["--renderer", "vulkan"], "reference"),
+    ] {
+        let arguments = [&["frame", "small.toml", "-o", "a.png"], more].concat();
+        let words = place.fail(2, &arguments);
+        assert!(words.contains(must_say), "{more:?}: {words}");
+    }
+    assert_eq!(place.names(), ["small.toml"]);
+}
+
+#[test]
+fn without_any_adapter_the_reference_draws() {
+    let place = Place::new();
+    // No machine has both of these.
+    let nowhere = if cfg!(target_os = "macos") {
+        "dx12"
+    } else {
+        "metal"
+    };
+    let run = |arguments: &[&str]| {
+        let mut command = place.command(arguments);
+        command
+            .env("WGPU_BACKEND", nowhere)
+            .output()
+            .expect("the command starts")
+    };
+    let output = run(&["frame", "small.toml", "-o", "a.png", "--size", "16x9"]);
+    assert_eq!(output.status.code(), Some(0), "{}", words(&output));
+    assert!(
+        words(&output).contains("reference renderer"),
+        "{}",
+        words(&output)
+    );
+    assert_eq!(png_size(&place.path("a.png")), (16, 9));
+    // An adapter that was asked for is not replaced.
+    let output = run(&["frame", "small.toml", "-o", "b.png", "--adapter", "any"]);
+    assert_eq!(output.status.code(), Some(1), "{}", words(&output));
+    assert_eq!(place.names(), ["a.png", "small.toml"]);
+}
+
+#[test]
+fn bad_scenes_and_outputs_are_told_as_ever() {
+    let place = Place::new();
+    place.scene("bad.toml", "[camera]\nfov_deg = 0\n");
+    let words = place.fail(2, &arguments("bad.toml", &[]));
+    assert!(words.contains("bad.toml:2"), "{words}");
+    place.scene("far.toml", "[orbit]\n");
+    place.fail(2, &arguments("far.toml", &["--at", "2030-01-01T00:00:00Z"]));
+    let words = place.fail(1, &arguments("small.toml", &["--stats", "nowhere/a.json"]));
+    assert!(words.contains("nowhere"), "{words}");
+    let words = place.fail(1, &arguments("small.toml", &["--size", "16384x16384"]));
+    assert!(
+        words.contains("MiB") && words.contains("smaller"),
+        "{words}"
+    );
+    assert_eq!(place.names(), ["bad.toml", "far.toml", "small.toml"]);
+}
+
+#[test]
+fn the_spacecraft_is_left_out_with_a_warning() {
+    let place = Place::new();
+    place.scene(
+        "chase.toml",
+        "[camera]\nmode = \"chase\"\n[earth]\nclouds = false\nnormals = false\nnight_lights = false\n[output]\nsize = [16, 9]\n",
+    );
+    let output = place.succeed(&arguments("chase.toml", &[]));
+    assert!(words(&output).contains("spacecraft"), "{}", words(&output));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_leaves_nothing_behind() {
+    let place = Place::new();
+    let mut command = place.command(&[
+        "frame",
+        "small.toml",
+        "-o",
+        "a.png",
+        "--size",
+        "2000x2000",
+        "--renderer",
+        "reference",
+        "--samples",
+        "16",
+    ]);
+    let mut child = command
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("the command starts");
+    // Its handler stands when the unfinished file is there.
+    let begin = std::time::Instant::now();
+    while place.names().len() < 2 {
+        assert!(begin.elapsed().as_secs() < 60, "no file appears");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    let kill = std::process::Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(kill.expect("kill").success());
+    let begin = std::time::Instant::now();
+    while child.try_wait().expect("waits").is_none() {
+        assert!(begin.elapsed().as_secs() < 30, "it goes on");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    let output = child.wait_with_output().expect("ends");
+    assert_eq!(output.status.code(), Some(1), "{}", words(&output));
+    assert!(words(&output).contains("interrupted"), "{}", words(&output));
+    assert_eq!(place.names(), ["small.toml"]);
+}

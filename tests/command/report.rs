@@ -1,0 +1,224 @@
+//! `terrella report`: whole reports, partial ones, and refusals.
+
+use crate::{Place, names, words};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+const HEADER: &str = "method,parameter,value,height_km,frame_ms_median,floor_ratio,flip_mean,flip_p99,rmse_linear,\
+                      silhouette_px,geolocation_m,geolocation_px,texels_per_px";
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// The rows of the table; each must be whole.
+fn rows(folder: &Path) -> Vec<Vec<String>> {
+    let table = read(&folder.join("measurements.csv"));
+    let mut lines = table.lines();
+    assert_eq!(lines.next(), Some(HEADER));
+    let rows = lines.map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+    let rows: Vec<_> = rows.collect();
+    for row in &rows {
+        assert_eq!(row.len(), 13, "{row:?}");
+        for number in &row[3..] {
+            assert!(number.parse::<f64>().is_ok(), "{row:?}");
+        }
+    }
+    rows
+}
+
+#[test]
+fn a_report_has_its_table_charts_pictures_and_page() {
+    let place = Place::new();
+    let output = place.succeed(&[
+        "report",
+        "small.toml",
+        "-o",
+        "out",
+        "--quick",
+        "--size",
+        "64x36",
+        "--repeats",
+        "2",
+        "--samples",
+        "1",
+        "--heights",
+        "1000,12000",
+    ]);
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(said.contains("about") && said.contains("12000"), "{said}");
+    assert!(!said.contains("PARTIAL"), "{said}");
+    let folder = place.path("out");
+    let expected = [
+        "index.html",
+        "measurements.csv",
+        "methods.csv",
+        "pictures",
+        "plots",
+        "spread.csv",
+        "stability.csv",
+    ];
+    assert_eq!(names(&folder), expected);
+    let rows = rows(&folder);
+    let values = |parameter: &str| -> Vec<&str> {
+        let of_it = rows
+            .iter()
+            .filter(|row| row[1] == parameter && row[3] == "12000");
+        of_it.map(|row| row[2].as_str()).collect()
+    };
+    assert_eq!(values("scene"), ["as it is"]);
+    assert_eq!(
+        values("subdivision"),
+        ["1", "3", "6", "12", "16", "24", "48"]
+    );
+    assert_eq!(values("visibility"), ["conservative", "paper"]);
+    assert_eq!(values("picture_size"), ["32x18", "64x36"]);
+    assert_eq!(values("shading"), ["sunlit", "paper"]);
+    assert_eq!(values("atmosphere"), ["billboard", "none"]);
+    // A mesh of one cell a block cannot draw the limb; the scene's does.
+    let limb = |value: &str| -> f64 {
+        let is_it =
+            |row: &&Vec<String>| row[1] == "subdivision" && row[2] == value && row[3] == "1000";
+        let row = rows.iter().find(is_it).expect("a row");
+        row[9].parse().expect("a number")
+    };
+    assert!(
+        limb("1") > 20.0 * limb("24"),
+        "{} {}",
+        limb("1"),
+        limb("24")
+    );
+    assert_eq!(names(&folder.join("pictures")).len(), 6);
+    let page = read(&folder.join("index.html"));
+    for part in [
+        "12000km_flip.png",
+        "<svg",
+        "limb",
+        "Formulas",
+        "measurements.csv",
+    ] {
+        assert!(page.contains(part), "{part} is not on the page");
+    }
+    for elsewhere in ["<script", "src=\"http", "href=\"http", "url("] {
+        assert!(!page.contains(elsewhere), "{elsewhere} is on the page");
+    }
+    assert!(!page.contains("Partial"));
+    // On a software adapter a sweep that cannot be is told and not made up.
+    if page.contains("llvmpipe") {
+        assert!(page.contains("not available on this adapter"));
+        assert!(values("anisotropy").is_empty());
+    }
+    // The same folder again: files are replaced, nothing is left over.
+    let hidden = names(&folder.join("plots"));
+    assert!(
+        hidden.iter().all(|name| name.ends_with(".svg")),
+        "{hidden:?}"
+    );
+}
+
+/// Interrupted: what is complete stays and says that it is not all.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_report_is_whole_rows_and_says_so() {
+    use std::io::{BufRead, BufReader, Read};
+    let place = Place::new();
+    let arguments = [
+        "report",
+        "small.toml",
+        "-o",
+        "out",
+        "--size",
+        "96x54",
+        "--repeats",
+        "40",
+        "--samples",
+        "1",
+    ];
+    let mut child = place
+        .command(&arguments)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("starts");
+    let mut stdout = BufReader::new(child.stdout.take().expect("piped"));
+    // The estimate comes after the first row.
+    let mut line = String::new();
+    stdout.read_line(&mut line).expect("a line");
+    assert!(line.contains("measurements"), "{line}");
+    let sent = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(sent.expect("kill starts").success());
+    let mut said = String::new();
+    stdout.read_to_string(&mut said).expect("reads");
+    let output = child.wait_with_output().expect("ends");
+    assert_eq!(output.status.code(), Some(1), "{}", words(&output));
+    assert!(
+        words(&output).contains("interrupted after"),
+        "{}",
+        words(&output)
+    );
+    assert!(said.contains("PARTIAL"), "{said}");
+    let rows = rows(&place.path("out"));
+    assert!((1..200).contains(&rows.len()), "{} rows", rows.len());
+    assert!(read(&place.path("out/index.html")).contains("Partial"));
+    let left = names(&place.path("out"));
+    assert!(left.iter().all(|name| !name.starts_with('.')), "{left:?}");
+}
+
+#[test]
+fn what_cannot_be_reported_is_told_before_drawing() {
+    let place = Place::new();
+    place.scene("a_file", "");
+    place.scene("wrong.toml", "[camera]\nfov_deg = 180\n");
+    let adapter = ["--adapter", "no such adapter"];
+    for (code, arguments, must_say) in [
+        (1, &["report", "small.toml", "-o", "a_file"][..], "a_file"),
+        (1, &["report", "small.toml", "-o", "a_file/out"], "a_file"),
+        (2, &["report", "wrong.toml", "-o", "out"], "wrong.toml:2"),
+        (2, &["report", "missing.toml", "-o", "out"], "missing.toml"),
+        (2, &["report", "small.toml"], "--output"),
+        (
+            2,
+            &["report", "small.toml", "-o", "out", "--repeats", "0"],
+            "--repeats",
+        ),
+        (
+            2,
+            &["report", "small.toml", "-o", "out", "--samples", "0"],
+            "--samples",
+        ),
+        (
+            2,
+            &["report", "small.toml", "-o", "out", "--size", "0x9"],
+            "width",
+        ),
+        (
+            2,
+            &["report", "small.toml", "-o", "out", "--heights", "0.5"],
+            "--heights",
+        ),
+        (
+            2,
+            &["report", "small.toml", "-o", "out", "--heights", "nan"],
+            "--heights",
+        ),
+    ] {
+        let words = place.fail(code, &[arguments, &adapter].concat());
+        assert!(words.contains(must_say), "{arguments:?}: {words}");
+    }
+    assert_eq!(place.names(), ["a_file", "small.toml", "wrong.toml"]);
+    // A folder that nothing can be made in; root may write anywhere.
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        std::fs::create_dir(place.path("shut")).expect("makes");
+        let shut = std::fs::Permissions::from_mode(0o555);
+        std::fs::set_permissions(place.path("shut"), shut).expect("sets");
+        if std::fs::write(place.path("shut/try"), b"").is_err() {
+            let arguments = ["report", "small.toml", "-o", "shut"];
+            let words = place.fail(1, &[&arguments[..], &adapter].concat());
+            assert!(words.contains("shut"), "{words}");
+        }
+    }
+}
