@@ -1,6 +1,8 @@
 //! Pictures by the reference renderer.
 
 use crate::{Place, png_size, words};
+#[cfg(unix)]
+use std::io::{BufRead, BufReader, Read};
 
 /// Four rays a pixel: these pictures are small.
 const REFERENCE: [&str; 4] = ["--renderer", "reference", "--samples", "2"];
@@ -151,29 +153,36 @@ fn an_interrupt_leaves_nothing_behind() {
         "reference",
         "--samples",
         "16",
+        "-v",
     ]);
     let mut child = command
         .stderr(std::process::Stdio::piped())
         .spawn()
         .expect("the command starts");
-    // Its handler stands when the unfinished file is there.
-    let begin = std::time::Instant::now();
-    while place.names().len() < 2 {
-        assert!(begin.elapsed().as_secs() < 60, "no file appears");
-        std::thread::sleep(std::time::Duration::from_millis(20));
+    let mut told = BufReader::new(child.stderr.take().expect("piped"));
+    let mut line = String::new();
+    while !line.contains("rays a pixel") {
+        line.clear();
+        let read = told.read_line(&mut line).expect("reads");
+        assert!(read > 0, "it ends without drawing");
     }
-    std::thread::sleep(std::time::Duration::from_millis(1500));
+    assert_eq!(place.names().len(), 2, "the unfinished file");
     let kill = std::process::Command::new("kill")
         .args(["-INT", &child.id().to_string()])
         .status();
     assert!(kill.expect("kill").success());
     let begin = std::time::Instant::now();
     while child.try_wait().expect("waits").is_none() {
-        assert!(begin.elapsed().as_secs() < 30, "it goes on");
+        if begin.elapsed().as_secs() >= 30 {
+            child.kill().expect("kills");
+            panic!("it goes on");
+        }
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
-    let output = child.wait_with_output().expect("ends");
-    assert_eq!(output.status.code(), Some(1), "{}", words(&output));
-    assert!(words(&output).contains("interrupted"), "{}", words(&output));
+    let mut rest = String::new();
+    told.read_to_string(&mut rest).expect("reads");
+    let status = child.wait().expect("ends");
+    assert_eq!(status.code(), Some(1), "{rest}");
+    assert!(rest.contains("interrupted"), "{rest}");
     assert_eq!(place.names(), ["small.toml"]);
 }

@@ -122,6 +122,11 @@ pub fn write_reference_still(
     let reference = load(flight, request.samples, progress)?;
     progress.end();
     progress.begin("drawing", Some(u64::from(size.1)));
+    let (width, height) = size;
+    tracing::info!(
+        "drawing {width} × {height} pixels with {0} × {0} rays a pixel",
+        request.samples
+    );
     let begin = Instant::now();
     let picture = reference
         .render_unless(
