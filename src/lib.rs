@@ -119,4 +119,4 @@ pub use earth::{
     Change, DepthBuffer, Earth, EarthError, EarthOptions, EyeView, FrameStats, GiveUp, Governor,
     Quality, Rung, Sky, SurfaceOutput, TILED_SUBDIVISION, TileOptions, Viewport,
 };
-pub use globe::{Figure, LevelRule, Shading, Visibility};
+pub use globe::{Figure, LevelRule, Shading, Subdivision, Visibility};

@@ -55,7 +55,7 @@ fn every_pixel_looks_where_the_exact_ray_does() {
     let mut options = EarthOptions::new(position_layers());
     options.atmosphere = Atmosphere::None;
     options.shading = Shading::Paper;
-    options.subdivision = 6;
+    options.subdivision = terrella::Subdivision::Cells(6);
     options.anisotropy = 1;
     let mut rig = Rig::new(&options, SIZE);
     for (name, view) in views(rig.aspect()) {
@@ -103,7 +103,7 @@ fn the_disc_has_no_holes_and_no_fringe() {
         (1, Visibility::Conservative),
         (48, Visibility::Conservative),
     ] {
-        options.subdivision = subdivision;
+        options.subdivision = terrella::Subdivision::Cells(subdivision);
         options.visibility = visibility;
         let mut rig = Rig::new(&options, SIZE);
         // A cell's middle lies this far below the ellipsoid: there, and only there, the limb may be short.
@@ -147,7 +147,7 @@ fn the_papers_shading_is_the_printed_formula() {
     let mut options = EarthOptions::new(layers);
     options.atmosphere = Atmosphere::None;
     options.shading = Shading::Paper;
-    options.subdivision = 48;
+    options.subdivision = terrella::Subdivision::Cells(48);
     let mut rig = Rig::new(&options, SIZE);
     let view = down(Geodetic::from_degrees(15.0, 25.0, 2e7), 30.0, rig.aspect());
     let sun = Ellipsoid::normal(0.2, 1.7);
@@ -188,7 +188,7 @@ fn the_papers_shading_is_the_printed_formula() {
 #[test]
 fn the_sunlit_side_is_lit_and_the_night_is_dark() {
     let mut options = EarthOptions::new(plain([128, 128, 128]));
-    options.subdivision = 24;
+    options.subdivision = terrella::Subdivision::Cells(24);
     for atmosphere in [Atmosphere::None, Atmosphere::Billboard] {
         options.atmosphere = atmosphere;
         let mut rig = Rig::new(&options, SIZE);
@@ -212,7 +212,7 @@ fn the_sunlit_side_is_lit_and_the_night_is_dark() {
 #[test]
 fn halo_and_limb_meet_at_every_distance() {
     let mut options = EarthOptions::new(plain([60, 60, 60]));
-    options.subdivision = 48;
+    options.subdivision = terrella::Subdivision::Cells(48);
     let mut rig = Rig::new(&options, (160, 160));
     for height_m in [1.0e5, 1.0001e5, 2e5, 4e5, 2e6, 7e6, 3.6e7, 3.84e8] {
         for lat in [0.0, 45.0, 90.0] {
@@ -260,7 +260,7 @@ fn halo_and_limb_meet_at_every_distance() {
 #[test]
 fn the_air_is_continuous_where_the_eye_enters_it() {
     let mut options = EarthOptions::new(plain([60, 60, 60]));
-    options.subdivision = 48;
+    options.subdivision = terrella::Subdivision::Cells(48);
     let mut rig = Rig::new(&options, SIZE);
     let mut at = |height_m: f64| {
         let view = tilted(

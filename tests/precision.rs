@@ -36,7 +36,7 @@ fn ground_points_stay_within_a_tenth_of_a_pixel() {
     let mut options = EarthOptions::new(plain([90, 90, 90]));
     options.atmosphere = Atmosphere::None;
     for subdivision in [6, 48] {
-        options.subdivision = subdivision;
+        options.subdivision = terrella::Subdivision::Cells(subdivision);
         let mut rig = Rig::new(&options, SIZE);
         let aspect = rig.aspect();
         for height_m in [100.0, 1e4, 4e5, 3.6e7, 3.84e8] {

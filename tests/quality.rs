@@ -107,7 +107,7 @@ fn follows_the_ladder(options: &EarthOptions, rungs: usize) {
 fn whole_maps_follow_the_ladder() {
     let mut options = EarthOptions::new(layers(map(256, hills)));
     options.samples = 4;
-    options.subdivision = 24;
+    options.subdivision = terrella::Subdivision::Cells(24);
     // No tiles, so detail cannot be given up.
     follows_the_ladder(&options, 8);
 }
@@ -117,7 +117,7 @@ fn tiles_follow_the_ladder() {
     let tiles = Arc::new(FunctionTiles::new(&[256, 128, 64, 32], hills));
     let mut options = EarthOptions::new(layers(tiles.whole(3)));
     options.samples = 4;
-    options.subdivision = 48;
+    options.subdivision = terrella::Subdivision::Cells(48);
     options.tiles = Some(TileOptions {
         texture_bytes: 64_000_000,
         ..TileOptions::new(tiles as Arc<dyn TileSource>)
@@ -133,7 +133,7 @@ fn a_quality_that_is_refused_leaves_the_earth_as_it_was() {
     let quality = *rig.earth.quality();
     let queue = &common::gpu().queue;
     let cells = Quality {
-        subdivision: 49,
+        subdivision: terrella::Subdivision::Cells(49),
         ..quality
     };
     let samples = Quality {

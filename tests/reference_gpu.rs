@@ -98,7 +98,7 @@ fn what_is_drawn_is_near_the_reference() {
     for (name, mut options, moment) in scenes() {
         options.samples = 4;
         // The mesh's silhouette is not what is judged here.
-        options.subdivision = 48;
+        options.subdivision = terrella::Subdivision::Cells(48);
         let reference = Reference::new(&options.layers, ReferenceOptions::of(&options, 3));
         let reference = reference.expect("sound options");
         let exact = reference.render(&moment.view, &moment.sky, SIZE).to_rgba8();

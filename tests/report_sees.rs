@@ -68,7 +68,7 @@ fn layers() -> EarthLayers {
 fn options(layers: EarthLayers) -> EarthOptions {
     let mut options = EarthOptions::new(layers);
     options.atmosphere = Atmosphere::None;
-    options.subdivision = 48;
+    options.subdivision = terrella::Subdivision::Cells(48);
     options.samples = 4;
     options
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use terrella::air::Atmosphere;
 use terrella::earth::Shading;
 use terrella::frames::{Epoch, utc_from_rfc3339};
-use terrella::globe::{Figure, LevelRule, Visibility};
+use terrella::globe::{Figure, LevelRule, Subdivision, Visibility};
 use terrella::scene::{CameraMode, Scene, SceneError, StorageChoice, limits};
 
 /// A folder with what the scenes of these tests refer to: `sat.tle` and `maps/`.
@@ -66,7 +66,7 @@ const BAD: &[Bad] = &[
     ("[camera]\nmode = 1", 2, &["[camera] mode = 1", "must be a string", "\"nadir\", \"horizon\", \"chase\" or \"geodetic\""]),
     ("[earth]\nclouds = \"yes\"", 2, &["[earth] clouds = \"yes\"", "must be true or false, not a string"]),
     ("[earth]\nclouds = 1", 2, &["[earth] clouds = 1", "must be true or false"]),
-    ("[earth]\nsubdivision = 6.5", 2, &["[earth] subdivision = 6.5", "must be a whole number from 1 to 48"]),
+    ("[earth]\nsubdivision = 6.5", 2, &["[earth] subdivision = 6.5", "must be \"auto\" or from 1 to 48"]),
     ("[earth]\nsubdivision = 99999999999999999999", 2, &["[earth] subdivision", "too large to be read"]),
     ("[time]\nspeed = 99999999999999999999", 2, &["[time] speed", "too large to be read"]),
     ("[time]\nspeed = 1e400", 2, &["[time] speed = 1e400", "too large to be read"]),
@@ -96,8 +96,8 @@ const BAD: &[Bad] = &[
     ("[camera]\nheight_km = -5", 2, &["[camera] height_km = -5:", "inside the Earth", "0.001 to 1000000000 km"]),
     ("[camera]\nheight_km = 0", 2, &["[camera] height_km = 0:", "in the surface", "0.001 to 1000000000 km"]),
     ("[camera]\nheight_km = 2e9", 2, &["[camera] height_km = 2e9:", "0.001 to 1000000000 km"]),
-    ("[earth]\nsubdivision = 0", 2, &["[earth] subdivision = 0:", "must be from 1 to 48"]),
-    ("[earth]\nsubdivision = 49", 2, &["[earth] subdivision = 49:", "must be from 1 to 48"]),
+    ("[earth]\nsubdivision = 0", 2, &["[earth] subdivision = 0:", "from 1 to 48"]),
+    ("[earth]\nsubdivision = 49", 2, &["[earth] subdivision = 49:", "from 1 to 48"]),
     ("[earth]\nsubdivision = -6", 2, &["[earth] subdivision = -6:", "must be from 1 to 48"]),
     ("[output]\nsize = [0, 720]", 2, &["[output] size = [0, 720]:", "each be from 1 to 16384 pixels"]),
     ("[output]\nsize = [1280, 0]", 2, &["[output] size = [1280, 0]:", "each be from 1 to 16384 pixels"]),
@@ -260,7 +260,7 @@ fn an_empty_scene_is_all_defaults() {
     assert_eq!(scene.camera.mode, CameraMode::Nadir);
     assert_eq!(scene.camera.fov_deg, 45.0);
     assert_eq!(scene.earth.figure, Figure::Wgs84);
-    assert_eq!(scene.earth.subdivision, 6);
+    assert_eq!(scene.earth.subdivision, Subdivision::Auto);
     assert_eq!(scene.earth.visibility, Visibility::Conservative);
     assert_eq!(scene.earth.shading, Shading::Sunlit);
     assert!(scene.earth.clouds && scene.earth.normals && scene.earth.night_lights);
@@ -301,7 +301,7 @@ fn every_key_is_read() {
     assert_eq!(scene.camera.lon_deg, -10.0);
     assert_eq!(scene.camera.height_km, 0.001);
     assert_eq!(scene.earth.figure, Figure::Sphere);
-    assert_eq!(scene.earth.subdivision, 48);
+    assert_eq!(scene.earth.subdivision, Subdivision::Cells(48));
     assert_eq!(scene.earth.visibility, Visibility::Paper);
     assert_eq!(scene.earth.shading, Shading::Paper);
     assert!(!scene.earth.clouds && !scene.earth.normals && !scene.earth.night_lights);
@@ -323,7 +323,11 @@ fn a_pack_has_defaults_of_its_own() {
     assert_eq!((pack.levels, pack.texel_px), (LevelRule::Screen, 1.0));
     assert_eq!((pack.texture_mb, pack.upload_mb), (512.0, 8.0));
     assert_eq!((pack.storage, pack.water), (StorageChoice::Auto, true));
-    assert_eq!((scene.earth.subdivision, scene.output.wait_s), (24, 30.0));
+    let output = &scene.output;
+    assert_eq!(
+        (scene.earth.subdivision, output.wait_s),
+        (Subdivision::Auto, 30.0)
+    );
     let scene = folder
         .load("[earth]\npack = \"maps\"\nlevels = \"paper\"\nstorage = \"bc\"\nwater = false\nsubdivision = 6\n")
         .expect("good");
@@ -332,7 +336,10 @@ fn a_pack_has_defaults_of_its_own() {
         (pack.levels, pack.storage),
         (LevelRule::Paper, StorageChoice::Bc)
     );
-    assert_eq!((pack.water, scene.earth.subdivision), (false, 6));
+    assert_eq!(
+        (pack.water, scene.earth.subdivision),
+        (false, Subdivision::Cells(6))
+    );
     assert!(scene.summary().contains("the pack"), "{}", scene.summary());
 }
 
@@ -525,7 +532,7 @@ fn the_minimal_scene_and_the_scene_of_the_paper_are_what_they_say() {
     assert_eq!(earth.figure, Figure::Sphere);
     assert_eq!(earth.visibility, Visibility::Paper);
     assert_eq!(earth.shading, Shading::Paper);
-    assert_eq!(earth.subdivision, 6);
+    assert_eq!(earth.subdivision, Subdivision::Cells(6));
     assert!(earth.clouds && earth.normals);
     assert_eq!(earth.atmosphere, Atmosphere::Billboard);
 }

@@ -48,7 +48,7 @@ fn bare(layers: EarthLayers) -> EarthOptions {
     options.shading = Shading::Paper;
     options.anisotropy = 1;
     // A pixel whose ray meets the ground in the next block finds its texel in the border only if the mesh is fine.
-    options.subdivision = TILED_SUBDIVISION;
+    options.subdivision = terrella::Subdivision::Cells(TILED_SUBDIVISION);
     options
 }
 

@@ -187,7 +187,7 @@ mod tests {
     use crate::air::Atmosphere;
 
     const FULL: Quality = Quality {
-        subdivision: 48,
+        subdivision: crate::globe::Subdivision::Auto,
         anisotropy: 8,
         samples: 4,
         texel_px: 1.0,

@@ -18,7 +18,7 @@ mod view;
 use crate::air::{Atmosphere, Billboard, EARTH_AIR};
 use crate::frames::{Epoch, Geodetic, sun_direction_itrf};
 pub use crate::globe::Shading;
-use crate::globe::{BlockGrid, COLUMNS, Visibility, select_blocks, texels_per_pixel};
+use crate::globe::{COLUMNS, Meshes, Visibility, select_blocks, texels_per_pixel};
 use crate::gpu::{AirDrawable, Frame, PassFormat, SurfaceDrawable, SurfaceLook};
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::stream::StreamCounters;
@@ -69,6 +69,8 @@ pub struct FrameStats {
     pub blocks_visible: u32,
     /// Blocks left by the frustum test too.
     pub blocks_drawn: u32,
+    /// Cells per block edge that were drawn.
+    pub subdivision: u32,
     /// Triangles drawn, air included.
     pub triangles: u32,
     /// Draw calls, air included.
@@ -98,7 +100,7 @@ const WAITING_UPLOAD_BYTES: u64 = 64_000_000;
 /// The host owns device, queue, pass and depth buffer. Once a frame: [`Earth::prepare`], then [`Earth::render`] inside
 /// the host's pass. Neither waits for disk or GPU.
 pub struct Earth {
-    grid: BlockGrid,
+    meshes: Meshes,
     visibility: Visibility,
     exposure: f32,
     surface: SurfaceDrawable,
@@ -124,7 +126,8 @@ impl Earth {
         queue: &wgpu::Queue,
         options: &EarthOptions,
     ) -> Result<Self, EarthError> {
-        let grid = BlockGrid::new(options.figure.ellipsoid(), options.subdivision)?;
+        let least = least_cells(options.tiles.is_some());
+        let meshes = Meshes::new(options.figure.ellipsoid(), options.subdivision, least)?;
         if !(options.exposure.is_finite() && options.exposure >= 0.0) {
             return Err(EarthError::Exposure(options.exposure));
         }
@@ -171,7 +174,7 @@ impl Earth {
         };
         let look = look(device, style, format, &quality, air.as_ref());
         let pools = tiles.as_ref().map(TileDriver::pools);
-        let surface = SurfaceDrawable::new(device, queue, &grid, layers, pools, &look)?;
+        let surface = SurfaceDrawable::new(device, queue, meshes.grids(), layers, pools, &look)?;
         let refused = resolved(scope.pop());
         let full = resolved(memory.pop());
         if let Some(error) = full {
@@ -189,7 +192,7 @@ impl Earth {
             ..FrameStats::default()
         };
         Ok(Self {
-            grid,
+            meshes,
             visibility: options.visibility,
             exposure: options.exposure,
             surface,
@@ -288,7 +291,9 @@ impl Earth {
         if self.style.output == SurfaceOutput::Places {
             quality.atmosphere = Atmosphere::None;
         }
-        let grid = BlockGrid::new(self.grid.ellipsoid(), quality.subdivision)?;
+        let ellipsoid = self.meshes.grid().ellipsoid();
+        let least = least_cells(self.tiles.is_some());
+        let meshes = Meshes::new(ellipsoid, quality.subdivision, least)?;
         let format = PassFormat {
             samples: quality.samples,
             ..self.format
@@ -303,8 +308,8 @@ impl Earth {
             (Atmosphere::Billboard, None) => Some(AirDrawable::new(&device, queue, format)?),
         };
         let look = look(&device, self.style, format, &quality, air.as_ref());
-        self.surface.set_look(&device, &grid, &look)?;
-        (self.grid, self.air, self.format, self.quality) = (grid, air, format, quality);
+        self.surface.set_look(&device, meshes.grids(), &look)?;
+        (self.meshes, self.air, self.format, self.quality) = (meshes, air, format, quality);
         if let Some(tiles) = &mut self.tiles {
             tiles.set_quality(&quality);
         }
@@ -325,8 +330,8 @@ impl Earth {
         target: Viewport,
         upload_bytes: Option<u64>,
     ) -> FrameStats {
-        let (eye_itrf_m, clip_from_eye) = self.plan(view);
         let rays = view.pixel_rays(target);
+        let (eye_itrf_m, clip_from_eye) = self.plan(view, rays.down.length());
         let sky = sky
             .with_unit_sun()
             .filter(|_| can_be_drawn(eye_itrf_m, &clip_from_eye, &rays));
@@ -341,7 +346,7 @@ impl Earth {
         };
         self.choose_maps(queue, eye_itrf_m, &rays, sky, upload_bytes);
         self.stats.pixel_m = self.stats.eye.height_m.max(0.0) * rays.down.length();
-        let ellipsoid = self.grid.ellipsoid();
+        let ellipsoid = self.meshes.grid().ellipsoid();
         let scale = ellipsoid.itrf_from_scaled();
         let eye_scaled = eye_itrf_m / scale;
         let distance = eye_scaled.length();
@@ -380,9 +385,9 @@ impl Earth {
         let Some(tiles) = &mut self.tiles else {
             let nearest_m = self.surface.drawn().iter();
             let nearest_m = nearest_m
-                .map(|block| self.grid.distance_m(*block, eye_itrf_m))
+                .map(|block| self.meshes.grid().distance_m(*block, eye_itrf_m))
                 .fold(f64::INFINITY, f64::min);
-            let radius_m = self.grid.ellipsoid().equatorial_radius_m;
+            let radius_m = self.meshes.grid().ellipsoid().equatorial_radius_m;
             self.stats.texels_per_pixel = if nearest_m.is_finite() {
                 texels_per_pixel(self.whole_day_pixels, radius_m, nearest_m, pixel_rad)
             } else {
@@ -396,7 +401,7 @@ impl Earth {
             pixel_rad,
         };
         let frame = tiles.prepare(
-            &self.grid,
+            self.meshes.grid(),
             &eye,
             upload_bytes,
             &mut self.surface,
@@ -410,27 +415,34 @@ impl Earth {
     }
 
     /// The part of [`Self::prepare`] that needs no GPU: selection and the eye-relative vertices. Allocates nothing.
-    fn plan(&mut self, view: &EyeView) -> (DVec3, DMat4) {
+    fn plan(&mut self, view: &EyeView, pixel_rad: f64) -> (DVec3, DMat4) {
         let (eye_itrf_m, clip_from_eye) = view.to_itrf();
+        self.stats.eye = self
+            .meshes
+            .grid()
+            .ellipsoid()
+            .geodetic_from_itrf(eye_itrf_m);
+        let place = self.meshes.choose(self.stats.eye.height_m, pixel_rad);
+        self.surface.choose_grid(place);
+        self.stats.subdivision = self.meshes.grid().subdivision();
         let selection = select_blocks(
-            &self.grid,
+            self.meshes.grid(),
             self.visibility,
             eye_itrf_m,
             &clip_from_eye,
             self.surface.drawn_mut(),
         );
-        self.surface.stage(&self.grid, eye_itrf_m);
+        self.surface.stage(self.meshes.grid(), eye_itrf_m);
         let drawn = self.surface.drawn();
         let air = u32::from(self.air.is_some());
         self.stats.blocks_visible = selection.visible;
         self.stats.blocks_drawn = drawn.len() as u32;
         self.stats.triangles = drawn
             .iter()
-            .map(|block| self.grid.triangles(block.kind()))
+            .map(|block| self.meshes.grid().triangles(block.kind()))
             .sum::<u32>()
             + 2 * air;
         self.stats.draw_calls = drawn.len() as u32 + air;
-        self.stats.eye = self.grid.ellipsoid().geodetic_from_itrf(eye_itrf_m);
         (eye_itrf_m, clip_from_eye)
     }
 
@@ -449,8 +461,8 @@ impl Earth {
     /// The vertices that the GPU gets, eye-relative ITRF metres, each beside its exact ITRF position.
     pub fn vertices(&self) -> impl Iterator<Item = (Vec3, DVec3)> {
         let exact = self.surface.drawn().iter().flat_map(|block| {
-            (0..=self.grid.subdivision())
-                .flat_map(|row| self.grid.vertex_row(*block, row).iter().copied())
+            (0..=self.meshes.grid().subdivision())
+                .flat_map(|row| self.meshes.grid().vertex_row(*block, row).iter().copied())
         });
         self.surface.staged().iter().copied().zip(exact)
     }
@@ -517,6 +529,11 @@ fn look<'a>(
             .filter(|_| style.shading == Shading::Sunlit)
             .map(|air| &air.sunlight),
     }
+}
+
+/// Fewest cells per block edge that are chosen automatically.
+fn least_cells(has_tiles: bool) -> u32 {
+    if has_tiles { TILED_SUBDIVISION } else { 1 }
 }
 
 /// Whether the device reads the tiles' formats.

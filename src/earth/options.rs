@@ -2,7 +2,7 @@
 
 use super::TileOptions;
 use crate::air::Atmosphere;
-use crate::globe::{Figure, Shading, SubdivisionError, Visibility};
+use crate::globe::{Figure, Shading, Subdivision, SubdivisionError, Visibility};
 use crate::gpu::{DepthBuffer, ShaderError, SurfaceOutput};
 use crate::imagery::{EarthLayers, ImageryError};
 
@@ -17,8 +17,8 @@ pub struct EarthOptions {
     pub tiles: Option<TileOptions>,
     /// The figure.
     pub figure: Figure,
-    /// Cells per block edge, 1…48.
-    pub subdivision: u32,
+    /// Cells per block edge.
+    pub subdivision: Subdivision,
     /// Which blocks are drawn.
     pub visibility: Visibility,
     /// How they are shaded.
@@ -48,7 +48,7 @@ impl EarthOptions {
             layers,
             tiles: None,
             figure: Figure::default(),
-            subdivision: 6,
+            subdivision: Subdivision::default(),
             visibility: Visibility::default(),
             shading: Shading::default(),
             atmosphere: Atmosphere::default(),

@@ -2,14 +2,15 @@
 
 use super::{EarthOptions, TILED_SUBDIVISION};
 use crate::air::Atmosphere;
+use crate::globe::Subdivision;
 use crate::imagery::tile::{MAP_LAYERS, MapLayer};
 use std::fmt;
 
 /// How well an Earth is drawn: what [`super::Earth::set_quality`] changes while maps and tiles stay where they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
-    /// Cells per block edge, 1…48.
-    pub subdivision: u32,
+    /// Cells per block edge.
+    pub subdivision: Subdivision,
     /// Most samples that a map is filtered with at a grazing view, as in [`EarthOptions::anisotropy`].
     pub anisotropy: u16,
     /// Sample count of the pass. The host's pass must have as many.
@@ -125,7 +126,10 @@ impl GiveUp {
             Self::Relief => without(&[MapLayer::Normals]),
             Self::Samples => Quality { samples: 1, ..from },
             Self::Roundness => Quality {
-                subdivision: from.subdivision.min(coarsest),
+                subdivision: Subdivision::Cells(match from.subdivision {
+                    Subdivision::Auto => coarsest,
+                    Subdivision::Cells(cells) => cells.min(coarsest),
+                }),
                 ..from
             },
             Self::Lights => without(&[MapLayer::NightLights, MapLayer::Water]),
@@ -160,7 +164,7 @@ mod tests {
 
     fn full() -> Quality {
         Quality {
-            subdivision: 24,
+            subdivision: Subdivision::Auto,
             anisotropy: 8,
             samples: 4,
             texel_px: 1.0,
@@ -172,7 +176,7 @@ mod tests {
     #[test]
     fn every_rung_gives_up_one_thing_more() {
         let full = || Quality {
-            subdivision: 48,
+            subdivision: Subdivision::Cells(48),
             ..full()
         };
         let ladder = full().ladder(true, false);
@@ -188,7 +192,10 @@ mod tests {
             assert_ne!(pair[0].quality, pair[1].quality);
         }
         let last = ladder[ladder.len() - 1].quality;
-        assert_eq!((last.samples, last.subdivision), (1, TILED_SUBDIVISION));
+        assert_eq!(
+            (last.samples, last.subdivision),
+            (1, Subdivision::Cells(TILED_SUBDIVISION))
+        );
         assert_eq!(last.maps, [true, false, false, false, false]);
     }
 
@@ -198,7 +205,7 @@ mod tests {
         let software = names(full().ladder(false, true));
         assert!(!software.contains(&GiveUp::Anisotropy) && !software.contains(&GiveUp::Detail));
         let mut bare = Quality {
-            subdivision: 6,
+            subdivision: Subdivision::Cells(6),
             anisotropy: 1,
             samples: 1,
             atmosphere: Atmosphere::None,

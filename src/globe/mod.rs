@@ -2,16 +2,18 @@
 //!
 //! The Earth is cut into 16 × 8 blocks of 22.5° each; a block is drawn as a lattice of n × n cells.
 //! [`BlockGrid`] holds the lattice in f64, [`select_blocks`] chooses what an eye needs, [`screen_level`] and [`paper_level`]
-//! how fine a map it needs there.
+//! how fine a map it needs there, [`Meshes`] how fine a lattice.
 
 mod blocks;
 mod levels;
+mod meshes;
 mod select;
 
 pub use blocks::{BLOCK_COUNT, Block, BlockGrid, BlockRow, COLUMNS, ROWS, SubdivisionError};
 pub use levels::{
     HYSTERESIS, LevelRule, PAPER_BANDS_M, paper_level, screen_level, texels_per_pixel,
 };
+pub use meshes::{LIMB_PX, Meshes, Subdivision, limb_error_px};
 pub use select::{Selection, select_blocks};
 
 /// Which blocks are drawn.

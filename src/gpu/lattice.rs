@@ -33,10 +33,16 @@ pub(super) const BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
     }),
 ];
 
-/// Buffers for all blocks of a grid.
+/// Buffers for all blocks, of one or more grids.
 pub(super) struct Lattice {
     vertices: wgpu::Buffer,
     instances: wgpu::Buffer,
+    cells: Vec<Cells>,
+    current: usize,
+}
+
+/// The triangles of a grid's blocks.
+struct Cells {
     indices: wgpu::Buffer,
     /// Ranges of the index buffer for north, middle and south blocks.
     ranges: [std::ops::Range<u32>; 3],
@@ -44,7 +50,7 @@ pub(super) struct Lattice {
 }
 
 impl Lattice {
-    pub fn new(device: &wgpu::Device, grid: &BlockGrid) -> Self {
+    pub fn new(device: &wgpu::Device, grids: &[BlockGrid]) -> Self {
         let instances: Vec<BlockInstance> = Block::all()
             .map(|block| {
                 let cos_sin = |angle: f64| Vec2::new(angle.cos() as f32, angle.sin() as f32);
@@ -61,41 +67,29 @@ impl Lattice {
             contents: bytemuck::cast_slice(&instances),
             usage: wgpu::BufferUsages::VERTEX,
         });
-        let lists =
-            [BlockRow::North, BlockRow::Middle, BlockRow::South].map(|kind| grid.indices(kind));
-        let mut start = 0;
-        let ranges = [0, 1, 2].map(|kind: usize| {
-            let range = start..start + lists[kind].len() as u32;
-            start = range.end;
-            range
-        });
-        let mut list = lists.concat();
-        // Buffer sizes are multiples of four bytes.
-        list.resize(list.len().next_multiple_of(2), 0);
-        let indices = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("terrella block indices"),
-            contents: bytemuck::cast_slice(&list),
-            usage: wgpu::BufferUsages::INDEX,
-        });
-        let vertices_per_block = grid.vertices_per_block();
         let vertices = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("terrella block vertices"),
-            size: (Self::most_vertices(grid) * size_of::<Vec3>()) as u64,
+            size: (Self::most_vertices(grids) * size_of::<Vec3>()) as u64,
             usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
         Self {
             vertices,
             instances,
-            indices,
-            ranges,
-            vertices_per_block,
+            cells: grids.iter().map(|grid| Cells::new(device, grid)).collect(),
+            current: 0,
         }
     }
 
-    /// Vertices of all blocks together.
-    pub fn most_vertices(grid: &BlockGrid) -> usize {
-        (BLOCK_COUNT * grid.vertices_per_block()) as usize
+    /// Vertices of all blocks together, of the finest grid.
+    pub fn most_vertices(grids: &[BlockGrid]) -> usize {
+        let per_block = grids.iter().map(BlockGrid::vertices_per_block).max();
+        (BLOCK_COUNT * per_block.unwrap_or(0)) as usize
+    }
+
+    /// Draws from now on with the grid at this place.
+    pub fn choose(&mut self, place: usize) {
+        self.current = place.min(self.cells.len() - 1);
     }
 
     /// Writes the vertices of the blocks that are drawn, eye-relative ITRF metres. Returns the bytes written.
@@ -109,19 +103,46 @@ impl Lattice {
 
     /// Makes the buffers those of the pass.
     pub fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
+        let indices = &self.cells[self.current].indices;
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_vertex_buffer(1, self.instances.slice(..));
-        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
+        pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint16);
     }
 
     /// Draws a block whose vertices were written as the `place`th.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, place: u32, block: Block) {
+        let cells = &self.cells[self.current];
         let range = match block.kind() {
-            BlockRow::North => &self.ranges[0],
-            BlockRow::Middle => &self.ranges[1],
-            BlockRow::South => &self.ranges[2],
+            BlockRow::North => &cells.ranges[0],
+            BlockRow::Middle => &cells.ranges[1],
+            BlockRow::South => &cells.ranges[2],
         };
-        let base = (place * self.vertices_per_block) as i32;
+        let base = (place * cells.vertices_per_block) as i32;
         pass.draw_indexed(range.clone(), base, block.index()..block.index() + 1);
+    }
+}
+
+impl Cells {
+    fn new(device: &wgpu::Device, grid: &BlockGrid) -> Self {
+        let lists =
+            [BlockRow::North, BlockRow::Middle, BlockRow::South].map(|kind| grid.indices(kind));
+        let mut start = 0;
+        let ranges = [0, 1, 2].map(|kind: usize| {
+            let range = start..start + lists[kind].len() as u32;
+            start = range.end;
+            range
+        });
+        let mut list = lists.concat();
+        // Buffer sizes are multiples of four bytes.
+        list.resize(list.len().next_multiple_of(2), 0);
+        Self {
+            indices: device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some("terrella block indices"),
+                contents: bytemuck::cast_slice(&list),
+                usage: wgpu::BufferUsages::INDEX,
+            }),
+            ranges,
+            vertices_per_block: grid.vertices_per_block(),
+        }
     }
 }

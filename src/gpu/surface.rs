@@ -50,7 +50,7 @@ impl SurfaceDrawable {
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        grid: &BlockGrid,
+        grids: &[BlockGrid],
         layers: &EarthLayers,
         pools: Option<&[Pool]>,
         look: &SurfaceLook<'_>,
@@ -78,24 +78,24 @@ impl SurfaceDrawable {
         Ok(Self {
             pipeline,
             bind_group,
-            lattice: Lattice::new(device, grid),
+            lattice: Lattice::new(device, grids),
             maps,
             imagery,
             frame,
-            staging: Vec::with_capacity(Lattice::most_vertices(grid)),
+            staging: Vec::with_capacity(Lattice::most_vertices(grids)),
             drawn: Vec::with_capacity(BLOCK_COUNT as usize),
             texture_bytes,
             variant,
         })
     }
 
-    /// Draws from now on with this look and grid. Maps and tiles stay where they are.
+    /// Draws from now on with this look and these grids. Maps and tiles stay where they are.
     ///
     /// Nothing is drawn until the next frame is staged.
     pub fn set_look(
         &mut self,
         device: &wgpu::Device,
-        grid: &BlockGrid,
+        grids: &[BlockGrid],
         look: &SurfaceLook<'_>,
     ) -> Result<(), ShaderError> {
         self.maps.arrange(device, look.shown, look.anisotropy);
@@ -105,8 +105,8 @@ impl SurfaceDrawable {
         }
         (self.variant, self.pipeline, self.bind_group) =
             assemble(device, &self.maps, &self.imagery, &self.frame, look)?;
-        self.lattice = Lattice::new(device, grid);
-        self.staging = Vec::with_capacity(Lattice::most_vertices(grid));
+        self.lattice = Lattice::new(device, grids);
+        self.staging = Vec::with_capacity(Lattice::most_vertices(grids));
         self.drawn.clear();
         Ok(())
     }
@@ -119,6 +119,11 @@ impl SurfaceDrawable {
     /// The blocks that are drawn.
     pub fn drawn(&self) -> &[Block] {
         &self.drawn
+    }
+
+    /// Draws with the grid at this place from the next staging on.
+    pub fn choose_grid(&mut self, place: usize) {
+        self.lattice.choose(place);
     }
 
     /// Subtracts the eye from every vertex of the drawn blocks, in f64.

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::air::Atmosphere;
 use crate::frames::{Epoch, utc_from_rfc3339};
-use crate::globe::{Figure, LevelRule, Shading, Visibility};
+use crate::globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
 use serde::Deserialize;
 use std::ops::RangeInclusive;
 use toml::Spanned;
@@ -231,7 +231,7 @@ impl Source<'_> {
         }
         Ok(EarthTable {
             figure: self.choice(&field!(earth.figure), Figure::default())?,
-            subdivision: self.subdivision(&field!(earth.subdivision), earth.pack.is_some())?,
+            subdivision: self.subdivision(&field!(earth.subdivision))?,
             visibility: self.choice(&field!(earth.visibility), Visibility::default())?,
             shading,
             clouds: flag(&field!(earth.clouds), true),
@@ -316,16 +316,16 @@ impl Source<'_> {
         Err(self.refuse(field, advice))
     }
 
-    fn subdivision(&self, field: &Field<'_, i64>, has_pack: bool) -> Result<u32, SceneError> {
-        let Some(given) = field.given else {
-            return Ok(match has_pack {
-                true => DEFAULT_PACK_SUBDIVISION,
-                false => DEFAULT_SUBDIVISION,
-            });
+    fn subdivision(&self, field: &Field<'_, toml::Value>) -> Result<Subdivision, SceneError> {
+        let cells = match field.given.map(Spanned::get_ref) {
+            None => return Ok(Subdivision::Auto),
+            Some(toml::Value::String(text)) if text == "auto" => return Ok(Subdivision::Auto),
+            Some(toml::Value::Integer(cells)) => in_range(*cells, &SUBDIVISION),
+            Some(_) => None,
         };
-        in_range(*given.get_ref(), &SUBDIVISION).ok_or_else(|| {
+        cells.map(Subdivision::Cells).ok_or_else(|| {
             let advice = format!(
-                "must be from {} cells per block edge",
+                "must be \"auto\" or from {} cells per block edge",
                 span_of(&SUBDIVISION)
             );
             self.refuse(field, advice)

@@ -59,11 +59,6 @@ pub const DEFAULT_FRAME_RATE_HZ: f64 = 30.0;
 pub const DEFAULT_FOV_DEG: f64 = 45.0;
 /// `[camera] height_km` where a geodetic scene gives none: the whole disc in view.
 pub const DEFAULT_HEIGHT_KM: f64 = 20_000.0;
-/// `[earth] subdivision` where a scene gives none: the paper's.
-pub const DEFAULT_SUBDIVISION: u32 = 6;
-/// `[earth] subdivision` where a scene with a pack gives none: fine enough for tiles that meet at grazing views, see
-/// `TILED_SUBDIVISION`.
-pub const DEFAULT_PACK_SUBDIVISION: u32 = 24;
 /// `[output] size` where a scene gives none.
 pub const DEFAULT_SIZE_PX: [u32; 2] = [1280, 720];
 /// `[output] samples` where a scene gives none.

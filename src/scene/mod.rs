@@ -17,7 +17,7 @@ mod summary;
 
 use crate::air::Atmosphere;
 use crate::frames::Epoch;
-use crate::globe::{Figure, LevelRule, Shading, Visibility};
+use crate::globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -187,8 +187,8 @@ pub struct Camera {
 pub struct EarthTable {
     /// The figure.
     pub figure: Figure,
-    /// Cells per block edge, 1…48.
-    pub subdivision: u32,
+    /// Cells per block edge.
+    pub subdivision: Subdivision,
     /// Which blocks are drawn.
     pub visibility: Visibility,
     /// How the surface is shaded.

@@ -67,7 +67,8 @@ table!(RawCamera {
 
 table!(RawEarth {
     figure: String = "a string: \"wgs84\" or \"sphere\"",
-    subdivision: i64 = "a whole number from 1 to 48",
+    // Any value: a number or a word.
+    subdivision: toml::Value = "\"auto\" or a whole number from 1 to 48",
     visibility: String = "a string: \"conservative\" or \"paper\"",
     shading: String = "a string: \"sunlit\" or \"paper\"",
     clouds: bool = "true or false",

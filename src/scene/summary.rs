@@ -6,7 +6,7 @@ use super::field::written;
 use super::raw::TABLES;
 use super::{CameraMode, PackTable, Scene};
 use crate::air::Atmosphere;
-use crate::globe::LevelRule;
+use crate::globe::{LevelRule, Subdivision};
 use std::fmt::Write;
 
 impl Scene {
@@ -89,7 +89,10 @@ impl Scene {
             ("camera", "lon_deg") => place(camera.lon_deg),
             ("camera", "height_km") => place(camera.height_km),
             ("earth", "figure") => quoted(&written(&earth.figure)),
-            ("earth", "subdivision") => Ok(earth.subdivision.to_string()),
+            ("earth", "subdivision") => match earth.subdivision {
+                Subdivision::Auto => quoted("auto"),
+                Subdivision::Cells(cells) => Ok(cells.to_string()),
+            },
             ("earth", "visibility") => quoted(&written(&earth.visibility)),
             ("earth", "shading") => quoted(&written(&earth.shading)),
             ("earth", "clouds") => Ok(earth.clouds.to_string()),

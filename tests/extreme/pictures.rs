@@ -42,7 +42,7 @@ fn the_mesh_ends_no_farther_below_the_horizon_than_its_cells_are_deep() {
     let place = |height_m| Geodetic::from_degrees(3.3, 14.1, height_m);
     for subdivision in [6, 24, 48] {
         let mut options = EarthOptions::new(plain([120, 130, 140]));
-        options.subdivision = subdivision;
+        options.subdivision = terrella::Subdivision::Cells(subdivision);
         let mut rig = Rig::new(&options, (16, lines));
         for height_m in [1.0, 100.0, 1e4, 1e5] {
             let dip = |depth_m: f64| (2.0 * (height_m + depth_m) / R).sqrt();

@@ -6,7 +6,9 @@ use crate::gpu::{Attachments, GpuContext, color_texture, read_floats};
 use crate::imagery::{EarthLayers, LayerImage};
 use crate::measure::reference::ground_point;
 use crate::play::PlayError;
-use crate::{Earth, EarthError, EarthOptions, EyeView, Figure, Sky, SurfaceOutput, Visibility};
+use crate::{
+    Earth, EarthError, EarthOptions, EyeView, Figure, Sky, Subdivision, SurfaceOutput, Visibility,
+};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -40,13 +42,13 @@ impl PlacesEarth {
     pub fn new(
         gpu: &GpuContext,
         figure: Figure,
-        subdivision: u32,
+        cells: u32,
         visibility: Visibility,
     ) -> Result<Self, PlayError> {
         let day = LayerImage::from_rgba8(1, 1, vec![0; 4]).map_err(EarthError::from)?;
         let options = EarthOptions {
             figure,
-            subdivision,
+            subdivision: Subdivision::Cells(cells),
             visibility,
             output: SurfaceOutput::Places,
             color_format: SurfaceOutput::PLACES,

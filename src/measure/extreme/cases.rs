@@ -2,7 +2,7 @@
 
 use super::{places, settings};
 use crate::frames::{Ellipsoid, Geodetic};
-use crate::{EyeView, Sky};
+use crate::{EyeView, Sky, Subdivision};
 use glam::DVec3;
 
 /// What must be lit. A pixel that is not finite fails in every case.
@@ -47,7 +47,7 @@ pub struct ExtremeCase {
     /// [`crate::EarthOptions::exposure`].
     pub exposure: f32,
     /// [`crate::EarthOptions::subdivision`].
-    pub subdivision: u32,
+    pub subdivision: Subdivision,
 }
 
 impl ExtremeCase {
@@ -71,7 +71,7 @@ impl ExtremeCase {
             sides: [Side::Pixels(64); 2],
             has_air: true,
             exposure: 1.4,
-            subdivision: 24,
+            subdivision: Subdivision::Cells(24),
         }
     }
 

@@ -1,8 +1,8 @@
 //! Strange projections, pictures, Suns and options, and what is not finite.
 
 use super::cases::{ALL, ExtremeCase, Lit, Side, TOWARDS, centred, down, level, over};
-use crate::EyeView;
 use crate::frames::Ellipsoid;
+use crate::{EyeView, Subdivision};
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 
 pub(super) fn cases() -> Vec<ExtremeCase> {
@@ -287,7 +287,7 @@ fn options() -> Vec<ExtremeCase> {
         ..refused(name, "exposure")
     };
     let subdivided = |name, subdivision| ExtremeCase {
-        subdivision,
+        subdivision: Subdivision::Cells(subdivision),
         ..refused(name, "subdivision")
     };
     vec![

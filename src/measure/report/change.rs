@@ -3,7 +3,7 @@
 use crate::gpu::{FrameTargets, GpuContext};
 use crate::imagery::{EarthLayers, LayerImage};
 use crate::measure::STATIONS;
-use crate::{Atmosphere, EarthOptions, LevelRule, Shading, TileOptions, Visibility};
+use crate::{Atmosphere, EarthOptions, LevelRule, Shading, Subdivision, TileOptions, Visibility};
 
 /// One setting that differs from the scene's.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,7 +11,7 @@ pub enum Change {
     /// None: the scene as it is.
     Scene,
     /// Cells per block edge.
-    Subdivision(u32),
+    Subdivision(Subdivision),
     /// Which blocks are drawn.
     Visibility(Visibility),
     /// Whole maps without so many of their finest levels, each half as large as the one before.
@@ -66,7 +66,10 @@ impl Change {
     pub fn value(&self) -> String {
         match self {
             Self::Scene => "as it is".into(),
-            Self::Subdivision(n) | Self::TextureLevel(n) | Self::Samples(n) => n.to_string(),
+            Self::Subdivision(Subdivision::Auto) => "auto".into(),
+            Self::Subdivision(Subdivision::Cells(n)) | Self::TextureLevel(n) | Self::Samples(n) => {
+                n.to_string()
+            }
             Self::Anisotropy(n) => n.to_string(),
             Self::Visibility(Visibility::Conservative) => "conservative".into(),
             Self::Visibility(Visibility::Paper) => "paper".into(),
@@ -86,7 +89,7 @@ impl Change {
         let mut options = options.clone();
         match *self {
             Self::Scene | Self::Size(_) => {}
-            Self::Subdivision(n) => options.subdivision = n,
+            Self::Subdivision(cells) => options.subdivision = cells,
             Self::Visibility(rule) => options.visibility = rule,
             Self::TextureLevel(n) => options.layers = reduced(&options.layers, n),
             Self::TexelPx(px) => alter(&mut options.tiles, |tiles| {
@@ -188,7 +191,9 @@ impl Plan {
             true => &[1, 3, 6, 12, 16, 24, 48],
             false => &[1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48],
         };
-        changes.extend(subdivisions.iter().map(|n| Change::Subdivision(*n)));
+        changes.push(Change::Subdivision(Subdivision::Auto));
+        let cells = subdivisions.iter().map(|n| Subdivision::Cells(*n));
+        changes.extend(cells.map(Change::Subdivision));
         changes.extend([Visibility::Conservative, Visibility::Paper].map(Change::Visibility));
         match options.tiles {
             Some(_) => {
@@ -278,7 +283,10 @@ mod tests {
             water: None,
         });
         let with = |change: Change| change.apply(&options);
-        assert_eq!(with(Change::Subdivision(24)).subdivision, 24);
+        assert_eq!(
+            with(Change::Subdivision(Subdivision::Cells(24))).subdivision,
+            Subdivision::Cells(24)
+        );
         assert_eq!(with(Change::Samples(4)).samples, 4);
         assert_eq!(with(Change::Samples(4)).subdivision, options.subdivision);
         let halved = with(Change::TextureLevel(2)).layers.day;
@@ -289,7 +297,7 @@ mod tests {
         least.check().expect("one level");
         assert_eq!((least.width, least.height), (1, 1));
         for change in [
-            Change::Subdivision(1),
+            Change::Subdivision(Subdivision::Cells(1)),
             Change::Size((4, 5)),
             Change::Levels(LevelRule::Paper),
             Change::Shading(Shading::Paper),

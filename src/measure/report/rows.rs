@@ -132,6 +132,7 @@ pub(super) fn number(value: f64) -> String {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::Subdivision;
 
     /// A row of no particular numbers.
     pub fn row(change: Change, height_km: f64, frame_ms: f64, error: f64) -> Row {
@@ -174,7 +175,12 @@ pub(super) mod tests {
             CSV_HEADER,
             "method,parameter,value,height_km,frame_ms_median,floor_ratio,flip_mean,flip_p99,rmse_linear,silhouette_px,geolocation_m,geolocation_px,texels_per_px"
         );
-        let rows = [row(Change::Subdivision(6), 200.0, 10.0, 0.01)];
+        let rows = [row(
+            Change::Subdivision(Subdivision::Cells(6)),
+            200.0,
+            10.0,
+            0.01,
+        )];
         let table = csv(&rows);
         assert_eq!(
             table.lines().nth(1),

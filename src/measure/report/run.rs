@@ -111,7 +111,7 @@ pub(super) fn run(
             }
             opened => opened?,
         };
-        let mut places: Option<PlacesEarth> = None;
+        let mut places: Option<(u32, PlacesEarth)> = None;
         for height_km in plan.heights_of(change, request.size) {
             if progress.cancelled() {
                 break 'changes;
@@ -336,7 +336,7 @@ impl Bench<'_> {
         change: Change,
         height_km: f64,
         rig: &mut Rig,
-        places: &mut Option<PlacesEarth>,
+        places: &mut Option<(u32, PlacesEarth)>,
         truth: &ReferencePicture,
     ) -> Result<(Row, RgbaImage, Difference), ReportError> {
         let size = change.size(self.request.size);
@@ -344,9 +344,9 @@ impl Bench<'_> {
         let wait: Duration = self.flight.scene().output.wait();
         let picture = rig.draw(&view, &self.sky, wait)?;
         let difference = Difference::between(&picture, truth);
-        let (silhouette, geolocation) = self.geometry(change, height_km, places)?;
         // The first fills caches.
-        rig.sample(&view, &self.sky)?;
+        let cells = rig.sample(&view, &self.sky)?.stats.subdivision;
+        let (silhouette, geolocation) = self.geometry(change, cells, height_km, places)?;
         let samples = (0..self.request.repeats.max(1))
             .map(|_| rig.sample(&view, &self.sky))
             .collect::<Result<Vec<Sample>, _>>()?;
@@ -374,20 +374,20 @@ impl Bench<'_> {
         Ok((row, picture, difference))
     }
 
-    /// Limb and places, measured once for each mesh, rule, height and size.
+    /// Limb and places, measured once for each mesh, rule, height and size. The mesh is that of the picture: strips of the
+    /// limb are magnified, and would have a finer one.
     fn geometry(
         &mut self,
         change: Change,
+        subdivision: u32,
         height_km: f64,
-        places: &mut Option<PlacesEarth>,
+        places: &mut Option<(u32, PlacesEarth)>,
     ) -> Result<(Silhouette, Geolocation), ReportError> {
         // Maps play no part.
-        let (mut subdivision, mut visibility) = (self.options.subdivision, self.options.visibility);
-        match change {
-            Change::Subdivision(n) => subdivision = n,
-            Change::Visibility(rule) => visibility = rule,
-            _ => {}
-        }
+        let visibility = match change {
+            Change::Visibility(rule) => rule,
+            _ => self.options.visibility,
+        };
         let size = change.size(self.request.size);
         let key = GeometryKey {
             height_km,
@@ -399,18 +399,16 @@ impl Bench<'_> {
             return Ok(*found);
         }
         let (view, figure) = (self.view(height_km, size), self.figure());
-        let earth = match places {
-            Some(earth) => earth,
+        let known = places.take().filter(|(cells, _)| *cells == subdivision);
+        let known = match known {
+            Some(known) => known,
             None => {
-                let figure = self.options.figure;
-                places.insert(PlacesEarth::new(
-                    &self.gpu,
-                    figure,
-                    subdivision,
-                    visibility,
-                )?)
+                let shape = self.options.figure;
+                let earth = PlacesEarth::new(&self.gpu, shape, subdivision, visibility)?;
+                (subdivision, earth)
             }
         };
+        let (_, earth) = places.insert(known);
         let drawn = earth.draw(&view, size)?;
         let mut draw = |view: &EyeView, size: (u32, u32)| earth.draw(view, size);
         let limb = silhouette(&view, &figure, size, &mut draw)?;

@@ -1,0 +1,127 @@
+//! How fine the mesh is: as fine as the limb needs it in this picture, and no finer.
+
+use super::blocks::{BlockGrid, SubdivisionError};
+use crate::frames::Ellipsoid;
+use std::f64::consts::PI;
+
+/// How many cells a block's edge has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Subdivision {
+    /// The fewest of 6, 12, 24 and 48 that keep the drawn limb within [`LIMB_PX`] of the true one, chosen anew for each
+    /// picture; with tiles at least 24.
+    #[default]
+    Auto,
+    /// Always so many, 1…48; the paper's are 6.
+    Cells(u32),
+}
+
+/// How far [`Subdivision::Auto`] lets the drawn limb be inside the true one, pixels.
+pub const LIMB_PX: f64 = 0.4;
+
+/// What [`Subdivision::Auto`] chooses from.
+const AUTO_CELLS: [u32; 4] = [6, 12, 24, 48];
+
+/// How far the limb of a mesh lies inside the true one at most, in pixels of `pixel_rad`, for an eye `height_m` above the
+/// ground; 0 at and below it, where there is no limb.
+///
+/// Facets are inscribed: the middle of a cell lies by δ = R(1 − cos(11.25°/n)) below the sphere along either edge, so by
+/// up to 2δ. The limb is √(h(2R + h)) away.
+pub fn limb_error_px(cells: u32, radius_m: f64, height_m: f64, pixel_rad: f64) -> f64 {
+    if height_m <= 0.0 {
+        return 0.0;
+    }
+    let half_cell_rad = PI / (16.0 * f64::from(cells.max(1)));
+    // 1 − cos x = 2 sin²(x/2).
+    let sag_m = 2.0 * radius_m * (0.5 * half_cell_rad).sin().powi(2);
+    let limb_m = height_m.sqrt() * (2.0 * radius_m + height_m).sqrt();
+    2.0 * sag_m / (limb_m * pixel_rad)
+}
+
+/// The grids that an Earth is drawn with, the coarsest first; one of them at a time.
+pub struct Meshes {
+    grids: Vec<BlockGrid>,
+    current: usize,
+}
+
+impl Meshes {
+    /// All grids of a subdivision. With `least` cells, `Auto` has none coarser.
+    ///
+    /// # Errors
+    /// Cells outside 1…48.
+    pub fn new(
+        ellipsoid: Ellipsoid,
+        subdivision: Subdivision,
+        least: u32,
+    ) -> Result<Self, SubdivisionError> {
+        let cells = match subdivision {
+            Subdivision::Cells(cells) => vec![cells],
+            Subdivision::Auto => {
+                let cells = AUTO_CELLS.into_iter();
+                cells.filter(|cells| *cells >= least).collect()
+            }
+        };
+        let grids = cells.into_iter().map(|n| BlockGrid::new(ellipsoid, n));
+        Ok(Self {
+            grids: grids.collect::<Result<_, _>>()?,
+            current: 0,
+        })
+    }
+
+    /// Takes the coarsest grid that keeps the limb, else the finest. Answers its place among [`Self::grids`].
+    pub fn choose(&mut self, height_m: f64, pixel_rad: f64) -> usize {
+        let keeps_limb = |grid: &BlockGrid| {
+            let radius_m = grid.ellipsoid().equatorial_radius_m;
+            limb_error_px(grid.subdivision(), radius_m, height_m, pixel_rad) <= LIMB_PX
+        };
+        let finest = self.grids.len() - 1;
+        self.current = self.grids.iter().position(keeps_limb).unwrap_or(finest);
+        self.current
+    }
+
+    /// The grid that was chosen last.
+    pub fn grid(&self) -> &BlockGrid {
+        &self.grids[self.current]
+    }
+
+    /// All of them, the coarsest first.
+    pub fn grids(&self) -> &[BlockGrid] {
+        &self.grids
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RADIUS_M: f64 = 6_378_137.0;
+
+    #[test]
+    fn the_error_is_that_of_the_sagitta() {
+        // Cells of 22.5°/6: 6378 km (1 − cos 1.875°) = 3.415 km, twice, over a limb 1134 km away in pixels of a milliradian.
+        let error = limb_error_px(6, RADIUS_M, 1e5, 1e-3);
+        assert!((error - 2.0 * 3414.9 / 1133.8).abs() < 0.01, "{error}");
+        // Twice as many cells, a quarter of the error; no limb on the ground.
+        assert!((limb_error_px(12, RADIUS_M, 1e5, 1e-3) / error - 0.25).abs() < 1e-3);
+        assert_eq!(limb_error_px(6, RADIUS_M, 0.0, 1e-3), 0.0);
+        assert_eq!(limb_error_px(6, RADIUS_M, -1.0, 1e-3), 0.0);
+    }
+
+    #[test]
+    fn the_mesh_is_finer_near_the_ground_and_in_narrow_views() {
+        let mut meshes = Meshes::new(Ellipsoid::WGS84, Subdivision::Auto, 6).expect("sound");
+        let mut cells = |height_m, pixel_rad| {
+            meshes.choose(height_m, pixel_rad);
+            meshes.grid().subdivision()
+        };
+        let pixel_rad = 1.6e-3;
+        assert_eq!(cells(3.8e8, pixel_rad), 6);
+        assert_eq!(cells(2e7, pixel_rad), 6);
+        assert_eq!(cells(4e5, pixel_rad), 24);
+        assert_eq!(cells(1e3, pixel_rad), 48);
+        assert_eq!(cells(2e7, 1e-6), 48);
+        assert_eq!(cells(-5.0, pixel_rad), 6);
+        let tiled = Meshes::new(Ellipsoid::WGS84, Subdivision::Auto, 24).expect("sound");
+        assert_eq!(tiled.grids().len(), 2);
+        assert!(Meshes::new(Ellipsoid::WGS84, Subdivision::Cells(49), 6).is_err());
+    }
+}
