@@ -18,7 +18,7 @@ use crate::globe::{
 pub use crate::gpu::DepthBuffer;
 use crate::gpu::{AirDrawable, Frame, PassFormat, ShaderError, SurfaceDrawable, SurfaceParts};
 use crate::imagery::stream::StreamCounters;
-use crate::imagery::tile::{LayerLayout, MapLayer, TileKey};
+use crate::imagery::tile::{LayerLayout, MAX_LEVELS, MapLayer, TileKey};
 use crate::imagery::{EarthLayers, ImageryError};
 use glam::{DMat4, DVec3, Vec3};
 use std::time::{Duration, Instant};
@@ -118,6 +118,9 @@ pub struct FrameStats {
     /// Texels of the day map per screen pixel, seen face on at the nearest point of the block where there are fewest;
     /// 1 and more is sharp. Blocks that lie in the dark are not counted; 0 where none is left.
     pub texels_per_pixel: f64,
+    /// Blocks in daylight by the level of the day map that they are drawn with, the finest first; all zero without a
+    /// pack.
+    pub day_levels: [u32; MAX_LEVELS],
     /// Tiles, all zero without a pack.
     pub tiles: StreamCounters,
     /// The part of `prepare` that copied tiles for upload.
@@ -426,6 +429,7 @@ impl Earth {
             queue,
         );
         self.uploaded_tiles = frame.uploaded_bytes;
+        self.stats.day_levels = frame.day_levels;
         self.stats.tiles = frame.counters;
         self.stats.texels_per_pixel = frame.texels_per_pixel;
         self.stats.tile_upload = frame.upload;
@@ -459,11 +463,22 @@ impl Earth {
     /// Draws what [`Self::prepare`] chose into the host's pass: the surface, then the air over it. Draw opaque things
     /// before, so that the air lies over those behind it.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.render_with(pass, |_| {});
+    }
+
+    /// As [`Self::render`], with something done between the surface and the air: for measuring them apart. It is not
+    /// called where there is no air.
+    pub fn render_with<'p>(
+        &self,
+        pass: &mut wgpu::RenderPass<'p>,
+        between: impl FnOnce(&mut wgpu::RenderPass<'p>),
+    ) {
         if !self.drawable {
             return;
         }
         self.surface.render(pass);
         if let Some(air) = &self.air {
+            between(pass);
             air.render(pass);
         }
     }
@@ -475,6 +490,16 @@ impl Earth {
                 .flat_map(|row| self.grid.vertex_row(*block, row).iter().copied())
         });
         self.surface.staged().iter().copied().zip(exact)
+    }
+
+    /// Bytes of the WGSL that the driver got: the surface's, and the air's from outside and from inside it.
+    pub fn shader_bytes(&self) -> u64 {
+        self.surface.shader_bytes + self.air.as_ref().map_or(0, |air| air.shader_bytes)
+    }
+
+    /// Whether the air is drawn.
+    pub fn has_air(&self) -> bool {
+        self.air.is_some()
     }
 
     /// Whether blocks are drawn with tiles.

@@ -41,6 +41,7 @@ pub(crate) struct SurfaceDrawable {
     /// The blocks whose vertices are on the GPU.
     drawn: Vec<Block>,
     pub texture_bytes: u64,
+    pub shader_bytes: u64,
     pub variant: ShaderVariant,
 }
 
@@ -93,7 +94,7 @@ impl SurfaceDrawable {
                 ("decode", paper && !format.stores_display_values()),
             ],
         );
-        let module = variant.module(device)?;
+        let (module, shader_bytes) = variant.module(device)?;
         let frame = super::uniform_buffer::<Frame>(device, "terrella frame");
         let maps = Maps::upload(device, queue, layers, paper, parts.anisotropy);
         let imagery = match parts.pools {
@@ -242,6 +243,7 @@ impl SurfaceDrawable {
             staging: Vec::with_capacity(most),
             drawn: Vec::with_capacity(BLOCK_COUNT as usize),
             texture_bytes,
+            shader_bytes,
             variant,
         })
     }

@@ -42,7 +42,17 @@ impl FrameTargets {
 
     /// Begins a pass that clears colour to black (space) and depth to 0 (infinitely far, reversed Z).
     pub fn begin_pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
-        self.attachments.begin_pass(encoder, &self.view)
+        self.begin_timed_pass(encoder, None)
+    }
+
+    /// The same, with the device's time written at its beginning and end.
+    pub fn begin_timed_pass<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        times: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) -> wgpu::RenderPass<'e> {
+        self.attachments
+            .begin_timed_pass(encoder, &self.view, times)
     }
 
     /// Reads the picture back, sRGB RGBA8 rows without padding. Waits for the device.
@@ -85,6 +95,15 @@ impl Attachments {
         encoder: &'e mut wgpu::CommandEncoder,
         target: &wgpu::TextureView,
     ) -> wgpu::RenderPass<'e> {
+        self.begin_timed_pass(encoder, target, None)
+    }
+
+    fn begin_timed_pass<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        target: &wgpu::TextureView,
+        times: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) -> wgpu::RenderPass<'e> {
         let (view, resolve_target, store) = match &self.multisampled {
             Some(samples) => (samples, Some(target), wgpu::StoreOp::Discard),
             None => (target, None, wgpu::StoreOp::Store),
@@ -108,7 +127,7 @@ impl Attachments {
                 }),
                 stencil_ops: None,
             }),
-            timestamp_writes: None,
+            timestamp_writes: times,
             occlusion_query_set: None,
             multiview_mask: None,
         })

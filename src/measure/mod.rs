@@ -5,10 +5,12 @@
 //! | `stations` | where the harness looks from: the heights of the paper's Table 2 and farther |
 //! | `rig` | an Earth on a test stand: frames and their floor, timed turn about |
 //! | `floor` | the least that a frame could cost |
+//! | [`bench`] | the frame-rate harness |
 //! | [`reference`] | the true picture: ray casting in f64 on the processor |
 //! | [`numeric`] | formulas held against arbitrary precision, methods compared by error and cost |
 //! | `quantiles`, `pareto`, `chart` | what is told of measurements |
 
+pub mod bench;
 mod chart;
 mod floor;
 pub mod numeric;
