@@ -463,22 +463,20 @@ impl Earth {
     /// Draws what [`Self::prepare`] chose into the host's pass: the surface, then the air over it. Draw opaque things
     /// before, so that the air lies over those behind it.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
-        self.render_with(pass, |_| {});
+        self.render_surface(pass);
+        self.render_air(pass);
     }
 
-    /// As [`Self::render`], with something done between the surface and the air: for measuring them apart. It is not
-    /// called where there is no air.
-    pub fn render_with<'p>(
-        &self,
-        pass: &mut wgpu::RenderPass<'p>,
-        between: impl FnOnce(&mut wgpu::RenderPass<'p>),
-    ) {
-        if !self.drawable {
-            return;
+    /// The first part of [`Self::render`], for a host that measures them apart.
+    pub fn render_surface(&self, pass: &mut wgpu::RenderPass<'_>) {
+        if self.drawable {
+            self.surface.render(pass);
         }
-        self.surface.render(pass);
-        if let Some(air) = &self.air {
-            between(pass);
+    }
+
+    /// The second part.
+    pub fn render_air(&self, pass: &mut wgpu::RenderPass<'_>) {
+        if let Some(air) = self.air.as_ref().filter(|_| self.drawable) {
             air.render(pass);
         }
     }

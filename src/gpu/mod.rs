@@ -13,8 +13,8 @@ mod uniforms;
 
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
 pub use shader::{AIR_SHADER, EARTH_SHADER, ShaderError, ShaderVariant};
-pub use targets::{Attachments, FrameTargets, PictureError, color_texture, read_texture};
-pub use timer::{GpuTimer, PassTimes, TimerError};
+pub use targets::{Attachments, FrameTargets, PassPart, PictureError, color_texture, read_texture};
+pub use timer::{GpuTimer, TimerError};
 pub use uniforms::{AirFrame, Frame};
 
 pub(crate) use air::AirDrawable;

@@ -1,54 +1,40 @@
-//! Times that the device itself writes: how long a pass takes on it, and a part of the pass.
-
-use std::cell::Cell;
+//! Times that the device itself writes at the ends of passes.
 
 /// Why times could not be read.
 #[derive(Debug, thiserror::Error)]
 #[error("the device's times could not be read back: {0}")]
 pub struct TimerError(String);
 
-/// Three timestamps of one pass: its beginning, a mark somewhere in it, its end.
+/// Timestamps before the first of a few passes and at the end of each.
+///
+/// Nothing is written in the middle of a pass: a device that draws tile after tile comes to such a place in its last tile
+/// when all others are done, air and all. Nor at the beginning of a later pass, for the same reason.
 pub struct GpuTimer {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     read_back: wgpu::Buffer,
     /// Milliseconds of one tick.
     tick_ms: f64,
-    can_mark: bool,
-    /// Whether the pass that was begun last has been marked: a query that was not written must not be waited for.
-    is_marked: Cell<bool>,
 }
 
-/// What a [`GpuTimer`] read.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PassTimes {
-    /// The whole pass, milliseconds.
-    pub pass_ms: f64,
-    /// From its beginning to the mark, milliseconds; `None` where none was set or the device cannot mark inside a pass.
-    pub until_mark_ms: Option<f64>,
-}
-
-const BEGIN: u32 = 0;
-const END: u32 = 1;
-const MARK: u32 = 2;
-const COUNT: u32 = 3;
-const BYTES: u64 = COUNT as u64 * wgpu::QUERY_SIZE as u64;
+/// Most passes that are timed together.
+const MOST_PASSES: u32 = 3;
+const TICK_BYTES: u64 = wgpu::QUERY_SIZE as u64;
 
 impl GpuTimer {
-    /// What it can use of a device: the first is needed, the second only for the mark.
-    pub const FEATURES: wgpu::Features =
-        wgpu::Features::TIMESTAMP_QUERY.union(wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES);
+    /// The feature that a device must have been opened with.
+    pub const FEATURES: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY;
 
-    /// A timer; `None` where the device was opened without `TIMESTAMP_QUERY`.
+    /// A timer; `None` where the device was opened without [`Self::FEATURES`].
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Option<Self> {
         let has = device.features();
-        if !has.contains(wgpu::Features::TIMESTAMP_QUERY) {
+        if !has.contains(Self::FEATURES) {
             return None;
         }
         let buffer = |label, usage| {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
-                size: BYTES,
+                size: u64::from(MOST_PASSES + 1) * TICK_BYTES,
                 usage,
                 mapped_at_creation: false,
             })
@@ -58,46 +44,34 @@ impl GpuTimer {
             queries: device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some("terrella times"),
                 ty: wgpu::QueryType::Timestamp,
-                count: COUNT,
+                count: MOST_PASSES + 1,
             }),
             resolved: buffer("terrella times", Use::QUERY_RESOLVE | Use::COPY_SRC),
             read_back: buffer("terrella times read back", Use::COPY_DST | Use::MAP_READ),
             tick_ms: f64::from(queue.get_timestamp_period()) * 1e-6,
-            can_mark: has.contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES),
-            is_marked: Cell::new(false),
         })
     }
 
-    /// What the pass is begun with.
-    pub fn pass_writes(&self) -> wgpu::RenderPassTimestampWrites<'_> {
-        self.is_marked.set(false);
+    /// What the `n`-th pass is begun with, from 0, at most 2.
+    pub fn writes(&self, n: u32) -> wgpu::RenderPassTimestampWrites<'_> {
         wgpu::RenderPassTimestampWrites {
             query_set: &self.queries,
-            beginning_of_pass_write_index: Some(BEGIN),
-            end_of_pass_write_index: Some(END),
+            beginning_of_pass_write_index: (n == 0).then_some(0),
+            end_of_pass_write_index: Some((n + 1).min(MOST_PASSES)),
         }
     }
 
-    /// Marks this place in the pass, where the device can.
-    pub fn mark(&self, pass: &mut wgpu::RenderPass<'_>) {
-        if self.can_mark {
-            pass.write_timestamp(&self.queries, MARK);
-            self.is_marked.set(true);
-        }
+    /// Has the times of the first `passes` passes copied; to be called after the last of them.
+    pub fn resolve(&self, encoder: &mut wgpu::CommandEncoder, passes: u32) {
+        // A query that was not written must not be waited for.
+        let written = passes.min(MOST_PASSES) + 1;
+        let bytes = u64::from(written) * TICK_BYTES;
+        encoder.resolve_query_set(&self.queries, 0..written, &self.resolved, 0);
+        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.read_back, 0, bytes);
     }
 
-    /// Has the times copied; to be called once the pass is over.
-    pub fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
-        encoder.resolve_query_set(&self.queries, 0..self.written(), &self.resolved, 0);
-        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.read_back, 0, BYTES);
-    }
-
-    fn written(&self) -> u32 {
-        if self.is_marked.get() { COUNT } else { MARK }
-    }
-
-    /// Reads what was resolved. Waits for the device.
-    pub fn read(&self, device: &wgpu::Device) -> Result<PassTimes, TimerError> {
+    /// Reads how long each pass took, milliseconds. Waits for the device.
+    pub fn read(&self, device: &wgpu::Device, passes: u32) -> Result<Vec<f64>, TimerError> {
         let failed = |what: &dyn std::fmt::Display| TimerError(what.to_string());
         let (sender, receiver) = std::sync::mpsc::channel();
         self.read_back
@@ -119,14 +93,9 @@ impl GpuTimer {
         let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&mapped);
         drop(mapped);
         self.read_back.unmap();
-        // A counter may wrap: then there is no telling.
-        let since = |n: u32| {
-            let ticks = ticks[n as usize].saturating_sub(ticks[BEGIN as usize]);
-            ticks as f64 * self.tick_ms
-        };
-        Ok(PassTimes {
-            pass_ms: since(END),
-            until_mark_ms: self.is_marked.get().then(|| since(MARK).min(since(END))),
-        })
+        let passes = ticks.windows(2).take(passes.min(MOST_PASSES) as usize);
+        // A counter that wrapped tells nothing.
+        let span = |pair: &[u64]| pair[1].saturating_sub(pair[0]) as f64 * self.tick_ms;
+        Ok(passes.map(span).collect())
     }
 }

@@ -3,7 +3,7 @@
 use super::craft::CraftLayer;
 use super::error::PlayError;
 use super::flight::Moment;
-use crate::gpu::{FrameTargets, GpuContext, GpuTimer};
+use crate::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart};
 use crate::imagery::tile::TileKey;
 use crate::{Earth, EarthOptions, EyeView, FrameStats};
 use image::RgbaImage;
@@ -135,30 +135,40 @@ impl Picture {
         })
     }
 
-    /// Draws an instant and times its parts on the device, milliseconds each: "surface" and "air" where the timer can
-    /// tell them apart, else "frame". Clearing counts to the first part, and resolving samples to the last.
+    /// Draws an instant in two passes, "surface" (with the craft, where there is one) and "air", and reads how long each
+    /// took on the device, milliseconds. Clearing counts to the first and resolving samples to the last.
     ///
-    /// The writing of times costs time itself: not for frames whose whole time is wanted.
+    /// Two passes and the writing of times cost time themselves: not for frames whose whole time is wanted.
     pub fn time_passes(
         &mut self,
         moment: &Moment,
         timer: &GpuTimer,
     ) -> Result<Vec<(&'static str, f64)>, PlayError> {
         self.prepare(moment);
+        let names = match self.earth.has_air() {
+            true => &["surface", "air"][..],
+            false => &["surface"],
+        };
+        let count = names.len() as u32;
         let mut encoder = self.encoder();
-        let times = Some(timer.pass_writes());
-        let mut pass = self.targets.begin_timed_pass(&mut encoder, times);
-        self.craft.render(&mut pass);
-        self.earth.render_with(&mut pass, |pass| timer.mark(pass));
-        drop(pass);
-        timer.resolve(&mut encoder);
+        for (n, name) in (0..).zip(names) {
+            let part = PassPart {
+                is_first: n == 0,
+                is_last: n + 1 == count,
+            };
+            let times = Some(timer.writes(n));
+            let mut pass = self.targets.begin_part(&mut encoder, part, times);
+            if *name == "air" {
+                self.earth.render_air(&mut pass);
+            } else {
+                self.craft.render(&mut pass);
+                self.earth.render_surface(&mut pass);
+            }
+        }
+        timer.resolve(&mut encoder, count);
         self.gpu.queue.submit([encoder.finish()]);
-        let times = timer.read(&self.gpu.device)?;
-        Ok(match (self.earth.has_air(), times.until_mark_ms) {
-            (true, Some(surface)) => vec![("surface", surface), ("air", times.pass_ms - surface)],
-            (true, None) => vec![("frame", times.pass_ms)],
-            (false, _) => vec![("surface", times.pass_ms)],
-        })
+        let times = timer.read(&self.gpu.device, count)?;
+        Ok(names.iter().copied().zip(times).collect())
     }
 
     fn prepare(&mut self, moment: &Moment) -> FrameStats {

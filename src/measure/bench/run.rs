@@ -246,15 +246,10 @@ fn measure(
 
 fn notices(report: &Report, gpu: &GpuContext, missing_tiles: usize) -> Vec<String> {
     let mut notices = Vec::new();
-    let has_times = gpu.device.features();
-    if !has_times.contains(wgpu::Features::TIMESTAMP_QUERY) {
+    let has = gpu.device.features();
+    if !has.contains(GpuTimer::FEATURES) {
         notices.push(format!(
             "{} has no timestamp queries: gpu_ms is empty",
-            report.adapter
-        ));
-    } else if !has_times.contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES) {
-        notices.push(format!(
-            "{} takes no time inside a pass: surface and air are one \"frame\"",
             report.adapter
         ));
     }

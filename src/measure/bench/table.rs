@@ -21,7 +21,7 @@ pub(super) fn text(outcome: &Outcome) -> String {
     let [width, height] = report.size;
     line!(
         out,
-        "{} ({}), {width} × {height}, {} sample{} a pixel, {} frames a row{}",
+        "{}, {}, {width} × {height}, {} sample{} a pixel, {} frames a row{}",
         report.adapter,
         report.backend,
         report.samples,
@@ -71,78 +71,93 @@ fn headline(out: &mut String, report: &Report) {
     );
 }
 
-/// Names of the passes of all rows.
-fn passes(report: &Report) -> Vec<&str> {
-    // As they are drawn.
-    ["surface", "air", "frame"]
-        .into_iter()
-        .filter(|pass| report.rows.iter().any(|row| row.gpu_ms.contains_key(*pass)))
-        .collect()
-}
+/// The passes, as they are drawn.
+const PASSES: [&str; 2] = ["surface", "air"];
 
 fn rows(out: &mut String, report: &Report) {
-    let passes = passes(report);
-    let gpu_width = 8 * passes.len().max(1);
     line!(
         out,
-        "\n{:>7} {:<10} {:^23} {:>6} {:>5} {:>6} {:>7} {:^gpu_width$} {:^20} {:>6} {:>6} {:>6} {:>6}",
+        "\n{:>7} {:<10} {:>6} {:^23} {:>7} {:^15} {:>8} {:>7} {:>6}",
         "height",
         "",
-        "blocks",
-        "tri-",
-        "draw",
-        "up,",
-        "CPU,",
-        "GPU, ms",
-        "frame, ms",
-        "jank,",
         "frame/",
+        "whole frame, ms",
+        "jank,",
+        "GPU, ms",
+        "prepare,",
         "frames",
-        "2011,",
+        "2011*"
     );
-    let mut names = String::new();
-    for pass in &passes {
-        let _ = write!(names, "{pass:>8}");
-    }
-    if passes.is_empty() {
-        names = format!("{:>8}", "–");
-    }
     line!(
         out,
-        "{:>7} {:<10} {:>5} {:>5} {:>5} {:>5} {:>6} {:>5} {:>6} {:>7} {names} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6}",
+        "{:>7} {:<10} {:>6} {:>7} {:>7} {:>7} {:>7} {:>8} {:>6} {:>8} {:>7} {:>6}",
         "km",
         "path",
-        "seen",
-        "exact",
-        "paper",
-        "drawn",
-        "angles",
-        "calls",
-        "kB",
-        "ms",
+        "floor",
         "median",
         "p95",
         "p99",
         "ms",
-        "floor",
+        "surface",
+        "air",
+        "ms",
         "/s",
-        "other",
+        "/s"
     );
     for row in &report.rows {
-        let mut times = String::new();
-        for pass in &passes {
-            let _ = match row.gpu_ms.get(*pass) {
-                Some(time) => write!(times, "{time:>8.2}"),
-                None => write!(times, "{:>8}", "–"),
-            };
-        }
-        if passes.is_empty() {
-            times = format!("{:>8}", "–");
-        }
+        let [surface, air] = PASSES.map(|pass| match row.gpu_ms.get(pass) {
+            Some(time) => format!("{time:.2}"),
+            None => "–".into(),
+        });
         let paper = row.paper_frames_per_s;
         line!(
             out,
-            "{:>7} {:<10} {:>5} {:>5} {:>5} {:>5} {:>6} {:>5} {:>6.1} {:>7.3} {times} {:>6.1} {:>6.1} {:>6.1} {:>6.1} {:>6.2} {:>6.1} {:>6}",
+            "{:>7} {:<10} {:>6.2} {:>7.2} {:>7.2} {:>7.2} {:>7.1} {:>8} {:>6} {:>8.3} {:>7.1} {:>6}",
+            row.height_km,
+            row.path.name(),
+            row.floor_ratio,
+            row.frame_ms.median,
+            row.frame_ms.p95,
+            row.frame_ms.p99,
+            row.jank_ms,
+            surface,
+            air,
+            row.prepare_ms.median,
+            row.frames_per_s,
+            paper.map_or("–".into(), |paper| format!("{paper:.0}")),
+        );
+    }
+    line!(
+        out,
+        "* the paper's own figures, of another machine (GeForce 6800): to look at, not to compare"
+    );
+    line!(
+        out,
+        "\n{:>7} {:<10} {:^29} {:>9} {:>6} {:>9}",
+        "height",
+        "",
+        "blocks, most of all frames",
+        "triangles",
+        "draw",
+        "uploaded,"
+    );
+    line!(
+        out,
+        "{:>7} {:<10} {:>7} {:>6} {:>7} {:>6} {:>9} {:>6} {:>9}",
+        "km",
+        "path",
+        "visible",
+        "exact",
+        "paper's",
+        "drawn",
+        "",
+        "calls",
+        "kB"
+    );
+    for row in &report.rows {
+        line!(
+            out,
+            "{:>7} {:<10} {:>7} {:>6} {:>7} {:>6} {:>9} {:>6} {:>9.1}",
             row.height_km,
             row.path.name(),
             row.blocks_visible,
@@ -152,29 +167,13 @@ fn rows(out: &mut String, report: &Report) {
             row.triangles,
             row.draw_calls,
             row.uploaded_bytes as f64 * 1e-3,
-            row.prepare_ms.median,
-            row.frame_ms.median,
-            row.frame_ms.p95,
-            row.frame_ms.p99,
-            row.jank_ms,
-            row.floor_ratio,
-            row.frames_per_s,
-            paper.map_or("–".into(), |paper| format!("{paper:.0}")),
         );
     }
-    line!(
-        out,
-        "blocks: above the horizon by the scene's rule, in truth, and by the paper's rule; drawn after the frustum; \
-         the largest of all frames"
-    );
-    line!(
-        out,
-        "2011: what the paper gives, on another machine (GeForce 6800); to be looked at, not compared"
-    );
     let lost = |of: fn(&Row) -> u32| report.rows.iter().map(of).max().unwrap_or(0);
     line!(
         out,
-        "visible blocks lost in one frame: {} at most, by the paper's rule {}",
+        "visible: above the horizon by the scene's rule; exact: in truth; paper's: by its rule; drawn: in the frustum\n\
+         blocks in sight that a rule lost in one frame: {}, the paper's {}",
         lost(|row| row.blocks_lost),
         lost(|row| row.blocks_lost_paper_rule)
     );
@@ -253,7 +252,7 @@ pub(super) fn csv(report: &Report) -> String {
     let mut out = String::from(
         "height_km,path,inclination_deg,blocks_visible,blocks_drawn,blocks_paper_rule,blocks_exact,blocks_lost,\
          blocks_lost_paper_rule,levels,triangles,draw_calls,uploaded_bytes,prepare_median_ms,prepare_p95_ms,\
-         prepare_p99_ms,gpu_surface_ms,gpu_air_ms,gpu_frame_ms,frame_median_ms,frame_p95_ms,frame_p99_ms,jank_ms,\
+         prepare_p99_ms,gpu_surface_ms,gpu_air_ms,frame_median_ms,frame_p95_ms,frame_p99_ms,jank_ms,\
          floor_ms,floor_ratio,frames_per_s,paper_frames_per_s\n",
     );
     for row in &report.rows {
@@ -282,7 +281,6 @@ pub(super) fn csv(report: &Report) -> String {
             row.prepare_ms.p99.to_string(),
             gpu("surface"),
             gpu("air"),
-            gpu("frame"),
             row.frame_ms.median.to_string(),
             row.frame_ms.p95.to_string(),
             row.frame_ms.p99.to_string(),
