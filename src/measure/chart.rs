@@ -2,6 +2,7 @@
 
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::fmt::Debug;
 
 /// A value on a chart with its spread, for both axes.
@@ -141,6 +142,42 @@ impl Chart {
         })
     }
 
+    /// Where a point stands between the least (0) and the largest value (1), across and up.
+    fn place(&self, point: &Point) -> (f64, f64) {
+        let part = |log: bool, of: fn(&Point) -> f64| {
+            let scale = |value: f64| if log { value.ln() } else { value };
+            let ends = self.range(log, of).ok()?;
+            let (low, high) = (scale(ends.start), scale(ends.end));
+            Some((scale(of(point)) - low) / (high - low))
+        };
+        let across = part(self.x_log, |p| p.x);
+        let up = part(self.y_log, |p| p.y);
+        (across.unwrap_or(0.5), up.unwrap_or(0.5))
+    }
+
+    /// The corner with the fewest points, for the legend; the upper right where there is no difference.
+    fn emptiest_corner(&self) -> SeriesLabelPosition {
+        let points = self.series.iter().flat_map(|series| &series.points);
+        let places: Vec<_> = points
+            .filter(|point| self.can_show(point))
+            .map(|point| self.place(point))
+            .collect();
+        let within = |right: bool, upper: bool| {
+            let inside = |&&(x, y): &&(f64, f64)| {
+                (if right { x > 0.6 } else { x < 0.4 }) && (if upper { y > 0.7 } else { y < 0.3 })
+            };
+            places.iter().filter(inside).count()
+        };
+        let corners = [
+            (within(true, true), SeriesLabelPosition::UpperRight),
+            (within(false, true), SeriesLabelPosition::UpperLeft),
+            (within(true, false), SeriesLabelPosition::LowerRight),
+            (within(false, false), SeriesLabelPosition::LowerLeft),
+        ];
+        let emptiest = corners.into_iter().min_by_key(|(points, _)| *points);
+        emptiest.map_or(SeriesLabelPosition::UpperRight, |(_, corner)| corner)
+    }
+
     fn draw<X, Y>(&self, text: &mut String, x: X, y: Y) -> Result<(), String>
     where
         X: AsRangedCoord<Value = f64>,
@@ -193,8 +230,14 @@ impl Chart {
             let labels = points.iter().filter(|p| !p.label.is_empty());
             chart
                 .draw_series(labels.map(|p| {
+                    // Words beside a point at the right edge stand on its left.
+                    let (side, offset) = match self.place(p).0 > 0.8 {
+                        true => (HPos::Right, -7),
+                        false => (HPos::Left, 7),
+                    };
                     let style = ("sans-serif", 12).into_font().color(&color);
-                    EmptyElement::at((p.x, p.y)) + Text::new(p.label.clone(), (7, -13), style)
+                    let style = style.pos(Pos::new(side, VPos::Top));
+                    EmptyElement::at((p.x, p.y)) + Text::new(p.label.clone(), (offset, -13), style)
                 }))
                 .map_err(words)?;
             chart
@@ -210,7 +253,7 @@ impl Chart {
         if self.series.len() > 1 {
             chart
                 .configure_series_labels()
-                .position(SeriesLabelPosition::UpperRight)
+                .position(self.emptiest_corner())
                 .background_style(WHITE.mix(0.85))
                 .border_style(RGBColor(200, 200, 200))
                 .label_font(("sans-serif", 13))

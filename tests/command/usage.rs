@@ -8,7 +8,15 @@ fn every_command_has_help() {
     for (arguments, must_say) in [
         (
             &["--help"][..],
-            &["play", "frame", "check", "doctor", "pack", "--adapter"][..],
+            &[
+                "play",
+                "frame",
+                "bench",
+                "check",
+                "doctor",
+                "pack",
+                "--adapter",
+            ][..],
         ),
         (
             &["play", "--help"],
@@ -23,6 +31,20 @@ fn every_command_has_help() {
         (
             &["frame", "--help"],
             &["--output", "--at", "--size", "--stats"],
+        ),
+        (
+            &["bench", "--help"],
+            &[
+                "--json",
+                "--csv",
+                "--plots",
+                "--baseline",
+                "--tolerance",
+                "--frames",
+                "--size",
+                "0.25",
+                "floor",
+            ],
         ),
         (&["check", "--help"], &["<SCENE>"]),
         (&["doctor", "--help"], &["adapters"]),
@@ -56,6 +78,18 @@ fn bad_usage_is_2() {
             "a.png",
             "--at",
             "2018-02-30T12:00:00Z",
+        ],
+        &["bench", "small.toml", "--frames", "0"],
+        &["bench", "small.toml", "--frames", "many"],
+        &["bench", "small.toml", "--size", "0x10"],
+        &["bench", "small.toml", "--tolerance", "0.2"],
+        &[
+            "bench",
+            "small.toml",
+            "--baseline",
+            "a.json",
+            "--tolerance",
+            "nan",
         ],
         &["play", "small.toml", "--for-seconds", "-1"],
         &["play", "small.toml", "--for-seconds", "inf"],

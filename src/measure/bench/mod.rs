@@ -25,6 +25,8 @@ mod rows;
 mod run;
 mod settings;
 mod table;
+#[cfg(test)]
+mod tests;
 
 pub use baseline::{Baseline, Change, Comparison};
 pub use blocks::{BlockCounts, sees_block};

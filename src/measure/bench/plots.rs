@@ -28,16 +28,12 @@ pub(super) fn charts(report: &Report) -> [Chart; 3] {
         points: points(equator, |row| row.paper_frames_per_s),
         joined: true,
     });
-    let features = report.features.iter().map(|feature| Series {
-        name: feature.name.clone(),
-        points: vec![Point {
-            label: feature.name.clone(),
-            ..Point::new(
-                feature.texture_bytes as f64 * 1e-6,
-                100.0 * (feature.frame_ratio - 1.0),
-            )
-        }],
-        joined: false,
+    let features = report.features.iter().map(|feature| Point {
+        label: feature.name.clone(),
+        ..Point::new(
+            feature.texture_bytes as f64 * 1e-6,
+            100.0 * (feature.frame_ratio - 1.0),
+        )
     });
     [
         by_height(
@@ -56,7 +52,11 @@ pub(super) fn charts(report: &Report) -> [Chart; 3] {
             y_name: "time added to the frame without it, %".into(),
             x_log: false,
             y_log: false,
-            series: features.collect(),
+            series: vec![Series {
+                name: "layers and effects".into(),
+                points: features.collect(),
+                joined: false,
+            }],
         },
     ]
 }

@@ -136,8 +136,10 @@ impl Report {
         if bytes.len() as u64 > MAX_BYTES {
             return Err(refused(format!("it is larger than {MAX_BYTES} bytes")));
         }
-        let report: Self =
-            serde_json::from_slice(&bytes).map_err(|error| refused(error.to_string()))?;
+        let report: Self = serde_json::from_slice(&bytes).map_err(|error| {
+            // It may quote the file: nothing of it reaches the terminal as a command.
+            refused(error.to_string().replace(char::is_control, "\u{fffd}"))
+        })?;
         report.check().map_err(refused)?;
         Ok(report)
     }

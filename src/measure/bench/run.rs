@@ -221,6 +221,12 @@ fn measure(
                 report.partial = true;
                 break 'rows;
             };
+            tracing::info!(
+                "{}: {:.2} ms, {:.2} x its floor",
+                measured.row.name(),
+                measured.row.frame_ms.median,
+                measured.row.floor_ratio
+            );
             floors.push(measured.row.floor_ms);
             clears.push(measured.clear_ms);
             missing_tiles = missing_tiles.max(measured.missing_tiles);

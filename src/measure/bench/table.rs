@@ -213,7 +213,7 @@ fn features(out: &mut String, report: &Report) {
     for feature in &report.features {
         line!(
             out,
-            "{:<14} {:>10.2} {:>10.2} {:>7.0}% {:>7.2} MB {:>7} B",
+            "{:<14} {:>10.2} {:>10.2} {:>+7.0}% {:>7.2} MB {:>7} B",
             feature.name,
             feature.frame_ms_with,
             feature.frame_ms_without,
