@@ -276,6 +276,10 @@ fn report(adapter: &wgpu::Adapter) -> AdapterReport {
         true => can.push("compressed tiles (BC7, BC5, BC4)".into()),
         false => dropped.push("compressed tiles: not supported; packs are read as plain texels".into()),
     }
+    match adapter.features().contains(super::GpuTimer::FEATURES) {
+        true => can.push("times of its own passes (terrella bench)".into()),
+        false => dropped.push("times of its own passes: terrella bench leaves gpu_ms empty".into()),
+    }
     if software {
         dropped.push("anisotropic filtering: a software adapter pays for every sample; maps are filtered trilinearly".into());
     } else {

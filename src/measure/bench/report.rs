@@ -71,7 +71,8 @@ pub struct Row {
     pub uploaded_bytes: u64,
     /// `prepare` on the processor, milliseconds.
     pub prepare_ms: Quantiles,
-    /// Median time of each pass on the device, milliseconds; empty where the device has no timestamps.
+    /// Median time of "surface" and "air" on the device, each a pass of its own, in frames apart from the others,
+    /// milliseconds; empty where the device has no timestamps.
     pub gpu_ms: BTreeMap<String, f64>,
     /// The whole frame, the device waited for, milliseconds.
     pub frame_ms: Quantiles,

@@ -102,7 +102,8 @@ impl RowMeter<'_> {
                 frame_ms,
                 jank_ms: rounded(jank(&frame)),
                 floor_ms: rounded(median(&floor)),
-                floor_ratio: rounded(median(&ratios)),
+                // More than nothing, as a baseline must be.
+                floor_ratio: rounded(median(&ratios)).max(1e-3),
                 frames_per_s: rounded(1e3 / median(&frame).max(1e-6)),
                 paper_frames_per_s: station.paper_frames_per_s,
             },

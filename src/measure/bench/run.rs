@@ -138,7 +138,6 @@ pub fn run_bench(
 ) -> Result<Outcome, BenchError> {
     let scene = flight.scene();
     let size = request.size.unwrap_or(scene.output.size.into());
-    let outputs = Outputs::create(request)?;
     let baseline = request.baseline.map(Baseline::load).transpose()?;
     let mut report = Report {
         version: VERSION,
@@ -157,6 +156,7 @@ pub fn run_bench(
     if let Some(baseline) = &baseline {
         baseline.check_settings(&report)?;
     }
+    let outputs = Outputs::create(request)?;
 
     let open = GpuContext::open_with(request.adapter, GpuTimer::FEATURES);
     let gpu = pollster::block_on(open).map_err(PlayError::from)?;
@@ -256,6 +256,13 @@ fn notices(report: &Report, gpu: &GpuContext, missing_tiles: usize) -> Vec<Strin
     if !has.contains(GpuTimer::FEATURES) {
         notices.push(format!(
             "{} has no timestamp queries: gpu_ms is empty",
+            report.adapter
+        ));
+    }
+    if gpu.is_software() {
+        notices.push(format!(
+            "{} draws with the processor: its times, those of the passes too, grow with all else that runs here; \
+             compare ratios",
             report.adapter
         ));
     }

@@ -8,7 +8,6 @@ use std::fmt::Write;
 
 /// Adds a line; writing to a string does not fail.
 macro_rules! line {
-    ($out:expr) => { $out.push('\n') };
     ($out:expr, $($words:tt)*) => {{
         let _ = writeln!($out, $($words)*);
     }};
@@ -129,7 +128,8 @@ fn rows(out: &mut String, report: &Report) {
     }
     line!(
         out,
-        "* the paper's own figures, of another machine (GeForce 6800): to look at, not to compare"
+        "GPU: surface and air as two passes, in frames of their own; two cost a little more than the one of a whole frame\n\
+         * the paper's own figures, of another machine (GeForce 6800): to look at, not to compare"
     );
     line!(
         out,
