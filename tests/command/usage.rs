@@ -42,7 +42,7 @@ fn every_command_has_help() {
                 "--tolerance",
                 "--frames",
                 "--size",
-                "0.25",
+                "0.35",
                 "floor",
             ],
         ),
