@@ -56,7 +56,7 @@ fn prepare(criterion: &mut Criterion) {
     };
     for subdivision in [6, 48] {
         let options = EarthOptions {
-            subdivision,
+            subdivision: terrella::Subdivision::Cells(subdivision),
             ..EarthOptions::new(layers.clone())
         };
         let mut earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("sound options");

@@ -6,6 +6,7 @@ use common::{Rig, down, gpu, map, tilted};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use image::RgbaImage;
 use terrella::frames::Geodetic;
+use terrella::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart};
 use terrella::imagery::EarthLayers;
 use terrella::{Atmosphere, DepthBuffer, Earth, EarthOptions, EyeView, Shading, Sky, Viewport};
 
@@ -430,5 +431,63 @@ fn what_is_nearer_hides_the_earth_and_what_is_farther_is_hidden() {
             .filter(|p| p.0[0] > 150 && p.0[2] > 10 && p.0[2] < 250)
             .count();
         assert!(tinted > 5, "{depth:?}: no halo over the farther sheet");
+    }
+}
+
+/// A host that measures surface and air apart, in two passes, gets the picture of one pass.
+#[test]
+fn two_timed_passes_draw_the_same_picture_as_one() {
+    let name = gpu().adapter.get_info().name;
+    let opened = pollster::block_on(GpuContext::open_with(Some(&name), GpuTimer::FEATURES));
+    let gpu = opened.expect("the adapter opens again");
+    let Some(timer) = GpuTimer::new(&gpu.device, &gpu.queue) else {
+        eprintln!("SKIPPED: {name} has no timestamp queries");
+        return;
+    };
+    for samples in [1, 4] {
+        let options = EarthOptions {
+            samples,
+            ..EarthOptions::new(layers())
+        };
+        let mut earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("sound options");
+        let targets = FrameTargets::new(&gpu.device, SIZE, samples);
+        let view = view();
+        let sky = Sky { sun_itrf: DVec3::X };
+        earth.prepare(&gpu.queue, &view, &sky, SIZE);
+        let submit = |draw: &dyn Fn(&mut wgpu::CommandEncoder)| {
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            draw(&mut encoder);
+            gpu.queue.submit([encoder.finish()]);
+            let picture = targets.read_back(&gpu.device, &gpu.queue);
+            picture.expect("a picture")
+        };
+        let one = submit(&|encoder| earth.render(&mut targets.begin_pass(encoder)));
+        let two = submit(&|encoder| {
+            for n in 0..2 {
+                let part = PassPart {
+                    is_first: n == 0,
+                    is_last: n == 1,
+                };
+                let mut pass = targets.begin_part(encoder, part, Some(timer.writes(n)));
+                if n == 0 {
+                    earth.render_surface(&mut pass);
+                } else {
+                    earth.render_air(&mut pass);
+                }
+            }
+            timer.resolve(encoder, 2);
+        });
+        assert!(one == two, "{samples} samples");
+        assert!(
+            one.pixels().any(|pixel| pixel[2] > 60),
+            "something is drawn"
+        );
+        let times = timer.read(&gpu.device, 2).expect("times");
+        assert_eq!(times.len(), 2);
+        assert!(
+            times.iter().all(|time| (0.0..60e3).contains(time)),
+            "{times:?}"
+        );
+        assert!(times.iter().sum::<f64>() > 0.0, "{times:?}");
     }
 }

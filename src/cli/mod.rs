@@ -1,5 +1,6 @@
 //! The command line: what can be asked, where logs and errors go, exit codes. Everything else is the library's.
 
+mod bench;
 mod check;
 mod doctor;
 mod frame;
@@ -12,18 +13,23 @@ mod values;
 use clap::{Args, Parser, Subcommand};
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
+use terrella::measure::bench::BenchError;
 use terrella::play::PlayError;
 use terrella::scene::SceneError;
 
 /// Exit code of a bad scene, and of bad usage (clap's own).
 const BAD_SCENE: u8 = 2;
+/// Exit code of a benchmark that is slower than its baseline.
+const SLOWER: u8 = 3;
 /// Exit code of every other failure.
 const FAILED: u8 = 1;
 
 /// A realistic Earth seen from a satellite.
 #[derive(Debug, Parser)]
 #[command(name = "terrella", version, about, max_term_width = 100)]
-#[command(after_help = "Exit codes: 0 done, 2 bad scene or bad usage, 1 any other failure.")]
+#[command(
+    after_help = "Exit codes: 0 done, 2 bad scene or bad usage, 3 slower than the baseline (bench), 1 any other failure."
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -51,6 +57,8 @@ enum Command {
     Play(play::PlayArgs),
     /// Write one picture of a scene
     Frame(frame::FrameArgs),
+    /// Measure frames of a scene at ten heights, beside the least that they could cost
+    Bench(bench::BenchArgs),
     /// Check a scene and say what it uses and leaves out
     Check(check::CheckArgs),
     /// List the graphics adapters, what each can do and what is dropped on it
@@ -70,6 +78,7 @@ pub fn run() -> ExitCode {
     let done = match &cli.command {
         Command::Play(args) => play::run(args, common),
         Command::Frame(args) => frame::run(args, common),
+        Command::Bench(args) => bench::run(args, common),
         Command::Check(args) => check::run(args, common),
         Command::Doctor => doctor::run(common),
         Command::Report(args) => report::run(args, common),
@@ -100,11 +109,26 @@ fn message(error: &anyhow::Error) -> String {
 }
 
 fn exit_code(error: &anyhow::Error) -> u8 {
+    let bench = |cause: &(dyn std::error::Error + 'static), is: fn(&BenchError) -> bool| {
+        cause.downcast_ref::<BenchError>().is_some_and(is)
+    };
     let bad_scene = error.chain().any(|cause| {
         let play = cause.downcast_ref::<PlayError>();
-        cause.is::<SceneError>() || play.is_some_and(PlayError::is_bad_scene)
+        cause.is::<SceneError>()
+            || play.is_some_and(PlayError::is_bad_scene)
+            || bench(cause, BenchError::is_bad_scene)
     });
-    if bad_scene { BAD_SCENE } else { FAILED }
+    match bad_scene {
+        true => BAD_SCENE,
+        false
+            if error
+                .chain()
+                .any(|cause| bench(cause, BenchError::is_slower)) =>
+        {
+            SLOWER
+        }
+        false => FAILED,
+    }
 }
 
 fn log_to_stderr(common: &Common) {

@@ -45,6 +45,14 @@ pub fn height_km(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A part of a whole, 0 and more, at most tenfold.
+pub fn part(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(part) if (0.0..=10.0).contains(&part) => Ok(part),
+        _ => Err("it must be a number from 0 to 10, for example 0.25 for a quarter".into()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -76,6 +84,10 @@ mod tests {
         assert_eq!(seconds("2.5"), Ok(2.5));
         for bad in ["0", "-1", "nan", "inf", "1e9", ""] {
             assert!(seconds(bad).is_err(), "{bad}");
+        }
+        assert_eq!(part("0.25"), Ok(0.25));
+        for bad in ["-0.1", "nan", "inf", "11", "", "15%"] {
+            assert!(part(bad).is_err(), "{bad}");
         }
     }
 }

@@ -22,7 +22,7 @@ use crate::globe::{COLUMNS, Meshes, Visibility, select_blocks, texels_per_pixel}
 use crate::gpu::{AirDrawable, Frame, PassFormat, SurfaceDrawable, SurfaceLook};
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::stream::StreamCounters;
-use crate::imagery::tile::{LayerLayout, MapLayer, TileKey};
+use crate::imagery::tile::{LayerLayout, MAX_LEVELS, MapLayer, TileKey};
 use glam::{DMat4, DVec3, Vec3};
 pub use governor::{Change, Governor};
 pub use options::{EarthError, EarthOptions};
@@ -86,6 +86,9 @@ pub struct FrameStats {
     /// Texels of the day map per screen pixel, seen face on at the nearest point of the block where there are fewest;
     /// 1 and more is sharp. Blocks that lie in the dark are not counted; 0 where none is left.
     pub texels_per_pixel: f64,
+    /// Blocks in daylight by the level of the day map that they are drawn with, the finest first; all zero without a
+    /// pack.
+    pub day_levels: [u32; MAX_LEVELS],
     /// Tiles, all zero without a pack.
     pub tiles: StreamCounters,
     /// The part of `prepare` that copied tiles for upload.
@@ -409,6 +412,7 @@ impl Earth {
             queue,
         );
         self.uploaded_tiles = frame.uploaded_bytes;
+        self.stats.day_levels = frame.day_levels;
         self.stats.tiles = frame.counters;
         self.stats.texels_per_pixel = frame.texels_per_pixel;
         self.stats.tile_upload = frame.upload;
@@ -449,11 +453,20 @@ impl Earth {
     /// Draws what [`Self::prepare`] chose into the host's pass: the surface, then the air over it. Draw opaque things
     /// before, so that the air lies over those behind it.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
-        if !self.drawable {
-            return;
+        self.render_surface(pass);
+        self.render_air(pass);
+    }
+
+    /// The first part of [`Self::render`], for a host that measures them apart.
+    pub fn render_surface(&self, pass: &mut wgpu::RenderPass<'_>) {
+        if self.drawable {
+            self.surface.render(pass);
         }
-        self.surface.render(pass);
-        if let Some(air) = &self.air {
+    }
+
+    /// The second part.
+    pub fn render_air(&self, pass: &mut wgpu::RenderPass<'_>) {
+        if let Some(air) = self.air.as_ref().filter(|_| self.drawable) {
             air.render(pass);
         }
     }
@@ -465,6 +478,16 @@ impl Earth {
                 .flat_map(|row| self.meshes.grid().vertex_row(*block, row).iter().copied())
         });
         self.surface.staged().iter().copied().zip(exact)
+    }
+
+    /// Bytes of the WGSL that the driver got: the surface's, and the air's from outside and from inside it.
+    pub fn shader_bytes(&self) -> u64 {
+        self.surface.shader_bytes() + self.air.as_ref().map_or(0, |air| air.shader_bytes)
+    }
+
+    /// Whether the air is drawn.
+    pub fn has_air(&self) -> bool {
+        self.air.is_some()
     }
 
     /// Whether blocks are drawn with tiles.
@@ -483,7 +506,7 @@ impl Earth {
     }
 
     fn features(&self, on: bool) -> Vec<&'static str> {
-        let shader = &self.surface.variant.features;
+        let shader = &self.surface.variant().features;
         // Water and tiles come with packs; an Earth without one has nothing to switch off.
         let of_packs: &[&str] = match self.tiles {
             Some(_) => &["water", "tiles"],

@@ -9,7 +9,7 @@ use crate::globe::{
 use crate::gpu::SurfaceDrawable;
 use crate::imagery::EarthLayers;
 use crate::imagery::stream::{Pool, StreamCounters, StreamOptions, TileStream, Want};
-use crate::imagery::tile::{MAP_LAYERS, MapLayer, TileKey, TileSource};
+use crate::imagery::tile::{MAP_LAYERS, MAX_LEVELS, MapLayer, TileKey, TileSource};
 use glam::DVec3;
 use std::fmt;
 use std::sync::Arc;
@@ -119,6 +119,7 @@ pub(super) struct TileFrame {
     pub uploaded_bytes: u64,
     pub upload: Duration,
     pub texels_per_pixel: f64,
+    pub day_levels: [u32; MAX_LEVELS],
 }
 
 /// Level of a block that was not wanted in the frame before.
@@ -225,6 +226,7 @@ impl TileDriver {
         self.stream.update(Instant::now(), &self.wants);
 
         let mut fewest = f64::INFINITY;
+        let mut day_levels = [0; MAX_LEVELS];
         for (distance_m, block) in &self.near {
             let index = block.index() as u8;
             let chosen = MapLayer::ALL.map(|layer| {
@@ -235,6 +237,9 @@ impl TileDriver {
                 if layer == MapLayer::Day && is_lit(grid, *block, eye.sun_itrf) {
                     let level =
                         drawn.map_or(pixels.len().saturating_sub(1), |(level, _)| level.into());
+                    if let Some(blocks) = day_levels.get_mut(level) {
+                        *blocks += 1;
+                    }
                     if let Some(pixels) = pixels.get(level) {
                         let radius_m = grid.ellipsoid().equatorial_radius_m;
                         let sharp = texels_per_pixel(*pixels, radius_m, *distance_m, eye.pixel_rad);
@@ -255,6 +260,7 @@ impl TileDriver {
             uploaded_bytes,
             upload: begin.elapsed(),
             texels_per_pixel: if fewest.is_finite() { fewest } else { 0.0 },
+            day_levels,
         }
     }
 

@@ -3,6 +3,7 @@
 use super::blocks::{BlockGrid, SubdivisionError};
 use crate::frames::Ellipsoid;
 use std::f64::consts::PI;
+use std::fmt;
 
 /// How many cells a block's edge has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,6 +14,15 @@ pub enum Subdivision {
     Auto,
     /// Always so many, 1…48; the paper's are 6.
     Cells(u32),
+}
+
+impl fmt::Display for Subdivision {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Cells(cells) => cells.fmt(f),
+        }
+    }
 }
 
 /// How far [`Subdivision::Auto`] lets the drawn limb be inside the true one, pixels.
@@ -81,6 +91,11 @@ impl Meshes {
     /// The grid that was chosen last.
     pub fn grid(&self) -> &BlockGrid {
         &self.grids[self.current]
+    }
+
+    /// The grid with so many cells a block edge, if it is one of them.
+    pub fn with_cells(&self, cells: u32) -> Option<&BlockGrid> {
+        self.grids.iter().find(|grid| grid.subdivision() == cells)
     }
 
     /// All of them, the coarsest first.

@@ -25,11 +25,14 @@ pub(crate) struct AirDrawable {
     /// What the surface reads of it.
     pub sunlight: GpuLayer,
     pub texture_bytes: u64,
+    /// Of both variants.
+    pub shader_bytes: u64,
 }
 
 struct Variant {
     pipeline: wgpu::RenderPipeline,
     bind_group: wgpu::BindGroup,
+    shader_bytes: u64,
 }
 
 impl AirDrawable {
@@ -75,6 +78,7 @@ impl AirDrawable {
         let outside = variant(false, &[(2, d3, &scattering)])?;
         let inside = variant(true, &[(3, d2, &transmittance), (4, d2, &multiple)])?;
         Ok(Self {
+            shader_bytes: outside.shader_bytes + inside.shader_bytes,
             outside,
             inside,
             frame,
@@ -152,7 +156,7 @@ impl Variant {
                 ("encode", format.stores_display_values()),
             ],
         );
-        let module = shader.module(device)?;
+        let (module, shader_bytes) = shader.module(device)?;
         let sampler = super::surface::table_sampler(device);
         let mut layout = vec![
             super::uniform_entry(0, wgpu::ShaderStages::FRAGMENT, size_of::<AirFrame>()),
@@ -229,6 +233,7 @@ impl Variant {
         Ok(Self {
             pipeline,
             bind_group,
+            shader_bytes,
         })
     }
 }

@@ -61,14 +61,23 @@ impl GpuContext {
     /// Discrete comes before integrated, virtual and software. OpenGL is looked at only where Vulkan, Metal and Direct3D
     /// 12 have nothing that will do. The environment variable `WGPU_BACKEND` limits the choice.
     pub async fn open(wanted: Option<&str>) -> Result<Self, ContextError> {
+        Self::open_with(wanted, wgpu::Features::empty()).await
+    }
+
+    /// The same, with those of `optional` that the adapter has: for measuring, as drawing needs none of them. Adapters
+    /// are not chosen by it.
+    pub async fn open_with(
+        wanted: Option<&str>,
+        optional: wgpu::Features,
+    ) -> Result<Self, ContextError> {
         let backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::all());
-        let first =
-            Self::open_on(instance(backends - wgpu::Backends::GL, None), wanted, None).await;
-        match first {
+        let open =
+            async |backends| Self::open_on(instance(backends, None), wanted, None, optional).await;
+        match open(backends - wgpu::Backends::GL).await {
             Err(ContextError::NoAdapter | ContextError::NotNamed { .. })
                 if backends.contains(wgpu::Backends::GL) =>
             {
-                Self::open_on(instance(backends, None), wanted, None).await
+                open(backends).await
             }
             other => other,
         }
@@ -85,8 +94,9 @@ impl GpuContext {
             Some(display),
         );
         let surface = instance.create_surface(window)?;
+        let none = wgpu::Features::empty();
         Ok((
-            Self::open_on(instance, wanted, Some(&surface)).await?,
+            Self::open_on(instance, wanted, Some(&surface), none).await?,
             surface,
         ))
     }
@@ -95,6 +105,7 @@ impl GpuContext {
         instance: wgpu::Instance,
         wanted: Option<&str>,
         surface: Option<&wgpu::Surface<'static>>,
+        optional: wgpu::Features,
     ) -> Result<Self, ContextError> {
         let mut adapters = ranked(&instance).await;
         if adapters.is_empty() {
@@ -115,11 +126,12 @@ impl GpuContext {
             .into_iter()
             .find(|adapter| surface.is_none_or(|surface| adapter.is_surface_supported(surface)))
             .ok_or(ContextError::NoAdapter)?;
-        // All that the adapter can do in size, and the one optional feature that is used.
+        // All that the adapter can do in size, and the one optional feature that drawing uses.
+        let optional = optional | wgpu::Features::TEXTURE_COMPRESSION_BC;
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {
                 label: Some("terrella device"),
-                required_features: adapter.features() & wgpu::Features::TEXTURE_COMPRESSION_BC,
+                required_features: adapter.features() & optional,
                 required_limits: adapter.limits(),
                 ..Default::default()
             })
@@ -263,6 +275,10 @@ fn report(adapter: &wgpu::Adapter) -> AdapterReport {
         true if software => dropped.push("compressed tiles: a software adapter unpacks every texel anew; packs are read as plain texels".into()),
         true => can.push("compressed tiles (BC7, BC5, BC4)".into()),
         false => dropped.push("compressed tiles: not supported; packs are read as plain texels".into()),
+    }
+    match adapter.features().contains(super::GpuTimer::FEATURES) {
+        true => can.push("times of its own passes (terrella bench)".into()),
+        false => dropped.push("times of its own passes: terrella bench leaves gpu_ms empty".into()),
     }
     if software {
         dropped.push("anisotropic filtering: a software adapter pays for every sample; maps are filtered trilinearly".into());

@@ -9,13 +9,15 @@ mod shader;
 mod surface;
 mod targets;
 mod tiles;
+mod timer;
 mod uniforms;
 
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
 pub use shader::{AIR_SHADER, EARTH_SHADER, ShaderError, ShaderVariant};
 pub use targets::{
-    Attachments, FrameTargets, PictureError, color_texture, read_floats, read_texture,
+    Attachments, FrameTargets, PassPart, PictureError, color_texture, read_floats, read_texture,
 };
+pub use timer::{GpuTimer, TimerError};
 pub use uniforms::{AirFrame, Frame};
 
 pub(crate) use air::AirDrawable;

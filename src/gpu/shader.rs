@@ -100,8 +100,11 @@ impl ShaderVariant {
         Ok(out)
     }
 
-    /// Compiles it.
-    pub(super) fn module(&self, device: &wgpu::Device) -> Result<wgpu::ShaderModule, ShaderError> {
+    /// Compiles it. Answers the length of its text too, bytes.
+    pub(super) fn module(
+        &self,
+        device: &wgpu::Device,
+    ) -> Result<(wgpu::ShaderModule, u64), ShaderError> {
         let source = self.source()?;
         if let Some(folder) = std::env::var_os("TERRELLA_SHADER_DUMP") {
             let path = std::path::Path::new(&folder).join(self.name() + ".wgsl");
@@ -109,10 +112,12 @@ impl ShaderVariant {
                 tracing::warn!("shader not dumped to {}: {error}", path.display());
             }
         }
-        Ok(device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        let bytes = source.len() as u64;
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(&format!("terrella {}", self.name())),
             source: wgpu::ShaderSource::Wgsl(source.into()),
-        }))
+        });
+        Ok((module, bytes))
     }
 }
 

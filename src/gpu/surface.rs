@@ -11,8 +11,7 @@ use crate::imagery::tile::{MAP_LAYERS, MapLayer};
 use glam::{DVec3, Vec3};
 
 pub(crate) struct SurfaceDrawable {
-    pipeline: wgpu::RenderPipeline,
-    bind_group: wgpu::BindGroup,
+    assembled: Assembled,
     lattice: Lattice,
     maps: Maps,
     imagery: Imagery,
@@ -22,7 +21,14 @@ pub(crate) struct SurfaceDrawable {
     /// The blocks whose vertices are on the GPU.
     drawn: Vec<Block>,
     pub texture_bytes: u64,
-    pub variant: ShaderVariant,
+}
+
+/// What follows from a look.
+struct Assembled {
+    variant: ShaderVariant,
+    pipeline: wgpu::RenderPipeline,
+    bind_group: wgpu::BindGroup,
+    shader_bytes: u64,
 }
 
 /// What blocks are drawn with.
@@ -74,10 +80,9 @@ impl SurfaceDrawable {
         };
         let texture_bytes = maps.bytes() + tile_bytes;
         let frame = super::uniform_buffer::<Frame>(device, "terrella frame");
-        let (variant, pipeline, bind_group) = assemble(device, &maps, &imagery, &frame, look)?;
+        let assembled = assemble(device, &maps, &imagery, &frame, look)?;
         Ok(Self {
-            pipeline,
-            bind_group,
+            assembled,
             lattice: Lattice::new(device, grids),
             maps,
             imagery,
@@ -85,7 +90,6 @@ impl SurfaceDrawable {
             staging: Vec::with_capacity(Lattice::most_vertices(grids)),
             drawn: Vec::with_capacity(BLOCK_COUNT as usize),
             texture_bytes,
-            variant,
         })
     }
 
@@ -103,12 +107,21 @@ impl SurfaceDrawable {
             Imagery::Tiles(tiles) => tiles.bind_again(device, &self.maps),
             Imagery::Whole(bind_group) => *bind_group = self.maps.bind_whole(device),
         }
-        (self.variant, self.pipeline, self.bind_group) =
-            assemble(device, &self.maps, &self.imagery, &self.frame, look)?;
+        self.assembled = assemble(device, &self.maps, &self.imagery, &self.frame, look)?;
         self.lattice = Lattice::new(device, grids);
         self.staging = Vec::with_capacity(Lattice::most_vertices(grids));
         self.drawn.clear();
         Ok(())
+    }
+
+    /// The shader that is drawn with.
+    pub fn variant(&self) -> &ShaderVariant {
+        &self.assembled.variant
+    }
+
+    /// Bytes of its text as the driver gets it.
+    pub fn shader_bytes(&self) -> u64 {
+        self.assembled.shader_bytes
     }
 
     /// The list that the caller fills with the blocks to draw.
@@ -174,8 +187,8 @@ impl SurfaceDrawable {
         if self.drawn.is_empty() {
             return;
         }
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &self.bind_group, &[]);
+        pass.set_pipeline(&self.assembled.pipeline);
+        pass.set_bind_group(0, &self.assembled.bind_group, &[]);
         self.lattice.bind(pass);
         if let Imagery::Whole(maps) = &self.imagery {
             pass.set_bind_group(1, maps, &[]);
@@ -189,14 +202,14 @@ impl SurfaceDrawable {
     }
 }
 
-/// The shader's variant for a look, its pipeline and its first bind group.
+/// Makes what a look needs.
 fn assemble(
     device: &wgpu::Device,
     maps: &Maps,
     imagery: &Imagery,
     frame: &wgpu::Buffer,
     look: &SurfaceLook<'_>,
-) -> Result<(ShaderVariant, wgpu::RenderPipeline, wgpu::BindGroup), ShaderError> {
+) -> Result<Assembled, ShaderError> {
     let format = look.format;
     let has_tiles = matches!(imagery, Imagery::Tiles(_));
     let variant = match look.output {
@@ -206,7 +219,7 @@ fn assemble(
             &[("places", true), ("tiles", has_tiles)],
         ),
     };
-    let module = variant.module(device)?;
+    let (module, shader_bytes) = variant.module(device)?;
     let table_sampler = table_sampler(device);
     let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
     let mut layout = vec![super::uniform_entry(0, both, size_of::<Frame>())];
@@ -277,7 +290,12 @@ fn assemble(
         multiview_mask: None,
         cache: None,
     });
-    Ok((variant, pipeline, bind_group))
+    Ok(Assembled {
+        variant,
+        pipeline,
+        bind_group,
+        shader_bytes,
+    })
 }
 
 /// The shader that draws pictures.

@@ -42,7 +42,19 @@ impl FrameTargets {
 
     /// Begins a pass that clears colour to black (space) and depth to 0 (infinitely far, reversed Z).
     pub fn begin_pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
-        self.attachments.begin_pass(encoder, &self.view)
+        self.begin_part(encoder, PassPart::default(), None)
+    }
+
+    /// Begins a part of that pass, where a frame is drawn in several passes to be timed apart. All that is drawn is kept
+    /// from one to the next, which costs memory traffic that a single pass has not.
+    pub fn begin_part<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        part: PassPart,
+        times: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) -> wgpu::RenderPass<'e> {
+        self.attachments
+            .begin_part(encoder, &self.view, part, times)
     }
 
     /// Reads the picture back, sRGB RGBA8 rows without padding. Waits for the device.
@@ -52,6 +64,25 @@ impl FrameTargets {
         queue: &wgpu::Queue,
     ) -> Result<RgbaImage, PictureError> {
         read_texture(device, queue, &self.picture)
+    }
+}
+
+/// Which part of a frame a pass is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PassPart {
+    /// Colour and depth are cleared before it.
+    pub is_first: bool,
+    /// Samples are resolved after it and not kept, nor is depth.
+    pub is_last: bool,
+}
+
+impl Default for PassPart {
+    /// The whole of it.
+    fn default() -> Self {
+        Self {
+            is_first: true,
+            is_last: true,
+        }
     }
 }
 
@@ -85,9 +116,30 @@ impl Attachments {
         encoder: &'e mut wgpu::CommandEncoder,
         target: &wgpu::TextureView,
     ) -> wgpu::RenderPass<'e> {
+        self.begin_part(encoder, target, PassPart::default(), None)
+    }
+
+    fn begin_part<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        target: &wgpu::TextureView,
+        part: PassPart,
+        times: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) -> wgpu::RenderPass<'e> {
+        let kept = match part.is_last {
+            true => wgpu::StoreOp::Discard,
+            false => wgpu::StoreOp::Store,
+        };
         let (view, resolve_target, store) = match &self.multisampled {
-            Some(samples) => (samples, Some(target), wgpu::StoreOp::Discard),
+            Some(samples) => (samples, part.is_last.then_some(target), kept),
             None => (target, None, wgpu::StoreOp::Store),
+        };
+        let (color, depth) = match part.is_first {
+            true => (
+                wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                wgpu::LoadOp::Clear(0.0),
+            ),
+            false => (wgpu::LoadOp::Load, wgpu::LoadOp::Load),
         };
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("terrella pass"),
@@ -95,20 +147,17 @@ impl Attachments {
                 view,
                 depth_slice: None,
                 resolve_target,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                    store,
-                },
+                ops: wgpu::Operations { load: color, store },
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &self.depth,
                 depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Discard,
+                    load: depth,
+                    store: kept,
                 }),
                 stencil_ops: None,
             }),
-            timestamp_writes: None,
+            timestamp_writes: times,
             occlusion_query_set: None,
             multiview_mask: None,
         })

@@ -4,10 +4,11 @@ use crate::gpu::{FrameTargets, GpuContext};
 use crate::imagery::tile::MapLayer;
 use crate::imagery::{LayerImage, TexelFormat};
 use crate::{Atmosphere, EarthOptions, EyeView, Shading, air};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+use std::f64::consts::TAU;
 use std::fmt::Write;
 
-/// A full-screen pass that takes as many texture samples on each pixel of the ground as the Earth's shaders do, from
+/// A pass over the part of the screen where the ground can be, which takes as many texture samples on each pixel of the ground as the Earth's shaders do, from
 /// textures of the same sizes and formats, and clears the rest. It counts one sample for each map, one for the sunlight
 /// table and one for the scattering table, of those that the Earth is drawn with.
 ///
@@ -17,6 +18,8 @@ pub struct Floor {
     pipeline: wgpu::RenderPipeline,
     bind_group: wgpu::BindGroup,
     view: wgpu::Buffer,
+    /// Part of the target that can show ground: x, y, width, height.
+    part: [u32; 4],
 }
 
 /// Bytes of the shader's `View`: four vectors of four.
@@ -106,16 +109,23 @@ impl Floor {
             pipeline,
             bind_group,
             view,
+            part: [0; 4],
         }
     }
 
     /// Writes where the eye is. The ground is a sphere for it.
-    pub fn prepare(&self, queue: &wgpu::Queue, view: &EyeView, size: (u32, u32)) {
+    pub fn prepare(&mut self, queue: &wgpu::Queue, view: &EyeView, size: (u32, u32)) {
+        self.part = ground_part(view, size);
         queue.write_buffer(&self.view, 0, bytemuck::cast_slice(&rays(view, size)));
     }
 
     /// Draws it.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
+        let [x, y, width, height] = self.part;
+        if width == 0 || height == 0 {
+            return;
+        }
+        pass.set_scissor_rect(x, y, width, height);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.bind_group, &[]);
         pass.draw(0..3, 0..1);
@@ -203,6 +213,37 @@ const BODY: (&str, &str) = (
 ",
 );
 
+/// The rectangle that the limb of the sphere fills on screen; the whole target where part of the limb is behind the eye or
+/// the eye below the ground.
+fn ground_part(view: &EyeView, size: (u32, u32)) -> [u32; 4] {
+    const PLACES: u32 = 64;
+    let (eye_itrf_m, clip_from_eye) = view.to_itrf();
+    let whole = [0, 0, size.0, size.1];
+    let distance = eye_itrf_m.length() / EARTH_RADIUS_M;
+    if distance <= 1.0 {
+        return whole;
+    }
+    let toward = eye_itrf_m.normalize();
+    let (a, b) = toward.any_orthonormal_pair();
+    let (near, wide) = (1.0 / distance, (1.0 - 1.0 / (distance * distance)).sqrt());
+    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for n in 0..PLACES {
+        let (sin, cos) = (TAU * f64::from(n) / f64::from(PLACES)).sin_cos();
+        // A little more than the circle, so that its polygon holds the circle.
+        let limb = toward * near + (a * cos + b * sin) * (wide * 1.005);
+        let clip = clip_from_eye * (limb * EARTH_RADIUS_M - eye_itrf_m).extend(1.0);
+        if clip.w <= 0.0 {
+            return whole;
+        }
+        let at = DVec2::new(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w);
+        (low, high) = (low.min(at), high.max(at));
+    }
+    let edge = |part: f64, side: u32| (part * f64::from(side)).clamp(0.0, f64::from(side));
+    let (x, y) = (edge(low.x, size.0).floor(), edge(low.y, size.1).floor());
+    let (right, bottom) = (edge(high.x, size.0).ceil(), edge(high.y, size.1).ceil());
+    [x as u32, y as u32, (right - x) as u32, (bottom - y) as u32]
+}
+
 /// The pixels' rays and the eye on the unit sphere, four vectors of four.
 fn rays(view: &EyeView, size: (u32, u32)) -> [f32; 16] {
     let itrf_from_view =
@@ -281,6 +322,27 @@ fn upload(gpu: &GpuContext, image: &LayerImage) -> wgpu::TextureView {
 mod tests {
     use super::*;
     use crate::frames::{Ellipsoid, Geodetic};
+
+    #[test]
+    fn the_part_holds_the_disc_and_not_much_more() {
+        let part = |height_m: f64, forward: DVec3| {
+            let eye =
+                Ellipsoid::WGS84.itrf_from_geodetic(Geodetic::from_degrees(0.0, 0.0, height_m));
+            ground_part(&EyeView::itrf(eye, forward, DVec3::Z, 0.8, 2.0), (400, 200))
+        };
+        // From 20 000 km the disc is 2 asin(6371/26 378) = 28° of 45.8° high.
+        let [x, y, width, height] = part(2e7, -DVec3::X);
+        assert!(
+            (118..=123).contains(&height) && width.abs_diff(height) <= 1,
+            "{width} {height}"
+        );
+        assert!(x.abs_diff(200 - width / 2) <= 1 && y.abs_diff(100 - height / 2) <= 1);
+        // Near the ground, and with the limb behind, it is everything; nothing where the Earth is out of the picture.
+        assert_eq!(part(4e5, -DVec3::X), [0, 0, 400, 200]);
+        assert_eq!(part(4e5, DVec3::Y), [0, 0, 400, 200]);
+        let aside = (DVec3::Y - 0.3 * DVec3::X).normalize();
+        assert_eq!(part(4e8, aside)[2], 0);
+    }
 
     #[test]
     fn the_middle_ray_of_a_nadir_view_meets_the_centre() {

@@ -5,6 +5,7 @@
 //! | `stations` | where the harness looks from: the heights of the paper's Table 2 and farther |
 //! | `rig` | an Earth on a test stand: frames and their floor, timed turn about |
 //! | `floor` | the least that a frame could cost |
+//! | [`bench`] | the frame-rate harness |
 //! | [`reference`] | the true picture: ray casting in f64 on the processor |
 //! | [`numeric`] | formulas held against arbitrary precision, methods compared by error and cost |
 //! | [`extreme`] | pictures that nobody would ask for, and what they must show |
@@ -13,6 +14,7 @@
 //! | `quantiles`, `pareto`, `chart`, `axis` | what is told of measurements |
 
 mod axis;
+pub mod bench;
 mod chart;
 pub mod errors;
 pub mod extreme;

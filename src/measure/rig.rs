@@ -2,7 +2,7 @@
 
 use super::floor::Floor;
 use crate::frames::Epoch;
-use crate::gpu::GpuContext;
+use crate::gpu::{GpuContext, GpuTimer};
 use crate::play::{Measured, Moment, Picture, PlayError};
 use crate::{EarthOptions, EyeView, FrameStats, Sky};
 use image::RgbaImage;
@@ -55,6 +55,11 @@ impl Rig {
         &self.picture
     }
 
+    /// The same, to draw with.
+    pub fn picture_mut(&mut self) -> &mut Picture {
+        &mut self.picture
+    }
+
     /// Draws a view when its tiles have come, or `wait` is over, and reads it back.
     ///
     /// # Errors
@@ -67,6 +72,28 @@ impl Rig {
     ) -> Result<RgbaImage, PlayError> {
         self.picture.draw_complete(&moment(view, sky), wait);
         self.picture.read()
+    }
+
+    /// Draws a view when its tiles have come, or `wait` is over; answers how many are missing. Without tiles it does
+    /// nothing.
+    pub fn complete(&mut self, view: &EyeView, sky: &Sky, wait: Duration) -> usize {
+        if !self.picture.earth().has_tiles() {
+            return 0;
+        }
+        self.picture.draw_complete(&moment(view, sky), wait).1.len()
+    }
+
+    /// Times the parts of a view on the device: as [`Picture::time_passes`].
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn passes(
+        &mut self,
+        view: &EyeView,
+        sky: &Sky,
+        timer: &GpuTimer,
+    ) -> Result<Vec<(&'static str, f64)>, PlayError> {
+        self.picture.time_passes(&moment(view, sky), timer)
     }
 
     /// Times a view and its floor, once each.
@@ -103,7 +130,7 @@ impl Rig {
     }
 }
 
-fn moment(view: &EyeView, sky: &Sky) -> Moment {
+pub(super) fn moment(view: &EyeView, sky: &Sky) -> Moment {
     Moment {
         // Nothing that is drawn without a craft asks for it.
         epoch: Epoch::from_gregorian_utc(2000, 1, 1, 12, 0, 0, 0),
@@ -114,6 +141,6 @@ fn moment(view: &EyeView, sky: &Sky) -> Moment {
     }
 }
 
-fn milliseconds(time: Duration) -> f64 {
+pub(super) fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }

@@ -4,7 +4,7 @@ use super::destination::OutputError;
 use super::video::VideoError;
 use super::window::WindowError;
 use crate::EarthError;
-use crate::gpu::{ContextError, PictureError};
+use crate::gpu::{ContextError, PictureError, TimerError};
 use crate::imagery::ImageryError;
 use crate::imagery::pack::PackError;
 use crate::orbit::OrbitError;
@@ -62,6 +62,9 @@ pub enum PlayError {
     /// Reading a picture back.
     #[error(transparent)]
     Picture(#[from] PictureError),
+    /// Times of the device could not be read.
+    #[error(transparent)]
+    Timer(#[from] TimerError),
     /// Writing files.
     #[error(transparent)]
     Output(#[from] OutputError),

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// Loads the maps that a scene wants and no others, and gathers its options. `bc` is what the adapter does with
 /// compressed textures.
-pub(super) fn earth_options(scene: &Scene, bc: BcSupport) -> Result<EarthOptions, PlayError> {
+pub fn earth_options(scene: &Scene, bc: BcSupport) -> Result<EarthOptions, PlayError> {
     let table = &scene.earth;
     let mut options = match &table.pack {
         Some(pack) => pack_options(scene, pack, bc)?,

@@ -3,7 +3,7 @@
 use super::craft::CraftLayer;
 use super::error::PlayError;
 use super::flight::Moment;
-use crate::gpu::{FrameTargets, GpuContext};
+use crate::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart};
 use crate::imagery::tile::TileKey;
 use crate::{Earth, EarthOptions, EyeView, FrameStats};
 use image::RgbaImage;
@@ -135,6 +135,42 @@ impl Picture {
         })
     }
 
+    /// Draws an instant in two passes, "surface" (with the craft, where there is one) and "air", and reads how long each
+    /// took on the device, milliseconds. Clearing counts to the first and resolving samples to the last.
+    ///
+    /// Two passes and the writing of times cost time themselves: not for frames whose whole time is wanted.
+    pub fn time_passes(
+        &mut self,
+        moment: &Moment,
+        timer: &GpuTimer,
+    ) -> Result<Vec<(&'static str, f64)>, PlayError> {
+        self.prepare(moment);
+        let names = match self.earth.has_air() {
+            true => &["surface", "air"][..],
+            false => &["surface"],
+        };
+        let count = names.len() as u32;
+        let mut encoder = self.encoder();
+        for (n, name) in (0..).zip(names) {
+            let part = PassPart {
+                is_first: n == 0,
+                is_last: n + 1 == count,
+            };
+            let times = Some(timer.writes(n));
+            let mut pass = self.targets.begin_part(&mut encoder, part, times);
+            if *name == "air" {
+                self.earth.render_air(&mut pass);
+            } else {
+                self.craft.render(&mut pass);
+                self.earth.render_surface(&mut pass);
+            }
+        }
+        timer.resolve(&mut encoder, count);
+        self.gpu.queue.submit([encoder.finish()]);
+        let times = timer.read(&self.gpu.device, count)?;
+        Ok(names.iter().copied().zip(times).collect())
+    }
+
     fn prepare(&mut self, moment: &Moment) -> FrameStats {
         let size = self.size();
         let mut stats = self
@@ -163,16 +199,18 @@ impl Picture {
     }
 
     fn submit_pass(&self, draw: impl FnOnce(&mut wgpu::RenderPass<'_>)) {
-        let mut encoder = self
-            .gpu
-            .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor {
-                label: Some("terrella picture"),
-            });
+        let mut encoder = self.encoder();
         let mut pass = self.targets.begin_pass(&mut encoder);
         draw(&mut pass);
         drop(pass);
         self.gpu.queue.submit([encoder.finish()]);
+    }
+
+    fn encoder(&self) -> wgpu::CommandEncoder {
+        let device = &self.gpu.device;
+        device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
+            label: Some("terrella picture"),
+        })
     }
 
     fn wait(&self) -> Result<(), PlayError> {
@@ -203,12 +241,18 @@ pub(super) fn supported_samples(
     1
 }
 
-/// Colour, its samples, their depth, and the read-back buffer: four bytes each.
+/// Bytes of the textures that a frame of this size is drawn to: colour, its samples where there are several a pixel, and
+/// their depth.
+pub fn target_bytes((width, height): (u32, u32), samples: u32) -> u64 {
+    let multisampled = if samples > 1 { u64::from(samples) } else { 0 };
+    u64::from(width) * u64::from(height) * 4 * (1 + multisampled + u64::from(samples))
+}
+
+/// The textures and the read-back buffer, which has four bytes a pixel.
 fn check_memory(size: (u32, u32), samples: u32) -> Result<(), PlayError> {
     let (width, height) = size;
-    let multisampled = if samples > 1 { u64::from(samples) } else { 0 };
-    let bytes_per_pixel = 4 * (1 + multisampled + u64::from(samples) + 1);
-    let mib = (u64::from(width) * u64::from(height) * bytes_per_pixel) >> 20;
+    let read_back = u64::from(width) * u64::from(height) * 4;
+    let mib = (target_bytes(size, samples) + read_back) >> 20;
     if mib <= MAX_PICTURE_MIB {
         return Ok(());
     }

@@ -91,7 +91,7 @@ impl Scene {
             ("earth", "figure") => quoted(&written(&earth.figure)),
             ("earth", "subdivision") => match earth.subdivision {
                 Subdivision::Auto => quoted("auto"),
-                Subdivision::Cells(cells) => Ok(cells.to_string()),
+                cells => Ok(cells.to_string()),
             },
             ("earth", "visibility") => quoted(&written(&earth.visibility)),
             ("earth", "shading") => quoted(&written(&earth.shading)),

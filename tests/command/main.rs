@@ -5,6 +5,7 @@
 #![cfg(feature = "command")]
 
 mod bad_input;
+mod bench;
 mod packs;
 mod pictures;
 mod reference;

@@ -3,6 +3,7 @@
 use crate::{Place, png_size, words};
 use image::{Rgb, RgbImage};
 use std::path::PathBuf;
+use terrella::measure::bench::{Report, Row};
 use terrella::play::Stats;
 
 /// A place with a pack of a map with coasts and waves, in both storages.
@@ -225,4 +226,38 @@ fn a_pack_without_time_to_read_it_is_drawn_coarse_and_said_so() {
             .missing
             .is_empty()
     );
+}
+
+/// Levels are counted, and each map and the tiles themselves are switched off in turn.
+#[test]
+fn a_pack_is_measured_with_its_levels() {
+    let place = with_pack();
+    scene(&place, "a.toml", "");
+    place.succeed(&[
+        "-q", "bench", "a.toml", "--frames", "1", "--size", "64x36", "--json", "a.json",
+    ]);
+    let text = std::fs::read_to_string(place.path("a.json")).expect("a report");
+    let report: Report = serde_json::from_str(&text).expect("a report");
+    let names: Vec<_> = report.features.iter().map(|f| f.name.as_str()).collect();
+    assert_eq!(names, ["tiles", "multisampling"]);
+    assert!(
+        report.features[0].texture_bytes > 0,
+        "{:?}",
+        report.features
+    );
+    assert!(report.features[0].shader_bytes > 0, "{:?}", report.features);
+    assert_eq!(report.scene["maps"], "day 256x128");
+    let most = |row: &Row| row.levels.iter().sum::<u32>();
+    for row in &report.rows {
+        assert!(most(row) <= row.blocks_drawn, "{row:?}");
+        assert!(row.levels.len() <= 3, "{row:?}");
+    }
+    // From far away the coarsest level will do.
+    let far = report.rows.iter().find(|row| row.height_km > 1e5);
+    let far = far.expect("the Moon's distance");
+    assert!(
+        far.levels.len() == 3 && far.levels[..2] == [0, 0],
+        "{far:?}"
+    );
+    assert!(report.rows.iter().map(most).max() > Some(20));
 }

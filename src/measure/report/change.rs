@@ -66,10 +66,8 @@ impl Change {
     pub fn value(&self) -> String {
         match self {
             Self::Scene => "as it is".into(),
-            Self::Subdivision(Subdivision::Auto) => "auto".into(),
-            Self::Subdivision(Subdivision::Cells(n)) | Self::TextureLevel(n) | Self::Samples(n) => {
-                n.to_string()
-            }
+            Self::Subdivision(cells) => cells.to_string(),
+            Self::TextureLevel(n) | Self::Samples(n) => n.to_string(),
             Self::Anisotropy(n) => n.to_string(),
             Self::Visibility(Visibility::Conservative) => "conservative".into(),
             Self::Visibility(Visibility::Paper) => "paper".into(),

@@ -1,0 +1,101 @@
+//! Times that the device itself writes at the ends of passes.
+
+/// Why times could not be read.
+#[derive(Debug, thiserror::Error)]
+#[error("the device's times could not be read back: {0}")]
+pub struct TimerError(String);
+
+/// Timestamps before the first of a few passes and at the end of each.
+///
+/// Nothing is written in the middle of a pass: a device that draws tile after tile comes to such a place in its last tile
+/// when all others are done, air and all. Nor at the beginning of a later pass, for the same reason.
+pub struct GpuTimer {
+    queries: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    read_back: wgpu::Buffer,
+    /// Milliseconds of one tick.
+    tick_ms: f64,
+}
+
+/// Most passes that are timed together.
+const MOST_PASSES: u32 = 3;
+const TICK_BYTES: u64 = wgpu::QUERY_SIZE as u64;
+
+impl GpuTimer {
+    /// The feature that a device must have been opened with.
+    pub const FEATURES: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY;
+
+    /// A timer; `None` where the device was opened without [`Self::FEATURES`].
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Option<Self> {
+        let has = device.features();
+        if !has.contains(Self::FEATURES) {
+            return None;
+        }
+        let buffer = |label, usage| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: u64::from(MOST_PASSES + 1) * TICK_BYTES,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        use wgpu::BufferUsages as Use;
+        Some(Self {
+            queries: device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some("terrella times"),
+                ty: wgpu::QueryType::Timestamp,
+                count: MOST_PASSES + 1,
+            }),
+            resolved: buffer("terrella times", Use::QUERY_RESOLVE | Use::COPY_SRC),
+            read_back: buffer("terrella times read back", Use::COPY_DST | Use::MAP_READ),
+            tick_ms: f64::from(queue.get_timestamp_period()) * 1e-6,
+        })
+    }
+
+    /// What the `n`-th pass is begun with, from 0, at most 2.
+    pub fn writes(&self, n: u32) -> wgpu::RenderPassTimestampWrites<'_> {
+        wgpu::RenderPassTimestampWrites {
+            query_set: &self.queries,
+            beginning_of_pass_write_index: (n == 0).then_some(0),
+            end_of_pass_write_index: Some((n + 1).min(MOST_PASSES)),
+        }
+    }
+
+    /// Has the times of the first `passes` passes copied; to be called after the last of them.
+    pub fn resolve(&self, encoder: &mut wgpu::CommandEncoder, passes: u32) {
+        // A query that was not written must not be waited for.
+        let written = passes.min(MOST_PASSES) + 1;
+        let bytes = u64::from(written) * TICK_BYTES;
+        encoder.resolve_query_set(&self.queries, 0..written, &self.resolved, 0);
+        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.read_back, 0, bytes);
+    }
+
+    /// Reads how long each pass took, milliseconds. Waits for the device.
+    pub fn read(&self, device: &wgpu::Device, passes: u32) -> Result<Vec<f64>, TimerError> {
+        let failed = |what: &dyn std::fmt::Display| TimerError(what.to_string());
+        let (sender, receiver) = std::sync::mpsc::channel();
+        self.read_back
+            .map_async(wgpu::MapMode::Read, .., move |result| {
+                // The receiver lives until the end of this function; if it is gone nobody waits.
+                let _ = sender.send(result);
+            });
+        device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .map_err(|e| failed(&e))?;
+        receiver
+            .recv()
+            .map_err(|e| failed(&e))?
+            .map_err(|e| failed(&e))?;
+        let mapped = self
+            .read_back
+            .get_mapped_range(..)
+            .map_err(|e| failed(&e))?;
+        let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&mapped);
+        drop(mapped);
+        self.read_back.unmap();
+        let passes = ticks.windows(2).take(passes.min(MOST_PASSES) as usize);
+        // A counter that wrapped tells nothing.
+        let span = |pair: &[u64]| pair[1].saturating_sub(pair[0]) as f64 * self.tick_ms;
+        Ok(passes.map(span).collect())
+    }
+}

@@ -1,0 +1,164 @@
+//! A run held against an earlier one: the same scene, size and adapter, and only ratios.
+
+use super::error::BenchError;
+use super::report::{Report, Row};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// An earlier report and where it came from.
+#[derive(Clone, Debug)]
+pub struct Baseline {
+    path: PathBuf,
+    report: Report,
+}
+
+/// A row now and then.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Change {
+    /// Height and path.
+    pub row: String,
+    /// Frame over floor in the baseline.
+    pub before: f64,
+    /// Frame over floor in this run.
+    pub now: f64,
+}
+
+impl Change {
+    /// By how much it is slower, 0.1 being a tenth; negative where it is faster.
+    pub fn slower_by(&self) -> f64 {
+        self.now / self.before - 1.0
+    }
+}
+
+/// All rows of two runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// In the order of the rows.
+    pub changes: Vec<Change>,
+    /// Part by which a row may be slower.
+    pub tolerance: f64,
+}
+
+impl Baseline {
+    /// Reads one.
+    ///
+    /// # Errors
+    /// As [`Report::load`].
+    pub fn load(path: &Path) -> Result<Self, BenchError> {
+        Ok(Self {
+            path: path.into(),
+            report: Report::load(path)?,
+        })
+    }
+
+    /// Refuses a baseline of another scene, size or number of frames. The adapter need not be known yet, nor the maps.
+    ///
+    /// # Errors
+    /// The first difference.
+    pub fn check_settings(&self, run: &Report) -> Result<(), BenchError> {
+        let there = &self.report;
+        let size = |report: &Report| format!("{} × {}", report.size[0], report.size[1]);
+        self.same("size", size(there), size(run))?;
+        self.same("frames", there.frames, run.frames)?;
+        let value = |of: &BTreeMap<String, String>, key: &str| {
+            of.get(key).map_or("not given".to_owned(), String::clone)
+        };
+        for key in run.scene.keys() {
+            let name = format!("the scene's {key}");
+            self.same(&name, value(&there.scene, key), value(&run.scene, key))?;
+        }
+        Ok(())
+    }
+
+    /// Refuses one of another adapter or of other maps too. Everything of `run` but its rows is known by now.
+    ///
+    /// # Errors
+    /// The first difference.
+    pub fn check_all(&self, run: &Report) -> Result<(), BenchError> {
+        let there = &self.report;
+        self.same("adapter", &there.adapter, &run.adapter)?;
+        self.same("backend", &there.backend, &run.backend)?;
+        self.check_settings(run)?;
+        self.same("the number of samples drawn", there.samples, run.samples)?;
+        for key in there
+            .scene
+            .keys()
+            .filter(|key| !run.scene.contains_key(*key))
+        {
+            self.same(
+                &format!("the scene's {key}"),
+                &there.scene[key],
+                &"not given".to_owned(),
+            )?;
+        }
+        Ok(())
+    }
+
+    fn same<T: PartialEq + std::fmt::Debug>(
+        &self,
+        what: &str,
+        there: T,
+        here: T,
+    ) -> Result<(), BenchError> {
+        if there == here {
+            return Ok(());
+        }
+        Err(BenchError::OtherBaseline {
+            path: self.path.clone(),
+            what: what.to_owned(),
+            // Quoted, so that nothing that a file holds reaches the terminal as it is.
+            there: format!("{there:?}"),
+            here: format!("{here:?}"),
+        })
+    }
+
+    /// Compares all rows of a complete run.
+    ///
+    /// # Errors
+    /// A row that only one of them has.
+    pub fn compare(&self, run: &Report, tolerance: f64) -> Result<Comparison, BenchError> {
+        self.check_all(run)?;
+        let names = |report: &Report| report.rows.iter().map(Row::name).collect::<Vec<_>>();
+        self.same("the list of rows", names(&self.report), names(run))?;
+        let pairs = self.report.rows.iter().zip(&run.rows);
+        Ok(Comparison {
+            changes: pairs
+                .map(|(there, here)| Change {
+                    row: here.name(),
+                    before: there.floor_ratio,
+                    now: here.floor_ratio,
+                })
+                .collect(),
+            tolerance,
+        })
+    }
+}
+
+impl Comparison {
+    /// Refuses a run of which a row is slower by more than the tolerance.
+    ///
+    /// # Errors
+    /// [`BenchError::Slower`].
+    pub fn verdict(&self) -> Result<(), BenchError> {
+        let beyond = |change: &&Change| change.slower_by() > self.tolerance;
+        let slower = self.changes.iter().filter(beyond);
+        let worst = slower
+            .clone()
+            .max_by(|a, b| a.slower_by().total_cmp(&b.slower_by()));
+        match worst {
+            None => Ok(()),
+            Some(worst) => Err(BenchError::Slower {
+                count: slower.count(),
+                rows: self.changes.len(),
+                tolerance_pct: 100.0 * self.tolerance,
+                worst: format!(
+                    "{} from {:.2} to {:.2} × the floor ({:+.0} %)",
+                    worst.row,
+                    worst.before,
+                    worst.now,
+                    100.0 * worst.slower_by()
+                ),
+            }),
+        }
+    }
+}

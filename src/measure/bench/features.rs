@@ -1,0 +1,172 @@
+//! What each layer and effect costs: the scene beside the same scene without it.
+
+use super::report::Feature;
+use super::rows::rounded;
+use crate::gpu::{BcSupport, GpuContext};
+use crate::imagery::tile::MapLayer;
+use crate::measure::rig::milliseconds;
+use crate::measure::{Quantiles, Rig};
+use crate::play::clock::frame_epoch;
+use crate::play::{
+    Flight, Measured, Moment, Picture, PlayError, Progress, earth_options, target_bytes,
+};
+use crate::scene::Scene;
+use crate::{Atmosphere, EarthOptions};
+
+/// Frames of each kind drawn before the first that counts.
+const WARM_UP: u32 = 2;
+
+/// A layer or an effect that can be switched off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    Map(MapLayer),
+    Atmosphere,
+    Tiles,
+    Multisampling,
+    Anisotropy,
+}
+
+impl Part {
+    /// Those that a scene has on.
+    pub fn on(options: &EarthOptions, gpu: &GpuContext) -> Vec<Self> {
+        let layers = MapLayer::ALL.into_iter();
+        let mut parts: Vec<_> = layers
+            .filter(|layer| *layer != MapLayer::Day && options.layers.get(*layer).is_some())
+            .map(Self::Map)
+            .collect();
+        for (part, is_on) in [
+            (Self::Atmosphere, options.atmosphere != Atmosphere::None),
+            (Self::Tiles, options.tiles.is_some()),
+            (Self::Multisampling, options.samples > 1),
+            // Software adapters never filter so.
+            (
+                Self::Anisotropy,
+                options.anisotropy > 1 && !gpu.is_software(),
+            ),
+        ] {
+            if is_on {
+                parts.push(part);
+            }
+        }
+        parts
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Map(layer) => layer.name(),
+            Self::Atmosphere => "atmosphere",
+            Self::Tiles => "tiles",
+            Self::Multisampling => "multisampling",
+            Self::Anisotropy => "anisotropy",
+        }
+    }
+
+    /// The scene's options without it, all else as it was.
+    fn left_out(
+        self,
+        scene: &Scene,
+        options: &EarthOptions,
+        bc: BcSupport,
+    ) -> Result<EarthOptions, PlayError> {
+        let mut less = options.clone();
+        match self {
+            Self::Atmosphere => less.atmosphere = Atmosphere::None,
+            Self::Tiles => less.tiles = None,
+            Self::Multisampling => less.samples = 1,
+            Self::Anisotropy => less.anisotropy = 1,
+            // A pack is opened anew: its tiles go with the map.
+            Self::Map(layer) if less.tiles.is_some() => {
+                let mut scene = scene.clone();
+                let (earth, water) = (&mut scene.earth, layer == MapLayer::Water);
+                earth.clouds &= layer != MapLayer::Clouds;
+                earth.normals &= layer != MapLayer::Normals;
+                earth.night_lights &= layer != MapLayer::NightLights;
+                if let Some(pack) = &mut earth.pack {
+                    pack.water &= !water;
+                }
+                less = EarthOptions {
+                    samples: options.samples,
+                    ..earth_options(&scene, bc)?
+                };
+            }
+            Self::Map(MapLayer::Clouds) => less.layers.clouds = None,
+            Self::Map(MapLayer::Normals) => less.layers.normals = None,
+            Self::Map(MapLayer::NightLights) => less.layers.night_lights = None,
+            Self::Map(MapLayer::Water) => less.layers.water = None,
+            // The ground itself is never left out.
+            Self::Map(MapLayer::Day) => {}
+        }
+        Ok(less)
+    }
+}
+
+/// Times the scene with and without a part, turn about, along the scene's own flight; `None` where the work is no longer
+/// wanted. `options` are those that `rig` was made with.
+pub(super) fn measure(
+    part: Part,
+    flight: &Flight,
+    rig: &mut Rig,
+    options: &EarthOptions,
+    frames: u32,
+    progress: &dyn Progress,
+) -> Result<Option<Feature>, PlayError> {
+    let scene = flight.scene();
+    let gpu = rig.picture().gpu().clone();
+    let size = rig.picture().size();
+    let less = part.left_out(scene, options, gpu.bc_support())?;
+    let less_samples = less.samples;
+    let mut less = Picture::open(gpu, less, size)?;
+    let aspect = less.aspect();
+    let of_flight = scene.time.frame_count();
+    let moment = |n: u32| {
+        let index = of_flight * u64::from(n) / u64::from(frames);
+        flight.at(frame_epoch(&scene.time, index), aspect)
+    };
+    let first = moment(0)?;
+    for _ in 0..WARM_UP {
+        timed(rig.picture_mut(), &first, scene)?;
+        timed(&mut less, &first, scene)?;
+    }
+    let (mut with, mut without, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
+    let mut texture_bytes = [0; 2];
+    for n in 0..frames {
+        if progress.cancelled() {
+            return Ok(None);
+        }
+        let moment = moment(n)?;
+        // Neither is always the first.
+        let (a, b) = if n % 2 == 0 {
+            let a = timed(rig.picture_mut(), &moment, scene)?;
+            (a, timed(&mut less, &moment, scene)?)
+        } else {
+            let b = timed(&mut less, &moment, scene)?;
+            (timed(rig.picture_mut(), &moment, scene)?, b)
+        };
+        let (a_ms, b_ms) = (milliseconds(a.frame), milliseconds(b.frame));
+        with.push(a_ms);
+        without.push(b_ms);
+        ratios.push(a_ms / b_ms.max(1e-6));
+        texture_bytes = [a.stats.texture_bytes, b.stats.texture_bytes];
+    }
+    let difference = |more: u64, less: u64| more as i64 - less as i64;
+    let targets = difference(
+        target_bytes(size, options.samples),
+        target_bytes(size, less_samples),
+    );
+    let shader = [rig.picture(), &less].map(|picture| picture.earth().shader_bytes());
+    Ok(Some(Feature {
+        name: part.name().to_owned(),
+        frame_ms_with: rounded(Quantiles::of(&with).median),
+        frame_ms_without: rounded(Quantiles::of(&without).median),
+        frame_ratio: rounded(Quantiles::of(&ratios).median),
+        texture_bytes: difference(texture_bytes[0], texture_bytes[1]) + targets,
+        shader_bytes: difference(shader[0], shader[1]),
+    }))
+}
+
+fn timed(picture: &mut Picture, moment: &Moment, scene: &Scene) -> Result<Measured, PlayError> {
+    if picture.earth().has_tiles() {
+        picture.draw_complete(moment, scene.output.wait());
+    }
+    picture.time(moment)
+}

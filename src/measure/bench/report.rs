@@ -1,0 +1,198 @@
+//! What the harness writes as JSON, and reads again as a baseline.
+
+use super::error::BenchError;
+use crate::measure::{GroundPath, Quantiles};
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::Read;
+use std::path::Path;
+
+/// The layout of the file. A reader refuses others.
+pub const VERSION: u32 = 1;
+/// Largest baseline that is read, bytes: a hundred times one that is written.
+const MAX_BYTES: u64 = 2 << 20;
+
+/// One run of the harness.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Report {
+    /// Layout of the file: [`VERSION`].
+    pub version: u32,
+    /// Whether the run was interrupted: then rows or features are missing.
+    pub partial: bool,
+    /// Name of the adapter.
+    pub adapter: String,
+    /// vulkan, gl, metal or dx12.
+    pub backend: String,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Samples a pixel that were really drawn.
+    pub samples: u32,
+    /// Frames that each row was timed with.
+    pub frames: u32,
+    /// What of the scene bears on the work of a frame, each value as the scene writes it.
+    pub scene: BTreeMap<String, String>,
+    /// The floor, median of the rows' medians, milliseconds.
+    pub floor_ms: f64,
+    /// A pass that clears and draws nothing, likewise, milliseconds.
+    pub clear_ms: f64,
+    /// One for each height and path.
+    pub rows: Vec<Row>,
+    /// What each layer and effect costs.
+    pub features: Vec<Feature>,
+}
+
+/// One height along one path. Counts are the largest of all frames.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Row {
+    /// Height of the eye above the ellipsoid, kilometres.
+    pub height_km: f64,
+    /// The way that it flies.
+    pub path: GroundPath,
+    /// Blocks left by the scene's own rule for the horizon.
+    pub blocks_visible: u32,
+    /// Blocks left by the frustum too.
+    pub blocks_drawn: u32,
+    /// Blocks that the paper's rule leaves.
+    pub blocks_paper_rule: u32,
+    /// Blocks of which a point of the ellipsoid is above the horizon.
+    pub blocks_exact: u32,
+    /// Most blocks of the exact count that the scene's rule left out in one frame.
+    pub blocks_lost: u32,
+    /// Most blocks of the exact count that the paper's rule left out in one frame.
+    pub blocks_lost_paper_rule: u32,
+    /// Blocks in daylight by level of the day map, the finest first; empty without a pack.
+    pub levels: Vec<u32>,
+    /// Triangles drawn, air included.
+    pub triangles: u32,
+    /// Draw calls, air included.
+    pub draw_calls: u32,
+    /// Bytes written to the GPU in one frame. Tiles have come before.
+    pub uploaded_bytes: u64,
+    /// `prepare` on the processor, milliseconds.
+    pub prepare_ms: Quantiles,
+    /// Median time of "surface" and "air" on the device, each a pass of its own, in frames apart from the others,
+    /// milliseconds; empty where the device has no timestamps.
+    pub gpu_ms: BTreeMap<String, f64>,
+    /// The whole frame, the device waited for, milliseconds.
+    pub frame_ms: Quantiles,
+    /// Time beyond twice the median, summed over the frames, milliseconds.
+    pub jank_ms: f64,
+    /// The floor, median, milliseconds.
+    pub floor_ms: f64,
+    /// Median of each frame over the floor beside it.
+    pub floor_ratio: f64,
+    /// 1 over the median frame.
+    pub frames_per_s: f64,
+    /// What the paper gives for this height, on its machine of 2011.
+    pub paper_frames_per_s: Option<f64>,
+}
+
+/// A layer or an effect: the scene with it, and the same without it.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Feature {
+    /// As in scene files; `multisampling` is `samples`, `tiles` the pack's levels above the coarsest.
+    pub name: String,
+    /// Median frame of the whole scene, milliseconds.
+    pub frame_ms_with: f64,
+    /// Median frame without the feature, each drawn beside one of the whole scene, milliseconds.
+    pub frame_ms_without: f64,
+    /// Median of each frame with it over the one without it beside it.
+    pub frame_ratio: f64,
+    /// Bytes of textures that are held for it alone.
+    pub texture_bytes: i64,
+    /// Bytes of WGSL that the driver gets for it alone.
+    pub shader_bytes: i64,
+}
+
+impl Report {
+    /// As indented JSON with a line end.
+    pub fn to_json(&self) -> String {
+        // Numbers, strings, lists and maps of strings cannot fail to be written; the error is kept for the type's sake.
+        let mut text = serde_json::to_string_pretty(self).unwrap_or_else(|error| error.to_string());
+        text.push('\n');
+        text
+    }
+
+    /// Reads a report that is to be compared with.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is too large, text that is no report of this version, values that no run gives.
+    pub fn load(path: &Path) -> Result<Self, BenchError> {
+        let unreadable = |source| BenchError::BaselineUnreadable {
+            path: path.into(),
+            source,
+        };
+        let file = std::fs::File::open(path).map_err(unreadable)?;
+        // The length is not to be trusted (a pipe has none, a file may grow), so the reading is bounded.
+        let mut bytes = Vec::new();
+        file.take(MAX_BYTES + 1)
+            .read_to_end(&mut bytes)
+            .map_err(unreadable)?;
+        let refused = |what: String| BenchError::NoBaseline {
+            path: path.into(),
+            what,
+        };
+        if bytes.len() as u64 > MAX_BYTES {
+            return Err(refused(format!("it is larger than {MAX_BYTES} bytes")));
+        }
+        let report: Self = serde_json::from_slice(&bytes).map_err(|error| {
+            // It may quote the file: nothing of it reaches the terminal as a command.
+            refused(error.to_string().replace(char::is_control, "\u{fffd}"))
+        })?;
+        report.check().map_err(refused)?;
+        Ok(report)
+    }
+
+    /// What is wrong with it, if anything is.
+    fn check(&self) -> Result<(), String> {
+        if self.version != VERSION {
+            return Err(format!(
+                "its layout is version {}, this program's is {VERSION}",
+                self.version
+            ));
+        }
+        if self.partial {
+            return Err("its run was interrupted and rows are missing".into());
+        }
+        let time = |name: &str, value: f64| match value.is_finite() && value >= 0.0 {
+            true => Ok(()),
+            false => Err(format!("{name} is {value}; it must be 0 or more")),
+        };
+        time("floor_ms", self.floor_ms)?;
+        time("clear_ms", self.clear_ms)?;
+        let mut known = BTreeSet::new();
+        for row in &self.rows {
+            time("height_km", row.height_km)?;
+            let name = row.name();
+            if !known.insert(name.clone()) {
+                return Err(format!("it has two rows for {name}"));
+            }
+            let in_row = |what: String| format!("{name}: {what}");
+            for (key, value) in [
+                ("jank_ms", row.jank_ms),
+                ("floor_ms", row.floor_ms),
+                ("frames_per_s", row.frames_per_s),
+                ("frame_ms", row.frame_ms.median),
+                ("prepare_ms", row.prepare_ms.median),
+            ] {
+                time(key, value).map_err(in_row)?;
+            }
+            if !row.floor_ratio.is_finite() || row.floor_ratio <= 0.0 {
+                return Err(in_row(format!(
+                    "floor_ratio is {}; it must be more than 0",
+                    row.floor_ratio
+                )));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Row {
+    /// Height and path, as in messages.
+    pub fn name(&self) -> String {
+        format!("{} km, {}", self.height_km, self.path.name())
+    }
+}

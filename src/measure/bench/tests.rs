@@ -1,0 +1,240 @@
+use super::*;
+use crate::measure::{GroundPath, Quantiles};
+use std::path::Path;
+
+fn row(height_km: f64, floor_ratio: f64) -> Row {
+    let times = Quantiles {
+        median: 2.0,
+        p95: 3.0,
+        p99: 4.0,
+    };
+    Row {
+        height_km,
+        path: GroundPath::Inclined,
+        blocks_visible: 6,
+        blocks_drawn: 4,
+        blocks_paper_rule: 5,
+        blocks_exact: 6,
+        blocks_lost: 0,
+        blocks_lost_paper_rule: 1,
+        levels: vec![1, 2],
+        triangles: 290,
+        draw_calls: 5,
+        uploaded_bytes: 2700,
+        prepare_ms: times,
+        gpu_ms: [("surface".to_owned(), 1.5)].into(),
+        frame_ms: times,
+        jank_ms: 0.5,
+        floor_ms: 1.0,
+        floor_ratio,
+        frames_per_s: 500.0,
+        paper_frames_per_s: None,
+    }
+}
+
+fn report() -> Report {
+    let scene = [("fov_deg", "45"), ("maps", "day 64x32")];
+    Report {
+        version: VERSION,
+        partial: false,
+        adapter: "a card".into(),
+        backend: "vulkan".into(),
+        size: [64, 36],
+        samples: 4,
+        frames: 24,
+        scene: scene
+            .map(|(key, value)| (key.to_owned(), value.to_owned()))
+            .into(),
+        floor_ms: 1.0,
+        clear_ms: 0.2,
+        rows: vec![row(100.0, 1.0), row(200.0, 2.0)],
+        features: vec![Feature {
+            name: "clouds".into(),
+            frame_ms_with: 2.0,
+            frame_ms_without: 1.8,
+            frame_ratio: 1.1,
+            texture_bytes: 2_800_000,
+            shader_bytes: 338,
+        }],
+    }
+}
+
+/// The report as a file's text, read again.
+fn load(text: &str) -> Result<Baseline, BenchError> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("old.json");
+    std::fs::write(&path, text).expect("writes");
+    Baseline::load(&path)
+}
+
+fn baseline(change: impl FnOnce(&mut Report)) -> Baseline {
+    let mut report = report();
+    change(&mut report);
+    load(&report.to_json()).expect("a good baseline")
+}
+
+#[test]
+fn a_report_is_read_back_as_it_was_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.json");
+    std::fs::write(&path, report().to_json()).expect("writes");
+    assert_eq!(Report::load(&path).expect("reads"), report());
+}
+
+#[test]
+fn a_file_that_no_run_writes_is_refused_with_the_reason() {
+    let text = report().to_json();
+    let with = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from} is not in {text}");
+        text.replacen(from, to, 1)
+    };
+    for (bad, must_say) in [
+        (String::new(), "EOF"),
+        ("[]".into(), "line 1"),
+        (text[..text.len() / 2].to_owned(), "EOF"),
+        (with("\"version\": 1", "\"version\": 9"), "version 9"),
+        (
+            with("\"partial\": false", "\"partial\": true"),
+            "interrupted",
+        ),
+        (
+            with("\"version\": 1", "\"version\": 1, \"colour\": 2"),
+            "colour",
+        ),
+        (with("\"floor_ratio\": 1.0,", ""), "floor_ratio"),
+        (
+            with("\"floor_ratio\": 1.0", "\"floor_ratio\": -1.0"),
+            "100 km, 51.6 deg",
+        ),
+        (
+            with("\"floor_ratio\": 1.0", "\"floor_ratio\": 0.0"),
+            "more than 0",
+        ),
+        (with("\"floor_ratio\": 1.0", "\"floor_ratio\": NaN"), "line"),
+        (
+            with("\"floor_ratio\": 1.0", "\"floor_ratio\": 1e999"),
+            "out of range",
+        ),
+        (with("\"clear_ms\": 0.2", "\"clear_ms\": -0.2"), "clear_ms"),
+        (with("\"jank_ms\": 0.5", "\"jank_ms\": -0.5"), "jank_ms"),
+        (
+            with("\"height_km\": 200.0", "\"height_km\": 100.0"),
+            "two rows",
+        ),
+        (
+            with("\"path\": \"inclined\"", "\"path\": \"straight\""),
+            "straight",
+        ),
+        (with("\"size\"", "\"size\": [1, 2], \"size\""), "duplicate"),
+        (" ".repeat(3 << 20), "larger than"),
+        ("[".repeat(100_000), "line 1 column 1"),
+    ] {
+        let error = load(&bad).expect_err(must_say).to_string();
+        assert!(error.contains(must_say), "{must_say}: {error}");
+        assert!(
+            error.contains("old.json") && error.contains("--json"),
+            "{error}"
+        );
+    }
+    let missing = Baseline::load(Path::new("no/such/file.json")).expect_err("missing");
+    assert!(missing.to_string().contains("no/such/file.json"));
+}
+
+#[test]
+fn a_baseline_of_something_else_is_refused_with_the_difference() {
+    type Spoil = fn(&mut Report);
+    let spoils: [(Spoil, &str); 9] = [
+        (
+            |r| r.adapter = "another".into(),
+            "adapter is \"another\" there and \"a card\" here",
+        ),
+        (|r| r.backend = "gl".into(), "backend"),
+        (|r| r.size = [64, 37], "64 × 37"),
+        (|r| r.samples = 1, "samples"),
+        (|r| r.frames = 25, "frames is 25 there and 24 here"),
+        (
+            |r| drop(r.scene.insert("fov_deg".into(), "46".into())),
+            "fov_deg is \"46\"",
+        ),
+        (|r| drop(r.scene.remove("maps")), "\"not given\" there"),
+        (
+            |r| drop(r.scene.insert("new".into(), "1".into())),
+            "\"not given\" here",
+        ),
+        (|r| drop(r.rows.pop()), "list of rows"),
+    ];
+    for (spoil, must_say) in spoils {
+        let error = baseline(spoil).compare(&report(), 0.1).expect_err(must_say);
+        let error = error.to_string();
+        assert!(error.contains(must_say), "{must_say}: {error}");
+    }
+}
+
+/// What is not known before the adapter is opened is not asked then.
+#[test]
+fn settings_are_compared_before_the_adapter_is_known() {
+    let mut run = report();
+    (run.adapter, run.backend, run.samples) = (String::new(), String::new(), 0);
+    run.scene.remove("maps");
+    run.rows.clear();
+    let baseline = baseline(|_| {});
+    baseline.check_settings(&run).expect("all the same so far");
+    run.size = [1, 1];
+    baseline.check_settings(&run).expect_err("another size");
+}
+
+#[test]
+fn only_a_row_that_is_slower_beyond_the_tolerance_fails() {
+    let verdict = |now: [f64; 2], tolerance: f64| {
+        let mut run = report();
+        (run.rows[0].floor_ratio, run.rows[1].floor_ratio) = now.into();
+        let compared = baseline(|_| {}).compare(&run, tolerance);
+        compared.expect("the same rows").verdict()
+    };
+    verdict([1.0, 2.0], 0.0).expect("as it was");
+    verdict([0.1, 0.1], 0.0).expect("faster is no failure");
+    verdict([1.2, 2.4], 0.25).expect("within the tolerance");
+    let error = verdict([1.2, 2.6], 0.25).expect_err("30 % slower");
+    assert!(error.is_slower() && !error.is_bad_scene());
+    let words = error.to_string();
+    assert!(
+        words.contains("1 of 2 rows") && words.contains("200 km, 51.6 deg"),
+        "{words}"
+    );
+    assert!(words.contains("+30 %") && words.contains("25 %"), "{words}");
+    let both = verdict([2.0, 2.6], 0.25)
+        .expect_err("both slower")
+        .to_string();
+    assert!(
+        both.contains("2 of 2 rows") && both.contains("100 km"),
+        "{both}"
+    );
+}
+
+#[test]
+fn the_text_of_a_run_tells_headline_rows_and_costs() {
+    let outcome = Outcome {
+        comparison: Some(baseline(|_| {}).compare(&report(), 0.25).expect("compares")),
+        report: report(),
+        notices: vec!["a notice".into()],
+    };
+    outcome.verdict().expect("as it was");
+    let text = outcome.to_table();
+    for word in [
+        "worst 2.00 at 200 km, 51.6 deg",
+        "clouds",
+        "+10%",
+        "338 B",
+        "[1, 2]",
+        "note: a notice",
+        "baseline",
+    ] {
+        assert!(text.contains(word), "no {word:?} in:\n{text}");
+    }
+    let mut partial = outcome.clone();
+    partial.report.partial = true;
+    partial.report.rows.clear();
+    assert!(partial.to_table().contains("INTERRUPTED"));
+    let error = partial.verdict().expect_err("partial").to_string();
+    assert!(error.contains("0 of 20 rows"), "{error}");
+}
