@@ -8,7 +8,15 @@ fn every_command_has_help() {
     for (arguments, must_say) in [
         (
             &["--help"][..],
-            &["play", "frame", "check", "doctor", "pack", "--adapter"][..],
+            &[
+                "play",
+                "frame",
+                "check",
+                "doctor",
+                "report",
+                "pack",
+                "--adapter",
+            ][..],
         ),
         (
             &["play", "--help"],
