@@ -26,7 +26,8 @@ impl Ranged for Axis {
         let (low, high) = (along(self.range.start), along(self.range.end));
         let part = (along(*value) - low) / (high - low);
         // A cast clamps; what is not finite stands at the axis' beginning.
-        limit.0 + (part * f64::from(limit.1 - limit.0)).round() as i32
+        let along = (part * f64::from(limit.1 - limit.0)).round() as i32;
+        limit.0.saturating_add(along)
     }
 
     fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
@@ -143,7 +144,9 @@ mod tests {
         let linear = Axis::new(0.0..10.0, false);
         assert_eq!([0.0, 5.0].map(|v| linear.map(&v, (100, 0))), [100, 50]);
         // Never a panic.
-        log.map(&0.0, (0, 200));
-        log.map(&f64::NAN, (0, 200));
+        for value in [0.0, f64::NAN, f64::INFINITY, f64::MIN_POSITIVE] {
+            log.map(&value, (10, 200));
+            linear.map(&value, (200, 10));
+        }
     }
 }

@@ -7,7 +7,7 @@ use terrella::measure::bench::{Report, Row};
 use terrella::play::Stats;
 
 /// A place with a pack of a map with coasts and waves, in both storages.
-fn with_pack() -> Place {
+pub fn with_pack() -> Place {
     let place = Place::new();
     let map = RgbImage::from_fn(1024, 512, |x, y| {
         let (a, b) = (f64::from(x) / 1024.0, f64::from(y) / 512.0);

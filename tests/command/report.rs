@@ -116,6 +116,39 @@ fn a_report_has_its_table_charts_pictures_and_page() {
     );
 }
 
+/// Of a pack, tiles are drawn and held against its finest maps.
+#[test]
+fn a_pack_is_reported_by_its_tiles() {
+    let place = crate::packs::with_pack();
+    let text = "[camera]\nmode = \"geodetic\"\nheight_km = 3000\n[earth]\npack = \"earth\"\natmosphere = \"none\"\n";
+    place.scene("pack.toml", text);
+    place.succeed(&[
+        "report",
+        "pack.toml",
+        "-o",
+        "out",
+        "--quick",
+        "--size",
+        "96x54",
+        "--repeats",
+        "1",
+        "--samples",
+        "1",
+        "--heights",
+        "3000",
+    ]);
+    let rows = rows(&place.path("out"));
+    assert!(rows.iter().all(|row| row[1] != "texture_level"));
+    let of = |value: &str, column: usize| -> f64 {
+        let is_it = |row: &&Vec<String>| row[1] == "tile_level" && row[2] == value;
+        let row = rows.iter().find(is_it).expect("a row");
+        row[column].parse().expect("a number")
+    };
+    // Coarser tiles: fewer texels a pixel, farther from the truth.
+    assert!(of("4 px", 12) < 0.5 * of("1 px", 12));
+    assert!(of("4 px", 8) > 1.5 * of("1 px", 8));
+}
+
 /// Interrupted: what is complete stays and says that it is not all.
 #[cfg(unix)]
 #[test]

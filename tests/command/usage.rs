@@ -12,6 +12,7 @@ fn every_command_has_help() {
                 "play",
                 "frame",
                 "bench",
+                "report",
                 "check",
                 "doctor",
                 "pack",

@@ -95,6 +95,8 @@ pub struct Study {
     pub adapter: String,
     /// Width and height of the pictures, pixels.
     pub size: (u32, u32),
+    /// The scene's cells per block edge.
+    pub subdivision: u32,
     /// How often each frame was timed.
     pub repeats: u32,
     /// Rays along each side of a pixel of the true picture.
@@ -147,6 +149,12 @@ impl Study {
                 && row.height_km == height_km
                 && row.change.value() == value
         })
+    }
+
+    /// What other meshes are held against: the scene's own mesh, measured in the sweep beside them where it is there.
+    fn scene_mesh(&self, height_km: f64) -> Option<&Row> {
+        self.row("subdivision", &self.subdivision.to_string(), height_km)
+            .or_else(|| self.row("scene", "as it is", height_km))
     }
 
     /// The tables as text for a terminal: a line for each height.

@@ -214,7 +214,7 @@ fn subdivision_table(out: &mut String, study: &Study) {
     let _ = writeln!(
         out,
         "<h2>How fine the mesh should be</h2>\n<p>Largest error of the limb in pixels, and the frame time over that of the \
-         scene as it is, both by their floors, from each height.</p>\n<div class=\"scroll\"><table>\n<tr><th>cells per<br>block \
+         scene's own mesh, both by their floors, from each height.</p>\n<div class=\"scroll\"><table>\n<tr><th>cells per<br>block \
          edge</th>{}</tr>",
         study
             .heights_km
@@ -226,7 +226,7 @@ fn subdivision_table(out: &mut String, study: &Study) {
         let _ = write!(out, "<tr><td>{value}</td>");
         for height_km in &study.heights_km {
             let row = study.row("subdivision", &value, *height_km);
-            let scene = study.row("scene", "as it is", *height_km);
+            let scene = study.scene_mesh(*height_km);
             let cell = row.zip(scene).map(|(row, scene)| {
                 format!(
                     "{} <span class=\"spread\">× {:.2}</span>",

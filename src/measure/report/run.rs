@@ -73,6 +73,7 @@ pub(super) fn run(
         },
         adapter: format!("{} ({})", info.name, info.backend),
         size: request.size,
+        subdivision: options.subdivision,
         repeats: request.repeats,
         samples: request.samples,
         heights_km: plan.heights_km.clone(),

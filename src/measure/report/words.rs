@@ -35,7 +35,7 @@ pub(super) fn subdivision_advice(study: &Study) -> Option<String> {
     let of = |value: &str| -> Option<Vec<(f64, f64)>> {
         let at = heights.iter().map(|height_km| {
             let row = study.row("subdivision", value, *height_km)?;
-            let scene = study.row("scene", "as it is", *height_km)?;
+            let scene = study.scene_mesh(*height_km)?;
             let times = row.floor_ratio.median / scene.floor_ratio.median;
             Some((row.silhouette.max_px, times))
         });
