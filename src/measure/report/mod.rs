@@ -25,6 +25,7 @@ pub use numbers::{Numbers, method_plots};
 pub use plots::{Plot, plots};
 pub use rows::{CSV_HEADER, GEOLOCATION_MOST_PX, Row, SILHOUETTE_MOST_PX, csv, spread_csv};
 
+use crate::Subdivision;
 use crate::measure::ChartError;
 use crate::measure::reference::{ReferenceError, StillError};
 use crate::play::{Flight, OutputError, PendingFile, PlayError, Progress};
@@ -96,7 +97,7 @@ pub struct Study {
     /// Width and height of the pictures, pixels.
     pub size: (u32, u32),
     /// The scene's cells per block edge.
-    pub subdivision: u32,
+    pub subdivision: Subdivision,
     /// How often each frame was timed.
     pub repeats: u32,
     /// Rays along each side of a pixel of the true picture.

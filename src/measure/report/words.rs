@@ -2,6 +2,7 @@
 
 use super::rows::number;
 use super::{GEOLOCATION_MOST_PX, SILHOUETTE_MOST_PX, Study};
+use crate::Subdivision;
 use crate::measure::Spread;
 use std::fmt::Write;
 
@@ -42,7 +43,11 @@ pub(super) fn subdivision_advice(study: &Study) -> Option<String> {
         at.collect()
     };
     let values = study.values_of("subdivision");
-    let found = values.iter().find_map(|value| {
+    // The automatic mesh is no number of cells.
+    let fixed = values
+        .iter()
+        .filter(|value| **value != Subdivision::Auto.to_string());
+    let found = fixed.clone().find_map(|value| {
         let found = of(value)?;
         let keeps = found
             .iter()
