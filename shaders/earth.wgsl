@@ -94,10 +94,8 @@ fn atan_near(y: f32, x: f32) -> f32 {
 
 // Where a pixel lies on the ground.
 struct Place {
-#if water
     // Towards the eye, of any length.
     to_eye: vec3f,
-#endif
     // Outward normal of the ellipsoid, unit vectors east and north.
     up: vec3f,
     east: vec3f,
@@ -130,9 +128,7 @@ fn place(in: Varying) -> Place {
     let t = max(frame.above / max(root - dot(frame.eye_scaled, d), 1e-9), 0.0);
     let p = frame.eye_scaled + t * d;
     out.up = normalize(p * to_scaled);
-#if water
     out.to_eye = -ray;
-#endif
 
     let across = max(length(out.up.xy), 1e-7);
     out.east = vec3f(-out.up.y, out.up.x, 0.0) / across;
@@ -220,10 +216,6 @@ const CLOUD_ALBEDO: f32 = 0.85;
 #if night_lights
 const LAMP_COLOR: vec3f = vec3f(1.0, 0.72, 0.38);
 #endif
-#if air
-// Mean colour of a clear sky, luminance 1.
-const SKYLIGHT_COLOR: vec3f = vec3f(0.62, 1.0, 1.9);
-#endif
 
 // Light that falls on the ground: the Sun's after the air, and the sky's.
 struct Light {
@@ -231,13 +223,27 @@ struct Light {
     sky: vec3f,
 }
 
+#if air
+// A row of the table: 0.25 is the transmittance of light that falls at this cosine, 0.75 the sky's light.
+fn sunlight(mu: f32, row: f32) -> vec3f {
+    let at = vec2f(table_coordinate(sun_coordinate(mu), f32(textureDimensions(sunlight_table).x)), row);
+    return textureSampleLevel(sunlight_table, table_sampler, at, 0.0).rgb;
+}
+
+// What the air between leaves of the ground's light, colour by colour, over the one grey that the air's square dims it by.
+// Light that goes up loses what light that comes down loses. Of an eye in the air only the part of it that lies below.
+fn tint_of_air(at: Place) -> vec3f {
+    let through = sunlight(max(dot(normalize(at.to_eye), at.up), 0.0), 0.25);
+    let grey = max(dot(through, vec3f(0.2126, 0.7152, 0.0722)), 1e-4);
+    return mix(vec3f(1.0), through / grey, frame.air_below);
+}
+#endif
+
 fn light_at(mu_s: f32) -> Light {
     var out: Light;
 #if air
-    let at = vec2f(table_coordinate(sun_coordinate(mu_s), f32(textureDimensions(sunlight_table).x)), 0.5);
-    let sunlight = textureSampleLevel(sunlight_table, table_sampler, at, 0.0);
-    out.sun = sunlight.rgb;
-    out.sky = sunlight.a * SKYLIGHT_COLOR;
+    out.sun = sunlight(mu_s, 0.25);
+    out.sky = sunlight(mu_s, 0.75);
 #else
     // The Sun's disc, 0.27° in radius, sets gradually.
     out.sun = vec3f(smoothstep(-0.00465, 0.00465, mu_s));
@@ -286,6 +292,9 @@ fn shade(at: Place) -> vec3f {
     let cover = sample_map(cloud_map, cloud_sampler, CLOUDS, at).r;
     let cloud = CLOUD_ALBEDO * (light.sun * max(mu_s, 0.0) + light.sky);
     color = mix(color, cloud, cover);
+#endif
+#if air
+    color *= tint_of_air(at);
 #endif
     return color * frame.exposure;
 }

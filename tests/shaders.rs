@@ -174,7 +174,7 @@ fn uniform_structs_match_the_shaders() {
             pixel_right,
             exposure,
             pixel_down,
-            padding
+            air_below
         ]
     );
     check!(

@@ -18,5 +18,6 @@ struct Frame {
     // What a white sheet that faces the Sun in space is drawn with.
     exposure: f32,
     pixel_down: vec3f,
-    padding: f32,
+    // Part of the air, by weight, that lies below the eye.
+    air_below: f32,
 }

@@ -75,6 +75,11 @@ impl AirModel {
         1.0 + self.thickness_m / self.radius_m
     }
 
+    /// Part of the molecules of a column that lies below a height, metres, 0…1.
+    pub fn part_below(&self, height_m: f64) -> f64 {
+        -(-height_m.max(0.0) / self.molecules.scale_height_m).exp_m1()
+    }
+
     /// The air at radius `r` of scaled space.
     pub(super) fn medium(&self, r: f64) -> Medium {
         let h = ((r - 1.0) * self.radius_m).max(0.0);

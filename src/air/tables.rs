@@ -5,7 +5,7 @@
 //! | transmittance | cosine above the horizon, height | fraction of light that reaches the upper boundary, RGB |
 //! | multiple | Sun cosine, height | light scattered more than once, per unit irradiance, RGB, 1/sr |
 //! | scattering | ray, Sun cosine, azimuth | light scattered into a ray seen from outside, times π, RGB; 1 − its transmittance, A |
-//! | sunlight | Sun cosine | transmittance of the Sun's light to the ground, RGB; mean skylight on the ground, A |
+//! | sunlight | Sun cosine | first row: transmittance of the Sun's light to the ground, RGB; second: mean skylight on the ground, RGB |
 //!
 //! Single scattering is integrated along the ray; higher orders follow Hillaire 2020 ("A Scalable and Production Ready
 //! Sky and Atmosphere Rendering Technique", section 5): isotropic after the second bounce, as a geometric series.
@@ -44,8 +44,8 @@ pub const TRANSMITTANCE: TableSize = TableSize::new(128, 64, 1);
 pub const MULTIPLE: TableSize = TableSize::new(32, 32, 1);
 /// Size of the scattering table: along x 48 rays that meet the ground, then 48 that pass it.
 pub const SCATTERING: TableSize = TableSize::new(96, 64, 16);
-/// Size of the sunlight table.
-pub const SUNLIGHT: TableSize = TableSize::new(256, 1, 1);
+/// Size of the sunlight table: a row of transmittance and one of skylight.
+pub const SUNLIGHT: TableSize = TableSize::new(256, 2, 1);
 
 /// Lowest Sun cosine that the scattering and sunlight tables hold; below it the night is black.
 pub(super) const LOWEST_SUN: f64 = -0.36;
@@ -106,7 +106,10 @@ impl AirTables {
             let azimuth = PI * f64::from(k) / f64::from(SCATTERING.z - 1);
             builder.outside(ray, mu_s, azimuth.cos())
         });
-        let sunlight = fill(SUNLIGHT, |x, _, _| builder.sunlight(sun_cosine(x)));
+        let sunlight = fill(SUNLIGHT, |x, y, _| match y > 0.5 {
+            false => builder.sunlight(sun_cosine(x)),
+            true => builder.skylight(sun_cosine(x)),
+        });
         let Builder {
             transmittance,
             multiple,
@@ -117,7 +120,7 @@ impl AirTables {
             transmittance: vec4(transmittance),
             multiple: vec4(multiple),
             scattering,
-            sunlight,
+            sunlight: vec4(sunlight),
         }
     }
 }
@@ -347,8 +350,8 @@ impl Builder<'_> {
             .extend((1.0 - luminance(through)) as f32)
     }
 
-    /// Transmittance of the Sun's light to the ground, and mean skylight on it as a fraction of the Sun's irradiance.
-    fn sunlight(&self, mu_s: f64) -> Vec4 {
+    /// Transmittance of the Sun's light to the ground.
+    fn sunlight(&self, mu_s: f64) -> DVec3 {
         // The Sun is a disc of 0.27° radius: average over it, so that it sets gradually.
         const HALF_DISC: f64 = 0.004_65;
         const CHORDS: u32 = 9;
@@ -360,7 +363,11 @@ impl Builder<'_> {
             direct += self.to_sun(1.0, (mu_s + x * HALF_DISC).clamp(-1.0, 1.0)) * weight;
             area += weight;
         }
-        direct /= area;
+        direct / area
+    }
+
+    /// Mean skylight on the ground as a fraction of the Sun's irradiance.
+    fn skylight(&self, mu_s: f64) -> DVec3 {
         let sun = DVec3::new((1.0 - mu_s * mu_s).max(0.0).sqrt(), 0.0, mu_s);
         let start = DVec3::new(0.0, 0.0, 1.0 + 1e-7);
         const UP: u32 = 6;
@@ -380,8 +387,7 @@ impl Builder<'_> {
                 sky += self.march(start, direction, length, 0.0, 20, sun).0;
             }
         }
-        let sky = luminance(sky) * PI / f64::from(UP * AROUND);
-        direct.as_vec3().extend(sky as f32)
+        sky * PI / f64::from(UP * AROUND)
     }
 }
 

@@ -364,7 +364,7 @@ impl Earth {
             pixel_right: rays.right.as_vec3(),
             exposure: self.exposure,
             pixel_down: rays.down.as_vec3(),
-            padding: 0.0,
+            air_below: EARTH_AIR.part_below(self.stats.eye.height_m) as f32,
         };
         self.stats.uploaded_bytes = self.uploaded_tiles + self.surface.write(queue, &frame);
         if let Some(air) = &mut self.air {

@@ -93,15 +93,17 @@ pub enum GiveUp {
 }
 
 impl GiveUp {
+    /// What saves most for the least error first. Of a frame on a software adapter, with the FLIP error that is added:
+    /// four samples 46 % and 0.000 (the air hides the limb's edge), the air 26 %, each of relief, lights and clouds 3 %.
     const ORDER: [Self; 8] = [
+        Self::Samples,
         Self::Anisotropy,
         Self::Detail,
-        Self::Relief,
-        Self::Samples,
         Self::Roundness,
+        Self::Relief,
         Self::Lights,
-        Self::Clouds,
         Self::Air,
+        Self::Clouds,
     ];
 
     fn apply(self, from: Quality, has_tiles: bool) -> Quality {

@@ -27,8 +27,8 @@ pub struct Frame {
     pub exposure: f32,
     /// The ray's change to the next pixel down.
     pub pixel_down: Vec3,
-    /// Unused.
-    pub padding: f32,
+    /// Part of the air, by weight, that lies below the eye.
+    pub air_below: f32,
 }
 
 /// `AirFrame` of `shaders/air.wgsl`.

@@ -8,9 +8,9 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-/// A pass over the part of the screen where the ground can be, which takes as many texture samples on each pixel of the ground as the Earth's shaders do, from
-/// textures of the same sizes and formats, and clears the rest. It counts one sample for each map, one for the sunlight
-/// table and one for the scattering table, of those that the Earth is drawn with.
+/// A pass over the part of the screen where the ground can be, which takes as many texture samples on each pixel of the
+/// ground as the Earth's shaders do, from textures of the same sizes and formats. It counts one sample for each map, three
+/// of the sunlight table and one of the scattering table, of those that the Earth is drawn with.
 ///
 /// Maps are read trilinearly at about one texel a pixel. Tiles are not: an Earth of a pack has the floor of its coarsest
 /// whole maps.
@@ -182,9 +182,13 @@ impl Textures {
                     samples,
                     "    c += textureSampleLevel(t{n}, maps, vec3f(uv, 0.5), 0.0);"
                 ),
-                (_, false) => {
-                    writeln!(samples, "    c += textureSampleLevel(t{n}, maps, uv, 0.0);")
-                }
+                // Sunlight, skylight and what is left of both on the way to the eye.
+                (_, false) => [0.1, 0.2, 0.3].iter().try_for_each(|shift| {
+                    writeln!(
+                        samples,
+                        "    c += textureSampleLevel(t{n}, maps, uv + {shift:?}, 0.0);"
+                    )
+                }),
             };
         }
         text + BODY.0 + &samples + BODY.1

@@ -11,7 +11,7 @@ const ENTRY: &str = "
 
 @compute @workgroup_size(1)
 fn run_place() {
-    let at = 3u * u32(frame.padding);
+    let at = 3u * u32(frame.air_below);
     var in: Varying;
     in.clip = vec4f(0.0);
     in.center_lon = frame.clip_from_eye[0].xy;
@@ -81,7 +81,7 @@ fn on_the_adapter(pixels: &[PixelRay]) -> Vec<Placed> {
             pixel_right: Vec3::ZERO,
             exposure: 1.0,
             pixel_down: Vec3::ZERO,
-            padding: index as f32,
+            air_below: index as f32,
         };
         queue.write_buffer(&frame, 0, bytemuck::bytes_of(&values));
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
