@@ -174,6 +174,24 @@ const BAD: &[Bad] = &[
 ];
 
 #[test]
+fn edges_that_are_seen_are_smoothed() {
+    let samples = |text: &str| {
+        Folder::new()
+            .load(text)
+            .expect("a good scene")
+            .output
+            .samples
+    };
+    assert_eq!(samples("[camera]\nmode = \"horizon\""), 1);
+    assert_eq!(samples("[camera]\nmode = \"chase\""), 4);
+    assert_eq!(samples("[earth]\natmosphere = \"none\""), 4);
+    assert_eq!(
+        samples("[camera]\nmode = \"chase\"\n[output]\nsamples = 1"),
+        1
+    );
+}
+
+#[test]
 fn every_bad_scene_is_refused_with_file_line_key_and_remedy() {
     let folder = Folder::new();
     let file = folder.path("scene.toml").display().to_string();
@@ -268,7 +286,7 @@ fn an_empty_scene_is_all_defaults() {
     assert_eq!(scene.earth.textures, None);
     assert_eq!(scene.earth.pack, None);
     assert_eq!(scene.output.size, [1280, 720]);
-    assert_eq!(scene.output.samples, 4);
+    assert_eq!(scene.output.samples, 1);
     assert_eq!(scene.line("time", "speed"), None);
 }
 

@@ -14,7 +14,8 @@ use super::surface::WindowSurface;
 use super::window::WindowError;
 use crate::frames::rfc3339;
 use crate::gpu::{GpuContext, read_texture};
-use crate::{Earth, EyeView, FrameStats, Governor};
+use crate::scene::limits::EDGE_SAMPLES;
+use crate::{Earth, EyeView, FrameStats, Governor, Quality};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -41,9 +42,17 @@ pub struct Stage {
     satellite: Option<String>,
     has_tiles: bool,
     governed: Option<Governed>,
+    samples: SamplesByView,
     last: Option<(Moment, FrameStats)>,
     interval_ms: Option<f64>,
     work_ms: f64,
+}
+
+/// Samples a pixel, with and without a craft in the picture.
+#[derive(Clone, Copy)]
+struct SamplesByView {
+    with_craft: u32,
+    without: u32,
 }
 
 /// Quality that gives way to a frame time.
@@ -115,6 +124,13 @@ impl Stage {
             }
             None => None,
         };
+        let samples = SamplesByView {
+            with_craft: match flight.scene().line("output", "samples") {
+                Some(_) => surface.samples(),
+                None => surface.most_samples(&gpu, EDGE_SAMPLES),
+            },
+            without: surface.samples(),
+        };
         window.set_visible(true);
         let info = gpu.adapter.get_info();
         tracing::info!("window on {} ({})", info.name, info.backend);
@@ -130,6 +146,7 @@ impl Stage {
             satellite: flight.feed().map(|feed| feed.name().to_owned()),
             has_tiles: options.tiles.is_some(),
             governed,
+            samples,
             last: None,
             interval_ms: None,
             work_ms: 0.0,
@@ -226,7 +243,10 @@ impl Stage {
             | CurrentSurfaceTexture::Validation => return (Shown::Not, Vec::new()),
         };
         let begin = Instant::now();
-        self.govern();
+        match self.governed {
+            Some(_) => self.govern(),
+            None => self.follow_craft(moment),
+        }
         let view = self.surface.view_of(&frame.texture);
         let mut encoder = self.encoder();
         let stats = self.draw_earth(moment, &mut encoder, &view);
@@ -271,6 +291,29 @@ impl Stage {
         Ok(path)
     }
 
+    /// Smooths edges where there is a craft to be seen.
+    fn follow_craft(&mut self, moment: &Moment) {
+        let samples = match moment.craft {
+            Some(_) => self.samples.with_craft,
+            None => self.samples.without,
+        };
+        let quality = *self.earth.quality();
+        if quality.samples != samples {
+            self.set_quality(&Quality { samples, ..quality });
+        }
+    }
+
+    fn set_quality(&mut self, quality: &Quality) -> bool {
+        let changed = self.earth.set_quality(&self.gpu.queue, quality);
+        if let Err(error) = &changed {
+            tracing::warn!("the quality stays as it is: {error}");
+        }
+        let samples = self.earth.quality().samples;
+        self.surface.set_samples(&self.gpu.device, samples);
+        self.craft.set_samples(samples);
+        changed.is_ok()
+    }
+
     /// Gives up quality, or takes it back, as the last frames' costs ask for.
     fn govern(&mut self) {
         let Some(Governed { governor, costs }) = &mut self.governed else {
@@ -293,13 +336,9 @@ impl Stage {
                 false => given_up.join(", "),
             }
         );
-        if let Err(error) = self.earth.set_quality(&self.gpu.queue, &quality) {
-            tracing::warn!("the quality stays as it is: {error}");
+        if !self.set_quality(&quality) {
             self.governed = None;
         }
-        let samples = self.earth.quality().samples;
-        self.surface.set_samples(&self.gpu.device, samples);
-        self.craft.set_samples(samples);
     }
 
     fn encoder(&self) -> wgpu::CommandEncoder {

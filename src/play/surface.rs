@@ -62,7 +62,12 @@ impl WindowSurface {
         self.samples
     }
 
-    /// Draws from now on with `samples` a pixel, which must be 1 or what the surface was made with.
+    /// `wanted` samples a pixel if the adapter does so many, else 1.
+    pub fn most_samples(&self, gpu: &GpuContext, wanted: u32) -> u32 {
+        supported_samples(&gpu.adapter, self.format, wanted)
+    }
+
+    /// Draws from now on with `samples` a pixel, which the adapter must do.
     pub fn set_samples(&mut self, device: &wgpu::Device, samples: u32) {
         if samples != self.samples {
             self.samples = samples;

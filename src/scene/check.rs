@@ -51,7 +51,7 @@ pub(super) fn check(source: Source<'_>, raw: RawScene) -> Result<Scene, SceneErr
             _ => None,
         },
         camera,
-        output: source.output(&output, earth.pack.is_some())?,
+        output: source.output(&output, &camera, &earth)?,
         quality: source.quality(&quality)?,
         earth,
         lines,
@@ -332,7 +332,12 @@ impl Source<'_> {
         })
     }
 
-    fn output(&self, output: &RawOutput, has_pack: bool) -> Result<Output, SceneError> {
+    fn output(
+        &self,
+        output: &RawOutput,
+        camera: &Camera,
+        earth: &EarthTable,
+    ) -> Result<Output, SceneError> {
         let size_field = field!(output.size);
         let size = match size_field.given.map(|given| given.get_ref().as_slice()) {
             None => DEFAULT_SIZE_PX,
@@ -354,7 +359,11 @@ impl Source<'_> {
         };
         let samples_field = field!(output.samples);
         let samples = match samples_field.given.map(|given| *given.get_ref()) {
-            None => DEFAULT_SAMPLES,
+            // The air hides the limb's edge; a craft's edges and a bare limb are seen.
+            None if camera.mode == CameraMode::Chase || earth.atmosphere == Atmosphere::None => {
+                EDGE_SAMPLES
+            }
+            None => 1,
             Some(count) => u32::try_from(count)
                 .ok()
                 .filter(|count| SAMPLES.contains(count))
@@ -364,7 +373,7 @@ impl Source<'_> {
                 })?,
         };
         let wait = field!(output.wait_s);
-        if !has_pack {
+        if earth.pack.is_none() {
             self.only_with_a_pack(&wait)?;
         }
         let wait_s = self.number(&wait, DEFAULT_WAIT_S, WAIT_S, |_| {

@@ -61,8 +61,8 @@ pub const DEFAULT_FOV_DEG: f64 = 45.0;
 pub const DEFAULT_HEIGHT_KM: f64 = 20_000.0;
 /// `[output] size` where a scene gives none.
 pub const DEFAULT_SIZE_PX: [u32; 2] = [1280, 720];
-/// `[output] samples` where a scene gives none.
-pub const DEFAULT_SAMPLES: u32 = 4;
+/// `[output] samples` where a scene gives none and there are edges to be seen: a craft's, or a limb without air. Else one.
+pub const EDGE_SAMPLES: u32 = 4;
 /// `[earth] texel_px` where a scene gives none.
 pub const DEFAULT_TEXEL_PX: f64 = 1.0;
 /// `[earth] texture_mb` where a scene gives none.
