@@ -120,6 +120,9 @@ pub struct Study {
     pub numbers: Numbers,
 }
 
+/// Beyond, the Earth is a dot, kilometres.
+const FAR_KM: f64 = 1e5;
+
 impl Study {
     /// Whether everything that was wanted is there.
     pub fn is_complete(&self) -> bool {
@@ -150,6 +153,22 @@ impl Study {
                 && row.height_km == height_km
                 && row.change.value() == value
         })
+    }
+
+    /// At most so many of the heights that are measured, from the lowest to the highest of which the Earth is more than a
+    /// few pixels large.
+    fn some_heights(&self, count: usize) -> Vec<f64> {
+        let mut heights: Vec<f64> = self.scene_rows().map(|row| row.height_km).collect();
+        if heights.iter().any(|km| *km < FAR_KM) {
+            heights.retain(|km| *km < FAR_KM);
+        }
+        let last = heights.len().saturating_sub(1);
+        let steps = count.saturating_sub(1).max(1);
+        let mut some: Vec<f64> = (0..count)
+            .filter_map(|n| heights.get(n * last / steps).copied())
+            .collect();
+        some.dedup();
+        some
     }
 
     /// What other meshes are held against: the scene's own mesh, measured in the sweep beside them where it is there.

@@ -133,16 +133,12 @@ fn pictures(out: &mut String, study: &Study) {
         return;
     }
     out.push_str("<h2>Drawn, true, and the difference</h2>\n");
-    let last = study.pictured_km.len() - 1;
-    let mut shown: Vec<usize> = (0..SHOWN_PICTURES)
-        .map(|n| n * last / (SHOWN_PICTURES - 1))
-        .collect();
-    shown.dedup();
-    for n in &shown {
-        shots(out, study, study.pictured_km[*n]);
+    let shown = study.some_heights(SHOWN_PICTURES);
+    for height_km in &shown {
+        shots(out, study, *height_km);
     }
-    let rest = (0..=last).filter(|n| !shown.contains(n));
-    let rest: Vec<f64> = rest.map(|n| study.pictured_km[n]).collect();
+    let rest = study.pictured_km.iter().filter(|km| !shown.contains(km));
+    let rest: Vec<f64> = rest.copied().collect();
     if !rest.is_empty() {
         out.push_str("<details><summary>The other heights</summary>\n");
         for height_km in rest {
@@ -188,7 +184,7 @@ fn charts(out: &mut String, study: &Study, plots: &[Plot]) {
     out.push_str(
         "<h2>What each setting costs and buys</h2>\n<p>To the left is faster, further down is nearer to the truth. Bars \
          are quartiles of the frame time. A ring marks the Pareto front: nothing else on the chart, or in its line, is \
-         both faster and better.</p>\n<div class=\"charts\">\n",
+         both faster and better. Sweeps are drawn for some of the heights; the tables have all.</p>\n<div class=\"charts\">\n",
     );
     for plot in plots.iter().filter(|p| p.is_main && p.about != "methods") {
         chart(out, plot);

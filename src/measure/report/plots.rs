@@ -88,6 +88,11 @@ const METRICS: [Metric; 7] = [
     },
 ];
 
+/// Heights with a chart of all settings.
+const OVERVIEWS: usize = 3;
+/// Most heights in one chart of a sweep: more lines are a tangle. The tables have all.
+const LINES: usize = 4;
+
 /// Charts of errors that hardly change over a sweep are not drawn: the largest by less than this factor over the
 /// smallest, at every height.
 const LEAST_CHANGE: f64 = 1.05;
@@ -98,7 +103,7 @@ const LEAST_CHANGE: f64 = 1.05;
 /// The drawing library's.
 pub fn plots(study: &Study) -> Result<Vec<Plot>, ReportError> {
     let mut plots = Vec::new();
-    for height_km in overview_heights(study) {
+    for height_km in study.some_heights(OVERVIEWS) {
         let name = format!("all_{height_km}km");
         let title = format!("All settings from {height_km} km: mean FLIP against frame time");
         let chart = overview(study, height_km, title);
@@ -147,19 +152,6 @@ pub(super) fn push(
         Err(error) => return Err(error.into()),
     }
     Ok(())
-}
-
-/// The lowest, a middle and the highest height of those whose disc is more than a few pixels.
-fn overview_heights(study: &Study) -> Vec<f64> {
-    let mut heights: Vec<_> = study.scene_rows().map(|row| row.height_km).collect();
-    heights.retain(|km| *km < 1e5 || study.heights_km.len() == 1);
-    let last = heights.len().saturating_sub(1);
-    let mut chosen: Vec<f64> = [0, last / 2, last]
-        .iter()
-        .filter_map(|n| heights.get(*n).copied())
-        .collect();
-    chosen.dedup();
-    chosen
 }
 
 /// Settings whose pictures show the same, by mean FLIP and frame time.
@@ -299,7 +291,7 @@ fn by_height(study: &Study) -> Vec<(&'static str, Chart)> {
 fn sweep(study: &Study, parameter: &str, metric: &Metric, cost: &Cost) -> Option<Chart> {
     let mut series = Vec::new();
     let mut changes = metric.name == "flip_mean";
-    for height_km in &study.heights_km {
+    for height_km in &study.some_heights(LINES) {
         let rows: Vec<&Row> = study
             .rows
             .iter()
