@@ -69,7 +69,7 @@ fn a_report_has_its_table_charts_pictures_and_page() {
     assert_eq!(values("scene"), ["as it is"]);
     assert_eq!(
         values("subdivision"),
-        ["1", "3", "6", "12", "16", "24", "48"]
+        ["auto", "1", "3", "6", "12", "16", "24", "48"]
     );
     assert_eq!(values("visibility"), ["conservative", "paper"]);
     assert_eq!(values("picture_size"), ["32x18", "64x36"]);
