@@ -4,6 +4,7 @@
 
 mod calendar;
 mod ellipsoid;
+mod orientation;
 mod rotation;
 mod sun;
 mod time;
@@ -11,9 +12,10 @@ mod time;
 pub(crate) use calendar::Calendar;
 pub use ellipsoid::{Ellipsoid, Geodetic};
 pub use hifitime::{Duration, Epoch};
+pub use orientation::Orientation;
 pub use rotation::{
-    EARTH_ROTATION_RATE_RAD_S, itrf_from_gcrf, itrf_from_gcrf_with_ut1, itrf_from_teme,
-    itrf_from_teme_with_ut1,
+    EARTH_ROTATION_RATE_RAD_S, gcrf_from_eme2000, itrf_from_gcrf, itrf_from_gcrf_oriented,
+    itrf_from_gcrf_with_ut1, itrf_from_pef, itrf_from_teme, itrf_from_teme_with_ut1, pef_from_teme,
 };
 pub use sun::{subsolar_point, sun_direction_itrf};
 pub(crate) use time::tai_from_utc_day;

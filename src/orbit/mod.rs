@@ -20,4 +20,29 @@ pub trait Feed: Send + Sync {
     fn validity(&self) -> (Epoch, Epoch);
     /// The state at `epoch`; an epoch outside the validity interval is an error that names the interval.
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError>;
+    /// How far the position may be off at `epoch`, metres (one standard deviation), where the source knows.
+    fn error_m(&self, epoch: Epoch) -> Option<f64> {
+        let _ = epoch;
+        None
+    }
+    /// Whether what it says now is up to date; only live feeds can be late.
+    fn freshness(&self) -> Freshness {
+        Freshness::Settled
+    }
+}
+
+/// Whether a feed's states are up to date.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Freshness {
+    /// All states are known: nothing is waited for.
+    Settled,
+    /// States come in time.
+    Live,
+    /// The last state is older than the feed's limit: it goes on from there. Seconds since it came.
+    Stale {
+        /// Age of the last state, seconds.
+        age_s: f64,
+    },
+    /// No state has come yet.
+    Waiting,
 }
