@@ -1,16 +1,36 @@
 //! Feeds: where a satellite is at an epoch.
 
+mod catalogue;
+mod czml;
+mod elements;
+mod ephemeris;
 mod error;
+mod file;
+mod oem;
+mod omm;
+mod record;
+pub mod sampled;
+mod sgp4_feed;
 mod state;
-mod tle;
+mod table;
+mod text;
 mod tle_fields;
 mod tle_text;
+mod write;
 
 use crate::frames::Epoch;
 
+pub use catalogue::Catalogue;
+pub use elements::MeanElements;
+pub use ephemeris::Ephemerides;
 pub use error::{LineFault, OrbitError};
+pub use oem::write_oem;
+pub use omm::write_omm;
+pub use record::{RecordError, RecordFault};
+pub use sampled::SampledFeed;
+pub use sgp4_feed::{Sgp4Feed, TleFeed};
 pub use state::{Frame, OrbitState};
-pub use tle::TleFeed;
+pub use write::Header;
 
 /// A source of motion.
 pub trait Feed: Send + Sync {

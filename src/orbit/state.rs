@@ -36,6 +36,27 @@ impl Frame {
         }
     }
 
+    /// The frame that a CCSDS file names, about the Earth's centre: `ICRF`, `GCRF`, `EME2000`, `TEME`, `ITRF2000`,
+    /// `ITRF-97`…; letter case aside. Realisations of ITRF differ by centimetres and are taken as one.
+    pub fn from_ccsds_name(name: &str) -> Option<Self> {
+        let name = name.to_ascii_uppercase();
+        // Behind the name stands at most the year or number of a realisation.
+        let begins = |with: &str| {
+            name.strip_prefix(with).is_some_and(|rest| {
+                let number = rest.strip_prefix('-').unwrap_or(rest);
+                number.bytes().all(|c| c.is_ascii_digit())
+            })
+        };
+        match name.as_str() {
+            "TEME" | "TEMEOFDATE" => Some(Self::Teme),
+            "EME2000" | "J2000" => Some(Self::Eme2000),
+            "PEF" => Some(Self::Pef),
+            _ if begins("ITRF") => Some(Self::Itrf),
+            _ if begins("ICRF") || begins("GCRF") => Some(Self::Gcrf),
+            _ => None,
+        }
+    }
+
     /// Whether it turns with the Earth.
     pub fn is_earth_fixed(self) -> bool {
         matches!(self, Self::Pef | Self::Itrf)
