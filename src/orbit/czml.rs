@@ -61,12 +61,12 @@ fn packet<'t>(
     let mut pieces = Vec::new();
     if position.get().starts_with('[') {
         let mut each = |value| {
-            pieces.extend(piece(document, value)?);
+            pieces.extend(from_position(document, value)?);
             Ok(())
         };
         document.each_member(position.get(), MOST_INTERVALS, "intervals", &mut each)?;
     } else {
-        pieces.extend(piece(document, position)?);
+        pieces.extend(from_position(document, position)?);
     }
     if pieces.is_empty() {
         return Ok(None);
@@ -79,7 +79,17 @@ fn packet<'t>(
         Some(value) => intervals(document, value)?,
         None => Vec::new(),
     };
-    let segments = segments(pieces, &available);
+    let segments = segments(pieces, &available).ok_or_else(|| {
+        let (what, limit) = ("intervals", MOST_INTERVALS);
+        document.error(position, RecordFault::TooMany { what, limit })
+    })?;
+    if segments.is_empty() {
+        let fault = RecordFault::Unexpected {
+            text: "an interval without samples".to_owned(),
+            expected: "samples within the interval or the availability",
+        };
+        return Err(document.error(position, fault));
+    }
     let name = text("name")?.filter(|n| !n.is_empty()).unwrap_or(id);
     match SampledFeed::new(name, None, segments) {
         Ok(feed) => Ok(Some(feed.at_line(place.line))),
@@ -90,36 +100,41 @@ fn packet<'t>(
 /// Samples and the interval in which they hold, if one is said.
 type Piece = (Sampled, Option<(Epoch, Epoch)>);
 
-/// Each piece within each interval of availability, in order of time.
-fn segments(pieces: Vec<Piece>, available: &[(Epoch, Epoch)]) -> Vec<Segment> {
+/// Each piece within each interval of availability, in order of time; `None` if they are too many.
+fn segments(pieces: Vec<Piece>, available: &[(Epoch, Epoch)]) -> Option<Vec<Segment>> {
     let mut segments = Vec::new();
     for (samples, interval) in pieces {
-        let span = interval.unwrap_or_else(|| samples.span());
-        let samples = Arc::new(samples);
         let (first, last) = samples.span();
-        let span = (span.0.max(first), span.1.min(last));
-        let mut add = |from: Epoch, to: Epoch| {
+        let (from, to) = interval.unwrap_or((first, last));
+        let span = (from.max(first), to.min(last));
+        let samples = Arc::new(samples);
+        let always = [span];
+        let within = match available {
+            [] => always.as_slice(),
+            several => several,
+        };
+        for &(from, to) in within {
             let usable = (span.0.max(from), span.1.min(to));
-            // Pieces of which nothing is available are left out, but never all of them silently: see below.
-            if usable.0 <= usable.1 && segments.len() < MOST_INTERVALS {
+            if usable.0 <= usable.1 {
+                if segments.len() >= MOST_INTERVALS {
+                    return None;
+                }
                 segments.push(Segment {
                     samples: Arc::clone(&samples),
                     usable,
                     sigma_m: Vec::new(),
                 });
             }
-        };
-        match available {
-            [] => add(span.0, span.1),
-            several => several.iter().for_each(|&(from, to)| add(from, to)),
         }
     }
-    // An object that is never available has no segment, and `SampledFeed::new` says so.
-    segments
+    Some(segments)
 }
 
-/// One position: nothing if it is a point that stands still or follows another.
-fn piece<'t>(document: &Document<'t>, value: &'t RawValue) -> Result<Option<Piece>, RecordError> {
+/// The pieces of one position: none if it is a point that stands still or follows another.
+fn from_position<'t>(
+    document: &Document<'t>,
+    value: &'t RawValue,
+) -> Result<Vec<Piece>, RecordError> {
     let object = document.object(value, "an object or an array of them")?;
     for key in ["cartographicDegrees", "cartographicRadians"] {
         if let Some(value) = object.get(key).filter(|v| commas(v) > 2) {
@@ -131,23 +146,25 @@ fn piece<'t>(document: &Document<'t>, value: &'t RawValue) -> Result<Option<Piec
     {
         (Some(numbers), _) => (numbers, true),
         (None, Some(numbers)) if commas(numbers) > 2 => (numbers, false),
-        _ => return Ok(None),
+        _ => return Ok(Vec::new()),
     };
     let epoch = match object.get("epoch") {
         Some(value) => Some(date(document, "epoch", value)?),
         None => None,
     };
-    let samples = samples(document, numbers, epoch, with_velocity)?;
     let frame = frame(document, &object)?;
     let interpolation = interpolation(document, &object, with_velocity)?;
     let interval = match object.get("interval") {
         Some(value) => Some(interval(document, value)?),
         None => None,
     };
-    match Sampled::new(frame, &samples, interpolation) {
-        Ok(sampled) => Ok(Some((sampled, interval))),
-        Err(error) => Err(document.error(numbers, RecordFault::Samples(error))),
-    }
+    let runs = samples(document, numbers, epoch, with_velocity)?;
+    let pieces = runs.iter().map(|samples| {
+        let sampled = Sampled::new(frame, samples, interpolation);
+        let sampled = sampled.map_err(|e| document.error(numbers, RecordFault::Samples(e)))?;
+        Ok((sampled, interval))
+    });
+    pieces.collect()
 }
 
 /// Commas in a value's text: more than two are more than one point.
@@ -156,18 +173,21 @@ fn commas(value: &RawValue) -> usize {
 }
 
 /// `[t, x, y, z, …]` or `[t, x, y, z, vx, vy, vz, …]`, t in seconds since `epoch` or as a date.
+///
+/// A time that comes twice begins a new run: so writers say that the motion jumps there, from one element set to the next
+/// or by a burn, and a polynomial through both sides would swing.
 fn samples<'t>(
     document: &Document<'t>,
     array: &'t RawValue,
     epoch: Option<Epoch>,
     with_velocity: bool,
-) -> Result<Vec<Sample>, RecordError> {
+) -> Result<Vec<Vec<Sample>>, RecordError> {
     let width = if with_velocity { 7 } else { 4 };
-    let mut samples = Vec::new();
+    let mut runs: Vec<Vec<Sample>> = vec![Vec::new()];
     let mut row = [0.0; 6];
     let mut at: Option<Epoch> = None;
     let mut count = 0;
-    document.each_member::<RecordError>(array.get(), MOST_NUMBERS, "numbers", &mut |value| {
+    let mut each = |value: &'t RawValue| {
         let column = count % width;
         count += 1;
         if column == 0 {
@@ -179,18 +199,29 @@ fn samples<'t>(
         if let Some(slot) = row.get_mut(column - 1) {
             *slot = number;
         }
-        if let (Some(epoch), true) = (at, column + 1 == width) {
-            let [x, y, z, vx, vy, vz] = row;
-            samples.push(Sample {
-                epoch,
-                position_m: DVec3::new(x, y, z),
-                velocity_m_s: with_velocity.then_some(DVec3::new(vx, vy, vz)),
-            });
+        let Some(epoch) = at.filter(|_| column + 1 == width) else {
+            return Ok(());
+        };
+        let [x, y, z, vx, vy, vz] = row;
+        let sample = Sample {
+            epoch,
+            position_m: DVec3::new(x, y, z),
+            velocity_m_s: with_velocity.then_some(DVec3::new(vx, vy, vz)),
+        };
+        let count = runs.len();
+        match runs.last_mut() {
+            Some(run) if run.last().is_none_or(|before| before.epoch != epoch) => run.push(sample),
+            _ if count >= MOST_INTERVALS => {
+                let (what, limit) = ("jumps", MOST_INTERVALS);
+                return Err(document.error(value, RecordFault::TooMany { what, limit }));
+            }
+            _ => runs.push(vec![sample]),
         }
         Ok(())
-    })?;
+    };
+    document.each_member(array.get(), MOST_NUMBERS, "numbers", &mut each)?;
     match count % width {
-        0 => Ok(samples),
+        0 => Ok(runs),
         _ => {
             let expected = match with_velocity {
                 true => "groups of seven: time, position and velocity",

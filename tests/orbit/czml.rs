@@ -45,15 +45,15 @@ fn the_example_has_three_satellites() {
     let feeds = simple();
     let names: Vec<_> = feeds.iter().map(Feed::name).collect();
     assert_eq!(names, ["Geoeye1", "ISS", "Molniya_1-92"]);
+    // The file repeats an instant where it goes from one element set to the next: the motion jumps there.
+    let segments: Vec<_> = feeds.iter().map(|f| f.segments().len()).collect();
+    assert_eq!(segments, [4, 7, 3]);
     for feed in &feeds {
-        let [segment] = feed.segments() else {
-            panic!("one segment")
-        };
-        assert_eq!(segment.samples.frame(), Frame::Gcrf);
-        assert_eq!(
-            segment.samples.interpolation(),
-            Interpolation::Lagrange { degree: 5 }
-        );
+        for segment in feed.segments() {
+            assert_eq!(segment.samples.frame(), Frame::Gcrf);
+            let interpolation = segment.samples.interpolation();
+            assert_eq!(interpolation, Interpolation::Lagrange { degree: 5 });
+        }
         assert_eq!(
             feed.validity(),
             (utc("2012-03-15T10:00:00Z"), utc("2012-03-16T10:00:00Z"))
@@ -70,19 +70,27 @@ fn samples_are_met_and_between_them_the_polynomial() {
             .map(|c| (c[0], DVec3::new(c[1], c[2], c[3])))
             .collect();
         let start = utc("2012-03-15T10:00:00Z");
-        for &(t, position) in &points {
-            let state = feed.state_at(start + Duration::from_seconds(t)).unwrap();
+        for (k, &(t, position)) in points.iter().enumerate() {
+            if points.get(k + 1).is_some_and(|next| next.0 == t) {
+                continue; // The motion jumps: the later one answers.
+            }
+            let ns = (t * 1e9).round() as i128;
+            let at = start + Duration::from_total_nanoseconds(ns);
+            let state = feed.state_at(at).unwrap();
             assert_eq!(state.position_m, position, "{} {t}", feed.name());
         }
-        // Between: the polynomial of degree 5 through the six samples around, as Cesium draws it.
+        // Between: the polynomial of degree 5 through the six samples around, on one side of a jump.
         let mut worst = 0.0_f64;
-        for (k, pair) in points.windows(2).enumerate() {
-            let first = (k + 1).saturating_sub(3).min(points.len() - 6);
-            for share in [0.1, 0.5, 0.83] {
-                let t = pair[0].0 + share * (pair[1].0 - pair[0].0);
-                let state = feed.state_at(start + Duration::from_seconds(t)).unwrap();
-                let expected = neville(&points[first..first + 6], t);
-                worst = worst.max(state.position_m.distance(expected));
+        for run in points.chunk_by(|a, b| a.0 != b.0) {
+            for (k, pair) in run.windows(2).enumerate() {
+                let count = run.len().min(6);
+                let first = (k + 1).saturating_sub(3).min(run.len() - count);
+                for share in [0.1, 0.5, 0.83] {
+                    let t = pair[0].0 + share * (pair[1].0 - pair[0].0);
+                    let state = feed.state_at(start + Duration::from_seconds(t)).unwrap();
+                    let expected = neville(&run[first..first + count], t);
+                    worst = worst.max(state.position_m.distance(expected));
+                }
             }
         }
         println!(
@@ -95,39 +103,38 @@ fn samples_are_met_and_between_them_the_polynomial() {
 }
 
 /// How far the file's own degree is from the orbit that its samples come from: the polynomial of degree 15 through them,
-/// for which 300 s are short. The ends of the day, where windows are one-sided, are left out.
+/// for which 300 s are short. Windows that are one-sided, at the ends of the day and at jumps, are left out.
 #[test]
-fn between_samples_degree_five_is_good_to_metres() {
-    for (feed, most_m, fine_m) in simple()
-        .iter()
-        .zip([(60.0, 0.1), (75.0, 0.1), (1e3, 30.0)])
-        .map(|(f, (a, b))| (f, a, b))
-    {
-        let samples = &feed.segments()[0].samples;
-        let all: Vec<Sample> = samples.samples().collect();
-        let with =
-            |degree| Sampled::new(Frame::Gcrf, &all, Interpolation::Lagrange { degree }).unwrap();
-        let (truth, finer) = (with(15), with(11));
-        let mut offs: Vec<(f64, f64)> = Vec::new();
-        for k in 60..1380 {
-            let t = utc("2012-03-15T10:00:00Z") + Duration::from_seconds(f64::from(k) * 60.0);
-            let truth = truth.state_at(t).unwrap().position_m;
-            let off = feed.state_at(t).unwrap().position_m.distance(truth);
-            offs.push((off, finer.state_at(t).unwrap().position_m.distance(truth)));
+fn between_samples_the_files_degree_is_good_to_metres() {
+    // Metres: degree 5 at worst, degree 11 at worst. The Molniya goes through perigee in a few steps.
+    let bounds = [(60.0, 0.05), (75.0, 0.05), (1.5e3, 100.0)];
+    for (feed, (most_m, finer_m)) in simple().iter().zip(bounds) {
+        let mut offs = Vec::new();
+        for segment in feed.segments() {
+            let all: Vec<Sample> = segment.samples.samples().collect();
+            let with = |degree| {
+                Sampled::new(Frame::Gcrf, &all, Interpolation::Lagrange { degree }).unwrap()
+            };
+            let (truth, finer) = (with(15), with(11));
+            for k in 8..all.len().saturating_sub(8) {
+                let t = all[k].epoch + Duration::from_seconds(150.0);
+                let at = |s: &Sampled| s.state_at(t).unwrap().position_m;
+                let truth = at(&truth);
+                offs.push((
+                    at(&segment.samples).distance(truth),
+                    at(&finer).distance(truth),
+                ));
+            }
         }
-        let worst = offs
-            .iter()
-            .fold((0.0_f64, 0.0_f64), |w, o| (w.0.max(o.0), w.1.max(o.1)));
         offs.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let median = offs[offs.len() / 2].0;
+        let (median, worst) = (offs[offs.len() / 2].0, offs[offs.len() - 1].0);
+        let finer = offs.iter().fold(0.0_f64, |w, o| w.max(o.1));
         println!(
-            "{}: degree 5 median {median:.2} m, worst {:.1} m; degree 11 worst {:.1e} m",
+            "{}: {} midpoints; degree 5 median {median:.2} m, worst {worst:.1} m; degree 11 worst {finer:.1e} m",
             feed.name(),
-            worst.0,
-            worst.1
+            offs.len()
         );
-        assert!(worst.0 < most_m, "{}: {}", feed.name(), worst.0);
-        assert!(worst.1 < fine_m, "{}: {}", feed.name(), worst.1);
+        assert!(worst < most_m && finer < finer_m, "{}", feed.name());
     }
 }
 
@@ -173,7 +180,8 @@ fn all_forms_of_a_position_are_read() {
         (state.frame, state.position_m),
         (Frame::Itrf, DVec3::new(7e6, 3e4, 0.0))
     );
-    assert_eq!(state.velocity_m_s, DVec3::new(0.0, 1000.0, 0.0));
+    let off = state.velocity_m_s - DVec3::new(0.0, 1000.0, 0.0);
+    assert!(off.length() < 1e-9);
     assert_eq!((feed.name(), feed.line()), ("Sat", 2));
     // Velocities: Hermite's cubic.
     let feed = one(&document(
@@ -262,7 +270,7 @@ fn wrong_documents_are_named() {
         (
             "\"epoch\":\"2018-01-01T00:00:00Z\",",
             "",
-            "4:101",
+            "4:94",
             "a sample's time is \"0\"; expected seconds since the epoch",
         ),
         (
@@ -291,7 +299,7 @@ fn wrong_documents_are_named() {
             "a coordinate is \"\\\"x\\\"\"; expected a number of metres",
         ),
         ("[0,7e6", "[0,7e66", "4:93", "not finite or farther than"),
-        ("60,\n", "0,\n", "4:93", "is not later than"),
+        ("60,\n", "-60,\n", "4:93", "is not later than"),
         (
             "60,\n",
             "",
@@ -314,7 +322,7 @@ fn wrong_documents_are_named() {
             "2018-01-01T00:00:00Z/2019-01-01T00:00:00Z",
             "2019-01-01T00:00:00Z/2020-01-01T00:00:00Z",
             "3:12",
-            "outside its states",
+            "an interval without samples",
         ),
         ("1,0]}", "1,0}", "5:8", "not JSON"),
     ] {
