@@ -16,7 +16,7 @@ pub struct RecordError {
     /// Column, in bytes, from 1.
     pub column: usize,
     /// What is wrong.
-    pub fault: RecordFault,
+    pub fault: Box<RecordFault>,
 }
 
 /// What can be wrong with a record.
@@ -135,7 +135,7 @@ impl Place {
             path: origin.to_owned(),
             line: self.line,
             column: self.column,
-            fault,
+            fault: Box::new(fault),
         }
     }
 }

@@ -34,10 +34,11 @@ impl Interpolation {
     /// The highest degree.
     pub const HIGHEST_DEGREE: usize = MOST_NODES - 1;
 
-    /// For files with velocities that name none: 4 states, the truth to centimetres at one minute in low orbit.
+    /// For files with velocities that name none: four states. See [`interpolation_error`] for how good it is: in low orbit
+    /// 30 nm at one minute from state to state, 1 cm at five.
     pub const WITH_VELOCITIES: Self = Self::Hermite { degree: 7 };
 
-    /// For files with positions only that name none: 8 positions.
+    /// For files with positions only that name none: eight positions; in low orbit 4 µm at one minute, 1.4 m at five.
     pub const WITHOUT_VELOCITIES: Self = Self::Lagrange { degree: 7 };
 
     /// How many samples one evaluation uses.
