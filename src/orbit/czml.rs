@@ -52,11 +52,11 @@ fn packet<'t>(
     let Some(position) = packet.get("position") else {
         return Ok(None);
     };
-    let text = |key| match packet.get(key) {
-        Some(value) => Ok(document.entry(key, value).map(|e| printable(&e.value))),
-        None => Ok(None),
+    let text = |key| {
+        let entry = document.entry(key, packet.get(key)?)?;
+        Some(printable(&entry.value))
     };
-    let id = text("id")?.unwrap_or_default();
+    let id = text("id").unwrap_or_default();
     let place = document.place(value);
     let mut pieces = Vec::new();
     if position.get().starts_with('[') {
@@ -90,7 +90,7 @@ fn packet<'t>(
         };
         return Err(document.error(position, fault));
     }
-    let name = text("name")?.filter(|n| !n.is_empty()).unwrap_or(id);
+    let name = text("name").filter(|n| !n.is_empty()).unwrap_or(id);
     match SampledFeed::new(name, None, segments) {
         Ok(feed) => Ok(Some(feed.at_line(place.line))),
         Err(error) => Err(document.error(position, RecordFault::Segments(error))),

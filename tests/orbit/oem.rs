@@ -150,6 +150,21 @@ fn both_forms_give_the_orbit_in_all_time_systems() {
     }
 }
 
+/// The same digits in four time systems: in 2016 UTC was 36 s behind TAI, GPS 19 s, and TT 32.184 s ahead of it.
+#[test]
+fn time_systems_are_those_of_the_world() {
+    let text = kvn(&meta(TimeScale::Utc, 0.0, 540.0), &every_minute(0, 9));
+    for (name, begins) in [
+        ("UTC", "2016-12-31T23:50:00Z"),
+        ("GPS", "2016-12-31T23:49:43Z"),
+        ("TAI", "2016-12-31T23:49:24Z"),
+        ("TT", "2016-12-31T23:48:51.816Z"),
+    ] {
+        let feed = one(&text.replace("TIME_SYSTEM = UTC", &format!("TIME_SYSTEM = {name}")));
+        assert_eq!(feed.validity().0, utc(begins), "{name}");
+    }
+}
+
 #[test]
 fn frames_are_known_by_all_their_names() {
     for (name, frame) in [

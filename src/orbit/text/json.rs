@@ -9,11 +9,14 @@ use std::borrow::Cow;
 use std::fmt;
 use std::path::Path;
 
+/// Most members of an object that is looked into.
+const MOST_MEMBERS: usize = 10_000;
+
 /// A JSON text, to find places in it.
 pub struct Document<'t> {
     pub text: &'t str,
     pub origin: &'t Path,
-    lines: Lines,
+    lines: Lines<'t>,
 }
 
 /// Names and values in their order.
@@ -164,6 +167,9 @@ impl<'de> Deserialize<'de> for Object<'de> {
                 while let Some((Name(name), value)) =
                     map.next_entry::<Name<'de>, &'de RawValue>()?
                 {
+                    if pairs.len() >= MOST_MEMBERS {
+                        return Err(A::Error::custom("too many members"));
+                    }
                     pairs.push((name, value));
                 }
                 Ok(Object(pairs))

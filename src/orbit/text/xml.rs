@@ -125,7 +125,7 @@ pub fn walk<E: From<RecordError>>(
 }
 
 /// The value of an element, with the place of its first character that is not blank.
-fn entry<'b>(element: &'b Begun, text: &str, lines: &Lines) -> Entry<'b> {
+fn entry<'b>(element: &'b Begun, text: &str, lines: &Lines<'_>) -> Entry<'b> {
     let blank = text
         .get(element.at..)
         .map_or(0, |rest| rest.len() - rest.trim_start().len());
