@@ -5,6 +5,7 @@ mod bad_input;
 mod catalogue;
 mod czml;
 mod oem;
+mod oem_bad_input;
 mod omm;
 mod sampled;
 mod table;
