@@ -2,8 +2,14 @@
 
 use std::path::Path;
 
+#[path = "../fuzz/bodies/earth_orientation.rs"]
+mod earth_orientation;
+#[path = "../fuzz/bodies/ephemeris.rs"]
+mod ephemeris;
 #[path = "../fuzz/bodies/manifest.rs"]
 mod manifest;
+#[path = "../fuzz/bodies/omm.rs"]
+mod omm;
 #[path = "../fuzz/bodies/scene.rs"]
 mod scene;
 #[cfg(feature = "pack-build")]
@@ -22,6 +28,14 @@ const TARGETS: &[Target] = &[
     ("tile", tile::seeds, tile::run, 100_000),
     ("scene", scene::seeds, scene::run, 100_000),
     ("tle", tle::seeds, tle::run, 200_000),
+    ("omm", omm::seeds, omm::run, 30_000),
+    ("ephemeris", ephemeris::seeds, ephemeris::run, 30_000),
+    (
+        "earth_orientation",
+        earth_orientation::seeds,
+        earth_orientation::run,
+        30_000,
+    ),
     #[cfg(feature = "pack-build")]
     ("source", source::seeds, source::run, 30_000),
 ];
@@ -126,6 +140,21 @@ fn elements() {
     run("tle");
 }
 
+#[test]
+fn elements_in_every_form() {
+    run("omm");
+}
+
+#[test]
+fn ephemerides() {
+    run("ephemeris");
+}
+
+#[test]
+fn tables_of_the_earths_orientation() {
+    run("earth_orientation");
+}
+
 /// The seeds are good inputs: a fuzzer that starts from refused ones would look at little.
 #[test]
 fn seeds_are_good() {
@@ -157,6 +186,16 @@ fn seeds_are_good() {
         "of {}",
         elements.len()
     );
+    for seed in omm::seeds() {
+        terrella::orbit::Catalogue::from_text(&text(&seed), path, true).expect("good elements");
+    }
+    for seed in ephemeris::seeds() {
+        terrella::orbit::Ephemerides::from_text(&text(&seed), path, true).expect("good states");
+    }
+    for seed in earth_orientation::seeds() {
+        terrella::frames::EarthOrientation::from_finals2000a(&text(&seed), path)
+            .expect("a good table");
+    }
 }
 
 /// Writes them where `cargo fuzz` looks for its corpus.

@@ -3,18 +3,24 @@
 //! Earth-fixed axes are ITRF: x to 0° E on the equator, z to the north pole.
 
 mod calendar;
+mod ccsds;
+mod earth_orientation;
 mod ellipsoid;
+mod orientation;
 mod rotation;
 mod sun;
 mod time;
 
 pub(crate) use calendar::Calendar;
+pub use ccsds::{TimeScale, ccsds_time, epoch_from_ccsds};
+pub use earth_orientation::{EarthOrientation, EarthOrientationError};
 pub use ellipsoid::{Ellipsoid, Geodetic};
 pub use hifitime::{Duration, Epoch};
+pub use orientation::Orientation;
 pub use rotation::{
-    EARTH_ROTATION_RATE_RAD_S, itrf_from_gcrf, itrf_from_gcrf_with_ut1, itrf_from_teme,
-    itrf_from_teme_with_ut1,
+    EARTH_ROTATION_RATE_RAD_S, gcrf_from_eme2000, itrf_from_gcrf, itrf_from_gcrf_oriented,
+    itrf_from_gcrf_with_ut1, itrf_from_pef, itrf_from_teme, itrf_from_teme_with_ut1, pef_from_teme,
 };
 pub use sun::{subsolar_point, sun_direction_itrf};
-pub(crate) use time::tai_from_utc_day;
 pub use time::{TimeError, rfc3339, utc_from_rfc3339};
+pub(crate) use time::{tai_from_utc_day, utc_day};

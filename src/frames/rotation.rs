@@ -2,8 +2,8 @@
 //!
 //! Computed with `sofars`, a Rust translation of the IAU's SOFA routines; the functions here are our own.
 
-use super::Epoch;
 use super::time::JulianDate;
+use super::{Epoch, Orientation};
 use glam::{DMat3, DVec3};
 
 /// Angular velocity of the Earth about ITRF z, radians per second of UT1 (Vallado 2013, eq. 3-40; length of day 86 400 s).
@@ -48,6 +48,41 @@ pub fn itrf_from_gcrf_with_ut1(epoch: Epoch, ut1_minus_utc_s: f64) -> DMat3 {
         0.0,
     );
     DMat3::from_cols_array_2d(&rows).transpose()
+}
+
+/// As [`itrf_from_gcrf`], with what is measured of the Earth's rotation.
+pub fn itrf_from_gcrf_oriented(epoch: Epoch, orientation: &Orientation) -> DMat3 {
+    let ut1 = ut1(epoch, orientation.ut1_minus_utc_s);
+    let tt = JulianDate::tt(epoch);
+    let rows = sofars::pnp::c2t00b(
+        tt.midnight,
+        tt.fraction,
+        ut1.midnight,
+        ut1.fraction,
+        orientation.x_pole_rad,
+        orientation.y_pole_rad,
+    );
+    DMat3::from_cols_array_2d(&rows).transpose()
+}
+
+/// Rotation that takes TEME axes to PEF axes (Earth-fixed, z to the pole of rotation): R3(GMST 1982).
+pub fn pef_from_teme(epoch: Epoch, orientation: &Orientation) -> DMat3 {
+    itrf_from_teme_with_ut1(epoch, orientation.ut1_minus_utc_s)
+}
+
+/// Rotation that takes PEF axes to ITRF axes: polar motion, R2(−x)·R1(−y) (IERS Conventions 2010, 5.4.1; s′ left out,
+/// 5e-5″ a century).
+pub fn itrf_from_pef(orientation: &Orientation) -> DMat3 {
+    let rows = sofars::pnp::pom00(orientation.x_pole_rad, orientation.y_pole_rad, 0.0);
+    DMat3::from_cols_array_2d(&rows).transpose()
+}
+
+/// Rotation that takes EME2000 axes (mean equator and equinox of J2000) to GCRF axes: the frame bias, 0.02″.
+pub fn gcrf_from_eme2000() -> DMat3 {
+    const J2000: f64 = 2_451_545.0;
+    let (bias, _, _) = sofars::pnp::bp00(J2000, 0.0);
+    // Rows of B, which takes GCRF to EME2000: read as columns they are its transpose.
+    DMat3::from_cols_array_2d(&bias)
 }
 
 fn ut1(epoch: Epoch, ut1_minus_utc_s: f64) -> JulianDate {

@@ -13,10 +13,10 @@
 use super::calendar::Calendar;
 use super::{Duration, Epoch};
 
-const NS_PER_SECOND: i64 = 1_000_000_000;
-const NS_PER_DAY: i64 = 86_400 * NS_PER_SECOND;
+pub(super) const NS_PER_SECOND: i64 = 1_000_000_000;
+pub(super) const NS_PER_DAY: i64 = 86_400 * NS_PER_SECOND;
 /// Modified Julian date of 1 January 1900, where `hifitime` counts TAI from.
-const MJD_1900: i64 = 15_020;
+pub(super) const MJD_1900: i64 = 15_020;
 /// Longest date text looked at: all fields, nine decimals and an offset take 35 characters.
 const LONGEST_DATE: usize = 64;
 
@@ -62,6 +62,14 @@ pub enum TimeError {
         /// The text, shortened.
         text: String,
     },
+    /// The text has not the form of CCSDS 301.0-B.
+    #[error(
+        "{text:?} is not a date; write it like 2018-01-15T12:00:00.000 or 2018-015T12:00:00.000"
+    )]
+    CcsdsForm {
+        /// The text, shortened.
+        text: String,
+    },
     /// One of its fields has a value that does not exist.
     #[error("{text:?} is not a UTC date: {field} {value} is not from {least} to {most}")]
     Field {
@@ -99,57 +107,87 @@ const YEARS: (i64, i64) = (1900, 2099);
 /// # Errors
 /// Says what is wrong with the text and how to write it.
 pub fn utc_from_rfc3339(text: &str) -> Result<Epoch, TimeError> {
-    let form = || TimeError::Form {
-        text: shortened(text),
-    };
-    let check = |field, value: i64, least: i64, most: i64| {
-        if (least..=most).contains(&value) {
-            Ok(value)
-        } else {
-            Err(TimeError::Field {
-                text: shortened(text),
-                field,
-                value,
-                least,
-                most,
-            })
-        }
-    };
-    if text.len() > LONGEST_DATE {
-        return Err(form());
-    }
-    let (date_time, fraction, zone) = split(text.as_bytes()).ok_or_else(form)?;
-    let number = |first, len| number(date_time, first, len).ok_or_else(form);
-
-    let date = Calendar {
-        year: number(0, 4)?,
-        month: check("month", number(5, 2)?, 1, 12)?,
-        day: number(8, 2)?,
-    };
-    check("day", date.day, 1, date.days_in_month())?;
-    let hour = check("hour", number(11, 2)?, 0, 23)?;
-    let minute = check("minute", number(14, 2)?, 0, 59)?;
-    let second = check("second", number(17, 2)?, 0, 60)?;
-    let offset_minutes = match zone {
-        Zone::Utc => 0,
-        Zone::Ahead(hours, minutes) => {
-            check("offset hour", hours.abs(), 0, 23)?;
-            hours * 60 + check("offset minute", minutes.abs(), 0, 59)? * minutes.signum()
-        }
-    };
-
-    // Minutes first: the leap second ends a UTC day, whatever the local clock shows.
-    let minutes = hour * 60 + minute - offset_minutes;
-    let mjd = date.mjd() + minutes.div_euclid(1440);
-    let minute_of_day = minutes.rem_euclid(1440);
-    check("year", Calendar::from_mjd(mjd).year, YEARS.0, YEARS.1)?;
-    if second == 60 && (minute_of_day != 1439 || !ends_with_leap_second(mjd)) {
+    let reading = Reading::of(text)?;
+    if reading.second == 60
+        && (reading.minute_of_day != 1439 || !ends_with_leap_second(reading.mjd))
+    {
         return Err(TimeError::NoLeapSecond {
             text: shortened(text),
         });
     }
-    let ns_of_day = (minute_of_day * 60 + second) * NS_PER_SECOND + fraction;
-    Ok(tai_from_utc_day(mjd, ns_of_day))
+    Ok(tai_from_utc_day(reading.mjd, reading.ns_of_day()))
+}
+
+/// What a clock shows, whatever scale it keeps.
+pub(super) struct Reading {
+    /// Day, as a modified Julian date.
+    pub mjd: i64,
+    /// 0…1439.
+    pub minute_of_day: i64,
+    /// 0…60.
+    pub second: i64,
+    /// 0…999 999 999.
+    pub fraction_ns: i64,
+}
+
+impl Reading {
+    /// Reads RFC 3339, the zone taken into account; second 60 is left for the caller to judge.
+    pub fn of(text: &str) -> Result<Self, TimeError> {
+        let form = || TimeError::Form {
+            text: shortened(text),
+        };
+        let check = |field, value: i64, least: i64, most: i64| {
+            if (least..=most).contains(&value) {
+                Ok(value)
+            } else {
+                Err(TimeError::Field {
+                    text: shortened(text),
+                    field,
+                    value,
+                    least,
+                    most,
+                })
+            }
+        };
+        if text.len() > LONGEST_DATE {
+            return Err(form());
+        }
+        let (date_time, fraction, zone) = split(text.as_bytes()).ok_or_else(form)?;
+        let number = |first, len| number(date_time, first, len).ok_or_else(form);
+
+        let date = Calendar {
+            year: number(0, 4)?,
+            month: check("month", number(5, 2)?, 1, 12)?,
+            day: number(8, 2)?,
+        };
+        check("day", date.day, 1, date.days_in_month())?;
+        let hour = check("hour", number(11, 2)?, 0, 23)?;
+        let minute = check("minute", number(14, 2)?, 0, 59)?;
+        let second = check("second", number(17, 2)?, 0, 60)?;
+        let offset_minutes = match zone {
+            Zone::Utc => 0,
+            Zone::Ahead(hours, minutes) => {
+                check("offset hour", hours.abs(), 0, 23)?;
+                hours * 60 + check("offset minute", minutes.abs(), 0, 59)? * minutes.signum()
+            }
+        };
+
+        // Minutes first: the leap second ends a UTC day, whatever the local clock shows.
+        let minutes = hour * 60 + minute - offset_minutes;
+        let mjd = date.mjd() + minutes.div_euclid(1440);
+        let minute_of_day = minutes.rem_euclid(1440);
+        check("year", Calendar::from_mjd(mjd).year, YEARS.0, YEARS.1)?;
+        Ok(Self {
+            mjd,
+            minute_of_day,
+            second,
+            fraction_ns: fraction,
+        })
+    }
+
+    pub fn ns_of_day(&self) -> i64 {
+        (self.minute_of_day * 60 + self.second) * NS_PER_SECOND + self.fraction_ns
+    }
 }
 
 /// Writes an epoch in UTC with milliseconds, rounded: `2018-01-15T12:00:00.000Z`; a leap second as `23:59:60`.
@@ -221,7 +259,12 @@ pub(crate) fn tai_from_utc_day(mjd: i64, ns_of_day: i64) -> Epoch {
 }
 
 /// Day, as a modified Julian date, and nanosecond of the day that UTC reads; 86 400 s and more in a leap second.
-fn utc_day_from_tai_ns(tai_ns: i128) -> (i64, i64) {
+pub(crate) fn utc_day(epoch: Epoch) -> (i64, i64) {
+    utc_day_from_tai_ns(epoch.to_tai_duration().total_nanoseconds())
+}
+
+/// Day, as a modified Julian date, and nanosecond of the day that UTC reads; 86 400 s and more in a leap second.
+pub(super) fn utc_day_from_tai_ns(tai_ns: i128) -> (i64, i64) {
     let begins_ns = |&(mjd, offset_s): &(i64, i64)| {
         i128::from(mjd - MJD_1900) * i128::from(NS_PER_DAY) + i128::from(offset_s * NS_PER_SECOND)
     };
@@ -239,7 +282,7 @@ fn utc_day_from_tai_ns(tai_ns: i128) -> (i64, i64) {
     }
 }
 
-fn day_and_rest(ns_since_1900: i128) -> (i64, i64) {
+pub(super) fn day_and_rest(ns_since_1900: i128) -> (i64, i64) {
     let day = i128::from(NS_PER_DAY);
     // An epoch spans ±3.3 million years: a day number far inside i64.
     (
@@ -249,7 +292,7 @@ fn day_and_rest(ns_since_1900: i128) -> (i64, i64) {
 }
 
 /// TAI − UTC through the day `mjd`, its leap second included, seconds; 0 before 1972.
-fn tai_minus_utc_s(mjd: i64) -> i64 {
+pub(super) fn tai_minus_utc_s(mjd: i64) -> i64 {
     let next = TAI_MINUS_UTC.partition_point(|step| step.0 <= mjd);
     next.checked_sub(1)
         .and_then(|k| TAI_MINUS_UTC.get(k))
@@ -318,7 +361,7 @@ fn number(text: &[u8], first: usize, len: usize) -> Option<i64> {
     })
 }
 
-fn shortened(text: &str) -> String {
+pub(super) fn shortened(text: &str) -> String {
     match text.char_indices().nth(LONGEST_DATE) {
         Some((end, _)) => format!("{}…", &text[..end]),
         None => text.to_owned(),

@@ -1,5 +1,6 @@
 //! What can be wrong with a feed, each message with the place and the remedy.
 
+use super::RecordError;
 use std::path::{Path, PathBuf};
 
 /// What can be wrong with a feed.
@@ -14,8 +15,8 @@ pub enum OrbitError {
         /// The cause.
         source: std::io::Error,
     },
-    /// The file is too large to be a list of element sets.
-    #[error("{}: larger than {limit_mib} MiB, which no list of element sets is; cut out the satellites you need", path.display())]
+    /// The file is too large for its kind.
+    #[error("{}: larger than {limit_mib} MiB; cut out the satellites or the days that you need", path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,
@@ -23,7 +24,7 @@ pub enum OrbitError {
         limit_mib: u64,
     },
     /// The file is not text.
-    #[error("{}:{line}: not text in UTF-8; an element set file is plain text", path.display())]
+    #[error("{}:{line}: not text in UTF-8; files of orbits are plain text", path.display())]
     NotText {
         /// The file.
         path: PathBuf,
@@ -31,7 +32,7 @@ pub enum OrbitError {
         line: usize,
     },
     /// No element set in the file.
-    #[error("{}: no element set in it; each is a line that begins with \"1 \" and one that begins with \"2 \"", path.display())]
+    #[error("{}: no element set in it; two-line elements are a line that begins with \"1 \" and one that begins with \"2 \", an OMM is KVN, XML, JSON or CSV", path.display())]
     NoElements {
         /// The file.
         path: PathBuf,
@@ -102,6 +103,27 @@ pub enum OrbitError {
         /// How far below 6378.135 km from the Earth's centre, kilometres.
         depth_km: f64,
     },
+    /// A record of a CCSDS message, of a CZML document or of a table is wrong.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// The file has no ephemeris in it.
+    #[error("{}: no ephemeris in it; expected an OEM (CCSDS 502.0, KVN or XML), CZML, or CSV whose header names epoch_utc,x_km,y_km,z_km", path.display())]
+    NoEphemeris {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The epoch is outside an ephemeris or in one of its gaps.
+    #[error(
+        "{satellite} is not known at {epoch}: its ephemeris tells of it {known}; change the date or take an ephemeris of that time"
+    )]
+    NotCovered {
+        /// The satellite.
+        satellite: String,
+        /// The epoch asked for, UTC.
+        epoch: String,
+        /// When it is known, UTC.
+        known: String,
+    },
     /// The epoch is outside the feed's validity.
     #[error(
         "{satellite} is not known at {epoch}: its elements hold from {first} to {last}; change the date or take elements of that time"
@@ -118,7 +140,7 @@ pub enum OrbitError {
     },
 }
 
-/// What can be wrong with a line of an element set file.
+/// What can be wrong with a line of a file of two-line elements.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LineFault {

@@ -1,16 +1,36 @@
 //! Feeds: where a satellite is at an epoch.
 
+mod catalogue;
+mod czml;
+mod elements;
+mod ephemeris;
 mod error;
+mod file;
+mod oem;
+mod omm;
+mod record;
+pub mod sampled;
+mod sgp4_feed;
 mod state;
-mod tle;
+mod table;
+mod text;
 mod tle_fields;
 mod tle_text;
+mod write;
 
 use crate::frames::Epoch;
 
+pub use catalogue::Catalogue;
+pub use elements::MeanElements;
+pub use ephemeris::Ephemerides;
 pub use error::{LineFault, OrbitError};
+pub use oem::write_oem;
+pub use omm::write_omm;
+pub use record::{RecordError, RecordFault};
+pub use sampled::SampledFeed;
+pub use sgp4_feed::{Sgp4Feed, TleFeed};
 pub use state::{Frame, OrbitState};
-pub use tle::TleFeed;
+pub use write::Header;
 
 /// A source of motion.
 pub trait Feed: Send + Sync {
@@ -20,4 +40,29 @@ pub trait Feed: Send + Sync {
     fn validity(&self) -> (Epoch, Epoch);
     /// The state at `epoch`; an epoch outside the validity interval is an error that names the interval.
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError>;
+    /// How far the position may be off at `epoch`, metres (one standard deviation), where the source knows.
+    fn error_m(&self, epoch: Epoch) -> Option<f64> {
+        let _ = epoch;
+        None
+    }
+    /// Whether what it says now is up to date; only live feeds can be late.
+    fn freshness(&self) -> Freshness {
+        Freshness::Settled
+    }
+}
+
+/// Whether a feed's states are up to date.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Freshness {
+    /// All states are known: nothing is waited for.
+    Settled,
+    /// States come in time.
+    Live,
+    /// The last state is older than the feed's limit: it goes on from there. Seconds since it came.
+    Stale {
+        /// Age of the last state, seconds.
+        age_s: f64,
+    },
+    /// No state has come yet.
+    Waiting,
 }

@@ -3,20 +3,16 @@
 //! Columns after Hoots & Roehrich, Spacetrack Report No. 3 (1980), and Vallado et al., AIAA 2006-6753.
 
 use super::tle_text::{ElementSet, columns};
-use super::{LineFault, OrbitError};
+use super::{LineFault, MeanElements, OrbitError};
 use crate::frames::{Calendar, Epoch, tai_from_utc_day};
-use sgp4::chrono::{NaiveDate, NaiveDateTime, NaiveTime};
 use std::path::Path;
 
 const NS_PER_DAY: i64 = 86_400_000_000_000;
 /// Days of the last digit of an epoch, 1e-8 d = 864 µs: exact in nanoseconds.
 const NS_PER_EPOCH_DIGIT: i64 = NS_PER_DAY / 100_000_000;
 
-/// The elements in the form that SGP4 takes, and their epoch.
-pub(super) fn elements(
-    set: &ElementSet<'_>,
-    origin: &Path,
-) -> Result<(sgp4::Elements, Epoch), OrbitError> {
+/// The elements of a set.
+pub(super) fn elements(set: &ElementSet<'_>, origin: &Path) -> Result<MeanElements, OrbitError> {
     let one = Line {
         text: set.line1,
         at: set.at1,
@@ -30,20 +26,19 @@ pub(super) fn elements(
     one.blank(&[2, 9, 18, 33, 44, 53, 62, 64])?;
     two.blank(&[2, 8, 17, 26, 34, 43, 52])?;
 
-    let (datetime, epoch) = one.epoch()?;
-    let elements = sgp4::Elements {
-        object_name: set.name.map(str::to_owned),
-        international_designator: None,
-        norad_id: one.catalogue()?,
-        classification: sgp4::Classification::Unclassified,
-        datetime,
+    // Checked in the order of their columns, so that the first fault is the one that is named.
+    let epoch = one.epoch()?;
+    let elements = MeanElements {
+        name: set.label().to_owned(),
+        object_id: object_id(columns(one.text, 10, 17)),
+        epoch,
+        catalogue_number: one.catalogue()?,
         mean_motion_dot: one.decimal("mean motion's first derivative", 34, 43)?,
         mean_motion_ddot: one.power("mean motion's second derivative", 45, 52)?,
-        drag_term: one.power("drag term B*", 54, 61)?,
-        ephemeris_type: 0,
+        drag_term_per_er: one.power("drag term B*", 54, 61)?,
         element_set_number: one.integer_or_blank("element set number", 65, 68)?,
-        inclination: two.degrees("inclination", 9, 16, 180.0, "degrees from 0 to 180")?,
-        right_ascension: two.degrees(
+        inclination_deg: two.degrees("inclination", 9, 16, 180.0, "degrees from 0 to 180")?,
+        raan_deg: two.degrees(
             "right ascension of the ascending node",
             18,
             25,
@@ -51,15 +46,15 @@ pub(super) fn elements(
             "degrees from 0 to 360",
         )?,
         eccentricity: two.eccentricity()?,
-        argument_of_perigee: two.degrees(
+        arg_perigee_deg: two.degrees(
             "argument of perigee",
             35,
             42,
             360.0,
             "degrees from 0 to 360",
         )?,
-        mean_anomaly: two.degrees("mean anomaly", 44, 51, 360.0, "degrees from 0 to 360")?,
-        mean_motion: two.decimal("mean motion", 53, 63)?,
+        mean_anomaly_deg: two.degrees("mean anomaly", 44, 51, 360.0, "degrees from 0 to 360")?,
+        mean_motion_rev_day: two.decimal("mean motion", 53, 63)?,
         revolution_number: two.integer_or_blank("revolution number", 64, 68)?,
     };
     // Distributed sets hold 0 here, old ones 2 or 3 (SGP4, SDP4); 4 is SGP4-XP, which this theory would fly wrongly.
@@ -72,10 +67,10 @@ pub(super) fn elements(
             "0: only sets made for SGP4 can be flown with it",
         ));
     }
-    if elements.mean_motion <= 0.0 {
+    if elements.mean_motion_rev_day <= 0.0 {
         return Err(two.fault("mean motion", 53, 63, "revolutions per day above 0"));
     }
-    Ok((elements, epoch))
+    Ok(elements)
 }
 
 /// The catalogue number in plain or Alpha-5 form: A0000 is 100 000, Z9999 is 339 999; I and O are not used.
@@ -90,6 +85,20 @@ pub(super) fn catalogue_number(text: &str) -> Option<u64> {
     };
     let rest = text.get(1..).filter(|rest| rest.len() == 4)?;
     Some(tens_of_thousands * 10_000 + digits(rest)?)
+}
+
+/// `98067A` as `1998-067A`; blank or anything else as nothing, for not all lists keep to the form.
+fn object_id(text: &str) -> Option<String> {
+    let text = text.trim();
+    let (year, rest) = text.split_at_checked(2)?;
+    let year = match digits(year)? {
+        year @ 0..57 => year + 2000,
+        year => year + 1900,
+    };
+    let (launch, piece) = rest.split_at_checked(3)?;
+    let is_piece = (1..=3).contains(&piece.len()) && piece.bytes().all(|c| c.is_ascii_uppercase());
+    is_piece.then_some(())?;
+    Some(format!("{year}-{:03}{piece}", digits(launch)?))
 }
 
 struct Line<'l> {
@@ -202,7 +211,7 @@ impl Line<'_> {
     }
 
     /// Two digits of the year (57…99 are of the 20th century), day of the year and its fraction to 1e-8, UTC.
-    fn epoch(&self) -> Result<(NaiveDateTime, Epoch), OrbitError> {
+    fn epoch(&self) -> Result<Epoch, OrbitError> {
         let year_fault = || self.fault("epoch year", 19, 20, "two digits");
         let day_fault = || {
             self.fault(
@@ -215,26 +224,21 @@ impl Line<'_> {
         let year = match digits(columns(self.text, 19, 20)).ok_or_else(year_fault)? {
             year @ 0..57 => year + 2000,
             year => year + 1900,
-        } as i32;
+        };
         let read = || {
             let (day, fraction) = columns(self.text, 21, 32).split_once('.')?;
-            let day = u32::try_from(digits(day.trim_start())?).ok()?;
+            let day = i64::try_from(digits(day.trim_start())?).ok()?;
             let fraction = fraction.trim_end();
             let ones = 10_i64.checked_pow(8_u32.checked_sub(fraction.len() as u32)?)?;
             let ns_of_day = digits(fraction)? as i64 * ones * NS_PER_EPOCH_DIGIT;
-            // chrono refuses a day that the year does not have.
-            let date = NaiveDate::from_yo_opt(year, day)?;
-            let time = NaiveTime::from_num_seconds_from_midnight_opt(
-                (ns_of_day / 1_000_000_000) as u32,
-                (ns_of_day % 1_000_000_000) as u32,
-            )?;
-            let january = Calendar {
-                year: i64::from(year),
+            let january = |year| Calendar {
+                year: year as i64,
                 month: 1,
                 day: 1,
             };
-            let mjd = january.mjd() + i64::from(day) - 1;
-            Some((date.and_time(time), tai_from_utc_day(mjd, ns_of_day)))
+            let mjd = january(year).mjd() + day.checked_sub(1)?;
+            let is_of_year = day > 0 && mjd < january(year + 1).mjd();
+            is_of_year.then(|| tai_from_utc_day(mjd, ns_of_day))
         };
         read().ok_or_else(day_fault)
     }

@@ -1,5 +1,6 @@
 //! The lines of a two-line element file: which belong together, and whether each is whole.
 
+use super::record::Faults;
 use super::{LineFault, OrbitError};
 use std::path::Path;
 
@@ -46,29 +47,85 @@ pub(super) fn element_sets<'t>(
     text: &'t str,
     origin: &Path,
 ) -> Result<Vec<ElementSet<'t>>, OrbitError> {
-    let fault = |at, fault| OrbitError::line(origin, at, None, fault);
-    let mut sets = Vec::new();
-    let mut name: Option<(usize, &str)> = None;
-    let mut first: Option<(usize, &str)> = None;
+    let sets = sets_and_faults(text, origin, &mut Faults::new(true))?;
+    match sets.is_empty() {
+        true => Err(OrbitError::NoElements {
+            path: origin.to_owned(),
+        }),
+        false => Ok(sets),
+    }
+}
+
+/// The sets that are whole; what is wrong with the others goes to `faults`, which may end the reading.
+pub(super) fn sets_and_faults<'t>(
+    text: &'t str,
+    origin: &Path,
+    faults: &mut Faults<OrbitError>,
+) -> Result<Vec<ElementSet<'t>>, OrbitError> {
+    let mut reader = SetReader {
+        origin,
+        sets: Vec::new(),
+        name: None,
+        first: None,
+        is_line1_spoilt: false,
+    };
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     for (index, line) in text.lines().enumerate() {
         let (at, line) = (index + 1, line.trim_end());
         if line.is_empty() || line.starts_with('#') {
             continue;
         }
-        match kind(line).map_err(|f| fault(at, f))? {
+        if let Err(error) = reader.line(at, line) {
+            faults.note(error)?;
+            // A set in work may be the one that is spoilt: the next line begins anew.
+            if let Err(again) = reader.begin_anew(at, line) {
+                faults.note(again)?;
+            }
+        }
+    }
+    if let Err(error) = reader.end() {
+        faults.note(error)?;
+    }
+    Ok(reader.sets)
+}
+
+struct SetReader<'t, 'o> {
+    origin: &'o Path,
+    sets: Vec<ElementSet<'t>>,
+    /// A name line that waits for its set.
+    name: Option<(usize, &'t str)>,
+    /// A line 1 that waits for its line 2.
+    first: Option<(usize, &'t str)>,
+    /// A line 1 was refused: its line 2 is passed over with it.
+    is_line1_spoilt: bool,
+}
+
+impl<'t> SetReader<'t, '_> {
+    fn fault(&self, at: usize, fault: LineFault) -> OrbitError {
+        OrbitError::line(self.origin, at, None, fault)
+    }
+
+    fn line(&mut self, at: usize, line: &'t str) -> Result<(), OrbitError> {
+        let kind = kind(line).map_err(|f| self.fault(at, f))?;
+        let was_spoilt = std::mem::take(&mut self.is_line1_spoilt);
+        match kind {
             Kind::Line1 => {
-                if let Some((earlier, _)) = first {
-                    return Err(fault(earlier, LineFault::NoLine2));
+                if let Some((earlier, _)) = self.first {
+                    return Err(self.fault(earlier, LineFault::NoLine2));
                 }
-                check(line, at, origin)?;
-                first = Some((at, line));
+                check(line, at, self.origin)?;
+                self.first = Some((at, line));
             }
             Kind::Line2 => {
-                let (at1, line1) = first.take().ok_or_else(|| fault(at, LineFault::NoLine1))?;
-                check(line, at, origin)?;
+                let Some((at1, line1)) = self.first.take() else {
+                    return match was_spoilt {
+                        true => Ok(()),
+                        false => Err(self.fault(at, LineFault::NoLine1)),
+                    };
+                };
+                check(line, at, self.origin)?;
                 let set = ElementSet {
-                    name: name.take().map(|(_, name)| name),
+                    name: self.name.take().map(|(_, name)| name),
                     line1,
                     line2: line,
                     at1,
@@ -81,33 +138,53 @@ pub(super) fn element_sets<'t>(
                         catalogue1: set.catalogue().to_owned(),
                         catalogue2: catalogue2.to_owned(),
                     };
-                    return Err(OrbitError::line(origin, at, Some(3), mixed));
+                    return Err(OrbitError::line(self.origin, at, Some(3), mixed));
                 }
-                sets.push(set);
+                self.sets.push(set);
             }
             Kind::Name => {
-                if let Some((earlier, _)) = first {
-                    return Err(fault(earlier, LineFault::NoLine2));
+                if let Some((earlier, _)) = self.first {
+                    return Err(self.fault(earlier, LineFault::NoLine2));
                 }
-                if let Some((earlier, text)) = name {
-                    return Err(fault(earlier, name_alone(text)));
+                if let Some((earlier, text)) = self.name {
+                    return Err(self.fault(earlier, name_alone(text)));
                 }
-                name = Some((at, check_name(line, at, origin)?));
+                self.name = Some((at, check_name(line, at, self.origin)?));
             }
         }
+        Ok(())
     }
-    if let Some((at, _)) = first {
-        return Err(fault(at, LineFault::NoLine2));
+
+    /// Forgets the set in work after a fault at this line; the line itself is looked at again if it was not the cause.
+    fn begin_anew(&mut self, at: usize, line: &'t str) -> Result<(), OrbitError> {
+        let (had_first, had_name) = (self.first.take().is_some(), self.name.take().is_some());
+        match kind(line) {
+            Ok(Kind::Line1) => {
+                self.is_line1_spoilt = true;
+                if had_first {
+                    check(line, at, self.origin)?;
+                    self.first = Some((at, line));
+                    self.is_line1_spoilt = false;
+                }
+            }
+            Ok(Kind::Name) if had_first || had_name => {
+                self.name = Some((at, check_name(line, at, self.origin)?));
+            }
+            Err(LineFault::Indented | LineFault::LineNumber { .. }) => self.is_line1_spoilt = true,
+            _ => {}
+        }
+        Ok(())
     }
-    if let Some((at, text)) = name {
-        return Err(fault(at, name_alone(text)));
+
+    fn end(&mut self) -> Result<(), OrbitError> {
+        if let Some((at, _)) = self.first {
+            return Err(self.fault(at, LineFault::NoLine2));
+        }
+        if let Some((at, text)) = self.name {
+            return Err(self.fault(at, name_alone(text)));
+        }
+        Ok(())
     }
-    if sets.is_empty() {
-        return Err(OrbitError::NoElements {
-            path: origin.to_owned(),
-        });
-    }
-    Ok(sets)
 }
 
 enum Kind {

@@ -1,5 +1,6 @@
 //! Figure, time, Earth rotation and Sun against published values and independent formulas.
 
+mod earth_orientation;
 mod figure;
 mod rotation;
 mod sun;

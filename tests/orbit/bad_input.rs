@@ -190,7 +190,8 @@ fn spoilt_lines_are_named() {
         ":3",
         "neither an element line nor a name",
     );
-    refused("<!DOCTYPE html>\n<html>\n", ":1", "begin a comment with #");
+    refused("hello\n", ":1", "begin a comment with #");
+    refused("<!DOCTYPE html>\n<html>\n", ":1:1", "as web pages have");
     // Columns that have moved, and line numbers that do not exist.
     refused(&format!(" {one}\n {two}"), ":1", "begins with a blank");
     refused(

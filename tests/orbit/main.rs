@@ -1,6 +1,14 @@
-//! Two-line elements: SGP4 against its published verification, real orbits against what is known of them, bad files.
+//! Feeds: SGP4 against its published verification, real orbits against what is known of them, every reader against good
+//! and bad files, interpolation against orbits that are known.
 
 mod bad_input;
+mod catalogue;
+mod czml;
+mod oem;
+mod oem_bad_input;
+mod omm;
+mod sampled;
+mod table;
 mod track;
 mod verification;
 

@@ -1,0 +1,189 @@
+//! Many satellites from one file.
+
+use super::file::read_text;
+use super::omm;
+use super::record::Faults;
+use super::tle_fields::catalogue_number;
+use super::tle_text::sets_and_faults;
+use super::{OrbitError, Sgp4Feed};
+use std::borrow::Cow;
+use std::path::Path;
+use std::sync::Arc;
+
+/// The satellites of a file of elements, in its order.
+#[derive(Debug)]
+pub struct Catalogue {
+    /// Those that can be flown.
+    pub feeds: Vec<Sgp4Feed>,
+    /// What is wrong with the others: the first thousand faults.
+    pub faults: Vec<OrbitError>,
+    /// How many faults there are beyond those.
+    pub faults_left_out: usize,
+}
+
+impl Catalogue {
+    /// Largest file read, bytes: all that is tracked, in the widest of the forms.
+    pub const LARGEST_FILE: u64 = 128 << 20;
+
+    /// Most satellites read from a file.
+    pub const MOST_SATELLITES: usize = 1_000_000;
+
+    /// Reads every set of a file of two-line elements (with name lines or without) or of an OMM (CCSDS 502.0: KVN, XML,
+    /// JSON, CSV). Which it is, the text itself says: XML begins with `<`, JSON with `[` or `{`, KVN with `CCSDS_OMM_VERS`,
+    /// and CSV's first line names `MEAN_MOTION` between commas.
+    ///
+    /// Sets that are spoilt, or that SGP4 cannot fly, are listed and the others used; `is_strict` refuses the file instead.
+    ///
+    /// # Errors
+    /// If no set is good, or, when strict, if one is not: says which line and column is wrong, how, and what to do.
+    pub fn from_file(path: &Path, is_strict: bool) -> Result<Self, OrbitError> {
+        Self::from_text(&read_text(path, Self::LARGEST_FILE)?, path, is_strict)
+    }
+
+    /// As [`Self::from_file`], from text that is already in memory; `origin` is named in errors.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn from_text(text: &str, origin: &Path, is_strict: bool) -> Result<Self, OrbitError> {
+        let mut faults = Faults::new(is_strict);
+        let mut feeds = Vec::new();
+        let path: Arc<Path> = Arc::from(origin);
+        if omm::is_omm(text) {
+            omm::each_elements(text, origin, &mut |result| {
+                let feed = result.and_then(|(elements, line)| {
+                    Sgp4Feed::from_elements(elements, Arc::clone(&path), line)
+                });
+                match feed {
+                    Ok(feed) => feeds.push(feed),
+                    Err(error) => faults.note(error)?,
+                }
+                Ok(())
+            })?;
+        } else {
+            for set in sets_and_faults(text, origin, &mut faults)? {
+                match Sgp4Feed::from_set(&set, &path) {
+                    Ok(feed) => feeds.push(feed),
+                    Err(error) => faults.note(error)?,
+                }
+            }
+        }
+        if feeds.is_empty() {
+            // The first fault says more than that there is nothing.
+            return Err(match faults.kept.is_empty() {
+                true => OrbitError::NoElements {
+                    path: origin.to_owned(),
+                },
+                false => faults.kept.swap_remove(0),
+            });
+        }
+        Ok(Self {
+            feeds,
+            faults: faults.kept,
+            faults_left_out: faults.left_out,
+        })
+    }
+
+    /// The satellite of that name, letter case aside, or catalogue number; `None` takes the only one there is.
+    ///
+    /// # Errors
+    /// If none or more than one answers: says which there are.
+    pub fn into_one(mut self, origin: &Path, name: Option<&str>) -> Result<Sgp4Feed, OrbitError> {
+        let candidates: Vec<_> = self
+            .feeds
+            .iter()
+            .map(|feed| Candidate {
+                label: feed.elements().name.as_str().into(),
+                catalogue: feed.catalogue_number().to_string().into(),
+                line: feed.line(),
+            })
+            .collect();
+        let chosen = choose(&candidates, origin, name)?;
+        Ok(self.feeds.swap_remove(chosen))
+    }
+}
+
+/// How many names an error lists.
+const NAMES_LISTED: usize = 5;
+
+/// One of several satellites to choose from.
+pub(super) struct Candidate<'c> {
+    pub label: Cow<'c, str>,
+    /// As the file writes it.
+    pub catalogue: Cow<'c, str>,
+    pub line: usize,
+}
+
+/// The place of the one that is meant, or an error that helps to say which.
+pub(super) fn choose(
+    sets: &[Candidate<'_>],
+    origin: &Path,
+    wanted: Option<&str>,
+) -> Result<usize, OrbitError> {
+    let matching: Vec<usize> = match wanted.map(str::trim) {
+        None => (0..sets.len()).collect(),
+        Some(wanted) => {
+            let folded = wanted.to_lowercase();
+            let number = catalogue_number(wanted);
+            let answers = |set: &Candidate<'_>| {
+                set.label.to_lowercase() == folded
+                    || set.catalogue.to_lowercase() == folded
+                    || number.is_some() && catalogue_number(&set.catalogue) == number
+            };
+            let all = sets.iter().enumerate();
+            all.filter(|(_, set)| answers(set))
+                .map(|(index, _)| index)
+                .collect()
+        }
+    };
+    match matching.as_slice() {
+        [only] => Ok(*only),
+        [] => {
+            let wanted = shortened(wanted.unwrap_or_default());
+            Err(OrbitError::UnknownName {
+                path: origin.to_owned(),
+                count: sets.len(),
+                nearest: nearest(sets, &wanted),
+                wanted,
+            })
+        }
+        several => {
+            let several: Vec<_> = several.iter().filter_map(|&i| sets.get(i)).collect();
+            let one_satellite = several.windows(2).all(|pair| {
+                pair.first().map(|s| &s.catalogue) == pair.last().map(|s| &s.catalogue)
+            });
+            Err(OrbitError::Ambiguous {
+                path: origin.to_owned(),
+                wanted: wanted.map(shortened),
+                count: several.len(),
+                names: several
+                    .iter()
+                    .take(NAMES_LISTED)
+                    .map(|set| format!("{} ({}, line {})", set.label, set.catalogue, set.line))
+                    .collect(),
+                remedy: match (one_satellite, wanted) {
+                    (true, _) => "keep only the set nearest to the date",
+                    (false, None) => "name the satellite or give its catalogue number",
+                    (false, Some(_)) => "give the catalogue number instead",
+                },
+            })
+        }
+    }
+}
+
+/// The name, or catalogue number, that is most like `wanted`.
+fn nearest(sets: &[Candidate<'_>], wanted: &str) -> String {
+    let folded = wanted.to_lowercase();
+    let likeness = |set: &Candidate<'_>| {
+        let name = strsim::jaro_winkler(&folded, &set.label.to_lowercase());
+        name.max(strsim::jaro_winkler(&folded, &set.catalogue))
+    };
+    sets.iter()
+        .map(|set| (likeness(set), &set.label))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or_else(String::new, |(_, name)| name.to_string())
+}
+
+/// A name from outside, short enough for a message and for comparing with every name of a large file.
+fn shortened(name: &str) -> String {
+    name.trim().chars().take(128).collect()
+}

@@ -1,0 +1,382 @@
+//! CZML: the sampled positions of its packets (github.com/AnalyticalGraphicsInc/czml-writer, CZML guide).
+
+use super::Frame;
+use super::record::{RecordError, RecordFault, number, printable, shortened};
+use super::sampled::{Interpolation, Sample, Sampled, SampledFeed, Segment};
+use super::text::json::{Document, Object};
+use crate::frames::{Duration, Epoch, TimeScale, epoch_from_ccsds, utc_from_rfc3339};
+use glam::DVec3;
+use serde_json::value::RawValue;
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Most packets of a document.
+const MOST_PACKETS: usize = 1_000_000;
+/// Most numbers of an object's samples.
+const MOST_NUMBERS: usize = 8_000_000;
+/// Most intervals of an object's availability or position.
+const MOST_INTERVALS: usize = 10_000;
+
+/// What is done with each object; its error ends the reading.
+type Each<'e> = dyn FnMut(Result<SampledFeed, RecordError>) -> Result<(), RecordError> + 'e;
+
+/// Calls `each` for every packet that has a sampled position.
+pub(super) fn each_object(
+    text: &str,
+    origin: &Path,
+    each: &mut Each<'_>,
+) -> Result<(), RecordError> {
+    let document = Document::new(text, origin);
+    // Identifiers and the lines they are in.
+    let mut seen: HashMap<String, usize> = HashMap::new();
+    let read =
+        document.each_object::<RecordError>(MOST_PACKETS, "packets", &mut |value| match packet(
+            &document, value, &mut seen,
+        ) {
+            Ok(Some(feed)) => each(Ok(feed)),
+            Ok(None) => Ok(()),
+            Err(error) => each(Err(error)),
+        });
+    // What ends a whole text is one more fault where others are good.
+    read.or_else(|error| each(Err(error)))
+}
+
+/// A packet's object, if it moves.
+fn packet<'t>(
+    document: &Document<'t>,
+    value: &'t RawValue,
+    seen: &mut HashMap<String, usize>,
+) -> Result<Option<SampledFeed>, RecordError> {
+    let packet = document.object(value, "a packet, which is an object")?;
+    let Some(position) = packet.get("position") else {
+        return Ok(None);
+    };
+    let text = |key| {
+        let entry = document.entry(key, packet.get(key)?)?;
+        Some(printable(&entry.value))
+    };
+    let id = text("id").unwrap_or_default();
+    let place = document.place(value);
+    let mut pieces = Vec::new();
+    if position.get().starts_with('[') {
+        let mut each = |value| {
+            pieces.extend(from_position(document, value)?);
+            Ok(())
+        };
+        document.each_member(position.get(), MOST_INTERVALS, "intervals", &mut each)?;
+    } else {
+        pieces.extend(from_position(document, position)?);
+    }
+    if pieces.is_empty() {
+        return Ok(None);
+    }
+    if let Some(first) = seen.insert(id.clone(), place.line) {
+        let key = format!("id {:?}", shortened(&id));
+        return Err(document.error(value, RecordFault::Repeated { key, first }));
+    }
+    let available = match packet.get("availability") {
+        Some(value) => intervals(document, value)?,
+        None => Vec::new(),
+    };
+    let segments = segments(pieces, &available).ok_or_else(|| {
+        let (what, limit) = ("intervals", MOST_INTERVALS);
+        document.error(position, RecordFault::TooMany { what, limit })
+    })?;
+    if segments.is_empty() {
+        let fault = RecordFault::Unexpected {
+            text: "an interval without samples".to_owned(),
+            expected: "samples within the interval or the availability",
+        };
+        return Err(document.error(position, fault));
+    }
+    let name = text("name").filter(|n| !n.is_empty()).unwrap_or(id);
+    match SampledFeed::new(name, None, segments) {
+        Ok(feed) => Ok(Some(feed.at_line(place.line))),
+        Err(error) => Err(document.error(position, RecordFault::Segments(error))),
+    }
+}
+
+/// Samples and the interval in which they hold, if one is said.
+type Piece = (Sampled, Option<(Epoch, Epoch)>);
+
+/// Each piece within each interval of availability, in order of time; `None` if they are too many.
+fn segments(pieces: Vec<Piece>, available: &[(Epoch, Epoch)]) -> Option<Vec<Segment>> {
+    let mut segments = Vec::new();
+    for (samples, interval) in pieces {
+        let (first, last) = samples.span();
+        let (from, to) = interval.unwrap_or((first, last));
+        let span = (from.max(first), to.min(last));
+        let samples = Arc::new(samples);
+        let always = [span];
+        let within = match available {
+            [] => always.as_slice(),
+            several => several,
+        };
+        for &(from, to) in within {
+            let usable = (span.0.max(from), span.1.min(to));
+            if usable.0 <= usable.1 {
+                if segments.len() >= MOST_INTERVALS {
+                    return None;
+                }
+                segments.push(Segment {
+                    samples: Arc::clone(&samples),
+                    usable,
+                    sigma_m: Vec::new(),
+                });
+            }
+        }
+    }
+    Some(segments)
+}
+
+/// The pieces of one position: none if it is a point that stands still or follows another.
+fn from_position<'t>(
+    document: &Document<'t>,
+    value: &'t RawValue,
+) -> Result<Vec<Piece>, RecordError> {
+    let object = document.object(value, "an object or an array of them")?;
+    for key in ["cartographicDegrees", "cartographicRadians"] {
+        if let Some(value) = object.get(key).filter(|v| commas(v) > 2) {
+            let remedy = "only cartesian samples are read; write cartesian";
+            return Err(unsupported(document, key, value, remedy));
+        }
+    }
+    let (numbers, with_velocity) = match (object.get("cartesianVelocity"), object.get("cartesian"))
+    {
+        (Some(numbers), _) => (numbers, true),
+        (None, Some(numbers)) if commas(numbers) > 2 => (numbers, false),
+        _ => return Ok(Vec::new()),
+    };
+    let epoch = match object.get("epoch") {
+        Some(value) => Some(date(document, "epoch", value)?),
+        None => None,
+    };
+    let frame = frame(document, &object)?;
+    let interpolation = interpolation(document, &object, with_velocity)?;
+    let interval = match object.get("interval") {
+        Some(value) => Some(interval(document, value)?),
+        None => None,
+    };
+    let runs = samples(document, numbers, epoch, with_velocity)?;
+    let pieces = runs.iter().map(|samples| {
+        let sampled = Sampled::new(frame, samples, interpolation);
+        let sampled = sampled.map_err(|e| document.error(numbers, RecordFault::Samples(e)))?;
+        Ok((sampled, interval))
+    });
+    pieces.collect()
+}
+
+/// Commas in a value's text: more than two are more than one point.
+fn commas(value: &RawValue) -> usize {
+    value.get().bytes().filter(|&b| b == b',').count()
+}
+
+/// `[t, x, y, z, …]` or `[t, x, y, z, vx, vy, vz, …]`, t in seconds since `epoch` or as a date.
+///
+/// A time that comes twice begins a new run: so writers say that the motion jumps there, from one element set to the next
+/// or by a burn, and a polynomial through both sides would swing.
+fn samples<'t>(
+    document: &Document<'t>,
+    array: &'t RawValue,
+    epoch: Option<Epoch>,
+    with_velocity: bool,
+) -> Result<Vec<Vec<Sample>>, RecordError> {
+    let width = if with_velocity { 7 } else { 4 };
+    let mut runs: Vec<Vec<Sample>> = vec![Vec::new()];
+    let mut row = [0.0; 6];
+    let mut at: Option<Epoch> = None;
+    let mut count = 0;
+    let mut each = |value: &'t RawValue| {
+        let column = count % width;
+        count += 1;
+        if column == 0 {
+            at = Some(time(document, value, epoch)?);
+            return Ok(());
+        }
+        let number = number(value.get())
+            .ok_or_else(|| document.wrong("a coordinate", value, "a number of metres"))?;
+        if let Some(slot) = row.get_mut(column - 1) {
+            *slot = number;
+        }
+        let Some(epoch) = at.filter(|_| column + 1 == width) else {
+            return Ok(());
+        };
+        let [x, y, z, vx, vy, vz] = row;
+        let sample = Sample {
+            epoch,
+            position_m: DVec3::new(x, y, z),
+            velocity_m_s: with_velocity.then_some(DVec3::new(vx, vy, vz)),
+        };
+        let count = runs.len();
+        match runs.last_mut() {
+            Some(run) if run.last().is_none_or(|before| before.epoch != epoch) => run.push(sample),
+            _ if count >= MOST_INTERVALS => {
+                let (what, limit) = ("jumps", MOST_INTERVALS);
+                return Err(document.error(value, RecordFault::TooMany { what, limit }));
+            }
+            _ => runs.push(vec![sample]),
+        }
+        Ok(())
+    };
+    document.each_member(array.get(), MOST_NUMBERS, "numbers", &mut each)?;
+    match count % width {
+        0 => Ok(runs),
+        _ => {
+            let expected = match with_velocity {
+                true => "groups of seven: time, position and velocity",
+                false => "groups of four: time and position",
+            };
+            let text = format!("{count} numbers");
+            Err(document.error(array, RecordFault::Unexpected { text, expected }))
+        }
+    }
+}
+
+/// A sample's time: seconds since the epoch, or a date.
+fn time<'t>(
+    document: &Document<'t>,
+    value: &'t RawValue,
+    epoch: Option<Epoch>,
+) -> Result<Epoch, RecordError> {
+    if value.get().starts_with('"') {
+        return date(document, "a sample's time", value);
+    }
+    let expected = "seconds since the epoch, which the position must have, or a date";
+    // Two centuries are more than an ephemeris can hold, and fit nanoseconds.
+    match (number(value.get()).filter(|s| s.abs() < 6.4e9), epoch) {
+        (Some(seconds), Some(epoch)) => {
+            let ns = (seconds * 1e9).round() as i128;
+            Ok(epoch + Duration::from_total_nanoseconds(ns))
+        }
+        _ => Err(document.wrong("a sample's time", value, expected)),
+    }
+}
+
+fn date<'t>(document: &Document<'t>, key: &str, value: &'t RawValue) -> Result<Epoch, RecordError> {
+    let entry = document.entry(key, value);
+    let text = entry.map(|e| e.value.into_owned()).unwrap_or_default();
+    read_date(text.trim()).map_err(|cause| {
+        let key = key.to_owned();
+        document.error(value, RecordFault::Time { key, cause })
+    })
+}
+
+/// CZML's dates are ISO 8601 with a zone; some writers leave it out and mean UTC.
+fn read_date(text: &str) -> Result<Epoch, crate::frames::TimeError> {
+    match text.ends_with('Z') || text.contains('+') {
+        true => utc_from_rfc3339(text),
+        false => epoch_from_ccsds(text, TimeScale::Utc),
+    }
+}
+
+/// `begin/end`.
+fn interval<'t>(
+    document: &Document<'t>,
+    value: &'t RawValue,
+) -> Result<(Epoch, Epoch), RecordError> {
+    let entry = document.entry("interval", value);
+    let text = entry.map(|e| e.value.into_owned()).unwrap_or_default();
+    let wrong = || {
+        document.wrong(
+            "the interval",
+            value,
+            "two dates with a slash between them, the earlier first",
+        )
+    };
+    let (begin, end) = text.split_once('/').ok_or_else(wrong)?;
+    let read = |text: &str| {
+        read_date(text.trim()).map_err(|cause| {
+            let key = "the interval".to_owned();
+            document.error(value, RecordFault::Time { key, cause })
+        })
+    };
+    let (begin, end) = (read(begin)?, read(end)?);
+    match begin <= end {
+        true => Ok((begin, end)),
+        false => Err(wrong()),
+    }
+}
+
+/// One interval or an array of them.
+fn intervals<'t>(
+    document: &Document<'t>,
+    value: &'t RawValue,
+) -> Result<Vec<(Epoch, Epoch)>, RecordError> {
+    if !value.get().starts_with('[') {
+        return Ok(vec![interval(document, value)?]);
+    }
+    let mut intervals = Vec::new();
+    let mut each = |value| {
+        intervals.push(interval(document, value)?);
+        Ok(())
+    };
+    document.each_member(value.get(), MOST_INTERVALS, "intervals", &mut each)?;
+    Ok(intervals)
+}
+
+fn frame<'t>(document: &Document<'t>, object: &Object<'t>) -> Result<Frame, RecordError> {
+    let key = "referenceFrame";
+    let Some(value) = object.get(key) else {
+        return Ok(Frame::Itrf);
+    };
+    match document.entry(key, value).map(|e| e.value).as_deref() {
+        Some("INERTIAL") => Ok(Frame::Gcrf),
+        Some("FIXED") => Ok(Frame::Itrf),
+        _ => Err(unsupported(
+            document,
+            key,
+            value,
+            "known frames are INERTIAL and FIXED",
+        )),
+    }
+}
+
+fn interpolation<'t>(
+    document: &Document<'t>,
+    object: &Object<'t>,
+    with_velocity: bool,
+) -> Result<Interpolation, RecordError> {
+    let key = "interpolationDegree";
+    let degree = match object.get(key) {
+        Some(value) => value
+            .get()
+            .parse::<usize>()
+            .ok()
+            .filter(|n| (1..=Interpolation::HIGHEST_DEGREE).contains(n))
+            .ok_or_else(|| document.wrong(key, value, "a whole number from 1 to 31"))?,
+        None => 1,
+    };
+    let key = "interpolationAlgorithm";
+    let Some(value) = object.get(key) else {
+        return Ok(Interpolation::Linear);
+    };
+    let name = document.entry(key, value).map(|e| e.value);
+    match Interpolation::from_name(name.as_deref().unwrap_or_default(), degree) {
+        // Without velocities Hermite's polynomial is Lagrange's.
+        Some(Interpolation::Hermite { degree }) if !with_velocity => {
+            Ok(Interpolation::Lagrange { degree })
+        }
+        Some(interpolation) => Ok(interpolation),
+        None => Err(unsupported(
+            document,
+            key,
+            value,
+            "known algorithms are LINEAR, LAGRANGE and HERMITE",
+        )),
+    }
+}
+
+fn unsupported(
+    document: &Document<'_>,
+    key: &str,
+    value: &RawValue,
+    remedy: &'static str,
+) -> RecordError {
+    let fault = RecordFault::Unsupported {
+        key: key.to_owned(),
+        text: shortened(value.get()),
+        remedy,
+    };
+    document.error(value, fault)
+}

@@ -1,0 +1,105 @@
+//! Ephemerides from files: OEM, CZML and CSV.
+
+use super::catalogue::{Candidate, choose};
+use super::file::read_text;
+use super::record::{Faults, RecordError};
+use super::sampled::SampledFeed;
+use super::text::unmarked;
+use super::{Feed, OrbitError, czml, oem, table};
+use std::path::Path;
+
+/// The objects of a file of sampled states, in its order.
+#[derive(Debug)]
+pub struct Ephemerides {
+    /// Those that can be flown.
+    pub feeds: Vec<SampledFeed>,
+    /// What is wrong with the others: the first thousand faults.
+    pub faults: Vec<OrbitError>,
+    /// How many faults there are beyond those.
+    pub faults_left_out: usize,
+}
+
+impl Ephemerides {
+    /// Largest file read, bytes.
+    pub const LARGEST_FILE: u64 = 128 << 20;
+
+    /// Reads a file of states. Which kind it is, the text itself says:
+    ///
+    /// - an OEM of CCSDS 502.0 begins with `CCSDS_OEM_VERS` (KVN) or `<` (XML). States in ICRF, GCRF, EME2000, TEME or
+    ///   ITRF…, times in UTC, TAI, TT or GPS; others are refused. Where it names no interpolation,
+    ///   [`Interpolation::WITH_VELOCITIES`](super::sampled::Interpolation::WITH_VELOCITIES) is taken.
+    /// - CZML begins with `[`. Every packet with a sampled `position` is an object; `INERTIAL` is taken as GCRF, `FIXED` as
+    ///   ITRF. Points that stand still are passed over.
+    /// - CSV has a header that names `epoch_utc,x_km,y_km,z_km`, and if it likes `vx_km_s,vy_km_s,vz_km_s`, in any order,
+    ///   others being passed over (`epoch_tai`, `…_tt`, `…_gps`; `x_m` with `vx_m_s`). A comment before it says what the
+    ///   numbers do not: `# frame = TEME, name = ISS, interpolation = HERMITE, degree = 7`; the frame must be said.
+    ///
+    /// Objects that are spoilt are listed and the others used; `is_strict` refuses the file instead.
+    ///
+    /// # Errors
+    /// If no object is good, or, when strict, if one is not: says which line and column is wrong, how, and what to do.
+    pub fn from_file(path: &Path, is_strict: bool) -> Result<Self, OrbitError> {
+        Self::from_text(&read_text(path, Self::LARGEST_FILE)?, path, is_strict)
+    }
+
+    /// As [`Self::from_file`], from text that is already in memory; `origin` is named in errors.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn from_text(text: &str, origin: &Path, is_strict: bool) -> Result<Self, OrbitError> {
+        let text = unmarked(text);
+        let mut faults = Faults::<RecordError>::new(is_strict);
+        let mut feeds = Vec::new();
+        let mut each = |result| match result {
+            Ok(feed) => {
+                feeds.push(feed);
+                Ok(())
+            }
+            Err(error) => faults.note(error),
+        };
+        if oem::is_oem(text) {
+            oem::each_object(text, origin, &mut each)?;
+        } else if text.trim_start().starts_with(['[', '{']) {
+            czml::each_object(text, origin, &mut each)?;
+        } else if table::is_table(text) {
+            each(table::read(text, origin))?;
+        }
+        let mut kept: Vec<_> = faults.kept.into_iter().map(OrbitError::from).collect();
+        if feeds.is_empty() {
+            // The first fault says more than that there is nothing.
+            return Err(match kept.is_empty() {
+                true => OrbitError::NoEphemeris {
+                    path: origin.to_owned(),
+                },
+                false => kept.swap_remove(0),
+            });
+        }
+        Ok(Self {
+            feeds,
+            faults: kept,
+            faults_left_out: faults.left_out,
+        })
+    }
+
+    /// The object of that name, letter case aside, or international designator; `None` takes the only one there is.
+    ///
+    /// # Errors
+    /// If none or more than one answers: says which there are.
+    pub fn into_one(
+        mut self,
+        origin: &Path,
+        name: Option<&str>,
+    ) -> Result<SampledFeed, OrbitError> {
+        let candidates: Vec<_> = self
+            .feeds
+            .iter()
+            .map(|feed| Candidate {
+                label: feed.name().into(),
+                catalogue: feed.object_id().unwrap_or("no designator").into(),
+                line: feed.line(),
+            })
+            .collect();
+        let chosen = choose(&candidates, origin, name)?;
+        Ok(self.feeds.swap_remove(chosen))
+    }
+}

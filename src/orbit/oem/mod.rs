@@ -1,0 +1,43 @@
+//! Orbit ephemeris messages (OEM, CCSDS 502.0-B): KVN and XML.
+
+mod draft;
+mod kvn;
+mod write;
+mod xml;
+
+use super::record::RecordError;
+use super::sampled::SampledFeed;
+use super::text;
+use std::path::Path;
+
+pub use write::write_oem;
+
+/// What is done with each object; its error ends the reading.
+pub(super) type Each<'e> =
+    dyn FnMut(Result<SampledFeed, RecordError>) -> Result<(), RecordError> + 'e;
+
+/// The key that begins a message in KVN.
+const VERSION: &str = "CCSDS_OEM_VERS";
+
+/// Whether a text is an OEM.
+pub(super) fn is_oem(text: &str) -> bool {
+    let text = text::unmarked(text).trim_start();
+    text.starts_with('<')
+        || match text::kvn::lines(text).next() {
+            Some(text::kvn::Line::Entry(entry)) => entry.key == VERSION,
+            _ => false,
+        }
+}
+
+/// Calls `each` for the object of every message in a text.
+pub(super) fn each_object(
+    text: &str,
+    origin: &Path,
+    each: &mut Each<'_>,
+) -> Result<(), RecordError> {
+    let text = text::unmarked(text);
+    match text.trim_start().starts_with('<') {
+        true => xml::read(text, origin, each),
+        false => kvn::read(text, origin, each),
+    }
+}

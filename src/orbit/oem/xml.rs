@@ -1,0 +1,125 @@
+//! OEM in XML.
+
+use super::super::record::{Fields, Keys, Place, RecordError, scaled_number};
+use super::super::text::xml::{Item, walk};
+use super::Each;
+use super::draft::{Draft, metadata};
+use glam::DVec3;
+use std::path::Path;
+
+const STATE_KEYS: &Keys = &[
+    ("EPOCH", ""),
+    ("X", "km"),
+    ("Y", "km"),
+    ("Z", "km"),
+    ("X_DOT", "km/s"),
+    ("Y_DOT", "km/s"),
+    ("Z_DOT", "km/s"),
+];
+
+const COVARIANCE_KEYS: &Keys = &[
+    ("EPOCH", ""),
+    ("CX_X", "km**2"),
+    ("CY_Y", "km**2"),
+    ("CZ_Z", "km**2"),
+];
+
+/// Calls `each` for every message.
+pub fn read(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), RecordError> {
+    let mut message: Option<Message<'_>> = None;
+    let read = walk::<RecordError>(text, origin, &mut |item| {
+        match &item {
+            Item::Open("oem", line) => {
+                let place = Place {
+                    line: *line,
+                    column: 1,
+                };
+                message = Some(Message {
+                    origin,
+                    draft: Draft::new(origin, place),
+                    block: None,
+                });
+                return Ok(());
+            }
+            Item::Close("oem") => {
+                return match message.take() {
+                    Some(message) => each(message.draft.finish()),
+                    None => Ok(()),
+                };
+            }
+            _ => {}
+        }
+        // Behind a fault the rest of its message is passed over.
+        if let Some(Err(error)) = message.as_mut().map(|m| m.item(item)) {
+            message = None;
+            each(Err(error))?;
+        }
+        Ok(())
+    });
+    // What ends a whole text is one more fault where others are good.
+    read.or_else(|error| each(Err(error)))
+}
+
+struct Message<'o> {
+    origin: &'o Path,
+    draft: Draft<'o>,
+    /// The innermost element that holds values, by name.
+    block: Option<(&'static str, Fields)>,
+}
+
+impl Message<'_> {
+    fn item(&mut self, item: Item<'_>) -> Result<(), RecordError> {
+        match item {
+            Item::Open(name, line) => {
+                let place = Place { line, column: 1 };
+                self.block = match name {
+                    "metadata" => Some(("metadata", metadata(place))),
+                    "stateVector" => {
+                        Some(("stateVector", Fields::new("the state", place, STATE_KEYS)))
+                    }
+                    "covarianceMatrix" => Some((
+                        "covarianceMatrix",
+                        Fields::new("the covariance", place, COVARIANCE_KEYS),
+                    )),
+                    _ => None,
+                };
+                Ok(())
+            }
+            Item::Value(entry) => match &mut self.block {
+                Some((_, fields)) => fields.add(entry, self.origin),
+                None => Ok(()),
+            },
+            Item::Close(name) => match self.block.take().filter(|(block, _)| *block == name) {
+                Some(("metadata", fields)) => self.draft.begin(&fields),
+                Some(("stateVector", fields)) => self.state(&fields),
+                Some((_, fields)) => self.covariance(&fields),
+                None => Ok(()),
+            },
+        }
+    }
+
+    fn state(&mut self, fields: &Fields) -> Result<(), RecordError> {
+        let origin = self.origin;
+        let scale = self.draft.scale(fields.place())?;
+        let epoch = fields.must("EPOCH", "", origin)?.epoch(origin, scale)?;
+        let number = |key| {
+            let entry = fields.must(key, "", origin)?;
+            scaled_number(&entry.value, 3).ok_or_else(|| entry.wrong(origin, "a number"))
+        };
+        let position = DVec3::new(number("X")?, number("Y")?, number("Z")?);
+        let velocity = DVec3::new(number("X_DOT")?, number("Y_DOT")?, number("Z_DOT")?);
+        self.draft.state(fields.place(), epoch, position, velocity)
+    }
+
+    fn covariance(&mut self, fields: &Fields) -> Result<(), RecordError> {
+        let origin = self.origin;
+        let scale = self.draft.scale(fields.place())?;
+        let epoch = fields.must("EPOCH", "", origin)?.epoch(origin, scale)?;
+        let number = |key| {
+            let entry = fields.must(key, "", origin)?;
+            entry.number(origin, -1e300..=1e300, "a number")
+        };
+        let variances = [number("CX_X")?, number("CY_Y")?, number("CZ_Z")?];
+        self.draft.covariance(fields.place(), epoch, variances)
+    }
+}

@@ -1,0 +1,228 @@
+//! Orbit mean-elements messages (OMM, CCSDS 502.0-B-2 and -3): KVN, XML, and the JSON and CSV that catalogues publish.
+
+mod fields;
+mod write;
+
+use super::record::{Entry, Place, RecordError, RecordFault, shortened};
+use super::text::json::Document;
+use super::text::xml::Item;
+use super::text::{csv, kvn, unmarked, xml};
+use super::{Catalogue, MeanElements, OrbitError};
+use fields::{Record, Source};
+use std::borrow::Cow;
+use std::path::Path;
+
+pub use write::write_omm;
+
+/// What is done with the elements of each satellite, and the line where they begin; its error ends the reading.
+type Each<'e> = dyn FnMut(Result<(MeanElements, usize), OrbitError>) -> Result<(), OrbitError> + 'e;
+
+enum Form {
+    Kvn,
+    Xml,
+    Json,
+    Csv,
+}
+
+fn form(text: &str) -> Option<Form> {
+    let text = unmarked(text).trim_start();
+    match text.as_bytes().first()? {
+        b'<' => Some(Form::Xml),
+        b'[' | b'{' => Some(Form::Json),
+        _ => match kvn::lines(text).next()? {
+            kvn::Line::Entry(entry) => (entry.key == VERSION).then_some(Form::Kvn),
+            kvn::Line::Words { text, .. } => {
+                (text.contains(',') && text.contains("MEAN_MOTION")).then_some(Form::Csv)
+            }
+        },
+    }
+}
+
+/// The key that begins a message in KVN.
+const VERSION: &str = "CCSDS_OMM_VERS";
+
+/// Whether a text is an OMM rather than two-line elements.
+pub(super) fn is_omm(text: &str) -> bool {
+    form(text).is_some()
+}
+
+/// Calls `each` for every satellite of a message in any form.
+pub(super) fn each_elements(
+    text: &str,
+    origin: &Path,
+    each: &mut Each<'_>,
+) -> Result<(), OrbitError> {
+    let text = unmarked(text);
+    let read = match form(text) {
+        Some(Form::Xml) => from_xml(text, origin, each),
+        Some(Form::Json) => from_json(text, origin, each),
+        Some(Form::Csv) => from_csv(text, origin, each),
+        Some(Form::Kvn) | None => from_kvn(text, origin, each),
+    };
+    // What ends a whole text is one more fault where the others are good.
+    read.or_else(|error| each(Err(error)))
+}
+
+fn from_kvn(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitError> {
+    let mut record: Option<Record> = None;
+    let mut count = 0;
+    let mut finish = |record: Option<Record>, each: &mut Each<'_>| match record {
+        Some(record) => {
+            count += 1;
+            check_count(count, record.place(), origin)?;
+            let line = record.place().line;
+            let elements = record.elements(origin, Source::Message);
+            each(elements.map(|e| (e, line)).map_err(OrbitError::from))
+        }
+        None => Ok(()),
+    };
+    for line in kvn::lines(text) {
+        match line {
+            kvn::Line::Entry(entry) if entry.key == VERSION => {
+                finish(record.take(), each)?;
+                match check_version(&entry, origin) {
+                    Ok(()) => record = Some(Record::new("the message", entry.place)),
+                    Err(error) => each(Err(error.into()))?,
+                }
+            }
+            kvn::Line::Entry(entry) => {
+                // Behind a fault the rest of its record is passed over.
+                if let Some(Err(error)) = record.as_mut().map(|r| r.add(entry, origin)) {
+                    record = None;
+                    each(Err(error.into()))?;
+                }
+            }
+            kvn::Line::Words { text, place } => {
+                if record.take().is_some() {
+                    let fault = RecordFault::Unexpected {
+                        text: shortened(text),
+                        expected: "KEY = value",
+                    };
+                    each(Err(place.error(origin, fault).into()))?;
+                }
+            }
+        }
+    }
+    finish(record, each)
+}
+
+fn check_version(entry: &Entry<'_>, origin: &Path) -> Result<(), RecordError> {
+    match entry.value.split('.').next() {
+        Some("1" | "2" | "3") => Ok(()),
+        _ => Err(entry.unsupported(origin, "versions 1 to 3 are read")),
+    }
+}
+
+fn check_count(count: usize, place: Place, origin: &Path) -> Result<(), RecordError> {
+    let limit = Catalogue::MOST_SATELLITES;
+    match count > limit {
+        true => {
+            let what = "satellites";
+            Err(place.error(origin, RecordFault::TooMany { what, limit }))
+        }
+        false => Ok(()),
+    }
+}
+
+fn from_xml(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitError> {
+    let mut record: Option<Record> = None;
+    // A fault has been reported: the rest of the record is passed over.
+    let mut count = 0;
+    xml::walk::<OrbitError>(text, origin, &mut |item| {
+        match item {
+            Item::Open("omm", line) => {
+                count += 1;
+                let place = Place { line, column: 1 };
+                check_count(count, place, origin)?;
+                record = Some(Record::new("the message", place));
+            }
+            Item::Close("omm") => {
+                if let Some(record) = record.take() {
+                    let line = record.place().line;
+                    let elements = record.elements(origin, Source::Message);
+                    each(elements.map(|e| (e, line)).map_err(OrbitError::from))?;
+                }
+            }
+            Item::Value(entry) => {
+                if let Some(Err(error)) = record.as_mut().map(|r| r.add(entry, origin)) {
+                    record = None;
+                    each(Err(error.into()))?;
+                }
+            }
+            Item::Open(..) | Item::Close(_) => {}
+        }
+        Ok(())
+    })
+}
+
+fn from_json(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitError> {
+    let document = Document::new(text, origin);
+    let read = |value| {
+        let object = document.object(value, "an object with the elements of a satellite")?;
+        let mut record = Record::new("the object", document.place(value));
+        for (key, value) in &object.0 {
+            if let Some(entry) = document.entry(key, value) {
+                record.add(entry, origin)?;
+            }
+        }
+        let line = record.place().line;
+        Ok((record.elements(origin, Source::Catalogue)?, line))
+    };
+    document.each_object::<OrbitError>(Catalogue::MOST_SATELLITES, "satellites", &mut |value| {
+        each(read(value).map_err(|error: RecordError| error.into()))
+    })
+}
+
+fn from_csv(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitError> {
+    let mut rows = text
+        .lines()
+        .enumerate()
+        .map(|(index, line)| (index + 1, line.trim_end()))
+        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+    let fields = |line: usize, text: &str| {
+        csv::fields(text).ok_or_else(|| {
+            let fault = RecordFault::Syntax {
+                format: "CSV",
+                cause: "a quotation mark without its partner".to_owned(),
+            };
+            Place { line, column: 1 }.error(origin, fault)
+        })
+    };
+    let Some((at, header)) = rows.next() else {
+        return Ok(());
+    };
+    let header = fields(at, header)?;
+    for (count, (line, text)) in rows.enumerate() {
+        let place = Place { line, column: 1 };
+        check_count(count + 1, place, origin)?;
+        let read = || {
+            let row = fields(line, text)?;
+            if row.len() != header.len() {
+                let fault = RecordFault::Unexpected {
+                    text: format!("{} fields", row.len()),
+                    expected: "as many as the header has",
+                };
+                return Err(place.error(origin, fault));
+            }
+            let mut record = Record::new("the row", place);
+            for (name, field) in header.iter().zip(row) {
+                if field.text.is_empty() {
+                    continue;
+                }
+                let entry = Entry {
+                    key: Cow::Borrowed(&name.text),
+                    value: Cow::Owned(field.text),
+                    unit: None,
+                    place: Place {
+                        line,
+                        column: field.column,
+                    },
+                };
+                record.add(entry, origin)?;
+            }
+            record.elements(origin, Source::Catalogue)
+        };
+        each(read().map(|e| (e, line)).map_err(OrbitError::from))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,345 @@
+//! What can be wrong with a message of the CCSDS, a CZML document or a table, and the fields they have in common.
+
+use super::sampled::{SampledError, SegmentsError};
+use crate::frames::{Epoch, TimeError, TimeScale, epoch_from_ccsds};
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+/// A record of a file is wrong: where, how, and what to do.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}:{line}:{column}: {fault}", path.display())]
+pub struct RecordError {
+    /// The file.
+    pub path: PathBuf,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column, in bytes, from 1.
+    pub column: usize,
+    /// What is wrong.
+    pub fault: Box<RecordFault>,
+}
+
+/// What can be wrong with a record.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordFault {
+    /// The text has not the form of its format.
+    #[error("not {format}: {cause}")]
+    Syntax {
+        /// XML, JSON, …
+        format: &'static str,
+        /// The parser's reason.
+        cause: String,
+    },
+    /// Something else belongs here.
+    #[error("{text:?} cannot stand here; expected {expected}")]
+    Unexpected {
+        /// What stands here.
+        text: String,
+        /// What should.
+        expected: &'static str,
+    },
+    /// A value is not what it should be.
+    #[error("{key} is {text:?}; expected {expected}")]
+    Field {
+        /// Its name.
+        key: String,
+        /// What stands there.
+        text: String,
+        /// What should.
+        expected: &'static str,
+    },
+    /// A date is none.
+    #[error("{key}: {cause}")]
+    Time {
+        /// Its name.
+        key: String,
+        /// What is wrong with it.
+        cause: TimeError,
+    },
+    /// A value is right and cannot be used.
+    #[error("{key} = {text:?} cannot be used: {remedy}")]
+    Unsupported {
+        /// Its name.
+        key: String,
+        /// What stands there.
+        text: String,
+        /// Why, and what to do.
+        remedy: &'static str,
+    },
+    /// A unit other than the one that the format prescribes.
+    #[error("{key} is in {unit:?}; the format has it in {expected}")]
+    Unit {
+        /// Its name.
+        key: String,
+        /// The unit in the file.
+        unit: String,
+        /// The right one.
+        expected: &'static str,
+    },
+    /// Something that must be there is not.
+    #[error("{what} without {key}{remedy}")]
+    Missing {
+        /// What lacks it.
+        what: &'static str,
+        /// What is missing.
+        key: &'static str,
+        /// What to do, after a semicolon, or nothing.
+        remedy: &'static str,
+    },
+    /// Something comes twice that may come once.
+    #[error("{key} a second time; the first is in line {first}")]
+    Repeated {
+        /// Its name.
+        key: String,
+        /// Line of the first, from 1.
+        first: usize,
+    },
+    /// The states are no ephemeris.
+    #[error(transparent)]
+    Samples(SampledError),
+    /// The segments are no ephemeris.
+    #[error(transparent)]
+    Segments(SegmentsError),
+    /// More than anyone needs.
+    #[error("more than {limit} {what}; cut out what you need")]
+    TooMany {
+        /// Of what.
+        what: &'static str,
+        /// The limit.
+        limit: usize,
+    },
+}
+
+/// A name and its value, as all formats have them.
+#[derive(Clone, Debug)]
+pub(super) struct Entry<'t> {
+    pub key: Cow<'t, str>,
+    pub value: Cow<'t, str>,
+    /// Without brackets.
+    pub unit: Option<Cow<'t, str>>,
+    /// Where the value begins.
+    pub place: Place,
+}
+
+/// Line and column (in bytes), both from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Place {
+    pub line: usize,
+    pub column: usize,
+}
+
+impl Place {
+    pub fn error(self, origin: &Path, fault: RecordFault) -> RecordError {
+        RecordError {
+            path: origin.to_owned(),
+            line: self.line,
+            column: self.column,
+            fault: Box::new(fault),
+        }
+    }
+}
+
+impl Entry<'_> {
+    /// The error that the value is not `expected`.
+    pub fn wrong(&self, origin: &Path, expected: &'static str) -> RecordError {
+        let fault = RecordFault::Field {
+            key: shortened(&self.key),
+            text: shortened(&self.value),
+            expected,
+        };
+        self.place.error(origin, fault)
+    }
+
+    /// The error that the value cannot be used.
+    pub fn unsupported(&self, origin: &Path, remedy: &'static str) -> RecordError {
+        let fault = RecordFault::Unsupported {
+            key: shortened(&self.key),
+            text: shortened(&self.value),
+            remedy,
+        };
+        self.place.error(origin, fault)
+    }
+
+    /// Refuses a unit other than `expected`; none is fine.
+    pub fn check_unit(&self, origin: &Path, expected: &'static str) -> Result<(), RecordError> {
+        match &self.unit {
+            Some(unit) if !unit.trim().eq_ignore_ascii_case(expected) => {
+                let fault = RecordFault::Unit {
+                    key: shortened(&self.key),
+                    unit: shortened(unit),
+                    expected,
+                };
+                Err(self.place.error(origin, fault))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// A date as the CCSDS writes it.
+    pub fn epoch(&self, origin: &Path, scale: TimeScale) -> Result<Epoch, RecordError> {
+        epoch_from_ccsds(self.value.trim(), scale).map_err(|cause| {
+            let key = shortened(&self.key);
+            self.place.error(origin, RecordFault::Time { key, cause })
+        })
+    }
+
+    /// A number within limits.
+    pub fn number(
+        &self,
+        origin: &Path,
+        range: std::ops::RangeInclusive<f64>,
+        expected: &'static str,
+    ) -> Result<f64, RecordError> {
+        number(&self.value)
+            .filter(|value| range.contains(value))
+            .ok_or_else(|| self.wrong(origin, expected))
+    }
+}
+
+/// Keys that are looked at, and the units they may say they are in (empty: not checked).
+pub(super) type Keys = [(&'static str, &'static str)];
+
+/// The values of one record; entries of other keys are passed over.
+pub(super) struct Fields {
+    /// What it is, for errors: "the message".
+    what: &'static str,
+    place: Place,
+    keys: &'static Keys,
+    values: Vec<Option<Entry<'static>>>,
+}
+
+impl Fields {
+    /// Empty; `place` is where the record begins.
+    pub fn new(what: &'static str, place: Place, keys: &'static Keys) -> Self {
+        Self {
+            what,
+            place,
+            keys,
+            values: vec![None; keys.len()],
+        }
+    }
+
+    /// Where it begins.
+    pub fn place(&self) -> Place {
+        self.place
+    }
+
+    /// Adds an entry if its key is looked at.
+    pub fn add(&mut self, entry: Entry<'_>, origin: &Path) -> Result<(), RecordError> {
+        let mut known = self.keys.iter().zip(&mut self.values);
+        let Some(((_, unit), slot)) = known.find(|((key, _), _)| *key == entry.key) else {
+            return Ok(());
+        };
+        if !unit.is_empty() {
+            entry.check_unit(origin, unit)?;
+        }
+        if let Some(first) = slot {
+            let fault = RecordFault::Repeated {
+                key: entry.key.into_owned(),
+                first: first.place.line,
+            };
+            return Err(entry.place.error(origin, fault));
+        }
+        *slot = Some(Entry {
+            key: Cow::Owned(entry.key.into_owned()),
+            value: Cow::Owned(entry.value.trim().to_owned()),
+            unit: None,
+            place: entry.place,
+        });
+        Ok(())
+    }
+
+    /// The entry of that key.
+    pub fn get(&self, key: &str) -> Option<&Entry<'static>> {
+        let at = self.keys.iter().position(|(name, _)| *name == key)?;
+        self.values.get(at)?.as_ref()
+    }
+
+    /// The entry of that key, or the error that there is none; `remedy` follows a semicolon.
+    pub fn must(
+        &self,
+        key: &'static str,
+        remedy: &'static str,
+        origin: &Path,
+    ) -> Result<&Entry<'static>, RecordError> {
+        self.get(key).ok_or_else(|| {
+            let fault = RecordFault::Missing {
+                what: self.what,
+                key,
+                remedy,
+            };
+            self.place.error(origin, fault)
+        })
+    }
+}
+
+/// A decimal number, with an exponent or without; no "nan", no "inf", no blanks within.
+pub(super) fn number(text: &str) -> Option<f64> {
+    let is_plain = |c: u8| matches!(c, b'0'..=b'9' | b'.' | b'+' | b'-' | b'e' | b'E');
+    let text = text.trim();
+    (text.len() <= 80 && text.bytes().all(is_plain))
+        .then(|| text.parse::<f64>().ok())
+        .flatten()
+        .filter(|value| value.is_finite())
+}
+
+/// As [`number`], times a power of ten: the double nearest to that decimal number, so that kilometres become metres
+/// without another rounding.
+pub(super) fn scaled_number(text: &str, power: i32) -> Option<f64> {
+    number(text)?;
+    let text = text.trim();
+    let (mantissa, exponent) = match text.split_once(['e', 'E']) {
+        Some((mantissa, exponent)) => (mantissa, exponent.parse::<i32>().ok()?),
+        None => (text, 0),
+    };
+    let exponent = exponent.checked_add(power)?;
+    number(&format!("{mantissa}e{exponent}"))
+}
+
+/// Text from outside, short enough for a message.
+pub(super) fn shortened(text: &str) -> String {
+    const LONGEST: usize = 64;
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", text.get(..end).unwrap_or_default()),
+        None => text.to_owned(),
+    }
+}
+
+/// Faults of records that were passed over, so many that a reader can see what is wrong with a file.
+#[derive(Debug, Default)]
+pub(super) struct Faults<E> {
+    pub is_strict: bool,
+    pub kept: Vec<E>,
+    pub left_out: usize,
+}
+
+impl<E> Faults<E> {
+    /// How many are kept in full.
+    const KEPT: usize = 1000;
+
+    pub fn new(is_strict: bool) -> Self {
+        Self {
+            is_strict,
+            kept: Vec::new(),
+            left_out: 0,
+        }
+    }
+
+    /// Keeps it and goes on, or gives it back if the file is read strictly.
+    pub fn note(&mut self, error: E) -> Result<(), E> {
+        if self.is_strict {
+            return Err(error);
+        }
+        match self.kept.len() < Self::KEPT {
+            true => self.kept.push(error),
+            false => self.left_out += 1,
+        }
+        Ok(())
+    }
+}
+
+/// A name without control characters, 128 characters at most.
+pub(super) fn printable(name: &str) -> String {
+    name.chars().filter(|c| !c.is_control()).take(128).collect()
+}

@@ -1,0 +1,224 @@
+//! JSON objects as names and values with their places; numbers as they are written.
+
+use super::super::record::{Entry, Place, RecordError, RecordFault, shortened};
+use super::{Lines, offset};
+use serde::de::{Error as _, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+use serde_json::value::RawValue;
+use std::borrow::Cow;
+use std::fmt;
+use std::path::Path;
+
+/// Most members of an object that is looked into.
+const MOST_MEMBERS: usize = 10_000;
+
+/// A JSON text, to find places in it.
+pub struct Document<'t> {
+    pub text: &'t str,
+    pub origin: &'t Path,
+    lines: Lines<'t>,
+}
+
+/// Names and values in their order.
+pub struct Object<'t>(pub Vec<(Cow<'t, str>, &'t RawValue)>);
+
+impl<'t> Document<'t> {
+    pub fn new(text: &'t str, origin: &'t Path) -> Self {
+        Self {
+            text,
+            origin,
+            lines: Lines::of(text),
+        }
+    }
+
+    /// Where a value begins.
+    pub fn place(&self, value: &RawValue) -> Place {
+        self.lines.place(offset(self.text, value.get()))
+    }
+
+    pub fn error(&self, value: &RawValue, fault: RecordFault) -> RecordError {
+        self.place(value).error(self.origin, fault)
+    }
+
+    /// That `value` is not `expected`.
+    pub fn wrong(&self, key: &str, value: &RawValue, expected: &'static str) -> RecordError {
+        let fault = RecordFault::Field {
+            key: shortened(key),
+            text: shortened(value.get()),
+            expected,
+        };
+        self.error(value, fault)
+    }
+
+    /// Calls `each` for every member of an array, or for the one object that the text is; ends at its first error.
+    pub fn each_object<E: From<RecordError>>(
+        &self,
+        limit: usize,
+        what: &'static str,
+        each: &mut dyn FnMut(&'t RawValue) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.each_member(self.text, limit, what, each)
+    }
+
+    /// The same for a value within the text.
+    pub fn each_member<E: From<RecordError>>(
+        &self,
+        part: &'t str,
+        limit: usize,
+        what: &'static str,
+        each: &mut dyn FnMut(&'t RawValue) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut failed: Option<E> = None;
+        if part.trim_start().starts_with('{') {
+            let object = serde_json::from_str::<&RawValue>(part);
+            return each(object.map_err(|e| self.syntax(part, &e))?);
+        }
+        let members = Members {
+            each: &mut |count, value| {
+                let result = match count > limit {
+                    true => Err(self
+                        .error(value, RecordFault::TooMany { what, limit })
+                        .into()),
+                    false => each(value),
+                };
+                result.map_err(|error| failed = Some(error)).is_ok()
+            },
+        };
+        let mut deserializer = serde_json::Deserializer::from_str(part);
+        let read = deserializer
+            .deserialize_seq(members)
+            .and_then(|()| deserializer.end());
+        match (failed, read) {
+            (Some(error), _) => Err(error),
+            (None, read) => read.map_err(|e| self.syntax(part, &e).into()),
+        }
+    }
+
+    /// The members of an object.
+    pub fn object(
+        &self,
+        value: &'t RawValue,
+        expected: &'static str,
+    ) -> Result<Object<'t>, RecordError> {
+        serde_json::from_str(value.get()).map_err(|_| {
+            let text = shortened(value.get());
+            self.error(value, RecordFault::Unexpected { text, expected })
+        })
+    }
+
+    /// A text or a number as an entry; `None` for null. Anything else keeps its JSON as the value.
+    pub fn entry(&self, key: &str, value: &'t RawValue) -> Option<Entry<'t>> {
+        let json = value.get();
+        let text = match json.as_bytes().first() {
+            Some(b'n') => return None,
+            Some(b'"') => serde_json::from_str::<String>(json).map(Cow::Owned),
+            _ => Ok(Cow::Borrowed(json)),
+        };
+        Some(Entry {
+            key: Cow::Owned(key.to_owned()),
+            value: text.unwrap_or(Cow::Borrowed(json)),
+            unit: None,
+            place: self.place(value),
+        })
+    }
+
+    fn syntax(&self, part: &str, error: &serde_json::Error) -> RecordError {
+        let at = self.lines.place(offset(self.text, part));
+        let (line, column) = (error.line().max(1), error.column().max(1));
+        let place = Place {
+            line: at.line + line - 1,
+            column: match line {
+                1 => at.column + column - 1,
+                _ => column,
+            },
+        };
+        // The parser puts the place behind its reason; it is in front already.
+        let cause = error.to_string();
+        let cause = cause.split(" at line ").next().unwrap_or(&cause);
+        let fault = RecordFault::Syntax {
+            format: "JSON",
+            cause: cause.to_owned(),
+        };
+        place.error(self.origin, fault)
+    }
+}
+
+impl<'t> Object<'t> {
+    /// The value of that name.
+    pub fn get(&self, key: &str) -> Option<&'t RawValue> {
+        let mut values = self.0.iter();
+        values
+            .find(|(name, _)| name == key)
+            .map(|(_, value)| *value)
+            .filter(|value| value.get() != "null")
+    }
+}
+
+impl<'de> Deserialize<'de> for Object<'de> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Pairs;
+        impl<'de> Visitor<'de> for Pairs {
+            type Value = Object<'de>;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an object")
+            }
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                let mut pairs = Vec::new();
+                while let Some((Name(name), value)) =
+                    map.next_entry::<Name<'de>, &'de RawValue>()?
+                {
+                    if pairs.len() >= MOST_MEMBERS {
+                        return Err(A::Error::custom("too many members"));
+                    }
+                    pairs.push((name, value));
+                }
+                Ok(Object(pairs))
+            }
+        }
+        deserializer.deserialize_map(Pairs)
+    }
+}
+
+/// A key, borrowed where it has no escapes.
+struct Name<'n>(Cow<'n, str>);
+
+impl<'de> Deserialize<'de> for Name<'de> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Text;
+        impl<'de> Visitor<'de> for Text {
+            type Value = Name<'de>;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a name")
+            }
+            fn visit_borrowed_str<E>(self, text: &'de str) -> Result<Self::Value, E> {
+                Ok(Name(Cow::Borrowed(text)))
+            }
+            fn visit_str<E>(self, text: &str) -> Result<Self::Value, E> {
+                Ok(Name(Cow::Owned(text.to_owned())))
+            }
+        }
+        deserializer.deserialize_str(Text)
+    }
+}
+
+/// Hands members of an array on as they are met: none is kept.
+struct Members<'m, 't> {
+    each: &'m mut dyn FnMut(usize, &'t RawValue) -> bool,
+}
+
+impl<'de> Visitor<'de> for Members<'_, 'de> {
+    type Value = ();
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an array of objects")
+    }
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
+        let mut count = 0;
+        while let Some(value) = seq.next_element::<&'de RawValue>()? {
+            count += 1;
+            if !(self.each)(count, value) {
+                return Err(A::Error::custom("ended by the reader"));
+            }
+        }
+        Ok(())
+    }
+}

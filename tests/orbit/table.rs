@@ -1,0 +1,218 @@
+//! Ephemerides as CSV.
+
+use crate::{config, utc};
+use std::fmt::Write;
+use std::path::Path;
+use terrella::frames::{Duration, Ellipsoid, TimeScale, ccsds_time, rfc3339};
+use terrella::orbit::sampled::Interpolation;
+use terrella::orbit::{Ephemerides, Feed, Frame, OrbitError, SampledFeed};
+
+fn read(text: &str) -> Result<SampledFeed, OrbitError> {
+    let origin = Path::new("folder/sat.csv");
+    Ephemerides::from_text(text, origin, true)?.into_one(origin, None)
+}
+
+/// The station's states, as `terrella orbit --csv` writes its columns.
+fn printed(frame: Frame) -> String {
+    let iss = config("iss.tle");
+    let mut text = format!("# frame = {}, scale = UTC, name = ISS\n", frame.name());
+    text += "epoch_utc,x_km,y_km,z_km,vx_km_s,vy_km_s,vz_km_s,lat_deg,lon_deg,height_km\n";
+    for minute in 0..60 {
+        let state = iss
+            .state_at(iss.epoch() + Duration::from_seconds(f64::from(minute) * 60.0))
+            .unwrap();
+        let ground = Ellipsoid::WGS84.geodetic_from_itrf(state.position_itrf_m());
+        let state = state.in_frame(frame, &Default::default());
+        let (r, v) = (state.position_m / 1e3, state.velocity_m_s / 1e3);
+        let _ = writeln!(
+            text,
+            "{},{:.6},{:.6},{:.6},{:.9},{:.9},{:.9},{:.6},{:.6},{:.3}",
+            rfc3339(state.epoch),
+            r.x,
+            r.y,
+            r.z,
+            v.x,
+            v.y,
+            v.z,
+            ground.lat_rad.to_degrees(),
+            ground.lon_rad.to_degrees(),
+            ground.height_m / 1e3
+        );
+    }
+    text
+}
+
+#[test]
+fn printed_states_are_read_back() {
+    let iss = config("iss.tle");
+    for frame in Frame::ALL {
+        let feed = read(&printed(frame)).unwrap();
+        assert_eq!(feed.name(), "ISS");
+        assert_eq!(
+            feed.segments()[0].samples.interpolation(),
+            Interpolation::WITH_VELOCITIES
+        );
+        let mut worst = 0.0_f64;
+        for second in 0..59 * 60 {
+            let t = iss.epoch() + Duration::from_seconds(f64::from(second) + 0.5);
+            let state = feed.state_at(t).unwrap();
+            assert_eq!(state.frame, frame);
+            let expected = iss
+                .state_at(t)
+                .unwrap()
+                .in_frame(frame, &Default::default());
+            worst = worst.max(state.position_m.distance(expected.position_m));
+        }
+        // Dates are printed to a millisecond, which is up to 4 m of flight; SGP4's velocity is 1 cm/s beside its position's rate.
+        println!("{frame:?}: {worst:.2} m");
+        assert!(worst < 4.5, "{frame:?}: {worst}");
+    }
+}
+
+#[test]
+fn columns_are_found_by_their_names() {
+    let first = utc("2018-01-01T00:00:00Z");
+    for (scale, column) in
+        TimeScale::ALL
+            .into_iter()
+            .zip(["epoch_utc", "epoch_tai", "epoch_tt", "epoch_gps"])
+    {
+        let date = |s: f64| ccsds_time(first + Duration::from_seconds(s), scale);
+        let text = format!(
+            "# made by hand\n#frame=ITRF\n\n\"z_m\",note,x_m, {column} ,y_m\r\n3,\"a, b\",1,{},2\r\n# in between\n3,,2,{},4\n",
+            date(0.0),
+            date(1.0)
+        );
+        let feed = read(&text).unwrap();
+        assert_eq!((feed.name(), feed.validity().0), ("sat", first));
+        let state = feed.state_at(first + Duration::from_seconds(0.5)).unwrap();
+        assert_eq!(
+            (state.frame, state.position_m.to_array()),
+            (Frame::Itrf, [1.5, 3.0, 3.0])
+        );
+        assert_eq!(state.velocity_m_s.to_array(), [1.0, 2.0, 0.0]);
+        assert_eq!(
+            feed.segments()[0].samples.interpolation(),
+            Interpolation::WITHOUT_VELOCITIES
+        );
+    }
+    let text = printed(Frame::Teme).replace("name = ISS", "interpolation = lagrange, degree = 11");
+    let feed = read(&text).unwrap();
+    assert_eq!(
+        feed.segments()[0].samples.interpolation(),
+        Interpolation::Lagrange { degree: 11 }
+    );
+}
+
+#[test]
+fn wrong_tables_are_named() {
+    let good = "# frame = TEME, scale = UTC\n# degree = 3\nepoch_utc,x_km,y_km,z_km\n2018-01-01T00:00:00Z,7000,0,0\n2018-01-01T00:01:00Z,7000,400,0\n";
+    assert!(read(good).is_ok());
+    for (from, to, place, says) in [
+        (
+            "frame = TEME, ",
+            "",
+            "1:1",
+            "the table without frame; put a line before the header that says it: # frame = TEME",
+        ),
+        (
+            "TEME",
+            "XYZ",
+            "1:11",
+            "known frames are TEME, PEF, ITRF, GCRF and EME2000",
+        ),
+        (
+            "scale = UTC",
+            "scale = TAI",
+            "1:25",
+            "the column of time is of another scale",
+        ),
+        (
+            "degree = 3",
+            "degree = x",
+            "2:12",
+            "degree is \"x\"; expected a whole number from 1 to 31",
+        ),
+        (
+            "degree = 3",
+            "frame = ITRF",
+            "2:11",
+            "frame a second time; the first is in line 1",
+        ),
+        (
+            "degree = 3",
+            "interpolation = best",
+            "2:19",
+            "known interpolations are",
+        ),
+        (
+            "degree = 3",
+            "interpolation = HERMITE",
+            "4:1",
+            "Hermite interpolation needs a velocity",
+        ),
+        (
+            "epoch_utc",
+            "epoch_ut1",
+            "3:1",
+            "the header without one column of time; expected epoch_utc",
+        ),
+        (
+            "epoch_utc,",
+            "epoch_utc,epoch_tai,",
+            "3:1",
+            "one column of time",
+        ),
+        (
+            "y_km",
+            "y_m",
+            "3:1",
+            "the header without columns of position; expected x_km,y_km,z_km or x_m,y_m,z_m",
+        ),
+        ("y_km", "x_km", "3:16", "column \"x_km\" a second time"),
+        (
+            "7000,400",
+            "7000,4oo",
+            "5:27",
+            "y is \"4oo\"; expected a number",
+        ),
+        (
+            "7000,400",
+            "7000",
+            "5:1",
+            "\"3 fields\" cannot stand here; expected as many as the header has",
+        ),
+        (
+            "7000,400",
+            "7000,\"400",
+            "5:1",
+            "a quotation mark without its partner",
+        ),
+        (
+            "2018-01-01T00:01",
+            "2018-01-01T00:00",
+            "5:1",
+            "is not later than",
+        ),
+        ("2018-01-01T00:01", "2018-01-01", "5:1", "the epoch: "),
+        ("00Z,7000,0,0\n", "00Z,7000,0,0,\n", "4:1", "\"5 fields\""),
+    ] {
+        assert!(good.contains(from), "{from}");
+        let error = read(&good.replacen(from, to, 1)).unwrap_err().to_string();
+        assert!(
+            error.starts_with(&format!("folder/sat.csv:{place}: ")),
+            "{to}: {error}"
+        );
+        assert!(error.contains(says), "{to}: {error}");
+    }
+    assert_eq!(
+        read("epoch_utc,x_km,y_km,z_km\n").unwrap_err().to_string(),
+        "folder/sat.csv:1:1: the table without frame; put a line before the header that says it: # frame = TEME (or PEF, ITRF, GCRF, EME2000)"
+    );
+    assert!(
+        read("# frame = TEME\nepoch_utc,x_km,y_km,z_km\n")
+            .unwrap_err()
+            .to_string()
+            .contains("no sample")
+    );
+}
