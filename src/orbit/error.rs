@@ -102,6 +102,9 @@ pub enum OrbitError {
         /// How far below 6378.135 km from the Earth's centre, kilometres.
         depth_km: f64,
     },
+    /// Kepler elements are wrong or their orbit has met the ground.
+    #[error(transparent)]
+    Kepler(#[from] super::kepler::KeplerError),
     /// The epoch is outside the feed's validity.
     #[error(
         "{satellite} is not known at {epoch}: its elements hold from {first} to {last}; change the date or take elements of that time"

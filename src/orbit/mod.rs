@@ -1,6 +1,8 @@
 //! Feeds: where a satellite is at an epoch.
 
+pub mod constants;
 mod error;
+pub mod kepler;
 mod state;
 mod tle;
 mod tle_fields;
