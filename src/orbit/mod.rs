@@ -3,6 +3,7 @@
 pub mod constants;
 mod error;
 pub mod kepler;
+pub mod numerical;
 mod state;
 mod tle;
 mod tle_fields;

@@ -1,0 +1,3 @@
+//! Motion under forces, integrated.
+
+mod integrate;
