@@ -18,7 +18,8 @@ mod tableau;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use driver::{Driver, Fault, Solver};
+pub use driver::Solver;
+pub(crate) use driver::{Driver, Fault};
 
 /// ẏ = f(t, y), with what a solver has to know of y's size.
 pub(crate) trait Equations<const N: usize> {
