@@ -8,6 +8,7 @@ use crate::orbit::kepler::{
 use glam::DVec3;
 
 mod extremes;
+mod oracle;
 mod perturbed;
 
 fn epoch() -> Epoch {

@@ -37,7 +37,7 @@ pub enum Gravity {
     /// A point.
     #[default]
     Point,
-    /// Zonal harmonics J2…J`degree` of EGM96 about the pole of date; `degree` from 2 to 20.
+    /// Zonal harmonics J2…J`degree` of EGM96 about the axis z of ITRF; `degree` from 2 to 20.
     Zonal {
         /// The highest.
         degree: usize,
@@ -259,8 +259,7 @@ impl Motion {
         }
         if let Some(field) = &self.field {
             let axes = match self.model.gravity {
-                Gravity::Zonal { .. } => Some(self.sky.intermediate_from_gcrf(t)),
-                Gravity::Field { .. } => Some(self.sky.itrf_from_gcrf(t)),
+                Gravity::Zonal { .. } | Gravity::Field { .. } => Some(self.sky.itrf_from_gcrf(t)),
                 Gravity::Point | Gravity::ZonalOfJ2000 { .. } => None,
             };
             a += match axes {
