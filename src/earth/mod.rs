@@ -30,8 +30,8 @@ pub use quality::{GiveUp, Quality, Rung};
 use std::time::{Duration, Instant};
 use tiles::{Eye, TileDriver};
 pub use tiles::{TILED_SUBDIVISION, TileOptions};
-use view::PixelRays;
 pub use view::{EyeView, Viewport, infinite_reversed_z};
+use view::{PixelRays, can_be_drawn};
 
 /// What is fixed when an Earth is made.
 #[derive(Clone, Debug)]
@@ -61,7 +61,7 @@ pub struct EarthOptions {
     /// Most samples that a map is filtered with at a grazing view, 1…16; 1 is trilinear. A software adapter always
     /// filters trilinearly: each sample costs it time, and Mesa's returns wrong texels at the limb.
     pub anisotropy: u16,
-    /// What a white sheet that faces the Sun in space is drawn with; the target's white is 1. The paper's shading
+    /// What a white sheet that faces the Sun in space is drawn with, 0 or more; the target's white is 1. The paper's shading
     /// works in display values and is not touched by it, the air is.
     pub exposure: f32,
 }
@@ -89,7 +89,7 @@ impl EarthOptions {
 /// What lights the Earth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sky {
-    /// Unit vector to the Sun in ITRF axes.
+    /// Vector to the Sun in ITRF axes, of length 1; of any other finite length it is made a unit vector.
     pub sun_itrf: DVec3,
 }
 
@@ -99,6 +99,19 @@ impl Sky {
         Self {
             sun_itrf: sun_direction_itrf(epoch),
         }
+    }
+
+    /// The same with a Sun of length 1; `None` where that has no direction or is not finite.
+    fn with_unit_sun(self) -> Option<Self> {
+        let sun = self.sun_itrf;
+        if (sun.length_squared() - 1.0).abs() < 1e-6 {
+            return Some(self);
+        }
+        // By the largest component first: squares of very long vectors are infinite, of very short ones 0.
+        let largest = sun.abs().max_element();
+        (sun.is_finite() && largest > 0.0).then(|| Self {
+            sun_itrf: (sun / largest).normalize(),
+        })
     }
 }
 
@@ -137,6 +150,9 @@ pub enum EarthError {
     /// Subdivision outside 1…48.
     #[error(transparent)]
     Subdivision(#[from] SubdivisionError),
+    /// Exposure below 0 or not finite.
+    #[error("exposure is {0}; it must be a finite number, 0 or more")]
+    Exposure(f32),
     /// A map is larger than the device takes.
     #[error(
         "the {layer} map is {width} × {height}; this device takes at most {limit} pixels a side"
@@ -219,6 +235,9 @@ impl Earth {
         options: &EarthOptions,
     ) -> Result<Self, EarthError> {
         let grid = BlockGrid::new(options.figure.ellipsoid(), options.subdivision)?;
+        if !(options.exposure.is_finite() && options.exposure >= 0.0) {
+            return Err(EarthError::Exposure(options.exposure));
+        }
         let layers = &options.layers;
         let limit = device.limits().max_texture_dimension_2d;
         for layer in MapLayer::ALL {
@@ -292,8 +311,9 @@ impl Earth {
 
     /// Chooses what the eye sees and writes it to the GPU. Call once a frame, before the pass. Never waits.
     ///
-    /// `target` is the target's width and height in pixels, or the [`Viewport`] that the pass sets. A view or
-    /// sky that is not finite draws nothing.
+    /// `target` is the target's width and height in pixels, or the [`Viewport`] that the pass sets. Nothing is drawn where
+    /// no picture is defined: of a view or sky that is not finite, a Sun without direction, a projection that has no
+    /// inverse, and an eye beyond 1e24 m.
     pub fn prepare(
         &mut self,
         queue: &wgpu::Queue,
@@ -405,17 +425,19 @@ impl Earth {
         upload_bytes: Option<u64>,
     ) -> FrameStats {
         let (eye_itrf_m, clip_from_eye) = self.plan(view);
-        self.drawable =
-            eye_itrf_m.is_finite() && clip_from_eye.is_finite() && sky.sun_itrf.is_finite();
-        if !self.drawable {
+        let rays = view.pixel_rays(target);
+        let sky = sky
+            .with_unit_sun()
+            .filter(|_| can_be_drawn(eye_itrf_m, &clip_from_eye, &rays));
+        self.drawable = sky.is_some();
+        let Some(sky) = &sky else {
             self.uploaded_tiles = 0;
             self.stats = FrameStats {
                 texture_bytes: self.stats.texture_bytes,
                 ..FrameStats::default()
             };
             return self.stats;
-        }
-        let rays = view.pixel_rays(target);
+        };
         self.choose_maps(queue, eye_itrf_m, &rays, sky, upload_bytes);
         self.stats.pixel_m = self.stats.eye.height_m.max(0.0) * rays.down.length();
         let ellipsoid = self.grid.ellipsoid();

@@ -105,6 +105,29 @@ pub(super) struct PixelRays {
     pub down: DVec3,
 }
 
+impl PixelRays {
+    /// Whether they can be handed to the GPU.
+    fn are_finite(&self) -> bool {
+        [self.corner, self.right, self.down]
+            .iter()
+            .all(|ray| ray.as_vec3().is_finite())
+    }
+}
+
+/// Farthest eye that the Earth is drawn for, metres: beyond it squares of lengths in Earth radii leave the range of f32.
+const FARTHEST_M: f64 = 1e24;
+
+/// Whether an eye, its matrix to clip space and its pixels' rays give a picture. None of a matrix without an inverse: it
+/// shows all the world in one line or point, and what a pixel looks at cannot be said.
+pub(super) fn can_be_drawn(eye_itrf_m: DVec3, clip_from_eye: &DMat4, rays: &PixelRays) -> bool {
+    // Comparing with a number that is none is false.
+    eye_itrf_m.abs().max_element() < FARTHEST_M
+        && eye_itrf_m.is_finite()
+        && clip_from_eye.as_mat4().is_finite()
+        && clip_from_eye.determinant() != 0.0
+        && rays.are_finite()
+}
+
 /// Perspective projection to wgpu clip space with the near plane at depth 1 and infinity at 0.
 pub fn infinite_reversed_z(fov_y_rad: f64, aspect: f64, near: f64) -> DMat4 {
     let f = 1.0 / (0.5 * fov_y_rad).tan();

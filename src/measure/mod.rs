@@ -7,9 +7,11 @@
 //! | `floor` | the least that a frame could cost |
 //! | [`reference`] | the true picture: ray casting in f64 on the processor |
 //! | [`numeric`] | formulas held against arbitrary precision, methods compared by error and cost |
+//! | [`extreme`] | pictures that nobody would ask for, and what they must show |
 //! | `quantiles`, `pareto`, `chart` | what is told of measurements |
 
 mod chart;
+pub mod extreme;
 mod floor;
 pub mod numeric;
 mod pareto;

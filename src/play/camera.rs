@@ -189,7 +189,7 @@ impl Pose {
 /// In scaled space (x/a, y/a, z/b) the ellipsoid is the unit sphere, and a line E + sD touches it where
 /// (E·D)² = (|E|² − 1)|D|². With D = A − tN (A and N are `ahead` and `vertical` scaled, t the tangent of the dip):
 /// t²((E·N)² − cN²) − 2t((E·A)(E·N) − cA·N) + (E·A)² − cA² = 0, c = |E|² − 1. On a sphere t = √c.
-fn dip_rad(ellipsoid: &Ellipsoid, eye_itrf_m: DVec3, ahead: DVec3, vertical: DVec3) -> f64 {
+pub fn dip_rad(ellipsoid: &Ellipsoid, eye_itrf_m: DVec3, ahead: DVec3, vertical: DVec3) -> f64 {
     let scale = ellipsoid.scaled_from_itrf();
     let (e, a, n) = (scale * eye_itrf_m, scale * ahead, scale * vertical);
     let c = (e.length() - 1.0) * (e.length() + 1.0);

@@ -1,0 +1,298 @@
+//! Pictures that nobody would ask for, each with what it must show: a defined picture or a clear error, never a pixel that
+//! is not a number.
+//!
+//! [`cases`] is the list, [`run`] draws one case on any device. Pictures are drawn to half floats, which show what an
+//! 8-bit target would hide.
+
+mod cases;
+mod places;
+mod settings;
+
+pub use cases::{ExtremeCase, Lit, Side, cases};
+
+use crate::gpu::{Attachments, GpuContext, PictureError, color_texture};
+use crate::imagery::EarthLayers;
+use crate::{Atmosphere, DepthBuffer, Earth, EarthError, EarthOptions};
+use std::time::Duration;
+
+/// A drawn picture, linear light, rows from the top.
+pub struct Shot {
+    /// Width and height, pixels.
+    pub size: (u32, u32),
+    /// RGBA of each pixel.
+    pub pixels: Vec<[f32; 4]>,
+}
+
+impl Shot {
+    /// Whether any channel of a pixel can be seen on black.
+    fn is_lit(pixel: &[f32; 4]) -> bool {
+        pixel[..3].iter().any(|value| *value > LEAST_LIGHT)
+    }
+
+    /// Pixels that can be seen.
+    pub fn lit_pixels(&self) -> usize {
+        self.pixels.iter().filter(|p| Self::is_lit(p)).count()
+    }
+
+    /// Pixels with a channel that is infinite or not a number.
+    pub fn nan_pixels(&self) -> usize {
+        let is_broken = |pixel: &&[f32; 4]| pixel.iter().any(|value| !value.is_finite());
+        self.pixels.iter().filter(is_broken).count()
+    }
+}
+
+/// Linear light that an sRGB display still tells from black: one step of 255.
+const LEAST_LIGHT: f32 = 1.0 / 255.0 / 12.92;
+
+/// Longest wait for one picture.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Why a case gave no picture.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExtremeError {
+    /// The Earth refused its options.
+    #[error(transparent)]
+    Earth(#[from] EarthError),
+    /// The picture could not be read back.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// The device refused a command.
+    #[error("the device refused to draw: {0}")]
+    Device(String),
+}
+
+/// What came of a case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// The case.
+    pub name: &'static str,
+    /// What must be seen, in words.
+    pub expected: &'static str,
+    /// What was seen, in words.
+    pub what_was_drawn: String,
+    /// Pixels that are not black.
+    pub lit_pixels: usize,
+    /// Pixels with a channel that is infinite or not a number.
+    pub nan_pixels: usize,
+    /// The error, where one was answered.
+    pub error: Option<String>,
+    /// Whether it is what was expected.
+    pub passed: bool,
+}
+
+/// Draws a case and judges it.
+pub fn run(case: &ExtremeCase, gpu: &GpuContext, layers: &EarthLayers) -> Outcome {
+    let (shot, error) = match draw(case, gpu, layers) {
+        Ok(shot) => (Some(shot), None),
+        Err(error) => (None, Some(error.to_string())),
+    };
+    let (lit, broken, all) = shot.as_ref().map_or((0, 0, 0), |shot| {
+        (shot.lit_pixels(), shot.nan_pixels(), shot.pixels.len())
+    });
+    let passed = match (&case.lit, &error) {
+        (Lit::Refused(part), Some(error)) => error.contains(part),
+        (Lit::Refused(_), None) | (_, Some(_)) => false,
+        (Lit::Nothing, None) => lit == 0 && broken == 0,
+        (Lit::Pixels(least, most), None) => (*least..=*most).contains(&lit) && broken == 0,
+        (Lit::Share(least, most), None) => {
+            let share = lit as f64 / all.max(1) as f64;
+            (*least..=*most).contains(&share) && broken == 0
+        }
+    };
+    let what_was_drawn = match (&error, &shot) {
+        (Some(error), _) => format!("an error: {error}"),
+        (None, Some(shot)) => seen(shot, lit),
+        (None, None) => String::new(),
+    };
+    Outcome {
+        name: case.name,
+        expected: case.expected,
+        what_was_drawn,
+        lit_pixels: lit,
+        nan_pixels: broken,
+        error,
+        passed,
+    }
+}
+
+/// A picture in words.
+fn seen(shot: &Shot, lit: usize) -> String {
+    let all = shot.pixels.len();
+    let (width, height) = shot.size;
+    let size = format!("{width} × {height}");
+    if lit == 0 {
+        return format!("{size}: black");
+    }
+    let mut mean = [0.0_f32; 3];
+    for pixel in shot.pixels.iter().filter(|p| Shot::is_lit(p)) {
+        for (sum, value) in mean.iter_mut().zip(pixel) {
+            *sum += value / lit as f32;
+        }
+    }
+    let share = if lit == all {
+        "every pixel is lit".to_owned()
+    } else {
+        format!("{lit} of {all} pixels are lit")
+    };
+    let [r, g, b] = mean;
+    format!("{size}: {share}, on average ({r:.3}, {g:.3}, {b:.3})")
+}
+
+/// Draws a case.
+///
+/// # Errors
+/// What the Earth or the device refuses.
+pub fn draw(
+    case: &ExtremeCase,
+    gpu: &GpuContext,
+    layers: &EarthLayers,
+) -> Result<Shot, ExtremeError> {
+    const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+    let device = &gpu.device;
+    let size = case.size(device.limits().max_texture_dimension_2d);
+    let options = EarthOptions {
+        color_format: COLOR,
+        samples: 1,
+        depth: DepthBuffer::ReversedZ(crate::gpu::FrameTargets::DEPTH),
+        subdivision: case.subdivision,
+        exposure: case.exposure,
+        atmosphere: if case.has_air {
+            Atmosphere::Billboard
+        } else {
+            Atmosphere::None
+        },
+        ..EarthOptions::new(layers.clone())
+    };
+    let mut earth = Earth::new(device, &gpu.queue, &options)?;
+    let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+    let target = color_texture(device, "terrella extreme", size, COLOR, 1, usage);
+    let view = target.create_view(&wgpu::TextureViewDescriptor {
+        label: Some("terrella extreme"),
+        ..Default::default()
+    });
+    let attachments = Attachments::new(device, size, COLOR, 1);
+    earth.prepare(&gpu.queue, &case.view, &case.sky, size);
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
+        label: Some("terrella extreme"),
+    });
+    earth.render(&mut attachments.begin_pass(&mut encoder, &view));
+    gpu.queue.submit([encoder.finish()]);
+    let pixels = read_halves(gpu, &target);
+    if let Some(error) = pollster::block_on(scope.pop()) {
+        return Err(ExtremeError::Device(error.to_string()));
+    }
+    Ok(Shot {
+        size,
+        pixels: pixels?,
+    })
+}
+
+/// Reads an `Rgba16Float` texture (usage `COPY_SRC`). Waits for the device, one minute at most.
+fn read_halves(gpu: &GpuContext, texture: &wgpu::Texture) -> Result<Vec<[f32; 4]>, PictureError> {
+    let failed = |what: &dyn std::fmt::Display| PictureError::ReadBack(what.to_string());
+    let (width, height) = (texture.width(), texture.height());
+    let padded = (8 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("terrella extreme"),
+        size: u64::from(padded) * u64::from(height),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu
+        .device
+        .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+            label: Some("terrella extreme"),
+        });
+    encoder.copy_texture_to_buffer(
+        texture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout: wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(padded),
+                rows_per_image: Some(height),
+            },
+        },
+        texture.size(),
+    );
+    let index = gpu.queue.submit([encoder.finish()]);
+    let (sender, receiver) = std::sync::mpsc::channel();
+    buffer.map_async(wgpu::MapMode::Read, .., move |result| {
+        // The receiver lives until the end of this function; if it is gone nobody waits.
+        let _ = sender.send(result);
+    });
+    let wait = wgpu::PollType::Wait {
+        submission_index: Some(index),
+        timeout: Some(PATIENCE),
+    };
+    gpu.device.poll(wait).map_err(|e| failed(&e))?;
+    receiver
+        .recv_timeout(PATIENCE)
+        .map_err(|e| failed(&e))?
+        .map_err(|e| failed(&e))?;
+    let mapped = buffer.get_mapped_range(..).map_err(|e| failed(&e))?;
+    let mut pixels = Vec::with_capacity(width as usize * height as usize);
+    for line in mapped.chunks_exact(padded as usize) {
+        let halves = line
+            .as_chunks::<2>()
+            .0
+            .iter()
+            .map(|b| u16::from_le_bytes(*b));
+        let values: Vec<f32> = halves.take(4 * width as usize).map(float_of_half).collect();
+        pixels.extend_from_slice(values.as_chunks::<4>().0);
+    }
+    Ok(pixels)
+}
+
+/// The value of an IEEE half.
+fn float_of_half(bits: u16) -> f32 {
+    let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };
+    let exponent = i32::from(bits >> 10 & 0x1f);
+    let mantissa = f32::from(bits & 0x3ff);
+    let size = match exponent {
+        0 => mantissa * 2f32.powi(-24),
+        31 if mantissa == 0.0 => f32::INFINITY,
+        31 => f32::NAN,
+        _ => (1024.0 + mantissa) * 2f32.powi(exponent - 25),
+    };
+    sign * size
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves() {
+        for (bits, value) in [
+            (0x0000, 0.0),
+            (0x3c00, 1.0),
+            (0xc000, -2.0),
+            (0x7bff, 65_504.0),
+            (0x0001, 5.960_464_5e-8),
+            (0x0400, 6.103_515_6e-5),
+            (0x3555, 0.333_251_95),
+            (0xfc00, f32::NEG_INFINITY),
+        ] {
+            assert_eq!(float_of_half(bits), value);
+        }
+        assert!(float_of_half(0x7e00).is_nan());
+    }
+
+    #[test]
+    fn a_shot_is_counted() {
+        let shot = Shot {
+            size: (4, 1),
+            pixels: vec![
+                [0.0, 0.0, 0.0, 1.0],
+                [0.0, 0.0, 0.1, 1.0],
+                [f32::NAN, 0.0, 0.0, 1.0],
+                [0.2, f32::INFINITY, 0.0, 1.0],
+            ],
+        };
+        assert_eq!((shot.lit_pixels(), shot.nan_pixels()), (2, 2));
+        assert_eq!(seen(&shot, 0), "4 × 1: black");
+    }
+}

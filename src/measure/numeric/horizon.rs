@@ -1,0 +1,82 @@
+//! How far below level the horizon lies.
+
+use super::formula::{AnyFormula, Form, Formula, Judge};
+use super::limb::{Above, heights_about};
+use super::method::log_spaced;
+use super::oracle::Real;
+use crate::frames::{Ellipsoid, Geodetic};
+use crate::play::camera::dip_rad;
+use glam::DVec3;
+
+fn exact(eye: &Above) -> Real {
+    let (r, h) = eye.exact();
+    ((&h * (&h + &r + &r)).sqrt() / r).atan()
+}
+
+/// The horizon camera's dip over a sphere, from the eye's position.
+fn from_position(eye: &Above) -> f64 {
+    let sphere = Ellipsoid {
+        equatorial_radius_m: eye.radius_m,
+        polar_radius_m: eye.radius_m,
+    };
+    let place = Geodetic {
+        lat_rad: 0.3,
+        lon_rad: -2.0,
+        height_m: eye.height_m,
+    };
+    let vertical = Ellipsoid::normal(place.lat_rad, place.lon_rad);
+    let ahead = DVec3::Z.cross(vertical).normalize();
+    dip_rad(&sphere, sphere.itrf_from_geodetic(place), ahead, vertical)
+}
+
+pub(super) fn formulas() -> Vec<Box<dyn AnyFormula>> {
+    vec![
+        Box::new(Formula {
+            name: "dip of the horizon, from the height",
+            range: "heights from 1 mm to 1e12 m",
+            parameter: "height_m",
+            values: log_spaced(1e-3, 1e12, 4),
+            inputs: heights_about,
+            judge: Judge::relative(exact),
+            forms: vec![
+                Form {
+                    name: "as printed: acos(R/L)",
+                    bound: None,
+                    value: |eye: &Above| (eye.radius_m / (eye.radius_m + eye.height_m)).acos(),
+                },
+                Form {
+                    name: "stable: atan(√(h(L + R))/R)",
+                    bound: Some(1e-15),
+                    value: |eye| {
+                        let l = eye.radius_m + eye.height_m;
+                        (eye.height_m.sqrt() * (l + eye.radius_m).sqrt()).atan2(eye.radius_m)
+                    },
+                },
+            ],
+        }),
+        // A position near the ground has the height to nanometres only, whatever the formula makes of it.
+        Box::new(Formula {
+            name: "dip of the horizon, from the eye's position",
+            range: "heights from 1 mm to 1e12 m",
+            parameter: "height_m",
+            values: log_spaced(1e-3, 1e12, 4),
+            inputs: heights_about,
+            judge: Judge::absolute("rad", exact),
+            forms: vec![
+                Form {
+                    name: "as printed: asin(√(|e|² − R²)/|e|)",
+                    bound: None,
+                    value: |eye: &Above| {
+                        let l = eye.radius_m + eye.height_m;
+                        ((l * l - eye.radius_m * eye.radius_m).sqrt() / l).asin()
+                    },
+                },
+                Form {
+                    name: "the horizon camera's",
+                    bound: Some(1e-10),
+                    value: from_position,
+                },
+            ],
+        }),
+    ]
+}

@@ -1,0 +1,13 @@
+//! The extremes: formulas at the ends of their ranges, held against arbitrary precision, and pictures that nobody
+//! would ask for.
+#![cfg(feature = "command")]
+
+#[path = "../common/mod.rs"]
+mod common;
+mod formulas;
+mod horizon;
+mod levels;
+mod pictures;
+mod projection;
+mod shader;
+mod time;
