@@ -8,12 +8,14 @@
 //! | [`reference`] | the true picture: ray casting in f64 on the processor |
 //! | [`numeric`] | formulas held against arbitrary precision, methods compared by error and cost |
 //! | [`extreme`] | pictures that nobody would ask for, and what they must show |
+//! | [`orbits`] | propagators: error beside run time |
 //! | `quantiles`, `pareto`, `chart` | what is told of measurements |
 
 mod chart;
 pub mod extreme;
 mod floor;
 pub mod numeric;
+pub mod orbits;
 mod pareto;
 mod quantiles;
 pub mod reference;

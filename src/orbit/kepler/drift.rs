@@ -2,6 +2,7 @@
 
 use super::{Conic, Elements};
 use crate::orbit::constants::{EGM96_EQUATORIAL_RADIUS_M, EGM96_J2};
+use glam::DVec3;
 
 /// Average rates by J2, to first order (Vallado 2013, 9-37…9-41).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,5 +35,28 @@ impl SecularRates {
             argument_rad_s: n * factor * (4.0 - 5.0 * sin2_i),
             mean_motion_relative: factor * ((1.0 - e) * (1.0 + e)).sqrt() * (2.0 - 3.0 * sin2_i),
         })
+    }
+
+    /// The same with the mean motion that a state belongs to, of which the conic has the osculating axis only.
+    ///
+    /// Energy is kept under J2: −μ/2a − U2 at the state is −μ/2ā − ⟨U2⟩ of the mean axis ā, to first order, with
+    /// U2 = −(μ J2 R²/2r³)(3 z²/r² − 1) and ⟨U2⟩ = (μ J2 R²/2a³)(1 − e²)^(−3/2)(1 − (3/2) sin² i).
+    pub(super) fn with_mean_axis(self, conic: &Conic, position_m: DVec3) -> Self {
+        let r = position_m.length();
+        let (e, alpha) = (conic.eccentricity, conic.reciprocal_axis_1_m);
+        let normal = conic.to_periapsis.cross(conic.across);
+        let sin2_i = 1.0 - normal.z * normal.z;
+        let half = 0.5 * EGM96_J2 * EGM96_EQUATORIAL_RADIUS_M.powi(2);
+        let here = -half / r.powi(3) * (3.0 * (position_m.z / r).powi(2) - 1.0);
+        let average =
+            half * (alpha / ((1.0 - e) * (1.0 + e)).sqrt()).powi(3) * (1.0 - 1.5 * sin2_i);
+        let mean = (alpha + 2.0 * (here - average)) / alpha;
+        match mean > 0.0 {
+            true => Self {
+                mean_motion_relative: (1.0 + self.mean_motion_relative) * mean * mean.sqrt() - 1.0,
+                ..self
+            },
+            false => self,
+        }
     }
 }

@@ -34,8 +34,8 @@ pub enum Drift {
     None,
     /// Node, periapsis and mean anomaly drift as J2 makes them on average. Ellipses only.
     ///
-    /// The elements are then mean elements. Taken from a state, which gives osculating ones, they differ by the terms
-    /// of short period: some kilometres in low orbit, and along the track 10 to 100 km more each day.
+    /// The elements are then mean elements. A state gives osculating ones: its period is corrected for that, its shape is
+    /// not, so that the place swings by terms of short period, some 10 km in low orbit, hundreds along a long ellipse.
     J2,
 }
 
@@ -95,7 +95,11 @@ impl KeplerFeed {
         options: KeplerOptions,
     ) -> Result<Self, KeplerError> {
         let conic = Conic::from_state(EARTH_GM_M3_S2, state.position_m, state.velocity_m_s)?;
-        Self::new(name.into(), state.frame, state.epoch, conic, options)
+        let mut feed = Self::new(name.into(), state.frame, state.epoch, conic, options)?;
+        feed.drift = feed
+            .drift
+            .map(|(elements, rates)| (elements, rates.with_mean_axis(&conic, state.position_m)));
+        Ok(feed)
     }
 
     fn new(

@@ -99,11 +99,6 @@ impl<const N: usize> Driver<N> {
         self.counts
     }
 
-    /// The implicit method is at work.
-    pub fn is_implicit(&self) -> bool {
-        self.implicit.is_some()
-    }
-
     /// The next step, which does not lead beyond `limit`; `limit` must not be where it stands.
     pub fn step(
         &mut self,

@@ -122,6 +122,12 @@ fn the_average_drift_follows_the_integrated_one() {
             .to_degrees()
     };
     let (with, without) = (apart(Drift::J2), apart(Drift::None));
+    let at = epoch() + Duration::from_days(5.0);
+    let kepler = KeplerFeed::from_state("k", &start(&conic), options(Drift::J2)).unwrap();
+    let place = |feed: &dyn Feed| feed.state_at(at).unwrap().position_m;
+    let off = (place(&kepler) - place(&feed)).length();
+    println!("off the integration by {:.1} km after five days", off / 1e3);
+    assert!(off < 3e3, "{off}");
     println!("planes after five days: {with:.3}° with drift, {without:.3}° without");
     assert!(with < 0.1 && without > 10.0);
 }
