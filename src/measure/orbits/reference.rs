@@ -57,14 +57,14 @@ fn step(y: &State, h: DoubleDouble, flattened: bool) -> (State, f64) {
         let n = 2 * (k as u32 + 1);
         let mut current = midpoint(y, h, n, flattened);
         // Aitken and Neville: T(k, j+1) = T(k, j) + (T(k, j) − T(k−1, j))/((n_k/n_{k−j−1})² − 1).
-        for j in 0..k {
+        for (j, row) in rows.iter_mut().enumerate() {
             let (a, b) = (
                 DoubleDouble::from(f64::from(n * n)),
                 DoubleDouble::from(f64::from(4 * ((k - j) as u32).pow(2))),
             );
             let weight = b / (a - b);
-            let before = std::mem::replace(&mut rows[j], current);
-            current = std::array::from_fn(|i| rows[j][i] + (rows[j][i] - before[i]) * weight);
+            let before = std::mem::replace(row, current);
+            current = std::array::from_fn(|i| row[i] + (row[i] - before[i]) * weight);
         }
         if let Some(last) = rows.last() {
             let apart: [f64; 3] = std::array::from_fn(|i| (current[i] - last[i]).to_f64());

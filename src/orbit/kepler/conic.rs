@@ -187,22 +187,22 @@ impl Conic {
             }
             None => whole_s + rest_s,
         };
-        let chi = self.solve(self.gm_m3_s2.sqrt() * t.abs());
+        let (chi, _) = self.solve(self.gm_m3_s2.sqrt() * t.abs());
         chi.copysign(t)
     }
 
-    /// The χ ≥ 0 at which q χ + e U3 = τ, for τ ≥ 0.
+    /// The χ ≥ 0 at which q χ + e U3 = τ, for τ ≥ 0, and the rounds that it took.
     ///
     /// The left side rises and (up to half a turn) is convex, so Newton's method comes down on the root from the right;
     /// the bracket holds it where rounding has the last word.
-    fn solve(&self, tau: f64) -> f64 {
+    pub(super) fn solve(&self, tau: f64) -> (f64, u32) {
         let (q, e, alpha) = (
             self.periapsis_m,
             self.eccentricity,
             self.reciprocal_axis_1_m,
         );
         if tau == 0.0 {
-            return 0.0;
+            return (0.0, 0);
         }
         let value = |chi: f64| {
             let u = Universal::at(chi, alpha);
@@ -213,13 +213,18 @@ impl Conic {
             // Half a turn, and a little more: τ may be rounded beyond it.
             high = PI / alpha.sqrt() * (1.0 + 1e-14);
         }
-        // Where only one of the terms counts: q χ = τ, or χ³ e/6 = τ (an upper bound on a hyperbola, a start elsewhere).
+        // Where only one of the terms counts: q χ = τ, or χ³ e/6 = τ.
         let mut chi = (tau / q).min((6.0 * tau / e).cbrt()).min(high);
+        if alpha < 0.0 {
+            // Far out on a hyperbola e sinh H = M nearly, H = √−α χ, and Newton's method would come down by one in H a round.
+            let root = (-alpha).sqrt();
+            chi = chi.min((2.0 * tau * root * root * root / e + 1.8).ln() / root);
+        }
         let mut before = f64::INFINITY;
-        for _ in 0..MOST_ROUNDS {
+        for round in 1..=MOST_ROUNDS {
             let (f, slope) = value(chi);
             if f == 0.0 {
-                return chi;
+                return (chi, round);
             }
             // Overflow counts as too far.
             if f < 0.0 {
@@ -234,15 +239,18 @@ impl Conic {
                 newton
             } else if high.is_finite() {
                 before = f64::INFINITY;
-                low + 0.5 * (high - low)
+                match low > 0.0 && high > 4.0 * low {
+                    true => low.sqrt() * high.sqrt(),
+                    false => low + 0.5 * (high - low),
+                }
             } else {
                 2.0 * chi
             };
             if (next - chi).abs() <= 2.0 * f64::EPSILON * chi.abs() || next <= low || next >= high {
-                return next.clamp(low, high.min(f64::MAX));
+                return (next.clamp(low, high.min(f64::MAX)), round);
             }
             chi = next;
         }
-        chi
+        (chi, MOST_ROUNDS)
     }
 }

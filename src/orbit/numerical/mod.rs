@@ -79,6 +79,7 @@ pub struct NumericalFeed {
     impacts: (Option<Epoch>, Option<Epoch>),
     events: Vec<Event>,
     counts: Counts,
+    stiff: Vec<(Epoch, Epoch)>,
 }
 
 impl NumericalFeed {
@@ -112,8 +113,12 @@ impl NumericalFeed {
             trajectory,
             mut events,
             counts,
+            mut stiff,
             ..
         } = run;
+        stiff.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let at = |t| epoch + Duration::from_seconds(t);
+        let stiff = stiff.into_iter().map(|(a, b)| (at(a), at(b))).collect();
         events.sort_by_key(|event| event.epoch);
         Ok(Self {
             name,
@@ -125,6 +130,7 @@ impl NumericalFeed {
             impacts,
             events,
             counts,
+            stiff,
         })
     }
 
@@ -141,6 +147,12 @@ impl NumericalFeed {
     /// What the integration took.
     pub fn counts(&self) -> Counts {
         self.counts
+    }
+
+    /// Stretches that the implicit method flew, in the order of time: with [`Solver::Automatic`], where the motion was found
+    /// stiff.
+    pub fn stiff_spans(&self) -> &[(Epoch, Epoch)] {
+        &self.stiff
     }
 
     /// Steps kept.

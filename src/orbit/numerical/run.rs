@@ -2,7 +2,7 @@
 
 use super::event::Watcher;
 use super::force::Motion;
-use super::integrate::{Driver, Fault};
+use super::integrate::{Dense, Driver, Fault};
 use super::trajectory::Trajectory;
 use super::{Craft, Event, EventKind, ForceModel, NumericalError, NumericalOptions};
 use crate::frames::{Duration, Epoch, rfc3339};
@@ -31,6 +31,8 @@ pub(super) struct Run<'a> {
     pub trajectory: Trajectory,
     pub events: Vec<Event>,
     pub counts: Counts,
+    /// Stretches that the implicit method flew, seconds from the epoch, the earlier end first.
+    pub stiff: Vec<(f64, f64)>,
 }
 
 /// Longest span, days: 300 years.
@@ -116,6 +118,7 @@ impl<'a> Run<'a> {
             trajectory: Trajectory::default(),
             events: Vec::new(),
             counts: Counts::default(),
+            stiff: Vec::new(),
         })
     }
 
@@ -160,6 +163,9 @@ impl<'a> Run<'a> {
                 .step(&mut self.motion, border)
                 .map_err(|fault| self.fault(fault, driver.t(), driver.y()))?;
             let found = self.watcher.events(&mut self.motion, &step);
+            if matches!(step.dense, Dense::Implicit(_)) {
+                self.add_stiff(step.t0, step.t1());
+            }
             self.trajectory.push(step);
             for (t, kind) in found {
                 let epoch = self.epoch + Duration::from_seconds(t);
@@ -220,6 +226,14 @@ impl<'a> Run<'a> {
 
     fn epoch_text(&self, t: f64) -> String {
         rfc3339(self.epoch + Duration::from_seconds(t))
+    }
+
+    fn add_stiff(&mut self, from: f64, to: f64) {
+        match self.stiff.last_mut() {
+            Some(last) if last.1 == from => last.1 = to,
+            Some(last) if last.0 == from => last.0 = to,
+            _ => self.stiff.push((from.min(to), from.max(to))),
+        }
     }
 
     fn add_counts(&mut self, more: Counts) {

@@ -119,6 +119,13 @@ fn a_balloon_is_stiff_and_the_automatic_method_knows() {
     )
     .unwrap();
     assert_eq!(craft.counts().implicit, 0, "{:?}", craft.counts());
+    assert!(craft.stiff_spans().is_empty());
+    // The balloon is stiff to the end, and for most of its way.
+    let spans = other.stiff_spans();
+    let stiff: f64 = spans.iter().map(|(a, b)| (*b - *a).to_seconds()).sum();
+    assert!(stiff > 0.8 * automatic, "{stiff} of {automatic}");
+    assert!(spans.windows(2).all(|pair| pair[0].1 <= pair[1].0));
+    assert!(spans.last().unwrap().1 >= other.impact().unwrap());
 }
 
 #[test]
