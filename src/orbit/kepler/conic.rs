@@ -233,6 +233,10 @@ impl Conic {
                 high = chi;
             }
             let newton = chi - f / slope;
+            // All that is left is rounding.
+            if f.abs() <= 2.0 * f64::EPSILON * tau || (newton - chi).abs() <= f64::EPSILON * chi {
+                return (newton.clamp(low, high), round);
+            }
             let slow = f.abs() > 0.5 * before;
             before = f.abs();
             let next = if newton > low && newton < high && !slow {
