@@ -1,6 +1,7 @@
 //! The secular drift of an ellipse by the Earth's flattening.
 
-use super::{Conic, Elements};
+use super::Conic;
+use super::elements::angles;
 use crate::orbit::constants::{EGM96_EQUATORIAL_RADIUS_M, EGM96_J2};
 use glam::DVec3;
 
@@ -25,7 +26,7 @@ impl SecularRates {
         if e >= 1.0 || conic.reciprocal_axis_1_m <= 0.0 || conic.periapsis_m <= 0.0 {
             return None;
         }
-        let i = Elements::of(conic).inclination_rad;
+        let [i, ..] = angles(conic);
         let n = conic.mean_motion_rad_s();
         let p = conic.periapsis_m * (1.0 + e);
         let factor = 0.75 * EGM96_J2 * (EGM96_EQUATORIAL_RADIUS_M / p).powi(2);

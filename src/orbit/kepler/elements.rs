@@ -118,27 +118,12 @@ impl Elements {
     /// Elements of a conic; angles from 0 to 2π, where a circle's periapsis is put into its node and an equatorial
     /// orbit's node to 0. The anomaly is the true one at the epoch.
     pub fn of(conic: &Conic) -> Self {
-        let normal = conic.to_periapsis.cross(conic.across);
-        let horizontal = normal.x.hypot(normal.y);
-        let inclination_rad = horizontal.atan2(normal.z);
-        let (node, node_rad) = match horizontal > 1e-12 {
-            true => (
-                DVec3::new(-normal.y, normal.x, 0.0) / horizontal,
-                normal.x.atan2(-normal.y),
-            ),
-            false => (DVec3::X, 0.0),
-        };
-        let ahead = normal.cross(node);
-        let angle = |v: DVec3| v.dot(ahead).atan2(v.dot(node));
+        let [inclination_rad, node_rad, argument] = angles(conic);
         let ((x, y), _) = conic.in_plane(conic.chi_at(0.0, 0.0));
-        let position = conic.to_periapsis * x + conic.across * y;
         let circle = conic.eccentricity < 1e-14;
-        let argument_rad = if circle {
-            0.0
-        } else {
-            angle(conic.to_periapsis)
-        };
-        let nu = angle(position) - argument_rad;
+        let argument_rad = if circle { 0.0 } else { argument };
+        // From the node to the place, less what the periapsis has of it.
+        let nu = y.atan2(x) + argument - argument_rad;
         Self {
             size: match conic.eccentricity {
                 0.0..0.9 => Size::SemiMajorAxis(1.0 / conic.reciprocal_axis_1_m),
@@ -183,6 +168,25 @@ impl Conic {
         let alpha = self.reciprocal_axis_1_m.abs();
         self.gm_m3_s2.sqrt() * alpha * alpha.sqrt()
     }
+}
+
+/// Inclination, node and argument of the periapsis of a conic, radians, −π…π; a circle's axes count as any other's.
+pub(super) fn angles(conic: &Conic) -> [f64; 3] {
+    let normal = conic.to_periapsis.cross(conic.across);
+    let horizontal = normal.x.hypot(normal.y);
+    let (node, node_rad) = match horizontal > 1e-12 {
+        true => (
+            DVec3::new(-normal.y, normal.x, 0.0) / horizontal,
+            normal.x.atan2(-normal.y),
+        ),
+        false => (DVec3::X, 0.0),
+    };
+    let ahead = normal.cross(node);
+    let argument_rad = conic
+        .to_periapsis
+        .dot(ahead)
+        .atan2(conic.to_periapsis.dot(node));
+    [horizontal.atan2(normal.z), node_rad, argument_rad]
 }
 
 /// Unit vectors to the periapsis and 90° on: R3(−Ω) R1(−i) R3(−ω) applied to x and y.

@@ -23,7 +23,7 @@ pub use error::KeplerError;
 use super::constants::EARTH_GM_M3_S2;
 use super::{Feed, Frame, OrbitError, OrbitState};
 use crate::frames::{Duration, Ellipsoid, Epoch, rfc3339};
-use elements::plane;
+use elements::{angles, plane};
 use glam::DVec3;
 
 /// What is taken of the Earth's flattening.
@@ -50,7 +50,8 @@ pub struct KeplerFeed {
     frame: Frame,
     epoch: Epoch,
     conic: Conic,
-    drift: Option<(Elements, SecularRates)>,
+    /// Inclination, node and argument at the epoch, radians.
+    drift: Option<([f64; 3], SecularRates)>,
     first: Epoch,
     last: Epoch,
     /// Where the conic meets the ground, if it does in the span: before and after.
@@ -98,7 +99,7 @@ impl KeplerFeed {
         let mut feed = Self::new(name.into(), state.frame, state.epoch, conic, options)?;
         feed.drift = feed
             .drift
-            .map(|(elements, rates)| (elements, rates.with_mean_axis(&conic, state.position_m)));
+            .map(|(angles, rates)| (angles, rates.with_mean_axis(&conic, state.position_m)));
         Ok(feed)
     }
 
@@ -126,7 +127,7 @@ impl KeplerFeed {
                 let eccentricity = conic.eccentricity;
                 let rates = SecularRates::of(&conic)
                     .ok_or(KeplerError::DriftNeedsEllipse { eccentricity })?;
-                Some((Elements::of(&conic), rates))
+                Some((angles(&conic), rates))
             }
         };
         let mut feed = Self {
@@ -239,16 +240,16 @@ impl KeplerFeed {
             ns.div_euclid(1_000_000_000) as f64,
             ns.rem_euclid(1_000_000_000) as f64 * 1e-9,
         );
-        let Some((elements, rates)) = &self.drift else {
+        let Some(([inclination, node, argument], rates)) = &self.drift else {
             return self.conic.at(whole, rest);
         };
         let seconds = whole + rest;
         let factor = rates.mean_motion_relative;
         let normal = self.conic.to_periapsis.cross(self.conic.across);
         let [to_periapsis, across] = plane(
-            elements.inclination_rad,
-            elements.node_rad + rates.node_rad_s * seconds,
-            elements.argument_rad + rates.argument_rad_s * seconds,
+            *inclination,
+            node + rates.node_rad_s * seconds,
+            argument + rates.argument_rad_s * seconds,
         );
         let turned = Conic {
             to_periapsis,

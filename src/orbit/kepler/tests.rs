@@ -508,3 +508,24 @@ fn the_solver_ends_in_few_rounds_wherever_it_is_sent() {
     );
     assert!(most <= 10 && sum < 4 * calls, "{most} {sum} {calls}");
 }
+
+#[test]
+fn a_circle_drifts_from_where_it_is() {
+    // A circle's periapsis is anywhere: the drift must not move the place at the epoch, nor the argument of latitude's rate.
+    for e in [0.0, 1e-15, 1e-12, 1e-3] {
+        let (position_m, velocity_m_s) = conic(7e6, e, 70.0).state_after(0.0);
+        let state = OrbitState {
+            epoch: epoch(),
+            frame: Frame::Gcrf,
+            position_m,
+            velocity_m_s,
+        };
+        let options = KeplerOptions {
+            drift: Drift::J2,
+            ..span(1.0)
+        };
+        let feed = KeplerFeed::from_state("circle", &state, options).unwrap();
+        let off = (feed.state_at(epoch()).unwrap().position_m - position_m).length();
+        assert!(off < 1e-6, "{e}: {off}");
+    }
+}

@@ -19,6 +19,9 @@ pub(super) struct Field {
     order: usize,
     c: Harmonics,
     s: Harmonics,
+    /// Kept between calls: filling it with zeros anew would take longer than J2 itself.
+    v: Harmonics,
+    w: Harmonics,
 }
 
 impl Field {
@@ -43,17 +46,21 @@ impl Field {
                 }
             }
         }
+        let (v, w) = ([[0.0; SIDE]; SIDE], [[0.0; SIDE]; SIDE]);
         Self {
             degree,
             order,
             c,
             s,
+            v,
+            w,
         }
     }
 
     /// Acceleration beyond the point mass's, m/s², in the Earth-fixed axes that the position (m) is given in.
-    pub fn acceleration(&self, position_m: DVec3) -> DVec3 {
-        let (v, w) = self.harmonics(position_m);
+    pub fn acceleration(&mut self, position_m: DVec3) -> DVec3 {
+        self.harmonics(position_m);
+        let (v, w) = (&self.v, &self.w);
         let (mut x, mut y, mut z) = (0.0, 0.0, 0.0);
         // From the smallest terms to the largest.
         for n in (2..=self.degree).rev() {
@@ -79,8 +86,9 @@ impl Field {
 
     /// Potential beyond the point mass's, m²/s², positive where the field is stronger.
     #[cfg(test)]
-    pub fn potential(&self, position_m: DVec3) -> f64 {
-        let (v, w) = self.harmonics(position_m);
+    pub fn potential(&mut self, position_m: DVec3) -> f64 {
+        self.harmonics(position_m);
+        let (v, w) = (&self.v, &self.w);
         let mut sum = 0.0;
         for n in (2..=self.degree).rev() {
             for m in 0..=self.order.min(n) {
@@ -90,8 +98,9 @@ impl Field {
         sum * EARTH_GM_M3_S2 / EGM96_EQUATORIAL_RADIUS_M
     }
 
-    fn harmonics(&self, position_m: DVec3) -> (Harmonics, Harmonics) {
-        let (mut v, mut w) = ([[0.0; SIDE]; SIDE], [[0.0; SIDE]; SIDE]);
+    /// Fills V and W.
+    fn harmonics(&mut self, position_m: DVec3) {
+        let (v, w) = (&mut self.v, &mut self.w);
         let r2 = position_m.length_squared();
         let scaled = position_m * (EGM96_EQUATORIAL_RADIUS_M / r2);
         let rho = EGM96_EQUATORIAL_RADIUS_M * EGM96_EQUATORIAL_RADIUS_M / r2;
@@ -107,11 +116,10 @@ impl Field {
                 let first = (2 * n - 1) as f64 * scaled.z;
                 let second = (n + m - 1) as f64 * rho;
                 let below = |h: &Harmonics| if n >= m + 2 { h[n - 2][m] } else { 0.0 };
-                v[n][m] = (first * v[n - 1][m] - second * below(&v)) / (n - m) as f64;
-                w[n][m] = (first * w[n - 1][m] - second * below(&w)) / (n - m) as f64;
+                v[n][m] = (first * v[n - 1][m] - second * below(v)) / (n - m) as f64;
+                w[n][m] = (first * w[n - 1][m] - second * below(w)) / (n - m) as f64;
             }
         }
-        (v, w)
     }
 }
 
@@ -123,7 +131,7 @@ mod tests {
     #[test]
     fn flattening_by_its_closed_form() {
         // a = −(3/2) J2 μ R²/r⁵ (x(1 − 5z²/r²), y(1 − 5z²/r²), z(3 − 5z²/r²)), Vallado 2013, 8-30.
-        let field = Field::new(2, 0);
+        let mut field = Field::new(2, 0);
         for p in [
             DVec3::new(7e6, 1e5, -2e6),
             DVec3::new(0.0, 0.0, 7e6),
@@ -141,13 +149,13 @@ mod tests {
     #[test]
     fn acceleration_is_the_slope_of_the_potential() {
         for (degree, order) in [(2, 0), (6, 0), (4, 4), (20, 20), (20, 7)] {
-            let field = Field::new(degree, order);
+            let mut field = Field::new(degree, order);
             for p in [
                 DVec3::new(5e6, 3e6, -3e6),
                 DVec3::new(1.0, -2.0, 6.5e6),
                 DVec3::new(-6.6e6, 1e5, 10.0),
             ] {
-                let slope = |axis: DVec3| {
+                let mut slope = |axis: DVec3| {
                     (field.potential(p + axis * 50.0) - field.potential(p - axis * 50.0)) / 100.0
                 };
                 let by_difference = DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z));
@@ -165,8 +173,8 @@ mod tests {
     fn the_field_is_that_of_the_normal_ellipsoid_but_for_mountains() {
         // Normal gravity of WGS84 (NIMA TR8350.2): 9.7803253359 m/s² at the equator, 9.8321849378 at the poles; the turn
         // of the Earth takes ω²a away at the equator. Anomalies of the field to degree 20 stay below 1e-3 m/s².
-        let field = Field::new(20, 20);
-        let down = |p: DVec3| {
+        let mut field = Field::new(20, 20);
+        let mut down = |p: DVec3| {
             -(field.acceleration(p) - p * (EARTH_GM_M3_S2 / p.length().powi(3))).dot(p.normalize())
         };
         let pole = down(DVec3::new(0.0, 0.0, 6_356_752.314));

@@ -257,7 +257,7 @@ impl Motion {
             let through_air = v - self.sky.rotation_rad_s(t).cross(r);
             a -= through_air * (0.5 * density * self.ballistic * through_air.length());
         }
-        if let Some(field) = &self.field {
+        if let Some(field) = &mut self.field {
             let axes = match self.model.gravity {
                 Gravity::Zonal { .. } | Gravity::Field { .. } => Some(self.sky.itrf_from_gcrf(t)),
                 Gravity::Point | Gravity::ZonalOfJ2000 { .. } => None,
@@ -281,8 +281,8 @@ impl Motion {
 
     /// Potential of the Earth's field, m²/s², positive; for models that keep the energy.
     #[cfg(test)]
-    pub fn potential(&self, r: DVec3) -> f64 {
-        let field = self.field.as_ref().map_or(0.0, |field| field.potential(r));
+    pub fn potential(&mut self, r: DVec3) -> f64 {
+        let field = self.field.as_mut().map_or(0.0, |field| field.potential(r));
         EARTH_GM_M3_S2 / r.length() + field
     }
 }
