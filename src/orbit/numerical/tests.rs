@@ -7,6 +7,7 @@ use crate::orbit::kepler::{
 };
 use glam::DVec3;
 
+mod any;
 mod extremes;
 mod oracle;
 mod perturbed;
