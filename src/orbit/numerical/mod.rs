@@ -34,7 +34,7 @@ pub struct NumericalOptions {
     pub first: Epoch,
     /// Last epoch to answer for; the state's or after.
     pub last: Epoch,
-    /// Error allowed in a step, relative to distance and speed: 1e-14…1e-3. Errors of steps add up, see docs.
+    /// Error allowed in a step, relative to distance and speed: 1e-14…1e-3. Errors of steps add up: docs/orbits.md.
     pub relative_tolerance: f64,
     /// The method.
     pub solver: Solver,

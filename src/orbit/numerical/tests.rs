@@ -227,6 +227,25 @@ fn what_makes_no_sense_is_refused() {
         try_with(&good, &model, &craft, &endless),
         NumericalError::Range { .. }
     ));
+    let backwards = Thrust {
+        first: options.last,
+        last: epoch(),
+        acceleration_m_s2: DVec3::X,
+        axes: ThrustAxes::Flight,
+    };
+    let error = try_with(
+        &good,
+        &ForceModel {
+            thrusts: vec![backwards],
+            ..model.clone()
+        },
+        &craft,
+        &options,
+    );
+    assert!(
+        matches!(error, NumericalError::Range { value, .. } if value < 0.0),
+        "{error}"
+    );
     // Too few steps: how far it came is said.
     let short = NumericalOptions {
         step_limit: 10,

@@ -169,15 +169,16 @@ impl ForceModel {
                 "at most 10 000",
             );
         }
-        match self
-            .thrusts
-            .iter()
-            .all(|t| t.acceleration_m_s2.is_finite() && t.first <= t.last)
-        {
-            true => Ok(()),
-            false => Err(NumericalError::NotFinite {
-                field: "a thrust's acceleration or duration",
-            }),
+        if !self.thrusts.iter().all(|t| t.acceleration_m_s2.is_finite()) {
+            let field = "the acceleration of a thrust";
+            return Err(NumericalError::NotFinite { field });
+        }
+        match self.thrusts.iter().find(|t| t.first > t.last) {
+            Some(t) => {
+                let seconds = (t.last - t.first).to_seconds();
+                range("duration of a thrust, s,", seconds, "0 or more")
+            }
+            None => Ok(()),
         }
     }
 
