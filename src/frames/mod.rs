@@ -2,6 +2,7 @@
 //!
 //! Earth-fixed axes are ITRF: x to 0° E on the equator, z to the north pole.
 
+mod bodies;
 mod calendar;
 mod ccsds;
 mod earth_orientation;
@@ -11,6 +12,10 @@ mod rotation;
 mod sun;
 mod time;
 
+pub use bodies::{
+    ASTRONOMICAL_UNIT_M, earth_rotation_angle_rad, intermediate_from_gcrf, moon_position_gcrf_m,
+    sun_position_gcrf_m,
+};
 pub(crate) use calendar::Calendar;
 pub use ccsds::{TimeScale, ccsds_time, epoch_from_ccsds};
 pub use earth_orientation::{EarthOrientation, EarthOrientationError};

@@ -54,7 +54,7 @@ fn apparent_direction(earth_au: [f64; 3], velocity_au_day: [f64; 3]) -> DVec3 {
 }
 
 /// Meeus, Astronomical Algorithms (1998), chapter 25, with mean equator and equinox of date turned by mean sidereal time.
-fn low_precision_direction_itrf(epoch: Epoch) -> DVec3 {
+pub(super) fn low_precision_direction_itrf(epoch: Epoch) -> DVec3 {
     let tt = JulianDate::tt(epoch);
     let t = (tt.midnight - 2_451_545.0 + tt.fraction) / 36_525.0;
     // L0, M, C: mean longitude, mean anomaly, equation of the centre, degrees.
@@ -73,6 +73,17 @@ fn low_precision_direction_itrf(epoch: Epoch) -> DVec3 {
     );
     let utc = JulianDate::utc(epoch);
     rotation_about_z(sofars::erst::gmst82(utc.midnight, utc.fraction)) * direction
+}
+
+/// Distance that goes with it (Meeus 25.5), astronomical units.
+pub(super) fn low_precision_distance_au(epoch: Epoch) -> f64 {
+    let tt = JulianDate::tt(epoch);
+    let t = (tt.midnight - 2_451_545.0 + tt.fraction) / 36_525.0;
+    let anomaly = (357.529_11 + t * (35_999.050_29 - t * 0.000_153_7)).to_radians();
+    let eccentricity = 0.016_708_634 - t * (0.000_042_037 + t * 0.000_000_126_7);
+    let centre = (1.914_602 * anomaly.sin() + 0.019_993 * (2.0 * anomaly).sin()).to_radians();
+    1.000_001_018 * (1.0 - eccentricity * eccentricity)
+        / (1.0 + eccentricity * (anomaly + centre).cos())
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@
 //! | [`extreme`] | pictures that nobody would ask for, and what they must show |
 //! | [`errors`] | how wrong a picture is: colours, places, silhouette |
 //! | [`report`] | error against run time over a scene's settings: tables, charts, a page |
+//! | [`orbits`] | propagators: error beside run time |
 //! | `quantiles`, `pareto`, `chart`, `axis` | what is told of measurements |
 
 mod axis;
@@ -20,6 +21,7 @@ pub mod errors;
 pub mod extreme;
 mod floor;
 pub mod numeric;
+pub mod orbits;
 mod pareto;
 mod quantiles;
 pub mod reference;

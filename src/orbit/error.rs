@@ -124,6 +124,12 @@ pub enum OrbitError {
         /// When it is known, UTC.
         known: String,
     },
+    /// Kepler elements are wrong or their orbit has met the ground.
+    #[error(transparent)]
+    Kepler(#[from] super::kepler::KeplerError),
+    /// An integration cannot be, or its satellite has met the ground.
+    #[error(transparent)]
+    Numerical(#[from] super::numerical::NumericalError),
     /// The epoch is outside the feed's validity.
     #[error(
         "{satellite} is not known at {epoch}: its elements hold from {first} to {last}; change the date or take elements of that time"

@@ -1,11 +1,14 @@
 //! Feeds: where a satellite is at an epoch.
 
 mod catalogue;
+pub mod constants;
 mod czml;
 mod elements;
 mod ephemeris;
 mod error;
 mod file;
+pub mod kepler;
+pub mod numerical;
 mod oem;
 mod omm;
 mod record;

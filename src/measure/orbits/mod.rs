@@ -1,0 +1,282 @@
+//! Propagators compared: error against run time, and what is kept that should be kept.
+//!
+//! | file | what |
+//! |---|---|
+//! | `reference.rs`, `double_double.rs` | where the satellite truly is, in 32 digits |
+//! | `table.rs` | the comparison as a table |
+
+mod double_double;
+mod reference;
+mod table;
+
+pub use reference::positions_m;
+pub use table::{OrbitRow, markdown, rows};
+
+use super::numeric::{Method, Sweep, Work};
+use crate::frames::{Duration, Epoch};
+use crate::orbit::constants::{EARTH_GM_M3_S2, EGM96_EQUATORIAL_RADIUS_M, EGM96_J2};
+use crate::orbit::kepler::{Anomaly, Drift, Elements, KeplerFeed, KeplerOptions, Size};
+use crate::orbit::numerical::{
+    Craft, ForceModel, Gravity, NumericalFeed, NumericalOptions, Solver,
+};
+use crate::orbit::{Feed, Frame, OrbitState};
+use glam::DVec3;
+use std::cell::OnceCell;
+use std::hint::black_box;
+
+/// Places of a span that are looked at.
+const PLACES: u32 = 24;
+
+/// The ways to get there.
+const VARIANTS: [(&str, Option<Solver>); 3] = [
+    ("conic", None),
+    ("DOP853", Some(Solver::Explicit)),
+    ("Radau IIA", Some(Solver::Implicit)),
+];
+
+/// One orbit over one span.
+#[derive(Clone, Debug)]
+pub struct OrbitCase {
+    name: String,
+    start: OrbitState,
+    flattened: bool,
+    span: Duration,
+    reference: OnceCell<Vec<DVec3>>,
+}
+
+/// One flight of a case.
+#[derive(Clone, Debug)]
+struct Flight {
+    states: Vec<OrbitState>,
+    evaluations: u64,
+}
+
+impl OrbitCase {
+    /// Perigee at 7000 km from the centre; long ellipses begin half the span before it, so that it is passed.
+    ///
+    /// `None` if the numbers make no orbit.
+    pub fn new(eccentricity: f64, flattened: bool, days: f64) -> Option<Self> {
+        let epoch = Epoch::from_gregorian_tai_at_noon(2018, 1, 15);
+        let span = Duration::from_days(days);
+        let passage = if eccentricity > 0.9 {
+            epoch + span * 0.5
+        } else {
+            epoch
+        };
+        let elements = Elements {
+            size: Size::Periapsis(7e6),
+            eccentricity,
+            inclination_rad: 63.4_f64.to_radians(),
+            node_rad: 1.0,
+            argument_rad: 4.7,
+            anomaly: Anomaly::PeriapsisAt(passage),
+        };
+        let (position_m, velocity_m_s) =
+            elements.conic(EARTH_GM_M3_S2, epoch).ok()?.state_after(0.0);
+        let forces = if flattened { "J2" } else { "two bodies" };
+        let unit = if days == 1.0 { "day" } else { "days" };
+        Some(Self {
+            name: format!("e = {eccentricity}, {forces}, {days} {unit}"),
+            start: OrbitState {
+                epoch,
+                frame: Frame::Gcrf,
+                position_m,
+                velocity_m_s,
+            },
+            flattened,
+            span,
+            reference: OnceCell::new(),
+        })
+    }
+
+    fn epochs(&self) -> impl Iterator<Item = Epoch> + '_ {
+        (1..=PLACES).map(|k| self.start.epoch + self.span * (f64::from(k) / f64::from(PLACES)))
+    }
+
+    fn reference(&self) -> &[DVec3] {
+        self.reference.get_or_init(|| {
+            let times: Vec<f64> = self
+                .epochs()
+                .map(|at| (at - self.start.epoch).to_seconds())
+                .collect();
+            positions_m(
+                self.start.position_m,
+                self.start.velocity_m_s,
+                self.flattened,
+                &times,
+            )
+            .0
+        })
+    }
+
+    /// One way, all of it: from the state to the places. `None` where it fails.
+    fn fly(&self, solver: Option<Solver>, relative_tolerance: f64) -> Option<Flight> {
+        let (first, last) = (self.start.epoch, self.start.epoch + self.span);
+        let states = |feed: &dyn Feed| -> Option<Vec<OrbitState>> {
+            self.epochs().map(|at| feed.state_at(at).ok()).collect()
+        };
+        let Some(solver) = solver else {
+            let drift = if self.flattened {
+                Drift::J2
+            } else {
+                Drift::None
+            };
+            let feed =
+                KeplerFeed::from_state("", &self.start, KeplerOptions { drift, first, last })
+                    .ok()?;
+            return Some(Flight {
+                states: states(&feed)?,
+                evaluations: 0,
+            });
+        };
+        let model = ForceModel {
+            gravity: if self.flattened {
+                Gravity::ZonalOfJ2000 { degree: 2 }
+            } else {
+                Gravity::Point
+            },
+            ..ForceModel::default()
+        };
+        let options = NumericalOptions {
+            relative_tolerance,
+            solver,
+            ..NumericalOptions::between(first, last)
+        };
+        let feed = NumericalFeed::new("", &self.start, &model, &Craft::default(), &options).ok()?;
+        Some(Flight {
+            states: states(&feed)?,
+            evaluations: feed.counts().evaluations,
+        })
+    }
+
+    /// Largest distance from the reference, metres; infinite without a flight.
+    fn error_m(&self, flight: Option<&Flight>) -> f64 {
+        let Some(flight) = flight else {
+            return f64::INFINITY;
+        };
+        let off = flight.states.iter().zip(self.reference());
+        off.map(|(state, exact)| (state.position_m - *exact).length())
+            .fold(0.0, f64::max)
+    }
+
+    /// Energy, m²/s², and angular momentum about z, m²/s: what flattening keeps.
+    fn kept(&self, state: &OrbitState) -> (f64, f64) {
+        let (r, v) = (state.position_m, state.velocity_m_s);
+        let distance = r.length();
+        let mut potential = EARTH_GM_M3_S2 / distance;
+        if self.flattened {
+            let sine = r.z / distance;
+            let ratio = EGM96_EQUATORIAL_RADIUS_M / distance;
+            potential *= 1.0 - EGM96_J2 * ratio * ratio * (1.5 * sine * sine - 0.5);
+        }
+        (0.5 * v.length_squared() - potential, r.cross(v).z)
+    }
+
+    /// How far energy and momentum drift, relative to what they were.
+    fn drifts(&self, flight: &Flight) -> (f64, f64) {
+        let (energy, momentum) = self.kept(&self.start);
+        flight
+            .states
+            .iter()
+            .fold((0.0_f64, 0.0_f64), |(e, m), state| {
+                let now = self.kept(state);
+                (
+                    e.max((now.0 / energy - 1.0).abs()),
+                    m.max((now.1 / momentum - 1.0).abs()),
+                )
+            })
+    }
+}
+
+impl Method for OrbitCase {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn error_unit(&self) -> &str {
+        "m"
+    }
+
+    fn variants(&self) -> Vec<String> {
+        VARIANTS
+            .iter()
+            .map(|(name, _)| (*name).to_owned())
+            .collect()
+    }
+
+    fn sweep(&self) -> Sweep {
+        Sweep {
+            parameter: "relative_tolerance",
+            values: vec![1e-6, 1e-8, 1e-10, 1e-12],
+        }
+    }
+
+    fn error(&self, variant: usize, at: f64) -> f64 {
+        let solver = VARIANTS.get(variant).and_then(|(_, solver)| *solver);
+        self.error_m(self.fly(solver, at).as_ref())
+    }
+
+    fn work(&self, variant: usize, at: f64) -> Work<'_> {
+        let solver = VARIANTS.get(variant).and_then(|(_, solver)| *solver);
+        Work::Timed {
+            calls: 1,
+            run: Box::new(move || {
+                black_box(self.fly(solver, at));
+            }),
+        }
+    }
+}
+
+/// Circle to e = 0.9999, two bodies and J2, one day and thirty.
+pub fn methods() -> Vec<OrbitCase> {
+    let mut cases = Vec::new();
+    for flattened in [false, true] {
+        for days in [1.0, 30.0] {
+            for eccentricity in [0.0, 0.1, 0.74, 0.99, 0.9999] {
+                cases.extend(OrbitCase::new(eccentricity, flattened, days));
+            }
+        }
+    }
+    cases
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::numeric::measure;
+
+    #[test]
+    fn errors_fall_with_the_tolerance_and_the_conic_is_exact_for_two_bodies() {
+        for (eccentricity, flattened) in [(0.1, false), (0.74, true), (0.9999, false)] {
+            let case = OrbitCase::new(eccentricity, flattened, 1.0).unwrap();
+            let found = measure(&case, 1);
+            assert_eq!(found.len(), 12);
+            let errors = |variant: &str| -> Vec<f64> {
+                found
+                    .iter()
+                    .filter(|m| m.variant == variant)
+                    .map(|m| m.error)
+                    .collect()
+            };
+            for variant in ["DOP853", "Radau IIA"] {
+                let errors = errors(variant);
+                assert!(
+                    errors.windows(2).all(|e| e[1] < 0.2 * e[0] || e[1] < 1e-3),
+                    "{eccentricity} {variant}: {errors:?}"
+                );
+                assert!(errors[3] < 0.01, "{eccentricity} {variant}: {errors:?}");
+            }
+            let conic = errors("conic")[0];
+            match flattened {
+                true => assert!((1e4..2e6).contains(&conic), "{conic}"),
+                false => assert!(conic < 2e-5, "{eccentricity}: {conic:e}"),
+            }
+        }
+    }
+
+    #[test]
+    fn there_are_twenty_cases() {
+        assert_eq!(methods().len(), 20);
+        assert!(OrbitCase::new(f64::NAN, false, 1.0).is_none());
+    }
+}

@@ -1,0 +1,311 @@
+//! Motion on a conic: two bodies, and where wanted the Earth's flattening as an average.
+//!
+//! | file | what |
+//! |---|---|
+//! | `stumpff.rs` | functions that are the same for every conic |
+//! | `conic.rs` | position from time and time from position, by a universal variable |
+//! | `elements.rs` | classical elements, there and back |
+//! | `drift.rs` | the drift of node and periapsis by J2 |
+
+mod conic;
+mod drift;
+mod elements;
+mod error;
+mod stumpff;
+#[cfg(test)]
+mod tests;
+
+pub use conic::Conic;
+pub use drift::SecularRates;
+pub use elements::{Anomaly, Elements, Size};
+pub use error::KeplerError;
+
+use super::constants::EARTH_GM_M3_S2;
+use super::{Feed, Frame, OrbitError, OrbitState};
+use crate::frames::{Duration, Ellipsoid, Epoch, rfc3339};
+use elements::{angles, plane};
+use glam::DVec3;
+
+/// What is taken of the Earth's flattening.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Drift {
+    /// Nothing: the conic stands still.
+    #[default]
+    None,
+    /// Node, periapsis and mean anomaly drift as J2 makes them on average. Ellipses only.
+    ///
+    /// The elements are then mean elements. A state gives osculating ones: its period is corrected for that, its shape is
+    /// not, so that the place swings by terms of short period, some 10 km in low orbit, hundreds along a long ellipse.
+    J2,
+}
+
+/// A satellite on a conic about the Earth's centre.
+///
+/// Left out: everything but the Earth's mass and, with [`Drift::J2`], the average of its flattening. No short-period
+/// terms, no air, no Sun and Moon. The place is that of two bodies to a few roundings of the axis and of time: 1 mm after thirty
+/// years in low orbit. The equator is the frame's: in GCRF that of J2000, from which the true one moves 0.006° a year.
+#[derive(Clone, Debug)]
+pub struct KeplerFeed {
+    name: String,
+    frame: Frame,
+    epoch: Epoch,
+    conic: Conic,
+    /// Inclination, node and argument at the epoch, radians.
+    drift: Option<([f64; 3], SecularRates)>,
+    first: Epoch,
+    last: Epoch,
+    /// Where the conic meets the ground, if it does in the span: before and after.
+    ground: (Option<Epoch>, Option<Epoch>),
+}
+
+/// How a [`KeplerFeed`] moves and how long it is good for.
+#[derive(Clone, Copy, Debug)]
+pub struct KeplerOptions {
+    /// The Earth's flattening.
+    pub drift: Drift,
+    /// First epoch to answer for.
+    pub first: Epoch,
+    /// Last epoch to answer for.
+    pub last: Epoch,
+}
+
+impl KeplerFeed {
+    /// From classical elements at `epoch`, in the axes of `frame` (TEME, GCRF or EME2000).
+    ///
+    /// # Errors
+    /// What [`Elements::conic`] refuses, a turning frame, a drift of what is no ellipse, an empty span, an epoch under
+    /// the ground.
+    pub fn from_elements(
+        name: impl Into<String>,
+        frame: Frame,
+        epoch: Epoch,
+        elements: &Elements,
+        options: KeplerOptions,
+    ) -> Result<Self, KeplerError> {
+        let conic = elements.conic(EARTH_GM_M3_S2, epoch)?;
+        Self::new(name.into(), frame, epoch, conic, options)
+    }
+
+    /// The conic that touches a state: any, also a fall along a straight line.
+    ///
+    /// # Errors
+    /// As [`Self::from_elements`].
+    pub fn from_state(
+        name: impl Into<String>,
+        state: &OrbitState,
+        options: KeplerOptions,
+    ) -> Result<Self, KeplerError> {
+        let conic = Conic::from_state(EARTH_GM_M3_S2, state.position_m, state.velocity_m_s)?;
+        let mut feed = Self::new(name.into(), state.frame, state.epoch, conic, options)?;
+        feed.drift = feed
+            .drift
+            .map(|(angles, rates)| (angles, rates.with_mean_axis(&conic, state.position_m)));
+        Ok(feed)
+    }
+
+    fn new(
+        name: String,
+        frame: Frame,
+        epoch: Epoch,
+        conic: Conic,
+        options: KeplerOptions,
+    ) -> Result<Self, KeplerError> {
+        if frame.is_earth_fixed() {
+            return Err(KeplerError::TurningFrame {
+                frame: frame.name(),
+            });
+        }
+        if options.first > options.last {
+            return Err(KeplerError::EmptySpan {
+                first: rfc3339(options.first),
+                last: rfc3339(options.last),
+            });
+        }
+        let drift = match options.drift {
+            Drift::None => None,
+            Drift::J2 => {
+                let eccentricity = conic.eccentricity;
+                let rates = SecularRates::of(&conic)
+                    .ok_or(KeplerError::DriftNeedsEllipse { eccentricity })?;
+                Some((angles(&conic), rates))
+            }
+        };
+        let mut feed = Self {
+            name,
+            frame,
+            epoch,
+            conic,
+            drift,
+            first: options.first,
+            last: options.last,
+            ground: (None, None),
+        };
+        let height_m = feed.height_m(conic.chi_at(0.0, 0.0));
+        if height_m < 0.0 {
+            return Err(KeplerError::ImpactAtEpoch {
+                satellite: feed.name,
+                depth_m: -height_m,
+            });
+        }
+        feed.find_ground();
+        Ok(feed)
+    }
+
+    /// The conic at the epoch.
+    pub fn conic(&self) -> &Conic {
+        &self.conic
+    }
+
+    /// The epoch that the elements are of.
+    pub fn epoch(&self) -> Epoch {
+        self.epoch
+    }
+
+    /// When it meets the ground (WGS84), if it does so after its epoch and within its span.
+    pub fn impact(&self) -> Option<Epoch> {
+        self.ground.1
+    }
+
+    /// Height over WGS84, metres, at χ; without drift, whose part in one turn is 0.1° at most.
+    fn height_m(&self, chi: f64) -> f64 {
+        let ((x, y), _) = self.conic.in_plane(chi);
+        let position = self.conic.to_periapsis * x + self.conic.across * y;
+        Ellipsoid::WGS84.geodetic_from_itrf(position).height_m
+    }
+
+    /// Where the conic dips under the ground it is left on one side and met on the other.
+    ///
+    /// Only where the radius is below the equator's can this be: there the height is looked at from the epoch outwards.
+    fn find_ground(&mut self) {
+        let radius = Ellipsoid::WGS84.equatorial_radius_m;
+        let (q, e, alpha) = (
+            self.conic.periapsis_m,
+            self.conic.eccentricity,
+            self.conic.reciprocal_axis_1_m,
+        );
+        if q > radius {
+            return;
+        }
+        let turn = if alpha > 0.0 {
+            std::f64::consts::TAU / alpha.sqrt()
+        } else {
+            f64::INFINITY
+        };
+        // r = q + e U2 and U1² = U2 (2 − αU2), at the farthest place that is this low.
+        let u2 = ((radius - q) / e).min(if alpha > 0.0 { 2.0 / alpha } else { f64::MAX });
+        let edge = self
+            .conic
+            .chi_from((u2 * (2.0 - alpha * u2)).max(0.0).sqrt(), u2);
+        let now = self.conic.chi_at(0.0, 0.0);
+        let crossing = |direction: f64| {
+            [0.0, turn]
+                .into_iter()
+                .filter(|from| from.is_finite())
+                .find_map(|from| {
+                    // In units of `direction`: 0 is the periapsis of this turn.
+                    let first = (direction * now - from).max(-edge);
+                    self.dip(first, edge, |x| direction * (x + from))
+                })
+        };
+        let (before, after) = (crossing(-1.0), crossing(1.0));
+        self.ground = (
+            before.filter(|at| *at >= self.first),
+            after.filter(|at| *at <= self.last),
+        );
+    }
+
+    /// The epoch at which the height first falls below 0 from `first` to `last`, through a change of variable.
+    fn dip(&self, first: f64, last: f64, chi: impl Fn(f64) -> f64) -> Option<Epoch> {
+        const LOOKS: u32 = 1024;
+        let step = (last - first) / f64::from(LOOKS);
+        let low = (0..=LOOKS)
+            .map(|k| first + step * f64::from(k))
+            .take_while(|x| *x <= last)
+            .find(|x| self.height_m(chi(*x)) < 0.0)?;
+        let (mut above, mut below) = (low - step, low);
+        for _ in 0..100 {
+            let middle = 0.5 * (above + below);
+            match self.height_m(chi(middle)) < 0.0 {
+                true => below = middle,
+                false => above = middle,
+            }
+        }
+        let (_, seconds) = self.conic.radius_and_time(chi(above));
+        Some(self.epoch + Duration::from_seconds(seconds))
+    }
+
+    fn state_after(&self, elapsed: Duration) -> (DVec3, DVec3) {
+        let ns = elapsed.total_nanoseconds();
+        let (whole, rest) = (
+            ns.div_euclid(1_000_000_000) as f64,
+            ns.rem_euclid(1_000_000_000) as f64 * 1e-9,
+        );
+        let Some(([inclination, node, argument], rates)) = &self.drift else {
+            return self.conic.at(whole, rest);
+        };
+        let seconds = whole + rest;
+        let factor = rates.mean_motion_relative;
+        let normal = self.conic.to_periapsis.cross(self.conic.across);
+        let [to_periapsis, across] = plane(
+            *inclination,
+            node + rates.node_rad_s * seconds,
+            argument + rates.argument_rad_s * seconds,
+        );
+        let turned = Conic {
+            to_periapsis,
+            across,
+            ..self.conic
+        };
+        let (position, velocity) = turned.at(whole, rest + factor * seconds);
+        let node_turn = DVec3::Z * rates.node_rad_s;
+        let own_turn = to_periapsis.cross(across).normalize_or(normal) * rates.argument_rad_s;
+        (
+            position,
+            velocity * (1.0 + factor) + (node_turn + own_turn).cross(position),
+        )
+    }
+}
+
+impl Feed for KeplerFeed {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn validity(&self) -> (Epoch, Epoch) {
+        (
+            self.ground.0.unwrap_or(self.first),
+            self.ground.1.unwrap_or(self.last),
+        )
+    }
+
+    fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
+        if epoch < self.first || epoch > self.last {
+            return Err(OrbitError::OutOfReach {
+                satellite: self.name.clone(),
+                epoch: rfc3339(epoch),
+                first: rfc3339(self.first),
+                last: rfc3339(self.last),
+            });
+        }
+        let beyond = self
+            .ground
+            .0
+            .filter(|at| epoch < *at)
+            .or(self.ground.1.filter(|at| epoch > *at));
+        if let Some(impact) = beyond {
+            return Err(KeplerError::Impact {
+                satellite: self.name.clone(),
+                impact: rfc3339(impact),
+                asked: rfc3339(epoch),
+            }
+            .into());
+        }
+        let (position_m, velocity_m_s) = self.state_after(epoch - self.epoch);
+        Ok(OrbitState {
+            epoch,
+            frame: self.frame,
+            position_m,
+            velocity_m_s,
+        })
+    }
+}

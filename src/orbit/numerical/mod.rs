@@ -1,0 +1,241 @@
+//! Motion under forces, integrated.
+//!
+//! | folder or file | what |
+//! |---|---|
+//! | `force/` | gravity, air, Sun, Moon, sunlight, thrust |
+//! | `integrate/` | solvers of differential equations |
+//! | `event.rs` | impact, nodes, apsides, shadow |
+//! | `trajectory.rs` | the steps with what lies between |
+//! | `run.rs` | from a state to a trajectory |
+
+mod error;
+mod event;
+mod force;
+mod integrate;
+mod run;
+#[cfg(test)]
+mod tests;
+mod trajectory;
+
+pub use error::NumericalError;
+pub use event::{Event, EventKind, Watch};
+pub use force::{Atmosphere, Craft, EGM96_DEGREE, ForceModel, Gravity, Shadow, Thrust, ThrustAxes};
+pub use integrate::{Counts, Solver};
+
+use super::{Feed, Frame, OrbitError, OrbitState};
+use crate::frames::{Duration, Epoch, rfc3339};
+use run::{Ending, Run};
+use trajectory::Trajectory;
+
+/// How to integrate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NumericalOptions {
+    /// First epoch to answer for; the state's epoch or before.
+    pub first: Epoch,
+    /// Last epoch to answer for; the state's or after.
+    pub last: Epoch,
+    /// Error allowed in a step, relative to distance and speed: 1e-14…1e-3. Errors of steps add up: docs/orbits.md.
+    pub relative_tolerance: f64,
+    /// The method.
+    pub solver: Solver,
+    /// Most steps kept, about 0.4 kB each.
+    pub step_limit: usize,
+    /// Events to look for.
+    pub watch: Watch,
+    /// Height over WGS84 at which the ground is met, metres.
+    pub ground_height_m: f64,
+}
+
+impl NumericalOptions {
+    /// From one epoch to another with a tolerance of 1e-10, either method, a million steps.
+    pub fn between(first: Epoch, last: Epoch) -> Self {
+        Self {
+            first,
+            last,
+            relative_tolerance: 1e-10,
+            solver: Solver::Automatic,
+            step_limit: 1_000_000,
+            watch: Watch::default(),
+            ground_height_m: 0.0,
+        }
+    }
+}
+
+/// A satellite whose motion has been integrated.
+///
+/// All of the span is integrated when the feed is made; after that it is immutable and answers by the dense output, in
+/// GCRF. [`Feed::error_m`] says nothing: how far the forces themselves are off, the air's above all, is not known here.
+/// What the integration adds is in [`Self::integration_error_m`].
+#[derive(Clone, Debug)]
+pub struct NumericalFeed {
+    name: String,
+    epoch: Epoch,
+    /// Without a step: a span of no length.
+    start: OrbitState,
+    trajectory: Trajectory,
+    first: Epoch,
+    last: Epoch,
+    /// Where it met the ground: before and after the epoch.
+    impacts: (Option<Epoch>, Option<Epoch>),
+    events: Vec<Event>,
+    counts: Counts,
+    stiff: Vec<(Epoch, Epoch)>,
+}
+
+impl NumericalFeed {
+    /// Integrates from a state, in any frame, over a span that holds its epoch.
+    ///
+    /// A trajectory that meets the ground ends there; that is no error, see [`Self::impact`].
+    ///
+    /// # Errors
+    /// Numbers that make no sense, a span without the epoch, a start under the ground; where the integration cannot go on,
+    /// the epoch and the cause.
+    pub fn new(
+        name: impl Into<String>,
+        state: &OrbitState,
+        model: &ForceModel,
+        craft: &Craft,
+        options: &NumericalOptions,
+    ) -> Result<Self, NumericalError> {
+        let name = name.into();
+        let start = state.in_frame(Frame::Gcrf, &model.orientation);
+        let mut run = Run::new(&name, &start, model, craft, options)?;
+        let epoch = start.epoch;
+        let before = run.fly((options.first - epoch).to_seconds())?;
+        let after = run.fly((options.last - epoch).to_seconds())?;
+        let impact = |ending: Ending| match ending {
+            Ending::Limit => None,
+            // Whole nanoseconds, and on this side of the ground.
+            Ending::Impact(t) => Some(epoch + Duration::from_seconds(t)),
+        };
+        let impacts = (impact(before), impact(after));
+        let Run {
+            trajectory,
+            mut events,
+            counts,
+            mut stiff,
+            ..
+        } = run;
+        stiff.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let at = |t| epoch + Duration::from_seconds(t);
+        let stiff = stiff.into_iter().map(|(a, b)| (at(a), at(b))).collect();
+        events.sort_by_key(|event| event.epoch);
+        Ok(Self {
+            name,
+            epoch,
+            start,
+            trajectory,
+            first: options.first,
+            last: options.last,
+            impacts,
+            events,
+            counts,
+            stiff,
+        })
+    }
+
+    /// When it meets the ground, if it does so after the epoch of its state.
+    pub fn impact(&self) -> Option<Epoch> {
+        self.impacts.1
+    }
+
+    /// Events in the order of time.
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// What the integration took.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Stretches that the implicit method flew, in the order of time: with [`Solver::Automatic`], where the motion was found
+    /// stiff.
+    pub fn stiff_spans(&self) -> &[(Epoch, Epoch)] {
+        &self.stiff
+    }
+
+    /// Steps kept.
+    pub fn steps(&self) -> usize {
+        self.trajectory.len()
+    }
+
+    /// How far the integration itself is off at most, metres: the largest distance from a second one with a hundredth of the
+    /// tolerance (1e-14 at least), at a thousand places. Takes somewhat longer than the first.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn integration_error_m(
+        &self,
+        model: &ForceModel,
+        craft: &Craft,
+        options: &NumericalOptions,
+    ) -> Result<f64, NumericalError> {
+        let finer = NumericalOptions {
+            relative_tolerance: (0.01 * options.relative_tolerance).max(1e-14),
+            ..*options
+        };
+        let finer = Self::new(self.name.clone(), &self.start, model, craft, &finer)?;
+        let ((a0, a1), (b0, b1)) = (self.validity(), finer.validity());
+        let (first, last) = (a0.max(b0), a1.min(b1));
+        let mut worst = 0.0_f64;
+        for k in 0..=1000 {
+            let at = first + (last - first) * (f64::from(k) / 1000.0);
+            let apart = self.inside(at).position_m - finer.inside(at).position_m;
+            worst = worst.max(apart.length());
+        }
+        Ok(worst)
+    }
+
+    /// The state at an epoch that is known to be answered for.
+    fn inside(&self, epoch: Epoch) -> OrbitState {
+        let t = (epoch - self.epoch).to_seconds();
+        let (position_m, velocity_m_s) = self
+            .trajectory
+            .at(t)
+            .unwrap_or((self.start.position_m, self.start.velocity_m_s));
+        OrbitState {
+            epoch,
+            frame: Frame::Gcrf,
+            position_m,
+            velocity_m_s,
+        }
+    }
+}
+
+impl Feed for NumericalFeed {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn validity(&self) -> (Epoch, Epoch) {
+        (
+            self.impacts.0.unwrap_or(self.first),
+            self.impacts.1.unwrap_or(self.last),
+        )
+    }
+
+    fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
+        if epoch < self.first || epoch > self.last {
+            return Err(OrbitError::OutOfReach {
+                satellite: self.name.clone(),
+                epoch: rfc3339(epoch),
+                first: rfc3339(self.first),
+                last: rfc3339(self.last),
+            });
+        }
+        let (before, after) = self.impacts;
+        let beyond = before
+            .filter(|at| epoch < *at)
+            .or(after.filter(|at| epoch > *at));
+        match beyond {
+            Some(impact) => Err(NumericalError::Impact {
+                satellite: self.name.clone(),
+                impact: rfc3339(impact),
+                asked: rfc3339(epoch),
+            }
+            .into()),
+            None => Ok(self.inside(epoch)),
+        }
+    }
+}
