@@ -93,6 +93,7 @@ impl Repository {
             "config/README.md",
             "textures/SOURCES.md",
             "tests/goldens/README.md",
+            "docs/accuracy.md",
         ];
         let below = below.iter().map(|path| (*path).to_string());
         top.into_iter()
