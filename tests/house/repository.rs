@@ -94,6 +94,7 @@ impl Repository {
             "textures/SOURCES.md",
             "tests/goldens/README.md",
             "docs/accuracy.md",
+            "docs/orbits.md",
         ];
         let below = below.iter().map(|path| (*path).to_string());
         top.into_iter()
