@@ -129,7 +129,7 @@ fn a_flood_is_dropped_and_the_picture_goes_on() {
     // A second simulator, within its own rate, is heard meanwhile.
     let calm = connect(address);
     let begun = Instant::now();
-    for seq in 0..20 {
+    for seq in 1..=20 {
         send_line(&calm, &packet(seq, seq as f64));
         until("its state", || {
             feed.newest().is_some_and(|s| s.epoch >= at(seq as f64))

@@ -82,7 +82,7 @@ pub use split::{Cut, Splitter};
 use super::record::shortened;
 use super::{Feed, Freshness, OrbitError, OrbitState};
 use crate::frames::{Epoch, rfc3339, utc_from_rfc3339};
-use buffer::{later, seconds};
+use buffer::later;
 use lockstep::Outcome;
 use shared::Shared;
 use std::io::{Read, Write};
@@ -275,7 +275,7 @@ impl Feed for LiveFeed {
             }
             .into());
         }
-        let is_near = seconds(newest, epoch) <= options.extrapolation_limit_s;
+        let is_near = epoch <= later(newest, options.extrapolation_limit_s);
         let beyond = is_near.then(|| inner.buffer.beyond(epoch, options.extrapolation));
         beyond.flatten().ok_or_else(|| {
             LiveError::TooFar {

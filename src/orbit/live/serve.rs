@@ -280,8 +280,8 @@ pub fn message(
     mut send: impl FnMut(Vec<u8>) -> bool,
 ) -> bool {
     let mut splitter = Splitter::default();
-    splitter.push(bytes.trim_ascii_end());
-    while splitter.waiting() > 0 {
+    splitter.push(bytes);
+    while splitter.has_more() {
         if shared.is_stopped() {
             return false;
         }

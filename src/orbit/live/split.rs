@@ -42,6 +42,15 @@ impl Splitter {
         self.bytes.len() - self.done
     }
 
+    /// Whether anything but blanks is left.
+    pub(super) fn has_more(&mut self) -> bool {
+        let rest = self.bytes.get(self.done..).unwrap_or_default();
+        let blanks = rest.len() - rest.trim_ascii_start().len();
+        self.is_lost &= !rest.get(..blanks).is_some_and(|b| b.contains(&b'\n'));
+        self.done += blanks;
+        self.waiting() > 0
+    }
+
     fn cut(&mut self, is_end: bool) -> Option<Cut> {
         loop {
             let rest = self.bytes.get(self.done..).unwrap_or_default();
