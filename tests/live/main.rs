@@ -45,7 +45,7 @@ fn open(options: LiveOptions) -> (LiveFeed, SocketAddr) {
 
 fn at(t_s: f64) -> Epoch {
     let start = utc_from_rfc3339("2018-01-15T12:00:00Z").unwrap();
-    start + terrella::frames::Duration::from_seconds(t_s)
+    start + terrella::frames::Duration::from_total_nanoseconds((t_s * 1e9).round() as i128)
 }
 
 /// A circle 400 km above the equator, `t_s` seconds after noon.

@@ -190,7 +190,7 @@ pub fn nanoseconds(from: Epoch, to: Epoch) -> i128 {
 
 /// An instant so many seconds later, counted in TAI; held at 1e10 s.
 pub fn later(epoch: Epoch, seconds: f64) -> Epoch {
-    let ns = (seconds.clamp(-1e10, 1e10) * 1e9) as i128;
+    let ns = (seconds.clamp(-1e10, 1e10) * 1e9).round() as i128;
     let epoch = Epoch::from_tai_duration(epoch.to_tai_duration());
     epoch + Duration::from_total_nanoseconds(ns)
 }
