@@ -33,7 +33,7 @@ fn soak(count: u64) {
             0 => packet.to_json().into_bytes(),
             _ => packet.to_bytes().unwrap().to_vec(),
         };
-        if random.next() % 20 == 0 {
+        if random.next().is_multiple_of(20) {
             spoilt += 1;
             let at = random.next() as usize % bytes.len();
             match random.next() % 4 {

@@ -220,7 +220,7 @@ mod tests {
     #[test]
     fn the_cubic_is_as_good_as_it_says() {
         for (step_s, most_m) in [(1.0, 4e-8), (60.0, 0.4)] {
-            let mut buffer = Buffer::new(100.0);
+            let mut buffer = Buffer::new(200.0);
             for k in [0.0, 3.0, 1.0, 2.0] {
                 buffer.take(orbit(k * step_s));
             }

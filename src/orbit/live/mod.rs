@@ -67,6 +67,7 @@ mod crc32;
 mod lockstep;
 mod options;
 mod packet;
+mod reply;
 mod serve;
 mod shared;
 mod split;
@@ -75,7 +76,8 @@ mod websocket;
 
 pub use lockstep::FrameRequest;
 pub use options::{Extrapolation, LiveError, LiveOptions, Mode, Transport};
-pub use packet::{Form, Kind, LONGEST_PACKET, Packet, PacketFault, Reply, STATE_BYTES};
+pub use packet::{Form, Kind, LONGEST_PACKET, Packet, PacketFault, STATE_BYTES};
+pub use reply::Reply;
 pub use shared::Counters;
 pub use split::{Cut, Splitter};
 

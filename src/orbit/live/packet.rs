@@ -1,4 +1,4 @@
-//! One message of a simulator, as a JSON line or in binary, and what is answered to it.
+//! One message of a simulator, as a JSON line or in binary.
 
 use super::super::record::shortened;
 use super::super::{Frame, OrbitState};
@@ -18,13 +18,9 @@ pub const LONGEST_PACKET: usize = 4096;
 /// Length of a binary packet with a state, bytes.
 pub const STATE_BYTES: usize = 84;
 
-/// Magic, version, kind, length, sequence number.
-const HEAD_BYTES: usize = 16;
-const CRC_BYTES: usize = 4;
+pub(super) const CRC_BYTES: usize = 4;
 /// Longest name, characters.
 const LONGEST_NAME: usize = 64;
-/// Longest explanation in a reply, bytes.
-const LONGEST_REASON: usize = 512;
 /// From 1900-01-01, where `hifitime` counts TAI from, to 1970-01-01.
 const TAI_1970_NS: i128 = 25_567 * 86_400 * 1_000_000_000;
 /// Instants of 1900 and 2100 on the packet's count.
@@ -59,23 +55,6 @@ pub enum Form {
     Json,
     /// Binary.
     Binary,
-}
-
-/// What is answered to a packet.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Reply {
-    /// The picture of this state is drawn.
-    Drawn {
-        /// Its number.
-        seq: u64,
-    },
-    /// There is no picture, or the packet is wrong.
-    Error {
-        /// The packet's number, where it is known.
-        seq: Option<u64>,
-        /// What is wrong.
-        reason: String,
-    },
 }
 
 /// Why a packet is dropped.
@@ -307,46 +286,6 @@ impl Packet {
     }
 }
 
-impl Reply {
-    /// As it goes over the wire.
-    pub fn to_wire(&self, form: Form) -> Vec<u8> {
-        match form {
-            Form::Json => self.to_json().into_bytes(),
-            Form::Binary => self.to_bytes(),
-        }
-    }
-
-    fn to_json(&self) -> String {
-        let value = match self {
-            Self::Drawn { seq } => serde_json::json!({"message": "ack", "seq": seq}),
-            Self::Error { seq, reason } => {
-                serde_json::json!({"message": "error", "seq": seq, "error": reason})
-            }
-        };
-        format!("{value}\n")
-    }
-
-    /// Kind 3 has nothing behind the head, kind 4 a text; a number that is not known is the greatest.
-    fn to_bytes(&self) -> Vec<u8> {
-        let (kind, seq, text) = match self {
-            Self::Drawn { seq } => (3, *seq, ""),
-            Self::Error { seq, reason } => (4, seq.unwrap_or(u64::MAX), reason.as_str()),
-        };
-        let end = text.floor_char_boundary(LONGEST_REASON);
-        let text = text.get(..end).unwrap_or_default();
-        let length = (HEAD_BYTES + text.len() + CRC_BYTES) as u16;
-        let mut bytes = Vec::with_capacity(usize::from(length));
-        bytes.extend_from_slice(&MAGIC);
-        bytes.extend_from_slice(&[VERSION, kind]);
-        bytes.extend_from_slice(&length.to_le_bytes());
-        bytes.extend_from_slice(&seq.to_le_bytes());
-        bytes.extend_from_slice(text.as_bytes());
-        let crc = crc32::of(&bytes);
-        bytes.extend_from_slice(&crc.to_le_bytes());
-        bytes
-    }
-}
-
 /// The `N` bytes from `at`; the caller's array is longer.
 fn part<const N: usize>(bytes: &[u8; STATE_BYTES], at: usize) -> [u8; N] {
     std::array::from_fn(|i| bytes[at + i])
@@ -367,7 +306,7 @@ fn plausible(state: OrbitState) -> Result<OrbitState, PacketFault> {
         let expected = "a position 1 m to 1e13 m from the Earth's centre";
         return Err(field("position_m", &show(state.position_m), expected));
     }
-    if !(state.velocity_m_s.length() < 299_792_458.0) {
+    if !(0.0..299_792_458.0).contains(&state.velocity_m_s.length()) {
         let expected = "a velocity below that of light";
         return Err(field("velocity_m_s", &show(state.velocity_m_s), expected));
     }
@@ -499,21 +438,5 @@ mod tests {
         );
         let deep = "[".repeat(LONGEST_PACKET);
         assert!(Packet::from_json(deep.as_bytes()).is_err());
-    }
-
-    #[test]
-    fn replies_are_the_documented_ones() {
-        let drawn = Reply::Drawn { seq: 9 };
-        assert_eq!(
-            drawn.to_wire(Form::Json),
-            b"{\"message\":\"ack\",\"seq\":9}\n"
-        );
-        let bytes = drawn.to_wire(Form::Binary);
-        assert_eq!(bytes[..8], [0x89, b'T', b'R', b'L', 1, 3, 20, 0]);
-        assert_eq!(bytes.len(), 20);
-        let reason = "ä".repeat(LONGEST_REASON);
-        let error = Reply::Error { seq: None, reason }.to_wire(Form::Binary);
-        assert_eq!(error.len(), HEAD_BYTES + LONGEST_REASON + CRC_BYTES);
-        assert_eq!(error[8..16], [0xff; 8]);
     }
 }

@@ -1,5 +1,6 @@
 //! The threads that read: standard input, TCP, UDP.
 
+use super::lockstep::MOST_WAITING;
 use super::options::{LiveError, Mode};
 use super::packet::LONGEST_PACKET;
 use super::shared::{Allowance, Shared};
@@ -13,6 +14,8 @@ use std::time::{Duration, Instant};
 
 /// How many simulators may be connected; the one silent longest makes place for a new one.
 pub const MOST_CONNECTIONS: usize = 4;
+/// How many closed connections may still be in their last step; more than may wait for a frame.
+const MOST_ENDING: usize = 2 * MOST_WAITING;
 /// Bytes of one reading.
 const CHUNK: usize = 8192;
 /// How often a thread that waits for bytes looks whether the feed ends.
@@ -180,12 +183,16 @@ pub fn listen(
 fn accept(listener: &TcpListener, serve: Serve, shared: &Arc<Shared>) {
     let begun = Instant::now();
     let mut links: Vec<Link> = Vec::with_capacity(MOST_CONNECTIONS);
-    // Closed, and perhaps waiting for a frame still: at most as many as may wait.
+    // Closed, and perhaps waiting for a frame still.
     let mut ending: Vec<Link> = Vec::new();
     while !shared.is_stopped() {
         let ended = links.extract_if(.., |link| link.thread.is_finished());
         let ended = ended.chain(ending.extract_if(.., |link| link.thread.is_finished()));
         ended.for_each(Link::end);
+        if ending.len() >= MOST_ENDING {
+            std::thread::sleep(LISTEN);
+            continue;
+        }
         let Ok((connection, _)) = listener.accept() else {
             std::thread::sleep(LISTEN);
             continue;
