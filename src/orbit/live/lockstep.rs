@@ -139,11 +139,12 @@ impl Lockstep {
         }
     }
 
-    /// Ends a frame; `false` where nobody waits for it any more.
+    /// Ends a frame; `false` where it has ended already.
     pub fn end(&self, request: &FrameRequest, outcome: Outcome) -> bool {
         let mut queue = self.lock();
         let mut waiting = queue.waiting.iter_mut();
-        let Some(waiting) = waiting.find(|w| w.request.ticket == request.ticket) else {
+        let is_it = |w: &&mut Waiting| w.request.ticket == request.ticket && w.outcome.is_none();
+        let Some(waiting) = waiting.find(is_it) else {
             return false;
         };
         waiting.outcome = Some(outcome);
