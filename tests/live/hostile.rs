@@ -197,3 +197,32 @@ fn a_web_page_that_posts_states_is_refused() {
     until("refused", || feed.counters().refused == 1);
     assert_eq!(feed.counters().taken, 0);
 }
+
+#[test]
+fn a_flood_of_datagrams_is_dropped_and_what_comes_after_it_is_taken() {
+    let (feed, address) = open(LiveOptions {
+        most_packets_per_s: 100,
+        ..udp()
+    });
+    let socket = std::net::UdpSocket::bind(loopback()).unwrap();
+    let mut random = Random(0x2545_f491_4f6c_dd1d);
+    let begun = Instant::now();
+    for seq in 0..20_000 {
+        let mut bytes = packet(seq, seq as f64 * 1e-3).to_bytes().unwrap();
+        if random.next().is_multiple_of(2) {
+            bytes.iter_mut().for_each(|b| *b = random.next() as u8);
+        }
+        socket.send_to(&bytes, address).unwrap();
+    }
+    until("a flood", || feed.counters().over_rate > 10);
+    let counters = feed.counters();
+    let most = 100 + 100 * (begun.elapsed().as_secs() + 1);
+    assert!(counters.taken + counters.bad <= most * 10, "{counters:?}");
+    assert!(counters.taken <= most, "{counters:?}");
+    // The system holds back what the feed did not read yet; behind it comes this.
+    until("the last state", || {
+        let last = packet(30_000, 30.0).to_bytes().unwrap();
+        socket.send_to(&last, address).unwrap();
+        feed.newest() == Some(state(30.0))
+    });
+}
