@@ -22,6 +22,7 @@ fn draw(feed: &LiveFeed, count: usize) -> Vec<u64> {
 fn each_frame_is_answered_when_it_is_drawn() {
     let (feed, address) = open(lockstep(tcp()));
     assert_eq!(feed.next_request(), None);
+    let begun = Instant::now();
     let simulator = std::thread::spawn(move || {
         let stream = connect(address);
         for seq in 1..=200 {
@@ -34,6 +35,7 @@ fn each_frame_is_answered_when_it_is_drawn() {
     });
     assert_eq!(draw(&feed, 200), (1..=200).collect::<Vec<_>>());
     simulator.join().unwrap();
+    println!("200 frames in {:?}", begun.elapsed());
     until("200 drawn", || feed.counters().drawn == 200);
     assert_eq!(feed.counters().timed_out, 0);
 }
@@ -184,4 +186,52 @@ fn a_frame_in_broadcast_is_refused_and_says_why() {
     );
     assert_eq!(feed.next_request(), None);
     assert_eq!(feed.counters().bad, 1);
+}
+
+/// Set for the child, so that it runs for nobody else.
+const CHILD: &str = "TERRELLA_TEST_LIVE_CHILD";
+
+#[test]
+#[ignore = "the other side of frames_come_on_standard_input, which starts it"]
+fn child_on_standard_input() {
+    if std::env::var_os(CHILD).is_none() {
+        eprintln!("SKIPPED: it is no child of frames_come_on_standard_input");
+        return;
+    }
+    let feed = LiveFeed::open(lockstep(LiveOptions::new(Transport::Stdin))).unwrap();
+    assert_eq!(feed.local_address(), None);
+    draw(&feed, 2);
+    until("2 answers", || feed.counters().drawn == 2);
+}
+
+#[test]
+fn frames_come_on_standard_input() {
+    use std::process::{Command, Stdio};
+    let mut child = Command::new(std::env::current_exe().unwrap())
+        .args([
+            "--ignored",
+            "--exact",
+            "--nocapture",
+            "lockstep::child_on_standard_input",
+        ])
+        .env(CHILD, "1")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut simulator = child.stdin.take().unwrap();
+    // The test's own words come before the answers.
+    let mut answers = BufReader::new(child.stdout.take().unwrap()).lines();
+    for seq in 1..=2 {
+        simulator
+            .write_all(frame(seq, 1.0).to_json().as_bytes())
+            .unwrap();
+        let ack = format!("{{\"message\":\"ack\",\"seq\":{seq}}}");
+        assert!(
+            answers.any(|line| line.unwrap().ends_with(&ack)),
+            "no {ack}"
+        );
+    }
+    // Its input stays open: the feed's thread must not hold the process.
+    assert!(child.wait().unwrap().success());
 }
