@@ -6,6 +6,8 @@ use std::path::Path;
 mod earth_orientation;
 #[path = "../fuzz/bodies/ephemeris.rs"]
 mod ephemeris;
+#[path = "../fuzz/bodies/live.rs"]
+mod live;
 #[path = "../fuzz/bodies/manifest.rs"]
 mod manifest;
 #[path = "../fuzz/bodies/omm.rs"]
@@ -30,6 +32,7 @@ const TARGETS: &[Target] = &[
     ("tle", tle::seeds, tle::run, 200_000),
     ("omm", omm::seeds, omm::run, 30_000),
     ("ephemeris", ephemeris::seeds, ephemeris::run, 30_000),
+    ("live", live::seeds, live::run, 200_000),
     (
         "earth_orientation",
         earth_orientation::seeds,
@@ -151,6 +154,11 @@ fn ephemerides() {
 }
 
 #[test]
+fn packets_of_simulators() {
+    run("live");
+}
+
+#[test]
 fn tables_of_the_earths_orientation() {
     run("earth_orientation");
 }
@@ -191,6 +199,13 @@ fn seeds_are_good() {
     }
     for seed in ephemeris::seeds() {
         terrella::orbit::Ephemerides::from_text(&text(&seed), path, true).expect("good states");
+    }
+    for seed in live::seeds() {
+        let mut splitter = terrella::orbit::live::Splitter::default();
+        splitter.push(&seed);
+        while let Some((packet, _)) = splitter.finish() {
+            packet.expect("a good packet");
+        }
     }
     for seed in earth_orientation::seeds() {
         terrella::frames::EarthOrientation::from_finals2000a(&text(&seed), path)

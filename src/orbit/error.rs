@@ -130,6 +130,9 @@ pub enum OrbitError {
     /// An integration cannot be, or its satellite has met the ground.
     #[error(transparent)]
     Numerical(#[from] super::numerical::NumericalError),
+    /// A live feed has no state for the epoch.
+    #[error(transparent)]
+    Live(#[from] super::live::LiveError),
     /// The epoch is outside the feed's validity.
     #[error(
         "{satellite} is not known at {epoch}: its elements hold from {first} to {last}; change the date or take elements of that time"

@@ -8,6 +8,7 @@ mod ephemeris;
 mod error;
 mod file;
 pub mod kepler;
+pub mod live;
 pub mod numerical;
 mod oem;
 mod omm;

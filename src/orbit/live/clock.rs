@@ -1,0 +1,101 @@
+//! Which instant a picture shows, when nobody waits for it.
+
+use super::buffer::{later, nanoseconds};
+use crate::frames::Epoch;
+use std::time::Instant;
+
+/// Arrivals are kept for eight bins of a quarter of a second.
+const BINS: usize = 8;
+const BIN_S: f64 = 0.25;
+
+/// Simulated time by the clock on the wall.
+///
+/// Packets come late by an unknown and varying time, never early. So the one that came soonest in the last two seconds tells
+/// how the two clocks stand; late ones change nothing. After a pause of the simulator, whose packets are all late then, the
+/// clock steps back by it.
+#[derive(Debug)]
+pub struct PlaybackClock {
+    /// Simulated seconds in a second.
+    rate: f64,
+    /// The first arrival: both ways of counting begin there.
+    origin: Option<(Epoch, Instant)>,
+    /// Number of the bin, and the most that an epoch in it was ahead of the wall, seconds.
+    bins: [Option<(i64, f64)>; BINS],
+    newest_bin: i64,
+}
+
+impl PlaybackClock {
+    pub fn new(rate: f64) -> Self {
+        Self {
+            rate,
+            origin: None,
+            bins: [None; BINS],
+            newest_bin: 0,
+        }
+    }
+
+    /// Forgets all arrivals: the simulator has jumped.
+    pub fn clear(&mut self) {
+        *self = Self::new(self.rate);
+    }
+
+    /// Takes note of an arrival.
+    pub fn note(&mut self, epoch: Epoch, arrival: Instant) {
+        let (first, origin) = *self.origin.get_or_insert((epoch, arrival));
+        let wall_s = arrival.saturating_duration_since(origin).as_secs_f64();
+        let ahead_s = nanoseconds(first, epoch) as f64 * 1e-9 - self.rate * wall_s;
+        let bin = (wall_s / BIN_S) as i64;
+        self.newest_bin = self.newest_bin.max(bin);
+        if let Some(kept) = self.bins.get_mut(bin.rem_euclid(BINS as i64) as usize) {
+            *kept = match *kept {
+                Some((number, most_s)) if number == bin => Some((bin, most_s.max(ahead_s))),
+                _ => Some((bin, ahead_s)),
+            };
+        }
+    }
+
+    /// The simulated instant at a time on the wall; `None` before the first arrival.
+    pub fn at(&self, now: Instant) -> Option<Epoch> {
+        let (first, origin) = self.origin?;
+        let wall_s = now.saturating_duration_since(origin).as_secs_f64();
+        let bins = self.bins.iter().flatten();
+        let fresh = bins.filter(|(number, _)| *number > self.newest_bin - BINS as i64);
+        let ahead_s = fresh.map(|&(_, s)| s).reduce(f64::max)?;
+        Some(later(first, ahead_s + self.rate * wall_s))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::buffer::seconds;
+    use super::*;
+    use crate::frames::utc_from_rfc3339;
+    use std::time::Duration;
+
+    #[test]
+    fn jitter_does_not_move_it_and_a_pause_does() {
+        let start = utc_from_rfc3339("2018-01-15T12:00:00Z").unwrap();
+        let wall = Instant::now();
+        for rate in [1.0, 60.0] {
+            let mut clock = PlaybackClock::new(rate);
+            assert_eq!(clock.at(wall), None);
+            let mut send = |t_s: f64, late_s: f64, paused_s: f64| {
+                let arrival = wall + Duration::from_secs_f64(t_s + late_s);
+                clock.note(later(start, (t_s - paused_s) * rate), arrival);
+                let shown = clock.at(arrival).unwrap();
+                seconds(start, shown) / rate - (t_s + late_s)
+            };
+            for k in 0..400 {
+                // Every third comes at once, the others up to 80 ms late.
+                let late_s = 0.04 * f64::from(k % 3);
+                let off_s = send(f64::from(k) * 0.05, late_s, 0.0);
+                assert!(off_s.abs() < 1e-6, "packet {k}: {off_s}");
+            }
+            let mut off_s = 0.0;
+            for k in 400..480 {
+                off_s = send(f64::from(k) * 0.05, 0.0, 3.0);
+            }
+            assert!((off_s + 3.0).abs() < 1e-6, "{off_s}");
+        }
+    }
+}

@@ -1,0 +1,314 @@
+//! States that a simulator sends while the picture is drawn.
+//!
+//! A simulator sends packets over standard input, TCP, UDP or WebSocket; the player asks for states and never waits for the
+//! network. On a stream both forms may be mixed, and on WebSocket a message, on UDP a datagram holds whole packets.
+//!
+//! # JSON
+//!
+//! One object in one line of at most 4096 bytes, ended by a line feed:
+//!
+//! ```text
+//! {"seq":1,"epoch":"2018-01-15T12:00:00.000Z","frame":"GCRF","position_m":[6778136.3,0,0],"velocity_m_s":[0,7668.6,0]}
+//! ```
+//!
+//! | key | what |
+//! |---|---|
+//! | `epoch` | UTC as RFC 3339, years 1900…2099, up to nine decimals |
+//! | `frame` | `GCRF`, `EME2000`, `TEME`, `ITRF` or `PEF` |
+//! | `position_m` | three numbers, metres from the Earth's centre, length 1…1e13 |
+//! | `velocity_m_s` | three numbers, metres per second as seen in `frame`, below the speed of light |
+//! | `seq` | the simulator's count, 0…2⁶⁴ − 1; needed for a frame only |
+//! | `message` | `"state"`, which is taken where there is none, or `"frame"` |
+//! | `name` | the satellite's, at most 64 characters; the first one stays |
+//!
+//! Other keys are passed over. Answers are `{"message":"ack","seq":1}` and `{"message":"error","seq":1,"error":"…"}`, with
+//! `"seq":null` where the packet could not be read.
+//!
+//! # Binary
+//!
+//! 84 bytes, little endian:
+//!
+//! | byte | type | what |
+//! |---|---|---|
+//! | 0 | 4 bytes | `89 54 52 4C`, that is `\x89TRL` |
+//! | 4 | u8 | version, 1 |
+//! | 5 | u8 | kind: 1 state, 2 frame; answers: 3 drawn, 4 error |
+//! | 6 | u16 | length of the whole packet, 84 |
+//! | 8 | u64 | seq |
+//! | 16 | i64 | epoch, nanoseconds of TAI since 1970-01-01T00:00:00 TAI (as IEEE 1588 counts) |
+//! | 24 | u8 | frame: 0 TEME, 1 PEF, 2 ITRF, 3 GCRF, 4 EME2000 |
+//! | 25 | 7 bytes | 0 |
+//! | 32 | 3 × f64 | position, metres |
+//! | 56 | 3 × f64 | velocity, metres per second |
+//! | 80 | u32 | CRC-32 (zlib's) of the bytes before |
+//!
+//! An answer has the first 16 bytes, for an error up to 512 bytes of UTF-8, and the CRC-32; seq is 2⁶⁴ − 1 where it is not known.
+//! Packets are answered in the form that they came in.
+//!
+//! # Modes
+//!
+//! *Broadcast*: the simulator never waits. Pictures show [`LiveFeed::playback_epoch`], a little behind the simulator, so that
+//! late packets still come in time. Between states Hermite's cubic is taken; beyond the last one the satellite goes on by
+//! itself, and [`Feed::freshness`] says so, until the limit. Then the answer is an error, and the playback stands.
+//!
+//! *Lockstep*: the simulator sends frames and waits for each answer. The player takes one with [`LiveFeed::next_request`], draws
+//! its state, and calls [`LiveFeed::acknowledge`]. A frame that is not drawn in time is answered with an error; so is a packet
+//! that cannot be read.
+//!
+//! # Trust
+//!
+//! Ports are bound to this machine only unless [`LiveOptions::allow_remote`] is set; web pages cannot connect unless
+//! [`LiveOptions::allowed_origins`] names them. Nothing is encrypted and nobody is asked who he is. A bad packet is counted and
+//! dropped; memory is bounded: 256 states, 4 connections, 4 KiB a packet.
+
+mod buffer;
+mod clock;
+mod crc32;
+mod lockstep;
+mod options;
+mod packet;
+mod reply;
+mod serve;
+mod shared;
+mod split;
+#[cfg(feature = "live")]
+mod websocket;
+
+pub use lockstep::FrameRequest;
+pub use options::{Extrapolation, LiveError, LiveOptions, Mode, Transport};
+pub use packet::{Form, Kind, LONGEST_PACKET, Packet, PacketFault, STATE_BYTES};
+pub use reply::Reply;
+pub use shared::Counters;
+pub use split::{Cut, Splitter};
+
+use super::record::shortened;
+use super::{Feed, Freshness, OrbitError, OrbitState};
+use crate::frames::{Epoch, rfc3339, utc_from_rfc3339};
+use buffer::later;
+use lockstep::Outcome;
+use shared::Shared;
+use std::io::{Read, Write};
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// A feed whose states come while it is asked. See the [module](self) for what simulators send.
+///
+/// Dropping it ends its threads and closes its port, within 0.2 s; one that reads standard input ends with that.
+#[derive(Debug)]
+pub struct LiveFeed {
+    shared: Arc<Shared>,
+    address: Option<SocketAddr>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl LiveFeed {
+    /// Begins to listen.
+    ///
+    /// # Errors
+    /// A setting out of its range, an address that other machines reach, a port that is taken.
+    pub fn open(options: LiveOptions) -> Result<Self, LiveError> {
+        options.check()?;
+        let shared = Arc::new(Shared::new(options));
+        let (address, thread) = match shared.options.transport {
+            Transport::Stdin => {
+                serve::stdin(&shared)?;
+                return Ok(Self::of(shared, None, None));
+            }
+            Transport::Tcp(address) => serve::listen(address, serve::tcp, &shared)?,
+            Transport::Udp(address) => serve::udp(address, &shared)?,
+            #[cfg(feature = "live")]
+            Transport::WebSocket(address) => serve::listen(address, websocket::serve, &shared)?,
+            #[cfg(not(feature = "live"))]
+            Transport::WebSocket(_) => return Err(LiveError::NoWebSocket),
+        };
+        Ok(Self::of(shared, Some(address), Some(thread)))
+    }
+
+    /// From any stream, a pipe or a child's output, in place of the options' transport; answers go to `write`.
+    ///
+    /// The thread ends with the stream, or with the next bytes after the feed is dropped.
+    ///
+    /// # Errors
+    /// A setting out of its range.
+    pub fn from_stream(
+        mut read: impl Read + Send + 'static,
+        mut write: impl Write + Send + 'static,
+        options: LiveOptions,
+    ) -> Result<Self, LiveError> {
+        let options = LiveOptions {
+            transport: Transport::Stdin,
+            ..options
+        };
+        options.check()?;
+        let shared = Arc::new(Shared::new(options));
+        let its = Arc::clone(&shared);
+        serve::spawn("stream", move || {
+            serve::stream(&mut read, &mut write, &its, || {});
+        })?;
+        Ok(Self::of(shared, None, None))
+    }
+
+    fn of(
+        shared: Arc<Shared>,
+        address: Option<SocketAddr>,
+        thread: Option<JoinHandle<()>>,
+    ) -> Self {
+        Self {
+            shared,
+            address,
+            thread,
+        }
+    }
+
+    /// The address that is listened on, with the port that was found for port 0; `None` for a stream.
+    pub fn local_address(&self) -> Option<SocketAddr> {
+        self.address
+    }
+
+    /// How it was set up.
+    pub fn options(&self) -> &LiveOptions {
+        &self.shared.options
+    }
+
+    /// What has come and what became of it.
+    pub fn counters(&self) -> Counters {
+        self.shared.lock().counters
+    }
+
+    /// What was wrong with the last bad packet.
+    pub fn last_fault(&self) -> Option<String> {
+        self.shared.lock().last_fault.clone()
+    }
+
+    /// The newest state.
+    pub fn newest(&self) -> Option<OrbitState> {
+        self.shared.lock().buffer.newest().copied()
+    }
+
+    /// The instant that a picture of now shows, broadcast: as far behind the simulator as the delay says, and not beyond the
+    /// limit of extrapolation, where it stands until new states come. `None` before the first state.
+    ///
+    /// It steps back when a simulator went on after a pause, and jumps where the simulator does.
+    pub fn playback_epoch(&self) -> Option<Epoch> {
+        let inner = self.shared.lock();
+        let options = &self.shared.options;
+        let newest = inner.buffer.newest()?.epoch;
+        let oldest = inner.buffer.oldest()?.epoch;
+        // In lockstep nobody plays: the frame that was asked for last.
+        let Some(now) = inner.clock.at(Instant::now()) else {
+            return Some(newest);
+        };
+        let shown = later(now, -options.playback_delay_s * options.rate);
+        let last = later(newest, options.extrapolation_limit_s);
+        Some(shown.max(oldest).min(last))
+    }
+
+    /// The next frame that a simulator waits for, lockstep; never waits itself.
+    pub fn next_request(&self) -> Option<FrameRequest> {
+        self.shared.lockstep.next()
+    }
+
+    /// The same; waits for one, at most so long.
+    pub fn wait_request(&self, timeout: Duration) -> Option<FrameRequest> {
+        self.shared.lockstep.wait(timeout)
+    }
+
+    /// Tells the simulator that the picture is drawn. `false` where it waits no more.
+    pub fn acknowledge(&self, request: &FrameRequest) -> bool {
+        self.shared.lockstep.end(request, Outcome::Drawn)
+    }
+
+    /// Tells the simulator why there is no picture. `false` where it waits no more.
+    pub fn refuse(&self, request: &FrameRequest, reason: &str) -> bool {
+        let reason = shortened(reason);
+        self.shared.lockstep.end(request, Outcome::Refused(reason))
+    }
+
+    fn from(&self) -> String {
+        match (&self.shared.options.transport, self.address) {
+            (Transport::Tcp(_), Some(address)) => format!("TCP {address}"),
+            (Transport::Udp(_), Some(address)) => format!("UDP {address}"),
+            (Transport::WebSocket(_), Some(address)) => format!("ws://{address}"),
+            _ => "standard input".to_owned(),
+        }
+    }
+}
+
+impl Feed for LiveFeed {
+    fn name(&self) -> &str {
+        let name = self.shared.name.get();
+        name.unwrap_or(&self.shared.options.name)
+    }
+
+    /// From the oldest state kept to the limit beyond the newest; it moves on. Before the first state nothing is ruled out.
+    fn validity(&self) -> (Epoch, Epoch) {
+        let inner = self.shared.lock();
+        match (inner.buffer.oldest(), inner.buffer.newest()) {
+            (Some(oldest), Some(newest)) => {
+                let limit_s = self.shared.options.extrapolation_limit_s;
+                (oldest.epoch, later(newest.epoch, limit_s))
+            }
+            _ => {
+                let year = |text| utc_from_rfc3339(text).unwrap_or_default();
+                (year("1900-01-01T00:00:00Z"), year("2099-12-31T00:00:00Z"))
+            }
+        }
+    }
+
+    fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
+        let options = &self.shared.options;
+        let name = || self.name().to_owned();
+        let inner = self.shared.lock();
+        let (Some(oldest), Some(newest)) = (inner.buffer.oldest(), inner.buffer.newest()) else {
+            let from = self.from();
+            return Err(LiveError::NoState { name: name(), from }.into());
+        };
+        if let Some(state) = inner.buffer.between(epoch) {
+            return Ok(state);
+        }
+        let (oldest, newest) = (oldest.epoch, newest.epoch);
+        if epoch < newest {
+            return Err(LiveError::TooOld {
+                name: name(),
+                epoch: rfc3339(epoch),
+                oldest: rfc3339(oldest),
+            }
+            .into());
+        }
+        let is_near = epoch <= later(newest, options.extrapolation_limit_s);
+        let beyond = is_near.then(|| inner.buffer.beyond(epoch, options.extrapolation));
+        beyond.flatten().ok_or_else(|| {
+            LiveError::TooFar {
+                name: name(),
+                epoch: rfc3339(epoch),
+                newest: rfc3339(newest),
+                age_s: inner.last_came.map_or(0.0, |t| t.elapsed().as_secs_f64()),
+                limit_s: options.extrapolation_limit_s,
+            }
+            .into()
+        })
+    }
+
+    fn freshness(&self) -> Freshness {
+        let Some(came) = self.shared.lock().last_came else {
+            return Freshness::Waiting;
+        };
+        let age_s = came.elapsed().as_secs_f64();
+        match age_s > self.shared.options.stale_after_s {
+            true => Freshness::Stale { age_s },
+            false => Freshness::Live,
+        }
+    }
+}
+
+impl Drop for LiveFeed {
+    fn drop(&mut self) {
+        self.shared.stop();
+        if let Some(thread) = self.thread.take() {
+            // A thread that panicked has said so itself.
+            let _ = thread.join();
+        }
+    }
+}

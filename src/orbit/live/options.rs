@@ -1,0 +1,208 @@
+//! How a live feed is set up, and what can be wrong with it.
+
+use std::net::SocketAddr;
+use std::time::Duration;
+
+/// Where states come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Transport {
+    /// Standard input; answers go to standard output.
+    Stdin,
+    /// A TCP port that simulators connect to. Port 0 takes a free one.
+    Tcp(SocketAddr),
+    /// A UDP port: a datagram is one binary packet, or one or more lines.
+    Udp(SocketAddr),
+    /// A WebSocket port: a message is as a datagram. Needs the feature `live`.
+    WebSocket(SocketAddr),
+}
+
+/// Who waits for whom.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// Nobody: states come when they come, and pictures are drawn from the newest.
+    #[default]
+    Broadcast,
+    /// The simulator waits until the picture of its state is drawn.
+    Lockstep,
+}
+
+/// How the satellite goes on where states are missing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Extrapolation {
+    /// On the conic of the last state: free fall.
+    #[default]
+    TwoBody,
+    /// Straight on, for what does not fall.
+    Linear,
+}
+
+/// How a live feed is set up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LiveOptions {
+    /// Where states come from.
+    pub transport: Transport,
+    /// Who waits for whom.
+    pub mode: Mode,
+    /// The satellite's name until a packet tells one.
+    pub name: String,
+    /// Lets the port be bound to an address that other machines reach. Whoever reaches it can steer the picture.
+    pub allow_remote: bool,
+    /// Web pages whose scripts may connect by WebSocket, as their browser names them: `https://example.org`. Without it
+    /// every page that is open in a browser on this machine could.
+    pub allowed_origins: Vec<String>,
+    /// Simulated seconds in a second, 1e-3…1e6; broadcast only.
+    pub rate: f64,
+    /// How far pictures are behind the simulator, seconds, 0…60, so that late packets still come in time; broadcast only.
+    pub playback_delay_s: f64,
+    /// The feed is stale when the last state came longer ago, seconds, above 0.
+    pub stale_after_s: f64,
+    /// How far a state is asked for beyond the last one, simulated seconds, 0…1e6; farther is an error.
+    pub extrapolation_limit_s: f64,
+    /// How the satellite goes on there.
+    pub extrapolation: Extrapolation,
+    /// States farther apart in simulated time are a jump: one alone is dropped, two are a restart. Seconds, above 0.
+    pub gap_s: f64,
+    /// How long a simulator waits for a frame before it gets an error, 1 ms…1 h; lockstep only.
+    pub frame_timeout: Duration,
+    /// Packets a second, 1…1 000 000; more are dropped unread.
+    pub most_packets_per_s: u32,
+}
+
+impl LiveOptions {
+    /// Broadcast at the rate of real time, 0.1 s behind, stale after 1 s, an error 60 s beyond the last state.
+    pub fn new(transport: Transport) -> Self {
+        Self {
+            transport,
+            mode: Mode::default(),
+            name: "live".to_owned(),
+            allow_remote: false,
+            allowed_origins: Vec::new(),
+            rate: 1.0,
+            playback_delay_s: 0.1,
+            stale_after_s: 1.0,
+            extrapolation_limit_s: 60.0,
+            extrapolation: Extrapolation::default(),
+            gap_s: 60.0,
+            frame_timeout: Duration::from_secs(10),
+            most_packets_per_s: 10_000,
+        }
+    }
+
+    /// Refuses settings that cannot be.
+    pub(super) fn check(&self) -> Result<(), LiveError> {
+        let within = |key, value: f64, least: f64, most: f64| match (least..=most).contains(&value)
+        {
+            true => Ok(()),
+            false => Err(LiveError::Setting {
+                key,
+                value,
+                least,
+                most,
+            }),
+        };
+        within("rate", self.rate, 1e-3, 1e6)?;
+        within("playback_delay_s", self.playback_delay_s, 0.0, 60.0)?;
+        within("stale_after_s", self.stale_after_s, 1e-3, 1e6)?;
+        within(
+            "extrapolation_limit_s",
+            self.extrapolation_limit_s,
+            0.0,
+            1e6,
+        )?;
+        within("gap_s", self.gap_s, 1e-3, 1e7)?;
+        let timeout_s = self.frame_timeout.as_secs_f64();
+        within("frame_timeout, s,", timeout_s, 1e-3, 3600.0)?;
+        let packets = f64::from(self.most_packets_per_s);
+        within("most_packets_per_s", packets, 1.0, 1e6)?;
+        let (Transport::Tcp(address) | Transport::Udp(address) | Transport::WebSocket(address)) =
+            self.transport
+        else {
+            return Ok(());
+        };
+        match address.ip().is_loopback() || self.allow_remote {
+            true => Ok(()),
+            false => Err(LiveError::NotLoopback { address }),
+        }
+    }
+}
+
+/// What can be wrong with a live feed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LiveError {
+    /// A setting out of its range.
+    #[error("{key} is {value}; expected {least} to {most}")]
+    Setting {
+        /// Which.
+        key: &'static str,
+        /// Its value.
+        value: f64,
+        /// The least it may be.
+        least: f64,
+        /// The most.
+        most: f64,
+    },
+    /// An address that other machines may reach.
+    #[error(
+        "{address} can be reached from other machines, and whoever reaches it can steer the picture; take 127.0.0.1 or ::1, or allow remote simulators"
+    )]
+    NotLoopback {
+        /// The address.
+        address: SocketAddr,
+    },
+    /// The port cannot be had.
+    #[error("cannot listen on {address}: {source}; take another port, or 0 for a free one")]
+    Bind {
+        /// The address.
+        address: SocketAddr,
+        /// The cause.
+        source: std::io::Error,
+    },
+    /// No thread to be had.
+    #[error("cannot start a thread for the live feed: {source}")]
+    Thread {
+        /// The cause.
+        source: std::io::Error,
+    },
+    /// WebSocket is not compiled in.
+    #[error(
+        "this program is built without WebSocket; build it with the feature `live`, or take TCP or UDP"
+    )]
+    NoWebSocket,
+    /// No state has come yet.
+    #[error("{name}: no state has come yet on {from}; start the simulator and have it send there")]
+    NoState {
+        /// The satellite.
+        name: String,
+        /// Where states are waited for.
+        from: String,
+    },
+    /// Before the states that are kept.
+    #[error(
+        "{name} is not known at {epoch}: its oldest state kept is of {oldest}; a live feed keeps 256"
+    )]
+    TooOld {
+        /// The satellite.
+        name: String,
+        /// The epoch asked for, UTC.
+        epoch: String,
+        /// The oldest state, UTC.
+        oldest: String,
+    },
+    /// Too far beyond the last state.
+    #[error(
+        "{name} is not known at {epoch}: its last state is of {newest} and came {age_s:.1} s ago, and it is carried on for {limit_s} s only; see whether the simulator still sends, or raise extrapolation_limit_s"
+    )]
+    TooFar {
+        /// The satellite.
+        name: String,
+        /// The epoch asked for, UTC.
+        epoch: String,
+        /// The newest state, UTC.
+        newest: String,
+        /// How long ago it came, seconds.
+        age_s: f64,
+        /// The limit, seconds.
+        limit_s: f64,
+    },
+}

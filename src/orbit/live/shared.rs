@@ -1,0 +1,245 @@
+//! What the threads that read and the player that draws share.
+
+use super::super::record::shortened;
+use super::buffer::{Buffer, Taken};
+use super::clock::PlaybackClock;
+use super::lockstep::{Lockstep, Outcome};
+use super::options::{LiveOptions, Mode};
+use super::packet::{Kind, Packet, PacketFault};
+use super::reply::Reply;
+use super::split::Cut;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
+
+/// What has come and what became of it, since the feed was opened.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// States that were taken.
+    pub taken: u64,
+    /// Of these, states that came after a later one.
+    pub late: u64,
+    /// Packets that were no packets, and anything else between packets.
+    pub bad: u64,
+    /// States of an instant that was known already.
+    pub duplicates: u64,
+    /// States older than all that are kept.
+    pub too_late: u64,
+    /// States far from all others in time, not taken.
+    pub apart: u64,
+    /// How often the simulator jumped to another time or began anew.
+    pub restarts: u64,
+    /// Packets missing in the simulator's count, now.
+    pub lost: u64,
+    /// Packets beyond the rate, dropped; in lockstep a stream is held back instead.
+    pub over_rate: u64,
+    /// Connections that were accepted.
+    pub connections: u64,
+    /// Connections that were refused or closed to make place.
+    pub refused: u64,
+    /// Frames that a simulator waited for.
+    pub frames: u64,
+    /// Of these, frames that were drawn.
+    pub drawn: u64,
+    /// Of these, frames that nobody drew in time.
+    pub timed_out: u64,
+}
+
+/// States and what is known about their coming; locked for microseconds, never while anything is waited for.
+#[derive(Debug)]
+pub struct Inner {
+    pub buffer: Buffer,
+    pub clock: PlaybackClock,
+    pub counters: Counters,
+    pub last_came: Option<Instant>,
+    pub last_fault: Option<String>,
+    last_seq: Option<u64>,
+}
+
+/// What the threads share.
+#[derive(Debug)]
+pub struct Shared {
+    pub options: LiveOptions,
+    inner: Mutex<Inner>,
+    pub lockstep: Lockstep,
+    pub name: OnceLock<String>,
+    stop: AtomicBool,
+}
+
+impl Shared {
+    pub fn new(options: LiveOptions) -> Self {
+        let inner = Inner {
+            buffer: Buffer::new(options.gap_s),
+            clock: PlaybackClock::new(options.rate),
+            counters: Counters::default(),
+            last_came: None,
+            last_fault: None,
+            last_seq: None,
+        };
+        Self {
+            options,
+            inner: Mutex::new(inner),
+            lockstep: Lockstep::default(),
+            name: OnceLock::new(),
+            stop: AtomicBool::new(false),
+        }
+    }
+
+    pub fn lock(&self) -> MutexGuard<'_, Inner> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Acquire)
+    }
+
+    pub fn stop(&self) {
+        self.stop.store(true, Ordering::Release);
+        self.lockstep.close();
+    }
+
+    /// Takes what was cut out of a stream; gives what is answered. In lockstep it waits until the frame is drawn.
+    pub fn take(&self, (packet, form): Cut) -> Option<Vec<u8>> {
+        let reply = match packet {
+            Ok(packet) => self.take_packet(packet),
+            Err(fault) => self.take_fault(&fault),
+        };
+        reply.map(|reply| reply.to_wire(form))
+    }
+
+    fn take_fault(&self, fault: &PacketFault) -> Option<Reply> {
+        let reason = fault.to_string();
+        let mut inner = self.lock();
+        inner.counters.bad += 1;
+        inner.last_fault = Some(shortened(&reason));
+        drop(inner);
+        // Somebody may wait for an answer.
+        let is_waited_for = self.options.mode == Mode::Lockstep;
+        is_waited_for.then_some(Reply::Error { seq: None, reason })
+    }
+
+    fn take_packet(&self, packet: Packet) -> Option<Reply> {
+        if let Some(name) = packet.name {
+            // The first one stays: the player shows it by reference.
+            let _ = self.name.set(name);
+        }
+        let (state, seq) = (packet.state, packet.seq);
+        if packet.kind == Kind::State {
+            self.take_state(state, seq);
+            return None;
+        }
+        let seq = seq?;
+        if self.options.mode == Mode::Broadcast {
+            let reason = "nobody waits here: the feed was opened in broadcast mode; send states, or open it in lockstep";
+            let mut inner = self.lock();
+            inner.counters.bad += 1;
+            inner.last_fault = Some(shortened(reason));
+            return Some(Reply::Error {
+                seq: Some(seq),
+                reason: reason.to_owned(),
+            });
+        }
+        let timeout = self.options.frame_timeout;
+        let outcome = self.lockstep.ask(seq, state, timeout, || {
+            let mut inner = self.lock();
+            inner.buffer.take_frame(state);
+            inner.counters.taken += 1;
+            inner.last_came = Some(Instant::now());
+        });
+        let mut inner = self.lock();
+        inner.counters.frames += 1;
+        let reason = match outcome {
+            Outcome::Drawn => {
+                inner.counters.drawn += 1;
+                return Some(Reply::Drawn { seq });
+            }
+            Outcome::Refused(reason) => reason,
+            Outcome::TimedOut => {
+                inner.counters.timed_out += 1;
+                format!("not drawn within {} s", timeout.as_secs_f64())
+            }
+            Outcome::Busy => "too many frames wait already; wait for their answers".to_owned(),
+            Outcome::Closed => "the feed is closed".to_owned(),
+        };
+        let seq = Some(seq);
+        Some(Reply::Error { seq, reason })
+    }
+
+    fn take_state(&self, state: super::super::OrbitState, seq: Option<u64>) {
+        let now = Instant::now();
+        let mut inner = self.lock();
+        let taken = inner.buffer.take(state);
+        let inner = &mut *inner;
+        let counters = &mut inner.counters;
+        match taken {
+            Taken::Newest => {}
+            Taken::Late => counters.late += 1,
+            Taken::Duplicate => counters.duplicates += 1,
+            Taken::TooLate => counters.too_late += 1,
+            Taken::Apart => counters.apart += 1,
+            Taken::Restart => {
+                counters.restarts += 1;
+                inner.clock.clear();
+                inner.last_seq = None;
+            }
+        }
+        if !matches!(taken, Taken::Newest | Taken::Late | Taken::Restart) {
+            return;
+        }
+        counters.taken += 1;
+        inner.last_came = Some(now);
+        inner.clock.note(state.epoch, now);
+        let Some(seq) = seq else { return };
+        match inner.last_seq {
+            Some(last) if seq > last => {
+                counters.lost = counters.lost.saturating_add(seq - last - 1)
+            }
+            // One that was counted as lost.
+            Some(_) if taken == Taken::Late => counters.lost = counters.lost.saturating_sub(1),
+            _ => {}
+        }
+        if taken != Taken::Late {
+            inner.last_seq = Some(seq);
+        }
+    }
+}
+
+/// How many packets may still come in this second.
+#[derive(Debug)]
+pub struct Allowance {
+    per_s: f64,
+    left: f64,
+    at: Instant,
+}
+
+impl Allowance {
+    pub fn new(per_s: u32) -> Self {
+        Self {
+            per_s: f64::from(per_s),
+            left: f64::from(per_s),
+            at: Instant::now(),
+        }
+    }
+
+    /// Lets time go by.
+    pub fn refill(&mut self, now: Instant) {
+        let passed_s = now.saturating_duration_since(self.at).as_secs_f64();
+        self.at = now;
+        self.left = (self.left + passed_s * self.per_s).min(self.per_s);
+    }
+
+    /// Whether one more may come.
+    pub fn has_one(&mut self, now: Instant) -> bool {
+        self.refill(now);
+        let has_one = self.left >= 1.0;
+        if has_one {
+            self.left -= 1.0;
+        }
+        has_one
+    }
+
+    /// How long until the next may come; at most 20 ms, so that a thread that waits still sees that the feed ends.
+    pub fn pause(&self) -> Duration {
+        Duration::from_secs_f64(((1.0 - self.left) / self.per_s).clamp(0.0, 0.02))
+    }
+}

@@ -1,0 +1,105 @@
+//! WebSocket connections (RFC 6455).
+
+use super::packet::LONGEST_PACKET;
+use super::serve::{is_nothing, message};
+use super::shared::{Allowance, Shared};
+use std::net::TcpStream;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+use tungstenite::handshake::HandshakeError;
+use tungstenite::handshake::server::{ErrorResponse, Request, Response};
+use tungstenite::http::StatusCode;
+use tungstenite::protocol::WebSocketConfig;
+use tungstenite::{Error, Message, WebSocket, accept_hdr_with_config};
+
+/// How long a connection may take to become a WebSocket.
+const HANDSHAKE: Duration = Duration::from_secs(5);
+
+/// One connection.
+pub fn serve(connection: TcpStream, shared: &Shared, heard: &AtomicU64) {
+    let begun = Instant::now();
+    let first = heard.load(Ordering::Relaxed);
+    let Some(mut socket) = handshake(connection, shared, begun) else {
+        shared.lock().counters.refused += 1;
+        return;
+    };
+    let mut allowance = Allowance::new(shared.options.most_packets_per_s);
+    while !shared.is_stopped() {
+        let received = match socket.read() {
+            Ok(received) => received,
+            Err(Error::Io(error)) if is_nothing(error.kind()) => continue,
+            Err(Error::Capacity(_) | Error::Protocol(_) | Error::Utf8(_)) => {
+                // Its stream cannot be read on: the simulator connects anew.
+                let mut inner = shared.lock();
+                inner.counters.bad += 1;
+                inner.last_fault = Some("a WebSocket frame that is too long or wrong".to_owned());
+                return;
+            }
+            Err(_) => return,
+        };
+        heard.store(
+            first + begun.elapsed().as_millis() as u64,
+            Ordering::Relaxed,
+        );
+        let is_text = received.is_text();
+        let bytes = match received {
+            Message::Text(text) => text.as_bytes().to_vec(),
+            Message::Binary(bytes) => bytes.to_vec(),
+            // Pings are answered by the next reading.
+            _ => continue,
+        };
+        let send = |reply: Vec<u8>| {
+            let reply = match (is_text, String::from_utf8(reply)) {
+                (true, Ok(text)) => Message::text(text),
+                (false, Ok(text)) => Message::binary(text.into_bytes()),
+                (_, Err(error)) => Message::binary(error.into_bytes()),
+            };
+            socket.send(reply).is_ok()
+        };
+        if !message(&bytes, shared, &mut allowance, send) {
+            return;
+        }
+    }
+    let _ = socket.close(None);
+    let _ = socket.flush();
+}
+
+fn handshake(
+    connection: TcpStream,
+    shared: &Shared,
+    begun: Instant,
+) -> Option<WebSocket<TcpStream>> {
+    let config = WebSocketConfig::default()
+        .read_buffer_size(8192)
+        .write_buffer_size(0)
+        .max_write_buffer_size(64 << 10)
+        .max_message_size(Some(LONGEST_PACKET))
+        .max_frame_size(Some(LONGEST_PACKET));
+    let allowed = &shared.options.allowed_origins;
+    #[allow(clippy::result_large_err, reason = "the type is tungstenite's")]
+    let check = |request: &Request, response: Response| -> Result<Response, ErrorResponse> {
+        // Browsers name the page whose script connects; programs name none.
+        let is_allowed = request.headers().get_all("Origin").iter().all(|origin| {
+            let origin = origin.to_str().unwrap_or_default();
+            allowed.iter().any(|allowed| allowed == origin)
+        });
+        if is_allowed {
+            return Ok(response);
+        }
+        let mut refusal = ErrorResponse::new(Some("this page is not allowed here".to_owned()));
+        *refusal.status_mut() = StatusCode::FORBIDDEN;
+        Err(refusal)
+    };
+    let mut result = accept_hdr_with_config(connection, check, Some(config));
+    loop {
+        match result {
+            Ok(socket) => return Some(socket),
+            Err(HandshakeError::Interrupted(halfway))
+                if begun.elapsed() < HANDSHAKE && !shared.is_stopped() =>
+            {
+                result = halfway.handshake();
+            }
+            Err(_) => return None,
+        }
+    }
+}
