@@ -273,7 +273,7 @@ fn an_empty_scene_is_all_defaults() {
     assert_eq!(scene.time.frame_rate_hz, 30.0);
     assert_eq!(scene.time.frame_count(), 2790);
     assert_eq!(scene.time.end(), utc("2018-01-15T13:33:00Z"));
-    let orbit = scene.orbit.as_ref().expect("the built-in elements");
+    let orbit = scene.orbits.first().expect("the built-in elements");
     assert_eq!((&orbit.file, &orbit.name), (&None, &None));
     assert_eq!(scene.camera.mode, CameraMode::Nadir);
     assert_eq!(scene.camera.fov_deg, 45.0);
@@ -310,7 +310,7 @@ fn every_key_is_read() {
     assert_eq!(scene.time.duration_s, 12.5);
     assert_eq!(scene.time.speed, -2.0);
     assert_eq!(scene.time.frame_rate_hz, 29.97);
-    let orbit = scene.orbit.as_ref().expect("an orbit that was asked for");
+    let orbit = scene.orbits.first().expect("an orbit that was asked for");
     assert_eq!(orbit.file, Some(folder.path("sat.tle")));
     assert_eq!(orbit.name.as_deref(), Some("A"));
     assert_eq!(scene.camera.mode, CameraMode::Geodetic);
@@ -367,22 +367,24 @@ fn the_mode_of_the_camera_follows_from_the_keys_that_are_given() {
     assert_eq!(place.camera.mode, CameraMode::Geodetic);
     assert_eq!(place.camera.lon_deg, 0.0);
     assert_eq!(place.camera.height_km, 20_000.0);
-    assert_eq!(place.orbit, None);
+    assert!(place.orbits.is_empty());
 
     let place = scene("[camera]\nmode = \"geodetic\"");
     assert_eq!((place.camera.lat_deg, place.camera.lon_deg), (0.0, 0.0));
-    assert_eq!(place.orbit, None);
+    assert!(place.orbits.is_empty());
 
     // An orbit that is asked for is kept, and asking takes no more than the table's head.
     assert!(
         scene("[orbit]\n[camera]\nmode = \"geodetic\"")
-            .orbit
+            .orbits
+            .first()
             .is_some()
     );
     for mode in ["nadir", "horizon", "chase"] {
         assert!(
             scene(&format!("[camera]\nmode = \"{mode}\""))
-                .orbit
+                .orbits
+                .first()
                 .is_some()
         );
     }
@@ -433,7 +435,7 @@ fn paths_are_relative_to_the_folder_of_the_scene() {
     let path = folder.path("scenes/deep.toml");
     std::fs::write(&path, "[orbit]\nfile = \"../sat.tle\"").expect("a file");
     let scene = Scene::load(&path).expect("a good scene");
-    let file = scene.orbit.and_then(|orbit| orbit.file);
+    let file = scene.orbits.into_iter().next().and_then(|orbit| orbit.file);
     assert_eq!(file, Some(folder.path("scenes/../sat.tle")));
 }
 
