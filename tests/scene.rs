@@ -1,5 +1,8 @@
 //! Scene files: what is refused and in which words, what is taken, what the defaults are.
 
+#[path = "scene/orbits.rs"]
+mod orbits;
+
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use terrella::air::Atmosphere;
@@ -131,7 +134,7 @@ const BAD: &[Bad] = &[
     ("[earth]\nvisibility = \"\"", 2, &["[earth] visibility = \"\":", "\"conservative\", \"paper\""]),
     ("[earth]\nshading = \"Paper\"", 2, &["[earth] shading = \"Paper\":", "did you mean \"paper\"?"]),
     ("[earth]\natmosphere = \"off\"", 2, &["[earth] atmosphere = \"off\":", "\"billboard\", \"none\""]),
-    ("[orbit]\nsource = \"oem\"", 2, &["[orbit] source = \"oem\":", "\"tle\""]),
+    ("[orbit]\nsource = \"gps\"", 2, &["[orbit] source = \"gps\":", "\"tle\"", "\"numerical\""]),
     // Conflicts.
     ("[camera]\nmode = \"horizon\"\nup = \"north\"", 3, &["[camera] up = \"north\":", "no meaning with mode = \"horizon\""]),
     ("[camera]\nup = \"left\"", 2, &["[camera] up", "left", "flight", "north"]),
@@ -296,7 +299,7 @@ fn every_key_is_read() {
     let scene = folder.load(
         "[time]\nstart = \"2018-01-19T01:02:03.25Z\"\nduration_s = 12.5\nspeed = -2\n\
          frame_rate_hz = 29.97\n\
-         [orbit]\nsource = \"tle\"\nfile = \"sat.tle\"\nname = \"A\"\n\
+         [orbit]\nsource = \"tle\"\nfile = \"sat.tle\"\nname = \"A\"\nstrict = true\n\
          [camera]\nmode = \"geodetic\"\nfov_deg = 179.999\nlat_deg = -90\nlon_deg = 350\n\
          height_km = 0.001\n\
          [earth]\nfigure = \"sphere\"\nsubdivision = 48\nvisibility = \"paper\"\n\
@@ -327,7 +330,7 @@ fn every_key_is_read() {
     assert_eq!(scene.earth.textures, Some(folder.path("maps")));
     assert_eq!(scene.output.size, [16384, 1]);
     assert_eq!(scene.output.samples, 1);
-    assert_eq!(scene.line("output", "samples"), Some(28));
+    assert_eq!(scene.line("output", "samples"), Some(29));
     let summary = scene.summary();
     assert!(!summary.contains("default"), "{summary}");
 }

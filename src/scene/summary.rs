@@ -28,9 +28,9 @@ impl Scene {
                 match self.value(table.name, key.name) {
                     Ok(value) => line(
                         &mut out,
-                        format_args!("  {:<14} {value:<28} {from}", key.name),
+                        format_args!("  {:<18} {value:<28} {from}", key.name),
                     ),
-                    Err(why) => line(&mut out, format_args!("  {:<14} not used: {why}", key.name)),
+                    Err(why) => line(&mut out, format_args!("  {:<18} not used: {why}", key.name)),
                 }
             }
             if table.name == "orbit" {
@@ -65,7 +65,7 @@ impl Scene {
                     None => "default".to_owned(),
                 };
                 if let Ok(value) = orbit_summary::value(orbit, key.name) {
-                    line(out, format_args!("  {:<14} {value:<28} {from}", key.name));
+                    line(out, format_args!("  {:<18} {value:<28} {from}", key.name));
                 }
             }
         }
