@@ -101,7 +101,7 @@ const BAD: &[Bad] = &[
     ("[camera]\nheight_km = 2e9", 2, &["[camera] height_km = 2e9:", "0.001 to 1000000000 km"]),
     ("[earth]\nsubdivision = 0", 2, &["[earth] subdivision = 0:", "from 1 to 48"]),
     ("[earth]\nsubdivision = 49", 2, &["[earth] subdivision = 49:", "from 1 to 48"]),
-    ("[earth]\nsubdivision = -6", 2, &["[earth] subdivision = -6:", "must be from 1 to 48"]),
+    ("[earth]\nsubdivision = -6", 2, &["[earth] subdivision = -6:", "from 1 to 48"]),
     ("[output]\nsize = [0, 720]", 2, &["[output] size = [0, 720]:", "each be from 1 to 16384 pixels"]),
     ("[output]\nsize = [1280, 0]", 2, &["[output] size = [1280, 0]:", "each be from 1 to 16384 pixels"]),
     ("[output]\nsize = [100000, 720]", 2, &["[output] size = [100000, 720]:", "each be from 1 to 16384 pixels"]),

@@ -59,14 +59,23 @@ impl Scene {
         };
         match found.as_slice() {
             [only] => Ok(*only),
-            [] => Err(match nearest(wanted, names.iter().copied()) {
-                Some(near) => format!(
-                    "no satellite of the scene has that name; did you mean \"{}\"? It has {}",
-                    printable(near),
-                    list()
-                ),
-                None => format!("no satellite of the scene has that name; it has {}", list()),
-            }),
+            [] => {
+                // Names are compared letter case aside, so the likeness is, too.
+                let lower: Vec<_> = names.iter().map(|name| name.to_lowercase()).collect();
+                let near = nearest(&folded, lower.iter().map(String::as_str))
+                    .and_then(|near| lower.iter().position(|name| name == near))
+                    .and_then(|index| names.get(index));
+                Err(match near {
+                    Some(near) => format!(
+                        "no satellite of the scene has that name; did you mean \"{}\"? It has {}",
+                        printable(near),
+                        list()
+                    ),
+                    None => {
+                        format!("no satellite of the scene has that name; it has {}", list())
+                    }
+                })
+            }
             several => Err(format!(
                 "{} satellites of the scene have that name; give them names of their own by name in [[orbit]]",
                 several.len()
