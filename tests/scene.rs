@@ -377,19 +377,11 @@ fn the_mode_of_the_camera_follows_from_the_keys_that_are_given() {
     assert!(place.orbits.is_empty());
 
     // An orbit that is asked for is kept, and asking takes no more than the table's head.
-    assert!(
-        scene("[orbit]\n[camera]\nmode = \"geodetic\"")
-            .orbits
-            .first()
-            .is_some()
-    );
+    let kept = scene("[orbit]\n[camera]\nmode = \"geodetic\"").orbits;
+    assert_eq!(kept.len(), 1);
     for mode in ["nadir", "horizon", "chase"] {
-        assert!(
-            scene(&format!("[camera]\nmode = \"{mode}\""))
-                .orbits
-                .first()
-                .is_some()
-        );
+        let orbits = scene(&format!("[camera]\nmode = \"{mode}\"")).orbits;
+        assert_eq!(orbits.len(), 1);
     }
 }
 
