@@ -1,7 +1,7 @@
 //! Where a scene's satellites are: tables for people and programs, and messages for other programs.
 
 use super::{Flight, PlayError, Tracked};
-use crate::frames::{Duration, Epoch, Geodetic, rfc3339};
+use crate::frames::{Duration, Epoch, Geodetic, TimeScale, ccsds_time};
 use crate::orbit::sampled::{Interpolation, Sample, Sampled, Segment};
 use crate::orbit::{
     Feed, Frame, Header, OrbitState, SampledFeed, csv_header, csv_row, write_oem, write_omm,
@@ -134,7 +134,7 @@ impl<'f> Ephemeris<'f> {
                 Axes::Geodetic => writeln!(
                     text,
                     "{}  {:>11.6} {:>12.6} {:>14.5}",
-                    rfc3339(state.epoch),
+                    utc(state.epoch),
                     place.lat_rad.to_degrees(),
                     place.lon_rad.to_degrees(),
                     place.height_m / 1e3
@@ -142,7 +142,7 @@ impl<'f> Ephemeris<'f> {
                 Axes::Frame(_) => writeln!(
                     text,
                     "{}  {:>14.6} {:>14.6} {:>14.6}  {:>13.9} {:>13.9} {:>13.9}",
-                    rfc3339(state.epoch),
+                    utc(state.epoch),
                     r.x,
                     r.y,
                     r.z,
@@ -160,7 +160,7 @@ impl<'f> Ephemeris<'f> {
             let (r, v) = (state.position_m / 1e3, state.velocity_m_s / 1e3);
             let place = self.place(state);
             serde_json::json!({
-                "epoch_utc": rfc3339(state.epoch),
+                "epoch_utc": utc(state.epoch),
                 "position_km": r.to_array(),
                 "velocity_km_s": v.to_array(),
                 "lat_deg": place.lat_rad.to_degrees(),
@@ -255,6 +255,11 @@ pub fn omm(
         true => Err(PlayError::NoSatellite),
         false => Ok(write_omm(&elements, header)),
     }
+}
+
+/// With all its decimals: a thousandth of a second is metres of flight.
+fn utc(epoch: Epoch) -> String {
+    ccsds_time(epoch, TimeScale::Utc) + "Z"
 }
 
 fn satellite<'f>(flight: &'f Flight, name: Option<&str>) -> Result<&'f Tracked, PlayError> {

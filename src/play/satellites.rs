@@ -165,8 +165,10 @@ fn from_file(
     };
     let faults: Vec<String> = faults.iter().map(OrbitError::to_string).collect();
     if let Some(first) = faults.first() {
-        let more = faults.len() - 1 + faults_left_out;
-        tracing::warn!("{first}; passed over, as are {more} more of that file");
+        match faults.len() - 1 + faults_left_out {
+            0 => tracing::warn!("passed over: {first}"),
+            more => tracing::warn!("passed over: {first}; and {more} more of that file"),
+        }
     }
     Ok(Tracked {
         faults,

@@ -37,7 +37,13 @@ fn csv_reads_back_bit_for_bit_in_every_frame() {
         let text = printed(
             &place,
             &[
-                "orbit", "iss.toml", "--every", "250", "--csv", "--frame", &name,
+                "orbit",
+                "iss.toml",
+                "--every",
+                "250.1234567",
+                "--csv",
+                "--frame",
+                &name,
             ],
         );
         let mut lines = text.lines();
@@ -54,7 +60,7 @@ fn csv_reads_back_bit_for_bit_in_every_frame() {
         assert_eq!(feed.name(), "ISS (ZARYA)");
         let samples = &feed.segments()[0].samples;
         assert_eq!(samples.frame(), frame);
-        // 0, 250 … 1750 s and the scene's end.
+        // Eight steps of more digits than milliseconds, and the scene's end.
         assert_eq!(samples.len(), 9);
         for (sample, row) in samples.samples().zip(lines) {
             let state = iss.state_at(sample.epoch).expect("in reach");
@@ -415,4 +421,40 @@ fn cameras_fly_with_the_satellite_that_is_named() {
         "{refusal}"
     );
     assert!(refusal.contains("did you mean \"High\"?"), "{refusal}");
+}
+
+/// A satellite that is not followed may come and go.
+#[test]
+fn satellites_that_are_not_followed_need_not_be_known_throughout() {
+    let place = Place::new();
+    let oem = config("orbits/falling.oem").display().to_string();
+    let scene = format!(
+        "[time]\nduration_s = 6000\n[[orbit]]\n[[orbit]]\nsource = \"oem\"\nfile = \"{oem}\"\n"
+    );
+    place.scene("two.toml", &scene);
+    let flight = Flight::open(Scene::load(&place.path("two.toml")).expect("a good scene"));
+    let flight = flight.expect("opens");
+    let (start, end) = (flight.scene().time.start, flight.scene().time.end());
+    let known = |epoch| -> Vec<(String, bool)> {
+        let states = flight.states_at(epoch);
+        states
+            .map(|(name, state)| (name.to_owned(), state.is_ok()))
+            .collect()
+    };
+    let both = |falling| {
+        vec![
+            ("ISS (ZARYA)".to_owned(), true),
+            ("Falling".to_owned(), falling),
+        ]
+    };
+    assert_eq!(known(start), both(true));
+    assert_eq!(known(end), both(false));
+    assert!(flight.at(end, 1.5).is_ok());
+    // Followed, it must be.
+    place.scene(
+        "led.toml",
+        &format!("{scene}[camera]\nfollow = \"falling\"\n"),
+    );
+    let refusal = place.fail(2, &["check", "led.toml"]);
+    assert!(refusal.contains("2018-01-15T13:10:00Z"), "{refusal}");
 }
