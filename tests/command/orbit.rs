@@ -143,6 +143,29 @@ fn an_ephemeris_message_flies_as_the_satellite_does() {
         // of its positions, by up to 1.6 cm/s, half a metre in the windows at the ends.
         assert!(worst_m < 1.0, "{frame}: {worst_m} m");
     }
+    // What is said of states far apart is what a reader finds half-way between them.
+    let output = place.succeed(&["orbit", "iss.toml", "--every", "300", "--oem", "iss.oem"]);
+    let told = words(&output);
+    let told_m = told
+        .split_whitespace()
+        .rev()
+        .nth(4)
+        .and_then(|word| word.parse::<f64>().ok());
+    let read = Ephemerides::from_file(&place.path("iss.oem"), true).expect("an OEM");
+    let iss = Sgp4Feed::built_in_iss().expect("built in");
+    let mut worst_m = 0.0_f64;
+    for k in 0..6 {
+        let epoch =
+            read.feeds[0].validity().0 + Duration::from_seconds(300.0 * f64::from(k) + 150.0);
+        let [a, b] = [&read.feeds[0] as &dyn Feed, &iss]
+            .map(|feed| feed.state_at(epoch).expect("covered").position_itrf_m());
+        worst_m = worst_m.max((a - b).length());
+    }
+    assert!(worst_m > 1.0, "{worst_m} m");
+    assert!(
+        told_m.is_some_and(|told_m| (told_m - worst_m).abs() < 1e-3),
+        "{told}: {worst_m} m"
+    );
     assert_eq!(
         place.names(),
         ["again.toml", "iss.oem", "iss.toml", "small.toml"]
@@ -293,6 +316,17 @@ fn sources_and_starts_that_cannot_be_are_told_at_the_line_of_the_scene() {
     let refusal = place.fail(2, &["check", "low.toml"]);
     assert!(refusal.contains("low.toml:3: [orbit] source"), "{refusal}");
     assert!(refusal.contains("ground"), "{refusal}");
+    // It has met the ground before the scene begins.
+    place.scene(
+        "fallen.toml",
+        "[orbit]\nsource = \"numerical\"\nsemi_major_axis_km = 6538\narea_m2 = 40\nepoch = 2018-01-15T06:00:00Z\n",
+    );
+    let refusal = place.fail(2, &["check", "fallen.toml"]);
+    assert!(
+        refusal.contains("[time] start") && refusal.contains("choose a start"),
+        "{refusal}"
+    );
+    assert!(!refusal.contains("newer elements"), "{refusal}");
 }
 
 #[test]
