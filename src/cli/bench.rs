@@ -15,7 +15,7 @@ use terrella::scene::Scene;
 #[command(
     after_help = "The scene's Earth and camera are flown round at ten heights, from 100 km to the Moon's distance, along \
     the equator and along a path inclined by 51.6°, with the Sun of the scene's start. Each frame is timed beside its \
-    floor: a full-screen pass with the same texture samples on the same pixels that computes nothing. Compare their \
+    floor: a pass with the same texture samples on the same pixels that computes nothing. Compare their \
     ratio, not milliseconds. With a pack, tiles are waited for before a frame is timed.\n\n\
     With --baseline a row fails where its frame over floor is larger than the baseline's by more than --tolerance; a \
     baseline of another scene, size, number of frames or adapter is refused.\n\n\

@@ -12,7 +12,7 @@ pub struct EarthOptions {
     /// The maps. A layer that is `None` costs nothing.
     pub layers: EarthLayers,
     /// Tiles of a pack, drawn in place of the whole maps of the same layers as they arrive; `None` draws whole maps
-    /// only and costs nothing. `layers` must be the pack's coarsest maps, `subdivision` at least [`TILED_SUBDIVISION`] if
+    /// only and costs nothing. `layers` must be the pack's coarsest maps, `subdivision` automatic or at least [`super::TILED_SUBDIVISION`] if
     /// nothing is to be seen of block edges at grazing views.
     pub tiles: Option<TileOptions>,
     /// The figure.

@@ -45,14 +45,13 @@ pub const TILED_SUBDIVISION: u32 = 24;
 /// use std::sync::Arc;
 /// use terrella::imagery::pack::{Pack, PackTiles};
 /// use terrella::imagery::tile::{MapLayer, Storage};
-/// use terrella::{EarthOptions, TILED_SUBDIVISION, TileOptions};
+/// use terrella::{EarthOptions, TileOptions};
 ///
 /// let pack = Arc::new(Pack::open("earth".as_ref())?);
 /// let tiles = PackTiles::new(pack, Storage::Plain, false, &[MapLayer::Day, MapLayer::Clouds])?;
 /// let (layers, _unreadable) = tiles.coarsest_maps()?;
 /// let options = EarthOptions {
 ///     tiles: Some(TileOptions::new(Arc::new(tiles))),
-///     subdivision: TILED_SUBDIVISION,
 ///     ..EarthOptions::new(layers)
 /// };
 /// # Ok(())

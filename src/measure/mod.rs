@@ -5,12 +5,12 @@
 //! | `stations` | where the harness looks from: the heights of the paper's Table 2 and farther |
 //! | `rig` | an Earth on a test stand: frames and their floor, timed turn about |
 //! | `floor` | the least that a frame could cost |
-//! | [`bench`] | the frame-rate harness |
-//! | [`reference`] | the true picture: ray casting in f64 on the processor |
+//! | [`mod@bench`] | the frame-rate harness |
+//! | [`mod@reference`] | the true picture: ray casting in f64 on the processor |
 //! | [`numeric`] | formulas held against arbitrary precision, methods compared by error and cost |
 //! | [`extreme`] | pictures that nobody would ask for, and what they must show |
 //! | [`errors`] | how wrong a picture is: colours, places, silhouette |
-//! | [`report`] | error against run time over a scene's settings: tables, charts, a page |
+//! | [`mod@report`] | error against run time over a scene's settings: tables, charts, a page |
 //! | [`orbits`] | propagators: error beside run time |
 //! | `quantiles`, `pareto`, `chart`, `axis` | what is told of measurements |
 

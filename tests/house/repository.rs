@@ -93,6 +93,8 @@ impl Repository {
             "config/README.md",
             "textures/SOURCES.md",
             "tests/goldens/README.md",
+            "docs/accuracy.md",
+            "docs/orbits.md",
         ];
         let below = below.iter().map(|path| (*path).to_string());
         top.into_iter()

@@ -1,7 +1,7 @@
 //! Pictures that nobody would ask for, each with what it must show: a defined picture or a clear error, never a pixel that
 //! is not a number.
 //!
-//! [`cases`] is the list, [`run`] draws one case on any device. Pictures are drawn to half floats, which show what an
+//! [`cases()`] is the list, [`run()`] draws one case on any device. Pictures are drawn to half floats, which show what an
 //! 8-bit target would hide.
 
 mod cases;

@@ -292,13 +292,17 @@ fn sweep(study: &Study, parameter: &str, metric: &Metric, cost: &Cost) -> Option
     let mut series = Vec::new();
     let mut changes = metric.name == "flip_mean";
     for height_km in &study.some_heights(LINES) {
-        let rows: Vec<&Row> = study
+        let mut rows: Vec<&Row> = study
             .rows
             .iter()
             .filter(|row| row.change.parameter() == parameter && row.height_km == *height_km)
             .collect();
         if rows.len() < 2 {
             continue;
+        }
+        // The automatic mesh has its place among the others by what it does.
+        if parameter == "subdivision" {
+            rows.sort_by(|a, b| (metric.of)(b).total_cmp(&(metric.of)(a)));
         }
         let errors: Vec<f64> = rows.iter().map(|row| (metric.of)(row)).collect();
         let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
