@@ -1,5 +1,8 @@
 //! Scene files: what is refused and in which words, what is taken, what the defaults are.
 
+#[path = "scene/orbits.rs"]
+mod orbits;
+
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use terrella::air::Atmosphere;
@@ -131,7 +134,7 @@ const BAD: &[Bad] = &[
     ("[earth]\nvisibility = \"\"", 2, &["[earth] visibility = \"\":", "\"conservative\", \"paper\""]),
     ("[earth]\nshading = \"Paper\"", 2, &["[earth] shading = \"Paper\":", "did you mean \"paper\"?"]),
     ("[earth]\natmosphere = \"off\"", 2, &["[earth] atmosphere = \"off\":", "\"billboard\", \"none\""]),
-    ("[orbit]\nsource = \"oem\"", 2, &["[orbit] source = \"oem\":", "\"tle\""]),
+    ("[orbit]\nsource = \"gps\"", 2, &["[orbit] source = \"gps\":", "\"tle\"", "\"numerical\""]),
     // Conflicts.
     ("[camera]\nmode = \"horizon\"\nup = \"north\"", 3, &["[camera] up = \"north\":", "no meaning with mode = \"horizon\""]),
     ("[camera]\nup = \"left\"", 2, &["[camera] up", "left", "flight", "north"]),
@@ -273,7 +276,7 @@ fn an_empty_scene_is_all_defaults() {
     assert_eq!(scene.time.frame_rate_hz, 30.0);
     assert_eq!(scene.time.frame_count(), 2790);
     assert_eq!(scene.time.end(), utc("2018-01-15T13:33:00Z"));
-    let orbit = scene.orbit.as_ref().expect("the built-in elements");
+    let orbit = scene.orbits.first().expect("the built-in elements");
     assert_eq!((&orbit.file, &orbit.name), (&None, &None));
     assert_eq!(scene.camera.mode, CameraMode::Nadir);
     assert_eq!(scene.camera.fov_deg, 45.0);
@@ -296,7 +299,7 @@ fn every_key_is_read() {
     let scene = folder.load(
         "[time]\nstart = \"2018-01-19T01:02:03.25Z\"\nduration_s = 12.5\nspeed = -2\n\
          frame_rate_hz = 29.97\n\
-         [orbit]\nsource = \"tle\"\nfile = \"sat.tle\"\nname = \"A\"\n\
+         [orbit]\nsource = \"tle\"\nfile = \"sat.tle\"\nname = \"A\"\nstrict = true\n\
          [camera]\nmode = \"geodetic\"\nfov_deg = 179.999\nlat_deg = -90\nlon_deg = 350\n\
          height_km = 0.001\n\
          [earth]\nfigure = \"sphere\"\nsubdivision = 48\nvisibility = \"paper\"\n\
@@ -310,7 +313,7 @@ fn every_key_is_read() {
     assert_eq!(scene.time.duration_s, 12.5);
     assert_eq!(scene.time.speed, -2.0);
     assert_eq!(scene.time.frame_rate_hz, 29.97);
-    let orbit = scene.orbit.as_ref().expect("an orbit that was asked for");
+    let orbit = scene.orbits.first().expect("an orbit that was asked for");
     assert_eq!(orbit.file, Some(folder.path("sat.tle")));
     assert_eq!(orbit.name.as_deref(), Some("A"));
     assert_eq!(scene.camera.mode, CameraMode::Geodetic);
@@ -327,7 +330,7 @@ fn every_key_is_read() {
     assert_eq!(scene.earth.textures, Some(folder.path("maps")));
     assert_eq!(scene.output.size, [16384, 1]);
     assert_eq!(scene.output.samples, 1);
-    assert_eq!(scene.line("output", "samples"), Some(28));
+    assert_eq!(scene.line("output", "samples"), Some(29));
     let summary = scene.summary();
     assert!(!summary.contains("default"), "{summary}");
 }
@@ -367,24 +370,18 @@ fn the_mode_of_the_camera_follows_from_the_keys_that_are_given() {
     assert_eq!(place.camera.mode, CameraMode::Geodetic);
     assert_eq!(place.camera.lon_deg, 0.0);
     assert_eq!(place.camera.height_km, 20_000.0);
-    assert_eq!(place.orbit, None);
+    assert!(place.orbits.is_empty());
 
     let place = scene("[camera]\nmode = \"geodetic\"");
     assert_eq!((place.camera.lat_deg, place.camera.lon_deg), (0.0, 0.0));
-    assert_eq!(place.orbit, None);
+    assert!(place.orbits.is_empty());
 
     // An orbit that is asked for is kept, and asking takes no more than the table's head.
-    assert!(
-        scene("[orbit]\n[camera]\nmode = \"geodetic\"")
-            .orbit
-            .is_some()
-    );
+    let kept = scene("[orbit]\n[camera]\nmode = \"geodetic\"").orbits;
+    assert_eq!(kept.len(), 1);
     for mode in ["nadir", "horizon", "chase"] {
-        assert!(
-            scene(&format!("[camera]\nmode = \"{mode}\""))
-                .orbit
-                .is_some()
-        );
+        let orbits = scene(&format!("[camera]\nmode = \"{mode}\"")).orbits;
+        assert_eq!(orbits.len(), 1);
     }
 }
 
@@ -433,7 +430,7 @@ fn paths_are_relative_to_the_folder_of_the_scene() {
     let path = folder.path("scenes/deep.toml");
     std::fs::write(&path, "[orbit]\nfile = \"../sat.tle\"").expect("a file");
     let scene = Scene::load(&path).expect("a good scene");
-    let file = scene.orbit.and_then(|orbit| orbit.file);
+    let file = scene.orbits.into_iter().next().and_then(|orbit| orbit.file);
     assert_eq!(file, Some(folder.path("scenes/../sat.tle")));
 }
 

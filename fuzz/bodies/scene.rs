@@ -21,9 +21,12 @@ pub fn run(data: &[u8]) {
 /// Good inputs to start from.
 #[allow(dead_code, reason = "the fuzzer reads its corpus from files")]
 pub fn seeds() -> Vec<Vec<u8>> {
-    const SCENES: [&str; 3] = [
+    const SCENES: [&str; 4] = [
         "[time]\nstart = 2018-01-15T12:00:00Z\nduration_s = 60\nspeed = -10.5\nframe_rate_hz = 30\n",
         "[orbit]\nsource = \"tle\"\n[camera]\nmode = \"nadir\"\nup = \"north\"\nfov_deg = 60\n",
+        "[[orbit]]\nsource = \"kepler\"\nname = \"A\"\nsemi_major_axis_km = 7000\neccentricity = 0.1\nj2 = true\n\
+         [[orbit]]\nsource = \"numerical\"\nposition_km = [7000, 0, 0]\nvelocity_km_s = [0, 7.5, 0]\ndrag = false\n\
+         epoch = 2018-01-15T12:00:00Z\nframe = \"itrf\"\n[camera]\nfollow = \"A\"\n",
         "[camera]\nmode = \"geodetic\"\nlat_deg = -20\nlon_deg = 15.5\nheight_km = 12000\n[earth]\nfigure = \"wgs84\"\n\
          subdivision = 6\nvisibility = \"paper\"\nshading = \"sunlit\"\nclouds = true\nnormals = false\n\
          atmosphere = \"none\"\n[output]\nsize = [64, 36]\nsamples = 4\n",

@@ -21,15 +21,41 @@ pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
         return Ok(());
     }
     let mut text = flight.scene().summary();
-    if let Some(feed) = flight.feed() {
-        let (first, last) = feed.validity();
+    for (index, satellite) in flight.satellites().iter().enumerate() {
+        let (first, last) = satellite.feed().validity();
+        let head = match index == flight.followed() {
+            true => "satellite",
+            false => "satellite, not followed",
+        };
         text.push_str(&format!(
-            "\nsatellite\n  {:<14} {}\n  {:<14} {} to {}\n",
+            "\n{head}\n  {:<14} {}\n  {:<14} {} to {}\n",
             "name",
-            feed.name(),
-            "elements hold",
+            satellite.name(),
+            match satellite.elements() {
+                Some(_) => "elements hold",
+                None => "known",
+            },
             rfc3339(first),
             rfc3339(last)
+        ));
+        let (faults, left_out) = satellite.faults();
+        for fault in faults {
+            text.push_str(&format!("  {:<14} {fault}\n", "passed over"));
+        }
+        if left_out > 0 {
+            text.push_str(&format!("  {:<14} {left_out} more\n", "passed over"));
+        }
+    }
+    if let Some(table) = flight.earth_orientation() {
+        let (first, last) = table.span();
+        let measured = table.measured_until();
+        text.push_str(&format!(
+            "\norientation of the Earth\n  {:<14} {} to {}\n  {:<14} {}\n",
+            "table",
+            rfc3339(first),
+            rfc3339(last),
+            "measured until",
+            measured.map_or_else(|| "all of it is predicted".to_owned(), rfc3339)
         ));
     }
     print(&text)

@@ -4,6 +4,7 @@ mod bench;
 mod check;
 mod doctor;
 mod frame;
+mod orbit;
 mod pack;
 mod play;
 mod progress;
@@ -61,6 +62,8 @@ enum Command {
     Bench(bench::BenchArgs),
     /// Check a scene and say what it uses and leaves out
     Check(check::CheckArgs),
+    /// Print where a scene's satellites are, and write their ephemerides and elements
+    Orbit(orbit::OrbitArgs),
     /// List the graphics adapters, what each can do and what is dropped on it
     Doctor,
     /// Measure error against run time: a page with tables, charts and pictures
@@ -80,6 +83,7 @@ pub fn run() -> ExitCode {
         Command::Frame(args) => frame::run(args, common),
         Command::Bench(args) => bench::run(args, common),
         Command::Check(args) => check::run(args, common),
+        Command::Orbit(args) => orbit::run(args, common),
         Command::Doctor => doctor::run(common),
         Command::Report(args) => report::run(args, common),
         Command::Pack(args) => pack::run(args, common),

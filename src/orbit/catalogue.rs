@@ -5,7 +5,7 @@ use super::omm;
 use super::record::Faults;
 use super::tle_fields::catalogue_number;
 use super::tle_text::sets_and_faults;
-use super::{OrbitError, Sgp4Feed};
+use super::{Form, OrbitError, Sgp4Feed};
 use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
@@ -13,6 +13,8 @@ use std::sync::Arc;
 /// The satellites of a file of elements, in its order.
 #[derive(Debug)]
 pub struct Catalogue {
+    /// What kind of file it was: [`Form::Tle`] or [`Form::Omm`].
+    pub form: Form,
     /// Those that can be flown.
     pub feeds: Vec<Sgp4Feed>,
     /// What is wrong with the others: the first thousand faults.
@@ -48,7 +50,11 @@ impl Catalogue {
         let mut faults = Faults::new(is_strict);
         let mut feeds = Vec::new();
         let path: Arc<Path> = Arc::from(origin);
-        if omm::is_omm(text) {
+        let form = match omm::is_omm(text) {
+            true => Form::Omm,
+            false => Form::Tle,
+        };
+        if form == Form::Omm {
             omm::each_elements(text, origin, &mut |result| {
                 let feed = result.and_then(|(elements, line)| {
                     Sgp4Feed::from_elements(elements, Arc::clone(&path), line)
@@ -77,6 +83,7 @@ impl Catalogue {
             });
         }
         Ok(Self {
+            form,
             feeds,
             faults: faults.kept,
             faults_left_out: faults.left_out,

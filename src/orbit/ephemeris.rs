@@ -5,12 +5,14 @@ use super::file::read_text;
 use super::record::{Faults, RecordError};
 use super::sampled::SampledFeed;
 use super::text::unmarked;
-use super::{Feed, OrbitError, czml, oem, table};
+use super::{Feed, Form, OrbitError, czml, oem, table};
 use std::path::Path;
 
 /// The objects of a file of sampled states, in its order.
 #[derive(Debug)]
 pub struct Ephemerides {
+    /// What kind of file it was: [`Form::Oem`], [`Form::Czml`] or [`Form::Csv`].
+    pub form: Form,
     /// Those that can be flown.
     pub feeds: Vec<SampledFeed>,
     /// What is wrong with the others: the first thousand faults.
@@ -57,12 +59,16 @@ impl Ephemerides {
             }
             Err(error) => faults.note(error),
         };
-        if oem::is_oem(text) {
-            oem::each_object(text, origin, &mut each)?;
-        } else if text.trim_start().starts_with(['[', '{']) {
-            czml::each_object(text, origin, &mut each)?;
-        } else if table::is_table(text) {
-            each(table::read(text, origin))?;
+        let form = match text.trim_start() {
+            _ if oem::is_oem(text) => Form::Oem,
+            start if start.starts_with(['[', '{']) => Form::Czml,
+            _ => Form::Csv,
+        };
+        match form {
+            Form::Oem => oem::each_object(text, origin, &mut each)?,
+            Form::Czml => czml::each_object(text, origin, &mut each)?,
+            _ if table::is_table(text) => each(table::read(text, origin))?,
+            _ => {}
         }
         let mut kept: Vec<_> = faults.kept.into_iter().map(OrbitError::from).collect();
         if feeds.is_empty() {
@@ -75,6 +81,7 @@ impl Ephemerides {
             });
         }
         Ok(Self {
+            form,
             feeds,
             faults: kept,
             faults_left_out: faults.left_out,

@@ -21,6 +21,7 @@ mod text;
 mod tle_fields;
 mod tle_text;
 mod write;
+mod write_table;
 
 use crate::frames::Epoch;
 
@@ -35,6 +36,22 @@ pub use sampled::SampledFeed;
 pub use sgp4_feed::{Sgp4Feed, TleFeed};
 pub use state::{Frame, OrbitState};
 pub use write::Header;
+pub use write_table::{csv_header, csv_row};
+
+/// Kinds of files of orbits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// Two-line elements.
+    Tle,
+    /// Orbit mean-elements message.
+    Omm,
+    /// Orbit ephemeris message.
+    Oem,
+    /// CZML.
+    Czml,
+    /// States in columns.
+    Csv,
+}
 
 /// A source of motion.
 pub trait Feed: Send + Sync {

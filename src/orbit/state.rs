@@ -115,6 +115,14 @@ impl OrbitState {
         }
     }
 
+    /// Position in ITRF, metres, and the velocity as seen from the stars, metres per second, its components along the ITRF
+    /// axes of this instant: the direction of flight for cameras.
+    pub fn inertial_in_itrf_axes(&self, orientation: &Orientation) -> (DVec3, DVec3) {
+        let itrf = self.in_frame(Frame::Itrf, orientation);
+        let turning = rotation_rad_s(orientation).cross(itrf.position_m);
+        (itrf.position_m, itrf.velocity_m_s + turning)
+    }
+
     /// The same state in ITRF, UT1 taken as UTC and polar motion left out.
     pub fn in_itrf(&self) -> Self {
         self.in_frame(Frame::Itrf, &Orientation::default())
@@ -129,9 +137,7 @@ impl OrbitState {
     ///
     /// The direction of flight for cameras: it lies in the orbit's plane.
     pub fn inertial_velocity_itrf_axes_m_s(&self) -> DVec3 {
-        let orientation = Orientation::default();
-        let itrf = self.in_frame(Frame::Itrf, &orientation);
-        itrf.velocity_m_s + rotation_rad_s(&orientation).cross(itrf.position_m)
+        self.inertial_in_itrf_axes(&Orientation::default()).1
     }
 }
 

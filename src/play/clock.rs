@@ -155,6 +155,7 @@ mod tests {
             duration_s: 100.0,
             speed,
             frame_rate_hz: 30.0,
+            orientation: None,
         }
     }
 

@@ -4,10 +4,13 @@ use super::destination::OutputError;
 use super::video::VideoError;
 use super::window::WindowError;
 use crate::EarthError;
+use crate::frames::EarthOrientationError;
 use crate::gpu::{ContextError, PictureError, TimerError};
 use crate::imagery::ImageryError;
 use crate::imagery::pack::PackError;
 use crate::orbit::OrbitError;
+use crate::orbit::kepler::KeplerError;
+use crate::orbit::numerical::NumericalError;
 use crate::scene::SceneError;
 use std::path::PathBuf;
 
@@ -21,6 +24,9 @@ pub enum PlayError {
     /// The orbit's elements, or SGP4 at some instant.
     #[error(transparent)]
     Orbit(#[from] OrbitError),
+    /// The table of the Earth's orientation.
+    #[error(transparent)]
+    EarthOrientation(#[from] EarthOrientationError),
     /// The maps.
     #[error(transparent)]
     Imagery(#[from] ImageryError),
@@ -84,8 +90,46 @@ pub enum PlayError {
         /// Frames wanted.
         wanted: u64,
     },
+    /// No satellite of the name that is asked for, or no satellite at all.
+    #[error("{}: satellite {wanted:?}: {remedy}", scene.display())]
+    UnknownSatellite {
+        /// The scene's file.
+        scene: PathBuf,
+        /// The name.
+        wanted: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// An ephemeris of so many rows.
+    #[error(
+        "{rows} rows are more than the {limit} that one ephemeris may have; take a larger step or a shorter scene"
+    )]
+    TooManyRows {
+        /// How many it would have.
+        rows: u64,
+        /// The limit.
+        limit: u64,
+    },
+    /// States that cannot be written as an ephemeris message.
+    #[error("{}: {satellite} cannot be written as an ephemeris: {cause}", path.display())]
+    NoEphemeris {
+        /// The file.
+        path: PathBuf,
+        /// The satellite.
+        satellite: String,
+        /// Why not, and what to do.
+        cause: String,
+    },
+    /// Elements are asked of satellites that have none.
+    #[error("{}: an element message is for satellites with mean elements, of source = \"tle\" or \"omm\"; {satellite} has none: write its states by --oem", path.display())]
+    NoElements {
+        /// The file.
+        path: PathBuf,
+        /// The satellite.
+        satellite: String,
+    },
     /// A camera at a satellite, and no satellite.
-    #[error("this camera flies with a satellite and the scene has none; give it an [orbit] table")]
+    #[error("the scene has no satellite, which this needs; give it an [orbit] table")]
     NoSatellite,
     /// The picture is larger than the adapter draws.
     #[error(
@@ -152,7 +196,15 @@ impl PlayError {
                 | Self::NoSatellite
                 | Self::NoLayer { .. }
                 | Self::NoStorage { .. }
-                | Self::Orbit(OrbitError::OutOfReach { .. })
+                | Self::UnknownSatellite { .. }
+                | Self::TooManyRows { .. }
+                | Self::NoElements { .. }
+                | Self::Orbit(
+                    OrbitError::OutOfReach { .. }
+                        | OrbitError::NotCovered { .. }
+                        | OrbitError::Kepler(KeplerError::Impact { .. })
+                        | OrbitError::Numerical(NumericalError::Impact { .. })
+                )
         )
     }
 }

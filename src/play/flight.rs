@@ -4,16 +4,20 @@ use super::camera::{Look, Motion, Pose};
 use super::craft::CraftPose;
 use super::error::PlayError;
 use super::maps::{check_pack, earth_options};
-use crate::frames::{Ellipsoid, Epoch, Geodetic};
+use super::satellites::{self, Tracked, orientation_at};
+use crate::frames::{EarthOrientation, Ellipsoid, Epoch, Geodetic, Orientation};
 use crate::gpu::BcSupport;
-use crate::orbit::{Feed, OrbitState, TleFeed};
-use crate::scene::{CameraMode, Orbit, Scene};
+use crate::orbit::{Feed, OrbitError, OrbitState};
+use crate::scene::{CameraMode, Scene};
 use crate::{EarthOptions, EyeView, Sky};
 
-/// A scene with its orbit opened and its dates checked.
+/// A scene with its satellites opened and its dates checked.
 pub struct Flight {
     scene: Scene,
-    feed: Option<Box<dyn Feed>>,
+    satellites: Vec<Tracked>,
+    /// The one of `satellites` that cameras fly with.
+    followed: usize,
+    orientation: Option<EarthOrientation>,
     ellipsoid: Ellipsoid,
 }
 
@@ -53,21 +57,32 @@ pub struct Satellite {
 }
 
 impl Flight {
-    /// Opens the scene's orbit and checks that it answers for all of the scene's dates, and that its pack, if it has
-    /// one, holds what it asks for.
+    /// Opens the scene's satellites and checks that the one that cameras fly with is known for all of the scene's dates,
+    /// and that its pack, if it has one, holds what it asks for.
     pub fn open(scene: Scene) -> Result<Self, PlayError> {
         check_pack(&scene)?;
-        let feed = match &scene.orbit {
-            Some(orbit) => Some(open_feed(orbit)?),
+        let orientation = match &scene.time.orientation {
+            Some(file) => Some(EarthOrientation::from_file(file)?),
             None => None,
         };
-        if let Some(feed) = &feed {
-            scene.check_dates(feed.validity())?;
+        if let Some(table) = &orientation {
+            scene.check_orientation(table.span())?;
+        }
+        let orbits = scene.orbits.iter().enumerate();
+        let satellites = orbits
+            .map(|(index, orbit)| satellites::open(&scene, index, orbit, orientation.as_ref()))
+            .collect::<Result<Vec<_>, _>>()?;
+        let names: Vec<_> = satellites.iter().map(Tracked::name).collect();
+        let followed = scene.followed(&names)?;
+        if let Some(satellite) = satellites.get(followed) {
+            scene.check_dates(satellite.feed().validity())?;
         }
         Ok(Self {
             ellipsoid: scene.earth.figure.ellipsoid(),
             scene,
-            feed,
+            satellites,
+            followed,
+            orientation,
         })
     }
 
@@ -76,15 +91,52 @@ impl Flight {
         &self.scene
     }
 
-    /// The satellite's motion.
+    /// The motion of the satellite that cameras fly with.
     pub fn feed(&self) -> Option<&dyn Feed> {
-        self.feed.as_deref()
+        self.satellites.get(self.followed).map(Tracked::feed)
+    }
+
+    /// All satellites, in the scene's order.
+    pub fn satellites(&self) -> &[Tracked] {
+        &self.satellites
+    }
+
+    /// The place in [`Self::satellites`] of the one that cameras fly with.
+    pub fn followed(&self) -> usize {
+        self.followed
+    }
+
+    /// Every satellite's name and its state at an instant, in the scene's order. Those that are not followed need not be
+    /// known for all of the scene: their error says when they are.
+    pub fn states_at(
+        &self,
+        epoch: Epoch,
+    ) -> impl Iterator<Item = (&str, Result<OrbitState, OrbitError>)> {
+        self.satellites
+            .iter()
+            .map(move |satellite| (satellite.name(), satellite.feed().state_at(epoch)))
+    }
+
+    /// The Earth's orientation by the scene's table, through which states come into Earth-fixed axes; without a table, or
+    /// outside it, UT1 is taken as UTC and polar motion as none.
+    pub fn orientation_at(&self, epoch: Epoch) -> Orientation {
+        orientation_at(self.orientation.as_ref(), epoch).unwrap_or_default()
+    }
+
+    /// The table of the Earth's orientation, if the scene names one.
+    pub fn earth_orientation(&self) -> Option<&EarthOrientation> {
+        self.orientation.as_ref()
+    }
+
+    /// The figure that heights are above.
+    pub fn ellipsoid(&self) -> &Ellipsoid {
+        &self.ellipsoid
     }
 
     /// The cameras that this scene can be seen with, in the order in which the window offers them.
     pub fn camera_modes(&self) -> &'static [CameraMode] {
         use CameraMode::{Chase, Geodetic, Horizon, Nadir};
-        match self.feed {
+        match self.feed() {
             Some(_) => &[Nadir, Horizon, Chase, Geodetic],
             None => &[Geodetic],
         }
@@ -102,8 +154,8 @@ impl Flight {
 
     /// The view of an instant.
     pub fn view_at(&self, epoch: Epoch, request: &ViewRequest) -> Result<Moment, PlayError> {
-        let state = match &self.feed {
-            Some(feed) => Some(feed.state_at(epoch)?),
+        let state = match self.feed() {
+            Some(feed) => Some(motion(&feed.state_at(epoch)?, &self.orientation_at(epoch))),
             None => None,
         };
         let camera = &self.scene.camera;
@@ -115,20 +167,16 @@ impl Flight {
                 Pose::geodetic(place, &self.ellipsoid)
             }
             (_, None) => return Err(PlayError::NoSatellite),
-            (CameraMode::Nadir, Some(state)) => {
-                Pose::nadir(&motion(state), camera.up, &self.ellipsoid)
-            }
+            (CameraMode::Nadir, Some(state)) => Pose::nadir(state, camera.up, &self.ellipsoid),
             (CameraMode::Horizon, Some(state)) => {
                 // The scene's own field of view, so that zooming keeps its centre.
-                Pose::horizon(&motion(state), &self.ellipsoid, camera.fov_deg.to_radians())
+                Pose::horizon(state, &self.ellipsoid, camera.fov_deg.to_radians())
             }
-            (CameraMode::Chase, Some(state)) => Pose::chase(&motion(state), &self.ellipsoid),
+            (CameraMode::Chase, Some(state)) => Pose::chase(state, &self.ellipsoid),
         };
         let sky = Sky::at(epoch);
         let craft = match (request.mode, &state) {
-            (CameraMode::Chase, Some(state)) => {
-                Some(CraftPose::new(&motion(state), &self.ellipsoid, &sky))
-            }
+            (CameraMode::Chase, Some(state)) => Some(CraftPose::new(state, &self.ellipsoid, &sky)),
             _ => None,
         };
         Ok(Moment {
@@ -137,8 +185,8 @@ impl Flight {
             sky,
             craft,
             satellite: state.map(|state| Satellite {
-                place: self.ellipsoid.geodetic_from_itrf(state.position_itrf_m()),
-                speed_m_s: state.inertial_velocity_itrf_axes_m_s().length(),
+                place: self.ellipsoid.geodetic_from_itrf(state.position_itrf_m),
+                speed_m_s: state.velocity_m_s.length(),
             }),
         })
     }
@@ -150,16 +198,10 @@ impl Flight {
     }
 }
 
-fn open_feed(orbit: &Orbit) -> Result<Box<dyn Feed>, PlayError> {
-    Ok(Box::new(match &orbit.file {
-        Some(file) => TleFeed::from_file(file, orbit.name.as_deref())?,
-        None => TleFeed::built_in_iss()?,
-    }))
-}
-
-fn motion(state: &OrbitState) -> Motion {
+fn motion(state: &OrbitState, orientation: &Orientation) -> Motion {
+    let (position_itrf_m, velocity_m_s) = state.inertial_in_itrf_axes(orientation);
     Motion {
-        position_itrf_m: state.position_itrf_m(),
-        velocity_m_s: state.inertial_velocity_itrf_axes_m_s(),
+        position_itrf_m,
+        velocity_m_s,
     }
 }

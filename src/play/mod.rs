@@ -9,6 +9,8 @@
 //! | `clock` | simulated time, exact frame instants |
 //! | `camera` | the four cameras, pure functions |
 //! | `flight` | scene and orbit to moments |
+//! | `satellites` | the scene's sources of motion, opened |
+//! | `ephemeris` | where its satellites are, as tables and messages |
 //! | `maps` | the scene's maps: a folder or a pack |
 //! | `craft/` | the spacecraft that the chase camera follows |
 //! | `picture`, `still`, `stats`, `export`, `video/` | pictures, their numbers, films |
@@ -22,6 +24,7 @@ mod controls;
 mod cost;
 mod craft;
 mod destination;
+mod ephemeris;
 mod error;
 mod export;
 mod flight;
@@ -31,6 +34,7 @@ mod overlay;
 mod panel;
 mod picture;
 mod progress;
+mod satellites;
 mod stage;
 mod stats;
 mod still;
@@ -40,12 +44,14 @@ mod window;
 
 pub use craft::CraftPose;
 pub use destination::{OutputError, PendingFile};
+pub use ephemeris::{Axes, Ephemeris, EphemerisRequest, Layout, Span, omm};
 pub use error::PlayError;
 pub use export::{ExportRequest, export};
 pub use flight::{Flight, Moment, Satellite, ViewRequest};
 pub use maps::earth_options;
 pub use picture::{Measured, Picture, target_bytes};
 pub use progress::Progress;
+pub use satellites::Tracked;
 pub use stats::{Eye, Stats, SubsolarPoint};
 pub use still::{StillRequest, write_still};
 pub use video::{EncoderChoice, VideoError};

@@ -12,15 +12,13 @@ use super::{
 use crate::air::Atmosphere;
 use crate::frames::{Epoch, utc_from_rfc3339};
 use crate::globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
-use serde::Deserialize;
 use std::ops::RangeInclusive;
 use toml::Spanned;
 
 /// Checks a whole scene.
 pub(super) fn check(source: Source<'_>, raw: RawScene) -> Result<Scene, SceneError> {
-    let has_orbit = raw.orbit.is_some();
     let time = raw.time.unwrap_or_default();
-    let orbit = raw.orbit.unwrap_or_default();
+    let orbits = raw.orbit.map(|orbits| orbits.0).unwrap_or_default();
     let camera = raw.camera.unwrap_or_default();
     let earth = raw.earth.unwrap_or_default();
     let output = raw.output.unwrap_or_default();
@@ -29,7 +27,10 @@ pub(super) fn check(source: Source<'_>, raw: RawScene) -> Result<Scene, SceneErr
     let mut lines = Lines::default();
     for (table, given) in [
         ("time", time.given()),
-        ("orbit", orbit.given()),
+        (
+            "orbit",
+            orbits.first().map_or_else(Vec::new, RawOrbit::given),
+        ),
         ("camera", camera.given()),
         ("earth", earth.given()),
         ("output", output.given()),
@@ -40,18 +41,42 @@ pub(super) fn check(source: Source<'_>, raw: RawScene) -> Result<Scene, SceneErr
         }
     }
 
+    let orbit_lines = orbits.iter().map(|orbit| {
+        let mut lines = Lines::default();
+        for (key, span) in orbit.given() {
+            lines.insert("orbit", key, source.line(span.start));
+        }
+        lines
+    });
+    let orbit_lines = orbit_lines.collect();
+
+    let follow = camera.follow.as_ref();
+    if let Some(follow) = follow.filter(|_| orbits.is_empty()) {
+        let advice = "follow names one of the scene's own satellites and it has none; give it an [orbit] table, or leave follow out";
+        return Err(source.refuse_at("camera", "follow", follow.span(), advice));
+    }
     let camera = source.camera(&camera)?;
     let earth = source.earth(&earth)?;
-    let flies = camera.mode != CameraMode::Geodetic;
+    let time = source.time(&time)?;
+    if let Some(orbit) = orbits.get(MAX_ORBITS) {
+        let advice = format!("a scene has at most {MAX_ORBITS} satellites; leave some out");
+        let field = field!(orbit.source);
+        return Err(source.refuse(&field, advice));
+    }
+    let mut checked = orbits
+        .iter()
+        .map(|orbit| source.orbit(orbit, time.start))
+        .collect::<Result<Vec<_>, _>>()?;
+    if checked.is_empty() && camera.mode != CameraMode::Geodetic {
+        checked.push(Orbit::built_in());
+    }
     Ok(Scene {
         path: source.path.to_owned(),
-        time: source.time(&time)?,
-        orbit: match source.orbit(&orbit)? {
-            orbit if flies || has_orbit => Some(orbit),
-            _ => None,
-        },
-        camera,
+        time,
+        orbits: checked,
+        orbit_lines,
         output: source.output(&output, &camera, &earth)?,
+        camera,
         quality: source.quality(&quality)?,
         earth,
         lines,
@@ -61,7 +86,9 @@ pub(super) fn check(source: Source<'_>, raw: RawScene) -> Result<Scene, SceneErr
 impl Source<'_> {
     fn time(&self, time: &RawTime) -> Result<Time, SceneError> {
         let start_field = field!(time.start);
-        let start = self.start(&start_field)?;
+        let default_start =
+            utc_from_rfc3339(DEFAULT_START).map_err(|error| self.refuse(&start_field, error))?;
+        let start = self.instant(&start_field, default_start)?;
         let above_zero = f64::MIN_POSITIVE..=MAX_DURATION_S;
         let duration = field!(time.duration_s);
         let duration_s = self.number(&duration, DEFAULT_DURATION_S, above_zero, |_| {
@@ -86,6 +113,7 @@ impl Source<'_> {
             duration_s,
             speed,
             frame_rate_hz,
+            orientation: self.path(&field!(time.orientation), Wanted::File)?,
         };
         if time.frames_exact() > MAX_FRAMES {
             let advice = format!(
@@ -115,10 +143,14 @@ impl Source<'_> {
         Ok(time)
     }
 
-    fn start(&self, field: &Field<'_, toml::Value>) -> Result<Epoch, SceneError> {
+    pub(super) fn instant(
+        &self,
+        field: &Field<'_, toml::Value>,
+        default: Epoch,
+    ) -> Result<Epoch, SceneError> {
         const ADVICE: &str = "write UTC like \"2018-01-15T12:00:00Z\"";
         let text = match field.given.map(Spanned::get_ref) {
-            None => DEFAULT_START.to_owned(),
+            None => return Ok(default),
             Some(toml::Value::String(text)) => text.clone(),
             Some(toml::Value::Datetime(when)) => {
                 let mut when = *when;
@@ -140,22 +172,6 @@ impl Source<'_> {
             }
         };
         utc_from_rfc3339(&text).map_err(|error| self.refuse(field, error))
-    }
-
-    fn orbit(&self, orbit: &RawOrbit) -> Result<Orbit, SceneError> {
-        let OrbitSource::Tle = self.choice(&field!(orbit.source), OrbitSource::Tle)?;
-        let file = self.path(&field!(orbit.file), Wanted::File)?;
-        let name_field = field!(orbit.name);
-        let name = name_field.given.map(|name| name.get_ref().clone());
-        if name.as_ref().is_some_and(|name| name.trim().is_empty()) {
-            let advice = "must not be empty; give the satellite's name, or leave name out where the file holds one satellite";
-            return Err(self.refuse(&name_field, advice));
-        }
-        if name.is_some() && file.is_none() {
-            let advice = "name chooses a satellite of an elements file; add file = \"…\" to [orbit], or leave name out for the built-in space station";
-            return Err(self.refuse(&name_field, advice));
-        }
-        Ok(Orbit { file, name })
     }
 
     fn camera(&self, camera: &RawCamera) -> Result<Camera, SceneError> {
@@ -211,8 +227,15 @@ impl Source<'_> {
             };
             format!("{why}; must be from {} km", span_of(&HEIGHT_KM))
         })?;
+        let follow_field = field!(camera.follow);
+        let follow = follow_field.given.map(|name| name.get_ref().clone());
+        if follow.as_ref().is_some_and(|name| name.trim().is_empty()) {
+            let advice = "must not be empty; give the name of a satellite of the scene, or leave follow out for the first";
+            return Err(self.refuse(&follow_field, advice));
+        }
         Ok(Camera {
             mode,
+            follow,
             up,
             fov_deg,
             lat_deg,
@@ -402,13 +425,6 @@ impl Source<'_> {
         })?;
         Ok(Some(QualityTable { target_ms }))
     }
-}
-
-/// Kinds of orbit source.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum OrbitSource {
-    Tle,
 }
 
 /// A longitude of −360…360 in −180…180, exact where it is there already.

@@ -32,9 +32,12 @@ impl Scene {
         let reach = format!("the orbit answers from {} to {}", utc(first), utc(last));
         let (start, end) = (self.time.start, self.time.end());
         if !inside(start) {
-            let remedy = format!(
-                "{reach}; choose a start in that time, or name newer elements with file in [orbit]"
-            );
+            let is_file = self.orbits.iter().any(|orbit| orbit.source.is_file());
+            let or = match is_file || self.orbits.is_empty() {
+                true => ", or name newer elements with file in [orbit]",
+                false => "",
+            };
+            let remedy = format!("{reach}; choose a start in that time{or}");
             return Err(self.refuse_time("start", utc(start), remedy));
         }
         if !inside(end) {

@@ -118,6 +118,26 @@ impl Source<'_> {
         }
     }
 
+    /// Refuses a key that the file gives, by the span of its value.
+    pub(super) fn refuse_at(
+        &self,
+        table: &str,
+        key: &str,
+        span: std::ops::Range<usize>,
+        remedy: impl Display,
+    ) -> SceneError {
+        SceneError::Value {
+            place: Box::new(Place {
+                path: self.path.to_owned(),
+                line: Some(self.line(span.start)),
+                table: table.to_owned(),
+                key: key.to_owned(),
+            }),
+            value: self.excerpt(&span),
+            remedy: remedy.to_string(),
+        }
+    }
+
     pub(super) fn refuse<T>(&self, field: &Field<'_, T>, remedy: impl Display) -> SceneError {
         let span = field.given.map(Spanned::span);
         SceneError::Value {

@@ -17,6 +17,29 @@ pub const FRAME_RATE_HZ: RangeInclusive<f64> = 1.0..=240.0;
 /// Most frames in one playback (at 30 per second, almost four days).
 pub const MAX_FRAMES: f64 = 1e7;
 
+/// Most satellites, `[[orbit]]` tables, in one scene.
+pub const MAX_ORBITS: usize = 1000;
+/// Sizes of orbits, positions and their parts, kilometres: a thousand times the distance of the Sun.
+pub const ORBIT_KM: RangeInclusive<f64> = -1e11..=1e11;
+/// Eccentricity of an orbit that is given by elements.
+pub const ECCENTRICITY: RangeInclusive<f64> = 0.0..=1e6;
+/// Inclination, degrees.
+pub const INCLINATION_DEG: RangeInclusive<f64> = 0.0..=180.0;
+/// Every other angle of an orbit, degrees.
+pub const ANGLE_DEG: RangeInclusive<f64> = -360.0..=360.0;
+/// Each part of a velocity, kilometres per second.
+pub const SPEED_KM_S: RangeInclusive<f64> = -5000.0..=5000.0;
+/// Degree and order of the Earth's gravity; 0 is a point, 1 would be the same.
+pub const GRAVITY_DEGREE: RangeInclusive<i64> = 0..=20;
+/// Mass of a satellite, kilograms.
+pub const MASS_KG: RangeInclusive<f64> = 1e-6..=1e9;
+/// Area of a satellite, square metres.
+pub const AREA_M2: RangeInclusive<f64> = 0.0..=1e9;
+/// Coefficients of drag and of sunlight.
+pub const COEFFICIENT: RangeInclusive<f64> = 0.0..=100.0;
+/// Error allowed in a step of an integration, relative to distance and speed.
+pub const TOLERANCE: RangeInclusive<f64> = 1e-14..=1e-3;
+
 /// Vertical field of view, degrees: a thousandth of a degree away from no view at all and from a
 /// half space, where a perspective projection has no meaning.
 pub const FOV_DEG: RangeInclusive<f64> = 0.001..=179.999;
@@ -55,6 +78,10 @@ pub const DEFAULT_DURATION_S: f64 = 5580.0;
 pub const DEFAULT_SPEED: f64 = 60.0;
 /// `[time] frame_rate_hz` where a scene gives none.
 pub const DEFAULT_FRAME_RATE_HZ: f64 = 30.0;
+/// `[orbit] gravity_degree` where a scene gives none: all there is.
+pub const DEFAULT_GRAVITY_DEGREE: u32 = 20;
+/// `[orbit] tolerance` where a scene gives none: millimetres a revolution.
+pub const DEFAULT_TOLERANCE: f64 = 1e-10;
 /// `[camera] fov_deg` where a scene gives none.
 pub const DEFAULT_FOV_DEG: f64 = 45.0;
 /// `[camera] height_km` where a geodetic scene gives none: the whole disc in view.

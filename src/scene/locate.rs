@@ -76,33 +76,54 @@ impl<'a> Source<'a> {
                 }
                 continue;
             };
-            let DeValue::Table(entries) = value.get_ref() else {
-                if contains(&value.span(), &stop) {
-                    return SceneError::Value {
-                        place: self.place(name.span().start, "", table.name),
-                        value: self.excerpt(&value.span()),
-                        remedy: format!(
-                            "must be a table, not {}: write [{}] on a line of its own and its keys below it",
-                            kind(value.get_ref()),
-                            table.name
-                        ),
-                    };
+            let found = match (value.get_ref(), table.is_list()) {
+                (DeValue::Table(entries), _) => self.explain_table(table, entries, &stop),
+                (DeValue::Array(items), true) if items.iter().all(is_table) => {
+                    let tables = items.iter().filter_map(|item| match item.get_ref() {
+                        DeValue::Table(entries) => Some(entries),
+                        _ => None,
+                    });
+                    tables
+                        .filter_map(|entries| self.explain_table(table, entries, &stop))
+                        .next()
                 }
-                continue;
+                _ if contains(&value.span(), &stop) => Some(SceneError::Value {
+                    place: self.place(name.span().start, "", table.name),
+                    value: self.excerpt(&value.span()),
+                    remedy: format!(
+                        "must be a table, not {}: write [{}] on a line of its own and its keys below it",
+                        kind(value.get_ref()),
+                        table.name
+                    ),
+                }),
+                _ => None,
             };
-            for (key_name, value) in entries {
-                let known = table.keys.iter().find(|key| key.name == key_name.get_ref());
-                match known {
-                    None if key_name.span() == stop => return self.unknown_key(table, key_name),
-                    Some(key) if contains(&value.span(), &stop) => {
-                        return self.wrong_type(table, key, key_name.span().start, value);
-                    }
-                    _ => {}
-                }
+            if let Some(found) = found {
+                return found;
             }
         }
         // Not reached by any document tried; the reader's own words are then better than none.
         self.syntax(error)
+    }
+
+    /// The first thing in a table that it may not have.
+    fn explain_table(
+        &self,
+        table: &Table,
+        entries: &DeTable<'_>,
+        stop: &Range<usize>,
+    ) -> Option<SceneError> {
+        for (key_name, value) in entries {
+            let known = table.keys.iter().find(|key| key.name == key_name.get_ref());
+            match known {
+                None if key_name.span() == *stop => return Some(self.unknown_key(table, key_name)),
+                Some(key) if contains(&value.span(), stop) => {
+                    return Some(self.wrong_type(table, key, key_name.span().start, value));
+                }
+                _ => {}
+            }
+        }
+        None
     }
 
     fn unknown_top(
@@ -220,6 +241,10 @@ fn too_large(value: &DeValue<'_>) -> bool {
         DeValue::Array(items) => items.iter().any(|item| too_large(item.get_ref())),
         _ => false,
     }
+}
+
+fn is_table(value: &Spanned<DeValue<'_>>) -> bool {
+    matches!(value.get_ref(), DeValue::Table(_))
 }
 
 fn contains(outer: &Range<usize>, inner: &Range<usize>) -> bool {

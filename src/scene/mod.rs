@@ -1,8 +1,8 @@
 //! Scene files: what to draw, when, from where. TOML read with serde; every message names file, line and key.
 //!
-//! A scene is read in three steps, each in its own file: `raw` (the text as tables and keys, each value with its
-//! place), `check` (ranges, names, paths, defaults, by means of `field`) and, once the orbit's elements are read, [`Scene::check_dates`].
-//! `locate` turns the TOML reader's complaints into messages of our own; `summary` tells what a scene comes to.
+//! A scene is read in three steps: `raw` (the text as tables and keys, each value with its
+//! place), `check` and `orbits` (ranges, names, paths, defaults, by means of `field`) and, once the orbit's elements are read, [`Scene::check_dates`] and what else `satellites` has.
+//! `locate` turns the TOML reader's complaints into messages of our own; `summary` and `orbit_summary` tell what a scene comes to.
 //!
 //! Every table and key may be left out. [`limits`] holds every range and default.
 
@@ -12,7 +12,11 @@ mod error;
 mod field;
 pub mod limits;
 mod locate;
+mod motion;
+mod orbit_summary;
+mod orbits;
 mod raw;
+mod satellites;
 mod summary;
 
 use crate::air::Atmosphere;
@@ -23,6 +27,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 pub use error::{Place, SceneError};
+pub use motion::{Forces, Motion, Orbit, OrbitSource, Start, StartForm};
 
 /// A checked scene: every value is in range and every default filled in.
 #[derive(Clone, Debug)]
@@ -31,8 +36,8 @@ pub struct Scene {
     pub path: PathBuf,
     /// `[time]`
     pub time: Time,
-    /// `[orbit]`; `None` where the camera needs no satellite.
-    pub orbit: Option<Orbit>,
+    /// `[orbit]`, or each `[[orbit]]`; none where the camera needs no satellite.
+    pub orbits: Vec<Orbit>,
     /// `[camera]`
     pub camera: Camera,
     /// `[earth]`
@@ -41,8 +46,10 @@ pub struct Scene {
     pub output: Output,
     /// `[quality]`; `None` draws everything however long it takes.
     pub quality: Option<QualityTable>,
-    /// Which keys the file gave, and where.
+    /// Which keys the file gave, and where; of satellites, the first's.
     lines: Lines,
+    /// The same of each satellite.
+    orbit_lines: Vec<Lines>,
 }
 
 impl Scene {
@@ -106,6 +113,15 @@ impl Scene {
             .find(|((t, k), _)| *t == table && *k == key)
             .map(|(_, line)| *line)
     }
+
+    /// The line, from 1, on which the file gives a key of the satellite of that place in [`Self::orbits`].
+    pub fn orbit_line(&self, orbit: usize, key: &str) -> Option<usize> {
+        let lines = self.orbit_lines.get(orbit)?.0.iter();
+        lines
+            .filter(|((_, k), _)| *k == key)
+            .map(|(_, line)| *line)
+            .next()
+    }
 }
 
 /// The line of every key that the file gave, by table and key.
@@ -119,7 +135,7 @@ impl Lines {
 }
 
 /// `[time]`: when the flight starts and how it is played.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Time {
     /// UTC instant of the first frame.
     pub start: Epoch,
@@ -129,15 +145,8 @@ pub struct Time {
     pub speed: f64,
     /// Frames per second of playback.
     pub frame_rate_hz: f64,
-}
-
-/// `[orbit]`: a source of motion.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Orbit {
-    /// Elements file, absolute or relative to the working directory; `None` is the built-in ISS set.
-    pub file: Option<PathBuf>,
-    /// Which satellite of the file; `None` is its only one.
-    pub name: Option<String>,
+    /// Table of the Earth's orientation by date; `None` takes UT1 as UTC and leaves polar motion out.
+    pub orientation: Option<PathBuf>,
 }
 
 /// Where the eye looks from.
@@ -166,10 +175,12 @@ pub enum CameraUp {
 }
 
 /// `[camera]`
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
     /// Where the eye looks from.
     pub mode: CameraMode,
+    /// The name of the satellite that cameras fly with; `None` is the first.
+    pub follow: Option<String>,
     /// Nadir mode: what is upwards on screen.
     pub up: CameraUp,
     /// Vertical field of view, degrees.

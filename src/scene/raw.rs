@@ -1,6 +1,8 @@
 //! The scene file as written: every key optional, every value with its place in the text, nothing checked yet.
 
-use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 use std::ops::Range;
 use toml::Spanned;
 
@@ -17,6 +19,13 @@ pub(super) struct Key {
 pub(super) struct Table {
     pub(super) name: &'static str,
     pub(super) keys: &'static [Key],
+}
+
+impl Table {
+    /// Whether a scene may have several of it.
+    pub(super) fn is_list(&self) -> bool {
+        self.name == "orbit"
+    }
 }
 
 /// A table's struct and its list of known keys from one place, so that they cannot part.
@@ -48,17 +57,79 @@ table!(RawTime {
     duration_s: f64 = "a number of simulated seconds",
     speed: f64 = "a number of simulated seconds per second",
     frame_rate_hz: f64 = "a number of frames per second",
+    orientation: String = "a string, the path of a file like finals2000A.all",
 });
 
 table!(RawOrbit {
-    source: String = "a string, the kind of source: \"tle\"",
-    file: String = "a string, the path of an elements file",
-    name: String = "a string, the satellite's name in the elements file",
+    source: String = "a string, the kind of source: \"tle\", \"omm\", \"oem\", \"czml\", \"csv\", \"kepler\" or \"numerical\"",
+    file: String = "a string, the path of a file of elements or states",
+    name: String = "a string, the satellite's name",
+    strict: bool = "true or false",
+    // Any value: both a string and TOML's own date-time are read.
+    epoch: toml::Value = "a UTC instant like \"2018-01-15T12:00:00Z\"",
+    frame: String = "a string: \"teme\", \"pef\", \"itrf\", \"gcrf\" or \"eme2000\"",
+    semi_major_axis_km: f64 = "a number of kilometres",
+    periapsis_km: f64 = "a number of kilometres",
+    eccentricity: f64 = "a number",
+    inclination_deg: f64 = "a number of degrees",
+    node_deg: f64 = "a number of degrees",
+    argument_deg: f64 = "a number of degrees",
+    true_anomaly_deg: f64 = "a number of degrees",
+    mean_anomaly_deg: f64 = "a number of degrees",
+    // Lists of any length, so that a wrong length gets our own message.
+    position_km: Vec<f64> = "[x, y, z], three numbers of kilometres",
+    velocity_km_s: Vec<f64> = "[x, y, z], three numbers of kilometres per second",
+    j2: bool = "true or false",
+    gravity_degree: i64 = "a whole number from 0 to 20",
+    drag: bool = "true or false",
+    sun: bool = "true or false",
+    moon: bool = "true or false",
+    radiation: bool = "true or false",
+    mass_kg: f64 = "a number of kilograms",
+    area_m2: f64 = "a number of square metres",
+    cd: f64 = "a number",
+    cr: f64 = "a number",
+    tolerance: f64 = "a number",
 });
+
+/// `[orbit]`, or `[[orbit]]` as often as there are satellites.
+#[derive(Debug)]
+pub(super) struct RawOrbits(pub(super) Vec<RawOrbit>);
+
+impl<'de> Deserialize<'de> for RawOrbits {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct OneOrMore;
+
+        // An untagged enum would lose the places of keys and values.
+        impl<'de> Visitor<'de> for OneOrMore {
+            type Value = RawOrbits;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a table or a list of tables")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<RawOrbits, A::Error> {
+                RawOrbit::deserialize(MapAccessDeserializer::new(map))
+                    .map(|orbit| RawOrbits(vec![orbit]))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<RawOrbits, A::Error> {
+                let mut orbits = Vec::new();
+                while let Some(orbit) = list.next_element()? {
+                    orbits.push(orbit);
+                }
+                Ok(RawOrbits(orbits))
+            }
+        }
+
+        deserializer.deserialize_any(OneOrMore)
+    }
+}
 
 table!(RawCamera {
     mode: String = "a string: \"nadir\", \"horizon\", \"chase\" or \"geodetic\"",
     up: String = "a string: \"flight\" or \"north\"",
+    follow: String = "a string, the name of one of the scene's satellites",
     fov_deg: f64 = "a number of degrees",
     lat_deg: f64 = "a number of degrees",
     lon_deg: f64 = "a number of degrees",
@@ -101,7 +172,7 @@ table!(RawQuality {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawScene {
     pub(super) time: Option<RawTime>,
-    pub(super) orbit: Option<RawOrbit>,
+    pub(super) orbit: Option<RawOrbits>,
     pub(super) camera: Option<RawCamera>,
     pub(super) earth: Option<RawEarth>,
     pub(super) output: Option<RawOutput>,

@@ -3,8 +3,8 @@
 use super::dates::utc;
 use super::error::printable;
 use super::field::written;
-use super::raw::TABLES;
-use super::{CameraMode, PackTable, Scene};
+use super::raw::{TABLES, Table};
+use super::{CameraMode, PackTable, Scene, orbit_summary};
 use crate::air::Atmosphere;
 use crate::globe::{LevelRule, Subdivision};
 use std::fmt::Write;
@@ -15,7 +15,11 @@ impl Scene {
     pub fn summary(&self) -> String {
         let mut out = format!("{}: good\n", self.path.display());
         for table in TABLES {
-            line(&mut out, format_args!("\n[{}]", table.name));
+            let head = match table.name {
+                "orbit" if self.orbits.len() > 1 => "[[orbit]]".to_owned(),
+                name => format!("[{name}]"),
+            };
+            line(&mut out, format_args!("\n{head}"));
             for key in table.keys {
                 let from = match self.line(table.name, key.name) {
                     Some(number) => format!("line {number} of the file"),
@@ -24,10 +28,13 @@ impl Scene {
                 match self.value(table.name, key.name) {
                     Ok(value) => line(
                         &mut out,
-                        format_args!("  {:<14} {value:<28} {from}", key.name),
+                        format_args!("  {:<18} {value:<28} {from}", key.name),
                     ),
-                    Err(why) => line(&mut out, format_args!("  {:<14} not used: {why}", key.name)),
+                    Err(why) => line(&mut out, format_args!("  {:<18} not used: {why}", key.name)),
                 }
+            }
+            if table.name == "orbit" {
+                self.other_orbits(&mut out, table);
             }
         }
         line(&mut out, format_args!("\nuses"));
@@ -48,9 +55,24 @@ impl Scene {
         out
     }
 
+    /// Satellites after the first: only what they use.
+    fn other_orbits(&self, out: &mut String, table: &Table) {
+        for (index, orbit) in self.orbits.iter().enumerate().skip(1) {
+            line(out, format_args!("\n[[orbit]]"));
+            for key in table.keys {
+                let from = match self.orbit_line(index, key.name) {
+                    Some(number) => format!("line {number} of the file"),
+                    None => "default".to_owned(),
+                };
+                if let Ok(value) = orbit_summary::value(orbit, key.name) {
+                    line(out, format_args!("  {:<18} {value:<28} {from}", key.name));
+                }
+            }
+        }
+    }
+
     /// A key's value as a scene would write it, or why it has none.
     fn value(&self, table: &str, key: &str) -> Result<String, &'static str> {
-        const BUILT_IN: &str = "the space station's elements are built in";
         const NO_ORBIT: &str = "the camera stands over a place on the ground";
         const FLYING: &str = "only for mode = \"geodetic\"";
         let (time, camera, earth) = (&self.time, &self.camera, &self.earth);
@@ -64,21 +86,19 @@ impl Scene {
             ("time", "duration_s") => Ok(time.duration_s.to_string()),
             ("time", "speed") => Ok(time.speed.to_string()),
             ("time", "frame_rate_hz") => Ok(time.frame_rate_hz.to_string()),
+            ("time", "orientation") => match &time.orientation {
+                Some(file) => quoted(&file.display().to_string()),
+                None => Err("UT1 is taken as UTC and polar motion as none"),
+            },
             ("orbit", key) => {
-                let orbit = self.orbit.as_ref().ok_or(NO_ORBIT)?;
-                match key {
-                    "source" => quoted("tle"),
-                    "file" => {
-                        let file = orbit.file.as_ref().ok_or(BUILT_IN)?;
-                        quoted(&file.display().to_string())
-                    }
-                    _ => match (&orbit.name, &orbit.file) {
-                        (Some(name), _) => quoted(name),
-                        (None, Some(_)) => Err("the file's only satellite is taken"),
-                        (None, None) => Err(BUILT_IN),
-                    },
-                }
+                let orbit = self.orbits.first().ok_or(NO_ORBIT)?;
+                orbit_summary::value(orbit, key)
             }
+            ("camera", "follow") => match &camera.follow {
+                Some(name) => quoted(name),
+                None if self.orbits.is_empty() => Err(NO_ORBIT),
+                None => Err("the first satellite is flown with"),
+            },
             ("camera", "mode") => quoted(&written(&camera.mode)),
             ("camera", "up") => match camera.mode {
                 CameraMode::Nadir => quoted(&written(&camera.up)),
@@ -142,16 +162,16 @@ impl Scene {
                 time.duration_s / time.speed.abs(),
             ),
         )];
-        if let Some(orbit) = &self.orbit {
-            let elements = match (&orbit.file, &orbit.name) {
-                (None, _) => "the built-in elements of the International Space Station".to_owned(),
-                (Some(file), Some(name)) => {
-                    format!("{} of {}", printable(name), file.display())
-                }
-                (Some(file), None) => format!("the only satellite of {}", file.display()),
-            };
-            uses.push(("orbit", format!("two-line elements, SGP4: {elements}")));
-        }
+        uses.push(("orientation", match &time.orientation {
+            Some(file) => format!(
+                "UT1 and polar motion of {}; what that leaves out is 5 cm on the ground, more where it predicts",
+                file.display()
+            ),
+            None => "UT1 taken as UTC, no polar motion: between the stars and the ground places are up to 420 m off at the \
+                 equator by the first and 20 m by the second; give a table by orientation in [time]"
+                .to_owned(),
+        }));
+        uses.extend(self.orbit_uses());
         let camera = &self.camera;
         let eye = match camera.mode {
             CameraMode::Nadir => format!(

@@ -31,8 +31,12 @@ pub fn of_scene(scene: &Scene) -> BTreeMap<String, String> {
             ("height_km", camera.height_km.to_string()),
         ]);
     }
-    if let Some(orbit) = &scene.orbit {
-        let file = orbit.file.as_deref().map_or("built in".into(), file_name);
+    for orbit in &scene.orbits {
+        let file = match &orbit.file {
+            Some(file) => file_name(file),
+            None if orbit.source.is_file() => "built in".into(),
+            None => word(&orbit.source),
+        };
         let name = orbit.name.as_deref().unwrap_or_default();
         settings.push(("orbit", format!("{file} {name}").trim_end().to_owned()));
     }

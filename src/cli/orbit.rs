@@ -1,0 +1,128 @@
+//! `terrella orbit`
+
+use super::{Common, print, values};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+use terrella::frames::{Duration, Epoch};
+use terrella::orbit::{Frame, Header};
+use terrella::play::{
+    Axes, Ephemeris, EphemerisRequest, Flight, Layout, OutputError, PendingFile, Span, omm,
+};
+use terrella::scene::Scene;
+
+/// Arguments of `terrella orbit`.
+#[derive(Debug, Args)]
+pub struct OrbitArgs {
+    /// The scene file
+    scene: PathBuf,
+    /// Seconds from one state to the next, from the scene's first instant to its last
+    #[arg(long, value_name = "SECONDS", value_parser = values::seconds, default_value = "60", conflicts_with = "at")]
+    every: f64,
+    /// Only the state of this instant
+    #[arg(long, value_name = "UTC", value_parser = values::instant)]
+    at: Option<Epoch>,
+    /// The axes of positions and velocities, or latitude, longitude and height
+    #[arg(long, value_enum, default_value_t = FrameName::Itrf)]
+    frame: FrameName,
+    /// Print CSV that a scene can read by source = "csv"
+    #[arg(long, conflicts_with = "json")]
+    csv: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    /// Write an orbit ephemeris message (CCSDS OEM) instead of printing
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["at", "csv", "json"])]
+    oem: Option<PathBuf>,
+    /// Write an orbit mean-elements message (CCSDS OMM) instead of printing: of the satellite that is named, or of all
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["at", "csv", "json"])]
+    omm: Option<PathBuf>,
+    /// Of this satellite; without it the one that cameras fly with
+    #[arg(long, value_name = "NAME")]
+    satellite: Option<String>,
+}
+
+/// Axes by name.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum FrameName {
+    /// True equator, mean equinox of date
+    Teme,
+    /// Earth-fixed
+    Itrf,
+    /// The celestial reference frame
+    Gcrf,
+    /// Mean equator and equinox of J2000
+    Eme2000,
+    /// Earth-fixed, before polar motion
+    Pef,
+    /// Latitude, longitude, height
+    Geodetic,
+}
+
+impl FrameName {
+    fn axes(self) -> Axes {
+        Axes::Frame(match self {
+            Self::Teme => Frame::Teme,
+            Self::Itrf => Frame::Itrf,
+            Self::Gcrf => Frame::Gcrf,
+            Self::Eme2000 => Frame::Eme2000,
+            Self::Pef => Frame::Pef,
+            Self::Geodetic => return Axes::Geodetic,
+        })
+    }
+}
+
+/// Runs it.
+pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
+    // Before anything is computed: a file that cannot be written is found at once.
+    let oem_file = pending(args.oem.as_ref(), "ephemeris messages", "oem")?;
+    let omm_file = pending(args.omm.as_ref(), "element messages", "omm")?;
+    let flight = Flight::open(Scene::load(&args.scene)?)?;
+    let header = Header {
+        originator: concat!("TERRELLA ", env!("CARGO_PKG_VERSION")).to_owned(),
+        created: Epoch::now()?,
+    };
+    let satellite = args.satellite.as_deref();
+    let request = EphemerisRequest {
+        span: match args.at {
+            Some(epoch) => Span::At(epoch),
+            None => Span::Every(Duration::from_seconds(args.every)),
+        },
+        axes: args.frame.axes(),
+        satellite,
+    };
+    let prints = oem_file.is_none() && omm_file.is_none();
+    if let Some(file) = omm_file {
+        let text = omm(&flight, satellite, file.target(), &header)?;
+        file.write_whole(text.as_bytes())?;
+    }
+    if let Some(file) = oem_file {
+        let ephemeris = Ephemeris::new(&flight, &request)?;
+        let (text, worst_m) = ephemeris.oem(file.target(), &header)?;
+        let target = file.target().display().to_string();
+        file.write_whole(text.as_bytes())?;
+        if !common.quiet {
+            let count = ephemeris.states().len();
+            eprintln!(
+                "{target}: {count} states; between them a reader's interpolation is {worst_m:.3} m off at most"
+            );
+        }
+    }
+    if !prints {
+        return Ok(());
+    }
+    let layout = match (args.csv, args.json) {
+        (true, _) => Layout::Csv,
+        (_, true) => Layout::Json,
+        _ => Layout::Text,
+    };
+    print(&Ephemeris::new(&flight, &request)?.print(layout))
+}
+
+fn pending(
+    path: Option<&PathBuf>,
+    what: &'static str,
+    extension: &'static str,
+) -> Result<Option<PendingFile>, OutputError> {
+    path.map(|path| PendingFile::create(path, what, extension))
+        .transpose()
+}

@@ -1,0 +1,311 @@
+//! Where a scene's satellites are: tables for people and programs, and messages for other programs.
+
+use super::{Flight, PlayError, Tracked};
+use crate::frames::{Duration, Epoch, Geodetic, TimeScale, ccsds_time};
+use crate::orbit::sampled::{Interpolation, Sample, Sampled, Segment};
+use crate::orbit::{
+    Feed, Frame, Header, OrbitState, SampledFeed, csv_header, csv_row, write_oem, write_omm,
+};
+use std::fmt::Write;
+use std::path::Path;
+
+/// Most rows of one ephemeris.
+const MOST_ROWS: u64 = 1_000_000;
+
+/// Instants to print.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Span {
+    /// One.
+    At(Epoch),
+    /// From the scene's first instant to its last, which is always one of them, a step apart.
+    Every(Duration),
+}
+
+/// What places are told in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axes {
+    /// Position and velocity in a frame.
+    Frame(Frame),
+    /// Latitude, longitude and height; tables with columns of position have those of ITRF.
+    Geodetic,
+}
+
+impl Axes {
+    /// The frame of columns of position.
+    pub fn frame(self) -> Frame {
+        match self {
+            Self::Frame(frame) => frame,
+            Self::Geodetic => Frame::Itrf,
+        }
+    }
+}
+
+/// How an ephemeris is printed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layout {
+    /// Columns for people.
+    Text,
+    /// As [`Ephemerides`](crate::orbit::Ephemerides) reads it.
+    Csv,
+    /// An object with `name`, `frame` and an array `states`.
+    Json,
+}
+
+/// Which ephemeris is wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EphemerisRequest<'n> {
+    /// When.
+    pub span: Span,
+    /// In which axes.
+    pub axes: Axes,
+    /// Which satellite, by name; `None` is the one that cameras follow.
+    pub satellite: Option<&'n str>,
+}
+
+/// The states of one satellite.
+pub struct Ephemeris<'f> {
+    flight: &'f Flight,
+    satellite: &'f Tracked,
+    axes: Axes,
+    states: Vec<OrbitState>,
+}
+
+impl<'f> Ephemeris<'f> {
+    /// Asks the satellite for all states, before anything is printed.
+    ///
+    /// # Errors
+    /// If there is no such satellite, an instant lies outside its validity (the error says the interval), or there are
+    /// more than a million.
+    pub fn new(flight: &'f Flight, request: &EphemerisRequest<'_>) -> Result<Self, PlayError> {
+        let satellite = satellite(flight, request.satellite)?;
+        let frame = request.axes.frame();
+        let states = epochs(flight, request.span)?
+            .into_iter()
+            .map(|epoch| {
+                let state = satellite.feed().state_at(epoch)?;
+                Ok(state.in_frame(frame, &flight.orientation_at(epoch)))
+            })
+            .collect::<Result<Vec<_>, PlayError>>()?;
+        Ok(Self {
+            flight,
+            satellite,
+            axes: request.axes,
+            states,
+        })
+    }
+
+    /// The states, in the frame that was asked for.
+    pub fn states(&self) -> &[OrbitState] {
+        &self.states
+    }
+
+    /// All of it in words.
+    pub fn print(&self, layout: Layout) -> String {
+        match layout {
+            Layout::Text => self.text(),
+            Layout::Csv => self.csv(),
+            Layout::Json => self.json(),
+        }
+    }
+
+    fn csv(&self) -> String {
+        let mut text = csv_header(self.satellite.name(), self.axes.frame());
+        for state in &self.states {
+            text += &csv_row(state, &self.place(state));
+        }
+        text
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!("{}, ", self.satellite.name());
+        text += match self.axes {
+            Axes::Geodetic => "latitude and longitude in degrees, height in km\n",
+            Axes::Frame(_) => "position in km, velocity in km/s, ",
+        };
+        if let Axes::Frame(frame) = self.axes {
+            text += frame.name();
+            text.push('\n');
+        }
+        for state in &self.states {
+            let (r, v) = (state.position_m / 1e3, state.velocity_m_s / 1e3);
+            let place = self.place(state);
+            // Writing to a string cannot fail.
+            let _ = match self.axes {
+                Axes::Geodetic => writeln!(
+                    text,
+                    "{}  {:>11.6} {:>12.6} {:>14.5}",
+                    utc(state.epoch),
+                    place.lat_rad.to_degrees(),
+                    place.lon_rad.to_degrees(),
+                    place.height_m / 1e3
+                ),
+                Axes::Frame(_) => writeln!(
+                    text,
+                    "{}  {:>14.6} {:>14.6} {:>14.6}  {:>13.9} {:>13.9} {:>13.9}",
+                    utc(state.epoch),
+                    r.x,
+                    r.y,
+                    r.z,
+                    v.x,
+                    v.y,
+                    v.z
+                ),
+            };
+        }
+        text
+    }
+
+    fn json(&self) -> String {
+        let rows = self.states.iter().map(|state| {
+            let (r, v) = (state.position_m / 1e3, state.velocity_m_s / 1e3);
+            let place = self.place(state);
+            serde_json::json!({
+                "epoch_utc": utc(state.epoch),
+                "position_km": r.to_array(),
+                "velocity_km_s": v.to_array(),
+                "lat_deg": place.lat_rad.to_degrees(),
+                "lon_deg": place.lon_rad.to_degrees(),
+                "height_km": place.height_m / 1e3,
+            })
+        });
+        let document = serde_json::json!({
+            "name": self.satellite.name(),
+            "frame": self.axes.frame().name(),
+            "states": rows.collect::<Vec<_>>(),
+        });
+        format!("{document:#}\n")
+    }
+
+    /// The place above the scene's figure.
+    fn place(&self, state: &OrbitState) -> Geodetic {
+        let itrf = state.in_frame(Frame::Itrf, &self.flight.orientation_at(state.epoch));
+        self.flight.ellipsoid().geodetic_from_itrf(itrf.position_m)
+    }
+
+    /// The states as an orbit ephemeris message, for the file `path`, and how far what a reader interpolates is from the
+    /// satellite half-way between states, metres at most.
+    ///
+    /// # Errors
+    /// A frame that no such message names, or fewer states than an interpolation needs.
+    pub fn oem(&self, path: &Path, header: &Header) -> Result<(String, f64), PlayError> {
+        let refuse = |cause: String| PlayError::NoEphemeris {
+            path: path.to_owned(),
+            satellite: self.satellite.name().to_owned(),
+            cause,
+        };
+        let frame = self.axes.frame();
+        if frame == Frame::Pef {
+            return Err(refuse(
+                "the format has no name for PEF; take --frame itrf".to_owned(),
+            ));
+        }
+        let samples: Vec<_> = self
+            .states
+            .iter()
+            .map(|state| Sample {
+                epoch: state.epoch,
+                position_m: state.position_m,
+                velocity_m_s: Some(state.velocity_m_s),
+            })
+            .collect();
+        let sampled = Sampled::new(frame, &samples, Interpolation::WITH_VELOCITIES)
+            .map_err(|error| refuse(format!("{error}; take a smaller step with --every")))?;
+        let id = self.satellite.elements().and_then(|e| e.object_id.clone());
+        let name = self.satellite.name().to_owned();
+        let feed = SampledFeed::new(name, id, vec![Segment::whole(sampled)])
+            .map_err(|error| refuse(error.to_string()))?;
+        let mut worst_m = 0.0_f64;
+        for pair in self.states.windows(2) {
+            if let [a, b] = pair {
+                let middle = a.epoch + (b.epoch - a.epoch) * 0.5;
+                let orientation = self.flight.orientation_at(middle);
+                let meant = self.satellite.feed().state_at(middle)?;
+                let meant = meant.in_frame(frame, &orientation).position_m;
+                worst_m = worst_m.max((feed.state_at(middle)?.position_m - meant).length());
+            }
+        }
+        Ok((write_oem(&feed, header), worst_m))
+    }
+}
+
+/// Mean elements as an orbit mean-elements message, for the file `path`: of the satellite of that name, or of all.
+///
+/// # Errors
+/// If a satellite has none, or there is no satellite.
+pub fn omm(
+    flight: &Flight,
+    name: Option<&str>,
+    path: &Path,
+    header: &Header,
+) -> Result<String, PlayError> {
+    let wanted = match name {
+        Some(_) => std::slice::from_ref(satellite(flight, name)?),
+        None => flight.satellites(),
+    };
+    let elements = wanted.iter().map(|one| {
+        one.elements()
+            .cloned()
+            .ok_or_else(|| PlayError::NoElements {
+                path: path.to_owned(),
+                satellite: one.name().to_owned(),
+            })
+    });
+    let elements = elements.collect::<Result<Vec<_>, _>>()?;
+    match elements.is_empty() {
+        true => Err(PlayError::NoSatellite),
+        false => Ok(write_omm(&elements, header)),
+    }
+}
+
+/// With all its decimals: a thousandth of a second is metres of flight.
+fn utc(epoch: Epoch) -> String {
+    ccsds_time(epoch, TimeScale::Utc) + "Z"
+}
+
+fn satellite<'f>(flight: &'f Flight, name: Option<&str>) -> Result<&'f Tracked, PlayError> {
+    let satellites = flight.satellites();
+    let index = match name {
+        None => flight.followed(),
+        Some(wanted) => {
+            let names: Vec<_> = satellites.iter().map(Tracked::name).collect();
+            let scene = flight.scene();
+            scene
+                .satellite(wanted, &names)
+                .map_err(|remedy| PlayError::UnknownSatellite {
+                    scene: scene.path.clone(),
+                    wanted: wanted.to_owned(),
+                    remedy,
+                })?
+        }
+    };
+    satellites.get(index).ok_or(PlayError::NoSatellite)
+}
+
+/// In the order of time, whichever way the scene is played.
+fn epochs(flight: &Flight, span: Span) -> Result<Vec<Epoch>, PlayError> {
+    let step = match span {
+        Span::At(epoch) => return Ok(vec![epoch]),
+        Span::Every(step) => step,
+    };
+    let time = &flight.scene().time;
+    let (first, last) = (time.start.min(time.end()), time.start.max(time.end()));
+    let (length_ns, step_ns) = (
+        (last - first).total_nanoseconds(),
+        step.total_nanoseconds().max(1),
+    );
+    let steps = length_ns / step_ns;
+    let rows = u64::try_from(steps).unwrap_or(u64::MAX).saturating_add(2);
+    if rows > MOST_ROWS {
+        return Err(PlayError::TooManyRows {
+            rows,
+            limit: MOST_ROWS,
+        });
+    }
+    let mut epochs: Vec<_> = (0..=steps)
+        .map(|k| first + Duration::from_total_nanoseconds(k * step_ns))
+        .collect();
+    if epochs.last().is_some_and(|epoch| *epoch < last) {
+        epochs.push(last);
+    }
+    Ok(epochs)
+}

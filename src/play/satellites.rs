@@ -1,0 +1,293 @@
+//! The satellites of a scene, each source opened.
+
+use super::error::PlayError;
+use crate::frames::{Duration, EarthOrientation, Epoch, Orientation, utc_from_rfc3339};
+use crate::orbit::constants::EARTH_GM_M3_S2;
+use crate::orbit::kepler::{Drift, KeplerFeed, KeplerOptions};
+use crate::orbit::numerical::{
+    Atmosphere, ForceModel, Gravity, NumericalFeed, NumericalOptions, Shadow,
+};
+use crate::orbit::{
+    Catalogue, Ephemerides, Feed, Form, Frame, MeanElements, OrbitError, OrbitState, Sgp4Feed,
+};
+use crate::scene::limits::YEARS;
+use crate::scene::{Forces, Motion, Orbit, OrbitSource, Scene, Start, StartForm};
+use std::path::Path;
+
+/// A satellite of a scene.
+pub struct Tracked {
+    feed: Box<dyn Feed>,
+    elements: Option<MeanElements>,
+    faults: Vec<String>,
+    faults_left_out: usize,
+}
+
+impl Tracked {
+    fn of(feed: impl Feed + 'static) -> Self {
+        Self {
+            feed: Box::new(feed),
+            elements: None,
+            faults: Vec::new(),
+            faults_left_out: 0,
+        }
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        self.feed.name()
+    }
+
+    /// Its motion.
+    pub fn feed(&self) -> &dyn Feed {
+        self.feed.as_ref()
+    }
+
+    /// The mean elements that it flies by, if it is flown by SGP4.
+    pub fn elements(&self) -> Option<&MeanElements> {
+        self.elements.as_ref()
+    }
+
+    /// What is wrong with other records of its file, each in words, and how many such words are left out.
+    pub fn faults(&self) -> (&[String], usize) {
+        (&self.faults, self.faults_left_out)
+    }
+}
+
+/// How long before and after the scene a motion is integrated, so that instants at its edges have neighbours.
+const MARGIN_S: f64 = 60.0;
+
+/// The orientation at an instant; none where there is no table or it does not reach.
+pub(super) fn orientation_at(
+    table: Option<&EarthOrientation>,
+    epoch: Epoch,
+) -> Option<Orientation> {
+    match table {
+        None => Some(Orientation::default()),
+        Some(table) => table.at(epoch),
+    }
+}
+
+/// Opens the satellite of that place in the scene.
+pub(super) fn open(
+    scene: &Scene,
+    index: usize,
+    orbit: &Orbit,
+    table: Option<&EarthOrientation>,
+) -> Result<Tracked, PlayError> {
+    let name = orbit.name.as_deref();
+    match (&orbit.motion, &orbit.file) {
+        (Some(motion), _) => {
+            let (start, word) = match motion {
+                Motion::Kepler { start, .. } => (start, "Kepler"),
+                Motion::Numerical { start, .. } => (start, "Numerical"),
+            };
+            let orientation = orientation_at(table, start.epoch).ok_or_else(|| {
+                let remedy = "the table of [time] orientation does not reach to this epoch; take one that does, or start later";
+                scene.refuse_orbit(index, "epoch", &crate::frames::rfc3339(start.epoch), remedy.to_owned())
+            })?;
+            let name = name.unwrap_or(word);
+            let opened = match motion {
+                Motion::Kepler { start, j2 } => kepler(name, start, *j2, &orientation),
+                Motion::Numerical { start, forces } => {
+                    numerical(name, scene, start, forces, &orientation)
+                }
+            };
+            // The numbers are the scene's: so are the file and the line.
+            opened.map_err(|error| {
+                let word = word.to_lowercase();
+                scene
+                    .refuse_orbit(index, "source", &word, error.to_string())
+                    .into()
+            })
+        }
+        (None, Some(file)) => from_file(scene, index, orbit, file),
+        (None, None) => {
+            let feed = Sgp4Feed::built_in_iss()?;
+            Ok(Tracked {
+                elements: Some(feed.elements().clone()),
+                ..Tracked::of(feed)
+            })
+        }
+    }
+}
+
+fn from_file(
+    scene: &Scene,
+    index: usize,
+    orbit: &Orbit,
+    file: &Path,
+) -> Result<Tracked, PlayError> {
+    let name = orbit.name.as_deref();
+    // Without a name the only satellite is meant, and which is the only one a spoilt record leaves open.
+    let is_strict = orbit.strict || name.is_none();
+    let check = |form| match source_of(form) {
+        source if source == orbit.source => Ok(()),
+        source => {
+            let given = word(orbit.source);
+            let remedy = format!(
+                "{} holds {}; write source = \"{}\"",
+                file.display(),
+                says(form),
+                word(source)
+            );
+            Err(scene.refuse_orbit(index, "source", given, remedy))
+        }
+    };
+    let (tracked, faults, faults_left_out) = match orbit.source {
+        OrbitSource::Tle | OrbitSource::Omm => {
+            let catalogue = Catalogue::from_file(file, is_strict)?;
+            check(catalogue.form)?;
+            let left_out = catalogue.faults_left_out;
+            let mut catalogue = catalogue;
+            let faults = std::mem::take(&mut catalogue.faults);
+            let feed = catalogue.into_one(file, name)?;
+            let elements = Some(feed.elements().clone());
+            (
+                Tracked {
+                    elements,
+                    ..Tracked::of(feed)
+                },
+                faults,
+                left_out,
+            )
+        }
+        _ => {
+            let mut ephemerides = Ephemerides::from_file(file, is_strict)?;
+            check(ephemerides.form)?;
+            let left_out = ephemerides.faults_left_out;
+            let faults = std::mem::take(&mut ephemerides.faults);
+            (
+                Tracked::of(ephemerides.into_one(file, name)?),
+                faults,
+                left_out,
+            )
+        }
+    };
+    let faults: Vec<String> = faults.iter().map(OrbitError::to_string).collect();
+    if let Some(first) = faults.first() {
+        match faults.len() - 1 + faults_left_out {
+            0 => tracing::warn!("passed over: {first}"),
+            more => tracing::warn!("passed over: {first}; and {more} more of that file"),
+        }
+    }
+    Ok(Tracked {
+        faults,
+        faults_left_out,
+        ..tracked
+    })
+}
+
+fn source_of(form: Form) -> OrbitSource {
+    match form {
+        Form::Tle => OrbitSource::Tle,
+        Form::Omm => OrbitSource::Omm,
+        Form::Oem => OrbitSource::Oem,
+        Form::Czml => OrbitSource::Czml,
+        Form::Csv => OrbitSource::Csv,
+    }
+}
+
+fn word(source: OrbitSource) -> &'static str {
+    match source {
+        OrbitSource::Tle => "tle",
+        OrbitSource::Omm => "omm",
+        OrbitSource::Oem => "oem",
+        OrbitSource::Czml => "czml",
+        OrbitSource::Csv => "csv",
+        OrbitSource::Kepler => "kepler",
+        OrbitSource::Numerical => "numerical",
+    }
+}
+
+fn says(form: Form) -> &'static str {
+    match form {
+        Form::Tle => "two-line elements",
+        Form::Omm => "an orbit mean-elements message",
+        Form::Oem => "an orbit ephemeris message",
+        Form::Czml => "CZML",
+        Form::Csv => "states in columns",
+    }
+}
+
+fn kepler(
+    name: &str,
+    start: &Start,
+    j2: bool,
+    orientation: &Orientation,
+) -> Result<Tracked, OrbitError> {
+    let year =
+        |year: i32, day: &str| utc_from_rfc3339(&format!("{year}-{day}")).unwrap_or(start.epoch);
+    let options = KeplerOptions {
+        drift: if j2 { Drift::J2 } else { Drift::None },
+        first: year(*YEARS.start(), "01-01T00:00:00Z"),
+        last: year(*YEARS.end(), "12-31T23:59:59Z"),
+    };
+    Ok(Tracked::of(match start.form {
+        StartForm::Elements(elements) => {
+            KeplerFeed::from_elements(name, start.frame, start.epoch, &elements, options)?
+        }
+        StartForm::State { .. } => {
+            let mut state = state(start)?;
+            if state.frame.is_earth_fixed() {
+                state = state.in_frame(Frame::Gcrf, orientation);
+            }
+            KeplerFeed::from_state(name, &state, options)?
+        }
+    }))
+}
+
+/// The state at the start.
+fn state(start: &Start) -> Result<OrbitState, OrbitError> {
+    let (position_m, velocity_m_s) = match start.form {
+        StartForm::State {
+            position_m,
+            velocity_m_s,
+        } => (position_m, velocity_m_s),
+        StartForm::Elements(elements) => elements
+            .conic(EARTH_GM_M3_S2, start.epoch)?
+            .state_after(0.0),
+    };
+    Ok(OrbitState {
+        epoch: start.epoch,
+        frame: start.frame,
+        position_m,
+        velocity_m_s,
+    })
+}
+
+fn numerical(
+    name: &str,
+    scene: &Scene,
+    start: &Start,
+    forces: &Forces,
+    orientation: &Orientation,
+) -> Result<Tracked, OrbitError> {
+    let degree = forces.gravity_degree as usize;
+    let model = ForceModel {
+        gravity: match degree {
+            0 | 1 => Gravity::Point,
+            degree => Gravity::Field {
+                degree,
+                order: degree,
+            },
+        },
+        drag: forces.drag.then_some(Atmosphere::Standard1976),
+        sun: forces.sun,
+        moon: forces.moon,
+        sunlight: forces.radiation.then_some(Shadow::Cone),
+        thrusts: Vec::new(),
+        orientation: *orientation,
+    };
+    let margin = Duration::from_seconds(MARGIN_S);
+    let (a, b) = (scene.time.start, scene.time.end());
+    let options = NumericalOptions {
+        relative_tolerance: forces.tolerance,
+        ..NumericalOptions::between(
+            (a.min(b) - margin).min(start.epoch),
+            (a.max(b) + margin).max(start.epoch),
+        )
+    };
+    let state = state(start)?;
+    let feed = NumericalFeed::new(name, &state, &model, &forces.craft, &options)?;
+    Ok(Tracked::of(feed))
+}

@@ -1,0 +1,126 @@
+//! What `[orbit]` comes to.
+
+use crate::frames::Epoch;
+use crate::orbit::Frame;
+use crate::orbit::kepler::Elements;
+use crate::orbit::numerical::Craft;
+use glam::DVec3;
+use std::path::PathBuf;
+
+/// `[orbit]`, or one of several `[[orbit]]`: a satellite and where its motion is from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Orbit {
+    /// The kind of source.
+    pub source: OrbitSource,
+    /// The file of a source that is one, absolute or relative to the working directory; `None` is the built-in ISS set.
+    pub file: Option<PathBuf>,
+    /// Which satellite of the file, where `None` is its only one; without a file, what it is called.
+    pub name: Option<String>,
+    /// Whether one bad record refuses the file; else bad records of other satellites are passed over and told of.
+    pub strict: bool,
+    /// The motion that the scene itself describes: for [`OrbitSource::Kepler`] and [`OrbitSource::Numerical`].
+    pub motion: Option<Motion>,
+}
+
+impl Orbit {
+    /// What a scene has where it says nothing: the built-in space station.
+    pub(super) fn built_in() -> Self {
+        Self {
+            source: OrbitSource::Tle,
+            file: None,
+            name: None,
+            strict: false,
+            motion: None,
+        }
+    }
+}
+
+/// Kinds of source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum OrbitSource {
+    /// Two-line elements, flown by SGP4.
+    Tle,
+    /// Orbit mean-elements messages (CCSDS 502.0), flown by SGP4.
+    Omm,
+    /// Orbit ephemeris messages (CCSDS 502.0): states, interpolated.
+    Oem,
+    /// Positions of a CZML document, interpolated.
+    Czml,
+    /// States in columns, interpolated.
+    Csv,
+    /// A conic from elements or a state.
+    Kepler,
+    /// Motion under forces, integrated from elements or a state.
+    Numerical,
+}
+
+impl OrbitSource {
+    /// Whether it is read from a file.
+    pub fn is_file(self) -> bool {
+        !matches!(self, Self::Kepler | Self::Numerical)
+    }
+}
+
+/// A motion that a scene describes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Motion {
+    /// On a conic.
+    Kepler {
+        /// From where.
+        start: Start,
+        /// Whether node and periapsis drift by the Earth's flattening.
+        j2: bool,
+    },
+    /// Under forces.
+    Numerical {
+        /// From where.
+        start: Start,
+        /// Which.
+        forces: Forces,
+    },
+}
+
+/// Where a motion starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// When.
+    pub epoch: Epoch,
+    /// In which axes.
+    pub frame: Frame,
+    /// How it is given.
+    pub form: StartForm,
+}
+
+/// How a start is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StartForm {
+    /// As classical elements.
+    Elements(Elements),
+    /// As a state.
+    State {
+        /// Metres from the Earth's centre.
+        position_m: DVec3,
+        /// Metres per second, as seen in the frame.
+        velocity_m_s: DVec3,
+    },
+}
+
+/// Forces of a numerical motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forces {
+    /// Degree and order of the Earth's gravity; 0 and 1 are a point.
+    pub gravity_degree: u32,
+    /// The air's drag.
+    pub drag: bool,
+    /// The Sun's gravity.
+    pub sun: bool,
+    /// The Moon's.
+    pub moon: bool,
+    /// The pressure of sunlight.
+    pub radiation: bool,
+    /// What air and sunlight act on.
+    pub craft: Craft,
+    /// Error allowed in a step, relative to distance and speed.
+    pub tolerance: f64,
+}

@@ -1,0 +1,159 @@
+//! The words of the summary about satellites.
+
+use super::dates::utc;
+use super::error::printable;
+use super::field::written;
+use super::orbits::foreign;
+use super::{Forces, Motion, Orbit, OrbitSource, Scene, Start, StartForm};
+use crate::orbit::kepler::{Anomaly, Elements, Size};
+use glam::DVec3;
+
+/// A value as a scene would write it, or why there is none.
+type Value = Result<String, &'static str>;
+
+const BUILT_IN: &str = "the space station's elements are built in";
+
+fn quoted(text: &str) -> Value {
+    Ok(format!("\"{}\"", printable(text)))
+}
+
+/// The value of a key of a satellite.
+pub(super) fn value(orbit: &Orbit, key: &str) -> Value {
+    if let Some(why) = foreign(orbit.source, key) {
+        return Err(why);
+    }
+    match (key, &orbit.motion) {
+        ("source", _) => quoted(&written(&orbit.source)),
+        ("file", _) => {
+            let file = orbit.file.as_ref().ok_or(BUILT_IN)?;
+            quoted(&file.display().to_string())
+        }
+        ("strict", _) if orbit.file.is_none() => Err(BUILT_IN),
+        ("strict", _) => Ok(orbit.strict.to_string()),
+        ("name", _) => match (&orbit.name, &orbit.file) {
+            (Some(name), _) => quoted(name),
+            (None, Some(_)) => Err("the file's only satellite is taken"),
+            (None, None) if orbit.source.is_file() => Err(BUILT_IN),
+            (None, None) => Err("it is called by its source"),
+        },
+        ("j2", Some(Motion::Kepler { j2, .. })) => Ok(j2.to_string()),
+        (key, Some(Motion::Kepler { start, .. })) => start_value(start, key),
+        (key, Some(Motion::Numerical { start, forces })) => {
+            force_value(forces, key).unwrap_or_else(|| start_value(start, key))
+        }
+        // A test holds that no known key comes here.
+        (_, None) => Err("unknown to the summary"),
+    }
+}
+
+fn force_value(forces: &Forces, key: &str) -> Option<Value> {
+    Some(match key {
+        "gravity_degree" => Ok(forces.gravity_degree.to_string()),
+        "drag" => Ok(forces.drag.to_string()),
+        "sun" => Ok(forces.sun.to_string()),
+        "moon" => Ok(forces.moon.to_string()),
+        "radiation" => Ok(forces.radiation.to_string()),
+        "mass_kg" => Ok(forces.craft.mass_kg.to_string()),
+        "area_m2" => Ok(forces.craft.drag_area_m2.to_string()),
+        "cd" if !forces.drag => Err("only for drag = true"),
+        "cd" => Ok(forces.craft.drag_coefficient.to_string()),
+        "cr" if !forces.radiation => Err("only for radiation = true"),
+        "cr" => Ok(forces.craft.reflectivity.to_string()),
+        "tolerance" => Ok(format!("{:e}", forces.tolerance)),
+        _ => return None,
+    })
+}
+
+fn start_value(start: &Start, key: &str) -> Value {
+    const BY_STATE: &str = "the start is given by position and velocity";
+    const BY_ELEMENTS: &str = "the start is given by elements";
+    match (key, &start.form) {
+        ("epoch", _) => quoted(&utc(start.epoch)),
+        ("frame", _) => quoted(&start.frame.name().to_lowercase()),
+        ("position_km", StartForm::State { position_m, .. }) => Ok(vector_km(*position_m)),
+        ("velocity_km_s", StartForm::State { velocity_m_s, .. }) => Ok(vector_km(*velocity_m_s)),
+        ("position_km" | "velocity_km_s", StartForm::Elements(_)) => Err(BY_ELEMENTS),
+        (_, StartForm::State { .. }) => Err(BY_STATE),
+        (key, StartForm::Elements(elements)) => element_value(elements, key),
+    }
+}
+
+fn element_value(elements: &Elements, key: &str) -> Value {
+    let km = |metres: f64| Ok(rounded(metres / 1e3));
+    let degrees = |radians: f64| Ok(rounded(radians.to_degrees()));
+    match (key, elements.size, elements.anomaly) {
+        ("semi_major_axis_km", Size::SemiMajorAxis(metres), _) => km(metres),
+        ("semi_major_axis_km", ..) => Err("the size is given by the periapsis"),
+        ("periapsis_km", Size::Periapsis(metres), _) => km(metres),
+        ("periapsis_km", ..) => Err("the size is given by the semi-major axis"),
+        ("eccentricity", ..) => Ok(elements.eccentricity.to_string()),
+        ("inclination_deg", ..) => degrees(elements.inclination_rad),
+        ("node_deg", ..) => degrees(elements.node_rad),
+        ("argument_deg", ..) => degrees(elements.argument_rad),
+        ("true_anomaly_deg", _, Anomaly::True(radians)) => degrees(radians),
+        ("true_anomaly_deg", ..) => Err("the place is given by the mean anomaly"),
+        ("mean_anomaly_deg", _, Anomaly::Mean(radians)) => degrees(radians),
+        ("mean_anomaly_deg", ..) => Err("the place is given by the true anomaly"),
+        _ => Err("unknown to the summary"),
+    }
+}
+
+/// Twelve digits: what is left of a number of the scene after it went through other units.
+fn rounded(value: f64) -> String {
+    let digits: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+    digits.to_string()
+}
+
+fn vector_km(metres: DVec3) -> String {
+    let [x, y, z] = metres.to_array().map(|part| rounded(part / 1e3));
+    format!("[{x}, {y}, {z}]")
+}
+
+impl Scene {
+    /// What each satellite flies by.
+    pub(super) fn orbit_uses(&self) -> Vec<(&'static str, String)> {
+        self.orbits
+            .iter()
+            .map(|orbit| ("orbit", flies_by(orbit)))
+            .collect()
+    }
+}
+
+fn flies_by(orbit: &Orbit) -> String {
+    let whose = match (&orbit.file, &orbit.name) {
+        (None, _) => "the built-in elements of the International Space Station".to_owned(),
+        (Some(file), Some(name)) => format!("{} of {}", printable(name), file.display()),
+        (Some(file), None) => format!("the only satellite of {}", file.display()),
+    };
+    let name = |otherwise: &str| printable(orbit.name.as_deref().unwrap_or(otherwise));
+    match (orbit.source, &orbit.motion) {
+        (OrbitSource::Tle, _) => format!("two-line elements, SGP4: {whose}"),
+        (OrbitSource::Omm, _) => format!("orbit mean-elements message, SGP4: {whose}"),
+        (OrbitSource::Oem, _) => format!("orbit ephemeris message, interpolated: {whose}"),
+        (OrbitSource::Czml, _) => format!("CZML, interpolated: {whose}"),
+        (OrbitSource::Csv, _) => format!("CSV, interpolated: {whose}"),
+        (OrbitSource::Kepler, Some(Motion::Kepler { j2: true, .. })) => {
+            format!("a conic that drifts by J2: {}", name("Kepler"))
+        }
+        (OrbitSource::Kepler, _) => format!("a conic: {}", name("Kepler")),
+        (OrbitSource::Numerical, Some(Motion::Numerical { forces, .. })) => {
+            let gravity = match forces.gravity_degree {
+                0 | 1 => "the Earth as a point".to_owned(),
+                degree => format!("the Earth's gravity to degree {degree}"),
+            };
+            let others = [
+                (forces.sun, "Sun"),
+                (forces.moon, "Moon"),
+                (forces.drag, "drag"),
+                (forces.radiation, "sunlight"),
+            ];
+            let acting = others
+                .into_iter()
+                .filter(|(on, _)| *on)
+                .map(|(_, what)| what);
+            let all: Vec<_> = std::iter::once(gravity.as_str()).chain(acting).collect();
+            format!("integrated: {}: {}", name("Numerical"), all.join(", "))
+        }
+        (OrbitSource::Numerical, _) => name("Numerical"),
+    }
+}

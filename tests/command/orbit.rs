@@ -1,0 +1,494 @@
+//! `terrella orbit`: tables that read back, messages that other scenes fly, refusals.
+
+use crate::{Place, words};
+use std::path::{Path, PathBuf};
+use terrella::frames::{Duration, EarthOrientation, Ellipsoid, Orientation, utc_from_rfc3339};
+use terrella::orbit::{Catalogue, Ephemerides, Feed, Frame, SampledFeed, Sgp4Feed};
+use terrella::play::Flight;
+use terrella::scene::Scene;
+
+fn config(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("config")
+        .join(name)
+}
+
+fn printed(place: &Place, arguments: &[&str]) -> String {
+    String::from_utf8(place.succeed(arguments).stdout).expect("UTF-8")
+}
+
+fn read_table(text: &str) -> SampledFeed {
+    let origin = Path::new("printed.csv");
+    let read = Ephemerides::from_text(text, origin, true);
+    let feeds = read.unwrap_or_else(|error| panic!("{error}\n{text}"));
+    feeds.into_one(origin, None).expect("one satellite")
+}
+
+/// The default scene from its start, half an hour.
+const STATION: &str = "[time]\nduration_s = 1800\nspeed = 60\n";
+
+#[test]
+fn csv_reads_back_bit_for_bit_in_every_frame() {
+    let place = Place::new();
+    place.scene("iss.toml", STATION);
+    let iss = Sgp4Feed::built_in_iss().expect("built in");
+    for frame in Frame::ALL {
+        let name = frame.name().to_lowercase();
+        let text = printed(
+            &place,
+            &[
+                "orbit",
+                "iss.toml",
+                "--every",
+                "250.1234567",
+                "--csv",
+                "--frame",
+                &name,
+            ],
+        );
+        let mut lines = text.lines();
+        let head = format!(
+            "# frame = {}, scale = UTC, name = ISS (ZARYA)",
+            frame.name()
+        );
+        assert_eq!(lines.next(), Some(head.as_str()));
+        assert_eq!(
+            lines.next(),
+            Some("epoch_utc,x_km,y_km,z_km,vx_km_s,vy_km_s,vz_km_s,lat_deg,lon_deg,height_km")
+        );
+        let feed = read_table(&text);
+        assert_eq!(feed.name(), "ISS (ZARYA)");
+        let samples = &feed.segments()[0].samples;
+        assert_eq!(samples.frame(), frame);
+        // Eight steps of more digits than milliseconds, and the scene's end.
+        assert_eq!(samples.len(), 9);
+        for (sample, row) in samples.samples().zip(lines) {
+            let state = iss.state_at(sample.epoch).expect("in reach");
+            let there = state.in_frame(frame, &Orientation::default());
+            assert_eq!(sample.position_m, there.position_m, "{frame:?}");
+            assert_eq!(sample.velocity_m_s, Some(there.velocity_m_s), "{frame:?}");
+            let ground = Ellipsoid::WGS84.geodetic_from_itrf(state.position_itrf_m());
+            let columns: Vec<f64> = row
+                .split(',')
+                .skip(7)
+                .filter_map(|c| c.parse().ok())
+                .collect();
+            let [lat, lon, height] = columns.as_slice() else {
+                panic!("{row}");
+            };
+            assert!((lat - ground.lat_rad.to_degrees()).abs() < 1e-7);
+            assert!((lon - ground.lon_rad.to_degrees()).abs() < 1e-7);
+            assert!((height - ground.height_m / 1e3).abs() < 1e-5);
+        }
+        let last = samples.samples().last().map(|sample| sample.epoch);
+        assert_eq!(last, utc_from_rfc3339("2018-01-15T12:30:00Z").ok());
+    }
+}
+
+#[test]
+fn one_instant_is_printed_in_words_and_json() {
+    let place = Place::new();
+    place.scene("iss.toml", STATION);
+    // An instant outside the scene, inside the elements' reach.
+    let at = ["orbit", "iss.toml", "--at", "2018-01-20T00:00:00Z"];
+    let text = printed(&place, &[&at[..], &["--frame", "geodetic"]].concat());
+    let [head, row] = text.lines().collect::<Vec<_>>()[..] else {
+        panic!("{text}");
+    };
+    assert!(
+        head.contains("ISS (ZARYA)") && head.contains("latitude"),
+        "{head}"
+    );
+    let json = printed(&place, &[&at[..], &["--frame", "teme", "--json"]].concat());
+    let document: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(document["frame"], "TEME");
+    let state = &document["states"][0];
+    let iss = Sgp4Feed::built_in_iss().expect("built in");
+    let epoch = utc_from_rfc3339("2018-01-20T00:00:00Z").expect("a date");
+    let meant = iss.state_at(epoch).expect("in reach").position_m / 1e3;
+    let x = state["position_km"][0].as_f64().expect("a number");
+    assert!((x - meant.x).abs() < 1e-9, "{x}");
+    let lat = format!("{:.6}", state["lat_deg"].as_f64().expect("a number"));
+    assert!(row.contains(&lat), "{lat} is not in {row}");
+}
+
+#[test]
+fn an_ephemeris_message_flies_as_the_satellite_does() {
+    let place = Place::new();
+    place.scene("iss.toml", STATION);
+    for frame in ["teme", "gcrf", "eme2000", "itrf"] {
+        let output = place.succeed(&[
+            "orbit", "iss.toml", "--every", "60", "--frame", frame, "--oem", "iss.oem",
+        ]);
+        assert!(words(&output).contains("31 states"), "{}", words(&output));
+        place.scene(
+            "again.toml",
+            &format!("{STATION}[orbit]\nsource = \"oem\"\nfile = \"iss.oem\"\n"),
+        );
+        let scene = Scene::load(&place.path("again.toml")).expect("a good scene");
+        let flight = Flight::open(scene).expect("opens");
+        let iss = Sgp4Feed::built_in_iss().expect("built in");
+        let start = flight.scene().time.start;
+        let mut worst_m = 0.0_f64;
+        for k in 0..=179 {
+            let epoch = start + Duration::from_seconds(10.05 * f64::from(k));
+            let (name, state) = flight.states_at(epoch).next().expect("one satellite");
+            assert_eq!(name, "ISS (ZARYA)");
+            let apart = state.expect("covered").position_itrf_m()
+                - iss.state_at(epoch).expect("in reach").position_itrf_m();
+            worst_m = worst_m.max(apart.length());
+        }
+        println!("{frame}: {worst_m} m");
+        // Through states a minute apart the 7th degree is good to millimetres; SGP4's own velocity is no exact derivative
+        // of its positions, by up to 1.6 cm/s, half a metre in the windows at the ends.
+        assert!(worst_m < 1.0, "{frame}: {worst_m} m");
+    }
+    // What is said of states far apart is what a reader finds half-way between them.
+    let output = place.succeed(&["orbit", "iss.toml", "--every", "300", "--oem", "iss.oem"]);
+    let told = words(&output);
+    let told_m = told
+        .split_whitespace()
+        .rev()
+        .nth(4)
+        .and_then(|word| word.parse::<f64>().ok());
+    let read = Ephemerides::from_file(&place.path("iss.oem"), true).expect("an OEM");
+    let iss = Sgp4Feed::built_in_iss().expect("built in");
+    let mut worst_m = 0.0_f64;
+    for k in 0..6 {
+        let epoch =
+            read.feeds[0].validity().0 + Duration::from_seconds(300.0 * f64::from(k) + 150.0);
+        let [a, b] = [&read.feeds[0] as &dyn Feed, &iss]
+            .map(|feed| feed.state_at(epoch).expect("covered").position_itrf_m());
+        worst_m = worst_m.max((a - b).length());
+    }
+    assert!(worst_m > 1.0, "{worst_m} m");
+    assert!(
+        told_m.is_some_and(|told_m| (told_m - worst_m).abs() < 1e-3),
+        "{told}: {worst_m} m"
+    );
+    assert_eq!(
+        place.names(),
+        ["again.toml", "iss.oem", "iss.toml", "small.toml"]
+    );
+}
+
+#[test]
+fn an_element_message_holds_the_elements() {
+    let place = Place::new();
+    place.scene("iss.toml", STATION);
+    place.succeed(&["orbit", "iss.toml", "--omm", "iss.omm"]);
+    let read = Catalogue::from_file(&place.path("iss.omm"), true).expect("an OMM");
+    let iss = Sgp4Feed::built_in_iss().expect("built in");
+    assert_eq!(read.feeds[0].elements(), iss.elements());
+    let kepler = "[orbit]\nsource = \"kepler\"\nperiapsis_km = 7000\n";
+    place.scene("kepler.toml", kepler);
+    let refusal = place.fail(2, &["orbit", "kepler.toml", "--omm", "kepler.omm"]);
+    assert!(refusal.contains("--oem"), "{refusal}");
+    assert!(!place.path("kepler.omm").exists());
+}
+
+#[test]
+fn every_source_has_a_scene_that_flies() {
+    let place = Place::new();
+    for name in ["omm", "oem", "czml", "csv", "kepler", "numerical"] {
+        let path = config(&format!("{name}.toml"));
+        let text = printed(&place, &["orbit", &path.display().to_string(), "--csv"]);
+        let feed = read_table(&text);
+        let heights = text
+            .lines()
+            .skip(2)
+            .filter_map(|row| row.rsplit(',').next()?.parse().ok());
+        let heights: Vec<f64> = heights.collect();
+        assert!(heights.len() > 40, "{name}: {} rows", heights.len());
+        assert!(
+            heights.iter().all(|km| (50.0..2000.0).contains(km)),
+            "{name}: {heights:?}"
+        );
+        let scene = Scene::load(&path).expect("a good scene");
+        let (first, last) = feed.validity();
+        assert_eq!(
+            (first, last),
+            (scene.time.start, scene.time.end()),
+            "{name}"
+        );
+        let summary = printed(&place, &["check", &path.display().to_string()]);
+        assert!(summary.contains(&format!("\"{name}\"")), "{summary}");
+    }
+    // The second satellite of a scene, by name.
+    let kepler = config("kepler.toml").display().to_string();
+    let long = printed(&place, &["orbit", &kepler, "--csv", "--satellite", "long"]);
+    assert_eq!(read_table(&long).name(), "Long");
+    let refusal = place.fail(2, &["orbit", &kepler, "--satellite", "Lang"]);
+    assert!(refusal.contains("did you mean \"Long\"?"), "{refusal}");
+}
+
+/// Files made from one scene and flown by another say the same.
+#[test]
+fn the_files_of_the_scenes_are_of_the_scenes_that_they_name() {
+    for (made, from, within_m) in [
+        ("oem.toml", "numerical.toml", 0.01),
+        ("csv.toml", "kepler.toml", 0.1),
+        ("czml.toml", "kepler.toml", 1.0),
+    ] {
+        let open = |name: &str| {
+            let scene = Scene::load(&config(name)).expect("a good scene");
+            Flight::open(scene).unwrap_or_else(|error| panic!("{error}"))
+        };
+        let (made_flight, from_flight) = (open(made), open(from));
+        let time = &made_flight.scene().time;
+        let mut worst_m = 0.0_f64;
+        for k in 0..=1000 {
+            let epoch =
+                time.start + Duration::from_seconds(time.duration_s * f64::from(k) / 1000.0);
+            let [a, b] = [&made_flight, &from_flight].map(|flight| {
+                let feed = flight.feed().expect("a satellite");
+                feed.state_at(epoch).expect("covered").position_itrf_m()
+            });
+            worst_m = worst_m.max((a - b).length());
+        }
+        println!("{made}: {worst_m} m");
+        assert!(worst_m < within_m, "{made}: {worst_m} m");
+    }
+}
+
+#[test]
+fn instants_outside_are_refused_with_the_interval() {
+    let place = Place::new();
+    let late = ["--at", "2030-01-01T00:00:00Z"];
+    for (name, first) in [
+        ("iss.toml", "2017-12-21T21:33:14"),
+        ("oem.toml", "2018-01-15T12:00:00.000Z"),
+        ("numerical.toml", "2018-01-15T11:59:00.000Z"),
+    ] {
+        let path = config(name).display().to_string();
+        let refusal = place.fail(2, &["orbit", &path, late[0], late[1]]);
+        assert!(refusal.contains(first), "{refusal}");
+    }
+}
+
+#[test]
+fn files_that_cannot_be_written_are_found_before_the_run() {
+    let place = Place::new();
+    place.scene("iss.toml", STATION);
+    // The scene is not even read: it is not there.
+    for option in ["--oem", "--omm"] {
+        let extension = option.trim_start_matches('-');
+        let file = format!("missing/iss.{extension}");
+        let refusal = place.fail(1, &["orbit", "nowhere.toml", option, &file]);
+        assert!(refusal.contains("make it first"), "{refusal}");
+    }
+    let refusal = place.fail(1, &["orbit", "iss.toml", "--oem", "iss.csv"]);
+    assert!(refusal.contains("iss.oem"), "{refusal}");
+    let refusal = place.fail(
+        1,
+        &["orbit", "iss.toml", "--oem", "iss.oem", "--frame", "pef"],
+    );
+    assert!(refusal.contains("--frame itrf"), "{refusal}");
+    place.fail(2, &["orbit", "iss.toml", "--every", "0"]);
+    let refusal = place.fail(2, &["orbit", "iss.toml", "--every", "0.0001"]);
+    assert!(refusal.contains("rows"), "{refusal}");
+    let refusal = place.fail(2, &["orbit", "small.toml"]);
+    assert!(refusal.contains("no satellite"), "{refusal}");
+    assert_eq!(place.names(), ["iss.toml", "small.toml"]);
+}
+
+#[test]
+fn sources_and_starts_that_cannot_be_are_told_at_the_line_of_the_scene() {
+    let place = Place::new();
+    let station = std::fs::read_to_string(config("orbits/iss.tle")).expect("the elements");
+    std::fs::write(place.path("iss.tle"), &station).expect("writes");
+    place.scene(
+        "wrong.toml",
+        "[orbit]\nsource = \"omm\"\nfile = \"iss.tle\"\n",
+    );
+    let refusal = place.fail(2, &["check", "wrong.toml"]);
+    for needle in [
+        "wrong.toml:2: [orbit] source",
+        "two-line elements",
+        "source = \"tle\"",
+    ] {
+        assert!(refusal.contains(needle), "{needle} is not in {refusal}");
+    }
+    place.scene(
+        "low.toml",
+        "[[orbit]]\n[[orbit]]\nsource = \"numerical\"\nsemi_major_axis_km = 6300\n",
+    );
+    let refusal = place.fail(2, &["check", "low.toml"]);
+    assert!(refusal.contains("low.toml:3: [orbit] source"), "{refusal}");
+    assert!(refusal.contains("ground"), "{refusal}");
+    // It has met the ground before the scene begins.
+    place.scene(
+        "fallen.toml",
+        "[orbit]\nsource = \"numerical\"\nsemi_major_axis_km = 6538\narea_m2 = 40\nepoch = 2018-01-15T06:00:00Z\n",
+    );
+    let refusal = place.fail(2, &["check", "fallen.toml"]);
+    assert!(
+        refusal.contains("[time] start") && refusal.contains("choose a start"),
+        "{refusal}"
+    );
+    assert!(!refusal.contains("newer elements"), "{refusal}");
+}
+
+#[test]
+fn a_spoilt_record_of_another_satellite_is_passed_over_unless_strict() {
+    let place = Place::new();
+    let station = std::fs::read_to_string(config("orbits/iss.tle")).expect("the elements");
+    let spoilt = std::fs::read_to_string(config("orbits/molniya.tle"))
+        .expect("the elements")
+        .replace("62.4528", "62.4529");
+    std::fs::write(place.path("two.tle"), station + &spoilt).expect("writes");
+    let scene = "[orbit]\nfile = \"two.tle\"\n";
+    place.scene("loose.toml", &format!("{scene}name = \"25544\"\n"));
+    let told = printed(&place, &["check", "loose.toml"]);
+    assert!(
+        told.contains("passed over") && told.contains("checksum"),
+        "{told}"
+    );
+    place.scene(
+        "strict.toml",
+        &format!("{scene}name = \"25544\"\nstrict = true\n"),
+    );
+    let refusal = place.fail(1, &["check", "strict.toml"]);
+    assert!(
+        refusal.contains("two.tle:8") && refusal.contains("checksum"),
+        "{refusal}"
+    );
+    // Which is the only one cannot be known.
+    place.scene("any.toml", scene);
+    place.fail(1, &["check", "any.toml"]);
+}
+
+/// A row of finals2000A, with the columns that are read.
+fn finals_row(day: u32, mjd: u32, x: f64, y: f64, ut1: f64) -> String {
+    format!("1801{day:02} {mjd}.00 I {x:9.6} 0.000000 {y:9.6} 0.000000  I{ut1:10.7} 0.0000000\n")
+}
+
+#[test]
+fn the_table_of_orientation_moves_places_on_the_ground() {
+    let place = Place::new();
+    let rows: String = (0..3)
+        .map(|k| finals_row(15 + k, 58_133 + k, 0.3, -0.2, 0.5))
+        .collect();
+    std::fs::write(place.path("finals"), &rows).expect("writes");
+    let table = EarthOrientation::from_file(&place.path("finals")).expect("a table");
+    place.scene("plain.toml", STATION);
+    let with = STATION.replace("[time]\n", "[time]\norientation = \"finals\"\n");
+    place.scene("with.toml", &with);
+    let [plain, with] = ["plain.toml", "with.toml"].map(|scene| {
+        read_table(&printed(
+            &place,
+            &["orbit", scene, "--csv", "--frame", "itrf"],
+        ))
+    });
+    let iss = Sgp4Feed::built_in_iss().expect("built in");
+    let pairs = plain.segments()[0]
+        .samples
+        .samples()
+        .zip(with.segments()[0].samples.samples());
+    let mut moved_m = 0.0_f64;
+    for (plain, with) in pairs {
+        let orientation = table.at(plain.epoch).expect("in the table");
+        let state = iss.state_at(plain.epoch).expect("in reach");
+        let meant = state.in_frame(Frame::Itrf, &orientation);
+        assert_eq!(with.position_m, meant.position_m);
+        moved_m = moved_m.max((with.position_m - plain.position_m).length());
+    }
+    // Half a second of the Earth's rotation, 7.3e-5 rad/s at up to 6780 km.
+    assert!((150.0..260.0).contains(&moved_m), "{moved_m} m");
+
+    // What is drawn goes the same way.
+    let open = |name: &str| {
+        let scene = Scene::load(&place.path(name)).expect("a good scene");
+        Flight::open(scene).expect("opens")
+    };
+    let (plain, with) = (open("plain.toml"), open("with.toml"));
+    let start = plain.scene().time.start;
+    let eyes = [&plain, &with].map(|flight| flight.at(start, 1.5).expect("a view").satellite);
+    let [Some(plain), Some(with)] = eyes else {
+        panic!("no satellite");
+    };
+    let turned = (plain.place.lon_rad - with.place.lon_rad).abs();
+    assert!((3e-5..4.5e-5).contains(&turned), "{turned}");
+
+    let told = printed(&place, &["check", "plain.toml"]);
+    assert!(told.contains("420 m"), "{told}");
+    let told = printed(&place, &["check", "with.toml"]);
+    assert!(
+        told.contains("measured until") && !told.contains("420 m"),
+        "{told}"
+    );
+    place.scene(
+        "late.toml",
+        "[time]\nstart = \"2018-01-16T23:00:00Z\"\nduration_s = 5000\norientation = \"finals\"\n",
+    );
+    let refusal = place.fail(2, &["check", "late.toml"]);
+    assert!(
+        refusal.contains("late.toml:4: [time] orientation"),
+        "{refusal}"
+    );
+    assert!(refusal.contains("2018-01-17T00:00:00Z"), "{refusal}");
+}
+
+#[test]
+fn cameras_fly_with_the_satellite_that_is_named() {
+    let place = Place::new();
+    let two = "[[orbit]]\n[[orbit]]\nsource = \"kepler\"\nname = \"High\"\nperiapsis_km = 26000\n";
+    let height_km = |name: &str, scene: &str| {
+        place.scene(name, scene);
+        let scene = Scene::load(&place.path(name)).expect("a good scene");
+        let flight = Flight::open(scene).expect("opens");
+        assert_eq!(flight.satellites().len(), 2);
+        let moment = flight.at(flight.scene().time.start, 1.5).expect("a view");
+        moment.satellite.expect("a satellite").place.height_m / 1e3
+    };
+    let first = height_km("first.toml", two);
+    assert!((380.0..440.0).contains(&first), "{first}");
+    let named = height_km("named.toml", &format!("{two}[camera]\nfollow = \"high\"\n"));
+    assert!((19_600.0..19_700.0).contains(&named), "{named}");
+    place.scene(
+        "nobody.toml",
+        &format!("{two}[camera]\nfollow = \"Hihg\"\n"),
+    );
+    let refusal = place.fail(2, &["check", "nobody.toml"]);
+    assert!(
+        refusal.contains("nobody.toml:7: [camera] follow"),
+        "{refusal}"
+    );
+    assert!(refusal.contains("did you mean \"High\"?"), "{refusal}");
+}
+
+/// A satellite that is not followed may come and go.
+#[test]
+fn satellites_that_are_not_followed_need_not_be_known_throughout() {
+    let place = Place::new();
+    let oem = config("orbits/falling.oem").display().to_string();
+    let scene = format!(
+        "[time]\nduration_s = 6000\n[[orbit]]\n[[orbit]]\nsource = \"oem\"\nfile = \"{oem}\"\n"
+    );
+    place.scene("two.toml", &scene);
+    let flight = Flight::open(Scene::load(&place.path("two.toml")).expect("a good scene"));
+    let flight = flight.expect("opens");
+    let (start, end) = (flight.scene().time.start, flight.scene().time.end());
+    let known = |epoch| -> Vec<(String, bool)> {
+        let states = flight.states_at(epoch);
+        states
+            .map(|(name, state)| (name.to_owned(), state.is_ok()))
+            .collect()
+    };
+    let both = |falling| {
+        vec![
+            ("ISS (ZARYA)".to_owned(), true),
+            ("Falling".to_owned(), falling),
+        ]
+    };
+    assert_eq!(known(start), both(true));
+    assert_eq!(known(end), both(false));
+    assert!(flight.at(end, 1.5).is_ok());
+    // Followed, it must be.
+    place.scene(
+        "led.toml",
+        &format!("{scene}[camera]\nfollow = \"falling\"\n"),
+    );
+    let refusal = place.fail(2, &["check", "led.toml"]);
+    assert!(refusal.contains("2018-01-15T13:10:00Z"), "{refusal}");
+}
