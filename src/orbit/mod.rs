@@ -12,6 +12,7 @@ pub mod live;
 pub mod numerical;
 mod oem;
 mod omm;
+mod reach;
 mod record;
 pub mod sampled;
 mod sgp4_feed;

@@ -3,6 +3,7 @@
 use super::catalogue::{Candidate, choose};
 use super::elements::MeanElements;
 use super::file::read_text;
+use super::reach::check_span;
 use super::tle_fields::elements;
 use super::tle_text::{ElementSet, element_sets};
 use super::{Catalogue, Feed, Frame, OrbitError, OrbitState};
@@ -170,15 +171,7 @@ impl Feed for Sgp4Feed {
     }
 
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
-        let (first, last) = self.validity();
-        if epoch < first || epoch > last {
-            return Err(OrbitError::OutOfReach {
-                satellite: self.elements.name.clone(),
-                epoch: rfc3339(epoch),
-                first: rfc3339(first),
-                last: rfc3339(last),
-            });
-        }
+        check_span(&self.elements.name, epoch, self.validity())?;
         // Both in TAI: elapsed time, leap seconds included.
         let elapsed = epoch.to_tai_duration() - self.elements.epoch.to_tai_duration();
         let minutes = sgp4::MinutesSinceEpoch(elapsed.to_seconds() / 60.0);

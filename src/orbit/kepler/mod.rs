@@ -21,6 +21,7 @@ pub use elements::{Anomaly, Elements, Size};
 pub use error::KeplerError;
 
 use super::constants::EARTH_GM_M3_S2;
+use super::reach::{Ground, check_span};
 use super::{Feed, Frame, OrbitError, OrbitState};
 use crate::frames::{Duration, Ellipsoid, Epoch, rfc3339};
 use elements::{angles, plane};
@@ -55,7 +56,7 @@ pub struct KeplerFeed {
     first: Epoch,
     last: Epoch,
     /// Where the conic meets the ground, if it does in the span: before and after.
-    ground: (Option<Epoch>, Option<Epoch>),
+    ground: Ground,
 }
 
 /// How a [`KeplerFeed`] moves and how long it is good for.
@@ -138,7 +139,7 @@ impl KeplerFeed {
             drift,
             first: options.first,
             last: options.last,
-            ground: (None, None),
+            ground: Ground::default(),
         };
         let height_m = feed.height_m(conic.chi_at(0.0, 0.0));
         if height_m < 0.0 {
@@ -163,7 +164,7 @@ impl KeplerFeed {
 
     /// When it meets the ground (WGS84), if it does so after its epoch and within its span.
     pub fn impact(&self) -> Option<Epoch> {
-        self.ground.1
+        self.ground.met
     }
 
     /// Height over WGS84, metres, at χ; without drift, whose part in one turn is 0.1° at most.
@@ -208,10 +209,10 @@ impl KeplerFeed {
                 })
         };
         let (before, after) = (crossing(-1.0), crossing(1.0));
-        self.ground = (
-            before.filter(|at| *at >= self.first),
-            after.filter(|at| *at <= self.last),
-        );
+        self.ground = Ground {
+            left: before.filter(|at| *at >= self.first),
+            met: after.filter(|at| *at <= self.last),
+        };
     }
 
     /// The epoch at which the height first falls below 0 from `first` to `last`, through a change of variable.
@@ -272,27 +273,12 @@ impl Feed for KeplerFeed {
     }
 
     fn validity(&self) -> (Epoch, Epoch) {
-        (
-            self.ground.0.unwrap_or(self.first),
-            self.ground.1.unwrap_or(self.last),
-        )
+        self.ground.cut((self.first, self.last))
     }
 
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
-        if epoch < self.first || epoch > self.last {
-            return Err(OrbitError::OutOfReach {
-                satellite: self.name.clone(),
-                epoch: rfc3339(epoch),
-                first: rfc3339(self.first),
-                last: rfc3339(self.last),
-            });
-        }
-        let beyond = self
-            .ground
-            .0
-            .filter(|at| epoch < *at)
-            .or(self.ground.1.filter(|at| epoch > *at));
-        if let Some(impact) = beyond {
+        check_span(&self.name, epoch, (self.first, self.last))?;
+        if let Some(impact) = self.ground.between(epoch) {
             return Err(KeplerError::Impact {
                 satellite: self.name.clone(),
                 impact: rfc3339(impact),

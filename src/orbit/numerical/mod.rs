@@ -22,6 +22,7 @@ pub use event::{Event, EventKind, Watch};
 pub use force::{Atmosphere, Craft, EGM96_DEGREE, ForceModel, Gravity, Shadow, Thrust, ThrustAxes};
 pub use integrate::{Counts, Solver};
 
+use super::reach::{Ground, check_span};
 use super::{Feed, Frame, OrbitError, OrbitState};
 use crate::frames::{Duration, Epoch, rfc3339};
 use run::{Ending, Run};
@@ -76,7 +77,7 @@ pub struct NumericalFeed {
     first: Epoch,
     last: Epoch,
     /// Where it met the ground: before and after the epoch.
-    impacts: (Option<Epoch>, Option<Epoch>),
+    ground: Ground,
     events: Vec<Event>,
     counts: Counts,
     stiff: Vec<(Epoch, Epoch)>,
@@ -108,7 +109,10 @@ impl NumericalFeed {
             // Whole nanoseconds, and on this side of the ground.
             Ending::Impact(t) => Some(epoch + Duration::from_seconds(t)),
         };
-        let impacts = (impact(before), impact(after));
+        let ground = Ground {
+            left: impact(before),
+            met: impact(after),
+        };
         let Run {
             trajectory,
             mut events,
@@ -127,7 +131,7 @@ impl NumericalFeed {
             trajectory,
             first: options.first,
             last: options.last,
-            impacts,
+            ground,
             events,
             counts,
             stiff,
@@ -136,7 +140,7 @@ impl NumericalFeed {
 
     /// When it meets the ground, if it does so after the epoch of its state.
     pub fn impact(&self) -> Option<Epoch> {
-        self.impacts.1
+        self.ground.met
     }
 
     /// Events in the order of time.
@@ -209,26 +213,12 @@ impl Feed for NumericalFeed {
     }
 
     fn validity(&self) -> (Epoch, Epoch) {
-        (
-            self.impacts.0.unwrap_or(self.first),
-            self.impacts.1.unwrap_or(self.last),
-        )
+        self.ground.cut((self.first, self.last))
     }
 
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
-        if epoch < self.first || epoch > self.last {
-            return Err(OrbitError::OutOfReach {
-                satellite: self.name.clone(),
-                epoch: rfc3339(epoch),
-                first: rfc3339(self.first),
-                last: rfc3339(self.last),
-            });
-        }
-        let (before, after) = self.impacts;
-        let beyond = before
-            .filter(|at| epoch < *at)
-            .or(after.filter(|at| epoch > *at));
-        match beyond {
+        check_span(&self.name, epoch, (self.first, self.last))?;
+        match self.ground.between(epoch) {
             Some(impact) => Err(NumericalError::Impact {
                 satellite: self.name.clone(),
                 impact: rfc3339(impact),
