@@ -55,7 +55,11 @@ const DEFAULT_TOLERANCE: f64 = 0.35;
 
 /// Runs it.
 pub fn run(args: &BenchArgs, common: &Common) -> anyhow::Result<()> {
-    let flight = Flight::open(Scene::load(&args.scene)?)?;
+    let flight = Flight::open_deaf(Scene::load(&args.scene)?)?;
+    flight.refuse_live(
+        "frames are timed at instants of the scene",
+        "take a scene of another source",
+    )?;
     let request = BenchRequest {
         // The range above keeps it from zero.
         frames: NonZeroU32::new(args.frames).unwrap_or(NonZeroU32::MIN),

@@ -16,12 +16,24 @@ pub struct CheckArgs {
 
 /// Runs it.
 pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
-    let flight = Flight::open(Scene::load(&args.scene)?)?;
+    let flight = Flight::open_deaf(Scene::load(&args.scene)?)?;
     if common.quiet {
         return Ok(());
     }
     let mut text = flight.scene().summary();
     for (index, satellite) in flight.satellites().iter().enumerate() {
+        if let Some(feed) = satellite.live() {
+            let head = match index == flight.followed() {
+                true => "satellite",
+                false => "satellite, not followed",
+            };
+            let (name, on) = (satellite.name(), &feed.options().transport);
+            text.push_str(&format!(
+                "\n{head}\n  {:<14} {name}\n  {:<14} when a simulator sends on {on}\n",
+                "name", "known"
+            ));
+            continue;
+        }
         let (first, last) = satellite.feed().validity();
         let head = match index == flight.followed() {
             true => "satellite",

@@ -76,7 +76,7 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
     // Before anything is computed: a file that cannot be written is found at once.
     let oem_file = pending(args.oem.as_ref(), "ephemeris messages", "oem")?;
     let omm_file = pending(args.omm.as_ref(), "element messages", "omm")?;
-    let flight = Flight::open(Scene::load(&args.scene)?)?;
+    let flight = Flight::open_deaf(Scene::load(&args.scene)?)?;
     let header = Header {
         originator: concat!("TERRELLA ", env!("CARGO_PKG_VERSION")).to_owned(),
         created: Epoch::now()?,

@@ -35,7 +35,11 @@ pub struct ReportArgs {
 
 /// Runs it.
 pub fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
-    let flight = Flight::open(Scene::load(&args.scene)?)?;
+    let flight = Flight::open_deaf(Scene::load(&args.scene)?)?;
+    flight.refuse_live(
+        "pictures are compared at instants of the scene",
+        "take a scene of another source",
+    )?;
     let pick = |given: Option<u32>, full: u32, quick: u32| {
         given.unwrap_or(if args.quick { quick } else { full })
     };

@@ -73,6 +73,28 @@ pub trait Feed: Send + Sync {
     }
 }
 
+impl<F: Feed + ?Sized> Feed for std::sync::Arc<F> {
+    fn name(&self) -> &str {
+        self.as_ref().name()
+    }
+
+    fn validity(&self) -> (Epoch, Epoch) {
+        self.as_ref().validity()
+    }
+
+    fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
+        self.as_ref().state_at(epoch)
+    }
+
+    fn error_m(&self, epoch: Epoch) -> Option<f64> {
+        self.as_ref().error_m(epoch)
+    }
+
+    fn freshness(&self) -> Freshness {
+        self.as_ref().freshness()
+    }
+}
+
 /// Whether a feed's states are up to date.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Freshness {

@@ -4,6 +4,7 @@ use super::camera::Look;
 use super::clock::{AtEnd, Clock};
 use super::flight::{Flight, ViewRequest};
 use super::keys::Action;
+use super::live::LiveStatus;
 use crate::scene::CameraMode;
 
 /// Most that one event magnifies, as a power of two: more is a device gone mad.
@@ -28,6 +29,8 @@ pub struct Controls {
     pub help: bool,
     /// The last thing worth telling.
     pub message: Option<String>,
+    /// How the simulators are whose states are drawn, where there are any.
+    pub live: Option<LiveStatus>,
     modes: &'static [CameraMode],
     scene_fov_rad: f64,
 }
@@ -54,6 +57,7 @@ impl Controls {
             panel: true,
             help: false,
             message: None,
+            live: None,
             modes: flight.camera_modes(),
             scene_fov_rad: scene.camera.fov_deg.to_radians(),
         }

@@ -78,6 +78,14 @@ impl<'f> Ephemeris<'f> {
     /// more than a million.
     pub fn new(flight: &'f Flight, request: &EphemerisRequest<'_>) -> Result<Self, PlayError> {
         let satellite = satellite(flight, request.satellite)?;
+        if let Some(feed) = satellite.live() {
+            return Err(PlayError::Live {
+                scene: flight.scene().path.clone(),
+                listens_on: feed.options().transport.to_string(),
+                work: "its states are known when they come, not before",
+                remedy: "have the simulator write them down, or choose another satellite by --satellite",
+            });
+        }
         let frame = request.axes.frame();
         let states = epochs(flight, request.span)?
             .into_iter()

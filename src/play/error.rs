@@ -128,6 +128,28 @@ pub enum PlayError {
         /// The satellite.
         satellite: String,
     },
+    /// A simulator gives the time of a scene, and this work needs another.
+    #[error("{}: the time comes from the simulator on {listens_on}: {work}; {remedy}", scene.display())]
+    Live {
+        /// The scene's file.
+        scene: PathBuf,
+        /// Where it is listened for.
+        listens_on: String,
+        /// What cannot be done.
+        work: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// A simulator sent nothing, or nothing more.
+    #[error(
+        "nothing came from a simulator on {listens_on} within {wait_s} s; start it, or give it more time by wait_s in [output]"
+    )]
+    Silent {
+        /// Where it was listened for.
+        listens_on: String,
+        /// How long, seconds.
+        wait_s: f64,
+    },
     /// A camera at a satellite, and no satellite.
     #[error("the scene has no satellite, which this needs; give it an [orbit] table")]
     NoSatellite,
@@ -198,6 +220,7 @@ impl PlayError {
                 | Self::NoStorage { .. }
                 | Self::UnknownSatellite { .. }
                 | Self::TooManyRows { .. }
+                | Self::Live { .. }
                 | Self::NoElements { .. }
                 | Self::Orbit(
                     OrbitError::OutOfReach { .. }

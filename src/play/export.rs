@@ -9,6 +9,7 @@ use super::progress::Progress;
 use super::video::{EncoderChoice, VideoFormat, check_size, open_video};
 use crate::gpu::GpuContext;
 use crate::imagery::tile::TileKey;
+use crate::orbit::live::Mode;
 use image::RgbaImage;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -50,6 +51,15 @@ pub fn export(
     progress: &dyn Progress,
 ) -> Result<(), PlayError> {
     let scene = flight.scene();
+    let is_lockstep = flight
+        .live_clock()
+        .is_some_and(|feed| feed.options().mode == Mode::Lockstep);
+    if !is_lockstep {
+        flight.refuse_live(
+            "nobody waits for the pictures of a film in broadcast",
+            "write pacing = \"lockstep\" in [orbit] and have the simulator ask for each frame, or draw one picture with `terrella frame`",
+        )?;
+    }
     let size = request.size.unwrap_or(scene.output.size.into());
     let frame_count = scene.time.frame_count();
     let mut sinks: Vec<Box<dyn FrameSink>> = Vec::new();
@@ -88,6 +98,9 @@ pub fn export(
     let aspect = picture.aspect();
     let wait = scene.output.wait();
     let mut lacking = Lacking::default();
+    if is_lockstep {
+        return export_lockstep(flight, sinks, &mut picture, frame_count, progress);
+    }
     pump(sinks, |give| {
         for index in 0..frame_count {
             if progress.cancelled() {
@@ -115,6 +128,61 @@ pub fn export(
         Ok(())
     })?;
     progress.end();
+    lacking.tell();
+    Ok(())
+}
+
+/// One frame for each picture that a simulator asks for and gets: until the scene's number of frames, or until it is
+/// silent for as long as the scene waits, or its stream ends.
+fn export_lockstep(
+    flight: &Flight,
+    sinks: Vec<Box<dyn FrameSink>>,
+    picture: &mut Picture,
+    frame_count: u64,
+    progress: &dyn Progress,
+) -> Result<(), PlayError> {
+    let aspect = picture.aspect();
+    let wait = flight.scene().output.wait();
+    let mut lacking = Lacking::default();
+    let mut done = 0;
+    pump(sinks, |give| {
+        while done < frame_count {
+            let awaited = flight.await_moment(aspect, &|| progress.cancelled());
+            if progress.cancelled() {
+                return Err(PlayError::Interrupted {
+                    done,
+                    wanted: frame_count,
+                });
+            }
+            let (moment, asked) = match awaited {
+                Ok((moment, Some(asked))) => (moment, asked),
+                Err(error @ PlayError::Silent { .. }) if done == 0 => return Err(error),
+                Ok((_, None)) | Err(PlayError::Silent { .. }) => break,
+                // The simulator was told; the next frame may be a good one.
+                Err(error) => {
+                    tracing::warn!("a frame was refused: {error}");
+                    continue;
+                }
+            };
+            let (_, missing) = picture.draw_complete(&moment, wait);
+            let frame = picture.read()?;
+            if !asked.drawn() {
+                tracing::warn!(
+                    "a frame came too late for the simulator and is left out of the film"
+                );
+                continue;
+            }
+            lacking.add(done, &missing);
+            if !give(frame) {
+                break;
+            }
+            done += 1;
+            progress.step();
+        }
+        Ok(())
+    })?;
+    progress.end();
+    tracing::info!("{done} frames, as many as the simulator asked for");
     lacking.tell();
     Ok(())
 }

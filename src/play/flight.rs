@@ -4,7 +4,7 @@ use super::camera::{Look, Motion, Pose};
 use super::craft::CraftPose;
 use super::error::PlayError;
 use super::maps::{check_pack, earth_options};
-use super::satellites::{self, Tracked, orientation_at};
+use super::satellites::{self, Ears, Tracked, orientation_at};
 use crate::frames::{EarthOrientation, Ellipsoid, Epoch, Geodetic, Orientation};
 use crate::gpu::BcSupport;
 use crate::orbit::{Feed, OrbitError, OrbitState};
@@ -58,23 +58,39 @@ pub struct Satellite {
 
 impl Flight {
     /// Opens the scene's satellites and checks that the one that cameras fly with is known for all of the scene's dates,
-    /// and that its pack, if it has one, holds what it asks for.
+    /// and that its pack, if it has one, holds what it asks for. Live satellites begin to listen; where there are any,
+    /// their simulators give the time and the scene's dates are not checked.
     pub fn open(scene: Scene) -> Result<Self, PlayError> {
+        Self::with_ears(scene, Ears::Open)
+    }
+
+    /// The same without listening: live satellites are never known. For looking at a scene.
+    pub fn open_deaf(scene: Scene) -> Result<Self, PlayError> {
+        Self::with_ears(scene, Ears::Shut)
+    }
+
+    fn with_ears(scene: Scene, ears: Ears) -> Result<Self, PlayError> {
         check_pack(&scene)?;
         let orientation = match &scene.time.orientation {
             Some(file) => Some(EarthOrientation::from_file(file)?),
             None => None,
         };
-        if let Some(table) = &orientation {
+        if let Some(table) = &orientation
+            && !scene.is_live()
+        {
             scene.check_orientation(table.span())?;
         }
         let orbits = scene.orbits.iter().enumerate();
         let satellites = orbits
-            .map(|(index, orbit)| satellites::open(&scene, index, orbit, orientation.as_ref()))
+            .map(|(index, orbit)| {
+                satellites::open(&scene, index, orbit, orientation.as_ref(), ears)
+            })
             .collect::<Result<Vec<_>, _>>()?;
         let names: Vec<_> = satellites.iter().map(Tracked::name).collect();
         let followed = scene.followed(&names)?;
-        if let Some(satellite) = satellites.get(followed) {
+        if let Some(satellite) = satellites.get(followed)
+            && !scene.is_live()
+        {
             scene.check_dates(satellite.feed().validity())?;
         }
         Ok(Self {
@@ -154,18 +170,16 @@ impl Flight {
 
     /// The view of an instant.
     pub fn view_at(&self, epoch: Epoch, request: &ViewRequest) -> Result<Moment, PlayError> {
-        let state = match self.feed() {
-            Some(feed) => Some(motion(&feed.state_at(epoch)?, &self.orientation_at(epoch))),
+        let state = match self.feed().map(|feed| feed.state_at(epoch)) {
+            Some(Ok(state)) => Some(motion(&state, &self.orientation_at(epoch))),
+            // The ground is there without it, and its simulator may be late.
+            Some(Err(_)) if request.mode == CameraMode::Geodetic && self.scene.is_live() => None,
+            Some(Err(error)) => return Err(error.into()),
             None => None,
         };
         let camera = &self.scene.camera;
-        let fov_rad = request.look.fov_rad(camera.fov_deg.to_radians());
         let pose = match (request.mode, &state) {
-            (CameraMode::Geodetic, _) => {
-                let height_m = camera.height_km * 1000.0;
-                let place = Geodetic::from_degrees(camera.lat_deg, camera.lon_deg, height_m);
-                Pose::geodetic(place, &self.ellipsoid)
-            }
+            (CameraMode::Geodetic, _) => self.ground_pose(),
             (_, None) => return Err(PlayError::NoSatellite),
             (CameraMode::Nadir, Some(state)) => Pose::nadir(state, camera.up, &self.ellipsoid),
             (CameraMode::Horizon, Some(state)) => {
@@ -174,12 +188,31 @@ impl Flight {
             }
             (CameraMode::Chase, Some(state)) => Pose::chase(state, &self.ellipsoid),
         };
+        Ok(self.moment(epoch, request, pose, state))
+    }
+
+    /// Above the scene's place, looking down.
+    pub(super) fn ground_pose(&self) -> Pose {
+        let camera = &self.scene.camera;
+        let height_m = camera.height_km * 1000.0;
+        let place = Geodetic::from_degrees(camera.lat_deg, camera.lon_deg, height_m);
+        Pose::geodetic(place, &self.ellipsoid)
+    }
+
+    pub(super) fn moment(
+        &self,
+        epoch: Epoch,
+        request: &ViewRequest,
+        pose: Pose,
+        state: Option<Motion>,
+    ) -> Moment {
+        let fov_rad = request.look.fov_rad(self.scene.camera.fov_deg.to_radians());
         let sky = Sky::at(epoch);
         let craft = match (request.mode, &state) {
             (CameraMode::Chase, Some(state)) => Some(CraftPose::new(state, &self.ellipsoid, &sky)),
             _ => None,
         };
-        Ok(Moment {
+        Moment {
             epoch,
             view: pose.turned(&request.look).view(fov_rad, request.aspect),
             sky,
@@ -188,7 +221,7 @@ impl Flight {
                 place: self.ellipsoid.geodetic_from_itrf(state.position_itrf_m),
                 speed_m_s: state.velocity_m_s.length(),
             }),
-        })
+        }
     }
 
     /// Loads the maps that the scene wants and no others, and gathers its options. `bc` is what the adapter does with

@@ -10,6 +10,7 @@
 //! | `camera` | the four cameras, pure functions |
 //! | `flight` | scene and orbit to moments |
 //! | `satellites` | the scene's sources of motion, opened |
+//! | `live` | the time of scenes whose simulator gives it |
 //! | `ephemeris` | where its satellites are, as tables and messages |
 //! | `maps` | the scene's maps: a folder or a pack |
 //! | `craft/` | the spacecraft that the chase camera follows |
@@ -29,6 +30,7 @@ mod error;
 mod export;
 mod flight;
 mod keys;
+mod live;
 mod maps;
 mod overlay;
 mod panel;

@@ -6,7 +6,7 @@ use super::keys::{Action, BINDINGS, MOUSE};
 use crate::frames::rfc3339;
 use crate::scene::CameraMode;
 use crate::{FrameStats, Governor};
-use egui::{Align2, Context, Grid, RichText, Slider, Ui, Vec2};
+use egui::{Align2, Color32, Context, Grid, RichText, Slider, Ui, Vec2};
 
 /// What the panel shows beside the controls.
 pub struct PanelData<'p> {
@@ -44,6 +44,15 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
             .collapsible(false)
             .show(context, help);
     }
+    if let Some(notice) = controls.live.as_ref().and_then(|live| live.notice.as_ref()) {
+        egui::Area::new("notice".into())
+            .anchor(Align2::CENTER_TOP, Vec2::new(0.0, 16.0))
+            .show(context, |ui| {
+                egui::Frame::popup(ui.style()).show(ui, |ui| {
+                    ui.label(RichText::new(notice).color(Color32::GOLD).size(16.0))
+                });
+            });
+    }
     if let Some(message) = &controls.message {
         egui::Area::new("message".into())
             .anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -16.0))
@@ -63,9 +72,24 @@ fn panel(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut V
             ui.end_row();
         };
         row("time", rfc3339(data.moment.epoch));
-        row("speed", speed_text(clock.speed(), clock.is_paused()));
+        row(
+            "speed",
+            match &controls.live {
+                Some(live) => live.pace.clone(),
+                None => speed_text(clock.speed(), clock.is_paused()),
+            },
+        );
+        if let Some(live) = &controls.live {
+            for (name, value) in &live.rows {
+                row(name, value.clone());
+            }
+        }
         if let Some(satellite) = data.moment.satellite {
-            row("satellite", data.satellite.unwrap_or("unnamed").to_owned());
+            let live = controls.live.as_ref().map(|live| live.name.as_str());
+            row(
+                "satellite",
+                live.or(data.satellite).unwrap_or("unnamed").to_owned(),
+            );
             let place = satellite.place;
             row("above", place_text(place.lat_rad, place.lon_rad));
             row("height", format!("{:.1} km", place.height_m / 1000.0));
@@ -98,10 +122,13 @@ fn panel(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut V
         }
         row("adapter", data.adapter.to_owned());
     });
-    let mut progress = clock.progress();
-    let slider = Slider::new(&mut progress, 0.0..=1.0).show_value(false);
-    if ui.add(slider).on_hover_text("part of the flight").changed() {
-        actions.push(Action::Seek(progress));
+    // A simulator's time has no part that could be sought.
+    if controls.live.is_none() {
+        let mut progress = clock.progress();
+        let slider = Slider::new(&mut progress, 0.0..=1.0).show_value(false);
+        if ui.add(slider).on_hover_text("part of the flight").changed() {
+            actions.push(Action::Seek(progress));
+        }
     }
     ui.horizontal(|ui| {
         let pause = if clock.is_paused() { "play" } else { "pause" };

@@ -4,6 +4,7 @@ use super::error::PlayError;
 use crate::frames::{Duration, EarthOrientation, Epoch, Orientation, utc_from_rfc3339};
 use crate::orbit::constants::EARTH_GM_M3_S2;
 use crate::orbit::kepler::{Drift, KeplerFeed, KeplerOptions};
+use crate::orbit::live::{LiveError, LiveFeed, LiveOptions};
 use crate::orbit::numerical::{
     Atmosphere, ForceModel, Gravity, NumericalFeed, NumericalOptions, Shadow,
 };
@@ -13,13 +14,22 @@ use crate::orbit::{
 use crate::scene::limits::YEARS;
 use crate::scene::{Forces, Motion, Orbit, OrbitSource, Scene, Start, StartForm};
 use std::path::Path;
+use std::sync::Arc;
 
 /// A satellite of a scene.
 pub struct Tracked {
     feed: Box<dyn Feed>,
     elements: Option<MeanElements>,
+    live: Option<Arc<LiveFeed>>,
     faults: Vec<String>,
     faults_left_out: usize,
+}
+
+/// Whether live satellites listen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ears {
+    Open,
+    Shut,
 }
 
 impl Tracked {
@@ -27,6 +37,7 @@ impl Tracked {
         Self {
             feed: Box::new(feed),
             elements: None,
+            live: None,
             faults: Vec::new(),
             faults_left_out: 0,
         }
@@ -45,6 +56,11 @@ impl Tracked {
     /// The mean elements that it flies by, if it is flown by SGP4.
     pub fn elements(&self) -> Option<&MeanElements> {
         self.elements.as_ref()
+    }
+
+    /// What a simulator sends, if its states come from one.
+    pub fn live(&self) -> Option<&LiveFeed> {
+        self.live.as_deref()
     }
 
     /// What is wrong with other records of its file, each in words, and how many such words are left out.
@@ -73,8 +89,16 @@ pub(super) fn open(
     index: usize,
     orbit: &Orbit,
     table: Option<&EarthOrientation>,
+    ears: Ears,
 ) -> Result<Tracked, PlayError> {
     let name = orbit.name.as_deref();
+    if let Some(options) = &orbit.live {
+        let listen = options.transport.to_string();
+        // The numbers are the scene's: so are the file and the line.
+        let opened = live(options, ears)
+            .map_err(|error| scene.refuse_orbit(index, "listen", &listen, error.to_string()));
+        return Ok(opened?);
+    }
     match (&orbit.motion, &orbit.file) {
         (Some(motion), _) => {
             let (start, word) = match motion {
@@ -109,6 +133,24 @@ pub(super) fn open(
             })
         }
     }
+}
+
+fn live(options: &LiveOptions, ears: Ears) -> Result<Tracked, LiveError> {
+    let feed = match ears {
+        Ears::Open => LiveFeed::open(options.clone())?,
+        Ears::Shut => {
+            let (nothing, nobody) = (std::io::empty(), std::io::sink());
+            LiveFeed::from_stream(nothing, nobody, options.clone())?
+        }
+    };
+    if ears == Ears::Open {
+        tracing::info!("{} is waited for on {}", options.name, feed.listens_on());
+    }
+    let feed = Arc::new(feed);
+    Ok(Tracked {
+        live: Some(Arc::clone(&feed)),
+        ..Tracked::of(feed)
+    })
 }
 
 fn from_file(
@@ -196,6 +238,7 @@ fn word(source: OrbitSource) -> &'static str {
         OrbitSource::Csv => "csv",
         OrbitSource::Kepler => "kepler",
         OrbitSource::Numerical => "numerical",
+        OrbitSource::Live => "live",
     }
 }
 

@@ -33,11 +33,17 @@ pub fn write_still(
     progress: &dyn Progress,
 ) -> Result<(), PlayError> {
     let scene = flight.scene();
+    if request.epoch.is_some() {
+        flight.refuse_live("no other instant can be drawn", "leave the instant out")?;
+    }
     let epoch = request.epoch.unwrap_or(scene.time.start);
     let size = request.size.unwrap_or(scene.output.size.into());
     let aspect = f64::from(size.0) / f64::from(size.1);
     // In the order of what is cheapest to find out: the date, the files, the maps, the adapter.
-    let moment = flight.at(epoch, aspect)?;
+    let known = match flight.live_clock() {
+        None => Some(flight.at(epoch, aspect)?),
+        Some(_) => None,
+    };
     let output = PendingFile::create(request.output, "pictures", "png")?;
     let stats = match request.stats {
         Some(path) => Some(PendingFile::create(path, "numbers", "json")?),
@@ -48,8 +54,18 @@ pub fn write_still(
     progress.begin("loading maps", None);
     let options = flight.earth_options(gpu.bc_support())?;
     progress.end();
-    progress.begin("drawing", None);
     let mut picture = Picture::open(gpu, options, size)?;
+    let (moment, asked) = match known {
+        Some(moment) => (moment, None),
+        // Only now: a simulator that waits does not wait for the maps as well.
+        None => {
+            progress.begin("waiting for the simulator", None);
+            let awaited = flight.await_moment(aspect, &|| progress.cancelled())?;
+            progress.end();
+            awaited
+        }
+    };
+    progress.begin("drawing", None);
     let (_, missing) = picture.draw_complete(&moment, scene.output.wait());
     tell_missing(&missing);
     let numbers = match &stats {
@@ -60,6 +76,9 @@ pub fn write_still(
         None => None,
     };
     output.write_png(&picture.read()?)?;
+    if let Some(asked) = asked {
+        asked.drawn();
+    }
     progress.end();
     if let (Some(file), Some(numbers)) = (stats, numbers) {
         file.write_whole(numbers.to_json().as_bytes())?;

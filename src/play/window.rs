@@ -4,6 +4,7 @@ use super::controls::{Controls, WindowTask};
 use super::error::PlayError;
 use super::flight::Flight;
 use super::keys::{Action, action_of};
+use super::live::LivePlay;
 use super::progress::Progress;
 use super::stage::{Shown, Stage};
 use crate::EyeView;
@@ -73,6 +74,7 @@ pub fn play_in_window(
         EventLoop::new().map_err(|error| WindowError::NoDisplay(no_display(&error)))?;
     let mut app = App {
         controls: Controls::new(flight),
+        live: LivePlay::of(flight),
         flight,
         request,
         progress,
@@ -82,6 +84,7 @@ pub fn play_in_window(
         last_frame: None,
         message_ends: None,
         repaint_at: None,
+        retry_at: None,
         dragging: false,
         pointer: None,
         hidden: false,
@@ -108,6 +111,8 @@ fn no_display(error: &winit::error::EventLoopError) -> String {
 
 struct App<'a> {
     flight: &'a Flight,
+    /// Where a simulator gives the time.
+    live: Option<LivePlay<'a>>,
     request: &'a WindowRequest<'a>,
     controls: Controls,
     progress: &'a dyn Progress,
@@ -119,6 +124,8 @@ struct App<'a> {
     message_ends: Option<Instant>,
     /// When egui, or a surface without a texture, wants another frame.
     repaint_at: Option<Instant>,
+    /// When a surface that gave no texture is asked again.
+    retry_at: Option<Instant>,
     dragging: bool,
     /// Where the pointer was, pixels.
     pointer: Option<(f64, f64)>,
@@ -130,7 +137,8 @@ struct App<'a> {
 
 impl ApplicationHandler for App<'_> {
     fn new_events(&mut self, _event_loop: &ActiveEventLoop, cause: StartCause) {
-        if matches!(cause, StartCause::ResumeTimeReached { .. }) {
+        // A simulator is asked far more often than it has something to draw.
+        if matches!(cause, StartCause::ResumeTimeReached { .. }) && self.live.is_none() {
             self.redraw();
         }
     }
@@ -226,11 +234,22 @@ impl ApplicationHandler for App<'_> {
             (self.message_ends, self.controls.message) = (None, None);
             self.redraw();
         }
-        let moving = !self.controls.clock.is_paused() && !self.hidden;
-        if moving && self.repaint_at.is_none() {
+        let is_paused = self.controls.clock.is_paused();
+        let mut ask_at = None;
+        let due = match &mut self.live {
+            None => !is_paused && !self.hidden && self.repaint_at.is_none(),
+            Some(live) => {
+                ask_at = live.pause(is_paused).map(|pause| now + pause);
+                let is_due = live.is_due(self.hidden, is_paused);
+                let is_past = |time: Instant| time <= now;
+                (is_due || self.repaint_at.is_some_and(is_past))
+                    && self.retry_at.is_none_or(is_past)
+            }
+        };
+        if due {
             self.redraw();
         }
-        let wake = [self.closes_at, self.message_ends, self.repaint_at];
+        let wake = [self.closes_at, self.message_ends, self.repaint_at, ask_at];
         event_loop.set_control_flow(match wake.into_iter().flatten().min() {
             Some(time) => ControlFlow::WaitUntil(time),
             None => ControlFlow::Wait,
@@ -260,6 +279,11 @@ impl App<'_> {
             return;
         };
         let height_px = f64::from(stage.size().1);
+        if let Some(denial) = self.live.as_ref().and_then(|live| live.denial(action)) {
+            self.tell(denial);
+            self.redraw();
+            return;
+        }
         match self.controls.apply(action, height_px) {
             None => {}
             Some(WindowTask::Quit) => event_loop.exit(),
@@ -287,10 +311,13 @@ impl App<'_> {
         let interval = self.last_frame.map(|last| now - last);
         self.controls
             .advance(interval.unwrap_or_default().as_secs_f64());
-        let moment = self.flight.view_at(
-            self.controls.clock.now(),
-            &self.controls.request(stage.aspect()),
-        );
+        let request = self.controls.request(stage.aspect());
+        let is_paused = self.controls.clock.is_paused();
+        let moment = match &mut self.live {
+            Some(live) => Ok(live.moment(&request, is_paused)),
+            None => self.flight.view_at(self.controls.clock.now(), &request),
+        };
+        self.controls.live = self.live.as_ref().map(|live| live.status(is_paused));
         let moment = match (moment, stage.last_moment()) {
             (Ok(moment), _) => moment,
             // The satellite cannot be followed any further: the last picture stays, with the reason.
@@ -305,25 +332,37 @@ impl App<'_> {
             }
         };
         // Only frames that follow each other tell the frame rate.
-        let moving = !self.controls.clock.is_paused();
+        let stands = self
+            .live
+            .as_ref()
+            .is_some_and(|live| live.pause(is_paused).is_some());
+        let moving = !is_paused && !stands;
         self.last_frame = moving.then_some(now);
         self.expected.clear();
         if moving && stage.has_tiles() {
-            let request = self.controls.request(stage.aspect());
-            let speed = self.controls.clock.speed();
-            self.expected
-                .extend(EXPECTED_S.iter().filter_map(|seconds| {
-                    let epoch = moment.epoch + Unit::Second * (seconds * speed);
-                    Some(self.flight.view_at(epoch, &request).ok()?.view)
-                }));
+            let speed = match &self.live {
+                Some(live) => live.rate(),
+                None => Some(self.controls.clock.speed()),
+            };
+            let speeds = speed
+                .into_iter()
+                .flat_map(|speed| EXPECTED_S.map(|s| s * speed));
+            self.expected.extend(speeds.filter_map(|seconds| {
+                let epoch = moment.epoch + Unit::Second * seconds;
+                Some(self.flight.view_at(epoch, &request).ok()?.view)
+            }));
         }
         stage.expect(&self.expected);
         let (shown, actions) = stage.draw(&moment, &self.controls, interval);
+        if let (Some(live), Shown::Until(_)) = (&mut self.live, shown) {
+            live.drawn();
+        }
         self.repaint_at = match shown {
             Shown::Until(_) if stage.is_loading() => Some(now),
             Shown::Until(delay) => now.checked_add(delay).filter(|_| !moving),
             Shown::Not => Some(now + RETRY),
         };
+        self.retry_at = self.repaint_at.filter(|_| shown == Shown::Not);
         for action in actions {
             self.act(event_loop, action);
         }

@@ -67,6 +67,8 @@ pub(super) fn check(source: Source<'_>, raw: RawScene) -> Result<Scene, SceneErr
         .iter()
         .map(|orbit| source.orbit(orbit, time.start))
         .collect::<Result<Vec<_>, _>>()?;
+    source.live_together(&orbits, &checked)?;
+    let has_live = checked.iter().any(|orbit| orbit.live.is_some());
     if checked.is_empty() && camera.mode != CameraMode::Geodetic {
         checked.push(Orbit::built_in());
     }
@@ -75,7 +77,7 @@ pub(super) fn check(source: Source<'_>, raw: RawScene) -> Result<Scene, SceneErr
         time,
         orbits: checked,
         orbit_lines,
-        output: source.output(&output, &camera, &earth)?,
+        output: source.output(&output, &camera, &earth, has_live)?,
         camera,
         quality: source.quality(&quality)?,
         earth,
@@ -360,6 +362,7 @@ impl Source<'_> {
         output: &RawOutput,
         camera: &Camera,
         earth: &EarthTable,
+        has_live: bool,
     ) -> Result<Output, SceneError> {
         let size_field = field!(output.size);
         let size = match size_field.given.map(|given| given.get_ref().as_slice()) {
@@ -396,7 +399,7 @@ impl Source<'_> {
                 })?,
         };
         let wait = field!(output.wait_s);
-        if earth.pack.is_none() {
+        if earth.pack.is_none() && !has_live {
             self.only_with_a_pack(&wait)?;
         }
         let wait_s = self.number(&wait, DEFAULT_WAIT_S, WAIT_S, |_| {

@@ -40,6 +40,25 @@ pub const COEFFICIENT: RangeInclusive<f64> = 0.0..=100.0;
 /// Error allowed in a step of an integration, relative to distance and speed.
 pub const TOLERANCE: RangeInclusive<f64> = 1e-14..=1e-3;
 
+/// Most satellites of one scene whose states simulators send: each has threads and a port of its own.
+pub const MAX_LIVE_ORBITS: usize = 64;
+/// Simulated seconds in a second of a simulator that nobody waits for.
+pub const RATE: RangeInclusive<f64> = 1e-3..=1e6;
+/// How far pictures are behind a simulator that nobody waits for, seconds.
+pub const PLAYBACK_DELAY_S: RangeInclusive<f64> = 0.0..=60.0;
+/// How long a simulator waits for its picture, seconds.
+pub const TIMEOUT_S: RangeInclusive<f64> = 1e-3..=3600.0;
+/// Age of the last state from which on a simulator is told to be silent, seconds.
+pub const STALE_AFTER_S: RangeInclusive<f64> = 1e-3..=1e6;
+/// How far a satellite goes on beyond its simulator's last state, simulated seconds.
+pub const EXTRAPOLATE_S: RangeInclusive<f64> = 0.0..=1e6;
+/// How far apart two states are a jump, simulated seconds.
+pub const GAP_S: RangeInclusive<f64> = 1e-3..=1e7;
+/// Packets that a simulator may send in a second.
+pub const PACKETS_PER_S: RangeInclusive<i64> = 1..=1_000_000;
+/// Most web pages that may connect to a simulator's port.
+pub const MAX_ORIGINS: usize = 16;
+
 /// Vertical field of view, degrees: a thousandth of a degree away from no view at all and from a
 /// half space, where a perspective projection has no meaning.
 pub const FOV_DEG: RangeInclusive<f64> = 0.001..=179.999;

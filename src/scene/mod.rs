@@ -1,7 +1,7 @@
 //! Scene files: what to draw, when, from where. TOML read with serde; every message names file, line and key.
 //!
 //! A scene is read in three steps: `raw` (the text as tables and keys, each value with its
-//! place), `check` and `orbits` (ranges, names, paths, defaults, by means of `field`) and, once the orbit's elements are read, [`Scene::check_dates`] and what else `satellites` has.
+//! place), `check`, `orbits` and `live` (ranges, names, paths, defaults, by means of `field`) and, once the orbit's elements are read, [`Scene::check_dates`] and what else `satellites` has.
 //! `locate` turns the TOML reader's complaints into messages of our own; `summary` and `orbit_summary` tell what a scene comes to.
 //!
 //! Every table and key may be left out. [`limits`] holds every range and default.
@@ -11,6 +11,7 @@ mod dates;
 mod error;
 mod field;
 pub mod limits;
+mod live;
 mod locate;
 mod motion;
 mod orbit_summary;
@@ -257,7 +258,7 @@ pub struct Output {
     pub size: [u32; 2],
     /// Samples per pixel, 1 or 4.
     pub samples: u32,
-    /// How long a picture that is kept waits for the tiles of its pack, seconds.
+    /// How long a picture that is kept waits for the tiles of its pack, and for its satellite's simulator, seconds.
     pub wait_s: f64,
 }
 

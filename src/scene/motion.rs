@@ -3,6 +3,7 @@
 use crate::frames::Epoch;
 use crate::orbit::Frame;
 use crate::orbit::kepler::Elements;
+use crate::orbit::live::LiveOptions;
 use crate::orbit::numerical::Craft;
 use glam::DVec3;
 use std::path::PathBuf;
@@ -20,6 +21,8 @@ pub struct Orbit {
     pub strict: bool,
     /// The motion that the scene itself describes: for [`OrbitSource::Kepler`] and [`OrbitSource::Numerical`].
     pub motion: Option<Motion>,
+    /// How states of a simulator are taken: for [`OrbitSource::Live`].
+    pub live: Option<LiveOptions>,
 }
 
 impl Orbit {
@@ -31,6 +34,7 @@ impl Orbit {
             name: None,
             strict: false,
             motion: None,
+            live: None,
         }
     }
 }
@@ -53,12 +57,19 @@ pub enum OrbitSource {
     Kepler,
     /// Motion under forces, integrated from elements or a state.
     Numerical,
+    /// States that a simulator sends meanwhile.
+    Live,
 }
 
 impl OrbitSource {
     /// Whether it is read from a file.
     pub fn is_file(self) -> bool {
-        !matches!(self, Self::Kepler | Self::Numerical)
+        !matches!(self, Self::Kepler | Self::Numerical | Self::Live)
+    }
+
+    /// Whether the scene gives its start.
+    pub fn has_start(self) -> bool {
+        matches!(self, Self::Kepler | Self::Numerical)
     }
 }
 

@@ -3,6 +3,7 @@
 use super::dates::utc;
 use super::error::printable;
 use super::field::written;
+use super::live;
 use super::orbits::foreign;
 use super::{Forces, Motion, Orbit, OrbitSource, Scene, Start, StartForm};
 use crate::orbit::kepler::{Anomaly, Elements, Size};
@@ -24,6 +25,9 @@ pub(super) fn value(orbit: &Orbit, key: &str) -> Value {
     }
     match (key, &orbit.motion) {
         ("source", _) => quoted(&written(&orbit.source)),
+        ("name", _) if orbit.live.is_some() && orbit.name.is_none() => {
+            Err("it is called as its packets say")
+        }
         ("file", _) => {
             let file = orbit.file.as_ref().ok_or(BUILT_IN)?;
             quoted(&file.display().to_string())
@@ -42,7 +46,10 @@ pub(super) fn value(orbit: &Orbit, key: &str) -> Value {
             force_value(forces, key).unwrap_or_else(|| start_value(start, key))
         }
         // A test holds that no known key comes here.
-        (_, None) => Err("unknown to the summary"),
+        (key, None) => match &orbit.live {
+            Some(options) => live::value(options, key),
+            None => Err("unknown to the summary"),
+        },
     }
 }
 
@@ -155,5 +162,6 @@ fn flies_by(orbit: &Orbit) -> String {
             format!("integrated: {}: {}", name("Numerical"), all.join(", "))
         }
         (OrbitSource::Numerical, _) => name("Numerical"),
+        (OrbitSource::Live, _) => orbit.live.as_ref().map_or_else(String::new, live::flies_by),
     }
 }

@@ -3,6 +3,7 @@
 use super::error::SceneError;
 use super::field::{Field, Wanted, field, flag, in_range, span_of, written};
 use super::limits::*;
+use super::live;
 use super::locate::Source;
 use super::raw::RawOrbit;
 use super::{Forces, Motion, Orbit, OrbitSource, Start, StartForm};
@@ -70,10 +71,14 @@ pub(super) fn foreign(source: OrbitSource, key: &str) -> Option<&'static str> {
             || STATE.contains(&key) =>
         {
             (
-                !source.is_file(),
+                source.has_start(),
                 "is for source = \"kepler\" and \"numerical\", whose start the scene gives",
             )
         }
+        key if live::KEYS.contains(&key) => (
+            source == OrbitSource::Live,
+            "is for source = \"live\", states that a simulator sends",
+        ),
         _ => (
             source == OrbitSource::Numerical,
             "is for source = \"numerical\", where forces are integrated",
@@ -144,9 +149,14 @@ impl Source<'_> {
             let advice = "the drift by J2 is an average over revolutions, which only an eccentricity below 1 has; write false or leave it out";
             return Err(self.refuse(&field!(orbit.j2), advice));
         }
+        let live = match source {
+            OrbitSource::Live => Some(self.live(orbit, name.as_deref())?),
+            _ => None,
+        };
         Ok(Orbit {
             source,
             file,
+            live,
             name,
             strict: flag(&strict, false),
             motion,
@@ -306,7 +316,7 @@ impl Source<'_> {
         })
     }
 
-    fn within(
+    pub(super) fn within(
         &self,
         field: &Field<'_, f64>,
         default: f64,

@@ -61,7 +61,7 @@ table!(RawTime {
 });
 
 table!(RawOrbit {
-    source: String = "a string, the kind of source: \"tle\", \"omm\", \"oem\", \"czml\", \"csv\", \"kepler\" or \"numerical\"",
+    source: String = "a string, the kind of source: \"tle\", \"omm\", \"oem\", \"czml\", \"csv\", \"kepler\", \"numerical\" or \"live\"",
     file: String = "a string, the path of a file of elements or states",
     name: String = "a string, the satellite's name",
     strict: bool = "true or false",
@@ -90,6 +90,19 @@ table!(RawOrbit {
     cd: f64 = "a number",
     cr: f64 = "a number",
     tolerance: f64 = "a number",
+    listen: String = "a string: \"stdin\", or \"tcp://\", \"udp://\" or \"ws://\" with an IP address and a port",
+    allow_remote: bool = "true or false",
+    // A list of any length.
+    allowed_origins: Vec<String> = "a list of strings, web pages like \"https://example.org\"",
+    pacing: String = "a string: \"broadcast\" or \"lockstep\"",
+    rate: f64 = "a number of simulated seconds per second",
+    playback_delay_s: f64 = "a number of seconds",
+    timeout_s: f64 = "a number of seconds",
+    stale_after_s: f64 = "a number of seconds",
+    extrapolate_s: f64 = "a number of simulated seconds",
+    extrapolation: String = "a string: \"two-body\" or \"linear\"",
+    gap_s: f64 = "a number of simulated seconds",
+    packets_per_s: i64 = "a whole number of packets per second",
 });
 
 /// `[orbit]`, or `[[orbit]]` as often as there are satellites.

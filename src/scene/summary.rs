@@ -137,8 +137,8 @@ impl Scene {
             }
             ("output", "samples") => Ok(self.output.samples.to_string()),
             ("output", "wait_s") => match earth.pack {
-                Some(_) => Ok(self.output.wait_s.to_string()),
-                None => Err("no pack: nothing to wait for"),
+                None if !self.is_live() => Err("no pack: nothing to wait for"),
+                _ => Ok(self.output.wait_s.to_string()),
             },
             ("quality", "target_ms") => match self.quality {
                 Some(quality) => Ok(quality.target_ms.to_string()),
@@ -152,15 +152,20 @@ impl Scene {
     fn uses(&self) -> Vec<(&'static str, String)> {
         let time = &self.time;
         let frames = time.frame_count();
+        let length = format!(
+            "{frames} frame{} in {:.1} s",
+            if frames == 1 { "" } else { "s" },
+            time.duration_s / time.speed.abs(),
+        );
+        let (start, end) = (utc(time.start), utc(time.end()));
         let mut uses = vec![(
             "playback",
-            format!(
-                "{} to {}, {frames} frame{} in {:.1} s",
-                utc(time.start),
-                utc(time.end()),
-                if frames == 1 { "" } else { "s" },
-                time.duration_s / time.speed.abs(),
-            ),
+            match self.is_live() {
+                true => format!(
+                    "the time that the simulator sends, {start} until it does; a film has at most {length}"
+                ),
+                false => format!("{start} to {end}, {length}"),
+            },
         )];
         uses.push(("orientation", match &time.orientation {
             Some(file) => format!(

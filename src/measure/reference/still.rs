@@ -105,6 +105,10 @@ pub fn write_reference_still(
     request: &ReferenceRequest<'_>,
     progress: &dyn Progress,
 ) -> Result<(), StillError> {
+    flight.refuse_live(
+        "no simulator waits as long as this renderer takes",
+        "draw it by a graphics adapter, with --renderer gpu",
+    )?;
     let scene = flight.scene();
     let epoch = request.epoch.unwrap_or(scene.time.start);
     let size = request.size.unwrap_or(scene.output.size.into());

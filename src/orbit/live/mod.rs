@@ -95,7 +95,8 @@ use std::time::{Duration, Instant};
 
 /// A feed whose states come while it is asked. See the [module](self) for what simulators send.
 ///
-/// Dropping it ends its threads and closes its port, within 0.2 s; one that reads standard input ends with that.
+/// Dropping it answers whoever waits for a frame with an error, ends its threads and closes its port, within 0.4 s; a
+/// thread that reads standard input ends with that.
 #[derive(Debug)]
 pub struct LiveFeed {
     shared: Arc<Shared>,
@@ -146,6 +147,7 @@ impl LiveFeed {
         let its = Arc::clone(&shared);
         serve::spawn("stream", move || {
             serve::stream(&mut read, &mut write, &its, || {});
+            its.end();
         })?;
         Ok(Self::of(shared, None, None))
     }
@@ -180,6 +182,16 @@ impl LiveFeed {
     /// What was wrong with the last bad packet.
     pub fn last_fault(&self) -> Option<String> {
         self.shared.lock().last_fault.clone()
+    }
+
+    /// How long ago the last state came; `None` before the first.
+    pub fn age(&self) -> Option<Duration> {
+        self.shared.lock().last_came.map(|came| came.elapsed())
+    }
+
+    /// Whether no packet can come any more: the stream that it reads has ended. A port never ends.
+    pub fn has_ended(&self) -> bool {
+        self.shared.has_ended()
     }
 
     /// The newest state.
@@ -226,12 +238,12 @@ impl LiveFeed {
         self.shared.lockstep.end(request, Outcome::Refused(reason))
     }
 
-    fn from(&self) -> String {
-        match (&self.shared.options.transport, self.address) {
-            (Transport::Tcp(_), Some(address)) => format!("TCP {address}"),
-            (Transport::Udp(_), Some(address)) => format!("UDP {address}"),
-            (Transport::WebSocket(_), Some(address)) => format!("ws://{address}"),
-            _ => "standard input".to_owned(),
+    /// Where it listens, with the port that was found for port 0.
+    pub fn listens_on(&self) -> Transport {
+        let transport = &self.shared.options.transport;
+        match self.address {
+            Some(address) => transport.at(address),
+            None => transport.clone(),
         }
     }
 }
@@ -262,7 +274,7 @@ impl Feed for LiveFeed {
         let name = || self.name().to_owned();
         let inner = self.shared.lock();
         let (Some(oldest), Some(newest)) = (inner.buffer.oldest(), inner.buffer.newest()) else {
-            let from = self.from();
+            let from = self.listens_on();
             return Err(LiveError::NoState { name: name(), from }.into());
         };
         if let Some(state) = inner.buffer.between(epoch) {
@@ -305,7 +317,7 @@ impl Feed for LiveFeed {
 
 impl Drop for LiveFeed {
     fn drop(&mut self) {
-        self.shared.stop();
+        self.shared.close();
         if let Some(thread) = self.thread.take() {
             // A thread that panicked has said so itself.
             let _ = thread.join();

@@ -1,6 +1,8 @@
 //! How a live feed is set up, and what can be wrong with it.
 
-use std::net::SocketAddr;
+use std::fmt;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::str::FromStr;
 use std::time::Duration;
 
 /// Where states come from.
@@ -16,8 +18,83 @@ pub enum Transport {
     WebSocket(SocketAddr),
 }
 
+impl Transport {
+    /// The port that is listened on; `None` for standard input.
+    pub fn address(&self) -> Option<SocketAddr> {
+        match *self {
+            Self::Stdin => None,
+            Self::Tcp(address) | Self::Udp(address) | Self::WebSocket(address) => Some(address),
+        }
+    }
+
+    /// The same way in by another port.
+    pub(super) fn at(&self, address: SocketAddr) -> Self {
+        match self {
+            Self::Stdin => Self::Stdin,
+            Self::Tcp(_) => Self::Tcp(address),
+            Self::Udp(_) => Self::Udp(address),
+            Self::WebSocket(_) => Self::WebSocket(address),
+        }
+    }
+
+    /// Whether one of the two would find its input taken by the other. Port 0 takes a free one and meets nobody.
+    pub fn collides_with(&self, other: &Self) -> bool {
+        let is_udp = |transport: &Self| matches!(transport, Self::Udp(_));
+        match (self.address(), other.address()) {
+            (None, None) => true,
+            (Some(a), Some(b)) => {
+                let is_one_ip =
+                    a.ip() == b.ip() || a.ip().is_unspecified() || b.ip().is_unspecified();
+                is_udp(self) == is_udp(other) && a.port() != 0 && a.port() == b.port() && is_one_ip
+            }
+            _ => false,
+        }
+    }
+}
+
+impl fmt::Display for Transport {
+    /// As [`Transport::from_str`] reads it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stdin => f.write_str("stdin"),
+            Self::Tcp(address) => write!(f, "tcp://{address}"),
+            Self::Udp(address) => write!(f, "udp://{address}"),
+            Self::WebSocket(address) => write!(f, "ws://{address}"),
+        }
+    }
+}
+
+impl FromStr for Transport {
+    type Err = LiveError;
+
+    /// `stdin`, or `tcp://`, `udp://` or `ws://` and an IP address with a port; `localhost` is 127.0.0.1.
+    fn from_str(text: &str) -> Result<Self, LiveError> {
+        let unknown = || LiveError::Listen {
+            given: text.to_owned(),
+        };
+        if text == "stdin" {
+            return Ok(Self::Stdin);
+        }
+        let (scheme, place) = text.split_once("://").ok_or_else(unknown)?;
+        let address = match place.strip_prefix("localhost:") {
+            Some(port) => {
+                let port = port.parse().map_err(|_| unknown())?;
+                SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port)
+            }
+            None => place.parse().map_err(|_| unknown())?,
+        };
+        match scheme {
+            "tcp" => Ok(Self::Tcp(address)),
+            "udp" => Ok(Self::Udp(address)),
+            "ws" => Ok(Self::WebSocket(address)),
+            _ => Err(unknown()),
+        }
+    }
+}
+
 /// Who waits for whom.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Mode {
     /// Nobody: states come when they come, and pictures are drawn from the newest.
     #[default]
@@ -27,7 +104,8 @@ pub enum Mode {
 }
 
 /// How the satellite goes on where states are missing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Extrapolation {
     /// On the conic of the last state: free fall.
     #[default]
@@ -88,8 +166,11 @@ impl LiveOptions {
         }
     }
 
-    /// Refuses settings that cannot be.
-    pub(super) fn check(&self) -> Result<(), LiveError> {
+    /// Refuses settings that cannot be; [`LiveFeed::open`](super::LiveFeed::open) does so too.
+    ///
+    /// # Errors
+    /// A setting out of its range, or an address that other machines reach.
+    pub fn check(&self) -> Result<(), LiveError> {
         let within = |key, value: f64, least: f64, most: f64| match (least..=most).contains(&value)
         {
             true => Ok(()),
@@ -114,9 +195,7 @@ impl LiveOptions {
         within("frame_timeout, s,", timeout_s, 1e-3, 3600.0)?;
         let packets = f64::from(self.most_packets_per_s);
         within("most_packets_per_s", packets, 1.0, 1e6)?;
-        let (Transport::Tcp(address) | Transport::Udp(address) | Transport::WebSocket(address)) =
-            self.transport
-        else {
+        let Some(address) = self.transport.address() else {
             return Ok(());
         };
         match address.ip().is_loopback() || self.allow_remote {
@@ -141,6 +220,14 @@ pub enum LiveError {
         least: f64,
         /// The most.
         most: f64,
+    },
+    /// No such way in.
+    #[error(
+        "{given:?} is nothing to listen on; expected \"stdin\", or \"tcp://\", \"udp://\" or \"ws://\" with an IP address and a port, such as \"tcp://127.0.0.1:5005\""
+    )]
+    Listen {
+        /// As it was given.
+        given: String,
     },
     /// An address that other machines may reach.
     #[error(
@@ -175,7 +262,7 @@ pub enum LiveError {
         /// The satellite.
         name: String,
         /// Where states are waited for.
-        from: String,
+        from: Transport,
     },
     /// Before the states that are kept.
     #[error(

@@ -56,7 +56,7 @@ pub fn stream(read: &mut dyn Read, write: &mut dyn Write, shared: &Shared, heard
         let bytes = match read.read(&mut chunk) {
             Ok(0) => {
                 while let Some(cut) = splitter.finish() {
-                    if !answer(shared.take(cut), write) {
+                    if !shared.take(cut, |bytes| answer(&bytes, write)) {
                         return;
                     }
                 }
@@ -87,7 +87,7 @@ pub fn stream(read: &mut dyn Read, write: &mut dyn Write, shared: &Shared, heard
                 shared.lock().counters.over_rate += 1;
                 continue;
             }
-            if !answer(shared.take(cut), write) {
+            if !shared.take(cut, |bytes| answer(&bytes, write)) {
                 return;
             }
         }
@@ -98,8 +98,8 @@ pub fn stream(read: &mut dyn Read, write: &mut dyn Write, shared: &Shared, heard
     }
 }
 
-fn answer(reply: Option<Vec<u8>>, write: &mut dyn Write) -> bool {
-    reply.is_none_or(|bytes| write.write_all(&bytes).and_then(|()| write.flush()).is_ok())
+fn answer(bytes: &[u8], write: &mut dyn Write) -> bool {
+    write.write_all(bytes).and_then(|()| write.flush()).is_ok()
 }
 
 fn is_http(bytes: &[u8]) -> bool {
@@ -124,6 +124,7 @@ pub fn stdin(shared: &Arc<Shared>) -> Result<(), LiveError> {
             &shared,
             || {},
         );
+        shared.end();
     })
     .map(drop)
 }
@@ -298,7 +299,7 @@ pub fn message(
             return true;
         }
         if let Some(cut) = splitter.finish()
-            && shared.take(cut).is_some_and(|reply| !send(reply))
+            && !shared.take(cut, &mut send)
         {
             return false;
         }

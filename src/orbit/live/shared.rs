@@ -8,7 +8,7 @@ use super::options::{LiveOptions, Mode};
 use super::packet::{Kind, Packet, PacketFault};
 use super::reply::Reply;
 use super::split::Cut;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -64,7 +64,13 @@ pub struct Shared {
     pub lockstep: Lockstep,
     pub name: OnceLock<String>,
     stop: AtomicBool,
+    has_ended: AtomicBool,
+    /// Packets whose answers are not on their way yet.
+    unanswered: AtomicUsize,
 }
+
+/// How long the end of a feed waits until those that wait for a frame have their answers.
+const LAST_ANSWERS: Duration = Duration::from_millis(200);
 
 impl Shared {
     pub fn new(options: LiveOptions) -> Self {
@@ -82,6 +88,8 @@ impl Shared {
             lockstep: Lockstep::default(),
             name: OnceLock::new(),
             stop: AtomicBool::new(false),
+            has_ended: AtomicBool::new(false),
+            unanswered: AtomicUsize::new(0),
         }
     }
 
@@ -93,18 +101,37 @@ impl Shared {
         self.stop.load(Ordering::Acquire)
     }
 
-    pub fn stop(&self) {
-        self.stop.store(true, Ordering::Release);
-        self.lockstep.close();
+    /// Whether the stream that is read has ended.
+    pub fn has_ended(&self) -> bool {
+        self.has_ended.load(Ordering::Acquire)
     }
 
-    /// Takes what was cut out of a stream; gives what is answered. In lockstep it waits until the frame is drawn.
-    pub fn take(&self, (packet, form): Cut) -> Option<Vec<u8>> {
+    /// The stream that is read has ended.
+    pub fn end(&self) {
+        self.has_ended.store(true, Ordering::Release);
+    }
+
+    /// Ends all threads, those last that still have an answer to give.
+    pub fn close(&self) {
+        self.lockstep.close();
+        let begun = Instant::now();
+        while self.unanswered.load(Ordering::Acquire) > 0 && begun.elapsed() < LAST_ANSWERS {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        self.stop.store(true, Ordering::Release);
+    }
+
+    /// Takes what was cut out of a stream and sends what is answered; in lockstep it waits until the frame is drawn.
+    /// `false` where the answer could not be sent.
+    pub fn take(&self, (packet, form): Cut, send: impl FnOnce(Vec<u8>) -> bool) -> bool {
+        self.unanswered.fetch_add(1, Ordering::AcqRel);
         let reply = match packet {
             Ok(packet) => self.take_packet(packet),
             Err(fault) => self.take_fault(&fault),
         };
-        reply.map(|reply| reply.to_wire(form))
+        let is_sent = reply.is_none_or(|reply| send(reply.to_wire(form)));
+        self.unanswered.fetch_sub(1, Ordering::AcqRel);
+        is_sent
     }
 
     fn take_fault(&self, fault: &PacketFault) -> Option<Reply> {

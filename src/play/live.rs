@@ -1,0 +1,370 @@
+//! Scenes whose time a simulator gives: which instant a picture shows, who is answered, and what the window tells.
+
+use super::error::PlayError;
+use super::flight::{Flight, Moment, ViewRequest};
+use super::keys::Action;
+use crate::frames::Epoch;
+use crate::orbit::live::{Counters, FrameRequest, LiveFeed, Mode};
+use crate::orbit::{Feed, Freshness};
+use crate::scene::CameraMode;
+use std::time::{Duration, Instant};
+
+/// How often a window without a picture to draw asks for a simulator's next frame.
+pub(super) const ASK: Duration = Duration::from_millis(4);
+/// How often a window that stands still looks how old its states are.
+const LOOK: Duration = Duration::from_millis(250);
+
+/// What the window tells of simulators.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LiveStatus {
+    /// The satellite whose simulator gives the time.
+    pub name: String,
+    /// How fast its time goes.
+    pub pace: String,
+    /// Lines of the panel, for every live satellite: what, and how it is.
+    pub rows: Vec<(&'static str, String)>,
+    /// What must not be overlooked: nothing has come yet, or nothing comes any more.
+    pub notice: Option<String>,
+}
+
+/// The window's time where a simulator gives it.
+pub(super) struct LivePlay<'f> {
+    flight: &'f Flight,
+    feed: &'f LiveFeed,
+    /// A frame that a simulator waits for and that is not drawn yet.
+    request: Option<FrameRequest>,
+    /// The last picture in which the satellite was where its simulator said.
+    last: Option<Moment>,
+    /// The instant at which the user stopped the picture.
+    held: Option<Epoch>,
+    /// Why the last picture that was asked for could not be drawn.
+    fault: Option<String>,
+    looked: Instant,
+}
+
+impl<'f> LivePlay<'f> {
+    /// `None` for scenes that have their own time.
+    pub fn of(flight: &'f Flight) -> Option<Self> {
+        Some(Self {
+            flight,
+            feed: flight.live_clock()?,
+            request: None,
+            last: None,
+            held: None,
+            fault: None,
+            looked: Instant::now(),
+        })
+    }
+
+    fn is_lockstep(&self) -> bool {
+        self.feed.options().mode == Mode::Lockstep
+    }
+
+    /// Whether a new picture is due. Where it is hidden, whoever waits for one is told so.
+    pub fn is_due(&mut self, is_hidden: bool, is_paused: bool) -> bool {
+        if !self.is_lockstep() && !is_paused {
+            return !is_hidden;
+        }
+        if is_hidden {
+            let waiting = self.request.take().into_iter();
+            for request in waiting.chain(std::iter::from_fn(|| self.feed.next_request())) {
+                self.feed
+                    .refuse(&request, "the window is hidden, nothing is drawn");
+            }
+            return false;
+        }
+        self.request = self.request.or_else(|| self.feed.next_request());
+        let is_time = self.looked.elapsed() > LOOK;
+        if is_time {
+            self.looked = Instant::now();
+        }
+        self.request.is_some() || is_time
+    }
+
+    /// How long the window may sleep before it asks again; `None` draws on and on.
+    pub fn pause(&self, is_paused: bool) -> Option<Duration> {
+        match (self.is_lockstep(), is_paused) {
+            (true, _) => Some(ASK),
+            (false, true) => Some(LOOK),
+            (false, false) => None,
+        }
+    }
+
+    /// Simulated seconds in a second, where they go by evenly.
+    pub fn rate(&self) -> Option<f64> {
+        (!self.is_lockstep()).then_some(self.feed.options().rate)
+    }
+
+    /// The picture of now. There always is one: of the last instant that the satellite is known at, and before there is
+    /// any, of the Earth without it.
+    pub fn moment(&mut self, view: &ViewRequest, is_paused: bool) -> Moment {
+        let epoch = match (self.is_lockstep(), is_paused) {
+            (true, _) => self.request.map(|request| request.state.epoch),
+            (false, true) => self.held.or_else(|| self.feed.playback_epoch()),
+            (false, false) => self.feed.playback_epoch(),
+        };
+        self.held = epoch.filter(|_| is_paused);
+        let asked = epoch.map(|epoch| self.flight.view_at(epoch, view));
+        let drawn = match asked {
+            Some(Ok(moment)) => {
+                self.fault = None;
+                self.last = Some(moment);
+                return moment;
+            }
+            Some(Err(error)) => {
+                self.refuse(&error);
+                self.fault = Some(error.to_string());
+                self.last.map(|last| last.epoch)
+            }
+            // In lockstep the frame before stays on screen.
+            None => self.last.map(|last| last.epoch),
+        };
+        // The same instant, as the user looks at it now.
+        let again = drawn.map(|epoch| self.flight.view_at(epoch, view));
+        match (again, self.last) {
+            (Some(Ok(moment)), _) => moment,
+            // Its states are forgotten: a simulator that began anew.
+            (_, Some(last)) => last,
+            (_, None) => {
+                let epoch = epoch.unwrap_or(self.flight.scene().time.start);
+                self.flight.without_satellite(epoch, view)
+            }
+        }
+    }
+
+    /// The picture is on its way to the screen.
+    pub fn drawn(&mut self) {
+        if let Some(request) = self.request.take() {
+            self.feed.acknowledge(&request);
+        }
+    }
+
+    fn refuse(&mut self, error: &PlayError) {
+        if let Some(request) = self.request.take() {
+            self.feed.refuse(&request, &error.to_string());
+        }
+    }
+
+    /// What is told to a user who asks for something that only the simulator can do; `None` where it can be done.
+    pub fn denial(&self, action: Action) -> Option<String> {
+        let what = match action {
+            Action::Pause if self.is_lockstep() => "stopped",
+            Action::Faster | Action::Slower => "made faster or slower",
+            Action::Reverse => "turned round",
+            Action::Seek(_) | Action::Skip(_) => "moved",
+            _ => return None,
+        };
+        let listens_on = self.feed.listens_on();
+        Some(format!(
+            "time comes from the simulator on {listens_on} and cannot be {what} here; do it there"
+        ))
+    }
+
+    /// What the window tells.
+    pub fn status(&self, is_paused: bool) -> LiveStatus {
+        let feeds = || self.flight.satellites().iter().filter_map(|one| one.live());
+        let several = feeds().nth(1).is_some();
+        let rows = feeds().flat_map(|feed| rows(feed, several)).collect();
+        let pace = match self.is_lockstep() {
+            true => "in lockstep".to_owned(),
+            false if is_paused => "live, held here".to_owned(),
+            false => format!("{} × real time, live", self.feed.options().rate),
+        };
+        LiveStatus {
+            name: self.followed_name(),
+            pace,
+            rows,
+            notice: self.notice(),
+        }
+    }
+
+    fn followed_name(&self) -> String {
+        let followed = self.flight.feed();
+        followed.map_or_else(String::new, |feed| feed.name().to_owned())
+    }
+
+    fn notice(&self) -> Option<String> {
+        let listens_on = self.feed.listens_on();
+        let what = match self.is_lockstep() {
+            true => "frames",
+            false => "states",
+        };
+        match self.feed.freshness() {
+            Freshness::Waiting => Some(format!("waiting for {what} on {listens_on}")),
+            Freshness::Stale { age_s } => {
+                Some(format!("stale: the last of {what} came {age_s:.1} s ago"))
+            }
+            _ => self.fault.clone(),
+        }
+    }
+}
+
+/// The panel's lines about one feed.
+fn rows(feed: &LiveFeed, is_named: bool) -> Vec<(&'static str, String)> {
+    let counters = feed.counters();
+    let age = match (feed.freshness(), feed.age()) {
+        (Freshness::Stale { age_s }, _) => format!("STALE, {age_s:.1} s old"),
+        (_, Some(age)) => format!("live, {:.1} s old", age.as_secs_f64()),
+        (_, None) => "nothing has come yet".to_owned(),
+    };
+    let listens_on = feed.listens_on();
+    let source = match is_named {
+        true => format!("{}, {listens_on}", feed.name()),
+        false => listens_on.to_string(),
+    };
+    let mut rows = vec![("source", source), ("states", age)];
+    rows.push(("packets", packets_text(&counters)));
+    if feed.options().mode == Mode::Lockstep {
+        let late = match counters.timed_out {
+            0 => String::new(),
+            late => format!(", {late} too late"),
+        };
+        rows.push(("frames", format!("{} drawn{late}", counters.drawn)));
+    }
+    rows
+}
+
+/// Packets taken and what became of the others, as far as there are any.
+fn packets_text(counters: &Counters) -> String {
+    let dropped = [
+        (counters.bad, "bad"),
+        (counters.over_rate, "over the rate"),
+        (counters.duplicates, "doubled"),
+        (counters.too_late + counters.apart, "out of time"),
+    ];
+    let dropped = dropped.iter().filter(|(count, _)| *count > 0);
+    let dropped: Vec<_> = dropped
+        .map(|(count, why)| format!("{count} {why}"))
+        .collect();
+    let lost = match counters.lost {
+        0 => String::new(),
+        lost => format!("; {lost} never came"),
+    };
+    match dropped.is_empty() {
+        true => format!("{} taken, none dropped{lost}", counters.taken),
+        false => format!(
+            "{} taken; dropped: {}{lost}",
+            counters.taken,
+            dropped.join(", ")
+        ),
+    }
+}
+
+impl Flight {
+    /// The feed whose simulator gives the time of all pictures: the one that waits for them, else the one that cameras
+    /// fly with, else the first. `None` where the scene has its own time.
+    pub fn live_clock(&self) -> Option<&LiveFeed> {
+        let live = || self.satellites().iter().filter_map(|one| one.live());
+        let waits = live().find(|feed| feed.options().mode == Mode::Lockstep);
+        let followed = || self.satellites().get(self.followed())?.live();
+        waits.or_else(followed).or_else(|| live().next())
+    }
+
+    /// Refuses a scene whose time a simulator gives, for work that needs a time of its own.
+    ///
+    /// # Errors
+    /// Says what cannot be done and what to do.
+    pub fn refuse_live(&self, work: &'static str, remedy: &'static str) -> Result<(), PlayError> {
+        match self.live_clock() {
+            None => Ok(()),
+            Some(feed) => Err(PlayError::Live {
+                scene: self.scene().path.clone(),
+                listens_on: feed.listens_on().to_string(),
+                work,
+                remedy,
+            }),
+        }
+    }
+
+    /// The view where the satellite is not known: above the place of a geodetic camera, by default the whole disc.
+    pub(super) fn without_satellite(&self, epoch: Epoch, view: &ViewRequest) -> Moment {
+        let request = ViewRequest {
+            mode: CameraMode::Geodetic,
+            ..*view
+        };
+        self.moment(epoch, &request, self.ground_pose(), None)
+    }
+
+    /// Waits for the picture of a simulator: the next one that it asks for in lockstep; in broadcast the one of now, once
+    /// a state has come. At most as long as the scene says.
+    ///
+    /// # Errors
+    /// If nothing comes, or the satellite is not known at the instant; a simulator that asked is told.
+    pub(super) fn await_moment(
+        &self,
+        aspect: f64,
+        is_cancelled: &dyn Fn() -> bool,
+    ) -> Result<(Moment, Option<Asked<'_>>), PlayError> {
+        let feed = self.live_clock().ok_or(PlayError::NoSatellite)?;
+        let (epoch, asked) = match self.hear(feed, is_cancelled) {
+            Some(Heard::Frame(request)) => (request.state.epoch, Some(Asked { feed, request })),
+            Some(Heard::Time(epoch)) => (epoch, None),
+            None => {
+                return Err(PlayError::Silent {
+                    listens_on: feed.listens_on().to_string(),
+                    wait_s: self.scene().output.wait_s,
+                });
+            }
+        };
+        match self.at(epoch, aspect) {
+            Ok(moment) => Ok((moment, asked)),
+            Err(error) => {
+                if let Some(asked) = asked {
+                    asked.refuse(&error.to_string());
+                }
+                Err(error)
+            }
+        }
+    }
+
+    /// What comes next; `None` where nothing comes in time, or ever.
+    fn hear(&self, feed: &LiveFeed, is_cancelled: &dyn Fn() -> bool) -> Option<Heard> {
+        let wait = self.scene().output.wait();
+        let begun = Instant::now();
+        loop {
+            match feed.options().mode {
+                Mode::Lockstep => {
+                    if let Some(request) = feed.wait_request(ASK) {
+                        return Some(Heard::Frame(request));
+                    }
+                }
+                Mode::Broadcast => {
+                    if let Some(epoch) = feed.playback_epoch() {
+                        return Some(Heard::Time(epoch));
+                    }
+                    std::thread::sleep(ASK);
+                }
+            }
+            // A stream ends when all that it asked for is answered.
+            if is_cancelled() || feed.has_ended() || begun.elapsed() >= wait {
+                return None;
+            }
+        }
+    }
+}
+
+/// What comes from a simulator.
+enum Heard {
+    /// It waits for this picture.
+    Frame(FrameRequest),
+    /// Its time.
+    Time(Epoch),
+}
+
+/// A picture that a simulator waits for.
+pub(super) struct Asked<'f> {
+    feed: &'f LiveFeed,
+    request: FrameRequest,
+}
+
+impl Asked<'_> {
+    /// It is drawn. `false` where nobody waits for it any more.
+    pub fn drawn(&self) -> bool {
+        self.feed.acknowledge(&self.request)
+    }
+
+    /// There is no picture.
+    pub fn refuse(&self, reason: &str) {
+        self.feed.refuse(&self.request, reason);
+    }
+}
