@@ -4,6 +4,7 @@ use crate::{Bad, Folder, scene, utc};
 use glam::DVec3;
 use terrella::orbit::Frame;
 use terrella::orbit::kepler::{Anomaly, Size};
+use terrella::orbit::live::{Extrapolation, LiveOptions, Mode};
 use terrella::scene::{Motion, OrbitSource, StartForm};
 
 #[rustfmt::skip]
@@ -170,4 +171,118 @@ fn starts_and_forces_are_read_in_their_units() {
         (5.0, 2.0)
     );
     assert_eq!(forces.craft.sunlit_area_m2, 2.0);
+}
+
+#[rustfmt::skip]
+const BAD_LIVE: &[Bad] = &[
+    ("[orbit]\nsource = \"live\"", 2, &["[orbit] source = \"live\":", "needs a place to listen on", "tcp://127.0.0.1:5005"]),
+    ("[orbit]\nlisten = \"stdin\"", 2, &["[orbit] listen = \"stdin\":", "is for source = \"live\"", "\"tle\""]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\nfile = \"sat.tle\"", 4, &["[orbit] file", "read from files"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\nperiapsis_km = 7000", 4, &["[orbit] periapsis_km", "whose start the scene gives"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\ndrag = true", 4, &["[orbit] drag = true:", "\"numerical\""]),
+    ("[orbit]\nsource = \"live\"\nlisten = 5005", 3, &["[orbit] listen = 5005:", "must be a string", "not a whole number"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"127.0.0.1:5005\"", 3, &["[orbit] listen = \"127.0.0.1:5005\":", "\"tcp://127.0.0.1:5005\""]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"http://127.0.0.1:5005\"", 3, &["[orbit] listen", "\"ws://\""]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"tcp://example.org:5005\"", 3, &["[orbit] listen", "an IP address and a port"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"tcp://127.0.0.1:70000\"", 3, &["[orbit] listen", "a port"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"udp://0.0.0.0:5005\"", 3, &["[orbit] listen", "can steer the picture", "allow_remote = true"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\nallow_remote = true", 4, &["[orbit] allow_remote = true:", "standard input is none"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"tcp://[::1]:5005\"\nallowed_origins = [\"https://a.b\"]", 4, &["[orbit] allowed_origins", "ws://"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"ws://[::1]:5005\"\nallowed_origins = [\"example.org\"]", 4, &["[orbit] allowed_origins", "https://example.org"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"ws://[::1]:5005\"\nallowed_origins = \"*\"", 4, &["[orbit] allowed_origins", "a list of strings"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\npacing = \"lock\"", 4, &["[orbit] pacing = \"lock\":", "did you mean \"lockstep\"?"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\npacing = \"lockstep\"\nrate = 2", 5, &["[orbit] rate = 2:", "\"broadcast\"", "its own instant"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\npacing = \"lockstep\"\nplayback_delay_s = 0", 5, &["[orbit] playback_delay_s", "nothing comes late"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\ntimeout_s = 5", 4, &["[orbit] timeout_s = 5:", "no simulator waits"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\npacing = \"lockstep\"\ntimeout_s = 4000", 5, &["[orbit] timeout_s = 4000:", "from 0.001 to 3600 seconds"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\nplayback_delay_s = 61", 4, &["[orbit] playback_delay_s = 61:", "from 0 to 60 seconds"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\nrate = 0", 4, &["[orbit] rate = 0:", "simulated seconds per second"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\nstale_after_s = nan", 4, &["[orbit] stale_after_s = nan:", "finite"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\nextrapolate_s = -1", 4, &["[orbit] extrapolate_s = -1:", "from 0 to"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\nextrapolation = \"cubic\"", 4, &["[orbit] extrapolation = \"cubic\":", "\"two-body\", \"linear\""]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\ngap_s = 0", 4, &["[orbit] gap_s = 0:", "seconds"]),
+    ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\npackets_per_s = 0", 4, &["[orbit] packets_per_s = 0:", "1 to 1000000 packets"]),
+    // Several in one scene; the second is at fault.
+    ("[[orbit]]\nsource = \"live\"\nlisten = \"stdin\"\n[[orbit]]\nsource = \"live\"\nlisten = \"stdin\"", 6, &["[orbit] listen = \"stdin\":", "one standard input", "give this one a port"]),
+    ("[[orbit]]\nsource = \"live\"\nlisten = \"tcp://127.0.0.1:5005\"\n[[orbit]]\nsource = \"live\"\nlisten = \"ws://127.0.0.1:5005\"", 6, &["[orbit] listen = \"ws://127.0.0.1:5005\":", "another port"]),
+    ("[[orbit]]\nsource = \"live\"\nlisten = \"udp://0.0.0.0:5005\"\nallow_remote = true\n[[orbit]]\n[[orbit]]\nsource = \"live\"\nlisten = \"udp://127.0.0.1:5005\"", 8, &["[orbit] listen", "another port"]),
+    ("[[orbit]]\nsource = \"live\"\nlisten = \"stdin\"\npacing = \"lockstep\"\n[[orbit]]\nsource = \"live\"\nlisten = \"udp://127.0.0.1:5005\"\npacing = \"lockstep\"", 8, &["[orbit] pacing = \"lockstep\":", "one instant", "\"broadcast\""]),
+];
+
+#[test]
+fn bad_live_satellites_are_refused_with_file_line_key_and_remedy() {
+    let folder = Folder::new();
+    let file = folder.path("scene.toml").display().to_string();
+    let mut wrong = Vec::new();
+    for (text, line, needles) in BAD_LIVE {
+        let Err(error) = folder.load(text) else {
+            wrong.push(format!("taken: {text:?}"));
+            continue;
+        };
+        let message = error.to_string();
+        let begins = message.starts_with(&format!("{file}:{line}:"));
+        if !begins || !needles.iter().all(|needle| message.contains(needle)) {
+            wrong.push(format!("{text:?}\n  line {line}, {needles:?}\n  {message}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn live_keys_reach_the_feed() {
+    let scene = scene(
+        "[[orbit]]\nsource = \"live\"\nname = \"A\"\nlisten = \"ws://localhost:5005\"\nrate = 60\nplayback_delay_s = 0.5\n\
+         stale_after_s = 3\nextrapolate_s = 90\nextrapolation = \"linear\"\ngap_s = 30\npackets_per_s = 50\n\
+         allowed_origins = [\"https://example.org\"]\n\
+         [[orbit]]\nsource = \"live\"\nlisten = \"tcp://[::]:5006\"\nallow_remote = true\npacing = \"lockstep\"\ntimeout_s = 2.5\n\
+         [[orbit]]\nsource = \"live\"\nlisten = \"udp://127.0.0.1:5005\"\n\
+         [[orbit]]\nsource = \"live\"\nlisten = \"udp://127.0.0.1:0\"\n\
+         [[orbit]]\nsource = \"live\"\nlisten = \"udp://127.0.0.1:0\"\n\
+         [output]\nwait_s = 5",
+    );
+    let options: Vec<_> = scene
+        .orbits
+        .iter()
+        .filter_map(|orbit| orbit.live.clone())
+        .collect();
+    assert_eq!(
+        options[0],
+        LiveOptions {
+            name: "A".to_owned(),
+            rate: 60.0,
+            playback_delay_s: 0.5,
+            stale_after_s: 3.0,
+            extrapolation_limit_s: 90.0,
+            extrapolation: Extrapolation::Linear,
+            gap_s: 30.0,
+            most_packets_per_s: 50,
+            allowed_origins: vec!["https://example.org".to_owned()],
+            ..LiveOptions::new("ws://127.0.0.1:5005".parse().unwrap())
+        }
+    );
+    assert_eq!(
+        options[1],
+        LiveOptions {
+            mode: Mode::Lockstep,
+            allow_remote: true,
+            frame_timeout: std::time::Duration::from_millis(2500),
+            ..LiveOptions::new("tcp://[::]:5006".parse().unwrap())
+        }
+    );
+    assert_eq!(
+        options[2],
+        LiveOptions::new("udp://127.0.0.1:5005".parse().unwrap())
+    );
+    assert!(scene.is_live() && scene.output.wait_s == 5.0);
+    let summary = scene.summary();
+    for part in [
+        "\"ws://127.0.0.1:5005\"",
+        "[\"https://example.org\"]",
+        "not used: is for pacing = \"lockstep\"",
+        "frames that a simulator waits for, each up to 2.5 s",
+        "the time that the simulator sends",
+    ] {
+        assert!(summary.contains(part), "{part} is not in\n{summary}");
+    }
+    assert!(!summary.contains("unknown"), "{summary}");
 }
