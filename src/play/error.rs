@@ -142,13 +142,13 @@ pub enum PlayError {
     },
     /// A simulator sent nothing, or nothing more.
     #[error(
-        "nothing came from a simulator on {listens_on} within {wait_s} s; start it, or give it more time by wait_s in [output]"
+        "nothing came from a simulator on {listens_on} {when}; start it, or give it more time by wait_s in [output]"
     )]
     Silent {
         /// Where it was listened for.
         listens_on: String,
-        /// How long, seconds.
-        wait_s: f64,
+        /// How long, in words.
+        when: String,
     },
     /// A camera at a satellite, and no satellite.
     #[error("the scene has no satellite, which this needs; give it an [orbit] table")]

@@ -185,15 +185,13 @@ impl<'f> LivePlay<'f> {
 
     fn notice(&self) -> Option<String> {
         let listens_on = self.feed.listens_on();
-        let what = match self.is_lockstep() {
-            true => "frames",
-            false => "states",
+        let (what, came) = match self.is_lockstep() {
+            true => ("frames", "frame was asked for"),
+            false => ("states", "state came"),
         };
         match self.feed.freshness() {
             Freshness::Waiting => Some(format!("waiting for {what} on {listens_on}")),
-            Freshness::Stale { age_s } => {
-                Some(format!("stale: the last of {what} came {age_s:.1} s ago"))
-            }
+            Freshness::Stale { age_s } => Some(format!("stale: the last {came} {age_s:.1} s ago")),
             _ => self.fault.clone(),
         }
     }
@@ -302,7 +300,10 @@ impl Flight {
             None => {
                 return Err(PlayError::Silent {
                     listens_on: feed.listens_on().to_string(),
-                    wait_s: self.scene().output.wait_s,
+                    when: match feed.has_ended() {
+                        true => "before its end".to_owned(),
+                        false => format!("within {} s", self.scene().output.wait_s),
+                    },
                 });
             }
         };
@@ -368,3 +369,7 @@ impl Asked<'_> {
         self.feed.refuse(&self.request, reason);
     }
 }
+
+#[cfg(test)]
+#[path = "live_tests.rs"]
+mod tests;

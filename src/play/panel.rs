@@ -46,7 +46,7 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
     }
     if let Some(notice) = controls.live.as_ref().and_then(|live| live.notice.as_ref()) {
         egui::Area::new("notice".into())
-            .anchor(Align2::CENTER_TOP, Vec2::new(0.0, 16.0))
+            .anchor(Align2::RIGHT_TOP, Vec2::new(-8.0, 8.0))
             .show(context, |ui| {
                 egui::Frame::popup(ui.style()).show(ui, |ui| {
                     ui.label(RichText::new(notice).color(Color32::GOLD).size(16.0))

@@ -6,6 +6,7 @@
 
 mod bad_input;
 mod bench;
+mod live;
 mod orbit;
 mod packs;
 mod pictures;

@@ -5,14 +5,14 @@ use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 
 /// A virtual display; it ends with this value.
-struct Display {
+pub struct Display {
     server: Child,
-    name: String,
+    pub name: String,
 }
 
 impl Display {
     /// `None` where Xvfb is not installed.
-    fn start() -> Option<Self> {
+    pub fn start() -> Option<Self> {
         let started = Command::new("Xvfb")
             .args(["-displayfd", "1", "-screen", "0", "320x240x24"])
             .stdin(Stdio::null())

@@ -235,3 +235,41 @@ fn frames_come_on_standard_input() {
     // Its input stays open: the feed's thread must not hold the process.
     assert!(child.wait().unwrap().success());
 }
+
+#[test]
+fn whoever_waits_when_the_feed_ends_is_told_so() {
+    for transport in ["tcp", "udp", "pipe"] {
+        let (read, mut pipe) = std::io::pipe().unwrap();
+        let (mut answers, write) = std::io::pipe().unwrap();
+        let asked = frame(7, 1.0).to_json();
+        let feed = match transport {
+            "tcp" => open(lockstep(tcp())).0,
+            "udp" => open(lockstep(udp())).0,
+            _ => LiveFeed::from_stream(read, write, lockstep(tcp())).unwrap(),
+        };
+        let stream = (transport == "tcp").then(|| connect(feed.local_address().unwrap()));
+        let socket = UdpSocket::bind(loopback()).unwrap();
+        socket.set_read_timeout(Some(PATIENCE)).unwrap();
+        match (transport, &stream) {
+            ("tcp", Some(stream)) => send_line(stream, &frame(7, 1.0)),
+            ("udp", _) => drop(socket.send_to(asked.as_bytes(), feed.local_address().unwrap())),
+            _ => pipe.write_all(asked.as_bytes()).unwrap(),
+        }
+        feed.wait_request(PATIENCE).unwrap();
+        let begun = Instant::now();
+        drop(feed);
+        assert!(
+            begun.elapsed() < Duration::from_secs(2),
+            "{:?}",
+            begun.elapsed()
+        );
+        let mut bytes = [0; 600];
+        let length = match (transport, stream) {
+            ("tcp", Some(mut stream)) => stream.read(&mut bytes).unwrap(),
+            ("udp", _) => socket.recv(&mut bytes).unwrap(),
+            _ => answers.read(&mut bytes).unwrap(),
+        };
+        let told = String::from_utf8_lossy(&bytes[..length]);
+        assert!(told.contains("the feed is closed"), "{transport}: {told:?}");
+    }
+}

@@ -252,3 +252,40 @@ fn a_feed_that_is_dropped_frees_its_port_at_once() {
         }
     }
 }
+
+#[test]
+fn what_is_listened_on_is_written_and_read() {
+    for text in [
+        "stdin",
+        "tcp://127.0.0.1:5005",
+        "udp://[::1]:5005",
+        "ws://0.0.0.0:0",
+    ] {
+        let transport: Transport = text.parse().unwrap();
+        assert_eq!(transport.to_string(), text);
+    }
+    let named: Transport = "tcp://localhost:7".parse().unwrap();
+    assert_eq!(named.to_string(), "tcp://127.0.0.1:7");
+    for text in [
+        "",
+        "tcp",
+        "tcp://",
+        "tcp://127.0.0.1",
+        "http://127.0.0.1:5",
+        "tcp://127.0.0.1:70000",
+    ] {
+        let error = text.parse::<Transport>().unwrap_err().to_string();
+        assert!(error.contains("\"tcp://127.0.0.1:5005\""), "{error}");
+    }
+    let collide = |a: &str, b: &str| {
+        let [a, b]: [Transport; 2] = [a, b].map(|text| text.parse().unwrap());
+        assert_eq!(a.collides_with(&b), b.collides_with(&a));
+        a.collides_with(&b)
+    };
+    assert!(collide("stdin", "stdin"));
+    assert!(collide("tcp://127.0.0.1:5", "ws://0.0.0.0:5"));
+    assert!(!collide("tcp://127.0.0.1:5", "udp://127.0.0.1:5"));
+    assert!(!collide("tcp://127.0.0.1:5", "tcp://127.0.0.2:5"));
+    assert!(!collide("tcp://127.0.0.1:0", "tcp://127.0.0.1:0"));
+    assert!(!collide("stdin", "tcp://127.0.0.1:0"));
+}
