@@ -138,10 +138,7 @@ pub(super) fn open(
 fn live(options: &LiveOptions, ears: Ears) -> Result<Tracked, LiveError> {
     let feed = match ears {
         Ears::Open => LiveFeed::open(options.clone())?,
-        Ears::Shut => {
-            let (nothing, nobody) = (std::io::empty(), std::io::sink());
-            LiveFeed::from_stream(nothing, nobody, options.clone())?
-        }
+        Ears::Shut => LiveFeed::deaf(options.clone())?,
     };
     if ears == Ears::Open {
         tracing::info!("{} is waited for on {}", options.name, feed.listens_on());

@@ -24,7 +24,8 @@ const LOCKSTEP: &str = "pacing = \"lockstep\"\ntimeout_s = 60";
 fn line(message: &str, seq: u64) -> String {
     let (radius_m, rate): (f64, f64) = (6_778_137.0, 0.001_131_367);
     let minute = 5 * seq % 60;
-    let (sin, cos) = (minute as f64 * 60.0 * rate).sin_cos();
+    // It begins in the morning: at night one picture is as black as the other.
+    let (sin, cos) = (minute as f64 * 60.0 * rate - 2.0).sin_cos();
     let (x, y) = (cos * radius_m, sin * radius_m);
     let (vx, vy) = (-y * rate, x * rate);
     format!(

@@ -152,6 +152,17 @@ impl LiveFeed {
         Ok(Self::of(shared, None, None))
     }
 
+    /// One that never hears anything: to look at a set-up without taking its port.
+    ///
+    /// # Errors
+    /// A setting out of its range, an address that other machines reach.
+    pub fn deaf(options: LiveOptions) -> Result<Self, LiveError> {
+        options.check()?;
+        let shared = Arc::new(Shared::new(options));
+        shared.end();
+        Ok(Self::of(shared, None, None))
+    }
+
     fn of(
         shared: Arc<Shared>,
         address: Option<SocketAddr>,
