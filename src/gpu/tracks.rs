@@ -140,21 +140,23 @@ impl TracksDrawable {
             immediate_size: 0,
         });
         let mut shader_bytes = 0;
-        let mut batch = |is_wanted, feature, label, buffers: &[_]| {
-            if !is_wanted {
-                return Ok(None);
-            }
-            let encode = format.stores_display_values();
-            let features = [(feature, feature != LINES), ("encode", encode)];
-            let (module, bytes) = ShaderVariant::new(TRACKS_SHADER, &features).module(device)?;
-            shader_bytes += bytes;
-            Ok(Some(Batch {
-                pipeline: pipeline(device, &pipeline_layout, &module, format, label, buffers),
-                buffer: None,
-                label,
-                count: 0,
-            }))
-        };
+        let mut batch =
+            |is_wanted: bool, feature: &'static str, label: &'static str, buffers: &[_]| {
+                if !is_wanted {
+                    return Ok::<_, ShaderError>(None);
+                }
+                let encode = format.stores_display_values();
+                let features = [(feature, feature != LINES), ("encode", encode)];
+                let (module, bytes) =
+                    ShaderVariant::new(TRACKS_SHADER, &features).module(device)?;
+                shader_bytes += bytes;
+                Ok(Some(Batch {
+                    pipeline: pipeline(device, &pipeline_layout, &module, format, label, buffers),
+                    buffer: None,
+                    label,
+                    count: 0,
+                }))
+            };
         let point = size_of::<LinePoint>();
         let lines = [
             instances(point, &LINE_BEFORE),
@@ -203,10 +205,10 @@ impl TracksDrawable {
             }
             batch.count = count as u32;
         }
-        for batch in &mut self.marks {
+        if let Some(batch) = &mut self.marks {
             bytes += batch.write(device, queue, marks, marks.len());
         }
-        for batch in &mut self.fills {
+        if let Some(batch) = &mut self.fills {
             bytes += batch.write(device, queue, fills, fills.len());
         }
         bytes
@@ -214,7 +216,7 @@ impl TracksDrawable {
 
     /// Draws what lies beyond the near boundary of the air, before the air is drawn. Fills lie there: the ground does.
     pub fn render_beyond_air(&self, pass: &mut wgpu::RenderPass<'_>) {
-        for batch in &self.fills {
+        if let Some(batch) = &self.fills {
             batch.render(pass, &self.bind_groups[0]);
         }
         self.render(pass, &self.bind_groups[0]);
@@ -237,7 +239,7 @@ impl TracksDrawable {
             }
             pass.draw(0..4, 0..batch.count);
         }
-        for batch in &self.marks {
+        if let Some(batch) = &self.marks {
             batch.render(pass, side);
         }
     }

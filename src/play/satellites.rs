@@ -13,10 +13,11 @@ use crate::orbit::{
 use crate::scene::limits::YEARS;
 use crate::scene::{Forces, Motion, Orbit, OrbitSource, Scene, Start, StartForm};
 use std::path::Path;
+use std::sync::Arc;
 
 /// A satellite of a scene.
 pub struct Tracked {
-    feed: Box<dyn Feed>,
+    feed: Arc<dyn Feed>,
     elements: Option<MeanElements>,
     faults: Vec<String>,
     faults_left_out: usize,
@@ -25,7 +26,7 @@ pub struct Tracked {
 impl Tracked {
     fn of(feed: impl Feed + 'static) -> Self {
         Self {
-            feed: Box::new(feed),
+            feed: Arc::new(feed),
             elements: None,
             faults: Vec::new(),
             faults_left_out: 0,
@@ -40,6 +41,11 @@ impl Tracked {
     /// Its motion.
     pub fn feed(&self) -> &dyn Feed {
         self.feed.as_ref()
+    }
+
+    /// The same, to be kept beside the flight.
+    pub fn shared_feed(&self) -> Arc<dyn Feed> {
+        Arc::clone(&self.feed)
     }
 
     /// The mean elements that it flies by, if it is flown by SGP4.

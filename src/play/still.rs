@@ -50,6 +50,7 @@ pub fn write_still(
     progress.end();
     progress.begin("drawing", None);
     let mut picture = Picture::open(gpu, options, size)?;
+    picture.show_tracks(flight)?;
     let (_, missing) = picture.draw_complete(&moment, scene.output.wait());
     tell_missing(&missing);
     let numbers = match &stats {

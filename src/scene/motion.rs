@@ -1,5 +1,6 @@
 //! What `[orbit]` comes to.
 
+use super::Track;
 use crate::frames::Epoch;
 use crate::orbit::Frame;
 use crate::orbit::kepler::Elements;
@@ -20,6 +21,8 @@ pub struct Orbit {
     pub strict: bool,
     /// The motion that the scene itself describes: for [`OrbitSource::Kepler`] and [`OrbitSource::Numerical`].
     pub motion: Option<Motion>,
+    /// What is drawn of it.
+    pub track: Track,
 }
 
 impl Orbit {
@@ -31,6 +34,7 @@ impl Orbit {
             name: None,
             strict: false,
             motion: None,
+            track: Track::default(),
         }
     }
 }

@@ -90,6 +90,26 @@ table!(RawOrbit {
     cd: f64 = "a number",
     cr: f64 = "a number",
     tolerance: f64 = "a number",
+    color: String = "a string, \"#\" and six hexadecimal digits",
+    // Any value: true, false or a table.
+    trail: toml::Value = "true, false or { before_min = 90, after_min = 45 }",
+    ground_track: toml::Value = "true, false or { before_min = 90, after_min = 45 }",
+    marker: bool = "true or false",
+    subpoint: bool = "true or false",
+    footprint: bool = "true or false",
+    sensor_half_angle_deg: f64 = "a number of degrees",
+    footprint_fill: bool = "true or false",
+});
+
+table!(RawTracks {
+    trail: toml::Value = "true, false or { before_min = 90, after_min = 45 }",
+    ground_track: toml::Value = "true, false or { before_min = 90, after_min = 45 }",
+    marker: bool = "true or false",
+    subpoint: bool = "true or false",
+    footprint: bool = "true or false",
+    sensor_half_angle_deg: f64 = "a number of degrees",
+    footprint_fill: bool = "true or false",
+    width_px: f64 = "a number of pixels",
 });
 
 /// `[orbit]`, or `[[orbit]]` as often as there are satellites.
@@ -173,6 +193,7 @@ table!(RawQuality {
 pub(super) struct RawScene {
     pub(super) time: Option<RawTime>,
     pub(super) orbit: Option<RawOrbits>,
+    pub(super) tracks: Option<RawTracks>,
     pub(super) camera: Option<RawCamera>,
     pub(super) earth: Option<RawEarth>,
     pub(super) output: Option<RawOutput>,
@@ -188,6 +209,10 @@ pub(super) const TABLES: &[Table] = &[
     Table {
         name: "orbit",
         keys: RawOrbit::KEYS,
+    },
+    Table {
+        name: "tracks",
+        keys: RawTracks::KEYS,
     },
     Table {
         name: "camera",

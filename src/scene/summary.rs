@@ -94,6 +94,7 @@ impl Scene {
                 let orbit = self.orbits.first().ok_or(NO_ORBIT)?;
                 orbit_summary::value(orbit, key)
             }
+            ("tracks", key) => self.tracks_value(key),
             ("camera", "follow") => match &camera.follow {
                 Some(name) => quoted(name),
                 None if self.orbits.is_empty() => Err(NO_ORBIT),
@@ -172,6 +173,7 @@ impl Scene {
                 .to_owned(),
         }));
         uses.extend(self.orbit_uses());
+        uses.extend(self.track_uses());
         let camera = &self.camera;
         let eye = match camera.mode {
             CameraMode::Nadir => format!(
