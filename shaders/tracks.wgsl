@@ -47,12 +47,20 @@ fn scaled(metres: vec3f) -> vec3f {
     return metres * vec3f(1.0, 1.0, track.frame.polar_stretch) / track.frame.radius_m;
 }
 
-// What part of a pixel's light comes from a thing at `from_eye`, which is on or above the ground: none where the ray has
-// met the ellipsoid before it, that is, where it passes nearer than 1 and the thing lies beyond its nearest point. Half
-// of it on the limb itself; `edge` is the change of q from pixel to pixel.
-fn in_sight(ray: Ray, edge: f32, from_eye: vec3f) -> f32 {
-    let covered = saturate((1.0 - ray.q) / max(edge, 1e-12) + 0.5);
-    return select(1.0, 1.0 - covered, dot(from_eye, ray.direction) > ray.along);
+// How much of a pixel lies where `inside` is above 0, by its change from pixel to pixel.
+fn covered(inside: f32, change: f32) -> f32 {
+    return saturate(inside / max(change, 1e-12) + 0.5);
+}
+
+// What part of a pixel's light comes from a thing at `from_eye`. Above the ground: none where the ray has met the
+// ellipsoid before it, that is, where it passes nearer than 1 and the thing lies beyond its nearest point. On the ground:
+// none where the ground faces away, p·e < 1; by the thing's own place, because rays beside it may miss the globe.
+fn in_sight(ray: Ray, from_eye: vec3f, flags: u32) -> f32 {
+    let globe = covered(1.0 - ray.q, fwidth(ray.q));
+    let facing = dot(from_eye, track.frame.eye_scaled) + track.frame.above;
+    let faces = covered(facing, fwidth(facing));
+    let before = select(1.0, 1.0 - globe, dot(from_eye, ray.direction) > ray.along);
+    return select(before, faces, (flags & ON_GROUND) != 0u);
 }
 
 // Whether a thing lies on the side of the air's near boundary that is drawn now. A ray that meets no air has none beyond.
@@ -138,7 +146,8 @@ fn vertex(@builtin(vertex_index) index: u32, in: MarkInstance) -> Varying {
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
     let ray = ray_of(in.clip.xy);
-    let edge = fwidth(ray.q);
+    // A mark is so small that it is hidden or seen as a whole where it lies on the ground.
+    let seen = in_sight(ray, in.from_eye, in.flags);
     if !is_on_side(ray, in.from_eye) {
         discard;
     }
@@ -148,7 +157,7 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     if (in.flags & ON_GROUND) != 0u {
         inside_px = max(0.9 - abs(r - in.radius_px), 1.2 - r);
     }
-    return cased(in.color, inside_px, in_sight(ray, edge, in.from_eye));
+    return cased(in.color, inside_px, seen);
 }
 #else
 #if fill
@@ -185,11 +194,6 @@ fn vertex(@builtin(vertex_index) index: u32, in: FillInstance) -> Varying {
     out.tangent = in.tangent;
     out.color = vec4f(target_color(in.color.rgb), in.color.a);
     return out;
-}
-
-// How much of a pixel lies where `inside` is above 0, by its change from pixel to pixel.
-fn covered(inside: f32, change: f32) -> f32 {
-    return saturate(inside / max(change, 1e-12) + 0.5);
 }
 
 @fragment
@@ -234,6 +238,7 @@ struct Varying {
     @location(2) color: vec4f,
     @location(3) across_px: f32,
     @location(4) @interpolate(flat) half_width_px: f32,
+    @location(5) @interpolate(flat) flags: u32,
 }
 
 fn clip_of(from_eye_m: vec3f) -> vec4f {
@@ -302,6 +307,7 @@ fn vertex(@builtin(vertex_index) index: u32, in: Segment) -> Varying {
     }
     var out: Varying;
     out.half_width_px = in.half_width_px;
+    out.flags = in.b_flags;
     out.across_px = side * (in.half_width_px + CASING_PX + 1.0);
     let color = mix(in.a_color, in.b_color, t);
     out.color = vec4f(target_color(color.rgb), color.a);
@@ -319,12 +325,12 @@ fn vertex(@builtin(vertex_index) index: u32, in: Segment) -> Varying {
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
     let ray = ray_of(in.clip.xy);
-    let edge = fwidth(ray.q);
     let from_eye = in.from_eye_over_w / in.one_over_w;
+    let seen = in_sight(ray, from_eye, in.flags);
     if !is_on_side(ray, from_eye) {
         discard;
     }
-    return cased(in.color, in.half_width_px - abs(in.across_px), in_sight(ray, edge, from_eye));
+    return cased(in.color, in.half_width_px - abs(in.across_px), seen);
 }
 #endif
 #endif

@@ -21,7 +21,11 @@ impl Scene {
             };
             line(&mut out, format_args!("\n{head}"));
             for key in table.keys {
-                let from = match self.line(table.name, key.name) {
+                let common = || match table.name {
+                    "orbit" => self.line("tracks", key.name),
+                    _ => None,
+                };
+                let from = match self.line(table.name, key.name).or_else(common) {
                     Some(number) => format!("line {number} of the file"),
                     None => "default".to_owned(),
                 };
@@ -60,7 +64,8 @@ impl Scene {
         for (index, orbit) in self.orbits.iter().enumerate().skip(1) {
             line(out, format_args!("\n[[orbit]]"));
             for key in table.keys {
-                let from = match self.orbit_line(index, key.name) {
+                let line_of = self.orbit_line(index, key.name);
+                let from = match line_of.or_else(|| self.line("tracks", key.name)) {
                     Some(number) => format!("line {number} of the file"),
                     None => "default".to_owned(),
                 };
