@@ -32,6 +32,7 @@
 //! | [`scene`] | the TOML file, defaults, checks with line and key | GPU |
 //! | [`gpu`] | adapter, targets, shaders, one file per drawable | files, orbits |
 //! | [`earth`] | the façade | the command |
+//! | [`tracks`] | trails, ground tracks, footprints and markers of feeds | files, the command |
 //! | `play` | clock, cameras, window, stills, video | |
 //! | `measure` | harness, reference renderer, error against run time, stability | |
 //! | `cli` | arguments, progress, exit codes | mathematics |
@@ -115,6 +116,7 @@ pub mod orbit;
 #[cfg(feature = "command")]
 pub mod play;
 pub mod scene;
+pub mod tracks;
 
 pub use air::Atmosphere;
 pub use earth::{

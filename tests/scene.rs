@@ -2,6 +2,8 @@
 
 #[path = "scene/orbits.rs"]
 mod orbits;
+#[path = "scene/tracks.rs"]
+mod tracks;
 
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
@@ -56,7 +58,7 @@ const BAD: &[Bad] = &[
     ("[camera]\nspeed = 45", 2, &["[camera] speed:", "belongs in [time]"]),
     ("[output]\nqwxz = 1", 2, &["[output] qwxz: unknown key.", "[output] has size, samples"]),
     ("[time]\n\n[camra]\nmode = \"nadir\"", 3, &["[camra]:", "did you mean [camera]?"]),
-    ("[weather]\nrain = true", 1, &["[weather]: unknown table", "[time], [orbit], [camera], [earth], [output]"]),
+    ("[weather]\nrain = true", 1, &["[weather]: unknown table", "[time], [orbit], [tracks], [camera], [earth], [output]"]),
     ("fov_deg = 45\n[time]", 1, &["fov_deg:", "outside its table", "[camera]"]),
     ("cloud = false", 1, &["cloud: unknown key", "did you mean clouds in [earth]?"]),
     ("\"\\u001b[31m\" = 1", 1, &["\\u{1b}[31m: unknown key"]),

@@ -2,7 +2,9 @@
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use std::mem::offset_of;
-use terrella::gpu::{AIR_SHADER, AirFrame, EARTH_SHADER, Frame, ShaderVariant};
+use terrella::gpu::{
+    AIR_SHADER, AirFrame, EARTH_SHADER, Frame, ShaderVariant, TRACKS_SHADER, TrackFrame,
+};
 
 fn module(variant: &ShaderVariant) -> Result<naga::Module, String> {
     let source = variant.source().map_err(|e| e.to_string())?;
@@ -48,6 +50,7 @@ fn every_variant_compiles() {
         AIR_SHADER,
         &["inside", "depth", "standard_z", "encode"],
     ));
+    all.extend(variants(TRACKS_SHADER, &["marks", "fill", "encode"]));
     let failures: Vec<_> = all
         .iter()
         .filter_map(|variant| {
@@ -129,6 +132,26 @@ fn a_picture_s_shader_draws_no_places() {
     assert!(text(true).contains(places) && !text(false).contains(places));
 }
 
+/// Lines, marks and fills: each has its own text and nothing of the others.
+#[test]
+fn a_kind_of_track_brings_no_other() {
+    let text = |features: &[_]| {
+        ShaderVariant::new(TRACKS_SHADER, features)
+            .source()
+            .unwrap()
+    };
+    let kinds = [
+        (text(&[]), "struct Segment"),
+        (text(&[("marks", true)]), "struct MarkInstance"),
+        (text(&[("fill", true)]), "struct FillInstance"),
+    ];
+    for (k, (text, _)) in kinds.iter().enumerate() {
+        for (other, (_, word)) in kinds.iter().enumerate() {
+            assert_eq!(text.contains(word), k == other, "{word} in text {k}");
+        }
+    }
+}
+
 /// Member offsets and size of a struct as naga lays it out.
 fn reflected(variant: &ShaderVariant, name: &str) -> (Vec<(String, usize)>, usize) {
     let module = module(variant).unwrap();
@@ -177,6 +200,13 @@ fn uniform_structs_match_the_shaders() {
             air_below
         ]
     );
+    for features in [&[][..], &[("marks", true)], &[("fill", true)]] {
+        check!(
+            ShaderVariant::new(TRACKS_SHADER, features),
+            TrackFrame,
+            [frame, size_px, air_top, side]
+        );
+    }
     check!(
         ShaderVariant::new(AIR_SHADER, &[]),
         AirFrame,

@@ -108,6 +108,91 @@ fn prepare_allocates_nothing_of_its_own() {
     assert!(worst <= most, "{worst} allocations, {most} of them wgpu's");
 }
 
+/// Tracks of three satellites that fly on: curves grow at one end and end at the other, in the room that they have.
+#[test]
+fn tracks_allocate_nothing_of_their_own() {
+    use std::time::{Duration, Instant};
+    use terrella::frames::{Duration as Span, Orientation, utc_from_rfc3339};
+    use terrella::orbit::{Feed, Sgp4Feed};
+    use terrella::tracks::{Footprint, TrackMoment, TrackSpan, TrackStyle, Tracks, TracksOptions};
+    let gpu = common::gpu();
+    let options = EarthOptions::new(common::plain([90, 90, 90]));
+    let style = TrackStyle {
+        trail: Some(TrackSpan::TRAIL),
+        ground_track: Some(TrackSpan::GROUND_TRACK),
+        footprint: Some(Footprint {
+            half_angle_rad: Some(0.5),
+            is_filled: true,
+        }),
+        subpoint: true,
+        marker: true,
+        ..TrackStyle::new(0)
+    };
+    let mut tracks =
+        Tracks::new(&gpu.device, &TracksOptions::of(&options), &[style; 3]).expect("tracks");
+    let feeds = [(); 3].map(|()| Sgp4Feed::built_in_iss().expect("elements"));
+    let start = utc_from_rfc3339("2018-01-19T00:30:00Z").expect("a date");
+    let view = common::down(Geodetic::from_degrees(10.0, 20.0, 2e7), 50.0, 1.6);
+    let flush = || {
+        gpu.queue.submit([]);
+        gpu.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .expect("a device");
+    };
+    let (mut frame, mut uploaded) = (0_u32, 0);
+    let mut draw = |tracks: &mut Tracks| {
+        frame += 1;
+        let moment = TrackMoment {
+            epoch: start + Span::from_seconds(2.0 * f64::from(frame)),
+            orientation: Orientation::default(),
+            view: &view,
+            target: (640, 400).into(),
+        };
+        let feeds = feeds.iter().map(|feed| feed as &dyn Feed);
+        let stats = tracks.prepare(&gpu.queue, &moment, feeds);
+        uploaded = stats.uploaded_bytes;
+        stats
+    };
+    let first = draw(&mut tracks);
+    assert!(!first.is_complete, "more states than one frame may ask for");
+    for _ in 0..60 {
+        draw(&mut tracks);
+        flush();
+    }
+    let (mut worst, mut longest, mut whole) = (0, Duration::ZERO, Duration::ZERO);
+    for _ in 0..200 {
+        let begin = Instant::now();
+        let mut complete = false;
+        let count = allocations(|| complete = draw(&mut tracks).is_complete);
+        let took = begin.elapsed();
+        assert!(complete);
+        (worst, longest, whole) = (worst.max(count), longest.max(took), whole + took);
+        flush();
+    }
+    // Five writes: two frames, lines, marks, fills.
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("terrella test"),
+        size: uploaded,
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut most = 0;
+    for size in [160, 160, uploaded - 800, 144, 192] {
+        let bytes = vec![0_u8; size as usize & !3];
+        let write = || {
+            let count = allocations(|| gpu.queue.write_buffer(&buffer, 0, &bytes));
+            flush();
+            count
+        };
+        most += (0..8).map(|_| write()).max().expect("eight");
+    }
+    println!(
+        "{worst} allocations at most, {most} by wgpu's five writes; {uploaded} bytes; mean {:?}, longest {longest:?}",
+        whole / 200
+    );
+    assert!(worst <= most, "{worst} allocations, {most} of them wgpu's");
+}
+
 #[test]
 fn choosing_and_staging_allocate_nothing_at_all() {
     use terrella::globe::{BlockGrid, Visibility, select_blocks};

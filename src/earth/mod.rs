@@ -31,7 +31,7 @@ use std::time::{Duration, Instant};
 use tiles::{Eye, TileDriver};
 pub use tiles::{TILED_SUBDIVISION, TileOptions};
 pub use view::{EyeView, Viewport, infinite_reversed_z};
-use view::{PixelRays, can_be_drawn};
+pub(crate) use view::{PixelRays, can_be_drawn};
 
 /// What lights the Earth.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -51,7 +51,7 @@ impl EyeView {
     }
 
     /// The rays of a target's pixels, ITRF axes.
-    pub(super) fn pixel_rays(&self, viewport: Viewport) -> PixelRays {
+    pub(crate) fn pixel_rays(&self, viewport: Viewport) -> PixelRays {
         let itrf_from_view =
             self.itrf_from_world.matrix3 * DMat3::from_quat(self.view_from_world.inverse());
         let axes = [
@@ -99,7 +99,7 @@ impl From<(u32, u32)> for Viewport {
 }
 
 /// Rays on the plane one unit in front of the eye: through pixel (0, 0)'s corner, and to the next pixel.
-pub(super) struct PixelRays {
+pub(crate) struct PixelRays {
     pub corner: DVec3,
     pub right: DVec3,
     pub down: DVec3,
@@ -119,7 +119,7 @@ const FARTHEST_M: f64 = 1e24;
 
 /// Whether an eye, its matrix to clip space and its pixels' rays give a picture. None of a matrix without an inverse: it
 /// shows all the world in one line or point, and what a pixel looks at cannot be said.
-pub(super) fn can_be_drawn(eye_itrf_m: DVec3, clip_from_eye: &DMat4, rays: &PixelRays) -> bool {
+pub(crate) fn can_be_drawn(eye_itrf_m: DVec3, clip_from_eye: &DMat4, rays: &PixelRays) -> bool {
     // Comparing with a number that is none is false.
     eye_itrf_m.abs().max_element() < FARTHEST_M
         && eye_itrf_m.is_finite()

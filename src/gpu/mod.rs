@@ -10,19 +10,25 @@ mod surface;
 mod targets;
 mod tiles;
 mod timer;
+mod tracks;
 mod uniforms;
 
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
-pub use shader::{AIR_SHADER, EARTH_SHADER, ShaderError, ShaderVariant};
+pub use shader::{AIR_SHADER, EARTH_SHADER, ShaderError, ShaderVariant, TRACKS_SHADER};
 pub use targets::{
     Attachments, FrameTargets, PassPart, PictureError, color_texture, read_floats, read_texture,
 };
 pub use timer::{GpuTimer, TimerError};
+pub use tracks::TrackFrame;
 pub use uniforms::{AirFrame, Frame};
 
 pub(crate) use air::AirDrawable;
 use layers::GpuLayer;
 pub(crate) use surface::{SurfaceDrawable, SurfaceLook};
+pub(crate) use tracks::{
+    FROM_PREVIOUS as TRACK_FROM_PREVIOUS, Fill, LinePoint, Mark, ON_GROUND as TRACK_ON_GROUND,
+    TrackKinds, TracksDrawable,
+};
 
 /// The depth buffer of the pass that the Earth is drawn in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

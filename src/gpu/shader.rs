@@ -13,10 +13,13 @@ use std::collections::BTreeSet;
 pub const EARTH_SHADER: &str = "earth.wgsl";
 /// The air's shader file.
 pub const AIR_SHADER: &str = "air.wgsl";
+/// The shader file of satellites' tracks.
+pub const TRACKS_SHADER: &str = "tracks.wgsl";
 
 const FILES: &[(&str, &str)] = &[
     (EARTH_SHADER, include_str!("../../shaders/earth.wgsl")),
     (AIR_SHADER, include_str!("../../shaders/air.wgsl")),
+    (TRACKS_SHADER, include_str!("../../shaders/tracks.wgsl")),
     (
         "common/air.wgsl",
         include_str!("../../shaders/common/air.wgsl"),
@@ -46,6 +49,8 @@ const FEATURES: &[&str] = &[
     "depth",
     "standard_z",
     "places",
+    "marks",
+    "fill",
 ];
 
 /// What is wrong with a shader file.

@@ -40,6 +40,11 @@ impl FrameTargets {
         (self.picture.width(), self.picture.height())
     }
 
+    /// The picture, one sample a pixel: for passes over what is drawn.
+    pub fn picture_view(&self) -> &wgpu::TextureView {
+        &self.view
+    }
+
     /// Begins a pass that clears colour to black (space) and depth to 0 (infinitely far, reversed Z).
     pub fn begin_pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
         self.begin_part(encoder, PassPart::default(), None)

@@ -62,7 +62,8 @@ impl Frame {
         matches!(self, Self::Pef | Self::Itrf)
     }
 
-    fn itrf_from(self, epoch: Epoch, orientation: &Orientation) -> DMat3 {
+    /// Rotation that takes these axes to ITRF axes at `epoch`.
+    pub fn itrf_from(self, epoch: Epoch, orientation: &Orientation) -> DMat3 {
         match self {
             Self::Itrf => DMat3::IDENTITY,
             Self::Pef => itrf_from_pef(orientation),

@@ -12,6 +12,7 @@ use crate::orbit::OrbitError;
 use crate::orbit::kepler::KeplerError;
 use crate::orbit::numerical::NumericalError;
 use crate::scene::SceneError;
+use crate::tracks::TracksError;
 use std::path::PathBuf;
 
 /// What can go wrong between a scene and a picture. The messages are those of the rooms they come from.
@@ -24,6 +25,9 @@ pub enum PlayError {
     /// The orbit's elements, or SGP4 at some instant.
     #[error(transparent)]
     Orbit(#[from] OrbitError),
+    /// The tracks of the scene's satellites.
+    #[error(transparent)]
+    Tracks(#[from] TracksError),
     /// The table of the Earth's orientation.
     #[error(transparent)]
     EarthOrientation(#[from] EarthOrientationError),

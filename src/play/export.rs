@@ -88,6 +88,7 @@ pub fn export(
     let has_tiles = options.tiles.is_some();
     progress.end();
     let mut picture = Picture::open(gpu, options, size)?;
+    picture.show_tracks(flight)?;
     tracing::info!(
         "{frame_count} frames of {} × {} on {}",
         size.0,

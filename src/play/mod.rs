@@ -14,6 +14,7 @@
 //! | `ephemeris` | where its satellites are, as tables and messages |
 //! | `maps` | the scene's maps: a folder or a pack |
 //! | `craft/` | the spacecraft that the chase camera follows |
+//! | `tracks/` | trails, ground tracks, footprints and names of its satellites |
 //! | `picture`, `still`, `stats`, `export`, `video/` | pictures, their numbers, films |
 //! | `destination` | files that are whole or not there |
 //! | `window`, `stage`, `surface`, `overlay`, `panel`, `controls`, `keys` | the window |
@@ -41,6 +42,7 @@ mod stage;
 mod stats;
 mod still;
 mod surface;
+mod tracks;
 mod video;
 mod window;
 

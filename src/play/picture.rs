@@ -2,9 +2,11 @@
 
 use super::craft::CraftLayer;
 use super::error::PlayError;
-use super::flight::Moment;
+use super::flight::{Flight, Moment};
+use super::tracks::{Effort, TracksLayer};
 use crate::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart};
 use crate::imagery::tile::TileKey;
+use crate::tracks::TracksOptions;
 use crate::{Earth, EarthOptions, EyeView, FrameStats};
 use image::RgbaImage;
 use std::time::{Duration, Instant};
@@ -17,6 +19,8 @@ pub struct Picture {
     gpu: GpuContext,
     earth: Earth,
     craft: CraftLayer,
+    tracks: Option<TracksLayer>,
+    tracks_options: TracksOptions,
     targets: FrameTargets,
     samples: u32,
 }
@@ -50,9 +54,17 @@ impl Picture {
             gpu,
             earth,
             craft: CraftLayer::new(&options),
+            tracks: None,
+            tracks_options: TracksOptions::of(&options),
             targets,
             samples: options.samples,
         })
+    }
+
+    /// Draws the tracks of a flight's satellites from now on, where its scene asks for any.
+    pub fn show_tracks(&mut self, flight: &Flight) -> Result<(), PlayError> {
+        self.tracks = TracksLayer::of(flight, &self.gpu, &self.tracks_options)?;
+        Ok(())
     }
 
     /// Width and height, pixels.
@@ -100,7 +112,7 @@ impl Picture {
         let (mut stats, missing) =
             self.earth
                 .prepare_complete(&self.gpu.queue, view, sky, size, wait);
-        self.craft.prepare(&self.gpu, moment, &mut stats);
+        self.prepare_others(moment, &mut stats);
         self.submit();
         (stats, missing)
     }
@@ -135,7 +147,7 @@ impl Picture {
         })
     }
 
-    /// Draws an instant in two passes, "surface" (with the craft, where there is one) and "air", and reads how long each
+    /// Draws an instant in two passes, "surface" (with the craft and what of tracks lies beyond the air, where there are any) and "air", and reads how long each
     /// took on the device, milliseconds. Clearing counts to the first and resolving samples to the last.
     ///
     /// Two passes and the writing of times cost time themselves: not for frames whose whole time is wanted.
@@ -163,6 +175,12 @@ impl Picture {
             } else {
                 self.craft.render(&mut pass);
                 self.earth.render_surface(&mut pass);
+                if let Some(tracks) = &self.tracks {
+                    tracks.render_beyond_air(&mut pass);
+                }
+            }
+            if let Some(tracks) = self.tracks.as_ref().filter(|_| part.is_last) {
+                tracks.render_before_air(&mut pass);
             }
         }
         timer.resolve(&mut encoder, count);
@@ -176,8 +194,16 @@ impl Picture {
         let mut stats = self
             .earth
             .prepare(&self.gpu.queue, &moment.view, &moment.sky, size);
-        self.craft.prepare(&self.gpu, moment, &mut stats);
+        self.prepare_others(moment, &mut stats);
         stats
+    }
+
+    fn prepare_others(&mut self, moment: &Moment, stats: &mut FrameStats) {
+        self.craft.prepare(&self.gpu, moment, stats);
+        let size = self.size();
+        if let Some(tracks) = &mut self.tracks {
+            tracks.prepare(&self.gpu, moment, size, Effort::Kept, stats);
+        }
     }
 
     /// Times a pass into the same textures that draws something else in place of the Earth, the device waited for.
@@ -191,11 +217,24 @@ impl Picture {
         Ok(begin.elapsed())
     }
 
-    fn submit(&self) {
-        self.submit_pass(|pass| {
-            self.craft.render(pass);
-            self.earth.render(pass);
-        });
+    fn submit(&mut self) {
+        let mut encoder = self.encoder();
+        let mut pass = self.targets.begin_pass(&mut encoder);
+        self.craft.render(&mut pass);
+        self.earth.render_surface(&mut pass);
+        if let Some(tracks) = &self.tracks {
+            tracks.render_beyond_air(&mut pass);
+        }
+        self.earth.render_air(&mut pass);
+        if let Some(tracks) = &self.tracks {
+            tracks.render_before_air(&mut pass);
+        }
+        drop(pass);
+        let size = self.size();
+        if let Some(tracks) = &mut self.tracks {
+            tracks.write_names(&self.gpu, &mut encoder, self.targets.picture_view(), size);
+        }
+        self.gpu.queue.submit([encoder.finish()]);
     }
 
     fn submit_pass(&self, draw: impl FnOnce(&mut wgpu::RenderPass<'_>)) {

@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 /// A satellite of a scene.
 pub struct Tracked {
-    feed: Box<dyn Feed>,
+    feed: Arc<dyn Feed>,
     elements: Option<MeanElements>,
     live: Option<Arc<LiveFeed>>,
     faults: Vec<String>,
@@ -35,7 +35,7 @@ pub(super) enum Ears {
 impl Tracked {
     fn of(feed: impl Feed + 'static) -> Self {
         Self {
-            feed: Box::new(feed),
+            feed: Arc::new(feed),
             elements: None,
             live: None,
             faults: Vec::new(),
@@ -51,6 +51,11 @@ impl Tracked {
     /// Its motion.
     pub fn feed(&self) -> &dyn Feed {
         self.feed.as_ref()
+    }
+
+    /// The same, to be kept beside the flight.
+    pub fn shared_feed(&self) -> Arc<dyn Feed> {
+        Arc::clone(&self.feed)
     }
 
     /// The mean elements that it flies by, if it is flown by SGP4.

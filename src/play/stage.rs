@@ -11,10 +11,12 @@ use super::overlay::{Overlay, Response};
 use super::panel::{self, PanelData};
 use super::progress::Progress;
 use super::surface::WindowSurface;
+use super::tracks::{Effort, TracksLayer};
 use super::window::WindowError;
 use crate::frames::rfc3339;
 use crate::gpu::{GpuContext, read_texture};
 use crate::scene::limits::EDGE_SAMPLES;
+use crate::tracks::TracksOptions;
 use crate::{Earth, EyeView, FrameStats, Governor, Quality};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -35,6 +37,7 @@ pub struct Stage {
     surface: WindowSurface,
     earth: Earth,
     craft: CraftLayer,
+    tracks: Option<TracksLayer>,
     gpu: GpuContext,
     window: Arc<Window>,
     device_lost: Arc<AtomicBool>,
@@ -139,6 +142,7 @@ impl Stage {
             surface,
             earth,
             craft: CraftLayer::new(&options),
+            tracks: TracksLayer::of(flight, &gpu, &TracksOptions::of(&options))?,
             gpu,
             window,
             device_lost,
@@ -179,12 +183,15 @@ impl Stage {
         self.has_tiles
     }
 
-    /// Whether the last picture still waits for tiles.
+    /// Whether the last picture still waits for tiles, or for tracks to be whole.
     pub fn is_loading(&self) -> bool {
-        self.last.is_some_and(|(_, stats)| {
-            let tiles = stats.tiles;
-            tiles.queued + tiles.loading + tiles.waiting_upload > 0
-        })
+        let tracks = self.tracks.as_ref();
+        let is_growing = tracks.is_some_and(|tracks| !tracks.is_complete());
+        is_growing
+            || self.last.is_some_and(|(_, stats)| {
+                let tiles = stats.tiles;
+                tiles.queued + tiles.loading + tiles.waiting_upload > 0
+            })
     }
 
     /// Says where the eye will be soon.
@@ -311,6 +318,12 @@ impl Stage {
         let samples = self.earth.quality().samples;
         self.surface.set_samples(&self.gpu.device, samples);
         self.craft.set_samples(samples);
+        if let Some(tracks) = &mut self.tracks
+            && let Err(error) = tracks.set_samples(samples)
+        {
+            tracing::warn!("tracks are no longer drawn: {error}");
+            self.tracks = None;
+        }
         changed.is_ok()
     }
 
@@ -359,9 +372,23 @@ impl Stage {
             .earth
             .prepare(&self.gpu.queue, &moment.view, &moment.sky, size);
         self.craft.prepare(&self.gpu, moment, &mut stats);
+        if let Some(tracks) = &mut self.tracks {
+            tracks.prepare(&self.gpu, moment, size, Effort::Live, &mut stats);
+        }
         let mut pass = self.surface.begin_pass(encoder, view);
         self.craft.render(&mut pass);
-        self.earth.render(&mut pass);
+        self.earth.render_surface(&mut pass);
+        if let Some(tracks) = &self.tracks {
+            tracks.render_beyond_air(&mut pass);
+        }
+        self.earth.render_air(&mut pass);
+        if let Some(tracks) = &self.tracks {
+            tracks.render_before_air(&mut pass);
+        }
+        drop(pass);
+        if let Some(tracks) = &mut self.tracks {
+            tracks.write_names(&self.gpu, encoder, view, size);
+        }
         stats
     }
 

@@ -55,6 +55,7 @@ pub fn write_still(
     let options = flight.earth_options(gpu.bc_support())?;
     progress.end();
     let mut picture = Picture::open(gpu, options, size)?;
+    picture.show_tracks(flight)?;
     let (moment, asked) = match known {
         Some(moment) => (moment, None),
         // Only now: a simulator that waits does not wait for the maps as well.

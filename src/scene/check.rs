@@ -19,6 +19,7 @@ use toml::Spanned;
 pub(super) fn check(source: Source<'_>, raw: RawScene) -> Result<Scene, SceneError> {
     let time = raw.time.unwrap_or_default();
     let orbits = raw.orbit.map(|orbits| orbits.0).unwrap_or_default();
+    let tracks = raw.tracks.unwrap_or_default();
     let camera = raw.camera.unwrap_or_default();
     let earth = raw.earth.unwrap_or_default();
     let output = raw.output.unwrap_or_default();
@@ -31,6 +32,7 @@ pub(super) fn check(source: Source<'_>, raw: RawScene) -> Result<Scene, SceneErr
             "orbit",
             orbits.first().map_or_else(Vec::new, RawOrbit::given),
         ),
+        ("tracks", tracks.given()),
         ("camera", camera.given()),
         ("earth", earth.given()),
         ("output", output.given()),
@@ -65,18 +67,23 @@ pub(super) fn check(source: Source<'_>, raw: RawScene) -> Result<Scene, SceneErr
     }
     let mut checked = orbits
         .iter()
-        .map(|orbit| source.orbit(orbit, time.start))
+        .map(|orbit| source.orbit(orbit, &tracks, time.start))
         .collect::<Result<Vec<_>, _>>()?;
     source.live_together(&orbits, &checked)?;
     let has_live = checked.iter().any(|orbit| orbit.live.is_some());
     if checked.is_empty() && camera.mode != CameraMode::Geodetic {
-        checked.push(Orbit::built_in());
+        checked.push(Orbit {
+            track: source.track(&RawOrbit::default(), &tracks)?,
+            ..Orbit::built_in()
+        });
     }
+    let track_px = source.tracks(&tracks, !checked.is_empty())?;
     Ok(Scene {
         path: source.path.to_owned(),
         time,
         orbits: checked,
         orbit_lines,
+        track_px,
         output: source.output(&output, &camera, &earth, has_live)?,
         camera,
         quality: source.quality(&quality)?,

@@ -58,6 +58,12 @@ pub const GAP_S: RangeInclusive<f64> = 1e-3..=1e7;
 pub const PACKETS_PER_S: RangeInclusive<i64> = 1..=1_000_000;
 /// Most web pages that may connect to a simulator's port.
 pub const MAX_ORIGINS: usize = 16;
+/// Time before or after now that a satellite's curve is drawn over, minutes: a week.
+pub const SPAN_MIN: RangeInclusive<f64> = 0.0..=10_080.0;
+/// Half angle of a sensor's cone about straight down, degrees.
+pub const SENSOR_HALF_ANGLE_DEG: RangeInclusive<f64> = 0.001..=90.0;
+/// Width of satellites' lines, pixels.
+pub const TRACK_PX: RangeInclusive<f64> = 0.5..=16.0;
 
 /// Vertical field of view, degrees: a thousandth of a degree away from no view at all and from a
 /// half space, where a perspective projection has no meaning.
@@ -101,6 +107,8 @@ pub const DEFAULT_FRAME_RATE_HZ: f64 = 30.0;
 pub const DEFAULT_GRAVITY_DEGREE: u32 = 20;
 /// `[orbit] tolerance` where a scene gives none: millimetres a revolution.
 pub const DEFAULT_TOLERANCE: f64 = 1e-10;
+/// `[tracks] width_px` where a scene gives none.
+pub const DEFAULT_TRACK_PX: f64 = 2.0;
 /// `[camera] fov_deg` where a scene gives none.
 pub const DEFAULT_FOV_DEG: f64 = 45.0;
 /// `[camera] height_km` where a geodetic scene gives none: the whole disc in view.

@@ -19,6 +19,7 @@ mod orbits;
 mod raw;
 mod satellites;
 mod summary;
+mod tracks;
 
 use crate::air::Atmosphere;
 use crate::frames::Epoch;
@@ -29,6 +30,7 @@ use std::path::{Path, PathBuf};
 
 pub use error::{Place, SceneError};
 pub use motion::{Forces, Motion, Orbit, OrbitSource, Start, StartForm};
+pub use tracks::{Footprint, Track, TrackSpan};
 
 /// A checked scene: every value is in range and every default filled in.
 #[derive(Clone, Debug)]
@@ -39,6 +41,8 @@ pub struct Scene {
     pub time: Time,
     /// `[orbit]`, or each `[[orbit]]`; none where the camera needs no satellite.
     pub orbits: Vec<Orbit>,
+    /// `[tracks] width_px`: width of lines, pixels. What else stands in `[tracks]` is in each satellite's [`Orbit::track`].
+    pub track_px: f64,
     /// `[camera]`
     pub camera: Camera,
     /// `[earth]`

@@ -1,5 +1,6 @@
 //! What `[orbit]` comes to.
 
+use super::Track;
 use crate::frames::Epoch;
 use crate::orbit::Frame;
 use crate::orbit::kepler::Elements;
@@ -23,6 +24,8 @@ pub struct Orbit {
     pub motion: Option<Motion>,
     /// How states of a simulator are taken: for [`OrbitSource::Live`].
     pub live: Option<LiveOptions>,
+    /// What is drawn of it.
+    pub track: Track,
 }
 
 impl Orbit {
@@ -35,6 +38,7 @@ impl Orbit {
             strict: false,
             motion: None,
             live: None,
+            track: Track::default(),
         }
     }
 }

@@ -5,12 +5,12 @@ use super::error::printable;
 use super::field::written;
 use super::live;
 use super::orbits::foreign;
-use super::{Forces, Motion, Orbit, OrbitSource, Scene, Start, StartForm};
+use super::{Forces, Motion, Orbit, OrbitSource, Scene, Start, StartForm, tracks};
 use crate::orbit::kepler::{Anomaly, Elements, Size};
 use glam::DVec3;
 
 /// A value as a scene would write it, or why there is none.
-type Value = Result<String, &'static str>;
+pub(super) type Value = Result<String, &'static str>;
 
 const BUILT_IN: &str = "the space station's elements are built in";
 
@@ -22,6 +22,9 @@ fn quoted(text: &str) -> Value {
 pub(super) fn value(orbit: &Orbit, key: &str) -> Value {
     if let Some(why) = foreign(orbit.source, key) {
         return Err(why);
+    }
+    if tracks::KEYS.contains(&key) {
+        return tracks::value(&orbit.track, key);
     }
     match (key, &orbit.motion) {
         ("source", _) => quoted(&written(&orbit.source)),

@@ -5,7 +5,7 @@ use super::field::{Field, Wanted, field, flag, in_range, span_of, written};
 use super::limits::*;
 use super::live;
 use super::locate::Source;
-use super::raw::RawOrbit;
+use super::raw::{RawOrbit, RawTracks};
 use super::{Forces, Motion, Orbit, OrbitSource, Start, StartForm};
 use crate::frames::Epoch;
 use crate::orbit::Frame;
@@ -58,6 +58,7 @@ const STATE: &[&str] = &["position_km", "velocity_km_s"];
 pub(super) fn foreign(source: OrbitSource, key: &str) -> Option<&'static str> {
     let (fits, why) = match key {
         "source" | "name" => (true, ""),
+        key if super::tracks::KEYS.contains(&key) => (true, ""),
         "file" | "strict" => (
             source.is_file(),
             "is for sources that are read from files: \"tle\", \"omm\", \"oem\", \"czml\" and \"csv\"",
@@ -88,8 +89,13 @@ pub(super) fn foreign(source: OrbitSource, key: &str) -> Option<&'static str> {
 }
 
 impl Source<'_> {
-    /// Checks one satellite. `scene_start` is its epoch where it gives none.
-    pub(super) fn orbit(&self, orbit: &RawOrbit, scene_start: Epoch) -> Result<Orbit, SceneError> {
+    /// Checks one satellite. `scene_start` is its epoch where it gives none, `tracks` what is drawn of all.
+    pub(super) fn orbit(
+        &self,
+        orbit: &RawOrbit,
+        tracks: &RawTracks,
+        scene_start: Epoch,
+    ) -> Result<Orbit, SceneError> {
         let source_field = field!(orbit.source);
         let source = self.choice(&source_field, OrbitSource::Tle)?;
         for (key, span) in orbit.given() {
@@ -160,6 +166,7 @@ impl Source<'_> {
             name,
             strict: flag(&strict, false),
             motion,
+            track: self.track(orbit, tracks)?,
         })
     }
 

@@ -103,6 +103,26 @@ table!(RawOrbit {
     extrapolation: String = "a string: \"two-body\" or \"linear\"",
     gap_s: f64 = "a number of simulated seconds",
     packets_per_s: i64 = "a whole number of packets per second",
+    color: String = "a string, \"#\" and six hexadecimal digits",
+    // Any value: true, false or a table.
+    trail: toml::Value = "true, false or { before_min = 90, after_min = 45 }",
+    ground_track: toml::Value = "true, false or { before_min = 90, after_min = 45 }",
+    marker: bool = "true or false",
+    subpoint: bool = "true or false",
+    footprint: bool = "true or false",
+    sensor_half_angle_deg: f64 = "a number of degrees",
+    footprint_fill: bool = "true or false",
+});
+
+table!(RawTracks {
+    trail: toml::Value = "true, false or { before_min = 90, after_min = 45 }",
+    ground_track: toml::Value = "true, false or { before_min = 90, after_min = 45 }",
+    marker: bool = "true or false",
+    subpoint: bool = "true or false",
+    footprint: bool = "true or false",
+    sensor_half_angle_deg: f64 = "a number of degrees",
+    footprint_fill: bool = "true or false",
+    width_px: f64 = "a number of pixels",
 });
 
 /// `[orbit]`, or `[[orbit]]` as often as there are satellites.
@@ -186,6 +206,7 @@ table!(RawQuality {
 pub(super) struct RawScene {
     pub(super) time: Option<RawTime>,
     pub(super) orbit: Option<RawOrbits>,
+    pub(super) tracks: Option<RawTracks>,
     pub(super) camera: Option<RawCamera>,
     pub(super) earth: Option<RawEarth>,
     pub(super) output: Option<RawOutput>,
@@ -201,6 +222,10 @@ pub(super) const TABLES: &[Table] = &[
     Table {
         name: "orbit",
         keys: RawOrbit::KEYS,
+    },
+    Table {
+        name: "tracks",
+        keys: RawTracks::KEYS,
     },
     Table {
         name: "camera",

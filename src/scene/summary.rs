@@ -21,7 +21,11 @@ impl Scene {
             };
             line(&mut out, format_args!("\n{head}"));
             for key in table.keys {
-                let from = match self.line(table.name, key.name) {
+                let common = || match table.name {
+                    "orbit" => self.line("tracks", key.name),
+                    _ => None,
+                };
+                let from = match self.line(table.name, key.name).or_else(common) {
                     Some(number) => format!("line {number} of the file"),
                     None => "default".to_owned(),
                 };
@@ -60,7 +64,8 @@ impl Scene {
         for (index, orbit) in self.orbits.iter().enumerate().skip(1) {
             line(out, format_args!("\n[[orbit]]"));
             for key in table.keys {
-                let from = match self.orbit_line(index, key.name) {
+                let line_of = self.orbit_line(index, key.name);
+                let from = match line_of.or_else(|| self.line("tracks", key.name)) {
                     Some(number) => format!("line {number} of the file"),
                     None => "default".to_owned(),
                 };
@@ -94,6 +99,7 @@ impl Scene {
                 let orbit = self.orbits.first().ok_or(NO_ORBIT)?;
                 orbit_summary::value(orbit, key)
             }
+            ("tracks", key) => self.tracks_value(key),
             ("camera", "follow") => match &camera.follow {
                 Some(name) => quoted(name),
                 None if self.orbits.is_empty() => Err(NO_ORBIT),
@@ -177,6 +183,7 @@ impl Scene {
                 .to_owned(),
         }));
         uses.extend(self.orbit_uses());
+        uses.extend(self.track_uses());
         let camera = &self.camera;
         let eye = match camera.mode {
             CameraMode::Nadir => format!(

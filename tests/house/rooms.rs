@@ -17,23 +17,25 @@ const ROOMS: &[(&str, &[&str])] = &[
         "earth",
         &["frames", "orbit", "globe", "air", "imagery", "scene", "gpu"],
     ),
+    // Drawn with the Earth, for any feed: knows no scene.
+    ("tracks", &["frames", "orbit", "air", "gpu", "earth"]),
     (
         "play",
         &[
-            "frames", "orbit", "globe", "air", "imagery", "scene", "gpu", "earth",
+            "frames", "orbit", "globe", "air", "imagery", "scene", "gpu", "earth", "tracks",
         ],
     ),
     (
         "measure",
         &[
-            "frames", "orbit", "globe", "air", "imagery", "scene", "gpu", "earth", "play",
+            "frames", "orbit", "globe", "air", "imagery", "scene", "gpu", "earth", "tracks", "play",
         ],
     ),
     (
         "cli",
         &[
-            "frames", "orbit", "globe", "air", "imagery", "scene", "gpu", "earth", "play",
-            "measure",
+            "frames", "orbit", "globe", "air", "imagery", "scene", "gpu", "earth", "tracks",
+            "play", "measure",
         ],
     ),
 ];

@@ -1,0 +1,163 @@
+//! The tracks of a scene's satellites in pictures and the window: the player draws them as any host of
+//! [`crate::tracks`] would, and writes their names over the finished picture.
+//!
+//! A scene of which no satellite shows anything has no layer: nothing is made.
+
+mod labels;
+
+use super::error::PlayError;
+use super::flight::{Flight, Moment};
+use super::satellites::orientation_at;
+use crate::FrameStats;
+use crate::frames::EarthOrientation;
+use crate::gpu::GpuContext;
+use crate::orbit::Feed;
+use crate::scene::{Orbit, TrackSpan as SceneSpan};
+use crate::tracks::{
+    Footprint, TrackMoment, TrackSpan, TrackStats, TrackStyle, Tracks, TracksOptions,
+};
+use labels::Labels;
+use std::sync::Arc;
+
+/// The tracks of a picture or a window.
+pub struct TracksLayer {
+    tracks: Tracks,
+    feeds: Vec<Arc<dyn Feed>>,
+    orientation: Option<EarthOrientation>,
+    labels: Option<Labels>,
+    is_complete: bool,
+}
+
+/// How a frame is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// Now, and longer curves in the frames to come.
+    Live,
+    /// Whole.
+    Kept,
+}
+
+impl TracksLayer {
+    /// The layer of a scene's satellites; `None` where none of them shows anything.
+    pub fn of(
+        flight: &Flight,
+        gpu: &GpuContext,
+        options: &TracksOptions,
+    ) -> Result<Option<Self>, PlayError> {
+        let scene = flight.scene();
+        let width_px = scene.track_px as f32;
+        let shown = scene.orbits.iter().zip(flight.satellites()).enumerate();
+        let (styles, feeds): (Vec<_>, Vec<_>) = shown
+            .filter(|(_, (orbit, _))| !orbit.track.is_off())
+            .map(|(index, (orbit, satellite))| {
+                (style(index, orbit, width_px), satellite.shared_feed())
+            })
+            .unzip();
+        if styles.is_empty() {
+            return Ok(None);
+        }
+        let has_names = styles.iter().any(|style| style.marker);
+        Ok(Some(Self {
+            tracks: Tracks::new(&gpu.device, options, &styles)?,
+            feeds,
+            orientation: flight.earth_orientation().cloned(),
+            labels: has_names.then(|| Labels::new(&gpu.device, options.color_format)),
+            is_complete: false,
+        }))
+    }
+
+    /// Follows the pass to another sample count.
+    pub fn set_samples(&mut self, samples: u32) -> Result<(), PlayError> {
+        Ok(self.tracks.set_samples(samples)?)
+    }
+
+    /// Writes an instant's tracks, and counts them.
+    pub fn prepare(
+        &mut self,
+        gpu: &GpuContext,
+        moment: &Moment,
+        size: (u32, u32),
+        effort: Effort,
+        stats: &mut FrameStats,
+    ) -> TrackStats {
+        let orientation = orientation_at(self.orientation.as_ref(), moment.epoch);
+        let when = TrackMoment {
+            epoch: moment.epoch,
+            orientation: orientation.unwrap_or_default(),
+            view: &moment.view,
+            target: size.into(),
+        };
+        let feeds = self.feeds.iter().map(Arc::as_ref);
+        let own = match effort {
+            Effort::Live => self.tracks.prepare(&gpu.queue, &when, feeds),
+            Effort::Kept => self.tracks.prepare_complete(&gpu.queue, &when, feeds),
+        };
+        self.is_complete = own.is_complete;
+        stats.triangles += own.triangles;
+        stats.draw_calls += own.draw_calls;
+        stats.uploaded_bytes += own.uploaded_bytes;
+        own
+    }
+
+    /// Whether all curves are as long as they will be.
+    pub fn is_complete(&self) -> bool {
+        self.is_complete
+    }
+
+    /// After the surface, before the air.
+    pub fn render_beyond_air(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.tracks.render_beyond_air(pass);
+    }
+
+    /// After the air.
+    pub fn render_before_air(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.tracks.render_before_air(pass);
+    }
+
+    /// Writes the names over the finished picture on `view`, which has one sample a pixel.
+    pub fn write_names(
+        &mut self,
+        gpu: &GpuContext,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &wgpu::TextureView,
+        size: (u32, u32),
+    ) {
+        if let Some(labels) = &mut self.labels {
+            let names = self.tracks.labels().iter().filter_map(|label| {
+                let feed = self.feeds.get(label.satellite)?;
+                Some((*label, feed.name()))
+            });
+            labels.write(&gpu.device, &gpu.queue, encoder, view, size, names);
+        }
+    }
+}
+
+/// A scene's words in the units of the drawable.
+fn style(index: usize, orbit: &Orbit, width_px: f32) -> TrackStyle {
+    let track = &orbit.track;
+    let usual = TrackStyle::new(index);
+    let span = |span: Option<SceneSpan>, usual| {
+        span.map(|span| match span {
+            SceneSpan::Usual => usual,
+            SceneSpan::Minutes {
+                before_min,
+                after_min,
+            } => TrackSpan::Seconds {
+                before_s: 60.0 * before_min,
+                after_s: 60.0 * after_min,
+            },
+        })
+    };
+    TrackStyle {
+        color: track.color.unwrap_or(usual.color),
+        width_px,
+        trail: span(track.trail, TrackSpan::TRAIL),
+        ground_track: span(track.ground_track, TrackSpan::GROUND_TRACK),
+        footprint: track.footprint.map(|footprint| Footprint {
+            half_angle_rad: footprint.half_angle_deg.map(f64::to_radians),
+            is_filled: footprint.fill,
+        }),
+        subpoint: track.subpoint,
+        marker: track.marker,
+    }
+}

@@ -1,0 +1,104 @@
+//! The ground that a sensor sees, and whether the globe hides a place: on the exact ellipsoid, in scaled space.
+
+use crate::frames::Ellipsoid;
+use glam::DVec3;
+
+/// Points of a footprint's outline; the first is not repeated.
+pub const OUTLINE_POINTS: usize = 256;
+
+/// Widest half angle, radians, at which a cone about nadir is one: beyond it the whole ground in sight is meant.
+pub const WIDEST_HALF_ANGLE_RAD: f64 = 89.999 * std::f64::consts::PI / 180.0;
+
+/// The outline of the ground within `half_angle_rad` of straight down (the ellipsoid's normal) and in sight of a satellite:
+/// [`OUTLINE_POINTS`] points on the ellipsoid, ITRF metres, anticlockwise from above, beginning in the east.
+///
+/// In each direction about nadir it is where a ray at the cone's half angle meets the ground, or where that ray passes the
+/// Earth, the horizon's place in that direction. So the horizon circle bounds it where the cone is wider; it is whole for
+/// [`WIDEST_HALF_ANGLE_RAD`]. Nothing for a satellite on or below the ground.
+///
+/// In scaled space (x/a, y/a, z/b) the ellipsoid is the unit sphere. With D = tH − N (N and H are the normal and a level
+/// direction scaled, t the tangent of the angle from nadir) the line e + sD touches it where (e·D)² = c|D|², c = |e|² − 1:
+/// t²(c|H|² − (e·H)²) − 2t(cN·H − (e·N)(e·H)) − ((e·N)² − c|N|²) = 0.
+pub fn footprint_outline(
+    satellite_itrf_m: DVec3,
+    half_angle_rad: f64,
+    ellipsoid: &Ellipsoid,
+    mut give: impl FnMut(DVec3),
+) {
+    let scale = ellipsoid.scaled_from_itrf();
+    let e = scale * satellite_itrf_m;
+    let above = (e.length() - 1.0) * (e.length() + 1.0);
+    // Also false for a place that is no number.
+    if !(above > 0.0 && e.is_finite() && half_angle_rad > 0.0) {
+        return;
+    }
+    let place = ellipsoid.geodetic_from_itrf(satellite_itrf_m);
+    let normal = Ellipsoid::normal(place.lat_rad, place.lon_rad);
+    let (sin, cos) = place.lon_rad.sin_cos();
+    let east = DVec3::new(-sin, cos, 0.0);
+    let north = normal.cross(east);
+    let wanted = half_angle_rad.min(WIDEST_HALF_ANGLE_RAD).tan();
+    let n = scale * normal;
+    let itrf_from_scaled = ellipsoid.itrf_from_scaled();
+    for k in 0..OUTLINE_POINTS {
+        let turn = std::f64::consts::TAU * k as f64 / OUTLINE_POINTS as f64;
+        let h = scale * (turn.cos() * east + turn.sin() * north);
+        let square = above * h.length_squared() - e.dot(h).powi(2);
+        let half_linear = above * n.dot(h) - e.dot(n) * e.dot(h);
+        let constant = e.dot(n).powi(2) - above * n.length_squared();
+        let root = (half_linear * half_linear + square * constant)
+            .max(0.0)
+            .sqrt();
+        // The positive solution, in the form that adds.
+        let limb = match half_linear >= 0.0 {
+            true => (half_linear + root) / square,
+            false => constant / (root - half_linear),
+        };
+        let direction = (h * limb.min(wanted) - n).normalize();
+        let nearest = -e.dot(direction);
+        // 1 − |e × d|² is the square of half the chord; 0 where the ray touches.
+        let half_chord = match limb <= wanted {
+            true => 0.0,
+            false => (1.0 - e.cross(direction).length_squared()).max(0.0).sqrt(),
+        };
+        let along = match limb <= wanted {
+            true => nearest,
+            false => above / (nearest + half_chord),
+        };
+        // Onto the ellipsoid to the last digit.
+        give(itrf_from_scaled * (e + along * direction).normalize());
+    }
+}
+
+/// Whether the globe hides `point` from `eye`, both ITRF metres and neither below the ground: the CPU's twin of `in_sight` in
+/// `shaders/tracks.wgsl`.
+pub fn is_hidden(eye_itrf_m: DVec3, point_itrf_m: DVec3, ellipsoid: &Ellipsoid) -> bool {
+    let scale = ellipsoid.scaled_from_itrf();
+    let (e, p) = (scale * eye_itrf_m, scale * point_itrf_m);
+    let Some(d) = (p - e).try_normalize() else {
+        return false;
+    };
+    e.cross(d).length() < 1.0 && p.dot(d) > 0.0
+}
+
+/// Whether a point lies beyond the near boundary of the air as seen from `eye`, so that the air is drawn over it: the twin of
+/// `is_on_side`. `air_top` is the boundary's radius in scaled space.
+pub fn is_beyond_air(
+    eye_itrf_m: DVec3,
+    point_itrf_m: DVec3,
+    air_top: f64,
+    ellipsoid: &Ellipsoid,
+) -> bool {
+    let scale = ellipsoid.scaled_from_itrf();
+    let (e, p) = (scale * eye_itrf_m, scale * point_itrf_m);
+    let Some(d) = (p - e).try_normalize() else {
+        return false;
+    };
+    let q = e.cross(d).length();
+    let half_chord = ((air_top - q) * (air_top + q)).max(0.0).sqrt();
+    q < air_top && p.dot(d) > -half_chord
+}
+
+#[cfg(test)]
+#[path = "footprint_tests.rs"]
+mod tests;

@@ -1,0 +1,504 @@
+//! Tracks: what a person wants to see of satellites over the globe. Orbit trails, ground tracks, footprints of sensors,
+//! sub-satellite points and markers, for any [`Feed`], drawn into a host's pass with the Earth.
+//!
+//! # Use
+//!
+//! ```text
+//! let mut tracks = Tracks::new(&device, &TracksOptions::of(&earth_options), &styles)?;
+//! // once a frame, beside Earth::prepare
+//! tracks.prepare(&queue, &moment, feeds);
+//! // in the pass: what lies beyond the near boundary of the air before it, the rest after
+//! earth.render_surface(&mut pass);
+//! tracks.render_beyond_air(&mut pass);
+//! earth.render_air(&mut pass);
+//! tracks.render_before_air(&mut pass);
+//! ```
+//!
+//! Names are the host's to write: [`Tracks::labels`] says where. The command writes them with egui.
+//!
+//! # How data flows
+//!
+//! ```text
+//! feed ─► sampled curve ─► eye-relative points ─► lines of constant width ─► pixels
+//!         f64, kept        f32, one subtraction   cut before the eye         each by its own ray
+//! ```
+//!
+//! **Samples.** A curve is sampled half a degree of arc apart, by the state's own speed over radius, so that Molniya's
+//! perigee is as smooth as its apogee. It follows time: only what enters the span is asked of the feed, only what leaves it
+//! is dropped, and the ends between samples are cut. Where a feed has no state the curve ends. Of a live feed, what lies
+//! after now, and the last seconds before, is asked anew in each frame. [`Tracks::prepare`] asks for at most
+//! [`SAMPLES_A_FRAME`] states, from now outwards, and goes on in the next frame; [`Tracks::prepare_complete`] asks for all.
+//! In steady state neither allocates.
+//!
+//! **Trail.** The orbit's shape as the stars see it: places of other times in inertial axes, turned as the Earth stands now. An
+//! undisturbed orbit is a closed ellipse, and the satellite is on it. Precession within the span is left out, 4 m a day.
+//!
+//! **Ground track.** The feet of the ellipsoid's normals, Earth-fixed. It is a curve in space: no date line, no poles.
+//!
+//! **Footprint.** The ground within a half angle of straight down and in sight, by the exact ellipsoid
+//! ([`footprint_outline`]). Its fill is decided for each pixel by where the pixel's ray meets the ground.
+//!
+//! **Lines.** One instance a segment, cut against the plane before the eye and against three times the picture, widened on
+//! screen, neighbours joined at their bisector, edges smoothed by distance. A dark edge sets them off from bright ground.
+//!
+//! **Hiding.** By the globe each pixel's ray tells ([`is_hidden`]), in scaled space, where the ellipsoid is the unit sphere: exact at
+//! the limb, whatever the mesh. What else the host has drawn hides by depth; what lies on the ground is tested a
+//! hundredth of its distance nearer, so that the inscribed mesh does not hide it. Depth is not written.
+//!
+//! **Air.** The air is one layer that blends over all that lies beyond its near boundary, as over the ground. So lines are drawn
+//! twice: beyond it before the air, before it after. A line behind the limb is dimmed and tinted, one in front is not.
+
+mod curve;
+mod footprint;
+mod satellite;
+
+use crate::air::EARTH_AIR;
+use crate::earth::{EarthOptions, EyeView, Viewport, can_be_drawn};
+use crate::frames::{Ellipsoid, Epoch, Orientation};
+use crate::gpu::{
+    DepthBuffer, Fill, Frame, LinePoint, Mark, PassFormat, ShaderError, TrackFrame, TrackKinds,
+    TracksDrawable,
+};
+use crate::orbit::Feed;
+pub use footprint::{
+    OUTLINE_POINTS, WIDEST_HALF_ANGLE_RAD, footprint_outline, is_beyond_air, is_hidden,
+};
+use glam::{DMat4, DVec3};
+use satellite::{Axes, Satellite};
+
+/// Most states that [`Tracks::prepare`] asks feeds for to grow their curves.
+pub const SAMPLES_A_FRAME: usize = 512;
+/// Most points of one curve.
+pub const MOST_POINTS: usize = 16_384;
+/// Most points of all curves.
+pub const MOST_POINTS_IN_ALL: usize = 262_144;
+/// Nearer than this a satellite is no dot, metres: it is then the eye's own, or a craft that is seen.
+pub const NEAREST_MARKER_M: f64 = 1000.0;
+
+/// Time before and after now that a curve is drawn over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TrackSpan {
+    /// So many revolutions, by the orbit's energy when it was first seen; of an orbit that does not close or takes more
+    /// than two days, so many days.
+    Revolutions {
+        /// Before now, 0 or more.
+        before: f64,
+        /// After now, 0 or more.
+        after: f64,
+    },
+    /// So many seconds.
+    Seconds {
+        /// Before now, 0 or more.
+        before_s: f64,
+        /// After now, 0 or more.
+        after_s: f64,
+    },
+}
+
+impl TrackSpan {
+    /// What a trail has where nothing is said: the last revolution, which closes the ellipse.
+    pub const TRAIL: Self = Self::Revolutions {
+        before: 1.0,
+        after: 0.0,
+    };
+    /// What a ground track has: half a revolution to each side.
+    pub const GROUND_TRACK: Self = Self::Revolutions {
+        before: 0.5,
+        after: 0.5,
+    };
+}
+
+/// The ground that a sensor sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Footprint {
+    /// Half angle of the sensor's cone about straight down, radians; `None` is all the ground in sight.
+    pub half_angle_rad: Option<f64>,
+    /// Whether the ground within is tinted.
+    pub is_filled: bool,
+}
+
+/// What is drawn of one satellite. What is off is not sampled, not uploaded, and if it is off for all not compiled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackStyle {
+    /// Display values (sRGB).
+    pub color: [u8; 3],
+    /// Width of lines, pixels.
+    pub width_px: f32,
+    /// The orbit.
+    pub trail: Option<TrackSpan>,
+    /// Where it passed and will pass overhead.
+    pub ground_track: Option<TrackSpan>,
+    /// What its sensor sees.
+    pub footprint: Option<Footprint>,
+    /// A ring where it is overhead now.
+    pub subpoint: bool,
+    /// A dot where it is, and a place for its name.
+    pub marker: bool,
+}
+
+impl TrackStyle {
+    /// Nothing, in a colour of its own for each satellite of a scene, legible on the day and the night side: seven that
+    /// differ for the colour-blind too (after Okabe and Ito 2008, made lighter), again from the first beyond.
+    pub fn new(index: usize) -> Self {
+        const COLORS: [[u8; 3]; 7] = [
+            [255, 196, 46],
+            [92, 200, 255],
+            [255, 128, 176],
+            [64, 224, 160],
+            [255, 140, 64],
+            [240, 236, 96],
+            [178, 160, 255],
+        ];
+        Self {
+            color: COLORS[index % COLORS.len()],
+            width_px: 2.0,
+            trail: None,
+            ground_track: None,
+            footprint: None,
+            subpoint: false,
+            marker: false,
+        }
+    }
+
+    /// Whether nothing is drawn.
+    pub fn is_nothing(&self) -> bool {
+        let kinds = self.kinds();
+        !(kinds.lines || kinds.marks)
+    }
+
+    fn kinds(&self) -> TrackKinds {
+        let footprint = self.footprint;
+        TrackKinds {
+            lines: self.trail.or(self.ground_track).is_some() || footprint.is_some(),
+            marks: self.marker || self.subpoint,
+            fills: footprint.is_some_and(|footprint| footprint.is_filled),
+        }
+    }
+}
+
+/// The pass that tracks are drawn in, and the figure that they lie on: the Earth's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TracksOptions {
+    /// The figure.
+    pub ellipsoid: Ellipsoid,
+    /// Format of the colour target.
+    pub color_format: wgpu::TextureFormat,
+    /// Sample count of the pass.
+    pub samples: u32,
+    /// Depth buffer of the pass.
+    pub depth: DepthBuffer,
+}
+
+impl TracksOptions {
+    /// Those of an Earth.
+    pub fn of(earth: &EarthOptions) -> Self {
+        Self {
+            ellipsoid: earth.figure.ellipsoid(),
+            color_format: earth.color_format,
+            samples: earth.samples,
+            depth: earth.depth,
+        }
+    }
+}
+
+/// What a frame shows.
+#[derive(Clone, Copy, Debug)]
+pub struct TrackMoment<'m> {
+    /// Now.
+    pub epoch: Epoch,
+    /// The Earth's orientation now, as states are brought into Earth-fixed axes.
+    pub orientation: Orientation,
+    /// The eye.
+    pub view: &'m EyeView,
+    /// The part of the target that the pass draws to.
+    pub target: Viewport,
+}
+
+/// Where a satellite's name belongs: beside its dot, which is in the picture and not hidden.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackLabel {
+    /// The satellite's place among the styles.
+    pub satellite: usize,
+    /// The dot's middle, pixels from the viewport's upper left corner.
+    pub at_px: [f32; 2],
+    /// Its colour, display values.
+    pub color: [u8; 3],
+}
+
+/// What a frame's tracks are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TrackStats {
+    /// Points of lines.
+    pub points: u32,
+    /// Dots and rings.
+    pub marks: u32,
+    /// States that feeds were asked for to grow curves.
+    pub samples: u32,
+    /// Triangles, both sides of the air's boundary counted.
+    pub triangles: u32,
+    /// Draw calls.
+    pub draw_calls: u32,
+    /// Bytes written to the GPU.
+    pub uploaded_bytes: u64,
+    /// Whether all curves are as long as their spans, or as what their feeds know.
+    pub is_complete: bool,
+}
+
+/// Why tracks could not be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TracksError {
+    /// The shader file is at fault.
+    #[error(transparent)]
+    Shader(#[from] ShaderError),
+    /// An angle or span that has no meaning.
+    #[error("satellite {satellite}: {what}")]
+    Style {
+        /// The satellite's place among the styles.
+        satellite: usize,
+        /// What it must be.
+        what: &'static str,
+    },
+}
+
+/// The tracks of some satellites.
+pub struct Tracks {
+    satellites: Vec<Satellite>,
+    options: TracksOptions,
+    kinds: TrackKinds,
+    drawable: TracksDrawable,
+    device: wgpu::Device,
+    stage: Stage,
+    stats: TrackStats,
+    /// False if the last view gives no picture.
+    is_shown: bool,
+}
+
+/// What is written to the GPU, kept from frame to frame for its room.
+#[derive(Default)]
+struct Stage {
+    points: Vec<LinePoint>,
+    marks: Vec<Mark>,
+    fills: Vec<Fill>,
+    labels: Vec<TrackLabel>,
+    outline: Vec<DVec3>,
+}
+
+/// The eye of a frame.
+struct Eye<'e> {
+    itrf_m: DVec3,
+    clip_from_eye: DMat4,
+    size: (u32, u32),
+    ellipsoid: &'e Ellipsoid,
+}
+
+impl Tracks {
+    /// Makes the pipelines that the styles need. Styles stand in the order in which [`Self::prepare`] gets feeds.
+    ///
+    /// # Errors
+    /// Angles and spans that are not finite or negative.
+    pub fn new(
+        device: &wgpu::Device,
+        options: &TracksOptions,
+        styles: &[TrackStyle],
+    ) -> Result<Self, TracksError> {
+        for (satellite, style) in styles.iter().enumerate() {
+            satellite::check(style).map_err(|what| TracksError::Style { satellite, what })?;
+        }
+        let mut kinds = TrackKinds::default();
+        for style in styles.iter().map(TrackStyle::kinds) {
+            kinds.lines |= style.lines;
+            kinds.marks |= style.marks;
+            kinds.fills |= style.fills;
+        }
+        let curves = styles
+            .iter()
+            .map(|style| {
+                usize::from(style.trail.is_some()) + usize::from(style.ground_track.is_some())
+            })
+            .sum::<usize>();
+        let most = (MOST_POINTS_IN_ALL / curves.max(1)).min(MOST_POINTS);
+        Ok(Self {
+            satellites: styles
+                .iter()
+                .map(|style| Satellite::new(style, most))
+                .collect(),
+            options: *options,
+            kinds,
+            drawable: TracksDrawable::new(device, options.format(), kinds)?,
+            device: device.clone(),
+            stage: Stage::default(),
+            stats: TrackStats::default(),
+            is_shown: false,
+        })
+    }
+
+    /// Follows the pass to another sample count. What was prepared must be prepared anew.
+    ///
+    /// # Errors
+    /// None that [`Self::new`] did not have.
+    pub fn set_samples(&mut self, samples: u32) -> Result<(), TracksError> {
+        if samples != self.options.samples {
+            self.options.samples = samples;
+            let format = self.options.format();
+            self.drawable = TracksDrawable::new(&self.device, format, self.kinds)?;
+            self.is_shown = false;
+        }
+        Ok(())
+    }
+
+    /// Samples what is new and writes this frame's tracks to the GPU. Call once a frame, before the pass. Never waits.
+    ///
+    /// Asks feeds for [`SAMPLES_A_FRAME`] states at most beside one each for now; where curves lack more, they grow in the
+    /// frames to come, from now outwards. Nothing is drawn of a view that gives no picture.
+    pub fn prepare<'f>(
+        &mut self,
+        queue: &wgpu::Queue,
+        moment: &TrackMoment<'_>,
+        feeds: impl IntoIterator<Item = &'f dyn Feed>,
+    ) -> TrackStats {
+        self.prepare_within(queue, moment, feeds, SAMPLES_A_FRAME)
+    }
+
+    /// As [`Self::prepare`], all at once: for pictures that are kept.
+    pub fn prepare_complete<'f>(
+        &mut self,
+        queue: &wgpu::Queue,
+        moment: &TrackMoment<'_>,
+        feeds: impl IntoIterator<Item = &'f dyn Feed>,
+    ) -> TrackStats {
+        self.prepare_within(queue, moment, feeds, usize::MAX)
+    }
+
+    fn prepare_within<'f>(
+        &mut self,
+        queue: &wgpu::Queue,
+        moment: &TrackMoment<'_>,
+        feeds: impl IntoIterator<Item = &'f dyn Feed>,
+        budget: usize,
+    ) -> TrackStats {
+        let rays = moment.view.pixel_rays(moment.target);
+        let (eye_itrf_m, clip_from_eye) = moment.view.to_itrf();
+        self.stats = TrackStats::default();
+        self.is_shown = can_be_drawn(eye_itrf_m, &clip_from_eye, &rays);
+        self.stage.clear();
+        if !self.is_shown {
+            return self.stats;
+        }
+        let ellipsoid = self.options.ellipsoid;
+        let eye = Eye {
+            itrf_m: eye_itrf_m,
+            clip_from_eye,
+            size: moment.target.size,
+            ellipsoid: &ellipsoid,
+        };
+        let mut axes = Axes::new(moment.epoch, moment.orientation);
+        let mut left = budget;
+        let mut is_complete = true;
+        for (index, (satellite, feed)) in self.satellites.iter_mut().zip(feeds).enumerate() {
+            is_complete &= satellite.follow(feed, &mut axes, &ellipsoid, &mut left);
+            satellite.stage(index, &eye, &mut axes, &mut self.stage);
+        }
+        let scale = ellipsoid.itrf_from_scaled();
+        let eye_scaled = eye_itrf_m / scale;
+        let distance = eye_scaled.length();
+        let frame = TrackFrame {
+            frame: Frame {
+                clip_from_eye: clip_from_eye.as_mat4(),
+                eye_scaled: eye_scaled.as_vec3(),
+                above: ((distance - 1.0) * (distance + 1.0)) as f32,
+                sun_itrf: glam::Vec3::ZERO,
+                radius_m: ellipsoid.equatorial_radius_m as f32,
+                corner_ray: rays.corner.as_vec3(),
+                polar_stretch: (ellipsoid.equatorial_radius_m / ellipsoid.polar_radius_m) as f32,
+                pixel_right: rays.right.as_vec3(),
+                exposure: 0.0,
+                pixel_down: rays.down.as_vec3(),
+                air_below: 0.0,
+            },
+            size_px: [
+                moment.target.size.0.max(1) as f32,
+                moment.target.size.1.max(1) as f32,
+            ],
+            air_top: EARTH_AIR.top() as f32,
+            side: 0.0,
+        };
+        let stage = &mut self.stage;
+        let uploaded_bytes = self.drawable.write(
+            &self.device,
+            queue,
+            &frame,
+            &mut stage.points,
+            &stage.marks,
+            &stage.fills,
+        );
+        let (draw_calls, triangles) = self.drawable.calls();
+        self.stats = TrackStats {
+            points: stage.points.len() as u32,
+            marks: stage.marks.len() as u32,
+            samples: (budget - left) as u32,
+            triangles,
+            draw_calls,
+            uploaded_bytes,
+            is_complete,
+        };
+        self.stats
+    }
+
+    /// Draws what lies beyond the near boundary of the air: after the Earth's surface, before its air.
+    pub fn render_beyond_air(&self, pass: &mut wgpu::RenderPass<'_>) {
+        if self.is_shown {
+            self.drawable.render_beyond_air(pass);
+        }
+    }
+
+    /// Draws what lies before the air: after it. With an Earth without air, after [`Self::render_beyond_air`].
+    pub fn render_before_air(&self, pass: &mut wgpu::RenderPass<'_>) {
+        if self.is_shown {
+            self.drawable.render_before_air(pass);
+        }
+    }
+
+    /// Where names belong in the picture prepared last.
+    pub fn labels(&self) -> &[TrackLabel] {
+        &self.stage.labels
+    }
+
+    /// Names of what is drawn of some satellite: "trails" (with ground tracks and outlines), "marks", "fills".
+    pub fn features_on(&self) -> Vec<&'static str> {
+        let kinds = &self.kinds;
+        [
+            ("trails", kinds.lines),
+            ("marks", kinds.marks),
+            ("fills", kinds.fills),
+        ]
+        .into_iter()
+        .filter(|(_, is_on)| *is_on)
+        .map(|(name, _)| name)
+        .collect()
+    }
+
+    /// Bytes of the WGSL that the driver got: of what is on alone.
+    pub fn shader_bytes(&self) -> u64 {
+        self.drawable.shader_bytes
+    }
+}
+
+impl TracksOptions {
+    fn format(&self) -> PassFormat {
+        PassFormat {
+            color: self.color_format,
+            samples: self.samples,
+            depth: self.depth,
+        }
+    }
+}
+
+impl Stage {
+    fn clear(&mut self) {
+        self.points.clear();
+        self.marks.clear();
+        self.fills.clear();
+        self.labels.clear();
+    }
+}

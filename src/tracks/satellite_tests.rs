@@ -1,0 +1,297 @@
+//! Curves of real orbits: where they lie, how smooth they are, where they end.
+
+use super::*;
+use crate::frames::{Geodetic, utc_from_rfc3339};
+use crate::orbit::kepler::{Anomaly, Elements, KeplerFeed, KeplerOptions, Size};
+use crate::orbit::{OrbitError, Sgp4Feed};
+
+const WGS84: Ellipsoid = Ellipsoid::WGS84;
+
+fn utc(text: &str) -> Epoch {
+    utc_from_rfc3339(text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn kepler(periapsis_m: f64, eccentricity: f64, inclination_deg: f64) -> KeplerFeed {
+    let elements = Elements {
+        size: Size::Periapsis(periapsis_m),
+        eccentricity,
+        inclination_rad: f64::to_radians(inclination_deg),
+        node_rad: 1.0,
+        argument_rad: 4.7,
+        anomaly: Anomaly::Mean(0.4),
+    };
+    let options = KeplerOptions {
+        drift: crate::orbit::kepler::Drift::None,
+        first: utc("1900-01-01T00:00:00Z"),
+        last: utc("2099-12-31T00:00:00Z"),
+    };
+    KeplerFeed::from_elements(
+        "Test",
+        Frame::Gcrf,
+        utc("2018-01-15T12:00:00Z"),
+        &elements,
+        options,
+    )
+    .unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn both(trail: TrackSpan, ground_track: TrackSpan) -> TrackStyle {
+    TrackStyle {
+        trail: Some(trail),
+        ground_track: Some(ground_track),
+        marker: true,
+        subpoint: true,
+        ..TrackStyle::new(0)
+    }
+}
+
+/// Follows a feed to an instant: whether its curves are whole, and the states that it took.
+fn follow(satellite: &mut Satellite, feed: &dyn Feed, at: Epoch) -> (bool, usize) {
+    let mut axes = Axes::new(at, Orientation::default());
+    let mut budget = 100_000;
+    let is_whole = satellite.follow(feed, &mut axes, &WGS84, &mut budget);
+    (is_whole, 100_000 - budget)
+}
+
+/// The trail in Earth-fixed axes of that instant, and the ground track, with seconds from then.
+fn curves(satellite: &Satellite, at: Epoch) -> [Vec<(f64, DVec3)>; 2] {
+    let mut axes = Axes::new(at, Orientation::default());
+    let base = satellite.base.unwrap_or_else(|| panic!("nothing is known"));
+    let turn = axes.itrf_from(base.frame);
+    let (mut trail, mut ground) = (Vec::new(), Vec::new());
+    let now_s = satellite.now_s;
+    if let (Some(curve), Some(span)) = (&satellite.trail, satellite.style.trail) {
+        curve.walk(base.window(span, now_s), satellite.now_m, |t_s, place| {
+            trail.push((t_s - now_s, turn * place));
+        });
+    }
+    if let (Some(curve), Some(span)) = (&satellite.ground, satellite.style.ground_track) {
+        let foot = satellite.now_m.map(|place| foot(turn * place, &WGS84));
+        curve.walk(base.window(span, now_s), foot, |t_s, place| {
+            ground.push((t_s - now_s, place));
+        });
+    }
+    [trail, ground]
+}
+
+/// Largest turn from one chord to the next, radians.
+fn sharpest(points: &[(f64, DVec3)]) -> f64 {
+    let turns = points.windows(3).filter_map(|three| {
+        let (a, b) = (three[1].1 - three[0].1, three[2].1 - three[1].1);
+        (a.length() > 1.0 && b.length() > 1.0).then(|| a.angle_between(b))
+    });
+    turns.fold(0.0, f64::max)
+}
+
+#[test]
+fn the_trail_of_a_molniya_orbit_is_a_smooth_closed_ellipse_with_the_satellite_on_it() {
+    let feed = kepler(6_971_000.0, 0.735, 63.4);
+    for hours in 0..12 {
+        let at = utc("2018-01-15T12:00:00Z") + Duration::from_seconds(3600.0 * f64::from(hours));
+        let mut satellite =
+            Satellite::new(&both(TrackSpan::TRAIL, TrackSpan::GROUND_TRACK), 16_384);
+        let (is_whole, taken) = follow(&mut satellite, &feed, at);
+        let [trail, ground] = curves(&satellite, at);
+        assert!(is_whole && taken < 3500, "{taken}");
+        let place = feed
+            .state_at(at)
+            .unwrap_or_else(|e| panic!("{e}"))
+            .position_itrf_m();
+        let last = trail[trail.len() - 1];
+        assert_eq!(last.0, 0.0);
+        assert!(last.1.distance(place) < 1.0, "{hours}");
+        assert!(
+            trail[0].1.distance(place) < 5e3,
+            "not closed by {}",
+            trail[0].1.distance(place)
+        );
+        // A chord of half a degree is turned by that; at the perigee the path turns faster than the radius.
+        assert!(sharpest(&trail) < 0.02, "{hours}: {}", sharpest(&trail));
+        assert!(sharpest(&ground) < 0.5);
+    }
+}
+
+#[test]
+fn ground_tracks_are_the_feet_of_later_and_earlier_places() {
+    let iss = Sgp4Feed::built_in_iss().unwrap_or_else(|error| panic!("{error}"));
+    let polar = kepler(7_100_000.0, 0.0, 90.0);
+    let feeds: [&dyn Feed; 2] = [&iss, &polar];
+    for feed in feeds {
+        let at = utc("2018-01-19T00:30:00Z");
+        let span = TrackSpan::Seconds {
+            before_s: 12_000.0,
+            after_s: 12_000.0,
+        };
+        let mut satellite = Satellite::new(&both(TrackSpan::TRAIL, span), 16_384);
+        follow(&mut satellite, feed, at);
+        let [_, ground] = curves(&satellite, at);
+        assert!((ground[0].0 + 12_000.0).abs() < 1e-6);
+        assert!((ground[ground.len() - 1].0 - 12_000.0).abs() < 1e-6);
+        let mut crossings = 0;
+        for pair in ground.windows(2) {
+            // In space there is neither date line nor pole: the next point is near.
+            assert!(
+                pair[0].1.distance(pair[1].1) < 70e3,
+                "{} {}",
+                feed.name(),
+                pair[0].0
+            );
+            crossings += u32::from(pair[0].1.x < 0.0 && pair[0].1.y * pair[1].1.y < 0.0);
+        }
+        assert!(crossings >= 2, "{crossings} crossings of the date line");
+        for (k, (t_s, place)) in ground.iter().enumerate() {
+            let state = feed.state_at(at + Duration::from_seconds(*t_s));
+            let there = state
+                .unwrap_or_else(|error| panic!("{error}"))
+                .position_itrf_m();
+            let exact = WGS84.geodetic_from_itrf(there);
+            let exact = WGS84.itrf_from_geodetic(Geodetic {
+                height_m: 0.0,
+                ..exact
+            });
+            // Cut ends lie on chords; the Earth is turned by its mean rate.
+            let allowed = if k == 0 || k + 1 == ground.len() {
+                100.0
+            } else {
+                5.0
+            };
+            let off = exact.distance(*place);
+            assert!(off < allowed, "{} {t_s}: {off} m", feed.name());
+            assert!(
+                k + 1 == ground.len()
+                    || k == 0
+                    || WGS84.geodetic_from_itrf(*place).height_m.abs() < 1e-6
+            );
+        }
+    }
+}
+
+#[test]
+fn in_steady_state_few_states_are_asked_for() {
+    let iss = Sgp4Feed::built_in_iss().unwrap_or_else(|error| panic!("{error}"));
+    let at = utc("2018-01-19T00:30:00Z");
+    let style = both(TrackSpan::TRAIL, TrackSpan::GROUND_TRACK);
+    let mut satellite = Satellite::new(&style, 16_384);
+    let (_, first) = follow(&mut satellite, &iss, at);
+    let mut then = 0;
+    for frame in 1..=600 {
+        // Sixty times as fast as it is, sixty frames a second.
+        let (is_whole, taken) = follow(
+            &mut satellite,
+            &iss,
+            at + Duration::from_seconds(f64::from(frame)),
+        );
+        assert!(is_whole && taken <= 4, "{frame}: {taken}");
+        then += taken;
+    }
+    println!("{first} states at first, {then} for 600 s");
+    assert!(
+        (1200..1800).contains(&first) && then < 200,
+        "{first} {then}"
+    );
+    // A jump to another day begins anew; backwards too.
+    let (is_whole, taken) = follow(&mut satellite, &iss, at - Duration::from_seconds(86_400.0));
+    assert!(is_whole && taken < 2000, "{taken}");
+}
+
+/// The space station, known for a while only.
+struct Known {
+    iss: Sgp4Feed,
+    span: (Epoch, Epoch),
+    /// Whether it says so beforehand.
+    is_honest: bool,
+}
+
+impl Feed for Known {
+    fn name(&self) -> &str {
+        "Known"
+    }
+
+    fn validity(&self) -> (Epoch, Epoch) {
+        match self.is_honest {
+            true => self.span,
+            false => self.iss.validity(),
+        }
+    }
+
+    fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
+        let at = match (self.span.0..=self.span.1).contains(&epoch) {
+            true => epoch,
+            // Far outside of what SGP4 answers for.
+            false => utc("2099-01-01T00:00:00Z"),
+        };
+        self.iss.state_at(at)
+    }
+}
+
+#[test]
+fn curves_end_with_what_is_known() {
+    let at = utc("2018-01-19T00:30:00Z");
+    let hour = Duration::from_seconds(3600.0);
+    let style = both(
+        TrackSpan::Seconds {
+            before_s: 1000.0,
+            after_s: 1000.0,
+        },
+        TrackSpan::Seconds {
+            before_s: 1000.0,
+            after_s: 1000.0,
+        },
+    );
+    for is_honest in [true, false] {
+        let iss = Sgp4Feed::built_in_iss().unwrap_or_else(|error| panic!("{error}"));
+        let feed = Known {
+            iss,
+            span: (
+                at - Duration::from_seconds(300.0),
+                at + Duration::from_seconds(200.0),
+            ),
+            is_honest,
+        };
+        let mut satellite = Satellite::new(&style, 16_384);
+        assert!(follow(&mut satellite, &feed, at).0);
+        for curve in curves(&satellite, at) {
+            let (first, last) = (curve[0].0, curve[curve.len() - 1].0);
+            assert!((-300.0..-285.0).contains(&first), "{is_honest}: {first}");
+            assert!((185.0..=200.0).contains(&last), "{is_honest}: {last}");
+            assert!(
+                !is_honest || (first == -300.0 && last == 200.0),
+                "{first} {last}"
+            );
+        }
+        // Later than it is known: the past stays, there is no place of now.
+        let later = at + Duration::from_seconds(700.0);
+        assert!(follow(&mut satellite, &feed, later).0);
+        assert_eq!(satellite.now_m, None);
+        let [trail, _] = curves(&satellite, later);
+        assert!(trail[trail.len() - 1].0 <= -500.0);
+        // And long after nothing is left.
+        follow(&mut satellite, &feed, later + hour);
+        assert!(curves(&satellite, later + hour)[0].is_empty());
+    }
+}
+
+#[test]
+fn spans_count_revolutions_by_the_energy() {
+    let state = |position_m: DVec3, velocity_m_s: DVec3| OrbitState {
+        epoch: Epoch::default(),
+        frame: Frame::Gcrf,
+        position_m,
+        velocity_m_s,
+    };
+    let radius_m: f64 = 42_164_000.0;
+    let circular = state(
+        DVec3::X * radius_m,
+        DVec3::Y * (EARTH_GM_M3_S2 / radius_m).sqrt(),
+    );
+    assert!((revolution_s(&circular) - 86_164.0).abs() < 20.0);
+    // What escapes, and what takes a year: a day.
+    assert_eq!(
+        revolution_s(&state(DVec3::X * 7e6, DVec3::Y * 2e4)),
+        86_400.0
+    );
+    assert_eq!(
+        revolution_s(&state(DVec3::X * 4e9, DVec3::Y * 10.0)),
+        86_400.0
+    );
+}
