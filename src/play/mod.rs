@@ -16,6 +16,7 @@
 //! | `picture`, `still`, `stats`, `export`, `video/` | pictures, their numbers, films |
 //! | `destination` | files that are whole or not there |
 //! | `window`, `stage`, `surface`, `overlay`, `panel`, `controls`, `keys` | the window |
+//! | `timeline/` | the time line along the bottom: scrubbing, real time, passes |
 //! | `cost` | what its frames cost, for the governor of quality |
 
 pub mod camera;
@@ -39,6 +40,7 @@ mod stage;
 mod stats;
 mod still;
 mod surface;
+mod timeline;
 mod video;
 mod window;
 
