@@ -11,6 +11,7 @@
 //! | `flight` | scene and orbit to moments |
 //! | `satellites` | the scene's sources of motion, opened |
 //! | `ephemeris` | where its satellites are, as tables and messages |
+//! | `pass_table` | when they pass over a place |
 //! | `maps` | the scene's maps: a folder or a pack |
 //! | `craft/` | the spacecraft that the chase camera follows |
 //! | `picture`, `still`, `stats`, `export`, `video/` | pictures, their numbers, films |
@@ -33,6 +34,7 @@ mod keys;
 mod maps;
 mod overlay;
 mod panel;
+mod pass_table;
 mod picture;
 mod progress;
 mod satellites;
@@ -51,6 +53,7 @@ pub use error::PlayError;
 pub use export::{ExportRequest, export};
 pub use flight::{Flight, Moment, Satellite, ViewRequest};
 pub use maps::earth_options;
+pub use pass_table::{PassRequest, PassTable};
 pub use picture::{Measured, Picture, target_bytes};
 pub use progress::Progress;
 pub use satellites::Tracked;

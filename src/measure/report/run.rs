@@ -91,7 +91,7 @@ pub(super) fn run(
         gpu,
         options,
         progress,
-        sky: Sky::at(flight.scene().time.start),
+        sky: flight.sky_at(flight.scene().time.start),
         references: Vec::new(),
         notes: Vec::new(),
         truths: Vec::new(),
