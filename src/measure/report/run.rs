@@ -148,7 +148,7 @@ pub(super) fn run(
     progress.end();
     study.notes.append(&mut bench.notes);
     if study.is_complete() {
-        study.numbers = Numbers::gather(&bench.gpu, request.repeats, progress)?;
+        study.numbers = Numbers::gather(&bench.gpu, request.quick, request.repeats, progress)?;
     }
     study.is_stopped = progress.cancelled();
     Ok(study)

@@ -11,7 +11,7 @@ use egui::{
 };
 
 /// How much of the window's bottom it takes, points.
-pub const HEIGHT: f32 = 118.0;
+pub const HEIGHT: f32 = 96.0;
 /// Height of the bar itself, points.
 const BAR: f32 = 22.0;
 /// Room for a tick's words, points.
@@ -31,7 +31,7 @@ pub fn show(context: &Context, line: &TimeLine, clock: &Clock, actions: &mut Vec
         .title_bar(false)
         .resizable(false)
         .anchor(Align2::CENTER_BOTTOM, vec2(0.0, -8.0))
-        .fixed_size(vec2(width - 12.0, HEIGHT - 20.0))
+        .fixed_size(vec2(width - 12.0, HEIGHT - 24.0))
         .show(context, |ui| {
             ends(ui, clock);
             bar(ui, line, clock, actions);
