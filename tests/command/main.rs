@@ -8,6 +8,7 @@ mod bad_input;
 mod bench;
 mod orbit;
 mod packs;
+mod passes;
 mod pictures;
 mod reference;
 mod report;
