@@ -3,10 +3,11 @@
 use super::{Common, print, values};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use terrella::frames::{Duration, Epoch};
+use terrella::frames::{Duration, Epoch, Geodetic};
 use terrella::orbit::{Frame, Header};
 use terrella::play::{
-    Axes, Ephemeris, EphemerisRequest, Flight, Layout, OutputError, PendingFile, Span, omm,
+    Axes, Ephemeris, EphemerisRequest, Flight, Layout, OutputError, PassRequest, PassTable,
+    PendingFile, Span, omm,
 };
 use terrella::scene::Scene;
 
@@ -36,6 +37,19 @@ pub struct OrbitArgs {
     /// Write an orbit mean-elements message (CCSDS OMM) instead of printing: of the satellite that is named, or of all
     #[arg(long, value_name = "FILE", conflicts_with_all = ["at", "csv", "json"])]
     omm: Option<PathBuf>,
+    /// Print when the satellite stands above the horizon of a place, from the scene's first instant to its last: latitude and
+    /// longitude in degrees, south and west negative, and metres above the ellipsoid
+    #[arg(
+        long, value_name = "LAT,LON[,HEIGHT]", value_parser = values::place, allow_hyphen_values = true,
+        conflicts_with_all = ["every", "at", "frame", "oem", "omm"]
+    )]
+    passes: Option<Geodetic>,
+    /// With --passes: how high above the horizon, degrees
+    #[arg(long, value_name = "DEGREES", value_parser = values::elevation_deg, default_value = "10", requires = "passes")]
+    min_elevation: f64,
+    /// With --passes: for so many days from the scene's first instant on, as far as the satellite is known
+    #[arg(long, value_name = "N", value_parser = values::days, requires = "passes")]
+    days: Option<f64>,
     /// Of this satellite; without it the one that cameras fly with
     #[arg(long, value_name = "NAME")]
     satellite: Option<String>,
@@ -77,6 +91,20 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
     let oem_file = pending(args.oem.as_ref(), "ephemeris messages", "oem")?;
     let omm_file = pending(args.omm.as_ref(), "element messages", "omm")?;
     let flight = Flight::open_deaf(Scene::load(&args.scene)?)?;
+    let layout = match (args.csv, args.json) {
+        (true, _) => Layout::Csv,
+        (_, true) => Layout::Json,
+        _ => Layout::Text,
+    };
+    if let Some(place) = args.passes {
+        let request = PassRequest {
+            place,
+            least_elevation_rad: args.min_elevation.to_radians(),
+            length: args.days.map(Duration::from_days),
+            satellite: args.satellite.as_deref(),
+        };
+        return print(&PassTable::new(&flight, &request)?.print(layout));
+    }
     let header = Header {
         originator: concat!("TERRELLA ", env!("CARGO_PKG_VERSION")).to_owned(),
         created: Epoch::now()?,
@@ -110,11 +138,6 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
     if !prints {
         return Ok(());
     }
-    let layout = match (args.csv, args.json) {
-        (true, _) => Layout::Csv,
-        (_, true) => Layout::Json,
-        _ => Layout::Text,
-    };
     print(&Ephemeris::new(&flight, &request)?.print(layout))
 }
 

@@ -1,7 +1,7 @@
 //! Values of options, read from their text. What clap is told here it reports with the option's name and exit code 2.
 
-use terrella::frames::{Epoch, utc_from_rfc3339};
-use terrella::scene::limits::SIDE_PX;
+use terrella::frames::{Epoch, Geodetic, utc_from_rfc3339};
+use terrella::scene::limits::{LAT_DEG, LON_DEG, SIDE_PX};
 
 /// `1280x720`.
 pub fn size(text: &str) -> Result<(u32, u32), String> {
@@ -34,6 +34,48 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if seconds > 0.0 && seconds <= 86_400.0 => Ok(seconds),
         _ => Err("it must be a number of seconds, more than 0 and at most 86400".into()),
+    }
+}
+
+/// `48.2,16.4` or `48.2,16.4,170`: degrees, south and west negative, and metres above the ellipsoid.
+pub fn place(text: &str) -> Result<Geodetic, String> {
+    let numbers: Vec<_> = text.split(',').map(|n| n.trim().parse::<f64>()).collect();
+    let (lat, lon, height) = match numbers[..] {
+        [Ok(lat), Ok(lon)] => (lat, lon, 0.0),
+        [Ok(lat), Ok(lon), Ok(height)] => (lat, lon, height),
+        _ => {
+            return Err("write it as latitude,longitude in degrees, for example 48.2,16.4, or with metres above the ellipsoid behind".into());
+        }
+    };
+    if !LAT_DEG.contains(&lat) {
+        return Err(format!("the latitude is {lat}; it must be from -90 to 90"));
+    }
+    if !LON_DEG.contains(&lon) {
+        return Err(format!(
+            "the longitude is {lon}; it must be from -360 to 360"
+        ));
+    }
+    if !(-12_000.0..=100_000.0).contains(&height) {
+        return Err(format!(
+            "the height is {height}; it must be from -12000 to 100000 metres"
+        ));
+    }
+    Ok(Geodetic::from_degrees(lat, lon, height))
+}
+
+/// An angle above the horizon.
+pub fn elevation_deg(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(degrees) if (0.0..90.0).contains(&degrees) => Ok(degrees),
+        _ => Err("it must be a number of degrees from 0 to less than 90".into()),
+    }
+}
+
+/// Days, more than none and at most ten years.
+pub fn days(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(days) if days > 0.0 && days <= 3653.0 => Ok(days),
+        _ => Err("it must be a number of days, more than 0 and at most 3653".into()),
     }
 }
 
@@ -75,6 +117,26 @@ mod tests {
             assert!(size(bad).is_err(), "{bad}");
         }
         assert!(size("0x10").is_err_and(|words| words.contains("width")));
+    }
+
+    #[test]
+    fn places_elevations_and_days() {
+        let vienna = place("48.2, 16.4,170").expect("a place");
+        assert_eq!(vienna, Geodetic::from_degrees(48.2, 16.4, 170.0));
+        assert_eq!(place("-33.5,-70.25").map(|place| place.height_m), Ok(0.0));
+        for bad in [
+            "", "1", "1,2,3,4", "91,0", "0,400", "nan,0", "0,0,1e9", "a,b",
+        ] {
+            assert!(place(bad).is_err(), "{bad}");
+        }
+        assert!(place("91,0").is_err_and(|words| words.contains("latitude is 91")));
+        assert_eq!((elevation_deg("0"), days("30")), (Ok(0.0), Ok(30.0)));
+        for bad in ["-1", "90", "nan", ""] {
+            assert!(elevation_deg(bad).is_err(), "{bad}");
+        }
+        for bad in ["0", "1e9", "inf", "-3"] {
+            assert!(days(bad).is_err(), "{bad}");
+        }
     }
 
     #[test]

@@ -16,7 +16,7 @@ mod tiles;
 mod view;
 
 use crate::air::{Atmosphere, Billboard, EARTH_AIR};
-use crate::frames::{Epoch, Geodetic, sun_direction_itrf};
+use crate::frames::{Epoch, Geodetic, Orientation, sun_direction_itrf_oriented};
 pub use crate::globe::Shading;
 use crate::globe::{COLUMNS, Meshes, Visibility, select_blocks, texels_per_pixel};
 use crate::gpu::{AirDrawable, Frame, PassFormat, SurfaceDrawable, SurfaceLook};
@@ -41,10 +41,15 @@ pub struct Sky {
 }
 
 impl Sky {
-    /// The sky of a date.
+    /// The sky of a date, UT1 taken as UTC and polar motion left out: the Sun is up to 13.5″ off.
     pub fn at(epoch: Epoch) -> Self {
+        Self::with_orientation(epoch, &Orientation::default())
+    }
+
+    /// The sky of a date over an Earth of that orientation.
+    pub fn with_orientation(epoch: Epoch, orientation: &Orientation) -> Self {
         Self {
-            sun_itrf: sun_direction_itrf(epoch),
+            sun_itrf: sun_direction_itrf_oriented(epoch, orientation),
         }
     }
 

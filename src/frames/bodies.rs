@@ -16,9 +16,10 @@ pub fn sun_position_gcrf_m(epoch: Epoch) -> DVec3 {
     match sofars::eph::epv00(tt.midnight, tt.fraction) {
         Some(([earth_au, _], _)) => -DVec3::from(earth_au) * ASTRONOMICAL_UNIT_M,
         None => {
-            let direction = sun::low_precision_direction_itrf(epoch);
+            let orientation = Orientation::default();
+            let direction = sun::low_precision_direction_itrf(epoch, &orientation);
             let distance = sun::low_precision_distance_au(epoch) * ASTRONOMICAL_UNIT_M;
-            let itrf_from_gcrf = itrf_from_gcrf_oriented(epoch, &Orientation::default());
+            let itrf_from_gcrf = itrf_from_gcrf_oriented(epoch, &orientation);
             itrf_from_gcrf.transpose() * direction * distance
         }
     }

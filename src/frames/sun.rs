@@ -1,8 +1,8 @@
 //! The Sun.
 
-use super::rotation::{itrf_from_gcrf, rotation_about_z};
+use super::rotation::{itrf_from_gcrf_oriented, itrf_from_pef, rotation_about_z};
 use super::time::JulianDate;
-use super::{Epoch, Geodetic};
+use super::{Epoch, Geodetic, Orientation};
 use glam::DVec3;
 
 /// Unit vector from the Earth's centre to the Sun in ITRF axes: the apparent direction, where its light comes from.
@@ -11,14 +11,20 @@ use glam::DVec3;
 /// put in and the rest of [`itrf_from_gcrf`]'s limits: 13.5″, mostly UT1. Outside these years by Meeus' low-precision
 /// formula, 0.012° near these years and worse with every century. Parallax (8.8″ at the surface) is left out.
 pub fn sun_direction_itrf(epoch: Epoch) -> DVec3 {
+    sun_direction_itrf_oriented(epoch, &Orientation::default())
+}
+
+/// As [`sun_direction_itrf`], with what is measured of the Earth's rotation: from 1900 to 2100 good to 0.1″.
+pub fn sun_direction_itrf_oriented(epoch: Epoch, orientation: &Orientation) -> DVec3 {
     let tt = JulianDate::tt(epoch);
     match sofars::eph::epv00(tt.midnight, tt.fraction) {
         Some((heliocentric, barycentric)) => {
             let [earth_au, _] = heliocentric;
             let [_, velocity_au_day] = barycentric;
-            itrf_from_gcrf(epoch) * apparent_direction(earth_au, velocity_au_day)
+            itrf_from_gcrf_oriented(epoch, orientation)
+                * apparent_direction(earth_au, velocity_au_day)
         }
-        None => low_precision_direction_itrf(epoch),
+        None => low_precision_direction_itrf(epoch, orientation),
     }
 }
 
@@ -54,7 +60,7 @@ fn apparent_direction(earth_au: [f64; 3], velocity_au_day: [f64; 3]) -> DVec3 {
 }
 
 /// Meeus, Astronomical Algorithms (1998), chapter 25, with mean equator and equinox of date turned by mean sidereal time.
-pub(super) fn low_precision_direction_itrf(epoch: Epoch) -> DVec3 {
+pub(super) fn low_precision_direction_itrf(epoch: Epoch, orientation: &Orientation) -> DVec3 {
     let tt = JulianDate::tt(epoch);
     let t = (tt.midnight - 2_451_545.0 + tt.fraction) / 36_525.0;
     // L0, M, C: mean longitude, mean anomaly, equation of the centre, degrees.
@@ -72,7 +78,9 @@ pub(super) fn low_precision_direction_itrf(epoch: Epoch) -> DVec3 {
         obliquity.sin() * longitude.sin(),
     );
     let utc = JulianDate::utc(epoch);
-    rotation_about_z(sofars::erst::gmst82(utc.midnight, utc.fraction)) * direction
+    let fraction = utc.fraction + orientation.ut1_minus_utc_s / 86_400.0;
+    let pef_from_equator = rotation_about_z(sofars::erst::gmst82(utc.midnight, fraction));
+    itrf_from_pef(orientation) * (pef_from_equator * direction)
 }
 
 /// Distance that goes with it (Meeus 25.5), astronomical units.
@@ -97,12 +105,50 @@ mod tests {
         for step in 0..2000 {
             let epoch = Epoch::from_gregorian_utc_at_midnight(1900, 1, 2)
                 + Duration::from_days(f64::from(step) * 36.4 + 0.123);
-            let angle =
-                sun_direction_itrf(epoch).angle_between(low_precision_direction_itrf(epoch));
+            let other = low_precision_direction_itrf(epoch, &Orientation::default());
+            let angle = sun_direction_itrf(epoch).angle_between(other);
             worst = worst.max(angle.to_degrees());
         }
         println!("low precision against ephemeris, 1900…2099: {worst:.5}°");
         assert!(worst < 0.0125, "{worst}°");
+    }
+
+    #[test]
+    fn the_sun_moves_with_the_earths_clock_and_pole() {
+        let arcsecond = 1f64.to_radians() / 3600.0;
+        // Inside the ephemeris and outside it. At noon UTC the Sun stands near 0° E.
+        for year in [2018, 2150] {
+            let noon = Epoch::from_gregorian_utc(year, 4, 15, 12, 0, 0, 0);
+            let place = |orientation| {
+                let sun = sun_direction_itrf_oriented(noon, &orientation);
+                (sun.z.asin(), sun.y.atan2(sun.x))
+            };
+            let still = place(Orientation::default());
+            assert!(still.1.abs() < 0.01);
+            assert_eq!(
+                sun_direction_itrf(noon).y.atan2(sun_direction_itrf(noon).x),
+                still.1
+            );
+            // UT1 ahead by half a second: the Earth has turned 15.041″ a second further, and the Sun stands farther west.
+            let ahead = place(Orientation {
+                ut1_minus_utc_s: 0.5,
+                ..Orientation::default()
+            });
+            assert!(
+                ((still.1 - ahead.1) / arcsecond - 7.5205).abs() < 1e-3,
+                "{year}"
+            );
+            assert!((ahead.0 - still.0).abs() / arcsecond < 1e-3);
+            // The pole leans 0.3″ towards 0° E: what stands there is that much nearer to it than to ITRF's z axis.
+            let leaning = place(Orientation {
+                x_pole_rad: 0.3 * arcsecond,
+                ..Orientation::default()
+            });
+            assert!(
+                ((still.0 - leaning.0) / arcsecond - 0.3).abs() < 1e-3,
+                "{year}"
+            );
+        }
     }
 
     #[test]

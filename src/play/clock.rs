@@ -17,7 +17,10 @@ pub fn frame_epoch(time: &Time, index: u64) -> Epoch {
     time.start + (index as f64 * time.speed / time.frame_rate_hz) * Unit::Second
 }
 
-/// What the clock does at the end of the flight.
+/// Shortest part that is played by itself, as a part of the span.
+const SHORTEST_PART: f64 = 1e-3;
+
+/// What the clock does at the end of what it plays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AtEnd {
     /// Begins anew, in either direction.
@@ -26,44 +29,54 @@ pub enum AtEnd {
     Stop,
 }
 
-/// A clock that can be paused, sped up, reversed and set; it never leaves the flight.
+/// A clock that can be paused, sped up, reversed and set; it never leaves its span, at first the scene's flight.
 #[derive(Clone, Debug)]
 pub struct Clock {
-    start: Epoch,
-    /// Length of the flight, simulated seconds.
+    /// The earliest instant of the span.
+    first: Epoch,
+    /// Length of the span, simulated seconds.
     duration_s: f64,
-    /// Where `start` lies in the flight: 0, or the whole duration where the scene flies backwards.
-    start_s: f64,
-    /// Simulated seconds since the flight's earliest instant, 0…duration.
+    /// Simulated seconds since the earliest instant, 0…duration.
     now_s: f64,
     /// Simulated seconds per second, negative backwards, never 0.
     speed: f64,
     paused: bool,
     at_end: AtEnd,
+    /// The part that is played again and again, seconds since the earliest instant; `None` is the span's own end.
+    part_s: (Option<f64>, Option<f64>),
+    /// Earliest instant and length of the scene's flight.
+    flight: (Epoch, f64),
 }
 
 impl Clock {
     /// A clock that stands at the scene's start and runs at its speed.
     pub fn new(time: &Time, at_end: AtEnd) -> Self {
-        let start_s = if time.speed < 0.0 {
+        let now_s = if time.speed < 0.0 {
             time.duration_s
         } else {
             0.0
         };
+        let first = time.start - now_s * Unit::Second;
         Self {
-            start: time.start,
+            first,
             duration_s: time.duration_s,
-            start_s,
-            now_s: start_s,
+            now_s,
             speed: time.speed,
             paused: false,
             at_end,
+            part_s: (None, None),
+            flight: (first, time.duration_s),
         }
     }
 
     /// The instant that is shown.
     pub fn now(&self) -> Epoch {
-        self.start + (self.now_s - self.start_s) * Unit::Second
+        self.first + self.now_s * Unit::Second
+    }
+
+    /// First and last instant that it can show.
+    pub fn span(&self) -> (Epoch, Epoch) {
+        (self.first, self.first + self.duration_s * Unit::Second)
     }
 
     /// Simulated seconds per second, negative backwards.
@@ -76,38 +89,146 @@ impl Clock {
         self.paused
     }
 
-    /// How much of the flight lies before the present instant, 0…1.
+    /// What it does at the end.
+    pub fn at_end(&self) -> AtEnd {
+        self.at_end
+    }
+
+    /// Sets what it does at the end.
+    pub fn set_at_end(&mut self, at_end: AtEnd) {
+        self.at_end = at_end;
+    }
+
+    /// How much of the span lies before the present instant, 0…1.
     pub fn progress(&self) -> f64 {
         self.now_s / self.duration_s
     }
 
-    /// Length of the flight, simulated seconds.
+    /// Length of the span, simulated seconds.
     pub fn duration_s(&self) -> f64 {
         self.duration_s
     }
 
+    /// Another span, `first` before `last`; what is shown is brought into it, and all of it is played. No span is taken
+    /// that is not of some nanoseconds.
+    pub fn set_span(&mut self, first: Epoch, last: Epoch) {
+        let duration_s = (last - first).to_seconds();
+        if duration_s > 0.0 {
+            let now = self.now();
+            (self.first, self.duration_s) = (first, duration_s);
+            self.part_s = (None, None);
+            self.seek_to(now);
+        }
+    }
+
+    /// Whether its span is the scene's flight.
+    pub fn is_on_flight(&self) -> bool {
+        (self.first, self.duration_s) == self.flight
+    }
+
+    /// Back to the span of the scene's flight, and to its beginning.
+    pub fn return_to_flight(&mut self) {
+        (self.first, self.duration_s) = self.flight;
+        self.part_s = (None, None);
+        self.seek(if self.speed < 0.0 { 1.0 } else { 0.0 });
+    }
+
+    /// The part of the span that is played, from and to, 0…1.
+    pub fn part(&self) -> (f64, f64) {
+        let (from_s, to_s) = self.part_ends_s();
+        (from_s / self.duration_s, to_s / self.duration_s)
+    }
+
+    fn part_ends_s(&self) -> (f64, f64) {
+        let (from_s, to_s) = self.part_s;
+        (from_s.unwrap_or(0.0), to_s.unwrap_or(self.duration_s))
+    }
+
+    /// The played part begins at `progress`, 0…1. One that ended before it ends with the span.
+    pub fn begin_part(&mut self, progress: f64) {
+        if let Some(at_s) = self.part_s_of(progress) {
+            let to_s = self.part_s.1.filter(|to_s| self.is_part(at_s, *to_s));
+            if self.is_part(at_s, to_s.unwrap_or(self.duration_s)) {
+                self.part_s = (Some(at_s).filter(|at_s| *at_s > 0.0), to_s);
+            }
+        }
+    }
+
+    /// The played part ends at `progress`. One that began after it begins with the span.
+    pub fn end_part(&mut self, progress: f64) {
+        if let Some(at_s) = self.part_s_of(progress) {
+            let from_s = self.part_s.0.filter(|from_s| self.is_part(*from_s, at_s));
+            if self.is_part(from_s.unwrap_or(0.0), at_s) {
+                self.part_s = (from_s, Some(at_s).filter(|at_s| *at_s < self.duration_s));
+            }
+        }
+    }
+
+    /// All of the span is played.
+    pub fn play_all(&mut self) {
+        self.part_s = (None, None);
+    }
+
+    fn part_s_of(&self, progress: f64) -> Option<f64> {
+        let is_number = progress.is_finite();
+        is_number.then(|| progress.clamp(0.0, 1.0) * self.duration_s)
+    }
+
+    /// Whether from one to the other is long enough to be played: a thousandth of the span.
+    fn is_part(&self, from_s: f64, to_s: f64) -> bool {
+        to_s - from_s > SHORTEST_PART * self.duration_s
+    }
+
     /// Lets `wall_dt_s` seconds of the wall clock pass. A step that is negative or not finite is no step.
+    ///
+    /// It ends, or begins anew, with the played part; set outside of it, it first runs into it or to the end of the span.
     pub fn advance(&mut self, wall_dt_s: f64) {
         if self.paused || !wall_dt_s.is_finite() || wall_dt_s <= 0.0 {
             return;
         }
         let next_s = self.now_s + wall_dt_s * self.speed;
-        if (0.0..=self.duration_s).contains(&next_s) {
+        let (from_s, to_s) = self.part_ends_s();
+        let end_s = self.end_ahead_s();
+        let beyond_s = (next_s - end_s) * self.speed.signum();
+        if beyond_s <= 0.0 {
             self.now_s = next_s;
             return;
         }
         match self.at_end {
-            AtEnd::Loop => self.now_s = next_s.rem_euclid(self.duration_s),
+            AtEnd::Loop => {
+                let into_s = beyond_s.rem_euclid(to_s - from_s);
+                self.now_s = match self.speed < 0.0 {
+                    true => to_s - into_s,
+                    false => from_s + into_s,
+                };
+            }
             AtEnd::Stop => {
-                self.now_s = next_s.clamp(0.0, self.duration_s);
+                self.now_s = end_s;
                 self.paused = true;
             }
         }
     }
 
+    /// Where it ends if it goes on.
+    fn end_ahead_s(&self) -> f64 {
+        let (from_s, to_s) = self.part_ends_s();
+        match self.speed < 0.0 {
+            true if self.now_s < from_s => 0.0,
+            true => from_s,
+            false if self.now_s > to_s => self.duration_s,
+            false => to_s,
+        }
+    }
+
     /// Pauses or goes on.
+    ///
+    /// At the end, where it would stop again at once, it goes on from the other end.
     pub fn set_paused(&mut self, paused: bool) {
         self.paused = paused;
+        if !paused && self.at_end == AtEnd::Stop && self.now_s == self.end_ahead_s() {
+            let (from_s, to_s) = self.part_ends_s();
+            self.now_s = if self.speed < 0.0 { to_s } else { from_s };
+        }
     }
 
     /// To the next higher power of two of real time.
@@ -126,19 +247,31 @@ impl Clock {
         self.speed = magnitude.clamp(SLOWEST, FASTEST).copysign(self.speed);
     }
 
+    /// Real time, forwards.
+    pub fn set_real_time(&mut self) {
+        self.speed = 1.0;
+    }
+
     /// Turns time round.
     pub fn reverse(&mut self) {
         self.speed = -self.speed;
     }
 
-    /// Sets the clock to a part of the flight, 0 (earliest) to 1 (latest); anything else is brought into it.
+    /// Sets the clock to a part of the span, 0 (earliest) to 1 (latest); anything else is brought into it.
     pub fn seek(&mut self, progress: f64) {
         if progress.is_finite() {
             self.now_s = progress.clamp(0.0, 1.0) * self.duration_s;
         }
     }
 
-    /// Moves the clock by simulated seconds, as far as the flight reaches.
+    /// Sets the clock to an instant; one outside the span is brought into it.
+    pub fn seek_to(&mut self, epoch: Epoch) {
+        self.now_s = (epoch - self.first)
+            .to_seconds()
+            .clamp(0.0, self.duration_s);
+    }
+
+    /// Moves the clock by simulated seconds, as far as the span reaches.
     pub fn seek_by(&mut self, simulated_s: f64) {
         self.seek((self.now_s + simulated_s) / self.duration_s);
     }
@@ -213,6 +346,80 @@ mod tests {
         clock.advance(7.0);
         // 110 s back is 10 s before the start again.
         assert!((seconds(&clock) + 10.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_part_is_played_again_and_again() {
+        let mut clock = Clock::new(&time(10.0), AtEnd::Loop);
+        clock.begin_part(0.2);
+        clock.end_part(0.5);
+        assert_eq!(clock.part(), (0.2, 0.5));
+        // From before the part into it, then round in it.
+        clock.advance(4.0);
+        assert!((seconds(&clock) - 40.0).abs() < 1e-9);
+        clock.advance(2.0);
+        assert!((seconds(&clock) - 30.0).abs() < 1e-9);
+        clock.reverse();
+        clock.advance(2.0);
+        assert!((seconds(&clock) - 40.0).abs() < 1e-9);
+        // From behind the part to the end of the span, and then into it.
+        clock.reverse();
+        clock.seek(0.8);
+        clock.advance(1.0);
+        assert!((seconds(&clock) - 90.0).abs() < 1e-9);
+        clock.advance(1.5);
+        assert!((seconds(&clock) - 25.0).abs() < 1e-9);
+        // An end before the beginning takes the beginning away.
+        clock.end_part(0.1);
+        assert_eq!(clock.part(), (0.0, 0.1));
+        clock.begin_part(0.7);
+        assert_eq!(clock.part(), (0.7, 1.0));
+        clock.begin_part(f64::NAN);
+        clock.end_part(1.0);
+        clock.begin_part(1.0);
+        assert_eq!(clock.part(), (0.7, 1.0));
+        clock.play_all();
+        assert_eq!(clock.part(), (0.0, 1.0));
+    }
+
+    #[test]
+    fn a_stopped_clock_goes_on_from_the_other_end() {
+        let mut clock = Clock::new(&time(60.0), AtEnd::Stop);
+        clock.begin_part(0.25);
+        clock.advance(5.0);
+        assert!(clock.is_paused() && seconds(&clock) == 100.0);
+        clock.set_paused(false);
+        assert_eq!(seconds(&clock), 25.0);
+        clock.reverse();
+        clock.advance(9.0);
+        assert!(clock.is_paused() && seconds(&clock) == 25.0);
+        clock.set_paused(false);
+        clock.advance(0.5);
+        assert!((seconds(&clock) - 70.0).abs() < 1e-9);
+        // One that stands in the middle goes on from there.
+        clock.set_paused(true);
+        clock.set_paused(false);
+        assert!((seconds(&clock) - 70.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn spans_move_and_come_back() {
+        let mut clock = Clock::new(&time(-10.0), AtEnd::Loop);
+        let (first, last) = clock.span();
+        assert_eq!(last, time(1.0).start);
+        clock.end_part(0.5);
+        clock.set_span(last + 50.0 * Unit::Second, last + 250.0 * Unit::Second);
+        assert!(!clock.is_on_flight());
+        assert_eq!((seconds(&clock), clock.part()), (50.0, (0.0, 1.0)));
+        clock.seek_to(last + 99.5 * Unit::Second);
+        assert_eq!(seconds(&clock), 99.5);
+        // Turned round, or of no length, it is no span.
+        clock.set_span(last, first);
+        clock.set_span(first, first);
+        assert_eq!(clock.span().0, last + 50.0 * Unit::Second);
+        clock.return_to_flight();
+        assert!(clock.is_on_flight());
+        assert_eq!((clock.span(), clock.now()), ((first, last), last));
     }
 
     #[test]

@@ -5,6 +5,8 @@ use super::clock::{AtEnd, Clock};
 use super::flight::{Flight, ViewRequest};
 use super::keys::Action;
 use super::live::LiveStatus;
+use super::timeline::TimeLine;
+use crate::frames::Geodetic;
 use crate::scene::CameraMode;
 
 /// Most that one event magnifies, as a power of two: more is a device gone mad.
@@ -27,6 +29,8 @@ pub struct Controls {
     pub panel: bool,
     /// Whether the help is shown.
     pub help: bool,
+    /// The time line.
+    pub line: TimeLine,
     /// The last thing worth telling.
     pub message: Option<String>,
     /// How the simulators are whose states are drawn, where there are any.
@@ -42,6 +46,10 @@ pub enum WindowTask {
     Screenshot,
     /// Change to full screen or back.
     FullScreen,
+    /// Follow the clock on the wall.
+    RealTime,
+    /// Look for the next pass.
+    NextPass,
     /// Close.
     Quit,
 }
@@ -56,6 +64,7 @@ impl Controls {
             mode: scene.camera.mode,
             panel: true,
             help: false,
+            line: TimeLine::new(flight),
             message: None,
             live: None,
             modes: flight.camera_modes(),
@@ -82,8 +91,16 @@ impl Controls {
         self.clock.advance(wall_dt_s.min(LONGEST_STEP_S));
     }
 
+    /// Whether the time line is on screen.
+    pub fn shows_line(&self) -> bool {
+        self.panel && self.line.shown && self.live.is_none()
+    }
+
     /// Does what the user asks; what only the window can do is handed back. `height_px` is the picture's, for drags.
     pub fn apply(&mut self, action: Action, height_px: f64) -> Option<WindowTask> {
+        if sets_clock(action) {
+            self.line.leave_real_time();
+        }
         match action {
             Action::Pause => self.clock.set_paused(!self.clock.is_paused()),
             Action::Faster => self.clock.faster(),
@@ -97,6 +114,25 @@ impl Controls {
             Action::ResetView => self.look = Look::default(),
             Action::Help => self.help = !self.help,
             Action::Panel => self.panel = !self.panel,
+            Action::TimeLine if self.panel => self.line.shown = !self.line.shown,
+            // Hidden with the panel, it comes back with it.
+            Action::TimeLine => (self.panel, self.line.shown) = (true, true),
+            Action::Loop => self.clock.set_at_end(match self.clock.at_end() {
+                AtEnd::Loop => AtEnd::Stop,
+                AtEnd::Stop => AtEnd::Loop,
+            }),
+            Action::PartBegin(at) => self.clock.begin_part(at.unwrap_or(self.clock.progress())),
+            Action::PartEnd(at) => self.clock.end_part(at.unwrap_or(self.clock.progress())),
+            Action::PartAll => self.clock.play_all(),
+            Action::SceneFlight => self.clock.return_to_flight(),
+            Action::Place(lat_deg, lon_deg) => {
+                self.line.place = Some(Geodetic::from_degrees(lat_deg, lon_deg, 0.0));
+            }
+            Action::LeastElevation(degrees) => self.line.least_elevation_deg = degrees,
+            // A second time it is left; the clock goes on by itself.
+            Action::RealTime if self.line.is_real_time() => self.line.leave_real_time(),
+            Action::RealTime => return Some(WindowTask::RealTime),
+            Action::NextPass => return Some(WindowTask::NextPass),
             Action::Screenshot => return Some(WindowTask::Screenshot),
             Action::FullScreen => return Some(WindowTask::FullScreen),
             Action::Quit => return Some(WindowTask::Quit),
@@ -135,6 +171,20 @@ impl Controls {
             self.look.pitch_rad = pitch.clamp(-MAX_PITCH_RAD, MAX_PITCH_RAD);
         }
     }
+}
+
+/// Whether it sets the clock, which then goes its own way.
+fn sets_clock(action: Action) -> bool {
+    matches!(
+        action,
+        Action::Pause
+            | Action::Faster
+            | Action::Slower
+            | Action::Reverse
+            | Action::Seek(_)
+            | Action::Skip(_)
+            | Action::SceneFlight
+    )
 }
 
 #[cfg(test)]
@@ -204,6 +254,55 @@ mod tests {
             controls("[camera]\nmode = \"geodetic\"\n[time]\nspeed = 10\nduration_s = 100\n");
         controls.advance(3600.0);
         assert!((controls.clock.progress() - 0.025).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_time_line_is_hidden_with_the_panel_and_by_its_own_key() {
+        let mut controls = controls(PLACE);
+        assert!(controls.shows_line());
+        controls.apply(Action::TimeLine, 720.0);
+        assert!(!controls.shows_line() && controls.panel);
+        controls.apply(Action::Panel, 720.0);
+        controls.apply(Action::TimeLine, 720.0);
+        assert!(controls.shows_line());
+        controls.apply(Action::Panel, 720.0);
+        assert!(!controls.shows_line());
+    }
+
+    #[test]
+    fn a_clock_that_is_set_leaves_real_time() {
+        use crate::frames::utc_from_rfc3339;
+        for action in [Action::Pause, Action::Seek(0.5), Action::Faster] {
+            let mut controls = controls(PLACE);
+            assert_eq!(
+                controls.apply(Action::RealTime, 720.0),
+                Some(WindowTask::RealTime)
+            );
+            let now = utc_from_rfc3339("2026-03-01T08:00:00Z").expect("a date");
+            controls
+                .line
+                .begin_real_time(&mut controls.clock, now, None);
+            controls.apply(Action::Zoom(1.0), 720.0);
+            assert!(controls.line.is_real_time());
+            controls.apply(action, 720.0);
+            assert!(!controls.line.is_real_time(), "{action:?}");
+            assert!(!controls.clock.is_on_flight());
+            controls.apply(Action::SceneFlight, 720.0);
+            assert!(controls.clock.is_on_flight());
+        }
+    }
+
+    #[test]
+    fn the_part_begins_and_ends_where_the_clock_stands() {
+        let mut controls = controls(PLACE);
+        controls.apply(Action::Seek(0.25), 720.0);
+        controls.apply(Action::PartBegin(None), 720.0);
+        controls.apply(Action::PartEnd(Some(0.75)), 720.0);
+        assert_eq!(controls.clock.part(), (0.25, 0.75));
+        controls.apply(Action::PartAll, 720.0);
+        assert_eq!(controls.clock.part(), (0.0, 1.0));
+        controls.apply(Action::Loop, 720.0);
+        assert_eq!(controls.clock.at_end(), AtEnd::Stop);
     }
 
     #[test]

@@ -270,7 +270,10 @@ fn utc(epoch: Epoch) -> String {
     ccsds_time(epoch, TimeScale::Utc) + "Z"
 }
 
-fn satellite<'f>(flight: &'f Flight, name: Option<&str>) -> Result<&'f Tracked, PlayError> {
+pub(super) fn satellite<'f>(
+    flight: &'f Flight,
+    name: Option<&str>,
+) -> Result<&'f Tracked, PlayError> {
     let satellites = flight.satellites();
     let index = match name {
         None => flight.followed(),

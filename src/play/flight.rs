@@ -144,6 +144,11 @@ impl Flight {
         self.orientation.as_ref()
     }
 
+    /// What lights the Earth at an instant, by the scene's table of the Earth's orientation.
+    pub fn sky_at(&self, epoch: Epoch) -> Sky {
+        Sky::with_orientation(epoch, &self.orientation_at(epoch))
+    }
+
     /// The figure that heights are above.
     pub fn ellipsoid(&self) -> &Ellipsoid {
         &self.ellipsoid
@@ -207,7 +212,7 @@ impl Flight {
         state: Option<Motion>,
     ) -> Moment {
         let fov_rad = request.look.fov_rad(self.scene.camera.fov_deg.to_radians());
-        let sky = Sky::at(epoch);
+        let sky = self.sky_at(epoch);
         let craft = match (request.mode, &state) {
             (CameraMode::Chase, Some(state)) => Some(CraftPose::new(state, &self.ellipsoid, &sky)),
             _ => None,
@@ -236,5 +241,40 @@ fn motion(state: &OrbitState, orientation: &Orientation) -> Motion {
     Motion {
         position_itrf_m,
         velocity_m_s,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn the_sun_follows_the_table_that_the_scene_names() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/orbit");
+        let flight = |orientation: &str| {
+            let text = format!(
+                "[time]\nstart = \"2017-01-01T12:00:00Z\"\nduration_s = 60\n{orientation}[camera]\nmode = \"geodetic\"\n"
+            );
+            let scene = Scene::from_toml(&text, &folder.join("test.toml")).expect("a good scene");
+            Flight::open(scene).expect("opens")
+        };
+        let (plain, oriented) = (
+            flight(""),
+            flight("orientation = \"finals2000A.extract\"\n"),
+        );
+        let epoch = plain.scene().time.start;
+        let sun = |flight: &Flight| flight.at(epoch, 1.5).expect("a moment").sky.sun_itrf;
+        assert_eq!(sun(&plain), Sky::at(epoch).sun_itrf);
+        let ut1_s = oriented.orientation_at(epoch).ut1_minus_utc_s;
+        assert!((0.1..0.9).contains(&ut1_s.abs()), "{ut1_s}");
+        // 15.041 arc seconds for each second of UT1 − UTC, about the pole.
+        let lon = |sun: glam::DVec3| sun.y.atan2(sun.x).to_degrees() * 3600.0;
+        let moved = lon(sun(&plain)) - lon(sun(&oriented));
+        assert!(
+            (moved - 15.041 * ut1_s).abs() < 0.3,
+            "{moved}″ for {ut1_s} s"
+        );
+        assert_eq!(sun(&oriented), oriented.sky_at(epoch).sun_itrf);
     }
 }

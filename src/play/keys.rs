@@ -33,6 +33,26 @@ pub enum Action {
     Help,
     /// Shows or hides the panel.
     Panel,
+    /// Shows or hides the time line.
+    TimeLine,
+    /// Begins anew at the end, or stops there.
+    Loop,
+    /// The played part begins at a part of the span, 0…1; `None` is where the clock stands.
+    PartBegin(Option<f64>),
+    /// The played part ends there.
+    PartEnd(Option<f64>),
+    /// Plays all of the span.
+    PartAll,
+    /// Follows the clock on the wall, or no more.
+    RealTime,
+    /// Back to the scene's flight, from real time or from a pass.
+    SceneFlight,
+    /// To the next pass of the satellite over the place.
+    NextPass,
+    /// The place of passes: latitude and longitude, degrees.
+    Place(f64, f64),
+    /// How high the satellite must stand for a pass, degrees.
+    LeastElevation(f64),
     /// Closes the window.
     Quit,
 }
@@ -135,6 +155,54 @@ pub const BINDINGS: &[Binding] = &[
         action: Action::Panel,
     },
     Binding {
+        keys: "T",
+        does: "hide or show the time line",
+        on: &[Char("t")],
+        action: Action::TimeLine,
+    },
+    Binding {
+        keys: "L",
+        does: "at the end begin anew, or stop",
+        on: &[Char("l")],
+        action: Action::Loop,
+    },
+    Binding {
+        keys: "I",
+        does: "play from here",
+        on: &[Char("i")],
+        action: Action::PartBegin(None),
+    },
+    Binding {
+        keys: "O",
+        does: "play to here",
+        on: &[Char("o")],
+        action: Action::PartEnd(None),
+    },
+    Binding {
+        keys: "A",
+        does: "play all",
+        on: &[Char("a")],
+        action: Action::PartAll,
+    },
+    Binding {
+        keys: "W",
+        does: "real time: follow the clock on the wall",
+        on: &[Char("w")],
+        action: Action::RealTime,
+    },
+    Binding {
+        keys: "N",
+        does: "next pass over the place of the time line",
+        on: &[Char("n")],
+        action: Action::NextPass,
+    },
+    Binding {
+        keys: "B",
+        does: "back to the scene's flight",
+        on: &[Char("b")],
+        action: Action::SceneFlight,
+    },
+    Binding {
         keys: "H or F1",
         does: "this help",
         on: &[Char("h"), Char("?"), Named(NamedKey::F1)],
@@ -150,7 +218,7 @@ pub const BINDINGS: &[Binding] = &[
 
 /// What the mouse does, for the help.
 pub const MOUSE: &[(&str, &str)] = &[
-    ("drag", "look around"),
+    ("drag", "look around; on the time line: set the clock"),
     ("wheel or pinch", "magnify or widen"),
 ];
 

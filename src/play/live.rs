@@ -151,7 +151,11 @@ impl<'f> LivePlay<'f> {
             Action::Pause if self.is_lockstep() => "stopped",
             Action::Faster | Action::Slower => "made faster or slower",
             Action::Reverse => "turned round",
-            Action::Seek(_) | Action::Skip(_) => "moved",
+            Action::Seek(_) | Action::Skip(_) | Action::NextPass => "moved",
+            Action::Loop | Action::PartBegin(_) | Action::PartEnd(_) | Action::PartAll => {
+                "played in parts"
+            }
+            Action::RealTime | Action::SceneFlight | Action::TimeLine => "set by another clock",
             _ => return None,
         };
         let listens_on = self.feed.listens_on();

@@ -12,12 +12,14 @@
 //! | `satellites` | the scene's sources of motion, opened |
 //! | `live` | the time of scenes whose simulator gives it |
 //! | `ephemeris` | where its satellites are, as tables and messages |
+//! | `pass_table` | when they pass over a place |
 //! | `maps` | the scene's maps: a folder or a pack |
 //! | `craft/` | the spacecraft that the chase camera follows |
 //! | `tracks/` | trails, ground tracks, footprints and names of its satellites |
 //! | `picture`, `still`, `stats`, `export`, `video/` | pictures, their numbers, films |
 //! | `destination` | files that are whole or not there |
 //! | `window`, `stage`, `surface`, `overlay`, `panel`, `controls`, `keys` | the window |
+//! | `timeline/` | the time line along the bottom: scrubbing, real time, passes |
 //! | `cost` | what its frames cost, for the governor of quality |
 
 pub mod camera;
@@ -35,6 +37,7 @@ mod live;
 mod maps;
 mod overlay;
 mod panel;
+mod pass_table;
 mod picture;
 mod progress;
 mod satellites;
@@ -42,6 +45,7 @@ mod stage;
 mod stats;
 mod still;
 mod surface;
+mod timeline;
 mod tracks;
 mod video;
 mod window;
@@ -53,6 +57,7 @@ pub use error::PlayError;
 pub use export::{ExportRequest, export};
 pub use flight::{Flight, Moment, Satellite, ViewRequest};
 pub use maps::earth_options;
+pub use pass_table::{PassRequest, PassTable};
 pub use picture::{Measured, Picture, target_bytes};
 pub use progress::Progress;
 pub use satellites::Tracked;

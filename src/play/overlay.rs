@@ -56,6 +56,11 @@ impl Overlay {
         self.state.egui_ctx().egui_wants_pointer_input()
     }
 
+    /// Whether a line of text is being typed, to which keys belong.
+    pub fn is_typing(&self) -> bool {
+        self.state.egui_ctx().text_edit_focused()
+    }
+
     /// Lays out one frame. Answers how long it may stand before egui wants another.
     pub fn lay_out(&mut self, window: &Window, mut add: impl FnMut(&egui::Context)) -> Duration {
         let input = self.state.take_egui_input(window);

@@ -3,10 +3,11 @@
 use super::controls::Controls;
 use super::flight::Moment;
 use super::keys::{Action, BINDINGS, MOUSE};
+use super::timeline;
 use crate::frames::rfc3339;
 use crate::scene::CameraMode;
 use crate::{FrameStats, Governor};
-use egui::{Align2, Color32, Context, Grid, RichText, Slider, Ui, Vec2};
+use egui::{Align2, Color32, Context, Grid, RichText, Ui, Vec2};
 
 /// What the panel shows beside the controls.
 pub struct PanelData<'p> {
@@ -37,6 +38,11 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
             .resizable(false)
             .show(context, |ui| panel(ui, controls, data, &mut actions));
     }
+    let mut bottom = 16.0;
+    if controls.shows_line() {
+        bottom += timeline::HEIGHT;
+        timeline::show(context, &controls.line, &controls.clock, &mut actions);
+    }
     if controls.help {
         egui::Window::new("Keys")
             .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
@@ -55,7 +61,7 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
     }
     if let Some(message) = &controls.message {
         egui::Area::new("message".into())
-            .anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -16.0))
+            .anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -bottom))
             .show(context, |ui| {
                 egui::Frame::popup(ui.style()).show(ui, |ui| ui.label(message));
             });
@@ -122,14 +128,6 @@ fn panel(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut V
         }
         row("adapter", data.adapter.to_owned());
     });
-    // A simulator's time has no part that could be sought.
-    if controls.live.is_none() {
-        let mut progress = clock.progress();
-        let slider = Slider::new(&mut progress, 0.0..=1.0).show_value(false);
-        if ui.add(slider).on_hover_text("part of the flight").changed() {
-            actions.push(Action::Seek(progress));
-        }
-    }
     ui.horizontal(|ui| {
         let pause = if clock.is_paused() { "play" } else { "pause" };
         let buttons = [
@@ -138,6 +136,7 @@ fn panel(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut V
             ("faster", Action::Faster),
             ("reverse", Action::Reverse),
             ("camera", Action::NextCamera),
+            ("time line", Action::TimeLine),
             ("help", Action::Help),
         ];
         for (text, action) in buttons {

@@ -211,7 +211,15 @@ impl Stage {
 
     /// Offers an event to the panel.
     pub fn offer(&mut self, event: &WindowEvent) -> Response {
+        // Before egui sees the key that ends it.
+        let is_typing = self.overlay.is_typing();
         let response = self.overlay.on_event(&self.window, event);
+        if matches!(event, WindowEvent::KeyboardInput { .. }) {
+            return Response {
+                consumed: is_typing,
+                ..response
+            };
+        }
         let is_pointer = matches!(
             event,
             WindowEvent::MouseInput { .. } | WindowEvent::MouseWheel { .. }

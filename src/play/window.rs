@@ -7,7 +7,9 @@ use super::keys::{Action, action_of};
 use super::live::LivePlay;
 use super::progress::Progress;
 use super::stage::{Shown, Stage};
+use super::timeline::{Finder, Known};
 use crate::EyeView;
+use crate::frames::Epoch;
 use hifitime::Unit;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -41,6 +43,9 @@ pub enum WindowError {
     /// The thread that times frames cannot be started.
     #[error("frames cannot be timed: {0}; leave target_ms out of the scene's [quality]")]
     NoThread(std::io::Error),
+    /// The thread that looks for passes cannot be started.
+    #[error("the thread that looks for passes cannot be started: {0}")]
+    NoPasses(std::io::Error),
     /// The window's surface takes no 8-bit sRGB colour.
     #[error(
         "the window's surface offers no 8-bit sRGB colour, only {present:?}; choose another adapter with --adapter, or \
@@ -72,31 +77,40 @@ pub fn play_in_window(
     // Before the maps are loaded: whether there is a display is known at once.
     let event_loop =
         EventLoop::new().map_err(|error| WindowError::NoDisplay(no_display(&error)))?;
-    let mut app = App {
-        controls: Controls::new(flight),
-        live: LivePlay::of(flight),
-        flight,
-        request,
-        progress,
-        stage: None,
-        failure: None,
-        closes_at: None,
-        last_frame: None,
-        message_ends: None,
-        repaint_at: None,
-        retry_at: None,
-        dragging: false,
-        pointer: None,
-        hidden: false,
-        expected: Vec::new(),
-    };
-    event_loop
-        .run_app(&mut app)
-        .map_err(|error| WindowError::NoDisplay(error.to_string()))?;
-    match app.failure {
-        Some(failure) => Err(failure),
-        None => Ok(()),
-    }
+    std::thread::scope(|scope| {
+        let proxy = event_loop.create_proxy();
+        // A loop that has ended is woken no more.
+        let wake = move || {
+            let _ = proxy.send_event(());
+        };
+        let finder = Finder::start(scope, flight, wake).map_err(WindowError::NoPasses)?;
+        let mut app = App {
+            finder,
+            controls: Controls::new(flight),
+            live: LivePlay::of(flight),
+            flight,
+            request,
+            progress,
+            stage: None,
+            failure: None,
+            closes_at: None,
+            last_frame: None,
+            message_ends: None,
+            repaint_at: None,
+            retry_at: None,
+            dragging: false,
+            pointer: None,
+            hidden: false,
+            expected: Vec::new(),
+        };
+        event_loop
+            .run_app(&mut app)
+            .map_err(|error| WindowError::NoDisplay(error.to_string()))?;
+        match app.failure {
+            Some(failure) => Err(failure),
+            None => Ok(()),
+        }
+    })
 }
 
 /// winit's words without the place in its source that they begin with: `os error at FILE:LINE: reason.`
@@ -113,6 +127,8 @@ struct App<'a> {
     flight: &'a Flight,
     /// Where a simulator gives the time.
     live: Option<LivePlay<'a>>,
+    /// Looks for passes.
+    finder: Finder,
     request: &'a WindowRequest<'a>,
     controls: Controls,
     progress: &'a dyn Progress,
@@ -164,6 +180,18 @@ impl ApplicationHandler for App<'_> {
         }
     }
 
+    /// The finder has an answer.
+    fn user_event(&mut self, _event_loop: &ActiveEventLoop, (): ()) {
+        while let Some(answer) = self.finder.answer() {
+            let known = self.known();
+            let controls = &mut self.controls;
+            if let Some(words) = controls.line.take(&mut controls.clock, answer, known) {
+                self.tell(words);
+            }
+        }
+        self.redraw();
+    }
+
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _id: WindowId, event: WindowEvent) {
         let Some(stage) = &mut self.stage else {
             return;
@@ -184,7 +212,9 @@ impl ApplicationHandler for App<'_> {
                 self.redraw();
             }
             WindowEvent::RedrawRequested => self.draw(event_loop),
-            WindowEvent::KeyboardInput { event, .. } if event.state == ElementState::Pressed => {
+            WindowEvent::KeyboardInput { event, .. }
+                if event.state == ElementState::Pressed && !response.consumed =>
+            {
                 let repeats = |action: Action| matches!(action, Action::Zoom(_) | Action::Skip(_));
                 let action = action_of(&event.logical_key);
                 if let Some(action) = action.filter(|action| !event.repeat || repeats(*action)) {
@@ -257,7 +287,7 @@ impl ApplicationHandler for App<'_> {
     }
 }
 
-impl App<'_> {
+impl<'a> App<'a> {
     fn redraw(&self) {
         if let (Some(stage), false) = (&self.stage, self.hidden) {
             stage.window().request_redraw();
@@ -287,6 +317,27 @@ impl App<'_> {
         match self.controls.apply(action, height_px) {
             None => {}
             Some(WindowTask::Quit) => event_loop.exit(),
+            Some(WindowTask::RealTime) => {
+                let known = self.known();
+                let controls = &mut self.controls;
+                let words = match Epoch::now() {
+                    Ok(now) => controls
+                        .line
+                        .begin_real_time(&mut controls.clock, now, known),
+                    Err(error) => format!("the clock on the wall cannot be read: {error}"),
+                };
+                self.tell(words);
+            }
+            Some(WindowTask::NextPass) => {
+                match self
+                    .controls
+                    .line
+                    .next_order(&self.controls.clock, self.known())
+                {
+                    Ok(order) => self.finder.ask(order),
+                    Err(words) => self.tell(words),
+                }
+            }
             Some(WindowTask::FullScreen) => {
                 let window = stage.window();
                 let next = match window.fullscreen() {
@@ -303,14 +354,43 @@ impl App<'_> {
         self.redraw();
     }
 
+    /// The name of the satellite that cameras fly with, and when it is known.
+    fn known(&self) -> Option<Known<'a>> {
+        let feed = self.flight.feed();
+        feed.map(|feed| (feed.name(), feed.validity()))
+    }
+
+    /// Lets time pass, or sets the clock by the one on the wall.
+    fn advance(&mut self, wall: Duration) {
+        if self.live.is_some() {
+            // Time comes from the simulator.
+            return;
+        }
+        let known = self.known();
+        let controls = &mut self.controls;
+        let now = controls.line.is_real_time().then(Epoch::now);
+        let told = match now {
+            Some(Ok(now)) => controls.line.follow(&mut controls.clock, now, known),
+            _ => {
+                controls.advance(wall.as_secs_f64());
+                None
+            }
+        };
+        if let Some(words) = told {
+            self.tell(words);
+        }
+        if let Some(order) = self.controls.line.wanted_marks(&self.controls.clock) {
+            self.finder.ask(order);
+        }
+    }
+
     fn draw(&mut self, event_loop: &ActiveEventLoop) {
+        let now = Instant::now();
+        let interval = self.last_frame.map(|last| now - last);
+        self.advance(interval.unwrap_or_default());
         let Some(stage) = &mut self.stage else {
             return;
         };
-        let now = Instant::now();
-        let interval = self.last_frame.map(|last| now - last);
-        self.controls
-            .advance(interval.unwrap_or_default().as_secs_f64());
         let request = self.controls.request(stage.aspect());
         let is_paused = self.controls.clock.is_paused();
         let moment = match &mut self.live {

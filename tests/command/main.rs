@@ -9,6 +9,7 @@ mod bench;
 mod live;
 mod orbit;
 mod packs;
+mod passes;
 mod pictures;
 mod reference;
 mod report;

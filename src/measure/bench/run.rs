@@ -12,7 +12,7 @@ use crate::globe::Meshes;
 use crate::gpu::{GpuContext, GpuTimer};
 use crate::measure::{GroundPath, Quantiles, Rig, STATIONS};
 use crate::play::{Flight, OutputError, PendingFile, PlayError, Progress};
-use crate::{EarthError, EarthOptions, Sky};
+use crate::{EarthError, EarthOptions};
 use std::num::NonZeroU32;
 use std::path::Path;
 
@@ -210,7 +210,7 @@ fn measure(
         timer: timer.as_ref(),
         meshes: Meshes::new(options.figure.ellipsoid(), options.subdivision, 1)
             .map_err(|error| PlayError::from(EarthError::from(error)))?,
-        sky: Sky::at(scene.time.start),
+        sky: flight.sky_at(scene.time.start),
         frames: report.frames,
         progress,
     };

@@ -4,12 +4,18 @@
 //! |---|---|
 //! | `reference.rs`, `double_double.rs` | where the satellite truly is, in 32 digits |
 //! | `table.rs` | the comparison as a table |
+//! | `stiff.rs` | a fall through the air that is stiff |
+//! | `interpolation.rs` | interpolated ephemerides by degree and step, as a table |
 
 mod double_double;
+mod interpolation;
 mod reference;
+mod stiff;
 mod table;
 
+pub use interpolation::interpolation_markdown;
 pub use reference::positions_m;
+pub use stiff::StiffFall;
 pub use table::{OrbitRow, markdown, rows};
 
 use super::numeric::{Method, Sweep, Work};
@@ -23,6 +29,9 @@ use crate::orbit::{Feed, Frame, OrbitState};
 use glam::DVec3;
 use std::cell::OnceCell;
 use std::hint::black_box;
+
+/// The parameter that trades error for run time.
+pub const TOLERANCE: &str = "relative_tolerance";
 
 /// Places of a span that are looked at.
 const PLACES: u32 = 24;
@@ -206,7 +215,7 @@ impl Method for OrbitCase {
 
     fn sweep(&self) -> Sweep {
         Sweep {
-            parameter: "relative_tolerance",
+            parameter: TOLERANCE,
             values: vec![1e-6, 1e-8, 1e-10, 1e-12],
         }
     }
@@ -238,6 +247,27 @@ pub fn methods() -> Vec<OrbitCase> {
         }
     }
     cases
+}
+
+/// All that a report compares: [`methods`] and the stiff fall. `quick`: a circle, a Molniya and a parabola's neighbour over a
+/// day with J2, and the fall at one tolerance.
+pub fn for_report(quick: bool) -> Vec<Box<dyn Method>> {
+    let (cases, tolerances): (Vec<_>, &[f64]) = match quick {
+        true => (
+            [0.0, 0.74, 0.9999]
+                .into_iter()
+                .filter_map(|eccentricity| OrbitCase::new(eccentricity, true, 1.0))
+                .collect(),
+            &[1e-6],
+        ),
+        false => (methods(), &[1e-4, 1e-6, 1e-8]),
+    };
+    let cases = cases
+        .into_iter()
+        .map(|case| Box::new(case) as Box<dyn Method>);
+    cases
+        .chain([Box::new(StiffFall::new(tolerances)) as Box<dyn Method>])
+        .collect()
 }
 
 #[cfg(test)]
@@ -277,6 +307,7 @@ mod tests {
     #[test]
     fn there_are_twenty_cases() {
         assert_eq!(methods().len(), 20);
+        assert_eq!((for_report(false).len(), for_report(true).len()), (21, 4));
         assert!(OrbitCase::new(f64::NAN, false, 1.0).is_none());
     }
 }

@@ -8,7 +8,7 @@
 //! | `change.rs` | what is swept |
 //! | `run.rs` | drawing, timing and comparing |
 //! | `rows.rs` | what is found, as tables |
-//! | `numbers.rs` | formulas, methods and extreme views, which need no scene |
+//! | `numbers.rs` | formulas, propagators and extreme views, which need no scene |
 //! | `plots.rs` | as charts |
 //! | `page.rs`, `words.rs` | as a page |
 

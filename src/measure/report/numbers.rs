@@ -10,6 +10,7 @@ use crate::gpu::GpuContext;
 use crate::imagery::{EarthLayers, LayerImage};
 use crate::measure::extreme::{self, Outcome};
 use crate::measure::numeric::{Measurement, Method, StabilityRow, formulas, measure};
+use crate::measure::orbits;
 use crate::measure::{Chart, Point, Series, pareto_front};
 use crate::play::{PlayError, Progress};
 use std::fmt::Write;
@@ -26,16 +27,18 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    /// Measures everything; what is not reached before a stop is left out.
+    /// Measures everything; what is not reached before a stop is left out. `quick` takes fewer propagators' cases.
     pub(super) fn gather(
         gpu: &GpuContext,
+        quick: bool,
         repeats: u32,
         progress: &dyn Progress,
     ) -> Result<Self, ReportError> {
         let (formulas, cases) = (formulas(), extreme::cases());
+        let propagators = orbits::for_report(quick);
         progress.begin(
-            "formulas, extreme views",
-            Some((formulas.len() + cases.len()) as u64),
+            "formulas, propagators, extreme views",
+            Some((formulas.len() + propagators.len() + cases.len()) as u64),
         );
         let mut found = Self::default();
         for formula in &formulas {
@@ -45,6 +48,15 @@ impl Numbers {
             let method: &dyn Method = formula.as_ref();
             found.measurements.extend(measure(method, repeats));
             found.stability.extend(formula.rows());
+            progress.step();
+        }
+        for propagator in &propagators {
+            if progress.cancelled() {
+                return Ok(found);
+            }
+            found
+                .measurements
+                .extend(measure(propagator.as_ref(), repeats));
             progress.step();
         }
         let layers = grey().map_err(PlayError::from)?;
@@ -108,6 +120,7 @@ pub fn method_plots(measurements: &[Measurement]) -> Result<Vec<Plot>, ReportErr
             .chars()
             .map(|c| if c.is_alphanumeric() { c } else { '_' })
             .collect();
+        let about = about(first);
         let chart = |title: String, x_name: String, series: Vec<Series>| Chart {
             title,
             x_name,
@@ -125,9 +138,9 @@ pub fn method_plots(measurements: &[Measurement]) -> Result<Vec<Plot>, ReportErr
         push(
             &mut plots,
             format!("method_{name}_range"),
-            "methods",
+            about,
             words,
-            true,
+            about == METHODS,
             &over,
         )?;
         let costs = costs(&of_it);
@@ -150,13 +163,24 @@ pub fn method_plots(measurements: &[Measurement]) -> Result<Vec<Plot>, ReportErr
         push(
             &mut plots,
             format!("method_{name}_cost"),
-            "methods",
+            about,
             words,
             false,
             &against,
         )?;
     }
     Ok(plots)
+}
+
+/// What charts of formulas are about, and those of propagators.
+const METHODS: &str = "methods";
+const ORBITS: &str = "orbits";
+
+fn about(measurement: &Measurement) -> &'static str {
+    match measurement.parameter == orbits::TOLERANCE {
+        true => ORBITS,
+        false => METHODS,
+    }
 }
 
 /// A cost that changes by less than this factor over a sweep is the same.
@@ -221,9 +245,20 @@ pub(super) fn section(
         out.push_str("<details><summary>Error of each form over its range, and against its cost</summary>\n<div class=\"charts\">\n");
         plots
             .iter()
-            .filter(|plot| plot.about == "methods")
+            .filter(|plot| plot.about == METHODS)
             .for_each(|plot| chart(out, plot));
         out.push_str("</div></details>\n<p>Tables: <a href=\"methods.csv\">methods.csv</a>, <a href=\"stability.csv\">stability.csv</a>.</p>\n");
+    }
+    let propagators = |m: &&Measurement| about(m) == ORBITS;
+    let propagators: Vec<_> = numbers.measurements.iter().filter(propagators).collect();
+    if !propagators.is_empty() {
+        orbits_section(out, &propagators);
+        out.push_str("<div class=\"charts\">\n");
+        plots
+            .iter()
+            .filter(|plot| plot.about == ORBITS && plot.name.ends_with("_cost"))
+            .for_each(|plot| chart(out, plot));
+        out.push_str("</div>\n<p>Table: <a href=\"methods.csv\">methods.csv</a>. Error over the tolerance: <code>plots/</code>.</p>\n");
     }
     if !numbers.extremes.is_empty() {
         extremes(out, &numbers.extremes);
@@ -266,6 +301,40 @@ fn stability(out: &mut String, rows: &[StabilityRow]) {
             row.worst,
             escaped(row.parameter),
             number(row.at),
+        );
+    }
+    out.push_str("</table></div></details>\n");
+}
+
+/// Every propagator with every tolerance: the charts of error against run time stand below it.
+fn orbits_section(out: &mut String, measurements: &[&Measurement]) {
+    out.push_str(
+        "<h2>Propagators: error against run time</h2>\n<p>From a state to 24 places of a span: by a conic, by DOP853 (explicit) \
+         and by Radau IIA (implicit), each point one tolerance. Error: the largest distance from extrapolation in 32 digits. \
+         Ringed: the Pareto front, what is beaten in both by none. A sphere of one gram that falls through the air is stiff: \
+         there the explicit method pays with evaluations of the force for stability, and error is the instant of the \
+         impact.</p>\n<details><summary>All numbers</summary>\n<div class=\"scroll\"><table>\n<tr><th>case</th>\
+         <th>method</th><th>tolerance</th><th>error</th><th>cost</th><th>quartiles</th></tr>\n",
+    );
+    for m in measurements {
+        // A flight's time is told in milliseconds.
+        let (scale, unit) = match m.cost_unit.as_str() {
+            "ns/call" => (1e-6, "ms"),
+            other => (1.0, other),
+        };
+        let _ = writeln!(
+            out,
+            "<tr><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{:.0e}</td><td>{:.1e} {}</td><td>{} {}</td>\
+             <td>{} to {}</td></tr>",
+            escaped(&m.method),
+            escaped(&m.variant),
+            m.value,
+            m.error,
+            escaped(&m.error_unit),
+            number(scale * m.cost.median),
+            escaped(unit),
+            number(scale * m.cost.lower),
+            number(scale * m.cost.upper),
         );
     }
     out.push_str("</table></div></details>\n");
@@ -340,5 +409,55 @@ mod tests {
         let names: Vec<_> = plots.iter().map(|plot| plot.name.as_str()).collect();
         assert_eq!(names, ["method_m__n_range", "method_m__n_cost"]);
         assert!(plots[1].svg.contains("calls"));
+        assert!(plots.iter().all(|plot| plot.about == METHODS));
+    }
+
+    #[test]
+    fn propagators_stand_in_the_table_and_on_charts_of_their_own() {
+        let fall = orbits::for_report(true).pop().expect("the stiff fall");
+        let mut numbers = Numbers {
+            measurements: measure(fall.as_ref(), 1),
+            ..Numbers::default()
+        };
+        numbers.measurements.extend([
+            measurement("a", 1.0, 1e-3, 100.0),
+            measurement("b", 1.0, 1e-6, 400.0),
+        ]);
+        let csv = numbers.methods_csv();
+        assert!(
+            csv.contains(
+                "\na sphere of one gram falls from 120 km,Radau IIA,relative_tolerance,1e-6,"
+            ),
+            "{csv}"
+        );
+        let plots = method_plots(&numbers.measurements).expect("draws");
+        let about: Vec<_> = plots
+            .iter()
+            .map(|plot| (plot.about, plot.is_main))
+            .collect();
+        assert_eq!(
+            about,
+            [
+                (ORBITS, false),
+                (ORBITS, false),
+                (METHODS, true),
+                (METHODS, false)
+            ]
+        );
+        let mut page = String::new();
+        let rows: Vec<_> = numbers
+            .measurements
+            .iter()
+            .filter(|m| about_is_orbits(m))
+            .collect();
+        orbits_section(&mut page, &rows);
+        assert!(
+            page.contains("error against run time") && page.matches("<tr>").count() == 4,
+            "{page}"
+        );
+    }
+
+    fn about_is_orbits(measurement: &Measurement) -> bool {
+        about(measurement) == ORBITS
     }
 }

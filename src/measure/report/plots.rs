@@ -9,7 +9,7 @@ use crate::measure::{Chart, ChartError, Point, Series, Spread, pareto_front};
 pub struct Plot {
     /// The file's name without its extension.
     pub name: String,
-    /// What it is about: `overview`, `height`, `methods`, or a parameter's name.
+    /// What it is about: `overview`, `height`, `methods`, `orbits`, or a parameter's name.
     pub about: &'static str,
     /// What is seen in it, for those who do not see it.
     pub words: String,

@@ -91,7 +91,7 @@ pub(super) fn run(
         gpu,
         options,
         progress,
-        sky: Sky::at(flight.scene().time.start),
+        sky: flight.sky_at(flight.scene().time.start),
         references: Vec::new(),
         notes: Vec::new(),
         truths: Vec::new(),
@@ -148,7 +148,7 @@ pub(super) fn run(
     progress.end();
     study.notes.append(&mut bench.notes);
     if study.is_complete() {
-        study.numbers = Numbers::gather(&bench.gpu, request.repeats, progress)?;
+        study.numbers = Numbers::gather(&bench.gpu, request.quick, request.repeats, progress)?;
     }
     study.is_stopped = progress.cancelled();
     Ok(study)

@@ -1,0 +1,378 @@
+//! When a satellite stands above a place's horizon.
+
+use super::constants::EARTH_GM_M3_S2;
+use super::{Feed, Frame, OrbitError, OrbitState};
+use crate::frames::{Duration, EARTH_ROTATION_RATE_RAD_S, Ellipsoid, Epoch, Geodetic, Orientation};
+use glam::DVec3;
+
+/// How exactly the ends of a pass are found, seconds.
+const EXACT_S: f64 = 1e-3;
+/// From the end of one pass to where the next one is looked for, seconds.
+const APART_S: f64 = 1.0;
+/// Step where the feed knows nothing, seconds.
+const GAP_STEP_S: f64 = 30.0;
+/// Shortest steps, as an angle that the satellite moves about the Earth's centre, radians: within it the elevation turns
+/// at most once.
+const STEP_RAD: f64 = 0.01;
+/// Bounds of these steps, seconds.
+const STEP_S: std::ops::RangeInclusive<f64> = 0.5..=120.0;
+/// Gravity at the ground is nowhere greater, m/s².
+const MOST_GRAVITY_M_S2: f64 = 9.9;
+/// What else may pull: all bounds of acceleration are taken so much larger.
+const MARGIN: f64 = 1.1;
+
+/// A place on the Earth, and how high above its horizon a satellite has to stand. No refraction, no hills.
+#[derive(Clone, Copy)]
+pub struct Horizon<'o> {
+    place_itrf_m: DVec3,
+    up: DVec3,
+    east: DVec3,
+    sin_least: f64,
+    orientation: &'o dyn Fn(Epoch) -> Orientation,
+}
+
+/// Where a satellite stands, seen from a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bearing {
+    /// Clockwise from north, radians, 0…2π. At the poles north is along the meridian of the place's longitude.
+    pub azimuth_rad: f64,
+    /// Above the plane across the ellipsoid's normal, radians.
+    pub elevation_rad: f64,
+    /// Metres.
+    pub distance_m: f64,
+}
+
+/// A time all through which a satellite stands high enough.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pass {
+    /// Its first instant.
+    pub begin: Epoch,
+    /// Whether it rises at `begin`; else the search, the feed or what it knows begins there.
+    pub rises: bool,
+    /// When it stands highest.
+    pub highest: Epoch,
+    /// How high, radians.
+    pub elevation_rad: f64,
+    /// Its last instant.
+    pub end: Epoch,
+    /// Whether it sets at `end`.
+    pub sets: bool,
+}
+
+impl<'o> Horizon<'o> {
+    /// Of a place above `ellipsoid`; `least_elevation_rad` is brought into 0…π/2, and `orientation` is the Earth's.
+    pub fn new(
+        place: Geodetic,
+        ellipsoid: &Ellipsoid,
+        least_elevation_rad: f64,
+        orientation: &'o dyn Fn(Epoch) -> Orientation,
+    ) -> Self {
+        let (sin, cos) = place.lon_rad.sin_cos();
+        Self {
+            place_itrf_m: ellipsoid.itrf_from_geodetic(place),
+            up: Ellipsoid::normal(place.lat_rad, place.lon_rad),
+            east: DVec3::new(-sin, cos, 0.0),
+            sin_least: least_elevation_rad
+                .clamp(0.0, std::f64::consts::FRAC_PI_2)
+                .sin(),
+            orientation,
+        }
+    }
+
+    /// Where a satellite stands.
+    pub fn bearing(&self, state: &OrbitState) -> Bearing {
+        let itrf = state.in_frame(Frame::Itrf, &(self.orientation)(state.epoch));
+        let line = itrf.position_m - self.place_itrf_m;
+        let (east, up) = (line.dot(self.east), line.dot(self.up));
+        let north = line.dot(self.up.cross(self.east));
+        Bearing {
+            azimuth_rad: east.atan2(north).rem_euclid(std::f64::consts::TAU),
+            elevation_rad: up.atan2(east.hypot(north)),
+            distance_m: line.length(),
+        }
+    }
+}
+
+/// The first pass at or after `from` and before `until`, within the feed's validity. A satellite that is already high enough
+/// at `from` is in its first pass; one that always is has a pass that neither rises nor sets.
+///
+/// While it is too low, with h = ρ·u − |ρ| sin e (ρ from the place to the satellite, u upwards) and |a| its acceleration, the
+/// satellite cannot rise within Δ where h + h′Δ + ½|a|(1 + sin e)Δ² < 0, for |ρ|″ ≥ −|a|: so far the search leaps. Where that
+/// is short it goes on by 0.01 radians of motion and looks for a summit between two steps where h′ changes its sign. Ends of
+/// passes are found by bisection and summits by golden section, to a millisecond. It rests on velocities that belong to the positions and on no more
+/// acceleration than gravity's, a tenth, and the turn of the Earth: two burns within minutes may hide a pass between them.
+///
+/// Work is bounded: at most one state for half a second of the span, as a rule one for some minutes. A feed's gaps
+/// ([`OrbitError::NotCovered`]) are passed over and end passes.
+///
+/// # Errors
+/// What else the feed refuses in its validity before a pass is found: a satellite that has decayed.
+pub fn next_pass(
+    feed: &dyn Feed,
+    horizon: &Horizon<'_>,
+    from: Epoch,
+    until: Epoch,
+) -> Result<Option<Pass>, OrbitError> {
+    let (first, last) = feed.validity();
+    let (from, until) = (from.max(first), until.min(last));
+    if from > until {
+        return Ok(None);
+    }
+    let search = Search {
+        feed,
+        horizon,
+        from,
+        end_s: (until - from).to_seconds(),
+    };
+    match search.rise()? {
+        Some((begin_s, rises)) => search.follow(begin_s, rises).map(Some),
+        None => Ok(None),
+    }
+}
+
+/// All passes of a span in order of time, as [`next_pass`] finds them; an error is the last item.
+pub fn passes<'a>(
+    feed: &'a dyn Feed,
+    horizon: &'a Horizon<'a>,
+    from: Epoch,
+    until: Epoch,
+) -> impl Iterator<Item = Result<Pass, OrbitError>> + 'a {
+    let mut from = Some(from);
+    std::iter::from_fn(move || {
+        let found = next_pass(feed, horizon, from.take()?, until).transpose()?;
+        if let Ok(pass) = &found {
+            from = Some(pass.end + Duration::from_seconds(APART_S)).filter(|at| *at < until);
+        }
+        Some(found)
+    })
+}
+
+/// What one state tells.
+#[derive(Clone, Copy)]
+struct Sight {
+    /// h = ρ·u − |ρ| sin e, metres: not negative where it stands high enough.
+    above_m: f64,
+    /// h′, metres per second.
+    rate_m_s: f64,
+    sin_elevation: f64,
+    /// How long it cannot rise, seconds.
+    leap_s: f64,
+    /// How long the elevation turns at most once, seconds.
+    step_s: f64,
+}
+
+/// A span to look through; times are seconds since `from`.
+struct Search<'s> {
+    feed: &'s dyn Feed,
+    horizon: &'s Horizon<'s>,
+    from: Epoch,
+    end_s: f64,
+}
+
+impl Search<'_> {
+    fn epoch(&self, t: f64) -> Epoch {
+        self.from + Duration::from_seconds(t)
+    }
+
+    /// `None` in a gap of the feed.
+    fn sight(&self, t: f64) -> Result<Option<Sight>, OrbitError> {
+        match self.feed.state_at(self.epoch(t)) {
+            Ok(state) => Ok(Some(self.horizon.sight(&state))),
+            Err(OrbitError::NotCovered { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// When it first is high enough, and whether it rises there.
+    fn rise(&self) -> Result<Option<(f64, bool)>, OrbitError> {
+        let mut t = 0.0;
+        let mut before = self.sight(t)?;
+        if before.is_some_and(|sight| sight.above_m >= 0.0) {
+            return Ok(Some((t, false)));
+        }
+        while t < self.end_s {
+            let step = before.map_or(GAP_STEP_S, |sight| sight.leap_s.max(sight.step_s));
+            let next_t = (t + step).min(self.end_s);
+            let next = self.sight(next_t)?;
+            let is_above = next.is_some_and(|sight| sight.above_m >= 0.0);
+            let summit = match (before, next) {
+                _ if is_above => Some(next_t),
+                // Where a leap was made nothing rises.
+                (Some(a), Some(b)) if a.leap_s < step && a.rate_m_s > 0.0 && b.rate_m_s <= 0.0 => {
+                    Some(self.turn(t, next_t, |sight| sight.rate_m_s <= 0.0)?.1)
+                }
+                _ => None,
+            };
+            if let Some(summit) = summit {
+                let (below, above) = self.turn(t, summit, |sight| sight.above_m >= 0.0)?;
+                if self.sight(above)?.is_some_and(|s| s.above_m >= 0.0) {
+                    return Ok(Some((above, self.sight(below)?.is_some())));
+                }
+            }
+            (t, before) = (next_t, next);
+        }
+        Ok(None)
+    }
+
+    /// The pass that begins at `begin`.
+    fn follow(&self, begin: f64, rises: bool) -> Result<Pass, OrbitError> {
+        let mut highest = (begin, f64::NEG_INFINITY);
+        let (mut before_t, mut before_sine) = (begin, f64::NEG_INFINITY);
+        let mut t = begin;
+        let mut before = self.sight(t)?;
+        let (end, sets) = loop {
+            let Some(a) = before else { break (t, false) };
+            if a.sin_elevation > highest.1 {
+                highest = (t, a.sin_elevation);
+            }
+            if t >= self.end_s {
+                break (self.end_s, false);
+            }
+            let next_t = (t + a.step_s).min(self.end_s);
+            let next = self.sight(next_t)?;
+            let is_summit = a.sin_elevation >= before_sine
+                && next.is_none_or(|b| b.sin_elevation <= a.sin_elevation);
+            if is_summit {
+                let (summit, sine) = self.summit(before_t, next_t)?;
+                if sine > highest.1 {
+                    highest = (summit, sine);
+                }
+            }
+            let low = match next {
+                None => Some(next_t),
+                Some(b) if b.above_m < 0.0 => Some(next_t),
+                // It may dip below between two steps.
+                Some(b) if a.rate_m_s < 0.0 && b.rate_m_s >= 0.0 => {
+                    Some(self.turn(t, next_t, |sight| sight.rate_m_s >= 0.0)?.0)
+                }
+                Some(_) => None,
+            };
+            if let Some(low) = low {
+                let is_low = |sight: Option<Sight>| sight.is_none_or(|s| s.above_m < 0.0);
+                if is_low(self.sight(low)?) {
+                    let (above, below) = self.bisect(t, low, is_low)?;
+                    break (above, self.sight(below)?.is_some());
+                }
+            }
+            (before_t, before_sine) = (t, a.sin_elevation);
+            (t, before) = (next_t, next);
+        };
+        // A satellite in a gap at once is known at `begin` all the same.
+        Ok(Pass {
+            begin: self.epoch(begin),
+            rises,
+            highest: self.epoch(highest.0),
+            elevation_rad: highest.1.clamp(-1.0, 1.0).asin(),
+            end: self.epoch(end),
+            sets,
+        })
+    }
+
+    /// The highest elevation between two times, and its sine, by golden section: velocities of SGP4 are no derivatives to
+    /// the last digits and would miss it by seconds in high orbits.
+    fn summit(&self, mut low: f64, mut high: f64) -> Result<(f64, f64), OrbitError> {
+        const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+        let sine = |t: f64| -> Result<f64, OrbitError> {
+            let sight = self.sight(t)?;
+            Ok(sight.map_or(f64::NEG_INFINITY, |sight| sight.sin_elevation))
+        };
+        let (mut left, mut right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
+        let (mut at_left, mut at_right) = (sine(left)?, sine(right)?);
+        while high - low > EXACT_S && low < left && right < high {
+            if at_left > at_right {
+                (high, right, at_right) = (right, left, at_left);
+                left = high - GOLDEN * (high - low);
+                at_left = sine(left)?;
+            } else {
+                (low, left, at_left) = (left, right, at_right);
+                right = low + GOLDEN * (high - low);
+                at_right = sine(right)?;
+            }
+        }
+        Ok(match at_left > at_right {
+            true => (left, at_left),
+            false => (right, at_right),
+        })
+    }
+
+    /// As [`Self::bisect`], of known states.
+    fn turn(
+        &self,
+        low: f64,
+        high: f64,
+        has_turned: impl Fn(&Sight) -> bool,
+    ) -> Result<(f64, f64), OrbitError> {
+        self.bisect(low, high, |sight| sight.as_ref().is_some_and(&has_turned))
+    }
+
+    /// Two times at most [`EXACT_S`] apart, between which something turns that has not at `low` and has at `high`.
+    fn bisect(
+        &self,
+        mut low: f64,
+        mut high: f64,
+        has_turned: impl Fn(Option<Sight>) -> bool,
+    ) -> Result<(f64, f64), OrbitError> {
+        while high - low > EXACT_S {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                break;
+            }
+            match has_turned(self.sight(middle)?) {
+                true => high = middle,
+                false => low = middle,
+            }
+        }
+        Ok((low, high))
+    }
+}
+
+impl Horizon<'_> {
+    fn sight(&self, state: &OrbitState) -> Sight {
+        let itrf = state.in_frame(Frame::Itrf, &(self.orientation)(state.epoch));
+        let (r, v) = (itrf.position_m, itrf.velocity_m_s);
+        let line = r - self.place_itrf_m;
+        // A satellite at the place itself is nowhere; next to it everything is defined.
+        let distance = line.length().max(1e-3);
+        let along = line / distance;
+        let sin_elevation = along.dot(self.up);
+        let range_rate = along.dot(v);
+        let above_m = line.dot(self.up) - self.sin_least * distance;
+        let rate_m_s = v.dot(self.up) - self.sin_least * range_rate;
+        let (radius, speed) = (r.length().max(1.0), v.length());
+        let omega = EARTH_ROTATION_RATE_RAD_S;
+        let least = (STEP_RAD / (speed / radius + omega)).clamp(*STEP_S.start(), *STEP_S.end());
+        let leap = |gravity: f64| {
+            // The turning Earth's axes add Coriolis' and the centrifugal acceleration.
+            let most = MARGIN * (gravity + 2.0 * omega * speed + omega * omega * radius);
+            leap_s(above_m, rate_m_s, 0.5 * most * (1.0 + self.sin_least))
+        };
+        // Within this time it loses at most a third of its height: gravity is then twice of what it is.
+        let soon = 0.25 * radius / (speed + omega * radius);
+        let near = leap(2.3 * EARTH_GM_M3_S2 / (radius * radius)).min(soon);
+        Sight {
+            above_m,
+            rate_m_s,
+            sin_elevation,
+            leap_s: leap(MOST_GRAVITY_M_S2).max(near),
+            step_s: least,
+        }
+    }
+}
+
+/// The time until h + h′t + ½a t² is 0; 0 for an h that is not negative. `half_most` is ½a.
+fn leap_s(above_m: f64, rate_m_s: f64, half_most: f64) -> f64 {
+    if above_m >= 0.0 {
+        return 0.0;
+    }
+    let root = (rate_m_s * rate_m_s - 4.0 * half_most * above_m).sqrt();
+    // Either form of the quadratic's positive root, whichever adds.
+    match rate_m_s > 0.0 {
+        true => -2.0 * above_m / (rate_m_s + root),
+        false => (root - rate_m_s) / (2.0 * half_most),
+    }
+}
+
+#[cfg(test)]
+#[path = "passes_tests.rs"]
+mod tests;

@@ -1,0 +1,94 @@
+//! `terrella orbit --passes`: the same passes in every layout, and refusals.
+
+use crate::Place;
+use terrella::frames::{Ellipsoid, Epoch, Geodetic, Orientation, utc_from_rfc3339};
+use terrella::orbit::{Feed, Frame, Sgp4Feed};
+
+fn printed(place: &Place, arguments: &[&str]) -> String {
+    String::from_utf8(place.succeed(arguments).stdout).expect("UTF-8")
+}
+
+/// Elevation of the built-in space station over 33.5° S, 70.25° W, 520 m, degrees.
+fn elevation_deg(epoch: Epoch) -> f64 {
+    let station = Sgp4Feed::built_in_iss().expect("built in");
+    let state = station.state_at(epoch).expect("known");
+    let itrf = state.in_frame(Frame::Itrf, &Orientation::default());
+    let place = Geodetic::from_degrees(-33.5, -70.25, 520.0);
+    let line = itrf.position_m - Ellipsoid::WGS84.itrf_from_geodetic(place);
+    let up = Ellipsoid::normal(place.lat_rad, place.lon_rad);
+    (line.dot(up) / line.length()).asin().to_degrees()
+}
+
+#[test]
+fn passes_are_where_the_satellite_is_and_the_same_in_every_layout() {
+    let place = Place::new();
+    place.scene("iss.toml", "[time]\nduration_s = 1800\n");
+    let ask = |more: &[&str]| {
+        let asked = [
+            "orbit",
+            "iss.toml",
+            "--passes",
+            "-33.5,-70.25,520",
+            "--days",
+            "2",
+            "--min-elevation",
+            "20",
+        ];
+        printed(&place, &[&asked[..], more].concat())
+    };
+    let csv = ask(&["--csv"]);
+    let rows: Vec<Vec<&str>> = csv
+        .lines()
+        .skip(1)
+        .map(|row| row.split(',').collect())
+        .collect();
+    assert!(rows.len() > 2, "{csv}");
+    let json: serde_json::Value = serde_json::from_str(&ask(&["--json"])).expect("JSON");
+    let listed = json["passes"].as_array().expect("an array");
+    assert_eq!(
+        (listed.len(), json["name"].as_str()),
+        (rows.len(), Some("ISS (ZARYA)"))
+    );
+    let text = ask(&[]);
+    for (row, one) in rows.iter().zip(listed) {
+        let [begin, highest, end] = [0, 3, 7].map(|column| row[column]);
+        assert_eq!(one["begin_utc"].as_str(), Some(begin));
+        assert!(
+            text.contains(begin) && text.contains(highest) && text.contains(end),
+            "{text}"
+        );
+        let at = |text| elevation_deg(utc_from_rfc3339(text).expect("a date"));
+        // To a millisecond: the elevation changes by less than a degree in a second.
+        assert!((at(begin) - 20.0).abs() < 0.002, "{row:?}");
+        assert!((at(end) - 20.0).abs() < 0.002, "{row:?}");
+        let most: f64 = row[5].parse().expect("a number");
+        assert!(most > 20.0 && (at(highest) - most).abs() < 0.001, "{row:?}");
+    }
+    // Without --days the scene's own half an hour is looked through.
+    let short = printed(&place, &["orbit", "iss.toml", "--passes", "90,0"]);
+    assert!(
+        short.contains("12:00:00.000Z to 2018-01-15T12:30:00.000Z") && short.ends_with("none\n"),
+        "{short}"
+    );
+}
+
+#[test]
+fn what_is_no_place_or_no_time_is_refused() {
+    let place = Place::new();
+    place.scene("iss.toml", "[time]\nduration_s = 1800\n");
+    for bad in [
+        &["--passes", "91,0"][..],
+        &["--passes", "48.2"],
+        &["--passes", "48.2,16.4", "--min-elevation", "90"],
+        &["--passes", "48.2,16.4", "--days", "0"],
+        &["--passes", "48.2,16.4", "--oem", "a.oem"],
+        &["--min-elevation", "5"],
+    ] {
+        let refusal = place.fail(2, &[&["orbit", "iss.toml"][..], bad].concat());
+        assert!(refusal.contains("--"), "{refusal}");
+    }
+    let refusal = place.fail(2, &["orbit", "small.toml", "--passes", "0,0"]);
+    assert!(refusal.contains("satellite"), "{refusal}");
+    let help = printed(&place, &["orbit", "--help"]);
+    assert!(help.contains("--min-elevation"), "{help}");
+}
