@@ -134,6 +134,7 @@ impl<'f> LivePlay<'f> {
 
     /// The picture is on its way to the screen.
     pub fn drawn(&mut self) {
+        self.looked = Instant::now();
         if let Some(request) = self.request.take() {
             self.feed.acknowledge(&request);
         }

@@ -9,6 +9,9 @@ use crate::scene::CameraMode;
 use crate::{FrameStats, Governor};
 use egui::{Align2, Color32, Context, Grid, RichText, Ui, Vec2};
 
+/// Longer notices take several lines, points.
+const NOTICE_WIDTH: f32 = 420.0;
+
 /// What the panel shows beside the controls.
 pub struct PanelData<'p> {
     /// The satellite's name, if there is one.
@@ -53,6 +56,7 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
     if let Some(notice) = controls.live.as_ref().and_then(|live| live.notice.as_ref()) {
         egui::Area::new("notice".into())
             .anchor(Align2::RIGHT_TOP, Vec2::new(-8.0, 8.0))
+            .default_width(NOTICE_WIDTH)
             .show(context, |ui| {
                 egui::Frame::popup(ui.style()).show(ui, |ui| {
                     ui.label(RichText::new(notice).color(Color32::GOLD).size(16.0))

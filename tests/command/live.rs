@@ -186,7 +186,9 @@ fn a_film_ends_with_its_scene_and_says_so_to_the_simulator() {
 #[test]
 fn frames_come_through_a_pipe_and_the_film_ends_with_it() {
     let place = Place::new();
-    place.scene("live.toml", &scene("stdin", LOCKSTEP, 1000));
+    // It waits for more, were there not the end.
+    let text = scene("stdin", LOCKSTEP, 1000).replace("wait_s = 2", "wait_s = 60");
+    place.scene("live.toml", &text);
     let mut child = place
         .command(&["play", "live.toml", "--frames", "frames", "-q"])
         .stdin(Stdio::piped())
@@ -205,10 +207,16 @@ fn frames_come_through_a_pipe_and_the_film_ends_with_it() {
         assert!(is_drawn(&answer, seq), "{answer:?}");
     }
     drop(input);
+    let begun = Instant::now();
     let mut rest = String::new();
     output.read_to_string(&mut rest).expect("reads");
     let output = child.wait_with_output().expect("ends");
     assert_eq!(output.status.code(), Some(0), "{}", words(&output));
+    assert!(
+        begun.elapsed() < Duration::from_secs(30),
+        "{:?}",
+        begun.elapsed()
+    );
     assert_eq!(rest, "", "standard output holds answers alone");
     assert_frames(&place, 4);
 }
