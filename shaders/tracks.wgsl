@@ -83,13 +83,15 @@ fn target_color(display: vec3f) -> vec3f {
 const FROM_PREVIOUS: u32 = 1;
 const ON_GROUND: u32 = 2;
 
-// What lies on the ground is tested against depths this part of its distance nearer, so that the mesh, whose facets meet
-// the ellipsoid at their corners, does not hide it.
+// What lies on the ground is tested against depths this part of its distance nearer, and at least so many metres, so that
+// the mesh, whose facets meet the ellipsoid at their corners, does not hide it, nor chords that lie below it.
 const LIFT: f32 = 0.01;
+const LIFT_M: f32 = 500.0;
 
 // Depth of a clip position, lifted where it lies on the ground.
-fn depth_of(clip: vec4f, flags: u32) -> f32 {
-    let lift = select(0.0, LIFT, (flags & ON_GROUND) != 0u);
+fn depth_of(clip: vec4f, from_eye_m: vec3f, flags: u32) -> f32 {
+    let on_ground = clamp(LIFT_M / max(length(from_eye_m), 1.0), LIFT, 0.9);
+    let lift = select(0.0, on_ground, (flags & ON_GROUND) != 0u);
     let at = clip * (1.0 - lift) + track.frame.clip_from_eye[3] * lift;
     return at.z / at.w;
 }
@@ -138,7 +140,7 @@ fn vertex(@builtin(vertex_index) index: u32, in: MarkInstance) -> Varying {
     out.radius_px = in.radius_px;
     out.clip = NOWHERE;
     if clip.w > 1e-6 * length(in.from_eye_m) {
-        out.clip = vec4f(clip.xy / clip.w + 2.0 * out.at_px / track.size_px, depth_of(clip, in.flags), 1.0);
+        out.clip = vec4f(clip.xy / clip.w + 2.0 * out.at_px / track.size_px, depth_of(clip, in.from_eye_m, in.flags), 1.0);
     }
     return out;
 }
@@ -315,9 +317,10 @@ fn vertex(@builtin(vertex_index) index: u32, in: Segment) -> Varying {
     if (in.b_flags & FROM_PREVIOUS) != 0u && span.x < span.y {
         let at = mix(a, b, t);
         let out_px = way_out(along, neighbour, is_joined) * out.across_px;
-        out.clip = vec4f(at.xy / at.w + 2.0 * out_px / track.size_px, depth_of(at, in.b_flags), 1.0);
+        let from_eye_m = mix(in.a_m, in.b_m, t);
+        out.clip = vec4f(at.xy / at.w + 2.0 * out_px / track.size_px, depth_of(at, from_eye_m, in.b_flags), 1.0);
         out.one_over_w = 1.0 / at.w;
-        out.from_eye_over_w = scaled(mix(in.a_m, in.b_m, t)) / at.w;
+        out.from_eye_over_w = scaled(from_eye_m) / at.w;
     }
     return out;
 }

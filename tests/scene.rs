@@ -302,6 +302,9 @@ fn every_key_is_read() {
         "[time]\nstart = \"2018-01-19T01:02:03.25Z\"\nduration_s = 12.5\nspeed = -2\n\
          frame_rate_hz = 29.97\n\
          [orbit]\nsource = \"tle\"\nfile = \"sat.tle\"\nname = \"A\"\nstrict = true\n\
+         color = \"#ffffff\"\ntrail = true\nground_track = true\nmarker = true\nsubpoint = true\n\
+         footprint = true\nsensor_half_angle_deg = 30\nfootprint_fill = true\n\
+         [tracks]\nwidth_px = 4\n\
          [camera]\nmode = \"geodetic\"\nfov_deg = 179.999\nlat_deg = -90\nlon_deg = 350\n\
          height_km = 0.001\n\
          [earth]\nfigure = \"sphere\"\nsubdivision = 48\nvisibility = \"paper\"\n\
@@ -332,7 +335,7 @@ fn every_key_is_read() {
     assert_eq!(scene.earth.textures, Some(folder.path("maps")));
     assert_eq!(scene.output.size, [16384, 1]);
     assert_eq!(scene.output.samples, 1);
-    assert_eq!(scene.line("output", "samples"), Some(29));
+    assert_eq!(scene.line("output", "samples"), Some(39));
     let summary = scene.summary();
     assert!(!summary.contains("default"), "{summary}");
 }

@@ -7,8 +7,8 @@ mod rig;
 use glam::DVec3;
 use image::RgbaImage;
 use rig::{
-    Circle, MAGENTA, Rig, SIZE, WGS84, aspect, differs, now, options, pixel, q_of, style, views,
-    whole,
+    Circle, MAGENTA, Rig, SIZE, WGS84, any_pixel, aspect, differs, from_segment, limb_px, now,
+    options, pixel, q_of, style, views, whole,
 };
 use terrella::air::{Atmosphere, EARTH_AIR};
 use terrella::frames::{Ellipsoid, Geodetic};
@@ -33,13 +33,15 @@ fn a_trail_is_where_it_is_and_the_globe_hides_it_exactly() {
         let (with, without, _) = rig.draw(view, &circle);
         let eye = view.eye_world;
         let mut shown = vec![false; (SIZE.0 * SIZE.1) as usize];
-        for step in 0..7200 {
-            let place = circle.as_seen_now(-std::f64::consts::TAU * f64::from(step) / 7200.0);
+        for step in 0..72_000 {
+            let place = circle.as_seen_now(-std::f64::consts::TAU * f64::from(step) / 72_000.0);
             let Some((x, y)) = pixel(view, place) else {
                 continue;
             };
             let is_hidden = is_hidden(eye, place, &WGS84);
-            if !is_hidden {
+            // A line is as wide beyond the limb, where its middle is just hidden.
+            let is_shown = !is_hidden || limb_px(view, place) < 6.0;
+            if is_shown {
                 // Where half the width and its casing may reach.
                 for (dx, dy) in (-6..=6).flat_map(|dx| (-6..=6).map(move |dy| (dx, dy))) {
                     let (x, y) = (x as i32 + dx, y as i32 + dy);
@@ -47,8 +49,7 @@ fn a_trail_is_where_it_is_and_the_globe_hides_it_exactly() {
                         shown[(y as u32 * SIZE.0 + x as u32) as usize] = true;
                     }
                 }
-                let limb = (q_of(eye, place) - 1.0).abs() < 0.01;
-                if !limb && place.distance(eye) > 2e4 {
+                if !is_hidden && limb_px(view, place) > 4.0 && place.distance(eye) > 2e4 {
                     let pixel = with.get_pixel(x as u32, y as u32);
                     assert!(
                         differs(&with, &without, x as u32, y as u32) > 25 && pixel[0] > pixel[1],
@@ -75,7 +76,7 @@ fn a_trail_is_where_it_is_and_the_globe_hides_it_exactly() {
         }
     }
     println!("{seen} places seen, {hidden} hidden");
-    assert!(seen > 8000 && hidden > 4000, "{seen} {hidden}");
+    assert!(seen > 80_000 && hidden > 40_000, "{seen} {hidden}");
 }
 
 #[test]
@@ -208,13 +209,11 @@ fn a_ground_track_lies_on_the_ground_at_any_height_and_up_to_the_limb() {
             let Some((x, y)) = pixel(&view, place) else {
                 continue;
             };
-            let scale = WGS84.scaled_from_itrf();
-            let facing = (scale * place).dot(scale * eye) - 1.0;
             let difference = differs(&with, &without, x as u32, y as u32);
-            // Half a percent of a radius on either side of the limb is left to smoothing.
-            if facing > 0.005 * (scale * eye).length() {
+            // What the limb smooths is left out.
+            if !is_hidden(eye, place * 1.000_001, &WGS84) && limb_px(&view, place) > 2.0 {
                 assert!(
-                    difference > 20,
+                    difference > 8,
                     "{height_m} m, {step}: hidden at {x:.1} {y:.1}"
                 );
                 seen += 1;
@@ -273,16 +272,18 @@ fn a_footprint_is_tinted_where_rays_say() {
             };
             let view = common::tilted(over, 200.0, pitch, 50.0, aspect());
             let (with, without, _) = rig.draw(&view, &circle);
-            let near_outline: Vec<_> = outline.iter().filter_map(|p| pixel(&view, *p)).collect();
+            let on_screen: Vec<_> = outline.iter().map(|p| any_pixel(&view, *p)).collect();
+            let next = on_screen.iter().cycle().skip(1);
+            let edges: Vec<_> = on_screen
+                .iter()
+                .zip(next)
+                .filter_map(|(a, b)| Some(((*a)?, (*b)?)))
+                .collect();
             let (mut tinted, mut compared) = (0, 0);
             for y in 8..SIZE.1 - 8 {
                 for x in 8..SIZE.0 - 8 {
                     let at = (f64::from(x) + 0.5, f64::from(y) + 0.5);
-                    let reach = 12.0;
-                    if near_outline
-                        .iter()
-                        .any(|p| (p.0 - at.0).hypot(p.1 - at.1) < reach)
-                    {
+                    if edges.iter().any(|edge| from_segment(at, *edge) < 8.0) {
                         continue;
                     }
                     let ground = common::looks_at(&view, x, y, SIZE).map(|place| {
@@ -388,7 +389,7 @@ fn every_kind_of_pass_shows_the_same() {
             .enumerate_pixels()
             .filter(|(x, y, _)| differs(&with, first, *x, *y) > 60)
             .count();
-        assert!(far < 400, "case {k}: {far} pixels differ");
+        assert!(far < 1200, "case {k}: {far} pixels differ");
     }
 }
 
@@ -430,7 +431,7 @@ fn depths_the_other_way_round_show_the_same() {
         .filter(|(x, y, _)| differs(&standard, &reversed, *x, *y) > 40)
         .count();
     println!("{drawn} drawn, {other} otherwise");
-    assert!(drawn > 3000 && other < 50, "{drawn} {other}");
+    assert!(drawn > 1500 && other < 50, "{drawn} {other}");
 }
 
 #[test]

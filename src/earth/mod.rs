@@ -462,7 +462,8 @@ impl Earth {
         self.render_air(pass);
     }
 
-    /// The first part of [`Self::render`], for a host that measures them apart.
+    /// The first part of [`Self::render`], for a host that measures them apart or draws between them what lies beyond the
+    /// air's near boundary ([`crate::tracks`]).
     pub fn render_surface(&self, pass: &mut wgpu::RenderPass<'_>) {
         if self.drawable {
             self.surface.render(pass);

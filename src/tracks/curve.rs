@@ -265,7 +265,7 @@ mod tests {
             along(t_s)
         };
         assert!(curve.follow(window(-95.0, 3.0, 205.0), ALWAYS, &mut budget, &mut counted));
-        assert_eq!(10_000 - budget, 31);
+        assert_eq!(10_000 - budget, 32);
         let times = walked(&curve, window(-95.0, 3.0, 205.0));
         assert_eq!(
             (times[0], times[times.len() - 1]),
@@ -284,7 +284,7 @@ mod tests {
                 (moved.from_s, moved.to_s)
             );
         }
-        assert_eq!(calls.get(), 41);
+        assert_eq!(calls.get(), 42);
         assert!(curve.len() <= 33, "{}", curve.len());
         // And back, and far away.
         let back = window(-195.0, -97.0, 105.0);

@@ -1,7 +1,7 @@
 //! A satellite on a circle, an Earth with its tracks, and where places stand on screen.
 
 use crate::common;
-use glam::{DVec3, DVec4};
+use glam::{DVec2, DVec3, DVec4};
 use image::RgbaImage;
 use terrella::air::Atmosphere;
 use terrella::frames::{Ellipsoid, Epoch, Geodetic, Orientation, utc_from_rfc3339};
@@ -180,11 +180,11 @@ pub fn style(change: impl FnOnce(&mut TrackStyle)) -> TrackStyle {
     style
 }
 
-/// A trail that hardly fades over the circle that is looked at: it reaches far beyond it on both sides.
+/// A trail that hardly fades over its last revolution: it goes back for fifteen.
 pub fn whole(radius_m: f64) -> Option<TrackSpan> {
     let rate = (EARTH_GM_M3_S2 / radius_m.powi(3)).sqrt();
     Some(TrackSpan::Seconds {
-        before_s: 1.02 * std::f64::consts::TAU / rate,
+        before_s: 15.0 * std::f64::consts::TAU / rate,
         after_s: 0.0,
     })
 }
@@ -193,16 +193,41 @@ pub fn aspect() -> f64 {
     f64::from(SIZE.0) / f64::from(SIZE.1)
 }
 
-/// Where a place stands on screen, pixels, if it stands before the eye and not at the picture's edge.
-pub fn pixel(view: &EyeView, place: DVec3) -> Option<(f64, f64)> {
+/// Where a place stands on screen, pixels, if it stands before the eye.
+pub fn any_pixel(view: &EyeView, place: DVec3) -> Option<(f64, f64)> {
     let (eye, clip_from_eye) = view.to_itrf();
     let clip: DVec4 = clip_from_eye * (place - eye).extend(1.0);
     let (x, y) = (
         (0.5 + 0.5 * clip.x / clip.w) * f64::from(SIZE.0),
         (0.5 - 0.5 * clip.y / clip.w) * f64::from(SIZE.1),
     );
+    (clip.w > 0.0).then_some((x, y))
+}
+
+/// The same if it is in the picture and not at its edge.
+pub fn pixel(view: &EyeView, place: DVec3) -> Option<(f64, f64)> {
     let inside = |at: f64, size: u32| (3.0..f64::from(size) - 3.0).contains(&at);
-    (clip.w > 0.0 && inside(x, SIZE.0) && inside(y, SIZE.1)).then_some((x, y))
+    any_pixel(view, place).filter(|(x, y)| inside(*x, SIZE.0) && inside(*y, SIZE.1))
+}
+
+/// How far from the limb a place stands, about, pixels.
+pub fn limb_px(view: &EyeView, place: DVec3) -> f64 {
+    let eye = view.eye_world;
+    let pixel_rad = 2.0 / (view.clip_from_view.y_axis.y * f64::from(SIZE.1));
+    let limb_m = (eye.length_squared() - 6.37e6_f64.powi(2)).max(0.0).sqrt();
+    (q_of(eye, place) - 1.0).abs() * 6.37e6 / limb_m.max(1.0) / pixel_rad
+}
+
+/// Distance of a point from a segment.
+pub fn from_segment(at: (f64, f64), (a, b): ((f64, f64), (f64, f64))) -> f64 {
+    let (at, a, b) = (DVec2::from(at), DVec2::from(a), DVec2::from(b));
+    let along = (b - a).length_squared();
+    let t = if along > 0.0 {
+        (at - a).dot(b - a) / along
+    } else {
+        0.0
+    };
+    at.distance(a + t.clamp(0.0, 1.0) * (b - a))
 }
 
 pub fn differs(a: &RgbaImage, b: &RgbaImage, x: u32, y: u32) -> u8 {
@@ -227,8 +252,8 @@ pub fn views(circle: &Circle) -> Vec<EyeView> {
         let place = Geodetic::from_degrees(lat, lon, height);
         common::tilted(place, azimuth, pitch, fov, aspect())
     };
-    let on_it = circle.as_seen_now(-1.0);
-    let ahead = circle.as_seen_now(-0.9) - on_it;
+    let on_it = circle.as_seen_now(0.0);
+    let ahead = circle.as_seen_now(-0.1) - on_it;
     vec![
         tilted(20.0, 0.0, 4e7, 0.0, -90.0, 25.0),
         tilted(-35.0, 100.0, 9e6, 30.0, -80.0, 60.0),
@@ -236,6 +261,6 @@ pub fn views(circle: &Circle) -> Vec<EyeView> {
         tilted(89.0, 0.0, 2e7, 0.0, -88.0, 50.0),
         tilted(0.0, 45.0, 3e3, 10.0, 20.0, 90.0),
         EyeView::itrf(on_it, ahead, on_it, 1.2, aspect()),
-        EyeView::itrf(on_it * 1.0005, ahead - on_it, on_it, 2.0, aspect()),
+        EyeView::itrf(on_it * 1.01, ahead - on_it, on_it, 2.0, aspect()),
     ]
 }
