@@ -8,7 +8,7 @@ use glam::DVec3;
 /// Unit vector from the Earth's centre to the Sun in ITRF axes: the apparent direction, where its light comes from.
 ///
 /// From 1900 to 2100 by the Earth ephemeris VSOP2000 (simplified, 11 km at worst, 0.02″) with annual aberration (20.5″)
-/// put in and the rest of [`itrf_from_gcrf`]'s limits: 13.5″, mostly UT1. Outside these years by Meeus' low-precision
+/// put in and the rest of [`itrf_from_gcrf`](super::itrf_from_gcrf)'s limits: 13.5″, mostly UT1. Outside these years by Meeus' low-precision
 /// formula, 0.012° near these years and worse with every century. Parallax (8.8″ at the surface) is left out.
 pub fn sun_direction_itrf(epoch: Epoch) -> DVec3 {
     sun_direction_itrf_oriented(epoch, &Orientation::default())

@@ -93,20 +93,21 @@ impl<'o> Horizon<'o> {
     }
 }
 
-/// The first pass at or after `from` and before `until`, within the feed's validity. A satellite that is already high enough
-/// at `from` is in its first pass; one that always is has a pass that neither rises nor sets.
+/// The first pass at or after `from` and before `until`, within the feed's validity. A satellite that is already high
+/// enough at `from` is in its first pass; one that always is has a pass that neither rises nor sets.
 ///
-/// While it is too low, with h = ρ·u − |ρ| sin e (ρ from the place to the satellite, u upwards) and |a| its acceleration, the
-/// satellite cannot rise within Δ where h + h′Δ + ½|a|(1 + sin e)Δ² < 0, for |ρ|″ ≥ −|a|: so far the search leaps. Where that
-/// is short it goes on by 0.01 radians of motion and looks for a summit between two steps where h′ changes its sign. Ends of
-/// passes are found by bisection and summits by golden section, to a millisecond. It rests on velocities that belong to the positions and on no more
-/// acceleration than gravity's, a tenth, and the turn of the Earth: two burns within minutes may hide a pass between them.
+/// While it is too low, with h = ρ·u − |ρ| sin e (ρ from the place to the satellite, u upwards) and |a| its
+/// acceleration, the satellite cannot rise within Δ where h + h′Δ + ½|a|(1 + sin e)Δ² < 0, for |ρ|″ ≥ −|a|: so far
+/// the search leaps. Where that is short it goes on by 0.01 radians of motion and looks for a summit between two
+/// steps where h′ changes its sign. Ends of passes are found by bisection and summits by golden section, to a
+/// millisecond. It rests on velocities that belong to the positions and on no more acceleration than gravity's, a
+/// tenth, and the turn of the Earth: two burns within minutes may hide a pass between them.
 ///
 /// Work is bounded: at most one state for half a second of the span, as a rule one for some minutes. A feed's gaps
 /// ([`OrbitError::NotCovered`]) are passed over and end passes.
 ///
 /// # Errors
-/// What else the feed refuses in its validity before a pass is found: a satellite that has decayed.
+/// What else the feed refuses in its validity before the end of a pass: a satellite that has decayed.
 pub fn next_pass(
     feed: &dyn Feed,
     horizon: &Horizon<'_>,
@@ -268,8 +269,8 @@ impl Search<'_> {
         })
     }
 
-    /// The highest elevation between two times, and its sine, by golden section: velocities of SGP4 are no derivatives to
-    /// the last digits and would miss it by seconds in high orbits.
+    /// The highest elevation between two times, and its sine, by golden section: velocities of SGP4 are no
+    /// derivatives to the last digits and would miss it by seconds in high orbits.
     fn summit(&self, mut low: f64, mut high: f64) -> Result<(f64, f64), OrbitError> {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
 

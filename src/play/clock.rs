@@ -359,6 +359,10 @@ mod tests {
         assert!((seconds(&clock) - 40.0).abs() < 1e-9);
         clock.advance(2.0);
         assert!((seconds(&clock) - 30.0).abs() < 1e-9);
+        // More than once round in one step: 50 s beyond the end of a part of 30 s.
+        clock.advance(7.0);
+        assert!((seconds(&clock) - 40.0).abs() < 1e-9);
+        clock.seek(0.3);
         clock.reverse();
         clock.advance(2.0);
         assert!((seconds(&clock) - 40.0).abs() < 1e-9);

@@ -35,7 +35,8 @@ impl<'f> PassTable<'f> {
     /// Looks for them, as far as the satellite is known.
     ///
     /// # Errors
-    /// If there is no such satellite, it is not known in any of the time (the error says when it is), or its feed fails in it.
+    /// If there is no such satellite, it is not known in any of the time (the error says when it is), or its feed
+    /// fails in it.
     pub fn new(flight: &'f Flight, request: &PassRequest<'_>) -> Result<Self, PlayError> {
         let satellite = satellite(flight, request.satellite)?;
         let time = &flight.scene().time;

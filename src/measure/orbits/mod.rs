@@ -249,8 +249,8 @@ pub fn methods() -> Vec<OrbitCase> {
     cases
 }
 
-/// All that a report compares: [`methods`] and the stiff fall. `quick`: a circle, a Molniya and a parabola's neighbour over a
-/// day with J2, and the fall at one tolerance.
+/// All that a report compares: [`methods`] and the stiff fall. `quick`: a circle, a Molniya and a parabola's
+/// neighbour over a day with J2, and the fall at one tolerance.
 pub fn for_report(quick: bool) -> Vec<Box<dyn Method>> {
     let (cases, tolerances): (Vec<_>, &[f64]) = match quick {
         true => (
