@@ -86,8 +86,13 @@ const FROM_PREVIOUS: u32 = 1;
 const ON_GROUND: u32 = 2;
 
 // What lies on the ground is tested against depths this part of its distance nearer, and at least so many metres, so that
-// the mesh, whose facets meet the ellipsoid at their corners, does not hide it, nor chords that lie below it.
-const LIFT: f32 = 0.01;
+// the mesh, whose facets meet the ellipsoid at their corners, does not hide it, nor chords that lie below it, nor, where the
+// eye looks along the ground, the nearer half of its width. Marks are wider than lines.
+#if marks
+const LIFT: f32 = 0.5;
+#else
+const LIFT: f32 = 0.1;
+#endif
 const LIFT_M: f32 = 500.0;
 
 // Depth of a clip position, lifted where it lies on the ground.
