@@ -53,13 +53,15 @@ fn covered(inside: f32, change: f32) -> f32 {
 }
 
 // What part of a pixel's light comes from a thing at `from_eye`. Above the ground: none where the ray has met the
-// ellipsoid before it, that is, where it passes nearer than 1 and the thing lies beyond its nearest point. On the ground:
+// ellipsoid before it, that is, where it passes nearer than 1 and the thing lies beyond its nearest point, which lies
+// before the eye. On the ground:
 // none where the ground faces away, p·e < 1; by the thing's own place, because rays beside it may miss the globe.
 fn in_sight(ray: Ray, from_eye: vec3f, flags: u32) -> f32 {
     let globe = covered(1.0 - ray.q, fwidth(ray.q));
     let facing = dot(from_eye, track.frame.eye_scaled) + track.frame.above;
     let faces = covered(facing, fwidth(facing));
-    let before = select(1.0, 1.0 - globe, dot(from_eye, ray.direction) > ray.along);
+    let is_behind = ray.along > 0.0 && dot(from_eye, ray.direction) > ray.along;
+    let before = select(1.0, 1.0 - globe, is_behind);
     return select(before, faces, (flags & ON_GROUND) != 0u);
 }
 
@@ -84,8 +86,13 @@ const FROM_PREVIOUS: u32 = 1;
 const ON_GROUND: u32 = 2;
 
 // What lies on the ground is tested against depths this part of its distance nearer, and at least so many metres, so that
-// the mesh, whose facets meet the ellipsoid at their corners, does not hide it, nor chords that lie below it.
-const LIFT: f32 = 0.01;
+// the mesh, whose facets meet the ellipsoid at their corners, does not hide it, nor chords that lie below it, nor, where the
+// eye looks along the ground, the nearer half of its width. Marks are wider than lines.
+#if marks
+const LIFT: f32 = 0.5;
+#else
+const LIFT: f32 = 0.1;
+#endif
 const LIFT_M: f32 = 500.0;
 
 // Depth of a clip position, lifted where it lies on the ground.

@@ -49,7 +49,7 @@ fn a_trail_is_where_it_is_and_the_globe_hides_it_exactly() {
                         shown[(y as u32 * SIZE.0 + x as u32) as usize] = true;
                     }
                 }
-                if !is_hidden && limb_px(view, place) > 4.0 && place.distance(eye) > 2e4 {
+                if !is_hidden && limb_px(view, place) > 4.0 && place.distance(eye) > 2e5 {
                     let pixel = with.get_pixel(x as u32, y as u32);
                     assert!(
                         differs(&with, &without, x as u32, y as u32) > 25 && pixel[0] > pixel[1],

@@ -176,7 +176,7 @@ impl Curve {
         let mut now = now.filter(|_| from_s <= now_s && now_s <= to_s);
         let mut before: Option<&Sample> = None;
         for sample in &self.samples {
-            if sample.t_s >= from_s
+            if sample.t_s > from_s
                 && let Some(before) = before.filter(|before| before.t_s < from_s)
             {
                 let cut_s = from_s.min(sample.t_s);

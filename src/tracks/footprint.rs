@@ -78,7 +78,8 @@ pub fn is_hidden(eye_itrf_m: DVec3, point_itrf_m: DVec3, ellipsoid: &Ellipsoid) 
     let Some(d) = (p - e).try_normalize() else {
         return false;
     };
-    e.cross(d).length() < 1.0 && p.dot(d) > 0.0
+    // The globe lies before the eye, and the point beyond the middle of the ray's chord.
+    e.cross(d).length() < 1.0 && e.dot(d) < 0.0 && p.dot(d) > 0.0
 }
 
 /// Whether a point lies beyond the near boundary of the air as seen from `eye`, so that the air is drawn over it: the twin of

@@ -43,7 +43,7 @@
 //!
 //! **Hiding.** By the globe each pixel's ray tells ([`is_hidden`]), in scaled space, where the ellipsoid is the unit sphere: exact at
 //! the limb, whatever the mesh. What else the host has drawn hides by depth; what lies on the ground is tested a
-//! hundredth of its distance nearer, 500 m at least, so that the inscribed mesh does not hide it. Depth is not written.
+//! tenth of its distance nearer (marks half), 500 m at least, so that the inscribed mesh does not hide it. Depth is not written.
 //!
 //! **Air.** The air is one layer that blends over all that lies beyond its near boundary, as over the ground. So lines are drawn
 //! twice: beyond it before the air, before it after. A line behind the limb is dimmed and tinted, one in front is not.

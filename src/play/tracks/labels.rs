@@ -2,7 +2,7 @@
 
 use crate::tracks::TrackLabel;
 use egui::{Align2, Color32, FontId, LayerId, Pos2, RawInput, Rect, Vec2};
-use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
+use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor as Screen};
 
 /// Height of letters as a part of the picture's, and its bounds, pixels.
 const SIZE: f32 = 0.02;
@@ -60,7 +60,7 @@ impl Labels {
         let triangles = self
             .context
             .tessellate(std::mem::take(&mut output.shapes), pixels_per_point);
-        let descriptor = ScreenDescriptor {
+        let descriptor = Screen {
             size_in_pixels: size.into(),
             pixels_per_point,
         };
@@ -98,7 +98,8 @@ impl Labels {
 /// A feed's name as it can be written: control characters are blanks, and it ends somewhere.
 fn one_line(name: &str) -> String {
     let blank = |c: char| if c.is_control() { ' ' } else { c };
-    let mut text: String = name.trim().chars().take(LONGEST).map(blank).collect();
+    let text: String = name.trim().chars().take(LONGEST).map(blank).collect();
+    let mut text = text.trim().to_owned();
     if name.trim().chars().nth(LONGEST).is_some() {
         text.push('…');
     }
