@@ -56,9 +56,10 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
     if let Some(notice) = controls.live.as_ref().and_then(|live| live.notice.as_ref()) {
         egui::Area::new("notice".into())
             .anchor(Align2::RIGHT_TOP, Vec2::new(-8.0, 8.0))
-            .default_width(NOTICE_WIDTH)
             .show(context, |ui| {
                 egui::Frame::popup(ui.style()).show(ui, |ui| {
+                    // Else it wraps at the width of the notice before.
+                    ui.set_max_width(NOTICE_WIDTH);
                     ui.label(RichText::new(notice).color(Color32::GOLD).size(16.0))
                 });
             });
