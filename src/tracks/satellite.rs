@@ -407,12 +407,10 @@ impl Eye<'_> {
         let at = clip.truncate() / clip.w;
         let is_inside = clip.w > 0.0 && at.x.abs() <= 1.0 && at.y.abs() <= 1.0;
         let (width, height) = (f64::from(self.size.0), f64::from(self.size.1));
-        is_inside.then(|| {
-            [
-                (0.5 * (at.x + 1.0) * width) as f32,
-                (0.5 * (1.0 - at.y) * height) as f32,
-            ]
-        })
+        is_inside.then_some([
+            (0.5 * (at.x + 1.0) * width) as f32,
+            (0.5 * (1.0 - at.y) * height) as f32,
+        ])
     }
 
     /// The part of the screen that a ball may cover: least x and y, greatest x and y; `None` where it covers none.
