@@ -230,6 +230,11 @@ impl Stage {
         }
     }
 
+    /// Whether the pointer is over the panel or holds something of it, as far as the last layout knows.
+    pub fn wants_pointer(&self) -> bool {
+        self.overlay.wants_pointer()
+    }
+
     /// Draws an instant and the panel over it. `interval` is the time since the frame before, where there was one.
     pub fn draw(
         &mut self,

@@ -230,6 +230,8 @@ impl ApplicationHandler for App<'_> {
             }
             WindowEvent::CursorMoved { position, .. } => {
                 let before = self.pointer.replace((position.x, position.y));
+                // A press that comes right after the pointer is known to be the panel's one layout later.
+                self.dragging &= !stage.wants_pointer();
                 if let (true, Some((x, y))) = (self.dragging, before) {
                     self.act(event_loop, Action::Drag(position.x - x, position.y - y));
                 }
