@@ -5,9 +5,7 @@ use crate::frames::{Duration, EarthOrientation, Epoch, Orientation, utc_from_rfc
 use crate::orbit::constants::EARTH_GM_M3_S2;
 use crate::orbit::kepler::{Drift, KeplerFeed, KeplerOptions};
 use crate::orbit::live::{LiveError, LiveFeed, LiveOptions};
-use crate::orbit::numerical::{
-    Atmosphere, ForceModel, Gravity, NumericalFeed, NumericalOptions, Shadow,
-};
+use crate::orbit::numerical::{ForceModel, Gravity, NumericalFeed, NumericalOptions, Shadow};
 use crate::orbit::{
     Catalogue, Ephemerides, Feed, Form, Frame, MeanElements, OrbitError, OrbitState, Sgp4Feed,
 };
@@ -313,10 +311,10 @@ fn numerical(
             0 | 1 => Gravity::Point,
             degree => Gravity::Field {
                 degree,
-                order: degree,
+                order: forces.gravity_order as usize,
             },
         },
-        drag: forces.drag.then_some(Atmosphere::Standard1976),
+        drag: forces.drag,
         sun: forces.sun,
         moon: forces.moon,
         sunlight: forces.radiation.then_some(Shadow::Cone),

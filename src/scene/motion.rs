@@ -5,7 +5,7 @@ use crate::frames::Epoch;
 use crate::orbit::Frame;
 use crate::orbit::kepler::Elements;
 use crate::orbit::live::LiveOptions;
-use crate::orbit::numerical::Craft;
+use crate::orbit::numerical::{Atmosphere, Craft};
 use glam::DVec3;
 use std::path::PathBuf;
 
@@ -124,10 +124,12 @@ pub enum StartForm {
 /// Forces of a numerical motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forces {
-    /// Degree and order of the Earth's gravity; 0 and 1 are a point.
+    /// Degree of the Earth's gravity; 0 and 1 are a point.
     pub gravity_degree: u32,
-    /// The air's drag.
-    pub drag: bool,
+    /// Its order, not above the degree; 0 leaves the zonal terms J2, J3, … alone.
+    pub gravity_order: u32,
+    /// The air whose drag acts; `None` for none.
+    pub drag: Option<Atmosphere>,
     /// The Sun's gravity.
     pub sun: bool,
     /// The Moon's.

@@ -7,6 +7,7 @@ use super::live;
 use super::orbits::foreign;
 use super::{Forces, Motion, Orbit, OrbitSource, Scene, Start, StartForm, tracks};
 use crate::orbit::kepler::{Anomaly, Elements, Size};
+use crate::orbit::numerical::Atmosphere;
 use glam::DVec3;
 
 /// A value as a scene would write it, or why there is none.
@@ -59,13 +60,19 @@ pub(super) fn value(orbit: &Orbit, key: &str) -> Value {
 fn force_value(forces: &Forces, key: &str) -> Option<Value> {
     Some(match key {
         "gravity_degree" => Ok(forces.gravity_degree.to_string()),
-        "drag" => Ok(forces.drag.to_string()),
+        "gravity_order" => Ok(forces.gravity_order.to_string()),
+        "drag" => Ok(forces.drag.is_some().to_string()),
+        "air_model" => match forces.drag {
+            Some(Atmosphere::Standard1976) => quoted("us1976"),
+            Some(Atmosphere::Exponential) => quoted("exponential"),
+            None => Err("only for drag = true"),
+        },
         "sun" => Ok(forces.sun.to_string()),
         "moon" => Ok(forces.moon.to_string()),
         "radiation" => Ok(forces.radiation.to_string()),
         "mass_kg" => Ok(forces.craft.mass_kg.to_string()),
         "area_m2" => Ok(forces.craft.drag_area_m2.to_string()),
-        "cd" if !forces.drag => Err("only for drag = true"),
+        "cd" if forces.drag.is_none() => Err("only for drag = true"),
         "cd" => Ok(forces.craft.drag_coefficient.to_string()),
         "cr" if !forces.radiation => Err("only for radiation = true"),
         "cr" => Ok(forces.craft.reflectivity.to_string()),
@@ -154,7 +161,7 @@ fn flies_by(orbit: &Orbit) -> String {
             let others = [
                 (forces.sun, "Sun"),
                 (forces.moon, "Moon"),
-                (forces.drag, "drag"),
+                (forces.drag.is_some(), "drag"),
                 (forces.radiation, "sunlight"),
             ];
             let acting = others

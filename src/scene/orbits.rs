@@ -10,7 +10,7 @@ use super::{Forces, Motion, Orbit, OrbitSource, Start, StartForm};
 use crate::frames::Epoch;
 use crate::orbit::Frame;
 use crate::orbit::kepler::{Anomaly, Elements, Size};
-use crate::orbit::numerical::Craft;
+use crate::orbit::numerical::{Atmosphere, Craft};
 use glam::DVec3;
 use serde::Deserialize;
 use std::ops::RangeInclusive;
@@ -35,6 +35,23 @@ impl From<FrameName> for Frame {
             FrameName::Itrf => Self::Itrf,
             FrameName::Gcrf => Self::Gcrf,
             FrameName::Eme2000 => Self::Eme2000,
+        }
+    }
+}
+
+/// The air, as a scene writes it.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum AirModel {
+    Us1976,
+    Exponential,
+}
+
+impl From<AirModel> for Atmosphere {
+    fn from(model: AirModel) -> Self {
+        match model {
+            AirModel::Us1976 => Self::Standard1976,
+            AirModel::Exponential => Self::Exponential,
         }
     }
 }
@@ -277,16 +294,32 @@ impl Source<'_> {
             None => DEFAULT_GRAVITY_DEGREE,
             Some(degree) => in_range(degree, &GRAVITY_DEGREE).ok_or_else(|| {
                 let advice = format!(
-                    "the degree and order of the Earth's gravity must be from {}; 0 is a point",
+                    "the degree of the Earth's gravity must be from {}; 0 is a point",
                     span_of(&GRAVITY_DEGREE)
                 );
                 self.refuse(&degree_field, advice)
+            })?,
+        };
+        let order_field = field!(orbit.gravity_order);
+        let gravity_order = match order_field.given.map(|given| *given.get_ref()) {
+            None => gravity_degree,
+            Some(order) => in_range(order, &(0..=i64::from(gravity_degree))).ok_or_else(|| {
+                let advice = format!(
+                    "the order of the Earth's gravity must be from 0, the zonal terms alone, to its degree, {gravity_degree}"
+                );
+                self.refuse(&order_field, advice)
             })?,
         };
         let (drag, radiation) = (
             flag(&field!(orbit.drag), true),
             flag(&field!(orbit.radiation), true),
         );
+        let model = field!(orbit.air_model);
+        if !drag && model.is_given() {
+            let advice = "air_model has no meaning with drag = false; leave one of them out";
+            return Err(self.refuse(&model, advice));
+        }
+        let model = self.choice(&model, AirModel::Us1976)?;
         let (cd, cr) = (field!(orbit.cd), field!(orbit.cr));
         if !drag && cd.is_given() {
             return Err(self.refuse(
@@ -303,7 +336,8 @@ impl Source<'_> {
         let area_m2 = self.within(&area, usual.drag_area_m2, AREA_M2, "square metres")?;
         Ok(Forces {
             gravity_degree,
-            drag,
+            gravity_order,
+            drag: drag.then_some(model.into()),
             sun: flag(&field!(orbit.sun), true),
             moon: flag(&field!(orbit.moon), true),
             radiation,

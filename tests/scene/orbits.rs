@@ -5,6 +5,7 @@ use glam::DVec3;
 use terrella::orbit::Frame;
 use terrella::orbit::kepler::{Anomaly, Size};
 use terrella::orbit::live::{Extrapolation, LiveOptions, Mode};
+use terrella::orbit::numerical::Atmosphere;
 use terrella::scene::{Motion, OrbitSource, StartForm};
 
 #[rustfmt::skip]
@@ -45,6 +46,8 @@ const BAD: &[Bad] = &[
     ("[orbit]\nsource = \"kepler\"\nperiapsis_km = 7000\nepoch = \"noon\"", 4, &["[orbit] epoch = \"noon\":", "2018-01-15T12:00:00Z"]),
     ("[orbit]\nsource = \"kepler\"\nperiapsis_km = 7000\nname = \"a\\nb\"", 4, &["[orbit] name", "one line"]),
     // Forces.
+    ("[orbit]\nsource = \"numerical\"\nperiapsis_km = 7000\ngravity_degree = 4\ngravity_order = 5", 5, &["[orbit] gravity_order = 5:", "to its degree, 4"]),
+    ("[orbit]\nsource = \"numerical\"\nperiapsis_km = 7000\ndrag = false\nair_model = \"us1976\"", 5, &["[orbit] air_model", "drag = false"]),
     ("[orbit]\nsource = \"numerical\"\nperiapsis_km = 7000\ngravity_degree = 21", 4, &["[orbit] gravity_degree = 21:", "from 0 to 20"]),
     ("[orbit]\nsource = \"numerical\"\nperiapsis_km = 7000\nmass_kg = 0", 4, &["[orbit] mass_kg = 0:", "kilograms"]),
     ("[orbit]\nsource = \"numerical\"\nperiapsis_km = 7000\ntolerance = 1", 4, &["[orbit] tolerance = 1:", "must be from 1e-14 to 0.001"]),
@@ -165,12 +168,22 @@ fn starts_and_forces_are_read_in_their_units() {
         }
     );
     assert_eq!((forces.gravity_degree, forces.tolerance), (4, 1e-8));
-    assert!(!forces.drag && !forces.sun && !forces.moon && !forces.radiation);
+    assert_eq!(forces.gravity_order, 4);
+    assert!(forces.drag.is_none() && !forces.sun && !forces.moon && !forces.radiation);
     assert_eq!(
         (forces.craft.mass_kg, forces.craft.drag_area_m2),
         (5.0, 2.0)
     );
     assert_eq!(forces.craft.sunlit_area_m2, 2.0);
+
+    let zonal = scene(
+        "[orbit]\nsource = \"numerical\"\nperiapsis_km = 7000\ngravity_degree = 6\ngravity_order = 0\nair_model = \"exponential\"",
+    );
+    let Some(Motion::Numerical { forces, .. }) = &zonal.orbits[0].motion else {
+        panic!("{:?}", zonal.orbits);
+    };
+    assert_eq!((forces.gravity_degree, forces.gravity_order), (6, 0));
+    assert_eq!(forces.drag, Some(Atmosphere::Exponential));
 }
 
 #[rustfmt::skip]
