@@ -26,7 +26,8 @@
 //! |---|---|---|
 //! | [`frames`] | ellipsoid, time scales, Earth rotation, Sun; f64 | anything below |
 //! | [`orbit`] | readers and propagators: a state at an epoch | GPU |
-//! | [`globe`] | the block sphere: lattice, horizon and frustum tests, level choice | GPU, files |
+//! | [`elevation`] | heights of the ground: grids, their pyramids, readers of elevation data | GPU |
+//! | [`globe`] | the block sphere, and surfaces with relief: lattice, horizon and frustum tests, level choice | GPU, files |
 //! | [`air`] | density, scattering tables, the billboard | GPU, files |
 //! | [`imagery`] | maps and packs on disk, checks, mip levels, slopes, streaming | GPU, orbits |
 //! | [`scene`] | the TOML file, defaults, checks with line and key | GPU |
@@ -105,6 +106,7 @@
 
 pub mod air;
 pub mod earth;
+pub mod elevation;
 pub mod frames;
 pub mod globe;
 pub mod gpu;

@@ -8,6 +8,7 @@ mod blocks;
 mod levels;
 mod meshes;
 mod select;
+mod surface;
 
 pub use blocks::{BLOCK_COUNT, Block, BlockGrid, BlockRow, COLUMNS, ROWS, SubdivisionError};
 pub use levels::{
@@ -15,6 +16,7 @@ pub use levels::{
 };
 pub use meshes::{LIMB_PX, Meshes, Subdivision, limb_error_px};
 pub use select::{Selection, select_blocks};
+pub use surface::{GroundVertex, GroundView, Indices, Patch, Surface, SurfaceStats};
 
 /// Which blocks are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
