@@ -5,12 +5,14 @@
 //! how fine a map it needs there, [`Meshes`] how fine a lattice.
 
 mod blocks;
+mod displaced;
 mod levels;
 mod meshes;
 mod select;
 mod surface;
 
 pub use blocks::{BLOCK_COUNT, Block, BlockGrid, BlockRow, COLUMNS, ROWS, SubdivisionError};
+pub use displaced::DisplacedBlocks;
 pub use levels::{
     HYSTERESIS, LevelRule, PAPER_BANDS_M, paper_level, screen_level, texels_per_pixel,
 };
