@@ -121,6 +121,6 @@ pub mod scene;
 pub use air::Atmosphere;
 pub use earth::{
     Change, DepthBuffer, Earth, EarthError, EarthOptions, EyeView, FrameStats, GiveUp, Governor,
-    Quality, Rung, Sky, SurfaceOutput, TILED_SUBDIVISION, TileOptions, Viewport,
+    GroundOptions, Quality, Rung, Sky, SurfaceOutput, TILED_SUBDIVISION, TileOptions, Viewport,
 };
-pub use globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
+pub use globe::{Figure, LevelRule, Shading, Subdivision, SurfaceKind, Visibility};

@@ -42,6 +42,7 @@ fn every_variant_compiles() {
             "encode",
             "decode",
             "places",
+            "relief",
         ],
     );
     all.extend(variants(
@@ -75,6 +76,7 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
         ("water", ["water_map", "glint"]),
         ("tiles", ["placements", "block"]),
         ("air", ["sunlight", "table_"]),
+        ("relief", ["origin_from_eye_m", "height_m"]),
     ];
     let code = |source: String| -> String {
         source
@@ -95,8 +97,16 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
         let without = code(
             ShaderVariant::new(
                 EARTH_SHADER,
-                &["clouds", "normals", "night_lights", "water", "tiles", "air"]
-                    .map(|f| (f, f != feature)),
+                &[
+                    "clouds",
+                    "normals",
+                    "night_lights",
+                    "water",
+                    "tiles",
+                    "air",
+                    "relief",
+                ]
+                .map(|f| (f, f != feature)),
             )
             .source()
             .unwrap(),
@@ -125,7 +135,7 @@ fn a_picture_s_shader_draws_no_places() {
         let variant = ShaderVariant::new(EARTH_SHADER, &[("places", places)]);
         variant.source().unwrap()
     };
-    let places = "return vec4f(at.uv, center);";
+    let places = "return vec4f(at.uv, at.center_uv);";
     assert!(text(true).contains(places) && !text(false).contains(places));
 }
 

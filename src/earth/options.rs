@@ -1,6 +1,6 @@
 //! What is fixed when an Earth is made, and what can be wrong with it.
 
-use super::TileOptions;
+use super::{GroundOptions, TileOptions};
 use crate::air::Atmosphere;
 use crate::globe::{Figure, Shading, Subdivision, SubdivisionError, Visibility};
 use crate::gpu::{DepthBuffer, ShaderError, SurfaceOutput};
@@ -15,6 +15,8 @@ pub struct EarthOptions {
     /// only and costs nothing. `layers` must be the pack's coarsest maps, `subdivision` automatic or at least [`super::TILED_SUBDIVISION`] if
     /// nothing is to be seen of block edges at grazing views.
     pub tiles: Option<TileOptions>,
+    /// Ground with relief; `None` draws the smooth ellipsoid and costs nothing.
+    pub ground: Option<GroundOptions>,
     /// The figure.
     pub figure: Figure,
     /// Cells per block edge.
@@ -47,6 +49,7 @@ impl EarthOptions {
         Self {
             layers,
             tiles: None,
+            ground: None,
             figure: Figure::default(),
             subdivision: Subdivision::default(),
             visibility: Visibility::default(),

@@ -4,7 +4,7 @@
 //! simplest surface with relief, and the coarsest: a cell of 48 to a block is 52 km wide.
 
 use super::blocks::{Block, BlockGrid, BlockRow, SubdivisionError};
-use super::select::Shell;
+use super::select::select_blocks_between;
 use super::surface::{GroundVertex, GroundView, Indices, Patch, Surface, SurfaceStats};
 use crate::elevation::{Bounds, Elevation};
 use crate::frames::Ellipsoid;
@@ -39,20 +39,28 @@ impl DisplacedBlocks {
     /// # Errors
     /// A subdivision outside that.
     pub fn new(ellipsoid: Ellipsoid, subdivision: u32) -> Result<Self, SubdivisionError> {
-        let grid = BlockGrid::new(ellipsoid, subdivision)?;
+        Ok(Self::of(BlockGrid::new(ellipsoid, subdivision)?))
+    }
+
+    /// With as many cells as there can be.
+    pub fn finest(ellipsoid: Ellipsoid) -> Self {
+        Self::of(BlockGrid::finest(ellipsoid))
+    }
+
+    fn of(grid: BlockGrid) -> Self {
         let indices = [BlockRow::North, BlockRow::Middle, BlockRow::South].map(|row| {
             Arc::new(Indices {
                 triangles: grid.indices(row).into_iter().map(u32::from).collect(),
             })
         });
-        Ok(Self {
+        Self {
             grid,
             indices,
             lifted: Block::all().map(|_| None).collect(),
             patches: Vec::new(),
             drawn: 0,
             blocks: Vec::new(),
-        })
+        }
     }
 
     fn cell_rad(&self) -> f64 {
@@ -97,10 +105,10 @@ impl Surface for DisplacedBlocks {
 
     fn prepare(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats {
         let range = ground.range_m(&Bounds::GLOBE);
-        let shell = Shell::new(&self.grid, range.low_m, range.high_m);
         let mut blocks = std::mem::take(&mut self.blocks);
-        shell.select(
+        select_blocks_between(
             &self.grid,
+            (range.low_m, range.high_m),
             view.eye_itrf_m,
             &view.clip_from_eye,
             &mut blocks,

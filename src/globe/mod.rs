@@ -17,7 +17,7 @@ pub use levels::{
     HYSTERESIS, LevelRule, PAPER_BANDS_M, paper_level, screen_level, texels_per_pixel,
 };
 pub use meshes::{LIMB_PX, Meshes, Subdivision, limb_error_px};
-pub use select::{Selection, select_blocks};
+pub use select::{Selection, select_blocks, select_blocks_between};
 pub use surface::{GroundVertex, GroundView, Indices, Patch, Surface, SurfaceStats};
 
 /// Which blocks are drawn.
@@ -29,6 +29,27 @@ pub enum Visibility {
     Conservative,
     /// The paper's rule: a block is drawn if (e − v)·n > 0 at one of its four corners. Loses blocks near the ground.
     Paper,
+}
+
+/// What draws ground with relief.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SurfaceKind {
+    /// The blocks of the 2011 paper, their vertices lifted.
+    #[default]
+    Blocks,
+}
+
+impl SurfaceKind {
+    /// All of them.
+    pub const ALL: &[Self] = &[Self::Blocks];
+
+    /// Makes the surface, on this figure.
+    pub fn make(self, ellipsoid: crate::frames::Ellipsoid) -> Box<dyn Surface> {
+        match self {
+            Self::Blocks => Box::new(DisplacedBlocks::finest(ellipsoid)),
+        }
+    }
 }
 
 /// The figure of the Earth.

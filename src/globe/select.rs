@@ -100,7 +100,7 @@ fn paper_rule(grid: &BlockGrid, block: Block, eye_itrf_m: DVec3) -> bool {
 }
 
 /// Ground between two heights, for which no block may be lost that shows any of it.
-pub(super) struct Shell {
+struct Shell {
     /// Radii in scaled space, where the ellipsoid is the unit sphere: below all ground, above all ground.
     low: f64,
     high: f64,
@@ -112,7 +112,7 @@ impl Shell {
     const SIDEWAYS: f64 = 1e-5;
 
     /// For ground between these heights, drawn with a grid's facets, which reach below it.
-    pub fn new(grid: &BlockGrid, low_m: f64, high_m: f64) -> Self {
+    fn new(grid: &BlockGrid, low_m: f64, high_m: f64) -> Self {
         let radius_m = grid.ellipsoid().polar_radius_m;
         let half_cell_rad = PI / (f64::from(COLUMNS) * f64::from(grid.subdivision()));
         // The middle of a cell lies below its corners by up to 2(1 − cos x) = 4 sin²(x/2) radii.
@@ -124,7 +124,7 @@ impl Shell {
     }
 
     /// The blocks whose ground can be seen: beyond the horizon as far as the highest ground reaches over it.
-    pub fn select(
+    fn select(
         &self,
         grid: &BlockGrid,
         eye_itrf_m: DVec3,
@@ -160,6 +160,18 @@ impl Shell {
             }
         }
     }
+}
+
+/// As [`select_blocks`], for ground between two heights above the ellipsoid, metres: no block is lost of whose ground
+/// anything can be seen, over the horizon too.
+pub fn select_blocks_between(
+    grid: &BlockGrid,
+    (low_m, high_m): (f64, f64),
+    eye_itrf_m: DVec3,
+    clip_from_eye: &DMat4,
+    drawn: &mut Vec<Block>,
+) {
+    Shell::new(grid, low_m, high_m).select(grid, eye_itrf_m, clip_from_eye, drawn);
 }
 
 /// Largest value of P·v over the block's points P on the unit sphere.

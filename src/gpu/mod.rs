@@ -2,6 +2,7 @@
 
 mod air;
 mod context;
+mod ground;
 mod lattice;
 mod layers;
 mod maps;

@@ -46,6 +46,7 @@ const FEATURES: &[&str] = &[
     "depth",
     "standard_z",
     "places",
+    "relief",
 ];
 
 /// What is wrong with a shader file.
