@@ -3,7 +3,8 @@
 use crate::elevation::{Bounds, Elevation};
 use crate::frames::Ellipsoid;
 use crate::globe::{
-    Block, BlockGrid, GroundView, Surface, SurfaceKind, SurfaceStats, select_blocks_between,
+    Block, BlockGrid, GroundView, Subdivision, SubdivisionError, Surface, SurfaceKind,
+    SurfaceStats, select_blocks_between,
 };
 use glam::{DMat4, DVec3};
 use std::fmt;
@@ -37,12 +38,16 @@ pub(super) struct GroundDriver {
 }
 
 impl GroundDriver {
-    pub fn new(options: &GroundOptions, ellipsoid: Ellipsoid) -> Self {
-        Self {
+    pub fn new(
+        options: &GroundOptions,
+        ellipsoid: Ellipsoid,
+        subdivision: Subdivision,
+    ) -> Result<Self, SubdivisionError> {
+        Ok(Self {
             elevation: options.elevation.clone(),
-            surface: options.surface.make(ellipsoid),
+            surface: options.surface.make(ellipsoid, subdivision)?,
             tolerance_px: options.tolerance_px.max(0.0),
-        }
+        })
     }
 
     /// Chooses what is drawn, and the blocks in sight, whose tiles it is drawn with.

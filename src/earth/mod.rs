@@ -135,6 +135,10 @@ impl Earth {
             Some(tiles) => Some(TileDriver::new(tiles, layers, options.visibility)?),
             None => None,
         };
+        let (ellipsoid, cells) = (options.figure.ellipsoid(), options.subdivision);
+        let ground = options.ground.as_ref();
+        let ground = ground.map(|ground| GroundDriver::new(ground, ellipsoid, cells));
+        let ground = ground.transpose()?;
         let mut quality = Quality::of(options);
         if options.output == SurfaceOutput::Places {
             quality.atmosphere = Atmosphere::None;
@@ -174,10 +178,7 @@ impl Earth {
             visibility: options.visibility,
             exposure: options.exposure,
             surface,
-            ground: options
-                .ground
-                .as_ref()
-                .map(|ground| GroundDriver::new(ground, options.figure.ellipsoid())),
+            ground,
             air,
             tiles,
             whole_day_pixels: layers.day.width / COLUMNS,

@@ -44,11 +44,21 @@ impl SurfaceKind {
     /// All of them.
     pub const ALL: &[Self] = &[Self::Blocks];
 
-    /// Makes the surface, on this figure.
-    pub fn make(self, ellipsoid: crate::frames::Ellipsoid) -> Box<dyn Surface> {
-        match self {
-            Self::Blocks => Box::new(DisplacedBlocks::finest(ellipsoid)),
-        }
+    /// Makes the surface, on this figure. Cells are for blocks; where they are chosen automatically, blocks have most.
+    ///
+    /// # Errors
+    /// Cells outside 1…48.
+    pub fn make(
+        self,
+        ellipsoid: crate::frames::Ellipsoid,
+        subdivision: Subdivision,
+    ) -> Result<Box<dyn Surface>, SubdivisionError> {
+        Ok(match (self, subdivision) {
+            (Self::Blocks, Subdivision::Auto) => Box::new(DisplacedBlocks::finest(ellipsoid)),
+            (Self::Blocks, Subdivision::Cells(cells)) => {
+                Box::new(DisplacedBlocks::new(ellipsoid, cells)?)
+            }
+        })
     }
 }
 

@@ -263,6 +263,7 @@ impl Source<'_> {
             atmosphere: self.choice(&field!(earth.atmosphere), Atmosphere::default())?,
             textures: self.path(&field!(earth.textures), Wanted::Folder)?,
             pack: self.pack(earth, shading)?,
+            relief: self.relief(earth)?,
         })
     }
 
@@ -339,7 +340,10 @@ impl Source<'_> {
         Err(self.refuse(field, advice))
     }
 
-    fn subdivision(&self, field: &Field<'_, toml::Value>) -> Result<Subdivision, SceneError> {
+    pub(super) fn subdivision(
+        &self,
+        field: &Field<'_, toml::Value>,
+    ) -> Result<Subdivision, SceneError> {
         let cells = match field.given.map(Spanned::get_ref) {
             None => return Ok(Subdivision::Auto),
             Some(toml::Value::String(text)) if text == "auto" => return Ok(Subdivision::Auto),

@@ -62,6 +62,11 @@ pub const UPLOAD_MB: RangeInclusive<f64> = 0.01..=1e4;
 /// How long a picture that is kept waits for its tiles, seconds.
 pub const WAIT_S: RangeInclusive<f64> = 0.0..=3600.0;
 
+/// Most files of heights.
+pub const MAX_ELEVATION_FILES: usize = 1000;
+/// Most pixels by which drawn ground may differ from its data.
+pub const TOLERANCE_PX: RangeInclusive<f64> = 0.0..=1000.0;
+
 /// Most milliseconds that a frame may cost before quality is given up.
 pub const TARGET_MS: RangeInclusive<f64> = 1.0..=1000.0;
 
@@ -96,5 +101,7 @@ pub const DEFAULT_TEXEL_PX: f64 = 1.0;
 pub const DEFAULT_TEXTURE_MB: f64 = 512.0;
 /// `[earth] upload_mb` where a scene gives none.
 pub const DEFAULT_UPLOAD_MB: f64 = 8.0;
+/// `[earth] tolerance_px` where a scene gives none.
+pub const DEFAULT_TOLERANCE_PX: f64 = 1.0;
 /// `[output] wait_s` where a scene gives none.
 pub const DEFAULT_WAIT_S: f64 = 30.0;

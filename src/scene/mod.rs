@@ -16,6 +16,7 @@ mod motion;
 mod orbit_summary;
 mod orbits;
 mod raw;
+mod relief;
 mod satellites;
 mod summary;
 
@@ -28,6 +29,7 @@ use std::path::{Path, PathBuf};
 
 pub use error::{Place, SceneError};
 pub use motion::{Forces, Motion, Orbit, OrbitSource, Start, StartForm};
+pub use relief::ReliefTable;
 
 /// A checked scene: every value is in range and every default filled in.
 #[derive(Clone, Debug)]
@@ -216,6 +218,8 @@ pub struct EarthTable {
     pub textures: Option<PathBuf>,
     /// The imagery pack; `None` draws whole maps.
     pub pack: Option<PackTable>,
+    /// Ground with relief; `None` draws the smooth ellipsoid.
+    pub relief: Option<ReliefTable>,
 }
 
 /// The keys of `[earth]` that say how an imagery pack is drawn.

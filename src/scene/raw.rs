@@ -154,6 +154,10 @@ table!(RawEarth {
     storage: String = "a string: \"auto\", \"plain\" or \"bc\"",
     texture_mb: f64 = "a number of megabytes",
     upload_mb: f64 = "a number of megabytes",
+    surface: String = "a string: \"blocks\", \"projected-grid\", \"quadtree\", \"contours\" or \"clipmap\"",
+    elevation: Vec<Spanned<String>> = "a list of strings, the paths of files of heights",
+    tolerance_px: f64 = "a number of pixels",
+    sea_floor: bool = "true or false",
 });
 
 table!(RawOutput {

@@ -4,7 +4,7 @@ use super::dates::utc;
 use super::error::printable;
 use super::field::written;
 use super::raw::{TABLES, Table};
-use super::{CameraMode, PackTable, Scene, orbit_summary};
+use super::{CameraMode, PackTable, ReliefTable, Scene, orbit_summary};
 use crate::air::Atmosphere;
 use crate::globe::{LevelRule, Subdivision};
 use std::fmt::Write;
@@ -131,6 +131,9 @@ impl Scene {
                 Some(pack) => pack_value(pack, key),
                 None => Err("no pack: whole maps are drawn"),
             },
+            ("earth", "surface" | "elevation" | "tolerance_px" | "sea_floor") => {
+                relief_value(earth.relief.as_ref(), key)
+            }
             ("output", "size") => {
                 let [width, height] = self.output.size;
                 Ok(format!("[{width}, {height}]"))
@@ -197,6 +200,17 @@ impl Scene {
         let layers: Vec<_> = self.layers().into_iter().filter(|(_, on)| *on).collect();
         let names: Vec<_> = layers.iter().map(|(name, _)| *name).collect();
         uses.push(("layers", format!("{} from {maps}", names.join(", "))));
+        if let Some(relief) = &self.earth.relief {
+            let files = match relief.elevation.len() {
+                0 => "the starter pack's heights".to_owned(),
+                1 => "one file of heights".to_owned(),
+                count => format!("{count} files of heights"),
+            };
+            uses.push((
+                "relief",
+                format!("{} from {files}", written(&relief.surface)),
+            ));
+        }
         if self.earth.atmosphere != Atmosphere::None {
             uses.push(("air", written(&self.earth.atmosphere)));
         }
@@ -227,11 +241,37 @@ impl Scene {
             .filter(|(_, on)| !on)
             .map(|(name, _)| name)
             .collect();
+        if self.earth.relief.is_none() {
+            names.push("relief");
+        }
         if self.earth.atmosphere == Atmosphere::None {
             names.push("atmosphere");
         }
         names
     }
+}
+
+/// The value of one of the keys of relief.
+fn relief_value(relief: Option<&ReliefTable>, key: &str) -> Result<String, &'static str> {
+    let Some(relief) = relief else {
+        return match key {
+            "surface" => Ok("\"blocks\"".to_owned()),
+            _ => Err("the smooth ellipsoid is drawn"),
+        };
+    };
+    Ok(match key {
+        "surface" => format!("\"{}\"", written(&relief.surface)),
+        "elevation" if relief.elevation.is_empty() => {
+            return Err("the starter pack's heights are taken");
+        }
+        "elevation" => {
+            let files = relief.elevation.iter();
+            let files = files.map(|file| format!("\"{}\"", printable(&file.display().to_string())));
+            format!("[{}]", files.collect::<Vec<_>>().join(", "))
+        }
+        "tolerance_px" => relief.tolerance_px.to_string(),
+        _ => relief.sea_floor.to_string(),
+    })
 }
 
 /// The value of one of the pack's keys.
