@@ -135,6 +135,9 @@ struct Place {
 #endif
 #if relief
     slope: vec2f,
+#if places
+    along: f32,
+#endif
 #endif
 }
 
@@ -157,6 +160,9 @@ fn place(in: Varying) -> Place {
     let lift = in.height_m / frame.radius_m;
     out.up = normalize(p * vec3f(1.0, 1.0, q * (1.0 + lift) / (q * q + lift)));
     out.slope = in.slope;
+#if places
+    out.along = along;
+#endif
 #else
     let d = normalize(scaled);
     // |e + t d| = 1 with c = |e|² − 1: t = c / (−e·d + √(1 − |e × d|²)). Lagrange's identity instead of b² − c.
@@ -376,10 +382,15 @@ fn shade(at: Place) -> vec3f {
 #if places
 // In place of colour, for measuring: the texture coordinates that maps would be read with, from the block's centre, and
 // that centre. Kept apart, they are rounded as little as the samplers' are. The target is cleared to 0; no centre is 0.
+// With relief: how many of its rays long the pixel's way to the ground is, in the last number, and 1 in the others.
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
     let at = place(in);
+#if relief
+    return vec4f(1.0, 1.0, 1.0, at.along);
+#else
     return vec4f(at.uv, at.center_uv);
+#endif
 }
 #else
 @fragment
