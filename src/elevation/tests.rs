@@ -13,7 +13,10 @@ impl<F: Fn(f64, f64) -> f64 + Send + Sync> Elevation for Formula<F> {
     }
 
     fn range_m(&self, _: &Bounds) -> HeightRange {
-        HeightRange { low_m: -1e4, high_m: 1e4 }
+        HeightRange {
+            low_m: -1e4,
+            high_m: 1e4,
+        }
     }
 
     fn finest_spacing_rad(&self, _: f64, _: f64) -> f64 {
@@ -46,7 +49,10 @@ fn slopes_are_right_everywhere_poles_included() {
             for spacing in [0.0, 1e-12, 1e-4, f64::NAN] {
                 let slope = ground.slope(&wgs84, lat, lon, spacing);
                 let error = slope.distance(right) / right.length();
-                assert!(error < 1e-5, "{slope} for {right} at {lat_deg} {lon_deg}, spacing {spacing}");
+                assert!(
+                    error < 1e-5,
+                    "{slope} for {right} at {lat_deg} {lon_deg}, spacing {spacing}"
+                );
             }
         }
     }
@@ -80,7 +86,11 @@ fn degrees(south: f64, north: f64, west: f64, width: f64) -> Bounds {
     }
 }
 
-fn grid(bounds: &Bounds, (columns, rows): (u32, u32), height_m: impl Fn(u32) -> f32) -> Arc<HeightGrid> {
+fn grid(
+    bounds: &Bounds,
+    (columns, rows): (u32, u32),
+    height_m: impl Fn(u32) -> f32,
+) -> Arc<HeightGrid> {
     let place = Georeference::from_bounds(Registration::Cells, bounds, columns, rows).unwrap();
     let heights = (0..columns * rows).map(height_m).collect();
     Arc::new(HeightGrid::new(&place, heights, &GridLimits::default()).unwrap())
@@ -89,11 +99,22 @@ fn grid(bounds: &Bounds, (columns, rows): (u32, u32), height_m: impl Fn(u32) -> 
 #[test]
 fn nothing_is_the_sea() {
     let sea = Ground::new([]);
-    for (lat, lon) in [(0.0, 0.0), (2.0, -9.0), (f64::NAN, 0.0), (0.0, f64::INFINITY)] {
+    for (lat, lon) in [
+        (0.0, 0.0),
+        (2.0, -9.0),
+        (f64::NAN, 0.0),
+        (0.0, f64::INFINITY),
+    ] {
         assert_eq!(sea.height_m(lat, lon, 0.1), 0.0);
         assert_eq!(sea.finest_spacing_rad(lat, lon), f64::INFINITY);
     }
-    assert_eq!(sea.range_m(&Bounds::GLOBE), HeightRange { low_m: 0.0, high_m: 0.0 });
+    assert_eq!(
+        sea.range_m(&Bounds::GLOBE),
+        HeightRange {
+            low_m: 0.0,
+            high_m: 0.0
+        }
+    );
     assert_eq!(sea.slope(&Ellipsoid::WGS84, 0.1, 0.2, 0.0), DVec2::ZERO);
     assert_eq!(sea.bytes(), 0);
 }
@@ -138,7 +159,13 @@ fn wild() -> Ground {
             (bits >> 16) as f32 / 65_536.0 * 20_000.0 - 11_000.0
         }
     };
-    let holes = |n: u32| if n % 60 > 30 && n / 60 > 20 { f32::NAN } else { noise(6)(n) };
+    let holes = |n: u32| {
+        if n % 60 > 30 && n / 60 > 20 {
+            f32::NAN
+        } else {
+            noise(6)(n)
+        }
+    };
     Ground::new([
         grid(&Bounds::GLOBE, (36, 18), noise(1)),
         grid(&degrees(-20.0, 20.0, 160.0, 40.0), (40, 40), noise(2)),

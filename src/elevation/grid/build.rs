@@ -187,9 +187,7 @@ fn fill_holes(place: &Snapped, shapes: &[Shape], heights_m: &mut [f32]) -> (Cove
     }
     for level in (0..means.len()).rev() {
         let (finer, coarser) = means.split_at_mut(level);
-        let fine = finer
-            .last_mut()
-            .map_or(&mut *heights_m, Vec::as_mut_slice);
+        let fine = finer.last_mut().map_or(&mut *heights_m, Vec::as_mut_slice);
         fill(&shapes[level], fine, &shapes[level + 1], &coarser[0]);
     }
     let coverage = coverage(&shapes[0], &is_hole);

@@ -32,7 +32,9 @@ pub const FEATHER_SAMPLES: f64 = 8.0;
 #[non_exhaustive]
 pub enum GridError {
     /// Too few or too many samples along a side.
-    #[error("has {columns} x {rows} samples; expected 1 to {MAX_SIDE} along each side, of posts 2 at least")]
+    #[error(
+        "has {columns} x {rows} samples; expected 1 to {MAX_SIDE} along each side, of posts 2 at least"
+    )]
     Size {
         /// Samples of a row.
         columns: u32,

@@ -187,7 +187,10 @@ impl Snapped {
             let middle = 0.5 * (self.columns - 1) as f64;
             let from_middle = east - middle * self.lon_step_rad;
             let turns = (from_middle * (1.0 / TAU)).round();
-            (row, (from_middle - turns * TAU) / self.lon_step_rad + middle)
+            (
+                row,
+                (from_middle - turns * TAU) / self.lon_step_rad + middle,
+            )
         }
     }
 

@@ -204,7 +204,10 @@ fn columns_of(shape: &Shape, first: f64, last: f64) -> impl Iterator<Item = usiz
     let count = shape.columns;
     let (first, number) = if shape.is_periodic {
         let number = ((last - first) as usize + 1).min(count);
-        ((first.rem_euclid(count as f64) as usize).min(count - 1), number)
+        (
+            (first.rem_euclid(count as f64) as usize).min(count - 1),
+            number,
+        )
     } else {
         let first = inside(first, count);
         (first, inside(last, count) + 1 - first)

@@ -48,7 +48,10 @@ fn planes_are_exact_in_both_registrations_and_storages() {
         let plane = |lat: f64, lon: f64| slope * (2.0 * lat + 3.0 * lon).to_degrees();
         let posts = grid_of(Registration::Posts, &bounds, (6, 8), plane);
         let cells = grid_of(Registration::Cells, &bounds, (10, 14), plane);
-        assert_eq!(posts.stats().quantum_m, if slope == 100.0 { 1.0 } else { 0.0 });
+        assert_eq!(
+            posts.stats().quantum_m,
+            if slope == 100.0 { 1.0 } else { 0.0 }
+        );
         for n in 0..1000 {
             let (u, v) = (f64::from(n) * 0.618 % 1.0, f64::from(n) / 1000.0);
             // The outermost half cell has no samples on both sides.
@@ -133,7 +136,11 @@ fn kinds() -> Vec<HeightGrid> {
         grid_of(Cells, &local, (17, 1), |lat, lon| noise(lat, lon).round()),
         grid_of(Cells, &local, (70, 70), |lat, lon| {
             // A quarter of it without data.
-            if lon > 3.1 && lat > 0.63 { f64::NAN } else { noise(lat, lon).round() }
+            if lon > 3.1 && lat > 0.63 {
+                f64::NAN
+            } else {
+                noise(lat, lon).round()
+            }
         }),
     ]
 }
@@ -265,7 +272,12 @@ proptest! {
 #[test]
 fn ranges_are_narrow_where_asked_for_little() {
     let ramp = |_: f64, lon: f64| 1000.0 * lon;
-    let grid = grid_of(Registration::Cells, &degrees(0.0, 10.0, 0.0, 10.0), (512, 512), ramp);
+    let grid = grid_of(
+        Registration::Cells,
+        &degrees(0.0, 10.0, 0.0, 10.0),
+        (512, 512),
+        ramp,
+    );
     for (width, most) in [(0.001, 3.0), (0.5, 4.0), (2.0, 3.0)] {
         let asked = degrees(5.0, 5.0 + width, 5.0, width);
         let range = grid.range_m(&asked, width.to_radians());
@@ -290,7 +302,12 @@ fn holes_are_filled_and_counted() {
     heights[10 * 40 + 30] = f32::INFINITY;
     let grid = HeightGrid::new(&place, heights.clone(), &GridLimits::default()).unwrap();
     assert_eq!((grid.stats().holes, grid.stats().left_holes), (2, 0));
-    let at = |row: f64, column: f64| ((10.0 - (row + 0.5) / 4.0).to_radians(), ((column + 0.5) / 4.0).to_radians());
+    let at = |row: f64, column: f64| {
+        (
+            (10.0 - (row + 0.5) / 4.0).to_radians(),
+            ((column + 0.5) / 4.0).to_radians(),
+        )
+    };
     let (lat, lon) = at(20.0, 20.0);
     assert!((grid.height_m(lat, lon, 0.0) - 200.0).abs() < 11.0);
     assert_eq!(grid.weight(lat, lon), 1.0);
@@ -308,7 +325,11 @@ fn holes_are_filled_and_counted() {
     };
     assert_eq!(weight(10.0, 19.0), 1.0);
     assert_eq!(weight(10.0, 23.0), 1.0);
-    assert!((weight(10.0, 25.0) - 0.6).abs() < 1e-9, "{}", weight(10.0, 25.0));
+    assert!(
+        (weight(10.0, 25.0) - 0.6).abs() < 1e-9,
+        "{}",
+        weight(10.0, 25.0)
+    );
     assert_eq!(weight(10.0, 29.0), 0.0);
     let (lat, lon) = at(10.0, 30.0);
     assert!(grid.height_m(lat, lon, 0.0).is_finite());
@@ -342,7 +363,13 @@ fn extremes_are_held() {
         let grid = grid_of(Registration::Cells, &Bounds::GLOBE, (4, 2), |_, lon| {
             if lon > 0.0 { high } else { low }
         });
-        assert_eq!(grid.stats().range, HeightRange { low_m: low, high_m: high });
+        assert_eq!(
+            grid.stats().range,
+            HeightRange {
+                low_m: low,
+                high_m: high
+            }
+        );
         assert_eq!(grid.height_m(0.0, FRAC_PI_2, 0.0), high);
         assert_eq!(grid.height_m(0.0, -FRAC_PI_2, 0.0), low);
     }
@@ -359,7 +386,11 @@ fn extremes_are_held() {
 #[test]
 fn a_repeated_column_is_dropped_and_rows_at_poles_get_one_height() {
     let grid = grid_of(Registration::Posts, &Bounds::GLOBE, (9, 5), |lat, lon| {
-        if lat > 1.5 { lon.cos() * 100.0 } else { 10.0 * lon.cos() }
+        if lat > 1.5 {
+            lon.cos() * 100.0
+        } else {
+            10.0 * lon.cos()
+        }
     });
     assert_eq!((grid.place.columns, grid.place.is_periodic), (8, true));
     assert!(grid.height_m(FRAC_PI_2, 1.0, 0.0).abs() < 1e-4);
@@ -390,8 +421,7 @@ fn heights_are_rounded_where_memory_is_short() {
     assert!((rounded.stats().quantum_m - 0.01).abs() < 1e-3);
     assert!(rounded.stats().bytes <= 400_000);
     let (lat, lon) = (5.0_f64.to_radians(), 5.0_f64.to_radians());
-    let error = rounded.height_m(lat, lon, 0.0)
-        - make(1 << 20).unwrap().height_m(lat, lon, 0.0);
+    let error = rounded.height_m(lat, lon, 0.0) - make(1 << 20).unwrap().height_m(lat, lon, 0.0);
     assert!(error.abs() <= 0.006 && error != 0.0, "{error}");
     assert_eq!(
         make(300_000).unwrap_err().to_string(),
@@ -413,7 +443,9 @@ fn what_makes_no_grid_is_said() {
 
     let good = globe(8, 4).unwrap();
     let said = |place: &Georeference, heights| {
-        HeightGrid::new(place, heights, &GridLimits::default()).unwrap_err().to_string()
+        HeightGrid::new(place, heights, &GridLimits::default())
+            .unwrap_err()
+            .to_string()
     };
     let place = |change: fn(&mut Georeference)| {
         let mut place = good;
@@ -426,12 +458,18 @@ fn what_makes_no_grid_is_said() {
     assert!(place(|p| p.lat_step_rad = f64::NAN).contains("not positive"));
     assert!(place(|p| p.lat_step_rad = 1e-300).contains("beyond all measure"));
     assert!(place(|p| p.west_rad = 1e30).contains("beyond all measure"));
-    assert_eq!(said(&good, vec![0.0; 31]), "has 31 heights for 32 samples; give one for each");
+    assert_eq!(
+        said(&good, vec![0.0; 31]),
+        "has 31 heights for 32 samples; give one for each"
+    );
     for (height, told) in [(29_029.0, "29029 m"), (-32_768.0, "-32768 m")] {
         let mut heights = vec![0.0; 32];
         heights[3] = height;
         let said = said(&good, heights);
-        assert!(said.contains(told) && said.contains("correct unit, scale, offset, no-data value or byte order"));
+        assert!(
+            said.contains(told)
+                && said.contains("correct unit, scale, offset, no-data value or byte order")
+        );
     }
     let huge = GridLimits::default().check(1 << 20, 1 << 20);
     assert!(matches!(huge, Err(GridError::Memory { .. })));
