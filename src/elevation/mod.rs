@@ -2,10 +2,26 @@
 //!
 //! Heights are metres above the ellipsoid. Data that are given above mean sea level are taken as they are: the geoid lies
 //! within 107 m of WGS84, and no surface here tells the two apart.
+//!
+//! [`Ground`] is what scenes use: any number of [`HeightGrid`]s over a sea at height 0. Grids are made from heights in
+//! memory or, with the feature `terrain`, read from files (GeoTIFF, PNG with a sidecar, NetCDF classic).
+
+mod grid;
+mod ground;
+#[cfg(feature = "terrain")]
+pub mod read;
+
+pub use grid::{
+    FEATHER_SAMPLES, Georeference, GridError, GridLimits, GridStats, HIGHEST_M, HeightGrid,
+    LOWEST_M, MAX_SIDE, Registration,
+};
+pub use ground::Ground;
+#[cfg(feature = "terrain")]
+pub use read::{HeightFile, HeightFileError, open_heights};
 
 use crate::frames::Ellipsoid;
 use glam::{DVec2, DVec3};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// A rectangle of geodetic latitude and longitude, radians. It may cross the date line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,29 +72,54 @@ pub trait Elevation: Send + Sync {
     /// too narrow.
     fn range_m(&self, bounds: &Bounds) -> HeightRange;
 
+    /// As [`Self::range_m`], for heights that are asked for at spacings up to `coarsest_rad` only. Where that is small
+    /// this is much narrower: at any spacing, also the mean of the whole Earth counts.
+    fn range_up_to_m(&self, bounds: &Bounds, coarsest_rad: f64) -> HeightRange {
+        let _ = coarsest_rad;
+        self.range_m(bounds)
+    }
+
     /// Angle between neighbouring samples of the finest data at a place, radians; infinite where heights do not vary.
     fn finest_spacing_rad(&self, lat_rad: f64, lon_rad: f64) -> f64;
 
-    /// Rise of the ground to the east and to the north, metres per metre, between places `spacing_rad` to each side.
+    /// Rise of the ground to the east and to the north, metres per metre, between places `spacing_rad` to each side, or
+    /// [`Self::finest_spacing_rad`] if that is more. Zero where heights do not vary. At a pole, north is away from it along
+    /// the meridian opposite to the longitude.
     fn slope(&self, ellipsoid: &Ellipsoid, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> DVec2 {
         let step_rad = spacing_rad.max(self.finest_spacing_rad(lat_rad, lon_rad));
         if !step_rad.is_finite() {
             return DVec2::ZERO;
         }
-        let height = |lat: f64, lon: f64| self.height_m(lat, lon, spacing_rad);
-        // Along the parallel as far as along the meridian; near a pole at most a quarter turn.
-        let along_rad = (step_rad / lat_rad.cos().max(1e-9)).min(0.5 * PI);
-        let (south, north) = (
-            (lat_rad - step_rad).max(-0.5 * PI),
-            (lat_rad + step_rad).min(0.5 * PI),
-        );
-        let at = |lat, lon| -> DVec3 { ellipsoid.surface_point(Ellipsoid::normal(lat, lon)) };
-        let east_m = at(lat_rad, lon_rad + along_rad).distance(at(lat_rad, lon_rad - along_rad));
-        let north_m = at(north, lon_rad).distance(at(south, lon_rad));
-        let rise = DVec2::new(
-            height(lat_rad, lon_rad + along_rad) - height(lat_rad, lon_rad - along_rad),
-            height(north, lon_rad) - height(south, lon_rad),
-        );
-        rise / DVec2::new(east_m.max(1e-3), north_m.max(1e-3))
+        // From a decimetre of ground, so that the difference of two heights is not lost in their last digits.
+        let step_rad = step_rad.clamp(2e-8, 0.25 * PI);
+        let lat_rad = lat_rad.clamp(-FRAC_PI_2, FRAC_PI_2);
+        let rise = |[one, other]: [(f64, f64); 2]| {
+            let at = |(lat, lon): (f64, f64)| -> DVec3 {
+                ellipsoid.surface_point(Ellipsoid::normal(lat, lon))
+            };
+            let height = |(lat, lon)| self.height_m(lat, lon, spacing_rad);
+            (height(one) - height(other)) / at(one).distance(at(other))
+        };
+        // Along the great circle that leaves to the east: it has no trouble with poles, as the parallel has.
+        let (sin, cos) = step_rad.sin_cos();
+        let (sin_lat, cos_lat) = lat_rad.sin_cos();
+        let turn_rad = sin.atan2(cos_lat * cos);
+        let beside_rad = (sin_lat * cos).atan2((cos_lat * cos).hypot(sin));
+        let east = [
+            (beside_rad, lon_rad + turn_rad),
+            (beside_rad, lon_rad - turn_rad),
+        ];
+        let over_pole = |lat: f64| {
+            if lat.abs() > FRAC_PI_2 {
+                (PI.copysign(lat) - lat, lon_rad + PI)
+            } else {
+                (lat, lon_rad)
+            }
+        };
+        let north = [over_pole(lat_rad + step_rad), over_pole(lat_rad - step_rad)];
+        DVec2::new(rise(east), rise(north))
     }
 }
+
+#[cfg(test)]
+mod tests;
