@@ -123,4 +123,6 @@ pub use earth::{
     Change, DepthBuffer, Earth, EarthError, EarthOptions, EyeView, FrameStats, GiveUp, Governor,
     GroundOptions, Quality, Rung, Sky, SurfaceOutput, TILED_SUBDIVISION, TileOptions, Viewport,
 };
-pub use globe::{Figure, LevelRule, Shading, Subdivision, SurfaceKind, Visibility};
+pub use globe::{
+    Figure, LevelRule, Shading, Subdivision, SurfaceKind, SurfaceSettings, Visibility,
+};

@@ -9,7 +9,9 @@ use std::sync::Arc;
 use terrella::elevation::{Bounds, Elevation, HeightRange};
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::imagery::EarthLayers;
-use terrella::{Atmosphere, EarthOptions, EyeView, GroundOptions, Shading, SurfaceKind};
+use terrella::{
+    Atmosphere, EarthOptions, EyeView, GroundOptions, Shading, Subdivision, SurfaceKind,
+};
 
 const SIZE: (u32, u32) = (320, 180);
 
@@ -61,7 +63,7 @@ fn options(layers: EarthLayers, ground: Option<(SurfaceKind, Arc<dyn Elevation>)
     options.anisotropy = 1;
     options.ground = ground.map(|(surface, elevation)| GroundOptions {
         elevation,
-        surface,
+        surface: surface.settings(Subdivision::Auto),
         tolerance_px: 0.5,
     });
     options

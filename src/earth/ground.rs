@@ -3,8 +3,8 @@
 use crate::elevation::{Bounds, Elevation};
 use crate::frames::Ellipsoid;
 use crate::globe::{
-    Block, BlockGrid, GroundView, Subdivision, SubdivisionError, Surface, SurfaceKind,
-    SurfaceStats, select_blocks_between,
+    Block, BlockGrid, GroundView, SubdivisionError, Surface, SurfaceSettings, SurfaceStats,
+    select_blocks_between,
 };
 use glam::{DMat4, DVec3};
 use std::fmt;
@@ -16,7 +16,7 @@ pub struct GroundOptions {
     /// Where heights come from.
     pub elevation: Arc<dyn Elevation>,
     /// What draws them.
-    pub surface: SurfaceKind,
+    pub surface: SurfaceSettings,
     /// Most pixels by which the drawn ground may differ from its data, for surfaces that know; 0 asks for all there is.
     pub tolerance_px: f64,
 }
@@ -38,14 +38,10 @@ pub(super) struct GroundDriver {
 }
 
 impl GroundDriver {
-    pub fn new(
-        options: &GroundOptions,
-        ellipsoid: Ellipsoid,
-        subdivision: Subdivision,
-    ) -> Result<Self, SubdivisionError> {
+    pub fn new(options: &GroundOptions, ellipsoid: Ellipsoid) -> Result<Self, SubdivisionError> {
         Ok(Self {
             elevation: options.elevation.clone(),
-            surface: options.surface.make(ellipsoid, subdivision)?,
+            surface: options.surface.make(ellipsoid)?,
             tolerance_px: options.tolerance_px.max(0.0),
         })
     }

@@ -135,9 +135,8 @@ impl Earth {
             Some(tiles) => Some(TileDriver::new(tiles, layers, options.visibility)?),
             None => None,
         };
-        let (ellipsoid, cells) = (options.figure.ellipsoid(), options.subdivision);
         let ground = options.ground.as_ref();
-        let ground = ground.map(|ground| GroundDriver::new(ground, ellipsoid, cells));
+        let ground = ground.map(|ground| GroundDriver::new(ground, options.figure.ellipsoid()));
         let ground = ground.transpose()?;
         let mut quality = Quality::of(options);
         if options.output == SurfaceOutput::Places {

@@ -25,6 +25,8 @@ pub struct Ground {
     grids: Vec<Arc<HeightGrid>>,
     /// Numbers of the grids that reach into each part, from the top down; empty where all are in all of them.
     parts: Vec<Vec<u32>>,
+    /// Grids of the whole Earth are not below the sea.
+    has_sea_surface: bool,
 }
 
 impl Ground {
@@ -45,7 +47,27 @@ impl Ground {
                 }
             }
         }
-        Self { grids, parts }
+        Self {
+            grids,
+            parts,
+            has_sea_surface: false,
+        }
+    }
+
+    /// The same with the sea's surface in place of its floor: of grids of the whole Earth no height is below 0. So is land
+    /// that lies lower, but for that of other grids.
+    pub fn with_sea_surface(mut self) -> Self {
+        self.has_sea_surface = true;
+        self
+    }
+
+    /// The lowest that a grid's heights are taken.
+    #[inline]
+    fn floor_m(&self, grid: &HeightGrid) -> f64 {
+        match self.has_sea_surface && grid.bounds().width_rad >= TAU - 1e-9 {
+            true => 0.0,
+            false => f64::NEG_INFINITY,
+        }
     }
 
     /// The grids, from the top down.
@@ -85,7 +107,7 @@ impl Elevation for Ground {
         let (mut height_m, mut beneath) = (0.0, 1.0);
         for grid in self.at(lat_rad, lon_rad) {
             if let Some((of_grid_m, weight)) = grid.weighted(lat_rad, lon_rad, spacing_rad) {
-                height_m += beneath * weight * of_grid_m;
+                height_m += beneath * weight * of_grid_m.max(self.floor_m(grid));
                 beneath *= 1.0 - weight;
                 if beneath <= 0.0 {
                     break;
@@ -106,8 +128,9 @@ impl Elevation for Ground {
                 continue;
             }
             let range = grid.range_m(bounds, coarsest_rad);
-            low_m = low_m.min(range.low_m);
-            high_m = high_m.max(range.high_m);
+            let floor_m = self.floor_m(grid);
+            low_m = low_m.min(range.low_m.max(floor_m));
+            high_m = high_m.max(range.high_m.max(floor_m));
             if grid.rules(bounds) {
                 return HeightRange { low_m, high_m };
             }

@@ -236,3 +236,31 @@ proptest! {
         prop_assert!(slope.is_finite());
     }
 }
+
+#[test]
+fn the_sea_s_surface_covers_its_floor_and_not_a_local_grid() {
+    let globe = Georeference::from_bounds(Registration::Cells, &Bounds::GLOBE, 8, 4);
+    let globe = globe.expect("sound");
+    let heights: Vec<f32> = (0..32)
+        .map(|n| if n % 8 < 4 { -4000.0 } else { 900.0 })
+        .collect();
+    let limits = GridLimits::default();
+    let globe = Arc::new(HeightGrid::new(&globe, heights, &limits).expect("sound"));
+    let here = Bounds {
+        south_rad: -0.1,
+        north_rad: 0.1,
+        west_rad: -0.1,
+        width_rad: 0.2,
+    };
+    let hollow = Georeference::from_bounds(Registration::Cells, &here, 64, 64).expect("sound");
+    let hollow = HeightGrid::new(&hollow, vec![-430.0; 64 * 64], &limits).expect("sound");
+    let bare = Ground::new([globe.clone(), Arc::new(hollow)]);
+    let wet = bare.clone().with_sea_surface();
+    let (sea, land) = (-2.0, 2.0);
+    assert!(bare.height_m(0.3, sea, 0.0) < -3000.0);
+    assert_eq!(wet.height_m(0.3, sea, 0.0), 0.0);
+    assert_eq!(wet.height_m(0.3, land, 0.0), bare.height_m(0.3, land, 0.0));
+    assert_eq!(wet.height_m(0.0, 0.0, 0.0), -430.0);
+    let range = wet.range_m(&Bounds::GLOBE);
+    assert!(range.low_m <= -430.0 && range.low_m > -1000.0 && range.high_m >= 900.0);
+}

@@ -44,18 +44,40 @@ impl SurfaceKind {
     /// All of them.
     pub const ALL: &[Self] = &[Self::Blocks];
 
-    /// Makes the surface, on this figure. Cells are for blocks; where they are chosen automatically, blocks have most.
+    /// As scene files write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Blocks => "blocks",
+        }
+    }
+
+    /// Its default settings. Cells are for blocks; chosen automatically, they are most.
+    pub fn settings(self, subdivision: Subdivision) -> SurfaceSettings {
+        match self {
+            Self::Blocks => SurfaceSettings::Blocks(subdivision),
+        }
+    }
+}
+
+/// What draws ground with relief, and how.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SurfaceSettings {
+    /// [`DisplacedBlocks`] with so many cells a block edge.
+    Blocks(Subdivision),
+}
+
+impl SurfaceSettings {
+    /// Makes the surface, on this figure.
     ///
     /// # Errors
     /// Cells outside 1…48.
     pub fn make(
         self,
         ellipsoid: crate::frames::Ellipsoid,
-        subdivision: Subdivision,
     ) -> Result<Box<dyn Surface>, SubdivisionError> {
-        Ok(match (self, subdivision) {
-            (Self::Blocks, Subdivision::Auto) => Box::new(DisplacedBlocks::finest(ellipsoid)),
-            (Self::Blocks, Subdivision::Cells(cells)) => {
+        Ok(match self {
+            Self::Blocks(Subdivision::Auto) => Box::new(DisplacedBlocks::finest(ellipsoid)),
+            Self::Blocks(Subdivision::Cells(cells)) => {
                 Box::new(DisplacedBlocks::new(ellipsoid, cells)?)
             }
         })

@@ -12,6 +12,7 @@
 //! | `satellites` | the scene's sources of motion, opened |
 //! | `ephemeris` | where its satellites are, as tables and messages |
 //! | `maps` | the scene's maps: a folder or a pack |
+//! | `relief` | its heights |
 //! | `craft/` | the spacecraft that the chase camera follows |
 //! | `picture`, `still`, `stats`, `export`, `video/` | pictures, their numbers, films |
 //! | `destination` | files that are whole or not there |
@@ -34,6 +35,7 @@ mod overlay;
 mod panel;
 mod picture;
 mod progress;
+mod relief;
 mod satellites;
 mod stage;
 mod stats;
@@ -51,6 +53,7 @@ pub use flight::{Flight, Moment, Satellite, ViewRequest};
 pub use maps::earth_options;
 pub use picture::{Measured, Picture, target_bytes};
 pub use progress::Progress;
+pub use relief::read_ground;
 pub use satellites::Tracked;
 pub use stats::{Eye, Stats, SubsolarPoint};
 pub use still::{StillRequest, write_still};

@@ -24,7 +24,7 @@ pub use trials::{Trial, trials};
 use super::ChartError;
 use super::report::Folder;
 use crate::Sky;
-use crate::elevation::ElevationError;
+use crate::elevation::GridError;
 use crate::gpu::GpuContext;
 use crate::play::{Flight, OutputError, PlayError, Progress};
 use run::Stand;
@@ -50,9 +50,9 @@ pub enum SurfacesError {
     /// Drawing.
     #[error(transparent)]
     Play(#[from] PlayError),
-    /// Heights.
+    /// Heights that are made here.
     #[error(transparent)]
-    Elevation(#[from] ElevationError),
+    Grid(#[from] GridError),
     /// Writing.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -94,12 +94,13 @@ pub fn compare_surfaces(
     let gpu = pollster::block_on(GpuContext::open(request.adapter)).map_err(PlayError::from)?;
     progress.begin("loading maps and heights", None);
     let options = flight.earth_options(gpu.bc_support())?;
-    let grounds = grounds()?;
+    let grounds = grounds(flight.scene())?;
     progress.end();
     let trials = trials(request.quick);
     let (width, height) = request.size;
     let compared_width = width.min(COMPARED_WIDTH);
-    let compared_height = (u64::from(compared_width) * u64::from(height) / u64::from(width.max(1))).max(1);
+    let compared_height =
+        (u64::from(compared_width) * u64::from(height) / u64::from(width.max(1))).max(1);
     let stand = Stand {
         gpu: &gpu,
         options: &options,

@@ -32,6 +32,29 @@ impl SurfaceStudy {
         names
     }
 
+    /// Which surface to choose, as text for a terminal: a line for each ground and flight.
+    pub fn summary(&self) -> String {
+        let mut text = String::new();
+        for data in self.data() {
+            for path in SurfacePath::ALL {
+                let Some(row) = self.choice(data, path) else {
+                    continue;
+                };
+                let _ = writeln!(
+                    text,
+                    "{data}, {}: {} ({} {}): {:.2} of the floor, {:.2} px",
+                    path.name(),
+                    row.setting.surface,
+                    row.setting.parameter,
+                    row.setting.value,
+                    row.floor_ratio.median,
+                    row.errors.p99_px,
+                );
+            }
+        }
+        text
+    }
+
     fn of(&self, data: &str, path: SurfacePath) -> Vec<&SurfaceRow> {
         let rows = self.rows.iter();
         rows.filter(|row| row.data == data && row.path == path)

@@ -80,7 +80,8 @@ impl SurfacePath {
             Self::Low => {
                 let aside_rad = NEAR_RAD / lat_rad.cos().max(0.01);
                 // Smoothed by its own spacing, so that the eye does not jump over cliffs.
-                let near = (-3..=3).flat_map(|i| (-3..=3).map(move |j| (f64::from(i), f64::from(j))));
+                let near =
+                    (-3..=3).flat_map(|i| (-3..=3).map(move |j| (f64::from(i), f64::from(j))));
                 let highest = near
                     .map(|(i, j)| {
                         let (lat, lon) =

@@ -93,7 +93,8 @@ impl Stand<'_> {
             }
             let view = |time_s| {
                 let elevation = ground.elevation.as_ref();
-                row.path.view(time_s, ground.site, figure, elevation, aspect)
+                row.path
+                    .view(time_s, ground.site, figure, elevation, aspect)
             };
             for before in (1..=FRAMES_BEFORE).rev() {
                 rig.frame(&view(time_s - f64::from(before) * FRAME_S), &self.sky)?;
