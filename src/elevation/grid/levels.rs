@@ -197,17 +197,16 @@ pub(super) fn average(place: &Snapped, fine: &Shape, values: &[f32], coarse: &Sh
     out
 }
 
-/// Averages each row along itself over as much ground as its level's rows are apart. Towards the poles columns draw
-/// together: without this a coarse level would be coarse in one direction only.
+/// Averages each row along itself over as much ground as the columns are apart in the row nearest to the equator. Towards
+/// the poles they draw together: without this a coarse level would be coarse in one direction only.
 pub(super) fn even_out(place: &Snapped, shape: &Shape, values: &mut [f32]) {
-    let lat_step = place.lat_step_rad / shape.row_ratio;
-    let lon_step = place.lon_step_rad / shape.column_ratio;
+    let widest_cos = place.widest_cos();
     let columns = shape.columns;
     let mut sums = Vec::with_capacity(columns + 1);
     for (row, values) in values.chunks_exact_mut(columns).enumerate() {
         let base_row = (row as f64 + 0.5) / shape.row_ratio - 0.5;
         let cos = place.latitude_rad(base_row).cos().max(1e-9);
-        let width = (lat_step / (lon_step * cos)).min(columns as f64);
+        let width = (widest_cos / cos).min(columns as f64);
         if width <= 1.0 + 1e-9 || columns < 2 {
             continue;
         }

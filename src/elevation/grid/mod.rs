@@ -16,6 +16,7 @@ use levels::Shape;
 use place::Snapped;
 use ranges::Ranges;
 use std::f64::consts::TAU;
+use std::fmt;
 
 /// Lowest height that is taken for one of the Earth, metres. The Challenger Deep lies at −10 935 m.
 pub const LOWEST_M: f64 = -12_000.0;
@@ -104,7 +105,6 @@ pub struct GridStats {
 }
 
 /// Samples of the finest level.
-#[derive(Debug)]
 enum Samples {
     F32(Vec<f32>),
     /// Height = offset + scale × value.
@@ -129,7 +129,6 @@ impl Samples {
 }
 
 /// A level of the pyramid.
-#[derive(Debug)]
 struct Level {
     shape: Shape,
     /// Metres; empty in the finest level, whose samples are [`Samples`].
@@ -156,7 +155,6 @@ struct Level {
 /// **Memory**, per sample: whole metres take 2 bytes and the pyramids 2.7, other heights 4 and 4. If that is more than
 /// [`GridLimits`] allow, heights are rounded to 65 500 steps between lowest and highest if 2 and 2.7 bytes are allowed.
 /// One byte more where holes are left. While a grid is made, its heights and the means are held beside it.
-#[derive(Debug)]
 pub struct HeightGrid {
     place: Snapped,
     bounds: Bounds,
@@ -169,6 +167,16 @@ pub struct HeightGrid {
     /// Of the first level, radians.
     finest_rad: f64,
     stats: GridStats,
+}
+
+impl fmt::Debug for HeightGrid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Not the samples.
+        f.debug_struct("HeightGrid")
+            .field("place", &self.place)
+            .field("stats", &self.stats)
+            .finish_non_exhaustive()
+    }
 }
 
 impl HeightGrid {

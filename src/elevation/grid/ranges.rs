@@ -19,7 +19,6 @@ const MOST_FLAGS: usize = 4096;
 
 /// Per level above the finest, for each of its cells: lowest and highest of the samples in it, of its own mean and of
 /// those of all levels between.
-#[derive(Debug)]
 enum Cells {
     F32(Vec<Vec<[f32; 2]>>),
     /// In steps of the stored heights, rounded outwards.
@@ -27,7 +26,6 @@ enum Cells {
 }
 
 /// The pyramid of ranges, and where holes are left to the source beneath.
-#[derive(Debug)]
 pub(super) struct Ranges {
     cells: Cells,
     /// One flag for [`FLAG_SIDE`]² samples: not all of them are wholly believed.
