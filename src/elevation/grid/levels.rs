@@ -1,6 +1,6 @@
 //! The pyramid of averages, and interpolation in one of its levels.
 
-use super::place::Snapped;
+use super::place::{Snapped, floor};
 
 /// Size of a level and how rows and columns of the finest level become its own.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +54,7 @@ impl Shape {
         &self,
         row: f64,
         column: f64,
-        poles: [f32; 2],
+        poles: [f64; 2],
         at: impl Fn(usize) -> f64,
     ) -> f64 {
         let (row, column) = self.own(row, column);
@@ -67,15 +67,16 @@ impl Shape {
         let last = (self.rows - 1) as f64;
         if row < 0.0 {
             return match self.north_pole {
-                Some(pole) => to_pole(in_row(0), f64::from(poles[0]), row / pole),
+                Some(pole) => to_pole(in_row(0), poles[0], row / pole),
                 None => in_row(0),
             };
         }
-        if row >= last {
+        // A row that is no number must not be looked up.
+        if row >= last || row.is_nan() {
             return match self.south_pole {
                 Some(pole) => to_pole(
                     in_row(self.rows - 1),
-                    f64::from(poles[1]),
+                    poles[1],
                     (row - last) / (pole - last),
                 ),
                 None => in_row(self.rows - 1),
@@ -91,10 +92,10 @@ impl Shape {
     fn neighbours(&self, column: f64) -> (usize, usize, f64) {
         let last = self.columns - 1;
         if self.is_periodic {
-            let floor = column.floor();
-            let along = column - floor;
+            let whole = floor(column);
+            let along = column - whole;
             // −1…columns: half a sample beyond either side, and rounding.
-            let west = match floor as isize {
+            let west = match whole as isize {
                 ..0 => last,
                 west if west as usize > last => 0,
                 west => west as usize,

@@ -134,7 +134,7 @@ struct Level {
     /// Metres; empty in the finest level, whose samples are [`Samples`].
     means_m: Vec<f32>,
     /// Heights of the poles, north first: the means of the outermost rows.
-    poles_m: [f32; 2],
+    poles_m: [f64; 2],
 }
 
 /// A regular grid of heights with a pyramid of averages.
@@ -163,9 +163,12 @@ pub struct HeightGrid {
     levels: Vec<Level>,
     ranges: Ranges,
     /// How far each sample is believed, 255 wholly, and that of both poles; nothing where all are.
-    coverage: Option<(Vec<u8>, [f32; 2])>,
+    coverage: Option<(Vec<u8>, [f64; 2])>,
     /// Of the first level, radians.
     finest_rad: f64,
+    steps_per_rad: f64,
+    /// What a row and a column from the border inwards add to the weight, before smoothing.
+    ramps: (f64, f64),
     stats: GridStats,
 }
 
@@ -189,7 +192,7 @@ impl HeightGrid {
     /// Height at a row and column of the finest level.
     #[inline]
     fn at(&self, row: f64, column: f64, spacing_rad: f64) -> f64 {
-        let steps = spacing_rad / self.finest_rad;
+        let steps = spacing_rad * self.steps_per_rad;
         // Also where the spacing is not a number.
         if steps.is_nan() || steps <= 1.0 || self.levels.len() == 1 {
             return self.at_level(0, row, column);
@@ -223,9 +226,11 @@ impl HeightGrid {
                 values,
                 offset_m,
                 scale_m,
-            } => shape.interpolate(row, column, *poles_m, |n| {
-                offset_m + scale_m * f64::from(values[n])
-            }),
+            } => {
+                let poles = poles_m.map(|pole_m| (pole_m - offset_m) / scale_m);
+                let steps = shape.interpolate(row, column, poles, |n| f64::from(values[n]));
+                offset_m + scale_m * steps
+            }
         }
     }
 
@@ -277,16 +282,15 @@ impl HeightGrid {
             return 1.0;
         }
         let margin = self.place.margin();
-        let side = |n: usize| (n - 1) as f64 + 2.0 * margin;
-        let ramp = |from_border: f64, side: f64| {
-            let part = (from_border / FEATHER_SAMPLES.min(0.25 * side)).clamp(0.0, 1.0);
+        let ramp = |from_border: f64, per_sample: f64| {
+            let part = (from_border * per_sample).clamp(0.0, 1.0);
             part * part * (3.0 - 2.0 * part)
         };
         let mut weight = 1.0;
         if !is_periodic {
             let west = column + margin;
             let east = (columns - 1) as f64 + margin - column;
-            weight *= ramp(west.min(east), side(columns));
+            weight *= ramp(west.min(east), self.ramps.1);
         }
         let north = if reaches_north {
             f64::INFINITY
@@ -298,7 +302,7 @@ impl HeightGrid {
         } else {
             (rows - 1) as f64 + margin - row
         };
-        weight * ramp(north.min(south), side(rows))
+        weight * ramp(north.min(south), self.ramps.0)
     }
 
     /// Whether the grid alone says the height of every place inside the bounds. May say no too often.
@@ -328,7 +332,7 @@ impl HeightGrid {
     /// any. May be too wide, never too narrow.
     pub fn range_m(&self, bounds: &Bounds, coarsest_rad: f64) -> HeightRange {
         let (rows, columns) = self.span(bounds);
-        let steps = coarsest_rad / self.finest_rad;
+        let steps = coarsest_rad * self.steps_per_rad;
         // A blend takes the level above in; a spacing that is no number asks for the finest.
         let coarsest = if steps > 1.0 {
             steps.log2().min(64.0) as usize + 1

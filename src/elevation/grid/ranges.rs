@@ -117,10 +117,10 @@ impl Ranges {
             let own = (shape.own(rows.0, columns.0), shape.own(rows.1, columns.1));
             let (north, south) = (own.0.0, own.1.0);
             if shape.north_pole.is_some() && north < 0.0 {
-                add([f64::from(level.poles_m[0]); 2]);
+                add([level.poles_m[0]; 2]);
             }
             if shape.south_pole.is_some() && south > (shape.rows - 1) as f64 {
-                add([f64::from(level.poles_m[1]); 2]);
+                add([level.poles_m[1]; 2]);
             }
             // Of finer levels the cells looked up know.
             if number < looked_up {
