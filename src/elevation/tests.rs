@@ -1,6 +1,7 @@
 //! Slopes, and grids over one another.
 
 use super::*;
+use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;
 
