@@ -12,9 +12,10 @@ const ROWS: usize = 36;
 ///
 /// **Overlaps**: of two grids the one of the finer [`HeightGrid::finest_spacing_rad`] lies on top, of equal ones the one
 /// given first. A grid that is not of the whole Earth is feathered: over its outermost
-/// [`FEATHER_SAMPLES`](super::FEATHER_SAMPLES) it goes over smoothly into what lies beneath, and so around holes that are
-/// left to that. Heights are therefore continuous everywhere. Two grids that only touch leave a strip of what lies
-/// beneath between them: join such files first (`gdalbuildvrt`, `gdal_merge.py`), or let them overlap by 16 samples.
+/// samples, a sixteenth of its width and height and at least [`FEATHER_SAMPLES`](super::FEATHER_SAMPLES), it goes over
+/// smoothly into what lies beneath, and so around holes that are left to that. Heights are therefore continuous everywhere.
+/// Two grids that only touch leave a strip of what lies beneath between them: join such files first (`gdalbuildvrt`,
+/// `gdal_merge.py`), or let them overlap by an eighth.
 ///
 /// **Spacings**: each grid averages its own samples; an average does not reach over a grid's border.
 ///

@@ -127,7 +127,7 @@ impl HeightGrid {
             .min(place.lon_step_rad * place.widest_cos());
         let ramp = |count: usize| {
             let side = (count - 1) as f64 + 2.0 * place.margin();
-            1.0 / FEATHER_SAMPLES.min(0.25 * side)
+            1.0 / FEATHER_SAMPLES.max(side / 16.0).min(0.25 * side)
         };
         Ok(Self {
             place,

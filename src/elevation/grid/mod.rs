@@ -24,8 +24,9 @@ pub const LOWEST_M: f64 = -12_000.0;
 /// Highest height that is taken for one of the Earth, metres. Everest has 8 849 m.
 pub const HIGHEST_M: f64 = 10_000.0;
 
-/// Over so many samples from its border inwards a local grid gains on what lies beneath, or over a quarter of its width
-/// or height if that is less.
+/// Over so many samples from its border inwards at least a local grid gains on what lies beneath. Over a sixteenth of its
+/// width or height if that is more: the coarser grid beneath may differ by hundreds of metres, which a short passage would
+/// make a cliff of. Never over more than a quarter.
 pub const FEATHER_SAMPLES: f64 = 8.0;
 
 /// Why heights make no grid. Readers add the file ([`HeightFileError`](super::HeightFileError)).
@@ -235,7 +236,7 @@ impl HeightGrid {
     }
 
     /// How much a place's height counts against that of what lies beneath, 0…1, continuous: 0 outside the grid and on
-    /// its border, 1 from [`FEATHER_SAMPLES`] inside on, except in holes.
+    /// its border, 1 from some samples inside on ([`FEATHER_SAMPLES`]), except in holes.
     pub fn weight(&self, lat_rad: f64, lon_rad: f64) -> f64 {
         let (row, column) = self.place.locate(lat_rad, lon_rad);
         self.weight_at(row, column)
