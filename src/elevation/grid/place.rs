@@ -98,7 +98,8 @@ impl Georeference {
         let fault = |what| Err(GridError::Place { what });
         let (lat_step, lon_step) = (self.lat_step_rad, self.lon_step_rad);
         let numbers = [self.north_rad, self.west_rad, lat_step, lon_step];
-        if !numbers.iter().all(|n| n.is_finite()) || !(lat_step > 0.0 && lon_step > 0.0) {
+        let is_finite = numbers.iter().all(|n| n.is_finite());
+        if !(is_finite && lat_step > 0.0 && lon_step > 0.0) {
             return fault("its steps are not positive or its corner is not a number");
         }
         // A micrometre of ground: below it neighbours are the same place to f64.
