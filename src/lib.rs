@@ -101,7 +101,9 @@
 //!
 //! # Features
 //!
-//! `pack-build` makes packs from maps (reading and drawing packs needs no feature). `command` (default) is that and the window, the video writer and the command line. A host that only embeds the Earth says
+//! `pack-build` makes packs from maps (reading and drawing packs needs no feature). `terrain` reads heights of the
+//! ground from files ([`elevation`]; heights in memory need no feature). `command` (default) is both and the window, the
+//! video writer and the command line. A host that only embeds the Earth says
 //! `default-features = false`.
 
 pub mod air;

@@ -12,9 +12,10 @@ const ROWS: usize = 36;
 ///
 /// **Overlaps**: of two grids the one of the finer [`HeightGrid::finest_spacing_rad`] lies on top, of equal ones the one
 /// given first. A grid that is not of the whole Earth is feathered: over its outermost
-/// [`FEATHER_SAMPLES`](super::FEATHER_SAMPLES) it goes over smoothly into what lies beneath, and so around holes that are
-/// left to that. Heights are therefore continuous everywhere. Two grids that only touch leave a strip of what lies
-/// beneath between them: join such files first (`gdalbuildvrt`, `gdal_merge.py`), or let them overlap by 16 samples.
+/// samples, a sixteenth of its width and height and at least [`FEATHER_SAMPLES`](super::FEATHER_SAMPLES), it goes over
+/// smoothly into what lies beneath, and so around holes that are left to that. Heights are therefore continuous everywhere.
+/// Two grids that only touch leave a strip of what lies beneath between them: join such files first (`gdalbuildvrt`,
+/// `gdal_merge.py`), or let them overlap by an eighth.
 ///
 /// **Spacings**: each grid averages its own samples; an average does not reach over a grid's border.
 ///
@@ -23,7 +24,7 @@ const ROWS: usize = 36;
 pub struct Ground {
     /// From the top down.
     grids: Vec<Arc<HeightGrid>>,
-    /// Numbers of the grids that reach into each part, from the top down; empty where all are in all of them.
+    /// Numbers of the grids that reach into each part, from the top down.
     parts: Vec<Vec<u32>>,
     /// Grids of the whole Earth are not below the sea.
     has_sea_surface: bool,
@@ -35,15 +36,12 @@ impl Ground {
         let mut grids: Vec<_> = grids.into_iter().collect();
         // Stable: of equal ones the first stays first.
         grids.sort_by(|a, b| a.finest_spacing_rad().total_cmp(&b.finest_spacing_rad()));
-        let mut parts = Vec::new();
-        if grids.len() > 1 {
-            parts = vec![Vec::new(); COLUMNS * ROWS];
-            for (number, grid) in grids.iter().enumerate() {
-                let bounds = grid.bounds();
-                for (part, numbers) in parts.iter_mut().enumerate() {
-                    if overlap(&bounds, &part_bounds(part)) {
-                        numbers.push(number as u32);
-                    }
+        let mut parts = vec![Vec::new(); COLUMNS * ROWS];
+        for (number, grid) in grids.iter().enumerate() {
+            let bounds = grid.bounds();
+            for (part, numbers) in parts.iter_mut().enumerate() {
+                if overlap(&bounds, &part_bounds(part)) {
+                    numbers.push(number as u32);
                 }
             }
         }
@@ -83,13 +81,11 @@ impl Ground {
     /// The grids that may reach to a place, from the top down.
     #[inline]
     fn at(&self, lat_rad: f64, lon_rad: f64) -> impl Iterator<Item = &HeightGrid> {
-        let (one, numbers) = if self.parts.is_empty() {
-            (self.grids.first(), &[][..])
-        } else {
-            (None, self.parts[part_of(lat_rad, lon_rad)].as_slice())
-        };
-        let some = numbers.iter().map(|number| &self.grids[*number as usize]);
-        one.into_iter().chain(some).map(Arc::as_ref)
+        let part = self.parts.get(part_of(lat_rad, lon_rad));
+        let numbers = part.map_or(&[][..], Vec::as_slice);
+        numbers
+            .iter()
+            .map(|number| self.grids[*number as usize].as_ref())
     }
 }
 
@@ -100,9 +96,16 @@ impl From<HeightGrid> for Ground {
 }
 
 impl Elevation for Ground {
+    #[inline]
     fn height_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64 {
         if !(lat_rad.is_finite() && lon_rad.is_finite()) {
             return 0.0;
+        }
+        if let [grid] = self.grids.as_slice() {
+            return match grid.weighted(lat_rad, lon_rad, spacing_rad) {
+                Some((height_m, weight)) => weight * height_m,
+                None => 0.0,
+            };
         }
         let (mut height_m, mut beneath) = (0.0, 1.0);
         for grid in self.at(lat_rad, lon_rad) {

@@ -20,7 +20,7 @@ pub use ground::Ground;
 pub use read::{HeightFile, HeightFileError, open_heights};
 
 use crate::frames::Ellipsoid;
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// A rectangle of geodetic latitude and longitude, radians. It may cross the date line.
@@ -93,31 +93,36 @@ pub trait Elevation: Send + Sync {
         // From a decimetre of ground, so that the difference of two heights is not lost in their last digits.
         let step_rad = step_rad.clamp(2e-8, 0.25 * PI);
         let lat_rad = lat_rad.clamp(-FRAC_PI_2, FRAC_PI_2);
-        let rise = |[one, other]: [(f64, f64); 2]| {
-            let at = |(lat, lon): (f64, f64)| -> DVec3 {
-                ellipsoid.surface_point(Ellipsoid::normal(lat, lon))
-            };
-            let height = |(lat, lon)| self.height_m(lat, lon, spacing_rad);
-            (height(one) - height(other)) / at(one).distance(at(other))
-        };
-        // Along the great circle that leaves to the east: it has no trouble with poles, as the parallel has.
         let (sin, cos) = step_rad.sin_cos();
         let (sin_lat, cos_lat) = lat_rad.sin_cos();
+        // Distance from the axis and from the equator's plane, of a geodetic latitude.
+        let (a, b) = (ellipsoid.equatorial_radius_m, ellipsoid.polar_radius_m);
+        let meridian = |sin_lat: f64, cos_lat: f64| {
+            let scaled = DVec2::new(a * cos_lat, b * sin_lat);
+            DVec2::new(a, b) * scaled / scaled.length()
+        };
+        // Along the great circle that leaves to the east: it has no trouble with poles, as the parallel has. Its points
+        // lie turned by ±λ from here, at a latitude φ with cos φ sin λ = sin s.
         let turn_rad = sin.atan2(cos_lat * cos);
-        let beside_rad = (sin_lat * cos).atan2((cos_lat * cos).hypot(sin));
-        let east = [
-            (beside_rad, lon_rad + turn_rad),
-            (beside_rad, lon_rad - turn_rad),
-        ];
-        let over_pole = |lat: f64| {
+        let (sin_beside, cos_beside) = (sin_lat * cos, (cos_lat * cos).hypot(sin));
+        let beside_rad = sin_beside.atan2(cos_beside);
+        let east_m = 2.0 * meridian(sin_beside, cos_beside).x * (sin / cos_beside);
+        let beside_m = |lon_rad| self.height_m(beside_rad, lon_rad, spacing_rad);
+        let east_rise_m = beside_m(lon_rad + turn_rad) - beside_m(lon_rad - turn_rad);
+        // Along the meridian, over a pole if it is so near.
+        let north_m =
+            meridian(sin_lat * cos + cos_lat * sin, cos_lat * cos - sin_lat * sin).distance(
+                meridian(sin_lat * cos - cos_lat * sin, cos_lat * cos + sin_lat * sin),
+            );
+        let along_m = |lat: f64| {
             if lat.abs() > FRAC_PI_2 {
-                (PI.copysign(lat) - lat, lon_rad + PI)
+                self.height_m(PI.copysign(lat) - lat, lon_rad + PI, spacing_rad)
             } else {
-                (lat, lon_rad)
+                self.height_m(lat, lon_rad, spacing_rad)
             }
         };
-        let north = [over_pole(lat_rad + step_rad), over_pole(lat_rad - step_rad)];
-        DVec2::new(rise(east), rise(north))
+        let north_rise_m = along_m(lat_rad + step_rad) - along_m(lat_rad - step_rad);
+        DVec2::new(east_rise_m / east_m, north_rise_m / north_m)
     }
 }
 

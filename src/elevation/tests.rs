@@ -1,6 +1,7 @@
 //! Slopes, and grids over one another.
 
 use super::*;
+use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;
 
@@ -147,6 +148,25 @@ fn the_finest_lies_on_top_and_of_equal_ones_the_first() {
     assert!((inner.low_m - 300.0).abs() < 1e-5 && (inner.high_m - 300.0).abs() < 1e-5);
     let border = ground.range_m(&degrees(19.0, 20.0, 9.5, 1.0));
     assert!((border.low_m - 200.0).abs() < 1e-5 && (border.high_m - 300.0).abs() < 1e-5);
+}
+
+/// A border between grids that differ by 1600 m: the passage is as wide as told, and no steeper than that asks for.
+#[test]
+fn borders_go_over_within_a_sixteenth() {
+    let inner = grid(&degrees(10.0, 20.0, 10.0, 10.0), (320, 320), |_| 1600.0);
+    let ground = Ground::new([inner]);
+    let at = |samples: f64| {
+        let lon = (10.0 + samples / 32.0).to_radians();
+        ground.height_m(15_f64.to_radians(), lon, 0.0)
+    };
+    assert_eq!((at(-0.5), at(20.0), at(160.0)), (0.0, 1600.0, 1600.0));
+    assert!((at(10.0) - 800.0).abs() < 1e-6);
+    let steepest = (0..400).map(|n| at(0.05 * f64::from(n + 1)) - at(0.05 * f64::from(n)));
+    let steepest = steepest.fold(0.0, f64::max);
+    assert!(
+        (steepest / 0.05 - 1.5 * 1600.0 / 20.0).abs() < 0.1,
+        "{steepest}"
+    );
 }
 
 /// Wild ground: the whole Earth, three local grids over one another, one across the date line, one at a pole, one with

@@ -4,7 +4,9 @@ use super::holes::{coverage, fill};
 use super::levels::{Shape, average, even_out, shapes};
 use super::place::{Georeference, Snapped};
 use super::ranges::Ranges;
-use super::{GridError, GridStats, HIGHEST_M, HeightGrid, LOWEST_M, Level, Samples};
+use super::{
+    FEATHER_SAMPLES, GridError, GridStats, HIGHEST_M, HeightGrid, LOWEST_M, Level, Samples,
+};
 use crate::elevation::HeightRange;
 
 /// What one grid may take.
@@ -120,6 +122,13 @@ impl HeightGrid {
             levels: levels.len() as u32,
             bytes,
         };
+        let finest_rad = place
+            .lat_step_rad
+            .min(place.lon_step_rad * place.widest_cos());
+        let ramp = |count: usize| {
+            let side = (count - 1) as f64 + 2.0 * place.margin();
+            1.0 / FEATHER_SAMPLES.max(side / 16.0).min(0.25 * side)
+        };
         Ok(Self {
             place,
             bounds: georeference.bounds(),
@@ -127,9 +136,9 @@ impl HeightGrid {
             levels,
             ranges,
             coverage,
-            finest_rad: place
-                .lat_step_rad
-                .min(place.lon_step_rad * place.widest_cos()),
+            finest_rad,
+            steps_per_rad: 1.0 / finest_rad,
+            ramps: (ramp(place.rows), ramp(place.columns)),
             stats,
         })
     }
@@ -165,7 +174,7 @@ fn known_range(heights_m: &mut [f32]) -> Result<HeightRange, GridError> {
     Ok(HeightRange { low_m, high_m })
 }
 
-type Coverage = Option<(Vec<u8>, [f32; 2])>;
+type Coverage = Option<(Vec<u8>, [f64; 2])>;
 
 /// Gives holes heights; how far to believe them, how many there are and how many are left to the source beneath.
 fn fill_holes(place: &Snapped, shapes: &[Shape], heights_m: &mut [f32]) -> (Coverage, u64, u64) {
@@ -209,7 +218,7 @@ fn fill_holes(place: &Snapped, shapes: &[Shape], heights_m: &mut [f32]) -> (Cove
             let start = coverage.len() - columns;
             coverage[start..].fill(south);
         }
-        (coverage, [f32::from(north), f32::from(south)])
+        (coverage, [f64::from(north), f64::from(south)])
     });
     (coverage, holes, left)
 }
@@ -225,14 +234,14 @@ fn one_value_at_poles(place: &Snapped, heights_m: &mut [f32]) {
     for (row, heights_m) in heights_m.chunks_exact_mut(place.columns).enumerate() {
         if (row == 0 || row + 1 == place.rows) && on_pole(row) {
             let mean = mean(heights_m.iter().copied());
-            heights_m.fill(mean);
+            heights_m.fill(mean as f32);
         }
     }
 }
 
-fn mean(heights_m: impl ExactSizeIterator<Item = f32>) -> f32 {
+fn mean(heights_m: impl ExactSizeIterator<Item = f32>) -> f64 {
     let count = heights_m.len() as f64;
-    (heights_m.map(f64::from).sum::<f64>() / count) as f32
+    heights_m.map(f64::from).sum::<f64>() / count
 }
 
 fn short(heights_m: &[f32], offset_m: f64, scale_m: f64) -> Samples {

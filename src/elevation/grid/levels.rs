@@ -1,6 +1,6 @@
 //! The pyramid of averages, and interpolation in one of its levels.
 
-use super::place::Snapped;
+use super::place::{Snapped, floor};
 
 /// Size of a level and how rows and columns of the finest level become its own.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +54,7 @@ impl Shape {
         &self,
         row: f64,
         column: f64,
-        poles: [f32; 2],
+        poles: [f64; 2],
         at: impl Fn(usize) -> f64,
     ) -> f64 {
         let (row, column) = self.own(row, column);
@@ -67,15 +67,16 @@ impl Shape {
         let last = (self.rows - 1) as f64;
         if row < 0.0 {
             return match self.north_pole {
-                Some(pole) => to_pole(in_row(0), f64::from(poles[0]), row / pole),
+                Some(pole) => to_pole(in_row(0), poles[0], row / pole),
                 None => in_row(0),
             };
         }
-        if row >= last {
+        // A row that is no number must not be looked up.
+        if row >= last || row.is_nan() {
             return match self.south_pole {
                 Some(pole) => to_pole(
                     in_row(self.rows - 1),
-                    f64::from(poles[1]),
+                    poles[1],
                     (row - last) / (pole - last),
                 ),
                 None => in_row(self.rows - 1),
@@ -91,10 +92,10 @@ impl Shape {
     fn neighbours(&self, column: f64) -> (usize, usize, f64) {
         let last = self.columns - 1;
         if self.is_periodic {
-            let floor = column.floor();
-            let along = column - floor;
+            let whole = floor(column);
+            let along = column - whole;
             // −1…columns: half a sample beyond either side, and rounding.
-            let west = match floor as isize {
+            let west = match whole as isize {
                 ..0 => last,
                 west if west as usize > last => 0,
                 west => west as usize,
@@ -197,17 +198,16 @@ pub(super) fn average(place: &Snapped, fine: &Shape, values: &[f32], coarse: &Sh
     out
 }
 
-/// Averages each row along itself over as much ground as its level's rows are apart. Towards the poles columns draw
-/// together: without this a coarse level would be coarse in one direction only.
+/// Averages each row along itself over as much ground as the columns are apart in the row nearest to the equator. Towards
+/// the poles they draw together: without this a coarse level would be coarse in one direction only.
 pub(super) fn even_out(place: &Snapped, shape: &Shape, values: &mut [f32]) {
-    let lat_step = place.lat_step_rad / shape.row_ratio;
-    let lon_step = place.lon_step_rad / shape.column_ratio;
+    let widest_cos = place.widest_cos();
     let columns = shape.columns;
     let mut sums = Vec::with_capacity(columns + 1);
     for (row, values) in values.chunks_exact_mut(columns).enumerate() {
         let base_row = (row as f64 + 0.5) / shape.row_ratio - 0.5;
         let cos = place.latitude_rad(base_row).cos().max(1e-9);
-        let width = (lat_step / (lon_step * cos)).min(columns as f64);
+        let width = (widest_cos / cos).min(columns as f64);
         if width <= 1.0 + 1e-9 || columns < 2 {
             continue;
         }

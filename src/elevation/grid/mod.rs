@@ -16,6 +16,7 @@ use levels::Shape;
 use place::Snapped;
 use ranges::Ranges;
 use std::f64::consts::TAU;
+use std::fmt;
 
 /// Lowest height that is taken for one of the Earth, metres. The Challenger Deep lies at −10 935 m.
 pub const LOWEST_M: f64 = -12_000.0;
@@ -23,8 +24,9 @@ pub const LOWEST_M: f64 = -12_000.0;
 /// Highest height that is taken for one of the Earth, metres. Everest has 8 849 m.
 pub const HIGHEST_M: f64 = 10_000.0;
 
-/// Over so many samples from its border inwards a local grid gains on what lies beneath, or over a quarter of its width
-/// or height if that is less.
+/// Over so many samples from its border inwards at least a local grid gains on what lies beneath. Over a sixteenth of its
+/// width or height if that is more: the coarser grid beneath may differ by hundreds of metres, which a short passage would
+/// make a cliff of. Never over more than a quarter.
 pub const FEATHER_SAMPLES: f64 = 8.0;
 
 /// Why heights make no grid. Readers add the file ([`HeightFileError`](super::HeightFileError)).
@@ -104,7 +106,6 @@ pub struct GridStats {
 }
 
 /// Samples of the finest level.
-#[derive(Debug)]
 enum Samples {
     F32(Vec<f32>),
     /// Height = offset + scale × value.
@@ -129,13 +130,12 @@ impl Samples {
 }
 
 /// A level of the pyramid.
-#[derive(Debug)]
 struct Level {
     shape: Shape,
     /// Metres; empty in the finest level, whose samples are [`Samples`].
     means_m: Vec<f32>,
     /// Heights of the poles, north first: the means of the outermost rows.
-    poles_m: [f32; 2],
+    poles_m: [f64; 2],
 }
 
 /// A regular grid of heights with a pyramid of averages.
@@ -156,7 +156,6 @@ struct Level {
 /// **Memory**, per sample: whole metres take 2 bytes and the pyramids 2.7, other heights 4 and 4. If that is more than
 /// [`GridLimits`] allow, heights are rounded to 65 500 steps between lowest and highest if 2 and 2.7 bytes are allowed.
 /// One byte more where holes are left. While a grid is made, its heights and the means are held beside it.
-#[derive(Debug)]
 pub struct HeightGrid {
     place: Snapped,
     bounds: Bounds,
@@ -165,10 +164,23 @@ pub struct HeightGrid {
     levels: Vec<Level>,
     ranges: Ranges,
     /// How far each sample is believed, 255 wholly, and that of both poles; nothing where all are.
-    coverage: Option<(Vec<u8>, [f32; 2])>,
+    coverage: Option<(Vec<u8>, [f64; 2])>,
     /// Of the first level, radians.
     finest_rad: f64,
+    steps_per_rad: f64,
+    /// What a row and a column from the border inwards add to the weight, before smoothing.
+    ramps: (f64, f64),
     stats: GridStats,
+}
+
+impl fmt::Debug for HeightGrid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Not the samples.
+        f.debug_struct("HeightGrid")
+            .field("place", &self.place)
+            .field("stats", &self.stats)
+            .finish_non_exhaustive()
+    }
 }
 
 impl HeightGrid {
@@ -181,7 +193,7 @@ impl HeightGrid {
     /// Height at a row and column of the finest level.
     #[inline]
     fn at(&self, row: f64, column: f64, spacing_rad: f64) -> f64 {
-        let steps = spacing_rad / self.finest_rad;
+        let steps = spacing_rad * self.steps_per_rad;
         // Also where the spacing is not a number.
         if steps.is_nan() || steps <= 1.0 || self.levels.len() == 1 {
             return self.at_level(0, row, column);
@@ -215,14 +227,16 @@ impl HeightGrid {
                 values,
                 offset_m,
                 scale_m,
-            } => shape.interpolate(row, column, *poles_m, |n| {
-                offset_m + scale_m * f64::from(values[n])
-            }),
+            } => {
+                let poles = poles_m.map(|pole_m| (pole_m - offset_m) / scale_m);
+                let steps = shape.interpolate(row, column, poles, |n| f64::from(values[n]));
+                offset_m + scale_m * steps
+            }
         }
     }
 
     /// How much a place's height counts against that of what lies beneath, 0…1, continuous: 0 outside the grid and on
-    /// its border, 1 from [`FEATHER_SAMPLES`] inside on, except in holes.
+    /// its border, 1 from some samples inside on ([`FEATHER_SAMPLES`]), except in holes.
     pub fn weight(&self, lat_rad: f64, lon_rad: f64) -> f64 {
         let (row, column) = self.place.locate(lat_rad, lon_rad);
         self.weight_at(row, column)
@@ -269,16 +283,15 @@ impl HeightGrid {
             return 1.0;
         }
         let margin = self.place.margin();
-        let side = |n: usize| (n - 1) as f64 + 2.0 * margin;
-        let ramp = |from_border: f64, side: f64| {
-            let part = (from_border / FEATHER_SAMPLES.min(0.25 * side)).clamp(0.0, 1.0);
+        let ramp = |from_border: f64, per_sample: f64| {
+            let part = (from_border * per_sample).clamp(0.0, 1.0);
             part * part * (3.0 - 2.0 * part)
         };
         let mut weight = 1.0;
         if !is_periodic {
             let west = column + margin;
             let east = (columns - 1) as f64 + margin - column;
-            weight *= ramp(west.min(east), side(columns));
+            weight *= ramp(west.min(east), self.ramps.1);
         }
         let north = if reaches_north {
             f64::INFINITY
@@ -290,7 +303,7 @@ impl HeightGrid {
         } else {
             (rows - 1) as f64 + margin - row
         };
-        weight * ramp(north.min(south), side(rows))
+        weight * ramp(north.min(south), self.ramps.0)
     }
 
     /// Whether the grid alone says the height of every place inside the bounds. May say no too often.
@@ -320,7 +333,7 @@ impl HeightGrid {
     /// any. May be too wide, never too narrow.
     pub fn range_m(&self, bounds: &Bounds, coarsest_rad: f64) -> HeightRange {
         let (rows, columns) = self.span(bounds);
-        let steps = coarsest_rad / self.finest_rad;
+        let steps = coarsest_rad * self.steps_per_rad;
         // A blend takes the level above in; a spacing that is no number asks for the finest.
         let coarsest = if steps > 1.0 {
             steps.log2().min(64.0) as usize + 1

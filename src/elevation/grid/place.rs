@@ -98,7 +98,8 @@ impl Georeference {
         let fault = |what| Err(GridError::Place { what });
         let (lat_step, lon_step) = (self.lat_step_rad, self.lon_step_rad);
         let numbers = [self.north_rad, self.west_rad, lat_step, lon_step];
-        if !numbers.iter().all(|n| n.is_finite()) || !(lat_step > 0.0 && lon_step > 0.0) {
+        let is_finite = numbers.iter().all(|n| n.is_finite());
+        if !(is_finite && lat_step > 0.0 && lon_step > 0.0) {
             return fault("its steps are not positive or its corner is not a number");
         }
         // A micrometre of ground: below it neighbours are the same place to f64.
@@ -152,6 +153,9 @@ impl Georeference {
             is_periodic,
             reaches_north: reaches(north),
             reaches_south: reaches(-south),
+            rows_per_rad: 1.0 / lat_step,
+            columns_per_rad: 1.0 / lon_step,
+            middle_rad: self.west_rad + 0.5 * f64::from(columns_used - 1) * lon_step,
         })
     }
 }
@@ -171,6 +175,25 @@ pub(super) struct Snapped {
     pub is_periodic: bool,
     pub reaches_north: bool,
     pub reaches_south: bool,
+    /// Inverses of the steps, and the longitude half-way between the outermost columns.
+    rows_per_rad: f64,
+    columns_per_rad: f64,
+    middle_rad: f64,
+}
+
+/// The whole number below: `f64::floor` is a call where the processor may lack the instruction.
+#[inline]
+pub(super) fn floor(x: f64) -> f64 {
+    // Larger numbers are whole, and may not fit an i64.
+    if x.is_nan() || x.abs() > 4e15 {
+        return x;
+    }
+    let towards_zero = x as i64 as f64;
+    if towards_zero > x {
+        towards_zero - 1.0
+    } else {
+        towards_zero
+    }
 }
 
 impl Snapped {
@@ -178,18 +201,18 @@ impl Snapped {
     /// columns are counted from the nearer side.
     #[inline]
     pub(super) fn locate(&self, lat_rad: f64, lon_rad: f64) -> (f64, f64) {
-        let row = (self.north_rad - lat_rad.clamp(-FRAC_PI_2, FRAC_PI_2)) / self.lat_step_rad;
-        let east = lon_rad - self.west_rad;
+        let lat_rad = lat_rad.clamp(-FRAC_PI_2, FRAC_PI_2);
+        let row = (self.north_rad - lat_rad) * self.rows_per_rad;
         if self.is_periodic {
-            let turns = east * (1.0 / TAU);
-            (row, (turns - turns.floor()) * self.columns as f64)
+            let turns = (lon_rad - self.west_rad) * (1.0 / TAU);
+            (row, (turns - floor(turns)) * self.columns as f64)
         } else {
             let middle = 0.5 * (self.columns - 1) as f64;
-            let from_middle = east - middle * self.lon_step_rad;
-            let turns = (from_middle * (1.0 / TAU)).round();
+            let from_middle = lon_rad - self.middle_rad;
+            let turns = floor(from_middle * (1.0 / TAU) + 0.5);
             (
                 row,
-                (from_middle - turns * TAU) / self.lon_step_rad + middle,
+                (from_middle - turns * TAU) * self.columns_per_rad + middle,
             )
         }
     }

@@ -19,7 +19,6 @@ const MOST_FLAGS: usize = 4096;
 
 /// Per level above the finest, for each of its cells: lowest and highest of the samples in it, of its own mean and of
 /// those of all levels between.
-#[derive(Debug)]
 enum Cells {
     F32(Vec<Vec<[f32; 2]>>),
     /// In steps of the stored heights, rounded outwards.
@@ -27,7 +26,6 @@ enum Cells {
 }
 
 /// The pyramid of ranges, and where holes are left to the source beneath.
-#[derive(Debug)]
 pub(super) struct Ranges {
     cells: Cells,
     /// One flag for [`FLAG_SIDE`]² samples: not all of them are wholly believed.
@@ -119,10 +117,10 @@ impl Ranges {
             let own = (shape.own(rows.0, columns.0), shape.own(rows.1, columns.1));
             let (north, south) = (own.0.0, own.1.0);
             if shape.north_pole.is_some() && north < 0.0 {
-                add([f64::from(level.poles_m[0]); 2]);
+                add([level.poles_m[0]; 2]);
             }
             if shape.south_pole.is_some() && south > (shape.rows - 1) as f64 {
-                add([f64::from(level.poles_m[1]); 2]);
+                add([level.poles_m[1]; 2]);
             }
             // Of finer levels the cells looked up know.
             if number < looked_up {

@@ -384,6 +384,21 @@ fn extremes_are_held() {
 }
 
 #[test]
+fn no_place_is_too_far() {
+    for grid in kinds() {
+        for lon in [1e9, -1e17, 1e19, 1e300, f64::MAX, -f64::MAX] {
+            assert!(grid.height_m(0.3, lon, 0.0).is_finite() && grid.weight(0.3, lon).is_finite());
+        }
+        for no_number in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            // Any answer, but one.
+            grid.height_m(no_number, 0.0, 0.1);
+            grid.height_m(0.0, no_number, 0.1);
+            grid.weight(no_number, no_number);
+        }
+    }
+}
+
+#[test]
 fn a_repeated_column_is_dropped_and_rows_at_poles_get_one_height() {
     let grid = grid_of(Registration::Posts, &Bounds::GLOBE, (9, 5), |lat, lon| {
         if lat > 1.5 {

@@ -97,7 +97,7 @@ impl GeoTags {
             Registration::Cells => 0.5,
             Registration::Posts => 0.0,
         };
-        if !(right_step > 0.0 && down_step != 0.0) || !(left.is_finite() && top.is_finite()) {
+        if !(right_step > 0.0 && down_step != 0.0 && left.is_finite() && top.is_finite()) {
             return Err(blame.refused(
                 "runs from east to west, or has steps of no size",
                 "columns from west to east",

@@ -35,7 +35,8 @@ fn number(attributes: &Attributes, name: &str) -> Option<f64> {
 
 fn text<'a>(attributes: &'a Attributes, name: &str) -> Option<&'a str> {
     attributes.iter().find_map(|(n, value)| match value {
-        Value::Text(text) if n == name => Some(text.as_str()),
+        // C programs write the end of their strings too.
+        Value::Text(text) if n == name => Some(text.trim_end_matches('\0')),
         _ => None,
     })
 }

@@ -292,8 +292,10 @@ fn place(
             let (centre, start) = (centre.get_ref(), spacing.span().start);
             let spacing = spacing.get_ref();
             let positive = |step: f64| step > 0.0 && step <= 360.0;
-            if !(centre.lat_deg.abs() <= 90.0 && centre.lon_deg.abs() <= 360.0)
-                || !(positive(spacing.lat_deg) && positive(spacing.lon_deg))
+            if !(centre.lat_deg.abs() <= 90.0
+                && centre.lon_deg.abs() <= 360.0
+                && positive(spacing.lat_deg)
+                && positive(spacing.lon_deg))
             {
                 let cause = "centre or spacing is no place; expected latitudes of -90 to 90 and positive spacings, degrees";
                 return Err(source.wrong(start, cause));
@@ -326,7 +328,7 @@ fn bounds_place(
         east_deg,
     } = *bounds;
     let is_placed = -90.0 <= south_deg && south_deg < north_deg && north_deg <= 90.0;
-    if !is_placed || !(west_deg.abs() <= 360.0 && east_deg.abs() <= 360.0) {
+    if !(is_placed && west_deg.abs() <= 360.0 && east_deg.abs() <= 360.0) {
         let cause = "bounds are no place; expected -90 <= south_deg < north_deg <= 90 and longitudes of -360 to 360";
         return Err(source.wrong(start, cause));
     }
