@@ -77,16 +77,20 @@ struct Cell {
 /// Azimuths that each ring is cut into at first.
 const SECTORS: u32 = 12;
 /// Cells that are looked at; those left over then are taken as they are.
-const MOST_CELLS: usize = 6_000;
-/// A cell is small when it is this part of the rectangle, or this many radians as the eye sees it (in plane units).
+const MOST_CELLS: usize = 8_000;
+/// After so many cells one is small that is twice as large as before.
+const COARSEN_EVERY: usize = 1_500;
+/// A cell is small when it is this part of the rectangle.
 const SMALL: f64 = 1.0 / 96.0;
-/// A cell larger than this is not asked whether the rectangle holds it: its outline is not that of its corners.
+/// A cell that the eye sees larger than this, radians, is not asked whether the rectangle holds it: its outline is not that of its corners.
 const FLAT: f64 = 0.35;
 
 /// Finds the rectangle. Holds its list of cells from frame to frame.
 #[derive(Debug, Default)]
 pub struct Finder {
     cells: Vec<Cell>,
+    /// Cells that the last search looked at.
+    pub looked_at: usize,
 }
 
 impl Finder {
@@ -94,6 +98,7 @@ impl Finder {
     pub fn new() -> Self {
         Self {
             cells: Vec::with_capacity(RINGS * SECTORS as usize + MOST_CELLS),
+            looked_at: 0,
         }
     }
 
@@ -141,7 +146,7 @@ impl Finder {
                 });
             }
         }
-        let mut looked_at = 0;
+        let mut looked_at = 0_usize;
         while let Some(cell) = self.cells.pop() {
             looked_at += 1;
             if !view.shows(&cell) {
@@ -152,12 +157,13 @@ impl Finder {
                 continue;
             }
             let size = if rect.is_empty() {
-                DVec2::splat(2.0)
+                2.0
             } else {
-                rect.size()
+                rect.size().max_element()
             };
-            let is_small = outline.size().cmple(size * SMALL).all();
-            if is_small || looked_at > MOST_CELLS {
+            // The more cells have been looked at, the larger a cell is small.
+            let small = size * SMALL * f64::from(1 << (looked_at / COARSEN_EVERY).min(20));
+            if outline.size().max_element() <= small || looked_at >= MOST_CELLS {
                 rect.add(&outline);
                 continue;
             }
@@ -176,6 +182,7 @@ impl Finder {
             }
             self.cells.extend([one, other]);
         }
+        self.looked_at = looked_at;
         (!rect.is_empty()).then_some(rect)
     }
 }
@@ -187,7 +194,7 @@ struct View<'a> {
     caster: &'a Caster,
     relief: &'a Relief,
     axes: (DVec3, DVec3),
-    sides: [DVec3; 4],
+    sides: [DVec3; 5],
     widest_m: f64,
 }
 

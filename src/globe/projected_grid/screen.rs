@@ -60,7 +60,8 @@ impl Screen {
             up,
             corner,
             corner_rad: corner.atan(),
-            mirrored: determinant < 0.0,
+            // x to the right, y upwards and w ahead are left-handed.
+            mirrored: determinant > 0.0,
             rows: [w, x, y].map(|row| row / slope),
         })
     }
@@ -111,9 +112,10 @@ impl Screen {
         (area * part).abs().sqrt()
     }
 
-    /// Inward unit normals of the picture's four sides, through the eye.
-    pub fn sides(&self) -> [DVec3; 4] {
+    /// Inward unit normals of planes through the eye that bound what the picture shows: its four sides, and the one
+    /// across the view, which the sides of a narrow picture tell hardly.
+    pub fn sides(&self) -> [DVec3; 5] {
         let [w, x, y] = self.rows;
-        [w - x, w + x, w - y, w + y].map(DVec3::normalize_or_zero)
+        [w, w - x, w + x, w - y, w + y].map(DVec3::normalize_or_zero)
     }
 }

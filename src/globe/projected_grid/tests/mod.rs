@@ -9,6 +9,8 @@ use super::*;
 use crate::elevation::{Bounds, HeightRange};
 use glam::{DMat3, DMat4, DVec4};
 
+const R: f64 = 6.37e6;
+
 /// Waves of one length over the whole Earth, or a single mountain: smooth, so that pictures of it can be foretold.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Ground {
@@ -19,9 +21,21 @@ pub(super) enum Ground {
     Mountain(f64, f64, f64, f64),
 }
 
+impl Ground {
+    /// Metres per metre, not exceeded anywhere.
+    pub fn steepest(&self) -> f64 {
+        match *self {
+            Self::Flat(_) => 0.0,
+            // Three waves of a third, each with the slope 2π A/λ.
+            Self::Waves(_, amplitude, length) => 1.01 * std::f64::consts::TAU * amplitude / length,
+            // e^(−x²) falls by at most √(2/e).
+            Self::Mountain(_, _, height, radius) => 0.9 * height / radius,
+        }
+    }
+}
+
 impl Elevation for Ground {
     fn height_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64 {
-        const R: f64 = 6.37e6;
         match *self {
             Self::Flat(height_m) => height_m,
             Self::Waves(middle, amplitude, length) => {
@@ -49,7 +63,23 @@ impl Elevation for Ground {
     fn range_m(&self, bounds: &Bounds) -> HeightRange {
         let (low_m, high_m) = match *self {
             Self::Flat(height_m) => (height_m, height_m),
-            Self::Waves(middle, amplitude, _) => (middle - amplitude, middle + amplitude),
+            Self::Waves(middle, amplitude, length) => {
+                // From the middle's height, by the steepest slope.
+                let (lat, lon) = (
+                    0.5 * (bounds.south_rad + bounds.north_rad),
+                    bounds.west_rad + 0.5 * bounds.width_rad,
+                );
+                let center = Ellipsoid::normal(lat, lon);
+                let angle = [bounds.south_rad, bounds.north_rad]
+                    .map(|edge| center.distance(Ellipsoid::normal(edge, bounds.west_rad)))
+                    .into_iter()
+                    .fold(0.5 * bounds.width_rad * lat.cos(), f64::max);
+                let rise = self.steepest() * angle * R * 1.01;
+                let here = self.height_m(lat, lon, 0.0);
+                let all_round = bounds.width_rad > 3.0;
+                let (low, high) = (middle - amplitude, middle + amplitude);
+                if all_round { (low, high) } else { (low.max(here - rise), high.min(here + rise)) }
+            }
             Self::Mountain(lat, lon, height, radius) => {
                 // Beyond 6.5 radii the mountain is lower than a millimetre.
                 let reach = 6.5 * radius / 6.37e6;
