@@ -140,11 +140,10 @@ impl Caster {
         let down = -self.up.dot(ray);
         let level = ray + self.up * down;
         let sin = level.length();
-        let aside = if sin > 0.0 {
-            level / sin
-        } else {
-            self.up.any_orthonormal_vector()
-        };
+        // Once more across: what is left of a ray that points almost down is rounded.
+        let aside = (level - self.up * self.up.dot(level))
+            .try_normalize()
+            .unwrap_or_else(|| self.up.any_orthonormal_vector());
         (sin.atan2(down), aside)
     }
 
@@ -166,7 +165,8 @@ impl Caster {
             / (sum * sum.sqrt() * unit.max(1e-30).sqrt());
         (
             t * sin / self.sin_limb,
-            (1.0 - t * cos) / self.sin_limb,
+            // cos(i − η) with the incidence i: sin i = sin η / sin η_b, cos i = root / sin η_b.
+            (root * cos + sin * sin) / self.sin_limb,
             along,
         )
     }
