@@ -7,6 +7,7 @@
 mod blocks;
 mod levels;
 mod meshes;
+pub mod projected_grid;
 mod select;
 mod surface;
 

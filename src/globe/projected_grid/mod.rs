@@ -22,16 +22,23 @@ mod relief;
 mod screen;
 #[cfg(test)]
 mod tests;
+mod tiles;
+mod uniforms;
 
 pub use bounds::{Finder, Rect};
 pub use cast::{Cast, Caster, Foot, cast};
 pub use relief::{RINGS, Relief, Ring, can_show, far_angle, highest_radius, lowest_radius};
 pub use screen::Screen;
+pub use tiles::{
+    HeightTiles, LEVELS, NO_SLOT, TILE_CELLS, TILE_SAMPLES, Tile, TileCounts, WINDOW_SAMPLES,
+    WINDOW_TILES, Window, eye_place, first_density, level_of, level_spacing_rad, pyramid_level,
+};
+pub use uniforms::{GridLevel, GridUniforms};
 
 use super::{Figure, GroundVertex, GroundView, Indices, Patch, Surface, SurfaceStats};
 use crate::elevation::Elevation;
 use crate::frames::{Ellipsoid, Geodetic};
-use glam::{DVec2, DVec3, Vec2};
+use glam::{DMat4, DVec2, DVec3, Vec2};
 use std::sync::Arc;
 
 /// Over how much ground a sample's height is averaged.
@@ -95,6 +102,8 @@ pub struct Frame {
     pub ellipsoid: Ellipsoid,
     /// The eye, ITRF metres.
     pub eye_itrf_m: DVec3,
+    /// Takes eye-relative ITRF metres to clip space.
+    pub clip_from_eye: DMat4,
     /// Rays.
     pub screen: Screen,
     /// What they meet.
@@ -228,6 +237,7 @@ impl ProjectedGrid {
         self.frame = Some(Frame {
             ellipsoid,
             eye_itrf_m,
+            clip_from_eye: view.clip_from_eye,
             screen,
             caster,
             rect,
