@@ -106,8 +106,9 @@ impl GridUniforms {
             let spacing = level_spacing_rad(k as u32 + 1);
             let cells = f64::from(TILE_CELLS);
             let period = 2.0 * PI / spacing;
-            // The shader adds less than half a turn to it, and wraps once.
-            let east = ((eye_lon + PI) / spacing - f64::from(window.first.0) * cells).rem_euclid(period);
+            // Small where the eye is near the window, on either side of it: f32 then counts to fractions of a cell.
+            let east = (eye_lon + PI) / spacing - f64::from(window.first.0) * cells;
+            let east = (east + 0.5 * period).rem_euclid(period) - 0.5 * period;
             let north = (eye_lat + FRAC_PI_2) / spacing - f64::from(window.first.1) * cells;
             levels[k] = GridLevel {
                 eye_cells: Vec2::new(east as f32, north as f32),

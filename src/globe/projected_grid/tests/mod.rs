@@ -4,6 +4,7 @@ mod coverage;
 mod extremes;
 mod roots;
 mod swimming;
+mod tiles;
 
 use super::*;
 use crate::elevation::{Bounds, HeightRange};
