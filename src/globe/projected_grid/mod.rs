@@ -13,8 +13,9 @@
 //! not end at its limb: rays above the limb go on to the ground behind it, to that θ. Where ground is flat, both are the limb,
 //! and rays that miss end on it exactly.
 //!
-//! The spacing of a sample is the root of the ground that it stands for, √(along × across). See [`Footprint`] for what was
-//! measured.
+//! The spacing of a sample is the root of the ground that it stands for, √(along × across). Samples glide over the ground as
+//! the eye moves; heights at fixed places then change by as much as the average leaves of ground finer than the grid. See
+//! [`Footprint`] and [`Anchor`] for what was measured.
 
 mod bounds;
 mod cast;
@@ -42,6 +43,11 @@ use glam::{DMat4, DVec2, DVec3, Vec2};
 use std::sync::Arc;
 
 /// Over how much ground a sample's height is averaged.
+///
+/// Over rough ground (waves from 200 km to 50 m, 1280 × 720), from 2 km, 2 m a frame, heights at fixed places change by
+/// 0.004 px a frame (root of the mean square; 0.02 px at most) with the mean and 0.003 px with the longer; without an average by
+/// 0.017 px. Against the ground itself they are off by 0.66 px, 1.17 px and 0.61 px. From 400 km, 127 m a frame: 0.001,
+/// 0.001 and 0.006 px a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Footprint {
     /// √(along × across), the root of the sample's ground.
@@ -52,14 +58,18 @@ pub enum Footprint {
 }
 
 /// What samples hold on to when the eye moves.
+///
+/// Turning by 0.1° a frame at 2 km, heights at fixed places change by 0.009 px a frame with the direction and by 0.015 px with
+/// the screen. A third way, samples that stand on the nearest node of a fixed lattice of latitude and longitude, was worse
+/// than either: its nodes stay, but triangles jump from node to node (0.062 px, 0.95 px at most).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Anchor {
-    /// The screen: samples glide over the ground.
+    /// The direction of the grid's middle, in the Earth's axes: when the view turns, the grid stays with it and moves over
+    /// the screen, until half a cell has been passed; then it goes back by a cell, and samples take their neighbours' places.
     #[default]
+    Direction,
+    /// The screen: samples glide over the ground.
     Screen,
-    /// The ground: each sample stands on the nearest node of a lattice of latitude and longitude, whose steps are powers
-    /// of two, not longer than the sample's spacing. A node's height does not change while it is drawn.
-    Ground,
 }
 
 /// How the grid is made.
@@ -94,6 +104,10 @@ const FARTHEST_M: f64 = 1e24;
 const MOST_SPREAD_RAD: f64 = 0.15;
 /// The rectangle's margin, in cells, for the chords of its edge.
 const MARGIN_CELLS: f64 = 1.5;
+/// What a new rectangle has more, in cells, so that it will do for the frames after it.
+const SLACK_CELLS: f64 = 2.0;
+/// The size of the frame before is kept while a new rectangle would be at least this part of it, each way.
+const KEPT: f64 = 0.9;
 
 /// One frame's grid, in f64: all that a vertex is computed from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -170,6 +184,20 @@ struct Placed {
     height_m: f64,
 }
 
+impl Placed {
+    fn of(frame: &Frame, sample: &Sample, ground: &dyn Elevation) -> Self {
+        let radii_m = frame.caster.radii_m;
+        let normal = (sample.place / radii_m).normalize();
+        let lat_rad = normal.z.atan2(normal.truncate().length());
+        let lon_rad = normal.y.atan2(normal.x);
+        Self {
+            foot_m: sample.place * radii_m - frame.eye_itrf_m,
+            normal,
+            height_m: ground.height_m(lat_rad, lon_rad, sample.spacing_rad),
+        }
+    }
+}
+
 impl ProjectedGrid {
     /// Holds all memory that it will need.
     pub fn new(options: &GridOptions) -> Self {
@@ -223,17 +251,7 @@ impl ProjectedGrid {
         let needed = self
             .finder
             .find(&ellipsoid, eye_itrf_m, &screen, &caster, &relief)?;
-        let (columns, rows) = self.options.samples;
-        let cells = DVec2::new(f64::from(columns - 1), f64::from(rows - 1));
-        let margin = |rect: &Rect, cells_more: f64| rect.grown(rect.size() * cells_more / cells);
-        let needed = margin(&needed, MARGIN_CELLS);
-        // The rectangle of the frame before is kept while it will do: then samples do not jump.
-        let rect = match last.map(|last| last.rect) {
-            Some(last) if last.holds(&needed) && (last.size() * KEPT).cmple(needed.size()).all() => {
-                last
-            }
-            _ => margin(&needed, 2.0),
-        };
+        let rect = self.place_rect(&needed, last.as_ref(), &screen);
         self.frame = Some(Frame {
             ellipsoid,
             eye_itrf_m,
@@ -247,13 +265,54 @@ impl ProjectedGrid {
         self.frame
     }
 
+    /// The rectangle that the grid is laid over: what is needed and a margin. Its size is kept from the frame before while it
+    /// will do. With [`Anchor::Direction`] it is shifted by less than half a cell each way.
+    fn place_rect(
+        &self,
+        needed: &Rect,
+        last: Option<&Frame>,
+        screen: &Screen,
+    ) -> Rect {
+        let (columns, rows) = self.options.samples;
+        let cells = DVec2::new(f64::from(columns - 1), f64::from(rows - 1));
+        let least = needed.grown(needed.size() * MARGIN_CELLS / cells);
+        let fresh = needed.grown(needed.size() * (MARGIN_CELLS + SLACK_CELLS) / cells);
+        let Some(last) = last else {
+            return fresh;
+        };
+        let size = last.rect.size();
+        // Half a cell to each side is for the shift.
+        let will_do = (least.size() + size / cells).cmple(size).all()
+            && (size * KEPT).cmple(fresh.size()).all();
+        if !will_do {
+            return fresh;
+        }
+        if self.options.anchor != Anchor::Direction {
+            if last.rect.holds(&least) {
+                return last.rect;
+            }
+            return fresh;
+        }
+        let low = 0.5 * (needed.low + needed.high - size);
+        let step = size / cells;
+        let at = last.rect.low + step * (0.5 * cells).floor();
+        let direction = last.screen.direction(at);
+        let now = screen.place_of(direction);
+        let cell = (now - low) / step;
+        let low = low + (cell - cell.round()) * step;
+        Rect {
+            low,
+            high: low + size,
+        }
+    }
+
     fn raise(&mut self, frame: &Frame, ground: &dyn Elevation) {
         let (columns, rows) = frame.samples;
         let mut index = 0;
         for row in 0..rows {
             for column in 0..columns {
                 let sample = frame.sample(column, row);
-                self.samples[index] = self.placed(frame, &sample, ground);
+                self.samples[index] = Placed::of(frame, &sample, ground);
                 index += 1;
             }
         }
@@ -281,41 +340,8 @@ impl ProjectedGrid {
             }
         }
     }
-
-    fn placed(&self, frame: &Frame, sample: &Sample, ground: &dyn Elevation) -> Placed {
-        let radii_m = frame.caster.radii_m;
-        let mut place = sample.place;
-        let mut normal = (place / radii_m).normalize();
-        let mut lat_rad = normal.z.atan2(normal.truncate().length());
-        let mut lon_rad = normal.y.atan2(normal.x);
-        if self.options.anchor == Anchor::Ground {
-            (lat_rad, lon_rad) = nearest_node(lat_rad, lon_rad, sample.spacing_rad);
-            normal = Ellipsoid::normal(lat_rad, lon_rad);
-            place = (normal * radii_m).normalize();
-        }
-        Placed {
-            foot_m: place * radii_m - frame.eye_itrf_m,
-            normal,
-            height_m: ground.height_m(lat_rad, lon_rad, sample.spacing_rad),
-        }
-    }
 }
 
-/// The rectangle of the frame before is kept while what is needed is at least this part of it, each way.
-const KEPT: f64 = 0.85;
-
-/// The node of the lattice of [`Anchor::Ground`] that is nearest to a place.
-fn nearest_node(lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> (f64, f64) {
-    let power = |step: f64| step.clamp(1e-12, 1.0).log2().floor().exp2();
-    let lat_step = power(spacing_rad);
-    let lat = (lat_rad / lat_step).round() * lat_step;
-    // The steps along a parallel follow the row of nodes, so that neighbours on one row agree.
-    let lon_step = power(spacing_rad / lat.cos().abs().max(1e-3));
-    (
-        lat.clamp(-std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2),
-        (lon_rad / lon_step).round() * lon_step,
-    )
-}
 
 /// How far the base lies below the eye, metres: down to the ground there, averaged over as much of it as that is away.
 fn clearance(ellipsoid: &Ellipsoid, eye_itrf_m: DVec3, ground: &dyn Elevation) -> f64 {

@@ -82,9 +82,8 @@ fn covered(patch: &Patch, view: &GroundView) -> Vec<bool> {
 
 /// Pixels that see ground, pixels that see ground and are not covered, pixels covered that see none. Of pixels within
 /// two of a silhouette nothing is asked: there the drawn ground, averaged over its samples, may end earlier.
-pub(super) fn check(look: &Look, ground: &Ground, options: &GridOptions) -> (u32, u32, u32) {
+fn check(look: &Look, ground: &Ground, grid: &mut ProjectedGrid) -> (u32, u32, u32) {
     let view = look.view(ground);
-    let mut grid = ProjectedGrid::new(options);
     let stats = grid.prepare(&view, ground);
     let mut drawn = vec![false; (SIZE * SIZE) as usize];
     grid.visit(&mut |patch| {
@@ -139,7 +138,7 @@ fn no_black_border_at_any_pitch_and_height() {
                     roll: 25.0,
                     ..LOOK
                 };
-                let (seen, lost, extra) = check(&look, &ground, &GridOptions::default());
+                let (seen, lost, extra) = check(&look, &ground, &mut ProjectedGrid::new(&GridOptions::default()));
                 assert!(
                     lost == 0 && extra == 0,
                     "{ground:?} {look:?}: of {seen} pixels {lost} lost, {extra} too many"
@@ -150,6 +149,28 @@ fn no_black_border_at_any_pitch_and_height() {
         }
     }
     println!("{views} views, {pixels} pixels of ground, none lost");
+}
+
+#[test]
+fn no_black_border_along_a_flight() {
+    // One grid all the way, so that what it keeps from frame to frame is tried too.
+    let ground = Ground::Waves(0.0, 4_000.0, 300e3);
+    let mut grid = ProjectedGrid::new(&GridOptions::default());
+    let mut pixels = 0;
+    for step in 0..60 {
+        let look = Look {
+            lat: 47.0 + 0.02 * f64::from(step),
+            height_m: 4e5 * 0.91_f64.powi(step),
+            pitch: 40.0 + f64::from(step),
+            heading: 3.0 * f64::from(step),
+            roll: f64::from(step),
+            ..LOOK
+        };
+        let (seen, lost, extra) = check(&look, &ground, &mut grid);
+        assert!(lost == 0 && extra == 0, "{look:?}: of {seen} pixels {lost} lost, {extra} too many");
+        pixels += seen;
+    }
+    println!("{pixels} pixels of ground, none lost");
 }
 
 #[test]
@@ -166,10 +187,10 @@ fn a_mountain_behind_the_horizon_is_drawn() {
         ..LOOK
     };
     let ground = Ground::Mountain(14.0_f64.to_radians(), 20.0_f64.to_radians(), 9e3, 20e3);
-    let (seen, lost, _) = check(&look, &ground, &GridOptions::default());
+    let (seen, lost, _) = check(&look, &ground, &mut ProjectedGrid::new(&GridOptions::default()));
     assert_eq!(lost, 0, "of {seen}");
     // And it is seen over the flat sea's horizon: with the sea alone the picture holds less ground.
-    let sea = check(&look, &Ground::Flat(-10.0), &GridOptions::default());
+    let sea = check(&look, &Ground::Flat(-10.0), &mut ProjectedGrid::new(&GridOptions::default()));
     assert!(seen > sea.0 + 20, "{seen} {sea:?}");
     println!("{seen} pixels with the mountain, {} without", sea.0);
 }
@@ -191,50 +212,7 @@ proptest! {
             fov: 10.0_f64.powf(fov_log),
         };
         let ground = Ground::Waves(middle, amplitude, 10.0_f64.powf(length_log).max(40.0 * amplitude));
-        let (seen, lost, _) = check(&look, &ground, &GridOptions::default());
+        let (seen, lost, _) = check(&look, &ground, &mut ProjectedGrid::new(&GridOptions::default()));
         prop_assert!(lost == 0, "{:?} {:?}: of {} pixels {} lost", ground, look, seen, lost);
-    }
-}
-
-#[test]
-#[ignore]
-fn show() {
-    let look = Look { lat: 0.0, lon: 0.0, height_m: 1.0, pitch: 84.43466322801707, heading: 0.0, roll: -72.93989394548534, fov: 4.976717066701735, shift: (-0.7021878745248165, 0.0) };
-    let ground = Ground::Waves(0.0, 4264.3414835147705, 170573.65934059082);
-    let look2 = Look {
-        lat: 10.0,
-        lon: 20.0,
-        height_m: 2e3,
-        pitch: 90.0,
-        heading: 0.0,
-        fov: 3.0,
-        ..LOOK
-    };
-    let ground2 = Ground::Mountain(14.0_f64.to_radians(), 20.0_f64.to_radians(), 9e3, 20e3);
-    for (look, ground) in [(look, ground), (look2, ground2)] {
-        let view = look.view(&ground);
-        let mut grid = ProjectedGrid::new(&GridOptions::default());
-        grid.prepare(&view, &ground);
-        println!("{:?}", grid.frame());
-        let mut drawn = vec![];
-        grid.visit(&mut |patch| {
-            drawn = covered(patch, &view);
-            let screen = Screen::new(&view.clip_from_eye).unwrap();
-            for j in (0..129).step_by(16) { for i in (0..129).step_by(32) {
-                let v = patch.vertices[j*129+i];
-                let at = screen.place_of(v.from_origin_m.as_dvec3());
-                print!("({:.2} {:.2} {:.0} {:.0}) ", at.x, at.y, v.from_origin_m.length(), v.height_m);
-            } println!(); }
-        });
-        let screen = Screen::new(&view.clip_from_eye).unwrap();
-        let high_m = ground.range_m(&Bounds::GLOBE).high_m;
-        for j in (0..SIZE).rev().step_by(2) {
-            let line: String = (0..SIZE).map(|i| {
-                let ray = screen.middle + screen.right * ndc(i) + screen.up * ndc(j);
-                let t = meets(view.eye_itrf_m, ray, &ground, high_m);
-                match (t, drawn[(j * SIZE + i) as usize]) { (true, true) => '#', (true, false) => '!', (false, true) => 'x', _ => '.' }
-            }).collect();
-            println!("{line}");
-        }
     }
 }
