@@ -198,7 +198,7 @@ fn view(lat: f64, lon: f64, height_m: f64, pitch: f64) -> GroundView {
 
 #[test]
 fn the_shader_s_vertices_are_those_of_f64() {
-    println!("   height m   pitch |  own place, px | from f64, px (99 %, most) | height, m | above the limb");
+    println!("   height m   pitch |  own place, px | height's ulp | from f64, px (99 %, most) | height, m | above the limb");
     for (lat, lon) in [(47.0, 11.0), (-89.9999, 40.0), (0.0, -180.0)] {
         for (height_m, pitch) in [
             (1.0, 80.0),
@@ -218,7 +218,7 @@ fn the_shader_s_vertices_are_those_of_f64() {
             assert_eq!(counts.missing, 0, "{counts:?}");
             let found = on_the_adapter(&frame, &tiles);
             let (lat_eye, lon_eye) = eye_place(&frame.caster);
-            let (mut own, mut height, mut behind) = (0.0_f64, 0.0_f64, 0);
+            let (mut own, mut rounded, mut height, mut behind) = (0.0_f64, 0.0_f64, 0.0_f64, 0);
             let mut apart = Vec::new();
             for (index, point) in found.iter().enumerate() {
                 let at = Vec3::from(point.from_eye_m).as_dvec3();
@@ -232,7 +232,10 @@ fn the_shader_s_vertices_are_those_of_f64() {
                 // At 90° of latitude the meridian goes on beyond the pole.
                 let exact = Ellipsoid::WGS84.itrf_from_geodetic(place) - view.eye_itrf_m;
                 let distance = exact.length();
-                own = own.max(at.distance(exact) / distance / view.pixel_rad);
+                // Besides, a height has half an ulp, and so has its sum with the base's.
+                let ulp_m = f64::from(point.height_m.abs().max(1.0)) * f64::from(f32::EPSILON);
+                own = own.max((at.distance(exact) - ulp_m).max(0.0) / distance / view.pixel_rad);
+                rounded = rounded.max(ulp_m / distance / view.pixel_rad);
                 let spacing = f64::from(point.spacing_rad);
                 let told = tiles.height_m(place.lat_rad, place.lon_rad, spacing);
                 height = height.max((told - place.height_m).abs());
@@ -249,7 +252,7 @@ fn the_shader_s_vertices_are_those_of_f64() {
             }
             apart.sort_by(f64::total_cmp);
             let (most, nearly) = (apart[apart.len() - 1], apart[apart.len() * 99 / 100]);
-            println!("{height_m:>11} {pitch:>7} | {own:>14.5} | {nearly:>12.5} {most:>12.5} | {height:>9.4} | {behind}");
+            println!("{height_m:>11} {pitch:>7} | {own:>14.5} | {rounded:>12.5} | {nearly:>12.5} {most:>12.5} | {height:>9.4} | {behind}");
             assert!(own < 0.02, "{lat}° {height_m} m: {own} px");
             assert!(nearly < 0.05 && most < 0.5, "{lat}° {height_m} m: {nearly} {most} px");
             assert!(height < 0.5, "{lat}° {height_m} m: {height} m");

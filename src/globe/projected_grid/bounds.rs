@@ -81,7 +81,7 @@ const MOST_CELLS: usize = 8_000;
 /// After so many cells one is small that is twice as large as before.
 const COARSEN_EVERY: usize = 1_500;
 /// A cell is small when it is this part of the rectangle.
-const SMALL: f64 = 1.0 / 96.0;
+const SMALL: f64 = 1.0 / 48.0;
 /// A cell that the eye sees larger than this, radians, is not asked whether the rectangle holds it: its outline is not that of its corners.
 const FLAT: f64 = 0.35;
 
@@ -212,7 +212,7 @@ impl View<'_> {
             .flat_map(|j| (0..=STEPS).map(move |i| DVec2::new(f64::from(i), f64::from(j))));
         let hits = rays
             .map(|at| at * (2.0 / f64::from(STEPS)) - 1.0)
-            .filter(|at| caster.nadir(self.screen.direction(*at)).0 < caster.limb_rad);
+            .filter(|at| caster.nadir(self.screen.direction(*at)) < caster.limb_rad);
         // A disc that is small in the picture may lie between those rays.
         let rings = (0..8_u32).flat_map(|ring| {
             (0..16_u32).filter_map(move |sector| {
@@ -241,7 +241,7 @@ impl View<'_> {
         let azimuth = 0.5 * (cell.azimuth.0 + cell.azimuth.1);
         let (sin, cos) = theta.sin_cos();
         let place = self.caster.up * cos + self.aside(azimuth) * sin;
-        let normal = (place / self.caster.radii_m).normalize();
+        let normal = (place * self.caster.per_radius).normalize();
         let bottom = place * self.caster.radii_m + normal * low_m - self.eye_itrf_m;
         let rise = normal * (ring.high_m - low_m);
         // Ground as far from the cell's middle as its corners, and its normals leaning with it.
@@ -266,7 +266,7 @@ impl View<'_> {
         from <= to
     }
 
-    /// The cell on the plane, with a third more than its corners span, and its size along and across.
+    /// The cell on the plane, with more to each side than its corners span, and its size along and across.
     fn outline(&self, cell: &Cell) -> (Rect, f64, f64) {
         let at = |i: u32, j: u32| {
             let theta = cell.theta.0 + (cell.theta.1 - cell.theta.0) * 0.5 * f64::from(i);
@@ -274,14 +274,14 @@ impl View<'_> {
             self.caster
                 .on_screen(self.screen, theta, self.aside(azimuth))
         };
-        let points: [DVec2; 9] =
-            std::array::from_fn(|k| at((k / 3) as u32, (k % 3) as u32));
-        let rect = Rect::of(points.into_iter());
-        let along = points[1].distance(points[4]) + points[4].distance(points[7]);
-        let across = (points[6].distance(points[7]) + points[7].distance(points[8]))
-            .max(points[3].distance(points[4]) + points[4].distance(points[5]));
+        let corners = [at(0, 0), at(0, 2), at(2, 0), at(2, 2)];
+        let middle = at(1, 1);
+        let rect = Rect::of(corners.into_iter().chain([middle]));
+        let [a, b, c, d] = corners;
+        let along = (a.distance(c)).max(0.5 * (a + b).distance(middle + middle));
+        let across = (a.distance(b)).max(c.distance(d));
         // In units of the plane's angle.
         let unit = self.screen.right.length().max(self.screen.up.length());
-        (rect.grown(rect.size() * 0.33), along * unit, across * unit)
+        (rect.grown(rect.size() * 0.4), along * unit, across * unit)
     }
 }

@@ -63,6 +63,8 @@ pub struct Foot {
 pub struct Caster {
     /// Semi-axes, metres.
     pub radii_m: DVec3,
+    /// 1 over each.
+    pub per_radius: DVec3,
     /// The eye's direction in scaled space, û.
     pub up: DVec3,
     /// L − 1, so that the ellipsoid itself is 0.
@@ -97,6 +99,7 @@ impl Caster {
         let near_rad = cos_limb.atan2(sin_limb);
         Self {
             radii_m,
+            per_radius: ellipsoid.scaled_from_itrf(),
             up,
             above: length - 1.0,
             limb_rad,
@@ -110,8 +113,7 @@ impl Caster {
 
     /// The place that a direction, ITRF axes and of any length, is taken to.
     pub fn foot(&self, direction: DVec3) -> Foot {
-        let (nadir_rad, aside) = self.nadir(direction);
-        let sin = nadir_rad.sin();
+        let (nadir_rad, sin, aside) = self.lean(direction);
         let below = self.limb_rad - nadir_rad;
         let (place, along) = if below > 0.0 {
             let (sin, cos, along) = self.hit(below);
@@ -122,9 +124,9 @@ impl Caster {
             (self.up * cos + aside * sin, along)
         };
         let across = if sin > 1e-6 {
-            let lowest = (self.limb_rad + self.spread_rad).sin();
-            let shown = if below < -self.spread_rad { lowest } else { sin };
-            place.cross(self.up).length() / shown
+            let beyond = below < -self.spread_rad;
+            let shown = if beyond { (self.limb_rad + self.spread_rad).sin() } else { sin };
+            place.dot(aside) / shown
         } else {
             along
         };
@@ -134,17 +136,26 @@ impl Caster {
         }
     }
 
-    /// Angle in scaled space of a direction, ITRF axes, from straight down, and the level unit vector that it leans to.
-    pub fn nadir(&self, direction: DVec3) -> (f64, DVec3) {
-        let ray = (direction / self.radii_m).normalize_or(-self.up);
+    /// Angle in scaled space of a direction, ITRF axes, from straight down.
+    pub fn nadir(&self, direction: DVec3) -> f64 {
+        self.lean(direction).0
+    }
+
+    /// That angle, its sine, and the level unit vector that the direction leans to.
+    fn lean(&self, direction: DVec3) -> (f64, f64, DVec3) {
+        let ray = direction * self.per_radius;
         let down = -self.up.dot(ray);
         let level = ray + self.up * down;
-        let sin = level.length();
         // Once more across: what is left of a ray that points almost down is rounded.
-        let aside = (level - self.up * self.up.dot(level))
-            .try_normalize()
-            .unwrap_or_else(|| self.up.any_orthonormal_vector());
-        (sin.atan2(down), aside)
+        let level = level - self.up * self.up.dot(level);
+        let across = level.length();
+        let aside = if across > 0.0 {
+            level * (1.0 / across)
+        } else {
+            self.up.any_orthonormal_vector()
+        };
+        let length = (across * across + down * down).sqrt();
+        (across.atan2(down), across / length, aside)
     }
 
     /// sin θ, cos θ and dθ/dη of a ray `below` > 0 radians under the limb.

@@ -151,7 +151,8 @@ impl Frame {
             column
         };
         let at = self.rect.low + step * DVec2::new(f64::from(column), f64::from(row));
-        let foot = self.caster.foot(self.screen.direction(at));
+        let (direction, area) = self.screen.ray(at);
+        let foot = self.caster.foot(direction);
         let (along, across) = foot.stretch;
         let stretch = match self.footprint {
             Footprint::Mean => (along * across).sqrt(),
@@ -159,7 +160,7 @@ impl Frame {
         };
         Sample {
             place: foot.place,
-            spacing_rad: (self.screen.step_rad(at, step) * stretch).min(1.0),
+            spacing_rad: ((area * step.x * step.y).sqrt() * stretch).min(1.0),
         }
     }
 }
@@ -187,7 +188,7 @@ struct Placed {
 impl Placed {
     fn of(frame: &Frame, sample: &Sample, ground: &dyn Elevation) -> Self {
         let radii_m = frame.caster.radii_m;
-        let normal = (sample.place / radii_m).normalize();
+        let normal = (sample.place * frame.caster.per_radius).normalize();
         let lat_rad = normal.z.atan2(normal.truncate().length());
         let lon_rad = normal.y.atan2(normal.x);
         Self {
@@ -361,11 +362,11 @@ fn clearance(ellipsoid: &Ellipsoid, eye_itrf_m: DVec3, ground: &dyn Elevation) -
 /// Rise to the east and to the north from two neighbours' differences of foot and height. 0 where they span no ground.
 fn slope(normal: DVec3, one: (DVec3, f64), other: (DVec3, f64)) -> Vec2 {
     let level = normal.truncate().length();
-    // At a pole, where all ways are north or south, east is along y.
-    let east = if level > 1e-9 {
-        DVec3::new(-normal.y, normal.x, 0.0) / level
+    // East and north, both as long as `level`. At a pole, where all ways are north or south, east is along y.
+    let (level, east) = if level > 1e-9 {
+        (level, DVec3::new(-normal.y, normal.x, 0.0))
     } else {
-        DVec3::Y
+        (1.0, DVec3::Y)
     };
     let north = normal.cross(east);
     let on_ground = |v: DVec3| DVec2::new(v.dot(east), v.dot(north));
@@ -384,7 +385,7 @@ fn slope(normal: DVec3, one: (DVec3, f64), other: (DVec3, f64)) -> Vec2 {
     } else {
         DVec2::ZERO
     };
-    rise.as_vec2()
+    (rise * level).as_vec2()
 }
 
 /// Two triangles a cell, counter-clockwise with x to the right and y upwards.

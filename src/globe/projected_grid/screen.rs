@@ -22,6 +22,8 @@ pub struct Screen {
     pub corner: f64,
     /// atan [`Self::corner`].
     pub corner_rad: f64,
+    /// Solid angle of a unit of the plane's area straight ahead, steradians.
+    pub area: f64,
     /// Whether the picture is mirrored.
     pub mirrored: bool,
     /// (w, x, y) of clip space from a ray one ahead.
@@ -58,6 +60,7 @@ impl Screen {
             middle,
             right,
             up,
+            area: right.cross(up).length(),
             corner,
             corner_rad: corner.atan(),
             // x to the right, y upwards and w ahead are left-handed.
@@ -68,13 +71,24 @@ impl Screen {
 
     /// The unit direction of a place on the plane, ITRF axes.
     pub fn direction(&self, at: DVec2) -> DVec3 {
+        self.ray(at).0
+    }
+
+    /// [`Self::direction`], and the solid angle that a unit of the plane's area has there, steradians.
+    pub fn ray(&self, at: DVec2) -> (DVec3, f64) {
         let aside = self.middle - self.forward + self.right * at.x + self.up * at.y;
-        let q = aside.length();
-        if q <= self.corner {
-            return (self.forward + aside) / (1.0 + q * q).sqrt();
+        let square = aside.length_squared();
+        if square <= self.corner * self.corner {
+            let part = 1.0 / (1.0 + square);
+            let root = part.sqrt();
+            return ((self.forward + aside) * root, self.area * part * root);
         }
-        let (sin, cos) = (self.corner_rad + q - self.corner).min(PI).sin_cos();
-        self.forward * cos + aside * (sin / q)
+        let q = square.sqrt();
+        let angle = (self.corner_rad + q - self.corner).min(PI);
+        let (sin, cos) = angle.sin_cos();
+        // Beside and behind the eye rows close up; a sample there stands for no less than at the side.
+        let part = if angle < 0.5 * PI { sin } else { 1.0 } / q;
+        (self.forward * cos + aside * (sin / q), self.area * part)
     }
 
     /// The place on the plane whose direction this is; the inverse of [`Self::direction`].
@@ -96,20 +110,6 @@ impl Screen {
         let [_, x, y] = self.rows;
         let ray = self.forward + aside * q;
         DVec2::new(x.dot(ray), y.dot(ray))
-    }
-
-    /// Angle of a step of the plane of this size about a place, radians: the root of its solid angle.
-    pub fn step_rad(&self, at: DVec2, step: DVec2) -> f64 {
-        let area = self.right.cross(self.up).length() * step.x * step.y;
-        let q = (self.middle - self.forward + self.right * at.x + self.up * at.y).length();
-        let part = if q <= self.corner {
-            (1.0 + q * q).powf(-1.5)
-        } else {
-            let angle = (self.corner_rad + q - self.corner).min(PI);
-            // Beside and behind the eye rows close up; a sample there stands for no less than at the side.
-            if angle < 0.5 * PI { angle.sin() / q } else { 1.0 / q }
-        };
-        (area * part).abs().sqrt()
     }
 
     /// Inward unit normals of planes through the eye that bound what the picture shows: its four sides, and the one

@@ -89,7 +89,7 @@ impl GridUniforms {
         let (columns, rows) = frame.samples;
         let mut step = frame.rect.size() / UVec2::new(columns - 1, rows - 1).as_dvec2();
         let mut low = frame.rect.low;
-        let cell_area = screen.right.cross(screen.up).length() * step.x * step.y;
+        let cell_area = screen.area * step.x * step.y;
         if screen.mirrored {
             low.x = frame.rect.high.x;
             step.x = -step.x;

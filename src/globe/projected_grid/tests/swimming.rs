@@ -113,7 +113,7 @@ fn swim(scene: &Scene, options: &GridOptions, ground: &Rough) -> (f64, f64, f64)
         for i in 0..40 {
             let at = (DVec2::new(f64::from(i), f64::from(j)) + 0.5) / 20.0 - 1.0;
             let direction = frame.screen.direction(at * 0.9);
-            if frame.caster.nadir(direction).0 < frame.caster.limb_rad - 2e-3 {
+            if frame.caster.nadir(direction) < frame.caster.limb_rad - 2e-3 {
                 // The ray's own place, without the pull towards the limb.
                 let mut straight = frame.caster;
                 straight.spread_rad = 0.0;
