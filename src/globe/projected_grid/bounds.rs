@@ -124,9 +124,7 @@ impl Finder {
             relief,
             axes: caster.level_axes(),
             sides: screen.sides(),
-            widest_m: ellipsoid
-                .equatorial_radius_m
-                .max(ellipsoid.polar_radius_m),
+            widest_m: ellipsoid.equatorial_radius_m.max(ellipsoid.polar_radius_m),
         };
         let mut rect = view.seed();
         self.cells.clear();

@@ -125,7 +125,11 @@ impl Caster {
         };
         let across = if sin > 1e-6 {
             let beyond = below < -self.spread_rad;
-            let shown = if beyond { (self.limb_rad + self.spread_rad).sin() } else { sin };
+            let shown = if beyond {
+                (self.limb_rad + self.spread_rad).sin()
+            } else {
+                sin
+            };
             place.dot(aside) / shown
         } else {
             along

@@ -39,7 +39,7 @@ pub use uniforms::{GridLevel, GridUniforms};
 use super::{Figure, GroundVertex, GroundView, Indices, Patch, Surface, SurfaceStats};
 use crate::elevation::Elevation;
 use crate::frames::{Ellipsoid, Geodetic};
-use glam::{DMat4, DVec2, DVec3, Vec2};
+use glam::{DMat4, DVec2, DVec3, UVec2, Vec2};
 use std::sync::Arc;
 
 /// Over how much ground a sample's height is averaged.
@@ -124,6 +124,8 @@ pub struct Frame {
     pub caster: Caster,
     /// The part of the plane that the grid lies over.
     pub rect: Rect,
+    /// From a sample to the next across and upwards.
+    pub step: DVec2,
     /// Samples across and down.
     pub samples: (u32, u32),
     /// Over how much ground a height is averaged.
@@ -142,25 +144,24 @@ pub struct Sample {
 impl Frame {
     /// The sample of a column, from the left, and a row, from the bottom.
     pub fn sample(&self, column: u32, row: u32) -> Sample {
-        let (columns, rows) = self.samples;
-        let step = self.rect.size() / DVec2::new(f64::from(columns - 1), f64::from(rows - 1));
         // A mirrored picture is ruled from right to left, so that triangles stay counter-clockwise from above.
         let column = if self.screen.mirrored {
-            columns - 1 - column
+            self.samples.0 - 1 - column
         } else {
             column
         };
-        let at = self.rect.low + step * DVec2::new(f64::from(column), f64::from(row));
+        let at = self.rect.low + self.step * DVec2::new(f64::from(column), f64::from(row));
         let (direction, area) = self.screen.ray(at);
         let foot = self.caster.foot(direction);
         let (along, across) = foot.stretch;
-        let stretch = match self.footprint {
-            Footprint::Mean => (along * across).sqrt(),
-            Footprint::Longer => along.max(across),
+        let square = match self.footprint {
+            Footprint::Mean => along * across,
+            Footprint::Longer => along.max(across).powi(2),
         };
+        let area = area * self.step.x * self.step.y;
         Sample {
             place: foot.place,
-            spacing_rad: ((area * step.x * step.y).sqrt() * stretch).min(1.0),
+            spacing_rad: (area * square).sqrt().min(1.0),
         }
     }
 }
@@ -206,7 +207,10 @@ impl ProjectedGrid {
         let samples = (clamp(options.samples.0), clamp(options.samples.1));
         let count = samples.0 as usize * samples.1 as usize;
         Self {
-            options: GridOptions { samples, ..*options },
+            options: GridOptions {
+                samples,
+                ..*options
+            },
             finder: Finder::new(),
             frame: None,
             samples: vec![Placed::default(); count],
@@ -253,6 +257,7 @@ impl ProjectedGrid {
             .finder
             .find(&ellipsoid, eye_itrf_m, &screen, &caster, &relief)?;
         let rect = self.place_rect(&needed, last.as_ref(), &screen);
+        let (columns, rows) = self.options.samples;
         self.frame = Some(Frame {
             ellipsoid,
             eye_itrf_m,
@@ -260,6 +265,7 @@ impl ProjectedGrid {
             screen,
             caster,
             rect,
+            step: rect.size() / UVec2::new(columns - 1, rows - 1).as_dvec2(),
             samples: self.options.samples,
             footprint: self.options.footprint,
         });
@@ -268,12 +274,7 @@ impl ProjectedGrid {
 
     /// The rectangle that the grid is laid over: what is needed and a margin. Its size is kept from the frame before while it
     /// will do. With [`Anchor::Direction`] it is shifted by less than half a cell each way.
-    fn place_rect(
-        &self,
-        needed: &Rect,
-        last: Option<&Frame>,
-        screen: &Screen,
-    ) -> Rect {
+    fn place_rect(&self, needed: &Rect, last: Option<&Frame>, screen: &Screen) -> Rect {
         let (columns, rows) = self.options.samples;
         let cells = DVec2::new(f64::from(columns - 1), f64::from(rows - 1));
         let least = needed.grown(needed.size() * MARGIN_CELLS / cells);
@@ -281,9 +282,10 @@ impl ProjectedGrid {
         let Some(last) = last else {
             return fresh;
         };
-        let size = last.rect.size();
+        let (size, step) = (last.rect.size(), last.step);
         // Half a cell to each side is for the shift.
-        let will_do = (least.size() + size / cells).cmple(size).all()
+        let will_do = step.min_element() > 0.0
+            && (least.size() + step).cmple(size).all()
             && (size * KEPT).cmple(fresh.size()).all();
         if !will_do {
             return fresh;
@@ -295,7 +297,6 @@ impl ProjectedGrid {
             return fresh;
         }
         let low = 0.5 * (needed.low + needed.high - size);
-        let step = size / cells;
         let at = last.rect.low + step * (0.5 * cells).floor();
         let direction = last.screen.direction(at);
         let now = screen.place_of(direction);
@@ -342,7 +343,6 @@ impl ProjectedGrid {
         }
     }
 }
-
 
 /// How far the base lies below the eye, metres: down to the ground there, averaged over as much of it as that is away.
 fn clearance(ellipsoid: &Ellipsoid, eye_itrf_m: DVec3, ground: &dyn Elevation) -> f64 {

@@ -123,7 +123,13 @@ impl HeightTiles {
     pub fn new(slots: u32) -> Self {
         let slots = slots.clamp(16, 65_535) as usize;
         Self {
-            slots: vec![Slot { tile: None, used: 0 }; slots],
+            slots: vec![
+                Slot {
+                    tile: None,
+                    used: 0
+                };
+                slots
+            ],
             heights: vec![0.0; slots * (TILE_SAMPLES * TILE_SAMPLES) as usize],
             windows: [Window::NONE; LEVELS],
             changed: Vec::with_capacity(slots),
@@ -199,7 +205,11 @@ impl HeightTiles {
             return slot as u32;
         }
         // The slot that was not needed for longest, if it is not needed now.
-        let oldest = self.slots.iter().enumerate().min_by_key(|(_, slot)| slot.used);
+        let oldest = self
+            .slots
+            .iter()
+            .enumerate()
+            .min_by_key(|(_, slot)| slot.used);
         let Some((slot, _)) = oldest.filter(|(_, slot)| may_load && slot.used < self.update) else {
             counts.missing += 1;
             return NO_SLOT;
@@ -238,8 +248,9 @@ impl HeightTiles {
                     Need {
                         lat_rad: normal.z.atan2(normal.truncate().length()),
                         east_rad: (lon_rad - lon_eye + PI).rem_euclid(TAU) - PI,
-                        level: level_of(sample.spacing_rad).ceil().clamp(1.0, f64::from(finest))
-                            as u32,
+                        level: level_of(sample.spacing_rad)
+                            .ceil()
+                            .clamp(1.0, f64::from(finest)) as u32,
                     }
                 })
             })
@@ -314,7 +325,10 @@ impl HeightTiles {
         let (column, row) = ((x / cells).floor(), (y / cells).floor());
         let inside = column < f64::from(window.size.0) && y >= 0.0;
         let at = (row * f64::from(window.size.0) + column) as usize;
-        let slot = *window.slots.get(at).filter(|slot| inside && **slot != NO_SLOT)?;
+        let slot = *window
+            .slots
+            .get(at)
+            .filter(|slot| inside && **slot != NO_SLOT)?;
         let heights = self.slot(slot);
         let (x, y) = (x - column * cells, y - row * cells);
         let (i, j) = (x.floor() as usize, y.floor() as usize);
@@ -347,7 +361,11 @@ fn window(level: u32, from: DVec2, to: DVec2, lon_eye: f64) -> Window {
     let rows_in_all = 1_u32 << (level - 1);
     let west = ((from.x + lon_eye + PI) / side).floor();
     let east = ((to.x + lon_eye + PI) / side).floor();
-    let row = |lat: f64| ((lat + FRAC_PI_2) / side).floor().clamp(0.0, f64::from(rows_in_all - 1));
+    let row = |lat: f64| {
+        ((lat + FRAC_PI_2) / side)
+            .floor()
+            .clamp(0.0, f64::from(rows_in_all - 1))
+    };
     let (south, north) = (row(from.y), row(to.y));
     let mut columns = ((east - west + 1.0) as u32).min(columns_in_all);
     let mut rows = ((north - south + 1.0) as u32).min(rows_in_all);
@@ -363,7 +381,10 @@ fn window(level: u32, from: DVec2, to: DVec2, lon_eye: f64) -> Window {
         }
     }
     Window {
-        first: (first_column.rem_euclid(f64::from(columns_in_all)) as u32, first_row),
+        first: (
+            first_column.rem_euclid(f64::from(columns_in_all)) as u32,
+            first_row,
+        ),
         size: (columns, rows),
         slots: [NO_SLOT; WINDOW_TILES],
     }

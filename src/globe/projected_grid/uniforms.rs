@@ -87,7 +87,7 @@ impl GridUniforms {
     pub fn new(frame: &Frame, tiles: &HeightTiles) -> Self {
         let (screen, caster) = (&frame.screen, &frame.caster);
         let (columns, rows) = frame.samples;
-        let mut step = frame.rect.size() / UVec2::new(columns - 1, rows - 1).as_dvec2();
+        let mut step = frame.step;
         let mut low = frame.rect.low;
         let cell_area = screen.area * step.x * step.y;
         if screen.mirrored {
@@ -98,7 +98,8 @@ impl GridUniforms {
         let eye_normal = (caster.up / caster.radii_m).normalize();
         let base = (1.0 + caster.above) * caster.sin_limb;
         let radial_m = caster.up * caster.radii_m;
-        let base_m = (base - 1.0) * radial_m.length();
+        // As the shader has it: what rounding takes from it must not come twice.
+        let base_m = f64::from(((base - 1.0) * radial_m.length()) as f32);
         let to_base_m = eye_normal * base_m - radial_m * caster.above;
         let mut levels = [GridLevel::default(); LEVELS];
         let mut slots = [[UVec4::ZERO; WINDOW_TILES / 4]; LEVELS];

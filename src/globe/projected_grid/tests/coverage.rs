@@ -88,9 +88,11 @@ fn check(look: &Look, ground: &Ground, grid: &mut ProjectedGrid) -> (u32, u32, u
     let mut drawn = vec![false; (SIZE * SIZE) as usize];
     grid.visit(&mut |patch| {
         assert_eq!(patch.vertices.len(), 129 * 129, "{look:?}");
-        assert!(patch.vertices.iter().all(|v| v.from_origin_m.is_finite()
-            && v.height_m.is_finite()
-            && v.slope.is_finite()));
+        assert!(
+            patch.vertices.iter().all(|v| v.from_origin_m.is_finite()
+                && v.height_m.is_finite()
+                && v.slope.is_finite())
+        );
         drawn = covered(patch, &view);
     });
     assert!(stats.patches <= 1);
@@ -138,7 +140,11 @@ fn no_black_border_at_any_pitch_and_height() {
                     roll: 25.0,
                     ..LOOK
                 };
-                let (seen, lost, extra) = check(&look, &ground, &mut ProjectedGrid::new(&GridOptions::default()));
+                let (seen, lost, extra) = check(
+                    &look,
+                    &ground,
+                    &mut ProjectedGrid::new(&GridOptions::default()),
+                );
                 assert!(
                     lost == 0 && extra == 0,
                     "{ground:?} {look:?}: of {seen} pixels {lost} lost, {extra} too many"
@@ -167,7 +173,10 @@ fn no_black_border_along_a_flight() {
             ..LOOK
         };
         let (seen, lost, extra) = check(&look, &ground, &mut grid);
-        assert!(lost == 0 && extra == 0, "{look:?}: of {seen} pixels {lost} lost, {extra} too many");
+        assert!(
+            lost == 0 && extra == 0,
+            "{look:?}: of {seen} pixels {lost} lost, {extra} too many"
+        );
         pixels += seen;
     }
     println!("{pixels} pixels of ground, none lost");
@@ -187,10 +196,18 @@ fn a_mountain_behind_the_horizon_is_drawn() {
         ..LOOK
     };
     let ground = Ground::Mountain(14.0_f64.to_radians(), 20.0_f64.to_radians(), 9e3, 20e3);
-    let (seen, lost, _) = check(&look, &ground, &mut ProjectedGrid::new(&GridOptions::default()));
+    let (seen, lost, _) = check(
+        &look,
+        &ground,
+        &mut ProjectedGrid::new(&GridOptions::default()),
+    );
     assert_eq!(lost, 0, "of {seen}");
     // And it is seen over the flat sea's horizon: with the sea alone the picture holds less ground.
-    let sea = check(&look, &Ground::Flat(-10.0), &mut ProjectedGrid::new(&GridOptions::default()));
+    let sea = check(
+        &look,
+        &Ground::Flat(-10.0),
+        &mut ProjectedGrid::new(&GridOptions::default()),
+    );
     assert!(seen > sea.0 + 20, "{seen} {sea:?}");
     println!("{seen} pixels with the mountain, {} without", sea.0);
 }

@@ -47,7 +47,9 @@ fn prepared(grid: &mut ProjectedGrid, view: &GroundView, ground: &dyn Elevation)
 fn as_many_vertices_at_every_height() {
     let mut grid = ProjectedGrid::new(&GridOptions::default());
     let ground = Ground::Waves(0.0, 300.0, 30e3);
-    for height_m in [1.0, 100.0, 500.0, 2e3, 1e4, 1e5, 4e5, 2e6, 3.6e7, 3.8e8, 1e9] {
+    for height_m in [
+        1.0, 100.0, 500.0, 2e3, 1e4, 1e5, 4e5, 2e6, 3.6e7, 3.8e8, 1e9,
+    ] {
         // Level views down to where the Earth fills little of the picture.
         let pitch = if height_m < 1e5 { 80.0 } else { 0.0 };
         let look = Look {
@@ -143,7 +145,12 @@ fn views_that_are_none_draw_nothing() {
         };
         assert_eq!(prepared(&mut grid, &view, &ground), 0, "{clip_from_eye}");
     }
-    for eye_itrf_m in [DVec3::ZERO, DVec3::splat(f64::NAN), DVec3::INFINITY, DVec3::splat(1e200)] {
+    for eye_itrf_m in [
+        DVec3::ZERO,
+        DVec3::splat(f64::NAN),
+        DVec3::INFINITY,
+        DVec3::splat(1e200),
+    ] {
         let view = GroundView { eye_itrf_m, ..good };
         assert_eq!(prepared(&mut grid, &view, &ground), 0, "{eye_itrf_m}");
     }
@@ -173,7 +180,11 @@ fn depth_plays_no_part_in_the_rays() {
         assert!(infinite.place_of(ray).distance(at) < 1e-12);
     }
     // Outside the picture, beside and behind the eye, there and back.
-    for at in [DVec2::new(3.0, 2.0), DVec2::new(-5.0, 1.0), DVec2::new(0.5, -6.0)] {
+    for at in [
+        DVec2::new(3.0, 2.0),
+        DVec2::new(-5.0, 1.0),
+        DVec2::new(0.5, -6.0),
+    ] {
         let direction = infinite.direction(at);
         assert!(infinite.place_of(direction).distance(at) < 1e-9, "{at}");
     }
@@ -223,8 +234,11 @@ fn triangles_face_up() {
         let mut faces = 0;
         grid.visit(&mut |patch| {
             for triangle in patch.indices.triangles.chunks_exact(3) {
-                let [a, b, c] =
-                    [0, 1, 2].map(|k| patch.vertices[triangle[k] as usize].from_origin_m.as_dvec3());
+                let [a, b, c] = [0, 1, 2].map(|k| {
+                    patch.vertices[triangle[k] as usize]
+                        .from_origin_m
+                        .as_dvec3()
+                });
                 let area = (b - a).cross(c - a);
                 let up = (patch.origin_itrf_m + a).normalize();
                 let size = (b - a).length() * (c - a).length();

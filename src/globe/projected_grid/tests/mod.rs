@@ -43,7 +43,11 @@ impl Elevation for Ground {
                 let n = Ellipsoid::normal(lat_rad, lon_rad);
                 let k = std::f64::consts::TAU * R / length;
                 let half = k * spacing_rad;
-                let left = if half < 1e-3 { 1.0 } else { half.sin().abs() / half };
+                let left = if half < 1e-3 {
+                    1.0
+                } else {
+                    half.sin().abs() / half
+                };
                 let wave = |v: DVec3| (k * n.dot(v.normalize())).sin();
                 let sum = wave(DVec3::new(1.0, 0.3, 0.2))
                     + wave(DVec3::new(-0.2, 1.0, 0.4))
@@ -51,9 +55,8 @@ impl Elevation for Ground {
                 middle + amplitude * left * sum / 3.0
             }
             Self::Mountain(lat, lon, height, radius) => {
-                let off = Ellipsoid::normal(lat_rad, lon_rad)
-                    .distance(Ellipsoid::normal(lat, lon))
-                    * R;
+                let off =
+                    Ellipsoid::normal(lat_rad, lon_rad).distance(Ellipsoid::normal(lat, lon)) * R;
                 let wide = radius.hypot(spacing_rad * R);
                 let part = radius / wide;
                 height * part * part * (-(off / wide) * (off / wide)).exp() - 10.0
@@ -79,7 +82,11 @@ impl Elevation for Ground {
                 let here = self.height_m(lat, lon, 0.0);
                 let all_round = bounds.width_rad > 3.0;
                 let (low, high) = (middle - amplitude, middle + amplitude);
-                if all_round { (low, high) } else { (low.max(here - rise), high.min(here + rise)) }
+                if all_round {
+                    (low, high)
+                } else {
+                    (low.max(here - rise), high.min(here + rise))
+                }
             }
             Self::Mountain(lat, lon, height, radius) => {
                 // Beyond 6.5 radii the mountain is lower than a millimetre.
@@ -88,9 +95,17 @@ impl Elevation for Ground {
                     south_rad: bounds.south_rad - reach,
                     north_rad: bounds.north_rad + reach,
                     west_rad: bounds.west_rad - reach / lat.cos(),
-                    width_rad: (bounds.width_rad + 2.0 * reach / lat.cos()).min(std::f64::consts::TAU),
+                    width_rad: (bounds.width_rad + 2.0 * reach / lat.cos())
+                        .min(std::f64::consts::TAU),
                 };
-                (-10.0, if near.contains(lat, lon) { height } else { -9.9 })
+                (
+                    -10.0,
+                    if near.contains(lat, lon) {
+                        height
+                    } else {
+                        -9.9
+                    },
+                )
             }
         };
         HeightRange { low_m, high_m }

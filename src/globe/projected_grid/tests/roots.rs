@@ -61,9 +61,7 @@ fn textbook(eye: DVec3, d: DVec3, s: f64) -> Option<f64> {
     let b = Double::dot(eye, d);
     let c = Double::dot(eye, eye).add(Double::product(s, s).negative());
     let square = b.times(b).add(a.times(c).negative());
-    (square.0 > 0.0).then(|| {
-        b.add(square.root()).negative().over(a).0
-    })
+    (square.0 > 0.0).then(|| b.add(square.root()).negative().over(a).0)
 }
 
 const HEIGHTS_M: [f64; 11] = [
@@ -74,7 +72,11 @@ const HEIGHTS_M: [f64; 11] = [
 fn roots_are_those_of_106_bits() {
     let (mut worst, mut worst_naive, mut rays) = (0.0_f64, 0.0_f64, 0);
     for height_m in HEIGHTS_M {
-        for up in [DVec3::X, DVec3::new(0.3, -0.5, 0.8).normalize(), DVec3::NEG_Z] {
+        for up in [
+            DVec3::X,
+            DVec3::new(0.3, -0.5, 0.8).normalize(),
+            DVec3::NEG_Z,
+        ] {
             let eye = up * (1.0 + height_m / 6_378_137.0);
             let length = eye.length();
             let limb = 1.0_f64.atan2(((length - 1.0) * (length + 1.0)).sqrt());
@@ -100,7 +102,9 @@ fn roots_are_those_of_106_bits() {
             }
         }
     }
-    println!("{rays} rays: off by {worst:.2} units of rounding; b² − c as printed: {worst_naive:.0}");
+    println!(
+        "{rays} rays: off by {worst:.2} units of rounding; b² − c as printed: {worst_naive:.0}"
+    );
     assert!(worst < 8.0 && worst_naive > 1e3 * worst);
 }
 
@@ -151,7 +155,11 @@ fn directions_and_places_are_each_other_s_inverse() {
             for step in 0..=200 {
                 let theta = caster.far_rad * f64::from(step) / 200.0;
                 let foot = caster.foot(caster.direction(theta, aside));
-                let found = foot.place.cross(caster.up).length().atan2(foot.place.dot(caster.up));
+                let found = foot
+                    .place
+                    .cross(caster.up)
+                    .length()
+                    .atan2(foot.place.dot(caster.up));
                 // By the limb of an unspread grid θ is a square root of the angle.
                 let by_limb = if spread == 0.0 { 2e-7 } else { 0.0 };
                 assert!(
@@ -181,8 +189,14 @@ fn stretch_is_the_derivative() {
                 let across =
                     at(nadir, 1e-3).place.distance(at(nadir, -1e-3).place) / (2e-3 * nadir.sin());
                 let told = at(nadir, 0.0).stretch;
-                assert!((told.0 / along - 1.0).abs() < 1e-4, "{height_m} {spread} {part}: {told:?} {along}");
-                assert!((told.1 / across - 1.0).abs() < 1e-4, "{height_m} {spread} {part}: {told:?} {across}");
+                assert!(
+                    (told.0 / along - 1.0).abs() < 1e-4,
+                    "{height_m} {spread} {part}: {told:?} {along}"
+                );
+                assert!(
+                    (told.1 / across - 1.0).abs() < 1e-4,
+                    "{height_m} {spread} {part}: {told:?} {across}"
+                );
             }
         }
     }
@@ -203,7 +217,10 @@ fn rays_that_miss_end_on_the_limb() {
                 let place = caster.foot(d).place;
                 // On the limb's circle, in the ray's own plane through the centre.
                 worst = worst.max((place.dot(caster.up) - caster.sin_limb).abs());
-                assert!(place.dot(caster.up.cross(aside)).abs() < 1e-12, "{height_m}");
+                assert!(
+                    place.dot(caster.up.cross(aside)).abs() < 1e-12,
+                    "{height_m}"
+                );
                 // The line of sight there is tangent to the ground: across its normal.
                 let base = (1.0 + caster.above) * caster.sin_limb;
                 let to = place * base * caster.radii_m - eye;
@@ -214,7 +231,10 @@ fn rays_that_miss_end_on_the_limb() {
                 let Cast::Limb(limb) = cast(caster.up * (1.0 + caster.above), unit, base) else {
                     panic!("{height_m} m: a ray over the limb hits");
                 };
-                assert!(limb.distance(place * base) < 1e-12 * base + 2e-8, "{height_m}");
+                assert!(
+                    limb.distance(place * base) < 1e-12 * base + 2e-8,
+                    "{height_m}"
+                );
             }
         }
     }
@@ -245,9 +265,15 @@ fn ground_shows_as_far_as_the_law_says() {
                 }
             }
             let told = far_angle(length, floor, high);
-            assert!((told - seen).abs() < 1e-7, "{length} {floor} {high}: {told}, found {seen}");
+            assert!(
+                (told - seen).abs() < 1e-7,
+                "{length} {floor} {high}: {told}, found {seen}"
+            );
             let at = |theta: f64| DVec3::new(theta.cos(), theta.sin(), 0.0);
-            assert!(can_show(at(told - 1e-6), DVec3::X, told) && !can_show(at(told + 1e-6), DVec3::X, told));
+            assert!(
+                can_show(at(told - 1e-6), DVec3::X, told)
+                    && !can_show(at(told + 1e-6), DVec3::X, told)
+            );
         }
     }
     // Flat ground: the paper's P̂·û ≥ R/L.
@@ -259,9 +285,12 @@ fn no_height_leaves_its_shell() {
     let e = Ellipsoid::WGS84;
     for height_m in [-11e3, -1.0, 0.0, 1.0, 9e3] {
         for lat in 0..=900 {
-            let at = e.itrf_from_geodetic(Geodetic::from_degrees(0.1 * f64::from(lat), 7.0, height_m));
+            let at =
+                e.itrf_from_geodetic(Geodetic::from_degrees(0.1 * f64::from(lat), 7.0, height_m));
             let radius = (at * e.scaled_from_itrf()).length();
-            assert!(lowest_radius(&e, height_m) <= radius && radius <= highest_radius(&e, height_m));
+            assert!(
+                lowest_radius(&e, height_m) <= radius && radius <= highest_radius(&e, height_m)
+            );
         }
     }
 }

@@ -150,7 +150,11 @@ fn swim(scene: &Scene, options: &GridOptions, ground: &Rough) -> (f64, f64, f64)
         look.heading += scene.step.1;
     }
     assert!(count > 3_000.0, "{}: {count}", scene.name);
-    ((squares / count).sqrt(), most, (off_squares / off_count).sqrt())
+    (
+        (squares / count).sqrt(),
+        most,
+        (off_squares / off_count).sqrt(),
+    )
 }
 
 #[test]
@@ -204,6 +208,10 @@ fn heights_do_not_swim() {
         }
         // The default, against the same grid with heights as they are.
         let chosen = told[0];
-        assert!(chosen.0 < 0.6 * unfiltered.0 && chosen.1 < 0.2, "{}", scene.name);
+        assert!(
+            chosen.0 < 0.6 * unfiltered.0 && chosen.1 < 0.2,
+            "{}",
+            scene.name
+        );
     }
 }
