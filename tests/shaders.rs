@@ -2,7 +2,10 @@
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use std::mem::offset_of;
-use terrella::gpu::{AIR_SHADER, AirFrame, EARTH_SHADER, Frame, ShaderVariant};
+use terrella::globe::projected_grid::{GridLevel, GridUniforms};
+use terrella::gpu::{
+    AIR_SHADER, AirFrame, EARTH_SHADER, Frame, PROJECTED_GRID_SHADER, ShaderVariant,
+};
 
 fn module(variant: &ShaderVariant) -> Result<naga::Module, String> {
     let source = variant.source().map_err(|e| e.to_string())?;
@@ -49,6 +52,7 @@ fn every_variant_compiles() {
         AIR_SHADER,
         &["inside", "depth", "standard_z", "encode"],
     ));
+    all.push(ShaderVariant::new(PROJECTED_GRID_SHADER, &[]));
     let failures: Vec<_> = all
         .iter()
         .filter_map(|variant| {
@@ -198,6 +202,45 @@ fn uniform_structs_match_the_shaders() {
             eye_height,
             exposure,
             depth_rounding
+        ]
+    );
+    let grid = ShaderVariant::new(PROJECTED_GRID_SHADER, &[]);
+    check!(
+        grid,
+        GridLevel,
+        [eye_cells, per_radian, period, size, padding]
+    );
+    check!(
+        grid,
+        GridUniforms,
+        [
+            clip_from_eye,
+            forward,
+            corner,
+            middle,
+            corner_rad,
+            right,
+            cell_area,
+            screen_up,
+            longer,
+            eye_up,
+            limb_rad,
+            eye_normal,
+            sin_limb,
+            to_base_m,
+            cos_limb,
+            radii_m,
+            base_m,
+            eye_lon,
+            low,
+            step,
+            samples,
+            near_rad,
+            far_rad,
+            spread_rad,
+            eye_lat,
+            levels,
+            slots
         ]
     );
 }

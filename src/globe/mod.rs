@@ -8,6 +8,7 @@ mod blocks;
 mod displaced;
 mod levels;
 mod meshes;
+pub mod projected_grid;
 mod select;
 mod surface;
 

@@ -14,7 +14,7 @@ mod timer;
 mod uniforms;
 
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
-pub use shader::{AIR_SHADER, EARTH_SHADER, ShaderError, ShaderVariant};
+pub use shader::{AIR_SHADER, EARTH_SHADER, PROJECTED_GRID_SHADER, ShaderError, ShaderVariant};
 pub use targets::{
     Attachments, FrameTargets, PassPart, PictureError, color_texture, read_floats, read_texture,
 };

@@ -14,8 +14,15 @@ pub const EARTH_SHADER: &str = "earth.wgsl";
 /// The air's shader file.
 pub const AIR_SHADER: &str = "air.wgsl";
 
+/// The projected grid's shader file.
+pub const PROJECTED_GRID_SHADER: &str = "projected_grid.wgsl";
+
 const FILES: &[(&str, &str)] = &[
     (EARTH_SHADER, include_str!("../../shaders/earth.wgsl")),
+    (
+        PROJECTED_GRID_SHADER,
+        include_str!("../../shaders/projected_grid.wgsl"),
+    ),
     (AIR_SHADER, include_str!("../../shaders/air.wgsl")),
     (
         "common/air.wgsl",
