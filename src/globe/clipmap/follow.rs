@@ -119,7 +119,9 @@ pub fn follow(
             }
             levels.push(Level::new(number, radius, options.trim));
         }
-        let finer = levels.get(at + 1).is_some_and(|finer| finer.reach.is_some());
+        let finer = levels
+            .get(at + 1)
+            .is_some_and(|finer| finer.reach.is_some());
         let (coarse, fine) = levels.split_at_mut(at);
         let (coarse, level) = (&coarse[at - 1], &mut fine[0]);
 

@@ -66,10 +66,12 @@ impl Triangle {
     /// The triangles across its edges, from corner 0 to 1, 1 to 2 and 2 to 0, in a lattice of `n` cells.
     pub fn neighbours(self, n: i64) -> [Self; 3] {
         let Spot { diamond, i, j } = self.cell;
-        let across = |i, j| cell_across(Spot { diamond, i, j }, n).unwrap_or(Self {
-            cell: Spot { diamond, i, j },
-            far: !self.far,
-        });
+        let across = |i, j| {
+            cell_across(Spot { diamond, i, j }, n).unwrap_or(Self {
+                cell: Spot { diamond, i, j },
+                far: !self.far,
+            })
+        };
         let twin = Self {
             far: !self.far,
             ..self
@@ -322,6 +324,10 @@ impl Icosahedron {
             // Weights of D, C, B: C is left by (1 − x), B by (1 − y).
             (1.0 - w.y, 1.0 - w.z)
         };
-        (face as u8 / 2, place.0.clamp(0.0, 1.0), place.1.clamp(0.0, 1.0))
+        (
+            face as u8 / 2,
+            place.0.clamp(0.0, 1.0),
+            place.1.clamp(0.0, 1.0),
+        )
     }
 }

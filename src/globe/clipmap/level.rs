@@ -31,13 +31,18 @@ impl Source<'_> {
         let lon_rad = normal.y.atan2(normal.x);
         let half_cell_rad = 0.5 * EDGE_RAD / n as f64;
         let height_m = self.ground.height_m(lat_rad, lon_rad, half_cell_rad);
-        let slope = self.ground.slope(self.ellipsoid, lat_rad, lon_rad, half_cell_rad);
+        let slope = self
+            .ground
+            .slope(self.ellipsoid, lat_rad, lon_rad, half_cell_rad);
         let vertex = GroundVertex {
             from_origin_m: glam::Vec3::ZERO,
             height_m: height_m as f32,
             slope: slope.as_vec2(),
         };
-        (self.ellipsoid.surface_point(normal) + normal * height_m, vertex)
+        (
+            self.ellipsoid.surface_point(normal) + normal * height_m,
+            vertex,
+        )
     }
 }
 
@@ -80,9 +85,10 @@ impl Level {
     }
 
     /// The grid that positions lie on, metres: every position of this level is a multiple, as is every one of a coarser
-    /// level, and its offset from the origin is exact in single precision.
+    /// level, and its offset from the origin is exact in single precision. Not below 2 mm, so that the highest mountain is
+    /// within [`Self::most_m`] of the ellipsoid.
     pub fn quantum_m(number: u32) -> f64 {
-        2.0 * 0.5_f64.powi(number as i32)
+        0.5_f64.powi((number as i32 - 1).min(9))
     }
 
     /// Offsets beyond this are not exact in single precision, metres.
@@ -277,7 +283,9 @@ impl Level {
 
     /// Makes the triangles anew if the reach of this level or of the finer one has changed.
     pub fn cut(&mut self, finer: Option<&Level>) {
-        let hole = finer.and_then(|finer| finer.reach.as_ref()).map(Reach::halved);
+        let hole = finer
+            .and_then(|finer| finer.reach.as_ref())
+            .map(Reach::halved);
         let middle = self.reach.as_ref().map(|reach| reach.middle);
         let Some(middle) = middle.or((self.number == 0).then_some(Spot {
             diamond: 0,
@@ -341,9 +349,12 @@ impl Level {
     }
 
     pub fn bytes(&self) -> usize {
-        self.sheets.iter().map(|sheet| {
-            sheet.bytes() + sheet.patch.indices.triangles.capacity() * size_of::<u32>()
-        }).sum()
+        self.sheets
+            .iter()
+            .map(|sheet| {
+                sheet.bytes() + sheet.patch.indices.triangles.capacity() * size_of::<u32>()
+            })
+            .sum()
     }
 }
 
@@ -364,10 +375,11 @@ fn mixed(
     // Both origins are multiples of 2 m: nothing is rounded in this.
     let target_m = middle_m + (below.patch.origin_itrf_m - origin_m);
     let own_m = own.from_origin_m.as_dvec3();
-    let mixed_m = own_m + (target_m - own_m) * weight;
+    // On to the grid by a step that does not depend on the origin.
+    let step_m = ((target_m - own_m) * (weight / quantum_m) + 0.5).floor() * quantum_m;
     let w = weight as f32;
     GroundVertex {
-        from_origin_m: ((mixed_m / quantum_m).round() * quantum_m).as_vec3(),
+        from_origin_m: (own_m + step_m).as_vec3(),
         height_m: own.height_m + (0.5 * (x.height_m + y.height_m) - own.height_m) * w,
         slope: own.slope + (0.5 * (x.slope + y.slope) - own.slope) * w,
     }

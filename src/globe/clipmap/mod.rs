@@ -18,8 +18,8 @@
 //! Levels appear and disappear by turning into the coarser surface first. Where the eye outruns the samples that a
 //! [`Surface::prepare`] may read, the level and all finer ones are left out until they are complete again.
 //!
-//! Positions of level ℓ lie on a grid of 2^(1 − ℓ) m, a 55 000th of the cell, and offsets from the level's origin are exact
-//! in single precision. The origin moves when the middle is half a radius away from it.
+//! Positions of level ℓ lie on a grid of 2^(1 − ℓ) m, a 55 000th of the cell, from level 10 on of 2 mm; offsets from the
+//! level's origin are exact in single precision. The origin moves when the middle is half a radius away from it.
 //!
 //! The tolerance says how many levels there are (the last is the first whose cells' sixteenth, the rise taken to be between
 //! samples, is within it), and data no finer than a level end them. It is no bound of the error: the paper's cells are as
@@ -175,12 +175,12 @@ impl Surface for Clipmap {
     }
 
     fn prepare(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats {
-        self.counts = ClipmapCounts::default();
         self.stats.samples_read = 0;
         let ellipsoid = self.options.ellipsoid;
         let Some(eye) = EyePlace::new(&self.icosahedron, &ellipsoid, view, ground) else {
             return self.stats;
         };
+        self.counts = ClipmapCounts::default();
         let source = Source {
             ellipsoid: &ellipsoid,
             icosahedron: &self.icosahedron,

@@ -69,7 +69,11 @@ impl Sheet {
 
     /// The sample of a point that is held.
     pub fn own(&self, i: i64, j: i64) -> &GroundVertex {
-        debug_assert!(self.has(i, j), "sample {i}, {j} of {} is not here", self.diamond);
+        debug_assert!(
+            self.has(i, j),
+            "sample {i}, {j} of {} is not here",
+            self.diamond
+        );
         &self.own[self.slot(i, j)]
     }
 

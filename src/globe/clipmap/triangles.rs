@@ -28,7 +28,9 @@ pub fn ring(
     let r = reach.radius;
     for i in span.least.0..span.most.0 {
         for j in span.least.1..span.most.1 {
-            let at = hole.as_ref().map_or(Hole::Off, |hole| hole_at(hole, 2 * i, 2 * j, 2));
+            let at = hole
+                .as_ref()
+                .map_or(Hole::Off, |hole| hole_at(hole, 2 * i, 2 * j, 2));
             if at == Hole::All {
                 continue;
             }
