@@ -14,7 +14,7 @@ use glam::DVec3;
 const REST: i64 = 6;
 
 /// Most levels that move in one go; the others lag by a few cells meanwhile.
-const MOST_MOVES: u32 = 3;
+const MOST_MOVES: u32 = 2;
 
 /// The rise of the ground between neighbouring samples is taken to be this part of their distance.
 const RISE: f64 = 1.0 / 16.0;

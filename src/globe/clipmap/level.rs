@@ -2,7 +2,7 @@
 
 use super::lattice::{Icosahedron, Spot};
 use super::reach::Reach;
-use super::sheet::Sheet;
+use super::sheet::{Sheet, Slots};
 use super::{Trim, triangles};
 use crate::elevation::Elevation;
 use crate::frames::Ellipsoid;
@@ -110,17 +110,21 @@ impl Level {
         self.sheets.iter().find(|sheet| sheet.diamond == diamond)
     }
 
+    /// Slots of a row of a sheet.
+    fn side(&self) -> u32 {
+        2 * self.radius as u32 + 1
+    }
+
     /// How many samples a reach needs that are not held.
     pub fn missing(&self, reach: &Reach) -> u64 {
         let mut missing = 0;
         for (diamond, span) in reach.boxes() {
             let sheet = self.sheet(diamond);
-            let Some(part) = reach.in_diamond(diamond) else {
-                continue;
-            };
+            let part = reach.in_diamond(diamond).expect("it has a box there");
+            let slots = Slots::new(span.least, self.side());
             for i in span.least.0..=span.most.0 {
                 for j in span.least.1..=span.most.1 {
-                    let held = sheet.is_some_and(|sheet| sheet.has(i, j));
+                    let held = sheet.is_some_and(|sheet| sheet.has(slots.of(i, j), i, j));
                     if !held && part.distance(i, j) <= reach.radius {
                         missing += 1;
                     }
@@ -145,9 +149,10 @@ impl Level {
             let part = reach.in_diamond(diamond).expect("it has a box there");
             let sheet = self.sheets.iter_mut().find(|s| s.diamond == diamond);
             let sheet = sheet.expect("settled");
+            let slots = Slots::new(span.least, sheet.side());
             for i in span.least.0..=span.most.0 {
                 for j in span.least.1..=span.most.1 {
-                    if sheet.has(i, j) || part.distance(i, j) > reach.radius {
+                    if sheet.has(slots.of(i, j), i, j) || part.distance(i, j) > reach.radius {
                         continue;
                     }
                     if *budget == 0 {
@@ -184,7 +189,7 @@ impl Level {
                 origin_m
             }
         };
-        let side = 2 * self.radius as u32 + 1;
+        let side = self.side();
         for (diamond, _) in reach.boxes() {
             if self.sheet(diamond).is_some() {
                 continue;
@@ -252,14 +257,16 @@ impl Level {
             let sheet = self.sheets.iter_mut().find(|s| s.diamond == diamond);
             let sheet = sheet.expect("filled");
             let below = coarser.and_then(|coarser| coarser.sheet(diamond));
+            let slots = Slots::new(span.least, sheet.side());
             for i in span.least.0..=span.most.0 {
                 for j in span.least.1..=span.most.1 {
                     let steps = part.distance(i, j);
                     if steps > reach.radius {
                         continue;
                     }
-                    let slot = sheet.slot(i, j);
-                    let own = *sheet.own(i, j);
+                    let slot = slots.of(i, j);
+                    debug_assert!(sheet.has(slot, i, j));
+                    let own = *sheet.own_in(slot);
                     let weight = Self::weight(steps, reach.radius, blend).max(fade);
                     let drawn = match below {
                         Some(below) if weight > 0.0 => {
@@ -304,7 +311,10 @@ impl Level {
         for sheet in &mut self.sheets {
             let mut triangles = Vec::with_capacity(sheet.patch.indices.triangles.len() * 9 / 8);
             let diamond = sheet.diamond;
-            let slot = |i, j| sheet.slot(i, j) as u32;
+            let span = self.reach.as_ref().and_then(|reach| reach.box_in(diamond));
+            let least = span.map_or((0, 0), |span| span.least);
+            let slots = Slots::new(least, sheet.side());
+            let slot = |i, j| slots.of(i, j) as u32;
             match &reach {
                 Some(reach) => triangles::ring(reach, diamond, hole.as_ref(), slot, &mut triangles),
                 None => triangles::full(self.n, diamond, hole.as_ref(), slot, &mut triangles),

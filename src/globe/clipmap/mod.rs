@@ -21,6 +21,13 @@
 //! Positions of level ℓ lie on a grid of 2^(1 − ℓ) m, a 55 000th of the cell, from level 10 on of 2 mm; offsets from the
 //! level's origin are exact in single precision. The origin moves when the middle is half a radius away from it.
 //!
+//! So patches meet to the last bit in double precision; where a GPU adds an offset to the rounded origin as seen from the
+//! eye, to less than a 1 000th of a pixel of a milliradian. The grid itself moves no vertex by more than a 60 000th of its
+//! cell, or 2 mm.
+//!
+//! An eye at rest reads, changes and allocates nothing. A level that moves has the list of its triangles made anew, and that
+//! of the coarser one: two allocations each, 0.4 MB at 129 samples.
+//!
 //! The tolerance says how many levels there are (the last is the first whose cells' sixteenth, the rise taken to be between
 //! samples, is within it), and data no finer than a level end them. It is no bound of the error: the paper's cells are as
 //! wide as a 32nd of their distance, whatever the ground.

@@ -145,6 +145,12 @@ impl Reach {
         })
     }
 
+    /// The box of a diamond among [`Self::boxes`].
+    pub fn box_in(&self, diamond: u8) -> Option<Box2> {
+        let mut boxes = self.boxes();
+        boxes.find(|(d, _)| *d == diamond).map(|(_, span)| span)
+    }
+
     /// The spans of p and q in sector `s` that a king's reach lies in; it holds the hexagon's too.
     fn spans(&self, s: usize) -> Option<((i64, i64), (i64, i64))> {
         let (a, b, r) = (self.a, self.b, self.radius);

@@ -11,11 +11,42 @@ const NOTHING: [u32; 2] = [u32::MAX; 2];
 /// Unchanged vertices that are sent along between two changed ones sooner than open a new range.
 const GAP: u32 = 16;
 
+/// Slots of the points of a box, without a division each.
+pub struct Slots {
+    least: (i64, i64),
+    rows: [u32; MOST_SIDE],
+    columns: [u32; MOST_SIDE],
+}
+
+/// Slots of a row at most.
+const MOST_SIDE: usize = 257;
+
+impl Slots {
+    /// Those of the box from (i, j), as wide as a sheet at most, in sheets with rows of `side` slots.
+    pub fn new(least: (i64, i64), side: u32) -> Self {
+        let (mut rows, mut columns) = ([0; MOST_SIDE], [0; MOST_SIDE]);
+        for k in 0..side {
+            rows[k as usize] = (least.0 as u32 + k) % side * side;
+            columns[k as usize] = (least.1 as u32 + k) % side;
+        }
+        Self {
+            least,
+            rows,
+            columns,
+        }
+    }
+
+    /// The slot of point (i, j).
+    pub fn of(&self, i: i64, j: i64) -> usize {
+        let (row, column) = (i - self.least.0, j - self.least.1);
+        (self.rows[row as usize] + self.columns[column as usize]) as usize
+    }
+}
+
 /// The samples of a level that lie in one diamond. Point (i, j) lives in slot (i mod side, j mod side): what stays within
 /// reach stays where it is.
 pub struct Sheet {
     pub diamond: u8,
-    /// Slots of a row.
     side: u32,
     /// Whose sample each slot holds.
     tags: Vec<[u32; 2]>,
@@ -63,18 +94,29 @@ impl Sheet {
         ((i as u32 % self.side) * self.side + j as u32 % self.side) as usize
     }
 
-    pub fn has(&self, i: i64, j: i64) -> bool {
-        self.tags[self.slot(i, j)] == [i as u32, j as u32]
+    /// Slots of a row.
+    pub fn side(&self) -> u32 {
+        self.side
+    }
+
+    /// Whether a slot, that of point (i, j), holds its sample.
+    pub fn has(&self, slot: usize, i: i64, j: i64) -> bool {
+        self.tags[slot] == [i as u32, j as u32]
     }
 
     /// The sample of a point that is held.
     pub fn own(&self, i: i64, j: i64) -> &GroundVertex {
         debug_assert!(
-            self.has(i, j),
+            self.has(self.slot(i, j), i, j),
             "sample {i}, {j} of {} is not here",
             self.diamond
         );
         &self.own[self.slot(i, j)]
+    }
+
+    /// The sample of a slot.
+    pub fn own_in(&self, slot: usize) -> &GroundVertex {
+        &self.own[slot]
     }
 
     pub fn put(&mut self, spot: Spot, vertex: GroundVertex) {

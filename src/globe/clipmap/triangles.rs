@@ -18,7 +18,7 @@ pub fn ring(
     slot: impl Fn(i64, i64) -> u32,
     out: &mut Vec<u32>,
 ) {
-    let Some((_, span)) = reach.boxes().find(|(d, _)| *d == diamond) else {
+    let Some(span) = reach.box_in(diamond) else {
         return;
     };
     let Some(coarse) = reach.in_diamond(diamond) else {

@@ -219,3 +219,34 @@ fn the_far_side_of_the_globe_is_not_handed_over() {
         "{of_globe:?}"
     );
 }
+
+#[test]
+fn patches_meet_in_single_precision_too() {
+    // As the GPU adds: the origin seen from the eye, rounded, and the offset.
+    for (lat_deg, lon_deg) in [(89.7, 40.0), (26.3, 71.8), (31.0, 40.0), (0.0, 180.0)] {
+        let mut map = clipmap(at_once(12, Trim::Diamond));
+        let mut worst_px = 0.0_f64;
+        for k in 0..30 {
+            // On by half a cell of the finest level and more, so that origins lag.
+            let view = over(lat_deg + 0.004 * f64::from(k), lon_deg, 2000.0);
+            map.prepare(&view, &HILLS);
+            let mut seen: HashMap<Point, DVec3> = HashMap::new();
+            for level in &map.levels[8..] {
+                for sheet in &level.sheets {
+                    let patch = &sheet.patch;
+                    let origin = (patch.origin_itrf_m - view.eye_itrf_m).as_vec3();
+                    for t in &patch.indices.triangles {
+                        let offset = patch.vertices[*t as usize].from_origin_m;
+                        let sum = (origin + offset).as_dvec3();
+                        let exact = bits(patch.origin_itrf_m + offset.as_dvec3());
+                        let other = *seen.entry(exact).or_insert(sum);
+                        let gap_px = sum.distance(other) / sum.length() / view.pixel_rad;
+                        worst_px = worst_px.max(gap_px);
+                    }
+                }
+            }
+        }
+        println!("{lat_deg}° {lon_deg}°: {worst_px} px");
+        assert!(worst_px < 1e-3, "{worst_px}");
+    }
+}
