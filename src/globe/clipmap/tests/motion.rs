@@ -268,10 +268,10 @@ fn nothing_jumps_on_the_way() {
     // A tenth of the finest cell a step, over a border near a corner, over a pole, and far from both; then up and down
     // through the heights where levels come and go.
     let flights: Vec<Vec<GroundView>> = vec![
-        (0..120)
+        (0..60)
             .map(|k| over(26.0 + 1e-3 * f64::from(k), 72.01, 4000.0))
             .collect(),
-        (0..120)
+        (0..60)
             .map(|k| {
                 let lat = 89.94 + 1e-3 * f64::from(k);
                 over(
@@ -281,12 +281,12 @@ fn nothing_jumps_on_the_way() {
                 )
             })
             .collect(),
-        (0..120)
+        (0..60)
             .map(|k| over(40.0, 35.9 + 1e-3 * f64::from(k), 4000.0))
             .collect(),
-        (0..400)
+        (0..240)
             .map(|k| {
-                let t = f64::from(k) / 200.0 - 1.0;
+                let t = f64::from(k) / 120.0 - 1.0;
                 GroundView {
                     tolerance_px: 1.0,
                     ..over(40.0, 35.9, 3000.0 * (11.0 * (1.0 - t.abs())).exp2())
