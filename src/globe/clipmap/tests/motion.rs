@@ -269,11 +269,11 @@ fn nothing_jumps_on_the_way() {
     // through the heights where levels come and go.
     let flights: Vec<Vec<GroundView>> = vec![
         (0..60)
-            .map(|k| over(26.0 + 1e-3 * f64::from(k), 72.01, 4000.0))
+            .map(|k| over(26.0 + 2e-3 * f64::from(k), 72.01, 4000.0))
             .collect(),
         (0..60)
             .map(|k| {
-                let lat = 89.94 + 1e-3 * f64::from(k);
+                let lat = 89.94 + 2e-3 * f64::from(k);
                 over(
                     lat.min(180.0 - lat),
                     if lat > 90.0 { 190.0 } else { 10.0 },
@@ -282,7 +282,7 @@ fn nothing_jumps_on_the_way() {
             })
             .collect(),
         (0..60)
-            .map(|k| over(40.0, 35.9 + 1e-3 * f64::from(k), 4000.0))
+            .map(|k| over(40.0, 35.9 + 2e-3 * f64::from(k), 4000.0))
             .collect(),
         (0..240)
             .map(|k| {
