@@ -5,7 +5,11 @@
 //! how fine a map it needs there, [`Meshes`] how fine a lattice.
 
 mod blocks;
+<<<<<<< HEAD
 mod displaced;
+=======
+pub mod clipmap;
+>>>>>>> clipmap
 mod levels;
 mod meshes;
 pub mod projected_grid;
