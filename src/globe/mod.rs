@@ -5,6 +5,7 @@
 //! how fine a map it needs there, [`Meshes`] how fine a lattice.
 
 mod blocks;
+pub mod contours;
 mod levels;
 mod meshes;
 mod select;
