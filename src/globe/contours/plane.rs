@@ -273,7 +273,7 @@ mod tests {
             .into_iter()
             .map(|p| east * p.x + north * p.y + up * p.z)
             .collect();
-        let ours = fit_points(up, &local).normal.angle_between(truth).to_degrees();
+        let ours = (fit_points(up, &local).normal - truth).length().to_degrees();
         // The textbook one-pass form, Σ ppᵀ − n·ccᵀ, everything f32.
         let center = up * 6_371_000.0;
         let (mut m, mut sum) = (glam::Mat3::ZERO, glam::Vec3::ZERO);
