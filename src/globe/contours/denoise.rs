@@ -102,7 +102,8 @@ impl Denoise {
                     .iter()
                     .filter(|z| (*z - height).abs() < 0.5 * off.abs())
                     .count();
-                if with >= 2 || count < 3 {
+                // At the grid's edge half of a wall's neighbours are missing.
+                if with >= if count < 8 { 1 } else { 2 } || count < 3 {
                     found.kept += 1;
                     continue;
                 }
@@ -178,7 +179,7 @@ mod tests {
             let step_m = DVec2::splat(30.0);
             let dem = Dem::new(41, 41, heights, Frame::Flat { step_m }).unwrap();
             let (out, found) = Denoise::default().apply(&dem).unwrap();
-            assert_eq!(out, dem, "{name}: {found:?}");
+            assert!(out == dem, "{name}: {found:?}");
         }
         for (c, r) in [(1, 1), (2, 3), (1, 5)] {
             let heights = (0..c * r).map(|k| (k * 500) as f32).collect();

@@ -26,6 +26,12 @@ pub fn cubic(b: [f64; 4], t: f64) -> (f64, f64) {
     (lerp(p, q, t), 3.0 * (q - p))
 }
 
+/// Bézier heights of the edge from `a` to `b`, `steps` steps along u (or v).
+pub fn edge(a: &Corner, b: &Corner, steps: f64, along_u: bool) -> [f64; 4] {
+    let d = if along_u { 1 } else { 2 };
+    values((a[0], a[d]), (b[0], b[d]), steps)
+}
+
 /// Bézier values of the cubic that has a height and slope (per step) at both ends of `steps` steps.
 fn values(a: (f64, f64), b: (f64, f64), steps: f64) -> [f64; 4] {
     let third = steps / 3.0;
@@ -55,6 +61,35 @@ pub fn net(corners: &[Corner; 4], w: f64, h: f64) -> Net {
     };
     let ((south, south_v), (north, north_v)) = (row(sw, se), row(nw, ne));
     std::array::from_fn(|i| values((south[i], south_v[i]), (north[i], north_v[i]), h))
+}
+
+/// A corner from 3 × 3 heights about it, `[row from the south][column from the west]`, `west_east` steps to either column
+/// and `south_north` to either row; 0 where there is none.
+///
+/// Slopes are central differences, limited as by Fritsch and Carlson to three times the smaller of the two one-sided
+/// ones, and 0 at an extremum, so that a cliff or a spike does not ring.
+pub fn estimate(heights: &[[f64; 3]; 3], west_east: [f64; 2], south_north: [f64; 2]) -> Corner {
+    let slope = |z: [f64; 3], [left, right]: [f64; 2]| {
+        if left + right == 0.0 {
+            return 0.0;
+        }
+        let whole = (z[2] - z[0]) / (left + right);
+        if left == 0.0 || right == 0.0 {
+            return whole;
+        }
+        let (a, b) = ((z[1] - z[0]) / left, (z[2] - z[1]) / right);
+        let most = 3.0 * a.abs().min(b.abs());
+        if a * b <= 0.0 { 0.0 } else { whole.clamp(-most, most) }
+    };
+    let zu = slope(heights[1], west_east);
+    let zv = slope(heights.map(|row| row[1]), south_north);
+    let area = (west_east[0] + west_east[1]) * (south_north[0] + south_north[1]);
+    let twist = if zu == 0.0 || zv == 0.0 || area == 0.0 {
+        0.0
+    } else {
+        (heights[2][2] - heights[2][0] - heights[0][2] + heights[0][0]) / area
+    };
+    [heights[1][1], zu, zv, twist]
 }
 
 /// Height and derivatives by u and by v (both 0…1) of a net.

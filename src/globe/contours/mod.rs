@@ -9,6 +9,7 @@ mod patches;
 mod plane;
 pub mod qbernstein;
 mod store;
+mod surface;
 mod tree;
 mod wide;
 
@@ -27,6 +28,7 @@ pub use joins::{Joins, evaluate_q};
 pub use patches::{DEGREE, Leaf, PatchError, PatchOptions, PatchTree, QPatch};
 pub use plane::{Contour, Support, eigen, fit, fit_points};
 pub use store::{Storage, StoreError, morton_leaves, source_hash};
+pub use surface::{ContourOptions, ContourSurface};
 pub use tree::{
     BudgetError, ContourTree, Node, TreeStats, corners_m, screen_error_px, world_error_m,
 };

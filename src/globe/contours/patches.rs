@@ -2,7 +2,7 @@
 //! samples.
 
 use super::dem::{Dem, Span, quarters};
-use super::hermite::{Corner, Net, cubic, net, restrict};
+use super::hermite::{Corner, Net, cubic, estimate, net, restrict};
 use super::qbernstein::{QBasis, QError};
 use super::tree::{BudgetError, ContourTree};
 
@@ -322,43 +322,17 @@ pub(super) fn places([w, e, s, n]: Span) -> [[u32; 2]; 4] {
     [[w, s], [e, s], [w, n], [e, n]]
 }
 
-/// A free corner: the sample, and differences over the width of a cell of its depth.
-///
-/// Slopes are limited as by Fritsch and Carlson, to three times the smaller of the two one-sided ones and 0 at an
-/// extremum, so that a cliff or a spike does not ring. Single precision, as it is stored.
+/// A free corner: the sample, and differences over the width of a cell of its depth. Single precision, as it is stored.
 fn free(dem: &Dem, i: u32, j: u32, depth: u8) -> Corner {
     let reach = |k: u32, last: u32| {
         let step = (i64::from(last) >> depth.min(62)).max(1);
         let k = i64::from(k);
-        ((k - step).max(0), k, (k + step).min(i64::from(last)))
+        [(k - step).max(0), k, (k + step).min(i64::from(last))]
     };
     let (x, y) = (reach(i, dem.columns() - 1), reach(j, dem.rows() - 1));
-    let slope = |low: f64, (a, k, b): (i64, i64, i64), at: f64, high: f64| {
-        if a == b {
-            return 0.0;
-        }
-        if k == a || k == b {
-            return (high - low) / (b - a) as f64;
-        }
-        let (left, right) = ((at - low) / (k - a) as f64, (high - at) / (b - k) as f64);
-        let most = 3.0 * left.abs().min(right.abs());
-        if left * right <= 0.0 {
-            0.0
-        } else {
-            ((high - low) / (b - a) as f64).clamp(-most, most)
-        }
-    };
-    let z = |i, j| dem.height_m(i, j);
-    let at = z(x.1, y.1);
-    let zu = slope(z(x.0, y.1), x, at, z(x.2, y.1));
-    let zv = slope(z(x.1, y.0), y, at, z(x.1, y.2));
-    let area = ((x.2 - x.0) * (y.2 - y.0)) as f64;
-    let twist = if zu == 0.0 || zv == 0.0 || area == 0.0 {
-        0.0
-    } else {
-        (z(x.2, y.2) - z(x.0, y.2) - z(x.2, y.0) + z(x.0, y.0)) / area
-    };
-    [at, zu, zv, twist].map(|x| f64::from(x as f32))
+    let steps = |x: [i64; 3]| [(x[1] - x[0]) as f64, (x[2] - x[1]) as f64];
+    let heights = y.map(|j| x.map(|i| dem.height_m(i, j)));
+    estimate(&heights, steps(x), steps(y)).map(|x| f64::from(x as f32))
 }
 
 /// Largest distance of a patch from its samples; `None` as soon as one is beyond the tolerance.
