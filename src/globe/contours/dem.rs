@@ -11,7 +11,9 @@ pub const MOST_SAMPLES: u64 = 16_385 * 16_385;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DemError {
     /// The sizes do not fit the number of heights, are 0, or too large.
-    #[error("a DEM of {columns} × {rows} samples came with {heights} heights; it needs 1 to 268 468 225 and as many as it says")]
+    #[error(
+        "a DEM of {columns} × {rows} samples came with {heights} heights; it needs 1 to 268 468 225 and as many as it says"
+    )]
     Size {
         /// Columns said.
         columns: u32,
@@ -21,7 +23,9 @@ pub enum DemError {
         heights: usize,
     },
     /// A height is no finite number, or beyond ±10⁶ m.
-    #[error("the DEM's height in column {column}, row {row} is {height_m}; it must be within ±1 000 000 m (fill voids first)")]
+    #[error(
+        "the DEM's height in column {column}, row {row} is {height_m}; it must be within ±1 000 000 m (fill voids first)"
+    )]
     Height {
         /// From the west, 0 first.
         column: u32,
@@ -31,7 +35,9 @@ pub enum DemError {
         height_m: f32,
     },
     /// Steps of a flat grid are not positive, or bounds wider than a quarter turn, or empty.
-    #[error("the DEM's place is not usable: steps must be positive and bounds less than a quarter turn each way")]
+    #[error(
+        "the DEM's place is not usable: steps must be positive and bounds less than a quarter turn each way"
+    )]
     Place,
 }
 
@@ -76,7 +82,12 @@ pub struct Dem {
 
 impl Dem {
     /// A grid of 1 × 1 or more. Rows run from the south northwards.
-    pub fn new(columns: u32, rows: u32, heights_m: Vec<f32>, frame: Frame) -> Result<Self, DemError> {
+    pub fn new(
+        columns: u32,
+        rows: u32,
+        heights_m: Vec<f32>,
+        frame: Frame,
+    ) -> Result<Self, DemError> {
         let samples = u64::from(columns) * u64::from(rows);
         if samples == 0 || samples > MOST_SAMPLES || samples != heights_m.len() as u64 {
             return Err(DemError::Size {
@@ -145,7 +156,10 @@ impl Dem {
             .map(|j| {
                 let lat = bounds.south_rad + tall * part(j, self.rows);
                 let surface = ellipsoid.surface_point(Ellipsoid::normal(lat, 0.0));
-                (DVec2::new(lat.cos(), lat.sin()), DVec2::new(surface.x, surface.z))
+                (
+                    DVec2::new(lat.cos(), lat.sin()),
+                    DVec2::new(surface.x, surface.z),
+                )
             })
             .collect();
         let lat = bounds.south_rad + 0.5 * tall;
@@ -208,7 +222,8 @@ impl Dem {
                 DVec3::new(f64::from(i) * step_m.x, f64::from(j) * step_m.y, height_m)
             }
             Frame::Geodetic { .. } => {
-                let (lon, (lat, surface)) = (self.meridians[i as usize], self.parallels[j as usize]);
+                let (lon, (lat, surface)) =
+                    (self.meridians[i as usize], self.parallels[j as usize]);
                 let rho = surface.x + height_m * lat.x;
                 DVec3::new(rho * lon.x, rho * lon.y, surface.y + height_m * lat.y) - self.origin_m
             }

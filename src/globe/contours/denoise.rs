@@ -48,8 +48,8 @@ fn around(dem: &Dem, i: i64, j: i64, out: &mut [f64; 8]) -> usize {
     for dj in -1..=1 {
         for di in -1..=1 {
             let (x, y) = (i + di, j + dj);
-            let inside =
-                (0..i64::from(dem.columns())).contains(&x) && (0..i64::from(dem.rows())).contains(&y);
+            let inside = (0..i64::from(dem.columns())).contains(&x)
+                && (0..i64::from(dem.rows())).contains(&y);
             if (di, dj) != (0, 0) && inside {
                 out[count] = dem.height_m(x, y);
                 count += 1;
@@ -170,11 +170,19 @@ mod tests {
             ("slanting", |i, j| i + 2 * j > 70),
             ("corner", |i, j| i > 20 && j > 14),
             ("wall", |i, _| i == 20),
-            ("round", |i, j| (i as i32 - 20).pow(2) + (j as i32 - 20).pow(2) < 90),
+            ("round", |i, j| {
+                (i as i32 - 20).pow(2) + (j as i32 - 20).pow(2) < 90
+            }),
         ];
         for (name, inside) in shapes {
             let heights = (0..41 * 41)
-                .map(|k| if inside(k % 41, k / 41) { 9_000.0 } else { -11_000.0 })
+                .map(|k| {
+                    if inside(k % 41, k / 41) {
+                        9_000.0
+                    } else {
+                        -11_000.0
+                    }
+                })
                 .collect();
             let step_m = DVec2::splat(30.0);
             let dem = Dem::new(41, 41, heights, Frame::Flat { step_m }).unwrap();

@@ -21,7 +21,11 @@ fn lerp(a: f64, b: f64, t: f64) -> f64 {
 
 /// A cubic and its derivative by t from its Bézier values, by de Casteljau: equal values give that value exactly.
 pub fn cubic(b: [f64; 4], t: f64) -> (f64, f64) {
-    let (p, q, r) = (lerp(b[0], b[1], t), lerp(b[1], b[2], t), lerp(b[2], b[3], t));
+    let (p, q, r) = (
+        lerp(b[0], b[1], t),
+        lerp(b[1], b[2], t),
+        lerp(b[2], b[3], t),
+    );
     let (p, q) = (lerp(p, q, t), lerp(q, r, t));
     (lerp(p, q, t), 3.0 * (q - p))
 }
@@ -79,7 +83,11 @@ pub fn estimate(heights: &[[f64; 3]; 3], west_east: [f64; 2], south_north: [f64;
         }
         let (a, b) = ((z[1] - z[0]) / left, (z[2] - z[1]) / right);
         let most = 3.0 * a.abs().min(b.abs());
-        if a * b <= 0.0 { 0.0 } else { whole.clamp(-most, most) }
+        if a * b <= 0.0 {
+            0.0
+        } else {
+            whole.clamp(-most, most)
+        }
     };
     let zu = slope(heights[1], west_east);
     let zv = slope(heights.map(|row| row[1]), south_north);

@@ -91,7 +91,14 @@ impl PatchTree {
                 }
                 joins.edges += 1;
                 joins.across_levels += u64::from(beside.depth < leaf.depth);
-                self.join(&mut joins, step_m, side, points, (leaf, &patches[k]), (beside, &patches[other]));
+                self.join(
+                    &mut joins,
+                    step_m,
+                    side,
+                    points,
+                    (leaf, &patches[k]),
+                    (beside, &patches[other]),
+                );
             }
         }
         joins
@@ -133,19 +140,32 @@ impl PatchTree {
                 std::array::from_fn(|i| std::array::from_fn(|j| net[j][i]))
             }
         };
-        let (f, c) = (turn(self.bezier_from_q(fine.1)), turn(self.bezier_from_q(coarse.1)));
+        let (f, c) = (
+            turn(self.bezier_from_q(fine.1)),
+            turn(self.bezier_from_q(coarse.1)),
+        );
         let [cw, ce, cs, cn] = coarse.0.span.map(f64::from);
         let (along, across) = if side < 2 {
-            (((s - cs) / (cn - cs), (n - cs) / (cn - cs)), (e - w) / (ce - cw))
+            (
+                ((s - cs) / (cn - cs), (n - cs) / (cn - cs)),
+                (e - w) / (ce - cw),
+            )
         } else {
-            (((w - cw) / (ce - cw), (e - cw) / (ce - cw)), (n - s) / (cn - cs))
+            (
+                ((w - cw) / (ce - cw), (e - cw) / (ce - cw)),
+                (n - s) / (cn - cs),
+            )
         };
         let (low, high) = (0, 3);
         let difference = |net: &Net, at: usize| -> [f64; 4] {
             let (a, b) = if at == low { (0, 1) } else { (2, 3) };
             std::array::from_fn(|k| net[b][k] - net[a][k])
         };
-        let (mine, its) = if side % 2 == 0 { (low, high) } else { (high, low) };
+        let (mine, its) = if side % 2 == 0 {
+            (low, high)
+        } else {
+            (high, low)
+        };
         let its = piece(difference(&c, its), along.0, along.1);
         for (a, b) in difference(&f, mine).into_iter().zip(its) {
             joins.proportion_m = joins.proportion_m.max((a - across * b).abs());

@@ -178,7 +178,8 @@ impl PatchTree {
                         ..leaf
                     };
                     tree.leaves[k] = child(spans[0]);
-                    tree.leaves.extend(spans[1..count].iter().map(|s| child(*s)));
+                    tree.leaves
+                        .extend(spans[1..count].iter().map(|s| child(*s)));
                 }
             }
             if tree.leaves.len() > most {
@@ -256,7 +257,11 @@ impl PatchTree {
     }
 
     /// An empty tree for [`Self::resettle`].
-    pub(super) fn of_leaves(leaves: Vec<Leaf>, size: [u32; 2], q: [f64; 2]) -> Result<Self, QError> {
+    pub(super) fn of_leaves(
+        leaves: Vec<Leaf>,
+        size: [u32; 2],
+        q: [f64; 2],
+    ) -> Result<Self, QError> {
         Ok(Self {
             leaves,
             corners: Vec::new(),

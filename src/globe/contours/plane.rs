@@ -240,7 +240,10 @@ mod tests {
         assert_eq!((none.normal, none.support), (up, Support::Point));
         for at in [DVec3::ZERO, DVec3::new(1e7, -3.0, 0.1)] {
             let one = fit_points(up, &[at]);
-            assert_eq!((one.normal, one.at_m, one.support), (up, at, Support::Point));
+            assert_eq!(
+                (one.normal, one.at_m, one.support),
+                (up, at, Support::Point)
+            );
             let same = fit_points(up, &[at; 50]);
             assert_eq!((same.normal, same.support), (up, Support::Point));
             assert!(same.thickness_m() == 0.0);
@@ -273,7 +276,9 @@ mod tests {
             .into_iter()
             .map(|p| east * p.x + north * p.y + up * p.z)
             .collect();
-        let ours = (fit_points(up, &local).normal - truth).length().to_degrees();
+        let ours = (fit_points(up, &local).normal - truth)
+            .length()
+            .to_degrees();
         // The textbook one-pass form, Σ ppᵀ − n·ccᵀ, everything f32.
         let center = up * 6_371_000.0;
         let (mut m, mut sum) = (glam::Mat3::ZERO, glam::Vec3::ZERO);

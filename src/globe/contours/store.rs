@@ -64,7 +64,13 @@ impl PatchTree {
         let free = self.hangs.iter().filter(|hangs| !**hangs).count();
         let mut out = Vec::with_capacity(HEADER + self.leaves.len() / 4 + 16 * free + HASH);
         out.extend(MAGIC);
-        for n in [VERSION, self.size[0], self.size[1], self.leaves.len() as u32, free as u32] {
+        for n in [
+            VERSION,
+            self.size[0],
+            self.size[1],
+            self.leaves.len() as u32,
+            free as u32,
+        ] {
             out.extend(n.to_le_bytes());
         }
         for x in [self.bases()[0].q(), self.bases()[1].q(), self.error_m] {
@@ -92,7 +98,9 @@ impl PatchTree {
         }
         for (corner, hangs) in self.corners.iter().zip(&self.hangs) {
             if !hangs {
-                corner.iter().for_each(|x| out.extend((*x as f32).to_le_bytes()));
+                corner
+                    .iter()
+                    .for_each(|x| out.extend((*x as f32).to_le_bytes()));
             }
         }
         let hash = blake3::hash(&out);
@@ -102,7 +110,11 @@ impl PatchTree {
 
     /// The patches again, to the last bit. Nothing is allocated before its size is known to fit into the bytes at hand
     /// and into the budget.
-    pub fn from_bytes(bytes: &[u8], source: &[u8; 32], budget_bytes: u64) -> Result<Self, StoreError> {
+    pub fn from_bytes(
+        bytes: &[u8],
+        source: &[u8; 32],
+        budget_bytes: u64,
+    ) -> Result<Self, StoreError> {
         if bytes.len() < HEADER + HASH || &bytes[..8] != MAGIC {
             return Err(StoreError::Format);
         }
@@ -176,9 +188,9 @@ impl PatchTree {
         if found.len() != leaves || at.div_ceil(8) != bits {
             return Err(content("another number of leaves than its tree has"));
         }
-        let mut values = body[HEADER + bits..].chunks_exact(4).map(|four| {
-            f64::from(f32::from_le_bytes([four[0], four[1], four[2], four[3]]))
-        });
+        let mut values = body[HEADER + bits..]
+            .chunks_exact(4)
+            .map(|four| f64::from(f32::from_le_bytes([four[0], four[1], four[2], four[3]])));
         let mut tree = Self::of_leaves(found, size, [real(28), real(36)])?;
         tree.error_m = error_m;
         let mut bad = false;
@@ -192,7 +204,9 @@ impl PatchTree {
             })
         });
         if bad || values.next().is_some() {
-            return Err(content("another number of corners, or corners that are no numbers"));
+            return Err(content(
+                "another number of corners, or corners that are no numbers",
+            ));
         }
         Ok(tree)
     }
@@ -217,7 +231,12 @@ pub struct Storage {
 
 impl Storage {
     /// Counts what a grid takes. Contours and patches are those of the same tolerance.
-    pub fn count(dem: &Dem, tolerance_m: f64, contours: &super::ContourTree, patches: &PatchTree) -> Self {
+    pub fn count(
+        dem: &Dem,
+        tolerance_m: f64,
+        contours: &super::ContourTree,
+        patches: &PatchTree,
+    ) -> Self {
         let leaves = morton_leaves(dem, tolerance_m);
         let stats = contours.stats();
         Self {
@@ -298,7 +317,10 @@ mod tests {
         }
         let mut other = source;
         other[3] ^= 1;
-        assert_eq!(PatchTree::from_bytes(&bytes, &other, 1 << 24), Err(StoreError::Stale));
+        assert_eq!(
+            PatchTree::from_bytes(&bytes, &other, 1 << 24),
+            Err(StoreError::Stale)
+        );
         assert!(matches!(
             PatchTree::from_bytes(&bytes, &source, 1_000),
             Err(StoreError::Budget { .. })
@@ -316,6 +338,9 @@ mod tests {
         assert_eq!(morton_leaves(&dem(65, |_| 5.0), 0.0), 1);
         assert_eq!(morton_leaves(&dem(64, |k| k as f32), 0.0), 64 * 64);
         // One odd sample: three quarters stay at each of six levels, and four samples.
-        assert_eq!(morton_leaves(&dem(64, |k| if k == 0 { 1.0 } else { 0.0 }), 0.0), 3 * 6 + 1);
+        assert_eq!(
+            morton_leaves(&dem(64, |k| if k == 0 { 1.0 } else { 0.0 }), 0.0),
+            3 * 6 + 1
+        );
     }
 }

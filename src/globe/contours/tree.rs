@@ -6,7 +6,9 @@ use glam::{DMat4, DVec3};
 
 /// A tree that would not fit into its budget.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{what} would take more than the {budget_bytes} bytes allowed; raise the budget or the tolerance")]
+#[error(
+    "{what} would take more than the {budget_bytes} bytes allowed; raise the budget or the tolerance"
+)]
 pub struct BudgetError {
     /// What was being built.
     pub what: &'static str,
@@ -20,7 +22,12 @@ pub fn world_error_m(pixels: f64, viewport_px: f64, depth_m: f64, field_of_view_
 }
 
 /// Pixels by which a world error shows: τ = ε·h/(2 P_z tan(θ/2)).
-pub fn screen_error_px(error_m: f64, viewport_px: f64, depth_m: f64, field_of_view_rad: f64) -> f64 {
+pub fn screen_error_px(
+    error_m: f64,
+    viewport_px: f64,
+    depth_m: f64,
+    field_of_view_rad: f64,
+) -> f64 {
     error_m * viewport_px / (2.0 * depth_m.max(1e-3) * (0.5 * field_of_view_rad).tan())
 }
 

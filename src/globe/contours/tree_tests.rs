@@ -2,7 +2,7 @@ use super::testing::{fractal, noise};
 use super::*;
 use crate::elevation::Bounds;
 use crate::frames::Ellipsoid;
-use glam::{DMat4, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
 const BUDGET: u64 = 1 << 30;
 
@@ -45,17 +45,32 @@ fn shapes() -> Vec<(&'static str, Dem)> {
         ("slope", flat(30, 41, |i, j| 3.0 * i as f32 - j as f32)),
         (
             "spike",
-            flat(33, 33, |i, j| if (i, j) == (11, 20) { 9_000.0 } else { 0.0 }),
+            flat(
+                33,
+                33,
+                |i, j| if (i, j) == (11, 20) { 9_000.0 } else { 0.0 },
+            ),
         ),
         (
             "cliffs",
-            flat(50, 37, |i, j| if (i / 9 + j / 5) % 2 == 0 { -11_000.0 } else { 9_000.0 }),
+            flat(50, 37, |i, j| {
+                if (i / 9 + j / 5) % 2 == 0 {
+                    -11_000.0
+                } else {
+                    9_000.0
+                }
+            }),
         ),
         ("fractal", fractal(129, 4)),
-        ("pole", globe(33, polar, |i, j| ((i * j) % 17) as f32 * 90.0)),
+        (
+            "pole",
+            globe(33, polar, |i, j| ((i * j) % 17) as f32 * 90.0),
+        ),
         (
             "date line",
-            globe(65, small, |i, j| 200.0 * ((i as f32) * 0.3).sin() * (j as f32 * 0.2).cos()),
+            globe(65, small, |i, j| {
+                200.0 * ((i as f32) * 0.3).sin() * (j as f32 * 0.2).cos()
+            }),
         ),
     ]
 }
@@ -87,7 +102,11 @@ fn every_sample_lies_in_every_slab_above_it_and_leaves_are_thin() {
                 }
             }
             let [_, e, _, n] = dem.span();
-            assert_eq!(cells, e.max(1) * n.max(1), "{name}: leaves must tile the grid");
+            assert_eq!(
+                cells,
+                e.max(1) * n.max(1),
+                "{name}: leaves must tile the grid"
+            );
             if tolerance_m == 1e9 {
                 assert_eq!(tree.nodes.len(), 1);
             }
@@ -124,14 +143,20 @@ fn casting_finds_what_looking_at_every_leaf_finds() {
                 let ray = ray(&dem, &mut seed);
                 let (ours, all) = (tree.cast(&dem, &ray), tree.cast_at_all(&dem, &ray));
                 let distance = |hit: Option<Hit>| hit.map(|hit| hit.distance_m);
-                assert_eq!(distance(ours), distance(all), "{name} {tolerance_m} {ray:?}");
+                assert_eq!(
+                    distance(ours),
+                    distance(all),
+                    "{name} {tolerance_m} {ray:?}"
+                );
                 rays += 1;
                 hits += u32::from(all.is_some());
                 walls += u32::from(all.is_some_and(|hit| hit.wall));
             }
         }
     }
-    println!("{rays} rays, {hits} hits, {walls} through walls: the same as every leaf, bit for bit");
+    println!(
+        "{rays} rays, {hits} hits, {walls} through walls: the same as every leaf, bit for bit"
+    );
     assert!(hits > rays / 3 && hits < rays);
 }
 
@@ -139,7 +164,9 @@ fn casting_finds_what_looking_at_every_leaf_finds() {
 fn a_ray_meets_the_ground_where_marching_over_the_data_does() {
     // Bilinear heights, marched in steps of 1 m, on rays that look down steeply enough for one tolerance of height.
     let dem = fractal(129, 9);
-    let Frame::Flat { step_m } = dem.frame() else { panic!() };
+    let Frame::Flat { step_m } = dem.frame() else {
+        panic!()
+    };
     let height = |p: DVec3| {
         let (x, y) = (p.x / step_m.x, p.y / step_m.y);
         let (i, j) = (x.floor() as i64, y.floor() as i64);
@@ -153,13 +180,20 @@ fn a_ray_meets_the_ground_where_marching_over_the_data_does() {
         let mut worst: f64 = 0.0;
         for _ in 0..300 {
             let size = step_m * 128.0;
-            let at = |seed: &mut u64| DVec2::new(noise(seed), noise(seed)) * 0.3 * size + size * 0.5;
+            let at =
+                |seed: &mut u64| DVec2::new(noise(seed), noise(seed)) * 0.3 * size + size * 0.5;
             let from_m = at(&mut seed).extend(9_000.0);
             let to = at(&mut seed).extend(0.0);
             let towards = (to - from_m).normalize();
-            let ray = Ray { from_m, towards, most_m: 1e6, cone: 0.0 };
+            let ray = Ray {
+                from_m,
+                towards,
+                most_m: 1e6,
+                cone: 0.0,
+            };
             let hit = tree.cast(&dem, &ray).unwrap();
-            let off = (from_m + towards * hit.distance_m).z - height(from_m + towards * hit.distance_m);
+            let off =
+                (from_m + towards * hit.distance_m).z - height(from_m + towards * hit.distance_m);
             // A wall stands where two planes disagree: there the ray is between the two.
             worst = worst.max(off.abs());
         }
@@ -175,11 +209,19 @@ fn an_eye_in_the_ground_and_odd_rays_have_answers() {
         let [_, e, _, n] = dem.span();
         let inside = dem.lifted_m(e / 2, n / 2, -20_000.0);
         for towards in [dem.up(), -dem.up(), DVec3::ZERO] {
-            let ray = Ray { from_m: inside, towards, most_m: 1e9, cone: 0.0 };
+            let ray = Ray {
+                from_m: inside,
+                towards,
+                most_m: 1e9,
+                cone: 0.0,
+            };
             let hit = tree.cast(&dem, &ray).unwrap();
             assert_eq!(hit.distance_m, 0.0, "{name}");
             let above = dem.lifted_m(e / 2, n / 2, 20_000.0);
-            let ray = Ray { from_m: above, ..ray };
+            let ray = Ray {
+                from_m: above,
+                ..ray
+            };
             let hit = tree.cast(&dem, &ray);
             assert_eq!(hit.is_some(), towards == -dem.up(), "{name} {towards}");
             assert!(hit.is_none_or(|hit| hit.distance_m.is_finite()));
@@ -196,15 +238,15 @@ fn far_views_need_fewer_nodes_and_views_of_nothing_none() {
     let mut last = usize::MAX;
     for height_m in [2_000.0, 2e4, 2e5, 2e6] {
         let eye = DVec3::new(4_000.0, 4_000.0, height_m);
-        let look = DMat4::look_to_rh(eye, -DVec3::Z, DVec3::Y);
-        let clip = DMat4::perspective_rh(1.0, 16.0 / 9.0, 1.0, 1e8) * look;
+        let look = glam::dcamera::rh::view::look_to_mat4(eye, -DVec3::Z, DVec3::Y);
+        let clip = glam::dcamera::rh::proj::directx::perspective(1.0, 16.0 / 9.0, 1.0, 1e8) * look;
         tree.select(eye, &clip, 1.0 / 720.0, 2.0 / 3.0, &mut out);
         assert!(!out.is_empty() && out.len() <= leaves);
         // From 2 km only a part is in view.
         assert!(height_m < 1e5 || out.len() <= last);
         last = out.len();
-        let away = DMat4::perspective_rh(1.0, 16.0 / 9.0, 1.0, 1e8)
-            * DMat4::look_to_rh(eye, DVec3::Z, DVec3::Y);
+        let away = glam::dcamera::rh::proj::directx::perspective(1.0, 16.0 / 9.0, 1.0, 1e8)
+            * glam::dcamera::rh::view::look_to_mat4(eye, DVec3::Z, DVec3::Y);
         tree.select(eye, &away, 1.0 / 720.0, 2.0 / 3.0, &mut out);
         assert!(height_m < 1e4 || out.is_empty());
     }
@@ -218,11 +260,23 @@ fn what_cannot_be_a_dem_is_refused() {
     let step_m = DVec2::ONE;
     let new = |c, r, h: Vec<f32>| Dem::new(c, r, h, Frame::Flat { step_m });
     assert!(matches!(new(0, 3, vec![]), Err(DemError::Size { .. })));
-    assert!(matches!(new(2, 2, vec![0.0; 3]), Err(DemError::Size { .. })));
-    assert!(matches!(new(u32::MAX, u32::MAX, vec![]), Err(DemError::Size { .. })));
-    assert!(matches!(new(1, 1, vec![f32::NAN]), Err(DemError::Height { .. })));
+    assert!(matches!(
+        new(2, 2, vec![0.0; 3]),
+        Err(DemError::Size { .. })
+    ));
+    assert!(matches!(
+        new(u32::MAX, u32::MAX, vec![]),
+        Err(DemError::Size { .. })
+    ));
+    assert!(matches!(
+        new(1, 1, vec![f32::NAN]),
+        Err(DemError::Height { .. })
+    ));
     let step_m = DVec2::new(0.0, 1.0);
-    assert_eq!(Dem::new(1, 1, vec![0.0], Frame::Flat { step_m }), Err(DemError::Place));
+    assert_eq!(
+        Dem::new(1, 1, vec![0.0], Frame::Flat { step_m }),
+        Err(DemError::Place)
+    );
     let dem = fractal(65, 1);
     let refused = ContourTree::build(&dem, 0.0, 10_000, &mut |_| ());
     assert!(refused.is_err());

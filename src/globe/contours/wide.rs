@@ -139,7 +139,15 @@ mod tests {
     #[test]
     fn agrees_with_f64_where_f64_reaches() {
         let values = [
-            0.0, 1.0, -1.0, 0.1, -3e5, 1e-300, 1e300, 5e-324, 0.999_999_9,
+            0.0,
+            1.0,
+            -1.0,
+            0.1,
+            -3e5,
+            1e-300,
+            1e300,
+            5e-324,
+            0.999_999_9,
         ];
         for a in values {
             assert_eq!(Wide::from(a).to_f64(), a);

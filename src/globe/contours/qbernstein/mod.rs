@@ -269,9 +269,7 @@ impl Conversion {
             *to = row
                 .iter()
                 .zip(control)
-                .fold(Wide::ZERO, |sum, (entry, c)| {
-                    sum + *entry * Wide::from(*c)
-                })
+                .fold(Wide::ZERO, |sum, (entry, c)| sum + *entry * Wide::from(*c))
                 .to_f64();
         }
         out

@@ -47,7 +47,19 @@ fn off(x: f64, exact: &BigFloat, unit: &BigFloat) -> f64 {
     off.to_string().parse::<f64>().unwrap()
 }
 
-const QS: [f64; 11] = [1e-6, 1e-3, 0.3, 0.999, 1.0 - 1e-12, 1.0 + 1e-12, 1.001, 1.7, 30.0, 1e3, 1e6];
+const QS: [f64; 11] = [
+    1e-6,
+    1e-3,
+    0.3,
+    0.999,
+    1.0 - 1e-12,
+    1.0 + 1e-12,
+    1.001,
+    1.7,
+    30.0,
+    1e3,
+    1e6,
+];
 
 #[test]
 fn values_hold_against_long_arithmetic() {
@@ -85,7 +97,9 @@ fn values_hold_against_long_arithmetic() {
             }
         }
     }
-    println!("basis against 2048 bits: {below:.1e} relative for q < 1, {above:.1e} of its terms above");
+    println!(
+        "basis against 2048 bits: {below:.1e} relative for q < 1, {above:.1e} of its terms above"
+    );
     assert!(below < 2e-14 && above < 2e-14);
 }
 
@@ -113,8 +127,7 @@ fn matrices_hold_against_long_arithmetic() {
                 }
                 let mut binomial = big(1.0);
                 for k in 1..=i {
-                    binomial =
-                        mul(&binomial, &q_int(n - k + 1, &qb)).div(&q_int(k, &qb), BITS, RM);
+                    binomial = mul(&binomial, &q_int(n - k + 1, &qb)).div(&q_int(k, &qb), BITS, RM);
                 }
                 for k in 0..=n - i {
                     let mut plain = big(1.0);
@@ -137,9 +150,10 @@ fn matrices_hold_against_long_arithmetic() {
             }
             for r in 0..=n {
                 for c in 0..=n {
-                    for (entry, exact) in
-                        [(to.get(r, c), &exact[r][c]), (back.get(r, c), &inverse[r][c])]
-                    {
+                    for (entry, exact) in [
+                        (to.get(r, c), &exact[r][c]),
+                        (back.get(r, c), &inverse[r][c]),
+                    ] {
                         let size = exact.abs();
                         if exact.is_zero() || (q - 1.0).abs() < 1e-9 && entry.abs() < 1e-60 {
                             assert!(entry.abs() < 1e-60, "{n} {q} {r} {c}: {entry}");

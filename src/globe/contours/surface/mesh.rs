@@ -1,7 +1,7 @@
 //! Triangles over one cell.
 
 use super::super::hermite::{Corner, cubic, edge, evaluate, net};
-use super::lattice::{Cell, SEGMENTS, STEP_RAD, TALL, cos_sin_lat, lon_rad};
+use super::lattice::{Cell, ORIGIN_HEIGHT_M, SEGMENTS, STEP_RAD, TALL, cos_sin_lat, lon_rad};
 use crate::frames::Ellipsoid;
 use crate::globe::{GroundVertex, Indices, Patch};
 use glam::{DVec3, Vec2};
@@ -28,7 +28,9 @@ pub struct Shape {
 impl Shape {
     /// Which sides are coarser, one bit each.
     pub fn mask(&self) -> usize {
-        (0..4).fold(0, |mask, k| mask | usize::from(self.coarse[k].is_some()) << k)
+        (0..4).fold(0, |mask, k| {
+            mask | usize::from(self.coarse[k].is_some()) << k
+        })
     }
 }
 
@@ -116,7 +118,7 @@ pub fn write(ellipsoid: &Ellipsoid, cell: Cell, shape: &Shape, patch: &mut Patch
     };
     let snap = |p: DVec3, grain: f64| (p / grain).round() * grain;
     let half = n / 2;
-    let origin = snap(at(half, half, heights[half][half]), own);
+    let origin = snap(at(half, half, ORIGIN_HEIGHT_M), own);
     patch.origin_itrf_m = origin;
     patch.block = Some(cell.block());
     patch.vertices.clear();

@@ -62,6 +62,8 @@ struct Measure {
 
 /// Samples each way that a cell is measured at.
 const PROBES: u32 = 8;
+/// From this level on the chord of a segment lies less than 6 cm below the arc, however coarse the data.
+const ROUND: u8 = 7;
 /// Below any ground: what the horizon is reckoned with.
 const DEPTH_M: f64 = 12_000.0;
 
@@ -167,9 +169,17 @@ impl ContourSurface {
         for j in 0..PROBES {
             for i in 0..PROBES {
                 // In the middle of every other square: what is drawn there is about the mean of its corners.
-                let (u, v) = (f64::from(2 * i) * segment, f64::from(2 * j + (i & 1)) * segment);
+                let (u, v) = (
+                    f64::from(2 * i) * segment,
+                    f64::from(2 * j + (i & 1)) * segment,
+                );
                 let mut drawn = 0.0;
-                for (du, dv) in [(0.0, 0.0), (segment, 0.0), (0.0, segment), (segment, segment)] {
+                for (du, dv) in [
+                    (0.0, 0.0),
+                    (segment, 0.0),
+                    (0.0, segment),
+                    (segment, segment),
+                ] {
                     drawn += 0.25 * evaluate(&net, u + du, v + dv)[0];
                 }
                 let [x, y] = cell.vertex(0, 0);
@@ -188,17 +198,19 @@ impl ContourSurface {
             0.5 * (bounds.south_rad + bounds.north_rad),
             bounds.west_rad + 0.5 * size_rad,
         );
+        let spacing_rad = ground.finest_spacing_rad(lat, lon);
         // Cubics may leave the range of their data: by no more than their Bézier heights do.
-        let (low, high) = net.iter().flatten().fold(
-            (range.low_m, range.high_m),
-            |(low, high), z| (low.min(*z), high.max(*z)),
-        );
+        let (low, high) = net
+            .iter()
+            .flatten()
+            .fold((range.low_m, range.high_m), |(low, high), z| {
+                (low.min(*z), high.max(*z))
+            });
         let measure = Measure {
             error_m: error_m as f32,
             low_m: low as f32 - 1.0,
             high_m: high as f32 + 1.0,
-            last: size_rad <= ground.finest_spacing_rad(lat, lon) && error_m < 1.0
-                || size_rad <= ground.finest_spacing_rad(lat, lon) && cell.level > 6,
+            last: spacing_rad.is_finite() && size_rad <= spacing_rad && cell.level >= ROUND,
         };
         self.measures.put(cell.key(), self.now, measure);
         measure
@@ -336,8 +348,7 @@ impl ContourSurface {
                 self.middle(ground, b.parent(), from, to, true)
             }
             _ => {
-                let finer = [rank_a, rank_b, self.rank(cell.beside(dx, dy))]
-                    .contains(&Rank::Finer);
+                let finer = [rank_a, rank_b, self.rank(cell.beside(dx, dy))].contains(&Rank::Finer);
                 self.free(ground, place, cell.level + u8::from(finer))
             }
         };
@@ -347,7 +358,14 @@ impl ContourSurface {
         corner
     }
 
-    fn middle(&mut self, ground: &dyn Elevation, of: Cell, a: usize, b: usize, along_u: bool) -> Corner {
+    fn middle(
+        &mut self,
+        ground: &dyn Elevation,
+        of: Cell,
+        a: usize,
+        b: usize,
+        along_u: bool,
+    ) -> Corner {
         let (a, b) = (self.corner(ground, of, a), self.corner(ground, of, b));
         restrict(&a, &b, f64::from(of.steps()), 0.5, along_u)
     }
@@ -359,7 +377,12 @@ impl ContourSurface {
             ..Shape::default()
         };
         // West, east, south, north: the facing corners of the neighbour.
-        let sides = [((-1, 0), [1, 3]), ((1, 0), [0, 2]), ((0, -1), [2, 3]), ((0, 1), [0, 1])];
+        let sides = [
+            ((-1, 0), [1, 3]),
+            ((1, 0), [0, 2]),
+            ((0, -1), [2, 3]),
+            ((0, 1), [0, 1]),
+        ];
         for (side, ((dx, dy), [a, b])) in sides.into_iter().enumerate() {
             let beside = cell.beside(dx, dy);
             if self.rank(beside) == Rank::Coarser
@@ -543,7 +566,11 @@ impl Surface for ContourSurface {
             let cell = self.leaves[k].1;
             let shape = self.shape(ground, cell);
             let slot = self.slot(cell);
-            let Slot { used, shape: was, patch } = &mut self.slots[slot];
+            let Slot {
+                used,
+                shape: was,
+                patch,
+            } = &mut self.slots[slot];
             *used = self.now;
             if *was != shape {
                 *was = shape;
@@ -570,7 +597,11 @@ impl Surface for ContourSurface {
             + self.settled.bytes()
             + self.by_key.bytes()
             + (self.slots.len() * a_slot) as u64
-            + self.indices.iter().map(|i| 4 * i.triangles.len() as u64).sum::<u64>();
+            + self
+                .indices
+                .iter()
+                .map(|i| 4 * i.triangles.len() as u64)
+                .sum::<u64>();
         stats.error_m = Some(error_m);
         stats.error_px = Some(error_px);
         stats

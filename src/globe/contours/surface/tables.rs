@@ -127,11 +127,6 @@ impl Keys {
         self.count
     }
 
-    /// Keys it has room for.
-    pub fn room(&self) -> usize {
-        self.slots.len() / 2
-    }
-
     /// Memory, bytes.
     pub fn bytes(&self) -> u64 {
         size_of_val(&self.slots[..]) as u64
@@ -165,6 +160,11 @@ mod tests {
             assert_eq!(cache.get(k, k), Some(2 * k));
             assert_eq!(cache.get(0, k), if k < 1_000 { Some(0) } else { None });
         }
-        assert!((0..1_000).filter(|k| cache.get(*k, 1_000).is_some()).count() <= 64);
+        assert!(
+            (0..1_000)
+                .filter(|k| cache.get(*k, 1_000).is_some())
+                .count()
+                <= 64
+        );
     }
 }
