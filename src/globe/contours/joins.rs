@@ -161,7 +161,7 @@ impl PatchTree {
             let (a, b) = if at == low { (0, 1) } else { (2, 3) };
             std::array::from_fn(|k| net[b][k] - net[a][k])
         };
-        let (mine, its) = if side % 2 == 0 {
+        let (mine, its) = if side.is_multiple_of(2) {
             (low, high)
         } else {
             (high, low)

@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_8, PI};
 /// Deepest level: cells of 2.4 m.
 pub const LEVELS: u8 = 20;
 /// Segments along an edge of a cell.
-pub const SEGMENTS: u32 = 16;
+pub const SEGMENTS: u32 = 8;
 /// Lattice steps in a block: one for each vertex of the deepest cells.
 const BLOCK_STEPS: u32 = SEGMENTS << LEVELS;
 /// Lattice steps around the equator and from pole to pole.

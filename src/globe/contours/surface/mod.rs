@@ -6,23 +6,28 @@
 //! tangent plane across every edge, in each frame's own choice of levels. Neighbours, diagonal ones too, differ by one level
 //! at most.
 //!
-//! Per frame: choose which cells to cut, coarse ones first, by the error measured when a cell was first looked at; cut more
+//! Per frame: choose which cells to cut, largest errors in pixels first, as measured when a cell was first looked at; cut more
 //! until the levels are balanced; draw those that are seen. New cells are measured within a budget, so a jump of the eye
 //! becomes sharp over some frames and never waits. Vertices are written anew only where what they follow from has changed.
 
+mod choose;
 mod lattice;
 mod mesh;
+mod seen;
 mod tables;
 #[cfg(test)]
 mod tests;
 
-use super::hermite::{Corner, estimate, evaluate, net, restrict};
+use super::hermite::{Corner, estimate, restrict};
 use crate::elevation::Elevation;
 use crate::frames::Ellipsoid;
 use crate::globe::{GroundView, Indices, Patch, Surface, SurfaceStats};
-use glam::{DVec3, DVec4};
-use lattice::{AROUND, Cell, LEVELS, SEGMENTS, STEP_RAD, TALL, ball, lat_rad, lon_rad};
+use choose::{Measure, Wanted};
+use glam::DVec3;
+use lattice::{AROUND, Cell, LEVELS, STEP_RAD, TALL, lat_rad, lon_rad};
 use mesh::Shape;
+use seen::Seen;
+use std::collections::BinaryHeap;
 use std::sync::Arc;
 use tables::{Cache, Keys};
 
@@ -43,29 +48,12 @@ impl Default for ContourOptions {
     fn default() -> Self {
         Self {
             ellipsoid: Ellipsoid::WGS84,
-            most_cuts: 500,
-            measured_per_frame: 24,
+            most_cuts: 600,
+            measured_per_frame: 12,
             deepest: u32::from(LEVELS),
         }
     }
 }
-
-/// What is known of a cell.
-#[derive(Clone, Copy, Debug, Default)]
-struct Measure {
-    error_m: f32,
-    low_m: f32,
-    high_m: f32,
-    /// As fine as the data.
-    last: bool,
-}
-
-/// Samples each way that a cell is measured at.
-const PROBES: u32 = 8;
-/// From this level on the chord of a segment lies less than 6 cm below the arc, however coarse the data.
-const ROUND: u8 = 7;
-/// Below any ground: what the horizon is reckoned with.
-const DEPTH_M: f64 = 12_000.0;
 
 struct Slot {
     used: u64,
@@ -85,6 +73,8 @@ pub struct ContourSurface {
     /// This frame's corners by place.
     settled: Keys,
     settled_corners: Vec<Corner>,
+    /// Cells still to be cut, largest errors first.
+    wanted: BinaryHeap<Wanted>,
     queue: Vec<Cell>,
     leaves: Vec<(f64, Cell)>,
     slots: Vec<Slot>,
@@ -97,7 +87,7 @@ pub struct ContourSurface {
 }
 
 impl ContourSurface {
-    /// An empty surface. Tables take 10 MB, patches 8 kB each.
+    /// An empty surface. Tables take 9 MB, patches 3 kB each.
     pub fn new(options: ContourOptions) -> Self {
         let options = ContourOptions {
             most_cuts: options.most_cuts.clamp(16, 1_700),
@@ -113,6 +103,7 @@ impl ContourSurface {
             inner: Keys::new(15),
             settled: Keys::new(16),
             settled_corners: Vec::new(),
+            wanted: BinaryHeap::new(),
             queue: Vec::new(),
             leaves: Vec::new(),
             slots: Vec::new(),
@@ -157,163 +148,6 @@ impl ContourSurface {
         }
         self.corners.put(key, self.now, corner);
         corner
-    }
-
-    fn measure(&mut self, ground: &dyn Elevation, cell: Cell) -> Measure {
-        let corners: [Corner; 4] =
-            std::array::from_fn(|k| self.free(ground, cell.corner(k), cell.level));
-        let steps = f64::from(cell.steps());
-        let net = net(&corners, steps, steps);
-        let segment = 1.0 / f64::from(SEGMENTS);
-        let mut error_m = 0.0f64;
-        for j in 0..PROBES {
-            for i in 0..PROBES {
-                // In the middle of every other square: what is drawn there is about the mean of its corners.
-                let (u, v) = (
-                    f64::from(2 * i) * segment,
-                    f64::from(2 * j + (i & 1)) * segment,
-                );
-                let mut drawn = 0.0;
-                for (du, dv) in [
-                    (0.0, 0.0),
-                    (segment, 0.0),
-                    (0.0, segment),
-                    (segment, segment),
-                ] {
-                    drawn += 0.25 * evaluate(&net, u + du, v + dv)[0];
-                }
-                let [x, y] = cell.vertex(0, 0);
-                let to = |t: f64| ((t + 0.5 * segment) * steps) as u32;
-                let data = self.height_m(ground, (x + to(u)) % AROUND, y + to(v), 0.0);
-                error_m = error_m.max((drawn - data).abs());
-            }
-        }
-        let size_rad = steps * STEP_RAD;
-        // The chord of a segment below the arc, both ways.
-        let arc = size_rad * segment;
-        error_m += 0.25 * arc * arc * self.options.ellipsoid.equatorial_radius_m;
-        let bounds = cell.bounds();
-        let range = ground.range_m(&bounds);
-        let (lat, lon) = (
-            0.5 * (bounds.south_rad + bounds.north_rad),
-            bounds.west_rad + 0.5 * size_rad,
-        );
-        let spacing_rad = ground.finest_spacing_rad(lat, lon);
-        // Cubics may leave the range of their data: by no more than their Bézier heights do.
-        let (low, high) = net
-            .iter()
-            .flatten()
-            .fold((range.low_m, range.high_m), |(low, high), z| {
-                (low.min(*z), high.max(*z))
-            });
-        let measure = Measure {
-            error_m: error_m as f32,
-            low_m: low as f32 - 1.0,
-            high_m: high as f32 + 1.0,
-            last: spacing_rad.is_finite() && size_rad <= spacing_rad && cell.level >= ROUND,
-        };
-        self.measures.put(cell.key(), self.now, measure);
-        measure
-    }
-
-    /// What is known of a cell, or else of the nearest one above it.
-    fn known(&mut self, mut cell: Cell) -> Measure {
-        loop {
-            if let Some(measure) = self.measures.get(cell.key(), self.now) {
-                return measure;
-            }
-            if cell.level == 0 {
-                return Measure {
-                    error_m: 0.0,
-                    low_m: -12_000.0,
-                    high_m: 9_000.0,
-                    last: true,
-                };
-            }
-            cell = cell.parent();
-        }
-    }
-
-    fn is_cut(&self, cell: Cell) -> bool {
-        self.inner.get(cell.key()).is_some()
-    }
-
-    /// Marks a cell and all above it as cut; false if there is no room.
-    fn cut(&mut self, mut cell: Cell) -> bool {
-        while !self.is_cut(cell) {
-            if !self.inner.set(cell.key(), 0) {
-                return false;
-            }
-            self.queue.push(cell);
-            if cell.level == 0 {
-                break;
-            }
-            cell = cell.parent();
-        }
-        true
-    }
-
-    /// Chooses the cells to cut, and measures new ones within the budget.
-    fn choose(&mut self, view: &Seen, ground: &dyn Elevation) {
-        self.inner.clear();
-        self.queue.clear();
-        // Blocks are known from the first frame on.
-        let mut budget = self.options.measured_per_frame;
-        self.queue.extend(Cell::roots());
-        let mut next = 0;
-        while next < self.queue.len() {
-            let cell = self.queue[next];
-            next += 1;
-            let known = self.measures.get(cell.key(), self.now);
-            let measure = match known {
-                Some(measure) => measure,
-                None if cell.level == 0 => self.measure(ground, cell),
-                None => {
-                    // Not seen with what is known from above: not worth measuring.
-                    let above = self.known(cell);
-                    if budget == 0 || view.distance_m(self, cell, &above).is_none() {
-                        continue;
-                    }
-                    budget -= 1;
-                    self.measure(ground, cell)
-                }
-            };
-            let Some(distance_m) = view.distance_m(self, cell, &measure) else {
-                continue;
-            };
-            let pixels = f64::from(measure.error_m) / (distance_m * view.pixel_rad);
-            if pixels > view.tolerance_px
-                && !measure.last
-                && u32::from(cell.level) < self.options.deepest
-                && self.inner.len() < self.options.most_cuts as usize
-                && self.inner.set(cell.key(), 0)
-            {
-                self.queue.extend(cell.children());
-            }
-        }
-        self.balance();
-    }
-
-    /// Cuts more cells until neighbours differ by one level at most.
-    fn balance(&mut self) {
-        let mut cut = std::mem::take(&mut self.queue);
-        cut.retain(|cell| self.is_cut(*cell));
-        self.queue = cut;
-        let mut next = 0;
-        while next < self.queue.len() {
-            let cell = self.queue[next];
-            next += 1;
-            for (dx, dy) in AROUND_A_CELL {
-                if let Some(beside) = cell.beside(dx, dy)
-                    && beside.level > 0
-                    && !self.cut(beside.parent())
-                {
-                    // Beyond what the tables hold: the blocks as they are, which is always whole.
-                    self.inner.clear();
-                    return;
-                }
-            }
-        }
     }
 
     fn rank(&self, cell: Option<Cell>) -> Rank {
@@ -456,73 +290,6 @@ enum Rank {
     Finer,
 }
 
-const AROUND_A_CELL: [(i32, i32); 8] = [
-    (-1, -1),
-    (0, -1),
-    (1, -1),
-    (-1, 0),
-    (1, 0),
-    (-1, 1),
-    (0, 1),
-    (1, 1),
-];
-
-/// What a view sees.
-struct Seen {
-    eye_m: DVec3,
-    sides: [DVec4; 4],
-    pixel_rad: f64,
-    tolerance_px: f64,
-    ellipsoid: Ellipsoid,
-}
-
-impl Seen {
-    fn new(view: &GroundView, ellipsoid: Ellipsoid) -> Self {
-        let rows = view.clip_from_eye.transpose();
-        Self {
-            eye_m: view.eye_itrf_m,
-            sides: [
-                rows.w_axis + rows.x_axis,
-                rows.w_axis - rows.x_axis,
-                rows.w_axis + rows.y_axis,
-                rows.w_axis - rows.y_axis,
-            ],
-            pixel_rad: view.pixel_rad.max(1e-9),
-            tolerance_px: view.tolerance_px.max(0.0),
-            ellipsoid,
-        }
-    }
-
-    /// Distance to the nearest of a cell, at least 1 m; none if it is certainly not seen.
-    fn distance_m(&self, surface: &ContourSurface, cell: Cell, measure: &Measure) -> Option<f64> {
-        let (low, high) = (f64::from(measure.low_m), f64::from(measure.high_m));
-        let (center, radius) = ball(&self.ellipsoid, cell, low, high);
-        let from_eye = center - self.eye_m;
-        let distance = (from_eye.length() - radius).max(1.0);
-        #[cfg(test)]
-        if !surface.cull {
-            return Some(distance);
-        }
-        #[cfg(not(test))]
-        let _ = surface;
-        let beside = self.sides.iter().any(|side| {
-            let n = side.truncate();
-            n.dot(from_eye) + side.w < -radius * n.length()
-        });
-        // Below the horizon of a sphere that lies inside all ground: both tangents add up.
-        let inside = self.ellipsoid.polar_radius_m - DEPTH_M;
-        let eye = self.eye_m.length();
-        let far = center.length();
-        let hidden = eye > inside && far > radius && {
-            let top = (self.ellipsoid.equatorial_radius_m + high).max(inside);
-            let reach = (inside / eye).acos() + (inside / top).acos();
-            let apart = self.eye_m.angle_between(center);
-            apart - (radius / far).min(1.0).asin() > reach
-        };
-        (!beside && !hidden).then_some(distance)
-    }
-}
-
 impl Surface for ContourSurface {
     fn name(&self) -> &'static str {
         "contours"
@@ -542,7 +309,7 @@ impl Surface for ContourSurface {
         let (mut error_m, mut error_px) = (0.0f64, 0.0f64);
         while let Some(cell) = self.queue.pop() {
             let measure = self.known(cell);
-            let Some(distance_m) = seen.distance_m(self, cell, &measure) else {
+            let Some(distance_m) = seen.distance_m(self, &measure) else {
                 continue;
             };
             if self.is_cut(cell) {
