@@ -2,7 +2,7 @@
 
 use super::super::hermite::{Corner, evaluate, net};
 use super::ContourSurface;
-use super::lattice::{AROUND, Cell, SEGMENTS, STEP_RAD, ball};
+use super::lattice::{AROUND, Cell, LEVELS, SEGMENTS, STEP_RAD, ball};
 use super::seen::Seen;
 use crate::elevation::Elevation;
 use glam::DVec3;
@@ -81,6 +81,7 @@ impl ContourSurface {
         let net = net(&corners, steps, steps);
         let segment = 1.0 / f64::from(SEGMENTS);
         let mut error_m = 0.0f64;
+        let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
         for j in 0..PROBES {
             for i in 0..PROBES {
                 // In the middle of squares: what is drawn there is about the mean of its corners.
@@ -101,6 +102,8 @@ impl ContourSurface {
                 let to = |t: f64| ((t + 0.5 * segment) * steps) as u32;
                 let data = self.height_m(ground, (x + to(u)) % AROUND, y + to(v), 0.0);
                 error_m = error_m.max((drawn - data).abs());
+                lowest = lowest.min(data.min(drawn));
+                highest = highest.max(data.max(drawn));
             }
         }
         let size_rad = steps * STEP_RAD;
@@ -109,6 +112,18 @@ impl ContourSurface {
         error_m += 0.25 * arc * arc * self.options.ellipsoid.equatorial_radius_m;
         let bounds = cell.bounds();
         let range = ground.range_m(&bounds);
+        // What the probes have missed, a single summit, say. Only from a source whose ranges become narrower with the
+        // bounds; one that answers the same for all quarters knows no more than that.
+        let is_telling = cell.level < LEVELS
+            && cell
+                .children()
+                .iter()
+                .any(|c| ground.range_m(&c.bounds()) != range);
+        if is_telling {
+            error_m = error_m
+                .max(range.high_m - highest)
+                .max(lowest - range.low_m);
+        }
         let (lat, lon) = (
             0.5 * (bounds.south_rad + bounds.north_rad),
             bounds.west_rad + 0.5 * size_rad,
