@@ -165,7 +165,8 @@ mod tests {
 
     #[test]
     fn cliffs_walls_and_flat_ground_stay() {
-        let shapes: [(&str, fn(u32, u32) -> bool); 5] = [
+        type Inside = fn(u32, u32) -> bool;
+        let shapes: [(&str, Inside); 5] = [
             ("straight", |i, _| i > 20),
             ("slanting", |i, j| i + 2 * j > 70),
             ("corner", |i, j| i > 20 && j > 14),

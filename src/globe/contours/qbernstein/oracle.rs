@@ -138,21 +138,24 @@ fn matrices_hold_against_long_arithmetic() {
                 }
             }
             // Exact inverse by forward substitution.
-            let mut inverse = vec![vec![big(0.0); n + 1]; n + 1];
-            for c in 0..=n {
-                for r in c..=n {
-                    let mut rest = big(if r == c { 1.0 } else { 0.0 });
-                    for k in c..r {
-                        rest = sub(&rest, &mul(&exact[r][k], &inverse[k][c]));
+            let inverse: Vec<Vec<BigFloat>> = (0..=n)
+                .map(|c| {
+                    let mut column = vec![big(0.0); n + 1];
+                    for r in c..=n {
+                        let mut rest = big(if r == c { 1.0 } else { 0.0 });
+                        for k in c..r {
+                            rest = sub(&rest, &mul(&exact[r][k], &column[k]));
+                        }
+                        column[r] = rest.div(&exact[r][r], BITS, RM);
                     }
-                    inverse[r][c] = rest.div(&exact[r][r], BITS, RM);
-                }
-            }
+                    column
+                })
+                .collect();
             for r in 0..=n {
                 for c in 0..=n {
                     for (entry, exact) in [
                         (to.get(r, c), &exact[r][c]),
-                        (back.get(r, c), &inverse[r][c]),
+                        (back.get(r, c), &inverse[c][r]),
                     ] {
                         let size = exact.abs();
                         if exact.is_zero() || (q - 1.0).abs() < 1e-9 && entry.abs() < 1e-60 {
