@@ -6,10 +6,14 @@
 
 mod blocks;
 <<<<<<< HEAD
+<<<<<<< HEAD
 mod displaced;
 =======
 pub mod clipmap;
 >>>>>>> clipmap
+=======
+pub mod contours;
+>>>>>>> contours
 mod levels;
 mod meshes;
 pub mod projected_grid;
