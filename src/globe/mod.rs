@@ -5,15 +5,9 @@
 //! how fine a map it needs there, [`Meshes`] how fine a lattice.
 
 mod blocks;
-<<<<<<< HEAD
-<<<<<<< HEAD
-mod displaced;
-=======
 pub mod clipmap;
->>>>>>> clipmap
-=======
 pub mod contours;
->>>>>>> contours
+mod displaced;
 mod levels;
 mod meshes;
 pub mod projected_grid;
