@@ -7,6 +7,7 @@
 mod blocks;
 mod levels;
 mod meshes;
+pub mod quadtree;
 mod select;
 mod surface;
 

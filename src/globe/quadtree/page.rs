@@ -1,0 +1,302 @@
+//! A page of the forest: what the squares three levels below a square are like.
+
+use super::bound::leaf_error;
+use super::node::{Node, Point, Square};
+use crate::elevation::{Bounds, Elevation};
+use crate::frames::Ellipsoid;
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// Halvings from a block to the finest point that can be named: 2 µm on the ground.
+pub const DEPTH: u8 = 40;
+/// Levels of squares in a page.
+pub const PAGE_LEVELS: u8 = 3;
+/// Steps of the lattice that a page is read on: four to each of its smallest squares.
+const STEPS: usize = 32;
+/// Posts of a row of that lattice.
+const POSTS: usize = STEPS + 1;
+/// Squares of a page: 4 + 16 + 64.
+pub const PAGE_NODES: usize = 84;
+/// Of those, the first of each level.
+const FIRST: [usize; 4] = [0, 0, 4, 20];
+
+/// Place of a node in the page that holds it; `level_in_page` is 1…3.
+pub fn place_in_page(node: Node, level_in_page: u8) -> usize {
+    let side = 1_u64 << level_in_page;
+    let (x, y) = (node.x % side, node.y % side);
+    FIRST[usize::from(level_in_page)] + (y * side + x) as usize
+}
+
+/// What is known of a square of ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Info {
+    /// Middle of a ball about the ground and about all that can be drawn of it, ITRF metres.
+    pub center_itrf_m: DVec3,
+    /// Radius of that ball.
+    pub radius_m: f32,
+    /// Most that a point drawn of it, undivided, lies from the point of the data that it stands for, metres.
+    pub error_m: f32,
+    /// Lowest of its heights, metres.
+    pub low_m: f32,
+    /// Highest.
+    pub high_m: f32,
+}
+
+/// Geodetic latitude and longitude of a point, radians. The poles and the date line are met exactly.
+pub fn lat_lon_rad((x, y): Point) -> (f64, f64) {
+    let point_rad = PI / 8.0 / (1_u64 << DEPTH) as f64;
+    (
+        0.5 * PI - y as f64 * point_rad,
+        x as f64 * point_rad - PI,
+    )
+}
+
+/// Side of a square of a level, radians of latitude and of longitude.
+pub fn side_rad(level: u8) -> f64 {
+    PI / 8.0 / (1_u64 << level) as f64
+}
+
+/// The bounds of a square.
+fn bounds(square: Square) -> Bounds {
+    let (north_rad, west_rad) = lat_lon_rad((square.x, square.y));
+    let (south_rad, east_rad) = lat_lon_rad((square.x + square.size, square.y + square.size));
+    Bounds {
+        south_rad,
+        north_rad,
+        west_rad,
+        width_rad: east_rad - west_rad,
+    }
+}
+
+/// The largest single-precision number's worth of rounding is added, so that a bound stays one.
+fn rounded_up(value: f64) -> f32 {
+    (value * (1.0 + 1e-6)).min(f64::from(f32::MAX)) as f32
+}
+
+/// Heights of a page's posts and what is made of them; kept, so that making a page allocates nothing.
+pub struct Reader {
+    heights_m: Vec<f64>,
+    /// By smallest square: what lies between the posts may differ so much from the finest leaves.
+    unseen_m: Vec<f64>,
+    /// Places read since this was last set to 0.
+    pub samples_read: u64,
+}
+
+impl Reader {
+    /// Ready.
+    pub fn new() -> Self {
+        Self {
+            heights_m: vec![0.0; POSTS * POSTS],
+            unseen_m: vec![0.0; 64],
+            samples_read: 0,
+        }
+    }
+
+    /// Reads the squares below a node. Answers what is then known of the node itself, and of them.
+    pub fn read(
+        &mut self,
+        node: Node,
+        ellipsoid: &Ellipsoid,
+        ground: &dyn Elevation,
+    ) -> (Info, [Info; PAGE_NODES]) {
+        let square = node.square(DEPTH);
+        let step = square.size / STEPS as u64;
+        let mut finest_rad = f64::INFINITY;
+        for j in 0..POSTS {
+            for i in 0..POSTS {
+                let point = (square.x + i as u64 * step, square.y + j as u64 * step);
+                let (lat, lon) = lat_lon_rad(point);
+                self.heights_m[j * POSTS + i] = ground.height_m(lat, lon, 0.0);
+                if i % 4 == 0 && j % 4 == 0 {
+                    finest_rad = finest_rad.min(ground.finest_spacing_rad(lat, lon));
+                }
+            }
+        }
+        self.samples_read += (POSTS * POSTS) as u64;
+        self.find_unseen(square, step, finest_rad, ground);
+        let mut infos = [Info {
+            center_itrf_m: DVec3::ZERO,
+            radius_m: 0.0,
+            error_m: 0.0,
+            low_m: 0.0,
+            high_m: 0.0,
+        }; PAGE_NODES];
+        for level in (1..=PAGE_LEVELS).rev() {
+            let side = 1_usize << level;
+            for y in 0..side {
+                for x in 0..side {
+                    let info = self.info(node, level, (x, y), ellipsoid, ground, &infos);
+                    infos[FIRST[usize::from(level)] + y * side + x] = info;
+                }
+            }
+        }
+        let own = self.info(node, 0, (0, 0), ellipsoid, ground, &infos);
+        (own, infos)
+    }
+
+    fn height(&self, i: usize, j: usize) -> f64 {
+        self.heights_m[j * POSTS + i]
+    }
+
+    /// Bounds what lies between the posts. Where posts are no further apart than the data, these are taken for bilinear
+    /// between their own posts, so that they bend at most once in a step along each axis: no more than the second
+    /// differences beside show. Elsewhere the range of the data decides.
+    fn find_unseen(
+        &mut self,
+        square: Square,
+        step: u64,
+        finest_rad: f64,
+        ground: &dyn Elevation,
+    ) {
+        let step_rad = step as f64 * side_rad(DEPTH);
+        for y in 0..8 {
+            for x in 0..8 {
+                let (i0, j0) = (4 * x, 4 * y);
+                let mut unseen: f64 = 0.0;
+                if step_rad <= finest_rad {
+                    let h = |i: usize, j: usize| self.height(i0 + i, j0 + j);
+                    let bend = |a: f64, b: f64, c: f64| (a - 2.0 * b + c).abs();
+                    let (mut along_x, mut along_y, mut twist) = (0.0_f64, 0.0_f64, 0.0_f64);
+                    for k in 0..=4 {
+                        for m in 1..4 {
+                            along_x = along_x.max(bend(h(m - 1, k), h(m, k), h(m + 1, k)));
+                            along_y = along_y.max(bend(h(k, m - 1), h(k, m), h(k, m + 1)));
+                        }
+                    }
+                    for j in 0..4 {
+                        for i in 0..4 {
+                            let all = h(i, j) - h(i + 1, j) - h(i, j + 1) + h(i + 1, j + 1);
+                            twist = twist.max(all.abs());
+                        }
+                    }
+                    unseen = along_x + along_y + 0.5 * twist;
+                } else {
+                    for (i, j) in [(0, 0), (2, 0), (0, 2), (2, 2)] {
+                        let range = ground.range_m(&bounds(Square {
+                            x: square.x + (i0 + i) as u64 * step,
+                            y: square.y + (j0 + j) as u64 * step,
+                            size: 2 * step,
+                        }));
+                        unseen = unseen.max(range.high_m - range.low_m);
+                    }
+                }
+                self.unseen_m[8 * y + x] = unseen;
+            }
+        }
+    }
+
+    fn info(
+        &self,
+        page: Node,
+        level: u8,
+        (x, y): (usize, usize),
+        ellipsoid: &Ellipsoid,
+        ground: &dyn Elevation,
+        infos: &[Info; PAGE_NODES],
+    ) -> Info {
+        let side = 1_u64 << level;
+        let node = Node {
+            level: page.level + level,
+            x: page.x * side + x as u64,
+            y: page.y * side + y as u64,
+        };
+        let square = node.square(DEPTH);
+        let steps = STEPS >> level;
+        let below = 8 >> level;
+        let mut unseen: f64 = 0.0;
+        for j in y * below..(y + 1) * below {
+            for i in x * below..(x + 1) * below {
+                unseen = unseen.max(self.unseen_m[8 * j + i]);
+            }
+        }
+        let leaf = leaf_error(|i, j| self.height(i, j), x * steps, y * steps, steps);
+        let (low, high, below_error) = if level == PAGE_LEVELS {
+            let range = ground.range_m(&bounds(square));
+            (range.low_m, range.high_m, 0.0)
+        } else {
+            // The range of a square is that of its quarters.
+            let quarters = node.children().map(|child| infos[place_in_page(child, level + 1)]);
+            quarters.iter().fold(
+                (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64),
+                |(low, high, error), q| {
+                    (
+                        low.min(f64::from(q.low_m)),
+                        high.max(f64::from(q.high_m)),
+                        error.max(f64::from(q.error_m)),
+                    )
+                },
+            )
+        };
+        let shape = ball(node, ellipsoid, low, high);
+        // Nothing differs from the data by more than the data differ.
+        let rise = (leaf.bound + unseen).min((high - low).max(0.0));
+        let error = (rise + shape.bend_m).max(below_error);
+        Info {
+            center_itrf_m: shape.center_itrf_m,
+            radius_m: rounded_up(shape.radius_m),
+            error_m: rounded_up(error),
+            low_m: low as f32,
+            high_m: high as f32,
+        }
+    }
+}
+
+/// The ball about a square between two heights.
+pub struct Ball {
+    /// Its middle, ITRF metres.
+    pub center_itrf_m: DVec3,
+    /// Its radius.
+    pub radius_m: f64,
+    /// Most that triangles between points of the square depart from the curved ground for its curvature alone.
+    pub bend_m: f64,
+}
+
+/// The ball about a node's ground, heights between `low_m` and `high_m`.
+///
+/// With S(φ, λ) the ground and b the weights of a triangle's corners, the departure of the triangle from S is at most
+/// ½ Σ bᵢ |D²S[vᵢ − x]|, where |D²S[(p, q)]| ≤ R(p² + 2|pq sin φ| + q² cos φ) and Σ bᵢ p² is at most a quarter of the square
+/// of the triangle's extent: half the side one way, the side the other way. Heights on normals that spread add half
+/// their range times the spread.
+pub fn ball(node: Node, ellipsoid: &Ellipsoid, low_m: f64, high_m: f64) -> Ball {
+    let square = node.square(DEPTH);
+    let at = |x: u64, y: u64| {
+        let (lat, lon) = lat_lon_rad((x, y));
+        Ellipsoid::normal(lat, lon)
+    };
+    let point = |normal: DVec3, height_m: f64| ellipsoid.surface_point(normal) + normal * height_m;
+    let (x1, y1) = (square.x + square.size, square.y + square.size);
+    let corners = [
+        at(square.x, square.y),
+        at(x1, square.y),
+        at(square.x, y1),
+        at(x1, y1),
+    ];
+    let (middle_x, middle_y) = square.center();
+    let center_itrf_m = point(at(middle_x, middle_y), 0.5 * (low_m + high_m));
+    let side = side_rad(node.level);
+    let (north, south) = (corners[0].z, corners[2].z);
+    let sine = north.abs().max(south.abs());
+    let across = |z: f64| (1.0 - z * z).max(0.0).sqrt();
+    let cosine = if north * south <= 0.0 {
+        1.0
+    } else {
+        across(north).max(across(south))
+    };
+    // The meridian's radius of curvature is at most a²/b, and it changes slowly.
+    let a = ellipsoid.equatorial_radius_m;
+    let radius = 1.01 * a * a / ellipsoid.polar_radius_m + low_m.abs().max(high_m.abs());
+    let shape = (0.25 + sine + cosine).max(1.0 + sine + 0.25 * cosine);
+    let bend_m = radius * side * side / 8.0 * shape + 0.5 * (high_m - low_m) * 0.56 * side;
+    let reach = corners
+        .iter()
+        .flat_map(|normal| [point(*normal, low_m), point(*normal, high_m)])
+        .map(|corner| corner.distance(center_itrf_m))
+        .fold(0.0, f64::max);
+    // The middle stands between the corners in the fan: half the heights' range away from its own ends.
+    let radius_m = reach.max(0.5 * (high_m - low_m)) + bend_m + 0.01;
+    Ball {
+        center_itrf_m,
+        radius_m,
+        bend_m,
+    }
+}

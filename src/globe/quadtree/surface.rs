@@ -1,0 +1,569 @@
+//! The Earth as a forest of unfull quadtrees.
+
+use super::eye::{Eye, Refine, Sight};
+use super::forest::{BLOCKS, Forest, Slot, root_slot};
+use super::node::{Node, Side};
+use super::page::side_rad;
+use super::patch::{Built, MOST_PATCH_LEVEL, Scratch};
+use crate::elevation::Elevation;
+use crate::frames::Ellipsoid;
+use crate::globe::surface::{GroundView, Patch, Surface, SurfaceStats};
+use std::collections::HashMap;
+
+/// What a [`Quadtree`] may take, and by which rule it divides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct QuadtreeOptions {
+    /// The figure.
+    pub ellipsoid: Ellipsoid,
+    /// When a leaf is divided.
+    pub refine: Refine,
+    /// Most leaves at once, drawn or not: about four triangles and 200 bytes each. Where the tolerance asks for more, it is
+    /// eased, and the error that is reported tells. At least 512.
+    pub most_leaves: u32,
+    /// Most pages of 84 squares, 4 kB each. At least 256.
+    pub most_pages: u32,
+    /// Finest level: 0 are the blocks of 22.5°, 24 is 15 cm. At most 32.
+    pub most_level: u8,
+    /// Work in a frame: a leaf built anew counts as 1, a new vertex as 4, a page read as [`PAGE_WORK`].
+    pub work: u32,
+    /// Leave out patches that lie outside the picture, beyond the horizon, or face away with every face.
+    pub is_culled: bool,
+}
+
+/// What reading a page counts as in [`QuadtreeOptions::work`].
+pub const PAGE_WORK: u32 = 600;
+
+impl Default for QuadtreeOptions {
+    fn default() -> Self {
+        Self {
+            ellipsoid: Ellipsoid::WGS84,
+            refine: Refine::Tolerance,
+            most_leaves: 40_000,
+            most_pages: 8_192,
+            most_level: 24,
+            work: 8_000,
+            is_culled: true,
+        }
+    }
+}
+
+/// A leaf is merged again only once it is this much finer than it must be, so that an eye that hovers does not toggle.
+const HYSTERESIS: f64 = 0.7;
+/// A patch with more leaves is divided into four.
+const MOST_PATCH_LEAVES: u32 = 256;
+/// Four patches with fewer become one.
+const LEAST_PATCH_LEAVES: u32 = 80;
+/// A patch is divided where the ball about it is larger than so many distances: single precision then holds its vertices
+/// to a thousandth of a pixel.
+const MOST_BALLS: f64 = 6.0;
+/// Work of a division: eight new points.
+const SPLIT_WORK: u32 = 32;
+/// Steps of the table of ratios, for each doubling.
+const BINS_PER_DOUBLING: f64 = 8.0;
+const BINS: usize = 256;
+
+/// Ground as a forest of unfull quadtrees.
+pub struct Quadtree {
+    options: QuadtreeOptions,
+    forest: Option<Forest>,
+    patches: Vec<Built>,
+    /// Patches that are no more; their memory serves the next.
+    spare: Vec<Built>,
+    by_node: HashMap<Node, u32>,
+    leaves: u32,
+    /// Ratios above this are divided: 1, or more where there would be too many leaves.
+    relax: f64,
+    /// Most that anything drawn is off by, metres: the Earth hides ground only below that.
+    deepest_m: f64,
+    revision: u64,
+    spent: u32,
+    order: Vec<u32>,
+    drawn: Vec<u32>,
+    stack: Vec<(Node, Slot, Sight)>,
+    bins: Vec<u32>,
+    scratch: Scratch,
+    stats: SurfaceStats,
+    rebuilt: u32,
+    changes: u32,
+}
+
+impl Quadtree {
+    /// A surface that has read nothing yet. The first view reads the 128 first pages, about 140 000 heights.
+    pub fn new(options: QuadtreeOptions) -> Self {
+        let options = QuadtreeOptions {
+            most_leaves: options.most_leaves.max(512),
+            most_level: options.most_level.min(32),
+            ..options
+        };
+        Self {
+            options,
+            forest: None,
+            patches: Vec::new(),
+            spare: Vec::new(),
+            by_node: HashMap::new(),
+            leaves: 0,
+            relax: 1.0,
+            deepest_m: f64::INFINITY,
+            revision: 1,
+            spent: 0,
+            order: Vec::new(),
+            drawn: Vec::new(),
+            stack: Vec::new(),
+            bins: vec![0; BINS],
+            scratch: Scratch::default(),
+            stats: SurfaceStats::default(),
+            rebuilt: 0,
+            changes: 0,
+        }
+    }
+
+    /// Leaves there are, drawn or not.
+    pub fn leaves(&self) -> u32 {
+        self.leaves
+    }
+
+    /// Patches that the last view built anew.
+    pub fn rebuilt(&self) -> u32 {
+        self.rebuilt
+    }
+
+    /// Prepares a view again and again, without a budget of work, until it asks for nothing more: for stills.
+    pub fn settle(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats {
+        let work = std::mem::replace(&mut self.options.work, u32::MAX);
+        // Each round goes as deep as it may; more than a few are needed only where leaves run out.
+        for _ in 0..64 {
+            self.prepare(view, ground);
+            if self.changes == 0 {
+                break;
+            }
+        }
+        self.options.work = work;
+        self.stats
+    }
+
+    fn start(&mut self, ground: &dyn Elevation) {
+        let forest = Forest::new(self.options.ellipsoid, self.options.most_pages as usize, ground);
+        for y in 0..BLOCKS.rows {
+            for x in 0..BLOCKS.columns {
+                let node = Node { level: 0, x, y };
+                self.by_node.insert(node, self.patches.len() as u32);
+                let patch = Built::new(node, root_slot(node), &forest, self.revision);
+                self.patches.push(patch);
+            }
+        }
+        self.leaves = self.patches.len() as u32;
+        self.forest = Some(forest);
+    }
+
+    /// Looks at every patch: is it seen, does it need work, how far is it off.
+    fn look(&mut self, forest: &Forest, eye: &Eye) {
+        self.bins.fill(0);
+        let (mut error_m, mut error_px) = (0.0_f64, 0.0_f64);
+        for built in &mut self.patches {
+            let Some(slot) = forest.slot(built.node) else {
+                continue;
+            };
+            let info = forest.info(slot);
+            built.distance_m = eye.distance_m(info);
+            let sight = eye.sight(info);
+            let is_seen = matches!(sight, Sight::Whole | Sight::Part);
+            built.is_drawn =
+                !self.options.is_culled || is_seen && !eye.faces_away(info, built.cone);
+            (built.urgency, built.has_merges, built.leaves) = (0.0, false, 0);
+            self.stack.clear();
+            self.stack.push((built.node, slot, sight));
+            while let Some((node, slot, above)) = self.stack.pop() {
+                let info = forest.info(slot);
+                let sight = if above == Sight::Part {
+                    eye.sight(info)
+                } else {
+                    above
+                };
+                let side_m = side_m(&self.options.ellipsoid, node);
+                let ratio = eye.ratio(info, side_m, sight);
+                if ratio > 1.0 {
+                    let bin = (ratio.log2() * BINS_PER_DOUBLING) as usize;
+                    self.bins[bin.min(BINS - 1)] += 1;
+                }
+                if forest.slot_is_split(slot) {
+                    built.has_merges |= ratio < HYSTERESIS * self.relax;
+                    for k in 0..4 {
+                        if let Some((child, slot)) = forest.child(node, slot, k) {
+                            self.stack.push((child, slot, sight));
+                        }
+                    }
+                } else {
+                    built.leaves += 1;
+                    if ratio > self.relax && node.level < self.options.most_level {
+                        built.urgency = built.urgency.max(ratio);
+                    }
+                    if built.is_drawn {
+                        error_m = error_m.max(f64::from(info.error_m));
+                        error_px = error_px.max(eye.error_px(info));
+                    }
+                }
+            }
+        }
+        (self.stats.error_m, self.stats.error_px) = (Some(error_m), Some(error_px));
+    }
+
+    /// Eases the tolerance as far as the leaves that it would take are too many.
+    fn ease(&mut self) {
+        let roots = BLOCKS.columns * BLOCKS.rows;
+        let most = u64::from(self.options.most_leaves).saturating_sub(roots) / 3;
+        let (mut count, mut relax) = (0, 1.0);
+        for bin in (0..BINS).rev() {
+            count += u64::from(self.bins[bin]);
+            if count > most {
+                relax = ((bin + 1) as f64 / BINS_PER_DOUBLING).exp2();
+                break;
+            }
+        }
+        self.relax = relax;
+    }
+
+    /// Divides and merges below a node. Answers whether it is divided.
+    fn refine(
+        &mut self,
+        forest: &mut Forest,
+        eye: &Eye,
+        ground: &dyn Elevation,
+        (node, slot): (Node, Slot),
+        most_work: u32,
+    ) -> bool {
+        let info = *forest.info(slot);
+        let side_m = side_m(&self.options.ellipsoid, node);
+        let ratio = eye.ratio(&info, side_m, eye.sight(&info));
+        let was_split = forest.slot_is_split(slot);
+        if !was_split {
+            let is_wanted = ratio > self.relax
+                && node.level < self.options.most_level
+                && self.leaves + 3 <= self.options.most_leaves
+                && self.spent < most_work;
+            if !is_wanted {
+                return false;
+            }
+            if !forest.has_children(node, slot) {
+                self.spent = self.spent.saturating_add(PAGE_WORK);
+                if !forest.read_children(node, slot, ground) {
+                    return false;
+                }
+                // Seen closer it may do as it is.
+                if eye.ratio(forest.info(slot), side_m, eye.sight(&info)) <= self.relax {
+                    return false;
+                }
+            }
+            forest.set_split(slot, true);
+            self.leaves += 3;
+            self.changed(forest, node);
+        }
+        let mut is_deeper = false;
+        for k in 0..4 {
+            if let Some(child) = forest.child(node, slot, k) {
+                is_deeper |= self.refine(forest, eye, ground, child, most_work);
+            }
+        }
+        let is_spare = was_split && !is_deeper && ratio < HYSTERESIS * self.relax;
+        if is_spare && self.spent < most_work {
+            forest.set_split(slot, false);
+            forest.touch(slot);
+            self.leaves -= 3;
+            self.changed(forest, node);
+            return false;
+        }
+        true
+    }
+
+    /// Notes that a node was divided or merged: its patch is built anew, and those of leaves beside that share points.
+    fn changed(&mut self, forest: &Forest, node: Node) {
+        self.changes += 1;
+        self.spent = self.spent.saturating_add(SPLIT_WORK);
+        self.must_build(forest, node);
+        for side in Side::ALL {
+            if let Some(beside) = BLOCKS.neighbour(node, side)
+                && let Some(leaf) = forest.leaf_of(beside)
+            {
+                self.must_build(forest, leaf);
+            }
+        }
+    }
+
+    fn must_build(&mut self, forest: &Forest, node: Node) {
+        let index = forest
+            .patch_of(node)
+            .and_then(|patch| self.by_node.get(&patch));
+        if let Some(index) = index {
+            let built = &mut self.patches[*index as usize];
+            if !built.is_dirty {
+                built.is_dirty = true;
+                self.spent = self.spent.saturating_add(built.leaves);
+            }
+        }
+    }
+
+    /// Divides and merges leaves, the worst patches first, while there is work left.
+    fn improve(&mut self, forest: &mut Forest, eye: &Eye, ground: &dyn Elevation) {
+        let relax = self.relax;
+        let mut order = std::mem::take(&mut self.order);
+        order.clear();
+        order.extend(0..self.patches.len() as u32);
+        order.retain(|index| {
+            let built = &self.patches[*index as usize];
+            built.urgency > relax || built.has_merges
+        });
+        order.sort_unstable_by(|a, b| {
+            let [a, b] = [a, b].map(|index| &self.patches[*index as usize]);
+            b.urgency.total_cmp(&a.urgency).then(a.node.cmp(&b.node))
+        });
+        for index in &order {
+            let built = &self.patches[*index as usize];
+            // A part of the work is kept for merging.
+            let most_work = if built.urgency > relax {
+                self.options.work - self.options.work / 4
+            } else {
+                self.options.work
+            };
+            if self.spent >= most_work {
+                continue;
+            }
+            let node = built.node;
+            if let Some(slot) = forest.slot(node) {
+                self.refine(forest, eye, ground, (node, slot), most_work);
+            }
+        }
+        self.order = order;
+    }
+
+    /// Divides patches that are too large, and joins those that are small.
+    fn rearrange(&mut self, forest: &mut Forest, eye: &Eye) {
+        let mut index = 0;
+        while index < self.patches.len() {
+            let built = &self.patches[index];
+            let (node, leaves, distance_m) = (built.node, built.leaves, built.distance_m);
+            index += 1;
+            let Some(slot) = forest.slot(node) else {
+                continue;
+            };
+            let ball_m = f64::from(forest.info(slot).radius_m);
+            if forest.slot_is_split(slot) && node.level < MOST_PATCH_LEVEL {
+                if leaves > MOST_PATCH_LEAVES || ball_m > MOST_BALLS * distance_m {
+                    self.changes += 1;
+                    self.divide(forest, eye, node, slot);
+                    // The last patch now has this place.
+                    index -= 1;
+                }
+                if leaves > LEAST_PATCH_LEAVES {
+                    continue;
+                }
+            }
+            if node.x & 1 == 0 && node.y & 1 == 0 && self.spent < self.options.work {
+                self.join(forest, eye, node);
+            }
+        }
+    }
+
+    /// Makes a patch of each quarter of a patch.
+    fn divide(&mut self, forest: &mut Forest, eye: &Eye, node: Node, slot: Slot) {
+        let old_step_m = self.remove(node);
+        forest.set_patch(slot, false);
+        for k in 0..4 {
+            if let Some((child, slot)) = forest.child(node, slot, k) {
+                forest.set_patch(slot, true);
+                self.add(forest, eye, child, slot);
+            }
+        }
+        self.steps_changed(node, old_step_m);
+    }
+
+    /// Makes one patch of four, if there are four beside each other and they are small.
+    fn join(&mut self, forest: &mut Forest, eye: &Eye, first: Node) {
+        let Some(parent) = first.parent() else {
+            return;
+        };
+        let mut leaves = 0;
+        for child in parent.children() {
+            let Some(index) = self.by_node.get(&child) else {
+                return;
+            };
+            leaves += self.patches[*index as usize].leaves;
+        }
+        let Some(slot) = forest.slot(parent) else {
+            return;
+        };
+        let info = forest.info(slot);
+        let is_near = f64::from(info.radius_m) > 0.5 * MOST_BALLS * eye.distance_m(info);
+        if leaves >= LEAST_PATCH_LEAVES || is_near {
+            return;
+        }
+        self.changes += 1;
+        for (k, child) in parent.children().into_iter().enumerate() {
+            self.remove(child);
+            if let Some((_, slot)) = forest.child(parent, slot, k as u8) {
+                forest.set_patch(slot, false);
+            }
+        }
+        forest.set_patch(slot, true);
+        let index = self.add(forest, eye, parent, slot);
+        let step_m = self.patches[index].step_m;
+        self.steps_changed(parent, step_m);
+    }
+
+    /// Patches that touch a node and stand on finer steps than there are or were must be built anew.
+    fn steps_changed(&mut self, node: Node, step_m: f64) {
+        for built in &mut self.patches {
+            if !built.is_dirty && built.step_m < step_m && touches(built.node, node) {
+                built.is_dirty = true;
+                self.spent = self.spent.saturating_add(built.leaves);
+            }
+        }
+    }
+
+    fn add(&mut self, forest: &Forest, eye: &Eye, node: Node, slot: Slot) -> usize {
+        // Above all that any patch of this node had before.
+        self.revision += 2;
+        let mut built = match self.spare.pop() {
+            Some(mut built) => {
+                built.reset(node, slot, forest, self.revision);
+                built
+            }
+            None => Built::new(node, slot, forest, self.revision),
+        };
+        let info = forest.info(slot);
+        built.distance_m = eye.distance_m(info);
+        let is_seen = matches!(eye.sight(info), Sight::Whole | Sight::Part);
+        built.is_drawn = is_seen || !self.options.is_culled;
+        built.leaves = count_leaves(forest, node, slot);
+        self.spent = self.spent.saturating_add(8 * built.leaves);
+        let index = self.patches.len();
+        self.by_node.insert(node, index as u32);
+        self.patches.push(built);
+        index
+    }
+
+    /// Takes a patch away. Answers its steps.
+    fn remove(&mut self, node: Node) -> f64 {
+        let Some(index) = self.by_node.remove(&node) else {
+            return 0.0;
+        };
+        let built = self.patches.swap_remove(index as usize);
+        if let Some(moved) = self.patches.get(index as usize) {
+            self.by_node.insert(moved.node, index);
+        }
+        let step_m = built.step_m;
+        self.revision = self.revision.max(built.patch.revision);
+        if self.spare.len() < 64 {
+            self.spare.push(built);
+        }
+        step_m
+    }
+
+    /// Builds every patch that a change touched: all in one frame, so that no edge is open between two.
+    fn build(&mut self, forest: &Forest, ground: &dyn Elevation) {
+        self.rebuilt = 0;
+        self.scratch.new_vertices = 0;
+        for built in &mut self.patches {
+            if built.is_dirty
+                && let Some(slot) = forest.slot(built.node)
+            {
+                built.build(forest, slot, ground, &mut self.scratch);
+                self.rebuilt += 1;
+            }
+        }
+    }
+
+    fn count(&mut self, forest: &Forest) {
+        self.drawn.clear();
+        let (mut vertices, mut triangles, mut bytes) = (0, 0, 0);
+        for (index, built) in self.patches.iter().enumerate() {
+            bytes += built.resident_bytes();
+            if built.is_drawn {
+                self.drawn.push(index as u32);
+                vertices += built.patch.vertices.len() as u32;
+                triangles += built.patch.indices.triangles.len() as u32 / 3;
+            }
+        }
+        let patches = &self.patches;
+        self.drawn.sort_unstable_by(|a, b| {
+            let [a, b] = [a, b].map(|index| &patches[*index as usize]);
+            let by_distance = a.distance_m.total_cmp(&b.distance_m);
+            by_distance.then(a.node.cmp(&b.node))
+        });
+        bytes += self.spare.iter().map(Built::resident_bytes).sum::<usize>();
+        // A vertex is read once for its height and four times for its slope.
+        self.stats.samples_read = forest.samples_read() + 5 * self.scratch.new_vertices;
+        self.stats.patches = self.drawn.len() as u32;
+        (self.stats.vertices, self.stats.triangles) = (vertices, triangles);
+        self.stats.resident_bytes = (bytes + forest.resident_bytes()) as u64;
+    }
+}
+
+impl Surface for Quadtree {
+    fn name(&self) -> &'static str {
+        "quadtree"
+    }
+
+    fn prepare(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats {
+        if self.forest.is_none() {
+            self.start(ground);
+        }
+        let Some(mut forest) = self.forest.take() else {
+            return self.stats;
+        };
+        let lowest_m = forest.range_m().0 - self.deepest_m;
+        let options = self.options;
+        if let Some(eye) = Eye::new(view, options.refine, &options.ellipsoid, lowest_m) {
+            forest.start_frame();
+            (self.spent, self.changes) = (0, 0);
+            self.look(&forest, &eye);
+            self.ease();
+            self.improve(&mut forest, &eye, ground);
+            if self.changes > 0 {
+                // Leaves and what is seen of them have changed.
+                self.look(&forest, &eye);
+            }
+            self.rearrange(&mut forest, &eye);
+            self.build(&forest, ground);
+            self.deepest_m = self.stats.error_m.unwrap_or(f64::INFINITY);
+            self.count(&forest);
+        }
+        self.forest = Some(forest);
+        self.stats
+    }
+
+    fn visit(&self, draw: &mut dyn FnMut(&Patch)) {
+        for index in &self.drawn {
+            draw(&self.patches[*index as usize].patch);
+        }
+    }
+}
+
+/// Side of a node along a meridian, metres.
+fn side_m(ellipsoid: &Ellipsoid, node: Node) -> f64 {
+    side_rad(node.level) * ellipsoid.equatorial_radius_m
+}
+
+fn count_leaves(forest: &Forest, node: Node, slot: Slot) -> u32 {
+    if !forest.slot_is_split(slot) {
+        return 1;
+    }
+    let children = (0..4).filter_map(|k| forest.child(node, slot, k));
+    children
+        .map(|(child, slot)| count_leaves(forest, child, slot))
+        .sum()
+}
+
+/// Whether two squares have a point in common, across the date line and at the poles too.
+fn touches(a: Node, b: Node) -> bool {
+    let depth = a.level.max(b.level);
+    let (a, b) = (a.square(depth), b.square(depth));
+    let (columns, rows) = (BLOCKS.columns << depth, BLOCKS.rows << depth);
+    let is_near = |a: u64, a_size: u64, b: u64, b_size: u64| a <= b + b_size && b <= a + a_size;
+    let at_pole = |y: u64, size: u64| (y == 0, y + size == rows);
+    let (a_pole, b_pole) = (at_pole(a.y, a.size), at_pole(b.y, b.size));
+    let across = is_near(a.x, a.size, b.x, b.size)
+        || is_near(a.x + columns, a.size, b.x, b.size)
+        || is_near(a.x, a.size, b.x + columns, b.size);
+    is_near(a.y, a.size, b.y, b.size) && across
+        || a_pole.0 && b_pole.0
+        || a_pole.1 && b_pole.1
+}
