@@ -63,6 +63,8 @@ pub struct Eye {
     /// Ratio of the rule is error / distance times this; for the full form, times the side's pixels too.
     factor: f64,
     full: Option<f64>,
+    /// Whether anything may be left out.
+    is_culled: bool,
 }
 
 impl Eye {
@@ -73,6 +75,7 @@ impl Eye {
         rule: Refine,
         ellipsoid: &Ellipsoid,
         lowest_m: f64,
+        is_culled: bool,
     ) -> Option<Self> {
         let is_sound = view.eye_itrf_m.is_finite()
             && view.clip_from_eye.is_finite()
@@ -107,6 +110,7 @@ impl Eye {
             pixel_rad: view.pixel_rad,
             factor,
             full,
+            is_culled,
         })
     }
 
@@ -137,6 +141,9 @@ impl Eye {
 
     /// What is seen of a ball. Never [`Sight::Outside`] nor [`Sight::Hidden`] where a point of it can be seen.
     pub fn sight(&self, info: &Info) -> Sight {
+        if !self.is_culled {
+            return Sight::Whole;
+        }
         let radius_m = f64::from(info.radius_m);
         let from_eye = info.center_itrf_m - self.itrf_m;
         if let Some(horizon) = &self.horizon
@@ -157,8 +164,15 @@ impl Eye {
         sight
     }
 
+    /// Whether a patch is drawn: its ball may be seen, and one of its faces, whose normals lie in a cone about an axis, may
+    /// face the eye.
+    pub fn draws(&self, info: &Info, cone: (DVec3, f64)) -> bool {
+        let is_seen = matches!(self.sight(info), Sight::Whole | Sight::Part);
+        is_seen && !(self.is_culled && self.faces_away(info, cone))
+    }
+
     /// Whether all faces of a ball whose normals lie in a cone face away.
-    pub fn faces_away(&self, info: &Info, (axis, half_angle): (DVec3, f64)) -> bool {
+    fn faces_away(&self, info: &Info, (axis, half_angle): (DVec3, f64)) -> bool {
         let to_eye = self.itrf_m - info.center_itrf_m;
         let (distance_m, radius_m) = (to_eye.length(), f64::from(info.radius_m));
         if distance_m <= radius_m {

@@ -319,7 +319,10 @@ impl Forest {
     pub fn range_m(&self) -> (f64, f64) {
         let infos = self.roots.iter().map(|root| &root.info);
         infos.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), info| {
-            (low.min(f64::from(info.low_m)), high.max(f64::from(info.high_m)))
+            (
+                low.min(f64::from(info.low_m)),
+                high.max(f64::from(info.high_m)),
+            )
         })
     }
 }

@@ -45,10 +45,7 @@ pub struct Info {
 /// Geodetic latitude and longitude of a point, radians. The poles and the date line are met exactly.
 pub fn lat_lon_rad((x, y): Point) -> (f64, f64) {
     let point_rad = PI / 8.0 / (1_u64 << DEPTH) as f64;
-    (
-        0.5 * PI - y as f64 * point_rad,
-        x as f64 * point_rad - PI,
-    )
+    (0.5 * PI - y as f64 * point_rad, x as f64 * point_rad - PI)
 }
 
 /// Side of a square of a level, radians of latitude and of longitude.
@@ -141,13 +138,7 @@ impl Reader {
     /// Bounds what lies between the posts. Where posts are no further apart than the data, these are taken for bilinear
     /// between their own posts, so that they bend at most once in a step along each axis: no more than the second
     /// differences beside show. Elsewhere the range of the data decides.
-    fn find_unseen(
-        &mut self,
-        square: Square,
-        step: u64,
-        finest_rad: f64,
-        ground: &dyn Elevation,
-    ) {
+    fn find_unseen(&mut self, square: Square, step: u64, finest_rad: f64, ground: &dyn Elevation) {
         let step_rad = step as f64 * side_rad(DEPTH);
         for y in 0..8 {
             for x in 0..8 {
@@ -215,7 +206,9 @@ impl Reader {
             (range.low_m, range.high_m, 0.0)
         } else {
             // The range of a square is that of its quarters.
-            let quarters = node.children().map(|child| infos[place_in_page(child, level + 1)]);
+            let quarters = node
+                .children()
+                .map(|child| infos[place_in_page(child, level + 1)]);
             quarters.iter().fold(
                 (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64),
                 |(low, high, error), q| {

@@ -261,11 +261,7 @@ impl Built {
 
     /// Whether a point lies on the edge of the patch. Points are named as [`super::node::Domain::point`] names them.
     fn is_on_edge(&self, (x, y): Point) -> bool {
-        let Square {
-            x: x0,
-            y: y0,
-            size,
-        } = self.node.square(DEPTH);
+        let Square { x: x0, y: y0, size } = self.node.square(DEPTH);
         let all = BLOCKS.columns << DEPTH;
         let is_pole = y == 0 || y == BLOCKS.rows << DEPTH;
         is_pole || x == x0 || x == (x0 + size) % all || y == y0 || y == y0 + size
@@ -383,10 +379,4 @@ fn cone(patch: &Patch) -> (DVec3, f64) {
         .map(|normal| normal.dot(axis))
         .fold(1.0, f64::min);
     (axis, least.clamp(-1.0, 1.0).acos() + 1e-6)
-}
-
-/// The same place as the patches beside have for a point, for tests: origin + vertex, ITRF metres.
-#[cfg(test)]
-pub fn placed(patch: &Patch, place: u32) -> DVec3 {
-    patch.origin_itrf_m + patch.vertices[place as usize].from_origin_m.as_dvec3()
 }

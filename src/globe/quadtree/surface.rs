@@ -17,7 +17,7 @@ pub struct QuadtreeOptions {
     pub ellipsoid: Ellipsoid,
     /// When a leaf is divided.
     pub refine: Refine,
-    /// Most leaves at once, drawn or not: about four triangles and 200 bytes each. Where the tolerance asks for more, it is
+    /// Most leaves at once, drawn or not: about five triangles and up to 1 kB each. Where the tolerance asks for more, it is
     /// eased, and the error that is reported tells. At least 512.
     pub most_leaves: u32,
     /// Most pages of 84 squares, 4 kB each. At least 256.
@@ -65,8 +65,8 @@ const BINS: usize = 256;
 /// Ground as a forest of unfull quadtrees.
 pub struct Quadtree {
     options: QuadtreeOptions,
-    forest: Option<Forest>,
-    patches: Vec<Built>,
+    pub(super) forest: Option<Forest>,
+    pub(super) patches: Vec<Built>,
     /// Patches that are no more; their memory serves the next.
     spare: Vec<Built>,
     by_node: HashMap<Node, u32>,
@@ -142,7 +142,11 @@ impl Quadtree {
     }
 
     fn start(&mut self, ground: &dyn Elevation) {
-        let forest = Forest::new(self.options.ellipsoid, self.options.most_pages as usize, ground);
+        let forest = Forest::new(
+            self.options.ellipsoid,
+            self.options.most_pages as usize,
+            ground,
+        );
         for y in 0..BLOCKS.rows {
             for x in 0..BLOCKS.columns {
                 let node = Node { level: 0, x, y };
@@ -156,7 +160,8 @@ impl Quadtree {
     }
 
     /// Looks at every patch: is it seen, does it need work, how far is it off.
-    fn look(&mut self, forest: &Forest, eye: &Eye) {
+    /// Answers the largest error of what is seen, metres.
+    fn look(&mut self, forest: &Forest, eye: &Eye) -> f64 {
         self.bins.fill(0);
         let (mut error_m, mut error_px) = (0.0_f64, 0.0_f64);
         for built in &mut self.patches {
@@ -166,9 +171,7 @@ impl Quadtree {
             let info = forest.info(slot);
             built.distance_m = eye.distance_m(info);
             let sight = eye.sight(info);
-            let is_seen = matches!(sight, Sight::Whole | Sight::Part);
-            built.is_drawn =
-                !self.options.is_culled || is_seen && !eye.faces_away(info, built.cone);
+            built.is_drawn = eye.draws(info, built.cone);
             (built.urgency, built.has_merges, built.leaves) = (0.0, false, 0);
             self.stack.clear();
             self.stack.push((built.node, slot, sight));
@@ -197,7 +200,7 @@ impl Quadtree {
                     if ratio > self.relax && node.level < self.options.most_level {
                         built.urgency = built.urgency.max(ratio);
                     }
-                    if built.is_drawn {
+                    if matches!(sight, Sight::Whole | Sight::Part) {
                         error_m = error_m.max(f64::from(info.error_m));
                         error_px = error_px.max(eye.error_px(info));
                     }
@@ -205,6 +208,30 @@ impl Quadtree {
             }
         }
         (self.stats.error_m, self.stats.error_px) = (Some(error_m), Some(error_px));
+        error_m
+    }
+
+    /// Looks with a horizon below all that is drawn: what is drawn too low must not be taken to hide what is behind.
+    fn look_over(&mut self, forest: &Forest, view: &GroundView) -> Option<Eye> {
+        let options = self.options;
+        let lowest_m = forest.range_m().0;
+        loop {
+            let below_m = lowest_m - self.deepest_m;
+            let eye = Eye::new(
+                view,
+                options.refine,
+                &options.ellipsoid,
+                below_m,
+                options.is_culled,
+            )?;
+            let error_m = self.look(forest, &eye);
+            if error_m <= self.deepest_m {
+                // Half as much again, so that the next looks need not be repeated.
+                self.deepest_m = self.deepest_m.min(1.5 * error_m);
+                return Some(eye);
+            }
+            self.deepest_m = 1.5 * error_m;
+        }
     }
 
     /// Eases the tolerance as far as the leaves that it would take are too many.
@@ -430,8 +457,6 @@ impl Quadtree {
         };
         let info = forest.info(slot);
         built.distance_m = eye.distance_m(info);
-        let is_seen = matches!(eye.sight(info), Sight::Whole | Sight::Part);
-        built.is_drawn = is_seen || !self.options.is_culled;
         built.leaves = count_leaves(forest, node, slot);
         self.spent = self.spent.saturating_add(8 * built.leaves);
         let index = self.patches.len();
@@ -458,7 +483,7 @@ impl Quadtree {
     }
 
     /// Builds every patch that a change touched: all in one frame, so that no edge is open between two.
-    fn build(&mut self, forest: &Forest, ground: &dyn Elevation) {
+    fn build(&mut self, forest: &Forest, eye: &Eye, ground: &dyn Elevation) {
         self.rebuilt = 0;
         self.scratch.new_vertices = 0;
         for built in &mut self.patches {
@@ -466,6 +491,8 @@ impl Quadtree {
                 && let Some(slot) = forest.slot(built.node)
             {
                 built.build(forest, slot, ground, &mut self.scratch);
+                let info = forest.info(slot);
+                built.is_drawn = eye.draws(info, built.cone);
                 self.rebuilt += 1;
             }
         }
@@ -509,21 +536,19 @@ impl Surface for Quadtree {
         let Some(mut forest) = self.forest.take() else {
             return self.stats;
         };
-        let lowest_m = forest.range_m().0 - self.deepest_m;
-        let options = self.options;
-        if let Some(eye) = Eye::new(view, options.refine, &options.ellipsoid, lowest_m) {
+        if let Some(mut eye) = self.look_over(&forest, view) {
             forest.start_frame();
             (self.spent, self.changes) = (0, 0);
-            self.look(&forest, &eye);
             self.ease();
             self.improve(&mut forest, &eye, ground);
-            if self.changes > 0 {
-                // Leaves and what is seen of them have changed.
-                self.look(&forest, &eye);
+            if self.changes > 0
+                && let Some(again) = self.look_over(&forest, view)
+            {
+                // Leaves, and what is seen of them, have changed.
+                eye = again;
             }
             self.rearrange(&mut forest, &eye);
-            self.build(&forest, ground);
-            self.deepest_m = self.stats.error_m.unwrap_or(f64::INFINITY);
+            self.build(&forest, &eye, ground);
             self.count(&forest);
         }
         self.forest = Some(forest);
@@ -563,7 +588,5 @@ fn touches(a: Node, b: Node) -> bool {
     let across = is_near(a.x, a.size, b.x, b.size)
         || is_near(a.x + columns, a.size, b.x, b.size)
         || is_near(a.x, a.size, b.x + columns, b.size);
-    is_near(a.y, a.size, b.y, b.size) && across
-        || a_pole.0 && b_pole.0
-        || a_pole.1 && b_pole.1
+    is_near(a.y, a.size, b.y, b.size) && across || a_pole.0 && b_pole.0 || a_pole.1 && b_pole.1
 }
