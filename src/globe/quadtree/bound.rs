@@ -21,49 +21,102 @@ pub fn leaf_error(
     y: usize,
     size: usize,
 ) -> LeafError {
-    let half = size / 2;
-    let at = |i: usize, j: usize| height(x + i, y + j);
-    let center = at(half, half);
-    let [nw, ne, sw, se] = [at(0, 0), at(size, 0), at(0, size), at(size, size)];
-    // West, south, east, north: ends in the order of growing x or y.
-    let ends = [(nw, sw), (sw, se), (ne, se), (nw, ne)];
-    let post = |side: usize, i: usize| match side {
-        0 => at(0, i),
-        1 => at(i, size),
-        2 => at(size, i),
-        _ => at(i, 0),
-    };
-    let inverse = 1.0 / size as f64;
-    let mut midpoints = (center - 0.5 * (nw + se))
-        .abs()
-        .max((center - 0.5 * (ne + sw)).abs());
-    let mut departs = [(0.0_f64, 0.0_f64); 4];
-    for (side, ((a, b), departs)) in ends.into_iter().zip(&mut departs).enumerate() {
-        for i in 1..size {
-            let by = post(side, i) - (a + (b - a) * (i as f64 * inverse));
-            departs.0 = departs.0.min(by);
-            departs.1 = departs.1.max(by);
-        }
-        midpoints = midpoints.max((post(side, half) - 0.5 * (a + b)).abs());
-    }
+    let fan = Fan::new(&height, x, y, size);
     let mut bound = 0.0_f64;
     for j in 0..=size {
-        let v = j as f64 - half as f64;
         for i in 0..=size {
-            let u = i as f64 - half as f64;
-            let (side, along, across) = if v.abs() >= u.abs() {
-                (if v > 0.0 { 1 } else { 3 }, u, v.abs())
-            } else {
-                (if u > 0.0 { 2 } else { 0 }, v, u.abs())
-            };
-            let t = 2.0 * across * inverse;
-            let (a, b) = ends[side];
-            let fan = center * (1.0 - t) + t * 0.5 * (a + b) + along * inverse * (b - a);
-            let off = fan - at(i, j);
-            let (low, high) = departs[side];
-            bound = bound.max(off.abs());
-            bound = bound.max((off + t * low).abs().max((off + t * high).abs()));
+            let data = height(x + i, y + j);
+            let (least, most) = fan.heights(i, j);
+            bound = bound.max(data - least).max(most - data);
         }
     }
-    LeafError { midpoints, bound }
+    LeafError {
+        midpoints: fan.midpoints,
+        bound,
+    }
+}
+
+/// Most that data differ from a leaf where they are known by their range alone: `range` is the lowest and highest height in
+/// the square of two by two steps whose north-western post is (x, y), both even.
+///
+/// In such a square the leaf's height lies between those at its corners: the leaf's own creases pass through them.
+pub fn leaf_range_error(
+    height: impl Fn(usize, usize) -> f64,
+    range: impl Fn(usize, usize) -> (f64, f64),
+    x: usize,
+    y: usize,
+    size: usize,
+) -> f64 {
+    let fan = Fan::new(&height, x, y, size);
+    let mut bound = 0.0_f64;
+    for j in (0..size).step_by(2) {
+        for i in (0..size).step_by(2) {
+            let (low, high) = range(x + i, y + j);
+            for (di, dj) in [(0, 0), (2, 0), (0, 2), (2, 2)] {
+                let (least, most) = fan.heights(i + di, j + dj);
+                bound = bound.max(high - least).max(most - low);
+            }
+        }
+    }
+    bound
+}
+
+/// A leaf as its triangles, and how far its edges may be moved.
+struct Fan {
+    size: usize,
+    center: f64,
+    /// Heights at the ends of each side, in the order of growing x or y: west, south, east, north.
+    ends: [(f64, f64); 4],
+    /// Lowest and highest that a post departs from the side's straight line.
+    departs: [(f64, f64); 4],
+    midpoints: f64,
+}
+
+impl Fan {
+    fn new(height: &impl Fn(usize, usize) -> f64, x: usize, y: usize, size: usize) -> Self {
+        let half = size / 2;
+        let at = |i: usize, j: usize| height(x + i, y + j);
+        let center = at(half, half);
+        let [nw, ne, sw, se] = [at(0, 0), at(size, 0), at(0, size), at(size, size)];
+        let ends = [(nw, sw), (sw, se), (ne, se), (nw, ne)];
+        let post = |side: usize, i: usize| match side {
+            0 => at(0, i),
+            1 => at(i, size),
+            2 => at(size, i),
+            _ => at(i, 0),
+        };
+        let mut midpoints = (center - 0.5 * (nw + se))
+            .abs()
+            .max((center - 0.5 * (ne + sw)).abs());
+        let mut departs = [(0.0_f64, 0.0_f64); 4];
+        for (side, ((a, b), departs)) in ends.into_iter().zip(&mut departs).enumerate() {
+            for i in 1..size {
+                let by = post(side, i) - (a + (b - a) * (i as f64 / size as f64));
+                *departs = (departs.0.min(by), departs.1.max(by));
+            }
+            midpoints = midpoints.max((post(side, half) - 0.5 * (a + b)).abs());
+        }
+        Self {
+            size,
+            center,
+            ends,
+            departs,
+            midpoints,
+        }
+    }
+
+    /// Lowest and highest that the leaf may be at a post.
+    fn heights(&self, i: usize, j: usize) -> (f64, f64) {
+        let half = (self.size / 2) as f64;
+        let (u, v) = (i as f64 - half, j as f64 - half);
+        let (side, along, across) = if v.abs() >= u.abs() {
+            (if v > 0.0 { 1 } else { 3 }, u, v.abs())
+        } else {
+            (if u > 0.0 { 2 } else { 0 }, v, u.abs())
+        };
+        let t = across / half;
+        let ((a, b), (low, high)) = (self.ends[side], self.departs[side]);
+        let plain = self.center * (1.0 - t) + t * 0.5 * (a + b) + along * (b - a) / (2.0 * half);
+        (plain + t * low, plain + t * high)
+    }
 }

@@ -1,17 +1,15 @@
 //! The forest over the Earth: one tree to each of the 16 × 8 blocks, in pages that are read when the eye comes near.
 
 use super::node::{Cut, Domain, Node};
-use super::page::{Info, PAGE_LEVELS, PAGE_NODES, Reader, place_in_page};
+use super::page::{Info, PAGE_LEAVES, PAGE_LEVELS, PAGE_NODES, Reader, place_in_page};
 use crate::elevation::Elevation;
 use crate::frames::Ellipsoid;
 use crate::globe::blocks::{BLOCK_COUNT, COLUMNS, ROWS};
 
 /// No page.
 const NONE: u32 = u32::MAX;
-/// Squares of a page that can have one of their own.
-const LEAVES: usize = 64;
-/// The first of them.
-const FIRST_LEAF: usize = PAGE_NODES - LEAVES;
+/// The first square of a page that can have one of its own.
+const FIRST_LEAF: usize = PAGE_NODES - PAGE_LEAVES;
 
 /// The blocks as roots.
 pub const BLOCKS: Domain = Domain {
@@ -20,12 +18,12 @@ pub const BLOCKS: Domain = Domain {
     is_globe: true,
 };
 
-/// The three levels below a node whose level is a multiple of three.
+/// What lies below a node whose level is a multiple of [`PAGE_LEVELS`].
 struct Page {
     node: Node,
     infos: [Info; PAGE_NODES],
     /// Pages of the smallest squares.
-    below: [u32; LEAVES],
+    below: [u32; PAGE_LEAVES],
     pages_below: u32,
     /// Squares that are divided, a bit each.
     split: u128,
@@ -71,7 +69,7 @@ impl Cut for Forest {
     }
 }
 
-/// Level of a node within its page, 1…3.
+/// Level of a node within its page, 1…[`PAGE_LEVELS`].
 fn level_in_page(level: u8) -> u8 {
     (level - 1) % PAGE_LEVELS + 1
 }
@@ -79,12 +77,14 @@ fn level_in_page(level: u8) -> u8 {
 impl Forest {
     /// The 128 blocks, each with its first page: all undivided, and each a patch.
     pub fn new(ellipsoid: Ellipsoid, most_pages: usize, ground: &dyn Elevation) -> Self {
+        let most_pages = most_pages.max(2 * BLOCK_COUNT as usize);
         let mut forest = Self {
             ellipsoid,
             roots: Vec::with_capacity(BLOCK_COUNT as usize),
-            pages: Vec::new(),
+            // Never moved: that would take longer than a frame has.
+            pages: Vec::with_capacity(most_pages),
             hand: 0,
-            most_pages: most_pages.max(2 * BLOCK_COUNT as usize),
+            most_pages,
             frame: 0,
             reader: Reader::new(),
         };
@@ -111,7 +111,7 @@ impl Forest {
         let page = Page {
             node,
             infos,
-            below: [NONE; LEAVES],
+            below: [NONE; PAGE_LEAVES],
             pages_below: 0,
             split: 0,
             patch: 0,
@@ -138,7 +138,7 @@ impl Forest {
 
     /// Bytes of the pages.
     pub fn resident_bytes(&self) -> usize {
-        self.pages.capacity() * size_of::<Page>() + self.roots.capacity() * size_of::<Root>()
+        self.pages.len() * size_of::<Page>() + self.roots.capacity() * size_of::<Root>()
     }
 
     /// Pages in memory.
@@ -161,7 +161,7 @@ impl Forest {
         Some(slot)
     }
 
-    /// The page of what lies below a node whose level is a multiple of three.
+    /// The page of what lies below a node whose level is a multiple of [`PAGE_LEVELS`].
     fn page_of(&self, slot: Slot) -> Option<u32> {
         let page = if slot.page == NONE {
             self.roots[slot.place as usize].page

@@ -1,26 +1,33 @@
-//! A page of the forest: what the squares three levels below a square are like.
+//! A page of the forest: what the quarters of a square are like.
 
-use super::bound::leaf_error;
+use super::bound::{leaf_error, leaf_range_error};
 use super::node::{Node, Point, Square};
-use crate::elevation::{Bounds, Elevation};
+use crate::elevation::{Bounds, Elevation, HeightRange};
 use crate::frames::Ellipsoid;
 use glam::DVec3;
 use std::f64::consts::PI;
 
 /// Halvings from a block to the finest point that can be named: 2 µm on the ground.
 pub const DEPTH: u8 = 40;
-/// Levels of squares in a page.
-pub const PAGE_LEVELS: u8 = 3;
+/// Levels of squares in a page, 1…3. More would be read at once for each, but most would be read in vain: where a square is
+/// just not fine enough, its quarters mostly are.
+pub const PAGE_LEVELS: u8 = 1;
+/// Smallest squares in a row of a page.
+const SIDE: usize = 1 << PAGE_LEVELS;
 /// Steps of the lattice that a page is read on: four to each of its smallest squares.
-const STEPS: usize = 32;
+const STEPS: usize = 4 * SIDE;
 /// Posts of a row of that lattice.
 const POSTS: usize = STEPS + 1;
-/// Squares of a page: 4 + 16 + 64.
-pub const PAGE_NODES: usize = 84;
+/// Ranges of the data in a row of a page, one to two steps.
+const RANGES: usize = STEPS / 2;
+/// Smallest squares of a page.
+pub const PAGE_LEAVES: usize = SIDE * SIDE;
+/// Squares of a page: 4, 4 + 16 or 4 + 16 + 64.
+pub const PAGE_NODES: usize = (4 * PAGE_LEAVES - 4) / 3;
 /// Of those, the first of each level.
 const FIRST: [usize; 4] = [0, 0, 4, 20];
 
-/// Place of a node in the page that holds it; `level_in_page` is 1…3.
+/// Place of a node in the page that holds it; `level_in_page` is 1…[`PAGE_LEVELS`].
 pub fn place_in_page(node: Node, level_in_page: u8) -> usize {
     let side = 1_u64 << level_in_page;
     let (x, y) = (node.x % side, node.y % side);
@@ -75,6 +82,10 @@ pub struct Reader {
     heights_m: Vec<f64>,
     /// By smallest square: what lies between the posts may differ so much from the finest leaves.
     unseen_m: Vec<f64>,
+    /// By two steps each way: the range of the data.
+    ranges_m: Vec<HeightRange>,
+    /// The posts are so close that the data are smooth between them: `unseen_m` holds, else `ranges_m`.
+    is_smooth: bool,
     /// Places read since this was last set to 0.
     pub samples_read: u64,
 }
@@ -84,7 +95,15 @@ impl Reader {
     pub fn new() -> Self {
         Self {
             heights_m: vec![0.0; POSTS * POSTS],
-            unseen_m: vec![0.0; 64],
+            unseen_m: vec![0.0; PAGE_LEAVES],
+            ranges_m: vec![
+                HeightRange {
+                    low_m: 0.0,
+                    high_m: 0.0,
+                };
+                RANGES * RANGES
+            ],
+            is_smooth: false,
             samples_read: 0,
         }
     }
@@ -135,45 +154,66 @@ impl Reader {
         self.heights_m[j * POSTS + i]
     }
 
-    /// Bounds what lies between the posts. Where posts are no further apart than the data, these are taken for bilinear
-    /// between their own posts, so that they bend at most once in a step along each axis: no more than the second
-    /// differences beside show. Elsewhere the range of the data decides.
+    /// Bounds what lies between the posts. Where two posts are no further apart than half the data, these are taken for
+    /// bilinear between their own posts: they then bend at most once in two steps along each axis, by no more than half of
+    /// what the second differences on both sides show. Elsewhere the range of the data decides.
     fn find_unseen(&mut self, square: Square, step: u64, finest_rad: f64, ground: &dyn Elevation) {
         let step_rad = step as f64 * side_rad(DEPTH);
-        for y in 0..8 {
-            for x in 0..8 {
-                let (i0, j0) = (4 * x, 4 * y);
-                let mut unseen: f64 = 0.0;
-                if step_rad <= finest_rad {
-                    let h = |i: usize, j: usize| self.height(i0 + i, j0 + j);
-                    let bend = |a: f64, b: f64, c: f64| (a - 2.0 * b + c).abs();
-                    let (mut along_x, mut along_y, mut twist) = (0.0_f64, 0.0_f64, 0.0_f64);
-                    for k in 0..=4 {
-                        for m in 1..4 {
-                            along_x = along_x.max(bend(h(m - 1, k), h(m, k), h(m + 1, k)));
-                            along_y = along_y.max(bend(h(k, m - 1), h(k, m), h(k, m + 1)));
-                        }
-                    }
-                    for j in 0..4 {
-                        for i in 0..4 {
-                            let all = h(i, j) - h(i + 1, j) - h(i, j + 1) + h(i + 1, j + 1);
-                            twist = twist.max(all.abs());
-                        }
-                    }
-                    unseen = along_x + along_y + 0.5 * twist;
-                } else {
-                    for (i, j) in [(0, 0), (2, 0), (0, 2), (2, 2)] {
-                        let range = ground.range_m(&bounds(Square {
-                            x: square.x + (i0 + i) as u64 * step,
-                            y: square.y + (j0 + j) as u64 * step,
-                            size: 2 * step,
-                        }));
-                        unseen = unseen.max(range.high_m - range.low_m);
-                    }
+        self.is_smooth = step_rad <= 0.5 * finest_rad;
+        if self.is_smooth {
+            for y in 0..SIDE {
+                for x in 0..SIDE {
+                    self.unseen_m[SIDE * y + x] = self.between_posts(4 * x, 4 * y);
                 }
-                self.unseen_m[8 * y + x] = unseen;
+            }
+            return;
+        }
+        for y in 0..RANGES {
+            for x in 0..RANGES {
+                self.ranges_m[RANGES * y + x] = ground.range_m(&bounds(Square {
+                    x: square.x + 2 * x as u64 * step,
+                    y: square.y + 2 * y as u64 * step,
+                    size: 2 * step,
+                }));
             }
         }
+    }
+
+    /// Most that smooth data differ from triangles between the posts of a smallest square.
+    fn between_posts(&self, i0: usize, j0: usize) -> f64 {
+        let h = |i: usize, j: usize| self.height(i0 + i, j0 + j);
+        let bend = |a: f64, b: f64, c: f64| (a - 2.0 * b + c).abs();
+        let (mut along_x, mut along_y, mut twist) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for k in 0..=4 {
+            for m in 1..4 {
+                along_x = along_x.max(bend(h(m - 1, k), h(m, k), h(m + 1, k)));
+                along_y = along_y.max(bend(h(k, m - 1), h(k, m), h(k, m + 1)));
+            }
+        }
+        for j in 0..4 {
+            for i in 0..4 {
+                let all = h(i, j) - h(i + 1, j) - h(i, j + 1) + h(i + 1, j + 1);
+                twist = twist.max(all.abs());
+            }
+        }
+        // The end of a row may hide a bend that shows only beyond it: twice the half.
+        along_x + along_y + 0.25 * twist
+    }
+
+    /// Most that any height differs from a leaf over `steps` × `steps` steps.
+    fn rise_m(&self, x: usize, y: usize, steps: usize) -> f64 {
+        let leaf = leaf_error(|i, j| self.height(i, j), x, y, steps);
+        if self.is_smooth {
+            let smallest = |at: usize| at / 4..(at + steps) / 4;
+            let unseen =
+                smallest(y).flat_map(|j| smallest(x).map(move |i| self.unseen_m[SIDE * j + i]));
+            return leaf.bound + unseen.fold(0.0, f64::max);
+        }
+        let range = |i: usize, j: usize| {
+            let HeightRange { low_m, high_m } = self.ranges_m[RANGES * (j / 2) + i / 2];
+            (low_m, high_m)
+        };
+        leaf_range_error(|i, j| self.height(i, j), range, x, y, steps)
     }
 
     fn info(
@@ -193,14 +233,6 @@ impl Reader {
         };
         let square = node.square(DEPTH);
         let steps = STEPS >> level;
-        let below = 8 >> level;
-        let mut unseen: f64 = 0.0;
-        for j in y * below..(y + 1) * below {
-            for i in x * below..(x + 1) * below {
-                unseen = unseen.max(self.unseen_m[8 * j + i]);
-            }
-        }
-        let leaf = leaf_error(|i, j| self.height(i, j), x * steps, y * steps, steps);
         let (low, high, below_error) = if level == PAGE_LEVELS {
             let range = ground.range_m(&bounds(square));
             (range.low_m, range.high_m, 0.0)
@@ -222,8 +254,9 @@ impl Reader {
         };
         let shape = ball(node, ellipsoid, low, high);
         // Nothing differs from the data by more than the data differ.
-        let rise = (leaf.bound + unseen).min((high - low).max(0.0));
-        let error = (rise + shape.bend_m).max(below_error);
+        let rise_m = self.rise_m(x * steps, y * steps, steps);
+        let rise_m = rise_m.min((high - low).max(0.0));
+        let error = (rise_m + shape.bend_m).max(below_error);
         Info {
             center_itrf_m: shape.center_itrf_m,
             radius_m: rounded_up(shape.radius_m),

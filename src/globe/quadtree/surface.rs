@@ -20,7 +20,7 @@ pub struct QuadtreeOptions {
     /// Most leaves at once, drawn or not: about five triangles and up to 1 kB each. Where the tolerance asks for more, it is
     /// eased, and the error that is reported tells. At least 512.
     pub most_leaves: u32,
-    /// Most pages of 84 squares, 4 kB each. At least 256.
+    /// Most pages: the quarters of a square each, 300 bytes. At least 256.
     pub most_pages: u32,
     /// Finest level: 0 are the blocks of 22.5°, 24 is 15 cm. At most 32.
     pub most_level: u8,
@@ -31,7 +31,7 @@ pub struct QuadtreeOptions {
 }
 
 /// What reading a page counts as in [`QuadtreeOptions::work`].
-pub const PAGE_WORK: u32 = 600;
+pub const PAGE_WORK: u32 = 50;
 
 impl Default for QuadtreeOptions {
     fn default() -> Self {
@@ -39,7 +39,7 @@ impl Default for QuadtreeOptions {
             ellipsoid: Ellipsoid::WGS84,
             refine: Refine::Tolerance,
             most_leaves: 40_000,
-            most_pages: 8_192,
+            most_pages: 32_768,
             most_level: 24,
             work: 8_000,
             is_culled: true,
@@ -81,6 +81,10 @@ pub struct Quadtree {
     drawn: Vec<u32>,
     stack: Vec<(Node, Slot, Sight)>,
     bins: Vec<u32>,
+    /// Work that leaves above a ratio would take.
+    wanted: Vec<u64>,
+    /// Ratios above this are divided in this frame: the worst leaves first, wherever they are.
+    floor: f64,
     scratch: Scratch,
     stats: SurfaceStats,
     rebuilt: u32,
@@ -88,7 +92,7 @@ pub struct Quadtree {
 }
 
 impl Quadtree {
-    /// A surface that has read nothing yet. The first view reads the 128 first pages, about 140 000 heights.
+    /// A surface that has read nothing yet. The first view reads the 128 first pages, about 10 000 heights.
     pub fn new(options: QuadtreeOptions) -> Self {
         let options = QuadtreeOptions {
             most_leaves: options.most_leaves.max(512),
@@ -110,6 +114,8 @@ impl Quadtree {
             drawn: Vec::new(),
             stack: Vec::new(),
             bins: vec![0; BINS],
+            wanted: vec![0; BINS],
+            floor: 1.0,
             scratch: Scratch::default(),
             stats: SurfaceStats::default(),
             rebuilt: 0,
@@ -163,6 +169,7 @@ impl Quadtree {
     /// Answers the largest error of what is seen, metres.
     fn look(&mut self, forest: &Forest, eye: &Eye) -> f64 {
         self.bins.fill(0);
+        self.wanted.fill(0);
         let (mut error_m, mut error_px) = (0.0_f64, 0.0_f64);
         for built in &mut self.patches {
             let Some(slot) = forest.slot(built.node) else {
@@ -184,10 +191,9 @@ impl Quadtree {
                 };
                 let side_m = side_m(&self.options.ellipsoid, node);
                 let ratio = eye.ratio(info, side_m, sight);
-                if ratio > 1.0 {
-                    let bin = (ratio.log2() * BINS_PER_DOUBLING) as usize;
-                    self.bins[bin.min(BINS - 1)] += 1;
-                }
+                let bin = (ratio.max(1.0).log2() * BINS_PER_DOUBLING) as usize;
+                let bin = bin.min(BINS - 1);
+                self.bins[bin] += u32::from(ratio > 1.0);
                 if forest.slot_is_split(slot) {
                     built.has_merges |= ratio < HYSTERESIS * self.relax;
                     for k in 0..4 {
@@ -199,6 +205,9 @@ impl Quadtree {
                     built.leaves += 1;
                     if ratio > self.relax && node.level < self.options.most_level {
                         built.urgency = built.urgency.max(ratio);
+                        let is_known = forest.has_children(node, slot);
+                        let work = if is_known { 0 } else { PAGE_WORK } + 2 * SPLIT_WORK;
+                        self.wanted[bin] += u64::from(work);
                     }
                     if matches!(sight, Sight::Whole | Sight::Part) {
                         error_m = error_m.max(f64::from(info.error_m));
@@ -234,7 +243,8 @@ impl Quadtree {
         }
     }
 
-    /// Eases the tolerance as far as the leaves that it would take are too many.
+    /// Eases the tolerance as far as the leaves that it would take are too many, and finds which can be divided in one
+    /// frame.
     fn ease(&mut self) {
         let roots = BLOCKS.columns * BLOCKS.rows;
         let most = u64::from(self.options.most_leaves).saturating_sub(roots) / 3;
@@ -247,6 +257,15 @@ impl Quadtree {
             }
         }
         self.relax = relax;
+        let (mut wanted, mut floor) = (0, relax);
+        for bin in (0..BINS).rev() {
+            wanted += self.wanted[bin];
+            if wanted >= u64::from(self.options.work) {
+                floor = (bin as f64 / BINS_PER_DOUBLING).exp2();
+                break;
+            }
+        }
+        self.floor = floor.max(relax);
     }
 
     /// Divides and merges below a node. Answers whether it is divided.
@@ -263,7 +282,7 @@ impl Quadtree {
         let ratio = eye.ratio(&info, side_m, eye.sight(&info));
         let was_split = forest.slot_is_split(slot);
         if !was_split {
-            let is_wanted = ratio > self.relax
+            let is_wanted = ratio > self.floor
                 && node.level < self.options.most_level
                 && self.leaves + 3 <= self.options.most_leaves
                 && self.spent < most_work;
@@ -276,7 +295,7 @@ impl Quadtree {
                     return false;
                 }
                 // Seen closer it may do as it is.
-                if eye.ratio(forest.info(slot), side_m, eye.sight(&info)) <= self.relax {
+                if eye.ratio(forest.info(slot), side_m, eye.sight(&info)) <= self.floor {
                     return false;
                 }
             }
@@ -330,13 +349,13 @@ impl Quadtree {
 
     /// Divides and merges leaves, the worst patches first, while there is work left.
     fn improve(&mut self, forest: &mut Forest, eye: &Eye, ground: &dyn Elevation) {
-        let relax = self.relax;
+        let floor = self.floor;
         let mut order = std::mem::take(&mut self.order);
         order.clear();
         order.extend(0..self.patches.len() as u32);
         order.retain(|index| {
             let built = &self.patches[*index as usize];
-            built.urgency > relax || built.has_merges
+            built.urgency > floor || built.has_merges
         });
         order.sort_unstable_by(|a, b| {
             let [a, b] = [a, b].map(|index| &self.patches[*index as usize]);
@@ -345,7 +364,7 @@ impl Quadtree {
         for index in &order {
             let built = &self.patches[*index as usize];
             // A part of the work is kept for merging.
-            let most_work = if built.urgency > relax {
+            let most_work = if built.urgency > floor {
                 self.options.work - self.options.work / 4
             } else {
                 self.options.work
