@@ -1,7 +1,7 @@
 //! Which leaves of a tree a view is drawn with, and their triangles.
 
 use super::eye::Refine;
-use super::node::{Cut, Domain, Node, Point, ring};
+use super::node::{Cut, Domain, Node, Point, among, child_among, ring};
 use super::tree::{ABSENT, CELLS, LEAF, Tree, TreeNode};
 use glam::DVec3;
 
@@ -71,6 +71,8 @@ struct Divided<'a> {
 }
 
 impl Cut for Divided<'_> {
+    type Place = u32;
+
     fn domain(&self) -> Domain {
         Domain {
             columns: 1,
@@ -79,25 +81,28 @@ impl Cut for Divided<'_> {
         }
     }
 
-    fn is_split(&self, node: Node) -> bool {
-        let mut index = 0_u32;
-        for level in 0.. {
-            if !self.chosen.is_split(index) {
-                return false;
-            }
-            if level == node.level {
-                return true;
-            }
-            let first = self.tree.nodes[index as usize].children;
-            if first >= ABSENT {
-                return false;
-            }
-            let next = node.ancestor(level + 1);
-            index = first + (next.x & 1) as u32 + 2 * (next.y & 1) as u32;
+    fn root(&self, _node: Node) -> u32 {
+        0
+    }
+
+    fn is_split(&self, index: u32) -> bool {
+        index != CELL && self.chosen.is_split(index)
+    }
+
+    fn child(&self, _node: Node, index: u32, k: u8) -> Option<u32> {
+        if index == CELL {
+            return None;
         }
-        false
+        match self.tree.nodes[index as usize].children {
+            CELLS => Some(CELL),
+            LEAF | ABSENT => None,
+            first => Some(first + u32::from(k)),
+        }
     }
 }
+
+/// In place of a node: a cell, which has none.
+const CELL: u32 = u32::MAX;
 
 impl Tree {
     /// Chooses the leaves of a view: from the root down, a square is divided while the rule asks for it and there is
@@ -107,7 +112,6 @@ impl Tree {
         chosen.split.resize(self.nodes.len().div_ceil(64), 0);
         chosen.leaves.clear();
         (chosen.culled, chosen.error_m) = (0, 0.0);
-        let levels = self.levels();
         let root = Node {
             level: 0,
             x: 0,
@@ -116,6 +120,10 @@ impl Tree {
         chosen.stack.clear();
         chosen.stack.push((root, 0));
         while let Some((node, index)) = chosen.stack.pop() {
+            if index == CELL {
+                self.choose_cell(view, node, chosen);
+                continue;
+            }
             let known = &self.nodes[index as usize];
             if known.children == ABSENT {
                 continue;
@@ -142,22 +150,24 @@ impl Tree {
             }
             chosen.split[index as usize / 64] |= 1 << (index % 64);
             for k in (0..4).rev() {
-                let child = node.child(k);
-                if known.children != CELLS {
-                    chosen.stack.push((child, known.children + u32::from(k)));
-                    continue;
-                }
-                let square = child.square(levels);
-                let (x, y) = (square.x as usize, square.y as usize);
-                if x + 1 >= self.columns || y + 1 >= self.rows {
-                    continue;
-                }
-                if view.is_culled && self.cell_faces_away(view.eye_m, child) {
-                    chosen.culled += 1;
-                } else {
-                    chosen.leaves.push(child);
-                }
+                let below = match known.children {
+                    CELLS => CELL,
+                    first => first + u32::from(k),
+                };
+                chosen.stack.push((node.child(k), below));
             }
+        }
+    }
+
+    /// A cell, if it is on the grid and may be seen.
+    fn choose_cell(&self, view: &TreeView, node: Node, chosen: &mut Chosen) {
+        if node.x as usize + 1 >= self.columns || node.y as usize + 1 >= self.rows {
+            return;
+        }
+        if view.is_culled && self.cell_faces_away(view.eye_m, node) {
+            chosen.culled += 1;
+        } else {
+            chosen.leaves.push(node);
         }
     }
 
@@ -168,13 +178,32 @@ impl Tree {
         let divided = Divided { tree: self, chosen };
         let post = |(x, y): Point| (y as usize * self.columns + x as usize) as u32;
         let mut points = Vec::with_capacity(64);
-        for leaf in &chosen.leaves {
-            if leaf.level == levels {
-                out.extend(self.cell(*leaf).as_flattened());
+        let root = Node {
+            level: 0,
+            x: 0,
+            y: 0,
+        };
+        // Leaves stand in the order of this walk; those left out are passed over.
+        let mut leaves = chosen.leaves.iter().copied().peekable();
+        let mut stack = Vec::with_capacity(64);
+        stack.push(among(&divided, (root, 0)));
+        while let Some(square) = stack.pop() {
+            let (node, index) = square.at;
+            if divided.is_split(index) {
+                let children = (0..4).rev();
+                stack.extend(children.filter_map(|k| child_among(&divided, &square, k)));
                 continue;
             }
-            let center = post(leaf.square(levels).center());
-            ring(&divided, *leaf, levels, &mut points);
+            if leaves.peek() != Some(&node) {
+                continue;
+            }
+            leaves.next();
+            if node.level == levels {
+                out.extend(self.cell(node).as_flattened());
+                continue;
+            }
+            let center = post(node.square(levels).center());
+            ring(&divided, &square, levels, &mut points);
             for (i, a) in points.iter().enumerate() {
                 let b = points[(i + 1) % points.len()];
                 out.extend([center, post(*a), post(b)]);

@@ -40,7 +40,7 @@ pub enum Sight {
 }
 
 /// A leaf outside the picture may be off by so much more: the eye may turn to it.
-const OUTSIDE: f64 = 0.2;
+const OUTSIDE: f64 = 0.1;
 /// No distance is taken for less, metres.
 const LEAST_DISTANCE_M: f64 = 1e-3;
 

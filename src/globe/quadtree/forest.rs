@@ -60,12 +60,33 @@ pub struct Forest {
 }
 
 impl Cut for Forest {
+    type Place = Slot;
+
     fn domain(&self) -> Domain {
         BLOCKS
     }
 
-    fn is_split(&self, node: Node) -> bool {
-        self.slot(node).is_some_and(|slot| self.slot_is_split(slot))
+    fn root(&self, node: Node) -> Slot {
+        root_slot(node)
+    }
+
+    fn is_split(&self, slot: Slot) -> bool {
+        match slot.page {
+            NONE => self.roots[slot.place as usize].is_split,
+            page => self.pages[page as usize].split >> slot.place & 1 == 1,
+        }
+    }
+
+    fn child(&self, node: Node, slot: Slot, k: u8) -> Option<Slot> {
+        let child = node.child(k);
+        let level = level_in_page(child.level);
+        let page = if level == 1 {
+            self.page_of(slot)?
+        } else {
+            slot.page
+        };
+        let place = place_in_page(child, level) as u32;
+        Some(Slot { page, place })
     }
 }
 
@@ -76,7 +97,12 @@ fn level_in_page(level: u8) -> u8 {
 
 impl Forest {
     /// The 128 blocks, each with its first page: all undivided, and each a patch.
-    pub fn new(ellipsoid: Ellipsoid, most_pages: usize, ground: &dyn Elevation) -> Self {
+    pub fn new(
+        ellipsoid: Ellipsoid,
+        most_pages: usize,
+        is_certain: bool,
+        ground: &dyn Elevation,
+    ) -> Self {
         let most_pages = most_pages.max(2 * BLOCK_COUNT as usize);
         let mut forest = Self {
             ellipsoid,
@@ -86,7 +112,7 @@ impl Forest {
             hand: 0,
             most_pages,
             frame: 0,
-            reader: Reader::new(),
+            reader: Reader::new(is_certain),
         };
         for index in 0..BLOCK_COUNT {
             let node = Node {
@@ -172,32 +198,11 @@ impl Forest {
         (page != NONE).then_some(page)
     }
 
-    /// Where a child is kept; needs the page of the node.
-    pub fn child(&self, node: Node, slot: Slot, k: u8) -> Option<(Node, Slot)> {
-        let child = node.child(k);
-        let level = level_in_page(child.level);
-        let page = if level == 1 {
-            self.page_of(slot)?
-        } else {
-            slot.page
-        };
-        let place = place_in_page(child, level) as u32;
-        Some((child, Slot { page, place }))
-    }
-
     /// What is known of a node.
     pub fn info(&self, slot: Slot) -> &Info {
         match slot.page {
             NONE => &self.roots[slot.place as usize].info,
             page => &self.pages[page as usize].infos[slot.place as usize],
-        }
-    }
-
-    /// The node is divided.
-    pub fn slot_is_split(&self, slot: Slot) -> bool {
-        match slot.page {
-            NONE => self.roots[slot.place as usize].is_split,
-            page => self.pages[page as usize].split >> slot.place & 1 == 1,
         }
     }
 
@@ -238,7 +243,8 @@ impl Forest {
             }
             let next = node.ancestor(at.level + 1);
             let k = (next.x & 1) as u8 | ((next.y & 1) as u8) << 1;
-            (at, slot) = self.child(at, slot, k)?;
+            slot = self.child(at, slot, k)?;
+            at = next;
         }
     }
 
@@ -246,13 +252,14 @@ impl Forest {
     pub fn leaf_of(&self, node: Node) -> Option<Node> {
         let mut at = node.ancestor(0);
         let mut slot = root_slot(at);
-        while self.slot_is_split(slot) {
+        while self.is_split(slot) {
             if at.level == node.level {
                 return None;
             }
             let next = node.ancestor(at.level + 1);
             let k = (next.x & 1) as u8 | ((next.y & 1) as u8) << 1;
-            (at, slot) = self.child(at, slot, k)?;
+            slot = self.child(at, slot, k)?;
+            at = next;
         }
         Some(at)
     }
@@ -303,10 +310,13 @@ impl Forest {
             let page = &self.pages[self.hand];
             let node = page.node;
             let is_idle = page.pages_below == 0 && page.asked + 1 < self.frame;
-            if node.level == 0 || !is_idle || self.is_split(node) {
+            if node.level == 0 || !is_idle {
                 continue;
             }
             let holder = self.slot(node)?;
+            if self.is_split(holder) {
+                continue;
+            }
             let holding = &mut self.pages[holder.page as usize];
             holding.below[holder.place as usize - FIRST_LEAF] = NONE;
             holding.pages_below -= 1;

@@ -28,7 +28,7 @@ mod tree;
 pub use bound::{LeafError, leaf_error};
 pub use choose::{Chosen, Measure, TreeView};
 pub use eye::Refine;
-pub use node::{Cut, Domain, Node, Point, Side, Square, ring};
+pub use node::{Among, Cut, Domain, Kept, Node, Point, Side, Square, among, child_among, ring};
 pub use order::{Order, hilbert, morton};
 pub use surface::{Quadtree, QuadtreeOptions};
 pub use tree::{MOST_POSTS, Merge, Tree, TreeError, TreeNode, TreeOptions};

@@ -151,13 +151,83 @@ impl Domain {
     }
 }
 
-/// Which squares of a tree are divided now.
+/// Which squares of a tree are divided now. Where the tree keeps a square is a `Place`.
 pub trait Cut {
+    /// What a square is found by at once.
+    type Place: Copy;
+
     /// The roots.
     fn domain(&self) -> Domain;
 
-    /// The node is there and is divided, all above it too.
-    fn is_split(&self, node: Node) -> bool;
+    /// Where a root is kept.
+    fn root(&self, node: Node) -> Self::Place;
+
+    /// The square kept there is divided.
+    fn is_split(&self, place: Self::Place) -> bool;
+
+    /// Where child `k` of a square is kept; `None` where nothing is known of its children.
+    fn child(&self, node: Node, place: Self::Place, k: u8) -> Option<Self::Place>;
+}
+
+/// A square and where it is kept.
+pub type Kept<P> = (Node, P);
+
+/// A square with those beside it, in the order of [`Side::ALL`]: of its own level, or a larger leaf; none where the grid ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Among<P> {
+    /// The square.
+    pub at: Kept<P>,
+    /// Those beside it.
+    pub beside: [Option<Kept<P>>; 4],
+}
+
+/// The square, or the leaf that holds it.
+fn find<C: Cut>(cut: &C, node: Node) -> Kept<C::Place> {
+    let mut at = node.ancestor(0);
+    let mut place = cut.root(at);
+    while at.level < node.level && cut.is_split(place) {
+        let next = node.ancestor(at.level + 1);
+        let k = (next.x & 1) as u8 | ((next.y & 1) as u8) << 1;
+        let Some(below) = cut.child(at, place, k) else {
+            break;
+        };
+        (at, place) = (next, below);
+    }
+    (at, place)
+}
+
+/// A square among its neighbours, searched from the roots (the paper's search for neighbours of another parent).
+pub fn among<C: Cut>(cut: &C, at: Kept<C::Place>) -> Among<C::Place> {
+    let domain = cut.domain();
+    let beside = Side::ALL.map(|side| Some(find(cut, domain.neighbour(at.0, side)?)));
+    Among { at, beside }
+}
+
+/// A child among its neighbours: two are its siblings, and two are found from those of its parent.
+pub fn child_among<C: Cut>(cut: &C, parent: &Among<C::Place>, k: u8) -> Option<Among<C::Place>> {
+    let (node, place) = parent.at;
+    let child = (node.child(k), cut.child(node, place, k)?);
+    let mut beside = [None; 4];
+    for ((side, beside), outer) in Side::ALL.into_iter().zip(&mut beside).zip(parent.beside) {
+        // Across a vertical edge the column changes, across a horizontal one the row.
+        let (bit, inner) = match side {
+            Side::West => (1, 1),
+            Side::East => (1, 0),
+            Side::North => (2, 2),
+            Side::South => (2, 0),
+        };
+        let across = k ^ bit;
+        *beside = if k & bit == inner {
+            Some((node.child(across), cut.child(node, place, across)?))
+        } else {
+            outer.map(|(outer, place)| {
+                let is_deeper = outer.level == node.level && cut.is_split(place);
+                let below = is_deeper.then(|| cut.child(outer, place, across)).flatten();
+                below.map_or((outer, place), |below| (outer.child(across), below))
+            })
+        };
+    }
+    Some(Among { at: child, beside })
 }
 
 /// The points that a leaf is drawn with, counter-clockwise from its north-western corner: its corners, and on each edge
@@ -166,33 +236,37 @@ pub trait Cut {
 /// then have the same points with the heights of the data, and no T-junction is left. Any two levels may meet.
 ///
 /// Points are named by [`Domain::point`]; neighbours in the ring that have one name (at a pole) are both given.
-pub fn ring(cut: &impl Cut, leaf: Node, depth: u8, out: &mut Vec<Point>) {
+pub fn ring<C: Cut>(cut: &C, leaf: &Among<C::Place>, depth: u8, out: &mut Vec<Point>) {
     out.clear();
     let domain = cut.domain();
-    let Square { x, y, size } = leaf.square(depth);
+    let Square { x, y, size } = leaf.at.0.square(depth);
     let corners = [(x, y), (x, y + size), (x + size, y + size), (x + size, y)];
-    for (side, corner) in Side::ALL.into_iter().zip(corners) {
+    for ((side, corner), beside) in Side::ALL.into_iter().zip(corners).zip(leaf.beside) {
         out.push(domain.point(corner, depth));
-        if let Some(beyond) = domain.neighbour(leaf, side) {
+        if let Some(beyond) = beside
+            && beyond.0.level == leaf.at.0.level
+        {
             along(cut, &domain, beyond, side, depth, out);
         }
     }
 }
 
 /// Appends the points that divided squares beyond a side have on it, ends left out.
-fn along(
-    cut: &impl Cut,
+fn along<C: Cut>(
+    cut: &C,
     domain: &Domain,
-    beyond: Node,
+    (beyond, place): Kept<C::Place>,
     side: Side,
     depth: u8,
     out: &mut Vec<Point>,
 ) {
-    if beyond.level >= depth || !cut.is_split(beyond) {
+    if beyond.level >= depth || !cut.is_split(place) {
         return;
     }
     let [first, second] = side.touching();
-    along(cut, domain, beyond.child(first), side, depth, out);
+    if let Some(below) = cut.child(beyond, place, first) {
+        along(cut, domain, (beyond.child(first), below), side, depth, out);
+    }
     let Square { x, y, size } = beyond.square(depth);
     let half = size / 2;
     let middle = match side {
@@ -202,5 +276,7 @@ fn along(
         Side::North => (x + half, y + size),
     };
     out.push(domain.point(middle, depth));
-    along(cut, domain, beyond.child(second), side, depth, out);
+    if let Some(below) = cut.child(beyond, place, second) {
+        along(cut, domain, (beyond.child(second), below), side, depth, out);
+    }
 }

@@ -86,14 +86,17 @@ pub struct Reader {
     ranges_m: Vec<HeightRange>,
     /// The posts are so close that the data are smooth between them: `unseen_m` holds, else `ranges_m`.
     is_smooth: bool,
+    /// What is not seen is bounded by the range of the data alone.
+    is_certain: bool,
     /// Places read since this was last set to 0.
     pub samples_read: u64,
 }
 
 impl Reader {
     /// Ready.
-    pub fn new() -> Self {
+    pub fn new(is_certain: bool) -> Self {
         Self {
+            is_certain,
             heights_m: vec![0.0; POSTS * POSTS],
             unseen_m: vec![0.0; PAGE_LEAVES],
             ranges_m: vec![
@@ -200,7 +203,10 @@ impl Reader {
         along_x + along_y + 0.25 * twist
     }
 
-    /// Most that any height differs from a leaf over `steps` × `steps` steps.
+    /// Most that any height differs from a leaf over `steps` × `steps` steps. Where the data are finer than the posts and
+    /// certainty is not asked for: what the posts show, half of how the ground bends between them, and all by which the
+    /// data reach beyond the posts around. A ledge that is narrower than a post's step and hides within the rise of a
+    /// slope is then seen only from nearer.
     fn rise_m(&self, x: usize, y: usize, steps: usize) -> f64 {
         let leaf = leaf_error(|i, j| self.height(i, j), x, y, steps);
         if self.is_smooth {
@@ -213,7 +219,29 @@ impl Reader {
             let HeightRange { low_m, high_m } = self.ranges_m[RANGES * (j / 2) + i / 2];
             (low_m, high_m)
         };
-        leaf_range_error(|i, j| self.height(i, j), range, x, y, steps)
+        if self.is_certain {
+            return leaf_range_error(|i, j| self.height(i, j), range, x, y, steps);
+        }
+        let leaf = leaf_error(|i, j| self.height(i, j), x, y, steps);
+        let smallest = |at: usize| (at / 4..(at + steps) / 4).map(|at| 4 * at);
+        let bends = smallest(y).flat_map(|j| smallest(x).map(move |i| (i, j)));
+        let bend = bends.fold(0.0_f64, |most, (i, j)| most.max(self.between_posts(i, j)));
+        let mut beyond = 0.0_f64;
+        for j in (y..y + steps).step_by(2) {
+            for i in (x..x + steps).step_by(2) {
+                let (low, high) = range(i, j);
+                let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+                for m in j.saturating_sub(2)..=(j + 4).min(STEPS) {
+                    for n in i.saturating_sub(2)..=(i + 4).min(STEPS) {
+                        let height = self.height(n, m);
+                        (least, most) = (least.min(height), most.max(height));
+                    }
+                }
+                beyond = beyond.max(high - most).max(least - low);
+            }
+        }
+        // Finer ground is taken for half as rough at half the step.
+        leaf.bound + 0.5 * bend + beyond
     }
 
     fn info(

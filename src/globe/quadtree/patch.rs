@@ -1,7 +1,7 @@
 //! Patches: parts of the forest with an origin of their own, and how they are built.
 
 use super::forest::{BLOCKS, Forest, Slot};
-use super::node::{Node, Point, Square, ring};
+use super::node::{Among, Cut, Node, Point, Square, among, child_among, ring};
 use super::page::{DEPTH, lat_lon_rad, side_rad};
 use crate::elevation::Elevation;
 use crate::frames::Geodetic;
@@ -63,6 +63,9 @@ pub struct Built {
     pub has_merges: bool,
     /// All its faces lie within `cone.1` radians of the direction `cone.0`.
     pub cone: (DVec3, f64),
+    /// The patches that touched it at the last build.
+    beside: Vec<(Node, f64)>,
+    has_new_steps: bool,
     places: Places,
     /// By vertex, the build that last needed it.
     needed: Vec<u32>,
@@ -74,7 +77,9 @@ pub struct Built {
 #[derive(Default)]
 pub struct Scratch {
     ring: Vec<Point>,
-    stack: Vec<(Node, Slot)>,
+    stack: Vec<Among<Slot>>,
+    /// The patches that touch the one that is built, itself among them, and their steps.
+    pub beside: Vec<(Node, f64)>,
     triangles: Vec<u32>,
     loop_: Vec<u32>,
     changed: Vec<u32>,
@@ -123,6 +128,8 @@ impl Built {
             urgency: 0.0,
             has_merges: false,
             cone: (DVec3::ZERO, std::f64::consts::PI),
+            beside: Vec::new(),
+            has_new_steps: true,
             places: Places::default(),
             needed: Vec::new(),
             free: Vec::new(),
@@ -178,17 +185,23 @@ impl Built {
         scratch.triangles.clear();
         scratch.changed.clear();
         scratch.stack.clear();
-        scratch.stack.push((self.node, slot));
+        scratch.stack.push(among(forest, (self.node, slot)));
+        self.has_new_steps = self.beside != scratch.beside;
+        if self.has_new_steps {
+            self.beside.clone_from(&scratch.beside);
+        }
         let mut ring_points = std::mem::take(&mut scratch.ring);
         let mut leaves = 0;
-        while let Some((node, slot)) = scratch.stack.pop() {
-            if forest.slot_is_split(slot) {
-                let children = (0..4).rev().filter_map(|k| forest.child(node, slot, k));
+        while let Some(square) = scratch.stack.pop() {
+            let (node, slot) = square.at;
+            if forest.is_split(slot) {
+                let children = (0..4).rev();
+                let children = children.filter_map(|k| child_among(forest, &square, k));
                 scratch.stack.extend(children);
                 continue;
             }
             leaves += 1;
-            ring(forest, node, DEPTH, &mut ring_points);
+            ring(forest, &square, DEPTH, &mut ring_points);
             let center = self.place(node.square(DEPTH).center(), forest, ground, scratch);
             scratch.loop_.clear();
             for point in &ring_points {
@@ -222,7 +235,7 @@ impl Built {
             let index = place as usize;
             if self.needed[index] != self.build {
                 self.needed[index] = self.build;
-                if self.is_on_edge(point) {
+                if self.has_new_steps && self.is_on_edge(point) {
                     // The steps of a neighbour may have changed.
                     let height_m = self.patch.vertices[index].height_m;
                     let from_origin = self.from_origin(point, height_m, forest);
@@ -277,11 +290,27 @@ impl Built {
             height_m: f64::from(height_m),
         });
         let step = if self.is_on_edge(point) {
-            coarsest_step_m(point, forest).max(self.step_m)
+            self.coarsest_step_m(point)
         } else {
             self.step_m
         };
         (itrf_m / step).round() * step - self.patch.origin_itrf_m
+    }
+
+    /// The coarsest steps of the patches that meet in a point on the edge.
+    fn coarsest_step_m(&self, (x, y): Point) -> f64 {
+        let (columns, rows) = (BLOCKS.columns << DEPTH, BLOCKS.rows << DEPTH);
+        let has = |node: Node| {
+            let square = node.square(DEPTH);
+            let (x_end, y_end) = (square.x + square.size, square.y + square.size);
+            if y == 0 || y == rows {
+                return y == square.y || y == y_end;
+            }
+            let is_within = (square.x..=x_end).contains(&x) || x == 0 && x_end == columns;
+            is_within && (square.y..=y_end).contains(&y)
+        };
+        let steps = self.beside.iter().filter(|(node, _)| has(*node));
+        steps.fold(self.step_m, |most, (_, step)| most.max(*step))
     }
 
     /// Frees the vertices that this build did not need.
@@ -327,38 +356,6 @@ impl Built {
             self.patch.revision += 1;
         }
     }
-}
-
-/// The coarsest steps of the patches that meet in a point.
-fn coarsest_step_m(point: Point, forest: &Forest) -> f64 {
-    let (x, y) = point;
-    let (columns, rows) = (BLOCKS.columns << DEPTH, BLOCKS.rows << DEPTH);
-    let step_at = |x: u64, y: u64| {
-        let node = Node { level: DEPTH, x, y };
-        let patch = forest.patch_of(node)?;
-        let radius_m = forest.info(forest.slot(patch)?).radius_m;
-        Some((patch, step_m(radius_m)))
-    };
-    let mut step = 0.0_f64;
-    if y == 0 || y == rows {
-        // All around the pole.
-        let row = if y == 0 { 0 } else { rows - 1 };
-        let mut x = 0;
-        while x < columns {
-            let Some((patch, of_patch)) = step_at(x, row) else {
-                return ORIGIN_STEP_M;
-            };
-            step = step.max(of_patch);
-            let square = patch.square(DEPTH);
-            x = square.x + square.size;
-        }
-        return step;
-    }
-    let west = (x + columns - 1) % columns;
-    for (x, y) in [(x, y), (west, y), (x, y - 1), (west, y - 1)] {
-        step = step.max(step_at(x, y).map_or(ORIGIN_STEP_M, |(_, step)| step));
-    }
-    step
 }
 
 /// A cone about the normals of all faces of a patch: its axis and its half-angle.

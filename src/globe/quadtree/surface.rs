@@ -2,7 +2,7 @@
 
 use super::eye::{Eye, Refine, Sight};
 use super::forest::{BLOCKS, Forest, Slot, root_slot};
-use super::node::{Node, Side};
+use super::node::{Cut, Node, Side};
 use super::page::side_rad;
 use super::patch::{Built, MOST_PATCH_LEVEL, Scratch};
 use crate::elevation::Elevation;
@@ -28,6 +28,10 @@ pub struct QuadtreeOptions {
     pub work: u32,
     /// Leave out patches that lie outside the picture, beyond the horizon, or face away with every face.
     pub is_culled: bool,
+    /// Bound what the data do between the posts that were read by their range alone, where they are finer than the posts.
+    /// Costs several times the leaves. Without it, the ground is taken to be half as rough at half the step, and to
+    /// reach no further than its range: enough for terrain and for spikes, but a narrow ledge on a slope may be seen late.
+    pub is_certain: bool,
 }
 
 /// What reading a page counts as in [`QuadtreeOptions::work`].
@@ -43,6 +47,7 @@ impl Default for QuadtreeOptions {
             most_level: 24,
             work: 8_000,
             is_culled: true,
+            is_certain: false,
         }
     }
 }
@@ -151,6 +156,7 @@ impl Quadtree {
         let forest = Forest::new(
             self.options.ellipsoid,
             self.options.most_pages as usize,
+            self.options.is_certain,
             ground,
         );
         for y in 0..BLOCKS.rows {
@@ -194,11 +200,11 @@ impl Quadtree {
                 let bin = (ratio.max(1.0).log2() * BINS_PER_DOUBLING) as usize;
                 let bin = bin.min(BINS - 1);
                 self.bins[bin] += u32::from(ratio > 1.0);
-                if forest.slot_is_split(slot) {
+                if forest.is_split(slot) {
                     built.has_merges |= ratio < HYSTERESIS * self.relax;
                     for k in 0..4 {
-                        if let Some((child, slot)) = forest.child(node, slot, k) {
-                            self.stack.push((child, slot, sight));
+                        if let Some(slot) = forest.child(node, slot, k) {
+                            self.stack.push((node.child(k), slot, sight));
                         }
                     }
                 } else {
@@ -280,7 +286,7 @@ impl Quadtree {
         let info = *forest.info(slot);
         let side_m = side_m(&self.options.ellipsoid, node);
         let ratio = eye.ratio(&info, side_m, eye.sight(&info));
-        let was_split = forest.slot_is_split(slot);
+        let was_split = forest.is_split(slot);
         if !was_split {
             let is_wanted = ratio > self.floor
                 && node.level < self.options.most_level
@@ -305,7 +311,8 @@ impl Quadtree {
         }
         let mut is_deeper = false;
         for k in 0..4 {
-            if let Some(child) = forest.child(node, slot, k) {
+            if let Some(slot) = forest.child(node, slot, k) {
+                let child = (node.child(k), slot);
                 is_deeper |= self.refine(forest, eye, ground, child, most_work);
             }
         }
@@ -391,7 +398,7 @@ impl Quadtree {
                 continue;
             };
             let ball_m = f64::from(forest.info(slot).radius_m);
-            if forest.slot_is_split(slot) && node.level < MOST_PATCH_LEVEL {
+            if forest.is_split(slot) && node.level < MOST_PATCH_LEVEL {
                 if leaves > MOST_PATCH_LEAVES || ball_m > MOST_BALLS * distance_m {
                     self.changes += 1;
                     self.divide(forest, eye, node, slot);
@@ -413,9 +420,9 @@ impl Quadtree {
         let old_step_m = self.remove(node);
         forest.set_patch(slot, false);
         for k in 0..4 {
-            if let Some((child, slot)) = forest.child(node, slot, k) {
+            if let Some(slot) = forest.child(node, slot, k) {
                 forest.set_patch(slot, true);
-                self.add(forest, eye, child, slot);
+                self.add(forest, eye, node.child(k), slot);
             }
         }
         self.steps_changed(node, old_step_m);
@@ -444,7 +451,7 @@ impl Quadtree {
         self.changes += 1;
         for (k, child) in parent.children().into_iter().enumerate() {
             self.remove(child);
-            if let Some((_, slot)) = forest.child(parent, slot, k as u8) {
+            if let Some(slot) = forest.child(parent, slot, k as u8) {
                 forest.set_patch(slot, false);
             }
         }
@@ -505,15 +512,26 @@ impl Quadtree {
     fn build(&mut self, forest: &Forest, eye: &Eye, ground: &dyn Elevation) {
         self.rebuilt = 0;
         self.scratch.new_vertices = 0;
-        for built in &mut self.patches {
-            if built.is_dirty
-                && let Some(slot) = forest.slot(built.node)
-            {
-                built.build(forest, slot, ground, &mut self.scratch);
-                let info = forest.info(slot);
-                built.is_drawn = eye.draws(info, built.cone);
-                self.rebuilt += 1;
+        for index in 0..self.patches.len() {
+            let built = &self.patches[index];
+            if !built.is_dirty {
+                continue;
             }
+            let node = built.node;
+            let Some(slot) = forest.slot(node) else {
+                continue;
+            };
+            self.scratch.beside.clear();
+            let all = self.patches.iter();
+            let beside = all.filter(|other| touches(other.node, node));
+            let beside = beside.map(|other| (other.node, other.step_m));
+            self.scratch.beside.extend(beside);
+            // In an order of their own, so that the same ones are known again.
+            self.scratch.beside.sort_unstable_by_key(|(node, _)| *node);
+            let built = &mut self.patches[index];
+            built.build(forest, slot, ground, &mut self.scratch);
+            built.is_drawn = eye.draws(forest.info(slot), built.cone);
+            self.rebuilt += 1;
         }
     }
 
@@ -587,10 +605,10 @@ fn side_m(ellipsoid: &Ellipsoid, node: Node) -> f64 {
 }
 
 fn count_leaves(forest: &Forest, node: Node, slot: Slot) -> u32 {
-    if !forest.slot_is_split(slot) {
+    if !forest.is_split(slot) {
         return 1;
     }
-    let children = (0..4).filter_map(|k| forest.child(node, slot, k));
+    let children = (0..4).filter_map(|k| Some((node.child(k), forest.child(node, slot, k)?)));
     children
         .map(|(child, slot)| count_leaves(forest, child, slot))
         .sum()

@@ -3,7 +3,7 @@
 use super::{Posts, for_each_triangle, placed, view, whole};
 use crate::elevation::Elevation;
 use crate::frames::{Ellipsoid, Geodetic};
-use crate::globe::quadtree::Quadtree;
+use crate::globe::quadtree::{Quadtree, QuadtreeOptions};
 use crate::globe::surface::{GroundView, Surface};
 use glam::DVec3;
 
@@ -53,14 +53,19 @@ fn the_error_is_no_larger_than_is_said() {
         |i, j| if (i / 3 + j / 5) % 2 == 0 { 9e3 } else { -11e3 },
     );
     let grounds = [Posts::rough(512, 9e3, 5), spike, cliffs];
-    for (which, ground) in grounds.iter().enumerate() {
+    for (which, ground) in grounds.iter().chain(&grounds).enumerate() {
+        let is_certain = which < grounds.len();
         for (lat, lon, height_m, tilt) in [
             (20.0, 30.0, 2e7, 0.0),
             (19.7, 31.0, 4e5, 0.5),
             (80.0, -60.0, 1e5, 1.2),
             (19.7, 31.0, 1.5e4, 1.3),
         ] {
-            let mut surface = whole(20_000);
+            let mut surface = Quadtree::new(QuadtreeOptions {
+                is_certain,
+                is_culled: false,
+                ..QuadtreeOptions::default()
+            });
             let view = view(lat, lon, height_m, tilt);
             let stats = surface.settle(&view, ground);
             let (error_m, error_px) = largest_error(&surface, &view, ground);
@@ -103,7 +108,7 @@ fn the_tolerance_is_kept() {
 #[test]
 fn flat_ground_is_divided_for_its_curve_alone() {
     let flat = Posts::new(64, |_, _| 100.0);
-    let rough = Posts::rough(1024, 5e3, 6);
+    let rough = Posts::rough(1024, 2e4, 6);
     let leaves = |ground: &Posts| {
         let mut surface = Quadtree::new(Default::default());
         surface.settle(&view(20.0, 30.0, 5e4, 0.3), ground);
