@@ -190,13 +190,12 @@ impl Horizon {
         // An ellipsoid with shorter axes lies within the surface at that depth but for some metres at most.
         let depth_m = lowest_m.min(0.0) * 1.01 - 50.0;
         let axes = ellipsoid.itrf_from_scaled() + DVec3::splat(depth_m);
-        if !(axes.min_element() > 1e6) {
-            return None;
-        }
         let scaled_from_itrf = axes.recip();
         let eye = eye_itrf_m * scaled_from_itrf;
         let length = eye.length();
-        (length > 1.0).then(|| Self {
+        // An error as large as the Earth leaves nothing that hides.
+        let is_solid = axes.min_element() > 1e6;
+        (is_solid && length > 1.0).then(|| Self {
             scaled_from_itrf,
             eye,
             length,

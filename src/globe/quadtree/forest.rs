@@ -1,15 +1,13 @@
 //! The forest over the Earth: one tree to each of the 16 × 8 blocks, in pages that are read when the eye comes near.
 
 use super::node::{Cut, Domain, Node};
-use super::page::{Info, PAGE_LEAVES, PAGE_LEVELS, PAGE_NODES, Reader, place_in_page};
+use super::page::{Info, PAGE_NODES, Reader, quarter};
 use crate::elevation::Elevation;
 use crate::frames::Ellipsoid;
 use crate::globe::blocks::{BLOCK_COUNT, COLUMNS, ROWS};
 
 /// No page.
 const NONE: u32 = u32::MAX;
-/// The first square of a page that can have one of its own.
-const FIRST_LEAF: usize = PAGE_NODES - PAGE_LEAVES;
 
 /// The blocks as roots.
 pub const BLOCKS: Domain = Domain {
@@ -18,17 +16,17 @@ pub const BLOCKS: Domain = Domain {
     is_globe: true,
 };
 
-/// What lies below a node whose level is a multiple of [`PAGE_LEVELS`].
+/// The quarters of a node.
 struct Page {
     node: Node,
     infos: [Info; PAGE_NODES],
-    /// Pages of the smallest squares.
-    below: [u32; PAGE_LEAVES],
+    /// Pages of the quarters.
+    below: [u32; PAGE_NODES],
     pages_below: u32,
     /// Squares that are divided, a bit each.
-    split: u128,
+    split: u8,
     /// Squares that are patches.
-    patch: u128,
+    patch: u8,
     /// The frame in which it was last asked for.
     asked: u64,
 }
@@ -78,21 +76,10 @@ impl Cut for Forest {
     }
 
     fn child(&self, node: Node, slot: Slot, k: u8) -> Option<Slot> {
-        let child = node.child(k);
-        let level = level_in_page(child.level);
-        let page = if level == 1 {
-            self.page_of(slot)?
-        } else {
-            slot.page
-        };
-        let place = place_in_page(child, level) as u32;
+        let place = quarter(node.child(k));
+        let page = self.page_of(slot)?;
         Some(Slot { page, place })
     }
-}
-
-/// Level of a node within its page, 1…[`PAGE_LEVELS`].
-fn level_in_page(level: u8) -> u8 {
-    (level - 1) % PAGE_LEVELS + 1
 }
 
 impl Forest {
@@ -137,7 +124,7 @@ impl Forest {
         let page = Page {
             node,
             infos,
-            below: [NONE; PAGE_LEAVES],
+            below: [NONE; PAGE_NODES],
             pages_below: 0,
             split: 0,
             patch: 0,
@@ -168,32 +155,28 @@ impl Forest {
     }
 
     /// Pages in memory.
+    #[cfg(test)]
     pub fn pages(&self) -> usize {
         self.pages.len()
     }
 
     /// Where a node is kept, if its page is there.
     pub fn slot(&self, node: Node) -> Option<Slot> {
-        let block = node.ancestor(0);
-        let mut slot = root_slot(block);
-        let mut level = 0;
-        while level < node.level {
+        let mut slot = root_slot(node.ancestor(0));
+        for level in 1..=node.level {
             let page = self.page_of(slot)?;
-            let next = (level + PAGE_LEVELS).min(node.level);
-            let place = place_in_page(node.ancestor(next), next - level) as u32;
+            let place = quarter(node.ancestor(level));
             slot = Slot { page, place };
-            level = next;
         }
         Some(slot)
     }
 
-    /// The page of what lies below a node whose level is a multiple of [`PAGE_LEVELS`].
+    /// The page of a node's quarters.
     fn page_of(&self, slot: Slot) -> Option<u32> {
         let page = if slot.page == NONE {
             self.roots[slot.place as usize].page
         } else {
-            let leaf = (slot.place as usize).checked_sub(FIRST_LEAF)?;
-            self.pages[slot.page as usize].below[leaf]
+            self.pages[slot.page as usize].below[slot.place as usize]
         };
         (page != NONE).then_some(page)
     }
@@ -265,13 +248,13 @@ impl Forest {
     }
 
     /// What lies below a node is known.
-    pub fn has_children(&self, node: Node, slot: Slot) -> bool {
-        !node.level.is_multiple_of(PAGE_LEVELS) || self.page_of(slot).is_some()
+    pub fn has_children(&self, slot: Slot) -> bool {
+        self.page_of(slot).is_some()
     }
 
     /// Reads what lies below a node. False where all pages are in use.
     pub fn read_children(&mut self, node: Node, slot: Slot, ground: &dyn Elevation) -> bool {
-        if self.has_children(node, slot) {
+        if self.has_children(slot) {
             return true;
         }
         let Some(index) = self.room() else {
@@ -284,7 +267,7 @@ impl Forest {
             self.pages[index as usize] = page;
         }
         let holder = &mut self.pages[slot.page as usize];
-        holder.below[slot.place as usize - FIRST_LEAF] = index;
+        holder.below[slot.place as usize] = index;
         holder.pages_below += 1;
         // Read finer, the same square may turn out smoother than was feared.
         let info = &mut holder.infos[slot.place as usize];
@@ -318,7 +301,7 @@ impl Forest {
                 continue;
             }
             let holding = &mut self.pages[holder.page as usize];
-            holding.below[holder.place as usize - FIRST_LEAF] = NONE;
+            holding.below[holder.place as usize] = NONE;
             holding.pages_below -= 1;
             return Some(self.hand as u32);
         }
@@ -345,6 +328,6 @@ pub fn root_slot(block: Node) -> Slot {
     }
 }
 
-fn set_bit(bits: &mut u128, place: u32, value: bool) {
-    *bits = *bits & !(1 << place) | u128::from(value) << place;
+fn set_bit(bits: &mut u8, place: u32, value: bool) {
+    *bits = *bits & !(1 << place) | u8::from(value) << place;
 }

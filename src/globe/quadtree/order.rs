@@ -70,7 +70,7 @@ pub fn hilbert(node: Node) -> u64 {
     let mut place = 0;
     for bit in (0..node.level).rev() {
         let (rx, ry) = (x >> bit & 1, y >> bit & 1);
-        place = place << 2 | (3 * rx ^ ry);
+        place = place << 2 | ((3 * rx) ^ ry);
         // The quarter is passed through mirrored, so that it begins where the one before ends.
         let mask = (1 << bit) - 1;
         (x, y) = (x & mask, y & mask);

@@ -9,29 +9,21 @@ use std::f64::consts::PI;
 
 /// Halvings from a block to the finest point that can be named: 2 µm on the ground.
 pub const DEPTH: u8 = 40;
-/// Levels of squares in a page, 1…3. More would be read at once for each, but most would be read in vain: where a square is
-/// just not fine enough, its quarters mostly are.
-pub const PAGE_LEVELS: u8 = 1;
-/// Smallest squares in a row of a page.
-const SIDE: usize = 1 << PAGE_LEVELS;
-/// Steps of the lattice that a page is read on: four to each of its smallest squares.
+/// Quarters in a row of a page.
+const SIDE: usize = 2;
+/// Steps of the lattice that a page is read on: four to each quarter.
 const STEPS: usize = 4 * SIDE;
 /// Posts of a row of that lattice.
 const POSTS: usize = STEPS + 1;
 /// Ranges of the data in a row of a page, one to two steps.
 const RANGES: usize = STEPS / 2;
-/// Smallest squares of a page.
-pub const PAGE_LEAVES: usize = SIDE * SIDE;
-/// Squares of a page: 4, 4 + 16 or 4 + 16 + 64.
-pub const PAGE_NODES: usize = (4 * PAGE_LEAVES - 4) / 3;
-/// Of those, the first of each level.
-const FIRST: [usize; 4] = [0, 0, 4, 20];
+/// Squares of a page. Reading several levels at once would take fewer posts for each, but most would be read in vain: where
+/// a square is just not fine enough, its quarters mostly are.
+pub const PAGE_NODES: usize = 4;
 
-/// Place of a node in the page that holds it; `level_in_page` is 1…[`PAGE_LEVELS`].
-pub fn place_in_page(node: Node, level_in_page: u8) -> usize {
-    let side = 1_u64 << level_in_page;
-    let (x, y) = (node.x % side, node.y % side);
-    FIRST[usize::from(level_in_page)] + (y * side + x) as usize
+/// Place of a node among the quarters of its parent.
+pub fn quarter(node: Node) -> u32 {
+    ((node.y & 1) << 1 | node.x & 1) as u32
 }
 
 /// What is known of a square of ground.
@@ -98,7 +90,7 @@ impl Reader {
         Self {
             is_certain,
             heights_m: vec![0.0; POSTS * POSTS],
-            unseen_m: vec![0.0; PAGE_LEAVES],
+            unseen_m: vec![0.0; PAGE_NODES],
             ranges_m: vec![
                 HeightRange {
                     low_m: 0.0,
@@ -140,16 +132,33 @@ impl Reader {
             low_m: 0.0,
             high_m: 0.0,
         }; PAGE_NODES];
-        for level in (1..=PAGE_LEVELS).rev() {
-            let side = 1_usize << level;
-            for y in 0..side {
-                for x in 0..side {
-                    let info = self.info(node, level, (x, y), ellipsoid, ground, &infos);
-                    infos[FIRST[usize::from(level)] + y * side + x] = info;
-                }
-            }
+        for (info, child) in infos.iter_mut().zip(node.children()) {
+            let (x, y) = ((child.x & 1) as usize, (child.y & 1) as usize);
+            let range = ground.range_m(&bounds(child.square(DEPTH)));
+            *info = self.info(child, (4 * x, 4 * y), 4, ellipsoid, &range, 0.0);
         }
-        let own = self.info(node, 0, (0, 0), ellipsoid, ground, &infos);
+        let own = infos
+            .iter()
+            .fold(None, |own: Option<(HeightRange, f64)>, info| {
+                let (low_m, high_m) = (f64::from(info.low_m), f64::from(info.high_m));
+                let error_m = f64::from(info.error_m);
+                Some(own.map_or(
+                    (HeightRange { low_m, high_m }, error_m),
+                    |(range, error)| {
+                        let low_m = low_m.min(range.low_m);
+                        let high_m = high_m.max(range.high_m);
+                        (HeightRange { low_m, high_m }, error.max(error_m))
+                    },
+                ))
+            });
+        let (range, below_m) = own.unwrap_or((
+            HeightRange {
+                low_m: 0.0,
+                high_m: 0.0,
+            },
+            0.0,
+        ));
+        let own = self.info(node, (0, 0), STEPS, ellipsoid, &range, below_m);
         (own, infos)
     }
 
@@ -244,53 +253,26 @@ impl Reader {
         leaf.bound + 0.5 * bend + beyond
     }
 
+    /// What is known of a square of `steps` × `steps` steps from a post. `below_m` is the error of its quarters.
     fn info(
         &self,
-        page: Node,
-        level: u8,
+        node: Node,
         (x, y): (usize, usize),
+        steps: usize,
         ellipsoid: &Ellipsoid,
-        ground: &dyn Elevation,
-        infos: &[Info; PAGE_NODES],
+        range: &HeightRange,
+        below_m: f64,
     ) -> Info {
-        let side = 1_u64 << level;
-        let node = Node {
-            level: page.level + level,
-            x: page.x * side + x as u64,
-            y: page.y * side + y as u64,
-        };
-        let square = node.square(DEPTH);
-        let steps = STEPS >> level;
-        let (low, high, below_error) = if level == PAGE_LEVELS {
-            let range = ground.range_m(&bounds(square));
-            (range.low_m, range.high_m, 0.0)
-        } else {
-            // The range of a square is that of its quarters.
-            let quarters = node
-                .children()
-                .map(|child| infos[place_in_page(child, level + 1)]);
-            quarters.iter().fold(
-                (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64),
-                |(low, high, error), q| {
-                    (
-                        low.min(f64::from(q.low_m)),
-                        high.max(f64::from(q.high_m)),
-                        error.max(f64::from(q.error_m)),
-                    )
-                },
-            )
-        };
-        let shape = ball(node, ellipsoid, low, high);
+        let HeightRange { low_m, high_m } = *range;
+        let shape = ball(node, ellipsoid, low_m, high_m);
         // Nothing differs from the data by more than the data differ.
-        let rise_m = self.rise_m(x * steps, y * steps, steps);
-        let rise_m = rise_m.min((high - low).max(0.0));
-        let error = (rise_m + shape.bend_m).max(below_error);
+        let rise_m = self.rise_m(x, y, steps).min((high_m - low_m).max(0.0));
         Info {
             center_itrf_m: shape.center_itrf_m,
             radius_m: rounded_up(shape.radius_m),
-            error_m: rounded_up(error),
-            low_m: low as f32,
-            high_m: high as f32,
+            error_m: rounded_up((rise_m + shape.bend_m).max(below_m)),
+            low_m: low_m as f32,
+            high_m: high_m as f32,
         }
     }
 }

@@ -59,6 +59,8 @@ pub struct Built {
     pub distance_m: f64,
     /// Largest ratio of a leaf that should be divided; 0 without one.
     pub urgency: f64,
+    /// Largest error of a leaf that is seen, metres and pixels.
+    pub error: (f64, f64),
     /// It has leaves that could be merged.
     pub has_merges: bool,
     /// All its faces lie within `cone.1` radians of the direction `cone.0`.
@@ -126,6 +128,7 @@ impl Built {
             is_drawn: false,
             distance_m: 0.0,
             urgency: 0.0,
+            error: (0.0, 0.0),
             has_merges: false,
             cone: (DVec3::ZERO, std::f64::consts::PI),
             beside: Vec::new(),
@@ -238,7 +241,7 @@ impl Built {
                 if self.has_new_steps && self.is_on_edge(point) {
                     // The steps of a neighbour may have changed.
                     let height_m = self.patch.vertices[index].height_m;
-                    let from_origin = self.from_origin(point, height_m, forest);
+                    let from_origin = self.place_from_origin(point, height_m, forest);
                     if from_origin != self.patch.vertices[index].from_origin_m.as_dvec3() {
                         self.patch.vertices[index].from_origin_m = from_origin.as_vec3();
                         scratch.changed.push(place);
@@ -253,7 +256,7 @@ impl Built {
         let spacing_rad = side_rad(self.node.level) / 64.0;
         let slope = ground.slope(forest.ellipsoid(), lat, lon, spacing_rad);
         let vertex = GroundVertex {
-            from_origin_m: self.from_origin(point, height_m, forest).as_vec3(),
+            from_origin_m: self.place_from_origin(point, height_m, forest).as_vec3(),
             height_m,
             slope: slope.as_vec2(),
         };
@@ -282,7 +285,7 @@ impl Built {
 
     /// A point's place from the origin, metres, on the coarsest steps of all patches that have it: a multiple of this
     /// patch's own that single precision holds exactly, so that origin + place is the same in all of them.
-    fn from_origin(&self, point: Point, height_m: f32, forest: &Forest) -> DVec3 {
+    fn place_from_origin(&self, point: Point, height_m: f32, forest: &Forest) -> DVec3 {
         let (lat_rad, lon_rad) = lat_lon_rad(point);
         let itrf_m = forest.ellipsoid().itrf_from_geodetic(Geodetic {
             lat_rad,

@@ -42,10 +42,10 @@ impl Default for QuadtreeOptions {
         Self {
             ellipsoid: Ellipsoid::WGS84,
             refine: Refine::Tolerance,
-            most_leaves: 40_000,
-            most_pages: 32_768,
+            most_leaves: 24_000,
+            most_pages: 16_384,
             most_level: 24,
-            work: 8_000,
+            work: 4_000,
             is_culled: true,
             is_certain: false,
         }
@@ -171,59 +171,70 @@ impl Quadtree {
         self.forest = Some(forest);
     }
 
-    /// Looks at every patch: is it seen, does it need work, how far is it off.
-    /// Answers the largest error of what is seen, metres.
-    fn look(&mut self, forest: &Forest, eye: &Eye) -> f64 {
+    /// Looks at patches, or only at those that have changed: are they seen, do they need work, how far are they off. Answers
+    /// the largest error of what is seen, metres.
+    fn look(&mut self, forest: &Forest, eye: &Eye, is_all: bool) -> f64 {
         self.bins.fill(0);
         self.wanted.fill(0);
         let (mut error_m, mut error_px) = (0.0_f64, 0.0_f64);
-        for built in &mut self.patches {
-            let Some(slot) = forest.slot(built.node) else {
-                continue;
-            };
-            let info = forest.info(slot);
-            built.distance_m = eye.distance_m(info);
-            let sight = eye.sight(info);
-            built.is_drawn = eye.draws(info, built.cone);
-            (built.urgency, built.has_merges, built.leaves) = (0.0, false, 0);
-            self.stack.clear();
-            self.stack.push((built.node, slot, sight));
-            while let Some((node, slot, above)) = self.stack.pop() {
-                let info = forest.info(slot);
-                let sight = if above == Sight::Part {
-                    eye.sight(info)
-                } else {
-                    above
-                };
-                let side_m = side_m(&self.options.ellipsoid, node);
-                let ratio = eye.ratio(info, side_m, sight);
-                let bin = (ratio.max(1.0).log2() * BINS_PER_DOUBLING) as usize;
-                let bin = bin.min(BINS - 1);
-                self.bins[bin] += u32::from(ratio > 1.0);
-                if forest.is_split(slot) {
-                    built.has_merges |= ratio < HYSTERESIS * self.relax;
-                    for k in 0..4 {
-                        if let Some(slot) = forest.child(node, slot, k) {
-                            self.stack.push((node.child(k), slot, sight));
-                        }
-                    }
-                } else {
-                    built.leaves += 1;
-                    if ratio > self.relax && node.level < self.options.most_level {
-                        built.urgency = built.urgency.max(ratio);
-                        let is_known = forest.has_children(node, slot);
-                        let work = if is_known { 0 } else { PAGE_WORK } + 2 * SPLIT_WORK;
-                        self.wanted[bin] += u64::from(work);
-                    }
-                    if matches!(sight, Sight::Whole | Sight::Part) {
-                        error_m = error_m.max(f64::from(info.error_m));
-                        error_px = error_px.max(eye.error_px(info));
-                    }
-                }
+        for index in 0..self.patches.len() {
+            if is_all || self.patches[index].is_dirty {
+                self.look_at(index, forest, eye);
             }
+            let (patch_m, patch_px) = self.patches[index].error;
+            (error_m, error_px) = (error_m.max(patch_m), error_px.max(patch_px));
         }
         (self.stats.error_m, self.stats.error_px) = (Some(error_m), Some(error_px));
         error_m
+    }
+
+    fn look_at(&mut self, index: usize, forest: &Forest, eye: &Eye) {
+        let built = &mut self.patches[index];
+        let Some(slot) = forest.slot(built.node) else {
+            return;
+        };
+        let info = forest.info(slot);
+        built.distance_m = eye.distance_m(info);
+        let sight = eye.sight(info);
+        built.is_drawn = eye.draws(info, built.cone);
+        (built.urgency, built.has_merges, built.leaves) = (0.0, false, 0);
+        built.error = (0.0, 0.0);
+        self.stack.clear();
+        self.stack.push((built.node, slot, sight));
+        while let Some((node, slot, above)) = self.stack.pop() {
+            let info = forest.info(slot);
+            let sight = if above == Sight::Part {
+                eye.sight(info)
+            } else {
+                above
+            };
+            let side_m = side_m(&self.options.ellipsoid, node);
+            let ratio = eye.ratio(info, side_m, sight);
+            let bin = (ratio.max(1.0).log2() * BINS_PER_DOUBLING) as usize;
+            let bin = bin.min(BINS - 1);
+            self.bins[bin] += u32::from(ratio > 1.0);
+            if forest.is_split(slot) {
+                built.has_merges |= ratio < HYSTERESIS * self.relax;
+                for k in 0..4 {
+                    if let Some(slot) = forest.child(node, slot, k) {
+                        self.stack.push((node.child(k), slot, sight));
+                    }
+                }
+                continue;
+            }
+            built.leaves += 1;
+            if ratio > self.relax && node.level < self.options.most_level {
+                built.urgency = built.urgency.max(ratio);
+                let is_known = forest.has_children(slot);
+                let work = if is_known { 0 } else { PAGE_WORK } + 2 * SPLIT_WORK;
+                self.wanted[bin] += u64::from(work);
+            }
+            if matches!(sight, Sight::Whole | Sight::Part) {
+                let (error_m, error_px) = built.error;
+                let leaf_px = eye.error_px(info);
+                built.error = (error_m.max(f64::from(info.error_m)), error_px.max(leaf_px));
+            }
+        }
     }
 
     /// Looks with a horizon below all that is drawn: what is drawn too low must not be taken to hide what is behind.
@@ -239,7 +250,7 @@ impl Quadtree {
                 below_m,
                 options.is_culled,
             )?;
-            let error_m = self.look(forest, &eye);
+            let error_m = self.look(forest, &eye, true);
             if error_m <= self.deepest_m {
                 // Half as much again, so that the next looks need not be repeated.
                 self.deepest_m = self.deepest_m.min(1.5 * error_m);
@@ -295,7 +306,7 @@ impl Quadtree {
             if !is_wanted {
                 return false;
             }
-            if !forest.has_children(node, slot) {
+            if !forest.has_children(slot) {
                 self.spent = self.spent.saturating_add(PAGE_WORK);
                 if !forest.read_children(node, slot, ground) {
                     return false;
@@ -578,10 +589,11 @@ impl Surface for Quadtree {
             (self.spent, self.changes) = (0, 0);
             self.ease();
             self.improve(&mut forest, &eye, ground);
+            // Leaves, and what is seen of them, have changed; very rarely for the worse.
             if self.changes > 0
+                && self.look(&forest, &eye, false) > self.deepest_m
                 && let Some(again) = self.look_over(&forest, view)
             {
-                // Leaves, and what is seen of them, have changed.
                 eye = again;
             }
             self.rearrange(&mut forest, &eye);

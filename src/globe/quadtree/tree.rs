@@ -424,7 +424,7 @@ fn rounded_up(value: f64) -> f32 {
 }
 
 /// Puts a subtree's nodes at the end of others. Answers its root.
-fn append((mut root, nodes): Subtree, below: &mut Vec<TreeNode>) -> TreeNode {
+fn append((root, nodes): Subtree, below: &mut Vec<TreeNode>) -> TreeNode {
     let offset = below.len() as u32;
     let moved = |mut node: TreeNode| {
         if node.children < ABSENT {
@@ -432,9 +432,8 @@ fn append((mut root, nodes): Subtree, below: &mut Vec<TreeNode>) -> TreeNode {
         }
         node
     };
-    root = moved(root);
     below.extend(nodes.into_iter().map(moved));
-    root
+    moved(root)
 }
 
 /// All nodes in an order, the root first.
