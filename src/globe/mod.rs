@@ -11,6 +11,7 @@ mod displaced;
 mod levels;
 mod meshes;
 pub mod projected_grid;
+pub mod quadtree;
 mod select;
 mod surface;
 
