@@ -1,9 +1,8 @@
 //! Ground with relief: the surface that a scene chose, and the heights that it is made from.
 
 use crate::elevation::{Bounds, Elevation};
-use crate::frames::Ellipsoid;
 use crate::globe::{
-    Block, BlockGrid, GroundView, SubdivisionError, Surface, SurfaceSettings, SurfaceStats,
+    Block, BlockGrid, Figure, GroundView, Surface, SurfaceError, SurfaceSettings, SurfaceStats,
     select_blocks_between,
 };
 use glam::{DMat4, DVec3};
@@ -35,14 +34,22 @@ pub(super) struct GroundDriver {
     elevation: Arc<dyn Elevation>,
     surface: Box<dyn Surface>,
     tolerance_px: f64,
+    before: SurfaceStats,
+    /// Frames since anything was read or drawn otherwise than the frame before.
+    quiet: u32,
 }
 
+/// A surface is settled when so many frames are alike: more than a level takes to fade in.
+const QUIET_FRAMES: u32 = 10;
+
 impl GroundDriver {
-    pub fn new(options: &GroundOptions, ellipsoid: Ellipsoid) -> Result<Self, SubdivisionError> {
+    pub fn new(options: &GroundOptions, figure: Figure) -> Result<Self, SurfaceError> {
         Ok(Self {
             elevation: options.elevation.clone(),
-            surface: options.surface.make(ellipsoid)?,
+            surface: options.surface.make(figure)?,
             tolerance_px: options.tolerance_px.max(0.0),
+            before: SurfaceStats::default(),
+            quiet: 0,
         })
     }
 
@@ -64,7 +71,16 @@ impl GroundDriver {
             pixel_rad,
             tolerance_px: self.tolerance_px,
         };
-        self.surface.prepare(&view, self.elevation.as_ref())
+        let stats = self.surface.prepare(&view, self.elevation.as_ref());
+        let is_quiet = stats.samples_read == 0 && stats == self.before;
+        self.quiet = if is_quiet { self.quiet + 1 } else { 0 };
+        self.before = stats;
+        stats
+    }
+
+    /// Whether a view that does not move would be drawn as it is now.
+    pub fn is_settled(&self) -> bool {
+        self.quiet >= QUIET_FRAMES
     }
 
     pub fn surface(&self) -> &dyn Surface {

@@ -136,7 +136,7 @@ impl Earth {
             None => None,
         };
         let ground = options.ground.as_ref();
-        let ground = ground.map(|ground| GroundDriver::new(ground, options.figure.ellipsoid()));
+        let ground = ground.map(|ground| GroundDriver::new(ground, options.figure));
         let ground = ground.transpose()?;
         let mut quality = Quality::of(options);
         if options.output == SurfaceOutput::Places {
@@ -206,7 +206,8 @@ impl Earth {
         self.prepare_within(queue, view, sky, target.into(), None)
     }
 
-    /// As [`Self::prepare`], but waits until every tile that the view wants is on the GPU, at most `timeout`: for
+    /// As [`Self::prepare`], but waits until every tile that the view wants is on the GPU, and ground with relief is as fine
+    /// as it will be, at most `timeout`: for
     /// pictures that are kept. Answers what is missing; such blocks are drawn with something coarser. A tile that cannot
     /// be read is not waited for.
     ///
@@ -222,6 +223,11 @@ impl Earth {
         let (target, deadline) = (target.into(), Instant::now() + timeout);
         loop {
             let stats = self.prepare_within(queue, view, sky, target, Some(WAITING_UPLOAD_BYTES));
+            let ground = self.ground.as_ref().filter(|_| self.drawable);
+            if ground.is_some_and(|ground| !ground.is_settled()) && Instant::now() < deadline {
+                queue.submit([]);
+                continue;
+            }
             let Some(tiles) = self.tiles.as_mut().filter(|_| self.drawable) else {
                 return (stats, Vec::new());
             };

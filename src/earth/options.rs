@@ -2,7 +2,7 @@
 
 use super::{GroundOptions, TileOptions};
 use crate::air::Atmosphere;
-use crate::globe::{Figure, Shading, Subdivision, SubdivisionError, Visibility};
+use crate::globe::{Figure, Shading, Subdivision, SubdivisionError, SurfaceError, Visibility};
 use crate::gpu::{DepthBuffer, ShaderError, SurfaceOutput};
 use crate::imagery::{EarthLayers, ImageryError};
 
@@ -72,6 +72,9 @@ pub enum EarthError {
     /// Subdivision outside 1…48.
     #[error(transparent)]
     Subdivision(#[from] SubdivisionError),
+    /// Settings of ground with relief.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
     /// Exposure below 0 or not finite.
     #[error("exposure is {0}; it must be a finite number, 0 or more")]
     Exposure(f32),

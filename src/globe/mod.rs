@@ -1,13 +1,17 @@
-//! The block sphere of the 2011 paper: which blocks there are and which are seen. No GPU here.
+//! The block sphere of the 2011 paper: which blocks there are and which are seen; and surfaces with relief. No GPU here.
 //!
 //! The Earth is cut into 16 × 8 blocks of 22.5° each; a block is drawn as a lattice of n × n cells.
 //! [`BlockGrid`] holds the lattice in f64, [`select_blocks`] chooses what an eye needs, [`screen_level`] and [`paper_level`]
 //! how fine a map it needs there, [`Meshes`] how fine a lattice.
+//!
+//! Ground with relief is drawn by a [`Surface`], which turns a view and heights into patches of triangles:
+//! [`DisplacedBlocks`], [`projected_grid`], [`quadtree`], [`contours`] or [`clipmap`]; [`SurfaceKind`] names them.
 
 mod blocks;
 pub mod clipmap;
 pub mod contours;
 mod displaced;
+mod kinds;
 mod levels;
 mod meshes;
 pub mod projected_grid;
@@ -17,6 +21,7 @@ mod surface;
 
 pub use blocks::{BLOCK_COUNT, Block, BlockGrid, BlockRow, COLUMNS, ROWS, SubdivisionError};
 pub use displaced::DisplacedBlocks;
+pub use kinds::{SurfaceError, SurfaceKind, SurfaceSettings};
 pub use levels::{
     HYSTERESIS, LevelRule, PAPER_BANDS_M, paper_level, screen_level, texels_per_pixel,
 };
@@ -33,59 +38,6 @@ pub enum Visibility {
     Conservative,
     /// The paper's rule: a block is drawn if (e − v)·n > 0 at one of its four corners. Loses blocks near the ground.
     Paper,
-}
-
-/// What draws ground with relief.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SurfaceKind {
-    /// The blocks of the 2011 paper, their vertices lifted.
-    #[default]
-    Blocks,
-}
-
-impl SurfaceKind {
-    /// All of them.
-    pub const ALL: &[Self] = &[Self::Blocks];
-
-    /// As scene files write it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Blocks => "blocks",
-        }
-    }
-
-    /// Its default settings. Cells are for blocks; chosen automatically, they are most.
-    pub fn settings(self, subdivision: Subdivision) -> SurfaceSettings {
-        match self {
-            Self::Blocks => SurfaceSettings::Blocks(subdivision),
-        }
-    }
-}
-
-/// What draws ground with relief, and how.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SurfaceSettings {
-    /// [`DisplacedBlocks`] with so many cells a block edge.
-    Blocks(Subdivision),
-}
-
-impl SurfaceSettings {
-    /// Makes the surface, on this figure.
-    ///
-    /// # Errors
-    /// Cells outside 1…48.
-    pub fn make(
-        self,
-        ellipsoid: crate::frames::Ellipsoid,
-    ) -> Result<Box<dyn Surface>, SubdivisionError> {
-        Ok(match self {
-            Self::Blocks(Subdivision::Auto) => Box::new(DisplacedBlocks::finest(ellipsoid)),
-            Self::Blocks(Subdivision::Cells(cells)) => {
-                Box::new(DisplacedBlocks::new(ellipsoid, cells)?)
-            }
-        })
-    }
 }
 
 /// The figure of the Earth.

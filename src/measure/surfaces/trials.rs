@@ -2,7 +2,10 @@
 
 use super::Setting;
 use crate::Subdivision;
+use crate::globe::clipmap::ClipmapOptions;
+use crate::globe::projected_grid::GridOptions;
 use crate::globe::{SurfaceKind, SurfaceSettings};
+use crate::scene::limits::DEFAULT_TOLERANCE_PX;
 
 /// A surface to be compared.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,12 +39,64 @@ fn of_kind(kind: SurfaceKind) -> Vec<Trial> {
         surface,
         tolerance_px,
     };
+    let blocks = |cells| {
+        let surface = kind.settings(Subdivision::Cells(cells));
+        trial("cells", cells.to_string(), cells == 48, surface, 1.0)
+    };
+    // Of surfaces that look at it, over the tolerance; at the default of scenes they are what a scene gets.
+    let tolerances = || {
+        [4.0, 2.0, 1.0, 0.5].map(|px| {
+            let is_default = px == DEFAULT_TOLERANCE_PX;
+            let surface = kind.settings(Subdivision::Auto);
+            trial("tolerance px", px.to_string(), is_default, surface, px)
+        })
+    };
+    let grid = |side| {
+        let surface = SurfaceSettings::ProjectedGrid(GridOptions {
+            samples: (side, side),
+            ..GridOptions::default()
+        });
+        trial("samples", side.to_string(), side == 129, surface, 1.0)
+    };
+    let clipmap = |samples, levels| {
+        let default = ClipmapOptions::default();
+        let is_default = samples == default.samples && levels == default.levels;
+        let surface = SurfaceSettings::Clipmap(ClipmapOptions {
+            samples,
+            levels,
+            ..default
+        });
+        let value = format!("{samples} of {levels} levels");
+        trial("samples", value, is_default, surface, 1.0)
+    };
     match kind {
-        SurfaceKind::Blocks => [12, 24, 48]
-            .map(|cells| {
-                let surface = kind.settings(Subdivision::Cells(cells));
-                trial("cells", cells.to_string(), cells == 48, surface, 1.0)
-            })
+        SurfaceKind::Blocks => [12, 24, 48].map(blocks).into(),
+        SurfaceKind::ProjectedGrid => [65, 129, 257].map(grid).into(),
+        SurfaceKind::Quadtree | SurfaceKind::Contours => tolerances().into(),
+        SurfaceKind::Clipmap => [(65, 6), (129, 6), (129, 10), (257, 10)]
+            .map(|(samples, levels)| clipmap(samples, levels))
             .into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_surface_has_one_default() {
+        let all = trials(false);
+        for kind in SurfaceKind::ALL {
+            let of_kind = all
+                .iter()
+                .filter(|trial| trial.setting.surface == kind.name());
+            let defaults = of_kind.clone().filter(|trial| trial.setting.is_default);
+            assert_eq!(
+                (defaults.count(), of_kind.count() > 2),
+                (1, true),
+                "{kind:?}"
+            );
+        }
+        assert_eq!(trials(true).len(), SurfaceKind::ALL.len());
     }
 }
