@@ -171,14 +171,21 @@ proptest! {
         if !grid.place.is_periodic {
             lon = bounds.west_rad + (0.5 + 0.2 * u) * bounds.width_rad;
         }
+        // On a column and on a row: there interpolation goes from one pair of samples to the next.
+        let Snapped { west_rad, lon_step_rad, north_rad, lat_step_rad, columns, rows, .. } = grid.place;
+        let column = west_rad + (u.abs() * 0.5 * columns as f64).floor() * lon_step_rad;
+        let row = north_rad - (v * rows as f64).floor() * lat_step_rad;
         let tiny = 1e-9;
         let (east, north) = (tiny * turn.cos(), tiny * turn.sin());
         let steepest = 20_000.0 / step * 60.0;
         let here = grid.height_m(lat, lon, steps * step);
-        for (lat2, lon2) in [(lat + north, lon + east), (lat, lon + east), (lat + north, lon)] {
-            let lat2 = lat2.clamp(-FRAC_PI_2, FRAC_PI_2);
-            let there = grid.height_m(lat2, lon2, steps * step);
-            prop_assert!((here - there).abs() <= steepest * tiny, "{here} and {there}");
+        for (lat, lon) in [(lat, lon), (lat, column), (row, lon)] {
+            let lat = lat.clamp(-FRAC_PI_2, FRAC_PI_2);
+            let here = grid.height_m(lat - north, lon - east, steps * step);
+            for (lat2, lon2) in [(lat + north, lon + east), (lat - north, lon + east), (lat + north, lon - east)] {
+                let there = grid.height_m(lat2, lon2, steps * step);
+                prop_assert!((here - there).abs() <= 2.0 * steepest * tiny, "{here} and {there}");
+            }
         }
         // In the spacing too.
         let there = grid.height_m(lat, lon, steps * step + tiny * step);
@@ -355,6 +362,16 @@ fn a_hole_across_the_seam_is_measured_round_it() {
     assert!((weight(-177.5) - weight(177.5)).abs() < 1e-9);
     assert!((weight(-152.5) - 0.8).abs() < 1e-9 && (weight(152.5) - 0.8).abs() < 1e-9);
     assert_eq!(weight(-132.5), 1.0);
+
+    // Data begin east of the date line: the last column is next to them.
+    let mut heights = vec![100.0f32; 72 * 36];
+    for row in heights.chunks_exact_mut(72) {
+        row[52..].fill(f32::NAN);
+    }
+    let grid = HeightGrid::new(&place, heights, &GridLimits::default()).unwrap();
+    let weight = |lon_deg: f64| grid.weight(0.0, lon_deg.to_radians());
+    assert_eq!((weight(177.5), weight(162.5)), (1.0, 1.0));
+    assert_eq!((weight(137.5), weight(130.0)), (0.0, 0.0));
 }
 
 #[test]
