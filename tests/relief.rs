@@ -137,7 +137,7 @@ fn level_ground_is_where_the_exact_ray_meets_it() {
             let mut rig = Rig::new(&options(position_layers(), Some((*kind, ground))), SIZE);
             for (name, view) in views(rig.aspect()) {
                 let sun = view.eye_world.normalize();
-                let (picture, stats) = rig.draw(&view, sun);
+                let (picture, stats, _) = rig.draw_complete(&view, sun);
                 assert!(stats.ground.triangles > 0, "{kind:?}, {name}");
                 let (mut worst, mut count) = (0.0_f64, 0);
                 for (x, y, pixel) in picture.enumerate_pixels() {
@@ -179,9 +179,10 @@ fn hills_have_no_holes() {
     for kind in SurfaceKind::ALL {
         let options = options(plain([255; 3]), Some((*kind, Arc::new(Hills))));
         let mut rig = Rig::new(&options, SIZE);
+        let mut most = 0;
         for (name, view) in views(rig.aspect()) {
             let sun = view.eye_world.normalize();
-            let (picture, _) = rig.draw(&view, sun);
+            let (picture, ..) = rig.draw_complete(&view, sun);
             // Black within a column below the first pixel that shows ground.
             let mut holes = 0;
             for x in 0..SIZE.0 {
@@ -195,16 +196,18 @@ fn hills_have_no_holes() {
                     holes += u32::from(picture.get_pixel(x, y).0[0] == 0);
                 }
             }
-            assert_eq!(holes, 0, "{kind:?}, {name}");
+            println!("{kind:?}, {name}: {holes} holes");
+            most = most.max(holes);
             if let Some(folder) = std::env::var_os("TERRELLA_RELIEF_PICTURES") {
                 let side = (sun + 1.5 * sun.any_orthonormal_vector()).normalize();
-                let (picture, _) = rig.draw(&view, side);
+                let (picture, ..) = rig.draw_complete(&view, side);
                 let file = format!("{kind:?}-{}.png", name.replace([' ', ','], "-"));
                 picture
                     .save(std::path::Path::new(&folder).join(file))
                     .expect("a folder");
             }
         }
+        assert_eq!(most, 0, "{kind:?}");
     }
 }
 
