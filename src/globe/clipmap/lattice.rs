@@ -149,7 +149,7 @@ impl Corner {
 
     /// Whether the diamond's angle here is the narrow one, of one face instead of two.
     pub fn narrow(self) -> bool {
-        self.corner % 2 == 0
+        self.corner.is_multiple_of(2)
     }
 
     /// The same corner as the diamond to the left knows it: across the second edge.

@@ -334,7 +334,9 @@ fn nothing_jumps_on_the_way() {
         }
         println!("flight {flight}: {worst_px} px");
         assert!(worst_px > 0.0 && (flight < 3 || levels.len() > 3));
-        assert!(worst_px < 1.0, "flight {flight}: {worst_px} px");
+        // Without blending it is 0.4…0.8 px, without fading 0.13 px.
+        let most_px = if flight < 3 { 0.3 } else { 0.05 };
+        assert!(worst_px < most_px, "flight {flight}: {worst_px} px");
     }
 }
 
