@@ -149,7 +149,7 @@ impl Corner {
 
     /// Whether the diamond's angle here is the narrow one, of one face instead of two.
     pub fn narrow(self) -> bool {
-        self.corner % 2 == 0
+        self.corner.is_multiple_of(2)
     }
 
     /// The same corner as the diamond to the left knows it: across the second edge.
@@ -208,7 +208,7 @@ pub enum Place {
 }
 
 /// The 3 × 3 virtual diamond of a home, `[row][column]`: rows from A's side to D's along i, columns along j; the home is at
-/// [1][1]. Nothing is split and paired anew, as the paper does: in each place are whole diamonds of the globe, so that a
+/// `[1][1]`. Nothing is split and paired anew, as the paper does: in each place are whole diamonds of the globe, so that a
 /// change of home changes names only.
 pub fn virtual_diamond(home: u8) -> [[Place; 3]; 3] {
     let across = |i, j| {

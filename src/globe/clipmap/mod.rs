@@ -42,7 +42,7 @@ mod tests;
 mod triangles;
 
 pub use lattice::{Corner, DIAMONDS, Icosahedron, Place, Spot, Triangle, virtual_diamond};
-pub use reach::{InDiamond, Reach};
+pub use reach::{Box2, InDiamond, Reach};
 
 use super::surface::{GroundView, Patch, Surface, SurfaceStats};
 use crate::elevation::Elevation;

@@ -181,12 +181,14 @@ impl Reach {
         })
     }
 
-    /// Whether all corners of a triangle are within reach.
+    /// Whether a triangle is within reach: all its corners, for [`Trim::Diamond`] all of its cell.
+    ///
+    /// Three corners would not do for a king: where the border runs through a corner of three diamonds, the one beyond shows
+    /// it a single triangle between two borders.
     pub fn holds(&self, triangle: Triangle) -> bool {
-        triangle
-            .corners()
-            .iter()
-            .all(|corner| self.distance(*corner).is_some_and(|d| d <= self.radius))
+        let Spot { diamond, i, j } = triangle.cell;
+        let part = self.in_diamond(diamond);
+        part.is_some_and(|part| part.holds(i, j, triangle.far))
     }
 }
 
@@ -204,6 +206,16 @@ impl InDiamond<'_> {
             Trim::Diamond => self.reach.king(self.sector, p, q),
             Trim::Hexagon => self.reach.hex(self.sector, p, q),
         }
+    }
+
+    /// [`Reach::holds`] of the triangle of cell (i, j).
+    pub fn holds(&self, i: i64, j: i64, far: bool) -> bool {
+        let within = |i, j| self.distance(i, j) <= self.reach.radius;
+        let whole = self.reach.trim == Trim::Diamond;
+        within(i + 1, j)
+            && within(i, j + 1)
+            && (far && !whole || within(i, j))
+            && (!far && !whole || within(i + 1, j + 1))
     }
 
     /// Steps that are within reach.

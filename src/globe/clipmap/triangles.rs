@@ -52,7 +52,12 @@ pub fn ring(
                 let corners = triangle.corners().map(|c| (2 * c.i, 2 * c.j));
                 let kept = |t: &[(i64, i64); 3]| match (&hole, at) {
                     (Some(hole), Hole::Edge) => {
-                        t.iter().any(|(i, j)| hole.distance(*i, *j) > hole.radius())
+                        // At a hole nothing is left whole: the cell's corner of least numbers, if it is one of these.
+                        let least = (
+                            t[0].0.min(t[1].0).min(t[2].0),
+                            t[0].1.min(t[1].1).min(t[2].1),
+                        );
+                        !hole.holds(least.0, least.1, !t.contains(&least))
                     }
                     _ => true,
                 };
@@ -80,11 +85,7 @@ pub fn full(
             for far in [false, true] {
                 let cell = Spot { diamond, i, j };
                 let corners = Triangle { cell, far }.corners();
-                let held = hole.as_ref().is_some_and(|hole| {
-                    corners
-                        .iter()
-                        .all(|c| hole.distance(c.i, c.j) <= hole.radius())
-                });
+                let held = hole.as_ref().is_some_and(|hole| hole.holds(i, j, far));
                 if !held {
                     out.extend(corners.map(|c| slot(c.i, c.j)));
                 }

@@ -354,3 +354,38 @@ fn directions_are_found_again_and_faces_lie_where_the_paper_says() {
         assert!((normal.y.atan2(normal.x).to_degrees() - lon_deg).abs() < 1e-3);
     }
 }
+
+#[test]
+fn what_is_held_lies_in_boxes_and_ends_where_the_reach_ends() {
+    let n = 8;
+    for trim in [Trim::Diamond, Trim::Hexagon] {
+        for radius in 1..=n / 2 {
+            for middle in points(n) {
+                let reach = Reach::new(middle, n, radius, trim);
+                let mut held = 0;
+                for triangle in
+                    cells(n).flat_map(|cell| [false, true].map(|far| Triangle { cell, far }))
+                {
+                    if !reach.holds(triangle) {
+                        continue;
+                    }
+                    held += 1;
+                    let span = reach.box_in(triangle.cell.diamond).expect("a box");
+                    for corner in triangle.corners() {
+                        assert!(span.least.0 <= corner.i && corner.i <= span.most.0);
+                        assert!(span.least.1 <= corner.j && corner.j <= span.most.1);
+                    }
+                    // Only vertices that are drawn as the coarser level's may be on the border.
+                    let ends = triangle.corners();
+                    for (k, beyond) in triangle.neighbours(n).into_iter().enumerate() {
+                        if !reach.holds(beyond) {
+                            let at = |k: usize| reach.distance(ends[k % 3]);
+                            assert_eq!((at(k), at(k + 1)), (Some(radius), Some(radius)));
+                        }
+                    }
+                }
+                assert!(held >= 2 * radius * radius, "{middle:?}: {held}");
+            }
+        }
+    }
+}

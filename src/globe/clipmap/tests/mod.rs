@@ -4,7 +4,6 @@ mod border;
 mod motion;
 mod surface;
 
-use super::follow::EyePlace;
 use super::*;
 use crate::elevation::{Bounds, HeightRange};
 use crate::frames::Geodetic;

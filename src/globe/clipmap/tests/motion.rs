@@ -74,8 +74,22 @@ fn a_move_by_a_cell_reads_its_l_and_nothing_else() {
     assert!(level.fill(&target, &source, &mut 0, &mut 0));
 }
 
+type Drawn = HashMap<(u32, Spot), (DVec3, GroundVertex)>;
+
+/// Where the drawn surface is at a point of a level's lattice: at a vertex, or halfway along a coarser edge.
+fn drawn_at(all: &Drawn, (level, spot): (u32, Spot)) -> Option<DVec3> {
+    if let Some((point, _)) = all.get(&(level, spot)) {
+        return Some(*point);
+    }
+    let coarser = level.checked_sub(1)?;
+    let Spot { diamond, i, j } = spot;
+    let at = |i, j| drawn_at(all, (coarser, Spot { diamond, i, j }));
+    let (x, y) = (at((i + 1) / 2, j / 2)?, at(i / 2, (j + 1) / 2)?);
+    Some(0.5 * (x + y))
+}
+
 /// How all vertices that are drawn look, by level and point.
-fn drawn(map: &Clipmap) -> HashMap<(u32, Spot), (DVec3, GroundVertex)> {
+fn drawn(map: &Clipmap) -> Drawn {
     let mut all = HashMap::new();
     for level in &map.levels[..=map.counts.finest as usize] {
         let whole = level.n;
@@ -307,17 +321,22 @@ fn nothing_jumps_on_the_way() {
             map.prepare(view, &HILLS);
             let after = drawn(&map);
             levels.insert(map.counts.finest);
-            for (key, (point, _)) in &after {
-                if let Some((old, _)) = before.get(key) {
-                    let distance_m = point.distance(view.eye_itrf_m);
-                    worst_px = worst_px.max(point.distance(*old) / distance_m / view.pixel_rad);
-                }
+            // Each vertex of the one against the surface of the other, there being a vertex or not.
+            for key in before.keys().chain(after.keys()) {
+                let (Some(old), Some(new)) = (drawn_at(&before, *key), drawn_at(&after, *key))
+                else {
+                    continue;
+                };
+                let distance_m = new.distance(view.eye_itrf_m);
+                worst_px = worst_px.max(new.distance(old) / distance_m / view.pixel_rad);
             }
             before = after;
         }
         println!("flight {flight}: {worst_px} px");
         assert!(worst_px > 0.0 && (flight < 3 || levels.len() > 3));
-        assert!(worst_px < 1.0, "flight {flight}: {worst_px} px");
+        // Without blending it is 0.4…0.8 px, without fading 0.13 px.
+        let most_px = if flight < 3 { 0.3 } else { 0.05 };
+        assert!(worst_px < most_px, "flight {flight}: {worst_px} px");
     }
 }
 

@@ -15,6 +15,31 @@ fn the_drawn_ground_is_closed_everywhere() {
 }
 
 #[test]
+fn a_border_through_a_corner_of_three_diamonds_is_closed() {
+    let icosahedron = Icosahedron::default();
+    // The border of level 4 runs through the corner B of diamond 5, or past it.
+    let n = 32 << 4;
+    for trim in [Trim::Diamond, Trim::Hexagon] {
+        for (diamond, i, j) in [
+            (5, n - 6, 32),
+            (5, n - 32, 6),
+            (5, n - 32, 32),
+            (0, n - 6, 32),
+            (3, 32, n - 8),
+            (7, 6, 32),
+        ] {
+            let up = icosahedron.direction(Spot { diamond, i, j }, n);
+            let mut map = clipmap(at_once(5, trim));
+            map.prepare(
+                &view_from(Ellipsoid::WGS84.surface_point(up) + up * 3000.0),
+                &HILLS,
+            );
+            assert_closed(&map, &format!("{trim:?} {diamond} {i} {j}"));
+        }
+    }
+}
+
+#[test]
 fn the_default_has_the_papers_vertices() {
     let mut map = clipmap(ClipmapOptions::default());
     // In the middle of a diamond nothing is cut off or doubled.
