@@ -87,37 +87,6 @@ fn no_face_that_can_be_seen_is_left_out() {
     assert!(left_out > 10_000, "{left_out}: nothing was left out");
 }
 
-/// Leaves as coarse as these lie far below the limb: more is seen over them than over the ground.
-#[test]
-fn coarse_ground_does_not_hide_what_is_seen_over_it() {
-    let flat = Posts::new(64, |_, _| 0.0);
-    let mut left_out = 0;
-    for tolerance_px in [20.0, 60.0, 150.0, 400.0] {
-        for (lat, lon, height_m) in [
-            (5.0, 8.0, 1e5),
-            (40.0, 3.0, 3e5),
-            (-20.0, 77.0, 1e6),
-            (0.0, 0.0, 3e6),
-        ] {
-            for tilt in [0.8, 1.1, 1.35] {
-                let mut surface = culled(1_500);
-                let view = GroundView {
-                    tolerance_px,
-                    ..view(lat, lon, height_m, tilt)
-                };
-                surface.settle(&view, &flat);
-                let (faces, seen) = lost(&surface, &view);
-                assert_eq!(
-                    seen, 0,
-                    "{tolerance_px} px {lat} {height_m} {tilt}: {faces} faces"
-                );
-                left_out += faces;
-            }
-        }
-    }
-    assert!(left_out > 1_000, "{left_out}");
-}
-
 #[test]
 fn a_sudden_view_of_the_limb_loses_nothing() {
     // From the ground, drawn finely, to far away in one frame: what is drawn is then coarse and far too low.
