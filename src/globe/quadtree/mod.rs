@@ -11,6 +11,7 @@
 //! read is forgotten again within a budget. A frame changes as many leaves as its own budget allows, and then builds
 //! every patch that a change touches: what is drawn is whole at all times, and at most late.
 
+mod arrange;
 mod bound;
 mod bytes;
 mod choose;
