@@ -31,5 +31,5 @@ pub use choose::{Chosen, Measure, TreeView};
 pub use eye::Refine;
 pub use node::{Among, Cut, Domain, Kept, Node, Point, Side, Square, among, child_among, ring};
 pub use order::{Order, hilbert, morton};
-pub use surface::{Quadtree, QuadtreeOptions};
+pub use surface::{PAGE_WORK, Quadtree, QuadtreeOptions};
 pub use tree::{MOST_POSTS, Merge, Tree, TreeError, TreeNode, TreeOptions};
