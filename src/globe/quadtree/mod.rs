@@ -11,6 +11,7 @@
 //! read is forgotten again within a budget. A frame changes as many leaves as its own budget allows, and then builds
 //! every patch that a change touches: what is drawn is whole at all times, and at most late.
 
+mod arrange;
 mod bound;
 mod bytes;
 mod choose;
@@ -30,5 +31,5 @@ pub use choose::{Chosen, Measure, TreeView};
 pub use eye::Refine;
 pub use node::{Among, Cut, Domain, Kept, Node, Point, Side, Square, among, child_among, ring};
 pub use order::{Order, hilbert, morton};
-pub use surface::{Quadtree, QuadtreeOptions};
+pub use surface::{PAGE_WORK, Quadtree, QuadtreeOptions};
 pub use tree::{MOST_POSTS, Merge, Tree, TreeError, TreeNode, TreeOptions};

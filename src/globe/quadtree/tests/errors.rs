@@ -4,7 +4,7 @@ use super::{Posts, for_each_triangle, placed, view, whole};
 use crate::elevation::Elevation;
 use crate::frames::{Ellipsoid, Geodetic};
 use crate::globe::quadtree::{Quadtree, QuadtreeOptions};
-use crate::globe::surface::{GroundView, Surface};
+use crate::globe::surface::GroundView;
 use glam::DVec3;
 
 /// Largest distance, metres and pixels, between a drawn point and the point of the data with the same share of latitude and

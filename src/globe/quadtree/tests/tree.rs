@@ -21,7 +21,7 @@ fn heights(columns: usize, rows: usize, seed: u64) -> Vec<f32> {
                 (0, 0) => 100,
                 (_, 0) => 3 * x + 5 * y,
                 (0, _) => (mixed(seed, x as u64, y as u64) % 300) as usize,
-                _ => 40 * usize::from(mixed(seed, x as u64 / 8, y as u64 / 8) % 5 == 0),
+                _ => 40 * usize::from(mixed(seed, x as u64 / 8, y as u64 / 8).is_multiple_of(5)),
             };
             out.push(height as f32);
         }
