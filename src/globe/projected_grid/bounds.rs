@@ -76,13 +76,13 @@ struct Cell {
 
 /// Azimuths that each ring is cut into at first.
 const SECTORS: u32 = 12;
-/// Cells that are looked at; those left over then are taken as they are.
-const MOST_CELLS: usize = 8_000;
-/// After so many cells one is small that is twice as large as before.
-const COARSEN_EVERY: usize = 1_500;
-/// A cell is small when it is this part of the rectangle.
+/// Cells that a search looks at; those left over then are taken as they are.
+const MOST_CELLS: usize = 5_000;
+/// A cell is small when it is this part of the rectangle: at first, and in the end.
+const ROUGH: f64 = 1.0 / 8.0;
 const SMALL: f64 = 1.0 / 48.0;
-/// A cell that the eye sees larger than this, radians, is not asked whether the rectangle holds it: its outline is not that of its corners.
+/// A cell that the eye sees larger than this, radians, is not asked whether the rectangle holds it: its outline is not that
+/// of its corners.
 const FLAT: f64 = 0.35;
 
 /// Finds the rectangle. Holds its list of cells from frame to frame.
@@ -126,25 +126,40 @@ impl Finder {
             sides: screen.sides(),
             widest_m: ellipsoid.equatorial_radius_m.max(ellipsoid.polar_radius_m),
         };
-        let mut rect = view.seed();
-        self.cells.clear();
-        for ring in 0..RINGS {
-            let inner = if ring == 0 {
-                0.0
-            } else {
-                relief.rings[ring - 1].outer_rad
-            };
-            for sector in 0..SECTORS {
-                let step = TAU / f64::from(SECTORS);
-                let west = f64::from(sector) * step;
-                self.cells.push(Cell {
-                    ring,
-                    theta: (inner, relief.rings[ring].outer_rad),
-                    azimuth: (west, west + step),
-                });
-            }
+        let seed = view.seed();
+        // First roughly, to know how large a cell of the answer is small; then finely. Where that would take too long, the
+        // rough answer stands: it is no smaller.
+        let (rough, rough_cells) = self.search(&view, seed, None);
+        if rough.is_empty() {
+            self.looked_at = rough_cells;
+            return None;
         }
-        let mut looked_at = 0_usize;
+        let small = rough.size().max_element() * SMALL;
+        let (fine, fine_cells) = self.search(&view, seed, Some(small));
+        self.looked_at = rough_cells + fine_cells;
+        let is_whole = fine_cells < MOST_CELLS && !fine.is_empty();
+        Some(if is_whole { fine } else { rough })
+    }
+
+    /// The rectangle of all cells, from a part of it that is known, and how many cells were looked at. `small` is the size
+    /// of cells that are not cut, in units of the plane; `None` goes by the rectangle as it grows.
+    fn search(&mut self, view: &View, seed: Rect, small: Option<f64>) -> (Rect, usize) {
+        let mut rect = seed;
+        let rings = &view.relief.rings;
+        let sector_rad = TAU / f64::from(SECTORS);
+        self.cells.clear();
+        for (ring, outer) in rings.iter().enumerate() {
+            let inner_rad = ring.checked_sub(1).map_or(0.0, |k| rings[k].outer_rad);
+            self.cells.extend((0..SECTORS).map(|sector| {
+                let west = f64::from(sector) * sector_rad;
+                Cell {
+                    ring,
+                    theta: (inner_rad, outer.outer_rad),
+                    azimuth: (west, west + sector_rad),
+                }
+            }));
+        }
+        let mut looked_at = 0;
         while let Some(cell) = self.cells.pop() {
             looked_at += 1;
             if !view.shows(&cell) {
@@ -154,13 +169,14 @@ impl Finder {
             if rect.holds(&outline) && along.max(across) < FLAT {
                 continue;
             }
-            let size = if rect.is_empty() {
-                2.0
-            } else {
-                rect.size().max_element()
-            };
-            // The more cells have been looked at, the larger a cell is small.
-            let small = size * SMALL * f64::from(1 << (looked_at / COARSEN_EVERY).min(20));
+            let small = small.unwrap_or_else(|| {
+                let size = if rect.is_empty() {
+                    2.0
+                } else {
+                    rect.size().max_element()
+                };
+                size * ROUGH
+            });
             if outline.size().max_element() <= small || looked_at >= MOST_CELLS {
                 rect.add(&outline);
                 continue;
@@ -180,8 +196,7 @@ impl Finder {
             }
             self.cells.extend([one, other]);
         }
-        self.looked_at = looked_at;
-        (!rect.is_empty()).then_some(rect)
+        (rect, looked_at)
     }
 }
 

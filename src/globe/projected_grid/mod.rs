@@ -1,6 +1,7 @@
 //! The projected grid of the 2009 paper: a grid ruled on the screen, cast on the ellipsoid and raised by the ground's heights.
 //!
-//! The number of vertices never changes; where they stand does, each frame. A frame:
+//! The number of vertices never changes; where they stand does, each frame. So the view's tolerance is not asked: what the
+//! picture is off by follows from the number of samples, and no bound of it is known. A frame:
 //! 1. [`Relief`]: between which heights the ground lies, ring by ring about the eye, and how far of it can show;
 //! 2. the *base* that rays are cast on: the ellipsoid raised to the ground under the eye, so that samples are spaced by the
 //!    ground's distance and not by the ellipsoid's;

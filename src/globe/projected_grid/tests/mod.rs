@@ -67,7 +67,7 @@ impl Elevation for Ground {
     fn range_m(&self, bounds: &Bounds) -> HeightRange {
         let (low_m, high_m) = match *self {
             Self::Flat(height_m) => (height_m, height_m),
-            Self::Waves(middle, amplitude, length) => {
+            Self::Waves(middle, amplitude, _) => {
                 // From the middle's height, by the steepest slope.
                 let (lat, lon) = (
                     0.5 * (bounds.south_rad + bounds.north_rad),

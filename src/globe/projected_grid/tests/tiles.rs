@@ -121,6 +121,8 @@ fn heights_of_tiles_are_the_ground_s() {
         (0.0, 179.999, 2e3, 60.0),
         (-33.0, -70.0, 4e5, 0.0),
         (10.0, 20.0, 50.0, 85.0),
+        (89.9, 20.0, 2e3, 75.0),
+        (-90.0, 20.0, 4e5, 30.0),
     ] {
         let look = Look {
             lat,
@@ -147,6 +149,8 @@ fn heights_of_tiles_are_the_ground_s() {
             seen += 1;
         }
         println!("{lat}° {height_m} m: {seen} samples, {worst_px:.2} px at most");
-        assert!(worst_px < 8.0, "{lat} {height_m}: {worst_px} px");
+        // By a pole windows are cut.
+        let allowed_px = if lat.abs() > 89.0 { 4.0 } else { 1.0 };
+        assert!(worst_px < allowed_px, "{lat} {height_m}: {worst_px} px");
     }
 }
