@@ -11,8 +11,6 @@
 //! For q > 1 the basis changes sign and its terms can be far larger than their sum: that no formula mends, and
 //! [`QBasis::condition`] says how much it costs.
 
-#[cfg(all(test, feature = "command"))]
-mod oracle;
 #[cfg(test)]
 mod tests;
 

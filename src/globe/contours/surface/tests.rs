@@ -386,8 +386,8 @@ fn nothing_seen_is_left_out() {
         let mut seed = 5;
         let (mut seen, mut hits) = (0, 0);
         for _ in 0..20_000 {
-            let around = super::super::testing::noise(&mut seed) * std::f64::consts::PI;
-            let away = 0.4 * super::super::testing::noise(&mut seed).abs().powi(4);
+            let around = super::super::tests::ground::noise(&mut seed) * std::f64::consts::PI;
+            let away = 0.4 * super::super::tests::ground::noise(&mut seed).abs().powi(4);
             let (x, y) = (n.any_orthonormal_pair().0, n.any_orthonormal_pair().1);
             let m = (n + (x * around.cos() + y * around.sin()) * away).normalize();
             let at = Ellipsoid::WGS84.geodetic_from_itrf(Ellipsoid::WGS84.surface_point(m));

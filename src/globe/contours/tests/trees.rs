@@ -1,5 +1,5 @@
-use super::testing::{fractal, noise};
-use super::*;
+use super::super::*;
+use super::ground::{fractal, noise};
 use crate::elevation::Bounds;
 use crate::frames::Ellipsoid;
 use glam::{DVec2, DVec3};
