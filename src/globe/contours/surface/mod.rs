@@ -48,7 +48,7 @@ impl Default for ContourOptions {
     fn default() -> Self {
         Self {
             ellipsoid: Ellipsoid::WGS84,
-            most_cuts: 600,
+            most_cuts: 450,
             measured_per_frame: 12,
             deepest: u32::from(LEVELS),
         }
