@@ -34,7 +34,7 @@ fn shapes() -> Vec<(&'static str, Dem)> {
     let small = Bounds {
         south_rad: 0.6,
         north_rad: 0.605,
-        west_rad: 3.14,
+        west_rad: 3.139,
         width_rad: 0.006,
     };
     vec![
