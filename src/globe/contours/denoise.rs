@@ -119,7 +119,7 @@ impl Denoise {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{fractal, noise};
+    use super::super::tests::ground::{fractal, noise};
     use super::super::{ContourTree, Frame};
     use super::*;
     use glam::DVec2;

@@ -131,7 +131,7 @@ pub fn cast_flat(
 #[cfg(test)]
 mod tests {
     use super::super::Ray;
-    use super::super::testing::{fractal, noise};
+    use super::super::tests::ground::{fractal, noise};
     use super::*;
     use glam::DVec3;
 

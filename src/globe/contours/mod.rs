@@ -24,11 +24,7 @@ mod tree;
 mod wide;
 
 #[cfg(test)]
-mod patch_tests;
-#[cfg(test)]
-mod testing;
-#[cfg(test)]
-mod tree_tests;
+mod tests;
 
 pub use cast::{Hit, Ray};
 pub use dem::{Dem, DemError, Frame, Half, MOST_SAMPLES, Span, quarters};

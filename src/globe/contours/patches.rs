@@ -54,7 +54,8 @@ pub struct Leaf {
     pub depth: u8,
 }
 
-/// Control heights of a patch in the q-Bernstein bases of its tree. Its control points lie at [i]/[3] of the way across.
+/// Control heights of a patch in the q-Bernstein bases of its tree. Its control points lie at
+/// `[i]/[3]` of the way across.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QPatch {
     /// Heights, metres, `[along u][along v]`.

@@ -272,7 +272,7 @@ pub fn morton_leaves(dem: &Dem, tolerance_m: f64) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::fractal;
+    use super::super::tests::ground::fractal;
     use super::*;
 
     fn built() -> (PatchTree, [u8; 32]) {

@@ -1,8 +1,8 @@
 //! The q-Bernstein basis of Phillips, for any q from 10⁻⁶ to 10⁶ and degrees to 12.
 //!
-//! B_i(t; q) = [n choose i]_q tⁱ Π_{s=0}^{n−i−1} (1 − qˢ t), with [r] = 1 + q + … + qʳ⁻¹.
+//! B_i(t; q) = \[n choose i\]_q tⁱ Π_{s=0}^{n−i−1} (1 − qˢ t), with \[r\] = 1 + q + … + qʳ⁻¹.
 //!
-//! How it stays exact: [r] is summed, not taken as (1 − qʳ)/(1 − q); 1 − qˢ is (1 − q)[s], whose difference is exact near
+//! How it stays exact: \[r\] is summed, not taken as (1 − qʳ)/(1 − q); 1 − qˢ is (1 − q)\[s\], whose difference is exact near
 //! q = 1, and a factor 1 − qˢt is (1 − t) + t(1 − qˢ), whose two parts have one sign for q ≤ 1. At q = 1 that is 1 − t and
 //! everything is the Bernstein basis to the last bit. Entries of both conversion matrices are sums of one sign for every q
 //! (see [`QBasis::bernstein_from_q`]), so that each is exact to some roundings however ill-conditioned the matrix is. What
@@ -11,8 +11,6 @@
 //! For q > 1 the basis changes sign and its terms can be far larger than their sum: that no formula mends, and
 //! [`QBasis::condition`] says how much it costs.
 
-#[cfg(all(test, feature = "command"))]
-mod oracle;
 #[cfg(test)]
 mod tests;
 
@@ -46,7 +44,7 @@ pub struct QBasis {
     powers: [f64; MAX_DEGREE + 1],
     /// 1 − qˢ.
     one_minus: [f64; MAX_DEGREE + 1],
-    /// [n choose i]_q.
+    /// \[n choose i\]_q.
     binomials: [f64; MAX_DEGREE + 1],
 }
 
@@ -69,7 +67,7 @@ pub struct Condition {
     pub log10_lebesgue: f64,
 }
 
-/// [r] = 1 + q + … + qʳ⁻¹: r itself at q = 1.
+/// \[r\] = 1 + q + … + qʳ⁻¹: r itself at q = 1.
 pub fn q_integer(r: usize, q: f64) -> f64 {
     (0..r).fold(0.0, |sum, _| sum * q + 1.0)
 }
@@ -96,7 +94,7 @@ impl QBasis {
         }
         basis.binomials[0] = 1.0;
         for i in 1..=degree {
-            // [n choose i] = [n choose i − 1]·[n − i + 1]/[i]: quotients of positive sums.
+            // \[n choose i\] = \[n choose i − 1\]·\[n − i + 1\]/\[i\]: quotients of positive sums.
             basis.binomials[i] =
                 basis.binomials[i - 1] * q_integer(degree - i + 1, q) / q_integer(i, q);
         }
@@ -141,7 +139,7 @@ impl QBasis {
     /// The curve Σ c_i B_i(t; q) and its derivative by t, with degree + 1 control values, by the q-de Casteljau scheme
     /// c_i ← (1 − qᵏt) c_i + qᵏt c_{i+1}, k = m − 1 − i while m + 1 values are left.
     ///
-    /// It follows from [n choose i] = qⁿ⁻ⁱ [n−1 choose i−1] + [n−1 choose i]. The weights of each step add up to 1, so that
+    /// It follows from \[n choose i\] = qⁿ⁻ⁱ [n−1 choose i−1] + [n−1 choose i]. The weights of each step add up to 1, so that
     /// equal control values give that value exactly, for q ≤ 1 they lie in 0…1 (the curve stays within the control
     /// values), and at q = 1 it is de Casteljau's own. Missing control values count as 0.
     pub fn point_and_slope(&self, control: &[f64], t: f64) -> (f64, f64) {
@@ -181,7 +179,7 @@ impl QBasis {
 
     /// M with b = M c: from q-control values c to the Bernstein (ordinary Bézier) control values b of the same curve.
     ///
-    /// With w_s = 1 − qˢ, Π_{s<m} ((1 − t) + t w_s) = Σ_k e_k(w) (1 − t)^{m−k} tᵏ, so M_ji = [n choose i]_q e_{j−i}(w_0…w_{n−i−1})
+    /// With w_s = 1 − qˢ, Π_{s<m} ((1 − t) + t w_s) = Σ_k e_k(w) (1 − t)^{m−k} tᵏ, so M_ji = \[n choose i\]_q e_{j−i}(w_0…w_{n−i−1})
     /// / (n choose j). All w_s have one sign, so no elementary symmetric sum e_k cancels. M is the identity at q = 1.
     pub fn bernstein_from_q(&self) -> Conversion {
         let n = self.degree;

@@ -1,6 +1,6 @@
 //! Which cells are cut for a view.
 
-use super::super::hermite::{Corner, evaluate, net};
+use super::super::hermite::{Corner, cubic, net};
 use super::ContourSurface;
 use super::lattice::{AROUND, Cell, LEVELS, SEGMENTS, STEP_RAD, ball};
 use super::seen::Seen;
@@ -23,14 +23,10 @@ pub(super) struct Measure {
     pub center_m: DVec3,
     /// See [`Self::center_m`].
     pub radius_m: f64,
-    /// As fine as the data.
+    /// A quarter of the spacing of the data: finer shows nothing more.
     pub last: bool,
 }
 
-/// Samples each way that a cell is measured at.
-const PROBES: u32 = 8;
-/// Squares from one to the next.
-const EVERY: u32 = SEGMENTS / PROBES;
 /// From this level on the chord of a segment lies less than 6 cm below the arc, however coarse the data.
 const ROUND: u8 = 8;
 
@@ -79,36 +75,32 @@ impl ContourSurface {
             std::array::from_fn(|k| self.free(ground, cell.corner(k), cell.level));
         let steps = f64::from(cell.steps());
         let net = net(&corners, steps, steps);
-        let segment = 1.0 / f64::from(SEGMENTS);
         let mut error_m = 0.0f64;
         let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
-        for j in 0..PROBES {
-            for i in 0..PROBES {
-                // In the middle of squares: what is drawn there is about the mean of its corners.
-                let (u, v) = (
-                    f64::from(i * EVERY) * segment,
-                    f64::from(j * EVERY) * segment,
-                );
-                let mut drawn = 0.0;
-                for (du, dv) in [
-                    (0.0, 0.0),
-                    (segment, 0.0),
-                    (0.0, segment),
-                    (segment, segment),
-                ] {
-                    drawn += 0.25 * evaluate(&net, u + du, v + dv)[0];
-                }
-                let [x, y] = cell.vertex(0, 0);
-                let to = |t: f64| ((t + 0.5 * segment) * steps) as u32;
-                let data = self.height_m(ground, (x + to(u)) % AROUND, y + to(v), 0.0);
+        let side = f64::from(SEGMENTS);
+        let row = |j: u32| -> [f64; SEGMENTS as usize + 1] {
+            let columns = net.map(|column| cubic(column, f64::from(j) / side).0);
+            std::array::from_fn(|i| cubic(columns, i as f64 / side).0)
+        };
+        let [x, y] = cell.vertex(0, 0);
+        let (mut south, middle) = (row(0), cell.steps() / SEGMENTS / 2);
+        for j in 0..SEGMENTS {
+            let north = row(j + 1);
+            for i in 0..SEGMENTS as usize {
+                // In the middle of a square: what is drawn there is about the mean of its corners.
+                let drawn = 0.25 * (south[i] + south[i + 1] + north[i] + north[i + 1]);
+                let step = cell.steps() / SEGMENTS;
+                let at = (x + i as u32 * step + middle) % AROUND;
+                let data = self.height_m(ground, at, y + j * step + middle, 0.0);
                 error_m = error_m.max((drawn - data).abs());
                 lowest = lowest.min(data.min(drawn));
                 highest = highest.max(data.max(drawn));
             }
+            south = north;
         }
         let size_rad = steps * STEP_RAD;
         // The chord of a segment below the arc, both ways.
-        let arc = size_rad * segment;
+        let arc = size_rad / side;
         error_m += 0.25 * arc * arc * self.options.ellipsoid.equatorial_radius_m;
         let bounds = cell.bounds();
         let range = ground.range_m(&bounds);
@@ -147,7 +139,7 @@ impl ContourSurface {
             top_m: (top + error_m) as f32 + 1.0,
             low_m,
             high_m,
-            last: spacing_rad.is_finite() && size_rad <= spacing_rad && cell.level >= ROUND,
+            last: spacing_rad.is_finite() && size_rad <= 0.25 * spacing_rad && cell.level >= ROUND,
         };
         self.measures.put(cell.key(), self.now, measure);
         measure

@@ -1,6 +1,6 @@
 //! Triangles over one cell.
 
-use super::super::hermite::{Corner, cubic, edge, evaluate, net};
+use super::super::hermite::{Corner, cubic, edge, net};
 use super::lattice::{Cell, ORIGIN_HEIGHT_M, SEGMENTS, STEP_RAD, TALL, cos_sin_lat, lon_rad};
 use crate::frames::Ellipsoid;
 use crate::globe::{GroundVertex, Indices, Patch};
@@ -77,10 +77,12 @@ pub fn write(ellipsoid: &Ellipsoid, cell: Cell, shape: &Shape, patch: &mut Patch
     let mut heights = [[0.0f64; SIDE]; SIDE];
     let mut rises = [[(0.0f64, 0.0f64); SIDE]; SIDE];
     for j in 0..SIDE {
+        let columns = net.map(|column| cubic(column, part(j)));
+        let (across, along) = (columns.map(|c| c.0), columns.map(|c| c.1));
         for i in 0..SIDE {
-            let [z, zu, zv] = evaluate(&net, part(i), part(j));
+            let (z, zu) = cubic(across, part(i));
             heights[j][i] = z;
-            rises[j][i] = (zu / steps, zv / steps);
+            rises[j][i] = (zu / steps, cubic(along, part(i)).0 / steps);
         }
     }
     for side in 0..4 {

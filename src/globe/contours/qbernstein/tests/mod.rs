@@ -1,3 +1,8 @@
+//! The basis against itself and, with long arithmetic at hand, against its definition.
+
+#[cfg(feature = "command")]
+mod oracle;
+
 use super::*;
 
 const QS: [f64; 13] = [

@@ -1,5 +1,5 @@
-use super::testing::{fractal, noise};
-use super::*;
+use super::super::*;
+use super::ground::{fractal, noise};
 use glam::DVec2;
 
 fn rough(columns: u32, rows: u32, seed: u64, f: impl Fn(u32, u32, f64) -> f64) -> Dem {

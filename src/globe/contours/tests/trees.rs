@@ -1,5 +1,5 @@
-use super::testing::{fractal, noise};
-use super::*;
+use super::super::*;
+use super::ground::{fractal, noise};
 use crate::elevation::Bounds;
 use crate::frames::Ellipsoid;
 use glam::{DVec2, DVec3};
@@ -34,7 +34,7 @@ fn shapes() -> Vec<(&'static str, Dem)> {
     let small = Bounds {
         south_rad: 0.6,
         north_rad: 0.605,
-        west_rad: 3.14,
+        west_rad: 3.139,
         width_rad: 0.006,
     };
     vec![

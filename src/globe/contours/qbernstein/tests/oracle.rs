@@ -1,6 +1,6 @@
 //! Against long arithmetic, straight from the definitions.
 
-use super::*;
+use super::super::*;
 use astro_float_num::{BigFloat, RoundingMode};
 
 /// 320 for values; inverting a matrix of entries from 1 to 10³⁹⁶ by substitution needs the rest.

@@ -1,6 +1,6 @@
 //! Ground for tests.
 
-use super::{Dem, Frame};
+use super::super::{Dem, Frame};
 use glam::DVec2;
 
 /// Numbers in −1…1 that look random.
