@@ -64,7 +64,8 @@ fn options(layers: EarthLayers, ground: Option<(SurfaceKind, Arc<dyn Elevation>)
     options.ground = ground.map(|(surface, elevation)| GroundOptions {
         elevation,
         surface: surface.settings(Subdivision::Auto),
-        tolerance_px: 0.5,
+        // At the most grazing pixels that are looked at, half a pixel of height would be 15 km of ground: 3.6 of 255.
+        tolerance_px: 0.25,
     });
     options
 }
@@ -131,6 +132,7 @@ fn hit(eye: DVec3, direction: DVec3, height_m: f64) -> Option<Geodetic> {
 
 #[test]
 fn level_ground_is_where_the_exact_ray_meets_it() {
+    let mut wrong = Vec::new();
     for kind in SurfaceKind::ALL {
         for height_m in [0.0, 8000.0, -8000.0] {
             let ground: Arc<dyn Elevation> = Arc::new(Level(height_m));
@@ -165,25 +167,25 @@ fn level_ground_is_where_the_exact_ray_meets_it() {
                 println!("{kind:?} at {height_m} m, {name}: {worst:.1} of 255 in {count}");
                 assert!(count > 5000, "{kind:?} at {height_m} m, {name}: {count}");
                 // The mesh stands a sagitta below the ground between its vertices; pixels near the limb are left out.
-                assert!(
-                    worst < 3.0,
-                    "{kind:?} at {height_m} m, {name}: off by {worst} of 255"
-                );
+                if worst >= 3.0 {
+                    wrong.push(format!("{kind:?} at {height_m} m, {name}: {worst} of 255"));
+                }
             }
         }
     }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]
 fn hills_have_no_holes() {
+    let mut wrong = Vec::new();
     for kind in SurfaceKind::ALL {
         let options = options(plain([255; 3]), Some((*kind, Arc::new(Hills))));
         let mut rig = Rig::new(&options, SIZE);
-        let mut most = 0;
         for (name, view) in views(rig.aspect()) {
             let sun = view.eye_world.normalize();
             let (picture, ..) = rig.draw_complete(&view, sun);
-            // Black within a column below the first pixel that shows ground.
+            // Black where a ray goes through what lies below the lowest hill.
             let mut holes = 0;
             for x in 0..SIZE.0 {
                 let column: Vec<_> = (0..SIZE.1)
@@ -197,7 +199,9 @@ fn hills_have_no_holes() {
                 }
             }
             println!("{kind:?}, {name}: {holes} holes");
-            most = most.max(holes);
+            if holes > 0 {
+                wrong.push(format!("{kind:?}, {name}: {holes}"));
+            }
             if let Some(folder) = std::env::var_os("TERRELLA_RELIEF_PICTURES") {
                 let side = (sun + 1.5 * sun.any_orthonormal_vector()).normalize();
                 let (picture, ..) = rig.draw_complete(&view, side);
@@ -207,8 +211,8 @@ fn hills_have_no_holes() {
                     .expect("a folder");
             }
         }
-        assert_eq!(most, 0, "{kind:?}");
     }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]

@@ -108,6 +108,10 @@ impl Earth {
         if !(options.exposure.is_finite() && options.exposure >= 0.0) {
             return Err(EarthError::Exposure(options.exposure));
         }
+        let lines = wgpu::Features::POLYGON_MODE_LINE;
+        if options.wireframe && !device.features().contains(lines) {
+            return Err(EarthError::NoLines);
+        }
         let layers = &options.layers;
         let limit = device.limits().max_texture_dimension_2d;
         for layer in MapLayer::ALL {
@@ -152,6 +156,7 @@ impl Earth {
             shading: options.shading,
             output: options.output,
             relief: options.ground.is_some(),
+            wireframe: options.wireframe,
         };
         let look = look(device, style, format, &quality, air.as_ref());
         let pools = tiles.as_ref().map(TileDriver::pools);
@@ -540,6 +545,7 @@ struct Style {
     shading: Shading,
     output: SurfaceOutput,
     relief: bool,
+    wireframe: bool,
 }
 
 /// How the surface is drawn with a quality.
@@ -558,6 +564,7 @@ fn look<'a>(
         shown,
         output: style.output,
         relief: style.relief,
+        wireframe: style.wireframe,
         anisotropy: if software { 1 } else { quality.anisotropy },
         format,
         sunlight: air

@@ -41,6 +41,9 @@ pub struct EarthOptions {
     pub exposure: f32,
     /// What is written to the target: the picture, or for measuring where each pixel looks.
     pub output: SurfaceOutput,
+    /// Draws the edges of triangles alone, for looking at meshes. Needs a device with
+    /// [`wgpu::Features::POLYGON_MODE_LINE`].
+    pub wireframe: bool,
 }
 
 impl EarthOptions {
@@ -61,6 +64,7 @@ impl EarthOptions {
             anisotropy: 8,
             exposure: 1.4,
             output: SurfaceOutput::Color,
+            wireframe: false,
         }
     }
 }
@@ -109,6 +113,12 @@ pub enum EarthError {
          open it with that feature, or have the tiles decoded (PackTiles::new with decode = true)"
     )]
     NoBc,
+    /// Triangles' edges are wanted and the device does not draw lines.
+    #[error(
+        "edges of triangles are wanted and the device was opened without POLYGON_MODE_LINE; \
+         open it with that feature, or on another adapter (terrella doctor lists them) if this one has it not"
+    )]
+    NoLines,
     /// The textures do not fit into the device's memory.
     #[error(
         "the device has no room for {mib} MiB of maps and tiles: {cause}; \

@@ -76,6 +76,8 @@ pub(crate) struct SurfaceLook<'a> {
     pub sunlight: Option<&'a GpuLayer>,
     /// Whether ground with relief is drawn and not the block sphere. It does not change.
     pub relief: bool,
+    /// Whether edges of triangles are drawn alone.
+    pub wireframe: bool,
 }
 
 impl SurfaceDrawable {
@@ -358,6 +360,10 @@ fn assemble(
         primitive: wgpu::PrimitiveState {
             front_face: wgpu::FrontFace::Ccw,
             cull_mode: Some(wgpu::Face::Back),
+            polygon_mode: match look.wireframe {
+                false => wgpu::PolygonMode::Fill,
+                true => wgpu::PolygonMode::Line,
+            },
             ..Default::default()
         },
         depth_stencil: format.depth_stencil(true),

@@ -180,7 +180,8 @@ impl Source<'_> {
             field!(camera.lon_deg),
             field!(camera.height_km),
         );
-        let stands = [&lat, &lon, &height]
+        let (heading, pitch) = (field!(camera.heading_deg), field!(camera.pitch_deg));
+        let stands = [&lat, &lon, &height, &heading, &pitch]
             .into_iter()
             .find(|field| field.is_given());
         let default_mode = match stands {
@@ -227,6 +228,18 @@ impl Source<'_> {
             };
             format!("{why}; must be from {} km", span_of(&HEIGHT_KM))
         })?;
+        let heading_deg = self.number(&heading, 0.0, HEADING_DEG, |_| {
+            format!(
+                "must be from {} degrees, clockwise from north",
+                span_of(&HEADING_DEG)
+            )
+        })?;
+        let pitch_deg = self.number(&pitch, DEFAULT_PITCH_DEG, PITCH_DEG, |_| {
+            format!(
+                "must be from {} degrees: -90 looks straight down, 0 level",
+                span_of(&PITCH_DEG)
+            )
+        })?;
         let follow_field = field!(camera.follow);
         let follow = follow_field.given.map(|name| name.get_ref().clone());
         if follow.as_ref().is_some_and(|name| name.trim().is_empty()) {
@@ -241,6 +254,8 @@ impl Source<'_> {
             lat_deg,
             lon_deg: half_turn(lon_deg),
             height_km,
+            heading_deg,
+            pitch_deg,
         })
     }
 

@@ -50,6 +50,11 @@ pub const LON_DEG: RangeInclusive<f64> = -360.0..=360.0;
 /// Height of the eye above the ellipsoid, kilometres: from one metre to seven times the distance of the Sun.
 pub const HEIGHT_KM: RangeInclusive<f64> = 0.001..=1e9;
 
+/// Heading of the eye, degrees clockwise from north.
+pub const HEADING_DEG: RangeInclusive<f64> = -360.0..=360.0;
+/// How far above the horizontal the eye looks, degrees.
+pub const PITCH_DEG: RangeInclusive<f64> = -90.0..=90.0;
+
 /// Cells per block edge.
 pub const SUBDIVISION: RangeInclusive<i64> = 1..=48;
 
@@ -91,6 +96,8 @@ pub const DEFAULT_TOLERANCE: f64 = 1e-10;
 pub const DEFAULT_FOV_DEG: f64 = 45.0;
 /// `[camera] height_km` where a geodetic scene gives none: the whole disc in view.
 pub const DEFAULT_HEIGHT_KM: f64 = 20_000.0;
+/// `[camera] pitch_deg` where a geodetic scene gives none: straight down.
+pub const DEFAULT_PITCH_DEG: f64 = -90.0;
 /// `[output] size` where a scene gives none.
 pub const DEFAULT_SIZE_PX: [u32; 2] = [1280, 720];
 /// `[output] samples` where a scene gives none and there are edges to be seen: a craft's, or a limb without air. Else one.

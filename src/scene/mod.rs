@@ -193,6 +193,11 @@ pub struct Camera {
     pub lon_deg: f64,
     /// Geodetic mode: height above the ellipsoid, kilometres.
     pub height_km: f64,
+    /// Geodetic mode: where the eye looks to, or what is upwards on screen if it looks straight down: degrees clockwise
+    /// from north.
+    pub heading_deg: f64,
+    /// Geodetic mode: how far above the horizontal the eye looks, degrees; −90 is straight down.
+    pub pitch_deg: f64,
 }
 
 /// `[earth]`

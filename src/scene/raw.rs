@@ -134,6 +134,8 @@ table!(RawCamera {
     lat_deg: f64 = "a number of degrees",
     lon_deg: f64 = "a number of degrees",
     height_km: f64 = "a number of kilometres",
+    heading_deg: f64 = "a number of degrees",
+    pitch_deg: f64 = "a number of degrees",
 });
 
 table!(RawEarth {

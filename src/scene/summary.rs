@@ -108,6 +108,8 @@ impl Scene {
             ("camera", "lat_deg") => place(camera.lat_deg),
             ("camera", "lon_deg") => place(camera.lon_deg),
             ("camera", "height_km") => place(camera.height_km),
+            ("camera", "heading_deg") => place(camera.heading_deg),
+            ("camera", "pitch_deg") => place(camera.pitch_deg),
             ("earth", "figure") => quoted(&written(&earth.figure)),
             ("earth", "subdivision") => match earth.subdivision {
                 Subdivision::Auto => quoted("auto"),
@@ -183,10 +185,21 @@ impl Scene {
             ),
             CameraMode::Horizon => "at the satellite, forwards to the horizon".to_owned(),
             CameraMode::Chase => "behind and above the satellite, looking at it".to_owned(),
-            CameraMode::Geodetic => format!(
-                "{} km above {}° latitude, {}° longitude, straight down, north upwards on screen",
-                camera.height_km, camera.lat_deg, camera.lon_deg
-            ),
+            CameraMode::Geodetic => {
+                let looks = match (camera.pitch_deg, camera.heading_deg) {
+                    (-90.0, 0.0) => "straight down, north upwards on screen".to_owned(),
+                    (-90.0, heading) => {
+                        format!("straight down, {heading}° from north upwards on screen")
+                    }
+                    (pitch, heading) => {
+                        format!("to {heading}° from north, {pitch}° above the horizontal")
+                    }
+                };
+                format!(
+                    "{} km above {}° latitude, {}° longitude, {looks}",
+                    camera.height_km, camera.lat_deg, camera.lon_deg
+                )
+            }
         };
         uses.push((
             "camera",

@@ -103,6 +103,9 @@ pub const LEAST_CLEARANCE_M: f64 = 0.5;
 const FARTHEST_M: f64 = 1e24;
 /// Most of the grid's angle that is given to the limb (κ of [`Caster`]), radians.
 const MOST_SPREAD_RAD: f64 = 0.15;
+/// Least of it where ground behind the limb can show, cells: from far away all relief at the limb is smaller than a cell,
+/// and ground that ends with the last ray that hits would leave part of a pixel of its outline out.
+const LIMB_CELLS: f64 = 2.0;
 /// The rectangle's margin, in cells, for the chords of its edge.
 const MARGIN_CELLS: f64 = 1.5;
 /// What a new rectangle has more, in cells, so that it will do for the frames after it.
@@ -252,7 +255,10 @@ impl ProjectedGrid {
         caster.far_rad = relief.far_rad.max(caster.near_rad);
         let limb_m = caster.cos_limb * eye_itrf_m.length();
         if caster.far_rad > caster.near_rad {
-            caster.spread_rad = (relief.span_m / limb_m.max(1.0)).min(MOST_SPREAD_RAD);
+            let least_rad = LIMB_CELLS * self.cell_rad(&screen, &caster);
+            caster.spread_rad = (relief.span_m / limb_m.max(1.0))
+                .max(least_rad)
+                .min(MOST_SPREAD_RAD);
         }
         let needed = self
             .finder
@@ -271,6 +277,14 @@ impl ProjectedGrid {
             footprint: self.options.footprint,
         });
         self.frame
+    }
+
+    /// About how large a cell is seen, radians: of a picture full of ground, or of the whole disc in it.
+    fn cell_rad(&self, screen: &Screen, caster: &Caster) -> f64 {
+        let (columns, rows) = self.options.samples;
+        let across = screen.right.length().min(caster.limb_rad) / f64::from(columns - 1);
+        let down = screen.up.length().min(caster.limb_rad) / f64::from(rows - 1);
+        2.0 * across.max(down)
     }
 
     /// The rectangle that the grid is laid over: what is needed and a margin. Its size is kept from the frame before while it
@@ -430,6 +444,10 @@ impl Surface for ProjectedGrid {
         stats.triangles = (self.patch.indices.triangles.len() / 3) as u32;
         stats.samples_read = count as u64;
         stats
+    }
+
+    fn reads_all_anew(&self) -> bool {
+        true
     }
 
     fn visit(&self, draw: &mut dyn FnMut(&Patch)) {
