@@ -59,7 +59,8 @@ struct BlockVertex {
     @location(5) height_m: f32,
     @location(6) slope: vec2f,
     // Of the patch: its origin less the eye, subtracted in f64.
-    @location(7) origin_from_eye_m: vec3f,
+    @location(7) origin_from_anchor_m: vec3f,
+    @location(8) anchor_from_eye_m: vec3f,
 #else
     // Vertex less eye, ITRF metres: subtracted in f64.
     @location(0) from_eye_m: vec3f,
@@ -92,7 +93,8 @@ struct Varying {
 fn vertex(in: BlockVertex) -> Varying {
     var out: Varying;
 #if relief
-    out.from_eye_m = in.origin_from_eye_m + in.from_origin_m;
+    // In this order: the first sum is the same in all patches that share the vertex.
+    out.from_eye_m = (in.origin_from_anchor_m + in.from_origin_m) + in.anchor_from_eye_m;
     out.height_m = in.height_m;
     out.slope = in.slope;
     out.clip = frame.clip_from_eye * vec4f(out.from_eye_m, 1.0);

@@ -14,19 +14,27 @@ const KEPT_FRAMES: u64 = 120;
 /// The place of whole maps after those of the blocks.
 const WHOLE: u32 = crate::globe::BLOCK_COUNT;
 
+/// The anchor is the eye, moved to a multiple of this, metres. Origins that stand on a finer grid of a power of two are exact
+/// from there up to 2²⁴ steps away.
+const ANCHOR_STEP_M: f64 = 2.0;
+
 /// Per-patch values, one instance a patch.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 struct PatchInstance {
     reference: BlockInstance,
-    /// The patch's origin less the eye, ITRF metres: subtracted in f64.
-    origin_from_eye_m: Vec3,
+    /// The patch's origin less the anchor, ITRF metres. Where surfaces give patches origins on a grid and vertices that are
+    /// exact from there, so is this, and the sum of both is the same number in all patches that share a vertex: it is rounded
+    /// alike and edges stay closed to the last bit.
+    origin_from_anchor_m: Vec3,
+    /// The anchor less the eye, ITRF metres: the same for all patches.
+    anchor_from_eye_m: Vec3,
 }
 
 const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 3] =
     wgpu::vertex_attr_array![0 => Float32x3, 5 => Float32, 6 => Float32x2];
-const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 5] = wgpu::vertex_attr_array![
-    1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Uint32, 7 => Float32x3
+const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
+    1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Uint32, 7 => Float32x3, 8 => Float32x3
 ];
 
 /// The vertex buffers of `shaders/earth.wgsl` with relief.
@@ -143,6 +151,7 @@ impl GroundMesh {
         ellipsoid: &Ellipsoid,
         eye_itrf_m: DVec3,
     ) -> u64 {
+        let anchor_itrf_m = (eye_itrf_m / ANCHOR_STEP_M).round() * ANCHOR_STEP_M;
         let mut written = 0;
         let source = Arc::as_ptr(&patch.indices) as usize;
         let list = self.triangles.entry(source).or_insert_with(|| {
@@ -202,7 +211,8 @@ impl GroundMesh {
         held.used = self.frame;
         self.staging.push(PatchInstance {
             reference: held.reference,
-            origin_from_eye_m: (patch.origin_itrf_m - eye_itrf_m).as_vec3(),
+            origin_from_anchor_m: (patch.origin_itrf_m - anchor_itrf_m).as_vec3(),
+            anchor_from_eye_m: (anchor_itrf_m - eye_itrf_m).as_vec3(),
         });
         self.draws.push(Draw {
             patch: patch.key,
