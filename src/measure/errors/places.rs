@@ -12,6 +12,7 @@ use crate::{
 };
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::time::Duration;
 
 /// An Earth that draws places instead of colours, on the same mesh.
 pub struct PlacesEarth {
@@ -87,6 +88,13 @@ impl PlacesEarth {
     /// What was drawn last.
     pub fn stats(&self) -> FrameStats {
         self.stats
+    }
+
+    /// Lets ground with relief become as fine as it will be for a view, at most `wait`.
+    pub fn settle(&mut self, view: &EyeView, size: (u32, u32), wait: Duration) {
+        let sky = Sky { sun_itrf: DVec3::X };
+        let queue = &self.gpu.queue;
+        self.earth.prepare_complete(queue, view, &sky, size, wait);
     }
 
     /// Draws a view and reads it back.

@@ -150,7 +150,11 @@ impl GroundPicture {
             for y in 0..self.size.1 {
                 match self.at(x, y) {
                     Some(_) => below_ground = is_upright,
-                    None => holes += usize::from(below_ground || goes_through(x, y)),
+                    None if below_ground || goes_through(x, y) => {
+                        tracing::debug!("hole at {x}, {y}, below ground: {below_ground}");
+                        holes += 1;
+                    }
+                    None => {}
                 }
             }
         }

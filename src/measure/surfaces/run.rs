@@ -8,11 +8,14 @@ use crate::measure::errors::{GroundErrors, GroundPicture, PlacesEarth};
 use crate::measure::{Rig, Spread};
 use crate::play::Progress;
 use crate::{EarthOptions, GroundOptions, Sky};
+use std::time::Duration;
 
 /// Between two frames, seconds.
 const FRAME_S: f64 = 1.0 / 60.0;
-/// Frames before a place's own, so that what follows the eye has come.
-const FRAMES_BEFORE: u32 = 3;
+/// Frames before a place's own. The first waits until the surface is as it would be had it flown there; the others move.
+const FRAMES_BEFORE: u32 = 8;
+/// How long it waits at most.
+const SETTLE: Duration = Duration::from_secs(5);
 
 /// What all trials share.
 pub(super) struct Stand<'s> {
@@ -96,7 +99,9 @@ impl Stand<'_> {
                 row.path
                     .view(time_s, ground.site, figure, elevation, aspect)
             };
-            for before in (1..=FRAMES_BEFORE).rev() {
+            let first_s = time_s - f64::from(FRAMES_BEFORE) * FRAME_S;
+            rig.settle(&view(first_s), &self.sky, SETTLE);
+            for before in (1..FRAMES_BEFORE).rev() {
                 rig.frame(&view(time_s - f64::from(before) * FRAME_S), &self.sky)?;
             }
             samples.push(rig.sample(&view(time_s), &self.sky)?);
@@ -141,6 +146,10 @@ impl Stand<'_> {
                 let view = row
                     .path
                     .view(time_s, ground.site, figure, elevation, aspect);
+                if frame == FRAMES_BEFORE {
+                    earth.settle(&view, size, SETTLE);
+                    continue;
+                }
                 let places = earth.draw(&view, size)?;
                 if frame > 1 {
                     continue;

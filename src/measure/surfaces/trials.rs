@@ -73,7 +73,7 @@ fn of_kind(kind: SurfaceKind) -> Vec<Trial> {
         SurfaceKind::Blocks => [12, 24, 48].map(blocks).into(),
         SurfaceKind::ProjectedGrid => [65, 129, 257].map(grid).into(),
         SurfaceKind::Quadtree | SurfaceKind::Contours => tolerances().into(),
-        SurfaceKind::Clipmap => [(65, 6), (129, 6), (129, 10), (257, 10)]
+        SurfaceKind::Clipmap => [(65, 12), (129, 6), (129, 12), (257, 12)]
             .map(|(samples, levels)| clipmap(samples, levels))
             .into(),
     }
