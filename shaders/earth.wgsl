@@ -1,6 +1,6 @@
 // The surface: one block a draw, texture coordinates and normals exact at every pixel.
 //
-// Features (see src/gpu/shader.rs): paper, clouds, normals, night_lights, water, tiles, air, encode, decode, places.
+// Features (see src/gpu/shader.rs): paper, clouds, normals, night_lights, water, tiles, air, encode, decode, places, relief.
 
 #import common/frame.wgsl
 #import common/color.wgsl
@@ -53,8 +53,18 @@
 const PI: f32 = 3.14159265;
 
 struct BlockVertex {
+#if relief
+    // Vertex less its patch's origin, ITRF metres, height above the ellipsoid, and rise of the ground to east and north.
+    @location(0) from_origin_m: vec3f,
+    @location(5) height_m: f32,
+    @location(6) slope: vec2f,
+    // Of the patch: its origin less the eye, subtracted in f64.
+    @location(7) origin_from_anchor_m: vec3f,
+    @location(8) anchor_from_eye_m: vec3f,
+#else
     // Vertex less eye, ITRF metres: subtracted in f64.
     @location(0) from_eye_m: vec3f,
+#endif
     // The block's centre: (cos, sin) of longitude and of latitude, and its texture coordinates.
     @location(1) center_lon: vec2f,
     @location(2) center_lat: vec2f,
@@ -68,21 +78,36 @@ struct Varying {
     @builtin(position) clip: vec4f,
     @location(0) @interpolate(flat) center_lon: vec2f,
     @location(1) @interpolate(flat) center_lat: vec2f,
-#if tiles
-    @location(2) @interpolate(flat) block: u32,
-#else
     @location(2) @interpolate(flat) center_uv: vec2f,
+#if tiles
+    @location(3) @interpolate(flat) block: u32,
+#endif
+#if relief
+    @location(4) from_eye_m: vec3f,
+    @location(5) height_m: f32,
+    @location(6) slope: vec2f,
 #endif
 }
 
 @vertex
 fn vertex(in: BlockVertex) -> Varying {
-    let clip = frame.clip_from_eye * vec4f(in.from_eye_m, 1.0);
-#if tiles
-    return Varying(clip, in.center_lon, in.center_lat, in.block);
+    var out: Varying;
+#if relief
+    // In this order: the first sum is the same in all patches that share the vertex.
+    out.from_eye_m = (in.origin_from_anchor_m + in.from_origin_m) + in.anchor_from_eye_m;
+    out.height_m = in.height_m;
+    out.slope = in.slope;
+    out.clip = frame.clip_from_eye * vec4f(out.from_eye_m, 1.0);
 #else
-    return Varying(clip, in.center_lon, in.center_lat, in.center_uv);
+    out.clip = frame.clip_from_eye * vec4f(in.from_eye_m, 1.0);
 #endif
+    out.center_lon = in.center_lon;
+    out.center_lat = in.center_lat;
+    out.center_uv = in.center_uv;
+#if tiles
+    out.block = in.block;
+#endif
+    return out;
 }
 
 // atan(y/x) for |y/x| ≤ tan 15°, error below 1e-7: a block reaches 11.25° to each side of its centre.
@@ -106,10 +131,15 @@ struct Place {
     // the mip level follows the pixel's footprint at the poles and has no seam at ±180°.
     uv_dx: vec2f,
     uv_dy: vec2f,
+    center_uv: vec2f,
 #if tiles
     block: u32,
-#else
-    center_uv: vec2f,
+#endif
+#if relief
+    slope: vec2f,
+#if places
+    along: f32,
+#endif
 #endif
 }
 
@@ -121,35 +151,59 @@ fn place(in: Varying) -> Place {
     let ray = frame.corner_ray + in.clip.x * frame.pixel_right + in.clip.y * frame.pixel_down;
     let to_scaled = vec3f(1.0, 1.0, frame.polar_stretch);
     let scaled = ray * to_scaled;
+#if relief
+    // The mesh's own place, moved onto the pixel's ray, so that what is interpolated can be wrong along the ray only.
+    let along = dot(in.from_eye_m, ray) / dot(ray, ray);
+    let radii = along / frame.radius_m;
+    let p = frame.eye_scaled + radii * scaled;
+    // The normal through a point at height h: z over ρ by the parallel radii of the figure h higher,
+    //   q(a + h)/(q² a + h) in scaled space, q = b/a, where N is taken as a.
+    let q = 1.0 / frame.polar_stretch;
+    let lift = in.height_m / frame.radius_m;
+    out.up = normalize(p * vec3f(1.0, 1.0, q * (1.0 + lift) / (q * q + lift)));
+    out.slope = in.slope;
+#if places
+    out.along = along;
+#endif
+#else
     let d = normalize(scaled);
     // |e + t d| = 1 with c = |e|² − 1: t = c / (−e·d + √(1 − |e × d|²)). Lagrange's identity instead of b² − c.
     let across_ray = cross(frame.eye_scaled, d);
     let root = sqrt(max(1.0 - dot(across_ray, across_ray), 0.0));
     let t = max(frame.above / max(root - dot(frame.eye_scaled, d), 1e-9), 0.0);
     let p = frame.eye_scaled + t * d;
+    let radii = t / length(scaled);
     out.up = normalize(p * to_scaled);
+#endif
     out.to_eye = -ray;
 
     let across = max(length(out.up.xy), 1e-7);
     out.east = vec3f(-out.up.y, out.up.x, 0.0) / across;
     out.north = cross(out.up, out.east);
-    let x = max(dot(in.center_lon, out.up.xy), 1e-7);
     let y = in.center_lon.x * out.up.y - in.center_lon.y * out.up.x;
+#if relief
+    // A patch may be wider than a block.
+    let longitude = atan2(y, dot(in.center_lon, out.up.xy));
+    let latitude = atan2(
+        in.center_lat.x * out.up.z - in.center_lat.y * across,
+        in.center_lat.x * across + in.center_lat.y * out.up.z,
+    );
+#else
+    let x = max(dot(in.center_lon, out.up.xy), 1e-7);
     let longitude = atan_near(clamp(y, -0.25 * x, 0.25 * x), x);
     let latitude = atan_near(
         in.center_lat.x * out.up.z - in.center_lat.y * across,
         in.center_lat.x * across + in.center_lat.y * out.up.z,
     );
+#endif
     out.uv = vec2f(longitude / (2.0 * PI), -latitude / PI);
+    out.center_uv = in.center_uv;
 #if tiles
     out.block = in.block;
-#else
-    out.center_uv = in.center_uv;
 #endif
 
     // The neighbour pixel's ray on the tangent plane: r − ray·(up·r)/(up·ray), times the distance in radii.
     let facing = min(dot(out.up, ray), -0.02 * length(ray));
-    let radii = t / length(scaled);
     let dx = radii * (frame.pixel_right - ray * (dot(out.up, frame.pixel_right) / facing));
     let dy = radii * (frame.pixel_down - ray * (dot(out.up, frame.pixel_down) / facing));
     let to_uv = vec2f(0.5, -1.0) / PI;
@@ -173,9 +227,21 @@ const NIGHT_LIGHTS: u32 = 3;
 const WATER: u32 = 4;
 #endif
 
+#if tiles
+fn placement_of(layer: u32, at: Place) -> vec4f {
+#if relief
+    // A patch that lies in several blocks is drawn with whole maps.
+    if at.block >= 128u {
+        return vec4f(at.center_uv, 1.0, 1.0);
+    }
+#endif
+    return placements[at.block][layer];
+}
+#endif
+
 fn sample_map(map: texture_2d<f32>, filtering: sampler, layer: u32, at: Place) -> vec4f {
 #if tiles
-    let placement = placements[at.block][layer];
+    let placement = placement_of(layer, at);
     let uv = placement.xy + at.uv * placement.zw;
     return textureSampleGrad(map, filtering, uv, at.uv_dx * placement.zw, at.uv_dy * placement.zw);
 #else
@@ -185,10 +251,25 @@ fn sample_map(map: texture_2d<f32>, filtering: sampler, layer: u32, at: Place) -
 
 fn surface_normal(at: Place) -> vec3f {
 #if normals
-    let slope = sample_map(slope_map, slope_sampler, NORMALS, at).xy;
+    var slope = sample_map(slope_map, slope_sampler, NORMALS, at).xy;
+#if relief
+    // Where a pixel is smaller than the map's texels the mesh's own slopes tell more.
+    let texels = vec2f(textureDimensions(slope_map));
+#if tiles
+    let per_map = texels * placement_of(NORMALS, at).zw;
+#else
+    let per_map = texels;
+#endif
+    let footprint = max(length(at.uv_dx * per_map), length(at.uv_dy * per_map));
+    slope = mix(at.slope, slope, smoothstep(0.25, 1.0, footprint));
+#endif
     return normalize(at.up - slope.x * at.east - slope.y * at.north);
 #else
+#if relief
+    return normalize(at.up - at.slope.x * at.east - at.slope.y * at.north);
+#else
     return at.up;
+#endif
 #endif
 }
 
@@ -303,15 +384,15 @@ fn shade(at: Place) -> vec3f {
 #if places
 // In place of colour, for measuring: the texture coordinates that maps would be read with, from the block's centre, and
 // that centre. Kept apart, they are rounded as little as the samplers' are. The target is cleared to 0; no centre is 0.
+// With relief: how many of its rays long the pixel's way to the ground is, in the last number, and 1 in the others.
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
     let at = place(in);
-#if tiles
-    let center = (vec2f(f32(at.block % 16u), f32(at.block / 16u)) + 0.5) / vec2f(16.0, 8.0);
+#if relief
+    return vec4f(1.0, 1.0, 1.0, at.along);
 #else
-    let center = at.center_uv;
+    return vec4f(at.uv, at.center_uv);
 #endif
-    return vec4f(at.uv, center);
 }
 #else
 @fragment

@@ -26,7 +26,8 @@
 //! |---|---|---|
 //! | [`frames`] | ellipsoid, time scales, Earth rotation, Sun; f64 | anything below |
 //! | [`orbit`] | readers and propagators: a state at an epoch | GPU |
-//! | [`globe`] | the block sphere: lattice, horizon and frustum tests, level choice | GPU, files |
+//! | [`elevation`] | heights of the ground: grids, their pyramids, readers of elevation data | GPU |
+//! | [`globe`] | the block sphere, and surfaces with relief: lattice, horizon and frustum tests, level choice | GPU, files |
 //! | [`air`] | density, scattering tables, the billboard | GPU, files |
 //! | [`imagery`] | maps and packs on disk, checks, mip levels, slopes, streaming | GPU, orbits |
 //! | [`scene`] | the TOML file, defaults, checks with line and key | GPU |
@@ -101,11 +102,14 @@
 //!
 //! # Features
 //!
-//! `pack-build` makes packs from maps (reading and drawing packs needs no feature). `command` (default) is that and the window, the video writer and the command line. A host that only embeds the Earth says
+//! `pack-build` makes packs from maps (reading and drawing packs needs no feature). `terrain` reads heights of the
+//! ground from files ([`elevation`]; heights in memory need no feature). `command` (default) is both and the window, the
+//! video writer and the command line. A host that only embeds the Earth says
 //! `default-features = false`.
 
 pub mod air;
 pub mod earth;
+pub mod elevation;
 pub mod frames;
 pub mod globe;
 pub mod gpu;
@@ -121,6 +125,8 @@ pub mod tracks;
 pub use air::Atmosphere;
 pub use earth::{
     Change, DepthBuffer, Earth, EarthError, EarthOptions, EyeView, FrameStats, GiveUp, Governor,
-    Quality, Rung, Sky, SurfaceOutput, TILED_SUBDIVISION, TileOptions, Viewport,
+    GroundOptions, Quality, Rung, Sky, SurfaceOutput, TILED_SUBDIVISION, TileOptions, Viewport,
 };
-pub use globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
+pub use globe::{
+    Figure, LevelRule, Shading, Subdivision, SurfaceKind, SurfaceSettings, Visibility,
+};

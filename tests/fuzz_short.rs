@@ -6,6 +6,9 @@ use std::path::Path;
 mod earth_orientation;
 #[path = "../fuzz/bodies/ephemeris.rs"]
 mod ephemeris;
+#[cfg(feature = "terrain")]
+#[path = "../fuzz/bodies/heights.rs"]
+mod heights;
 #[path = "../fuzz/bodies/live.rs"]
 mod live;
 #[path = "../fuzz/bodies/manifest.rs"]
@@ -14,6 +17,9 @@ mod manifest;
 mod omm;
 #[path = "../fuzz/bodies/scene.rs"]
 mod scene;
+#[cfg(feature = "terrain")]
+#[path = "../fuzz/bodies/sidecar.rs"]
+mod sidecar;
 #[cfg(feature = "pack-build")]
 #[path = "../fuzz/bodies/source.rs"]
 mod source;
@@ -41,6 +47,10 @@ const TARGETS: &[Target] = &[
     ),
     #[cfg(feature = "pack-build")]
     ("source", source::seeds, source::run, 30_000),
+    #[cfg(feature = "terrain")]
+    ("heights", heights::seeds, heights::run, 30_000),
+    #[cfg(feature = "terrain")]
+    ("sidecar", sidecar::seeds, sidecar::run, 30_000),
 ];
 
 /// Marsaglia's xorshift: the same numbers on every machine.
@@ -139,6 +149,18 @@ fn maps() {
 }
 
 #[test]
+#[cfg(feature = "terrain")]
+fn files_of_heights() {
+    run("heights");
+}
+
+#[test]
+#[cfg(feature = "terrain")]
+fn sidecars_of_heights() {
+    run("sidecar");
+}
+
+#[test]
 fn elements() {
     run("tle");
 }
@@ -182,6 +204,19 @@ fn seeds_are_good() {
         };
         // All but the one of separate planes.
         assert_eq!(source::seeds().iter().filter(good).count(), 8);
+    }
+    #[cfg(feature = "terrain")]
+    {
+        use terrella::elevation::{GridLimits, read};
+        let sidecars = sidecar::seeds().into_iter().map(|seed| text(&seed));
+        let sidecars: Vec<_> = sidecars
+            .map(|text| read::Sidecar::from_toml(&text, path).expect("a good sidecar"))
+            .collect();
+        for seed in heights::seeds() {
+            let sidecar = seed.starts_with(b"\x89PNG").then_some(&sidecars[0]);
+            let seed = std::io::Cursor::new(seed);
+            read::read_heights(seed, sidecar, path, &GridLimits::default()).expect("good heights");
+        }
     }
     for seed in scene::seeds() {
         terrella::scene::Scene::from_toml(&text(&seed), path).expect("a good scene");

@@ -2,8 +2,10 @@
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use std::mem::offset_of;
+use terrella::globe::projected_grid::{GridLevel, GridUniforms};
 use terrella::gpu::{
-    AIR_SHADER, AirFrame, EARTH_SHADER, Frame, ShaderVariant, TRACKS_SHADER, TrackFrame,
+    AIR_SHADER, AirFrame, EARTH_SHADER, Frame, PROJECTED_GRID_SHADER, ShaderVariant, TRACKS_SHADER,
+    TrackFrame,
 };
 
 fn module(variant: &ShaderVariant) -> Result<naga::Module, String> {
@@ -44,6 +46,7 @@ fn every_variant_compiles() {
             "encode",
             "decode",
             "places",
+            "relief",
         ],
     );
     all.extend(variants(
@@ -51,6 +54,7 @@ fn every_variant_compiles() {
         &["inside", "depth", "standard_z", "encode"],
     ));
     all.extend(variants(TRACKS_SHADER, &["marks", "fill", "encode"]));
+    all.push(ShaderVariant::new(PROJECTED_GRID_SHADER, &[]));
     let failures: Vec<_> = all
         .iter()
         .filter_map(|variant| {
@@ -78,6 +82,7 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
         ("water", ["water_map", "glint"]),
         ("tiles", ["placements", "block"]),
         ("air", ["sunlight", "table_"]),
+        ("relief", ["origin_from_eye_m", "height_m"]),
     ];
     let code = |source: String| -> String {
         source
@@ -98,8 +103,16 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
         let without = code(
             ShaderVariant::new(
                 EARTH_SHADER,
-                &["clouds", "normals", "night_lights", "water", "tiles", "air"]
-                    .map(|f| (f, f != feature)),
+                &[
+                    "clouds",
+                    "normals",
+                    "night_lights",
+                    "water",
+                    "tiles",
+                    "air",
+                    "relief",
+                ]
+                .map(|f| (f, f != feature)),
             )
             .source()
             .unwrap(),
@@ -128,7 +141,7 @@ fn a_picture_s_shader_draws_no_places() {
         let variant = ShaderVariant::new(EARTH_SHADER, &[("places", places)]);
         variant.source().unwrap()
     };
-    let places = "return vec4f(at.uv, center);";
+    let places = "return vec4f(at.uv, at.center_uv);";
     assert!(text(true).contains(places) && !text(false).contains(places));
 }
 
@@ -218,6 +231,45 @@ fn uniform_structs_match_the_shaders() {
             eye_height,
             exposure,
             depth_rounding
+        ]
+    );
+    let grid = ShaderVariant::new(PROJECTED_GRID_SHADER, &[]);
+    check!(
+        grid,
+        GridLevel,
+        [eye_cells, per_radian, period, size, padding]
+    );
+    check!(
+        grid,
+        GridUniforms,
+        [
+            clip_from_eye,
+            forward,
+            corner,
+            middle,
+            corner_rad,
+            right,
+            cell_area,
+            screen_up,
+            longer,
+            eye_up,
+            limb_rad,
+            eye_normal,
+            sin_limb,
+            to_base_m,
+            cos_limb,
+            radii_m,
+            base_m,
+            eye_lon,
+            low,
+            step,
+            samples,
+            near_rad,
+            far_rad,
+            spread_rad,
+            eye_lat,
+            levels,
+            slots
         ]
     );
 }

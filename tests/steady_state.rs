@@ -341,3 +341,50 @@ fn a_view_at_rest_with_all_its_tiles_allocates_nothing_of_its_own() {
         "{tiled} allocations with tiles, {whole} without"
     );
 }
+
+#[test]
+fn a_projected_grid_allocates_nothing() {
+    use terrella::elevation::{Bounds, Elevation, HeightRange};
+    use terrella::globe::projected_grid::{GridOptions, GridUniforms, HeightTiles, ProjectedGrid};
+    use terrella::globe::{GroundView, Surface};
+
+    struct Waves;
+    impl Elevation for Waves {
+        fn height_m(&self, lat_rad: f64, lon_rad: f64, _: f64) -> f64 {
+            500.0 * (300.0 * lat_rad).sin() * (200.0 * lon_rad).cos()
+        }
+        fn range_m(&self, _: &Bounds) -> HeightRange {
+            HeightRange {
+                low_m: -500.0,
+                high_m: 500.0,
+            }
+        }
+        fn finest_spacing_rad(&self, _: f64, _: f64) -> f64 {
+            1e-5
+        }
+    }
+    let mut grid = ProjectedGrid::new(&GridOptions::default());
+    let mut tiles = HeightTiles::new(256);
+    let mut drawn = 0;
+    let count = allocations(|| {
+        for step in 0..40 {
+            let height_m = 4e5 * 0.87_f64.powi(step);
+            let place = Geodetic::from_degrees(47.0, 0.2 * f64::from(step), height_m + 500.0);
+            let tilted = common::tilted(place, 30.0, -40.0, 45.0, 16.0 / 9.0);
+            let (eye_itrf_m, clip_from_eye) = tilted.to_itrf();
+            let view = GroundView {
+                eye_itrf_m,
+                clip_from_eye,
+                pixel_rad: 1e-3,
+                tolerance_px: 1.0,
+            };
+            grid.prepare(&view, &Waves);
+            grid.visit(&mut |patch| drawn += patch.vertices.len());
+            if let Some(frame) = grid.aim(&view, &Waves) {
+                tiles.update(&frame, &Waves, 4);
+                std::hint::black_box(GridUniforms::new(&frame, &tiles));
+            }
+        }
+    });
+    assert_eq!((count, drawn), (0, 40 * 129 * 129));
+}

@@ -40,6 +40,9 @@ pub struct FrameArgs {
         i64::from(*SAMPLES.start())..=i64::from(*SAMPLES.end())
     ))]
     samples: Option<u32>,
+    /// Draw the edges of the surface's triangles alone
+    #[arg(long)]
+    wireframe: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -62,10 +65,11 @@ pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
             adapter: common.adapter.as_deref(),
             output: &args.output,
             stats: args.stats.as_deref(),
+            wireframe: args.wireframe,
         };
         match write_still(&flight, &request, &bars) {
             Err(PlayError::Context(error @ ContextError::NoAdapter))
-                if common.adapter.is_none() =>
+                if common.adapter.is_none() && !args.wireframe =>
             {
                 tracing::warn!("{error}. The reference renderer draws instead, slowly");
             }
@@ -94,6 +98,9 @@ fn refuse_conflicts(args: &FrameArgs, common: &Common) {
         Renderer::Gpu if args.samples.is_some() => refuse(
             "--samples is for --renderer reference; a graphics adapter takes samples under [output] in the scene",
         ),
+        Renderer::Reference if args.wireframe => {
+            refuse("--wireframe is for a graphics adapter; the reference renderer has no triangles")
+        }
         Renderer::Reference if common.adapter.is_some() => {
             refuse("--adapter has no meaning with --renderer reference, which uses none")
         }

@@ -5,6 +5,7 @@ use super::{Common, print, values};
 use clap::Args;
 use std::path::PathBuf;
 use terrella::measure::report::{ReportError, ReportRequest, report};
+use terrella::measure::surfaces::{SurfacesError, SurfacesRequest, compare_surfaces};
 use terrella::play::Flight;
 use terrella::scene::Scene;
 
@@ -19,6 +20,9 @@ pub struct ReportArgs {
     /// Three heights and fewer values: minutes instead of an hour
     #[arg(long)]
     quick: bool,
+    /// Compares the surfaces with relief instead: frame time, errors, holes and popping on four flights
+    #[arg(long, conflicts_with_all = ["repeats", "samples", "heights"])]
+    surfaces: bool,
     /// Width and height of the pictures in pixels
     #[arg(long, value_name = "WxH", value_parser = values::size, default_value = "640x360")]
     size: (u32, u32),
@@ -40,6 +44,9 @@ pub fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
         "pictures are compared at instants of the scene",
         "take a scene of another source",
     )?;
+    if args.surfaces {
+        return surfaces(args, common, &flight);
+    }
     let pick = |given: Option<u32>, full: u32, quick: u32| {
         given.unwrap_or(if args.quick { quick } else { full })
     };
@@ -69,5 +76,27 @@ pub fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
         return Ok(());
     }
     let page = args.output.join("index.html");
+    print(&format!("{}{}\n", study.summary(), page.display()))
+}
+
+/// Runs the comparison of surfaces.
+fn surfaces(args: &ReportArgs, common: &Common, flight: &Flight) -> anyhow::Result<()> {
+    let request = SurfacesRequest {
+        folder: &args.output,
+        quick: args.quick,
+        size: args.size,
+        adapter: common.adapter.as_deref(),
+    };
+    stop_on_interrupt();
+    let study = match compare_surfaces(flight, &request, &Bars::new(common.quiet)) {
+        Ok(study) => study,
+        // So that a bad scene is told by its exit code.
+        Err(SurfacesError::Play(error)) => return Err(error.into()),
+        Err(error) => return Err(error.into()),
+    };
+    if common.quiet {
+        return Ok(());
+    }
+    let page = args.output.join("surfaces.html");
     print(&format!("{}{}\n", study.summary(), page.display()))
 }

@@ -2,31 +2,37 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `mod.rs` | the three verbs, what a frame drew |
+//! | `mod.rs` | the three verbs |
 //! | `options.rs` | what is fixed when an Earth is made |
 //! | `view.rs` | the eye and the target |
+//! | `stats.rs` | what a frame drew |
+//! | `ground.rs` | ground with relief, where there is any |
 //! | `tiles.rs` | which tiles of a pack a frame wants and is drawn with |
 //! | `quality.rs` | what can be given up to draw faster, and in what order |
 //! | `governor.rs` | when it is given up, to hold a frame time |
 
 mod governor;
+mod ground;
 mod options;
 mod quality;
+mod stats;
 mod tiles;
 mod view;
 
 use crate::air::{Atmosphere, Billboard, EARTH_AIR};
-use crate::frames::{Epoch, Geodetic, Orientation, sun_direction_itrf_oriented};
+use crate::frames::{Epoch, Orientation, sun_direction_itrf_oriented};
 pub use crate::globe::Shading;
 use crate::globe::{COLUMNS, Meshes, Visibility, select_blocks, texels_per_pixel};
 use crate::gpu::{AirDrawable, Frame, PassFormat, SurfaceDrawable, SurfaceLook};
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
-use crate::imagery::stream::StreamCounters;
-use crate::imagery::tile::{LayerLayout, MAX_LEVELS, MapLayer, TileKey};
+use crate::imagery::tile::{LayerLayout, MapLayer, TileKey};
 use glam::{DMat4, DVec3, Vec3};
 pub use governor::{Change, Governor};
+use ground::GroundDriver;
+pub use ground::GroundOptions;
 pub use options::{EarthError, EarthOptions};
 pub use quality::{GiveUp, Quality, Rung};
+pub use stats::FrameStats;
 use std::time::{Duration, Instant};
 use tiles::{Eye, TileDriver};
 pub use tiles::{TILED_SUBDIVISION, TileOptions};
@@ -67,39 +73,6 @@ impl Sky {
     }
 }
 
-/// What one frame drew.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FrameStats {
-    /// Blocks left by the horizon test.
-    pub blocks_visible: u32,
-    /// Blocks left by the frustum test too.
-    pub blocks_drawn: u32,
-    /// Cells per block edge that were drawn.
-    pub subdivision: u32,
-    /// Triangles drawn, air included.
-    pub triangles: u32,
-    /// Draw calls, air included.
-    pub draw_calls: u32,
-    /// Bytes written to the GPU by this `prepare`.
-    pub uploaded_bytes: u64,
-    /// Bytes of all textures held, mip levels included.
-    pub texture_bytes: u64,
-    /// The eye's place.
-    pub eye: Geodetic,
-    /// Metres on the ground that a pixel would cover straight below the eye; 0 at and below the surface.
-    pub pixel_m: f64,
-    /// Texels of the day map per screen pixel, seen face on at the nearest point of the block where there are fewest;
-    /// 1 and more is sharp. Blocks that lie in the dark are not counted; 0 where none is left.
-    pub texels_per_pixel: f64,
-    /// Blocks in daylight by the level of the day map that they are drawn with, the finest first; all zero without a
-    /// pack.
-    pub day_levels: [u32; MAX_LEVELS],
-    /// Tiles, all zero without a pack.
-    pub tiles: StreamCounters,
-    /// The part of `prepare` that copied tiles for upload.
-    pub tile_upload: Duration,
-}
-
 /// Bytes of tiles uploaded at once where a picture waits for them.
 const WAITING_UPLOAD_BYTES: u64 = 64_000_000;
 
@@ -112,6 +85,7 @@ pub struct Earth {
     visibility: Visibility,
     exposure: f32,
     surface: SurfaceDrawable,
+    ground: Option<GroundDriver>,
     air: Option<AirDrawable>,
     tiles: Option<TileDriver>,
     /// Texels of the day map per block side where no tile is drawn.
@@ -138,6 +112,10 @@ impl Earth {
         let meshes = Meshes::new(options.figure.ellipsoid(), options.subdivision, least)?;
         if !(options.exposure.is_finite() && options.exposure >= 0.0) {
             return Err(EarthError::Exposure(options.exposure));
+        }
+        let lines = wgpu::Features::POLYGON_MODE_LINE;
+        if options.wireframe && !device.features().contains(lines) {
+            return Err(EarthError::NoLines);
         }
         let layers = &options.layers;
         let limit = device.limits().max_texture_dimension_2d;
@@ -166,6 +144,9 @@ impl Earth {
             Some(tiles) => Some(TileDriver::new(tiles, layers, options.visibility)?),
             None => None,
         };
+        let ground = options.ground.as_ref();
+        let ground = ground.map(|ground| GroundDriver::new(ground, options.figure));
+        let ground = ground.transpose()?;
         let mut quality = Quality::of(options);
         if options.output == SurfaceOutput::Places {
             quality.atmosphere = Atmosphere::None;
@@ -179,6 +160,8 @@ impl Earth {
         let style = Style {
             shading: options.shading,
             output: options.output,
+            relief: options.ground.is_some(),
+            wireframe: options.wireframe,
         };
         let look = look(device, style, format, &quality, air.as_ref());
         let pools = tiles.as_ref().map(TileDriver::pools);
@@ -204,6 +187,7 @@ impl Earth {
             visibility: options.visibility,
             exposure: options.exposure,
             surface,
+            ground,
             air,
             tiles,
             whole_day_pixels: layers.day.width / COLUMNS,
@@ -232,7 +216,8 @@ impl Earth {
         self.prepare_within(queue, view, sky, target.into(), None)
     }
 
-    /// As [`Self::prepare`], but waits until every tile that the view wants is on the GPU, at most `timeout`: for
+    /// As [`Self::prepare`], but waits until every tile that the view wants is on the GPU, and ground with relief is as fine
+    /// as it will be, at most `timeout`: for
     /// pictures that are kept. Answers what is missing; such blocks are drawn with something coarser. A tile that cannot
     /// be read is not waited for.
     ///
@@ -248,6 +233,11 @@ impl Earth {
         let (target, deadline) = (target.into(), Instant::now() + timeout);
         loop {
             let stats = self.prepare_within(queue, view, sky, target, Some(WAITING_UPLOAD_BYTES));
+            let ground = self.ground.as_ref().filter(|_| self.drawable);
+            if ground.is_some_and(|ground| !ground.is_settled()) && Instant::now() < deadline {
+                queue.submit([]);
+                continue;
+            }
             let Some(tiles) = self.tiles.as_mut().filter(|_| self.drawable) else {
                 return (stats, Vec::new());
             };
@@ -372,6 +362,16 @@ impl Earth {
             air_below: EARTH_AIR.part_below(self.stats.eye.height_m) as f32,
         };
         self.stats.uploaded_bytes = self.uploaded_tiles + self.surface.write(queue, &frame);
+        if let Some(ground) = &self.ground {
+            let surface = ground.surface();
+            self.stats.uploaded_bytes += self
+                .surface
+                .write_ground(queue, surface, &ellipsoid, eye_itrf_m);
+        }
+        if let Some((calls, bytes)) = self.surface.ground_costs() {
+            self.stats.draw_calls = calls + u32::from(self.air.is_some());
+            self.stats.ground_bytes = bytes;
+        }
         if let Some(air) = &mut self.air {
             let square = Billboard::new(eye_scaled, EARTH_AIR.top(), &clip_from_eye, scale);
             self.stats.uploaded_bytes +=
@@ -431,6 +431,17 @@ impl Earth {
             .grid()
             .ellipsoid()
             .geodetic_from_itrf(eye_itrf_m);
+        let air = u32::from(self.air.is_some());
+        if let Some(ground) = &mut self.ground {
+            let drawn = self.surface.drawn_mut();
+            let grid = self.meshes.grid();
+            let ground = ground.prepare(grid, eye_itrf_m, &clip_from_eye, pixel_rad, drawn);
+            let blocks = drawn.len() as u32;
+            self.stats.ground = ground;
+            (self.stats.blocks_visible, self.stats.blocks_drawn) = (blocks, blocks);
+            self.stats.triangles = ground.triangles + 2 * air;
+            return (eye_itrf_m, clip_from_eye);
+        }
         let place = self.meshes.choose(self.stats.eye.height_m, pixel_rad);
         self.surface.choose_grid(place);
         self.stats.subdivision = self.meshes.grid().subdivision();
@@ -443,7 +454,6 @@ impl Earth {
         );
         self.surface.stage(self.meshes.grid(), eye_itrf_m);
         let drawn = self.surface.drawn();
-        let air = u32::from(self.air.is_some());
         self.stats.blocks_visible = selection.visible;
         self.stats.blocks_drawn = drawn.len() as u32;
         self.stats.triangles = drawn
@@ -518,9 +528,14 @@ impl Earth {
             Some(_) => &["water", "tiles"],
             None => &[],
         };
+        let of_ground: &[&str] = match self.ground {
+            Some(_) => &["relief"],
+            None => &[],
+        };
         ["clouds", "normals", "night_lights"]
             .iter()
             .chain(of_packs)
+            .chain(of_ground)
             .copied()
             .map(|name| (name, shader.contains(&name)))
             .chain([("atmosphere", self.air.is_some())])
@@ -535,6 +550,8 @@ impl Earth {
 struct Style {
     shading: Shading,
     output: SurfaceOutput,
+    relief: bool,
+    wireframe: bool,
 }
 
 /// How the surface is drawn with a quality.
@@ -552,6 +569,8 @@ fn look<'a>(
         shading: style.shading,
         shown,
         output: style.output,
+        relief: style.relief,
+        wireframe: style.wireframe,
         anisotropy: if software { 1 } else { quality.anisotropy },
         format,
         sunlight: air

@@ -1,8 +1,8 @@
 //! What is fixed when an Earth is made, and what can be wrong with it.
 
-use super::TileOptions;
+use super::{GroundOptions, TileOptions};
 use crate::air::Atmosphere;
-use crate::globe::{Figure, Shading, Subdivision, SubdivisionError, Visibility};
+use crate::globe::{Figure, Shading, Subdivision, SubdivisionError, SurfaceError, Visibility};
 use crate::gpu::{DepthBuffer, ShaderError, SurfaceOutput};
 use crate::imagery::{EarthLayers, ImageryError};
 
@@ -15,6 +15,8 @@ pub struct EarthOptions {
     /// only and costs nothing. `layers` must be the pack's coarsest maps, `subdivision` automatic or at least [`super::TILED_SUBDIVISION`] if
     /// nothing is to be seen of block edges at grazing views.
     pub tiles: Option<TileOptions>,
+    /// Ground with relief; `None` draws the smooth ellipsoid and costs nothing.
+    pub ground: Option<GroundOptions>,
     /// The figure.
     pub figure: Figure,
     /// Cells per block edge.
@@ -39,6 +41,9 @@ pub struct EarthOptions {
     pub exposure: f32,
     /// What is written to the target: the picture, or for measuring where each pixel looks.
     pub output: SurfaceOutput,
+    /// Draws the edges of triangles alone, for looking at meshes. Needs a device with
+    /// [`wgpu::Features::POLYGON_MODE_LINE`].
+    pub wireframe: bool,
 }
 
 impl EarthOptions {
@@ -47,6 +52,7 @@ impl EarthOptions {
         Self {
             layers,
             tiles: None,
+            ground: None,
             figure: Figure::default(),
             subdivision: Subdivision::default(),
             visibility: Visibility::default(),
@@ -58,6 +64,7 @@ impl EarthOptions {
             anisotropy: 8,
             exposure: 1.4,
             output: SurfaceOutput::Color,
+            wireframe: false,
         }
     }
 }
@@ -69,6 +76,9 @@ pub enum EarthError {
     /// Subdivision outside 1…48.
     #[error(transparent)]
     Subdivision(#[from] SubdivisionError),
+    /// Settings of ground with relief.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
     /// Exposure below 0 or not finite.
     #[error("exposure is {0}; it must be a finite number, 0 or more")]
     Exposure(f32),
@@ -103,6 +113,12 @@ pub enum EarthError {
          open it with that feature, or have the tiles decoded (PackTiles::new with decode = true)"
     )]
     NoBc,
+    /// Triangles' edges are wanted and the device does not draw lines.
+    #[error(
+        "edges of triangles are wanted and the device was opened without POLYGON_MODE_LINE; \
+         open it with that feature, or on another adapter (terrella doctor lists them) if this one has it not"
+    )]
+    NoLines,
     /// The textures do not fit into the device's memory.
     #[error(
         "the device has no room for {mib} MiB of maps and tiles: {cause}; \

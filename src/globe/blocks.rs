@@ -11,6 +11,9 @@ pub const ROWS: u32 = 8;
 /// All blocks.
 pub const BLOCK_COUNT: u32 = COLUMNS * ROWS;
 
+/// Most cells per block edge.
+const FINEST: u32 = 48;
+
 /// Longitude and latitude span of a block: 22.5°, radians.
 const SPAN_RAD: f64 = FRAC_PI_8;
 
@@ -134,9 +137,18 @@ fn cos_sin(steps: i64, n: i64) -> DVec2 {
 impl BlockGrid {
     /// The lattice of `subdivision` × `subdivision` cells a block (1…48; the paper's is 6).
     pub fn new(ellipsoid: Ellipsoid, subdivision: u32) -> Result<Self, SubdivisionError> {
-        if !(1..=48).contains(&subdivision) {
+        if !(1..=FINEST).contains(&subdivision) {
             return Err(SubdivisionError(subdivision));
         }
+        Ok(Self::of_cells(ellipsoid, subdivision))
+    }
+
+    /// The lattice with most cells.
+    pub fn finest(ellipsoid: Ellipsoid) -> Self {
+        Self::of_cells(ellipsoid, FINEST)
+    }
+
+    fn of_cells(ellipsoid: Ellipsoid, subdivision: u32) -> Self {
         let n = i64::from(subdivision);
         let lons: Vec<DVec2> = (0..=16 * n)
             .map(|c| cos_sin(c % (16 * n) - 8 * n, n))
@@ -184,13 +196,13 @@ impl BlockGrid {
                 }
             })
             .collect();
-        Ok(Self {
+        Self {
             ellipsoid,
             subdivision,
             lattice_itrf_m,
             extents,
             bands,
-        })
+        }
     }
 
     /// The figure.

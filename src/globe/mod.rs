@@ -1,20 +1,33 @@
-//! The block sphere of the 2011 paper: which blocks there are and which are seen. No GPU here.
+//! The block sphere of the 2011 paper: which blocks there are and which are seen; and surfaces with relief. No GPU here.
 //!
 //! The Earth is cut into 16 × 8 blocks of 22.5° each; a block is drawn as a lattice of n × n cells.
 //! [`BlockGrid`] holds the lattice in f64, [`select_blocks`] chooses what an eye needs, [`screen_level`] and [`paper_level`]
 //! how fine a map it needs there, [`Meshes`] how fine a lattice.
+//!
+//! Ground with relief is drawn by a [`Surface`], which turns a view and heights into patches of triangles:
+//! [`DisplacedBlocks`], [`projected_grid`], [`quadtree`], [`contours`] or [`clipmap`]; [`SurfaceKind`] names them.
 
 mod blocks;
+pub mod clipmap;
+pub mod contours;
+mod displaced;
+mod kinds;
 mod levels;
 mod meshes;
+pub mod projected_grid;
+pub mod quadtree;
 mod select;
+mod surface;
 
 pub use blocks::{BLOCK_COUNT, Block, BlockGrid, BlockRow, COLUMNS, ROWS, SubdivisionError};
+pub use displaced::DisplacedBlocks;
+pub use kinds::{SurfaceError, SurfaceKind, SurfaceSettings};
 pub use levels::{
     HYSTERESIS, LevelRule, PAPER_BANDS_M, paper_level, screen_level, texels_per_pixel,
 };
 pub use meshes::{LIMB_PX, Meshes, Subdivision, limb_error_px};
-pub use select::{Selection, select_blocks};
+pub use select::{Selection, select_blocks, select_blocks_between};
+pub use surface::{GroundVertex, GroundView, Indices, Patch, Surface, SurfaceStats};
 
 /// Which blocks are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]

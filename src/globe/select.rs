@@ -99,6 +99,81 @@ fn paper_rule(grid: &BlockGrid, block: Block, eye_itrf_m: DVec3) -> bool {
     })
 }
 
+/// Ground between two heights, for which no block may be lost that shows any of it.
+struct Shell {
+    /// Radii in scaled space, where the ellipsoid is the unit sphere: below all ground, above all ground.
+    low: f64,
+    high: f64,
+}
+
+impl Shell {
+    /// What a place moves by in scaled space, at most, when it is lifted along the ellipsoid's normal: the difference
+    /// between normal and radius, e²/2, times 11 km over the Earth's radius.
+    const SIDEWAYS: f64 = 1e-5;
+
+    /// For ground between these heights, drawn with a grid's facets, which reach below it.
+    fn new(grid: &BlockGrid, low_m: f64, high_m: f64) -> Self {
+        let radius_m = grid.ellipsoid().polar_radius_m;
+        let half_cell_rad = PI / (f64::from(COLUMNS) * f64::from(grid.subdivision()));
+        // The middle of a cell lies below its corners by up to 2(1 − cos x) = 4 sin²(x/2) radii.
+        let sag = 4.0 * (0.5 * half_cell_rad).sin().powi(2);
+        Self {
+            low: (1.0 + low_m / radius_m - sag).clamp(0.0, 1.0),
+            high: (1.0 + high_m / radius_m).max(1.0),
+        }
+    }
+
+    /// The blocks whose ground can be seen: beyond the horizon as far as the highest ground reaches over it.
+    fn select(
+        &self,
+        grid: &BlockGrid,
+        eye_itrf_m: DVec3,
+        clip_from_eye: &DMat4,
+        drawn: &mut Vec<Block>,
+    ) {
+        drawn.clear();
+        let eye_scaled = grid.ellipsoid().scaled_from_itrf() * eye_itrf_m;
+        let distance = eye_scaled.length();
+        let planes = frustum_planes(
+            clip_from_eye,
+            eye_itrf_m,
+            grid.ellipsoid().itrf_from_scaled(),
+        );
+        // A sphere of radius r hides what lies farther round than acos(r/d) + acos(r/R), R the highest ground.
+        let farthest_cos = if distance <= self.low {
+            -1.0
+        } else {
+            let angle = (self.low / distance).acos() + (self.low / self.high).acos();
+            angle.min(PI).cos()
+        };
+        for block in Block::all() {
+            let extent = &grid.extents[block.index() as usize];
+            let is_round_the_limb =
+                max_dot(extent, eye_scaled) + Self::SIDEWAYS * distance < farthest_cos * distance;
+            let is_inside = |plane: &DVec4| {
+                let normal = plane.truncate();
+                let most = max_dot(extent, normal) + Self::SIDEWAYS * normal.length();
+                (self.low * most).max(self.high * most) + plane.w >= 0.0
+            };
+            if !is_round_the_limb && planes.iter().all(is_inside) {
+                drawn.push(block);
+            }
+        }
+    }
+}
+
+/// As [`select_blocks`], for ground between two heights above the ellipsoid, metres: no block is lost of whose ground
+/// anything can be seen, over the horizon too.
+pub fn select_blocks_between(
+    grid: &BlockGrid,
+    (low_m, high_m): (f64, f64),
+    eye_itrf_m: DVec3,
+    clip_from_eye: &DMat4,
+    drawn: &mut Vec<Block>,
+) {
+    Shell::new(grid, low_m, high_m).select(grid, eye_itrf_m, clip_from_eye, drawn);
+}
+
 /// Largest value of P·v over the block's points P on the unit sphere.
 fn max_dot(extent: &Extent, v: DVec3) -> f64 {
     let k = toward(extent.lon, v, PI / f64::from(COLUMNS));

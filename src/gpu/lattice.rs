@@ -8,11 +8,35 @@ use wgpu::util::DeviceExt;
 /// Per-block values, one instance a block.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct BlockInstance {
+pub(super) struct BlockInstance {
     center_lon: Vec2,
     center_lat: Vec2,
     center_uv: Vec2,
     block: u32,
+}
+
+impl BlockInstance {
+    /// That of a block.
+    pub fn of_block(block: Block) -> Self {
+        let uv = block.center_uv().as_vec2().to_array();
+        Self::new(
+            block.center_lon_rad(),
+            block.center_lat_rad(),
+            uv,
+            block.index(),
+        )
+    }
+
+    /// About any place; `block` says whose tiles are drawn.
+    pub fn new(lon_rad: f64, lat_rad: f64, uv: [f32; 2], block: u32) -> Self {
+        let cos_sin = |angle: f64| Vec2::new(angle.cos() as f32, angle.sin() as f32);
+        Self {
+            center_lon: cos_sin(lon_rad),
+            center_lat: cos_sin(lat_rad),
+            center_uv: uv.into(),
+            block,
+        }
+    }
 }
 
 const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float32x3];
@@ -51,17 +75,7 @@ struct Cells {
 
 impl Lattice {
     pub fn new(device: &wgpu::Device, grids: &[BlockGrid]) -> Self {
-        let instances: Vec<BlockInstance> = Block::all()
-            .map(|block| {
-                let cos_sin = |angle: f64| Vec2::new(angle.cos() as f32, angle.sin() as f32);
-                BlockInstance {
-                    center_lon: cos_sin(block.center_lon_rad()),
-                    center_lat: cos_sin(block.center_lat_rad()),
-                    center_uv: block.center_uv().as_vec2(),
-                    block: block.index(),
-                }
-            })
-            .collect();
+        let instances: Vec<_> = Block::all().map(BlockInstance::of_block).collect();
         let instances = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("terrella blocks"),
             contents: bytemuck::cast_slice(&instances),

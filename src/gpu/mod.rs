@@ -2,6 +2,7 @@
 
 mod air;
 mod context;
+mod ground;
 mod lattice;
 mod layers;
 mod maps;
@@ -14,7 +15,9 @@ mod tracks;
 mod uniforms;
 
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
-pub use shader::{AIR_SHADER, EARTH_SHADER, ShaderError, ShaderVariant, TRACKS_SHADER};
+pub use shader::{
+    AIR_SHADER, EARTH_SHADER, PROJECTED_GRID_SHADER, ShaderError, ShaderVariant, TRACKS_SHADER,
+};
 pub use targets::{
     Attachments, FrameTargets, PassPart, PictureError, color_texture, read_floats, read_texture,
 };
@@ -49,7 +52,9 @@ pub enum SurfaceOutput {
     Color,
     /// For measuring: where each pixel looks, and no picture. The target is [`SurfaceOutput::PLACES`] with one sample a
     /// pixel, cleared to 0; a pixel of the ground holds texture coordinates (u east from 180° W, v south from the north
-    /// pole, both 0…1 over the whole map) as they are from the block's centre, two numbers, and that centre's, two more.
+    /// pole, both 0…1 over the whole map) as they are from the block's centre, two numbers, and that centre's, two more;
+    /// or with relief 1, 1, 1 and the distance of the drawn ground in lengths of the pixel's ray to the plane one metre in
+    /// front of the eye.
     /// There is no air, and no map is read.
     Places,
 }

@@ -1,10 +1,12 @@
-//! The drawable of the surface: blocks of a lattice, one indexed draw each.
+//! The drawable of the surface: blocks of a lattice, or patches of ground with relief, one indexed draw each.
 
+use super::ground::{self, GroundMesh};
 use super::lattice::{self, Lattice};
 use super::maps::Maps;
 use super::tiles::{BlockTiles, PLACEMENTS_BYTES, TileTextures};
 use super::{Frame, GpuLayer, PassFormat, ShaderError, ShaderVariant, SurfaceOutput};
-use crate::globe::{BLOCK_COUNT, Block, BlockGrid, Shading};
+use crate::frames::Ellipsoid;
+use crate::globe::{BLOCK_COUNT, Block, BlockGrid, Shading, Surface};
 use crate::imagery::EarthLayers;
 use crate::imagery::stream::{Pool, Upload};
 use crate::imagery::tile::{MAP_LAYERS, MapLayer};
@@ -12,15 +14,38 @@ use glam::{DVec3, Vec3};
 
 pub(crate) struct SurfaceDrawable {
     assembled: Assembled,
-    lattice: Lattice,
+    geometry: Geometry,
     maps: Maps,
     imagery: Imagery,
     frame: wgpu::Buffer,
-    /// Eye-relative vertices of the blocks to draw; kept to allocate nothing in steady state.
-    staging: Vec<Vec3>,
-    /// The blocks whose vertices are on the GPU.
+    /// The blocks in sight; those whose vertices are on the GPU.
     drawn: Vec<Block>,
     pub texture_bytes: u64,
+}
+
+/// What is drawn.
+enum Geometry {
+    /// The block sphere on the ellipsoid.
+    Blocks {
+        lattice: Lattice,
+        /// Eye-relative vertices of the blocks to draw; kept to allocate nothing in steady state.
+        staging: Vec<Vec3>,
+    },
+    /// Ground with relief.
+    Ground {
+        mesh: GroundMesh,
+        /// All maps whole, for patches that lie in several blocks; made where blocks have tiles.
+        whole: Option<wgpu::BindGroup>,
+    },
+}
+
+impl Geometry {
+    fn blocks(device: &wgpu::Device, grids: &[BlockGrid]) -> Self {
+        Self::Blocks {
+            lattice: Lattice::new(device, grids),
+            staging: Vec::with_capacity(Lattice::most_vertices(grids)),
+        }
+    }
 }
 
 /// What follows from a look.
@@ -49,6 +74,10 @@ pub(crate) struct SurfaceLook<'a> {
     pub format: PassFormat,
     /// The air's sunlight table, if there is air and the shading uses it.
     pub sunlight: Option<&'a GpuLayer>,
+    /// Whether ground with relief is drawn and not the block sphere. It does not change.
+    pub relief: bool,
+    /// Whether edges of triangles are drawn alone.
+    pub wireframe: bool,
 }
 
 impl SurfaceDrawable {
@@ -83,11 +112,16 @@ impl SurfaceDrawable {
         let assembled = assemble(device, &maps, &imagery, &frame, look)?;
         Ok(Self {
             assembled,
-            lattice: Lattice::new(device, grids),
+            geometry: match look.relief {
+                false => Geometry::blocks(device, grids),
+                true => Geometry::Ground {
+                    mesh: GroundMesh::new(device),
+                    whole: pools.is_some().then(|| maps.bind_whole(device)),
+                },
+            },
             maps,
             imagery,
             frame,
-            staging: Vec::with_capacity(Lattice::most_vertices(grids)),
             drawn: Vec::with_capacity(BLOCK_COUNT as usize),
             texture_bytes,
         })
@@ -108,8 +142,13 @@ impl SurfaceDrawable {
             Imagery::Whole(bind_group) => *bind_group = self.maps.bind_whole(device),
         }
         self.assembled = assemble(device, &self.maps, &self.imagery, &self.frame, look)?;
-        self.lattice = Lattice::new(device, grids);
-        self.staging = Vec::with_capacity(Lattice::most_vertices(grids));
+        match &mut self.geometry {
+            Geometry::Blocks { .. } => self.geometry = Geometry::blocks(device, grids),
+            Geometry::Ground { mesh, whole } => {
+                mesh.clear();
+                *whole = whole.take().map(|_| self.maps.bind_whole(device));
+            }
+        }
         self.drawn.clear();
         Ok(())
     }
@@ -136,15 +175,20 @@ impl SurfaceDrawable {
 
     /// Draws with the grid at this place from the next staging on.
     pub fn choose_grid(&mut self, place: usize) {
-        self.lattice.choose(place);
+        if let Geometry::Blocks { lattice, .. } = &mut self.geometry {
+            lattice.choose(place);
+        }
     }
 
-    /// Subtracts the eye from every vertex of the drawn blocks, in f64.
+    /// Subtracts the eye from every vertex of the drawn blocks, in f64. Does nothing where ground with relief is drawn.
     pub fn stage(&mut self, grid: &BlockGrid, eye_itrf_m: DVec3) {
-        self.staging.clear();
+        let Geometry::Blocks { staging, .. } = &mut self.geometry else {
+            return;
+        };
+        staging.clear();
         for block in &self.drawn {
             for row in 0..=grid.subdivision() {
-                self.staging.extend(
+                staging.extend(
                     grid.vertex_row(*block, row)
                         .iter()
                         .map(|v| (*v - eye_itrf_m).as_vec3()),
@@ -153,9 +197,35 @@ impl SurfaceDrawable {
         }
     }
 
-    /// The vertices as the GPU gets them: eye-relative ITRF metres, (n + 1)² a block in the order of [`Self::drawn`].
+    /// The vertices as the GPU gets them: eye-relative ITRF metres, (n + 1)² a block in the order of [`Self::drawn`]. None
+    /// of ground with relief.
     pub fn staged(&self) -> &[Vec3] {
-        &self.staging
+        match &self.geometry {
+            Geometry::Blocks { staging, .. } => staging,
+            Geometry::Ground { .. } => &[],
+        }
+    }
+
+    /// Writes the patches that a surface with relief draws. Returns the bytes written.
+    pub fn write_ground(
+        &mut self,
+        queue: &wgpu::Queue,
+        surface: &dyn Surface,
+        ellipsoid: &Ellipsoid,
+        eye_itrf_m: DVec3,
+    ) -> u64 {
+        match &mut self.geometry {
+            Geometry::Blocks { .. } => 0,
+            Geometry::Ground { mesh, .. } => mesh.write(queue, surface, ellipsoid, eye_itrf_m),
+        }
+    }
+
+    /// Draw calls of the last frame, and bytes of vertices and triangles held, of ground with relief.
+    pub fn ground_costs(&self) -> Option<(u32, u64)> {
+        match &self.geometry {
+            Geometry::Blocks { .. } => None,
+            Geometry::Ground { mesh, .. } => Some((mesh.draw_calls(), mesh.bytes())),
+        }
     }
 
     /// Has a drawn block use these tiles; where there are none, whole maps are drawn and nothing is done.
@@ -175,7 +245,10 @@ impl SurfaceDrawable {
     /// Writes what was staged. Returns the bytes written.
     pub fn write(&mut self, queue: &wgpu::Queue, frame: &Frame) -> u64 {
         queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
-        let vertices = self.lattice.write(queue, &self.staging);
+        let vertices = match &self.geometry {
+            Geometry::Blocks { lattice, staging } => lattice.write(queue, staging),
+            Geometry::Ground { .. } => 0,
+        };
         let placements = match &mut self.imagery {
             Imagery::Tiles(tiles) => tiles.flush(queue),
             Imagery::Whole(_) => 0,
@@ -184,20 +257,27 @@ impl SurfaceDrawable {
     }
 
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
-        if self.drawn.is_empty() {
-            return;
-        }
         pass.set_pipeline(&self.assembled.pipeline);
         pass.set_bind_group(0, &self.assembled.bind_group, &[]);
-        self.lattice.bind(pass);
         if let Imagery::Whole(maps) = &self.imagery {
             pass.set_bind_group(1, maps, &[]);
         }
-        for (place, block) in (0u32..).zip(&self.drawn) {
-            if let Imagery::Tiles(tiles) = &self.imagery {
-                pass.set_bind_group(1, tiles.bind_group(*block), &[]);
+        match &self.geometry {
+            Geometry::Blocks { lattice, .. } => {
+                lattice.bind(pass);
+                for (place, block) in (0u32..).zip(&self.drawn) {
+                    if let Imagery::Tiles(tiles) = &self.imagery {
+                        pass.set_bind_group(1, tiles.bind_group(*block), &[]);
+                    }
+                    lattice.draw(pass, place, *block);
+                }
             }
-            self.lattice.draw(pass, place, *block);
+            Geometry::Ground { mesh, whole } => mesh.render(pass, |pass, block| {
+                if let Imagery::Tiles(tiles) = &self.imagery {
+                    let maps = block.map(|block| tiles.bind_group(block));
+                    pass.set_bind_group(1, maps.or(whole.as_ref()), &[]);
+                }
+            }),
         }
     }
 }
@@ -216,7 +296,11 @@ fn assemble(
         SurfaceOutput::Color => color_variant(maps, look, has_tiles),
         SurfaceOutput::Places => ShaderVariant::new(
             super::EARTH_SHADER,
-            &[("places", true), ("tiles", has_tiles)],
+            &[
+                ("places", true),
+                ("tiles", has_tiles),
+                ("relief", look.relief),
+            ],
         ),
     };
     let (module, shader_bytes) = variant.module(device)?;
@@ -268,11 +352,18 @@ fn assemble(
             module: &module,
             entry_point: Some("vertex"),
             compilation_options: Default::default(),
-            buffers: &lattice::BUFFERS,
+            buffers: match look.relief {
+                false => &lattice::BUFFERS,
+                true => &ground::BUFFERS,
+            },
         },
         primitive: wgpu::PrimitiveState {
             front_face: wgpu::FrontFace::Ccw,
             cull_mode: Some(wgpu::Face::Back),
+            polygon_mode: match look.wireframe {
+                false => wgpu::PolygonMode::Fill,
+                true => wgpu::PolygonMode::Line,
+            },
             ..Default::default()
         },
         depth_stencil: format.depth_stencil(true),
@@ -312,6 +403,7 @@ fn color_variant(maps: &Maps, look: &SurfaceLook<'_>, has_tiles: bool) -> Shader
             // The paper's shading has no glint.
             ("water", !paper && maps.has(MapLayer::Water)),
             ("tiles", has_tiles),
+            ("relief", look.relief),
             ("air", look.sunlight.is_some()),
             ("encode", !paper && stores_display_values),
             ("decode", paper && !stores_display_values),

@@ -11,6 +11,7 @@
 //! | [`extreme`] | pictures that nobody would ask for, and what they must show |
 //! | [`errors`] | how wrong a picture is: colours, places, silhouette |
 //! | [`mod@report`] | error against run time over a scene's settings: tables, charts, a page |
+//! | [`surfaces`] | surfaces with relief: error beside run time, holes, popping |
 //! | [`orbits`] | propagators: error beside run time |
 //! | `quantiles`, `pareto`, `chart`, `axis` | what is told of measurements |
 
@@ -28,6 +29,7 @@ pub mod reference;
 pub mod report;
 mod rig;
 mod stations;
+pub mod surfaces;
 
 pub use chart::{Chart, ChartError, Point, Series};
 pub use floor::Floor;

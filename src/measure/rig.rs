@@ -83,6 +83,11 @@ impl Rig {
         self.picture.draw_complete(&moment(view, sky), wait).1.len()
     }
 
+    /// Draws a view when ground with relief is as fine as it will be, or `wait` is over.
+    pub fn settle(&mut self, view: &EyeView, sky: &Sky, wait: Duration) {
+        self.picture.draw_complete(&moment(view, sky), wait);
+    }
+
     /// Times the parts of a view on the device: as [`Picture::time_passes`].
     ///
     /// # Errors

@@ -166,6 +166,20 @@ impl Pose {
         }
     }
 
+    /// A pose that looks straight down, north upwards, turned to `heading_rad` clockwise from north and raised to
+    /// `pitch_rad` above the horizontal; 0 and −π/2 leave it as it is.
+    pub fn facing(&self, heading_rad: f64, pitch_rad: f64) -> Self {
+        let (vertical, north) = (-self.forward, self.up);
+        let east = north.cross(vertical);
+        let ahead = heading_rad.cos() * north + heading_rad.sin() * east;
+        let (sin, cos) = pitch_rad.sin_cos();
+        Self {
+            eye_itrf_m: self.eye_itrf_m,
+            forward: cos * ahead + sin * vertical,
+            up: cos * vertical - sin * ahead,
+        }
+    }
+
     /// The same eye with its head turned as the user turned it.
     pub fn turned(&self, look: &Look) -> Self {
         let right = self.forward.cross(self.up);

@@ -107,6 +107,39 @@ fn geodetic_has_north_up_and_east_right() {
 }
 
 #[test]
+fn a_place_can_be_looked_from_to_any_side() {
+    for (lat, lon) in [(0.0, 0.0), (37.5, -105.2), (-80.0, 179.9), (90.0, 30.0)] {
+        let place = Geodetic::from_degrees(lat, lon, 5_000.0);
+        let down = Pose::geodetic(place, &WGS84);
+        let same = down.facing(0.0, -std::f64::consts::FRAC_PI_2);
+        assert!(same.forward.distance(down.forward) < 1e-15 && same.up.distance(down.up) < 1e-15);
+        let vertical = Ellipsoid::normal(place.lat_rad, place.lon_rad);
+        let north = north_of(place);
+        let east = north.cross(vertical);
+        for (heading, pitch, to) in [
+            (0.0, 0.0, north),
+            (90.0, 0.0, east),
+            (270.0, 0.0, -east),
+            (180.0, -30.0, -north * 0.75_f64.sqrt() - 0.5 * vertical),
+            (45.0, 90.0, vertical),
+        ] {
+            let pose = down.facing(f64::to_radians(heading), f64::to_radians(pitch));
+            assert_sound(&pose, "turned");
+            assert!(
+                pose.forward.distance(to) < 1e-14,
+                "{heading} {pitch}: {pose:?}"
+            );
+            // The horizon is level: nothing to the right is up or down.
+            let right = pose.forward.cross(pose.up);
+            assert!(
+                right.dot(vertical).abs() < 1e-14,
+                "{heading} {pitch}: {pose:?}"
+            );
+        }
+    }
+}
+
+#[test]
 fn geodetic_at_the_poles_is_the_limit_of_its_meridian() {
     for sign in [1.0, -1.0] {
         for lon in [0.0, 90.0, -135.0, 180.0] {

@@ -4,6 +4,7 @@ use super::destination::OutputError;
 use super::video::VideoError;
 use super::window::WindowError;
 use crate::EarthError;
+use crate::elevation::HeightFileError;
 use crate::frames::EarthOrientationError;
 use crate::gpu::{ContextError, PictureError, TimerError};
 use crate::imagery::ImageryError;
@@ -37,6 +38,9 @@ pub enum PlayError {
     /// The imagery pack.
     #[error(transparent)]
     Pack(#[from] PackError),
+    /// The heights.
+    #[error(transparent)]
+    Heights(#[from] HeightFileError),
     /// The scene asks for a map that its pack has not.
     #[error(
         "{}:{line}: [earth] {layer}: the pack {} has no such map; write {layer} = false, leave it out, or build the pack with it",

@@ -201,7 +201,9 @@ impl Flight {
         let camera = &self.scene.camera;
         let height_m = camera.height_km * 1000.0;
         let place = Geodetic::from_degrees(camera.lat_deg, camera.lon_deg, height_m);
-        Pose::geodetic(place, &self.ellipsoid)
+        let heading_rad = camera.heading_deg.to_radians();
+        let pitch_rad = camera.pitch_deg.to_radians();
+        Pose::geodetic(place, &self.ellipsoid).facing(heading_rad, pitch_rad)
     }
 
     pub(super) fn moment(

@@ -1,6 +1,7 @@
 //! A scene's maps: a folder of whole maps, or a pack with its tiles.
 
 use super::error::PlayError;
+use super::relief::ground_options;
 use crate::gpu::BcSupport;
 use crate::imagery::pack::{Pack, PackTiles};
 use crate::imagery::tile::{MapLayer, Storage};
@@ -24,6 +25,10 @@ pub fn earth_options(scene: &Scene, bc: BcSupport) -> Result<EarthOptions, PlayE
     options.shading = table.shading;
     options.atmosphere = table.atmosphere;
     options.samples = scene.output.samples;
+    options.ground = match &table.relief {
+        Some(relief) => Some(ground_options(relief, table.subdivision)?),
+        None => None,
+    };
     Ok(options)
 }
 

@@ -14,6 +14,7 @@
 //! | `ephemeris` | where its satellites are, as tables and messages |
 //! | `pass_table` | when they pass over a place |
 //! | `maps` | the scene's maps: a folder or a pack |
+//! | `relief` | its heights |
 //! | `craft/` | the spacecraft that the chase camera follows |
 //! | `tracks/` | trails, ground tracks, footprints and names of its satellites |
 //! | `picture`, `still`, `stats`, `export`, `video/` | pictures, their numbers, films |
@@ -40,6 +41,7 @@ mod panel;
 mod pass_table;
 mod picture;
 mod progress;
+mod relief;
 mod satellites;
 mod stage;
 mod stats;
@@ -60,6 +62,7 @@ pub use maps::earth_options;
 pub use pass_table::{PassRequest, PassTable};
 pub use picture::{Measured, Picture, target_bytes};
 pub use progress::Progress;
+pub use relief::read_ground;
 pub use satellites::Tracked;
 pub use stats::{Eye, Stats, SubsolarPoint};
 pub use still::{StillRequest, write_still};

@@ -24,6 +24,8 @@ pub struct StillRequest<'r> {
     pub output: &'r Path,
     /// The JSON to write its numbers to, if they are wanted.
     pub stats: Option<&'r Path>,
+    /// Whether the edges of the surface's triangles are drawn alone.
+    pub wireframe: bool,
 }
 
 /// Draws and writes one picture. Nothing is left behind where that fails.
@@ -50,9 +52,14 @@ pub fn write_still(
         None => None,
     };
 
-    let gpu = pollster::block_on(GpuContext::open(request.adapter))?;
+    let wanted = match request.wireframe {
+        true => wgpu::Features::POLYGON_MODE_LINE,
+        false => wgpu::Features::empty(),
+    };
+    let gpu = pollster::block_on(GpuContext::open_with(request.adapter, wanted))?;
     progress.begin("loading maps", None);
-    let options = flight.earth_options(gpu.bc_support())?;
+    let mut options = flight.earth_options(gpu.bc_support())?;
+    options.wireframe = request.wireframe;
     progress.end();
     let mut picture = Picture::open(gpu, options, size)?;
     picture.show_tracks(flight)?;

@@ -189,7 +189,8 @@ impl Source<'_> {
             field!(camera.lon_deg),
             field!(camera.height_km),
         );
-        let stands = [&lat, &lon, &height]
+        let (heading, pitch) = (field!(camera.heading_deg), field!(camera.pitch_deg));
+        let stands = [&lat, &lon, &height, &heading, &pitch]
             .into_iter()
             .find(|field| field.is_given());
         let default_mode = match stands {
@@ -236,6 +237,18 @@ impl Source<'_> {
             };
             format!("{why}; must be from {} km", span_of(&HEIGHT_KM))
         })?;
+        let heading_deg = self.number(&heading, 0.0, HEADING_DEG, |_| {
+            format!(
+                "must be from {} degrees, clockwise from north",
+                span_of(&HEADING_DEG)
+            )
+        })?;
+        let pitch_deg = self.number(&pitch, DEFAULT_PITCH_DEG, PITCH_DEG, |_| {
+            format!(
+                "must be from {} degrees: -90 looks straight down, 0 level",
+                span_of(&PITCH_DEG)
+            )
+        })?;
         let follow_field = field!(camera.follow);
         let follow = follow_field.given.map(|name| name.get_ref().clone());
         if follow.as_ref().is_some_and(|name| name.trim().is_empty()) {
@@ -250,6 +263,8 @@ impl Source<'_> {
             lat_deg,
             lon_deg: half_turn(lon_deg),
             height_km,
+            heading_deg,
+            pitch_deg,
         })
     }
 
@@ -272,6 +287,7 @@ impl Source<'_> {
             atmosphere: self.choice(&field!(earth.atmosphere), Atmosphere::default())?,
             textures: self.path(&field!(earth.textures), Wanted::Folder)?,
             pack: self.pack(earth, shading)?,
+            relief: self.relief(earth)?,
         })
     }
 
@@ -348,7 +364,10 @@ impl Source<'_> {
         Err(self.refuse(field, advice))
     }
 
-    fn subdivision(&self, field: &Field<'_, toml::Value>) -> Result<Subdivision, SceneError> {
+    pub(super) fn subdivision(
+        &self,
+        field: &Field<'_, toml::Value>,
+    ) -> Result<Subdivision, SceneError> {
         let cells = match field.given.map(Spanned::get_ref) {
             None => return Ok(Subdivision::Auto),
             Some(toml::Value::String(text)) if text == "auto" => return Ok(Subdivision::Auto),

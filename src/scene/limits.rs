@@ -75,6 +75,11 @@ pub const LON_DEG: RangeInclusive<f64> = -360.0..=360.0;
 /// Height of the eye above the ellipsoid, kilometres: from one metre to seven times the distance of the Sun.
 pub const HEIGHT_KM: RangeInclusive<f64> = 0.001..=1e9;
 
+/// Heading of the eye, degrees clockwise from north.
+pub const HEADING_DEG: RangeInclusive<f64> = -360.0..=360.0;
+/// How far above the horizontal the eye looks, degrees.
+pub const PITCH_DEG: RangeInclusive<f64> = -90.0..=90.0;
+
 /// Cells per block edge.
 pub const SUBDIVISION: RangeInclusive<i64> = 1..=48;
 
@@ -86,6 +91,11 @@ pub const TEXTURE_MB: RangeInclusive<f64> = 1.0..=1e6;
 pub const UPLOAD_MB: RangeInclusive<f64> = 0.01..=1e4;
 /// How long a picture that is kept waits for its tiles, seconds.
 pub const WAIT_S: RangeInclusive<f64> = 0.0..=3600.0;
+
+/// Most files of heights.
+pub const MAX_ELEVATION_FILES: usize = 1000;
+/// Most pixels by which drawn ground may differ from its data.
+pub const TOLERANCE_PX: RangeInclusive<f64> = 0.0..=1000.0;
 
 /// Most milliseconds that a frame may cost before quality is given up.
 pub const TARGET_MS: RangeInclusive<f64> = 1.0..=1000.0;
@@ -113,6 +123,8 @@ pub const DEFAULT_TRACK_PX: f64 = 2.0;
 pub const DEFAULT_FOV_DEG: f64 = 45.0;
 /// `[camera] height_km` where a geodetic scene gives none: the whole disc in view.
 pub const DEFAULT_HEIGHT_KM: f64 = 20_000.0;
+/// `[camera] pitch_deg` where a geodetic scene gives none: straight down.
+pub const DEFAULT_PITCH_DEG: f64 = -90.0;
 /// `[output] size` where a scene gives none.
 pub const DEFAULT_SIZE_PX: [u32; 2] = [1280, 720];
 /// `[output] samples` where a scene gives none and there are edges to be seen: a craft's, or a limb without air. Else one.
@@ -123,5 +135,7 @@ pub const DEFAULT_TEXEL_PX: f64 = 1.0;
 pub const DEFAULT_TEXTURE_MB: f64 = 512.0;
 /// `[earth] upload_mb` where a scene gives none.
 pub const DEFAULT_UPLOAD_MB: f64 = 8.0;
+/// `[earth] tolerance_px` where a scene gives none.
+pub const DEFAULT_TOLERANCE_PX: f64 = 1.0;
 /// `[output] wait_s` where a scene gives none.
 pub const DEFAULT_WAIT_S: f64 = 30.0;

@@ -17,6 +17,7 @@ mod motion;
 mod orbit_summary;
 mod orbits;
 mod raw;
+mod relief;
 mod satellites;
 mod summary;
 mod tracks;
@@ -30,6 +31,7 @@ use std::path::{Path, PathBuf};
 
 pub use error::{Place, SceneError};
 pub use motion::{Forces, Motion, Orbit, OrbitSource, Start, StartForm};
+pub use relief::ReliefTable;
 pub use tracks::{Footprint, Track, TrackSpan};
 
 /// A checked scene: every value is in range and every default filled in.
@@ -196,6 +198,11 @@ pub struct Camera {
     pub lon_deg: f64,
     /// Geodetic mode: height above the ellipsoid, kilometres.
     pub height_km: f64,
+    /// Geodetic mode: where the eye looks to, or what is upwards on screen if it looks straight down: degrees clockwise
+    /// from north.
+    pub heading_deg: f64,
+    /// Geodetic mode: how far above the horizontal the eye looks, degrees; −90 is straight down.
+    pub pitch_deg: f64,
 }
 
 /// `[earth]`
@@ -221,6 +228,8 @@ pub struct EarthTable {
     pub textures: Option<PathBuf>,
     /// The imagery pack; `None` draws whole maps.
     pub pack: Option<PackTable>,
+    /// Ground with relief; `None` draws the smooth ellipsoid.
+    pub relief: Option<ReliefTable>,
 }
 
 /// The keys of `[earth]` that say how an imagery pack is drawn.

@@ -169,6 +169,8 @@ table!(RawCamera {
     lat_deg: f64 = "a number of degrees",
     lon_deg: f64 = "a number of degrees",
     height_km: f64 = "a number of kilometres",
+    heading_deg: f64 = "a number of degrees",
+    pitch_deg: f64 = "a number of degrees",
 });
 
 table!(RawEarth {
@@ -189,6 +191,10 @@ table!(RawEarth {
     storage: String = "a string: \"auto\", \"plain\" or \"bc\"",
     texture_mb: f64 = "a number of megabytes",
     upload_mb: f64 = "a number of megabytes",
+    surface: String = "a string: \"blocks\", \"projected-grid\", \"quadtree\", \"contours\" or \"clipmap\"",
+    elevation: Vec<Spanned<String>> = "a list of strings, the paths of files of heights",
+    tolerance_px: f64 = "a number of pixels",
+    sea_floor: bool = "true or false",
 });
 
 table!(RawOutput {

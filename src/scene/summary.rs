@@ -4,7 +4,7 @@ use super::dates::utc;
 use super::error::printable;
 use super::field::written;
 use super::raw::{TABLES, Table};
-use super::{CameraMode, PackTable, Scene, orbit_summary};
+use super::{CameraMode, PackTable, ReliefTable, Scene, orbit_summary};
 use crate::air::Atmosphere;
 use crate::globe::{LevelRule, Subdivision};
 use std::fmt::Write;
@@ -114,6 +114,8 @@ impl Scene {
             ("camera", "lat_deg") => place(camera.lat_deg),
             ("camera", "lon_deg") => place(camera.lon_deg),
             ("camera", "height_km") => place(camera.height_km),
+            ("camera", "heading_deg") => place(camera.heading_deg),
+            ("camera", "pitch_deg") => place(camera.pitch_deg),
             ("earth", "figure") => quoted(&written(&earth.figure)),
             ("earth", "subdivision") => match earth.subdivision {
                 Subdivision::Auto => quoted("auto"),
@@ -137,6 +139,9 @@ impl Scene {
                 Some(pack) => pack_value(pack, key),
                 None => Err("no pack: whole maps are drawn"),
             },
+            ("earth", "surface" | "elevation" | "tolerance_px" | "sea_floor") => {
+                relief_value(earth.relief.as_ref(), key)
+            }
             ("output", "size") => {
                 let [width, height] = self.output.size;
                 Ok(format!("[{width}, {height}]"))
@@ -192,10 +197,21 @@ impl Scene {
             ),
             CameraMode::Horizon => "at the satellite, forwards to the horizon".to_owned(),
             CameraMode::Chase => "behind and above the satellite, looking at it".to_owned(),
-            CameraMode::Geodetic => format!(
-                "{} km above {}° latitude, {}° longitude, straight down, north upwards on screen",
-                camera.height_km, camera.lat_deg, camera.lon_deg
-            ),
+            CameraMode::Geodetic => {
+                let looks = match (camera.pitch_deg, camera.heading_deg) {
+                    (-90.0, 0.0) => "straight down, north upwards on screen".to_owned(),
+                    (-90.0, heading) => {
+                        format!("straight down, {heading}° from north upwards on screen")
+                    }
+                    (pitch, heading) => {
+                        format!("to {heading}° from north, {pitch}° above the horizontal")
+                    }
+                };
+                format!(
+                    "{} km above {}° latitude, {}° longitude, {looks}",
+                    camera.height_km, camera.lat_deg, camera.lon_deg
+                )
+            }
         };
         uses.push((
             "camera",
@@ -209,6 +225,17 @@ impl Scene {
         let layers: Vec<_> = self.layers().into_iter().filter(|(_, on)| *on).collect();
         let names: Vec<_> = layers.iter().map(|(name, _)| *name).collect();
         uses.push(("layers", format!("{} from {maps}", names.join(", "))));
+        if let Some(relief) = &self.earth.relief {
+            let files = match relief.elevation.len() {
+                0 => "the starter pack's heights".to_owned(),
+                1 => "one file of heights".to_owned(),
+                count => format!("{count} files of heights"),
+            };
+            uses.push((
+                "relief",
+                format!("{} from {files}", written(&relief.surface)),
+            ));
+        }
         if self.earth.atmosphere != Atmosphere::None {
             uses.push(("air", written(&self.earth.atmosphere)));
         }
@@ -239,11 +266,37 @@ impl Scene {
             .filter(|(_, on)| !on)
             .map(|(name, _)| name)
             .collect();
+        if self.earth.relief.is_none() {
+            names.push("relief");
+        }
         if self.earth.atmosphere == Atmosphere::None {
             names.push("atmosphere");
         }
         names
     }
+}
+
+/// The value of one of the keys of relief.
+fn relief_value(relief: Option<&ReliefTable>, key: &str) -> Result<String, &'static str> {
+    let Some(relief) = relief else {
+        return match key {
+            "surface" => Ok("\"blocks\"".to_owned()),
+            _ => Err("the smooth ellipsoid is drawn"),
+        };
+    };
+    Ok(match key {
+        "surface" => format!("\"{}\"", written(&relief.surface)),
+        "elevation" if relief.elevation.is_empty() => {
+            return Err("the starter pack's heights are taken");
+        }
+        "elevation" => {
+            let files = relief.elevation.iter();
+            let files = files.map(|file| format!("\"{}\"", printable(&file.display().to_string())));
+            format!("[{}]", files.collect::<Vec<_>>().join(", "))
+        }
+        "tolerance_px" => relief.tolerance_px.to_string(),
+        _ => relief.sea_floor.to_string(),
+    })
 }
 
 /// The value of one of the pack's keys.

@@ -7,7 +7,15 @@ use crate::source::{File, Word, after_group};
 pub type Rule = fn(&File) -> Vec<String>;
 
 /// Rooms that compile and are tested without a GPU.
-const WITHOUT_GPU: &[&str] = &["frames", "orbit", "globe", "air", "imagery", "scene"];
+const WITHOUT_GPU: &[&str] = &[
+    "frames",
+    "orbit",
+    "elevation",
+    "globe",
+    "air",
+    "imagery",
+    "scene",
+];
 
 /// Longer files hold more than one concern.
 const LINES: usize = 600;

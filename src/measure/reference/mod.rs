@@ -39,6 +39,7 @@ mod render;
 mod shading;
 mod still;
 
+pub(super) use geometry::Rays;
 pub use geometry::{ground_point, limb_angle_rad};
 pub use maps::{FullMap, FullMaps};
 pub use pack::MOST_MAP_BYTES;

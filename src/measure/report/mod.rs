@@ -22,8 +22,10 @@ mod words;
 
 pub use change::{Change, Plan, Unavailable};
 pub use numbers::{Numbers, method_plots};
+pub(in crate::measure) use page::STYLE;
 pub use plots::{Plot, plots};
 pub use rows::{CSV_HEADER, GEOLOCATION_MOST_PX, Row, SILHOUETTE_MOST_PX, csv, spread_csv};
+pub(in crate::measure) use words::escaped;
 
 use crate::Subdivision;
 use crate::measure::ChartError;
@@ -217,14 +219,14 @@ pub fn report(
     Ok(study)
 }
 
-/// Where the report goes.
-struct Folder {
+/// Where a report goes.
+pub(in crate::measure) struct Folder {
     path: PathBuf,
 }
 
 impl Folder {
     /// Makes the folders and sees whether files can be made in each.
-    fn open(path: &Path) -> Result<Self, OutputError> {
+    pub fn open(path: &Path) -> Result<Self, OutputError> {
         for folder in [
             path.to_path_buf(),
             path.join("plots"),
@@ -264,7 +266,7 @@ impl Folder {
         PendingFile::create(&self.path.join(name), what, extension)
     }
 
-    fn write(&self, name: &str, contents: &[u8]) -> Result<(), OutputError> {
+    pub fn write(&self, name: &str, contents: &[u8]) -> Result<(), OutputError> {
         self.pending(name)?.write_whole(contents)
     }
 

@@ -9,7 +9,7 @@ use super::{Study, numbers};
 use crate::measure::Spread;
 use std::fmt::Write;
 
-const STYLE: &str = include_str!("page.css");
+pub(in crate::measure) const STYLE: &str = include_str!("page.css");
 /// Heights whose pictures are shown at once; the others are folded away.
 const SHOWN_PICTURES: usize = 3;
 

@@ -117,7 +117,7 @@ pub(super) fn summary(study: &Study) -> String {
 }
 
 /// Text for HTML.
-pub(super) fn escaped(text: &str) -> String {
+pub(in crate::measure) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -1,0 +1,90 @@
+//! Ground with relief: the surface that a scene chose, and the heights that it is made from.
+
+use crate::elevation::{Bounds, Elevation};
+use crate::globe::{
+    Block, BlockGrid, Figure, GroundView, Surface, SurfaceError, SurfaceSettings, SurfaceStats,
+    select_blocks_between,
+};
+use glam::{DMat4, DVec3};
+use std::fmt;
+use std::sync::Arc;
+
+/// Ground with relief in place of the smooth ellipsoid.
+#[derive(Clone)]
+pub struct GroundOptions {
+    /// Where heights come from.
+    pub elevation: Arc<dyn Elevation>,
+    /// What draws them.
+    pub surface: SurfaceSettings,
+    /// Most pixels by which the drawn ground may differ from its data, for surfaces that know; 0 asks for all there is.
+    pub tolerance_px: f64,
+}
+
+impl fmt::Debug for GroundOptions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("GroundOptions")
+            .field("surface", &self.surface)
+            .field("tolerance_px", &self.tolerance_px)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Draws it.
+pub(super) struct GroundDriver {
+    elevation: Arc<dyn Elevation>,
+    surface: Box<dyn Surface>,
+    tolerance_px: f64,
+    before: SurfaceStats,
+    /// Frames since anything was read or drawn otherwise than the frame before.
+    quiet: u32,
+}
+
+/// A surface is settled when so many frames are alike: more than a level takes to fade in.
+const QUIET_FRAMES: u32 = 10;
+
+impl GroundDriver {
+    pub fn new(options: &GroundOptions, figure: Figure) -> Result<Self, SurfaceError> {
+        Ok(Self {
+            elevation: options.elevation.clone(),
+            surface: options.surface.make(figure)?,
+            tolerance_px: options.tolerance_px.max(0.0),
+            before: SurfaceStats::default(),
+            quiet: 0,
+        })
+    }
+
+    /// Chooses what is drawn, and the blocks in sight, whose tiles it is drawn with.
+    pub fn prepare(
+        &mut self,
+        grid: &BlockGrid,
+        eye_itrf_m: DVec3,
+        clip_from_eye: &DMat4,
+        pixel_rad: f64,
+        drawn: &mut Vec<Block>,
+    ) -> SurfaceStats {
+        let range = self.elevation.range_m(&Bounds::GLOBE);
+        let heights = (range.low_m, range.high_m);
+        select_blocks_between(grid, heights, eye_itrf_m, clip_from_eye, drawn);
+        let view = GroundView {
+            eye_itrf_m,
+            clip_from_eye: *clip_from_eye,
+            pixel_rad,
+            tolerance_px: self.tolerance_px,
+        };
+        let stats = self.surface.prepare(&view, self.elevation.as_ref());
+        let has_read = stats.samples_read > 0 && !self.surface.reads_all_anew();
+        let is_quiet = !has_read && stats == self.before;
+        self.quiet = if is_quiet { self.quiet + 1 } else { 0 };
+        self.before = stats;
+        stats
+    }
+
+    /// Whether a view that does not move would be drawn as it is now.
+    pub fn is_settled(&self) -> bool {
+        self.quiet >= QUIET_FRAMES
+    }
+
+    pub fn surface(&self) -> &dyn Surface {
+        self.surface.as_ref()
+    }
+}

@@ -1,0 +1,299 @@
+//! Making a grid from its heights.
+
+use super::holes::{coverage, fill};
+use super::levels::{Shape, average, even_out, shapes};
+use super::place::{Georeference, Snapped};
+use super::ranges::Ranges;
+use super::{
+    FEATHER_SAMPLES, GridError, GridStats, HIGHEST_M, HeightGrid, LOWEST_M, Level, Samples,
+};
+use crate::elevation::HeightRange;
+
+/// What one grid may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GridLimits {
+    /// Most bytes that it may hold, pyramids included. While it is made, 6 bytes a sample are held beside it.
+    pub bytes: u64,
+}
+
+impl Default for GridLimits {
+    /// 1 GB: 21 600 × 10 800 samples of whole metres.
+    fn default() -> Self {
+        Self {
+            bytes: 1_100_000_000,
+        }
+    }
+}
+
+impl GridLimits {
+    /// Refuses what cannot be held, whatever its heights.
+    ///
+    /// # Errors
+    /// [`GridError::Size`] and [`GridError::Memory`].
+    pub fn check(&self, columns: u32, rows: u32) -> Result<(), GridError> {
+        let sides = 1..=super::MAX_SIDE;
+        if !sides.contains(&columns) || !sides.contains(&rows) {
+            return Err(GridError::Size { columns, rows });
+        }
+        let needed = estimated_bytes(u64::from(columns) * u64::from(rows), true);
+        self.allow(columns, rows, needed)
+    }
+
+    fn allow(&self, columns: u32, rows: u32, needed: u64) -> Result<(), GridError> {
+        if needed > self.bytes {
+            return Err(GridError::Memory {
+                columns,
+                rows,
+                needed_mb: needed.div_ceil(1_000_000),
+                allowed_mb: self.bytes / 1_000_000,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Bytes of samples and pyramids: both pyramids have a third of the samples and a little for odd sizes.
+fn estimated_bytes(samples: u64, is_short: bool) -> u64 {
+    let (sample, range) = if is_short { (2, 4) } else { (4, 8) };
+    samples * sample + (samples / 3 + samples / 64 + 4096) * (4 + range)
+}
+
+impl HeightGrid {
+    /// Makes a grid. `heights_m` are metres, the northern row first, each from west to east; what is not a finite number
+    /// is a hole.
+    ///
+    /// # Errors
+    /// [`GridError`], before anything large is allocated where size or place are wrong.
+    pub fn new(
+        georeference: &Georeference,
+        heights_m: Vec<f32>,
+        limits: &GridLimits,
+    ) -> Result<Self, GridError> {
+        let Georeference { columns, rows, .. } = *georeference;
+        let place = georeference.snapped()?;
+        limits.check(columns, rows)?;
+        let expected = u64::from(columns) * u64::from(rows);
+        if heights_m.len() as u64 != expected {
+            return Err(GridError::Count {
+                got: heights_m.len() as u64,
+                expected,
+            });
+        }
+        let mut heights_m = heights_m;
+        if place.columns < columns as usize {
+            drop_last_column(&mut heights_m, columns as usize);
+        }
+        let range = known_range(&mut heights_m)?;
+        let is_whole = heights_m
+            .iter()
+            .all(|height| height.is_nan() || height.fract() == 0.0);
+        let is_short = is_whole || estimated_bytes(expected, false) > limits.bytes;
+
+        let shapes = shapes(&place);
+        let (coverage, holes, left_holes) = fill_holes(&place, &shapes, &mut heights_m);
+        one_value_at_poles(&place, &mut heights_m);
+        let samples = match (is_short, is_whole) {
+            (false, _) => Samples::F32(heights_m),
+            (true, true) => short(&heights_m, 0.0, 1.0),
+            (true, false) => {
+                // A little less than the 65 536 there are: means in f32 may lie above the highest by their last digit.
+                let scale_m = ((range.high_m - range.low_m) / 65_500.0).max(1e-3);
+                short(&heights_m, 0.5 * (range.low_m + range.high_m), scale_m)
+            }
+        };
+        let levels = pyramid(&place, &shapes, &samples);
+        let ranges = Ranges::new(&samples, &levels, coverage.as_ref().map(|c| c.0.as_slice()));
+        let bytes = sample_bytes(&samples)
+            + levels
+                .iter()
+                .map(|level| level.means_m.len() as u64 * 4)
+                .sum::<u64>()
+            + ranges.bytes()
+            + coverage.as_ref().map_or(0, |c| c.0.len() as u64);
+        limits.allow(columns, rows, bytes)?;
+        let stats = GridStats {
+            holes,
+            left_holes,
+            range,
+            quantum_m: match samples {
+                Samples::F32(_) => 0.0,
+                Samples::I16 { scale_m, .. } => scale_m,
+            },
+            levels: levels.len() as u32,
+            bytes,
+        };
+        let finest_rad = place
+            .lat_step_rad
+            .min(place.lon_step_rad * place.widest_cos());
+        let ramp = |count: usize| {
+            let side = (count - 1) as f64 + 2.0 * place.margin();
+            1.0 / FEATHER_SAMPLES.max(side / 16.0).min(0.25 * side)
+        };
+        Ok(Self {
+            place,
+            bounds: georeference.bounds(),
+            samples,
+            levels,
+            ranges,
+            coverage,
+            finest_rad,
+            steps_per_rad: 1.0 / finest_rad,
+            ramps: (ramp(place.rows), ramp(place.columns)),
+            stats,
+        })
+    }
+}
+
+/// Takes the last sample of every row away.
+fn drop_last_column(values: &mut Vec<f32>, columns: usize) {
+    let mut n = 0;
+    values.retain(|_| {
+        n += 1;
+        n % columns != 0
+    });
+}
+
+/// Lowest and highest; infinities become holes.
+fn known_range(heights_m: &mut [f32]) -> Result<HeightRange, GridError> {
+    let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+    for height in heights_m {
+        if height.is_finite() {
+            low = low.min(*height);
+            high = high.max(*height);
+        } else {
+            *height = f32::NAN;
+        }
+    }
+    let (low_m, high_m) = (f64::from(low), f64::from(high));
+    if low > high {
+        return Err(GridError::Empty);
+    }
+    if low_m < LOWEST_M || high_m > HIGHEST_M {
+        return Err(GridError::NotEarth { low_m, high_m });
+    }
+    Ok(HeightRange { low_m, high_m })
+}
+
+type Coverage = Option<(Vec<u8>, [f64; 2])>;
+
+/// Gives holes heights; how far to believe them, how many there are and how many are left to the source beneath.
+fn fill_holes(place: &Snapped, shapes: &[Shape], heights_m: &mut [f32]) -> (Coverage, u64, u64) {
+    let is_hole: Vec<bool> = heights_m.iter().map(|height| height.is_nan()).collect();
+    let holes = is_hole.iter().filter(|hole| **hole).count() as u64;
+    if holes == 0 {
+        return (None, 0, 0);
+    }
+    // Upwards until there is no hole, then down again.
+    let mut means: Vec<Vec<f32>> = Vec::new();
+    for pair in shapes.windows(2) {
+        let fine = means.last().map_or(&*heights_m, Vec::as_slice);
+        let coarse = average(place, &pair[0], fine, &pair[1]);
+        let is_whole = coarse.iter().all(|height| !height.is_nan());
+        means.push(coarse);
+        if is_whole {
+            break;
+        }
+    }
+    for level in (0..means.len()).rev() {
+        let (finer, coarser) = means.split_at_mut(level);
+        let fine = finer.last_mut().map_or(&mut *heights_m, Vec::as_mut_slice);
+        fill(&shapes[level], fine, &shapes[level + 1], &coarser[0]);
+    }
+    let coverage = coverage(&shapes[0], &is_hole);
+    let left = coverage
+        .iter()
+        .flatten()
+        .filter(|believed| **believed < 255)
+        .count() as u64;
+    let columns = place.columns;
+    let coverage = coverage.map(|mut coverage| {
+        let least = |row: &[u8]| row.iter().copied().min().unwrap_or(0);
+        let north = least(&coverage[..columns]);
+        let south = least(&coverage[coverage.len() - columns..]);
+        let (north_row, south_row) = place.pole_rows();
+        if place.reaches_north && north_row == 0.0 {
+            coverage[..columns].fill(north);
+        }
+        if place.reaches_south && south_row == (place.rows - 1) as f64 {
+            let start = coverage.len() - columns;
+            coverage[start..].fill(south);
+        }
+        (coverage, [f64::from(north), f64::from(south)])
+    });
+    (coverage, holes, left)
+}
+
+/// A row that lies on a pole gets one height: its mean.
+fn one_value_at_poles(place: &Snapped, heights_m: &mut [f32]) {
+    let on_pole = |row: usize| {
+        let (north, south) = place.pole_rows();
+        let row = row as f64;
+        place.reaches_north && (row - north).abs() < 1e-9
+            || place.reaches_south && (row - south).abs() < 1e-9
+    };
+    for (row, heights_m) in heights_m.chunks_exact_mut(place.columns).enumerate() {
+        if (row == 0 || row + 1 == place.rows) && on_pole(row) {
+            let mean = mean(heights_m.iter().copied());
+            heights_m.fill(mean as f32);
+        }
+    }
+}
+
+fn mean(heights_m: impl ExactSizeIterator<Item = f32>) -> f64 {
+    let count = heights_m.len() as f64;
+    heights_m.map(f64::from).sum::<f64>() / count
+}
+
+fn short(heights_m: &[f32], offset_m: f64, scale_m: f64) -> Samples {
+    let steps = |height: &f32| ((f64::from(*height) - offset_m) / scale_m).round() as i16;
+    Samples::I16 {
+        values: heights_m.iter().map(steps).collect(),
+        offset_m,
+        scale_m,
+    }
+}
+
+fn sample_bytes(samples: &Samples) -> u64 {
+    match samples {
+        Samples::F32(values) => values.len() as u64 * 4,
+        Samples::I16 { values, .. } => values.len() as u64 * 2,
+    }
+}
+
+/// All levels, from the samples as they are held.
+fn pyramid(place: &Snapped, shapes: &[Shape], samples: &Samples) -> Vec<Level> {
+    let finest: Vec<f32>;
+    let finest = match samples {
+        Samples::F32(values) => values.as_slice(),
+        Samples::I16 { values, .. } => {
+            finest = (0..values.len()).map(|n| samples.at_m(n) as f32).collect();
+            finest.as_slice()
+        }
+    };
+    let poles_m = |shape: &Shape, values: &[f32]| {
+        let rows = [0, shape.rows - 1];
+        rows.map(|row| {
+            let row = &values[row * shape.columns..(row + 1) * shape.columns];
+            mean(row.iter().copied())
+        })
+    };
+    let mut levels = vec![Level {
+        shape: shapes[0],
+        means_m: Vec::new(),
+        poles_m: poles_m(&shapes[0], finest),
+    }];
+    // Means are made from means that have not been evened out, which would add up.
+    let mut plain: Vec<f32> = Vec::new();
+    for pair in shapes.windows(2) {
+        let below = if levels.len() == 1 { finest } else { &plain };
+        plain = average(place, &pair[0], below, &pair[1]);
+        let mut means_m = plain.clone();
+        even_out(place, &pair[1], &mut means_m);
+        levels.push(Level {
+            shape: pair[1],
+            poles_m: poles_m(&pair[1], &means_m),
+            means_m,
+        });
+    }
+    levels
+}

@@ -1,0 +1,90 @@
+//! Samples without data: what they are given, and how far that is believed.
+
+use super::levels::Shape;
+
+/// A hole up to so many samples from the nearest datum is filled from the coarser levels alone.
+pub(super) const FILLED: u8 = 4;
+
+/// From so many samples on, what lies beneath the grid is taken instead.
+pub(super) const LEFT: u8 = 9;
+
+/// Gives every sample of a level that is not a number the value of the next coarser level at its place.
+pub(super) fn fill(shape: &Shape, values: &mut [f32], coarse: &Shape, coarser: &[f32]) {
+    // Poles have no values yet: towards them the outermost row stays.
+    let coarse = Shape {
+        north_pole: None,
+        south_pole: None,
+        ..*coarse
+    };
+    let base = |n: usize, ratio: f64| (n as f64 + 0.5) / ratio - 0.5;
+    for (row, values) in values.chunks_exact_mut(shape.columns).enumerate() {
+        for (column, value) in values.iter_mut().enumerate() {
+            if value.is_nan() {
+                *value = coarse.interpolate(
+                    base(row, shape.row_ratio),
+                    base(column, shape.column_ratio),
+                    [0.0; 2],
+                    |n| f64::from(coarser[n]),
+                ) as f32;
+            }
+        }
+    }
+}
+
+/// How far each sample is believed, 0…255 for 0…1: as data up to [`FILLED`] samples from a datum, then less up to
+/// [`LEFT`]. Diagonal neighbours count as neighbours. `None` if all is believed.
+pub(super) fn coverage(shape: &Shape, is_hole: &[bool]) -> Option<Vec<u8>> {
+    let (columns, rows) = (shape.columns, shape.rows);
+    let mut steps: Vec<u8> = is_hole
+        .iter()
+        .map(|hole| if *hole { LEFT } else { 0 })
+        .collect();
+    // Steps to the nearest datum, counted on from the neighbours seen before: rows downwards, then upwards. In a row
+    // that closes on itself two rounds see all.
+    let wrap = |column: isize| -> Option<usize> {
+        if shape.is_periodic {
+            Some(column.rem_euclid(columns as isize) as usize)
+        } else {
+            usize::try_from(column).ok().filter(|c| *c < columns)
+        }
+    };
+    let rounds = if shape.is_periodic { 2 } else { 1 };
+    for _ in 0..rounds {
+        for is_downwards in [true, false] {
+            for n in 0..rows {
+                let row = if is_downwards { n } else { rows - 1 - n };
+                let behind = match (is_downwards, row) {
+                    (true, 0) => None,
+                    (true, row) => Some(row - 1),
+                    (false, row) => Some(row + 1).filter(|row| *row < rows),
+                };
+                for m in 0..columns {
+                    let column = if is_downwards { m } else { columns - 1 - m };
+                    let here = row * columns + column;
+                    if steps[here] == 0 {
+                        continue;
+                    }
+                    let side = if is_downwards { -1 } else { 1 };
+                    let mut least = wrap(column as isize + side)
+                        .map_or(LEFT, |column| steps[row * columns + column]);
+                    if let Some(behind) = behind {
+                        for side in -1..=1 {
+                            if let Some(column) = wrap(column as isize + side) {
+                                least = least.min(steps[behind * columns + column]);
+                            }
+                        }
+                    }
+                    steps[here] = steps[here].min(least.saturating_add(1));
+                }
+            }
+        }
+    }
+    if steps.iter().all(|steps| *steps <= FILLED) {
+        return None;
+    }
+    let believed = |steps: u8| {
+        let part = f64::from(LEFT.saturating_sub(steps)) / f64::from(LEFT - FILLED);
+        (255.0 * part.min(1.0)).round() as u8
+    };
+    Some(steps.into_iter().map(believed).collect())
+}

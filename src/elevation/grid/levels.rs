@@ -1,0 +1,245 @@
+//! The pyramid of averages, and interpolation in one of its levels.
+
+use super::place::{Snapped, floor};
+
+/// Size of a level and how rows and columns of the finest level become its own.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shape {
+    pub columns: usize,
+    pub rows: usize,
+    /// Its samples to one of the finest level, along a row and along a column.
+    pub column_ratio: f64,
+    pub row_ratio: f64,
+    pub is_periodic: bool,
+    /// Its rows of the poles, where the grid reaches them: at most 0, and at least the last row.
+    pub north_pole: Option<f64>,
+    pub south_pole: Option<f64>,
+}
+
+impl Shape {
+    pub(super) fn new(place: &Snapped, columns: usize, rows: usize) -> Self {
+        let row_ratio = rows as f64 / place.rows as f64;
+        let (north, south) = place.pole_rows();
+        let own = |row: f64| (row + 0.5) * row_ratio - 0.5;
+        Self {
+            columns,
+            rows,
+            column_ratio: columns as f64 / place.columns as f64,
+            row_ratio,
+            is_periodic: place.is_periodic,
+            north_pole: place.reaches_north.then_some(own(north).min(0.0)),
+            south_pole: place
+                .reaches_south
+                .then_some(own(south).max((rows - 1) as f64)),
+        }
+    }
+
+    pub(super) fn samples(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    /// Row and column in this level, from those in the finest.
+    #[inline]
+    pub(super) fn own(&self, row: f64, column: f64) -> (f64, f64) {
+        (
+            (row + 0.5) * self.row_ratio - 0.5,
+            (column + 0.5) * self.column_ratio - 0.5,
+        )
+    }
+
+    /// Bilinear interpolation at a row and column of the finest level. Beyond the outermost samples their value stays,
+    /// except that towards a pole the outermost row goes over into the pole's value (`poles`, north first).
+    #[inline]
+    pub(super) fn interpolate(
+        &self,
+        row: f64,
+        column: f64,
+        poles: [f64; 2],
+        at: impl Fn(usize) -> f64,
+    ) -> f64 {
+        let (row, column) = self.own(row, column);
+        let (west, east, along) = self.neighbours(column);
+        let in_row = |row: usize| {
+            let start = row * self.columns;
+            let west = at(start + west);
+            west + along * (at(start + east) - west)
+        };
+        let last = (self.rows - 1) as f64;
+        if row < 0.0 {
+            return match self.north_pole {
+                Some(pole) => to_pole(in_row(0), poles[0], row / pole),
+                None => in_row(0),
+            };
+        }
+        // A row that is no number must not be looked up.
+        if row >= last || row.is_nan() {
+            return match self.south_pole {
+                Some(pole) => to_pole(
+                    in_row(self.rows - 1),
+                    poles[1],
+                    (row - last) / (pole - last),
+                ),
+                None => in_row(self.rows - 1),
+            };
+        }
+        let north = row as usize;
+        let value = in_row(north);
+        value + (row - north as f64) * (in_row(north + 1) - value)
+    }
+
+    /// The columns on both sides of a place and how far it is from the first to the second.
+    #[inline]
+    fn neighbours(&self, column: f64) -> (usize, usize, f64) {
+        let last = self.columns - 1;
+        if self.is_periodic {
+            let whole = floor(column);
+            let along = column - whole;
+            // −1…columns: half a sample beyond either side, and rounding.
+            let west = match whole as isize {
+                ..0 => last,
+                west if west as usize > last => 0,
+                west => west as usize,
+            };
+            (west, if west == last { 0 } else { west + 1 }, along)
+        } else {
+            let column = column.clamp(0.0, last as f64);
+            let west = column as usize;
+            (west, (west + 1).min(last), column - west as f64)
+        }
+    }
+}
+
+/// From a row's value to its pole's; the row may be the pole's own.
+#[inline]
+fn to_pole(row: f64, pole: f64, part: f64) -> f64 {
+    // 0/0 where the row lies on the pole: all its samples are then the pole's.
+    let part = if part.is_nan() {
+        1.0
+    } else {
+        part.clamp(0.0, 1.0)
+    };
+    row + part * (pole - row)
+}
+
+/// Sizes of all levels, the finest first. Level k has samples about 2^k of the finest spacings apart on the ground: each
+/// side is divided by the power of two that comes nearest to that, so that the other spacing differs by √2 at most. What
+/// cannot be divided is cut into parts that are a little smaller.
+pub(super) fn shapes(place: &Snapped) -> Vec<Shape> {
+    let step = (place.lat_step_rad, place.lon_step_rad * place.widest_cos());
+    let finest = step.0.min(step.1);
+    let count = |all: usize, level: i32, step: f64| {
+        let halvings = (f64::from(level) - (step / finest).log2()).round();
+        (all as f64 / halvings.max(0.0).exp2()).ceil().max(1.0) as usize
+    };
+    let mut shapes = vec![Shape::new(place, place.columns, place.rows)];
+    for level in 1..64 {
+        if shapes.last().is_some_and(|shape| shape.samples() == 1) {
+            break;
+        }
+        let columns = count(place.columns, level, step.1);
+        let rows = count(place.rows, level, step.0);
+        shapes.push(Shape::new(place, columns, rows));
+    }
+    shapes
+}
+
+/// The samples of one side that a coarser sample spans: number of the first, and how much of each lies in it.
+fn spans(fine: usize, coarse: usize) -> Vec<(usize, Vec<f64>)> {
+    let ratio = fine as f64 / coarse as f64;
+    (0..coarse)
+        .map(|n| {
+            let (start, end) = (n as f64 * ratio, (n + 1) as f64 * ratio);
+            // Rounding must neither lose a sample nor reach one that is not there.
+            let first = ((start + 1e-9).floor() as usize).min(fine - 1);
+            let last = (((end - 1e-9).ceil() as usize).max(first + 1)).min(fine);
+            let part = |i: usize| (end.min((i + 1) as f64) - start.max(i as f64)).max(1e-9);
+            (first, (first..last).map(part).collect())
+        })
+        .collect()
+}
+
+/// First and one past the last sample of a side that each coarser sample spans.
+pub(super) fn ranges(fine: usize, coarse: usize) -> impl Iterator<Item = (usize, usize)> {
+    let spans = spans(fine, coarse);
+    spans
+        .into_iter()
+        .map(|(first, parts)| (first, first + parts.len()))
+}
+
+/// The next coarser level: means by area on the ground, of what is a number.
+pub(super) fn average(place: &Snapped, fine: &Shape, values: &[f32], coarse: &Shape) -> Vec<f32> {
+    let columns = spans(fine.columns, coarse.columns);
+    let mut out = Vec::with_capacity(coarse.samples());
+    let mut sums = vec![(0.0f64, 0.0f64); fine.columns];
+    for (first, parts) in spans(fine.rows, coarse.rows) {
+        sums.fill((0.0, 0.0));
+        for (n, part) in parts.iter().enumerate() {
+            let row = first + n;
+            let base_row = (row as f64 + 0.5) / fine.row_ratio - 0.5;
+            let weight = part * place.latitude_rad(base_row).cos().max(1e-6);
+            let values = &values[row * fine.columns..(row + 1) * fine.columns];
+            for (sum, value) in sums.iter_mut().zip(values) {
+                if !value.is_nan() {
+                    sum.0 += weight * f64::from(*value);
+                    sum.1 += weight;
+                }
+            }
+        }
+        out.extend(columns.iter().map(|(first, parts)| {
+            let (mut sum, mut weights) = (0.0, 0.0);
+            for (part, of) in parts.iter().zip(&sums[*first..]) {
+                sum += part * of.0;
+                weights += part * of.1;
+            }
+            // 0/0 where nothing is known.
+            (sum / weights) as f32
+        }));
+    }
+    out
+}
+
+/// Averages each row along itself over as much ground as the columns are apart in the row nearest to the equator. Towards
+/// the poles they draw together: without this a coarse level would be coarse in one direction only.
+pub(super) fn even_out(place: &Snapped, shape: &Shape, values: &mut [f32]) {
+    let widest_cos = place.widest_cos();
+    let columns = shape.columns;
+    let mut sums = Vec::with_capacity(columns + 1);
+    for (row, values) in values.chunks_exact_mut(columns).enumerate() {
+        let base_row = (row as f64 + 0.5) / shape.row_ratio - 0.5;
+        let cos = place.latitude_rad(base_row).cos().max(1e-9);
+        let width = (widest_cos / cos).min(columns as f64);
+        if width <= 1.0 + 1e-9 || columns < 2 {
+            continue;
+        }
+        sums.clear();
+        sums.push(0.0f64);
+        let mut sum = 0.0;
+        for value in values.iter() {
+            sum += f64::from(*value);
+            sums.push(sum);
+        }
+        // The sum of all from column 0 to a real column, beyond the row's ends in its repetitions or not at all.
+        let upto = |end: f64| -> f64 {
+            let (turns, end) = if shape.is_periodic {
+                let turns = (end / columns as f64).floor();
+                (turns, end - turns * columns as f64)
+            } else {
+                (0.0, end.clamp(0.0, columns as f64))
+            };
+            let whole = (end as usize).min(columns - 1);
+            turns * sum + sums[whole] + (end - whole as f64) * (sums[whole + 1] - sums[whole])
+        };
+        let length = |end: f64| {
+            if shape.is_periodic {
+                end
+            } else {
+                end.clamp(0.0, columns as f64)
+            }
+        };
+        for (column, value) in values.iter_mut().enumerate() {
+            let middle = column as f64 + 0.5;
+            let (start, end) = (middle - 0.5 * width, middle + 0.5 * width);
+            *value = ((upto(end) - upto(start)) / (length(end) - length(start))) as f32;
+        }
+    }
+}

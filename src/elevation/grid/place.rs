@@ -1,0 +1,250 @@
+//! Where the samples of a grid lie.
+
+use super::GridError;
+use crate::elevation::Bounds;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Most samples along one side of a grid.
+pub const MAX_SIDE: u32 = 1 << 20;
+
+/// How far, in spacings, a grid may miss a pole or a full turn and still be taken to reach it.
+const SNAP: f64 = 0.1;
+
+/// What a sample stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Registration {
+    /// The mean of a cell about it: the grid covers half a spacing beyond its outermost samples.
+    Cells,
+    /// The height of a point: the grid ends with its outermost samples.
+    Posts,
+}
+
+/// Size and place of a grid of samples at equal steps of latitude and longitude, the northern row first, each row from
+/// west to east.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Georeference {
+    /// Samples of a row, 1…[`MAX_SIDE`].
+    pub columns: u32,
+    /// Rows, 1…[`MAX_SIDE`].
+    pub rows: u32,
+    /// What a sample stands for.
+    pub registration: Registration,
+    /// Geodetic latitude of the northern row, radians.
+    pub north_rad: f64,
+    /// From a row to the next towards the south, radians, positive.
+    pub lat_step_rad: f64,
+    /// Longitude of the western column, radians, any turn.
+    pub west_rad: f64,
+    /// From a column to the next towards the east, radians, positive.
+    pub lon_step_rad: f64,
+}
+
+impl Georeference {
+    /// A grid that fills the bounds: with cells up to their edges, or with posts on them.
+    ///
+    /// # Errors
+    /// As [`HeightGrid::new`](super::HeightGrid::new), and where fewer than 2 posts are given along a side.
+    pub fn from_bounds(
+        registration: Registration,
+        bounds: &Bounds,
+        columns: u32,
+        rows: u32,
+    ) -> Result<Self, GridError> {
+        let (gaps, half) = match registration {
+            Registration::Cells => ((columns, rows), 0.5),
+            Registration::Posts => ((columns.saturating_sub(1), rows.saturating_sub(1)), 0.0),
+        };
+        if gaps.0 == 0 || gaps.1 == 0 {
+            return Err(GridError::Size { columns, rows });
+        }
+        let lat_step_rad = (bounds.north_rad - bounds.south_rad) / f64::from(gaps.1);
+        let lon_step_rad = bounds.width_rad / f64::from(gaps.0);
+        let place = Self {
+            columns,
+            rows,
+            registration,
+            north_rad: bounds.north_rad - half * lat_step_rad,
+            lat_step_rad,
+            west_rad: bounds.west_rad + half * lon_step_rad,
+            lon_step_rad,
+        };
+        place.snapped()?;
+        Ok(place)
+    }
+
+    /// What the grid covers.
+    pub fn bounds(&self) -> Bounds {
+        let half = match self.registration {
+            Registration::Cells => 0.5,
+            Registration::Posts => 0.0,
+        };
+        let south_rad = self.north_rad - f64::from(self.rows - 1) * self.lat_step_rad;
+        Bounds {
+            south_rad: (south_rad - half * self.lat_step_rad).max(-FRAC_PI_2),
+            north_rad: (self.north_rad + half * self.lat_step_rad).min(FRAC_PI_2),
+            west_rad: self.west_rad - half * self.lon_step_rad,
+            width_rad: ((f64::from(self.columns - 1) + 2.0 * half) * self.lon_step_rad).min(TAU),
+        }
+    }
+
+    /// Checked, and moved by at most [`SNAP`] spacings where it all but meets a pole or itself behind a full turn.
+    pub(super) fn snapped(&self) -> Result<Snapped, GridError> {
+        let Self { columns, rows, .. } = *self;
+        let sides = 1..=MAX_SIDE;
+        let least = u32::from(self.registration == Registration::Posts) + 1;
+        if !sides.contains(&columns) || !sides.contains(&rows) || columns.min(rows) < least {
+            return Err(GridError::Size { columns, rows });
+        }
+        let fault = |what| Err(GridError::Place { what });
+        let (lat_step, lon_step) = (self.lat_step_rad, self.lon_step_rad);
+        let numbers = [self.north_rad, self.west_rad, lat_step, lon_step];
+        let is_finite = numbers.iter().all(|n| n.is_finite());
+        if !(is_finite && lat_step > 0.0 && lon_step > 0.0) {
+            return fault("its steps are not positive or its corner is not a number");
+        }
+        // A micrometre of ground: below it neighbours are the same place to f64.
+        if lat_step.min(lon_step) < 1e-13 || self.west_rad.abs() > 1e3 {
+            return fault("its steps or its corner are beyond all measure");
+        }
+        let gaps = f64::from(rows - 1);
+        let (mut north, mut south) = (self.north_rad, self.north_rad - gaps * lat_step);
+        for target in [FRAC_PI_2, FRAC_PI_2 - 0.5 * lat_step] {
+            if (north - target).abs() < SNAP * lat_step {
+                north = target;
+            }
+            if (south + target).abs() < SNAP * lat_step {
+                south = -target;
+            }
+        }
+        if north > FRAC_PI_2 || south < -FRAC_PI_2 || lat_step > PI + 1e-9 {
+            return fault("its rows reach beyond a pole");
+        }
+        let lat_step = if rows > 1 {
+            (north - south) / gaps
+        } else {
+            lat_step
+        };
+        let turn = TAU / lon_step;
+        let all = f64::from(columns);
+        let (columns_used, is_periodic) = if (all - turn).abs() < SNAP {
+            (columns, true)
+        } else if columns > 1 && (all - 1.0 - turn).abs() < SNAP {
+            (columns - 1, true)
+        } else if all - 1.0 > turn || (self.registration == Registration::Cells && all > turn) {
+            return fault("its columns cover more than a full turn");
+        } else {
+            (columns, false)
+        };
+        let lon_step = if is_periodic {
+            TAU / f64::from(columns_used)
+        } else {
+            lon_step
+        };
+        // Between a pole and a row closer than a step lies nothing but that row.
+        let reaches = |row: f64| is_periodic && FRAC_PI_2 - row < lat_step * (1.0 + 1e-9);
+        Ok(Snapped {
+            columns: columns_used as usize,
+            rows: rows as usize,
+            registration: self.registration,
+            north_rad: north,
+            lat_step_rad: lat_step,
+            west_rad: self.west_rad,
+            lon_step_rad: lon_step,
+            is_periodic,
+            reaches_north: reaches(north),
+            reaches_south: reaches(-south),
+            rows_per_rad: 1.0 / lat_step,
+            columns_per_rad: 1.0 / lon_step,
+            middle_rad: self.west_rad + 0.5 * f64::from(columns_used - 1) * lon_step,
+        })
+    }
+}
+
+/// A georeference that has been checked.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Snapped {
+    /// Columns that are kept: one that repeats the first is not.
+    pub columns: usize,
+    pub rows: usize,
+    pub registration: Registration,
+    pub north_rad: f64,
+    pub lat_step_rad: f64,
+    pub west_rad: f64,
+    pub lon_step_rad: f64,
+    /// East of the last column follows the first.
+    pub is_periodic: bool,
+    pub reaches_north: bool,
+    pub reaches_south: bool,
+    /// Inverses of the steps, and the longitude half-way between the outermost columns.
+    rows_per_rad: f64,
+    columns_per_rad: f64,
+    middle_rad: f64,
+}
+
+/// The whole number below: `f64::floor` is a call where the processor may lack the instruction.
+#[inline]
+pub(super) fn floor(x: f64) -> f64 {
+    // Larger numbers are whole, and may not fit an i64.
+    if x.is_nan() || x.abs() > 4e15 {
+        return x;
+    }
+    let towards_zero = x as i64 as f64;
+    if towards_zero > x {
+        towards_zero - 1.0
+    } else {
+        towards_zero
+    }
+}
+
+impl Snapped {
+    /// Row and column of a place as real numbers, 0 at the centre of the first sample. Where the grid is not periodic,
+    /// columns are counted from the nearer side.
+    #[inline]
+    pub(super) fn locate(&self, lat_rad: f64, lon_rad: f64) -> (f64, f64) {
+        let lat_rad = lat_rad.clamp(-FRAC_PI_2, FRAC_PI_2);
+        let row = (self.north_rad - lat_rad) * self.rows_per_rad;
+        if self.is_periodic {
+            let turns = (lon_rad - self.west_rad) * (1.0 / TAU);
+            (row, (turns - floor(turns)) * self.columns as f64)
+        } else {
+            let middle = 0.5 * (self.columns - 1) as f64;
+            let from_middle = lon_rad - self.middle_rad;
+            let turns = floor(from_middle * (1.0 / TAU) + 0.5);
+            (
+                row,
+                (from_middle - turns * TAU) * self.columns_per_rad + middle,
+            )
+        }
+    }
+
+    /// Rows of the poles, real numbers as those of [`Self::locate`].
+    pub(super) fn pole_rows(&self) -> (f64, f64) {
+        (
+            (self.north_rad - FRAC_PI_2) / self.lat_step_rad,
+            (self.north_rad + FRAC_PI_2) / self.lat_step_rad,
+        )
+    }
+
+    /// Latitude of a row, radians.
+    pub(super) fn latitude_rad(&self, row: f64) -> f64 {
+        self.north_rad - row * self.lat_step_rad
+    }
+
+    /// The cosine of the covered latitude that is nearest to the equator.
+    pub(super) fn widest_cos(&self) -> f64 {
+        let south = self.latitude_rad((self.rows - 1) as f64);
+        if self.north_rad >= 0.0 && south <= 0.0 {
+            1.0
+        } else {
+            self.north_rad.cos().max(south.cos()).max(1e-6)
+        }
+    }
+
+    /// Half a cell beyond the outermost samples, or nothing.
+    pub(super) fn margin(&self) -> f64 {
+        match self.registration {
+            Registration::Cells => 0.5,
+            Registration::Posts => 0.0,
+        }
+    }
+}

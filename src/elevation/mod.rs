@@ -1,0 +1,130 @@
+//! Heights of the ground: what surfaces with relief are made from.
+//!
+//! Heights are metres above the ellipsoid. Data that are given above mean sea level are taken as they are: the geoid lies
+//! within 107 m of WGS84, and no surface here tells the two apart.
+//!
+//! [`Ground`] is what scenes use: any number of [`HeightGrid`]s over a sea at height 0. Grids are made from heights in
+//! memory or, with the feature `terrain`, read from files (GeoTIFF, PNG with a sidecar, NetCDF classic).
+
+mod grid;
+mod ground;
+#[cfg(feature = "terrain")]
+pub mod read;
+
+pub use grid::{
+    FEATHER_SAMPLES, Georeference, GridError, GridLimits, GridStats, HIGHEST_M, HeightGrid,
+    LOWEST_M, MAX_SIDE, Registration,
+};
+pub use ground::Ground;
+#[cfg(feature = "terrain")]
+pub use read::{HeightFile, HeightFileError, open_heights};
+
+use crate::frames::Ellipsoid;
+use glam::DVec2;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// A rectangle of geodetic latitude and longitude, radians. It may cross the date line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Latitude of the southern edge, −π/2…π/2.
+    pub south_rad: f64,
+    /// Latitude of the northern edge, not below [`Self::south_rad`].
+    pub north_rad: f64,
+    /// Longitude of the western edge; any turn.
+    pub west_rad: f64,
+    /// From there to the eastern edge, 0…2π.
+    pub width_rad: f64,
+}
+
+impl Bounds {
+    /// The whole Earth.
+    pub const GLOBE: Self = Self {
+        south_rad: -0.5 * PI,
+        north_rad: 0.5 * PI,
+        west_rad: -PI,
+        width_rad: TAU,
+    };
+
+    /// Whether a place lies inside or on the edge.
+    pub fn contains(&self, lat_rad: f64, lon_rad: f64) -> bool {
+        (self.south_rad..=self.north_rad).contains(&lat_rad)
+            && (lon_rad - self.west_rad).rem_euclid(TAU) <= self.width_rad
+    }
+}
+
+/// Lowest and highest of some heights, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeightRange {
+    /// Lowest.
+    pub low_m: f64,
+    /// Highest.
+    pub high_m: f64,
+}
+
+/// A source of heights. Every answer is finite: where there are no data, a source says what it takes in their place.
+pub trait Elevation: Send + Sync {
+    /// Height at a geodetic place, metres, averaged over about `spacing_rad` of ground to each side (an angle at the Earth's
+    /// centre); 0 asks for the finest there is. Continuous in the place. Longitude may be of any turn, and a latitude
+    /// beyond a pole is taken as the pole's.
+    fn height_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64;
+
+    /// Lowest and highest height that [`Self::height_m`] answers inside the bounds, at any spacing. May be too wide, never
+    /// too narrow.
+    fn range_m(&self, bounds: &Bounds) -> HeightRange;
+
+    /// As [`Self::range_m`], for heights that are asked for at spacings up to `coarsest_rad` only. Where that is small
+    /// this is much narrower: at any spacing, also the mean of the whole Earth counts.
+    fn range_up_to_m(&self, bounds: &Bounds, coarsest_rad: f64) -> HeightRange {
+        let _ = coarsest_rad;
+        self.range_m(bounds)
+    }
+
+    /// Angle between neighbouring samples of the finest data at a place, radians; infinite where heights do not vary.
+    fn finest_spacing_rad(&self, lat_rad: f64, lon_rad: f64) -> f64;
+
+    /// Rise of the ground to the east and to the north, metres per metre, between places `spacing_rad` to each side, or
+    /// [`Self::finest_spacing_rad`] if that is more. Zero where heights do not vary. At a pole, north is away from it along
+    /// the meridian opposite to the longitude.
+    fn slope(&self, ellipsoid: &Ellipsoid, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> DVec2 {
+        let step_rad = spacing_rad.max(self.finest_spacing_rad(lat_rad, lon_rad));
+        if !step_rad.is_finite() {
+            return DVec2::ZERO;
+        }
+        // From a decimetre of ground, so that the difference of two heights is not lost in their last digits.
+        let step_rad = step_rad.clamp(2e-8, 0.25 * PI);
+        let lat_rad = lat_rad.clamp(-FRAC_PI_2, FRAC_PI_2);
+        let (sin, cos) = step_rad.sin_cos();
+        let (sin_lat, cos_lat) = lat_rad.sin_cos();
+        // Distance from the axis and from the equator's plane, of a geodetic latitude.
+        let (a, b) = (ellipsoid.equatorial_radius_m, ellipsoid.polar_radius_m);
+        let meridian = |sin_lat: f64, cos_lat: f64| {
+            let scaled = DVec2::new(a * cos_lat, b * sin_lat);
+            DVec2::new(a, b) * scaled / scaled.length()
+        };
+        // Along the great circle that leaves to the east: it has no trouble with poles, as the parallel has. Its points
+        // lie turned by ±λ from here, at a latitude φ with cos φ sin λ = sin s.
+        let turn_rad = sin.atan2(cos_lat * cos);
+        let (sin_beside, cos_beside) = (sin_lat * cos, (cos_lat * cos).hypot(sin));
+        let beside_rad = sin_beside.atan2(cos_beside);
+        let east_m = 2.0 * meridian(sin_beside, cos_beside).x * (sin / cos_beside);
+        let beside_m = |lon_rad| self.height_m(beside_rad, lon_rad, spacing_rad);
+        let east_rise_m = beside_m(lon_rad + turn_rad) - beside_m(lon_rad - turn_rad);
+        // Along the meridian, over a pole if it is so near.
+        let north_m =
+            meridian(sin_lat * cos + cos_lat * sin, cos_lat * cos - sin_lat * sin).distance(
+                meridian(sin_lat * cos - cos_lat * sin, cos_lat * cos + sin_lat * sin),
+            );
+        let along_m = |lat: f64| {
+            if lat.abs() > FRAC_PI_2 {
+                self.height_m(PI.copysign(lat) - lat, lon_rad + PI, spacing_rad)
+            } else {
+                self.height_m(lat, lon_rad, spacing_rad)
+            }
+        };
+        let north_rise_m = along_m(lat_rad + step_rad) - along_m(lat_rad - step_rad);
+        DVec2::new(east_rise_m / east_m, north_rise_m / north_m)
+    }
+}
+
+#[cfg(test)]
+mod tests;

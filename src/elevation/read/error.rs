@@ -1,0 +1,186 @@
+//! Why heights could not be read, said with the file, the cause, what was expected and what to do.
+
+use crate::elevation::GridError;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+
+/// Why heights could not be read from a file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum HeightFileError {
+    /// A file could not be opened or read.
+    #[error("{}: {source}; check that it is a file and its permissions", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The system's words.
+        source: std::io::Error,
+    },
+    /// A file began well and then broke.
+    #[error("{}: truncated or damaged: {cause}; copy or make it again", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        cause: String,
+    },
+    /// A file cannot be used as it is.
+    #[error("{}: {cause}; expected {expected}: {remedy}", path.display())]
+    Refused {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        cause: String,
+        /// What it should be.
+        expected: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// A grid that is not one of latitudes and longitudes of WGS84 or nearly that.
+    #[error(
+        "{}: is in {crs}; expected latitudes and longitudes of WGS84: `gdalwarp -t_srs EPSG:4326 -r bilinear {} OUT.tif`",
+        path.display(), path.display()
+    )]
+    OtherCoordinates {
+        /// The file.
+        path: PathBuf,
+        /// What it is in, with its EPSG code where it says one.
+        crs: String,
+    },
+    /// Rows that do not run from west to east.
+    #[error(
+        "{}: is rotated or sheared; expected rows from west to east: `gdalwarp -t_srs EPSG:4326 -r bilinear {} OUT.tif`",
+        path.display(), path.display()
+    )]
+    Rotated {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Neither file nor sidecar say where the heights lie.
+    #[error(
+        "{}: does not say where it lies; expected that in {}: write bounds = {{ south_deg = …, north_deg = …, west_deg = …, \
+         east_deg = … }} and registration = \"cells\" or \"posts\" there", path.display(), sidecar.display()
+    )]
+    NoPlace {
+        /// The file.
+        path: PathBuf,
+        /// Its sidecar.
+        sidecar: PathBuf,
+    },
+    /// Neither file nor sidecar say the unit of heights.
+    #[error(
+        "{}: does not say whether its heights are metres or feet; expected that in {}: write unit = \"metres\", \"feet\" or \
+         \"us-survey-feet\" there", path.display(), sidecar.display()
+    )]
+    NoUnit {
+        /// The file.
+        path: PathBuf,
+        /// Its sidecar.
+        sidecar: PathBuf,
+    },
+    /// File and sidecar contradict each other.
+    #[error(
+        "{}: says that its heights are {of_file}, and its sidecar says {of_sidecar}; expected one unit: correct the sidecar",
+        path.display()
+    )]
+    TwoUnits {
+        /// The file.
+        path: PathBuf,
+        /// By the file.
+        of_file: &'static str,
+        /// By the sidecar.
+        of_sidecar: &'static str,
+    },
+    /// A sidecar is wrong.
+    #[error("{}:{line}: {cause}", path.display())]
+    Sidecar {
+        /// The sidecar.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong and what is expected.
+        cause: String,
+    },
+    /// The heights make no grid.
+    #[error("{}: {source}", path.display())]
+    Grid {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: GridError,
+    },
+}
+
+/// Errors about one file.
+#[derive(Clone, Debug)]
+pub(super) struct Blame(PathBuf);
+
+impl Blame {
+    pub(super) fn new(path: &Path) -> Self {
+        Self(path.to_path_buf())
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.0
+    }
+
+    pub(super) fn unreadable(&self, source: std::io::Error) -> HeightFileError {
+        HeightFileError::Unreadable {
+            path: self.0.clone(),
+            source,
+        }
+    }
+
+    /// An error while reading: an end that comes too early is damage.
+    pub(super) fn reading(&self, source: std::io::Error) -> HeightFileError {
+        match source.kind() {
+            std::io::ErrorKind::UnexpectedEof => self.damaged("the file ends too early"),
+            // Decoders of compressed data tell damage this way.
+            std::io::ErrorKind::InvalidData
+            | std::io::ErrorKind::InvalidInput
+            | std::io::ErrorKind::Other => self.damaged(source),
+            _ => self.unreadable(source),
+        }
+    }
+
+    pub(super) fn damaged(&self, cause: impl Display) -> HeightFileError {
+        HeightFileError::Damaged {
+            path: self.0.clone(),
+            cause: cause.to_string(),
+        }
+    }
+
+    pub(super) fn refused(
+        &self,
+        cause: impl Into<String>,
+        expected: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> HeightFileError {
+        HeightFileError::Refused {
+            path: self.0.clone(),
+            cause: cause.into(),
+            expected: expected.into(),
+            remedy: remedy.into(),
+        }
+    }
+
+    pub(super) fn other_coordinates(&self, crs: impl Into<String>) -> HeightFileError {
+        HeightFileError::OtherCoordinates {
+            path: self.0.clone(),
+            crs: crs.into(),
+        }
+    }
+
+    pub(super) fn rotated(&self) -> HeightFileError {
+        HeightFileError::Rotated {
+            path: self.0.clone(),
+        }
+    }
+
+    pub(super) fn grid(&self, source: GridError) -> HeightFileError {
+        HeightFileError::Grid {
+            path: self.0.clone(),
+            source,
+        }
+    }
+}

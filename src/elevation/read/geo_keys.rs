@@ -1,0 +1,249 @@
+//! What the tags of a GeoTIFF say about place and units (OGC 19-008r4, and GDAL's own tags).
+
+use super::HeightFileError;
+use super::error::Blame;
+use super::sidecar::HeightUnit;
+use crate::elevation::{Georeference, Registration};
+
+/// Geographic coordinate systems (EPSG) that lie within a few metres of WGS84.
+const NEAR_WGS84: &[u16] = &[
+    4326, // WGS84
+    4979, // WGS84 with height
+    9057, 9755, // WGS84 G1762, G2139
+    4322, // WGS72
+    4269, 4617, 4152, 4759, 6318, // NAD83: original, CSRS, HARN, NSRS2007, 2011
+    4258, // ETRS89
+    4283, 7844, // GDA94, GDA2020
+    4167, // NZGD2000
+    4612, 6668, // JGD2000, JGD2011
+    4674, // SIRGAS2000
+    4490, // CGCS2000
+    4148, // Hartebeesthoek94
+    4171, 4624, // RGF93, RGFG95
+    4737, // Korea 2000
+    7789, 9000, 8999, // ITRF2014, ITRF2008
+];
+
+const MODEL_TYPE: u16 = 1024;
+const RASTER_TYPE: u16 = 1025;
+const GEOGRAPHIC_TYPE: u16 = 2048;
+const ANGULAR_UNITS: u16 = 2054;
+const PROJECTED_TYPE: u16 = 3072;
+const VERTICAL_TYPE: u16 = 4096;
+const VERTICAL_UNITS: u16 = 4099;
+const USER_DEFINED: u16 = 32_767;
+
+/// What the tags say, as far as they are there.
+#[derive(Clone, Debug, Default)]
+pub(super) struct GeoTags {
+    /// Size of a sample, to the east and to the south.
+    pub scale: Option<Vec<f64>>,
+    /// Column, row, (level) and longitude, latitude, (height) of points.
+    pub tie: Option<Vec<f64>>,
+    /// The affine map from columns and rows, 4 × 4 row-major.
+    pub matrix: Option<Vec<f64>>,
+    /// Pairs of (key, value) of the keys whose value is a number.
+    pub keys: Vec<(u16, u16)>,
+    /// GDAL's XML of metadata.
+    pub gdal: String,
+}
+
+/// Where a file lies, and whether its southern row comes first.
+pub(super) type Place = (Georeference, bool);
+
+impl GeoTags {
+    /// The keys of a key directory: four numbers a key after a header of four.
+    pub(super) fn read_keys(directory: &[u16]) -> Vec<(u16, u16)> {
+        let (entries, _) = directory.get(4..).unwrap_or(&[]).as_chunks::<4>();
+        entries
+            .iter()
+            .filter(|[_, place, count, _]| *place == 0 && *count == 1)
+            .map(|[key, _, _, value]| (*key, *value))
+            .collect()
+    }
+
+    fn key(&self, key: u16) -> Option<u16> {
+        self.keys.iter().find(|(k, _)| *k == key).map(|(_, v)| *v)
+    }
+
+    /// Where the file lies; `None` if it does not say.
+    pub(super) fn place(
+        &self,
+        columns: u32,
+        rows: u32,
+        blame: &Blame,
+    ) -> Result<Option<Place>, HeightFileError> {
+        let affine = self.affine(blame)?;
+        let Some([left, top, right_step, down_step]) = affine else {
+            if !self.keys.is_empty() && self.key(MODEL_TYPE).is_some_and(|model| model != 2) {
+                self.check_coordinates(blame)?;
+            }
+            return Ok(None);
+        };
+        let radians = self.check_coordinates(blame)?;
+        let registration = match self.key(RASTER_TYPE) {
+            None | Some(1) => Registration::Cells,
+            Some(2) => Registration::Posts,
+            Some(other) => {
+                return Err(blame.refused(
+                    format!("has the raster type {other}"),
+                    "1 (areas) or 2 (points) in GTRasterTypeGeoKey",
+                    "rewrite it with `gdal_translate`",
+                ));
+            }
+        };
+        // The corner of the first cell, or the first point itself.
+        let half = match registration {
+            Registration::Cells => 0.5,
+            Registration::Posts => 0.0,
+        };
+        if !(right_step > 0.0 && down_step != 0.0 && left.is_finite() && top.is_finite()) {
+            return Err(blame.refused(
+                "runs from east to west, or has steps of no size",
+                "columns from west to east",
+                format!(
+                    "`gdalwarp -t_srs EPSG:4326 {} OUT.tif`",
+                    blame.path().display()
+                ),
+            ));
+        }
+        let is_south_first = down_step < 0.0;
+        let first = top - half * down_step;
+        let north = if is_south_first {
+            first - f64::from(rows.saturating_sub(1)) * down_step
+        } else {
+            first
+        };
+        let place = Georeference {
+            columns,
+            rows,
+            registration,
+            north_rad: north * radians,
+            lat_step_rad: down_step.abs() * radians,
+            west_rad: (left + half * right_step) * radians,
+            lon_step_rad: right_step * radians,
+        };
+        Ok(Some((place, is_south_first)))
+    }
+
+    /// Longitude and latitude of column 0, row 0, and steps to the east and to the south.
+    fn affine(&self, blame: &Blame) -> Result<Option<[f64; 4]>, HeightFileError> {
+        if let Some(m) = self.matrix.as_deref() {
+            let [a, b, _, c, d, e, _, f, ..] = *m else {
+                return Err(blame.damaged("ModelTransformation of fewer than 16 numbers"));
+            };
+            if b != 0.0 || d != 0.0 {
+                return Err(blame.rotated());
+            }
+            return Ok(Some([c, f, a, -e]));
+        }
+        match (self.scale.as_deref(), self.tie.as_deref()) {
+            (Some([x, y, ..]), Some([column, row, _, lon, lat, _])) => {
+                Ok(Some([lon - column * x, lat + row * y, *x, *y]))
+            }
+            (Some(_), None) => Err(blame.damaged("ModelPixelScale without ModelTiepoint")),
+            (None, None) => Ok(None),
+            _ => Err(blame.refused(
+                "is placed by several points",
+                "one point and a scale",
+                format!(
+                    "`gdalwarp -t_srs EPSG:4326 -r bilinear {} OUT.tif`",
+                    blame.path().display()
+                ),
+            )),
+        }
+    }
+
+    /// Refuses what is not latitude and longitude of WGS84 or nearly that; radians of one unit.
+    fn check_coordinates(&self, blame: &Blame) -> Result<f64, HeightFileError> {
+        let epsg = |kind: &str, code: Option<u16>| match code {
+            Some(code) if code != USER_DEFINED && code != 0 => format!("{kind} EPSG:{code}"),
+            _ => format!("{kind} of its own making"),
+        };
+        match self.key(MODEL_TYPE) {
+            Some(2) => {}
+            Some(1) => {
+                let crs = epsg("the projected coordinates", self.key(PROJECTED_TYPE));
+                return Err(blame.other_coordinates(crs));
+            }
+            Some(3) => return Err(blame.other_coordinates("geocentric coordinates")),
+            Some(other) => {
+                return Err(
+                    blame.other_coordinates(format!("coordinates of the unknown model {other}"))
+                );
+            }
+            None if self.key(PROJECTED_TYPE).is_some() => {
+                let crs = epsg("the projected coordinates", self.key(PROJECTED_TYPE));
+                return Err(blame.other_coordinates(crs));
+            }
+            None if self.key(GEOGRAPHIC_TYPE).is_some() => {}
+            None => {
+                return Err(blame.refused(
+                    "does not say what coordinates it lies in",
+                    "GeoTIFF keys of latitude and longitude",
+                    format!(
+                        "if it is so, `gdal_translate -a_srs EPSG:4326 {} OUT.tif`",
+                        blame.path().display()
+                    ),
+                ));
+            }
+        }
+        let code = self.key(GEOGRAPHIC_TYPE);
+        if !code.is_some_and(|code| NEAR_WGS84.contains(&code)) {
+            return Err(blame.other_coordinates(epsg("the geographic coordinates", code)));
+        }
+        match self.key(ANGULAR_UNITS) {
+            None | Some(9102 | 9122) => Ok(1f64.to_radians()),
+            Some(9101) => Ok(1.0),
+            Some(other) => Err(blame.other_coordinates(format!("angles of the unit EPSG:{other}"))),
+        }
+    }
+
+    /// The unit of heights, `None` if the file does not say it.
+    pub(super) fn unit(&self, blame: &Blame) -> Result<Option<HeightUnit>, HeightFileError> {
+        let unknown = |what: String| {
+            blame.refused(
+                what,
+                "metres or feet",
+                format!("`gdal_translate -a_scale … {} OUT.tif`, then write unit = \"metres\" in a sidecar", blame.path().display()),
+            )
+        };
+        match self.key(VERTICAL_UNITS) {
+            Some(9001) => return Ok(Some(HeightUnit::Metres)),
+            Some(9002) => return Ok(Some(HeightUnit::Feet)),
+            Some(9003) => return Ok(Some(HeightUnit::UsSurveyFeet)),
+            Some(0 | USER_DEFINED) | None => {}
+            Some(other) => return Err(unknown(format!("has heights of the unit EPSG:{other}"))),
+        }
+        if let Some(word) = self.gdal_item("unittype").filter(|word| !word.is_empty()) {
+            let shown: String = word.chars().take(40).collect();
+            return HeightUnit::from_word(word)
+                .map(Some)
+                .ok_or_else(|| unknown(format!("has heights of the unit {shown:?}")));
+        }
+        Ok(match self.key(VERTICAL_TYPE) {
+            // EGM2008, EGM96, EGM84, mean sea level, NAVD88, EVRF2000 and 2007, DHHN2016, ODN.
+            Some(3855 | 5773 | 5798 | 5714 | 5703 | 5730 | 5621 | 7837 | 5701) => {
+                Some(HeightUnit::Metres)
+            }
+            // NAVD88 in feet.
+            Some(8228) => Some(HeightUnit::Feet),
+            // NAVD88 and NGVD29 in feet of the surveys.
+            Some(6360 | 5702) => Some(HeightUnit::UsSurveyFeet),
+            _ => (self.key(GEOGRAPHIC_TYPE) == Some(4979)).then_some(HeightUnit::Metres),
+        })
+    }
+
+    /// The text of the first band's item of a role in GDAL's metadata.
+    pub(super) fn gdal_item(&self, role: &str) -> Option<&str> {
+        let role = format!("role=\"{role}\"");
+        let items = self.gdal.split("<Item ").skip(1);
+        let of_role = items.filter_map(|item| item.split_once('>'));
+        of_role
+            .filter(|(head, _)| {
+                head.contains(&role) && (head.contains("sample=\"0\"") || !head.contains("sample="))
+            })
+            .find_map(|(_, rest)| rest.split('<').next())
+            .map(str::trim)
+    }
+}

@@ -1,0 +1,265 @@
+//! Heights from files.
+//!
+//! | file | where it lies | unit |
+//! |---|---|---|
+//! | GeoTIFF, BigTIFF: strips or tiles, uncompressed, LZW, deflate or PackBits | its own tags, or the sidecar | its own keys, or the sidecar |
+//! | PNG, grey, 8 or 16 bits | the sidecar | the sidecar |
+//! | NetCDF classic (CDF-1, CDF-2) | its coordinate variables, or the sidecar | its attribute `units`, or the sidecar |
+//!
+//! The sidecar of `NAME.png` is `NAME.toml` beside it ([`Sidecar`]). Nothing is guessed: what neither says is an error
+//! that names the key to write, and so is what both say and contradict each other in. Only latitudes and longitudes of
+//! WGS84 and what differs from it by a few metres at most are read; errors about others name the command that warps
+//! them. Everything is checked before anything large is allocated.
+
+mod error;
+mod geo_keys;
+mod netcdf;
+mod png;
+mod sidecar;
+#[cfg(test)]
+mod tests;
+mod tiff;
+
+pub use error::HeightFileError;
+pub use sidecar::{ByteOrder, HeightUnit, MAX_SIDECAR_BYTES, Sidecar, SidecarPlace};
+
+use super::{Georeference, GridLimits, HeightGrid};
+use error::Blame;
+use std::fs::File;
+use std::io::{BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+/// Heights of a file.
+#[derive(Debug)]
+pub struct HeightFile {
+    /// The heights.
+    pub grid: HeightGrid,
+    /// Whom to name for them, from the sidecar.
+    pub attribution: Option<String>,
+}
+
+/// What a file says before its heights. What it does not say is `None`.
+struct Header {
+    columns: u32,
+    rows: u32,
+    place: Option<Georeference>,
+    /// The southern row is stored first.
+    is_south_first: bool,
+    unit: Option<HeightUnit>,
+    scale: Option<f64>,
+    offset: Option<f64>,
+    no_data: Option<f64>,
+}
+
+/// From stored numbers to metres.
+#[derive(Clone, Copy)]
+struct Conversion {
+    scale_m: f64,
+    offset_m: f64,
+    no_data: Option<f64>,
+}
+
+impl Conversion {
+    fn metres(&self, stored: f64) -> f32 {
+        // A value in the file's own precision may have been written with more digits.
+        let is_hole = self
+            .no_data
+            .is_some_and(|no_data| stored == no_data || stored == f64::from(no_data as f32));
+        if is_hole {
+            f32::NAN
+        } else {
+            (self.offset_m + self.scale_m * stored) as f32
+        }
+    }
+}
+
+/// A file whose header has been read.
+enum Source<R: BufRead + Seek> {
+    Tiff(Box<tiff::Tiff<R>>),
+    Png(Box<png::Png<R>>),
+    NetCdf(netcdf::NetCdf<R>),
+}
+
+/// Reads heights from a file, and from its sidecar if there is one. The contents say what it is, not the name.
+///
+/// # Errors
+/// [`HeightFileError`]: which file, what is wrong, what was expected and what to do.
+pub fn open_heights(path: &Path, limits: &GridLimits) -> Result<HeightFile, HeightFileError> {
+    let blame = Blame::new(path);
+    let file = File::open(path).map_err(|error| blame.unreadable(error))?;
+    let metadata = file.metadata().map_err(|error| blame.unreadable(error))?;
+    if !metadata.is_file() {
+        return Err(blame.refused("is no file", "a GeoTIFF, PNG or NetCDF file", "give one"));
+    }
+    let sidecar = read_sidecar(&path.with_extension("toml"))?;
+    let reader = BufReader::with_capacity(1 << 16, file);
+    read_heights(reader, sidecar.as_ref(), path, limits)
+}
+
+/// The sidecar at a path, if there is a file.
+fn read_sidecar(path: &Path) -> Result<Option<Sidecar>, HeightFileError> {
+    let blame = Blame::new(path);
+    let file = match File::open(path) {
+        Ok(file) => file,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(blame.unreadable(error)),
+    };
+    let mut text = Vec::new();
+    file.take(MAX_SIDECAR_BYTES + 1)
+        .read_to_end(&mut text)
+        .map_err(|error| blame.unreadable(error))?;
+    let Ok(text) = String::from_utf8(text) else {
+        return Err(blame.refused("is no text", "TOML", "write it anew as UTF-8"));
+    };
+    Sidecar::from_toml(&text, path).map(Some)
+}
+
+/// Reads heights from anything; `path` is its name in messages.
+///
+/// # Errors
+/// As [`open_heights`].
+pub fn read_heights<R: BufRead + Seek>(
+    mut reader: R,
+    sidecar: Option<&Sidecar>,
+    path: &Path,
+    limits: &GridLimits,
+) -> Result<HeightFile, HeightFileError> {
+    let blame = Blame::new(path);
+    let mut magic = Vec::with_capacity(8);
+    (&mut reader)
+        .take(8)
+        .read_to_end(&mut magic)
+        .and_then(|_| reader.seek(SeekFrom::Start(0)))
+        .map_err(|error| blame.unreadable(error))?;
+    let formats = "a GeoTIFF, a PNG or a NetCDF classic file";
+    let nothing = Sidecar::default();
+    let said = sidecar.unwrap_or(&nothing);
+    let (source, header) = match magic.as_slice() {
+        [0x89, b'P', b'N', b'G', ..] => {
+            let (png, header) = png::Png::open(reader, &blame, said.byte_order)?;
+            (Source::Png(Box::new(png)), header)
+        }
+        [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => {
+            let (tiff, header) = tiff::Tiff::open(reader, &blame)?;
+            (Source::Tiff(Box::new(tiff)), header)
+        }
+        [b'C', b'D', b'F', 1 | 2, ..] => {
+            let (file, header) = netcdf::NetCdf::open(reader, &blame, said.variable.as_deref())?;
+            (Source::NetCdf(file), header)
+        }
+        [b'C', b'D', b'F', ..] | [0x89, b'H', b'D', b'F', ..] => {
+            return Err(blame.refused(
+                "is a NetCDF file of a later form",
+                "NetCDF classic",
+                format!("convert it: `nccopy -k classic {} OUT.nc`", path.display()),
+            ));
+        }
+        _ => {
+            return Err(blame.refused(
+                "is none of the files that heights are read from",
+                formats,
+                format!(
+                    "convert it: `gdal_translate -of GTiff {} OUT.tif`",
+                    path.display()
+                ),
+            ));
+        }
+    };
+    let is_png = matches!(source, Source::Png(_));
+    if said.byte_order.is_some() && !is_png {
+        return Err(blame.refused(
+            "says its byte order itself, and so does the sidecar",
+            "one word on it",
+            "take byte_order out of the sidecar",
+        ));
+    }
+    if said.variable.is_some() && !matches!(source, Source::NetCdf(_)) {
+        return Err(blame.refused(
+            "has no variables, and the sidecar names one",
+            "a variable for NetCDF files only",
+            "take it out of the sidecar",
+        ));
+    }
+    limits
+        .check(header.columns, header.rows)
+        .map_err(|error| blame.grid(error))?;
+    let place = place(&header, said, &blame)?;
+    let conversion = conversion(&header, said, &blame)?;
+    // Checked above: the georeference has the file's size.
+    let count = header.columns as usize * header.rows as usize;
+    let mut heights_m = vec![0.0f32; count];
+    match source {
+        Source::Tiff(mut tiff) => tiff.read(&blame, conversion, &mut heights_m)?,
+        Source::Png(mut png) => png.read(&blame, conversion, &mut heights_m)?,
+        Source::NetCdf(mut file) => file.read(&blame, conversion, &mut heights_m)?,
+    }
+    if header.is_south_first {
+        flip_rows(&mut heights_m, header.columns as usize);
+    }
+    let grid = HeightGrid::new(&place, heights_m, limits).map_err(|error| blame.grid(error))?;
+    Ok(HeightFile {
+        grid,
+        attribution: said.attribution.clone(),
+    })
+}
+
+fn place(header: &Header, said: &Sidecar, blame: &Blame) -> Result<Georeference, HeightFileError> {
+    match (&header.place, &said.place) {
+        (Some(_), Some(_)) => Err(blame.refused(
+            "says itself where it lies, and so does its sidecar",
+            "one place",
+            "take bounds, centre, spacing and registration out of the sidecar",
+        )),
+        (Some(place), None) => Ok(*place),
+        (None, Some(place)) => {
+            let place = place.georeference(header.columns, header.rows);
+            place.map_err(|error| blame.grid(error))
+        }
+        (None, None) => Err(HeightFileError::NoPlace {
+            path: blame.path().to_owned(),
+            sidecar: sidecar_of(blame.path()),
+        }),
+    }
+}
+
+fn conversion(
+    header: &Header,
+    said: &Sidecar,
+    blame: &Blame,
+) -> Result<Conversion, HeightFileError> {
+    let unit = match (header.unit, said.unit) {
+        (Some(of_file), Some(of_sidecar)) if of_file != of_sidecar => {
+            return Err(HeightFileError::TwoUnits {
+                path: blame.path().to_owned(),
+                of_file: of_file.name(),
+                of_sidecar: of_sidecar.name(),
+            });
+        }
+        (Some(unit), _) | (None, Some(unit)) => unit,
+        (None, None) => {
+            return Err(HeightFileError::NoUnit {
+                path: blame.path().to_owned(),
+                sidecar: sidecar_of(blame.path()),
+            });
+        }
+    };
+    let unit_m = unit.metres();
+    Ok(Conversion {
+        scale_m: said.scale.or(header.scale).unwrap_or(1.0) * unit_m,
+        offset_m: said.offset.or(header.offset).unwrap_or(0.0) * unit_m,
+        no_data: said.no_data.or(header.no_data),
+    })
+}
+
+fn sidecar_of(path: &Path) -> PathBuf {
+    path.with_extension("toml")
+}
+
+/// Turns the order of the rows round.
+fn flip_rows(values: &mut [f32], columns: usize) {
+    let rows = values.len() / columns;
+    for row in 0..rows / 2 {
+        let (north, south) = values.split_at_mut((rows - 1 - row) * columns);
+        north[row * columns..(row + 1) * columns].swap_with_slice(&mut south[..columns]);
+    }
+}

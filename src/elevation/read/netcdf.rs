@@ -1,0 +1,463 @@
+//! NetCDF classic (CDF-1, CDF-2): one variable over latitude and longitude.
+//!
+//! Format: Unidata, "The NetCDF Classic Format Specification". All numbers are big-endian, names and values are padded
+//! to four bytes.
+
+use super::error::Blame;
+use super::sidecar::HeightUnit;
+use super::{Conversion, Header, HeightFileError};
+use crate::elevation::{Georeference, GridError, MAX_SIDE, Registration};
+use std::io::{BufRead, Read, Seek, SeekFrom};
+
+/// Largest header, bytes, and most dimensions, attributes or variables of one list.
+const HEADER_BYTES: u64 = 1 << 20;
+const MOST_ENTRIES: u32 = 1024;
+/// Longest name or text that is kept, bytes.
+const TEXT_BYTES: u32 = 256;
+
+/// How far coordinates may lie from equal steps, in steps: those of single precision stray that far.
+const UNEVEN: f64 = 0.05;
+
+/// An attribute's values: a text or its first number.
+enum Value {
+    Text(String),
+    Number(f64),
+}
+
+type Attributes = Vec<(String, Value)>;
+
+fn number(attributes: &Attributes, name: &str) -> Option<f64> {
+    attributes.iter().find_map(|(n, value)| match value {
+        Value::Number(number) if n == name => Some(*number),
+        _ => None,
+    })
+}
+
+fn text<'a>(attributes: &'a Attributes, name: &str) -> Option<&'a str> {
+    attributes.iter().find_map(|(n, value)| match value {
+        // C programs write the end of their strings too.
+        Value::Text(text) if n == name => Some(text.trim_end_matches('\0')),
+        _ => None,
+    })
+}
+
+/// Number type of the file: its code and bytes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Byte,
+    Char,
+    Short,
+    Int,
+    Float,
+    Double,
+}
+
+impl Kind {
+    fn from_code(code: u32) -> Option<Self> {
+        use Kind::{Byte, Char, Double, Float, Int, Short};
+        let all = [Byte, Char, Short, Int, Float, Double];
+        all.get((code as usize).checked_sub(1)?).copied()
+    }
+
+    fn bytes(self) -> usize {
+        match self {
+            Self::Byte | Self::Char => 1,
+            Self::Short => 2,
+            Self::Int | Self::Float => 4,
+            Self::Double => 8,
+        }
+    }
+
+    /// The first number of some bytes that hold one at least.
+    fn number(self, bytes: &[u8]) -> Option<f64> {
+        Some(match self {
+            Self::Byte => f64::from(*bytes.first()? as i8),
+            Self::Char => return None,
+            Self::Short => f64::from(i16::from_be_bytes(*bytes.first_chunk()?)),
+            Self::Int => f64::from(i32::from_be_bytes(*bytes.first_chunk()?)),
+            Self::Float => f64::from(f32::from_be_bytes(*bytes.first_chunk()?)),
+            Self::Double => f64::from_be_bytes(*bytes.first_chunk()?),
+        })
+    }
+
+    /// What the library fills unwritten values with.
+    fn default_fill(self) -> Option<f64> {
+        match self {
+            Self::Byte | Self::Char => None,
+            Self::Short => Some(-32_767.0),
+            Self::Int => Some(-2_147_483_647.0),
+            Self::Float | Self::Double => Some(9.969_209_968_386_869e36),
+        }
+    }
+}
+
+struct Variable {
+    name: String,
+    dimensions: Vec<usize>,
+    attributes: Attributes,
+    kind: Kind,
+    begin: u64,
+}
+
+/// Reads the header, byte by byte within its bound.
+struct Head<'a, R> {
+    reader: std::io::Take<&'a mut R>,
+    blame: &'a Blame,
+    is_wide: bool,
+}
+
+impl<R: Read> Head<'_, R> {
+    fn bytes<const N: usize>(&mut self) -> Result<[u8; N], HeightFileError> {
+        let mut bytes = [0; N];
+        let read = self.reader.read_exact(&mut bytes);
+        read.map_err(|error| self.blame.reading(error))?;
+        Ok(bytes)
+    }
+
+    fn word(&mut self) -> Result<u32, HeightFileError> {
+        self.bytes().map(u32::from_be_bytes)
+    }
+
+    /// So many bytes and their padding; only the first [`TEXT_BYTES`] are kept.
+    fn run(&mut self, bytes: u64) -> Result<Vec<u8>, HeightFileError> {
+        let kept = bytes.min(u64::from(TEXT_BYTES));
+        let mut run = vec![0; kept as usize];
+        let read = self.reader.read_exact(&mut run);
+        read.map_err(|error| self.blame.reading(error))?;
+        let rest = bytes.next_multiple_of(4) - kept;
+        let skipped = std::io::copy(&mut (&mut self.reader).take(rest), &mut std::io::sink());
+        if skipped.map_err(|error| self.blame.reading(error))? < rest {
+            return Err(self.blame.damaged("the file ends too early"));
+        }
+        Ok(run)
+    }
+
+    fn name(&mut self) -> Result<String, HeightFileError> {
+        let length = self.word()?;
+        if length > TEXT_BYTES {
+            return Err(self.blame.damaged("a name of more than 256 bytes"));
+        }
+        let bytes = self.run(u64::from(length))?;
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
+    }
+
+    /// How many entries a list of this tag has.
+    fn list(&mut self, tag: u32) -> Result<u32, HeightFileError> {
+        let (found, count) = (self.word()?, self.word()?);
+        match (found, count) {
+            (0, 0) => Ok(0),
+            (found, count) if found == tag && count <= MOST_ENTRIES => Ok(count),
+            _ => Err(self.blame.damaged("a list in the header is not one")),
+        }
+    }
+
+    fn kind(&mut self) -> Result<Kind, HeightFileError> {
+        let code = self.word()?;
+        Kind::from_code(code).ok_or_else(|| self.blame.damaged("an unknown type of numbers"))
+    }
+
+    fn attributes(&mut self) -> Result<Attributes, HeightFileError> {
+        let mut attributes = Vec::new();
+        for _ in 0..self.list(12)? {
+            let name = self.name()?;
+            let kind = self.kind()?;
+            let count = u64::from(self.word()?);
+            let bytes = self.run(count * kind.bytes() as u64)?;
+            let value = match kind.number(&bytes) {
+                Some(number) => Value::Number(number),
+                None => Value::Text(String::from_utf8_lossy(&bytes).into_owned()),
+            };
+            attributes.push((name, value));
+        }
+        Ok(attributes)
+    }
+
+    fn variable(&mut self, dimensions: usize) -> Result<Variable, HeightFileError> {
+        let name = self.name()?;
+        let count = self.word()?;
+        if count > MOST_ENTRIES {
+            return Err(self.blame.damaged("a variable of too many dimensions"));
+        }
+        let mut of_variable = Vec::new();
+        for _ in 0..count {
+            let dimension = self.word()? as usize;
+            if dimension >= dimensions {
+                return Err(self
+                    .blame
+                    .damaged("a variable of a dimension that is not there"));
+            }
+            of_variable.push(dimension);
+        }
+        let attributes = self.attributes()?;
+        let kind = self.kind()?;
+        // The size that follows is redundant.
+        self.word()?;
+        let begin = if self.is_wide {
+            self.bytes().map(u64::from_be_bytes)?
+        } else {
+            u64::from(self.word()?)
+        };
+        Ok(Variable {
+            name,
+            dimensions: of_variable,
+            attributes,
+            kind,
+            begin,
+        })
+    }
+}
+
+/// A NetCDF file whose header has been read.
+pub(super) struct NetCdf<R: BufRead + Seek> {
+    reader: R,
+    columns: usize,
+    kind: Kind,
+    begin: u64,
+}
+
+impl<R: BufRead + Seek> NetCdf<R> {
+    pub(super) fn open(
+        mut reader: R,
+        blame: &Blame,
+        wanted: Option<&str>,
+    ) -> Result<(Self, Header), HeightFileError> {
+        let mut head = Head {
+            reader: (&mut reader).take(HEADER_BYTES),
+            blame,
+            is_wide: false,
+        };
+        // The caller has seen the first three.
+        let [_, _, _, version] = head.bytes()?;
+        head.is_wide = version == 2;
+        let _records = head.word()?;
+        let mut dimensions = Vec::new();
+        for _ in 0..head.list(10)? {
+            let name = head.name()?;
+            dimensions.push((name, head.word()?));
+        }
+        let of_file = head.attributes()?;
+        let mut variables = Vec::new();
+        for _ in 0..head.list(11)? {
+            variables.push(head.variable(dimensions.len())?);
+        }
+
+        let chosen = choose(&variables, wanted, blame)?;
+        let (lat, lon) = (chosen.dimensions[0], chosen.dimensions[1]);
+        let (rows, columns) = (dimensions[lat].1, dimensions[lon].1);
+        // A length of 0 is that of records.
+        let sides = 1..=MAX_SIDE;
+        if !sides.contains(&columns) || !sides.contains(&rows) {
+            return Err(blame.grid(GridError::Size { columns, rows }));
+        }
+        let mut axis = |dimension: usize, axis: &Axis| {
+            let (name, count) = &dimensions[dimension];
+            let of_name = |v: &&Variable| v.name == *name && v.dimensions == [dimension];
+            let variable = variables.iter().find(of_name);
+            variable
+                .map(|variable| axis.read(&mut reader, variable, *count, blame))
+                .transpose()
+        };
+        let place = match (axis(lat, &LATITUDE)?, axis(lon, &LONGITUDE)?) {
+            (Some(lat), Some(lon)) => Some((lat, lon)),
+            _ => None,
+        };
+        let is_cells = [&of_file, &chosen.attributes]
+            .iter()
+            .any(|attributes| number(attributes, "node_offset") == Some(1.0));
+        let unit = match text(&chosen.attributes, "units") {
+            None => None,
+            Some(word) => Some(HeightUnit::from_word(word).ok_or_else(|| {
+                blame.refused(
+                    format!("has heights of the unit {word:?}"),
+                    "metres or feet",
+                    format!(
+                        "`ncatted -a units,{},d,, {}` and a unit in a sidecar",
+                        chosen.name,
+                        blame.path().display()
+                    ),
+                )
+            })?),
+        };
+        let header = Header {
+            columns,
+            rows,
+            place: place.map(|((south, lat_step), (west, lon_step))| Georeference {
+                columns,
+                rows,
+                registration: if is_cells {
+                    Registration::Cells
+                } else {
+                    Registration::Posts
+                },
+                north_rad: if lat_step > 0.0 {
+                    (south + f64::from(rows - 1) * lat_step).to_radians()
+                } else {
+                    south.to_radians()
+                },
+                lat_step_rad: lat_step.abs().to_radians(),
+                west_rad: west.to_radians(),
+                lon_step_rad: lon_step.to_radians(),
+            }),
+            is_south_first: place.is_some_and(|((_, lat_step), _)| lat_step > 0.0),
+            unit,
+            scale: number(&chosen.attributes, "scale_factor"),
+            offset: number(&chosen.attributes, "add_offset"),
+            no_data: number(&chosen.attributes, "_FillValue")
+                .or_else(|| number(&chosen.attributes, "missing_value"))
+                .or_else(|| chosen.kind.default_fill()),
+        };
+        let (kind, begin) = (chosen.kind, chosen.begin);
+        let file = Self {
+            reader,
+            columns: columns as usize,
+            kind,
+            begin,
+        };
+        Ok((file, header))
+    }
+
+    /// Fills all rows.
+    pub(super) fn read(
+        &mut self,
+        blame: &Blame,
+        conversion: Conversion,
+        heights_m: &mut [f32],
+    ) -> Result<(), HeightFileError> {
+        let start = self.reader.seek(SeekFrom::Start(self.begin));
+        start.map_err(|error| blame.reading(error))?;
+        let bytes = self.kind.bytes();
+        let mut row = vec![0; self.columns * bytes];
+        for heights_m in heights_m.chunks_exact_mut(self.columns) {
+            let read = self.reader.read_exact(&mut row);
+            read.map_err(|error| blame.reading(error))?;
+            for (height_m, value) in heights_m.iter_mut().zip(row.chunks_exact(bytes)) {
+                *height_m = match self.kind.number(value) {
+                    Some(stored) => conversion.metres(stored),
+                    None => f32::NAN,
+                };
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The variable of heights: the one that is named, or the only one of two dimensions.
+fn choose<'a>(
+    variables: &'a [Variable],
+    wanted: Option<&str>,
+    blame: &Blame,
+) -> Result<&'a Variable, HeightFileError> {
+    let is_grid = |v: &&Variable| v.dimensions.len() == 2 && v.kind != Kind::Char;
+    let mut grids = variables.iter().filter(is_grid);
+    let names = || {
+        let names: Vec<_> = variables
+            .iter()
+            .filter(is_grid)
+            .map(|v| v.name.as_str())
+            .collect();
+        let names: String = names.join(", ").chars().take(300).collect();
+        names
+    };
+    let write = "write variable = \"NAME\" in the sidecar";
+    match (wanted, grids.next(), grids.next()) {
+        (Some(wanted), ..) => variables
+            .iter()
+            .filter(is_grid)
+            .find(|v| v.name == wanted)
+            .ok_or_else(|| {
+                blame.refused(
+                    format!("has no variable {wanted:?} over two dimensions"),
+                    format!("one of: {}", names()),
+                    write,
+                )
+            }),
+        (None, Some(only), None) => Ok(only),
+        (None, Some(_), Some(_)) => Err(blame.refused(
+            "has several variables over two dimensions",
+            format!("one of: {}", names()),
+            write,
+        )),
+        (None, None, _) => Err(blame.refused(
+            "has no variable over two dimensions",
+            "heights over latitude and longitude",
+            "take one time or level out of it (`ncks -d time,0`, then `ncwa -a time`)",
+        )),
+    }
+}
+
+/// What an axis is called.
+struct Axis {
+    name: &'static str,
+    units: [&'static str; 3],
+}
+
+const LATITUDE: Axis = Axis {
+    name: "lat",
+    units: ["degrees_north", "degree_north", "degrees_n"],
+};
+const LONGITUDE: Axis = Axis {
+    name: "lon",
+    units: ["degrees_east", "degree_east", "degrees_e"],
+};
+
+impl Axis {
+    /// First coordinate and step, degrees.
+    fn read<R: BufRead + Seek>(
+        &self,
+        reader: &mut R,
+        variable: &Variable,
+        count: u32,
+        blame: &Blame,
+    ) -> Result<(f64, f64), HeightFileError> {
+        let name = &variable.name;
+        let is_named = name.to_ascii_lowercase().starts_with(self.name);
+        let has_unit = text(&variable.attributes, "units").map(|unit| {
+            self.units
+                .contains(&unit.trim().to_ascii_lowercase().as_str())
+        });
+        if !has_unit.unwrap_or(is_named) {
+            return Err(blame.other_coordinates(format!("the coordinates {name:?}")));
+        }
+        let bytes = variable.kind.bytes();
+        let start = reader.seek(SeekFrom::Start(variable.begin));
+        start.map_err(|error| blame.reading(error))?;
+        // At most 8 × `MAX_SIDE`.
+        let mut values = vec![0; count as usize * bytes];
+        let read = reader.read_exact(&mut values);
+        read.map_err(|error| blame.reading(error))?;
+        let mut degrees: Vec<f64> = values
+            .chunks_exact(bytes)
+            .map(|value| variable.kind.number(value).unwrap_or(f64::NAN))
+            .collect();
+        if self.name == "lon" {
+            // 179, −180 is a step to the east.
+            let mut turns = 0.0;
+            let mut before = f64::NEG_INFINITY;
+            for value in &mut degrees {
+                if *value < before - 180.0 {
+                    turns += 360.0;
+                }
+                before = *value;
+                *value += turns;
+            }
+        }
+        let first = degrees[0];
+        let last = degrees[degrees.len() - 1];
+        let step = (last - first) / f64::from(count - 1);
+        let even = |(n, value): (usize, &f64)| {
+            (value - (first + n as f64 * step)).abs() <= UNEVEN * step.abs()
+        };
+        let is_good = step.is_finite() && step != 0.0 && degrees.iter().enumerate().all(even);
+        if !is_good || self.name == "lon" && step < 0.0 {
+            return Err(blame.refused(
+                format!("has coordinates {name:?} at unequal steps, or only one"),
+                "equal steps, longitudes to the east",
+                format!(
+                    "`gdalwarp -t_srs EPSG:4326 {} OUT.tif`",
+                    blame.path().display()
+                ),
+            ));
+        }
+        Ok((first, step))
+    }
+}

@@ -1,0 +1,125 @@
+//! PNG: grey of 8 or 16 bits; everything else about it stands in the sidecar.
+
+use super::error::Blame;
+use super::sidecar::ByteOrder;
+use super::{Conversion, Header, HeightFileError};
+use png::{BitDepth, ColorType, DecodingError, Limits, Reader, Transformations};
+use std::io::{BufRead, Seek};
+
+/// What the decoder itself may hold: rows and text. 2 bytes × 2^20 a row, a few of them.
+const DECODER_BYTES: usize = 64 << 20;
+
+/// A PNG file whose header has been read.
+pub(super) struct Png<R: BufRead + Seek> {
+    reader: Reader<R>,
+    columns: usize,
+    /// Little-endian samples, or `None` for those of 8 bits.
+    is_little: Option<bool>,
+}
+
+impl<R: BufRead + Seek> Png<R> {
+    pub(super) fn open(
+        reader: R,
+        blame: &Blame,
+        byte_order: Option<ByteOrder>,
+    ) -> Result<(Self, Header), HeightFileError> {
+        let told = |error| tell(blame, error);
+        let mut decoder = png::Decoder::new_with_limits(
+            reader,
+            Limits {
+                bytes: DECODER_BYTES,
+            },
+        );
+        decoder.set_transformations(Transformations::IDENTITY);
+        decoder.set_ignore_text_chunk(true);
+        decoder.set_ignore_iccp_chunk(true);
+        let (columns, rows) = decoder.read_header_info().map_err(told)?.size();
+        let sides = 1..=crate::elevation::MAX_SIDE;
+        if !sides.contains(&columns) || !sides.contains(&rows) {
+            return Err(blame.grid(crate::elevation::GridError::Size { columns, rows }));
+        }
+        let reader = decoder.read_info().map_err(told)?;
+        let info = reader.info();
+        let (colour, depth) = (info.color_type, info.bit_depth);
+        let is_short = depth == BitDepth::Sixteen;
+        if colour != ColorType::Grayscale || !(is_short || depth == BitDepth::Eight) {
+            return Err(blame.refused(
+                format!("holds {colour:?} samples of {} bits", depth as u8),
+                "one height a sample, grey of 8 or 16 bits",
+                "save it as 16-bit grey",
+            ));
+        }
+        if info.interlaced || info.is_animated() {
+            return Err(blame.refused(
+                "is interlaced or an animation",
+                "a PNG that is written row by row",
+                format!(
+                    "`magick {} -interlace none OUT.png`",
+                    blame.path().display()
+                ),
+            ));
+        }
+        let header = Header {
+            columns,
+            rows,
+            place: None,
+            is_south_first: false,
+            unit: None,
+            scale: None,
+            offset: None,
+            no_data: None,
+        };
+        let is_little = is_short.then_some(byte_order == Some(ByteOrder::Little));
+        let png = Self {
+            reader,
+            columns: columns as usize,
+            is_little,
+        };
+        Ok((png, header))
+    }
+
+    /// Fills all rows.
+    pub(super) fn read(
+        &mut self,
+        blame: &Blame,
+        conversion: Conversion,
+        heights_m: &mut [f32],
+    ) -> Result<(), HeightFileError> {
+        for heights_m in heights_m.chunks_exact_mut(self.columns) {
+            let row = self.reader.next_row().map_err(|error| tell(blame, error))?;
+            let Some(row) = row else {
+                return Err(blame.damaged("too few rows"));
+            };
+            let row = row.data();
+            if let Some(is_little) = self.is_little {
+                let (pairs, _) = row.as_chunks::<2>();
+                for (height_m, pair) in heights_m.iter_mut().zip(pairs) {
+                    let stored = if is_little {
+                        u16::from_le_bytes(*pair)
+                    } else {
+                        u16::from_be_bytes(*pair)
+                    };
+                    *height_m = conversion.metres(f64::from(stored));
+                }
+            } else {
+                for (height_m, stored) in heights_m.iter_mut().zip(row) {
+                    *height_m = conversion.metres(f64::from(*stored));
+                }
+            }
+        }
+        // What is left must be whole too: checksums and the end chunk.
+        self.reader.finish().map_err(|error| tell(blame, error))
+    }
+}
+
+fn tell(blame: &Blame, error: DecodingError) -> HeightFileError {
+    match error {
+        DecodingError::IoError(error) => blame.reading(error),
+        DecodingError::LimitsExceeded => blame.refused(
+            "has chunks beyond all measure",
+            "a picture and little else",
+            "strip it of everything but the picture",
+        ),
+        other => blame.damaged(other),
+    }
+}

@@ -1,0 +1,229 @@
+//! GeoTIFF and TIFF with a sidecar: one channel of any number type, in strips or tiles.
+
+use super::error::Blame;
+use super::geo_keys::GeoTags;
+use super::{Conversion, Header, HeightFileError};
+use crate::elevation::{GridError, MAX_SIDE};
+use std::io::{BufRead, Seek};
+use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
+use tiff::tags::Tag;
+use tiff::{ColorType, TiffError};
+
+/// Largest strip or tile, bytes.
+const CHUNK_BYTES: u64 = 256 << 20;
+
+/// GDAL's XML of metadata.
+const GDAL_METADATA: Tag = Tag::Unknown(42_112);
+
+/// A TIFF file whose header has been read.
+pub(super) struct Tiff<R: BufRead + Seek> {
+    decoder: Decoder<R>,
+    columns: usize,
+    rows: usize,
+    chunk_columns: usize,
+    chunk_rows: usize,
+}
+
+impl<R: BufRead + Seek> Tiff<R> {
+    pub(super) fn open(reader: R, blame: &Blame) -> Result<(Self, Header), HeightFileError> {
+        let told = |error| tell(blame, error);
+        let mut decoder = Decoder::new(reader).map_err(told)?;
+        let (columns, rows) = decoder.dimensions().map_err(told)?;
+        let sides = 1..=MAX_SIDE;
+        if !sides.contains(&columns) || !sides.contains(&rows) {
+            return Err(blame.grid(GridError::Size { columns, rows }));
+        }
+        let colour = decoder.colortype().map_err(told)?;
+        let ColorType::Gray(bits @ (8 | 16 | 32 | 64)) = colour else {
+            return Err(unfit(blame, format!("holds {colour:?} samples")));
+        };
+        let photometric = decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation);
+        if photometric.map_err(told)? == Some(0) {
+            // The decoder would turn the numbers round.
+            return Err(unfit(blame, "counts from white to black".to_string()));
+        }
+        let tags = geo_tags(&mut decoder);
+        let placed = tags.place(columns, rows, blame)?;
+        let number = |text: &str| text.trim_matches(['\0', ' ', '\n']).parse::<f64>().ok();
+        let no_data = match decoder.find_tag(Tag::GdalNodata).map_err(told)? {
+            Some(value) => {
+                let text = value.into_string().map_err(told)?;
+                let shown: String = text.chars().take(40).collect();
+                Some(number(&text).ok_or_else(|| {
+                    blame.refused(
+                        format!("has the no-data value {shown:?}"),
+                        "a number",
+                        format!("`gdal_edit.py -a_nodata -32768 {}`", blame.path().display()),
+                    )
+                })?)
+            }
+            None => None,
+        };
+        let header = Header {
+            columns,
+            rows,
+            place: placed.map(|(place, _)| place),
+            is_south_first: placed.is_some_and(|(_, is_south_first)| is_south_first),
+            unit: tags.unit(blame)?,
+            scale: tags.gdal_item("scale").and_then(number),
+            offset: tags.gdal_item("offset").and_then(number),
+            no_data,
+        };
+
+        let (chunk_columns, chunk_rows) = decoder.chunk_dimensions();
+        // A strip may claim more rows than there are; a tile may be wider and higher than the whole.
+        let chunk_rows = match decoder.get_chunk_type() {
+            ChunkType::Tile => chunk_rows,
+            ChunkType::Strip => chunk_rows.min(rows),
+        };
+        let chunk_bytes = u64::from(chunk_columns)
+            .saturating_mul(u64::from(chunk_rows))
+            .saturating_mul(u64::from(bits / 8));
+        if chunk_columns == 0 || chunk_rows == 0 {
+            return Err(blame.damaged("strips or tiles of no size"));
+        }
+        if chunk_bytes > CHUNK_BYTES {
+            return Err(blame.refused(
+                format!("has strips or tiles of {} MB", chunk_bytes / 1_000_000),
+                format!("at most {} MB", CHUNK_BYTES / 1_000_000),
+                format!(
+                    "`gdal_translate -co TILED=YES {} OUT.tif`",
+                    blame.path().display()
+                ),
+            ));
+        }
+        let mut limits = Limits::default();
+        // At most `CHUNK_BYTES`. Compressed data are at most a little longer.
+        limits.decoding_buffer_size = chunk_bytes as usize;
+        limits.intermediate_buffer_size = chunk_bytes as usize * 2 + 4096;
+        // Places and lengths of the tiles of the largest grid, 16 bytes for each.
+        limits.ifd_value_size = 64 << 20;
+        let tiff = Self {
+            decoder: decoder.with_limits(limits),
+            columns: columns as usize,
+            rows: rows as usize,
+            chunk_columns: chunk_columns as usize,
+            chunk_rows: chunk_rows as usize,
+        };
+        Ok((tiff, header))
+    }
+
+    /// Fills all rows, strip by strip or tile by tile.
+    pub(super) fn read(
+        &mut self,
+        blame: &Blame,
+        conversion: Conversion,
+        heights_m: &mut [f32],
+    ) -> Result<(), HeightFileError> {
+        let across = self.columns.div_ceil(self.chunk_columns);
+        let down = self.rows.div_ceil(self.chunk_rows);
+        for number in 0..across * down {
+            let (first_row, first_column) = (
+                number / across * self.chunk_rows,
+                number % across * self.chunk_columns,
+            );
+            // Below 2^32: chunks hold a sample at least.
+            let index = number as u32;
+            let chunk = self.decoder.read_chunk(index);
+            let chunk = chunk.map_err(|error| tell(blame, error))?;
+            let (width, height) = self.decoder.chunk_data_dimensions(index);
+            let width = (width as usize).min(self.columns - first_column);
+            let height = (height as usize).min(self.rows - first_row);
+            if width == 0
+                || width < self.chunk_columns.min(self.columns - first_column)
+                || height < self.chunk_rows.min(self.rows - first_row)
+            {
+                return Err(blame.damaged("a strip or tile of the wrong size"));
+            }
+            let rows = heights_m
+                .chunks_exact_mut(self.columns)
+                .skip(first_row)
+                .take(height)
+                .map(|row| &mut row[first_column..first_column + width]);
+            let is_whole = match &chunk {
+                DecodingResult::U8(values) => place(values, rows, conversion),
+                DecodingResult::I8(values) => place(values, rows, conversion),
+                DecodingResult::U16(values) => place(values, rows, conversion),
+                DecodingResult::I16(values) => place(values, rows, conversion),
+                DecodingResult::U32(values) => place(values, rows, conversion),
+                DecodingResult::I32(values) => place(values, rows, conversion),
+                DecodingResult::F32(values) => place(values, rows, conversion),
+                DecodingResult::F64(values) => place(values, rows, conversion),
+                _ => {
+                    let cause = "holds whole numbers of 64 bits or floats of 16";
+                    return Err(unfit(blame, cause.to_string()));
+                }
+            };
+            if !is_whole {
+                return Err(blame.damaged("a strip or tile of too few samples"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Converts a chunk's samples, as wide as its rows; whether there were enough.
+fn place<'a, T: Copy + Into<f64>>(
+    values: &[T],
+    rows: impl Iterator<Item = &'a mut [f32]>,
+    conversion: Conversion,
+) -> bool {
+    let mut left = values;
+    for row in rows {
+        let Some((values, rest)) = left.split_at_checked(row.len()) else {
+            return false;
+        };
+        for (height_m, value) in row.iter_mut().zip(values) {
+            *height_m = conversion.metres((*value).into());
+        }
+        left = rest;
+    }
+    true
+}
+
+/// Tags that are not there or not of the right kind say nothing.
+fn geo_tags<R: BufRead + Seek>(decoder: &mut Decoder<R>) -> GeoTags {
+    let mut numbers = |tag| decoder.get_tag_f64_vec(tag).ok();
+    let scale = numbers(Tag::ModelPixelScaleTag);
+    let tie = numbers(Tag::ModelTiepointTag);
+    let matrix = numbers(Tag::ModelTransformationTag);
+    let keys = decoder.get_tag_u16_vec(Tag::GeoKeyDirectoryTag);
+    GeoTags {
+        scale,
+        tie,
+        matrix,
+        keys: keys
+            .map(|keys| GeoTags::read_keys(&keys))
+            .unwrap_or_default(),
+        gdal: decoder
+            .get_tag_ascii_string(GDAL_METADATA)
+            .unwrap_or_default(),
+    }
+}
+
+fn unfit(blame: &Blame, cause: String) -> HeightFileError {
+    blame.refused(
+        cause,
+        "one channel of whole numbers of 8 to 32 bits or of floats of 32 or 64, uncompressed or by LZW, deflate or PackBits",
+        format!(
+            "`gdal_translate -b 1 -ot Float32 -co COMPRESS=DEFLATE {} OUT.tif`",
+            blame.path().display()
+        ),
+    )
+}
+
+fn tell(blame: &Blame, error: TiffError) -> HeightFileError {
+    match error {
+        TiffError::IoError(error) => blame.reading(error),
+        TiffError::UnsupportedError(error) => unfit(blame, error.to_string()),
+        TiffError::LimitsExceeded => blame.refused(
+            "has tags or strips beyond all measure",
+            "those of a picture",
+            format!(
+                "rewrite it: `gdal_translate {} OUT.tif`",
+                blame.path().display()
+            ),
+        ),
+        other => blame.damaged(other),
+    }
+}

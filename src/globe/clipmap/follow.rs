@@ -1,0 +1,222 @@
+//! How levels follow the eye: which are wanted, which move, which wait for samples.
+
+use super::lattice::{Icosahedron, Spot};
+use super::level::{Level, Source};
+use super::reach::Reach;
+use super::{ClipmapCounts, ClipmapOptions, Trim, level};
+use crate::elevation::Elevation;
+use crate::frames::Ellipsoid;
+use crate::globe::surface::GroundView;
+use glam::DVec3;
+
+/// Quarters of a cell that the eye may be from a level's middle before the level moves. Half a cell more than the nearest
+/// even point can be: that is the hysteresis.
+const REST: i64 = 6;
+
+/// Most levels that move in one go; the others lag by a few cells meanwhile.
+const MOST_MOVES: u32 = 2;
+
+/// The rise of the ground between neighbouring samples is taken to be this part of their distance.
+const RISE: f64 = 1.0 / 16.0;
+
+/// A level stays until it is needed by less than this part of what brought it.
+const STAY: f64 = 0.75;
+
+/// Highest ground and lowest, metres, for what lies behind the horizon.
+const RELIEF_M: f64 = 12_000.0;
+
+/// The point below the eye, and what it needs.
+pub struct EyePlace {
+    diamond: u8,
+    /// Parts of the diamond's edges, 0…1.
+    x: f64,
+    y: f64,
+    /// How far the drawn ground may be off, metres.
+    tolerance_m: f64,
+    /// Distance of samples of the data, metres; infinite on flat ground.
+    finest_m: f64,
+    radius_m: f64,
+}
+
+impl EyePlace {
+    /// `None` if the eye is nowhere.
+    pub fn new(
+        icosahedron: &Icosahedron,
+        ellipsoid: &Ellipsoid,
+        view: &GroundView,
+        ground: &dyn Elevation,
+    ) -> Option<Self> {
+        if !view.eye_itrf_m.is_finite() {
+            return None;
+        }
+        let eye = ellipsoid.geodetic_from_itrf(view.eye_itrf_m);
+        if !(eye.lat_rad.is_finite() && eye.lon_rad.is_finite() && eye.height_m.is_finite()) {
+            return None;
+        }
+        let (diamond, x, y) = icosahedron.locate(Ellipsoid::normal(eye.lat_rad, eye.lon_rad));
+        let ground_m = ground.height_m(eye.lat_rad, eye.lon_rad, 0.0);
+        // Below the ground it is the distance to the ground that counts as well.
+        let above_m = (eye.height_m - ground_m).abs().max(1.0);
+        let radius_m = ellipsoid.equatorial_radius_m;
+        Some(Self {
+            diamond,
+            x,
+            y,
+            tolerance_m: (view.tolerance_px * view.pixel_rad * above_m).max(0.0),
+            finest_m: ground.finest_spacing_rad(eye.lat_rad, eye.lon_rad) * radius_m,
+            radius_m,
+        })
+    }
+
+    /// The nearest point of a lattice of `n` cells.
+    fn nearest(&self, n: i64) -> Spot {
+        Spot {
+            diamond: self.diamond,
+            i: (self.x * n as f64).round() as i64,
+            j: (self.y * n as f64).round() as i64,
+        }
+    }
+
+    /// Quarters of a cell from a point of a lattice of `n` cells to the eye; far too many if it is out of reach.
+    fn lag(&self, middle: Spot, n: i64) -> i64 {
+        let from = Reach::new(middle.scaled(4), 4 * n, 2 * n, Trim::Diamond);
+        from.distance(self.nearest(4 * n)).unwrap_or(i64::MAX)
+    }
+
+    /// Whether cells of `spacing_m` are too coarse here. `part` of the tolerance is taken.
+    fn needs_finer(&self, spacing_m: f64, part: f64) -> bool {
+        let tolerance_m = self.tolerance_m * part;
+        // The chord of a cell below the sphere. Nobody sees a millimetre.
+        let sagitta_m = spacing_m * spacing_m / (8.0 * self.radius_m);
+        sagitta_m > tolerance_m.max(1e-3)
+            || (spacing_m > self.finest_m && spacing_m * RISE > tolerance_m)
+    }
+}
+
+/// Moves, fills, begins and ends levels for an eye.
+pub fn follow(
+    levels: &mut Vec<Level>,
+    options: &ClipmapOptions,
+    eye: &EyePlace,
+    source: &Source<'_>,
+    clock: &mut u64,
+    counts: &mut ClipmapCounts,
+) {
+    let radius = i64::from(options.samples / 2);
+    let mut budget = options.samples_per_prepare;
+    let fade_step = 1.0 / f64::from(options.fade_prepares.max(1));
+    // Whether the coarser level is drawn as it is, so that another may lie in it.
+    let mut open = true;
+    for number in 1..=options.levels {
+        let at = number as usize;
+        let spacing_m = level::EDGE_RAD / (radius << (number - 1)) as f64 * eye.radius_m;
+        let there = levels.get(at).is_some_and(|level| level.reach.is_some());
+        let wanted = eye.needs_finer(spacing_m, if there { STAY } else { 1.0 });
+        counts.wanted += u32::from(wanted);
+        if levels.len() <= at {
+            if !wanted {
+                break;
+            }
+            levels.push(Level::new(number, radius, options.trim));
+        }
+        let finer = levels
+            .get(at + 1)
+            .is_some_and(|finer| finer.reach.is_some());
+        let (coarse, fine) = levels.split_at_mut(at);
+        let (coarse, level) = (&coarse[at - 1], &mut fine[0]);
+
+        let mut turned = false;
+        if let Some(reach) = level.reach.clone() {
+            let lag = eye.lag(reach.middle, level.n);
+            let mut settled = lag <= 4 * most_lag(radius) && lies_in(coarse, &reach);
+            if open && lag > REST && counts.moved < MOST_MOVES {
+                let target = target(level, eye);
+                if lies_in(coarse, &target) && level.missing(&target) <= budget {
+                    level.fill(&target, source, &mut budget, clock);
+                    level.reach = Some(target);
+                    counts.moved += 1;
+                    (settled, turned) = (true, true);
+                }
+            }
+            if !(open && settled) {
+                level.suspend();
+            }
+        }
+        if level.reach.is_none() && wanted {
+            let near = |aim: &&Reach| eye.lag(aim.middle, level.n) <= 4 * most_lag(radius);
+            let aim = level.pending().filter(near).cloned();
+            let aim = aim.unwrap_or_else(|| target(level, eye));
+            let ready = open && lies_in(coarse, &aim);
+            if level.await_reach(aim, source, &mut budget, clock) {
+                if ready {
+                    level.fade = if options.fade_prepares > 0 { 1.0 } else { 0.0 };
+                    turned = true;
+                } else {
+                    level.hold();
+                }
+            }
+        }
+        if level.reach.is_none() && !wanted {
+            level.suspend();
+        }
+        if level.reach.is_some() {
+            let before = level.fade;
+            if wanted {
+                level.fade = (level.fade - fade_step).max(0.0);
+            } else if before >= 1.0 || options.fade_prepares == 0 {
+                level.suspend();
+            } else if !finer {
+                level.fade = (level.fade + fade_step).min(1.0);
+            }
+            if turned || level.fade != before {
+                level.blend_into(Some(coarse));
+            }
+        }
+        if level.reach.is_some() {
+            counts.finest = number;
+        }
+        open = level.reach.is_some() && level.fade == 0.0;
+    }
+    counts.samples = options.samples_per_prepare - budget;
+}
+
+/// The reach that a level is to have.
+fn target(level: &Level, eye: &EyePlace) -> Reach {
+    level.reach_about(eye.nearest(level.n / 2).scaled(2))
+}
+
+/// Cells that the eye may be from the middle of a level that is drawn.
+fn most_lag(radius: i64) -> i64 {
+    radius / 10
+}
+
+/// Whether a level of this reach lies where the coarser one is drawn as it is: not in the zone where that turns into the
+/// next one.
+fn lies_in(coarse: &Level, reach: &Reach) -> bool {
+    match &coarse.reach {
+        Some(around) => around
+            .distance(reach.middle.halved())
+            .is_some_and(|steps| steps + reach.radius / 2 <= around.radius - coarse.blend()),
+        None => coarse.number == 0,
+    }
+}
+
+/// Whether something of a diamond of level 0 can be in the picture; `middle_m` is the diamond's middle, ITRF metres.
+pub fn base_is_seen(middle_m: DVec3, view: &GroundView) -> bool {
+    // The sharp corners are 58.3° away.
+    let (half_rad, chord_m) = (58.5_f64.to_radians(), 6.26e6 + RELIEF_M);
+    let eye = view.eye_itrf_m;
+    let least_m = Ellipsoid::WGS84.polar_radius_m - RELIEF_M;
+    let dip = |radius_m: f64| (least_m / radius_m).min(1.0).acos();
+    let horizon_rad = dip(eye.length()) + dip(Ellipsoid::WGS84.equatorial_radius_m + RELIEF_M);
+    let away_rad = eye.angle_between(middle_m);
+    if away_rad > half_rad + horizon_rad {
+        return false;
+    }
+    let row = |k| view.clip_from_eye.row(k);
+    let (x, y, z, w) = (row(0), row(1), row(2), row(3));
+    let toward = (middle_m - eye).extend(1.0);
+    ![w + x, w - x, w + y, w - y, z, w - z]
+        .iter()
+        .any(|plane| plane.dot(toward) < -chord_m * plane.truncate().length())
+}

@@ -1,0 +1,251 @@
+//! The clipmap on an icosahedron of the 2014 paper: nested squares of samples about the point below the eye, each twice as
+//! coarse as the one inside it, on a lattice of ten diamonds. No GPU here.
+//!
+//! Level 0 is the whole globe, ten diamonds of `radius` × `radius` cells (`radius` = (samples − 1)/2: cells of about 110 km
+//! at the default); it is read once and only loses cells to level 1. Level ℓ ≥ 1 is a square of `samples` × `samples`
+//! points about the eye's ground point, with diamonds of `radius`·2^ℓ cells. So the finer levels and the rest of the globe
+//! are one closed surface:
+//!
+//! * A level reaches what lies within `radius` steps of its middle, counted on the globe's own lattice. The middle is an even
+//!   point, so the border runs along the coarser lattice; there the level draws at half the rate, and its vertices are the
+//!   coarser level's to the last bit. Over the last quarter of the radius it turns into the coarser surface by degrees.
+//! * Where three diamonds meet instead of four, a corner of the square is missing and the two diamonds beside it touch;
+//!   about a pole five diamonds meet and there are two corners for one, each cut to the longer of the middle's distances.
+//!   Nothing there is drawn twice or left out, and triangles are always those of the icosahedron's faces.
+//! * Which diamond is home is not part of this: on a change of home nothing is read and nothing moves.
+//!
+//! A level moves when the eye is more than 1.5 cells from its middle, to the nearest even point, and reads only what is new.
+//! Levels appear and disappear by turning into the coarser surface first. Where the eye outruns the samples that a
+//! [`Surface::prepare`] may read, the level and all finer ones are left out until they are complete again.
+//!
+//! Positions of level ℓ lie on a grid of 2^(1 − ℓ) m, a 55 000th of the cell, from level 10 on of 2 mm; offsets from the
+//! level's origin are exact in single precision. The origin moves when the middle is half a radius away from it.
+//!
+//! So patches meet to the last bit in double precision; where a GPU adds an offset to the rounded origin as seen from the
+//! eye, to less than a 1 000th of a pixel of a milliradian. The grid itself moves no vertex by more than a 60 000th of its
+//! cell, or 2 mm.
+//!
+//! An eye at rest reads, changes and allocates nothing. A level that moves has the list of its triangles made anew, and that
+//! of the coarser one: two allocations each, 0.4 MB at 129 samples.
+//!
+//! The tolerance says how many levels there are (the last is the first whose cells' sixteenth, the rise taken to be between
+//! samples, is within it), and data no finer than a level end them. It is no bound of the error: the paper's cells are as
+//! wide as a 32nd of their distance, whatever the ground.
+
+mod follow;
+mod lattice;
+mod level;
+mod reach;
+mod sheet;
+#[cfg(test)]
+mod tests;
+mod triangles;
+
+pub use lattice::{Corner, DIAMONDS, Icosahedron, Place, Spot, Triangle, virtual_diamond};
+pub use reach::{Box2, InDiamond, Reach};
+
+use super::surface::{GroundView, Patch, Surface, SurfaceStats};
+use crate::elevation::Elevation;
+use crate::frames::Ellipsoid;
+use follow::{EyePlace, base_is_seen};
+use level::{Level, Source};
+
+/// The outline of a level.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Trim {
+    /// All of the square, a diamond of 60° on the ground.
+    #[default]
+    Diamond,
+    /// The square less its two sharp corners: about as far to all sides.
+    Hexagon,
+}
+
+/// How a clipmap is built.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClipmapOptions {
+    /// Samples along an edge of a level: 65, 129 or 257.
+    pub samples: u32,
+    /// Most levels besides the globe's, 0…[`MOST_LEVELS`]; more are taken as that many.
+    pub levels: u32,
+    /// Most samples that one [`Surface::prepare`] reads, besides the globe's that the first one reads. A level that is not
+    /// drawn yet takes several of them; `u64::MAX` brings all levels at once.
+    pub samples_per_prepare: u64,
+    /// How many times [`Surface::prepare`] is called while a level appears or disappears; 0 for at once.
+    pub fade_prepares: u32,
+    /// The outline of a level.
+    pub trim: Trim,
+    /// The ellipsoid that heights stand on.
+    pub ellipsoid: Ellipsoid,
+}
+
+impl Default for ClipmapOptions {
+    /// The paper's 129 × 129 samples a level, and twice its six levels: the last has cells of 27 m. Levels that the view does
+    /// not ask for cost nothing.
+    fn default() -> Self {
+        Self {
+            samples: 129,
+            levels: 12,
+            samples_per_prepare: 2048,
+            fade_prepares: 8,
+            trim: Trim::Diamond,
+            ellipsoid: Ellipsoid::WGS84,
+        }
+    }
+}
+
+/// Finest level there can be: cells of 7 mm at 129 samples, as fine as numbers of points go.
+pub const MOST_LEVELS: u32 = 24;
+
+/// The number of samples of a level is not one of those there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a clipmap level has {0} samples an edge; it must have 65, 129 or 257")]
+pub struct SamplesError(pub u32);
+
+/// What a clipmap did in its last [`Surface::prepare`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ClipmapCounts {
+    /// Finest level that is drawn.
+    pub finest: u32,
+    /// Levels that the view asks for.
+    pub wanted: u32,
+    /// Levels that moved with the eye.
+    pub moved: u32,
+    /// Samples read for levels.
+    pub samples: u64,
+}
+
+/// The surface "clipmap".
+pub struct Clipmap {
+    options: ClipmapOptions,
+    icosahedron: Icosahedron,
+    levels: Vec<Level>,
+    /// Numbers of level and sheet of what is drawn, near ones first.
+    drawn: Vec<(usize, usize)>,
+    /// Where revisions of the next new sheet begin.
+    clock: u64,
+    counts: ClipmapCounts,
+    stats: SurfaceStats,
+}
+
+impl Clipmap {
+    /// An empty clipmap; the first [`Surface::prepare`] reads the globe's samples.
+    ///
+    /// # Errors
+    /// A number of samples that there is not.
+    pub fn new(options: ClipmapOptions) -> Result<Self, SamplesError> {
+        if ![65, 129, 257].contains(&options.samples) {
+            return Err(SamplesError(options.samples));
+        }
+        let levels = options.levels.min(MOST_LEVELS);
+        Ok(Self {
+            options: ClipmapOptions { levels, ..options },
+            icosahedron: Icosahedron::default(),
+            levels: Vec::with_capacity(levels as usize + 1),
+            drawn: Vec::with_capacity(10 + 5 * levels as usize),
+            clock: 0,
+            counts: ClipmapCounts::default(),
+            stats: SurfaceStats::default(),
+        })
+    }
+
+    /// Drops all samples, for a ground whose heights have changed.
+    pub fn forget(&mut self) {
+        self.levels.clear();
+        self.drawn.clear();
+    }
+
+    /// What the last [`Surface::prepare`] did.
+    pub fn counts(&self) -> ClipmapCounts {
+        self.counts
+    }
+
+    /// Length of a cell's edge at a level, metres: the mean along an edge of the icosahedron. Over the globe cells are
+    /// 0.8…1.2 times as long.
+    pub fn spacing_m(&self, level: u32) -> f64 {
+        let n = f64::from(self.options.samples / 2) * 2.0_f64.powi(level as i32);
+        level::EDGE_RAD / n * self.options.ellipsoid.equatorial_radius_m
+    }
+
+    /// Bytes of samples, vertices and indices that the options can lead to: five sheets a level, and the globe.
+    pub fn most_bytes(&self) -> u64 {
+        let samples = u64::from(self.options.samples);
+        let half = samples / 2 + 1;
+        // Two vertices and a tag a slot; two triangles a cell.
+        let slot = 2 * 24 + 8 + 1 + 24;
+        slot * (samples * samples * 5 * u64::from(self.options.levels) + half * half * 10)
+    }
+}
+
+impl Surface for Clipmap {
+    fn name(&self) -> &'static str {
+        "clipmap"
+    }
+
+    fn prepare(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats {
+        self.stats.samples_read = 0;
+        let ellipsoid = self.options.ellipsoid;
+        let Some(eye) = EyePlace::new(&self.icosahedron, &ellipsoid, view, ground) else {
+            return self.stats;
+        };
+        self.counts = ClipmapCounts::default();
+        let source = Source {
+            ellipsoid: &ellipsoid,
+            icosahedron: &self.icosahedron,
+            ground,
+        };
+        let radius = i64::from(self.options.samples / 2);
+        let mut read = 0;
+        if self.levels.is_empty() {
+            let mut globe = Level::new(0, radius, self.options.trim);
+            read += globe.fill_globe(&source, &mut self.clock);
+            self.levels.push(globe);
+        }
+        follow::follow(
+            &mut self.levels,
+            &self.options,
+            &eye,
+            &source,
+            &mut self.clock,
+            &mut self.counts,
+        );
+        read += self.counts.samples;
+
+        self.drawn.clear();
+        let mut stats = SurfaceStats {
+            samples_read: read,
+            ..SurfaceStats::default()
+        };
+        for number in 0..self.levels.len() {
+            let (coarse, fine) = self.levels.split_at_mut(number + 1);
+            let level = &mut coarse[number];
+            level.cut(fine.first());
+            stats.resident_bytes += level.bytes() as u64;
+            for sheet in &mut level.sheets {
+                sheet.publish();
+            }
+        }
+        let finest = self.counts.finest as usize;
+        for (number, level) in self.levels.iter().enumerate().take(finest + 1).rev() {
+            for (at, sheet) in level.sheets.iter().enumerate() {
+                let patch = &sheet.patch;
+                let empty = patch.indices.triangles.is_empty();
+                if empty || (number == 0 && !base_is_seen(patch.origin_itrf_m, view)) {
+                    continue;
+                }
+                self.drawn.push((number, at));
+                stats.patches += 1;
+                stats.vertices += patch.vertices.len() as u32;
+                stats.triangles += patch.indices.triangles.len() as u32 / 3;
+            }
+        }
+        self.stats = stats;
+        stats
+    }
+
+    fn visit(&self, draw: &mut dyn FnMut(&Patch)) {
+        for (level, sheet) in &self.drawn {
+            draw(&self.levels[*level].sheets[*sheet].patch);
+        }
+    }
+}

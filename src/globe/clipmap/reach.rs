@@ -1,0 +1,225 @@
+//! How far it is from point to point of the lattice, and what lies within reach of a level's middle.
+//!
+//! The distance is counted over the globe's own lattice and not over a plane: who calls which diamond home does not enter,
+//! so that a change of home changes nothing. A level reaches half a diamond's edge at most, hence over one corner at most.
+
+use super::Trim;
+use super::lattice::{Corner, Spot, Triangle};
+
+/// Most diamonds within reach of a point: those about a pole.
+const MOST: usize = 5;
+
+/// From the first number to the second, both ends with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Box2 {
+    /// Least i and j.
+    pub least: (i64, i64),
+    /// Greatest i and j.
+    pub most: (i64, i64),
+}
+
+/// All points within a number of steps of a middle.
+///
+/// [`Trim::Diamond`]: a step goes to any point of the same cell, as a king moves. The points are a square of the lattice;
+/// about the corner of three diamonds a corner of the square is missing, about a pole it is there twice, smaller.
+/// [`Trim::Hexagon`]: a step goes along an edge of a triangle. The points are a hexagon; about the icosahedron's corners a
+/// pentagon.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Reach {
+    /// The middle.
+    pub middle: Spot,
+    /// Cells of a diamond's edge.
+    pub n: i64,
+    /// How many steps, n/2 at most.
+    pub radius: i64,
+    trim: Trim,
+    /// The home's corner nearest to the middle, and on to the left, as many as diamonds meet there.
+    sectors: [Corner; MOST],
+    valence: usize,
+    /// The middle's steps from that corner along the home's first and second edge.
+    a: i64,
+    b: i64,
+}
+
+impl Reach {
+    /// All points within `radius` steps of `middle`, in a lattice of `n` cells.
+    pub fn new(middle: Spot, n: i64, radius: i64, trim: Trim) -> Self {
+        let home = Corner::nearest(middle, n);
+        let (a, b) = home.steps(middle.i, middle.j, n);
+        let mut sectors = [home; MOST];
+        for s in 1..MOST {
+            sectors[s] = sectors[s - 1].left();
+        }
+        Self {
+            middle,
+            n,
+            radius,
+            trim,
+            sectors,
+            valence: home.valence(),
+            a,
+            b,
+        }
+    }
+
+    /// The same in a lattice half as fine, where the middle is even.
+    pub fn halved(&self) -> Self {
+        Self::new(self.middle.halved(), self.n / 2, self.radius / 2, self.trim)
+    }
+
+    /// Steps from the middle to a point; `None` if it lies in a diamond that is out of reach from here. Right for points
+    /// within n/2 steps, never less than that beyond.
+    pub fn distance(&self, spot: Spot) -> Option<i64> {
+        Some(self.in_diamond(spot.diamond)?.distance(spot.i, spot.j))
+    }
+
+    /// Moves of a king from the middle to (p, q) of sector `s`. It can go round the corner either way, and over it.
+    fn king(&self, s: usize, p: i64, q: i64) -> i64 {
+        let (a, b) = (self.a, self.b);
+        let far = a.max(b);
+        match (self.valence, s) {
+            (_, 0) => (p - a).abs().max((q - b).abs()),
+            (5, 1) => (a + q).max((p - b).abs()),
+            (5, 2) => (a + p).max(far + q),
+            (5, 3) => (far + p).max(b + q),
+            (5, _) => (b + p).max((q - a).abs()),
+            (_, 1) => (a + q).max((p - b).abs()).min((b + q).max(far + p)),
+            (_, _) => (b + p).max((q - a).abs()).min((a + p).max(far + q)),
+        }
+    }
+
+    /// Edges of triangles from the middle to (p, q) of sector `s`: five wedges of 60° about the corner, unrolled both ways.
+    fn hex(&self, s: usize, p: i64, q: i64) -> i64 {
+        let (home, u0, t0) = self.wedge(0, self.a, self.b);
+        let (wedge, u, t) = self.wedge(s, p, q);
+        // In the plane of the home wedge's edges e0, e1 at 60°, left turns by 60°.
+        const EDGES: [(i64, i64); 7] = [(1, 0), (0, 1), (-1, 1), (-1, 0), (0, -1), (1, -1), (1, 0)];
+        let over = u0 + t0 + u + t;
+        let turn = (wedge + 5 - home) % 5;
+        let mut best = over;
+        for (edge, left) in [(turn, true), ((turn + 1) % 6, false)] {
+            // To the right the last wedge of five is the sixth of the plane's six.
+            if turn == 0 && !left {
+                continue;
+            }
+            let ((ux, uy), (tx, ty)) = (EDGES[edge], EDGES[edge + 1]);
+            let (x, y) = (u * ux + t * tx, u * uy + t * ty);
+            let side = u0 * y - t0 * x;
+            // Straight only if that leaves the corner on the right side; in the same wedge always.
+            if turn == 0 || (left && side >= 0 && turn <= 3) || (!left && side <= 0 && turn >= 2) {
+                let (dx, dy) = (x - u0, y - t0);
+                best = best.min(dx.abs().max(dy.abs()).max((dx + dy).abs()));
+            }
+        }
+        best
+    }
+
+    /// Which of the five wedges about the corner holds (p, q) of sector `s`, and its steps along that wedge's two edges.
+    fn wedge(&self, s: usize, p: i64, q: i64) -> (usize, i64, i64) {
+        let before = self.sectors[..s]
+            .iter()
+            .map(|corner| if corner.narrow() { 1 } else { 2 })
+            .sum();
+        if self.sectors[s].narrow() {
+            (before, p, q)
+        } else if p >= q {
+            (before, p - q, q)
+        } else {
+            (before + 1, p, q - p)
+        }
+    }
+
+    /// The diamonds that it reaches into with more than an edge, and the box of (i, j) that holds all it reaches there.
+    pub fn boxes(&self) -> impl Iterator<Item = (u8, Box2)> + '_ {
+        (0..self.valence).filter_map(move |s| {
+            let ((p0, p1), (q0, q1)) = self.spans(s)?;
+            let corner = self.sectors[s];
+            let (x, y) = (corner.spot(p0, q0, self.n), corner.spot(p1, q1, self.n));
+            Some((
+                corner.diamond,
+                Box2 {
+                    least: (x.i.min(y.i), x.j.min(y.j)),
+                    most: (x.i.max(y.i), x.j.max(y.j)),
+                },
+            ))
+        })
+    }
+
+    /// The box of a diamond among [`Self::boxes`].
+    pub fn box_in(&self, diamond: u8) -> Option<Box2> {
+        let mut boxes = self.boxes();
+        boxes.find(|(d, _)| *d == diamond).map(|(_, span)| span)
+    }
+
+    /// The spans of p and q in sector `s` that a king's reach lies in; it holds the hexagon's too.
+    fn spans(&self, s: usize) -> Option<((i64, i64), (i64, i64))> {
+        let (a, b, r) = (self.a, self.b, self.radius);
+        let (near_a, near_b) = ((a - r).max(0), (b - r).max(0));
+        // What is left when the edge, or the corner, has been reached.
+        let (ra, rb, rc) = (r - a, r - b, r - a.max(b));
+        let spans = match (self.valence, s) {
+            (_, 0) => ((near_a, a + r), (near_b, b + r)),
+            (5, 1) => ((near_b, b + r), (0, ra)),
+            (5, 2) if rb > 0 => ((0, ra), (0, rc)),
+            (5, 3) if ra > 0 => ((0, rc), (0, rb)),
+            (5, 4) => ((0, rb), (near_a, a + r)),
+            (3, 1) if ra > 0 => ((near_b, b + r), (0, ra.max(if rc > 0 { rb } else { 0 }))),
+            (3, 2) if rb > 0 => ((0, rb.max(if rc > 0 { ra } else { 0 })), (near_a, a + r)),
+            _ => return None,
+        };
+        let ((p0, p1), (q0, q1)) = spans;
+        (p1 > p0 && q1 > q0).then_some(spans)
+    }
+
+    /// Its part in one diamond; `None` if that is out of reach.
+    pub fn in_diamond(&self, diamond: u8) -> Option<InDiamond<'_>> {
+        let sectors = &self.sectors[..self.valence];
+        let sector = sectors.iter().position(|c| c.diamond == diamond)?;
+        Some(InDiamond {
+            reach: self,
+            sector,
+        })
+    }
+
+    /// Whether a triangle is within reach: all its corners, for [`Trim::Diamond`] all of its cell.
+    ///
+    /// Three corners would not do for a king: where the border runs through a corner of three diamonds, the one beyond shows
+    /// it a single triangle between two borders.
+    pub fn holds(&self, triangle: Triangle) -> bool {
+        let Spot { diamond, i, j } = triangle.cell;
+        let part = self.in_diamond(diamond);
+        part.is_some_and(|part| part.holds(i, j, triangle.far))
+    }
+}
+
+/// A reach as one diamond sees it.
+pub struct InDiamond<'a> {
+    reach: &'a Reach,
+    sector: usize,
+}
+
+impl InDiamond<'_> {
+    /// Steps from the middle to (i, j).
+    pub fn distance(&self, i: i64, j: i64) -> i64 {
+        let (p, q) = self.reach.sectors[self.sector].steps(i, j, self.reach.n);
+        match self.reach.trim {
+            Trim::Diamond => self.reach.king(self.sector, p, q),
+            Trim::Hexagon => self.reach.hex(self.sector, p, q),
+        }
+    }
+
+    /// [`Reach::holds`] of the triangle of cell (i, j).
+    pub fn holds(&self, i: i64, j: i64, far: bool) -> bool {
+        let within = |i, j| self.distance(i, j) <= self.reach.radius;
+        let whole = self.reach.trim == Trim::Diamond;
+        within(i + 1, j)
+            && within(i, j + 1)
+            && (far && !whole || within(i, j))
+            && (!far && !whole || within(i + 1, j + 1))
+    }
+
+    /// Steps that are within reach.
+    pub fn radius(&self) -> i64 {
+        self.reach.radius
+    }
+}

@@ -1,0 +1,207 @@
+//! Tests of the clipmap, and the grounds and checks that they share.
+
+mod border;
+mod motion;
+mod surface;
+
+use super::*;
+use crate::elevation::{Bounds, HeightRange};
+use crate::frames::Geodetic;
+use glam::{DMat4, DVec3};
+use std::collections::{HashMap, HashSet};
+
+/// A ground of one rule.
+pub struct Rule {
+    /// Height at an outward normal, for heights averaged over so many radians.
+    height: fn(DVec3, f64) -> f64,
+    finest_rad: f64,
+}
+
+impl Elevation for Rule {
+    fn height_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64 {
+        (self.height)(Ellipsoid::normal(lat_rad, lon_rad), spacing_rad)
+    }
+
+    fn range_m(&self, _: &Bounds) -> HeightRange {
+        HeightRange {
+            low_m: -12_000.0,
+            high_m: 12_000.0,
+        }
+    }
+
+    fn finest_spacing_rad(&self, _: f64, _: f64) -> f64 {
+        self.finest_rad
+    }
+}
+
+/// Waves of many lengths, each fading out where the average is longer than it.
+pub const HILLS: Rule = Rule {
+    height: |n, spacing| {
+        let wave = |k: f64, amplitude: f64| {
+            let phase = k * (n.x * 1.1 + n.y * 0.7 + (n.z * 0.9 + n.x * n.y).sin());
+            amplitude * (-(k * spacing).powi(2)).exp() * phase.sin()
+        };
+        wave(9.0, 3000.0) + wave(90.0, 900.0) + wave(900.0, 200.0) + wave(9000.0, 40.0)
+    },
+    finest_rad: 1e-6,
+};
+
+/// Nothing but the ellipsoid.
+pub const FLAT: Rule = Rule {
+    height: |_, _| 0.0,
+    finest_rad: f64::INFINITY,
+};
+
+/// Nothing is averaged: from −11 000 m to 9 000 m at a stroke.
+pub const CLIFFS: Rule = Rule {
+    height: |n, _| {
+        if (n.x * 40.0).sin() * (n.z * 30.0).sin() > 0.0 {
+            9000.0
+        } else {
+            -11_000.0
+        }
+    },
+    finest_rad: 1e-6,
+};
+
+/// A needle of 8 km at 10° N 20° E.
+pub const SPIKE: Rule = Rule {
+    height: |n, _| {
+        let top = Ellipsoid::normal(10_f64.to_radians(), 20_f64.to_radians());
+        (8000.0 * (1.0 - n.distance(top) / 1e-4)).max(0.0)
+    },
+    finest_rad: 1e-5,
+};
+
+/// All levels at once, small.
+pub fn at_once(levels: u32, trim: Trim) -> ClipmapOptions {
+    ClipmapOptions {
+        samples: 65,
+        levels,
+        samples_per_prepare: u64::MAX,
+        fade_prepares: 0,
+        trim,
+        ..ClipmapOptions::default()
+    }
+}
+
+pub fn clipmap(options: ClipmapOptions) -> Clipmap {
+    Clipmap::new(options).expect("sound")
+}
+
+/// From a place, looking anywhere: levels do not ask where.
+pub fn over(lat_deg: f64, lon_deg: f64, height_m: f64) -> GroundView {
+    view_from(
+        Ellipsoid::WGS84.itrf_from_geodetic(Geodetic::from_degrees(lat_deg, lon_deg, height_m)),
+    )
+}
+
+pub fn view_from(eye_itrf_m: DVec3) -> GroundView {
+    GroundView {
+        eye_itrf_m,
+        clip_from_eye: DMat4::IDENTITY,
+        pixel_rad: 1e-3,
+        tolerance_px: 0.0,
+    }
+}
+
+/// Brings all levels, however long that takes.
+pub fn settle(map: &mut Clipmap, view: &GroundView, ground: &dyn Elevation) {
+    for _ in 0..150 {
+        map.prepare(view, ground);
+    }
+}
+
+pub type Point = [u64; 3];
+
+fn bits(point: DVec3) -> Point {
+    // −0 and 0 are the same place.
+    (point + DVec3::ZERO).to_array().map(f64::to_bits)
+}
+
+fn place(point: Point) -> DVec3 {
+    DVec3::from_array(point.map(f64::from_bits))
+}
+
+/// All triangles that are drawn, those out of the picture included, as exact positions.
+pub fn triangles(map: &Clipmap) -> Vec<[Point; 3]> {
+    let finest = map.counts.finest as usize;
+    let mut all = Vec::new();
+    for level in &map.levels[..=finest] {
+        for sheet in &level.sheets {
+            let patch = &sheet.patch;
+            let at = |index: u32| {
+                let offset = patch.vertices[index as usize].from_origin_m.as_dvec3();
+                bits(patch.origin_itrf_m + offset)
+            };
+            let corners = patch.indices.triangles.chunks_exact(3);
+            all.extend(corners.map(|t| [at(t[0]), at(t[1]), at(t[2])]));
+        }
+    }
+    all
+}
+
+/// Each edge of two triangles, once each way; one closed surface of the sphere's kind, its outside outside.
+pub fn assert_closed(map: &Clipmap, what: &str) {
+    let all = triangles(map);
+    let mut edges = HashSet::with_capacity(all.len() * 3);
+    let mut points = HashSet::with_capacity(all.len());
+    let mut volume = 0.0;
+    for [a, b, c] in &all {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            assert_ne!(
+                from,
+                to,
+                "{what}: a triangle without area at {:?}",
+                place(*from)
+            );
+            assert!(
+                edges.insert((*from, *to)),
+                "{what}: an edge twice at {:?}",
+                place(*from)
+            );
+            points.insert(*from);
+        }
+        volume += place(*a).dot(place(*b).cross(place(*c))) / 6.0;
+    }
+    for (from, to) in &edges {
+        assert!(
+            edges.contains(&(*to, *from)),
+            "{what}: a crack at {:?}",
+            place(*from)
+        );
+    }
+    let euler = points.len() as i64 - edges.len() as i64 / 2 + all.len() as i64;
+    assert_eq!(euler, 2, "{what}: not one sphere");
+    assert!(
+        (1.05e21..1.11e21).contains(&volume),
+        "{what}: volume {volume}"
+    );
+}
+
+/// The twelve corners of the icosahedron and places between them, degrees.
+pub fn odd_places() -> Vec<(f64, f64)> {
+    let mut places = vec![
+        (90.0, 0.0),
+        (-90.0, 0.0),
+        (0.0, 180.0),
+        (0.0, -180.0),
+        (51.3, -179.9999),
+    ];
+    for k in 0..5 {
+        let k = f64::from(k);
+        places.extend([(26.565, 72.0 * k), (-26.565, 36.0 + 72.0 * k)]);
+        // On edges, beside corners, and in the middle of faces.
+        places.extend([
+            (60.0, 72.0 * k),
+            (26.0, 72.0 * k + 1.0),
+            (-60.0, 36.0 + 72.0 * k),
+        ]);
+        places.extend([
+            (0.0, 18.0 + 36.0 * k),
+            (52.6, 36.0 + 72.0 * k),
+            (88.0, 72.0 * k + 20.0),
+        ]);
+    }
+    places
+}

@@ -1,0 +1,277 @@
+//! What is drawn: closed, as near to the data as its cells allow, whatever the place and the ground.
+
+use super::*;
+
+#[test]
+fn the_drawn_ground_is_closed_everywhere() {
+    for trim in [Trim::Diamond, Trim::Hexagon] {
+        for (lat_deg, lon_deg) in odd_places() {
+            let mut map = clipmap(at_once(5, trim));
+            map.prepare(&over(lat_deg, lon_deg, 3000.0), &HILLS);
+            assert_eq!(map.counts.finest, 5);
+            assert_closed(&map, &format!("{trim:?} {lat_deg}° {lon_deg}°"));
+        }
+    }
+}
+
+#[test]
+fn a_border_through_a_corner_of_three_diamonds_is_closed() {
+    let icosahedron = Icosahedron::default();
+    // The border of level 4 runs through the corner B of diamond 5, or past it.
+    let n = 32 << 4;
+    for trim in [Trim::Diamond, Trim::Hexagon] {
+        for (diamond, i, j) in [
+            (5, n - 6, 32),
+            (5, n - 32, 6),
+            (5, n - 32, 32),
+            (0, n - 6, 32),
+            (3, 32, n - 8),
+            (7, 6, 32),
+        ] {
+            let up = icosahedron.direction(Spot { diamond, i, j }, n);
+            let mut map = clipmap(at_once(5, trim));
+            map.prepare(
+                &view_from(Ellipsoid::WGS84.surface_point(up) + up * 3000.0),
+                &HILLS,
+            );
+            assert_closed(&map, &format!("{trim:?} {diamond} {i} {j}"));
+        }
+    }
+}
+
+#[test]
+fn the_default_has_the_papers_vertices() {
+    let mut map = clipmap(ClipmapOptions::default());
+    // In the middle of a diamond nothing is cut off or doubled.
+    let view = over(30.0, 36.0, 20_000.0);
+    settle(&mut map, &view, &HILLS);
+    assert_eq!(map.counts().finest, 6);
+    let vertices: usize = (1..=6)
+        .flat_map(|level| &map.levels[level].sheets)
+        .filter(|sheet| !sheet.patch.indices.triangles.is_empty())
+        .map(|sheet| sheet.patch.vertices.len())
+        .sum();
+    assert_eq!(vertices, 99_846 + 129 * 129 * (sheets(&map) - 6));
+    assert_closed(&map, "default");
+    // Each point within reach once: six squares, and a few points of diamond borders twice.
+    let bound = map.most_bytes();
+    assert!(
+        map.stats.resident_bytes < bound,
+        "{} of {bound}",
+        map.stats.resident_bytes
+    );
+}
+
+fn sheets(map: &Clipmap) -> usize {
+    map.levels[1..].iter().map(|level| level.sheets.len()).sum()
+}
+
+#[test]
+fn positions_are_exact_sums_in_single_precision() {
+    for (lat_deg, lon_deg) in odd_places() {
+        let mut map = clipmap(at_once(12, Trim::Diamond));
+        map.prepare(&over(lat_deg, lon_deg, 300.0), &CLIFFS);
+        for level in &map.levels {
+            let quantum_m = Level::quantum_m(level.number);
+            for sheet in &level.sheets {
+                for t in &sheet.patch.indices.triangles {
+                    let offset = sheet.patch.vertices[*t as usize].from_origin_m.as_dvec3();
+                    assert!(offset.abs().max_element() <= Level::most_m(level.number));
+                    assert_eq!((offset / quantum_m).round() * quantum_m, offset);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn each_level_follows_the_ground_as_its_cells_allow() {
+    // One wave of 600 km, not averaged, so that the error is that of the triangles alone.
+    const WAVE: Rule = Rule {
+        height: |n, _| 2000.0 * (60.0 * n.x).sin() * (60.0 * n.z).cos(),
+        finest_rad: 1e-6,
+    };
+    // |second derivative| of the wave, at most: 2 k² A along the sphere's chord, and the sphere's own.
+    let (radius_m, k) = (6.4e6, 60.0 / 6.35e6);
+    let curvature = 2.0 * k * k * 2000.0 + 1.0 / radius_m;
+    for (lat_deg, lon_deg) in [(26.565, 72.0), (90.0, 0.0), (31.0, 40.0), (-5.0, 179.9)] {
+        let mut map = clipmap(at_once(6, Trim::Diamond));
+        map.prepare(&over(lat_deg, lon_deg, 3000.0), &WAVE);
+        let mut met = [false; 7];
+        for level in &map.levels {
+            // Blended cells are the coarser level's; a triangle's points are within s/√3 of a corner. s²·c/6, and a cell is
+            // up to 1.3 times the mean.
+            let spacing_m = map.spacing_m(level.number.saturating_sub(1)) * 1.3;
+            let bound_m = spacing_m * spacing_m * curvature / 6.0 + Level::quantum_m(level.number);
+            for sheet in &level.sheets {
+                let patch = &sheet.patch;
+                for t in patch.indices.triangles.chunks_exact(3) {
+                    let at = |x: usize| {
+                        patch.origin_itrf_m + patch.vertices[t[x] as usize].from_origin_m.as_dvec3()
+                    };
+                    let middle = (at(0) + at(1) + at(2)) / 3.0;
+                    let place = Ellipsoid::WGS84.geodetic_from_itrf(middle);
+                    let data_m = WAVE.height_m(place.lat_rad, place.lon_rad, 0.0);
+                    let error_m = (place.height_m - data_m).abs();
+                    assert!(error_m <= bound_m, "level {}: {error_m} m", level.number);
+                    met[level.number as usize] = true;
+                }
+            }
+        }
+        assert_eq!(met, [true; 7]);
+    }
+}
+
+#[test]
+fn extreme_grounds_and_eyes_are_drawn_closed() {
+    let eyes = [
+        over(10.0, 20.0, 1.0),
+        over(10.0, 20.0, 8001.0),
+        over(10.0, 20.0, -500.0),
+        over(-90.0, 0.0, 2.0),
+        over(0.0, 180.0, 3e8),
+        view_from(DVec3::ZERO),
+        view_from(DVec3::new(0.0, 0.0, 1.0)),
+        view_from(DVec3::splat(1e200)),
+    ];
+    for (ground, name) in [
+        (&FLAT, "flat"),
+        (&SPIKE, "spike"),
+        (&CLIFFS, "cliffs"),
+        (&HILLS, "hills"),
+    ] {
+        let mut map = clipmap(at_once(32, Trim::Diamond));
+        assert_eq!(map.options.levels, MOST_LEVELS);
+        for (k, view) in eyes.iter().enumerate() {
+            for tolerance_px in [0.0, 1.0, 1e30, f64::NAN] {
+                let view = GroundView {
+                    tolerance_px,
+                    ..*view
+                };
+                let stats = map.prepare(&view, ground);
+                assert!(stats.resident_bytes <= map.most_bytes());
+                map.visit(&mut |patch| {
+                    for vertex in &patch.vertices {
+                        assert!(vertex.from_origin_m.is_finite() && vertex.slope.is_finite());
+                    }
+                });
+            }
+            assert_closed(&map, &format!("{name}, eye {k}"));
+        }
+        // Nowhere at all: what was there stays.
+        let before = map.stats;
+        let stats = map.prepare(&view_from(DVec3::NAN), ground);
+        assert_eq!(
+            stats,
+            SurfaceStats {
+                samples_read: 0,
+                ..before
+            }
+        );
+    }
+}
+
+#[test]
+fn as_many_levels_as_data_and_tolerance_ask_for() {
+    let finest = |ground: &Rule, height_m: f64, tolerance_px: f64| {
+        let mut map = clipmap(at_once(32, Trim::Diamond));
+        map.prepare(
+            &GroundView {
+                tolerance_px,
+                ..over(31.0, 40.0, height_m)
+            },
+            ground,
+        );
+        map.counts.finest
+    };
+    // Level, with data of 6.4 m.
+    const FINE: Rule = Rule {
+        height: |_, _| 0.0,
+        finest_rad: 1e-6,
+    };
+    // Cells of 220 km/2^ℓ. Flat ground needs none but for the curvature: a millimetre at 226 m.
+    assert_eq!(finest(&FLAT, 1e3, 0.0), 10);
+    assert_eq!(finest(&FLAT, 1e3, 1e9), 0);
+    assert_eq!(finest(&FINE, 1e4, 0.0), 16);
+    // 1 px of a milliradian at 2 km and 400 km: 32 m and 6.4 km between samples; the spike's data have 64 m.
+    assert_eq!(finest(&FINE, 2e3, 1.0), 13);
+    assert_eq!(finest(&SPIKE, 2e3, 1.0), 12);
+    assert_eq!(finest(&FINE, 4e5, 1.0), 6);
+    assert_eq!(finest(&FINE, 1e30, 1.0), 0);
+}
+
+#[test]
+fn samples_are_those_there_are() {
+    for samples in [0, 64, 127, 128, 513, u32::MAX] {
+        let options = ClipmapOptions {
+            samples,
+            ..ClipmapOptions::default()
+        };
+        assert_eq!(Clipmap::new(options).err(), Some(SamplesError(samples)));
+    }
+    let mut map = clipmap(ClipmapOptions {
+        samples: 257,
+        ..at_once(2, Trim::Hexagon)
+    });
+    map.prepare(&over(26.6, 72.1, 1e4), &HILLS);
+    assert_closed(&map, "257");
+}
+
+#[test]
+fn the_far_side_of_the_globe_is_not_handed_over() {
+    let mut map = clipmap(at_once(3, Trim::Diamond));
+    let eye = over(90.0, 0.0, 4e5);
+    // Identity takes what is within a metre of the eye; all of space: rows for x, y, z nothing, w one.
+    let mut clip = DMat4::ZERO;
+    clip.w_axis.w = 1.0;
+    let stats = map.prepare(
+        &GroundView {
+            clip_from_eye: clip,
+            ..eye
+        },
+        &HILLS,
+    );
+    let mut handed = HashSet::new();
+    map.visit(&mut |patch| {
+        handed.insert(patch.key);
+    });
+    assert_eq!(handed.len(), stats.patches as usize);
+    let of_globe: Vec<u64> = (0..16).filter(|key| handed.contains(key)).collect();
+    // Level 1 is drawn about the pole in five sheets.
+    assert!((16..21).all(|key| handed.contains(&key)));
+    assert!(
+        of_globe.len() < 10 && of_globe.iter().all(|key| *key < 10),
+        "{of_globe:?}"
+    );
+}
+
+#[test]
+fn patches_meet_in_single_precision_too() {
+    // As the GPU adds: the origin seen from the eye, rounded, and the offset.
+    for (lat_deg, lon_deg) in [(89.7, 40.0), (26.3, 71.8), (31.0, 40.0), (0.0, 180.0)] {
+        let mut map = clipmap(at_once(12, Trim::Diamond));
+        let mut worst_px = 0.0_f64;
+        for k in 0..30 {
+            // On by half a cell of the finest level and more, so that origins lag.
+            let view = over(lat_deg + 0.004 * f64::from(k), lon_deg, 2000.0);
+            map.prepare(&view, &HILLS);
+            let mut seen: HashMap<Point, DVec3> = HashMap::new();
+            for level in &map.levels[8..] {
+                for sheet in &level.sheets {
+                    let patch = &sheet.patch;
+                    let origin = (patch.origin_itrf_m - view.eye_itrf_m).as_vec3();
+                    for t in &patch.indices.triangles {
+                        let offset = patch.vertices[*t as usize].from_origin_m;
+                        let sum = (origin + offset).as_dvec3();
+                        let exact = bits(patch.origin_itrf_m + offset.as_dvec3());
+                        let other = *seen.entry(exact).or_insert(sum);
+                        let gap_px = sum.distance(other) / sum.length() / view.pixel_rad;
+                        worst_px = worst_px.max(gap_px);
+                    }
+                }
+            }
+        }
+        println!("{lat_deg}° {lon_deg}°: {worst_px} px");
+        assert!(worst_px < 1e-3, "{worst_px}");
+    }
+}

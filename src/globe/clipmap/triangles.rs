@@ -1,0 +1,138 @@
+//! Which triangles a level draws: its reach less that of the finer one, with an outer border of half the rate.
+
+use super::lattice::{Spot, Triangle};
+use super::reach::{InDiamond, Reach};
+
+/// Appends the triangles of a level in one diamond, three numbers each.
+///
+/// The level reaches whole triangles of the next coarser lattice. Each is cut in four; where the triangle across an edge is
+/// not within reach, that edge stays whole, for the coarser level draws it whole. What the finer level reaches is left out.
+///
+/// * `reach` – the level's reach in the coarser lattice.
+/// * `hole` – the finer level's reach in the lattice of this level.
+/// * `slot` – number of the vertex at (i, j).
+pub fn ring(
+    reach: &Reach,
+    diamond: u8,
+    hole: Option<&Reach>,
+    slot: impl Fn(i64, i64) -> u32,
+    out: &mut Vec<u32>,
+) {
+    let Some(span) = reach.box_in(diamond) else {
+        return;
+    };
+    let Some(coarse) = reach.in_diamond(diamond) else {
+        return;
+    };
+    let hole = hole.and_then(|hole| hole.in_diamond(diamond));
+    let r = reach.radius;
+    for i in span.least.0..span.most.0 {
+        for j in span.least.1..span.most.1 {
+            let at = hole
+                .as_ref()
+                .map_or(Hole::Off, |hole| hole_at(hole, 2 * i, 2 * j, 2));
+            if at == Hole::All {
+                continue;
+            }
+            // One distance tells of the four corners: they are within two steps of each other.
+            let inside = coarse.distance(i, j) <= r - 3;
+            for far in [false, true] {
+                let triangle = Triangle {
+                    cell: Spot { diamond, i, j },
+                    far,
+                };
+                let mut whole = [false; 3];
+                if !inside {
+                    if !reach.holds(triangle) {
+                        continue;
+                    }
+                    let across = triangle.neighbours(reach.n);
+                    whole = across.map(|across| !reach.holds(across));
+                }
+                let corners = triangle.corners().map(|c| (2 * c.i, 2 * c.j));
+                let kept = |t: &[(i64, i64); 3]| match (&hole, at) {
+                    (Some(hole), Hole::Edge) => {
+                        // At a hole nothing is left whole: the cell's corner of least numbers, if it is one of these.
+                        let least = (
+                            t[0].0.min(t[1].0).min(t[2].0),
+                            t[0].1.min(t[1].1).min(t[2].1),
+                        );
+                        !hole.holds(least.0, least.1, !t.contains(&least))
+                    }
+                    _ => true,
+                };
+                cut(corners, whole, |t| {
+                    if kept(&t) {
+                        out.extend(t.map(|(i, j)| slot(i, j)));
+                    }
+                });
+            }
+        }
+    }
+}
+
+/// Appends all triangles of a diamond of `n` cells less those of the finer level's reach.
+pub fn full(
+    n: i64,
+    diamond: u8,
+    hole: Option<&Reach>,
+    slot: impl Fn(i64, i64) -> u32,
+    out: &mut Vec<u32>,
+) {
+    let hole = hole.and_then(|hole| hole.in_diamond(diamond));
+    for i in 0..n {
+        for j in 0..n {
+            for far in [false, true] {
+                let cell = Spot { diamond, i, j };
+                let corners = Triangle { cell, far }.corners();
+                let held = hole.as_ref().is_some_and(|hole| hole.holds(i, j, far));
+                if !held {
+                    out.extend(corners.map(|c| slot(c.i, c.j)));
+                }
+            }
+        }
+    }
+}
+
+/// What the hole takes of a square of cells.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Hole {
+    Off,
+    Edge,
+    All,
+}
+
+/// Of the cells from (i, j) to (i + size, j + size). A step of a king is two of a hexagon's at most.
+fn hole_at(hole: &InDiamond<'_>, i: i64, j: i64, size: i64) -> Hole {
+    let beyond = hole.distance(i, j) - hole.radius();
+    if beyond > 2 * size {
+        Hole::Off
+    } else if beyond <= -2 * size {
+        Hole::All
+    } else {
+        Hole::Edge
+    }
+}
+
+/// Cuts a triangle (corners a, b, c, all even) in four, or less where the edges ab, bc, ca must stay whole.
+fn cut(corners: [(i64, i64); 3], whole: [bool; 3], mut out: impl FnMut([(i64, i64); 3])) {
+    let mid = |x: (i64, i64), y: (i64, i64)| ((x.0 + y.0) / 2, (x.1 + y.1) / 2);
+    // Turned so that whole edges come first.
+    let turn = match whole {
+        [false, true, false] | [false, true, true] => 1,
+        [false, false, true] | [true, false, true] => 2,
+        _ => 0,
+    };
+    let [a, b, c] = std::array::from_fn(|k| corners[(k + turn) % 3]);
+    let (ab, bc, ca) = (mid(a, b), mid(b, c), mid(c, a));
+    match whole.iter().filter(|whole| **whole).count() {
+        0 => [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+            .into_iter()
+            .for_each(out),
+        1 => [[a, b, bc], [a, bc, ca], [ca, bc, c]]
+            .into_iter()
+            .for_each(out),
+        2 => [[a, b, ca], [b, c, ca]].into_iter().for_each(out),
+        _ => out([a, b, c]),
+    }
+}

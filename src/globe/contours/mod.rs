@@ -1,0 +1,42 @@
+//! Approximate contours and q-Bézier patches, after the paper of 2017. No GPU here.
+//!
+//! Two descriptions of one DEM. *Contours* ([`ContourTree`]): a quadtree whose every node holds the best-fit plane of its
+//! samples and two planes parallel to it that hold them between them; a node whose slab is thin enough is a leaf. They
+//! are drawn by casting rays ([`ContourTree::cast`], or as a flat buffer, [`cast_flat`] and `shaders/common/contours.wgsl`).
+//! *Patches* ([`PatchTree`]): bicubic q-Bézier patches within a tolerance of the samples that join with one height and
+//! one tangent plane across every edge and any difference of levels. [`ContourSurface`] draws such patches of the whole
+//! Earth as triangles, chosen by the view.
+//!
+//! Everything is f64 about a local origin. [`Denoise`] takes out single wrong heights first, if asked.
+
+mod cast;
+mod dem;
+mod denoise;
+mod flat;
+mod hermite;
+mod joins;
+mod patches;
+mod plane;
+pub mod qbernstein;
+mod store;
+mod surface;
+mod tree;
+mod wide;
+
+#[cfg(test)]
+mod tests;
+
+pub use cast::{Hit, Ray};
+pub use dem::{Dem, DemError, Frame, Half, MOST_SAMPLES, Span, quarters};
+pub use denoise::{Denoise, Denoised};
+pub use flat::{FlatNode, STACK, cast_flat};
+pub use hermite::{Corner, Net, cubic, evaluate, net, restrict};
+pub use joins::{Joins, evaluate_q};
+pub use patches::{DEGREE, Leaf, PatchError, PatchOptions, PatchTree, QPatch};
+pub use plane::{Contour, Support, eigen, fit, fit_points};
+pub use store::{Storage, StoreError, morton_leaves, source_hash};
+pub use surface::{ContourOptions, ContourSurface};
+pub use tree::{
+    BudgetError, ContourTree, Node, TreeStats, corners_m, screen_error_px, world_error_m,
+};
+pub use wide::Wide;

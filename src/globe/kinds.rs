@@ -1,0 +1,114 @@
+//! Which surface draws ground with relief, and with what settings.
+
+use super::clipmap::{Clipmap, ClipmapOptions, SamplesError};
+use super::contours::{ContourOptions, ContourSurface};
+use super::projected_grid::{GridOptions, ProjectedGrid};
+use super::quadtree::{Quadtree, QuadtreeOptions};
+use super::{DisplacedBlocks, Figure, Subdivision, SubdivisionError, Surface};
+
+/// What draws ground with relief.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SurfaceKind {
+    /// The blocks of the 2011 paper, their vertices lifted.
+    #[default]
+    Blocks,
+    /// A grid on the screen, cast on the ground (2009).
+    ProjectedGrid,
+    /// Squares of the ground, divided where it is rough and near (2005).
+    Quadtree,
+    /// q-Bézier patches between contours (2017).
+    Contours,
+    /// Nested rings of samples on an icosahedron (2014).
+    Clipmap,
+}
+
+impl SurfaceKind {
+    /// All of them.
+    pub const ALL: &[Self] = &[
+        Self::Blocks,
+        Self::ProjectedGrid,
+        Self::Quadtree,
+        Self::Contours,
+        Self::Clipmap,
+    ];
+
+    /// As scene files write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Blocks => "blocks",
+            Self::ProjectedGrid => "projected-grid",
+            Self::Quadtree => "quadtree",
+            Self::Contours => "contours",
+            Self::Clipmap => "clipmap",
+        }
+    }
+
+    /// Its default settings. Cells are for blocks; chosen automatically, they are most.
+    pub fn settings(self, subdivision: Subdivision) -> SurfaceSettings {
+        match self {
+            Self::Blocks => SurfaceSettings::Blocks(subdivision),
+            Self::ProjectedGrid => SurfaceSettings::ProjectedGrid(GridOptions::default()),
+            Self::Quadtree => SurfaceSettings::Quadtree(QuadtreeOptions::default()),
+            Self::Contours => SurfaceSettings::Contours(ContourOptions::default()),
+            Self::Clipmap => SurfaceSettings::Clipmap(ClipmapOptions::default()),
+        }
+    }
+}
+
+/// What draws ground with relief, and how. The figures in here give way to the Earth's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SurfaceSettings {
+    /// [`DisplacedBlocks`] with so many cells a block edge.
+    Blocks(Subdivision),
+    /// [`ProjectedGrid`]
+    ProjectedGrid(GridOptions),
+    /// [`Quadtree`]
+    Quadtree(QuadtreeOptions),
+    /// [`ContourSurface`]
+    Contours(ContourOptions),
+    /// [`Clipmap`]
+    Clipmap(ClipmapOptions),
+}
+
+/// Why there is no such surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SurfaceError {
+    /// Cells of blocks.
+    #[error(transparent)]
+    Subdivision(#[from] SubdivisionError),
+    /// Samples of a clipmap.
+    #[error(transparent)]
+    Samples(#[from] SamplesError),
+}
+
+impl SurfaceSettings {
+    /// Makes the surface, on this figure.
+    ///
+    /// # Errors
+    /// Settings out of range.
+    pub fn make(self, figure: Figure) -> Result<Box<dyn Surface>, SurfaceError> {
+        let ellipsoid = figure.ellipsoid();
+        Ok(match self {
+            Self::Blocks(Subdivision::Auto) => Box::new(DisplacedBlocks::finest(ellipsoid)),
+            Self::Blocks(Subdivision::Cells(cells)) => {
+                Box::new(DisplacedBlocks::new(ellipsoid, cells)?)
+            }
+            Self::ProjectedGrid(options) => {
+                Box::new(ProjectedGrid::new(&GridOptions { figure, ..options }))
+            }
+            Self::Quadtree(options) => Box::new(Quadtree::new(QuadtreeOptions {
+                ellipsoid,
+                ..options
+            })),
+            Self::Contours(options) => Box::new(ContourSurface::new(ContourOptions {
+                ellipsoid,
+                ..options
+            })),
+            Self::Clipmap(options) => Box::new(Clipmap::new(ClipmapOptions {
+                ellipsoid,
+                ..options
+            })?),
+        })
+    }
+}

@@ -1,0 +1,405 @@
+//! The pyramid of height tiles: which level, which tiles, and a bounded cache of them for the GPU form.
+//!
+//! Level l ≥ 1 has 2^l × 2^(l−1) tiles of latitude and longitude, each of 64 × 64 cells, 65 × 65 samples, neighbours
+//! sharing their edges. Samples per square radian: d_l = 4^(l−1) d₁. A region of area s (latitude × longitude, as the paper
+//! counts) is loaded at level ⌊log₄(m/(d₁ s)) + 1⌋, so that at most m samples are needed for it.
+//!
+//! The paper loads one level for the whole picture, which is too coarse by the eye when the horizon is in view. So the rule
+//! is applied to nested windows: level l is wanted where samples of the grid stand so close that they need it, and that
+//! window is cut about the closest of them until the rule gives it l.
+//!
+//! Near a pole a window of all longitudes is many tiles, and is cut: a coarser level serves the rest of the turn.
+
+use super::relief::can_show;
+use super::{Caster, Frame};
+use crate::elevation::Elevation;
+use crate::frames::Ellipsoid;
+use glam::{DVec2, DVec3};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Cells along a tile's side.
+pub const TILE_CELLS: u32 = 64;
+/// Samples along a tile's side.
+pub const TILE_SAMPLES: u32 = TILE_CELLS + 1;
+/// Levels of the pyramid; the finest has a sample every 2.3 m.
+pub const LEVELS: usize = 22;
+/// Tiles that a window can hold.
+pub const WINDOW_TILES: usize = 64;
+/// m of the paper: samples that a window may need.
+pub const WINDOW_SAMPLES: f64 = 36.0 * (TILE_CELLS * TILE_CELLS) as f64;
+/// No tile: what a window's table holds for tiles that are not loaded.
+pub const NO_SLOT: u32 = u32::MAX;
+
+/// Angle between samples of a level (from 1), radians.
+pub fn level_spacing_rad(level: u32) -> f64 {
+    PI / f64::from(TILE_CELLS) / f64::from(level.saturating_sub(1).min(60)).exp2()
+}
+
+/// d₁: samples of level 1 a square radian.
+pub fn first_density() -> f64 {
+    level_spacing_rad(1).powi(-2)
+}
+
+/// ⌊log₄(m/(d₁ s)) + 1⌋, from 1 to `finest`: the level at which an area of s square radians needs at most m samples.
+pub fn pyramid_level(samples: f64, first_density: f64, area: f64, finest: u32) -> u32 {
+    let level = (samples / (first_density * area)).log2() * 0.5 + 1.0;
+    // Nothing at all needs the finest; what is no number, the coarsest.
+    (level.floor().max(1.0) as u32).min(finest.max(1))
+}
+
+/// A tile of the pyramid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tile {
+    /// From 1.
+    pub level: u32,
+    /// From 180° W eastwards.
+    pub column: u32,
+    /// From the south pole northwards.
+    pub row: u32,
+}
+
+/// The part of a level that is looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// Its first column, 0…2^l − 1, and row.
+    pub first: (u32, u32),
+    /// Columns and rows; columns go on over the date line.
+    pub size: (u32, u32),
+    /// Slot of each tile, row by row, or [`NO_SLOT`].
+    pub slots: [u32; WINDOW_TILES],
+}
+
+impl Window {
+    const NONE: Self = Self {
+        first: (0, 0),
+        size: (0, 0),
+        slots: [NO_SLOT; WINDOW_TILES],
+    };
+}
+
+/// What an update did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TileCounts {
+    /// Tiles that the view needs.
+    pub wanted: u32,
+    /// Of those, tiles that were not there before and are now.
+    pub loaded: u32,
+    /// Of those, tiles that are still missing; a later update loads them.
+    pub missing: u32,
+    /// Tiles that gave way.
+    pub evicted: u32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Slot {
+    tile: Option<Tile>,
+    used: u64,
+}
+
+/// Height tiles in a bounded number of slots.
+#[derive(Debug)]
+pub struct HeightTiles {
+    slots: Vec<Slot>,
+    heights: Vec<f32>,
+    windows: [Window; LEVELS],
+    changed: Vec<u32>,
+    update: u64,
+}
+
+/// A place that the grid needs heights at.
+#[derive(Clone, Copy)]
+struct Need {
+    lat_rad: f64,
+    /// From the eye's longitude, −π…π.
+    east_rad: f64,
+    level: u32,
+}
+
+/// Every so many samples of the grid are asked, each way.
+const STRIDE: usize = 4;
+
+impl HeightTiles {
+    /// With room for so many tiles (at least 16), all memory at once: 16.9 kB each.
+    pub fn new(slots: u32) -> Self {
+        let slots = slots.clamp(16, 65_535) as usize;
+        Self {
+            slots: vec![
+                Slot {
+                    tile: None,
+                    used: 0
+                };
+                slots
+            ],
+            heights: vec![0.0; slots * (TILE_SAMPLES * TILE_SAMPLES) as usize],
+            windows: [Window::NONE; LEVELS],
+            changed: Vec::with_capacity(slots),
+            update: 0,
+        }
+    }
+
+    /// Bytes of heights and tables.
+    pub fn resident_bytes(&self) -> usize {
+        size_of_val(self.heights.as_slice())
+            + size_of_val(self.slots.as_slice())
+            + self.changed.capacity() * 4
+            + size_of::<Self>()
+    }
+
+    /// Slots, as many as layers of an array texture.
+    pub fn slot_count(&self) -> u32 {
+        self.slots.len() as u32
+    }
+
+    /// Slots written by the last update.
+    pub fn changed(&self) -> &[u32] {
+        &self.changed
+    }
+
+    /// Heights of a slot, metres: 65 rows from the south, each from the west.
+    pub fn slot(&self, slot: u32) -> &[f32] {
+        let size = (TILE_SAMPLES * TILE_SAMPLES) as usize;
+        &self.heights[slot as usize * size..][..size]
+    }
+
+    /// The window of each level, the coarsest first.
+    pub fn windows(&self) -> &[Window; LEVELS] {
+        &self.windows
+    }
+
+    /// Finds the tiles that a frame needs and loads those that are not there, the coarsest first, at most `most_loads`.
+    pub fn update(&mut self, frame: &Frame, ground: &dyn Elevation, most_loads: u32) -> TileCounts {
+        self.update += 1;
+        self.changed.clear();
+        self.choose_windows(frame, ground);
+        let mut counts = TileCounts::default();
+        for level in 1..=LEVELS as u32 {
+            let index = level as usize - 1;
+            let Window { first, size, .. } = self.windows[index];
+            for k in 0..size.0 * size.1 {
+                let tile = Tile {
+                    level,
+                    column: (first.0 + k % size.0) % (1 << level),
+                    row: first.1 + k / size.0,
+                };
+                if level > 1 && !may_show(&tile, frame) {
+                    continue;
+                }
+                counts.wanted += 1;
+                let may_load = counts.loaded < most_loads;
+                self.windows[index].slots[k as usize] =
+                    self.find_or_load(tile, ground, may_load, &mut counts);
+            }
+        }
+        counts
+    }
+
+    fn find_or_load(
+        &mut self,
+        tile: Tile,
+        ground: &dyn Elevation,
+        may_load: bool,
+        counts: &mut TileCounts,
+    ) -> u32 {
+        if let Some(slot) = self.slots.iter().position(|slot| slot.tile == Some(tile)) {
+            self.slots[slot].used = self.update;
+            return slot as u32;
+        }
+        // The slot that was not needed for longest, if it is not needed now.
+        let oldest = self
+            .slots
+            .iter()
+            .enumerate()
+            .min_by_key(|(_, slot)| slot.used);
+        let Some((slot, _)) = oldest.filter(|(_, slot)| may_load && slot.used < self.update) else {
+            counts.missing += 1;
+            return NO_SLOT;
+        };
+        counts.evicted += u32::from(self.slots[slot].tile.is_some());
+        counts.loaded += 1;
+        self.slots[slot] = Slot {
+            tile: Some(tile),
+            used: self.update,
+        };
+        self.changed.push(slot as u32);
+        let step = level_spacing_rad(tile.level);
+        let size = TILE_SAMPLES as usize;
+        let heights = &mut self.heights[slot * size * size..][..size * size];
+        for (k, height) in heights.iter_mut().enumerate() {
+            let at = |tile: u32, k: usize| f64::from(tile * TILE_CELLS + k as u32) * step;
+            let lat_rad = at(tile.row, k / size) - FRAC_PI_2;
+            let lon_rad = at(tile.column, k % size) - PI;
+            *height = ground.height_m(lat_rad, lon_rad, 0.5 * step) as f32;
+        }
+        slot as u32
+    }
+
+    fn choose_windows(&mut self, frame: &Frame, ground: &dyn Elevation) {
+        self.windows = [Window::NONE; LEVELS];
+        let (lat_eye, lon_eye) = eye_place(&frame.caster);
+        let finest_rad = ground.finest_spacing_rad(lat_eye, lon_eye);
+        let finest = level_of(0.5 * finest_rad).ceil().clamp(1.0, LEVELS as f64) as u32;
+        let needs = || {
+            let (columns, rows) = frame.samples;
+            (0..rows).step_by(STRIDE).flat_map(move |row| {
+                (0..columns).step_by(STRIDE).map(move |column| {
+                    let sample = frame.sample(column, row);
+                    let normal = (sample.place / frame.caster.radii_m).normalize();
+                    let lon_rad = normal.y.atan2(normal.x);
+                    Need {
+                        lat_rad: normal.z.atan2(normal.truncate().length()),
+                        east_rad: (lon_rad - lon_eye + PI).rem_euclid(TAU) - PI,
+                        level: level_of(sample.spacing_rad)
+                            .ceil()
+                            .clamp(1.0, f64::from(finest)) as u32,
+                    }
+                })
+            })
+        };
+        let mut low = [DVec2::INFINITY; LEVELS];
+        let mut high = [DVec2::NEG_INFINITY; LEVELS];
+        let mut focus = (0, DVec2::ZERO);
+        for need in needs() {
+            let at = DVec2::new(need.east_rad, need.lat_rad);
+            for level in 0..need.level as usize {
+                low[level] = low[level].min(at);
+                high[level] = high[level].max(at);
+            }
+            if need.level > focus.0 {
+                focus = (need.level, at);
+            }
+        }
+        for level in 1..=finest {
+            let index = level as usize - 1;
+            if low[index].x > high[index].x {
+                break;
+            }
+            let step = level_spacing_rad(level);
+            // A step to each side: samples between those that were asked.
+            let (mut from, mut to) = (low[index] - 2.0 * step, high[index] + 2.0 * step);
+            let area = (to - from).element_product();
+            if pyramid_level(WINDOW_SAMPLES, first_density(), area, LEVELS as u32) < level {
+                // The side of a square of m samples, but no longer than the window.
+                let side = WINDOW_SAMPLES.sqrt() * step;
+                let half = (0.5 * (to - from)).min(DVec2::splat(0.5 * side));
+                let center = focus.1.clamp(from + half, to - half);
+                (from, to) = (center - half, center + half);
+            }
+            self.windows[index] = window(level, from, to, lon_eye);
+        }
+        // Level 1 is the whole Earth, so that nothing is without a height.
+        self.windows[0] = Window {
+            first: (0, 0),
+            size: (2, 1),
+            slots: [NO_SLOT; WINDOW_TILES],
+        };
+    }
+
+    /// The height at a place, averaged over about `spacing_rad` to each side, from the tiles that are there: between the
+    /// two levels whose samples are averaged over less and over more. What the shader computes, in f64.
+    pub fn height_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64 {
+        let level = level_of(spacing_rad).clamp(1.0, LEVELS as f64);
+        let (coarse, part) = (level.floor(), level.fract());
+        let at = |level: f64| {
+            (1..=level as u32)
+                .rev()
+                .find_map(|level| self.bilinear(level, lat_rad, lon_rad))
+                .unwrap_or(0.0)
+        };
+        let height_m = at(coarse);
+        if part > 0.0 {
+            height_m + (at(coarse + 1.0) - height_m) * part
+        } else {
+            height_m
+        }
+    }
+
+    fn bilinear(&self, level: u32, lat_rad: f64, lon_rad: f64) -> Option<f64> {
+        let window = &self.windows[level as usize - 1];
+        let step = level_spacing_rad(level);
+        let cells = f64::from(TILE_CELLS);
+        let period = (f64::from(level)).exp2() * cells;
+        let west = f64::from(window.first.0) * cells;
+        let south = f64::from(window.first.1) * cells;
+        let x = ((lon_rad + PI) / step - west).rem_euclid(period);
+        let y = ((lat_rad + FRAC_PI_2) / step - south).min(f64::from(window.size.1) * cells - 1e-3);
+        let (column, row) = ((x / cells).floor(), (y / cells).floor());
+        let inside = column < f64::from(window.size.0) && y >= 0.0;
+        let at = (row * f64::from(window.size.0) + column) as usize;
+        let slot = *window
+            .slots
+            .get(at)
+            .filter(|slot| inside && **slot != NO_SLOT)?;
+        let heights = self.slot(slot);
+        let (x, y) = (x - column * cells, y - row * cells);
+        let (i, j) = (x.floor() as usize, y.floor() as usize);
+        let height = |i: usize, j: usize| f64::from(heights[j * TILE_SAMPLES as usize + i]);
+        let mix = |a: f64, b: f64, part: f64| a + (b - a) * part;
+        let south = mix(height(i, j), height(i + 1, j), x.fract());
+        let north = mix(height(i, j + 1), height(i + 1, j + 1), x.fract());
+        Some(mix(south, north, y.fract()))
+    }
+}
+
+/// The level (from 1, a fraction between two) whose samples are averaged over `spacing_rad` to each side.
+pub fn level_of(spacing_rad: f64) -> f64 {
+    1.0 + (level_spacing_rad(1) / (2.0 * spacing_rad).max(1e-12)).log2()
+}
+
+/// Latitude and longitude of the ground on the eye's radius.
+pub fn eye_place(caster: &Caster) -> (f64, f64) {
+    let normal = (caster.up / caster.radii_m).normalize();
+    (
+        normal.z.atan2(normal.truncate().length()),
+        normal.y.atan2(normal.x),
+    )
+}
+
+/// The tiles of a level over a rectangle of (longitude from the eye's, latitude), at most [`WINDOW_TILES`].
+fn window(level: u32, from: DVec2, to: DVec2, lon_eye: f64) -> Window {
+    let side = level_spacing_rad(level) * f64::from(TILE_CELLS);
+    let columns_in_all = 1_u32 << level;
+    let rows_in_all = 1_u32 << (level - 1);
+    let west = ((from.x + lon_eye + PI) / side).floor();
+    let east = ((to.x + lon_eye + PI) / side).floor();
+    let row = |lat: f64| {
+        ((lat + FRAC_PI_2) / side)
+            .floor()
+            .clamp(0.0, f64::from(rows_in_all - 1))
+    };
+    let (south, north) = (row(from.y), row(to.y));
+    let mut columns = ((east - west + 1.0) as u32).min(columns_in_all);
+    let mut rows = ((north - south + 1.0) as u32).min(rows_in_all);
+    let (mut first_column, mut first_row) = (west, south as u32);
+    // Cut evenly on both sides, the longer way first.
+    while (columns * rows) as usize > WINDOW_TILES {
+        if columns >= rows {
+            first_column += f64::from(columns % 2);
+            columns -= 1;
+        } else {
+            first_row += rows % 2;
+            rows -= 1;
+        }
+    }
+    Window {
+        first: (
+            first_column.rem_euclid(f64::from(columns_in_all)) as u32,
+            first_row,
+        ),
+        size: (columns, rows),
+        slots: [NO_SLOT; WINDOW_TILES],
+    }
+}
+
+/// Whether any ground of a tile can show: the visible region's test for a cap about the tile.
+fn may_show(tile: &Tile, frame: &Frame) -> bool {
+    let side = level_spacing_rad(tile.level) * f64::from(TILE_CELLS);
+    let place = |column: f64, row: f64| -> DVec3 {
+        let normal = Ellipsoid::normal(row * side - FRAC_PI_2, column * side - PI);
+        (normal * frame.caster.radii_m).normalize()
+    };
+    let (column, row) = (f64::from(tile.column), f64::from(tile.row));
+    let center = place(column + 0.5, row + 0.5);
+    // The farthest of a rectangle of latitude and longitude is no farther than half its sides together.
+    let reach = 1.01 * side;
+    can_show(center, frame.caster.up, frame.caster.far_rad + reach)
+}

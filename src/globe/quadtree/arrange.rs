@@ -1,0 +1,164 @@
+//! Which squares are patches: neither too many nor too large.
+
+use super::eye::Eye;
+use super::forest::{BLOCKS, Forest, Slot};
+use super::node::{Cut, Node};
+use super::patch::{Built, MOST_PATCH_LEVEL};
+use super::surface::Quadtree;
+
+/// A patch with more leaves is divided into four.
+const MOST_PATCH_LEAVES: u32 = 256;
+/// Four patches with fewer become one.
+const LEAST_PATCH_LEAVES: u32 = 80;
+/// A patch is divided where the ball about it is larger than so many distances: single precision then holds its vertices
+/// to a thousandth of a pixel.
+const MOST_BALLS: f64 = 6.0;
+
+impl Quadtree {
+    /// Divides patches that are too large, and joins those that are small.
+    pub(super) fn rearrange(&mut self, forest: &mut Forest, eye: &Eye) {
+        let mut index = 0;
+        while index < self.patches.len() {
+            let built = &self.patches[index];
+            let (node, leaves, distance_m) = (built.node, built.leaves, built.distance_m);
+            index += 1;
+            let Some(slot) = forest.slot(node) else {
+                continue;
+            };
+            let ball_m = f64::from(forest.info(slot).radius_m);
+            if forest.is_split(slot) && node.level < MOST_PATCH_LEVEL {
+                let is_large = leaves > MOST_PATCH_LEAVES || ball_m > MOST_BALLS * distance_m;
+                // May take half as much again as the work of a frame, so that it is never put off for ever.
+                if is_large && self.spent / 3 < self.options.work / 2 {
+                    self.changes += 1;
+                    self.divide(forest, eye, node, slot);
+                    // The last patch now has this place.
+                    index -= 1;
+                }
+                if leaves > LEAST_PATCH_LEAVES {
+                    continue;
+                }
+            }
+            if node.x & 1 == 0 && node.y & 1 == 0 && self.spent < self.options.work {
+                self.join(forest, eye, node);
+            }
+        }
+    }
+
+    /// Makes a patch of each quarter of a patch.
+    fn divide(&mut self, forest: &mut Forest, eye: &Eye, node: Node, slot: Slot) {
+        let old_step_m = self.remove(node);
+        forest.set_patch(slot, false);
+        for k in 0..4 {
+            if let Some(slot) = forest.child(node, slot, k) {
+                forest.set_patch(slot, true);
+                self.add(forest, eye, node.child(k), slot);
+            }
+        }
+        self.steps_changed(node, old_step_m);
+    }
+
+    /// Makes one patch of four, if there are four beside each other and they are small.
+    fn join(&mut self, forest: &mut Forest, eye: &Eye, first: Node) {
+        let Some(parent) = first.parent() else {
+            return;
+        };
+        let mut leaves = 0;
+        for child in parent.children() {
+            let Some(index) = self.by_node.get(&child) else {
+                return;
+            };
+            leaves += self.patches[*index as usize].leaves;
+        }
+        let Some(slot) = forest.slot(parent) else {
+            return;
+        };
+        let info = forest.info(slot);
+        let is_near = f64::from(info.radius_m) > 0.5 * MOST_BALLS * eye.distance_m(info);
+        if leaves >= LEAST_PATCH_LEAVES || is_near {
+            return;
+        }
+        self.changes += 1;
+        for (k, child) in parent.children().into_iter().enumerate() {
+            self.remove(child);
+            if let Some(slot) = forest.child(parent, slot, k as u8) {
+                forest.set_patch(slot, false);
+            }
+        }
+        forest.set_patch(slot, true);
+        let index = self.add(forest, eye, parent, slot);
+        let step_m = self.patches[index].step_m;
+        self.steps_changed(parent, step_m);
+    }
+
+    /// Patches that touch a node and stand on finer steps than there are or were must be built anew.
+    fn steps_changed(&mut self, node: Node, step_m: f64) {
+        for built in &mut self.patches {
+            if !built.is_dirty && built.step_m < step_m && touches(built.node, node) {
+                built.is_dirty = true;
+                self.spent = self.spent.saturating_add(built.leaves);
+            }
+        }
+    }
+
+    fn add(&mut self, forest: &Forest, eye: &Eye, node: Node, slot: Slot) -> usize {
+        // Above all that any patch of this node had before.
+        self.revision += 2;
+        let mut built = match self.spare.pop() {
+            Some(mut built) => {
+                built.reset(node, slot, forest, self.revision);
+                built
+            }
+            None => Built::new(node, slot, forest, self.revision),
+        };
+        let info = forest.info(slot);
+        built.distance_m = eye.distance_m(info);
+        built.leaves = count_leaves(forest, node, slot);
+        self.spent = self.spent.saturating_add(8 * built.leaves);
+        let index = self.patches.len();
+        self.by_node.insert(node, index as u32);
+        self.patches.push(built);
+        index
+    }
+
+    /// Takes a patch away. Answers its steps.
+    fn remove(&mut self, node: Node) -> f64 {
+        let Some(index) = self.by_node.remove(&node) else {
+            return 0.0;
+        };
+        let built = self.patches.swap_remove(index as usize);
+        if let Some(moved) = self.patches.get(index as usize) {
+            self.by_node.insert(moved.node, index);
+        }
+        let step_m = built.step_m;
+        self.revision = self.revision.max(built.patch.revision);
+        if self.spare.len() < 64 {
+            self.spare.push(built);
+        }
+        step_m
+    }
+}
+
+fn count_leaves(forest: &Forest, node: Node, slot: Slot) -> u32 {
+    if !forest.is_split(slot) {
+        return 1;
+    }
+    let children = (0..4).filter_map(|k| Some((node.child(k), forest.child(node, slot, k)?)));
+    children
+        .map(|(child, slot)| count_leaves(forest, child, slot))
+        .sum()
+}
+
+/// Whether two squares have a point in common, across the date line and at the poles too.
+pub(super) fn touches(a: Node, b: Node) -> bool {
+    let depth = a.level.max(b.level);
+    let (a, b) = (a.square(depth), b.square(depth));
+    let (columns, rows) = (BLOCKS.columns << depth, BLOCKS.rows << depth);
+    let is_near = |a: u64, a_size: u64, b: u64, b_size: u64| a <= b + b_size && b <= a + a_size;
+    let at_pole = |y: u64, size: u64| (y == 0, y + size == rows);
+    let (a_pole, b_pole) = (at_pole(a.y, a.size), at_pole(b.y, b.size));
+    let across = is_near(a.x, a.size, b.x, b.size)
+        || is_near(a.x + columns, a.size, b.x, b.size)
+        || is_near(a.x, a.size, b.x + columns, b.size);
+    is_near(a.y, a.size, b.y, b.size) && across || a_pole.0 && b_pole.0 || a_pole.1 && b_pole.1
+}

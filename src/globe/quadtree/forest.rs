@@ -1,0 +1,333 @@
+//! The forest over the Earth: one tree to each of the 16 × 8 blocks, in pages that are read when the eye comes near.
+
+use super::node::{Cut, Domain, Node};
+use super::page::{Info, PAGE_NODES, Reader, quarter};
+use crate::elevation::Elevation;
+use crate::frames::Ellipsoid;
+use crate::globe::blocks::{BLOCK_COUNT, COLUMNS, ROWS};
+
+/// No page.
+const NONE: u32 = u32::MAX;
+
+/// The blocks as roots.
+pub const BLOCKS: Domain = Domain {
+    columns: COLUMNS as u64,
+    rows: ROWS as u64,
+    is_globe: true,
+};
+
+/// The quarters of a node.
+struct Page {
+    node: Node,
+    infos: [Info; PAGE_NODES],
+    /// Pages of the quarters.
+    below: [u32; PAGE_NODES],
+    pages_below: u32,
+    /// Squares that are divided, a bit each.
+    split: u8,
+    /// Squares that are patches.
+    patch: u8,
+    /// The frame in which it was last asked for.
+    asked: u64,
+}
+
+struct Root {
+    info: Info,
+    page: u32,
+    is_split: bool,
+    is_patch: bool,
+}
+
+/// Where a node is kept: a root by its block, another by its page and its place there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Slot {
+    page: u32,
+    place: u32,
+}
+
+/// The trees, which of their squares are divided, and which are patches.
+pub struct Forest {
+    ellipsoid: Ellipsoid,
+    roots: Vec<Root>,
+    pages: Vec<Page>,
+    /// Where the search for a page to give up goes on.
+    hand: usize,
+    most_pages: usize,
+    frame: u64,
+    reader: Reader,
+}
+
+impl Cut for Forest {
+    type Place = Slot;
+
+    fn domain(&self) -> Domain {
+        BLOCKS
+    }
+
+    fn root(&self, node: Node) -> Slot {
+        root_slot(node)
+    }
+
+    fn is_split(&self, slot: Slot) -> bool {
+        match slot.page {
+            NONE => self.roots[slot.place as usize].is_split,
+            page => self.pages[page as usize].split >> slot.place & 1 == 1,
+        }
+    }
+
+    fn child(&self, node: Node, slot: Slot, k: u8) -> Option<Slot> {
+        let place = quarter(node.child(k));
+        let page = self.page_of(slot)?;
+        Some(Slot { page, place })
+    }
+}
+
+impl Forest {
+    /// The 128 blocks, each with its first page: all undivided, and each a patch.
+    pub fn new(
+        ellipsoid: Ellipsoid,
+        most_pages: usize,
+        is_certain: bool,
+        ground: &dyn Elevation,
+    ) -> Self {
+        let most_pages = most_pages.max(2 * BLOCK_COUNT as usize);
+        let mut forest = Self {
+            ellipsoid,
+            roots: Vec::with_capacity(BLOCK_COUNT as usize),
+            // Never moved: that would take longer than a frame has.
+            pages: Vec::with_capacity(most_pages),
+            hand: 0,
+            most_pages,
+            frame: 0,
+            reader: Reader::new(is_certain),
+        };
+        for index in 0..BLOCK_COUNT {
+            let node = Node {
+                level: 0,
+                x: u64::from(index % COLUMNS),
+                y: u64::from(index / COLUMNS),
+            };
+            let (info, page) = forest.read(node, ground);
+            forest.pages.push(page);
+            forest.roots.push(Root {
+                info,
+                page: index,
+                is_split: false,
+                is_patch: true,
+            });
+        }
+        forest
+    }
+
+    fn read(&mut self, node: Node, ground: &dyn Elevation) -> (Info, Page) {
+        let (own, infos) = self.reader.read(node, &self.ellipsoid, ground);
+        let page = Page {
+            node,
+            infos,
+            below: [NONE; PAGE_NODES],
+            pages_below: 0,
+            split: 0,
+            patch: 0,
+            asked: self.frame,
+        };
+        (own, page)
+    }
+
+    /// The figure.
+    pub fn ellipsoid(&self) -> &Ellipsoid {
+        &self.ellipsoid
+    }
+
+    /// Starts a frame: pages asked for from now on are kept through it.
+    pub fn start_frame(&mut self) {
+        self.frame += 1;
+        self.reader.samples_read = 0;
+    }
+
+    /// Places read in this frame.
+    pub fn samples_read(&self) -> u64 {
+        self.reader.samples_read
+    }
+
+    /// Bytes of the pages.
+    pub fn resident_bytes(&self) -> usize {
+        self.pages.len() * size_of::<Page>() + self.roots.capacity() * size_of::<Root>()
+    }
+
+    /// Pages in memory.
+    #[cfg(test)]
+    pub fn pages(&self) -> usize {
+        self.pages.len()
+    }
+
+    /// Where a node is kept, if its page is there.
+    pub fn slot(&self, node: Node) -> Option<Slot> {
+        let mut slot = root_slot(node.ancestor(0));
+        for level in 1..=node.level {
+            let page = self.page_of(slot)?;
+            let place = quarter(node.ancestor(level));
+            slot = Slot { page, place };
+        }
+        Some(slot)
+    }
+
+    /// The page of a node's quarters.
+    fn page_of(&self, slot: Slot) -> Option<u32> {
+        let page = if slot.page == NONE {
+            self.roots[slot.place as usize].page
+        } else {
+            self.pages[slot.page as usize].below[slot.place as usize]
+        };
+        (page != NONE).then_some(page)
+    }
+
+    /// What is known of a node.
+    pub fn info(&self, slot: Slot) -> &Info {
+        match slot.page {
+            NONE => &self.roots[slot.place as usize].info,
+            page => &self.pages[page as usize].infos[slot.place as usize],
+        }
+    }
+
+    /// Divides a node or makes it a leaf.
+    pub fn set_split(&mut self, slot: Slot, is_split: bool) {
+        match slot.page {
+            NONE => self.roots[slot.place as usize].is_split = is_split,
+            page => set_bit(&mut self.pages[page as usize].split, slot.place, is_split),
+        }
+    }
+
+    /// The node is a patch.
+    pub fn is_patch(&self, slot: Slot) -> bool {
+        match slot.page {
+            NONE => self.roots[slot.place as usize].is_patch,
+            page => self.pages[page as usize].patch >> slot.place & 1 == 1,
+        }
+    }
+
+    /// Makes a node a patch, or no longer one.
+    pub fn set_patch(&mut self, slot: Slot, is_patch: bool) {
+        match slot.page {
+            NONE => self.roots[slot.place as usize].is_patch = is_patch,
+            page => set_bit(&mut self.pages[page as usize].patch, slot.place, is_patch),
+        }
+    }
+
+    /// The patch that a node lies in, or that is the node.
+    pub fn patch_of(&self, node: Node) -> Option<Node> {
+        let mut at = node.ancestor(0);
+        let mut slot = root_slot(at);
+        loop {
+            if self.is_patch(slot) {
+                return Some(at);
+            }
+            if at.level == node.level {
+                return None;
+            }
+            let next = node.ancestor(at.level + 1);
+            let k = (next.x & 1) as u8 | ((next.y & 1) as u8) << 1;
+            slot = self.child(at, slot, k)?;
+            at = next;
+        }
+    }
+
+    /// The leaf that holds a node, or that is the node; `None` where the node is divided.
+    pub fn leaf_of(&self, node: Node) -> Option<Node> {
+        let mut at = node.ancestor(0);
+        let mut slot = root_slot(at);
+        while self.is_split(slot) {
+            if at.level == node.level {
+                return None;
+            }
+            let next = node.ancestor(at.level + 1);
+            let k = (next.x & 1) as u8 | ((next.y & 1) as u8) << 1;
+            slot = self.child(at, slot, k)?;
+            at = next;
+        }
+        Some(at)
+    }
+
+    /// What lies below a node is known.
+    pub fn has_children(&self, slot: Slot) -> bool {
+        self.page_of(slot).is_some()
+    }
+
+    /// Reads what lies below a node. False where all pages are in use.
+    pub fn read_children(&mut self, node: Node, slot: Slot, ground: &dyn Elevation) -> bool {
+        if self.has_children(slot) {
+            return true;
+        }
+        let Some(index) = self.room() else {
+            return false;
+        };
+        let (own, page) = self.read(node, ground);
+        if index as usize == self.pages.len() {
+            self.pages.push(page);
+        } else {
+            self.pages[index as usize] = page;
+        }
+        let holder = &mut self.pages[slot.page as usize];
+        holder.below[slot.place as usize] = index;
+        holder.pages_below += 1;
+        // Read finer, the same square may turn out smoother than was feared.
+        let info = &mut holder.infos[slot.place as usize];
+        info.error_m = info.error_m.min(own.error_m);
+        true
+    }
+
+    /// Notes that what lies below a node is in use.
+    pub fn touch(&mut self, slot: Slot) {
+        if let Some(page) = self.page_of(slot) {
+            self.pages[page as usize].asked = self.frame;
+        }
+    }
+
+    /// A place for a page: a new one, or that of a page that nothing needs and that was not asked for lately.
+    fn room(&mut self) -> Option<u32> {
+        if self.pages.len() < self.most_pages {
+            return Some(self.pages.len() as u32);
+        }
+        // Twice around: what was asked for in this frame or the last is left alone.
+        for _ in 0..self.pages.len() {
+            self.hand = (self.hand + 1) % self.pages.len();
+            let page = &self.pages[self.hand];
+            let node = page.node;
+            let is_idle = page.pages_below == 0 && page.asked + 1 < self.frame;
+            if node.level == 0 || !is_idle {
+                continue;
+            }
+            let holder = self.slot(node)?;
+            if self.is_split(holder) {
+                continue;
+            }
+            let holding = &mut self.pages[holder.page as usize];
+            holding.below[holder.place as usize] = NONE;
+            holding.pages_below -= 1;
+            return Some(self.hand as u32);
+        }
+        None
+    }
+
+    /// Lowest and highest height of the Earth, metres.
+    pub fn range_m(&self) -> (f64, f64) {
+        let infos = self.roots.iter().map(|root| &root.info);
+        infos.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), info| {
+            (
+                low.min(f64::from(info.low_m)),
+                high.max(f64::from(info.high_m)),
+            )
+        })
+    }
+}
+
+/// Where a root is kept.
+pub fn root_slot(block: Node) -> Slot {
+    Slot {
+        page: NONE,
+        place: (block.y * u64::from(COLUMNS) + block.x) as u32,
+    }
+}
+
+fn set_bit(bits: &mut u8, place: u32, value: bool) {
+    *bits = *bits & !(1 << place) | u8::from(value) << place;
+}

@@ -1,0 +1,35 @@
+//! Ground as an unfull quadtree (the 2005 paper): large leaves where the data are flat or far, small ones elsewhere.
+//!
+//! Two trees share one grid of squares ([`Node`]), one rule that keeps edges whole ([`ring`]) and one bound on what a leaf
+//! is off by ([`leaf_error`]): [`Quadtree`] draws the Earth, and [`Tree`] holds one grid of heights of any size.
+//!
+//! A leaf is drawn as a fan from its centre to its corners and to every point that finer leaves beside have on its edges. So
+//! leaves of any two levels may meet, every edge has the same points on both sides, and no point is ever moved.
+//!
+//! The Earth is a forest of 128 trees, one to a block of 22.5°. It is read lazily, square by square, as the eye comes
+//! near: a whole tree over fine data would not fit in memory, small maps would be missed by looking from afar, and what is
+//! read is forgotten again within a budget. A frame changes as many leaves as its own budget allows, and then builds
+//! every patch that a change touches: what is drawn is whole at all times, and at most late.
+
+mod arrange;
+mod bound;
+mod bytes;
+mod choose;
+mod eye;
+mod forest;
+mod node;
+mod order;
+mod page;
+mod patch;
+mod surface;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+pub use bound::{LeafError, leaf_error};
+pub use choose::{Chosen, Measure, TreeView};
+pub use eye::Refine;
+pub use node::{Among, Cut, Domain, Kept, Node, Point, Side, Square, among, child_among, ring};
+pub use order::{Order, hilbert, morton};
+pub use surface::{PAGE_WORK, Quadtree, QuadtreeOptions};
+pub use tree::{MOST_POSTS, Merge, Tree, TreeError, TreeNode, TreeOptions};

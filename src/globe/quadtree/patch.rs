@@ -1,0 +1,382 @@
+//! Patches: parts of the forest with an origin of their own, and how they are built.
+
+use super::forest::{BLOCKS, Forest, Slot};
+use super::node::{Among, Cut, Node, Point, Square, among, child_among, ring};
+use super::page::{DEPTH, lat_lon_rad, side_rad};
+use crate::elevation::Elevation;
+use crate::frames::Geodetic;
+use crate::globe::blocks::Block;
+use crate::globe::surface::{GroundVertex, Indices, Patch};
+use glam::DVec3;
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+use std::sync::Arc;
+
+/// Finest level of a patch, 15 cm: below it a patch only has more leaves.
+pub const MOST_PATCH_LEVEL: u8 = 24;
+/// Steps of all origins, metres: a multiple of the steps of all vertices.
+const ORIGIN_STEP_M: f64 = 0.25;
+
+/// Mixes the two numbers of a point.
+#[derive(Default)]
+pub struct PointHasher(u64);
+
+impl Hasher for PointHasher {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.write_u64(u64::from(*byte));
+        }
+    }
+
+    fn write_u64(&mut self, value: u64) {
+        // Points have many zeros at the end, and tables look at both ends of the answer.
+        let mixed = (self.0.rotate_left(29) ^ value).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        self.0 = mixed ^ mixed >> 32;
+    }
+}
+
+type Places = HashMap<Point, u32, BuildHasherDefault<PointHasher>>;
+
+/// A patch and what is needed to build it anew.
+pub struct Built {
+    /// The node that it covers.
+    pub node: Node,
+    /// What is handed over.
+    pub patch: Patch,
+    /// Its vertices stand on multiples of this, metres, so that they are exact in single precision.
+    pub step_m: f64,
+    /// Leaves at the last look.
+    pub leaves: u32,
+    /// It must be built anew.
+    pub is_dirty: bool,
+    /// It is drawn in this view.
+    pub is_drawn: bool,
+    /// From the eye to the ball about it, metres.
+    pub distance_m: f64,
+    /// Largest ratio of a leaf that should be divided; 0 without one.
+    pub urgency: f64,
+    /// Largest error of a leaf that is seen, metres and pixels.
+    pub error: (f64, f64),
+    /// It has leaves that could be merged.
+    pub has_merges: bool,
+    /// All its faces lie within `cone.1` radians of the direction `cone.0`.
+    pub cone: (DVec3, f64),
+    /// The patches that touched it at the last build.
+    beside: Vec<(Node, f64)>,
+    has_new_steps: bool,
+    places: Places,
+    /// By vertex, the build that last needed it.
+    needed: Vec<u32>,
+    free: Vec<u32>,
+    build: u32,
+}
+
+/// Memory that all builds share.
+#[derive(Default)]
+pub struct Scratch {
+    ring: Vec<Point>,
+    stack: Vec<Among<Slot>>,
+    /// The patches that touch the one that is built, itself among them, and their steps.
+    pub beside: Vec<(Node, f64)>,
+    triangles: Vec<u32>,
+    loop_: Vec<u32>,
+    changed: Vec<u32>,
+    /// Vertices computed since this was last set to 0.
+    pub new_vertices: u64,
+}
+
+/// Steps on which the vertices within a ball stand: 2²³ of them or more on either side of an origin near its middle.
+pub fn step_m(radius_m: f32) -> f64 {
+    // The origin is rounded by up to √3/8 m; single precision holds whole numbers to 2²⁴.
+    let reach = f64::from(radius_m) + 0.25;
+    let exponent = reach.log2().ceil() - 24.0;
+    exponent.exp2().min(ORIGIN_STEP_M)
+}
+
+/// What a patch is known by.
+fn key(node: Node) -> u64 {
+    u64::from(node.level) << 58 | node.x << 29 | node.y
+}
+
+impl Built {
+    /// A patch of a node, not built yet. `revision` is above all that a patch of this node ever had.
+    pub fn new(node: Node, slot: Slot, forest: &Forest, revision: u64) -> Self {
+        let info = forest.info(slot);
+        let block = node.ancestor(0);
+        let origin = (info.center_itrf_m / ORIGIN_STEP_M).round() * ORIGIN_STEP_M;
+        Self {
+            node,
+            patch: Patch {
+                key: key(node),
+                revision,
+                origin_itrf_m: origin,
+                vertices: Vec::new(),
+                changed: Vec::new(),
+                indices: Arc::default(),
+                block: Some(Block {
+                    column: block.x as u32,
+                    row: block.y as u32,
+                }),
+            },
+            step_m: step_m(info.radius_m),
+            leaves: 1,
+            is_dirty: true,
+            is_drawn: false,
+            distance_m: 0.0,
+            urgency: 0.0,
+            error: (0.0, 0.0),
+            has_merges: false,
+            cone: (DVec3::ZERO, std::f64::consts::PI),
+            beside: Vec::new(),
+            has_new_steps: true,
+            places: Places::default(),
+            needed: Vec::new(),
+            free: Vec::new(),
+            build: 0,
+        }
+    }
+
+    /// Becomes a patch of another node, and keeps its memory.
+    pub fn reset(&mut self, node: Node, slot: Slot, forest: &Forest, revision: u64) {
+        let fresh = Self::new(node, slot, forest, revision);
+        let old = std::mem::replace(self, fresh);
+        let Self {
+            patch,
+            mut places,
+            mut needed,
+            mut free,
+            ..
+        } = old;
+        let Patch {
+            mut vertices,
+            mut changed,
+            ..
+        } = patch;
+        vertices.clear();
+        changed.clear();
+        places.clear();
+        needed.clear();
+        free.clear();
+        self.patch.vertices = vertices;
+        self.patch.changed = changed;
+        (self.places, self.needed, self.free) = (places, needed, free);
+    }
+
+    /// Bytes of vertices, indices and tables.
+    pub fn resident_bytes(&self) -> usize {
+        let places = self.places.capacity() * (size_of::<(Point, u32)>() + 1);
+        let vertices = self.patch.vertices.capacity() * size_of::<GroundVertex>();
+        let numbers = self.needed.capacity() + self.free.capacity();
+        let triangles = self.patch.indices.triangles.capacity();
+        places + vertices + 4 * (numbers + triangles) + size_of::<Self>()
+    }
+
+    /// Builds vertices and triangles for the leaves of now. Answers how many leaves there are.
+    pub fn build(
+        &mut self,
+        forest: &Forest,
+        slot: Slot,
+        ground: &dyn Elevation,
+        scratch: &mut Scratch,
+    ) -> u32 {
+        self.build += 1;
+        self.is_dirty = false;
+        scratch.triangles.clear();
+        scratch.changed.clear();
+        scratch.stack.clear();
+        scratch.stack.push(among(forest, (self.node, slot)));
+        self.has_new_steps = self.beside != scratch.beside;
+        if self.has_new_steps {
+            self.beside.clone_from(&scratch.beside);
+        }
+        let mut ring_points = std::mem::take(&mut scratch.ring);
+        let mut leaves = 0;
+        while let Some(square) = scratch.stack.pop() {
+            let (node, slot) = square.at;
+            if forest.is_split(slot) {
+                let children = (0..4).rev();
+                let children = children.filter_map(|k| child_among(forest, &square, k));
+                scratch.stack.extend(children);
+                continue;
+            }
+            leaves += 1;
+            ring(forest, &square, DEPTH, &mut ring_points);
+            let center = self.place(node.square(DEPTH).center(), forest, ground, scratch);
+            scratch.loop_.clear();
+            for point in &ring_points {
+                let place = self.place(*point, forest, ground, scratch);
+                scratch.loop_.push(place);
+            }
+            for (i, a) in scratch.loop_.iter().enumerate() {
+                let b = scratch.loop_[(i + 1) % scratch.loop_.len()];
+                // The two corners at a pole are one.
+                if *a != b {
+                    scratch.triangles.extend([center, *a, b]);
+                }
+            }
+        }
+        scratch.ring = ring_points;
+        self.leaves = leaves;
+        self.give_up_unneeded();
+        self.hand_over(scratch);
+        leaves
+    }
+
+    /// The vertex at a point: kept from the build before, or computed.
+    fn place(
+        &mut self,
+        point: Point,
+        forest: &Forest,
+        ground: &dyn Elevation,
+        scratch: &mut Scratch,
+    ) -> u32 {
+        if let Some(place) = self.places.get(&point).copied() {
+            let index = place as usize;
+            if self.needed[index] != self.build {
+                self.needed[index] = self.build;
+                if self.has_new_steps && self.is_on_edge(point) {
+                    // The steps of a neighbour may have changed.
+                    let height_m = self.patch.vertices[index].height_m;
+                    let from_origin = self.place_from_origin(point, height_m, forest);
+                    if from_origin != self.patch.vertices[index].from_origin_m.as_dvec3() {
+                        self.patch.vertices[index].from_origin_m = from_origin.as_vec3();
+                        scratch.changed.push(place);
+                    }
+                }
+            }
+            return place;
+        }
+        let (lat, lon) = lat_lon_rad(point);
+        // Rounded first, so that every patch computes the same place from it.
+        let height_m = ground.height_m(lat, lon, 0.0) as f32;
+        let spacing_rad = side_rad(self.node.level) / 64.0;
+        let slope = ground.slope(forest.ellipsoid(), lat, lon, spacing_rad);
+        let vertex = GroundVertex {
+            from_origin_m: self.place_from_origin(point, height_m, forest).as_vec3(),
+            height_m,
+            slope: slope.as_vec2(),
+        };
+        scratch.new_vertices += 1;
+        let place = if let Some(place) = self.free.pop() {
+            self.patch.vertices[place as usize] = vertex;
+            self.needed[place as usize] = self.build;
+            place
+        } else {
+            self.patch.vertices.push(vertex);
+            self.needed.push(self.build);
+            self.patch.vertices.len() as u32 - 1
+        };
+        self.places.insert(point, place);
+        scratch.changed.push(place);
+        place
+    }
+
+    /// Whether a point lies on the edge of the patch. Points are named as [`super::node::Domain::point`] names them.
+    fn is_on_edge(&self, (x, y): Point) -> bool {
+        let Square { x: x0, y: y0, size } = self.node.square(DEPTH);
+        let all = BLOCKS.columns << DEPTH;
+        let is_pole = y == 0 || y == BLOCKS.rows << DEPTH;
+        is_pole || x == x0 || x == (x0 + size) % all || y == y0 || y == y0 + size
+    }
+
+    /// A point's place from the origin, metres, on the coarsest steps of all patches that have it: a multiple of this
+    /// patch's own that single precision holds exactly, so that origin + place is the same in all of them.
+    fn place_from_origin(&self, point: Point, height_m: f32, forest: &Forest) -> DVec3 {
+        let (lat_rad, lon_rad) = lat_lon_rad(point);
+        let itrf_m = forest.ellipsoid().itrf_from_geodetic(Geodetic {
+            lat_rad,
+            lon_rad,
+            height_m: f64::from(height_m),
+        });
+        let step = if self.is_on_edge(point) {
+            self.coarsest_step_m(point)
+        } else {
+            self.step_m
+        };
+        (itrf_m / step).round() * step - self.patch.origin_itrf_m
+    }
+
+    /// The coarsest steps of the patches that meet in a point on the edge.
+    fn coarsest_step_m(&self, (x, y): Point) -> f64 {
+        let (columns, rows) = (BLOCKS.columns << DEPTH, BLOCKS.rows << DEPTH);
+        let has = |node: Node| {
+            let square = node.square(DEPTH);
+            let (x_end, y_end) = (square.x + square.size, square.y + square.size);
+            if y == 0 || y == rows {
+                return y == square.y || y == y_end;
+            }
+            let is_within = (square.x..=x_end).contains(&x) || x == 0 && x_end == columns;
+            is_within && (square.y..=y_end).contains(&y)
+        };
+        let steps = self.beside.iter().filter(|(node, _)| has(*node));
+        steps.fold(self.step_m, |most, (_, step)| most.max(*step))
+    }
+
+    /// Frees the vertices that this build did not need.
+    fn give_up_unneeded(&mut self) {
+        let Self {
+            places,
+            needed,
+            free,
+            build,
+            ..
+        } = self;
+        places.retain(|_, place| {
+            let stays = needed[*place as usize] == *build;
+            if !stays {
+                free.push(*place);
+            }
+            stays
+        });
+    }
+
+    /// Puts the triangles and the list of changes into the patch.
+    fn hand_over(&mut self, scratch: &mut Scratch) {
+        let is_first = self.build == 1;
+        let is_new = self.patch.indices.triangles != scratch.triangles;
+        if is_new {
+            // Never in place: who keeps the old list knows it by its address.
+            self.patch.indices = Arc::new(Indices {
+                triangles: scratch.triangles.clone(),
+            });
+            self.cone = cone(&self.patch);
+        } else if !scratch.changed.is_empty() {
+            self.cone = cone(&self.patch);
+        }
+        self.patch.changed.clear();
+        scratch.changed.sort_unstable();
+        for place in &scratch.changed {
+            match self.patch.changed.last_mut() {
+                Some(last) if last.end == *place => last.end += 1,
+                _ => self.patch.changed.push(*place..place + 1),
+            }
+        }
+        if !is_first && (is_new || !scratch.changed.is_empty()) {
+            self.patch.revision += 1;
+        }
+    }
+}
+
+/// A cone about the normals of all faces of a patch: its axis and its half-angle.
+fn cone(patch: &Patch) -> (DVec3, f64) {
+    let at = |place: u32| patch.vertices[place as usize].from_origin_m.as_dvec3();
+    let normals = || {
+        let triangles = patch.indices.triangles.as_chunks::<3>().0;
+        triangles.iter().map(|[a, b, c]| {
+            let origin = at(*a);
+            (at(*b) - origin).cross(at(*c) - origin)
+        })
+    };
+    let Some(axis) = normals().sum::<DVec3>().try_normalize() else {
+        return (DVec3::ZERO, std::f64::consts::PI);
+    };
+    let least = normals()
+        .filter_map(DVec3::try_normalize)
+        .map(|normal| normal.dot(axis))
+        .fold(1.0, f64::min);
+    (axis, least.clamp(-1.0, 1.0).acos() + 1e-6)
+}

@@ -1,0 +1,490 @@
+//! The Earth as a forest of unfull quadtrees.
+
+use super::arrange::touches;
+use super::eye::{Eye, Refine, Sight};
+use super::forest::{BLOCKS, Forest, Slot, root_slot};
+use super::node::{Cut, Node, Side};
+use super::page::side_rad;
+use super::patch::{Built, Scratch};
+use crate::elevation::Elevation;
+use crate::frames::Ellipsoid;
+use crate::globe::surface::{GroundView, Patch, Surface, SurfaceStats};
+use std::collections::HashMap;
+
+/// What a [`Quadtree`] may take, and by which rule it divides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct QuadtreeOptions {
+    /// The figure.
+    pub ellipsoid: Ellipsoid,
+    /// When a leaf is divided.
+    pub refine: Refine,
+    /// Most leaves at once, drawn or not: about five triangles and up to 1 kB each. Where the tolerance asks for more, it is
+    /// eased, and the error that is reported tells. At least 512.
+    pub most_leaves: u32,
+    /// Most pages: the quarters of a square each, 300 bytes. At least 256.
+    pub most_pages: u32,
+    /// Finest level: 0 are the blocks of 22.5°, 24 is 15 cm. At most 32.
+    pub most_level: u8,
+    /// Work in a frame: a leaf built anew counts as 1, a new vertex as 4, a page read as [`PAGE_WORK`].
+    pub work: u32,
+    /// Leave out patches that lie outside the picture, beyond the horizon, or face away with every face.
+    pub is_culled: bool,
+    /// Bound what the data do between the posts that were read by their range alone, where they are finer than the posts.
+    /// Costs several times the leaves. Without it, the ground is taken to be half as rough at half the step, and to
+    /// reach no further than its range: enough for terrain and for spikes, but a narrow ledge on a slope may be seen late.
+    pub is_certain: bool,
+}
+
+/// What reading a page counts as in [`QuadtreeOptions::work`].
+pub const PAGE_WORK: u32 = 50;
+
+impl Default for QuadtreeOptions {
+    fn default() -> Self {
+        Self {
+            ellipsoid: Ellipsoid::WGS84,
+            refine: Refine::Tolerance,
+            most_leaves: 24_000,
+            most_pages: 16_384,
+            most_level: 24,
+            work: 2_500,
+            is_culled: true,
+            is_certain: false,
+        }
+    }
+}
+
+/// A leaf is merged again only once it is this much finer than it must be, so that an eye that hovers does not toggle.
+const HYSTERESIS: f64 = 0.7;
+/// Work of a division: eight new points.
+const SPLIT_WORK: u32 = 32;
+/// Steps of the table of ratios, for each doubling.
+const BINS_PER_DOUBLING: f64 = 8.0;
+const BINS: usize = 256;
+
+/// Ground as a forest of unfull quadtrees.
+pub struct Quadtree {
+    pub(super) options: QuadtreeOptions,
+    pub(super) forest: Option<Forest>,
+    pub(super) patches: Vec<Built>,
+    /// Patches that are no more; their memory serves the next.
+    pub(super) spare: Vec<Built>,
+    pub(super) by_node: HashMap<Node, u32>,
+    pub(super) leaves: u32,
+    /// Ratios above this are divided: 1, or more where there would be too many leaves.
+    pub(super) relax: f64,
+    /// Most that anything drawn is off by, metres: the Earth hides ground only below that.
+    pub(super) deepest_m: f64,
+    pub(super) revision: u64,
+    pub(super) spent: u32,
+    pub(super) order: Vec<u32>,
+    pub(super) drawn: Vec<u32>,
+    pub(super) stack: Vec<(Node, Slot, Sight)>,
+    pub(super) bins: Vec<u32>,
+    /// Work that leaves above a ratio would take.
+    pub(super) wanted: Vec<u64>,
+    /// Ratios above this are divided in this frame: the worst leaves first, wherever they are.
+    pub(super) floor: f64,
+    pub(super) scratch: Scratch,
+    pub(super) stats: SurfaceStats,
+    pub(super) rebuilt: u32,
+    pub(super) changes: u32,
+}
+
+impl Quadtree {
+    /// A surface that has read nothing yet. The first view reads the 128 first pages, about 10 000 heights.
+    pub fn new(options: QuadtreeOptions) -> Self {
+        let options = QuadtreeOptions {
+            most_leaves: options.most_leaves.max(512),
+            most_level: options.most_level.min(32),
+            ..options
+        };
+        Self {
+            options,
+            forest: None,
+            patches: Vec::new(),
+            spare: Vec::new(),
+            by_node: HashMap::new(),
+            leaves: 0,
+            relax: 1.0,
+            deepest_m: f64::INFINITY,
+            revision: 1,
+            spent: 0,
+            order: Vec::new(),
+            drawn: Vec::new(),
+            stack: Vec::new(),
+            bins: vec![0; BINS],
+            wanted: vec![0; BINS],
+            floor: 1.0,
+            scratch: Scratch::default(),
+            stats: SurfaceStats::default(),
+            rebuilt: 0,
+            changes: 0,
+        }
+    }
+
+    /// Leaves there are, drawn or not.
+    pub fn leaves(&self) -> u32 {
+        self.leaves
+    }
+
+    /// Patches that the last view built anew.
+    pub fn rebuilt(&self) -> u32 {
+        self.rebuilt
+    }
+
+    /// Prepares a view again and again, without a budget of work, until it asks for nothing more: for stills.
+    pub fn settle(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats {
+        let work = std::mem::replace(&mut self.options.work, u32::MAX);
+        // Each round goes as deep as it may; more than a few are needed only where leaves run out.
+        for _ in 0..64 {
+            self.prepare(view, ground);
+            if self.changes == 0 {
+                break;
+            }
+        }
+        self.options.work = work;
+        self.stats
+    }
+
+    fn start(&mut self, ground: &dyn Elevation) {
+        let forest = Forest::new(
+            self.options.ellipsoid,
+            self.options.most_pages as usize,
+            self.options.is_certain,
+            ground,
+        );
+        for y in 0..BLOCKS.rows {
+            for x in 0..BLOCKS.columns {
+                let node = Node { level: 0, x, y };
+                self.by_node.insert(node, self.patches.len() as u32);
+                let patch = Built::new(node, root_slot(node), &forest, self.revision);
+                self.patches.push(patch);
+            }
+        }
+        self.leaves = self.patches.len() as u32;
+        self.forest = Some(forest);
+    }
+
+    /// Looks at patches, or only at those that have changed: are they seen, do they need work, how far are they off. Answers
+    /// the largest error of what is seen, metres.
+    fn look(&mut self, forest: &Forest, eye: &Eye, is_all: bool) -> f64 {
+        self.bins.fill(0);
+        self.wanted.fill(0);
+        let (mut error_m, mut error_px) = (0.0_f64, 0.0_f64);
+        for index in 0..self.patches.len() {
+            if is_all || self.patches[index].is_dirty {
+                self.look_at(index, forest, eye);
+            }
+            let (patch_m, patch_px) = self.patches[index].error;
+            (error_m, error_px) = (error_m.max(patch_m), error_px.max(patch_px));
+        }
+        (self.stats.error_m, self.stats.error_px) = (Some(error_m), Some(error_px));
+        error_m
+    }
+
+    fn look_at(&mut self, index: usize, forest: &Forest, eye: &Eye) {
+        let built = &mut self.patches[index];
+        let Some(slot) = forest.slot(built.node) else {
+            return;
+        };
+        let info = forest.info(slot);
+        built.distance_m = eye.distance_m(info);
+        let sight = eye.sight(info);
+        built.is_drawn = eye.draws(info, built.cone);
+        (built.urgency, built.has_merges, built.leaves) = (0.0, false, 0);
+        built.error = (0.0, 0.0);
+        self.stack.clear();
+        self.stack.push((built.node, slot, sight));
+        while let Some((node, slot, above)) = self.stack.pop() {
+            let info = forest.info(slot);
+            let sight = if above == Sight::Part {
+                eye.sight(info)
+            } else {
+                above
+            };
+            let side_m = side_m(&self.options.ellipsoid, node);
+            let ratio = eye.ratio(info, side_m, sight);
+            let bin = (ratio.max(1.0).log2() * BINS_PER_DOUBLING) as usize;
+            let bin = bin.min(BINS - 1);
+            self.bins[bin] += u32::from(ratio > 1.0);
+            if forest.is_split(slot) {
+                built.has_merges |= ratio < HYSTERESIS * self.relax;
+                for k in 0..4 {
+                    if let Some(slot) = forest.child(node, slot, k) {
+                        self.stack.push((node.child(k), slot, sight));
+                    }
+                }
+                continue;
+            }
+            built.leaves += 1;
+            if ratio > self.relax && node.level < self.options.most_level {
+                built.urgency = built.urgency.max(ratio);
+                let is_known = forest.has_children(slot);
+                let work = if is_known { 0 } else { PAGE_WORK } + 2 * SPLIT_WORK;
+                self.wanted[bin] += u64::from(work);
+            }
+            if matches!(sight, Sight::Whole | Sight::Part) {
+                let (error_m, error_px) = built.error;
+                let leaf_px = eye.error_px(info);
+                built.error = (error_m.max(f64::from(info.error_m)), error_px.max(leaf_px));
+            }
+        }
+    }
+
+    /// Looks with a horizon below all that is drawn: what is drawn too low must not be taken to hide what is behind.
+    fn look_over(&mut self, forest: &Forest, view: &GroundView) -> Option<Eye> {
+        let options = self.options;
+        let lowest_m = forest.range_m().0;
+        loop {
+            let below_m = lowest_m - self.deepest_m;
+            let eye = Eye::new(
+                view,
+                options.refine,
+                &options.ellipsoid,
+                below_m,
+                options.is_culled,
+            )?;
+            let error_m = self.look(forest, &eye, true);
+            if error_m <= self.deepest_m {
+                // Half as much again, so that the next looks need not be repeated.
+                self.deepest_m = self.deepest_m.min(1.5 * error_m);
+                return Some(eye);
+            }
+            self.deepest_m = 1.5 * error_m;
+        }
+    }
+
+    /// Eases the tolerance as far as the leaves that it would take are too many, and finds which can be divided in one
+    /// frame.
+    fn ease(&mut self) {
+        let roots = BLOCKS.columns * BLOCKS.rows;
+        let most = u64::from(self.options.most_leaves).saturating_sub(roots) / 3;
+        let (mut count, mut relax) = (0, 1.0);
+        for bin in (0..BINS).rev() {
+            count += u64::from(self.bins[bin]);
+            if count > most {
+                relax = ((bin + 1) as f64 / BINS_PER_DOUBLING).exp2();
+                break;
+            }
+        }
+        self.relax = relax;
+        let (mut wanted, mut floor) = (0, relax);
+        for bin in (0..BINS).rev() {
+            wanted += self.wanted[bin];
+            if wanted >= u64::from(self.options.work) {
+                floor = (bin as f64 / BINS_PER_DOUBLING).exp2();
+                break;
+            }
+        }
+        self.floor = floor.max(relax);
+    }
+
+    /// Divides and merges below a node. Answers whether it is divided.
+    fn refine(
+        &mut self,
+        forest: &mut Forest,
+        eye: &Eye,
+        ground: &dyn Elevation,
+        (node, slot): (Node, Slot),
+        most_work: u32,
+    ) -> bool {
+        let info = *forest.info(slot);
+        let side_m = side_m(&self.options.ellipsoid, node);
+        let ratio = eye.ratio(&info, side_m, eye.sight(&info));
+        let was_split = forest.is_split(slot);
+        if !was_split {
+            let is_wanted = ratio > self.floor
+                && node.level < self.options.most_level
+                && self.leaves + 3 <= self.options.most_leaves
+                && self.spent < most_work;
+            if !is_wanted {
+                return false;
+            }
+            if !forest.has_children(slot) {
+                self.spent = self.spent.saturating_add(PAGE_WORK);
+                if !forest.read_children(node, slot, ground) {
+                    return false;
+                }
+                // Seen closer it may do as it is.
+                if eye.ratio(forest.info(slot), side_m, eye.sight(&info)) <= self.floor {
+                    return false;
+                }
+            }
+            forest.set_split(slot, true);
+            self.leaves += 3;
+            self.changed(forest, node);
+        }
+        let mut is_deeper = false;
+        for k in 0..4 {
+            if let Some(slot) = forest.child(node, slot, k) {
+                let child = (node.child(k), slot);
+                is_deeper |= self.refine(forest, eye, ground, child, most_work);
+            }
+        }
+        let is_spare = was_split && !is_deeper && ratio < HYSTERESIS * self.relax;
+        if is_spare && self.spent < most_work {
+            forest.set_split(slot, false);
+            forest.touch(slot);
+            self.leaves -= 3;
+            self.changed(forest, node);
+            return false;
+        }
+        true
+    }
+
+    /// Notes that a node was divided or merged: its patch is built anew, and those of leaves beside that share points.
+    fn changed(&mut self, forest: &Forest, node: Node) {
+        self.changes += 1;
+        self.spent = self.spent.saturating_add(SPLIT_WORK);
+        self.must_build(forest, node);
+        for side in Side::ALL {
+            if let Some(beside) = BLOCKS.neighbour(node, side)
+                && let Some(leaf) = forest.leaf_of(beside)
+            {
+                self.must_build(forest, leaf);
+            }
+        }
+    }
+
+    fn must_build(&mut self, forest: &Forest, node: Node) {
+        let index = forest
+            .patch_of(node)
+            .and_then(|patch| self.by_node.get(&patch));
+        if let Some(index) = index {
+            let built = &mut self.patches[*index as usize];
+            if !built.is_dirty {
+                built.is_dirty = true;
+                self.spent = self.spent.saturating_add(built.leaves);
+            }
+        }
+    }
+
+    /// Divides and merges leaves, the worst patches first, while there is work left.
+    fn improve(&mut self, forest: &mut Forest, eye: &Eye, ground: &dyn Elevation) {
+        let floor = self.floor;
+        let mut order = std::mem::take(&mut self.order);
+        order.clear();
+        order.extend(0..self.patches.len() as u32);
+        order.retain(|index| {
+            let built = &self.patches[*index as usize];
+            built.urgency > floor || built.has_merges
+        });
+        order.sort_unstable_by(|a, b| {
+            let [a, b] = [a, b].map(|index| &self.patches[*index as usize]);
+            b.urgency.total_cmp(&a.urgency).then(a.node.cmp(&b.node))
+        });
+        for index in &order {
+            let built = &self.patches[*index as usize];
+            // A part of the work is kept for merging.
+            let most_work = if built.urgency > floor {
+                self.options.work - self.options.work / 4
+            } else {
+                self.options.work
+            };
+            if self.spent >= most_work {
+                continue;
+            }
+            let node = built.node;
+            if let Some(slot) = forest.slot(node) {
+                self.refine(forest, eye, ground, (node, slot), most_work);
+            }
+        }
+        self.order = order;
+    }
+
+    /// Builds every patch that a change touched: all in one frame, so that no edge is open between two.
+    fn build(&mut self, forest: &Forest, eye: &Eye, ground: &dyn Elevation) {
+        self.rebuilt = 0;
+        self.scratch.new_vertices = 0;
+        for index in 0..self.patches.len() {
+            let built = &self.patches[index];
+            if !built.is_dirty {
+                continue;
+            }
+            let node = built.node;
+            let Some(slot) = forest.slot(node) else {
+                continue;
+            };
+            self.scratch.beside.clear();
+            let all = self.patches.iter();
+            let beside = all.filter(|other| touches(other.node, node));
+            let beside = beside.map(|other| (other.node, other.step_m));
+            self.scratch.beside.extend(beside);
+            // In an order of their own, so that the same ones are known again.
+            self.scratch.beside.sort_unstable_by_key(|(node, _)| *node);
+            let built = &mut self.patches[index];
+            built.build(forest, slot, ground, &mut self.scratch);
+            built.is_drawn = eye.draws(forest.info(slot), built.cone);
+            self.rebuilt += 1;
+        }
+    }
+
+    fn count(&mut self, forest: &Forest) {
+        self.drawn.clear();
+        let (mut vertices, mut triangles, mut bytes) = (0, 0, 0);
+        for (index, built) in self.patches.iter().enumerate() {
+            bytes += built.resident_bytes();
+            if built.is_drawn {
+                self.drawn.push(index as u32);
+                vertices += built.patch.vertices.len() as u32;
+                triangles += built.patch.indices.triangles.len() as u32 / 3;
+            }
+        }
+        let patches = &self.patches;
+        self.drawn.sort_unstable_by(|a, b| {
+            let [a, b] = [a, b].map(|index| &patches[*index as usize]);
+            let by_distance = a.distance_m.total_cmp(&b.distance_m);
+            by_distance.then(a.node.cmp(&b.node))
+        });
+        bytes += self.spare.iter().map(Built::resident_bytes).sum::<usize>();
+        // A vertex is read once for its height and four times for its slope.
+        self.stats.samples_read = forest.samples_read() + 5 * self.scratch.new_vertices;
+        self.stats.patches = self.drawn.len() as u32;
+        (self.stats.vertices, self.stats.triangles) = (vertices, triangles);
+        self.stats.resident_bytes = (bytes + forest.resident_bytes()) as u64;
+    }
+}
+
+impl Surface for Quadtree {
+    fn name(&self) -> &'static str {
+        "quadtree"
+    }
+
+    fn prepare(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats {
+        if self.forest.is_none() {
+            self.start(ground);
+        }
+        let Some(mut forest) = self.forest.take() else {
+            return self.stats;
+        };
+        if let Some(mut eye) = self.look_over(&forest, view) {
+            forest.start_frame();
+            (self.spent, self.changes) = (0, 0);
+            self.ease();
+            self.improve(&mut forest, &eye, ground);
+            // Leaves, and what is seen of them, have changed; very rarely for the worse.
+            if self.changes > 0
+                && self.look(&forest, &eye, false) > self.deepest_m
+                && let Some(again) = self.look_over(&forest, view)
+            {
+                eye = again;
+            }
+            self.rearrange(&mut forest, &eye);
+            self.build(&forest, &eye, ground);
+            self.count(&forest);
+        }
+        self.forest = Some(forest);
+        self.stats
+    }
+
+    fn visit(&self, draw: &mut dyn FnMut(&Patch)) {
+        for index in &self.drawn {
+            draw(&self.patches[*index as usize].patch);
+        }
+    }
+}
+
+/// Side of a node along a meridian, metres.
+fn side_m(ellipsoid: &Ellipsoid, node: Node) -> f64 {
+    side_rad(node.level) * ellipsoid.equatorial_radius_m
+}

@@ -1,0 +1,96 @@
+//! What every surface with relief answers: patches of ground, ready for the GPU. No GPU here.
+
+use super::blocks::Block;
+use crate::elevation::Elevation;
+use bytemuck::{Pod, Zeroable};
+use glam::{DMat4, DVec3, Vec2, Vec3};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Where the eye is and what it sees of the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GroundView {
+    /// The eye, ITRF metres.
+    pub eye_itrf_m: DVec3,
+    /// Takes eye-relative ITRF metres to clip space, z in 0…w.
+    pub clip_from_eye: DMat4,
+    /// Angle of a pixel in the middle of the picture, radians.
+    pub pixel_rad: f64,
+    /// Most pixels of the picture by which the drawn ground may differ from its data; 0 asks for all there is.
+    pub tolerance_px: f64,
+}
+
+/// A corner of a triangle of the ground.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GroundVertex {
+    /// From the patch's origin, ITRF axes, metres.
+    pub from_origin_m: Vec3,
+    /// Height above the ellipsoid, metres.
+    pub height_m: f32,
+    /// Rise of the ground to the east and to the north, metres per metre.
+    pub slope: Vec2,
+}
+
+/// Triangles over the vertices of a patch, counter-clockwise seen from above. Shared by all patches of one shape: who
+/// keeps copies of them knows them by [`Arc::as_ptr`].
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Indices {
+    /// Three numbers of vertices a triangle; triangles without area may be among them.
+    pub triangles: Vec<u32>,
+}
+
+/// Ground about a local origin, so that single precision is enough for its vertices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Patch {
+    /// What it is known by from frame to frame, among the patches of its surface.
+    pub key: u64,
+    /// Grows by one with each change of what is below.
+    pub revision: u64,
+    /// Where vertices are measured from, ITRF metres.
+    pub origin_itrf_m: DVec3,
+    /// Its vertices.
+    pub vertices: Vec<GroundVertex>,
+    /// The vertices that differ from the revision before. Who has that one needs no others.
+    pub changed: Vec<Range<u32>>,
+    /// Its triangles.
+    pub indices: Arc<Indices>,
+    /// The block that it lies in, where it lies in one alone.
+    pub block: Option<Block>,
+}
+
+/// What a surface did for a view.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SurfaceStats {
+    /// Patches to draw.
+    pub patches: u32,
+    /// Vertices of those.
+    pub vertices: u32,
+    /// Triangles of those, those without area included.
+    pub triangles: u32,
+    /// Places whose height was read anew.
+    pub samples_read: u64,
+    /// Bytes of vertices, indices, trees and tables held in memory.
+    pub resident_bytes: u64,
+    /// Largest vertical distance between what is drawn and the data, metres, where the surface knows a bound.
+    pub error_m: Option<f64>,
+    /// The same in pixels.
+    pub error_px: Option<f64>,
+}
+
+/// A way to draw ground that has relief.
+pub trait Surface: Send {
+    /// As scene files name it.
+    fn name(&self) -> &'static str;
+
+    /// Chooses, and builds where needed, what the view needs. Allocates nothing in steady state, and never waits.
+    fn prepare(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats;
+
+    /// Whether every vertex is read anew for each view: then `samples_read` never falls to 0.
+    fn reads_all_anew(&self) -> bool {
+        false
+    }
+
+    /// Hands over each patch of the last view, near ones first where that is known.
+    fn visit(&self, draw: &mut dyn FnMut(&Patch));
+}

@@ -1,0 +1,281 @@
+//! Patches of ground with relief on the GPU: kept from frame to frame, written where they change.
+
+use super::lattice::BlockInstance;
+use crate::frames::Ellipsoid;
+use crate::globe::{Block, GroundVertex, Indices, Patch, Surface};
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec3, Vec3};
+use std::collections::HashMap;
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+/// Frames that a patch out of sight is kept for.
+const KEPT_FRAMES: u64 = 120;
+/// The place of whole maps after those of the blocks.
+const WHOLE: u32 = crate::globe::BLOCK_COUNT;
+
+/// The anchor is the eye, moved to a multiple of this, metres. Origins that stand on a finer grid of a power of two are exact
+/// from there up to 2²⁴ steps away.
+const ANCHOR_STEP_M: f64 = 2.0;
+
+/// Per-patch values, one instance a patch.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct PatchInstance {
+    reference: BlockInstance,
+    /// The patch's origin less the anchor, ITRF metres. Where surfaces give patches origins on a grid and vertices that are
+    /// exact from there, so is this, and the sum of both is the same number in all patches that share a vertex: it is rounded
+    /// alike and edges stay closed to the last bit.
+    origin_from_anchor_m: Vec3,
+    /// The anchor less the eye, ITRF metres: the same for all patches.
+    anchor_from_eye_m: Vec3,
+}
+
+const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 3] =
+    wgpu::vertex_attr_array![0 => Float32x3, 5 => Float32, 6 => Float32x2];
+const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
+    1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Uint32, 7 => Float32x3, 8 => Float32x3
+];
+
+/// The vertex buffers of `shaders/earth.wgsl` with relief.
+pub(super) const BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
+    Some(wgpu::VertexBufferLayout {
+        array_stride: size_of::<GroundVertex>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &VERTEX_ATTRIBUTES,
+    }),
+    Some(wgpu::VertexBufferLayout {
+        array_stride: size_of::<PatchInstance>() as u64,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes: &INSTANCE_ATTRIBUTES,
+    }),
+];
+
+/// The patches of one surface.
+pub(crate) struct GroundMesh {
+    device: wgpu::Device,
+    held: HashMap<u64, Held>,
+    /// Triangles by the address of what they were copied from, which is held with them so that it stays theirs.
+    triangles: HashMap<usize, Triangles>,
+    instances: wgpu::Buffer,
+    staging: Vec<PatchInstance>,
+    draws: Vec<Draw>,
+    frame: u64,
+}
+
+struct Held {
+    vertices: wgpu::Buffer,
+    revision: u64,
+    reference: BlockInstance,
+    used: u64,
+}
+
+struct Triangles {
+    _source: Arc<Indices>,
+    buffer: wgpu::Buffer,
+    count: u32,
+    used: u64,
+}
+
+struct Draw {
+    patch: u64,
+    triangles: usize,
+    block: Option<Block>,
+}
+
+impl GroundMesh {
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self {
+            device: device.clone(),
+            held: HashMap::new(),
+            triangles: HashMap::new(),
+            instances: instance_buffer(device, 128),
+            staging: Vec::new(),
+            draws: Vec::new(),
+            frame: 0,
+        }
+    }
+
+    /// Nothing is drawn until patches are written again.
+    pub fn clear(&mut self) {
+        self.draws.clear();
+    }
+
+    /// Draw calls of the frame that was written last.
+    pub fn draw_calls(&self) -> u32 {
+        self.draws.len() as u32
+    }
+
+    /// Bytes of vertices and triangles held.
+    pub fn bytes(&self) -> u64 {
+        let vertices = self.held.values().map(|held| held.vertices.size());
+        let triangles = self.triangles.values().map(|list| list.buffer.size());
+        vertices.chain(triangles).sum()
+    }
+
+    /// Writes what the surface draws, as far as it is not there. Returns the bytes written.
+    pub fn write(
+        &mut self,
+        queue: &wgpu::Queue,
+        surface: &dyn Surface,
+        ellipsoid: &Ellipsoid,
+        eye_itrf_m: DVec3,
+    ) -> u64 {
+        self.frame += 1;
+        self.draws.clear();
+        self.staging.clear();
+        let mut written = 0;
+        surface.visit(&mut |patch| {
+            if !patch.vertices.is_empty() && !patch.indices.triangles.is_empty() {
+                written += self.write_patch(queue, patch, ellipsoid, eye_itrf_m);
+            }
+        });
+        let bytes: &[u8] = bytemuck::cast_slice(&self.staging);
+        if bytes.len() as u64 > self.instances.size() {
+            let places = self.staging.len().next_power_of_two();
+            self.instances = instance_buffer(&self.device, places);
+        }
+        if !bytes.is_empty() {
+            queue.write_buffer(&self.instances, 0, bytes);
+        }
+        let oldest = self.frame.saturating_sub(KEPT_FRAMES);
+        self.held.retain(|_, held| held.used >= oldest);
+        self.triangles.retain(|_, list| list.used >= oldest);
+        written + bytes.len() as u64
+    }
+
+    fn write_patch(
+        &mut self,
+        queue: &wgpu::Queue,
+        patch: &Patch,
+        ellipsoid: &Ellipsoid,
+        eye_itrf_m: DVec3,
+    ) -> u64 {
+        let anchor_itrf_m = (eye_itrf_m / ANCHOR_STEP_M).round() * ANCHOR_STEP_M;
+        let mut written = 0;
+        let source = Arc::as_ptr(&patch.indices) as usize;
+        let list = self.triangles.entry(source).or_insert_with(|| {
+            let bytes: &[u8] = bytemuck::cast_slice(&patch.indices.triangles);
+            let buffer = buffer(&self.device, "terrella ground triangles", bytes.len(), {
+                wgpu::BufferUsages::INDEX
+            });
+            queue.write_buffer(&buffer, 0, bytes);
+            written += bytes.len() as u64;
+            Triangles {
+                _source: patch.indices.clone(),
+                buffer,
+                count: patch.indices.triangles.len() as u32,
+                used: 0,
+            }
+        });
+        list.used = self.frame;
+        let bytes: &[u8] = bytemuck::cast_slice(&patch.vertices);
+        let before = self.held.get(&patch.key);
+        let fits = before.is_some_and(|held| held.vertices.size() == bytes.len() as u64);
+        let held_revision = before.filter(|_| fits).map(|held| held.revision);
+        if !fits {
+            let usage = wgpu::BufferUsages::VERTEX;
+            self.held.insert(
+                patch.key,
+                Held {
+                    vertices: buffer(&self.device, "terrella ground", bytes.len(), usage),
+                    revision: 0,
+                    reference: reference(patch, ellipsoid),
+                    used: 0,
+                },
+            );
+        }
+        let Some(held) = self.held.get_mut(&patch.key) else {
+            return written;
+        };
+        match held_revision {
+            Some(revision) if revision == patch.revision => {}
+            Some(revision) if revision.wrapping_add(1) == patch.revision => {
+                for range in &patch.changed {
+                    let stride = size_of::<GroundVertex>();
+                    let part = range.start as usize * stride..range.end as usize * stride;
+                    if let Some(bytes) = bytes.get(part.clone()) {
+                        queue.write_buffer(&held.vertices, part.start as u64, bytes);
+                        written += bytes.len() as u64;
+                    }
+                }
+                held.reference = reference(patch, ellipsoid);
+            }
+            _ => {
+                queue.write_buffer(&held.vertices, 0, bytes);
+                written += bytes.len() as u64;
+                held.reference = reference(patch, ellipsoid);
+            }
+        }
+        held.revision = patch.revision;
+        held.used = self.frame;
+        self.staging.push(PatchInstance {
+            reference: held.reference,
+            origin_from_anchor_m: (patch.origin_itrf_m - anchor_itrf_m).as_vec3(),
+            anchor_from_eye_m: (anchor_itrf_m - eye_itrf_m).as_vec3(),
+        });
+        self.draws.push(Draw {
+            patch: patch.key,
+            triangles: source,
+            block: patch.block,
+        });
+        written
+    }
+
+    /// Draws the patches; `bind` makes the maps those of a block, or the whole maps.
+    pub fn render(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        mut bind: impl FnMut(&mut wgpu::RenderPass<'_>, Option<Block>),
+    ) {
+        if self.draws.is_empty() {
+            return;
+        }
+        pass.set_vertex_buffer(1, self.instances.slice(..));
+        for (place, draw) in (0..).zip(&self.draws) {
+            let (Some(held), Some(list)) = (
+                self.held.get(&draw.patch),
+                self.triangles.get(&draw.triangles),
+            ) else {
+                continue;
+            };
+            bind(pass, draw.block);
+            pass.set_vertex_buffer(0, held.vertices.slice(..));
+            pass.set_index_buffer(list.buffer.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(0..list.count, 0, place..place + 1);
+        }
+    }
+}
+
+/// What texture coordinates of a patch are counted from: its block's centre, or its own place.
+fn reference(patch: &Patch, ellipsoid: &Ellipsoid) -> BlockInstance {
+    match patch.block {
+        Some(block) => BlockInstance::of_block(block),
+        None => {
+            let place = ellipsoid.geodetic_from_itrf(patch.origin_itrf_m);
+            let u = place.lon_rad / TAU + 0.5;
+            let v = 0.5 - place.lat_rad / PI;
+            BlockInstance::new(place.lon_rad, place.lat_rad, [u as f32, v as f32], WHOLE)
+        }
+    }
+}
+
+fn instance_buffer(device: &wgpu::Device, places: usize) -> wgpu::Buffer {
+    let bytes = places * size_of::<PatchInstance>();
+    let usage = wgpu::BufferUsages::VERTEX;
+    buffer(device, "terrella ground patches", bytes, usage)
+}
+
+fn buffer(
+    device: &wgpu::Device,
+    label: &str,
+    bytes: usize,
+    usage: wgpu::BufferUsages,
+) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: bytes as u64,
+        usage: usage | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}

@@ -1,0 +1,188 @@
+//! Drawn ground with relief against its heights.
+
+use super::{Places, pixel_of, quantile};
+use crate::EyeView;
+use crate::elevation::{Bounds, Elevation};
+use crate::frames::{Ellipsoid, Geodetic};
+use crate::measure::reference::Rays;
+use glam::{DVec2, DVec3};
+
+/// A drawn picture of ground: what each pixel shows, and how wrong it is there.
+#[derive(Clone, Debug)]
+pub struct GroundPicture {
+    /// Width and height, pixels.
+    size: (u32, u32),
+    view: EyeView,
+    eye_itrf_m: DVec3,
+    /// Row by row; `None` is space.
+    pixels: Vec<Option<Drawn>>,
+}
+
+/// What a pixel shows.
+#[derive(Clone, Copy, Debug)]
+struct Drawn {
+    /// The point of the data's ground over the same place, ITRF metres.
+    truth_itrf_m: DVec3,
+    /// Height drawn less height of the data, metres.
+    error_m: f64,
+    /// That, seen from the eye, pixels; its sign is the height's.
+    error_px: f64,
+}
+
+/// Errors over a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GroundErrors {
+    /// Pixels that show ground.
+    pub pixels: usize,
+    /// Median of the vertical distance between drawn ground and data, metres.
+    pub median_m: f64,
+    /// What 99 of a hundred pixels do not exceed, metres.
+    pub p99_m: f64,
+    /// Largest, metres.
+    pub max_m: f64,
+    /// Median of how far drawn ground appears from where its place should, pixels.
+    pub median_px: f64,
+    /// What 99 of a hundred pixels do not exceed, pixels.
+    pub p99_px: f64,
+    /// Largest, pixels.
+    pub max_px: f64,
+    /// Pixels of space where ground must be: through the lowest ground there is, or below other ground.
+    pub holes: usize,
+}
+
+impl GroundPicture {
+    /// Holds what was drawn against the data at their finest. `None` for a view without pixels.
+    pub fn new(
+        places: &Places,
+        view: &EyeView,
+        figure: &Ellipsoid,
+        ground: &dyn Elevation,
+    ) -> Option<Self> {
+        let (width, height) = places.size;
+        let (eye_itrf_m, _) = view.to_itrf();
+        let rays = Rays::new(view, places.size)?;
+        let forward = view.view_from_world.inverse() * DVec3::NEG_Z;
+        let forward = view.itrf_from_world.transform_vector3(forward).normalize();
+        let mut pixels = Vec::with_capacity(width as usize * height as usize);
+        for y in 0..height {
+            for x in 0..width {
+                let middle = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+                pixels.push(places.along(x, y).map(|along| {
+                    let ray = rays.at(middle.x, middle.y);
+                    let drawn_m = eye_itrf_m + ray * (along / ray.dot(forward));
+                    let drawn = figure.geodetic_from_itrf(drawn_m);
+                    let true_height_m = ground.height_m(drawn.lat_rad, drawn.lon_rad, 0.0);
+                    let truth_itrf_m = figure.itrf_from_geodetic(Geodetic {
+                        height_m: true_height_m,
+                        ..drawn
+                    });
+                    let error_m = drawn.height_m - true_height_m;
+                    let shown = pixel_of(view, places.size, truth_itrf_m - eye_itrf_m);
+                    let error_px = shown.map_or(f64::INFINITY, |shown| shown.distance(middle));
+                    Drawn {
+                        truth_itrf_m,
+                        error_m,
+                        error_px: error_px.copysign(error_m),
+                    }
+                }));
+            }
+        }
+        Some(Self {
+            size: places.size,
+            view: *view,
+            eye_itrf_m,
+            pixels,
+        })
+    }
+
+    fn at(&self, x: u32, y: u32) -> Option<&Drawn> {
+        let (width, height) = self.size;
+        let is_inside = x < width && y < height;
+        let index = y as usize * width as usize + x as usize;
+        self.pixels.get(index).filter(|_| is_inside)?.as_ref()
+    }
+
+    /// How wrong it is.
+    pub fn errors(&self, figure: &Ellipsoid, ground: &dyn Elevation) -> GroundErrors {
+        let drawn = self.pixels.iter().flatten();
+        let sorted = |of: fn(&Drawn) -> f64| {
+            let mut values: Vec<_> = drawn.clone().map(|drawn| of(drawn).abs()).collect();
+            values.sort_by(f64::total_cmp);
+            values
+        };
+        let (metres, pixels) = (sorted(|d| d.error_m), sorted(|d| d.error_px));
+        GroundErrors {
+            pixels: metres.len(),
+            median_m: quantile(&metres, 0.5),
+            p99_m: quantile(&metres, 0.99),
+            max_m: quantile(&metres, 1.0),
+            median_px: quantile(&pixels, 0.5),
+            p99_px: quantile(&pixels, 0.99),
+            max_px: quantile(&pixels, 1.0),
+            holes: self.holes(figure, ground),
+        }
+    }
+
+    /// Pixels of space whose ray goes through the lowest ground there is, or which have ground above them where the view's
+    /// upper edge is the sky's.
+    fn holes(&self, figure: &Ellipsoid, ground: &dyn Elevation) -> usize {
+        let Some(rays) = Rays::new(&self.view, self.size) else {
+            return 0;
+        };
+        let low_m = ground.range_m(&Bounds::GLOBE).low_m;
+        let lowered = Ellipsoid {
+            equatorial_radius_m: figure.equatorial_radius_m + low_m,
+            polar_radius_m: figure.polar_radius_m + low_m,
+        };
+        let scale = lowered.scaled_from_itrf();
+        let eye = self.eye_itrf_m * scale;
+        let goes_through = |x: u32, y: u32| {
+            let ray = rays.at(f64::from(x) + 0.5, f64::from(y) + 0.5) * scale;
+            let toward = -eye.dot(ray);
+            toward > 0.0 && eye.cross(ray).length_squared() < ray.length_squared()
+        };
+        let (_, clip_from_eye) = self.view.to_itrf();
+        // Up on screen is away from the Earth's centre.
+        let is_upright = (clip_from_eye * self.eye_itrf_m.extend(0.0)).y > 0.0;
+        let mut holes = 0;
+        for x in 0..self.size.0 {
+            let mut below_ground = false;
+            for y in 0..self.size.1 {
+                match self.at(x, y) {
+                    Some(_) => below_ground = is_upright,
+                    None if below_ground || goes_through(x, y) => {
+                        tracing::debug!("hole at {x}, {y}, below ground: {below_ground}");
+                        holes += 1;
+                    }
+                    None => {}
+                }
+            }
+        }
+        holes
+    }
+
+    /// How much the error of places changed from an earlier picture to this one, pixels, at most: what an eye sees jump
+    /// that moves with the ground. 0 where nothing is in both.
+    pub fn popping_px(&self, before: &Self) -> f64 {
+        let mut most: f64 = 0.0;
+        for drawn in before.pixels.iter().flatten() {
+            let direction = drawn.truth_itrf_m - self.eye_itrf_m;
+            let Some(shown) = pixel_of(&self.view, self.size, direction) else {
+                continue;
+            };
+            if shown.min_element() < 0.0 {
+                continue;
+            }
+            let Some(now) = self.at(shown.x as u32, shown.y as u32) else {
+                continue;
+            };
+            // Hidden now by ground in front of it.
+            let apart_m = now.truth_itrf_m.distance(drawn.truth_itrf_m);
+            if apart_m > 2e-2 * direction.length() {
+                continue;
+            }
+            most = most.max((now.error_px - drawn.error_px).abs());
+        }
+        most
+    }
+}

@@ -1,0 +1,143 @@
+//! Surfaces with relief against each other: the same ground, the same flights, error beside run time.
+//!
+//! | file | what |
+//! |---|---|
+//! | `paths.rs` | four flights |
+//! | `grounds.rs` | what is flown over |
+//! | `trials.rs` | which surfaces, with which settings |
+//! | `run.rs` | flying, timing and comparing |
+//! | `rows.rs` | what is found, as a table |
+//! | `page.rs` | as charts and a page |
+
+mod grounds;
+mod page;
+mod paths;
+mod rows;
+mod run;
+mod trials;
+
+pub use grounds::{Ground, grounds};
+pub use paths::SurfacePath;
+pub use rows::{SURFACES_CSV_HEADER, Setting, SurfaceRow, surfaces_csv};
+pub use trials::{Trial, trials};
+
+use super::ChartError;
+use super::report::Folder;
+use crate::Sky;
+use crate::elevation::GridError;
+use crate::gpu::GpuContext;
+use crate::play::{Flight, OutputError, PlayError, Progress};
+use run::Stand;
+use std::path::Path;
+
+/// How a comparison is wanted.
+#[derive(Clone, Debug)]
+pub struct SurfacesRequest<'r> {
+    /// The folder that it is written to; made if it is not there.
+    pub folder: &'r Path,
+    /// Fewer settings and places.
+    pub quick: bool,
+    /// Width and height of the frames that are timed, pixels.
+    pub size: (u32, u32),
+    /// Part of the adapter's name; `None` takes the best.
+    pub adapter: Option<&'r str>,
+}
+
+/// Why there is no comparison.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SurfacesError {
+    /// Drawing.
+    #[error(transparent)]
+    Play(#[from] PlayError),
+    /// Heights that are made here.
+    #[error(transparent)]
+    Grid(#[from] GridError),
+    /// Writing.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// A chart.
+    #[error(transparent)]
+    Chart(#[from] ChartError),
+}
+
+/// What was found, and with what.
+#[derive(Clone, Debug)]
+pub struct SurfaceStudy {
+    /// The adapter's name and backend.
+    pub adapter: String,
+    /// Of the frames that were timed, pixels.
+    pub size: (u32, u32),
+    /// Of the pictures that were held against the data, pixels.
+    pub compared_size: (u32, u32),
+    /// Places of each flight.
+    pub places: usize,
+    /// What was found.
+    pub rows: Vec<SurfaceRow>,
+    /// Rows that were wanted; more than there are if it was stopped.
+    pub wanted: usize,
+}
+
+/// Width of the pictures that are held against the data, pixels.
+const COMPARED_WIDTH: u32 = 320;
+
+/// Flies everything and writes `surfaces.csv`, charts and `surfaces.html`. The scene gives maps, air and date.
+///
+/// # Errors
+/// A folder that cannot be written to, before anything is drawn; all that drawing can meet.
+pub fn compare_surfaces(
+    flight: &Flight,
+    request: &SurfacesRequest<'_>,
+    progress: &dyn Progress,
+) -> Result<SurfaceStudy, SurfacesError> {
+    let folder = Folder::open(request.folder)?;
+    let gpu = pollster::block_on(GpuContext::open(request.adapter)).map_err(PlayError::from)?;
+    progress.begin("loading maps and heights", None);
+    let options = flight.earth_options(gpu.bc_support())?;
+    let grounds = grounds(flight.scene())?;
+    progress.end();
+    let trials = trials(request.quick);
+    let (width, height) = request.size;
+    let compared_width = width.min(COMPARED_WIDTH);
+    let compared_height =
+        (u64::from(compared_width) * u64::from(height) / u64::from(width.max(1))).max(1);
+    let stand = Stand {
+        gpu: &gpu,
+        options: &options,
+        sky: Sky::at(flight.scene().time.start),
+        size: request.size,
+        compared_size: (compared_width, compared_height as u32),
+        places: if request.quick { 3 } else { 12 },
+        progress,
+    };
+    let info = gpu.adapter.get_info();
+    let mut study = SurfaceStudy {
+        adapter: format!("{} ({})", info.name, info.backend),
+        size: request.size,
+        compared_size: stand.compared_size,
+        places: stand.places,
+        rows: Vec::new(),
+        wanted: grounds.len() * SurfacePath::ALL.len() * trials.len(),
+    };
+    progress.begin("flights", Some(study.wanted as u64));
+    'all: for ground in &grounds {
+        for path in SurfacePath::ALL {
+            for trial in &trials {
+                let Some(row) = stand.fly(ground, path, trial)? else {
+                    break 'all;
+                };
+                study.rows.push(row);
+                progress.step();
+            }
+            // What is complete stays, whatever comes.
+            folder.write("surfaces.csv", surfaces_csv(&study.rows).as_bytes())?;
+        }
+    }
+    progress.end();
+    let plots = page::plots(&study)?;
+    for plot in &plots {
+        folder.write(&format!("plots/{}.svg", plot.name), plot.svg.as_bytes())?;
+    }
+    folder.write("surfaces.html", page::page(&study, &plots).as_bytes())?;
+    Ok(study)
+}

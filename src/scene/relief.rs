@@ -1,0 +1,101 @@
+//! `[earth]`: the keys of ground with relief.
+
+use super::error::SceneError;
+use super::field::{Field, Wanted, field, flag, span_of};
+use super::limits::{DEFAULT_TOLERANCE_PX, MAX_ELEVATION_FILES, TOLERANCE_PX};
+use super::locate::Source;
+use super::raw::RawEarth;
+use crate::globe::{Subdivision, SurfaceKind, Visibility};
+use std::path::PathBuf;
+
+/// The keys of `[earth]` that say how ground with relief is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReliefTable {
+    /// What draws it.
+    pub surface: SurfaceKind,
+    /// Files of heights; none takes the starter pack's, of the whole Earth.
+    pub elevation: Vec<PathBuf>,
+    /// Most pixels by which the drawn ground may differ from its data.
+    pub tolerance_px: f64,
+    /// Whether the sea's floor is drawn, and not its surface, where a file of the whole Earth has it.
+    pub sea_floor: bool,
+}
+
+impl Source<'_> {
+    /// Relief is drawn where a scene names heights, or a surface other than the blocks, which need none.
+    pub(super) fn relief(&self, earth: &RawEarth) -> Result<Option<ReliefTable>, SceneError> {
+        let surface_field = field!(earth.surface);
+        let surface = self.choice(&surface_field, SurfaceKind::default())?;
+        let elevation_field = field!(earth.elevation);
+        let elevation = self.paths(&elevation_field)?;
+        let (tolerance_px, sea_floor) = (field!(earth.tolerance_px), field!(earth.sea_floor));
+        if surface == SurfaceKind::Blocks && !elevation_field.is_given() {
+            for (key, given) in [
+                (tolerance_px.key, tolerance_px.given.map(|v| v.span())),
+                (sea_floor.key, sea_floor.given.map(|v| v.span())),
+            ] {
+                if let Some(span) = given {
+                    let advice = format!(
+                        "{key} is for ground with relief; leave it out, or name heights by elevation = [] (the starter pack's) or [\"FILE\", …]"
+                    );
+                    return Err(self.refuse_at("earth", key, span, advice));
+                }
+            }
+            return Ok(None);
+        }
+        self.only_of_the_smooth_earth(earth, surface)?;
+        Ok(Some(ReliefTable {
+            surface,
+            elevation,
+            tolerance_px: self.number(&tolerance_px, DEFAULT_TOLERANCE_PX, TOLERANCE_PX, |_| {
+                format!("must be from {} pixels", span_of(&TOLERANCE_PX))
+            })?,
+            sea_floor: flag(&sea_floor, false),
+        }))
+    }
+
+    /// A key that ground with relief takes no notice of.
+    fn only_of_the_smooth_earth(
+        &self,
+        earth: &RawEarth,
+        surface: SurfaceKind,
+    ) -> Result<(), SceneError> {
+        let subdivision = field!(earth.subdivision);
+        let cells = self.subdivision(&subdivision)?;
+        if cells != Subdivision::Auto && surface != SurfaceKind::Blocks {
+            let advice =
+                "a number of cells is for surface = \"blocks\"; leave it out, or give tolerance_px";
+            return Err(self.refuse(&subdivision, advice));
+        }
+        let visibility = field!(earth.visibility);
+        if self.choice(&visibility, Visibility::default())? == Visibility::Paper {
+            let advice = "the paper's rule loses ground behind the horizon; leave it out, or leave out elevation and surface";
+            return Err(self.refuse(&visibility, advice));
+        }
+        Ok(())
+    }
+
+    /// Files relative to the scene's folder, all of them there.
+    fn paths(
+        &self,
+        field: &Field<'_, Vec<toml::Spanned<String>>>,
+    ) -> Result<Vec<PathBuf>, SceneError> {
+        let Some(given) = field.given else {
+            return Ok(Vec::new());
+        };
+        if given.get_ref().len() > MAX_ELEVATION_FILES {
+            let advice = format!("must be at most {MAX_ELEVATION_FILES} files; join some of them");
+            return Err(self.refuse(field, advice));
+        }
+        let mut paths = Vec::new();
+        for one in given.get_ref() {
+            let one = Field {
+                table: field.table,
+                key: field.key,
+                given: Some(one),
+            };
+            paths.extend(self.path(&one, Wanted::File)?);
+        }
+        Ok(paths)
+    }
+}
