@@ -136,7 +136,8 @@ impl Earth {
             None => None,
         };
         let ground = options.ground.as_ref();
-        let ground = ground.map(|ground| GroundDriver::new(ground, options.figure));
+        let limits = device.limits();
+        let ground = ground.map(|ground| GroundDriver::new(ground, options.figure, &limits));
         let ground = ground.transpose()?;
         let mut quality = Quality::of(options);
         if options.output == SurfaceOutput::Places {
@@ -151,9 +152,15 @@ impl Earth {
         let style = Style {
             shading: options.shading,
             output: options.output,
-            relief: options.ground.is_some(),
         };
-        let look = look(device, style, format, &quality, air.as_ref());
+        let look = look(
+            device,
+            style,
+            format,
+            &quality,
+            air.as_ref(),
+            ground.as_ref(),
+        );
         let pools = tiles.as_ref().map(TileDriver::pools);
         let surface = SurfaceDrawable::new(device, queue, meshes.grids(), layers, pools, &look)?;
         let refused = resolved(scope.pop());
@@ -295,7 +302,8 @@ impl Earth {
             (Atmosphere::Billboard, Some(air)) => Some(air),
             (Atmosphere::Billboard, None) => Some(AirDrawable::new(&device, queue, format)?),
         };
-        let look = look(&device, self.style, format, &quality, air.as_ref());
+        let ground = self.ground.as_ref();
+        let look = look(&device, self.style, format, &quality, air.as_ref(), ground);
         self.surface.set_look(&device, meshes.grids(), &look)?;
         (self.meshes, self.air, self.format, self.quality) = (meshes, air, format, quality);
         if let Some(tiles) = &mut self.tiles {
@@ -517,7 +525,8 @@ impl Earth {
             Some(_) => &["water", "tiles"],
             None => &[],
         };
-        let of_ground: &[&str] = match self.ground {
+        let of_ground: &[&str] = match &self.ground {
+            Some(ground) if ground.surface().grid().is_some() => &["relief", "grid"],
             Some(_) => &["relief"],
             None => &[],
         };
@@ -539,7 +548,6 @@ impl Earth {
 struct Style {
     shading: Shading,
     output: SurfaceOutput,
-    relief: bool,
 }
 
 /// How the surface is drawn with a quality.
@@ -549,6 +557,7 @@ fn look<'a>(
     format: PassFormat,
     quality: &Quality,
     air: Option<&'a AirDrawable>,
+    ground: Option<&'a GroundDriver>,
 ) -> SurfaceLook<'a> {
     let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
     let mut shown = quality.maps;
@@ -557,7 +566,8 @@ fn look<'a>(
         shading: style.shading,
         shown,
         output: style.output,
-        relief: style.relief,
+        relief: ground.is_some(),
+        grid: ground.and_then(|ground| ground.surface().grid()),
         anisotropy: if software { 1 } else { quality.anisotropy },
         format,
         sunlight: air

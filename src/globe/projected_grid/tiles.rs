@@ -94,6 +94,8 @@ pub struct TileCounts {
 struct Slot {
     tile: Option<Tile>,
     used: u64,
+    /// The update that loaded the tile.
+    loaded: u64,
 }
 
 /// Height tiles in a bounded number of slots.
@@ -126,7 +128,8 @@ impl HeightTiles {
             slots: vec![
                 Slot {
                     tile: None,
-                    used: 0
+                    used: 0,
+                    loaded: 0,
                 };
                 slots
             ],
@@ -153,6 +156,12 @@ impl HeightTiles {
     /// Slots written by the last update.
     pub fn changed(&self) -> &[u32] {
         &self.changed
+    }
+
+    /// The number of the update that wrote each slot last, 0 for none: who keeps copies knows by it which are old, also
+    /// after updates that it did not see.
+    pub fn written(&self) -> impl ExactSizeIterator<Item = u64> {
+        self.slots.iter().map(|slot| slot.loaded)
     }
 
     /// Heights of a slot, metres: 65 rows from the south, each from the west.
@@ -219,6 +228,7 @@ impl HeightTiles {
         self.slots[slot] = Slot {
             tile: Some(tile),
             used: self.update,
+            loaded: self.update,
         };
         self.changed.push(slot as u32);
         let step = level_spacing_rad(tile.level);
