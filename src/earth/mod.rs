@@ -136,8 +136,7 @@ impl Earth {
             None => None,
         };
         let ground = options.ground.as_ref();
-        let limits = device.limits();
-        let ground = ground.map(|ground| GroundDriver::new(ground, options.figure, &limits));
+        let ground = ground.map(|g| GroundDriver::new(g, options.figure, &device.limits()));
         let ground = ground.transpose()?;
         let mut quality = Quality::of(options);
         if options.output == SurfaceOutput::Places {
@@ -153,14 +152,8 @@ impl Earth {
             shading: options.shading,
             output: options.output,
         };
-        let look = look(
-            device,
-            style,
-            format,
-            &quality,
-            air.as_ref(),
-            ground.as_ref(),
-        );
+        let with = (air.as_ref(), ground.as_ref());
+        let look = look(device, style, format, &quality, with);
         let pools = tiles.as_ref().map(TileDriver::pools);
         let surface = SurfaceDrawable::new(device, queue, meshes.grids(), layers, pools, &look)?;
         let refused = resolved(scope.pop());
@@ -302,8 +295,8 @@ impl Earth {
             (Atmosphere::Billboard, Some(air)) => Some(air),
             (Atmosphere::Billboard, None) => Some(AirDrawable::new(&device, queue, format)?),
         };
-        let ground = self.ground.as_ref();
-        let look = look(&device, self.style, format, &quality, air.as_ref(), ground);
+        let with = (air.as_ref(), self.ground.as_ref());
+        let look = look(&device, self.style, format, &quality, with);
         self.surface.set_look(&device, meshes.grids(), &look)?;
         (self.meshes, self.air, self.format, self.quality) = (meshes, air, format, quality);
         if let Some(tiles) = &mut self.tiles {
@@ -556,8 +549,7 @@ fn look<'a>(
     style: Style,
     format: PassFormat,
     quality: &Quality,
-    air: Option<&'a AirDrawable>,
-    ground: Option<&'a GroundDriver>,
+    (air, ground): (Option<&'a AirDrawable>, Option<&'a GroundDriver>),
 ) -> SurfaceLook<'a> {
     let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
     let mut shown = quality.maps;

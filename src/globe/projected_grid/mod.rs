@@ -85,14 +85,29 @@ pub struct GridOptions {
     /// What samples hold on to.
     pub anchor: Anchor,
     /// Whether the GPU makes the vertices, with heights from tiles that are kept; else the CPU, with heights read anew.
+    ///
+    /// At 1280 × 720 the GPU form takes a quarter of the CPU's time to prepare and writes 7 kB a frame, not 400 kB; frames
+    /// took as long with a software adapter. What it draws is a little smoother.
     pub on_gpu: bool,
 }
 
 /// Tiles of heights that the GPU form holds: more than any view needs, 8.4 MB. 31 rows of 16 are a texture that any device
 /// takes.
 pub const GPU_TILES: u32 = 496;
-/// Tiles that it loads in a frame, at most: about as many heights as the CPU form reads.
-pub const GPU_LOADS: u32 = 4;
+/// Tiles that it loads in a frame, at most: fewer heights than the CPU form reads.
+pub const GPU_LOADS: u32 = 3;
+/// The same where most of what a view needs is missing: then the eye has come from elsewhere.
+pub const GPU_FIRST_LOADS: u32 = 64;
+
+impl GridOptions {
+    /// The defaults, with vertices made on the CPU.
+    pub fn on_cpu() -> Self {
+        Self {
+            on_gpu: false,
+            ..Self::default()
+        }
+    }
+}
 
 impl Default for GridOptions {
     fn default() -> Self {
@@ -101,7 +116,7 @@ impl Default for GridOptions {
             figure: Figure::default(),
             footprint: Footprint::default(),
             anchor: Anchor::default(),
-            on_gpu: false,
+            on_gpu: true,
         }
     }
 }
@@ -445,7 +460,11 @@ impl Surface for ProjectedGrid {
         stats.triangles = (self.patch.indices.triangles.len() / 3) as u32;
         if let Some(tiles) = &mut self.tiles {
             let counts = tiles.update(&frame, ground, GPU_LOADS);
-            stats.samples_read = u64::from(counts.loaded * TILE_SAMPLES * TILE_SAMPLES);
+            let mut loaded = counts.loaded;
+            if 2 * counts.missing > counts.wanted {
+                loaded += tiles.update(&frame, ground, GPU_FIRST_LOADS).loaded;
+            }
+            stats.samples_read = u64::from(loaded * TILE_SAMPLES * TILE_SAMPLES);
         } else if self.raised != Some(frame) {
             self.raise(&frame, ground);
             self.raised = Some(frame);

@@ -247,7 +247,8 @@ impl HeightTiles {
         self.windows = [Window::NONE; LEVELS];
         let (lat_eye, lon_eye) = eye_place(&frame.caster);
         let finest_rad = ground.finest_spacing_rad(lat_eye, lon_eye);
-        let finest = level_of(0.5 * finest_rad).ceil().clamp(1.0, LEVELS as f64) as u32;
+        // Tiles' samples are not the data's: at twice as many, what is lost between them is half.
+        let finest = (level_of(0.5 * finest_rad).ceil() + 1.0).clamp(1.0, LEVELS as f64) as u32;
         let needs = || {
             let (columns, rows) = frame.samples;
             (0..rows).step_by(STRIDE).flat_map(move |row| {
