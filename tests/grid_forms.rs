@@ -166,7 +166,7 @@ fn both_forms_draw_the_same_ground() {
         // About a pole a window of all longitudes is cut, and a coarser level serves the rest of the turn.
         let near_pole = name.starts_with("south pole");
         let (most, most_p99, most_p99_px) = match near_pole {
-            true => (0.5, 3.0, 3.0),
+            true => (1.0, 5.0, 5.0),
             false => (0.1, 0.5, 1.1 * cpu.p99_px + 0.1),
         };
         let is_same = median < most && p99 < most_p99 && one_only < 100 && apart.len() > 8000;

@@ -17,6 +17,8 @@ const TILE_CELLS: f32 = 64.0;
 const TILE_TEXELS: u32 = 65u;
 const SLOTS_IN_ROW: u32 = 16u;
 const NO_SLOT: u32 = 0xffffffffu;
+// See src/globe/projected_grid/tiles.rs.
+const SHARPER: f32 = 0.7;
 
 struct GridLevel {
     eye_cells: vec2f,
@@ -219,7 +221,7 @@ fn height_from(level: u32, at: GridPlace) -> f32 {
 
 // Averaged over about `spacing` radians to each side: between the two levels that are averaged over less and over more.
 fn height_at(at: GridPlace, spacing: f32) -> f32 {
-    let level = clamp(log2(HALF_TURN / TILE_CELLS / max(2.0 * spacing, 1e-12)), 0.0, f32(LEVELS - 1u));
+    let level = clamp(log2(HALF_TURN / TILE_CELLS / max(2.0 * SHARPER * spacing, 1e-12)), 0.0, f32(LEVELS - 1u));
     let coarse = u32(level);
     let height = height_from(coarse, at);
     let part = level - floor(level);
