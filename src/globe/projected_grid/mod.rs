@@ -86,8 +86,10 @@ pub struct GridOptions {
     pub anchor: Anchor,
     /// Whether the GPU makes the vertices, with heights from tiles that are kept; else the CPU, with heights read anew.
     ///
-    /// At 1280 × 720 the GPU form takes a quarter of the CPU's time to prepare and writes 7 kB a frame, not 400 kB; frames
-    /// took as long with a software adapter. What it draws is a little smoother.
+    /// At 1280 × 720, from 500 m to 10 000 km over the Earth's heights, it takes 0.8 to 2.2 ms to prepare and the CPU's form
+    /// 4.1 to 5.5 ms; it writes 7 kB a frame and not 400 kB, besides new tiles. Frames of a software adapter took as long with
+    /// either. Errors differ by less than a tenth, but near a pole, where windows of tiles are cut, the CPU's form has
+    /// several times less.
     pub on_gpu: bool,
 }
 
