@@ -1,11 +1,15 @@
 // The surface: one block a draw, texture coordinates and normals exact at every pixel.
 //
-// Features (see src/gpu/shader.rs): paper, clouds, normals, night_lights, water, tiles, air, encode, decode, places, relief.
+// Features (see src/gpu/shader.rs): paper, clouds, normals, night_lights, water, tiles, air, encode, decode, places, relief, and
+// grid with relief.
 
 #import common/frame.wgsl
 #import common/color.wgsl
 #if air
 #import common/air.wgsl
+#endif
+#if grid
+#import common/projected_grid.wgsl
 #endif
 
 // | group | binding | what                        | when         |
@@ -14,6 +18,7 @@
 // | 0     | 1       | sunlight through the air    | air          |
 // | 0     | 2       | table sampler               | air          |
 // | 0     | 3       | where tiles lie             | tiles        |
+// | 0     | 4, 5    | the grid, its heights       | grid         |
 // | 1     | 0, 5    | day, its sampler            | always       |
 // | 1     | 1, 6    | cloud cover                 | clouds       |
 // | 1     | 2, 7    | slopes east, north          | normals      |
@@ -51,7 +56,15 @@
 #endif
 
 const PI: f32 = 3.14159265;
+#if tiles
+#if relief
+// In place of a block: whole maps.
+const WHOLE: u32 = 128u;
+#endif
+#endif
 
+#if grid
+#else
 struct BlockVertex {
 #if relief
     // Vertex less its patch's origin, ITRF metres, height above the ellipsoid, and rise of the ground to east and north.
@@ -73,6 +86,7 @@ struct BlockVertex {
     @location(4) block: u32,
 #endif
 }
+#endif
 
 struct Varying {
     @builtin(position) clip: vec4f,
@@ -89,6 +103,25 @@ struct Varying {
 #endif
 }
 
+#if grid
+// The grid has no vertex buffer: a vertex is made from its number.
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> Varying {
+    let point = ground_point(index);
+    var out: Varying;
+    out.from_eye_m = point.from_eye_m;
+    out.height_m = point.height_m;
+    out.slope = point.slope;
+    out.clip = frame.clip_from_eye * vec4f(point.from_eye_m, 1.0);
+    out.center_lon = grid.eye_lon;
+    out.center_lat = grid.center_lat;
+    out.center_uv = grid.center_uv;
+#if tiles
+    out.block = WHOLE;
+#endif
+    return out;
+}
+#else
 @vertex
 fn vertex(in: BlockVertex) -> Varying {
     var out: Varying;
@@ -109,6 +142,7 @@ fn vertex(in: BlockVertex) -> Varying {
 #endif
     return out;
 }
+#endif
 
 // atan(y/x) for |y/x| ≤ tan 15°, error below 1e-7: a block reaches 11.25° to each side of its centre.
 fn atan_near(y: f32, x: f32) -> f32 {
@@ -231,7 +265,7 @@ const WATER: u32 = 4;
 fn placement_of(layer: u32, at: Place) -> vec4f {
 #if relief
     // A patch that lies in several blocks is drawn with whole maps.
-    if at.block >= 128u {
+    if at.block >= WHOLE {
         return vec4f(at.center_uv, 1.0, 1.0);
     }
 #endif

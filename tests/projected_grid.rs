@@ -157,11 +157,11 @@ fn on_the_adapter(frame: &Frame, tiles: &HeightTiles, edit: (&str, &str)) -> Vec
         layout: &pipeline.get_bind_group_layout(0),
         entries: &[
             wgpu::BindGroupEntry {
-                binding: 0,
+                binding: 4,
                 resource: uniform.as_entire_binding(),
             },
             wgpu::BindGroupEntry {
-                binding: 1,
+                binding: 5,
                 resource: wgpu::BindingResource::TextureView(&view),
             },
             wgpu::BindGroupEntry {

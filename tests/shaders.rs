@@ -55,6 +55,13 @@ fn every_variant_compiles() {
     ));
     all.extend(variants(TRACKS_SHADER, &["marks", "fill", "encode"]));
     all.push(ShaderVariant::new(PROJECTED_GRID_SHADER, &[]));
+    // The grid is relief of another vertex stage: with what reaches that stage or what it gives.
+    let with = ["paper", "normals", "tiles", "air", "places"];
+    all.extend(variants(EARTH_SHADER, &with).into_iter().map(|variant| {
+        let on = variant.features.iter().map(|name| (*name, true));
+        let on: Vec<_> = on.chain([("relief", true), ("grid", true)]).collect();
+        ShaderVariant::new(EARTH_SHADER, &on)
+    }));
     let failures: Vec<_> = all
         .iter()
         .filter_map(|variant| {
@@ -133,6 +140,29 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
             );
         }
     }
+}
+
+#[test]
+fn ground_of_patches_has_nothing_of_the_grid() {
+    let text = |grid| {
+        let features = [("relief", true), ("tiles", true), ("grid", grid)];
+        ShaderVariant::new(EARTH_SHADER, &features)
+            .source()
+            .unwrap()
+    };
+    let bindings = |text: &str| text.matches("@binding(").count();
+    let (with, without) = (text(true), text(false));
+    for name in [
+        "ground_point",
+        "height_tiles",
+        "GridUniforms",
+        "vertex_index",
+    ] {
+        assert!(with.contains(name) && !without.contains(name), "{name}");
+    }
+    assert!(!with.contains("BlockVertex"), "no vertex buffer");
+    // Comments name bindings by number only.
+    assert_eq!(bindings(&with), bindings(&without) + 2);
 }
 
 #[test]
@@ -243,32 +273,9 @@ fn uniform_structs_match_the_shaders() {
         grid,
         GridUniforms,
         [
-            clip_from_eye,
-            forward,
-            corner,
-            middle,
-            corner_rad,
-            right,
-            cell_area,
-            screen_up,
-            longer,
-            eye_up,
-            limb_rad,
-            eye_normal,
-            sin_limb,
-            to_base_m,
-            cos_limb,
-            radii_m,
-            base_m,
-            eye_lon,
-            low,
-            step,
-            samples,
-            near_rad,
-            far_rad,
-            spread_rad,
-            eye_lat,
-            levels,
+            forward, corner, middle, corner_rad, right, cell_area, screen_up, longer, eye_up,
+            limb_rad, eye_normal, sin_limb, to_base_m, cos_limb, radii_m, base_m, eye_lon, low,
+            step, samples, near_rad, far_rad, spread_rad, eye_lat, center_lat, center_uv, levels,
             slots
         ]
     );

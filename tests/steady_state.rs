@@ -363,7 +363,7 @@ fn a_projected_grid_allocates_nothing() {
             1e-5
         }
     }
-    let mut grid = ProjectedGrid::new(&GridOptions::default());
+    let mut grid = ProjectedGrid::new(&GridOptions::on_cpu());
     let mut tiles = HeightTiles::new(256);
     let mut drawn = 0;
     let count = allocations(|| {
@@ -387,4 +387,113 @@ fn a_projected_grid_allocates_nothing() {
         }
     });
     assert_eq!((count, drawn), (0, 40 * 129 * 129));
+}
+
+#[test]
+fn a_grid_of_the_gpu_allocates_nothing_of_its_own() {
+    use terrella::elevation::{Bounds, Elevation, HeightRange};
+    use terrella::globe::projected_grid::{GPU_LOADS, GridOptions, GridUniforms, TILE_SAMPLES};
+
+    struct Waves;
+    impl Elevation for Waves {
+        fn height_m(&self, lat_rad: f64, lon_rad: f64, _: f64) -> f64 {
+            500.0 * (300.0 * lat_rad).sin() * (200.0 * lon_rad).cos()
+        }
+        fn range_m(&self, _: &Bounds) -> HeightRange {
+            HeightRange {
+                low_m: -500.0,
+                high_m: 500.0,
+            }
+        }
+        fn finest_spacing_rad(&self, _: f64, _: f64) -> f64 {
+            1e-5
+        }
+    }
+    let gpu = common::gpu();
+    let mut options = EarthOptions::new(common::plain([90, 90, 90]));
+    options.atmosphere = terrella::Atmosphere::None;
+    options.ground = Some(terrella::GroundOptions {
+        elevation: std::sync::Arc::new(Waves),
+        surface: terrella::SurfaceSettings::ProjectedGrid(GridOptions::default()),
+        tolerance_px: 1.0,
+    });
+    let mut earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("an Earth");
+    let sky = Sky {
+        sun_itrf: glam::DVec3::X,
+    };
+    let flush = || {
+        gpu.queue.submit([]);
+        gpu.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .expect("the device answers");
+    };
+    // What wgpu allocates for the writes of a frame that loads as many tiles as it may.
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("terrella test"),
+        size: wgpu::Extent3d {
+            width: TILE_SAMPLES,
+            height: TILE_SAMPLES,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::R32Float,
+        usage: wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let heights = vec![0_u8; 4 * (TILE_SAMPLES * TILE_SAMPLES) as usize];
+    let write_tile = || {
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(4 * TILE_SAMPLES),
+            rows_per_image: None,
+        };
+        let to = texture.as_image_copy();
+        gpu.queue
+            .write_texture(to, &heights, layout, texture.size());
+    };
+    let write = |size: usize| {
+        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("terrella test"),
+            size: size as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let bytes = vec![0_u8; size];
+        gpu.queue.write_buffer(&buffer, 0, &bytes);
+        flush();
+        allocations(|| gpu.queue.write_buffer(&buffer, 0, &bytes))
+    };
+    let sizes = [size_of::<terrella::gpu::Frame>(), size_of::<GridUniforms>()];
+    let uniforms: u64 = sizes
+        .map(|size| (0..8).map(|_| write(size)).max())
+        .iter()
+        .flatten()
+        .sum();
+    let tile = (0..8).map(|_| {
+        write_tile();
+        flush();
+        allocations(write_tile)
+    });
+    let most = uniforms + u64::from(GPU_LOADS) * tile.max().unwrap_or(0);
+    let (mut worst, mut loads) = (0, 0);
+    for step in 0..160 {
+        let height_m = 4e5 * 0.965_f64.powi(step);
+        let place = Geodetic::from_degrees(47.0, 0.01 * f64::from(step), height_m + 500.0);
+        let view = common::tilted(place, 30.0, -40.0, 45.0, 1.6);
+        let mut stats = terrella::FrameStats::default();
+        let count = allocations(|| stats = earth.prepare(&gpu.queue, &view, &sky, (640, 400)));
+        flush();
+        let loaded = stats.ground.samples_read / u64::from(TILE_SAMPLES * TILE_SAMPLES);
+        // The first rounds fill wgpu's own pools.
+        if step >= 20 && loaded <= u64::from(GPU_LOADS) {
+            (worst, loads) = (worst.max(count), loads + loaded);
+        }
+    }
+    println!(
+        "{worst} allocations in prepare at most, {most} by wgpu's writes alone; {loads} tiles"
+    );
+    assert!(loads > 50, "{loads}");
+    assert!(worst <= most, "{worst} allocations, {most} of them wgpu's");
 }

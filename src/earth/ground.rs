@@ -1,10 +1,12 @@
 //! Ground with relief: the surface that a scene chose, and the heights that it is made from.
 
 use crate::elevation::{Bounds, Elevation};
+use crate::globe::projected_grid::GPU_TILES;
 use crate::globe::{
     Block, BlockGrid, Figure, GroundView, Surface, SurfaceError, SurfaceSettings, SurfaceStats,
     select_blocks_between,
 };
+use crate::gpu::GridMesh;
 use glam::{DMat4, DVec3};
 use std::fmt;
 use std::sync::Arc;
@@ -43,10 +45,25 @@ pub(super) struct GroundDriver {
 const QUIET_FRAMES: u32 = 10;
 
 impl GroundDriver {
-    pub fn new(options: &GroundOptions, figure: Figure) -> Result<Self, SurfaceError> {
+    /// A grid that is to be made on the GPU is made on the CPU, and a warning given, where the device has no room for it.
+    pub fn new(
+        options: &GroundOptions,
+        figure: Figure,
+        limits: &wgpu::Limits,
+    ) -> Result<Self, SurfaceError> {
+        let mut surface = options.surface;
+        if let SurfaceSettings::ProjectedGrid(grid) = &mut surface
+            && grid.on_gpu
+            && !GridMesh::fits(limits, GPU_TILES)
+        {
+            tracing::warn!(
+                "this device's textures or uniforms are too small for the projected grid; its vertices are made on the CPU"
+            );
+            grid.on_gpu = false;
+        }
         Ok(Self {
             elevation: options.elevation.clone(),
-            surface: options.surface.make(figure)?,
+            surface: surface.make(figure)?,
             tolerance_px: options.tolerance_px.max(0.0),
             before: SurfaceStats::default(),
             quiet: 0,

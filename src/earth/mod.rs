@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `mod.rs` | the three verbs |
 //! | `options.rs` | what is fixed when an Earth is made |
+//! | `look.rs` | how the surface is drawn with a quality |
 //! | `view.rs` | the eye and the target |
 //! | `stats.rs` | what a frame drew |
 //! | `ground.rs` | ground with relief, where there is any |
@@ -13,6 +14,7 @@
 
 mod governor;
 mod ground;
+mod look;
 mod options;
 mod quality;
 mod stats;
@@ -23,13 +25,14 @@ use crate::air::{Atmosphere, Billboard, EARTH_AIR};
 use crate::frames::{Epoch, Orientation, sun_direction_itrf_oriented};
 pub use crate::globe::Shading;
 use crate::globe::{COLUMNS, Meshes, Visibility, select_blocks, texels_per_pixel};
-use crate::gpu::{AirDrawable, Frame, PassFormat, SurfaceDrawable, SurfaceLook};
+use crate::gpu::{AirDrawable, Frame, PassFormat, SurfaceDrawable};
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::tile::{LayerLayout, MapLayer, TileKey};
 use glam::{DMat4, DVec3, Vec3};
 pub use governor::{Change, Governor};
 use ground::GroundDriver;
 pub use ground::GroundOptions;
+use look::{Style, look};
 pub use options::{EarthError, EarthOptions};
 pub use quality::{GiveUp, Quality, Rung};
 pub use stats::FrameStats;
@@ -145,7 +148,7 @@ impl Earth {
             None => None,
         };
         let ground = options.ground.as_ref();
-        let ground = ground.map(|ground| GroundDriver::new(ground, options.figure));
+        let ground = ground.map(|g| GroundDriver::new(g, options.figure, &device.limits()));
         let ground = ground.transpose()?;
         let mut quality = Quality::of(options);
         if options.output == SurfaceOutput::Places {
@@ -160,10 +163,10 @@ impl Earth {
         let style = Style {
             shading: options.shading,
             output: options.output,
-            relief: options.ground.is_some(),
             wireframe: options.wireframe,
         };
-        let look = look(device, style, format, &quality, air.as_ref());
+        let with = (air.as_ref(), ground.as_ref());
+        let look = look(device, style, format, &quality, with);
         let pools = tiles.as_ref().map(TileDriver::pools);
         let surface = SurfaceDrawable::new(device, queue, meshes.grids(), layers, pools, &look)?;
         let refused = resolved(scope.pop());
@@ -305,7 +308,8 @@ impl Earth {
             (Atmosphere::Billboard, Some(air)) => Some(air),
             (Atmosphere::Billboard, None) => Some(AirDrawable::new(&device, queue, format)?),
         };
-        let look = look(&device, self.style, format, &quality, air.as_ref());
+        let with = (air.as_ref(), self.ground.as_ref());
+        let look = look(&device, self.style, format, &quality, with);
         self.surface.set_look(&device, meshes.grids(), &look)?;
         (self.meshes, self.air, self.format, self.quality) = (meshes, air, format, quality);
         if let Some(tiles) = &mut self.tiles {
@@ -528,7 +532,8 @@ impl Earth {
             Some(_) => &["water", "tiles"],
             None => &[],
         };
-        let of_ground: &[&str] = match self.ground {
+        let of_ground: &[&str] = match &self.ground {
+            Some(ground) if ground.surface().grid().is_some() => &["relief", "grid"],
             Some(_) => &["relief"],
             None => &[],
         };
@@ -542,40 +547,6 @@ impl Earth {
             .filter(|(_, is_on)| *is_on == on)
             .map(|(name, _)| name)
             .collect()
-    }
-}
-
-/// How the surface is drawn, whatever the quality.
-#[derive(Clone, Copy)]
-struct Style {
-    shading: Shading,
-    output: SurfaceOutput,
-    relief: bool,
-    wireframe: bool,
-}
-
-/// How the surface is drawn with a quality.
-fn look<'a>(
-    device: &wgpu::Device,
-    style: Style,
-    format: PassFormat,
-    quality: &Quality,
-    air: Option<&'a AirDrawable>,
-) -> SurfaceLook<'a> {
-    let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
-    let mut shown = quality.maps;
-    shown[MapLayer::Day.index()] = true;
-    SurfaceLook {
-        shading: style.shading,
-        shown,
-        output: style.output,
-        relief: style.relief,
-        wireframe: style.wireframe,
-        anisotropy: if software { 1 } else { quality.anisotropy },
-        format,
-        sunlight: air
-            .filter(|_| style.shading == Shading::Sunlit)
-            .map(|air| &air.sunlight),
     }
 }
 

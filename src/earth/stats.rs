@@ -17,7 +17,7 @@ pub struct FrameStats {
     pub subdivision: u32,
     /// The ground's patches, all zero without relief.
     pub ground: SurfaceStats,
-    /// Bytes of the ground's vertices and triangles on the GPU; 0 without relief.
+    /// Bytes of the ground's vertices, triangles and heights on the GPU; 0 without relief.
     pub ground_bytes: u64,
     /// Triangles drawn, air included.
     pub triangles: u32,

@@ -1,6 +1,7 @@
 //! What every surface with relief answers: patches of ground, ready for the GPU. No GPU here.
 
 use super::blocks::Block;
+use super::projected_grid::{Frame, HeightTiles};
 use crate::elevation::Elevation;
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3, Vec2, Vec3};
@@ -78,6 +79,17 @@ pub struct SurfaceStats {
     pub error_px: Option<f64>,
 }
 
+/// A grid whose vertices the GPU makes itself, by `shaders/common/projected_grid.wgsl`.
+#[derive(Clone, Copy, Debug)]
+pub struct GridDraw<'a> {
+    /// The grid of the last view; `None` where nothing shows.
+    pub frame: Option<&'a Frame>,
+    /// Its heights. As many slots as ever.
+    pub tiles: &'a HeightTiles,
+    /// Its triangles over the numbers of grid points. The same in each frame.
+    pub indices: &'a Indices,
+}
+
 /// A way to draw ground that has relief.
 pub trait Surface: Send {
     /// As scene files name it.
@@ -93,4 +105,9 @@ pub trait Surface: Send {
 
     /// Hands over each patch of the last view, near ones first where that is known.
     fn visit(&self, draw: &mut dyn FnMut(&Patch));
+
+    /// What is drawn in place of patches, for a surface that has none: the same answer, `Some` or `None`, all its life.
+    fn grid(&self) -> Option<GridDraw<'_>> {
+        None
+    }
 }

@@ -2,6 +2,7 @@
 
 mod air;
 mod context;
+mod grid;
 mod ground;
 mod lattice;
 mod layers;
@@ -26,6 +27,7 @@ pub use tracks::TrackFrame;
 pub use uniforms::{AirFrame, Frame};
 
 pub(crate) use air::AirDrawable;
+pub(crate) use grid::GridMesh;
 use layers::GpuLayer;
 pub(crate) use surface::{SurfaceDrawable, SurfaceLook};
 pub(crate) use tracks::{

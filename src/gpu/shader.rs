@@ -16,14 +16,14 @@ pub const AIR_SHADER: &str = "air.wgsl";
 /// The shader file of satellites' tracks.
 pub const TRACKS_SHADER: &str = "tracks.wgsl";
 
-/// The projected grid's shader file.
-pub const PROJECTED_GRID_SHADER: &str = "projected_grid.wgsl";
+/// The projected grid's vertices: a part of the surface's shader.
+pub const PROJECTED_GRID_SHADER: &str = "common/projected_grid.wgsl";
 
 const FILES: &[(&str, &str)] = &[
     (EARTH_SHADER, include_str!("../../shaders/earth.wgsl")),
     (
         PROJECTED_GRID_SHADER,
-        include_str!("../../shaders/projected_grid.wgsl"),
+        include_str!("../../shaders/common/projected_grid.wgsl"),
     ),
     (AIR_SHADER, include_str!("../../shaders/air.wgsl")),
     (TRACKS_SHADER, include_str!("../../shaders/tracks.wgsl")),
@@ -59,6 +59,7 @@ const FEATURES: &[&str] = &[
     "marks",
     "fill",
     "relief",
+    "grid",
 ];
 
 /// What is wrong with a shader file.

@@ -1,12 +1,13 @@
-//! The drawable of the surface: blocks of a lattice, or patches of ground with relief, one indexed draw each.
+//! The drawable of the surface: blocks of a lattice, patches of ground with relief, or a grid, one indexed draw each.
 
+use super::grid::GridMesh;
 use super::ground::{self, GroundMesh};
 use super::lattice::{self, Lattice};
 use super::maps::Maps;
 use super::tiles::{BlockTiles, PLACEMENTS_BYTES, TileTextures};
 use super::{Frame, GpuLayer, PassFormat, ShaderError, ShaderVariant, SurfaceOutput};
 use crate::frames::Ellipsoid;
-use crate::globe::{BLOCK_COUNT, Block, BlockGrid, Shading, Surface};
+use crate::globe::{BLOCK_COUNT, Block, BlockGrid, GridDraw, Shading, Surface};
 use crate::imagery::EarthLayers;
 use crate::imagery::stream::{Pool, Upload};
 use crate::imagery::tile::{MAP_LAYERS, MapLayer};
@@ -37,9 +38,22 @@ enum Geometry {
         /// All maps whole, for patches that lie in several blocks; made where blocks have tiles.
         whole: Option<wgpu::BindGroup>,
     },
+    /// The same, its vertices made on the GPU.
+    Grid {
+        mesh: GridMesh,
+        /// As above; all of the grid is drawn with it.
+        whole: Option<wgpu::BindGroup>,
+    },
 }
 
 impl Geometry {
+    fn grid(&self) -> Option<&GridMesh> {
+        match self {
+            Self::Grid { mesh, .. } => Some(mesh),
+            _ => None,
+        }
+    }
+
     fn blocks(device: &wgpu::Device, grids: &[BlockGrid]) -> Self {
         Self::Blocks {
             lattice: Lattice::new(device, grids),
@@ -78,6 +92,8 @@ pub(crate) struct SurfaceLook<'a> {
     pub relief: bool,
     /// Whether edges of triangles are drawn alone.
     pub wireframe: bool,
+    /// The grid that draws it, if one does whose vertices the GPU makes. Nor does that.
+    pub grid: Option<GridDraw<'a>>,
 }
 
 impl SurfaceDrawable {
@@ -109,16 +125,22 @@ impl SurfaceDrawable {
         };
         let texture_bytes = maps.bytes() + tile_bytes;
         let frame = super::uniform_buffer::<Frame>(device, "terrella frame");
-        let assembled = assemble(device, &maps, &imagery, &frame, look)?;
+        let whole = || pools.is_some().then(|| maps.bind_whole(device));
+        let geometry = match (look.relief, &look.grid) {
+            (false, _) => Geometry::blocks(device, grids),
+            (true, None) => Geometry::Ground {
+                mesh: GroundMesh::new(device),
+                whole: whole(),
+            },
+            (true, Some(grid)) => Geometry::Grid {
+                mesh: GridMesh::new(device, grid),
+                whole: whole(),
+            },
+        };
+        let assembled = assemble(device, &maps, &imagery, &frame, geometry.grid(), look)?;
         Ok(Self {
             assembled,
-            geometry: match look.relief {
-                false => Geometry::blocks(device, grids),
-                true => Geometry::Ground {
-                    mesh: GroundMesh::new(device),
-                    whole: pools.is_some().then(|| maps.bind_whole(device)),
-                },
-            },
+            geometry,
             maps,
             imagery,
             frame,
@@ -141,10 +163,15 @@ impl SurfaceDrawable {
             Imagery::Tiles(tiles) => tiles.bind_again(device, &self.maps),
             Imagery::Whole(bind_group) => *bind_group = self.maps.bind_whole(device),
         }
-        self.assembled = assemble(device, &self.maps, &self.imagery, &self.frame, look)?;
+        let grid = self.geometry.grid();
+        self.assembled = assemble(device, &self.maps, &self.imagery, &self.frame, grid, look)?;
         match &mut self.geometry {
             Geometry::Blocks { .. } => self.geometry = Geometry::blocks(device, grids),
             Geometry::Ground { mesh, whole } => {
+                mesh.clear();
+                *whole = whole.take().map(|_| self.maps.bind_whole(device));
+            }
+            Geometry::Grid { mesh, whole } => {
                 mesh.clear();
                 *whole = whole.take().map(|_| self.maps.bind_whole(device));
             }
@@ -202,11 +229,11 @@ impl SurfaceDrawable {
     pub fn staged(&self) -> &[Vec3] {
         match &self.geometry {
             Geometry::Blocks { staging, .. } => staging,
-            Geometry::Ground { .. } => &[],
+            Geometry::Ground { .. } | Geometry::Grid { .. } => &[],
         }
     }
 
-    /// Writes the patches that a surface with relief draws. Returns the bytes written.
+    /// Writes the patches or the grid that a surface with relief draws. Returns the bytes written.
     pub fn write_ground(
         &mut self,
         queue: &wgpu::Queue,
@@ -217,14 +244,19 @@ impl SurfaceDrawable {
         match &mut self.geometry {
             Geometry::Blocks { .. } => 0,
             Geometry::Ground { mesh, .. } => mesh.write(queue, surface, ellipsoid, eye_itrf_m),
+            Geometry::Grid { mesh, .. } => match surface.grid() {
+                Some(grid) => mesh.write(queue, &grid),
+                None => 0,
+            },
         }
     }
 
-    /// Draw calls of the last frame, and bytes of vertices and triangles held, of ground with relief.
+    /// Draw calls of the last frame, and bytes of vertices, triangles and heights held, of ground with relief.
     pub fn ground_costs(&self) -> Option<(u32, u64)> {
         match &self.geometry {
             Geometry::Blocks { .. } => None,
             Geometry::Ground { mesh, .. } => Some((mesh.draw_calls(), mesh.bytes())),
+            Geometry::Grid { mesh, .. } => Some((mesh.draw_calls(), mesh.bytes())),
         }
     }
 
@@ -247,7 +279,7 @@ impl SurfaceDrawable {
         queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
         let vertices = match &self.geometry {
             Geometry::Blocks { lattice, staging } => lattice.write(queue, staging),
-            Geometry::Ground { .. } => 0,
+            Geometry::Ground { .. } | Geometry::Grid { .. } => 0,
         };
         let placements = match &mut self.imagery {
             Imagery::Tiles(tiles) => tiles.flush(queue),
@@ -278,6 +310,12 @@ impl SurfaceDrawable {
                     pass.set_bind_group(1, maps.or(whole.as_ref()), &[]);
                 }
             }),
+            Geometry::Grid { mesh, whole } => {
+                if whole.is_some() {
+                    pass.set_bind_group(1, whole.as_ref(), &[]);
+                }
+                mesh.render(pass);
+            }
         }
     }
 }
@@ -288,6 +326,7 @@ fn assemble(
     maps: &Maps,
     imagery: &Imagery,
     frame: &wgpu::Buffer,
+    grid: Option<&GridMesh>,
     look: &SurfaceLook<'_>,
 ) -> Result<Assembled, ShaderError> {
     let format = look.format;
@@ -300,6 +339,7 @@ fn assemble(
                 ("places", true),
                 ("tiles", has_tiles),
                 ("relief", look.relief),
+                ("grid", look.grid.is_some()),
             ],
         ),
     };
@@ -331,6 +371,10 @@ fn assemble(
             resource: tiles.placements().as_entire_binding(),
         });
     }
+    if let Some(grid) = grid {
+        layout.extend(grid.layout());
+        entries.extend(grid.entries());
+    }
     let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("terrella earth"),
         entries: &layout,
@@ -352,9 +396,10 @@ fn assemble(
             module: &module,
             entry_point: Some("vertex"),
             compilation_options: Default::default(),
-            buffers: match look.relief {
-                false => &lattice::BUFFERS,
-                true => &ground::BUFFERS,
+            buffers: match (look.relief, grid) {
+                (false, _) => &lattice::BUFFERS,
+                (true, None) => &ground::BUFFERS,
+                (true, Some(_)) => &[],
             },
         },
         primitive: wgpu::PrimitiveState {
@@ -404,6 +449,7 @@ fn color_variant(maps: &Maps, look: &SurfaceLook<'_>, has_tiles: bool) -> Shader
             ("water", !paper && maps.has(MapLayer::Water)),
             ("tiles", has_tiles),
             ("relief", look.relief),
+            ("grid", look.grid.is_some()),
             ("air", look.sunlight.is_some()),
             ("encode", !paper && stores_display_values),
             ("decode", paper && !stores_display_values),

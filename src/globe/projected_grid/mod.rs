@@ -37,7 +37,7 @@ pub use tiles::{
 };
 pub use uniforms::{GridLevel, GridUniforms};
 
-use super::{Figure, GroundVertex, GroundView, Indices, Patch, Surface, SurfaceStats};
+use super::{Figure, GridDraw, GroundVertex, GroundView, Indices, Patch, Surface, SurfaceStats};
 use crate::elevation::Elevation;
 use crate::frames::{Ellipsoid, Geodetic};
 use glam::{DMat4, DVec2, DVec3, UVec2, Vec2};
@@ -84,6 +84,31 @@ pub struct GridOptions {
     pub footprint: Footprint,
     /// What samples hold on to.
     pub anchor: Anchor,
+    /// Whether the GPU makes the vertices, with heights from tiles that are kept; else the CPU, with heights read anew.
+    ///
+    /// At 1280 × 720, from 500 m to 30 km over mountains, it takes 1.1 to 1.3 ms to prepare and the CPU's form 4.4 ms and more;
+    /// it writes 7 kB a frame and not 400 kB, besides new tiles. Frames of a software adapter took as long with either.
+    /// Errors (99 % of pixels) there differ by less than a tenth. Near a pole, where windows of tiles are cut, the CPU's form
+    /// has several times less.
+    pub on_gpu: bool,
+}
+
+/// Tiles of heights that the GPU form holds: more than any view needs, 8.4 MB. 31 rows of 16 are a texture that any device
+/// takes.
+pub const GPU_TILES: u32 = 496;
+/// Tiles that it loads in a frame, at most: fewer heights than the CPU form reads.
+pub const GPU_LOADS: u32 = 3;
+/// The same where most of what a view needs is missing: then the eye has come from elsewhere.
+pub const GPU_FIRST_LOADS: u32 = 64;
+
+impl GridOptions {
+    /// The defaults, with vertices made on the CPU.
+    pub fn on_cpu() -> Self {
+        Self {
+            on_gpu: false,
+            ..Self::default()
+        }
+    }
 }
 
 impl Default for GridOptions {
@@ -93,6 +118,7 @@ impl Default for GridOptions {
             figure: Figure::default(),
             footprint: Footprint::default(),
             anchor: Anchor::default(),
+            on_gpu: true,
         }
     }
 }
@@ -170,12 +196,17 @@ impl Frame {
     }
 }
 
-/// A grid on the screen, cast on the ellipsoid.
+/// A grid on the screen, cast on the ellipsoid. One source of heights goes with it: a frame that is as the one before is not
+/// read again.
 #[derive(Debug)]
 pub struct ProjectedGrid {
     options: GridOptions,
     finder: Finder,
     frame: Option<Frame>,
+    /// Heights for the GPU, which then makes the vertices: there are none here.
+    tiles: Option<HeightTiles>,
+    /// The frame that the patch holds.
+    raised: Option<Frame>,
     samples: Vec<Placed>,
     patch: Patch,
 }
@@ -209,7 +240,10 @@ impl ProjectedGrid {
     pub fn new(options: &GridOptions) -> Self {
         let clamp = |n: u32| n.clamp(2, 1025);
         let samples = (clamp(options.samples.0), clamp(options.samples.1));
-        let count = samples.0 as usize * samples.1 as usize;
+        let count = match options.on_gpu {
+            true => 0,
+            false => samples.0 as usize * samples.1 as usize,
+        };
         Self {
             options: GridOptions {
                 samples,
@@ -217,6 +251,8 @@ impl ProjectedGrid {
             },
             finder: Finder::new(),
             frame: None,
+            tiles: options.on_gpu.then(|| HeightTiles::new(GPU_TILES)),
+            raised: None,
             samples: vec![Placed::default(); count],
             patch: Patch {
                 key: 0,
@@ -423,10 +459,11 @@ impl Surface for ProjectedGrid {
     }
 
     fn prepare(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats {
-        let count = self.samples.len();
-        let resident_bytes = count * (size_of::<Placed>() + size_of::<GroundVertex>())
+        let (columns, rows) = self.options.samples;
+        let resident_bytes = self.samples.len() * (size_of::<Placed>() + size_of::<GroundVertex>())
             + size_of_val(self.patch.indices.triangles.as_slice())
-            + self.finder.resident_bytes();
+            + self.finder.resident_bytes()
+            + self.tiles.as_ref().map_or(0, HeightTiles::resident_bytes);
         let mut stats = SurfaceStats {
             resident_bytes: resident_bytes as u64,
             ..SurfaceStats::default()
@@ -434,15 +471,25 @@ impl Surface for ProjectedGrid {
         let Some(frame) = self.aim(view, ground) else {
             return stats;
         };
-        self.raise(&frame, ground);
-        self.patch.origin_itrf_m = frame.eye_itrf_m;
-        self.patch.revision += 1;
-        self.patch.changed.clear();
-        self.patch.changed.push(0..count as u32);
         stats.patches = 1;
-        stats.vertices = count as u32;
+        stats.vertices = columns * rows;
         stats.triangles = (self.patch.indices.triangles.len() / 3) as u32;
-        stats.samples_read = count as u64;
+        if let Some(tiles) = &mut self.tiles {
+            let counts = tiles.update(&frame, ground, GPU_LOADS);
+            let mut loaded = counts.loaded;
+            if 2 * counts.missing > counts.wanted {
+                loaded += tiles.update(&frame, ground, GPU_FIRST_LOADS).loaded;
+            }
+            stats.samples_read = u64::from(loaded * TILE_SAMPLES * TILE_SAMPLES);
+        } else if self.raised != Some(frame) {
+            self.raise(&frame, ground);
+            self.raised = Some(frame);
+            self.patch.origin_itrf_m = frame.eye_itrf_m;
+            self.patch.revision += 1;
+            self.patch.changed.clear();
+            self.patch.changed.push(0..stats.vertices);
+            stats.samples_read = u64::from(stats.vertices);
+        }
         stats
     }
 
@@ -451,8 +498,16 @@ impl Surface for ProjectedGrid {
     }
 
     fn visit(&self, draw: &mut dyn FnMut(&Patch)) {
-        if self.frame.is_some() {
+        if self.frame.is_some() && self.tiles.is_none() {
             draw(&self.patch);
         }
+    }
+
+    fn grid(&self) -> Option<GridDraw<'_>> {
+        Some(GridDraw {
+            frame: self.frame.as_ref(),
+            tiles: self.tiles.as_ref()?,
+            indices: &self.patch.indices,
+        })
     }
 }

@@ -94,6 +94,8 @@ pub struct TileCounts {
 struct Slot {
     tile: Option<Tile>,
     used: u64,
+    /// The update that loaded the tile.
+    loaded: u64,
 }
 
 /// Height tiles in a bounded number of slots.
@@ -115,6 +117,10 @@ struct Need {
     level: u32,
 }
 
+/// Tiles are averaged over less than is asked for: what lies between their samples is averaged once more. A box of half the
+/// width s has the variance s²/3; with interpolation between samples 2s apart it becomes s², with this s²/2.
+const SHARPER: f64 = 0.7;
+
 /// Every so many samples of the grid are asked, each way.
 const STRIDE: usize = 4;
 
@@ -126,7 +132,8 @@ impl HeightTiles {
             slots: vec![
                 Slot {
                     tile: None,
-                    used: 0
+                    used: 0,
+                    loaded: 0,
                 };
                 slots
             ],
@@ -153,6 +160,12 @@ impl HeightTiles {
     /// Slots written by the last update.
     pub fn changed(&self) -> &[u32] {
         &self.changed
+    }
+
+    /// The number of the update that wrote each slot last, 0 for none: who keeps copies knows by it which are old, also
+    /// after updates that it did not see.
+    pub fn written(&self) -> impl ExactSizeIterator<Item = u64> {
+        self.slots.iter().map(|slot| slot.loaded)
     }
 
     /// Heights of a slot, metres: 65 rows from the south, each from the west.
@@ -219,6 +232,7 @@ impl HeightTiles {
         self.slots[slot] = Slot {
             tile: Some(tile),
             used: self.update,
+            loaded: self.update,
         };
         self.changed.push(slot as u32);
         let step = level_spacing_rad(tile.level);
@@ -237,7 +251,8 @@ impl HeightTiles {
         self.windows = [Window::NONE; LEVELS];
         let (lat_eye, lon_eye) = eye_place(&frame.caster);
         let finest_rad = ground.finest_spacing_rad(lat_eye, lon_eye);
-        let finest = level_of(0.5 * finest_rad).ceil().clamp(1.0, LEVELS as f64) as u32;
+        // Tiles' samples are not the data's: at twice as many, what is lost between them is half.
+        let finest = (level_of(0.5 * finest_rad).ceil() + 1.0).clamp(1.0, LEVELS as f64) as u32;
         let needs = || {
             let (columns, rows) = frame.samples;
             (0..rows).step_by(STRIDE).flat_map(move |row| {
@@ -248,7 +263,7 @@ impl HeightTiles {
                     Need {
                         lat_rad: normal.z.atan2(normal.truncate().length()),
                         east_rad: (lon_rad - lon_eye + PI).rem_euclid(TAU) - PI,
-                        level: level_of(sample.spacing_rad)
+                        level: level_of(SHARPER * sample.spacing_rad)
                             .ceil()
                             .clamp(1.0, f64::from(finest)) as u32,
                     }
@@ -297,7 +312,7 @@ impl HeightTiles {
     /// The height at a place, averaged over about `spacing_rad` to each side, from the tiles that are there: between the
     /// two levels whose samples are averaged over less and over more. What the shader computes, in f64.
     pub fn height_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64 {
-        let level = level_of(spacing_rad).clamp(1.0, LEVELS as f64);
+        let level = level_of(SHARPER * spacing_rad).clamp(1.0, LEVELS as f64);
         let (coarse, part) = (level.floor(), level.fract());
         let at = |level: f64| {
             (1..=level as u32)

@@ -1,10 +1,10 @@
-//! What the GPU form is given each frame: `shaders/projected_grid.wgsl`'s uniform, from a [`Frame`] in f64.
+//! What the GPU form is given each frame: `shaders/common/projected_grid.wgsl`'s uniform, from a [`Frame`] in f64.
 
 use super::tiles::{HeightTiles, LEVELS, TILE_CELLS, WINDOW_TILES, eye_place, level_spacing_rad};
 use super::{Footprint, Frame};
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat4, UVec2, UVec4, Vec2, Vec3};
-use std::f64::consts::{FRAC_PI_2, PI};
+use glam::{DVec2, UVec2, UVec4, Vec2, Vec3};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// One level's window, as the shader reads it.
 #[repr(C)]
@@ -26,8 +26,6 @@ pub struct GridLevel {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct GridUniforms {
-    /// Takes eye-relative ITRF metres to clip space.
-    pub clip_from_eye: Mat4,
     /// [`super::Screen::forward`].
     pub forward: Vec3,
     /// [`super::Screen::corner`].
@@ -76,6 +74,10 @@ pub struct GridUniforms {
     pub spread_rad: f32,
     /// Latitude of the place under the eye, radians.
     pub eye_lat: f32,
+    /// Cosine and sine of it.
+    pub center_lat: Vec2,
+    /// Texture coordinates of that place on a whole map, u east from 180° W, v south from the north pole.
+    pub center_uv: Vec2,
     /// The windows, the coarsest first.
     pub levels: [GridLevel; LEVELS],
     /// Slots of the windows' tiles, [`WINDOW_TILES`] a level, row by row from the south-west.
@@ -123,7 +125,6 @@ impl GridUniforms {
             }
         }
         Self {
-            clip_from_eye: frame.clip_from_eye.as_mat4(),
             forward: screen.forward.as_vec3(),
             corner: screen.corner as f32,
             middle: (screen.middle - screen.forward).as_vec3(),
@@ -148,6 +149,8 @@ impl GridUniforms {
             far_rad: caster.far_rad as f32,
             spread_rad: caster.spread_rad as f32,
             eye_lat: eye_lat as f32,
+            center_lat: DVec2::new(eye_lat.cos(), eye_lat.sin()).as_vec2(),
+            center_uv: DVec2::new(eye_lon / TAU + 0.5, 0.5 - eye_lat / PI).as_vec2(),
             levels,
             slots,
         }

@@ -143,7 +143,7 @@ fn no_black_border_at_any_pitch_and_height() {
                 let (seen, lost, extra) = check(
                     &look,
                     &ground,
-                    &mut ProjectedGrid::new(&GridOptions::default()),
+                    &mut ProjectedGrid::new(&GridOptions::on_cpu()),
                 );
                 assert!(
                     lost == 0 && extra == 0,
@@ -161,7 +161,7 @@ fn no_black_border_at_any_pitch_and_height() {
 fn no_black_border_along_a_flight() {
     // One grid all the way, so that what it keeps from frame to frame is tried too.
     let ground = Ground::Waves(0.0, 4_000.0, 300e3);
-    let mut grid = ProjectedGrid::new(&GridOptions::default());
+    let mut grid = ProjectedGrid::new(&GridOptions::on_cpu());
     let mut pixels = 0;
     for step in 0..60 {
         let look = Look {
@@ -199,14 +199,14 @@ fn a_mountain_behind_the_horizon_is_drawn() {
     let (seen, lost, _) = check(
         &look,
         &ground,
-        &mut ProjectedGrid::new(&GridOptions::default()),
+        &mut ProjectedGrid::new(&GridOptions::on_cpu()),
     );
     assert_eq!(lost, 0, "of {seen}");
     // And it is seen over the flat sea's horizon: with the sea alone the picture holds less ground.
     let sea = check(
         &look,
         &Ground::Flat(-10.0),
-        &mut ProjectedGrid::new(&GridOptions::default()),
+        &mut ProjectedGrid::new(&GridOptions::on_cpu()),
     );
     assert!(seen > sea.0 + 20, "{seen} {sea:?}");
     println!("{seen} pixels with the mountain, {} without", sea.0);
@@ -229,7 +229,7 @@ proptest! {
             fov: 10.0_f64.powf(fov_log),
         };
         let ground = Ground::Waves(middle, amplitude, 10.0_f64.powf(length_log).max(40.0 * amplitude));
-        let (seen, lost, _) = check(&look, &ground, &mut ProjectedGrid::new(&GridOptions::default()));
+        let (seen, lost, _) = check(&look, &ground, &mut ProjectedGrid::new(&GridOptions::on_cpu()));
         prop_assert!(lost == 0, "{:?} {:?}: of {} pixels {} lost", ground, look, seen, lost);
     }
 }

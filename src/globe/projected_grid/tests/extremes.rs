@@ -45,7 +45,7 @@ fn prepared(grid: &mut ProjectedGrid, view: &GroundView, ground: &dyn Elevation)
 
 #[test]
 fn as_many_vertices_at_every_height() {
-    let mut grid = ProjectedGrid::new(&GridOptions::default());
+    let mut grid = ProjectedGrid::new(&GridOptions::on_cpu());
     let ground = Ground::Waves(0.0, 300.0, 30e3);
     for height_m in [
         1.0, 100.0, 500.0, 2e3, 1e4, 1e5, 4e5, 2e6, 3.6e7, 3.8e8, 1e9,
@@ -70,7 +70,7 @@ fn as_many_vertices_at_every_height() {
 
 #[test]
 fn straight_up_there_is_nothing_unless_ground_is_that_high() {
-    let mut grid = ProjectedGrid::new(&GridOptions::default());
+    let mut grid = ProjectedGrid::new(&GridOptions::on_cpu());
     let up = Look {
         height_m: 100.0,
         pitch: 180.0,
@@ -86,7 +86,7 @@ fn straight_up_there_is_nothing_unless_ground_is_that_high() {
 
 #[test]
 fn every_view_of_every_ground_is_finite() {
-    let mut grid = ProjectedGrid::new(&GridOptions::default());
+    let mut grid = ProjectedGrid::new(&GridOptions::on_cpu());
     let grounds: [&dyn Elevation; 6] = [
         &Ground::Flat(-11e3),
         &Ground::Flat(9e3),
@@ -128,7 +128,7 @@ fn every_view_of_every_ground_is_finite() {
 
 #[test]
 fn views_that_are_none_draw_nothing() {
-    let mut grid = ProjectedGrid::new(&GridOptions::default());
+    let mut grid = ProjectedGrid::new(&GridOptions::on_cpu());
     let ground = Ground::Flat(0.0);
     let good = LOOK.view(&ground);
     let matrices = [
@@ -192,7 +192,7 @@ fn depth_plays_no_part_in_the_rays() {
 
 #[test]
 fn steady_state_moves_no_memory() {
-    let mut grid = ProjectedGrid::new(&GridOptions::default());
+    let mut grid = ProjectedGrid::new(&GridOptions::on_cpu());
     let ground = Ground::Waves(0.0, 3_000.0, 100e3);
     let held = |grid: &ProjectedGrid| {
         (
@@ -229,7 +229,7 @@ fn triangles_face_up() {
         let mut view = look.view(&ground);
         view.clip_from_eye =
             DMat4::from_diagonal(DVec4::new(mirror, 1.0, 1.0, 1.0)) * view.clip_from_eye;
-        let mut grid = ProjectedGrid::new(&GridOptions::default());
+        let mut grid = ProjectedGrid::new(&GridOptions::on_cpu());
         grid.prepare(&view, &ground);
         let mut faces = 0;
         grid.visit(&mut |patch| {

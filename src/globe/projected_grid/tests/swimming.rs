@@ -187,7 +187,7 @@ fn heights_do_not_swim() {
             step: (0.0, 0.1),
         },
     ];
-    let free = GridOptions::default();
+    let free = GridOptions::on_cpu();
     let filtered = Rough { filtered: true };
     println!("change a frame, px rms and most; error, px rms (720 lines)");
     for scene in &scenes {

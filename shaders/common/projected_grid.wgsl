@@ -8,15 +8,17 @@
 //
 // | group | binding | what                                                             |
 // |-------|---------|------------------------------------------------------------------|
-// | 0     | 0       | grid                                                             |
-// | 0     | 1       | heights: slots of 65 × 65 texels, 16 to a row, from the south-west |
+// | 0     | 4       | grid                                                             |
+// | 0     | 5       | heights: slots of 65 × 65 texels, 16 to a row, from the south-west |
 
-const PI: f32 = 3.14159265;
+const HALF_TURN: f32 = 3.14159265;
 const LEVELS: u32 = 22u;
 const TILE_CELLS: f32 = 64.0;
 const TILE_TEXELS: u32 = 65u;
 const SLOTS_IN_ROW: u32 = 16u;
 const NO_SLOT: u32 = 0xffffffffu;
+// See src/globe/projected_grid/tiles.rs.
+const SHARPER: f32 = 0.7;
 
 struct GridLevel {
     eye_cells: vec2f,
@@ -28,7 +30,6 @@ struct GridLevel {
 
 // Mirrored by `GridUniforms` in src/globe/projected_grid/uniforms.rs, where members are explained.
 struct GridUniforms {
-    clip_from_eye: mat4x4f,
     forward: vec3f,
     corner: f32,
     middle: vec3f,
@@ -53,29 +54,31 @@ struct GridUniforms {
     far_rad: f32,
     spread_rad: f32,
     eye_lat: f32,
+    center_lat: vec2f,
+    center_uv: vec2f,
     levels: array<GridLevel, 22>,
     slots: array<array<vec4u, 16>, 22>,
 }
 
-@group(0) @binding(0) var<uniform> grid: GridUniforms;
-@group(0) @binding(1) var height_tiles: texture_2d<f32>;
+@group(0) @binding(4) var<uniform> grid: GridUniforms;
+@group(0) @binding(5) var height_tiles: texture_2d<f32>;
 
 // The direction of a place on the grid's plane, and the angle of a grid cell there.
-struct Ray {
+struct GridRay {
     direction: vec3f,
     cell_rad: f32,
 }
 
-fn ray_at(at: vec2f) -> Ray {
+fn ray_at(at: vec2f) -> GridRay {
     let aside = grid.middle + at.x * grid.right + at.y * grid.screen_up;
     let q = length(aside);
     if q <= grid.corner {
         let part = pow(1.0 + q * q, -1.5);
-        return Ray(grid.forward + aside, sqrt(grid.cell_area * part));
+        return GridRay(grid.forward + aside, sqrt(grid.cell_area * part));
     }
-    let angle = min(grid.corner_rad + q - grid.corner, PI);
-    let part = select(1.0, sin(angle), angle < 0.5 * PI) / q;
-    return Ray(cos(angle) * grid.forward + aside * (sin(angle) / q), sqrt(grid.cell_area * part));
+    let angle = min(grid.corner_rad + q - grid.corner, HALF_TURN);
+    let part = select(1.0, sin(angle), angle < 0.5 * HALF_TURN) / q;
+    return GridRay(cos(angle) * grid.forward + aside * (sin(angle) / q), sqrt(grid.cell_area * part));
 }
 
 // A place on the ground, about the place under the eye.
@@ -140,15 +143,15 @@ fn foot_of(direction: vec3f) -> Foot {
 }
 
 // Latitude and longitude from the eye's place, and the outward normal less the one there.
-struct Place {
+struct GridPlace {
     north_rad: f32,
     east_rad: f32,
     normal_offset: vec3f,
 }
 
-fn place_of(offset: vec3f) -> Place {
+fn grid_place(offset: vec3f) -> GridPlace {
     let stretch = grid.radii_m.x / grid.radii_m.z;
-    var out: Place;
+    var out: GridPlace;
     // Geodetic latitude has the tangent (a/b) m_z / |m_xy|. Its difference from two vectors' cross product, by offsets.
     let eye_across = length(grid.eye_up.xy);
     let across = length(grid.eye_up.xy + offset.xy);
@@ -179,7 +182,7 @@ fn texel(corner: vec2u, at: vec2u) -> f32 {
 }
 
 // The height of a level, and whether it is there.
-fn level_height(level: u32, at: Place) -> vec2f {
+fn level_height(level: u32, at: GridPlace) -> vec2f {
     let here = grid.levels[level];
     var cell = here.eye_cells + vec2f(at.east_rad, at.north_rad) * here.per_radian;
     cell.x -= here.period * floor(cell.x / here.period);
@@ -206,7 +209,7 @@ fn level_height(level: u32, at: Place) -> vec2f {
 }
 
 // The finest height that is there, from a level (counted from 0) to coarser ones.
-fn height_from(level: u32, at: Place) -> f32 {
+fn height_from(level: u32, at: GridPlace) -> f32 {
     for (var k = i32(min(level, LEVELS - 1u)); k >= 0; k--) {
         let found = level_height(u32(k), at);
         if found.y > 0.0 {
@@ -217,8 +220,8 @@ fn height_from(level: u32, at: Place) -> f32 {
 }
 
 // Averaged over about `spacing` radians to each side: between the two levels that are averaged over less and over more.
-fn height_at(at: Place, spacing: f32) -> f32 {
-    let level = clamp(log2(PI / TILE_CELLS / max(2.0 * spacing, 1e-12)), 0.0, f32(LEVELS - 1u));
+fn height_at(at: GridPlace, spacing: f32) -> f32 {
+    let level = clamp(log2(HALF_TURN / TILE_CELLS / max(2.0 * SHARPER * spacing, 1e-12)), 0.0, f32(LEVELS - 1u));
     let coarse = u32(level);
     let height = height_from(coarse, at);
     let part = level - floor(level);
@@ -247,7 +250,7 @@ fn ground_point(index: u32) -> GroundPoint {
     let foot = foot_of(ray.direction);
     let mean = sqrt(foot.stretch.x * foot.stretch.y);
     let spacing = min(ray.cell_rad * mix(mean, max(foot.stretch.x, foot.stretch.y), grid.longer), 1.0);
-    let place = place_of(foot.offset);
+    let place = grid_place(foot.offset);
     let height = height_at(place, spacing);
     var out: GroundPoint;
     // D Δm + h Δn + (h − h_base) n_e + (h_base n_e + D (û − e)).
@@ -259,15 +262,10 @@ fn ground_point(index: u32) -> GroundPoint {
     out.north_rad = place.north_rad;
     out.east_rad = place.east_rad;
     let turn = spacing / max(length(out.normal.xy), 1e-3);
-    let east = height_at(Place(place.north_rad, place.east_rad + turn, vec3f(0.0)), spacing)
-        - height_at(Place(place.north_rad, place.east_rad - turn, vec3f(0.0)), spacing);
-    let north = height_at(Place(place.north_rad + spacing, place.east_rad, vec3f(0.0)), spacing)
-        - height_at(Place(place.north_rad - spacing, place.east_rad, vec3f(0.0)), spacing);
+    let east = height_at(GridPlace(place.north_rad, place.east_rad + turn, vec3f(0.0)), spacing)
+        - height_at(GridPlace(place.north_rad, place.east_rad - turn, vec3f(0.0)), spacing);
+    let north = height_at(GridPlace(place.north_rad + spacing, place.east_rad, vec3f(0.0)), spacing)
+        - height_at(GridPlace(place.north_rad - spacing, place.east_rad, vec3f(0.0)), spacing);
     out.slope = vec2f(east, north) / (2.0 * spacing * grid.radii_m.x);
     return out;
-}
-
-@vertex
-fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
-    return grid.clip_from_eye * vec4f(ground_point(index).from_eye_m, 1.0);
 }

@@ -1,0 +1,41 @@
+//! How the surface is drawn.
+
+use super::Quality;
+use super::ground::GroundDriver;
+use crate::globe::Shading;
+use crate::gpu::{AirDrawable, PassFormat, SurfaceLook, SurfaceOutput};
+use crate::imagery::tile::MapLayer;
+
+/// How the surface is drawn, whatever the quality.
+#[derive(Clone, Copy)]
+pub(super) struct Style {
+    pub shading: Shading,
+    pub output: SurfaceOutput,
+    pub wireframe: bool,
+}
+
+/// How the surface is drawn with a quality.
+pub(super) fn look<'a>(
+    device: &wgpu::Device,
+    style: Style,
+    format: PassFormat,
+    quality: &Quality,
+    (air, ground): (Option<&'a AirDrawable>, Option<&'a GroundDriver>),
+) -> SurfaceLook<'a> {
+    let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+    let mut shown = quality.maps;
+    shown[MapLayer::Day.index()] = true;
+    SurfaceLook {
+        shading: style.shading,
+        shown,
+        output: style.output,
+        relief: ground.is_some(),
+        grid: ground.and_then(|ground| ground.surface().grid()),
+        wireframe: style.wireframe,
+        anisotropy: if software { 1 } else { quality.anisotropy },
+        format,
+        sunlight: air
+            .filter(|_| style.shading == Shading::Sunlit)
+            .map(|air| &air.sunlight),
+    }
+}
