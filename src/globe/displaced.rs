@@ -128,7 +128,7 @@ impl Surface for DisplacedBlocks {
                     revision: 0,
                     origin_itrf_m: view.eye_itrf_m,
                     vertices: Vec::with_capacity(self.grid.vertices_per_block() as usize),
-                    changed: vec![0..self.grid.vertices_per_block()],
+                    changed: std::iter::once(0..self.grid.vertices_per_block()).collect(),
                     indices: self.indices[1].clone(),
                     block: None,
                 });

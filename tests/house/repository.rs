@@ -95,6 +95,7 @@ impl Repository {
             "tests/goldens/README.md",
             "docs/accuracy.md",
             "docs/orbits.md",
+            "docs/surfaces.md",
         ];
         let below = below.iter().map(|path| (*path).to_string());
         top.into_iter()

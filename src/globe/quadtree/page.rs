@@ -134,7 +134,7 @@ impl Reader {
         }; PAGE_NODES];
         for (info, child) in infos.iter_mut().zip(node.children()) {
             let (x, y) = ((child.x & 1) as usize, (child.y & 1) as usize);
-            let range = ground.range_m(&bounds(child.square(DEPTH)));
+            let range = ground.range_up_to_m(&bounds(child.square(DEPTH)), 0.0);
             *info = self.info(child, (4 * x, 4 * y), 4, ellipsoid, &range, 0.0);
         }
         let own = infos
@@ -182,11 +182,14 @@ impl Reader {
         }
         for y in 0..RANGES {
             for x in 0..RANGES {
-                self.ranges_m[RANGES * y + x] = ground.range_m(&bounds(Square {
-                    x: square.x + 2 * x as u64 * step,
-                    y: square.y + 2 * y as u64 * step,
-                    size: 2 * step,
-                }));
+                self.ranges_m[RANGES * y + x] = ground.range_up_to_m(
+                    &bounds(Square {
+                        x: square.x + 2 * x as u64 * step,
+                        y: square.y + 2 * y as u64 * step,
+                        size: 2 * step,
+                    }),
+                    0.0,
+                );
             }
         }
     }

@@ -136,10 +136,16 @@ impl GroundPicture {
         };
         let scale = lowered.scaled_from_itrf();
         let eye = self.eye_itrf_m * scale;
+        // And so by a pixel all round: an outline that is too low by less is an error in pixels and no hole.
         let goes_through = |x: u32, y: u32| {
-            let ray = rays.at(f64::from(x) + 0.5, f64::from(y) + 0.5) * scale;
-            let toward = -eye.dot(ray);
-            toward > 0.0 && eye.cross(ray).length_squared() < ray.length_squared()
+            [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
+                .into_iter()
+                .all(|(right, down)| {
+                    let ray =
+                        rays.at(f64::from(x) + 0.5 + right, f64::from(y) + 0.5 + down) * scale;
+                    let toward = -eye.dot(ray);
+                    toward > 0.0 && eye.cross(ray).length_squared() < ray.length_squared()
+                })
         };
         let (_, clip_from_eye) = self.view.to_itrf();
         // Up on screen is away from the Earth's centre.

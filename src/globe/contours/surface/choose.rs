@@ -103,14 +103,15 @@ impl ContourSurface {
         let arc = size_rad / side;
         error_m += 0.25 * arc * arc * self.options.ellipsoid.equatorial_radius_m;
         let bounds = cell.bounds();
-        let range = ground.range_m(&bounds);
+        // Of the data at their finest: at any spacing the mean of the whole Earth would count too.
+        let range = ground.range_up_to_m(&bounds, 0.0);
         // What the probes have missed, a single summit, say. Only from a source whose ranges become narrower with the
         // bounds; one that answers the same for all quarters knows no more than that.
         let is_telling = cell.level < LEVELS
             && cell
                 .children()
                 .iter()
-                .any(|c| ground.range_m(&c.bounds()) != range);
+                .any(|c| ground.range_up_to_m(&c.bounds(), 0.0) != range);
         if is_telling {
             error_m = error_m
                 .max(range.high_m - highest)

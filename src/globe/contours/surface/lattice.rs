@@ -114,13 +114,17 @@ impl Cell {
     }
 
     /// A power of two, metres: positions that it alone holds are multiples of it, and from an origin that is one too,
-    /// at [`ORIGIN_HEIGHT_M`], they fit into the 24 bits of an f32 for all ground from −13 to +11 km: 12 cm for a block,
-    /// 1 mm from level 10 on.
+    /// within [`ORIGIN_STEP_M`] of [`ORIGIN_HEIGHT_M`], they fit into the 24 bits of an f32 for all ground from −13 to
+    /// +11 km: 12 cm for a block, 1 mm from level 10 on.
     pub fn grain_m(self) -> f64 {
-        let reach_m = 2e6 / f64::from(1u32 << self.level) + 12e3;
+        let reach_m = 2e6 / f64::from(1u32 << self.level) + 12e3 + ORIGIN_STEP_M;
         (reach_m / f64::from(1u32 << 24)).log2().ceil().exp2()
     }
 }
+
+/// Origins of patches are multiples of this, metres, so that a GPU holds them exactly as far as 16 000 km from the eye. A power
+/// of two, no finer than any grain.
+pub const ORIGIN_STEP_M: f64 = 1.0;
 
 /// Height of the origins of patches: in the middle of what ground there is on Earth.
 pub const ORIGIN_HEIGHT_M: f64 = -1_000.0;

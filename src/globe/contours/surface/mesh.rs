@@ -1,7 +1,9 @@
 //! Triangles over one cell.
 
 use super::super::hermite::{Corner, cubic, edge, net};
-use super::lattice::{Cell, ORIGIN_HEIGHT_M, SEGMENTS, STEP_RAD, TALL, cos_sin_lat, lon_rad};
+use super::lattice::{
+    Cell, ORIGIN_HEIGHT_M, ORIGIN_STEP_M, SEGMENTS, STEP_RAD, TALL, cos_sin_lat, lon_rad,
+};
 use crate::frames::Ellipsoid;
 use crate::globe::{GroundVertex, Indices, Patch};
 use glam::{DVec3, Vec2};
@@ -68,7 +70,7 @@ pub fn indices() -> [Arc<Indices>; 16] {
 ///
 /// Heights of an edge are computed from the two ends of the edge alone, or of the coarser edge that it is half of, by the
 /// same operations on both sides; positions from lattice places, in f64, then rounded to the grain of the coarsest cell that
-/// holds them ([`Cell::grain_m`]). The origin is such a multiple too, so origin + f32 gives the same f64 on both sides.
+/// holds them ([`Cell::grain_m`]). The origin is a multiple of all grains, so origin + f32 gives the same f64 on both sides.
 pub fn write(ellipsoid: &Ellipsoid, cell: Cell, shape: &Shape, patch: &mut Patch) {
     let n = SIDE - 1;
     let steps = f64::from(cell.steps());
@@ -120,7 +122,7 @@ pub fn write(ellipsoid: &Ellipsoid, cell: Cell, shape: &Shape, patch: &mut Patch
     };
     let snap = |p: DVec3, grain: f64| (p / grain).round() * grain;
     let half = n / 2;
-    let origin = snap(at(half, half, ORIGIN_HEIGHT_M), own);
+    let origin = snap(at(half, half, ORIGIN_HEIGHT_M), ORIGIN_STEP_M);
     patch.origin_itrf_m = origin;
     patch.block = Some(cell.block());
     patch.vertices.clear();
