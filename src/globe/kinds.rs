@@ -6,6 +6,10 @@ use super::projected_grid::{GridOptions, ProjectedGrid};
 use super::quadtree::{Quadtree, QuadtreeOptions};
 use super::{DisplacedBlocks, Figure, Subdivision, SubdivisionError, Surface};
 
+/// Levels of a scene's clipmap, twice the paper's: the last has cells of 27 m. Levels that the view and the data do not ask
+/// for cost nothing.
+const SCENE_LEVELS: u32 = 12;
+
 /// What draws ground with relief.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -51,7 +55,10 @@ impl SurfaceKind {
             Self::ProjectedGrid => SurfaceSettings::ProjectedGrid(GridOptions::default()),
             Self::Quadtree => SurfaceSettings::Quadtree(QuadtreeOptions::default()),
             Self::Contours => SurfaceSettings::Contours(ContourOptions::default()),
-            Self::Clipmap => SurfaceSettings::Clipmap(ClipmapOptions::default()),
+            Self::Clipmap => SurfaceSettings::Clipmap(ClipmapOptions {
+                levels: SCENE_LEVELS,
+                ..ClipmapOptions::default()
+            }),
         }
     }
 }

@@ -80,12 +80,11 @@ pub struct ClipmapOptions {
 }
 
 impl Default for ClipmapOptions {
-    /// The paper's 129 × 129 samples a level, and twice its six levels: the last has cells of 27 m. Levels that the view does
-    /// not ask for cost nothing.
+    /// The paper's six levels of 129 × 129.
     fn default() -> Self {
         Self {
             samples: 129,
-            levels: 12,
+            levels: 6,
             samples_per_prepare: 2048,
             fade_prepares: 8,
             trim: Trim::Diamond,

@@ -59,13 +59,12 @@ fn of_kind(kind: SurfaceKind) -> Vec<Trial> {
         trial("samples", side.to_string(), side == 129, surface, 1.0)
     };
     let clipmap = |samples, levels| {
-        let default = ClipmapOptions::default();
-        let is_default = samples == default.samples && levels == default.levels;
         let surface = SurfaceSettings::Clipmap(ClipmapOptions {
             samples,
             levels,
-            ..default
+            ..ClipmapOptions::default()
         });
+        let is_default = surface == kind.settings(Subdivision::Auto);
         let value = format!("{samples} of {levels} levels");
         trial("samples", value, is_default, surface, 1.0)
     };
