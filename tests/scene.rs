@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use terrella::air::Atmosphere;
 use terrella::earth::Shading;
 use terrella::frames::{Epoch, utc_from_rfc3339};
-use terrella::globe::{Figure, LevelRule, Subdivision, Visibility};
+use terrella::globe::{Figure, LevelRule, Subdivision, SurfaceKind, Visibility};
 use terrella::scene::{CameraMode, Scene, SceneError, StorageChoice, limits};
 
 /// A folder with what the scenes of these tests refer to: `sat.tle` and `maps/`.
@@ -309,10 +309,10 @@ fn every_key_is_read() {
          footprint = true\nsensor_half_angle_deg = 30\nfootprint_fill = true\n\
          [tracks]\nwidth_px = 4\n\
          [camera]\nmode = \"geodetic\"\nfov_deg = 179.999\nlat_deg = -90\nlon_deg = 350\n\
-         height_km = 0.001\n\
+         height_km = 0.001\nheading_deg = -360\npitch_deg = 90\n\
          [earth]\nfigure = \"sphere\"\nsubdivision = 48\nvisibility = \"paper\"\n\
          shading = \"paper\"\nclouds = false\nnormals = false\nnight_lights = false\n\
-         atmosphere = \"none\"\ntextures = \"maps\"\n\
+         atmosphere = \"none\"\ntextures = \"maps\"\nsurface = \"blocks\"\n\
          [output]\nsize = [16384, 1]\nsamples = 1\n",
     );
     let scene = scene.expect("a good scene");
@@ -329,6 +329,11 @@ fn every_key_is_read() {
     assert_eq!(scene.camera.lat_deg, -90.0);
     assert_eq!(scene.camera.lon_deg, -10.0);
     assert_eq!(scene.camera.height_km, 0.001);
+    assert_eq!(
+        (scene.camera.heading_deg, scene.camera.pitch_deg),
+        (-360.0, 90.0)
+    );
+    assert_eq!(scene.earth.relief, None);
     assert_eq!(scene.earth.figure, Figure::Sphere);
     assert_eq!(scene.earth.subdivision, Subdivision::Cells(48));
     assert_eq!(scene.earth.visibility, Visibility::Paper);
@@ -338,9 +343,61 @@ fn every_key_is_read() {
     assert_eq!(scene.earth.textures, Some(folder.path("maps")));
     assert_eq!(scene.output.size, [16384, 1]);
     assert_eq!(scene.output.samples, 1);
-    assert_eq!(scene.line("output", "samples"), Some(39));
+    assert_eq!(scene.line("output", "samples"), Some(42));
     let summary = scene.summary();
     assert!(!summary.contains("default"), "{summary}");
+}
+
+#[test]
+fn relief_is_drawn_where_heights_or_its_surface_are_named() {
+    let folder = Folder::new();
+    let relief = |text: &str| folder.load(text).expect("good").earth.relief;
+    assert_eq!(relief("[earth]\nsurface = \"blocks\"\n"), None);
+    let starter = relief("[earth]\nsurface = \"clipmap\"\n").expect("relief");
+    assert_eq!(starter.surface, SurfaceKind::Clipmap);
+    assert_eq!((starter.elevation.len(), starter.tolerance_px), (0, 1.0));
+    let given = "[earth]\nelevation = [\"sat.tle\"]\ntolerance_px = 0\nsea_floor = true\nsubdivision = 24\n";
+    let given = relief(given).expect("relief");
+    assert_eq!(given.surface, SurfaceKind::Blocks);
+    assert_eq!(given.elevation, [folder.path("sat.tle")]);
+    assert_eq!((given.tolerance_px, given.sea_floor), (0.0, true));
+    for (text, words) in [
+        (
+            "sea_floor = true",
+            ["sea_floor", "is for ground with relief"],
+        ),
+        (
+            "tolerance_px = 2",
+            ["tolerance_px", "is for ground with relief"],
+        ),
+        (
+            "elevation = [\"no.tif\"]",
+            ["elevation", "cannot be opened"],
+        ),
+        (
+            "elevation = []\ntolerance_px = -1",
+            ["tolerance_px", "from 0 to 1000"],
+        ),
+        (
+            "elevation = []\nvisibility = \"paper\"",
+            ["visibility", "behind the horizon"],
+        ),
+        (
+            "surface = \"quadtree\"\nsubdivision = 6",
+            ["subdivision", "tolerance_px"],
+        ),
+        (
+            "surface = \"quadtre\"",
+            ["surface", "did you mean \"quadtree\"?"],
+        ),
+    ] {
+        let error = folder
+            .load(format!("[earth]\n{text}\n"))
+            .expect_err(text)
+            .to_string();
+        let tells = words.iter().all(|word| error.contains(word));
+        assert!(tells && error.contains("scene.toml:"), "{text}: {error}");
+    }
 }
 
 #[test]

@@ -89,7 +89,7 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
         ("water", ["water_map", "glint"]),
         ("tiles", ["placements", "block"]),
         ("air", ["sunlight", "table_"]),
-        ("relief", ["origin_from_eye_m", "height_m"]),
+        ("relief", ["origin_from_anchor_m", "height_m"]),
     ];
     let code = |source: String| -> String {
         source

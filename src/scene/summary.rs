@@ -266,9 +266,6 @@ impl Scene {
             .filter(|(_, on)| !on)
             .map(|(name, _)| name)
             .collect();
-        if self.earth.relief.is_none() {
-            names.push("relief");
-        }
         if self.earth.atmosphere == Atmosphere::None {
             names.push("atmosphere");
         }
