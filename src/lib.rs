@@ -77,6 +77,16 @@
 //! - **Live and kept pictures.** [`Earth::prepare`] never waits. [`Earth::prepare_complete`] waits up to a time-out and
 //!   answers what is missing. [`Earth::expect`] says where the eye will be soon.
 //!
+//! # Ground with relief
+//!
+//! Where heights are given ([`elevation`]: grids over one another, filtered to any spacing, bounded), a [`globe::Surface`]
+//! turns each view into patches of triangles ([`globe::Patch`]) about local origins: the lifted blocks, a projected grid, an
+//! unfull quadtree, q-Bézier patches or a clipmap ([`SurfaceKind`]). Surfaces are pure code: no GPU, no files. One drawable
+//! keeps their patches on the GPU, writes what changed, and draws them with the Earth's own shader, which then takes the
+//! place of a pixel from the mesh, moved onto the pixel's ray. The projected grid's vertices are made on the GPU. Origins are
+//! subtracted from the eye in f64; neighbours' edges agree to the last bit. `measure::surfaces` holds all of them against the
+//! data: metres, pixels, holes, popping, time.
+//!
 //! # Quality against time
 //!
 //! [`Quality`] is what can be changed while the Earth is drawn ([`Earth::set_quality`]); its ladder is the order in which
