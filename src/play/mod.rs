@@ -20,6 +20,7 @@
 //! | `picture`, `still`, `stats`, `export`, `video/` | pictures, their numbers, films |
 //! | `destination` | files that are whole or not there |
 //! | `window`, `stage`, `surface`, `overlay`, `panel`, `controls`, `keys` | the window |
+//! | `egui_pass` | panel and names, drawn over pictures |
 //! | `timeline/` | the time line along the bottom: scrubbing, real time, passes |
 //! | `cost` | what its frames cost, for the governor of quality |
 
@@ -29,6 +30,7 @@ mod controls;
 mod cost;
 mod craft;
 mod destination;
+mod egui_pass;
 mod ephemeris;
 mod error;
 mod export;

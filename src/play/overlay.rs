@@ -1,6 +1,7 @@
 //! egui on the window's surface.
 
-use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor as Screen};
+use super::egui_pass::{self, Canvas};
+use egui_wgpu::{Renderer, RendererOptions};
 use std::time::Duration;
 use winit::event::WindowEvent;
 use winit::window::Window;
@@ -78,57 +79,13 @@ impl Overlay {
         delay
     }
 
-    /// Draws what was laid out over the picture on `view`.
-    pub fn draw(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        encoder: &mut wgpu::CommandEncoder,
-        view: &wgpu::TextureView,
-        size: (u32, u32),
-    ) -> Vec<wgpu::CommandBuffer> {
-        let Some(mut output) = self.output.take() else {
+    /// Draws what was laid out over a picture.
+    pub fn draw(&mut self, canvas: Canvas<'_>) -> Vec<wgpu::CommandBuffer> {
+        let Some(output) = self.output.take() else {
             return Vec::new();
         };
-        for (id, deltas) in output.textures_delta.set.drain() {
-            for delta in deltas {
-                self.renderer.update_texture(device, queue, id, &delta);
-            }
-        }
         let context = self.state.egui_ctx();
-        let pixels_per_point = output.pixels_per_point;
-        let triangles = context.tessellate(std::mem::take(&mut output.shapes), pixels_per_point);
-        let screen = Screen {
-            size_in_pixels: size.into(),
-            pixels_per_point,
-        };
-        let commands = self
-            .renderer
-            .update_buffers(device, queue, encoder, &triangles, &screen);
-        let mut pass = encoder
-            .begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("terrella panel"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Load,
-                        store: wgpu::StoreOp::Store,
-                    },
-                })],
-                depth_stencil_attachment: None,
-                timestamp_writes: None,
-                occlusion_query_set: None,
-                multiview_mask: None,
-            })
-            .forget_lifetime();
-        self.renderer.render(&mut pass, &triangles, &screen);
-        drop(pass);
-        for id in output.textures_delta.free.drain() {
-            self.renderer.free_texture(&id);
-        }
-        commands
+        egui_pass::draw(&mut self.renderer, context, output, canvas)
     }
 }
 

@@ -4,6 +4,7 @@ use super::controls::Controls;
 use super::cost::FrameCosts;
 use super::craft::CraftLayer;
 use super::destination::PendingFile;
+use super::egui_pass::Canvas;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
 use super::keys::Action;
@@ -271,13 +272,13 @@ impl Stage {
         let mut encoder = self.encoder();
         let stats = self.draw_earth(moment, &mut encoder, &view);
         let (delay, actions) = self.lay_out_panel(moment, controls, stats);
-        let panel = self.overlay.draw(
-            &self.gpu.device,
-            &self.gpu.queue,
-            &mut encoder,
-            &view,
-            self.surface.size(),
-        );
+        let panel = self.overlay.draw(Canvas {
+            device: &self.gpu.device,
+            queue: &self.gpu.queue,
+            encoder: &mut encoder,
+            view: &view,
+            size: self.surface.size(),
+        });
         let submission = self
             .gpu
             .queue

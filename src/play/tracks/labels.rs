@@ -1,8 +1,9 @@
 //! Names beside markers, in egui's fonts, on the finished picture.
 
+use crate::play::egui_pass::{self, Canvas};
 use crate::tracks::TrackLabel;
 use egui::{Align2, Color32, FontId, LayerId, Pos2, RawInput, Rect, Vec2};
-use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor as Screen};
+use egui_wgpu::{Renderer, RendererOptions};
 
 /// Height of letters as a part of the picture's, and its bounds, pixels.
 const SIZE: f32 = 0.02;
@@ -31,67 +32,27 @@ impl Labels {
     /// Writes names over a picture.
     pub fn write<'n>(
         &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        encoder: &mut wgpu::CommandEncoder,
-        view: &wgpu::TextureView,
-        size: (u32, u32),
+        canvas: Canvas<'_>,
         names: impl Iterator<Item = (TrackLabel, &'n str)>,
     ) {
         let names: Vec<_> = names.map(|(label, name)| (label, one_line(name))).collect();
         if names.is_empty() {
             return;
         }
-        let screen = Rect::from_min_size(Pos2::ZERO, Vec2::new(size.0 as f32, size.1 as f32));
+        let (width, height) = canvas.size;
+        let screen = Rect::from_min_size(Pos2::ZERO, Vec2::new(width as f32, height as f32));
         let input = RawInput {
             screen_rect: Some(screen),
             ..Default::default()
         };
-        let mut output = self.context.run_ui(input, |ui| {
+        let output = self.context.run_ui(input, |ui| {
             let painter = ui.ctx().layer_painter(LayerId::background());
             paint(&painter, screen, &names);
         });
-        for (id, deltas) in output.textures_delta.set.drain() {
-            for delta in deltas {
-                self.renderer.update_texture(device, queue, id, &delta);
-            }
-        }
-        let pixels_per_point = output.pixels_per_point;
-        let triangles = self
-            .context
-            .tessellate(std::mem::take(&mut output.shapes), pixels_per_point);
-        let descriptor = Screen {
-            size_in_pixels: size.into(),
-            pixels_per_point,
-        };
+        let renderer = &mut self.renderer;
+        let callbacks = egui_pass::draw(renderer, &self.context, output, canvas);
         // Command buffers come of paint callbacks alone; there are none.
-        let callbacks =
-            self.renderer
-                .update_buffers(device, queue, encoder, &triangles, &descriptor);
         debug_assert!(callbacks.is_empty());
-        let mut pass = encoder
-            .begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("terrella names"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Load,
-                        store: wgpu::StoreOp::Store,
-                    },
-                })],
-                depth_stencil_attachment: None,
-                timestamp_writes: None,
-                occlusion_query_set: None,
-                multiview_mask: None,
-            })
-            .forget_lifetime();
-        self.renderer.render(&mut pass, &triangles, &descriptor);
-        drop(pass);
-        for id in output.textures_delta.free.drain() {
-            self.renderer.free_texture(&id);
-        }
     }
 }
 

@@ -5,6 +5,7 @@
 
 mod labels;
 
+use super::egui_pass::Canvas;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
 use super::satellites::orientation_at;
@@ -127,7 +128,14 @@ impl TracksLayer {
                 let feed = self.feeds.get(label.satellite)?;
                 Some((*label, feed.name()))
             });
-            labels.write(&gpu.device, &gpu.queue, encoder, view, size, names);
+            let canvas = Canvas {
+                device: &gpu.device,
+                queue: &gpu.queue,
+                encoder,
+                view,
+                size,
+            };
+            labels.write(canvas, names);
         }
     }
 }

@@ -1,0 +1,69 @@
+//! What egui has laid out, drawn over a finished picture.
+
+use egui_wgpu::{Renderer, ScreenDescriptor as Screen};
+
+/// A picture to draw over.
+pub struct Canvas<'c> {
+    /// The device of all that follows.
+    pub device: &'c wgpu::Device,
+    /// Its queue.
+    pub queue: &'c wgpu::Queue,
+    /// What the pass is recorded in.
+    pub encoder: &'c mut wgpu::CommandEncoder,
+    /// The picture.
+    pub view: &'c wgpu::TextureView,
+    /// Width and height, pixels.
+    pub size: (u32, u32),
+}
+
+/// Draws it. Answers what must be submitted before the encoder's commands.
+pub fn draw(
+    renderer: &mut Renderer,
+    context: &egui::Context,
+    mut output: egui::FullOutput,
+    canvas: Canvas<'_>,
+) -> Vec<wgpu::CommandBuffer> {
+    let Canvas {
+        device,
+        queue,
+        encoder,
+        view,
+        size,
+    } = canvas;
+    for (id, deltas) in output.textures_delta.set.drain() {
+        for delta in deltas {
+            renderer.update_texture(device, queue, id, &delta);
+        }
+    }
+    let pixels_per_point = output.pixels_per_point;
+    let triangles = context.tessellate(std::mem::take(&mut output.shapes), pixels_per_point);
+    let screen = Screen {
+        size_in_pixels: size.into(),
+        pixels_per_point,
+    };
+    let commands = renderer.update_buffers(device, queue, encoder, &triangles, &screen);
+    let mut pass = encoder
+        .begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("terrella panel"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Load,
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: None,
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        })
+        .forget_lifetime();
+    renderer.render(&mut pass, &triangles, &screen);
+    drop(pass);
+    for id in output.textures_delta.free.drain() {
+        renderer.free_texture(&id);
+    }
+    commands
+}
