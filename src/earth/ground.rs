@@ -89,8 +89,7 @@ impl GroundDriver {
             tolerance_px: self.tolerance_px,
         };
         let stats = self.surface.prepare(&view, self.elevation.as_ref());
-        let has_read = stats.samples_read > 0 && !self.surface.reads_all_anew();
-        let is_quiet = !has_read && stats == self.before;
+        let is_quiet = stats.samples_read == 0 && stats == self.before;
         self.quiet = if is_quiet { self.quiet + 1 } else { 0 };
         self.before = stats;
         stats

@@ -98,11 +98,6 @@ pub trait Surface: Send {
     /// Chooses, and builds where needed, what the view needs. Allocates nothing in steady state, and never waits.
     fn prepare(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats;
 
-    /// Whether every vertex is read anew for each view: then `samples_read` never falls to 0.
-    fn reads_all_anew(&self) -> bool {
-        false
-    }
-
     /// Hands over each patch of the last view, near ones first where that is known.
     fn visit(&self, draw: &mut dyn FnMut(&Patch));
 

@@ -493,10 +493,6 @@ impl Surface for ProjectedGrid {
         stats
     }
 
-    fn reads_all_anew(&self) -> bool {
-        true
-    }
-
     fn visit(&self, draw: &mut dyn FnMut(&Patch)) {
         if self.frame.is_some() && self.tiles.is_none() {
             draw(&self.patch);
