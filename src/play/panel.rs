@@ -248,7 +248,7 @@ fn quality_text(governor: &Governor) -> String {
     }
 }
 
-fn place_text(lat_rad: f64, lon_rad: f64) -> String {
+pub(super) fn place_text(lat_rad: f64, lon_rad: f64) -> String {
     let (lat, lon) = (lat_rad.to_degrees(), lon_rad.to_degrees());
     format!(
         "{:.3}° {}, {:.3}° {}",

@@ -2,8 +2,9 @@
 
 use super::super::clock::{AtEnd, Clock};
 use super::super::keys::Action;
+use super::super::panel::place_text;
 use super::ticks::ticks;
-use super::{TimeLine, place_text, seconds};
+use super::{TimeLine, seconds};
 use crate::orbit::Pass;
 use egui::{
     Align2, Color32, Context, CornerRadius, DragValue, FontId, Id, Pos2, Rect, Response, RichText,
@@ -228,7 +229,7 @@ fn place(ui: &mut Ui, line: &TimeLine, actions: &mut Vec<Action>) {
         ui.data_mut(|data| data.remove_temp::<String>(id));
     }
     let words = match line.place {
-        Some(place) => format!("passes over {}", place_text(place)),
+        Some(place) => format!("passes over {}", place_text(place.lat_rad, place.lon_rad)),
         None => "a place: latitude and longitude, south and west negative".to_owned(),
     };
     response.on_hover_text(RichText::new(words));

@@ -15,6 +15,7 @@ pub use finder::{Answer, Finder, Order};
 
 use super::clock::Clock;
 use super::flight::Flight;
+use super::panel::place_text;
 use crate::frames::{Duration, Epoch, Geodetic, rfc3339};
 use crate::orbit::Pass;
 use crate::scene::CameraMode;
@@ -181,7 +182,10 @@ impl TimeLine {
             Answer::Next(next) => next,
         };
         let (name, validity) = known?;
-        let place = self.place.map(place_text).unwrap_or_default();
+        let place = self
+            .place
+            .map(|at| place_text(at.lat_rad, at.lon_rad))
+            .unwrap_or_default();
         let least_deg = self.least_elevation_deg;
         Some(match next {
             Next::Pass(pass) => {
@@ -227,17 +231,6 @@ fn seconds(epoch: Epoch) -> String {
         Some((whole, _)) => format!("{whole}Z"),
         None => text,
     }
-}
-
-fn place_text(place: Geodetic) -> String {
-    let (lat, lon) = (place.lat_rad.to_degrees(), place.lon_rad.to_degrees());
-    format!(
-        "{:.3}° {}, {:.3}° {}",
-        lat.abs(),
-        if lat < 0.0 { "S" } else { "N" },
-        lon.abs(),
-        if lon < 0.0 { "W" } else { "E" }
-    )
 }
 
 fn pass_text(name: &str, place: &str, pass: &Pass) -> String {
