@@ -220,15 +220,7 @@ impl Picture {
     fn submit(&mut self) {
         let mut encoder = self.encoder();
         let mut pass = self.targets.begin_pass(&mut encoder);
-        self.craft.render(&mut pass);
-        self.earth.render_surface(&mut pass);
-        if let Some(tracks) = &self.tracks {
-            tracks.render_beyond_air(&mut pass);
-        }
-        self.earth.render_air(&mut pass);
-        if let Some(tracks) = &self.tracks {
-            tracks.render_before_air(&mut pass);
-        }
+        render_in_order(&mut pass, &self.craft, &self.earth, self.tracks.as_ref());
         drop(pass);
         let size = self.size();
         if let Some(tracks) = &mut self.tracks {
@@ -257,6 +249,25 @@ impl Picture {
             Ok(_) => Ok(()),
             Err(error) => Err(PlayError::DeviceLost(error.to_string())),
         }
+    }
+}
+
+/// Draws what a picture holds: the craft first, so that the air lies behind it; of the tracks what lies beyond the air
+/// before it, the rest after.
+pub(super) fn render_in_order(
+    pass: &mut wgpu::RenderPass<'_>,
+    craft: &CraftLayer,
+    earth: &Earth,
+    tracks: Option<&TracksLayer>,
+) {
+    craft.render(pass);
+    earth.render_surface(pass);
+    if let Some(tracks) = tracks {
+        tracks.render_beyond_air(pass);
+    }
+    earth.render_air(pass);
+    if let Some(tracks) = tracks {
+        tracks.render_before_air(pass);
     }
 }
 

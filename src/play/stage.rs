@@ -10,6 +10,7 @@ use super::flight::{Flight, Moment};
 use super::keys::Action;
 use super::overlay::{Overlay, Response};
 use super::panel::{self, PanelData};
+use super::picture::render_in_order;
 use super::progress::Progress;
 use super::surface::WindowSurface;
 use super::tracks::{Effort, TracksLayer};
@@ -390,15 +391,7 @@ impl Stage {
             tracks.prepare(&self.gpu, moment, size, Effort::Live, &mut stats);
         }
         let mut pass = self.surface.begin_pass(encoder, view);
-        self.craft.render(&mut pass);
-        self.earth.render_surface(&mut pass);
-        if let Some(tracks) = &self.tracks {
-            tracks.render_beyond_air(&mut pass);
-        }
-        self.earth.render_air(&mut pass);
-        if let Some(tracks) = &self.tracks {
-            tracks.render_before_air(&mut pass);
-        }
+        render_in_order(&mut pass, &self.craft, &self.earth, self.tracks.as_ref());
         drop(pass);
         if let Some(tracks) = &mut self.tracks {
             tracks.write_names(&self.gpu, encoder, view, size);
