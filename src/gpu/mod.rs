@@ -7,6 +7,7 @@ mod ground;
 mod lattice;
 mod layers;
 mod maps;
+mod read_back;
 mod shader;
 mod surface;
 mod targets;
@@ -29,6 +30,7 @@ pub use uniforms::{AirFrame, Frame};
 pub(crate) use air::AirDrawable;
 pub(crate) use grid::GridMesh;
 use layers::GpuLayer;
+pub(crate) use read_back::read_rows;
 pub(crate) use surface::{SurfaceDrawable, SurfaceLook};
 pub(crate) use tracks::{
     FROM_PREVIOUS as TRACK_FROM_PREVIOUS, Fill, LinePoint, Mark, ON_GROUND as TRACK_ON_GROUND,

@@ -1,5 +1,6 @@
 //! Colour and depth textures for programs that have none, and reading a picture back.
 
+use super::read_rows;
 use image::RgbaImage;
 
 /// Why a picture could not be read back.
@@ -200,7 +201,7 @@ pub fn read_texture(
     queue: &wgpu::Queue,
     texture: &wgpu::Texture,
 ) -> Result<RgbaImage, PictureError> {
-    let mut pixels = read_rows(device, queue, texture, 4)?;
+    let mut pixels = read_rows(device, queue, texture, 4, None)?;
     if matches!(
         texture.format(),
         wgpu::TextureFormat::Bgra8UnormSrgb | wgpu::TextureFormat::Bgra8Unorm
@@ -219,61 +220,8 @@ pub fn read_floats(
     queue: &wgpu::Queue,
     texture: &wgpu::Texture,
 ) -> Result<Vec<[f32; 4]>, PictureError> {
-    let bytes = read_rows(device, queue, texture, size_of::<[f32; 4]>() as u32)?;
+    let bytes = read_rows(device, queue, texture, size_of::<[f32; 4]>() as u32, None)?;
     let floats = bytes.as_chunks::<4>().0.iter();
     let floats: Vec<f32> = floats.map(|bytes| f32::from_le_bytes(*bytes)).collect();
     Ok(floats.as_chunks::<4>().0.to_vec())
-}
-
-/// The texels of a texture, rows without padding.
-fn read_rows(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    texture: &wgpu::Texture,
-    texel_bytes: u32,
-) -> Result<Vec<u8>, PictureError> {
-    let failed = |what: &dyn std::fmt::Display| PictureError::ReadBack(what.to_string());
-    let (width, height) = (texture.width(), texture.height());
-    let padded = (texel_bytes * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("terrella read back"),
-        size: u64::from(padded) * u64::from(height),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
-        label: Some("terrella read back"),
-    });
-    encoder.copy_texture_to_buffer(
-        texture.as_image_copy(),
-        wgpu::TexelCopyBufferInfo {
-            buffer: &buffer,
-            layout: wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(padded),
-                rows_per_image: Some(height),
-            },
-        },
-        texture.size(),
-    );
-    queue.submit([encoder.finish()]);
-    let (sender, receiver) = std::sync::mpsc::channel();
-    buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-        // The receiver lives until the end of this function; if it is gone nobody waits.
-        let _ = sender.send(result);
-    });
-    device
-        .poll(wgpu::PollType::wait_indefinitely())
-        .map_err(|e| failed(&e))?;
-    receiver
-        .recv()
-        .map_err(|e| failed(&e))?
-        .map_err(|e| failed(&e))?;
-    let mapped = buffer.get_mapped_range(..).map_err(|e| failed(&e))?;
-    let row = (texel_bytes * width) as usize;
-    let mut pixels: Vec<u8> = Vec::with_capacity(row * height as usize);
-    for line in mapped.chunks_exact(padded as usize) {
-        pixels.extend_from_slice(&line[..row]);
-    }
-    Ok(pixels)
 }

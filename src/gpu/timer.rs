@@ -1,5 +1,7 @@
 //! Times that the device itself writes at the ends of passes.
 
+use super::read_back::map;
+
 /// Why times could not be read.
 #[derive(Debug, thiserror::Error)]
 #[error("the device's times could not be read back: {0}")]
@@ -72,24 +74,7 @@ impl GpuTimer {
 
     /// Reads how long each pass took, milliseconds. Waits for the device.
     pub fn read(&self, device: &wgpu::Device, passes: u32) -> Result<Vec<f64>, TimerError> {
-        let failed = |what: &dyn std::fmt::Display| TimerError(what.to_string());
-        let (sender, receiver) = std::sync::mpsc::channel();
-        self.read_back
-            .map_async(wgpu::MapMode::Read, .., move |result| {
-                // The receiver lives until the end of this function; if it is gone nobody waits.
-                let _ = sender.send(result);
-            });
-        device
-            .poll(wgpu::PollType::wait_indefinitely())
-            .map_err(|e| failed(&e))?;
-        receiver
-            .recv()
-            .map_err(|e| failed(&e))?
-            .map_err(|e| failed(&e))?;
-        let mapped = self
-            .read_back
-            .get_mapped_range(..)
-            .map_err(|e| failed(&e))?;
+        let mapped = map(device, &self.read_back, None).map_err(TimerError)?;
         let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&mapped);
         drop(mapped);
         self.read_back.unmap();

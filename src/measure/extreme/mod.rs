@@ -10,7 +10,7 @@ mod settings;
 
 pub use cases::{ExtremeCase, Lit, Side, cases};
 
-use crate::gpu::{Attachments, GpuContext, PictureError, color_texture};
+use crate::gpu::{Attachments, GpuContext, PictureError, color_texture, read_rows};
 use crate::imagery::EarthLayers;
 use crate::{Atmosphere, DepthBuffer, Earth, EarthError, EarthOptions};
 use std::time::Duration;
@@ -191,59 +191,12 @@ pub fn draw(
 
 /// Reads an `Rgba16Float` texture (usage `COPY_SRC`). Waits for the device, one minute at most.
 fn read_halves(gpu: &GpuContext, texture: &wgpu::Texture) -> Result<Vec<[f32; 4]>, PictureError> {
-    let failed = |what: &dyn std::fmt::Display| PictureError::ReadBack(what.to_string());
-    let (width, height) = (texture.width(), texture.height());
-    let padded = (8 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("terrella extreme"),
-        size: u64::from(padded) * u64::from(height),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let mut encoder = gpu
-        .device
-        .create_command_encoder(&wgpu::CommandEncoderDescriptor {
-            label: Some("terrella extreme"),
-        });
-    encoder.copy_texture_to_buffer(
-        texture.as_image_copy(),
-        wgpu::TexelCopyBufferInfo {
-            buffer: &buffer,
-            layout: wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(padded),
-                rows_per_image: Some(height),
-            },
-        },
-        texture.size(),
-    );
-    let index = gpu.queue.submit([encoder.finish()]);
-    let (sender, receiver) = std::sync::mpsc::channel();
-    buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-        // The receiver lives until the end of this function; if it is gone nobody waits.
-        let _ = sender.send(result);
-    });
-    let wait = wgpu::PollType::Wait {
-        submission_index: Some(index),
-        timeout: Some(PATIENCE),
-    };
-    gpu.device.poll(wait).map_err(|e| failed(&e))?;
-    receiver
-        .recv_timeout(PATIENCE)
-        .map_err(|e| failed(&e))?
-        .map_err(|e| failed(&e))?;
-    let mapped = buffer.get_mapped_range(..).map_err(|e| failed(&e))?;
-    let mut pixels = Vec::with_capacity(width as usize * height as usize);
-    for line in mapped.chunks_exact(padded as usize) {
-        let halves = line
-            .as_chunks::<2>()
-            .0
-            .iter()
-            .map(|b| u16::from_le_bytes(*b));
-        let values: Vec<f32> = halves.take(4 * width as usize).map(float_of_half).collect();
-        pixels.extend_from_slice(values.as_chunks::<4>().0);
-    }
-    Ok(pixels)
+    let bytes = read_rows(&gpu.device, &gpu.queue, texture, 8, Some(PATIENCE))?;
+    let halves = bytes.as_chunks::<2>().0.iter();
+    let values: Vec<f32> = halves
+        .map(|b| float_of_half(u16::from_le_bytes(*b)))
+        .collect();
+    Ok(values.as_chunks::<4>().0.to_vec())
 }
 
 /// The value of an IEEE half.

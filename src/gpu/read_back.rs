@@ -1,0 +1,80 @@
+//! Reading back what the device has written.
+
+use super::PictureError;
+use std::time::Duration;
+use wgpu::{MapMode, PollType, SubmissionIndex};
+
+/// The texels of a texture (usage `COPY_SRC`), rows without padding. Waits for the device, no longer than `patience`.
+pub(crate) fn read_rows(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    texture: &wgpu::Texture,
+    texel_bytes: u32,
+    patience: Option<Duration>,
+) -> Result<Vec<u8>, PictureError> {
+    let (width, height) = (texture.width(), texture.height());
+    let padded = (texel_bytes * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("terrella read back"),
+        size: u64::from(padded) * u64::from(height),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
+        label: Some("terrella read back"),
+    });
+    encoder.copy_texture_to_buffer(
+        texture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout: wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(padded),
+                rows_per_image: Some(height),
+            },
+        },
+        texture.size(),
+    );
+    let index = queue.submit([encoder.finish()]);
+    let limit = patience.map(|patience| (index, patience));
+    let mapped = map(device, &buffer, limit).map_err(PictureError::ReadBack)?;
+    let row = (texel_bytes * width) as usize;
+    let mut pixels: Vec<u8> = Vec::with_capacity(row * height as usize);
+    for line in mapped.chunks_exact(padded as usize) {
+        pixels.extend_from_slice(&line[..row]);
+    }
+    Ok(pixels)
+}
+
+/// Maps a buffer (usage `MAP_READ`) when what was submitted to write it is done; with a limit, waits for that submission
+/// alone, and so long at most.
+pub(super) fn map(
+    device: &wgpu::Device,
+    buffer: &wgpu::Buffer,
+    limit: Option<(SubmissionIndex, Duration)>,
+) -> Result<wgpu::BufferView, String> {
+    let (sender, receiver) = std::sync::mpsc::channel();
+    buffer.map_async(MapMode::Read, .., move |result| {
+        // The receiver lives until the end of this function; if it is gone nobody waits.
+        let _ = sender.send(result);
+    });
+    let patience = limit.as_ref().map(|(_, patience)| *patience);
+    let wait = match limit {
+        None => PollType::wait_indefinitely(),
+        Some((index, patience)) => PollType::Wait {
+            submission_index: Some(index),
+            timeout: Some(patience),
+        },
+    };
+    device.poll(wait).map_err(|error| error.to_string())?;
+    let mapped = match patience {
+        None => receiver.recv().map_err(|error| error.to_string())?,
+        Some(patience) => receiver
+            .recv_timeout(patience)
+            .map_err(|error| error.to_string())?,
+    };
+    mapped.map_err(|error| error.to_string())?;
+    buffer
+        .get_mapped_range(..)
+        .map_err(|error| error.to_string())
+}
