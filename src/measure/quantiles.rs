@@ -70,7 +70,7 @@ fn sorted(sample: &[f64]) -> Vec<f64> {
 }
 
 /// The smallest value that at least `part` of the sample does not exceed.
-fn nearest_rank(sorted: &[f64], part: f64) -> f64 {
+pub(super) fn nearest_rank(sorted: &[f64], part: f64) -> f64 {
     let rank = (part * sorted.len() as f64).ceil() as usize;
     sorted.get(rank.max(1) - 1).copied().unwrap_or(0.0)
 }

@@ -1,6 +1,6 @@
 //! Colours of a picture against those of the true one.
 
-use super::quantile;
+use super::nearest_rank;
 use crate::measure::reference::ReferencePicture;
 use image::{RgbImage, RgbaImage};
 
@@ -38,7 +38,7 @@ impl Difference {
         let map = flip.apply_color_lut(&nv_flip::magma_lut()).to_vec();
         Self {
             flip_mean: values.iter().sum::<f64>() / values.len().max(1) as f64,
-            flip_p99: quantile(&values, 0.99),
+            flip_p99: nearest_rank(&values, 0.99),
             rmse_linear: rmse_linear(picture, &reference.linear),
             map: RgbImage::from_raw(width, height, map).expect("FLIP keeps the size"),
         }

@@ -17,6 +17,7 @@ pub use places::{Geolocation, Places, PlacesEarth, geolocation};
 pub use relief::{GroundErrors, GroundPicture};
 pub use silhouette::{DrawPlaces, Silhouette, silhouette};
 
+use super::quantiles::nearest_rank;
 use crate::EyeView;
 use glam::{DVec2, DVec3};
 
@@ -32,12 +33,6 @@ fn pixel_of(view: &EyeView, size: (u32, u32), direction: DVec3) -> Option<DVec2>
 /// Angle of a pixel in the middle of the picture, upwards, radians.
 fn pixel_rad(view: &EyeView, size: (u32, u32)) -> f64 {
     2.0 / (view.clip_from_view.y_axis.y * f64::from(size.1.max(1)))
-}
-
-/// The value that a part (0…1) of the sorted sample does not exceed; 0 for an empty one.
-fn quantile(sorted: &[f64], part: f64) -> f64 {
-    let rank = (part * sorted.len() as f64).ceil() as usize;
-    sorted.get(rank.max(1) - 1).copied().unwrap_or(0.0)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Where each pixel of the drawn Earth looks, by its own account, against the exact ray.
 
-use super::{pixel_of, quantile};
+use super::{nearest_rank, pixel_of};
 use crate::frames::Ellipsoid;
 use crate::gpu::{Attachments, GpuContext, color_texture, read_floats};
 use crate::imagery::{EarthLayers, LayerImage};
@@ -218,10 +218,10 @@ pub fn geolocation(places: &Places, view: &EyeView, figure: &Ellipsoid) -> Geolo
     pixels.sort_by(f64::total_cmp);
     Geolocation {
         pixels: pixels.len(),
-        median_m: quantile(&metres, 0.5),
-        p99_m: quantile(&metres, 0.99),
-        max_m: quantile(&metres, 1.0),
-        p99_px: quantile(&pixels, 0.99),
-        max_px: quantile(&pixels, 1.0),
+        median_m: nearest_rank(&metres, 0.5),
+        p99_m: nearest_rank(&metres, 0.99),
+        max_m: nearest_rank(&metres, 1.0),
+        p99_px: nearest_rank(&pixels, 0.99),
+        max_px: nearest_rank(&pixels, 1.0),
     }
 }

@@ -1,6 +1,6 @@
 //! Drawn ground with relief against its heights.
 
-use super::{Places, pixel_of, quantile};
+use super::{Places, nearest_rank, pixel_of};
 use crate::EyeView;
 use crate::elevation::{Bounds, Elevation};
 use crate::frames::{Ellipsoid, Geodetic};
@@ -113,12 +113,12 @@ impl GroundPicture {
         let (metres, pixels) = (sorted(|d| d.error_m), sorted(|d| d.error_px));
         GroundErrors {
             pixels: metres.len(),
-            median_m: quantile(&metres, 0.5),
-            p99_m: quantile(&metres, 0.99),
-            max_m: quantile(&metres, 1.0),
-            median_px: quantile(&pixels, 0.5),
-            p99_px: quantile(&pixels, 0.99),
-            max_px: quantile(&pixels, 1.0),
+            median_m: nearest_rank(&metres, 0.5),
+            p99_m: nearest_rank(&metres, 0.99),
+            max_m: nearest_rank(&metres, 1.0),
+            median_px: nearest_rank(&pixels, 0.5),
+            p99_px: nearest_rank(&pixels, 0.99),
+            max_px: nearest_rank(&pixels, 1.0),
             holes: self.holes(figure, ground),
         }
     }

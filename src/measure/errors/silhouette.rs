@@ -1,7 +1,7 @@
 //! The drawn limb against the analytic one, to a small part of a pixel.
 
 use super::places::Places;
-use super::{pixel_of, pixel_rad, quantile};
+use super::{nearest_rank, pixel_of, pixel_rad};
 use crate::EyeView;
 use crate::frames::Ellipsoid;
 use crate::play::PlayError;
@@ -92,8 +92,8 @@ pub fn silhouette(
     }
     errors.sort_by(f64::total_cmp);
     Ok(Silhouette {
-        max_px: quantile(&errors, 1.0),
-        median_px: quantile(&errors, 0.5),
+        max_px: nearest_rank(&errors, 1.0),
+        median_px: nearest_rank(&errors, 0.5),
         places: errors.len(),
         in_view: shows_limb,
     })

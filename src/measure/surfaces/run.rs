@@ -157,10 +157,11 @@ impl Stand<'_> {
                 let Some(now) = GroundPicture::new(&places, &view, figure, elevation) else {
                     continue;
                 };
-                let Some(before) = before.replace(now.clone()) else {
+                let Some(before) = &before else {
+                    before = Some(now);
                     continue;
                 };
-                row.popping_px = row.popping_px.max(now.popping_px(&before));
+                row.popping_px = row.popping_px.max(now.popping_px(before));
                 let (all, here) = (&mut row.errors, now.errors(figure, elevation));
                 all.pixels += here.pixels;
                 all.holes += here.holes;
