@@ -6,6 +6,8 @@
 //! [`Ground`] is what scenes use: any number of [`HeightGrid`]s over a sea at height 0. Grids are made from heights in
 //! memory or, with the feature `terrain`, read from files (GeoTIFF, PNG with a sidecar, NetCDF classic).
 
+#[cfg(any(feature = "terrain", feature = "pack-build"))]
+pub(crate) mod geo_tags;
 mod grid;
 mod ground;
 #[cfg(feature = "terrain")]

@@ -3,6 +3,7 @@
 use super::HeightFileError;
 use super::error::Blame;
 use super::sidecar::HeightUnit;
+use crate::elevation::geo_tags::{GeoTags, MODEL_TYPE, RASTER_TYPE};
 use crate::elevation::{Georeference, Registration};
 
 /// Geographic coordinate systems (EPSG) that lie within a few metres of WGS84.
@@ -24,8 +25,6 @@ const NEAR_WGS84: &[u16] = &[
     7789, 9000, 8999, // ITRF2014, ITRF2008
 ];
 
-const MODEL_TYPE: u16 = 1024;
-const RASTER_TYPE: u16 = 1025;
 const GEOGRAPHIC_TYPE: u16 = 2048;
 const ANGULAR_UNITS: u16 = 2054;
 const PROJECTED_TYPE: u16 = 3072;
@@ -33,17 +32,11 @@ const VERTICAL_TYPE: u16 = 4096;
 const VERTICAL_UNITS: u16 = 4099;
 const USER_DEFINED: u16 = 32_767;
 
-/// What the tags say, as far as they are there.
+/// What the tags say, GDAL's among them.
 #[derive(Clone, Debug, Default)]
-pub(super) struct GeoTags {
-    /// Size of a sample, to the east and to the south.
-    pub scale: Option<Vec<f64>>,
-    /// Column, row, (level) and longitude, latitude, (height) of points.
-    pub tie: Option<Vec<f64>>,
-    /// The affine map from columns and rows, 4 × 4 row-major.
-    pub matrix: Option<Vec<f64>>,
-    /// Pairs of (key, value) of the keys whose value is a number.
-    pub keys: Vec<(u16, u16)>,
+pub(super) struct HeightTags {
+    /// Of place and units.
+    pub geo: GeoTags,
     /// GDAL's XML of metadata.
     pub gdal: String,
 }
@@ -51,21 +44,7 @@ pub(super) struct GeoTags {
 /// Where a file lies, and whether its southern row comes first.
 pub(super) type Place = (Georeference, bool);
 
-impl GeoTags {
-    /// The keys of a key directory: four numbers a key after a header of four.
-    pub(super) fn read_keys(directory: &[u16]) -> Vec<(u16, u16)> {
-        let (entries, _) = directory.get(4..).unwrap_or(&[]).as_chunks::<4>();
-        entries
-            .iter()
-            .filter(|[_, place, count, _]| *place == 0 && *count == 1)
-            .map(|[key, _, _, value]| (*key, *value))
-            .collect()
-    }
-
-    fn key(&self, key: u16) -> Option<u16> {
-        self.keys.iter().find(|(k, _)| *k == key).map(|(_, v)| *v)
-    }
-
+impl HeightTags {
     /// Where the file lies; `None` if it does not say.
     pub(super) fn place(
         &self,
@@ -75,13 +54,14 @@ impl GeoTags {
     ) -> Result<Option<Place>, HeightFileError> {
         let affine = self.affine(blame)?;
         let Some([left, top, right_step, down_step]) = affine else {
-            if !self.keys.is_empty() && self.key(MODEL_TYPE).is_some_and(|model| model != 2) {
+            if !self.geo.keys.is_empty() && self.geo.key(MODEL_TYPE).is_some_and(|model| model != 2)
+            {
                 self.check_coordinates(blame)?;
             }
             return Ok(None);
         };
         let radians = self.check_coordinates(blame)?;
-        let registration = match self.key(RASTER_TYPE) {
+        let registration = match self.geo.key(RASTER_TYPE) {
             None | Some(1) => Registration::Cells,
             Some(2) => Registration::Posts,
             Some(other) => {
@@ -128,7 +108,7 @@ impl GeoTags {
 
     /// Longitude and latitude of column 0, row 0, and steps to the east and to the south.
     fn affine(&self, blame: &Blame) -> Result<Option<[f64; 4]>, HeightFileError> {
-        if let Some(m) = self.matrix.as_deref() {
+        if let Some(m) = self.geo.matrix.as_deref() {
             let [a, b, _, c, d, e, _, f, ..] = *m else {
                 return Err(blame.damaged("ModelTransformation of fewer than 16 numbers"));
             };
@@ -137,7 +117,7 @@ impl GeoTags {
             }
             return Ok(Some([c, f, a, -e]));
         }
-        match (self.scale.as_deref(), self.tie.as_deref()) {
+        match (self.geo.scale.as_deref(), self.geo.tie.as_deref()) {
             (Some([x, y, ..]), Some([column, row, _, lon, lat, _])) => {
                 Ok(Some([lon - column * x, lat + row * y, *x, *y]))
             }
@@ -160,10 +140,10 @@ impl GeoTags {
             Some(code) if code != USER_DEFINED && code != 0 => format!("{kind} EPSG:{code}"),
             _ => format!("{kind} of its own making"),
         };
-        match self.key(MODEL_TYPE) {
+        match self.geo.key(MODEL_TYPE) {
             Some(2) => {}
             Some(1) => {
-                let crs = epsg("the projected coordinates", self.key(PROJECTED_TYPE));
+                let crs = epsg("the projected coordinates", self.geo.key(PROJECTED_TYPE));
                 return Err(blame.other_coordinates(crs));
             }
             Some(3) => return Err(blame.other_coordinates("geocentric coordinates")),
@@ -172,11 +152,11 @@ impl GeoTags {
                     blame.other_coordinates(format!("coordinates of the unknown model {other}"))
                 );
             }
-            None if self.key(PROJECTED_TYPE).is_some() => {
-                let crs = epsg("the projected coordinates", self.key(PROJECTED_TYPE));
+            None if self.geo.key(PROJECTED_TYPE).is_some() => {
+                let crs = epsg("the projected coordinates", self.geo.key(PROJECTED_TYPE));
                 return Err(blame.other_coordinates(crs));
             }
-            None if self.key(GEOGRAPHIC_TYPE).is_some() => {}
+            None if self.geo.key(GEOGRAPHIC_TYPE).is_some() => {}
             None => {
                 return Err(blame.refused(
                     "does not say what coordinates it lies in",
@@ -188,11 +168,11 @@ impl GeoTags {
                 ));
             }
         }
-        let code = self.key(GEOGRAPHIC_TYPE);
+        let code = self.geo.key(GEOGRAPHIC_TYPE);
         if !code.is_some_and(|code| NEAR_WGS84.contains(&code)) {
             return Err(blame.other_coordinates(epsg("the geographic coordinates", code)));
         }
-        match self.key(ANGULAR_UNITS) {
+        match self.geo.key(ANGULAR_UNITS) {
             None | Some(9102 | 9122) => Ok(1f64.to_radians()),
             Some(9101) => Ok(1.0),
             Some(other) => Err(blame.other_coordinates(format!("angles of the unit EPSG:{other}"))),
@@ -208,7 +188,7 @@ impl GeoTags {
                 format!("`gdal_translate -a_scale … {} OUT.tif`, then write unit = \"metres\" in a sidecar", blame.path().display()),
             )
         };
-        match self.key(VERTICAL_UNITS) {
+        match self.geo.key(VERTICAL_UNITS) {
             Some(9001) => return Ok(Some(HeightUnit::Metres)),
             Some(9002) => return Ok(Some(HeightUnit::Feet)),
             Some(9003) => return Ok(Some(HeightUnit::UsSurveyFeet)),
@@ -221,7 +201,7 @@ impl GeoTags {
                 .map(Some)
                 .ok_or_else(|| unknown(format!("has heights of the unit {shown:?}")));
         }
-        Ok(match self.key(VERTICAL_TYPE) {
+        Ok(match self.geo.key(VERTICAL_TYPE) {
             // EGM2008, EGM96, EGM84, mean sea level, NAVD88, EVRF2000 and 2007, DHHN2016, ODN.
             Some(3855 | 5773 | 5798 | 5714 | 5703 | 5730 | 5621 | 7837 | 5701) => {
                 Some(HeightUnit::Metres)
@@ -230,7 +210,7 @@ impl GeoTags {
             Some(8228) => Some(HeightUnit::Feet),
             // NAVD88 and NGVD29 in feet of the surveys.
             Some(6360 | 5702) => Some(HeightUnit::UsSurveyFeet),
-            _ => (self.key(GEOGRAPHIC_TYPE) == Some(4979)).then_some(HeightUnit::Metres),
+            _ => (self.geo.key(GEOGRAPHIC_TYPE) == Some(4979)).then_some(HeightUnit::Metres),
         })
     }
 

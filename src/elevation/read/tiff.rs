@@ -1,8 +1,9 @@
 //! GeoTIFF and TIFF with a sidecar: one channel of any number type, in strips or tiles.
 
 use super::error::Blame;
-use super::geo_keys::GeoTags;
+use super::geo_keys::HeightTags;
 use super::{Conversion, Header, HeightFileError};
+use crate::elevation::geo_tags::GeoTags;
 use crate::elevation::{GridError, MAX_SIDE};
 use std::io::{BufRead, Seek};
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
@@ -42,7 +43,12 @@ impl<R: BufRead + Seek> Tiff<R> {
             // The decoder would turn the numbers round.
             return Err(unfit(blame, "counts from white to black".to_string()));
         }
-        let tags = geo_tags(&mut decoder);
+        let tags = HeightTags {
+            geo: GeoTags::read(&mut decoder),
+            gdal: decoder
+                .get_tag_ascii_string(GDAL_METADATA)
+                .unwrap_or_default(),
+        };
         let placed = tags.place(columns, rows, blame)?;
         let number = |text: &str| text.trim_matches(['\0', ' ', '\n']).parse::<f64>().ok();
         let no_data = match decoder.find_tag(Tag::GdalNodata).map_err(told)? {
@@ -179,26 +185,6 @@ fn place<'a, T: Copy + Into<f64>>(
         left = rest;
     }
     true
-}
-
-/// Tags that are not there or not of the right kind say nothing.
-fn geo_tags<R: BufRead + Seek>(decoder: &mut Decoder<R>) -> GeoTags {
-    let mut numbers = |tag| decoder.get_tag_f64_vec(tag).ok();
-    let scale = numbers(Tag::ModelPixelScaleTag);
-    let tie = numbers(Tag::ModelTiepointTag);
-    let matrix = numbers(Tag::ModelTransformationTag);
-    let keys = decoder.get_tag_u16_vec(Tag::GeoKeyDirectoryTag);
-    GeoTags {
-        scale,
-        tie,
-        matrix,
-        keys: keys
-            .map(|keys| GeoTags::read_keys(&keys))
-            .unwrap_or_default(),
-        gdal: decoder
-            .get_tag_ascii_string(GDAL_METADATA)
-            .unwrap_or_default(),
-    }
 }
 
 fn unfit(blame: &Blame, cause: String) -> HeightFileError {

@@ -1,42 +1,15 @@
 //! Where a GeoTIFF says that it lies.
 
-/// What its tags say, as far as they are there.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct GeoTags {
-    /// Size of a texel, degrees east and degrees south.
-    pub scale: Option<Vec<f64>>,
-    /// Texel column, row, (height) and longitude, latitude, (height) of a point.
-    pub tie: Option<Vec<f64>>,
-    /// The affine map from texels to degrees, 4 × 4 row-major.
-    pub matrix: Option<Vec<f64>>,
-    /// Pairs of (key, value) of the keys whose value is a number.
-    pub keys: Vec<(u16, u16)>,
-}
+use crate::elevation::geo_tags::{GeoTags, MODEL_TYPE, RASTER_TYPE};
 
-const MODEL_TYPE: u16 = 1024;
-const RASTER_TYPE: u16 = 1025;
 const MODEL_GEOGRAPHIC: u16 = 2;
 const RASTER_POINT: u16 = 2;
 
 impl GeoTags {
-    /// The keys of a key directory: four numbers a key after a header of four.
-    pub(super) fn read_keys(directory: &[u16]) -> Vec<(u16, u16)> {
-        let (entries, _) = directory.get(4..).unwrap_or(&[]).as_chunks::<4>();
-        entries
-            .iter()
-            .filter(|[_, place, count, _]| *place == 0 && *count == 1)
-            .map(|[key, _, _, value]| (*key, *value))
-            .collect()
-    }
-
-    fn key(&self, key: u16) -> Option<u16> {
-        self.keys.iter().find(|(k, _)| *k == key).map(|(_, v)| *v)
-    }
-
     /// What is wrong if the map is not the whole globe with its left edge at 180° W, north up. Without tags nothing is.
     ///
     /// A texel of tolerance: maps whose texels stand on whole degrees (grid-registered, 21 601 × 10 801) are taken.
-    pub(super) fn complaint(&self, width: u32, height: u32) -> Option<String> {
+    pub(in crate::imagery::build) fn complaint(&self, width: u32, height: u32) -> Option<String> {
         if let Some(model) = self.key(MODEL_TYPE)
             && model != MODEL_GEOGRAPHIC
         {
@@ -126,12 +99,5 @@ mod tests {
         assert!(south_up.complaint(720, 360).is_some());
         let not_a_number = tags([f64::NAN, 0.5], [0.0, 0.0, -180.0, 90.0]);
         assert!(not_a_number.complaint(720, 360).is_some());
-    }
-
-    #[test]
-    fn keys_with_values_elsewhere_are_passed_over() {
-        let directory = [1, 1, 0, 2, 1024, 0, 1, 2, 2049, 34737, 7, 0, 1025, 0];
-        assert_eq!(GeoTags::read_keys(&directory), [(1024, 2)]);
-        assert_eq!(GeoTags::read_keys(&[1]), []);
     }
 }

@@ -1,7 +1,7 @@
 //! TIFF maps: strips or tiles, uncompressed, LZW, deflate or PackBits, also BigTIFF and GeoTIFF.
 
-use super::geo::GeoTags;
 use super::{Blame, FileKind, RowSource, SampleKind, SourceInfo, SourceLimits, check_size};
+use crate::elevation::geo_tags::GeoTags;
 use crate::imagery::build::error::BuildError;
 use std::io::{BufRead, Seek};
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
@@ -66,7 +66,7 @@ impl<R: BufRead + Seek> TiffRows<R> {
                 ));
             }
         };
-        if let Some(complaint) = geo_tags(&mut decoder).complaint(width, height) {
+        if let Some(complaint) = GeoTags::read(&mut decoder).complaint(width, height) {
             return Err(blame.refused(
                 complaint,
                 "warp it to the whole globe (`gdalwarp -t_srs EPSG:4326 -te -180 -90 180 90`)",
@@ -176,23 +176,6 @@ impl<R: BufRead + Seek> RowSource for TiffRows<R> {
         row.copy_from_slice(&self.rows[inside * row.len()..(inside + 1) * row.len()]);
         self.given += 1;
         Ok(())
-    }
-}
-
-/// Tags that are not there or not of the right kind say nothing.
-fn geo_tags<R: BufRead + Seek>(decoder: &mut Decoder<R>) -> GeoTags {
-    let mut numbers = |tag| decoder.get_tag_f64_vec(tag).ok();
-    let scale = numbers(Tag::ModelPixelScaleTag);
-    let tie = numbers(Tag::ModelTiepointTag);
-    let matrix = numbers(Tag::ModelTransformationTag);
-    let keys = decoder.get_tag_u16_vec(Tag::GeoKeyDirectoryTag);
-    GeoTags {
-        scale,
-        tie,
-        matrix,
-        keys: keys
-            .map(|keys| GeoTags::read_keys(&keys))
-            .unwrap_or_default(),
     }
 }
 
