@@ -213,6 +213,12 @@ impl Forest {
         }
     }
 
+    /// The child of `at` that holds a finer node, with its slot.
+    fn towards(&self, at: Node, slot: Slot, node: Node) -> Option<(Node, Slot)> {
+        let (next, k) = at.child_towards(node);
+        Some((next, self.child(at, slot, k)?))
+    }
+
     /// The patch that a node lies in, or that is the node.
     pub fn patch_of(&self, node: Node) -> Option<Node> {
         let mut at = node.ancestor(0);
@@ -224,10 +230,7 @@ impl Forest {
             if at.level == node.level {
                 return None;
             }
-            let next = node.ancestor(at.level + 1);
-            let k = (next.x & 1) as u8 | ((next.y & 1) as u8) << 1;
-            slot = self.child(at, slot, k)?;
-            at = next;
+            (at, slot) = self.towards(at, slot, node)?;
         }
     }
 
@@ -239,10 +242,7 @@ impl Forest {
             if at.level == node.level {
                 return None;
             }
-            let next = node.ancestor(at.level + 1);
-            let k = (next.x & 1) as u8 | ((next.y & 1) as u8) << 1;
-            slot = self.child(at, slot, k)?;
-            at = next;
+            (at, slot) = self.towards(at, slot, node)?;
         }
         Some(at)
     }

@@ -38,6 +38,12 @@ impl Node {
         })
     }
 
+    /// The child that holds a finer node, and its number.
+    pub fn child_towards(self, node: Self) -> (Self, u8) {
+        let next = node.ancestor(self.level + 1);
+        (next, (next.x & 1) as u8 | ((next.y & 1) as u8) << 1)
+    }
+
     /// The ancestor of a level, itself at its own.
     pub fn ancestor(self, level: u8) -> Self {
         let up = self.level.saturating_sub(level);
@@ -186,8 +192,7 @@ fn find<C: Cut>(cut: &C, node: Node) -> Kept<C::Place> {
     let mut at = node.ancestor(0);
     let mut place = cut.root(at);
     while at.level < node.level && cut.is_split(place) {
-        let next = node.ancestor(at.level + 1);
-        let k = (next.x & 1) as u8 | ((next.y & 1) as u8) << 1;
+        let (next, k) = at.child_towards(node);
         let Some(below) = cut.child(at, place, k) else {
             break;
         };
