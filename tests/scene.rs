@@ -33,6 +33,37 @@ impl Folder {
         std::fs::write(&path, bytes).expect("a scene file");
         Scene::load(&path)
     }
+
+    /// Holds that each scene is refused where it is wrong, in one line that has the words.
+    fn refuses(&self, bad: &[Bad]) {
+        let file = self.path("scene.toml").display().to_string();
+        let mut wrong = Vec::new();
+        for (text, line, needles) in bad {
+            let error = match self.load(text) {
+                Ok(_) => {
+                    wrong.push(format!("taken: {text:?}"));
+                    continue;
+                }
+                Err(error) => error,
+            };
+            let message = error.to_string();
+            println!("{}", message.replace(&file, "scene.toml"));
+            let start = format!("{file}:{line}:");
+            let mut lacks: Vec<&str> = needles.to_vec();
+            lacks.retain(|needle| !message.contains(needle));
+            if !message.starts_with(&start) || error.line() != Some(*line) {
+                lacks.push(&start);
+            }
+            if message.chars().any(char::is_control) {
+                lacks.push("one printable line");
+            }
+            if !lacks.is_empty() {
+                wrong.push(format!("{text:?}\n  says {message}\n  without {lacks:?}"));
+            }
+            assert_eq!(error.path(), self.path("scene.toml"), "{error}");
+        }
+        assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    }
 }
 
 /// A scene without a file of its own.
@@ -201,34 +232,7 @@ fn edges_that_are_seen_are_smoothed() {
 
 #[test]
 fn every_bad_scene_is_refused_with_file_line_key_and_remedy() {
-    let folder = Folder::new();
-    let file = folder.path("scene.toml").display().to_string();
-    let mut wrong = Vec::new();
-    for (text, line, needles) in BAD {
-        let error = match folder.load(text) {
-            Ok(_) => {
-                wrong.push(format!("taken: {text:?}"));
-                continue;
-            }
-            Err(error) => error,
-        };
-        let message = error.to_string();
-        println!("{}", message.replace(&file, "scene.toml"));
-        let start = format!("{file}:{line}:");
-        let mut lacks: Vec<&str> = needles.to_vec();
-        lacks.retain(|needle| !message.contains(needle));
-        if !message.starts_with(&start) || error.line() != Some(*line) {
-            lacks.push(&start);
-        }
-        if message.chars().any(char::is_control) {
-            lacks.push("one printable line");
-        }
-        if !lacks.is_empty() {
-            wrong.push(format!("{text:?}\n  says {message}\n  without {lacks:?}"));
-        }
-        assert_eq!(error.path(), folder.path("scene.toml"), "{error}");
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    Folder::new().refuses(BAD);
 }
 
 #[test]

@@ -4,6 +4,7 @@ use crate::source::{File, Token, after_group};
 use std::collections::BTreeMap;
 
 /// Each room with the rooms that it may use. A room that is not here may not exist.
+#[rustfmt::skip]
 const ROOMS: &[(&str, &[&str])] = &[
     ("frames", &[]),
     ("orbit", &["frames"]),
@@ -12,77 +13,14 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("air", &["frames", "orbit"]),
     // Maps and drawables know nothing of satellites.
     ("imagery", &["frames", "elevation", "globe", "air"]),
-    (
-        "scene",
-        &["frames", "orbit", "elevation", "globe", "air", "imagery"],
-    ),
-    (
-        "gpu",
-        &["frames", "elevation", "globe", "air", "imagery", "scene"],
-    ),
-    (
-        "earth",
-        &[
-            "frames",
-            "orbit",
-            "elevation",
-            "globe",
-            "air",
-            "imagery",
-            "scene",
-            "gpu",
-        ],
-    ),
+    ("scene", &["frames", "orbit", "elevation", "globe", "air", "imagery"]),
+    ("gpu", &["frames", "elevation", "globe", "air", "imagery", "scene"]),
+    ("earth", &["frames", "orbit", "elevation", "globe", "air", "imagery", "scene", "gpu"]),
     // Drawn with the Earth, for any feed: knows no scene.
     ("tracks", &["frames", "orbit", "air", "gpu", "earth"]),
-    (
-        "play",
-        &[
-            "frames",
-            "orbit",
-            "elevation",
-            "globe",
-            "air",
-            "imagery",
-            "scene",
-            "gpu",
-            "earth",
-            "tracks",
-        ],
-    ),
-    (
-        "measure",
-        &[
-            "frames",
-            "orbit",
-            "elevation",
-            "globe",
-            "air",
-            "imagery",
-            "scene",
-            "gpu",
-            "earth",
-            "tracks",
-            "play",
-        ],
-    ),
-    (
-        "cli",
-        &[
-            "frames",
-            "orbit",
-            "elevation",
-            "globe",
-            "air",
-            "imagery",
-            "scene",
-            "gpu",
-            "earth",
-            "tracks",
-            "play",
-            "measure",
-        ],
-    ),
+    ("play", &["frames", "orbit", "elevation", "globe", "air", "imagery", "scene", "gpu", "earth", "tracks"]),
+    ("measure", &["frames", "orbit", "elevation", "globe", "air", "imagery", "scene", "gpu", "earth", "tracks", "play"]),
+    ("cli", &["frames", "orbit", "elevation", "globe", "air", "imagery", "scene", "gpu", "earth", "tracks", "play", "measure"]),
 ];
 
 /// Names that `lib.rs` exports from rooms, with their rooms: `crate::Earth` is `earth`.

@@ -60,21 +60,7 @@ const BAD: &[Bad] = &[
 
 #[test]
 fn bad_satellites_are_refused_with_file_line_key_and_remedy() {
-    let folder = Folder::new();
-    let file = folder.path("scene.toml").display().to_string();
-    let mut wrong = Vec::new();
-    for (text, line, needles) in BAD {
-        let Err(error) = folder.load(text) else {
-            wrong.push(format!("taken: {text:?}"));
-            continue;
-        };
-        let message = error.to_string();
-        let begins = message.starts_with(&format!("{file}:{line}:"));
-        if !begins || !needles.iter().all(|needle| message.contains(needle)) {
-            wrong.push(format!("{text:?}\n  line {line}, {needles:?}\n  {message}"));
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    Folder::new().refuses(BAD);
 }
 
 #[test]
@@ -224,21 +210,7 @@ const BAD_LIVE: &[Bad] = &[
 
 #[test]
 fn bad_live_satellites_are_refused_with_file_line_key_and_remedy() {
-    let folder = Folder::new();
-    let file = folder.path("scene.toml").display().to_string();
-    let mut wrong = Vec::new();
-    for (text, line, needles) in BAD_LIVE {
-        let Err(error) = folder.load(text) else {
-            wrong.push(format!("taken: {text:?}"));
-            continue;
-        };
-        let message = error.to_string();
-        let begins = message.starts_with(&format!("{file}:{line}:"));
-        if !begins || !needles.iter().all(|needle| message.contains(needle)) {
-            wrong.push(format!("{text:?}\n  line {line}, {needles:?}\n  {message}"));
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    Folder::new().refuses(BAD_LIVE);
 }
 
 #[test]

@@ -28,21 +28,7 @@ const BAD: &[Bad] = &[
 
 #[test]
 fn what_is_wrong_is_refused_where_it_stands() {
-    let folder = Folder::new();
-    let file = folder.path("scene.toml").display().to_string();
-    let mut wrong = Vec::new();
-    for (text, line, needles) in BAD {
-        let Err(error) = folder.load(text) else {
-            wrong.push(format!("taken: {text:?}"));
-            continue;
-        };
-        let message = error.to_string();
-        let begins = message.starts_with(&format!("{file}:{line}:"));
-        if !begins || !needles.iter().all(|needle| message.contains(needle)) {
-            wrong.push(format!("{text:?}\n  line {line}, {needles:?}\n  {message}"));
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    Folder::new().refuses(BAD);
 }
 
 #[test]
