@@ -14,6 +14,7 @@ use terrella::globe::projected_grid::{
 use terrella::gpu::Frame;
 use terrella::imagery::EarthLayers;
 use terrella::measure::errors::{GroundPicture, Places, PlacesEarth};
+use terrella::measure::reference::TrueRelief;
 use terrella::{
     Atmosphere, EarthOptions, EyeView, GroundOptions, Shading, SurfaceSettings, TileOptions,
 };
@@ -151,9 +152,10 @@ fn both_forms_draw_the_same_ground() {
         }
         apart.sort_by(f64::total_cmp);
         let (median, p99) = (apart[apart.len() / 2], apart[apart.len() * 99 / 100]);
+        let exact = TrueRelief::new(&view, SIZE, &wgs84, &Hills).expect("pixels");
         let [cpu, on_gpu] = [cpu, on_gpu].map(|places| {
             let picture = GroundPicture::new(&places, &view, &wgs84, &Hills).expect("pixels");
-            picture.errors(&wgs84, &Hills)
+            picture.errors(&wgs84, &Hills, &exact)
         });
         println!(
             "{name:>20}: {median:.4}, {p99:.4}; {one_only} of {} | {:.3}, {:.3} | {}, {}",

@@ -150,12 +150,11 @@ impl Elevation for Ground {
         }
         for grid in self.at(lat_rad, lon_rad) {
             let weight = grid.weight(lat_rad, lon_rad);
-            // A flat grid has no relief inside, only on the way to its border.
-            if weight > 0.0 && !(weight >= 1.0 && grid.is_flat()) {
-                return grid.finest_spacing_rad();
-            }
             if weight >= 1.0 {
-                break;
+                return grid.detail_rad();
+            }
+            if weight > 0.0 {
+                return grid.finest_spacing_rad();
             }
         }
         f64::INFINITY

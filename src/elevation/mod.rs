@@ -81,7 +81,8 @@ pub trait Elevation: Send + Sync {
         self.range_m(bounds)
     }
 
-    /// Angle between neighbouring samples of the finest data at a place, radians; infinite where heights do not vary.
+    /// Angle between neighbouring samples of the finest data at a place, radians; infinite where heights do not vary, however
+    /// far from there.
     fn finest_spacing_rad(&self, lat_rad: f64, lon_rad: f64) -> f64;
 
     /// Rise of the ground to the east and to the north, metres per metre, between places `spacing_rad` to each side, or

@@ -15,7 +15,7 @@ use super::{Bounds, HeightRange};
 use levels::Shape;
 use place::Snapped;
 use ranges::Ranges;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::fmt;
 
 /// Lowest height that is taken for one of the Earth, metres. The Challenger Deep lies at −10 935 m.
@@ -376,6 +376,24 @@ impl HeightGrid {
     /// less.
     pub fn finest_spacing_rad(&self) -> f64 {
         self.finest_rad
+    }
+
+    /// Angle over which what the grid makes of the ground varies, inside it, radians: [`Self::finest_spacing_rad`], but of a
+    /// grid of one height without holes the width of its feathered border, and infinite where that is of the whole Earth.
+    pub fn detail_rad(&self) -> f64 {
+        if !self.is_flat() || self.coverage.is_some() {
+            return self.finest_rad;
+        }
+        let Bounds {
+            south_rad,
+            north_rad,
+            width_rad,
+            ..
+        } = self.bounds;
+        if width_rad >= TAU - 1e-9 && north_rad - south_rad >= PI - 1e-9 {
+            return f64::INFINITY;
+        }
+        ((north_rad - south_rad).min(width_rad) / 16.0).max(self.finest_rad)
     }
 
     /// Whether every height is the same.

@@ -4,7 +4,7 @@ use super::{Places, nearest_rank, pixel_of};
 use crate::EyeView;
 use crate::elevation::{Bounds, Elevation};
 use crate::frames::{Ellipsoid, Geodetic};
-use crate::measure::reference::Rays;
+use crate::measure::reference::{Rays, TrueRelief};
 use glam::{DVec2, DVec3};
 
 /// A drawn picture of ground: what each pixel shows, and how wrong it is there.
@@ -21,6 +21,8 @@ pub struct GroundPicture {
 /// What a pixel shows.
 #[derive(Clone, Copy, Debug)]
 struct Drawn {
+    /// From the eye, metres.
+    distance_m: f64,
     /// The point of the data's ground over the same place, ITRF metres.
     truth_itrf_m: DVec3,
     /// Height drawn less height of the data, metres.
@@ -28,6 +30,9 @@ struct Drawn {
     /// That, seen from the eye, pixels; its sign is the height's.
     error_px: f64,
 }
+
+/// Part of a distance by which two count as the same: single precision of the picture of distances, with room.
+const SAME_DISTANCE: f64 = 1e-4;
 
 /// Errors over a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -48,6 +53,30 @@ pub struct GroundErrors {
     pub max_px: f64,
     /// Pixels of space where ground must be: through the lowest ground there is, or below other ground.
     pub holes: usize,
+    /// Pixels that show what the exact picture shows nowhere near: [`GroundPicture::elsewhere`].
+    pub elsewhere: usize,
+}
+
+impl GroundErrors {
+    /// Of both pictures: the largest errors, pixels summed.
+    pub fn with(&self, other: &Self) -> Self {
+        Self {
+            pixels: self.pixels + other.pixels,
+            median_m: self.median_m.max(other.median_m),
+            p99_m: self.p99_m.max(other.p99_m),
+            max_m: self.max_m.max(other.max_m),
+            median_px: self.median_px.max(other.median_px),
+            p99_px: self.p99_px.max(other.p99_px),
+            max_px: self.max_px.max(other.max_px),
+            holes: self.holes + other.holes,
+            elsewhere: self.elsewhere + other.elsewhere,
+        }
+    }
+
+    /// Part of the pixels that show what the exact picture shows nowhere near, %.
+    pub fn elsewhere_percent(&self) -> f64 {
+        100.0 * self.elsewhere as f64 / (self.pixels.max(1)) as f64
+    }
 }
 
 impl GroundPicture {
@@ -80,6 +109,7 @@ impl GroundPicture {
                     let shown = pixel_of(view, places.size, truth_itrf_m - eye_itrf_m);
                     let error_px = shown.map_or(f64::INFINITY, |shown| shown.distance(middle));
                     Drawn {
+                        distance_m: drawn_m.distance(eye_itrf_m),
                         truth_itrf_m,
                         error_m,
                         error_px: error_px.copysign(error_m),
@@ -102,8 +132,13 @@ impl GroundPicture {
         self.pixels.get(index).filter(|_| is_inside)?.as_ref()
     }
 
-    /// How wrong it is.
-    pub fn errors(&self, figure: &Ellipsoid, ground: &dyn Elevation) -> GroundErrors {
+    /// How wrong it is. `exact` is the true picture of the same view and size.
+    pub fn errors(
+        &self,
+        figure: &Ellipsoid,
+        ground: &dyn Elevation,
+        exact: &TrueRelief,
+    ) -> GroundErrors {
         let drawn = self.pixels.iter().flatten();
         let sorted = |of: fn(&Drawn) -> f64| {
             let mut values: Vec<_> = drawn.clone().map(|drawn| of(drawn).abs()).collect();
@@ -120,7 +155,43 @@ impl GroundPicture {
             p99_px: nearest_rank(&pixels, 0.99),
             max_px: nearest_rank(&pixels, 1.0),
             holes: self.holes(figure, ground),
+            elsewhere: self.elsewhere(exact),
         }
+    }
+
+    /// Pixels that show something which the exact picture shows nowhere within a pixel from there: ground nearer or farther
+    /// away than all of the exact ground, space where that has none, or ground where that has space alone. A peak that is
+    /// missing counts, one drawn where none is, and what either hides; an outline that is off by less than a pixel does not. The
+    /// picture's border is left out.
+    pub fn elsewhere(&self, exact: &TrueRelief) -> usize {
+        let (width, height) = self.size;
+        let mut count = 0;
+        for y in 1..height.saturating_sub(1) {
+            for x in 1..width.saturating_sub(1) {
+                let around = (0..9).map(|k| exact.distance_m(x + k % 3 - 1, y + k / 3 - 1));
+                let (mut nearest, mut farthest, mut has_space) = (f64::INFINITY, 0.0_f64, false);
+                for distance in around {
+                    match distance {
+                        Some(distance) => {
+                            nearest = nearest.min(distance);
+                            farthest = farthest.max(distance);
+                        }
+                        None => has_space = true,
+                    }
+                }
+                let is_shown = match self.at(x, y) {
+                    None => has_space,
+                    Some(_) if nearest > farthest => false,
+                    Some(drawn) => {
+                        let is_behind = drawn.distance_m > farthest * (1.0 + SAME_DISTANCE);
+                        let is_before = drawn.distance_m < nearest * (1.0 - SAME_DISTANCE);
+                        !is_before && (!is_behind || has_space)
+                    }
+                };
+                count += usize::from(!is_shown);
+            }
+        }
+        count
     }
 
     /// Pixels of space whose ray goes through the lowest ground there is, or which have ground above them where the view's

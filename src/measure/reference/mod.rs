@@ -22,6 +22,7 @@
 //! | `air`, `path` | light and transmittance along rays |
 //! | `grid` | quadrature and interpolation |
 //! | `render`, `picture` | rays to pixels |
+//! | `relief` | where rays meet ground with relief |
 //! | `pack` | whole maps of a pack's finest levels |
 //! | `still` | one picture of a scene into a file |
 
@@ -35,6 +36,7 @@ mod maps;
 mod pack;
 mod path;
 mod picture;
+mod relief;
 mod render;
 mod shading;
 mod still;
@@ -45,6 +47,7 @@ pub use maps::{FullMap, FullMaps};
 pub use pack::MOST_MAP_BYTES;
 pub(super) use pack::whole_maps;
 pub use picture::ReferencePicture;
+pub use relief::{TrueRelief, relief_distance_m};
 pub use render::MOST_TAPS;
 pub use still::{ReferenceRequest, ReferenceStats, StillError, write_reference_still};
 

@@ -122,8 +122,9 @@ pub fn compare_surfaces(
     progress.begin("flights", Some(study.wanted as u64));
     'all: for ground in &grounds {
         for path in SurfacePath::ALL {
+            let exact = stand.exact(ground, path);
             for trial in &trials {
-                let Some(row) = stand.fly(ground, path, trial)? else {
+                let Some(row) = stand.fly(ground, path, trial, &exact)? else {
                     break 'all;
                 };
                 study.rows.push(row);

@@ -1,5 +1,6 @@
 //! What is found, as charts and one page.
 
+use super::rows::over_blocks;
 use super::{SurfacePath, SurfaceRow, SurfaceStudy, SurfacesError};
 use crate::measure::report::{STYLE, escaped};
 use crate::measure::{Chart, ChartError, Point, Series, pareto_front};
@@ -161,7 +162,8 @@ pub(super) fn page(study: &SurfaceStudy, plots: &[SurfacePlot]) -> String {
     out.push_str(
         "<h2>What the columns say</h2>\n<p>Errors compare each pixel's drawn ground with the data at their finest over the same \
          place: vertically in metres, and as seen from the eye in pixels; the largest of all frames is told. Holes are \
-         pixels of space where ground must be. Popping is the largest change of the error in pixels from a frame to the \
+         pixels of space where ground must be. Elsewhere are pixels that show what the exact picture, ray by ray, shows nowhere \
+         within a pixel: peaks that are missing, and what they would hide. Popping is the largest change of the error in pixels from a frame to the \
          next, a sixtieth of a second later. Frame times are of the whole picture, maps and air included, the device waited \
          for; the floor takes as many texture samples on the smooth Earth and computes nothing.</p>\n</body>\n</html>\n",
     );
@@ -218,10 +220,10 @@ fn table(
         );
     }
     out.push_str(
-        "<div class=\"scroll\"><table>\n<tr><th>surface</th><th>setting</th><th>frame<br>ms</th><th>over<br>floor</th>\
+        "<div class=\"scroll\"><table>\n<tr><th>surface</th><th>setting</th><th>frame<br>ms</th><th>over<br>floor</th><th>over<br>blocks</th>\
          <th>prepare<br>ms</th><th>most</th><th>vertices</th><th>triangles</th><th>memory<br>MB</th><th>GPU<br>MB</th>\
          <th>written<br>kB a frame</th><th>median<br>m</th><th>99 %<br>m</th><th>largest<br>m</th><th>99 %<br>px</th>\
-         <th>largest<br>px</th><th>holes<br>px</th><th>popping<br>px</th></tr>\n",
+         <th>largest<br>px</th><th>holes<br>px</th><th>elsewhere<br>%</th><th>popping<br>px</th></tr>\n",
     );
     for row in rows {
         let (errors, setting) = (&row.errors, &row.setting);
@@ -232,14 +234,15 @@ fn table(
         };
         let _ = writeln!(
             out,
-            "<tr{class}><td class=\"text\">{}</td><td class=\"text\">{} {}</td><td>{:.1}</td><td>{:.2}</td><td>{:.2}</td>\
+            "<tr{class}><td class=\"text\">{}</td><td class=\"text\">{} {}</td><td>{:.1}</td><td>{:.2}</td><td>{:.2}</td><td>{:.2}</td>\
              <td>{:.2}</td><td>{}</td><td>{}</td><td>{:.1}</td><td>{:.1}</td><td>{:.0}</td><td>{:.1}</td><td>{:.1}</td>\
-             <td>{:.0}</td><td>{:.2}</td><td>{:.2}</td><td>{}</td><td>{:.2}</td></tr>",
+             <td>{:.0}</td><td>{:.2}</td><td>{:.2}</td><td>{}</td><td>{:.2}</td><td>{:.2}</td></tr>",
             setting.surface,
             setting.parameter,
             escaped(&setting.value),
             row.frame_ms.median,
             row.floor_ratio.median,
+            over_blocks(row, &study.rows).unwrap_or(f64::NAN),
             row.prepare_ms.median,
             row.prepare_most_ms,
             row.vertices,
@@ -253,6 +256,7 @@ fn table(
             errors.p99_px,
             errors.max_px,
             errors.holes,
+            errors.elsewhere_percent(),
             row.popping_px,
         );
     }

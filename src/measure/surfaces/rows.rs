@@ -1,6 +1,7 @@
 //! What is found of each surface, and its table.
 
 use super::SurfacePath;
+use crate::globe::SurfaceKind;
 use crate::measure::Spread;
 use crate::measure::errors::GroundErrors;
 use std::fmt::Write;
@@ -53,10 +54,20 @@ pub struct SurfaceRow {
     pub popping_px: f64,
 }
 
+/// A frame over one of the blocks' default on the same ground and flight, each taken as a multiple of its floor.
+pub fn over_blocks(row: &SurfaceRow, rows: &[SurfaceRow]) -> Option<f64> {
+    let blocks = rows.iter().find(|other| {
+        let setting = &other.setting;
+        let same_flight = other.data == row.data && other.path == row.path;
+        same_flight && setting.is_default && setting.surface == SurfaceKind::Blocks.name()
+    })?;
+    Some(row.floor_ratio.median / blocks.floor_ratio.median)
+}
+
 /// First line of the table.
-pub const SURFACES_CSV_HEADER: &str = "data,path,surface,parameter,value,places,frame_ms_median,frame_ms_low,frame_ms_high,floor_ratio,\
+pub const SURFACES_CSV_HEADER: &str = "data,path,surface,parameter,value,places,frame_ms_median,frame_ms_low,frame_ms_high,floor_ratio,over_blocks,\
 prepare_ms_median,prepare_ms_most,vertices,triangles,resident_bytes,gpu_bytes,uploaded_bytes,error_m_median,error_m_p99,\
-error_m_max,error_px_median,error_px_p99,error_px_max,holes_px,popping_px";
+error_m_max,error_px_median,error_px_p99,error_px_max,holes_px,elsewhere_percent,popping_px";
 
 /// The table.
 pub fn surfaces_csv(rows: &[SurfaceRow]) -> String {
@@ -66,7 +77,7 @@ pub fn surfaces_csv(rows: &[SurfaceRow]) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{},{},{},{},{},{},{:.3},{:.3},{:.3},{:.3},{:.3},{:.3},{},{},{},{},{:.0},{:.3},{:.3},{:.3},{:.4},{:.4},{:.4},{},{:.4}",
+            "{},{},{},{},{},{},{:.3},{:.3},{:.3},{:.3},{:.3},{:.3},{:.3},{},{},{},{},{:.0},{:.3},{:.3},{:.3},{:.4},{:.4},{:.4},{},{:.4},{:.4}",
             row.data,
             row.path.name(),
             setting.surface,
@@ -77,6 +88,7 @@ pub fn surfaces_csv(rows: &[SurfaceRow]) -> String {
             row.frame_ms.low,
             row.frame_ms.high,
             row.floor_ratio.median,
+            over_blocks(row, rows).unwrap_or(f64::NAN),
             row.prepare_ms.median,
             row.prepare_most_ms,
             row.vertices,
@@ -91,6 +103,7 @@ pub fn surfaces_csv(rows: &[SurfaceRow]) -> String {
             errors.p99_px,
             errors.max_px,
             errors.holes,
+            errors.elsewhere_percent(),
             row.popping_px,
         );
     }

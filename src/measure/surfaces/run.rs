@@ -5,6 +5,7 @@ use super::{Ground, SurfacePath, SurfacesError, Trial};
 use crate::frames::Ellipsoid;
 use crate::gpu::GpuContext;
 use crate::measure::errors::{GroundErrors, GroundPicture, PlacesEarth};
+use crate::measure::reference::TrueRelief;
 use crate::measure::{Rig, Spread};
 use crate::play::Progress;
 use crate::{EarthOptions, GroundOptions, Sky};
@@ -31,12 +32,29 @@ pub(super) struct Stand<'s> {
 }
 
 impl Stand<'_> {
-    /// Flies one path with one setting; `None` if that was stopped.
+    /// The true pictures of a path's places; fewer if that was stopped.
+    pub fn exact(&self, ground: &Ground, path: SurfacePath) -> Vec<TrueRelief> {
+        let figure = self.options.figure.ellipsoid();
+        let elevation = ground.elevation.as_ref();
+        let size = self.compared_size;
+        let aspect = f64::from(size.0) / f64::from(size.1);
+        let times_s = self
+            .times_s(path)
+            .take_while(|_| !self.progress.cancelled());
+        let views =
+            times_s.map(|time_s| path.view(time_s, ground.site, &figure, elevation, aspect));
+        views
+            .filter_map(|view| TrueRelief::new(&view, size, &figure, elevation))
+            .collect()
+    }
+
+    /// Flies one path with one setting, its places held against the [`Self::exact`] ones; `None` if that was stopped.
     pub fn fly(
         &self,
         ground: &Ground,
         path: SurfacePath,
         trial: &Trial,
+        exact: &[TrueRelief],
     ) -> Result<Option<SurfaceRow>, SurfacesError> {
         let figure = self.options.figure.ellipsoid();
         let relief = GroundOptions {
@@ -66,7 +84,7 @@ impl Stand<'_> {
             popping_px: 0.0,
         };
         if !self.time(&mut row, ground, &figure, &options)?
-            || !self.compare(&mut row, ground, &figure, &relief)?
+            || !self.compare(&mut row, ground, &figure, &relief, exact)?
         {
             return Ok(None);
         }
@@ -131,12 +149,13 @@ impl Stand<'_> {
         ground: &Ground,
         figure: &Ellipsoid,
         relief: &GroundOptions,
+        exact: &[TrueRelief],
     ) -> Result<bool, SurfacesError> {
         let mut earth = PlacesEarth::with_ground(self.gpu, relief)?;
         let size = self.compared_size;
         let aspect = f64::from(size.0) / f64::from(size.1);
         let elevation = ground.elevation.as_ref();
-        for time_s in self.times_s(row.path) {
+        for (time_s, exact) in self.times_s(row.path).zip(exact) {
             if self.progress.cancelled() {
                 return Ok(false);
             }
@@ -162,15 +181,8 @@ impl Stand<'_> {
                     continue;
                 };
                 row.popping_px = row.popping_px.max(now.popping_px(before));
-                let (all, here) = (&mut row.errors, now.errors(figure, elevation));
-                all.pixels += here.pixels;
-                all.holes += here.holes;
-                all.median_m = all.median_m.max(here.median_m);
-                all.p99_m = all.p99_m.max(here.p99_m);
-                all.max_m = all.max_m.max(here.max_m);
-                all.median_px = all.median_px.max(here.median_px);
-                all.p99_px = all.p99_px.max(here.p99_px);
-                all.max_px = all.max_px.max(here.max_px);
+                let errors = now.errors(figure, elevation, exact);
+                row.errors = row.errors.with(&errors);
             }
         }
         Ok(true)

@@ -2,8 +2,9 @@
 
 use super::Setting;
 use crate::Subdivision;
-use crate::globe::clipmap::ClipmapOptions;
+use crate::globe::clipmap::{ClipmapOptions, Trim};
 use crate::globe::projected_grid::GridOptions;
+use crate::globe::quadtree::{QuadtreeOptions, Refine};
 use crate::globe::{SurfaceKind, SurfaceSettings};
 use crate::scene::limits::DEFAULT_TOLERANCE_PX;
 
@@ -51,30 +52,56 @@ fn of_kind(kind: SurfaceKind) -> Vec<Trial> {
             trial("tolerance px", px.to_string(), is_default, surface, px)
         })
     };
-    let grid = |side| {
+    let grid = |side, on_gpu| {
         let surface = SurfaceSettings::ProjectedGrid(GridOptions {
             samples: (side, side),
+            on_gpu,
             ..GridOptions::default()
         });
-        trial("samples", side.to_string(), side == 129, surface, 1.0)
+        let is_default = surface == kind.settings(Subdivision::Auto);
+        let value = match on_gpu {
+            true => side.to_string(),
+            false => format!("{side} made on the CPU"),
+        };
+        trial("samples", value, is_default, surface, 1.0)
     };
-    let clipmap = |samples, levels| {
+    let lambda = |lambda: f64| {
+        let surface = SurfaceSettings::Quadtree(QuadtreeOptions {
+            refine: Refine::Paper { lambda },
+            ..QuadtreeOptions::default()
+        });
+        trial("lambda", lambda.to_string(), false, surface, 1.0)
+    };
+    let clipmap = |samples, levels, trim| {
         let surface = SurfaceSettings::Clipmap(ClipmapOptions {
             samples,
             levels,
+            trim,
             ..ClipmapOptions::default()
         });
         let is_default = surface == kind.settings(Subdivision::Auto);
-        let value = format!("{samples} of {levels} levels");
+        let value = match trim {
+            Trim::Diamond => format!("{samples} of {levels} levels"),
+            Trim::Hexagon => format!("{samples} of {levels} levels, hexagons"),
+        };
         trial("samples", value, is_default, surface, 1.0)
     };
     match kind {
         SurfaceKind::Blocks => [12, 24, 48].map(blocks).into(),
-        SurfaceKind::ProjectedGrid => [65, 129, 257].map(grid).into(),
-        SurfaceKind::Quadtree | SurfaceKind::Contours => tolerances().into(),
-        SurfaceKind::Clipmap => [(65, 12), (129, 6), (129, 12), (257, 12)]
-            .map(|(samples, levels)| clipmap(samples, levels))
+        SurfaceKind::ProjectedGrid => [(65, true), (129, true), (129, false), (257, true)]
+            .map(|(side, on_gpu)| grid(side, on_gpu))
             .into(),
+        SurfaceKind::Quadtree => tolerances().into_iter().chain([lambda(300.0)]).collect(),
+        SurfaceKind::Contours => tolerances().into(),
+        SurfaceKind::Clipmap => [
+            (65, 12, Trim::Diamond),
+            (129, 6, Trim::Diamond),
+            (129, 12, Trim::Diamond),
+            (129, 12, Trim::Hexagon),
+            (257, 12, Trim::Diamond),
+        ]
+        .map(|(samples, levels, trim)| clipmap(samples, levels, trim))
+        .into(),
     }
 }
 
