@@ -20,7 +20,8 @@ use terrella::{EyeView, GroundOptions, Subdivision, SurfaceKind, SurfaceSettings
 const SIZE: (u32, u32) = (160, 90);
 const ASPECT: f64 = 16.0 / 9.0;
 const FIGURE: Ellipsoid = Ellipsoid::WGS84;
-const SETTLE: Duration = Duration::from_secs(3);
+const SETTLE: Duration = Duration::from_secs(10);
+const TOLERANCE_PX: f64 = 0.5;
 /// More than any surface may hold for one view, bytes.
 const MOST_BYTES: u64 = 128 << 20;
 
@@ -203,7 +204,7 @@ fn bad_ground_is_drawn_without_holes() {
             let view = view(&ground, at, of);
             let exact = TrueRelief::new(&view, SIZE, &FIGURE, &ground).filter(|_| *is_held);
             for (surface_name, surface) in surfaces() {
-                let found = draw(surface, &ground, &view, 0.5, exact.as_ref());
+                let found = draw(surface, &ground, &view, TOLERANCE_PX, exact.as_ref());
                 let errors = found.errors;
                 let line = format!(
                     "{name}, {view_name}, {surface_name}: {} triangles, {:.1} MB, 99 % {:.2} px, {:.0} m, elsewhere {:.2} %, {} holes",
@@ -216,7 +217,10 @@ fn bad_ground_is_drawn_without_holes() {
                 );
                 println!("{line}");
                 let sees_sky = *view_name == "straight up";
+                // It says that it keeps to the tolerance. A metre above a pole it is not done within the wait.
+                let keeps = surface_name == "quadtree" && !(name == "pole" && of == 2);
                 let is_wrong = errors.holes > 0
+                    || (keeps && errors.p99_px > 2.0 * TOLERANCE_PX)
                     || found.bytes > MOST_BYTES
                     || (sees_sky && errors.pixels > 0)
                     || (*is_held && !sees_sky && errors.pixels == 0);

@@ -23,6 +23,9 @@ pub struct ReportArgs {
     /// Compares the surfaces with relief instead: frame time, errors, holes and popping on four flights
     #[arg(long, conflicts_with_all = ["repeats", "samples", "heights"])]
     surfaces: bool,
+    /// Places of each flight that surfaces are compared at [default: 12, with --quick 3]
+    #[arg(long, value_name = "N", requires = "surfaces", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    places: Option<u32>,
     /// Width and height of the pictures in pixels
     #[arg(long, value_name = "WxH", value_parser = values::size, default_value = "640x360")]
     size: (u32, u32),
@@ -84,6 +87,7 @@ fn surfaces(args: &ReportArgs, common: &Common, flight: &Flight) -> anyhow::Resu
     let request = SurfacesRequest {
         folder: &args.output,
         quick: args.quick,
+        places: args.places.unwrap_or(if args.quick { 3 } else { 12 }),
         size: args.size,
         adapter: common.adapter.as_deref(),
     };

@@ -141,7 +141,7 @@ fn the_finest_lies_on_top_and_of_equal_ones_the_first() {
     assert_eq!(at(&ground, 20.0, 15.0), 300.0);
     // Flat inside, but not where one goes over into the next.
     let finest = |lat: f64, lon: f64| ground.finest_spacing_rad(lat.to_radians(), lon.to_radians());
-    assert!((finest(20.0, 25.0).to_degrees() - 10.0 / 16.0).abs() < 0.05);
+    assert!((finest(20.0, 25.0).to_degrees() - 20.0 / 16.0).abs() < 0.05);
     assert!((finest(20.0, 20.5).to_degrees() - 0.25 * 10_f64.to_radians().cos()).abs() < 0.01);
     // In the middle of a patch only its own heights count.
     let inner = ground.range_up_to_m(&degrees(19.0, 20.0, 12.5, 1.0), 0.0);

@@ -35,8 +35,10 @@ use std::path::Path;
 pub struct SurfacesRequest<'r> {
     /// The folder that it is written to; made if it is not there.
     pub folder: &'r Path,
-    /// Fewer settings and places.
+    /// Each surface at its default alone.
     pub quick: bool,
+    /// Places of each flight, 1 or more.
+    pub places: u32,
     /// Width and height of the frames that are timed, pixels.
     pub size: (u32, u32),
     /// Part of the adapter's name; `None` takes the best.
@@ -71,7 +73,7 @@ pub struct SurfaceStudy {
     /// Of the pictures that were held against the data, pixels.
     pub compared_size: (u32, u32),
     /// Places of each flight.
-    pub places: usize,
+    pub places: u32,
     /// What was found.
     pub rows: Vec<SurfaceRow>,
     /// Rows that were wanted; more than there are if it was stopped.
@@ -107,7 +109,7 @@ pub fn compare_surfaces(
         sky: Sky::at(flight.scene().time.start),
         size: request.size,
         compared_size: (compared_width, compared_height as u32),
-        places: if request.quick { 3 } else { 12 },
+        places: request.places.max(1),
         progress,
     };
     let info = gpu.adapter.get_info();

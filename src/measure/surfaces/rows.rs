@@ -29,7 +29,7 @@ pub struct SurfaceRow {
     /// What draws it.
     pub setting: Setting,
     /// Places of the flight that were measured.
-    pub places: usize,
+    pub places: u32,
     /// A frame, milliseconds.
     pub frame_ms: Spread,
     /// A frame over its floor, each taken in the same moment.

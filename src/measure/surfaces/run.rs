@@ -27,7 +27,7 @@ pub(super) struct Stand<'s> {
     pub size: (u32, u32),
     /// Of pictures that are held against the data.
     pub compared_size: (u32, u32),
-    pub places: usize,
+    pub places: u32,
     pub progress: &'s dyn Progress,
 }
 
@@ -94,7 +94,7 @@ impl Stand<'_> {
     /// When each place of a flight is reached, seconds.
     fn times_s(&self, path: SurfacePath) -> impl Iterator<Item = f64> + use<> {
         let (places, duration_s) = (self.places, path.duration_s());
-        (0..places).map(move |n| duration_s * (n as f64 + 0.5) / places as f64)
+        (0..places).map(move |n| duration_s * (f64::from(n) + 0.5) / f64::from(places))
     }
 
     /// Times frames; `false` if that was stopped.
