@@ -4,6 +4,7 @@ use super::progress::{Bars, stop_on_interrupt};
 use super::{Common, print, values};
 use clap::Args;
 use std::path::PathBuf;
+use terrella::SurfaceKind;
 use terrella::measure::report::{ReportError, ReportRequest, report};
 use terrella::measure::surfaces::{SurfacesError, SurfacesRequest, compare_surfaces};
 use terrella::play::Flight;
@@ -23,6 +24,9 @@ pub struct ReportArgs {
     /// Compares the surfaces with relief instead: frame time, errors, holes and popping on four flights
     #[arg(long, conflicts_with_all = ["repeats", "samples", "heights"])]
     surfaces: bool,
+    /// Compares these surfaces alone: quadtree,clipmap
+    #[arg(long, value_name = "NAME,…", requires = "surfaces", value_delimiter = ',', value_parser = values::surface)]
+    only: Vec<SurfaceKind>,
     /// Places of each flight that surfaces are compared at [default: 12, with --quick 3]
     #[arg(long, value_name = "N", requires = "surfaces", value_parser = clap::value_parser!(u32).range(1..=1000))]
     places: Option<u32>,
@@ -87,6 +91,7 @@ fn surfaces(args: &ReportArgs, common: &Common, flight: &Flight) -> anyhow::Resu
     let request = SurfacesRequest {
         folder: &args.output,
         quick: args.quick,
+        only: &args.only,
         places: args.places.unwrap_or(if args.quick { 3 } else { 12 }),
         size: args.size,
         adapter: common.adapter.as_deref(),

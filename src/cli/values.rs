@@ -1,5 +1,6 @@
 //! Values of options, read from their text. What clap is told here it reports with the option's name and exit code 2.
 
+use terrella::SurfaceKind;
 use terrella::frames::{Epoch, Geodetic, utc_from_rfc3339};
 use terrella::scene::limits::{LAT_DEG, LON_DEG, SIDE_PX};
 
@@ -22,6 +23,15 @@ pub fn size(text: &str) -> Result<(u32, u32), String> {
         }
         _ => Err("write it as WIDTHxHEIGHT in pixels, for example 1280x720".into()),
     }
+}
+
+/// A surface with relief, as scenes write it.
+pub fn surface(text: &str) -> Result<SurfaceKind, String> {
+    let found = SurfaceKind::ALL.iter().find(|kind| kind.name() == text);
+    found.copied().ok_or_else(|| {
+        let names: Vec<_> = SurfaceKind::ALL.iter().map(|kind| kind.name()).collect();
+        format!("there is no such surface; there are {}", names.join(", "))
+    })
 }
 
 /// An RFC 3339 instant.

@@ -255,3 +255,51 @@ fn what_cannot_be_reported_is_told_before_drawing() {
         }
     }
 }
+
+#[test]
+fn surfaces_are_compared() {
+    let place = Place::new();
+    let few = ["--surfaces", "--quick", "--only", "blocks", "--places", "1"];
+    let mut words = vec!["report", "small.toml", "-o", "out", "--size", "64x36"];
+    words.extend(few);
+    let output = place.succeed(&words);
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(said.contains("globe, low flight: blocks"), "{said}");
+    let folder = place.path("out");
+    let table = read(&folder.join("surfaces.csv"));
+    let mut lines = table.lines();
+    let columns: Vec<_> = lines.next().expect("a header").split(',').collect();
+    let at = |name: &str| columns.iter().position(|column| *column == name);
+    let (over_blocks, holes) = (at("over_blocks"), at("holes_px"));
+    let rows: Vec<Vec<_>> = lines.map(|line| line.split(',').collect()).collect();
+    // Two grounds, for the scene names no heights, on four flights.
+    assert_eq!(rows.len(), 8);
+    for row in &rows {
+        assert_eq!(row.len(), columns.len(), "{row:?}");
+        for number in &row[5..] {
+            assert!(number.parse::<f64>().is_ok_and(f64::is_finite), "{row:?}");
+        }
+        assert_eq!(over_blocks.map(|k| row[k]), Some("1.000"));
+        assert_eq!(holes.map(|k| row[k]), Some("0"), "{row:?}");
+    }
+    let page = read(&folder.join("surfaces.html"));
+    assert!(page.contains("worst case, horizon") && page.contains("<svg") || page.contains(".svg"));
+}
+
+#[test]
+fn surfaces_that_there_are_not_are_refused() {
+    let place = Place::new();
+    for (words, why) in [
+        (
+            &["--surfaces", "--only", "spheres"][..],
+            "there is no such surface",
+        ),
+        (&["--only", "blocks"], "--surfaces"),
+        (&["--surfaces", "--places", "0"], "0 is not in 1..=1000"),
+    ] {
+        let mut all = vec!["report", "small.toml", "-o", "out"];
+        all.extend(words);
+        let said = place.fail(2, &all);
+        assert!(said.contains(why), "{said}");
+    }
+}

@@ -25,6 +25,7 @@ use super::ChartError;
 use super::report::Folder;
 use crate::Sky;
 use crate::elevation::GridError;
+use crate::globe::SurfaceKind;
 use crate::gpu::GpuContext;
 use crate::play::{Flight, OutputError, PlayError, Progress};
 use run::Stand;
@@ -37,6 +38,8 @@ pub struct SurfacesRequest<'r> {
     pub folder: &'r Path,
     /// Each surface at its default alone.
     pub quick: bool,
+    /// The surfaces; none takes all.
+    pub only: &'r [SurfaceKind],
     /// Places of each flight, 1 or more.
     pub places: u32,
     /// Width and height of the frames that are timed, pixels.
@@ -98,7 +101,7 @@ pub fn compare_surfaces(
     let options = flight.earth_options(gpu.bc_support())?;
     let grounds = grounds(flight.scene())?;
     progress.end();
-    let trials = trials(request.quick);
+    let trials = trials(request.only, request.quick);
     let (width, height) = request.size;
     let compared_width = width.min(COMPARED_WIDTH);
     let compared_height =
