@@ -160,6 +160,23 @@ impl Elevation for Ground {
         }
         f64::INFINITY
     }
+
+    fn finest_spacing_in(&self, bounds: &Bounds) -> f64 {
+        for grid in &self.grids {
+            if !overlap(&grid.bounds(), bounds) {
+                continue;
+            }
+            // A flat grid has no relief inside, only on the way to its border.
+            let rules = grid.rules(bounds);
+            if !(rules && grid.is_flat()) {
+                return grid.finest_spacing_rad();
+            }
+            if rules {
+                break;
+            }
+        }
+        f64::INFINITY
+    }
 }
 
 /// The part of the Earth that a place lies in.
