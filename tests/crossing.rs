@@ -262,7 +262,7 @@ fn every_pixel_has_its_own_block_s_tile() {
             }
             // What the tiles of several blocks cost: parts of the list, not the list for each.
             let most = match found.len() {
-                1 => 1.0,
+                1 => 1.2,
                 2..5 => 3.0,
                 _ => 6.0,
             };
