@@ -381,7 +381,7 @@ fn relief_is_drawn_where_heights_or_its_surface_are_named() {
     let scene = folder
         .load("[earth]\nsurface = \"clipmap\"\nclipmap = { levels = 6 }\n")
         .expect("good");
-    let told = "clipmap = { samples = 129, levels = 6, trimming = \"diamond\" }";
+    let told = "{ samples = 129, levels = 6, trimming = \"diamond\" }";
     assert!(scene.summary().contains(told), "{}", scene.summary());
     for (text, words) in [
         (

@@ -21,7 +21,7 @@ const RISE: f64 = 1.0 / 16.0;
 
 /// Cells of data that are drawn with this many cells across have few triangles that their edges, where the ground bends, run
 /// through: what is wrong about those no finer level mends for most pixels.
-const ACROSS: f64 = 16.0;
+const ACROSS: f64 = 64.0;
 
 /// How far a level reaches, in the angle of `radius` mean cells: to the sharp corners of a diamond of 60°, √3, where cells are
 /// up to 1.2 times as long.

@@ -30,7 +30,7 @@
 //!
 //! The tolerance says how many levels there are (the last is the first whose cells' sixteenth, the rise taken to be between
 //! samples, is within it), and so do the finest data anywhere within a level's reach: there are none whose cells are less than
-//! a 32nd of theirs. Cells as wide as the data's are not enough, for the lattice's triangles lie across the edges along which
+//! a 128th of theirs. Cells as wide as the data's are not enough, for the lattice's triangles lie across the edges along which
 //! the data's ground bends. The tolerance is no bound of the error: the paper's cells are as wide as a 32nd of their distance,
 //! whatever the ground.
 

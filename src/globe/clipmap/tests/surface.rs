@@ -192,10 +192,11 @@ fn as_many_levels_as_data_and_tolerance_ask_for() {
     // Cells of 220 km/2^ℓ. Flat ground needs none but for the curvature: a millimetre at 226 m.
     assert_eq!(finest(&FLAT, 1e3, 0.0), 10);
     assert_eq!(finest(&FLAT, 1e3, 1e9), 0);
-    assert_eq!(finest(&FINE, 1e4, 0.0), 20);
-    // 1 px of a milliradian at 2 km and 400 km: 32 m and 6.4 km between samples; the spike's data have 64 m.
+    assert_eq!(finest(&FINE, 1e4, 0.0), 22);
+    // 1 px of a milliradian at 2 km and 400 km: 32 m and 6.4 km between samples; the spike's data of 64 m are not
+    // followed by cells as wide.
     assert_eq!(finest(&FINE, 2e3, 1.0), 13);
-    assert_eq!(finest(&SPIKE, 2e3, 1.0), 12);
+    assert_eq!(finest(&SPIKE, 2e3, 1.0), 13);
     assert_eq!(finest(&FINE, 4e5, 1.0), 6);
     assert_eq!(finest(&FINE, 1e30, 1.0), 0);
 }
