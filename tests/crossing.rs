@@ -2,6 +2,7 @@
 
 mod common;
 
+use common::tiles::FunctionTiles;
 use common::{Rig, gpu, map, plain, ray, tilted};
 use image::RgbaImage;
 use std::sync::Arc;
@@ -291,6 +292,45 @@ fn it_shows_what_blocks_show() {
         println!("{name}: {differ} of {} pixels", SIZE.0 * SIZE.1);
         // Along edges of blocks, where heights differ by the surfaces' errors.
         assert!(differ < 600, "{name}: {differ}");
+    }
+}
+
+#[test]
+fn tiles_lie_where_the_whole_map_says() {
+    let source = Arc::new(FunctionTiles::new(&[64, 32], |lat, lon| {
+        let wave = |angle: f64| (110.0 + 100.0 * angle.to_radians().sin()).round() as u8;
+        [wave(16.0 * lat), wave(16.0 * lon), wave(lon)]
+    }));
+    for (name, surface) in surfaces() {
+        let of = |level, with_tiles: bool| {
+            let mut options = options(surface, false);
+            options.layers.day = source.whole(level);
+            let pack: Arc<dyn TileSource> = source.clone();
+            options.tiles = with_tiles.then(|| TileOptions {
+                most_px: 1e-9,
+                ..TileOptions::new(pack)
+            });
+            Rig::new(&options, SIZE)
+        };
+        let (mut whole, mut tiled) = (of(0, false), of(1, true));
+        // At the pole a texel has the colours of all longitudes.
+        let views = views()
+            .into_iter()
+            .filter(|(name, _)| *name != "north pole");
+        for (view_name, view) in views {
+            let (expected, _) = drawn(&mut whole, &view);
+            let (picture, stats) = drawn(&mut tiled, &view);
+            assert!(stats.tiles.hits > 0 && stats.tiles.fallbacks == 0);
+            let pairs = expected.pixels().zip(picture.pixels());
+            let off = pairs.map(|(a, b)| (0..3).map(|k| a[k].abs_diff(b[k])).max());
+            let mut off: Vec<u8> = off.flatten().collect();
+            off.sort_unstable();
+            let (most, at_999) = (off[off.len() - 1], off[off.len() * 999 / 1000]);
+            println!("{name}, {view_name}: {at_999} of 255 at 99.9 %, {most} at most");
+            // From afar the tile's smallest mip level is as fine as the waves.
+            let limit = if view_name.contains("globe") { 10 } else { 3 };
+            assert!(at_999 <= limit, "{name}, {view_name}: {at_999}, {most}");
+        }
     }
 }
 
