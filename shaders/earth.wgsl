@@ -1,7 +1,7 @@
 // The surface: one block a draw, texture coordinates and normals exact at every pixel.
 //
 // Features (see src/gpu/shader.rs): paper, clouds, normals, night_lights, water, tiles, air, encode, decode, places, relief, and
-// grid with relief.
+// grid with relief, and crossing with both tiles and relief.
 
 #import common/frame.wgsl
 #import common/color.wgsl
@@ -34,7 +34,14 @@
 #if tiles
 // Where a map's texels lie, for each block and map: texture coordinates of the block's centre, and their change per
 // whole map. In the order of the bindings of group 1.
-@group(0) @binding(3) var<uniform> placements: array<array<vec4f, 5>, 128>;
+struct Tiles {
+    placements: array<array<vec4f, 5>, 128>,
+#if crossing
+    // A bit for each block that has tiles.
+    tiled: vec4u,
+#endif
+}
+@group(0) @binding(3) var<uniform> tiles: Tiles;
 #endif
 @group(1) @binding(0) var day_map: texture_2d<f32>;
 @group(1) @binding(5) var day_sampler: sampler;
@@ -59,8 +66,13 @@ const PI: f32 = 3.14159265;
 #if tiles
 #if relief
 // In place of a block: whole maps.
-const WHOLE: u32 = 128u;
+const WHOLE: u32 = 256u;
 #endif
+#endif
+#if crossing
+// What lies in several blocks is drawn once with whole maps, and once for each block that has tiles, whose index is added to
+// this. Each pixel is kept by one of these draws.
+const CROSSING: u32 = 128u;
 #endif
 
 #if grid
@@ -97,16 +109,25 @@ struct Varying {
     @location(3) @interpolate(flat) block: u32,
 #endif
 #if relief
+#if crossing
+    // Of a place within the triangle, so that its block is one that the triangle touches.
+    @location(4) @interpolate(perspective, centroid) from_eye_m: vec3f,
+#else
     @location(4) from_eye_m: vec3f,
+#endif
     @location(5) height_m: f32,
     @location(6) slope: vec2f,
 #endif
 }
 
 #if grid
-// The grid has no vertex buffer: a vertex is made from its number.
+// The grid has no vertex buffer: a vertex is made from its number, and the instance's says what it is drawn as.
 @vertex
+#if crossing
+fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) drawn_as: u32) -> Varying {
+#else
 fn vertex(@builtin(vertex_index) index: u32) -> Varying {
+#endif
     let point = ground_point(index);
     var out: Varying;
     out.from_eye_m = point.from_eye_m;
@@ -116,8 +137,12 @@ fn vertex(@builtin(vertex_index) index: u32) -> Varying {
     out.center_lon = grid.eye_lon;
     out.center_lat = grid.center_lat;
     out.center_uv = grid.center_uv;
+#if crossing
+    out.block = drawn_as;
+#else
 #if tiles
     out.block = WHOLE;
+#endif
 #endif
     return out;
 }
@@ -261,15 +286,39 @@ const NIGHT_LIGHTS: u32 = 3;
 const WATER: u32 = 4;
 #endif
 
+#if crossing
+// The block that a place lies in, as it must be drawn: with that block's tiles, or with whole maps if there are none.
+fn drawn_as(at: Place) -> u32 {
+    let whole_uv = at.center_uv + at.uv;
+    let row = min(u32(max(8.0 * whole_uv.y, 0.0)), 7u);
+    let block = 16u * row + min(u32(16.0 * fract(whole_uv.x)), 15u);
+    let is_tiled = tiles.tiled[block / 32u] >> (block % 32u) & 1u;
+    return select(WHOLE, CROSSING + block, is_tiled == 1u);
+}
+
+// The same place from its own block's centre.
+fn in_block(place: Place) -> Place {
+    var at = place;
+    if at.block >= WHOLE {
+        return at;
+    }
+    at.block -= CROSSING;
+    let whole_uv = at.center_uv + at.uv;
+    at.center_uv = (vec2f(f32(at.block % 16u), f32(at.block / 16u)) + 0.5) / vec2f(16.0, 8.0);
+    at.uv = whole_uv - at.center_uv;
+    at.uv.x -= round(at.uv.x);
+    return at;
+}
+#endif
+
 #if tiles
 fn placement_of(layer: u32, at: Place) -> vec4f {
 #if relief
-    // A patch that lies in several blocks is drawn with whole maps.
     if at.block >= WHOLE {
         return vec4f(at.center_uv, 1.0, 1.0);
     }
 #endif
-    return placements[at.block][layer];
+    return tiles.placements[at.block][layer];
 }
 #endif
 
@@ -422,6 +471,11 @@ fn shade(at: Place) -> vec3f {
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
     let at = place(in);
+#if crossing
+    if drawn_as(at) != in.block {
+        discard;
+    }
+#endif
 #if relief
     return vec4f(1.0, 1.0, 1.0, at.along);
 #else
@@ -431,7 +485,16 @@ fn fragment(in: Varying) -> @location(0) vec4f {
 #else
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
-    var color = shade(place(in));
+#if crossing
+    let found = place(in);
+    if drawn_as(found) != in.block {
+        discard;
+    }
+    let at = in_block(found);
+#else
+    let at = place(in);
+#endif
+    var color = shade(at);
 #if encode
     color = encode_srgb(color);
 #endif

@@ -73,7 +73,10 @@
 //!   was drawn in a frame is never overwritten in it. The cache is a state machine without threads or a clock, which
 //!   property tests drive.
 //! - **Drawing.** Each block has a bind group of its own tiles or whole maps, made anew only when one of them changes. The
-//!   same shader draws both: a placement (centre and scale of texture coordinates) is all that differs.
+//!   same shader draws both: a placement (centre and scale of texture coordinates) is all that differs. Triangles that lie in
+//!   several blocks, the projected grid's and the clipmap's, are drawn once for each block in sight that has tiles and once for
+//!   the others; a pixel is kept by the draw of its own block. Of their lists only parts near a block ([`globe::Part`]) are
+//!   drawn for it.
 //! - **Live and kept pictures.** [`Earth::prepare`] never waits. [`Earth::prepare_complete`] waits up to a time-out and
 //!   answers what is missing. [`Earth::expect`] says where the eye will be soon.
 //!

@@ -2,7 +2,6 @@
 
 mod common;
 
-use common::tiles::FunctionTiles;
 use common::{Rig, gpu, map, plain, ray, tilted};
 use glam::DVec3;
 use std::sync::Arc;
@@ -15,9 +14,7 @@ use terrella::gpu::Frame;
 use terrella::imagery::EarthLayers;
 use terrella::measure::errors::{GroundPicture, Places, PlacesEarth};
 use terrella::measure::reference::TrueRelief;
-use terrella::{
-    Atmosphere, EarthOptions, EyeView, GroundOptions, Shading, SurfaceSettings, TileOptions,
-};
+use terrella::{Atmosphere, EarthOptions, EyeView, GroundOptions, Shading, SurfaceSettings};
 
 const SIZE: (u32, u32) = (320, 180);
 
@@ -287,31 +284,6 @@ fn quality_can_change() {
     );
     rig.set_quality(&quality);
     assert_eq!(rig.draw_complete(&view, sun).0, before);
-}
-
-#[test]
-fn a_pack_s_tiles_give_way_to_whole_maps() {
-    let source = Arc::new(FunctionTiles::new(&[64, 32], |lat, lon| {
-        let wave = |angle: f64| (110.0 + 100.0 * angle.to_radians().sin()).round() as u8;
-        [wave(16.0 * lat), wave(16.0 * lon), wave(lon)]
-    }));
-    let layers = EarthLayers {
-        day: source.whole(1),
-        ..plain([0; 3])
-    };
-    let whole = options(layers.clone(), true);
-    let mut tiled = options(layers, true);
-    tiled.tiles = Some(TileOptions::new(source));
-    let mut rigs = [whole, tiled].map(|options| Rig::new(&options, SIZE));
-    assert!(rigs[1].earth.features_on().contains(&"tiles"));
-    for (name, view) in views() {
-        let sun = view.eye_world.normalize();
-        let [whole, tiled] = rigs.each_mut().map(|rig| rig.draw_complete(&view, sun).0);
-        assert!(whole.pixels().any(|pixel| pixel[0] > 50), "{name}");
-        let most = whole.pixels().zip(tiled.pixels());
-        let most = most.map(|(a, b)| (0..3).map(|k| a[k].abs_diff(b[k])).max().unwrap_or(0));
-        assert!(most.max().unwrap_or(255) <= 2, "{name}");
-    }
 }
 
 #[test]

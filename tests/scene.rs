@@ -10,7 +10,8 @@ use std::path::{Path, PathBuf};
 use terrella::air::Atmosphere;
 use terrella::earth::Shading;
 use terrella::frames::{Epoch, utc_from_rfc3339};
-use terrella::globe::{Figure, LevelRule, Subdivision, SurfaceKind, Visibility};
+use terrella::globe::clipmap::Trim;
+use terrella::globe::{Figure, LevelRule, Subdivision, SurfaceKind, SurfaceSettings, Visibility};
 use terrella::scene::{CameraMode, Scene, SceneError, StorageChoice, limits};
 
 /// A folder with what the scenes of these tests refer to: `sat.tle` and `maps/`.
@@ -365,6 +366,23 @@ fn relief_is_drawn_where_heights_or_its_surface_are_named() {
     assert_eq!(given.surface, SurfaceKind::Blocks);
     assert_eq!(given.elevation, [folder.path("sat.tle")]);
     assert_eq!((given.tolerance_px, given.sea_floor), (0.0, true));
+    let clipmap = "[earth]\nsurface = \"clipmap\"\n[earth.clipmap]\nsamples = 257\nlevels = 24\ntrimming = \"hexagon\"\n";
+    let SurfaceSettings::Clipmap(options) = relief(clipmap).expect("relief").settings else {
+        panic!("not a clipmap");
+    };
+    let told = (options.samples, options.levels, options.trim);
+    assert_eq!(told, (257, 24, Trim::Hexagon));
+    let grid = "[earth]\nsurface = \"projected-grid\"\nprojected_grid = { samples = [65, 1025], on_gpu = false }\n";
+    let SurfaceSettings::ProjectedGrid(options) = relief(grid).expect("relief").settings else {
+        panic!("not a grid");
+    };
+    assert_eq!((options.samples, options.on_gpu), ((65, 1025), false));
+    // What is not said stays as it is, and the summary tells all of it.
+    let scene = folder
+        .load("[earth]\nsurface = \"clipmap\"\nclipmap = { levels = 6 }\n")
+        .expect("good");
+    let told = "{ samples = 129, levels = 6, trimming = \"diamond\" }";
+    assert!(scene.summary().contains(told), "{}", scene.summary());
     for (text, words) in [
         (
             "sea_floor = true",
@@ -389,6 +407,54 @@ fn relief_is_drawn_where_heights_or_its_surface_are_named() {
         (
             "surface = \"quadtree\"\nsubdivision = 6",
             ["subdivision", "tolerance_px"],
+        ),
+        (
+            "surface = \"quadtree\"\nclipmap = { levels = 6 }",
+            ["clipmap", "is for surface = \"clipmap\""],
+        ),
+        (
+            "[earth.projected_grid]\non_gpu = false",
+            ["projected_grid", "is for surface = \"projected-grid\""],
+        ),
+        (
+            "surface = \"clipmap\"\nclipmap = 6",
+            ["clipmap", "must be a table like { samples = 129"],
+        ),
+        (
+            "surface = \"clipmap\"\nclipmap = { samples = 128 }",
+            ["clipmap", "must be 65, 129 or 257"],
+        ),
+        (
+            "surface = \"clipmap\"\n[earth.clipmap]\nlevels = 25",
+            ["clipmap", "levels must be a whole number from 0 to 24"],
+        ),
+        (
+            "surface = \"clipmap\"\nclipmap = { levels = 6.0 }",
+            ["clipmap", "levels must be a whole number"],
+        ),
+        (
+            "surface = \"clipmap\"\nclipmap = { trimming = \"square\" }",
+            ["clipmap", "\"diamond\" or \"hexagon\""],
+        ),
+        (
+            "surface = \"clipmap\"\nclipmap = { level = 6 }",
+            ["clipmap", "samples, levels and trimming, not level"],
+        ),
+        (
+            "surface = \"projected-grid\"\nprojected_grid = { samples = [1, 129] }",
+            ["projected_grid", "whole numbers from 2 to 1025"],
+        ),
+        (
+            "surface = \"projected-grid\"\nprojected_grid = { samples = 129 }",
+            ["projected_grid", "[across, down]"],
+        ),
+        (
+            "surface = \"projected-grid\"\nprojected_grid = { on_gpu = 1 }",
+            ["projected_grid", "on_gpu must be true or false"],
+        ),
+        (
+            "surface = \"projected-grid\"\nprojected_grid = { gpu = true }",
+            ["projected_grid", "samples and on_gpu, not gpu"],
         ),
         (
             "surface = \"quadtre\"",

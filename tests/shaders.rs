@@ -62,6 +62,22 @@ fn every_variant_compiles() {
         let on: Vec<_> = on.chain([("relief", true), ("grid", true)]).collect();
         ShaderVariant::new(EARTH_SHADER, &on)
     }));
+    // Triangles that lie in several blocks, where these have tiles.
+    let with = [
+        "paper",
+        "clouds",
+        "normals",
+        "night_lights",
+        "water",
+        "places",
+        "grid",
+    ];
+    all.extend(variants(EARTH_SHADER, &with).into_iter().map(|variant| {
+        let on = variant.features.iter().map(|name| (*name, true));
+        let needs = [("relief", true), ("tiles", true), ("crossing", true)];
+        let on: Vec<_> = on.chain(needs).collect();
+        ShaderVariant::new(EARTH_SHADER, &on)
+    }));
     let failures: Vec<_> = all
         .iter()
         .filter_map(|variant| {

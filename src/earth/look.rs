@@ -30,6 +30,7 @@ pub(super) fn look<'a>(
         shown,
         output: style.output,
         relief: ground.is_some(),
+        crossing: ground.is_some_and(|ground| ground.surface().crosses_blocks()),
         grid: ground.and_then(|ground| ground.surface().grid()),
         wireframe: style.wireframe,
         anisotropy: if software { 1 } else { quality.anisotropy },

@@ -372,8 +372,10 @@ impl Earth {
                 .surface
                 .write_ground(queue, surface, &ellipsoid, eye_itrf_m);
         }
-        if let Some((calls, bytes)) = self.surface.ground_costs() {
-            self.stats.draw_calls = calls + u32::from(self.air.is_some());
+        if let Some((calls, triangles, bytes)) = self.surface.ground_costs() {
+            let air = u32::from(self.air.is_some());
+            self.stats.draw_calls = calls + air;
+            self.stats.triangles = triangles + 2 * air;
             self.stats.ground_bytes = bytes;
         }
         if let Some(air) = &mut self.air {

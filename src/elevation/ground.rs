@@ -159,6 +159,19 @@ impl Elevation for Ground {
         }
         f64::INFINITY
     }
+
+    fn finest_spacing_in(&self, bounds: &Bounds) -> f64 {
+        for grid in &self.grids {
+            if !overlap(&grid.bounds(), bounds) {
+                continue;
+            }
+            return match grid.rules(bounds) {
+                true => grid.detail_rad(),
+                false => grid.finest_spacing_rad(),
+            };
+        }
+        f64::INFINITY
+    }
 }
 
 /// The part of the Earth that a place lies in.

@@ -47,6 +47,23 @@ impl Bounds {
         width_rad: TAU,
     };
 
+    /// The least that hold all places up to an angle at the Earth's centre from a place.
+    pub fn around(lat_rad: f64, lon_rad: f64, angle_rad: f64) -> Self {
+        let (south_rad, north_rad) = (lat_rad - angle_rad, lat_rad + angle_rad);
+        // A circle about the place touches meridians at sin Δλ = sin r / cos φ, if no pole is in it.
+        let has_pole = north_rad >= FRAC_PI_2 || south_rad <= -FRAC_PI_2;
+        let aside_rad = match has_pole {
+            true => PI,
+            false => (angle_rad.sin() / lat_rad.cos()).min(1.0).asin(),
+        };
+        Self {
+            south_rad: south_rad.max(-FRAC_PI_2),
+            north_rad: north_rad.min(FRAC_PI_2),
+            west_rad: lon_rad - aside_rad,
+            width_rad: 2.0 * aside_rad,
+        }
+    }
+
     /// Whether a place lies inside or on the edge.
     pub fn contains(&self, lat_rad: f64, lon_rad: f64) -> bool {
         (self.south_rad..=self.north_rad).contains(&lat_rad)
@@ -84,6 +101,20 @@ pub trait Elevation: Send + Sync {
     /// Angle between neighbouring samples of the finest data at a place, radians; infinite where heights do not vary, however
     /// far from there.
     fn finest_spacing_rad(&self, lat_rad: f64, lon_rad: f64) -> f64;
+
+    /// Angle between neighbouring samples of the finest data anywhere inside the bounds, radians; infinite where heights do not
+    /// vary. May be too small, never too large.
+    ///
+    /// As provided it looks at 25 places: a source whose data differ from place to place has to answer by itself.
+    fn finest_spacing_in(&self, bounds: &Bounds) -> f64 {
+        let part = |k: u32| f64::from(k) / 4.0;
+        let places = (0..25).map(|k| (part(k / 5), part(k % 5)));
+        let spacings = places.map(|(up, along)| {
+            let lat_rad = bounds.south_rad + up * (bounds.north_rad - bounds.south_rad);
+            self.finest_spacing_rad(lat_rad, bounds.west_rad + along * bounds.width_rad)
+        });
+        spacings.fold(f64::INFINITY, f64::min)
+    }
 
     /// Rise of the ground to the east and to the north, metres per metre, between places `spacing_rad` to each side, or
     /// [`Self::finest_spacing_rad`] if that is more. Zero where heights do not vary. At a pole, north is away from it along

@@ -235,9 +235,11 @@ proptest! {
         let (height, width) = (10f64.powf(size.0), 10f64.powf(size.1));
         let asked = degrees(south, (south + height).min(90.0), west, width.min(360.0));
         let range = ground.range_m(&asked);
+        let finest = ground.finest_spacing_in(&asked);
         for (v, u, spacing) in places {
             let lat = asked.south_rad + v * (asked.north_rad - asked.south_rad);
             let lon = asked.west_rad + u * asked.width_rad;
+            prop_assert!(finest <= ground.finest_spacing_rad(lat, lon));
             for spacing in [0.0, spacing] {
                 let height = ground.height_m(lat, lon, spacing);
                 prop_assert!(range.low_m <= height && height <= range.high_m, "{height} {range:?}");
@@ -254,6 +256,42 @@ proptest! {
         let ground = wild();
         let slope = ground.slope(&Ellipsoid::WGS84, lat.to_radians(), lon.to_radians(), spacing);
         prop_assert!(slope.is_finite());
+    }
+}
+
+#[test]
+fn fine_data_are_found_where_they_reach_and_nowhere_else() {
+    let bounds = degrees(10.0, 12.0, 20.0, 2.0);
+    let rough = |height_m: fn(u32) -> f32| Ground::new([grid(&bounds, (33, 33), height_m)]);
+    let ground = rough(|n| (n % 7) as f32);
+    let step = (2.0_f64 / 33.0).to_radians();
+    let around = |lat: f64, lon: f64, angle: f64| {
+        let bounds = Bounds::around(lat.to_radians(), lon.to_radians(), angle.to_radians());
+        ground.finest_spacing_in(&bounds)
+    };
+    assert!((around(11.0, 21.0, 0.1) / step - 1.0).abs() < 0.05);
+    assert!(around(14.0, 21.0, 2.1).is_finite() && around(14.0, 21.0, 1.9).is_infinite());
+    assert!(around(11.0, 384.0, 2.1).is_finite() && around(11.0, 384.0, 1.9).is_infinite());
+    assert!(around(89.0, -150.0, 80.0).is_finite());
+    // Where all heights are the same only the way to the border is relief, as wide as a sixteenth of the grid.
+    let flat = rough(|_| 5.0);
+    let inside = Bounds::around(11_f64.to_radians(), 21_f64.to_radians(), 0.01);
+    assert!((flat.finest_spacing_in(&inside).to_degrees() - 2.0 / 16.0).abs() < 0.01);
+    assert!((flat.finest_spacing_in(&bounds) / step - 1.0).abs() < 0.05);
+}
+
+proptest! {
+    #[test]
+    fn bounds_around_a_place_hold_its_circle(
+        lat in -90.0..=90.0f64, lon in -360.0..360.0f64, angle in 0.0..2.0f64, azimuth in 0.0..6.3f64,
+    ) {
+        let bounds = Bounds::around(lat.to_radians(), lon.to_radians(), angle);
+        let up = Ellipsoid::normal(lat.to_radians(), lon.to_radians());
+        let aside = up.any_orthonormal_vector();
+        let aside = aside * azimuth.cos() + up.cross(aside) * azimuth.sin();
+        let near = up * (0.999 * angle).cos() + aside * (0.999 * angle).sin();
+        let (lat, lon) = (near.z.clamp(-1.0, 1.0).asin(), near.y.atan2(near.x));
+        prop_assert!(bounds.contains(lat, lon), "{bounds:?} {lat} {lon}");
     }
 }
 

@@ -34,10 +34,15 @@ pub struct Block {
 impl Block {
     /// All 128 blocks, row by row.
     pub fn all() -> impl Iterator<Item = Self> {
-        (0..BLOCK_COUNT).map(|index| Self {
+        (0..BLOCK_COUNT).map(Self::of_index)
+    }
+
+    /// The block of an index, 0…127.
+    pub fn of_index(index: u32) -> Self {
+        Self {
             column: index % COLUMNS,
             row: index / COLUMNS,
-        })
+        }
     }
 
     /// 0…127, row by row.
@@ -70,6 +75,37 @@ impl Block {
             r if r == ROWS - 1 => BlockRow::South,
             _ => BlockRow::Middle,
         }
+    }
+}
+
+/// A set of blocks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BlockSet(pub u128);
+
+impl BlockSet {
+    /// All 128.
+    pub const ALL: Self = Self(u128::MAX);
+
+    /// Whether a block, by its index, is in the set.
+    pub fn contains(self, block: u8) -> bool {
+        u32::from(block) < BLOCK_COUNT && self.0 >> block & 1 == 1
+    }
+
+    /// Adds a block by its index; indices beyond 127 are passed over.
+    pub fn insert(&mut self, block: u8) {
+        if u32::from(block) < BLOCK_COUNT {
+            self.0 |= 1 << block;
+        }
+    }
+
+    /// Number of blocks.
+    pub fn len(self) -> u32 {
+        self.0.count_ones()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
     }
 }
 

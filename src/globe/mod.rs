@@ -14,18 +14,22 @@ mod displaced;
 mod kinds;
 mod levels;
 mod meshes;
+mod parts;
 pub mod projected_grid;
 pub mod quadtree;
 mod select;
 mod surface;
 
-pub use blocks::{BLOCK_COUNT, Block, BlockGrid, BlockRow, COLUMNS, ROWS, SubdivisionError};
+pub use blocks::{
+    BLOCK_COUNT, Block, BlockGrid, BlockRow, BlockSet, COLUMNS, ROWS, SubdivisionError,
+};
 pub use displaced::DisplacedBlocks;
 pub use kinds::{SurfaceError, SurfaceKind, SurfaceSettings};
 pub use levels::{
     HYSTERESIS, LevelRule, PAPER_BANDS_M, paper_level, screen_level, texels_per_pixel,
 };
 pub use meshes::{LIMB_PX, Meshes, Subdivision, limb_error_px};
+pub use parts::{PART_TRIANGLES, Part, blocks_near, parts_of, runs};
 pub use select::{Selection, select_blocks, select_blocks_between};
 pub use surface::{GridDraw, GroundVertex, GroundView, Indices, Patch, Surface, SurfaceStats};
 

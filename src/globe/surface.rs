@@ -86,7 +86,9 @@ pub struct GridDraw<'a> {
     pub frame: Option<&'a Frame>,
     /// Its heights. As many slots as ever.
     pub tiles: &'a HeightTiles,
-    /// Its triangles over the numbers of grid points. The same in each frame.
+    /// Its triangles over the numbers of grid points. The same in each frame, in the order of [`grid_parts`].
+    ///
+    /// [`grid_parts`]: super::projected_grid::grid_parts
     pub indices: &'a Indices,
 }
 
@@ -100,6 +102,12 @@ pub trait Surface: Send {
 
     /// Hands over each patch of the last view, near ones first where that is known.
     fn visit(&self, draw: &mut dyn FnMut(&Patch));
+
+    /// Whether it has patches that lie in several blocks, to be drawn with the tiles of each of them. The same answer all its
+    /// life.
+    fn crosses_blocks(&self) -> bool {
+        false
+    }
 
     /// What is drawn in place of patches, for a surface that has none: the same answer, `Some` or `None`, all its life.
     fn grid(&self) -> Option<GridDraw<'_>> {

@@ -1,8 +1,10 @@
 //! The projected grid on the GPU: a uniform a frame, an atlas of height tiles, and triangles. No vertices: the shader makes
 //! them.
 
-use crate::globe::GridDraw;
-use crate::globe::projected_grid::{GridUniforms, TILE_SAMPLES};
+use super::tiles::draws_of;
+use crate::globe::projected_grid::{Frame, GridUniforms, TILE_SAMPLES, grid_parts};
+use crate::globe::{Block, BlockSet, GridDraw, Part};
+use std::ops::Range;
 use wgpu::util::DeviceExt;
 
 /// Slots in a row of the atlas; `SLOTS_IN_ROW` of the shader.
@@ -18,7 +20,11 @@ pub(crate) struct GridMesh {
     index_count: u32,
     /// The update that each slot of the atlas holds.
     held: Vec<u64>,
-    is_drawn: bool,
+    /// Triangles, the number of the instance that says what they are drawn as, and whose tiles they are drawn with.
+    draws: Vec<(Range<u32>, u32, Option<Block>)>,
+    /// Where blocks have tiles; and the frame that they were found for.
+    parts: Vec<Part>,
+    parted: Option<Frame>,
 }
 
 impl GridMesh {
@@ -54,18 +60,26 @@ impl GridMesh {
             }),
             index_count: triangles.len() as u32,
             held: vec![0; grid.tiles.slot_count() as usize],
-            is_drawn: false,
+            draws: Vec::new(),
+            parts: Vec::new(),
+            parted: None,
         }
     }
 
     /// Nothing is drawn until it is written again.
     pub fn clear(&mut self) {
-        self.is_drawn = false;
+        self.draws.clear();
     }
 
     /// Draw calls of the frame that was written last.
     pub fn draw_calls(&self) -> u32 {
-        u32::from(self.is_drawn)
+        self.draws.len() as u32
+    }
+
+    /// Triangles of those calls.
+    pub fn triangles(&self) -> u32 {
+        let ranges = self.draws.iter().map(|(range, ..)| range.len() as u32 / 3);
+        ranges.sum()
     }
 
     /// Bytes of triangles and heights held.
@@ -74,12 +88,30 @@ impl GridMesh {
         self.indices.size() + 4 * u64::from(size.width) * u64::from(size.height)
     }
 
-    /// Writes the frame, and those tiles that are not there. Returns the bytes written.
-    pub fn write(&mut self, queue: &wgpu::Queue, grid: &GridDraw<'_>) -> u64 {
-        self.is_drawn = grid.frame.is_some();
+    /// Writes the frame, and those tiles that are not there. Returns the bytes written. `tiled` are the blocks that have tiles
+    /// of maps, where they may have some.
+    pub fn write(
+        &mut self,
+        queue: &wgpu::Queue,
+        grid: &GridDraw<'_>,
+        tiled: Option<BlockSet>,
+    ) -> u64 {
+        self.draws.clear();
         let Some(frame) = grid.frame else {
             return 0;
         };
+        match tiled {
+            None => self.draws.push((0..self.index_count, 0, None)),
+            Some(tiled) => {
+                if self.parted.as_ref() != Some(frame) {
+                    self.parted = Some(*frame);
+                    grid_parts(frame, &mut self.parts);
+                }
+                draws_of(&self.parts, tiled, |drawn_as, block, range| {
+                    self.draws.push((range, drawn_as, block));
+                });
+            }
+        }
         let mut written = 0;
         let slots = (0..).zip(self.held.iter_mut().zip(grid.tiles.written()));
         for (slot, (held, now)) in slots.filter(|(_, (held, now))| **held != *now) {
@@ -123,10 +155,16 @@ impl GridMesh {
         ]
     }
 
-    pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
-        if self.is_drawn {
-            pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(0..self.index_count, 0, 0..1);
+    /// Draws the grid; `bind` makes the maps those of a block, or the whole maps.
+    pub fn render(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        mut bind: impl FnMut(&mut wgpu::RenderPass<'_>, Option<Block>),
+    ) {
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+        for (range, drawn_as, block) in &self.draws {
+            bind(pass, *block);
+            pass.draw_indexed(range.clone(), 0, *drawn_as..*drawn_as + 1);
         }
     }
 }

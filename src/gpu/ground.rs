@@ -1,18 +1,18 @@
 //! Patches of ground with relief on the GPU: kept from frame to frame, written where they change.
 
 use super::lattice::BlockInstance;
+use super::tiles::{WHOLE, draws_of};
 use crate::frames::Ellipsoid;
-use crate::globe::{Block, GroundVertex, Indices, Patch, Surface};
+use crate::globe::{Block, BlockSet, GroundVertex, Indices, Part, Patch, Surface, parts_of};
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Frames that a patch out of sight is kept for.
 const KEPT_FRAMES: u64 = 120;
-/// The place of whole maps after those of the blocks.
-const WHOLE: u32 = crate::globe::BLOCK_COUNT;
 
 /// The anchor is the eye, moved to a multiple of this, metres. Origins that stand on a finer grid of a power of two are exact
 /// from there up to 2²⁴ steps away.
@@ -67,19 +67,24 @@ struct Held {
     vertices: wgpu::Buffer,
     revision: u64,
     reference: BlockInstance,
+    /// Of a patch that lies in several blocks which have tiles; and the revision and triangles that they were found for.
+    parts: Vec<Part>,
+    parted: Option<(u64, usize)>,
     used: u64,
 }
 
 struct Triangles {
     _source: Arc<Indices>,
     buffer: wgpu::Buffer,
-    count: u32,
     used: u64,
 }
 
 struct Draw {
     patch: u64,
     triangles: usize,
+    range: Range<u32>,
+    instance: u32,
+    /// Whose tiles it is drawn with.
     block: Option<Block>,
 }
 
@@ -106,6 +111,12 @@ impl GroundMesh {
         self.draws.len() as u32
     }
 
+    /// Triangles of those calls.
+    pub fn triangles(&self) -> u32 {
+        let triangles = self.draws.iter().map(|draw| draw.range.len() as u32 / 3);
+        triangles.sum()
+    }
+
     /// Bytes of vertices and triangles held.
     pub fn bytes(&self) -> u64 {
         let vertices = self.held.values().map(|held| held.vertices.size());
@@ -113,13 +124,14 @@ impl GroundMesh {
         vertices.chain(triangles).sum()
     }
 
-    /// Writes what the surface draws, as far as it is not there. Returns the bytes written.
+    /// Writes what the surface draws, as far as it is not there. Returns the bytes written. `tiled` are the blocks that have
+    /// tiles, where patches lie in several blocks.
     pub fn write(
         &mut self,
         queue: &wgpu::Queue,
         surface: &dyn Surface,
-        ellipsoid: &Ellipsoid,
-        eye_itrf_m: DVec3,
+        (ellipsoid, eye_itrf_m): (&Ellipsoid, DVec3),
+        tiled: Option<BlockSet>,
     ) -> u64 {
         self.frame += 1;
         self.draws.clear();
@@ -127,7 +139,8 @@ impl GroundMesh {
         let mut written = 0;
         surface.visit(&mut |patch| {
             if !patch.vertices.is_empty() && !patch.indices.triangles.is_empty() {
-                written += self.write_patch(queue, patch, ellipsoid, eye_itrf_m);
+                written += self.write_patch(queue, patch, ellipsoid);
+                self.draw_patch(patch, (ellipsoid, eye_itrf_m), tiled);
             }
         });
         let bytes: &[u8] = bytemuck::cast_slice(&self.staging);
@@ -144,14 +157,7 @@ impl GroundMesh {
         written + bytes.len() as u64
     }
 
-    fn write_patch(
-        &mut self,
-        queue: &wgpu::Queue,
-        patch: &Patch,
-        ellipsoid: &Ellipsoid,
-        eye_itrf_m: DVec3,
-    ) -> u64 {
-        let anchor_itrf_m = (eye_itrf_m / ANCHOR_STEP_M).round() * ANCHOR_STEP_M;
+    fn write_patch(&mut self, queue: &wgpu::Queue, patch: &Patch, ellipsoid: &Ellipsoid) -> u64 {
         let mut written = 0;
         let source = Arc::as_ptr(&patch.indices) as usize;
         let list = self.triangles.entry(source).or_insert_with(|| {
@@ -164,7 +170,6 @@ impl GroundMesh {
             Triangles {
                 _source: patch.indices.clone(),
                 buffer,
-                count: patch.indices.triangles.len() as u32,
                 used: 0,
             }
         });
@@ -181,6 +186,8 @@ impl GroundMesh {
                     vertices: buffer(&self.device, "terrella ground", bytes.len(), usage),
                     revision: 0,
                     reference: reference(patch, ellipsoid),
+                    parts: Vec::new(),
+                    parted: None,
                     used: 0,
                 },
             );
@@ -209,17 +216,57 @@ impl GroundMesh {
         }
         held.revision = patch.revision;
         held.used = self.frame;
-        self.staging.push(PatchInstance {
+        written
+    }
+
+    /// Has a patch drawn that was written: once, or once for each block that it lies in and that has tiles, and for the others
+    /// together.
+    fn draw_patch(
+        &mut self,
+        patch: &Patch,
+        (ellipsoid, eye_itrf_m): (&Ellipsoid, DVec3),
+        tiled: Option<BlockSet>,
+    ) {
+        let Some(held) = self.held.get_mut(&patch.key) else {
+            return;
+        };
+        let anchor_itrf_m = (eye_itrf_m / ANCHOR_STEP_M).round() * ANCHOR_STEP_M;
+        let instance = PatchInstance {
             reference: held.reference,
             origin_from_anchor_m: (patch.origin_itrf_m - anchor_itrf_m).as_vec3(),
             anchor_from_eye_m: (anchor_itrf_m - eye_itrf_m).as_vec3(),
+        };
+        let triangles = Arc::as_ptr(&patch.indices) as usize;
+        let (staging, draws) = (&mut self.staging, &mut self.draws);
+        let Some(tiled) = tiled.filter(|_| patch.block.is_none()) else {
+            draws.push(Draw {
+                patch: patch.key,
+                triangles,
+                range: 0..patch.indices.triangles.len() as u32,
+                instance: staging.len() as u32,
+                block: patch.block,
+            });
+            staging.push(instance);
+            return;
+        };
+        let parted = Some((held.revision, triangles));
+        if held.parted != parted {
+            held.parted = parted;
+            parts_of(patch, ellipsoid, &mut held.parts);
+        }
+        draws_of(&held.parts, tiled, |drawn_as, block, range| {
+            draws.push(Draw {
+                patch: patch.key,
+                triangles,
+                range,
+                instance: staging.len() as u32,
+                block,
+            });
+            staging.push(PatchInstance {
+                reference: instance.reference.drawn_as(drawn_as),
+                ..instance
+            });
         });
-        self.draws.push(Draw {
-            patch: patch.key,
-            triangles: source,
-            block: patch.block,
-        });
-        written
     }
 
     /// Draws the patches; `bind` makes the maps those of a block, or the whole maps.
@@ -232,7 +279,7 @@ impl GroundMesh {
             return;
         }
         pass.set_vertex_buffer(1, self.instances.slice(..));
-        for (place, draw) in (0..).zip(&self.draws) {
+        for draw in &self.draws {
             let (Some(held), Some(list)) = (
                 self.held.get(&draw.patch),
                 self.triangles.get(&draw.triangles),
@@ -242,7 +289,7 @@ impl GroundMesh {
             bind(pass, draw.block);
             pass.set_vertex_buffer(0, held.vertices.slice(..));
             pass.set_index_buffer(list.buffer.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(0..list.count, 0, place..place + 1);
+            pass.draw_indexed(draw.range.clone(), 0, draw.instance..draw.instance + 1);
         }
     }
 }

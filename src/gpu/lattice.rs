@@ -27,6 +27,11 @@ impl BlockInstance {
         )
     }
 
+    /// The same, drawn as another block.
+    pub fn drawn_as(self, block: u32) -> Self {
+        Self { block, ..self }
+    }
+
     /// About any place; `block` says whose tiles are drawn.
     pub fn new(lon_rad: f64, lat_rad: f64, uv: [f32; 2], block: u32) -> Self {
         let cos_sin = |angle: f64| Vec2::new(angle.cos() as f32, angle.sin() as f32);

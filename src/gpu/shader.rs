@@ -60,6 +60,7 @@ const FEATURES: &[&str] = &[
     "fill",
     "relief",
     "grid",
+    "crossing",
 ];
 
 /// What is wrong with a shader file.

@@ -4,7 +4,7 @@ use super::grid::GridMesh;
 use super::ground::{self, GroundMesh};
 use super::lattice::{self, Lattice};
 use super::maps::Maps;
-use super::tiles::{BlockTiles, PLACEMENTS_BYTES, TileTextures};
+use super::tiles::{BlockTiles, TILES_BYTES, TileTextures};
 use super::{Frame, GpuLayer, PassFormat, ShaderError, ShaderVariant, SurfaceOutput};
 use crate::frames::Ellipsoid;
 use crate::globe::{BLOCK_COUNT, Block, BlockGrid, GridDraw, Shading, Surface};
@@ -19,6 +19,8 @@ pub(crate) struct SurfaceDrawable {
     maps: Maps,
     imagery: Imagery,
     frame: wgpu::Buffer,
+    /// Whether triangles that lie in several blocks are drawn with the tiles of each.
+    crossing: bool,
     /// The blocks in sight; those whose vertices are on the GPU.
     drawn: Vec<Block>,
     pub texture_bytes: u64,
@@ -35,13 +37,13 @@ enum Geometry {
     /// Ground with relief.
     Ground {
         mesh: GroundMesh,
-        /// All maps whole, for patches that lie in several blocks; made where blocks have tiles.
+        /// All maps whole, for what lies in several blocks or in one without tiles; made where blocks have tiles.
         whole: Option<wgpu::BindGroup>,
     },
     /// The same, its vertices made on the GPU.
     Grid {
         mesh: GridMesh,
-        /// As above; all of the grid is drawn with it.
+        /// As above.
         whole: Option<wgpu::BindGroup>,
     },
 }
@@ -90,6 +92,8 @@ pub(crate) struct SurfaceLook<'a> {
     pub sunlight: Option<&'a GpuLayer>,
     /// Whether ground with relief is drawn and not the block sphere. It does not change.
     pub relief: bool,
+    /// Whether that has triangles that lie in several blocks. Nor does that.
+    pub crossing: bool,
     /// Whether edges of triangles are drawn alone.
     pub wireframe: bool,
     /// The grid that draws it, if one does whose vertices the GPU makes. Nor does that.
@@ -144,6 +148,7 @@ impl SurfaceDrawable {
             maps,
             imagery,
             frame,
+            crossing: look.crossing && pools.is_some(),
             drawn: Vec::with_capacity(BLOCK_COUNT as usize),
             texture_bytes,
         })
@@ -233,7 +238,7 @@ impl SurfaceDrawable {
         }
     }
 
-    /// Writes the patches or the grid that a surface with relief draws. Returns the bytes written.
+    /// Writes the patches or the grid that a surface with relief draws, after [`Self::write`]. Returns the bytes written.
     pub fn write_ground(
         &mut self,
         queue: &wgpu::Queue,
@@ -241,22 +246,32 @@ impl SurfaceDrawable {
         ellipsoid: &Ellipsoid,
         eye_itrf_m: DVec3,
     ) -> u64 {
+        let tiled = match &self.imagery {
+            Imagery::Tiles(tiles) if self.crossing => Some(tiles.tiled()),
+            _ => None,
+        };
         match &mut self.geometry {
             Geometry::Blocks { .. } => 0,
-            Geometry::Ground { mesh, .. } => mesh.write(queue, surface, ellipsoid, eye_itrf_m),
+            Geometry::Ground { mesh, .. } => {
+                mesh.write(queue, surface, (ellipsoid, eye_itrf_m), tiled)
+            }
             Geometry::Grid { mesh, .. } => match surface.grid() {
-                Some(grid) => mesh.write(queue, &grid),
+                Some(grid) => mesh.write(queue, &grid, tiled),
                 None => 0,
             },
         }
     }
 
-    /// Draw calls of the last frame, and bytes of vertices, triangles and heights held, of ground with relief.
-    pub fn ground_costs(&self) -> Option<(u32, u64)> {
+    /// Draw calls of the last frame, their triangles, and bytes of vertices, triangles and heights held, of ground with relief.
+    pub fn ground_costs(&self) -> Option<(u32, u32, u64)> {
         match &self.geometry {
             Geometry::Blocks { .. } => None,
-            Geometry::Ground { mesh, .. } => Some((mesh.draw_calls(), mesh.bytes())),
-            Geometry::Grid { mesh, .. } => Some((mesh.draw_calls(), mesh.bytes())),
+            Geometry::Ground { mesh, .. } => {
+                Some((mesh.draw_calls(), mesh.triangles(), mesh.bytes()))
+            }
+            Geometry::Grid { mesh, .. } => {
+                Some((mesh.draw_calls(), mesh.triangles(), mesh.bytes()))
+            }
         }
     }
 
@@ -282,7 +297,12 @@ impl SurfaceDrawable {
             Geometry::Ground { .. } | Geometry::Grid { .. } => 0,
         };
         let placements = match &mut self.imagery {
-            Imagery::Tiles(tiles) => tiles.flush(queue),
+            Imagery::Tiles(tiles) => {
+                if self.crossing {
+                    tiles.find_tiled(&self.drawn);
+                }
+                tiles.flush(queue)
+            }
             Imagery::Whole(_) => 0,
         };
         size_of::<Frame>() as u64 + vertices + placements
@@ -294,6 +314,12 @@ impl SurfaceDrawable {
         if let Imagery::Whole(maps) = &self.imagery {
             pass.set_bind_group(1, maps, &[]);
         }
+        let bind = |pass: &mut wgpu::RenderPass<'_>, block: Option<Block>, whole: &_| {
+            if let Imagery::Tiles(tiles) = &self.imagery {
+                let maps = block.map(|block| tiles.bind_group(block));
+                pass.set_bind_group(1, maps.or(Option::as_ref(whole)), &[]);
+            }
+        };
         match &self.geometry {
             Geometry::Blocks { lattice, .. } => {
                 lattice.bind(pass);
@@ -304,17 +330,11 @@ impl SurfaceDrawable {
                     lattice.draw(pass, place, *block);
                 }
             }
-            Geometry::Ground { mesh, whole } => mesh.render(pass, |pass, block| {
-                if let Imagery::Tiles(tiles) = &self.imagery {
-                    let maps = block.map(|block| tiles.bind_group(block));
-                    pass.set_bind_group(1, maps.or(whole.as_ref()), &[]);
-                }
-            }),
+            Geometry::Ground { mesh, whole } => {
+                mesh.render(pass, |pass, block| bind(pass, block, whole));
+            }
             Geometry::Grid { mesh, whole } => {
-                if whole.is_some() {
-                    pass.set_bind_group(1, whole.as_ref(), &[]);
-                }
-                mesh.render(pass);
+                mesh.render(pass, |pass, block| bind(pass, block, whole));
             }
         }
     }
@@ -339,6 +359,7 @@ fn assemble(
                 ("places", true),
                 ("tiles", has_tiles),
                 ("relief", look.relief),
+                ("crossing", has_tiles && look.crossing),
                 ("grid", look.grid.is_some()),
             ],
         ),
@@ -365,7 +386,7 @@ fn assemble(
     }
     if let Imagery::Tiles(tiles) = imagery {
         let fragment = wgpu::ShaderStages::FRAGMENT;
-        layout.push(super::uniform_entry(3, fragment, PLACEMENTS_BYTES));
+        layout.push(super::uniform_entry(3, fragment, TILES_BYTES));
         entries.push(wgpu::BindGroupEntry {
             binding: 3,
             resource: tiles.placements().as_entire_binding(),
@@ -449,6 +470,7 @@ fn color_variant(maps: &Maps, look: &SurfaceLook<'_>, has_tiles: bool) -> Shader
             ("water", !paper && maps.has(MapLayer::Water)),
             ("tiles", has_tiles),
             ("relief", look.relief),
+            ("crossing", has_tiles && look.crossing),
             ("grid", look.grid.is_some()),
             ("air", look.sunlight.is_some()),
             ("encode", !paper && stores_display_values),

@@ -1,16 +1,22 @@
 //! Tiles on the GPU: fixed pools of textures, and for each block the bind group of the tiles that it is drawn with.
 
 use super::maps::Maps;
-use crate::globe::{BLOCK_COUNT, Block, COLUMNS, ROWS};
+use crate::globe::{BLOCK_COUNT, Block, BlockSet, COLUMNS, Part, ROWS, runs};
 use crate::imagery::stream::{Pool, Slot, Upload};
 use crate::imagery::tile::{MAP_LAYERS, TILE_BORDER, TILE_MIPS, TileFormat, TileShape};
 use glam::Vec4;
+use std::ops::Range;
 
-/// `placements` of `shaders/earth.wgsl`.
 type Placements = [[Vec4; MAP_LAYERS]; BLOCK_COUNT as usize];
+const PLACEMENTS_BYTES: usize = size_of::<Placements>();
 
-/// Bytes of that uniform.
-pub(super) const PLACEMENTS_BYTES: usize = size_of::<Placements>();
+/// As `WHOLE` and `CROSSING` of `shaders/earth.wgsl`: with whole maps; and, with a block's index added, as much of what lies
+/// in several blocks as lies in that one.
+pub(super) const WHOLE: u32 = 2 * BLOCK_COUNT;
+const CROSSING: u32 = BLOCK_COUNT;
+
+/// Bytes of `tiles` of `shaders/earth.wgsl`: placements, and the set of blocks that have tiles.
+pub(super) const TILES_BYTES: usize = PLACEMENTS_BYTES + size_of::<BlockSet>();
 
 struct PoolTextures {
     layer: usize,
@@ -34,6 +40,7 @@ pub(crate) struct TileTextures {
     placements: Box<Placements>,
     buffer: wgpu::Buffer,
     is_stale: bool,
+    tiled: BlockSet,
     /// Bytes of all slots.
     pub bytes: u64,
 }
@@ -71,8 +78,9 @@ impl TileTextures {
             pools,
             blocks,
             placements,
-            buffer: super::uniform_buffer::<Placements>(device, "terrella tile placements"),
+            buffer: super::uniform_buffer::<[u8; TILES_BYTES]>(device, "terrella tile placements"),
             is_stale: true,
+            tiled: BlockSet::default(),
             bytes,
         }
     }
@@ -150,6 +158,24 @@ impl TileTextures {
         }
     }
 
+    /// Blocks that are drawn with tiles: those of [`Self::find_tiled`].
+    pub fn tiled(&self) -> BlockSet {
+        self.tiled
+    }
+
+    /// Finds out which of the blocks in sight have tiles, of whatever map.
+    pub fn find_tiled(&mut self, in_sight: &[Block]) {
+        let mut tiled = BlockSet::default();
+        for block in in_sight {
+            let tiles = &self.blocks[block.index() as usize].tiles;
+            if tiles.iter().any(Option::is_some) {
+                tiled.insert(block.index() as u8);
+            }
+        }
+        self.is_stale |= tiled != self.tiled;
+        self.tiled = tiled;
+    }
+
     /// Writes the placements if they have changed. Returns the bytes written.
     pub fn flush(&mut self, queue: &wgpu::Queue) -> u64 {
         if !std::mem::take(&mut self.is_stale) {
@@ -160,8 +186,30 @@ impl TileTextures {
             0,
             bytemuck::cast_slice(self.placements.as_flattened()),
         );
-        PLACEMENTS_BYTES as u64
+        let tiled = self.tiled.0.to_le_bytes();
+        queue.write_buffer(&self.buffer, PLACEMENTS_BYTES as u64, &tiled);
+        TILES_BYTES as u64
     }
+}
+
+/// How triangles that lie in several blocks are drawn where some of these have tiles: each range of them as what, and with the
+/// tiles of which block.
+pub(super) fn draws_of(
+    parts: &[Part],
+    tiled: BlockSet,
+    mut draw: impl FnMut(u32, Option<Block>, Range<u32>),
+) {
+    let all = parts.iter().fold(0, |all, part| all | part.blocks.0);
+    let mut left = all & tiled.0;
+    while left != 0 {
+        let index = left.trailing_zeros();
+        let block = Block::of_index(index);
+        runs(parts, BlockSet(1 << index), |range| {
+            draw(CROSSING + index, Some(block), range);
+        });
+        left &= left - 1;
+    }
+    runs(parts, BlockSet(!tiled.0), |range| draw(WHOLE, None, range));
 }
 
 fn bind(

@@ -6,7 +6,8 @@
 //! meridian. Its side is padded to a multiple of eight (more border on the east and south), so that four mip levels
 //! halve it exactly and the base level is a whole number of compressed 4 × 4 blocks.
 
-use crate::globe::{BLOCK_COUNT, Block};
+use crate::globe::Block;
+pub use crate::globe::BlockSet;
 use std::fmt;
 
 /// Most levels of one map.
@@ -260,37 +261,6 @@ impl fmt::Display for TileKey {
             self.layer.name(),
             u32::from(self.level) + 1
         )
-    }
-}
-
-/// A set of blocks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct BlockSet(pub u128);
-
-impl BlockSet {
-    /// All 128.
-    pub const ALL: Self = Self(u128::MAX);
-
-    /// Whether a block, by its index, is in the set.
-    pub fn contains(self, block: u8) -> bool {
-        u32::from(block) < BLOCK_COUNT && self.0 >> block & 1 == 1
-    }
-
-    /// Adds a block by its index; indices beyond 127 are passed over.
-    pub fn insert(&mut self, block: u8) {
-        if u32::from(block) < BLOCK_COUNT {
-            self.0 |= 1 << block;
-        }
-    }
-
-    /// Number of blocks.
-    pub fn len(self) -> u32 {
-        self.0.count_ones()
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(self) -> bool {
-        self.0 == 0
     }
 }
 

@@ -26,7 +26,7 @@ pub fn earth_options(scene: &Scene, bc: BcSupport) -> Result<EarthOptions, PlayE
     options.atmosphere = table.atmosphere;
     options.samples = scene.output.samples;
     options.ground = match &table.relief {
-        Some(relief) => Some(ground_options(relief, table.subdivision)?),
+        Some(relief) => Some(ground_options(relief)?),
         None => None,
     };
     Ok(options)

@@ -1,22 +1,19 @@
 //! A scene's heights.
 
 use super::error::PlayError;
+use crate::GroundOptions;
 use crate::elevation::{GridLimits, Ground, open_heights};
 use crate::imagery::find_textures;
 use crate::scene::ReliefTable;
-use crate::{GroundOptions, Subdivision};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Reads the heights that a scene names, or the starter pack's.
-pub(super) fn ground_options(
-    table: &ReliefTable,
-    subdivision: Subdivision,
-) -> Result<GroundOptions, PlayError> {
+pub(super) fn ground_options(table: &ReliefTable) -> Result<GroundOptions, PlayError> {
     let ground = Arc::new(read_ground(&table.elevation, table.sea_floor)?);
     Ok(GroundOptions {
         elevation: ground,
-        surface: table.surface.settings(subdivision),
+        surface: table.settings,
         tolerance_px: table.tolerance_px,
     })
 }

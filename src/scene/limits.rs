@@ -97,6 +97,13 @@ pub const MAX_ELEVATION_FILES: usize = 1000;
 /// Most pixels by which drawn ground may differ from its data.
 pub const TOLERANCE_PX: RangeInclusive<f64> = 0.0..=1000.0;
 
+/// Samples along an edge of a clipmap's level.
+pub const CLIPMAP_SAMPLES: [i64; 3] = [65, 129, 257];
+/// Levels of a clipmap besides the globe's.
+pub const CLIPMAP_LEVELS: RangeInclusive<i64> = 0..=crate::globe::clipmap::MOST_LEVELS as i64;
+/// Samples of a projected grid, across and down.
+pub const GRID_SAMPLES: RangeInclusive<i64> = 2..=1025;
+
 /// Most milliseconds that a frame may cost before quality is given up.
 pub const TARGET_MS: RangeInclusive<f64> = 1.0..=1000.0;
 

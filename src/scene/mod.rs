@@ -20,6 +20,7 @@ mod raw;
 mod relief;
 mod satellites;
 mod summary;
+mod surfaces;
 mod tracks;
 
 use crate::air::Atmosphere;

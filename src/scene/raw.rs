@@ -195,6 +195,9 @@ table!(RawEarth {
     elevation: Vec<Spanned<String>> = "a list of strings, the paths of files of heights",
     tolerance_px: f64 = "a number of pixels",
     sea_floor: bool = "true or false",
+    // Any value: tables within the table.
+    clipmap: toml::Value = "a table like { samples = 129, levels = 12, trimming = \"diamond\" }",
+    projected_grid: toml::Value = "a table like { samples = [129, 129], on_gpu = true }",
 });
 
 table!(RawOutput {

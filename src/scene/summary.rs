@@ -4,7 +4,7 @@ use super::dates::utc;
 use super::error::printable;
 use super::field::written;
 use super::raw::{TABLES, Table};
-use super::{CameraMode, PackTable, ReliefTable, Scene, orbit_summary};
+use super::{CameraMode, PackTable, ReliefTable, Scene, orbit_summary, surfaces};
 use crate::air::Atmosphere;
 use crate::globe::{LevelRule, Subdivision};
 use std::fmt::Write;
@@ -139,9 +139,11 @@ impl Scene {
                 Some(pack) => pack_value(pack, key),
                 None => Err("no pack: whole maps are drawn"),
             },
-            ("earth", "surface" | "elevation" | "tolerance_px" | "sea_floor") => {
-                relief_value(earth.relief.as_ref(), key)
-            }
+            (
+                "earth",
+                "surface" | "elevation" | "tolerance_px" | "sea_floor" | "clipmap"
+                | "projected_grid",
+            ) => relief_value(earth.relief.as_ref(), key),
             ("output", "size") => {
                 let [width, height] = self.output.size;
                 Ok(format!("[{width}, {height}]"))
@@ -292,6 +294,7 @@ fn relief_value(relief: Option<&ReliefTable>, key: &str) -> Result<String, &'sta
             format!("[{}]", files.collect::<Vec<_>>().join(", "))
         }
         "tolerance_px" => relief.tolerance_px.to_string(),
+        "clipmap" | "projected_grid" => return surfaces::value(&relief.settings, key),
         _ => relief.sea_floor.to_string(),
     })
 }

@@ -4,7 +4,7 @@ use super::lattice::{Icosahedron, Spot};
 use super::level::{Level, Source};
 use super::reach::Reach;
 use super::{ClipmapCounts, ClipmapOptions, Trim, level};
-use crate::elevation::Elevation;
+use crate::elevation::{Bounds, Elevation};
 use crate::frames::Ellipsoid;
 use crate::globe::surface::GroundView;
 use glam::DVec3;
@@ -18,6 +18,20 @@ const MOST_MOVES: u32 = 2;
 
 /// The rise of the ground between neighbouring samples is taken to be this part of their distance.
 const RISE: f64 = 1.0 / 16.0;
+
+/// Cells of data that are drawn with this many cells across have few triangles that their edges, where the ground bends, run
+/// through: what is wrong about those no finer level mends for most pixels.
+const ACROSS: f64 = 64.0;
+
+/// How far a level reaches, in the angle of `radius` mean cells: to the sharp corners of a diamond of 60°, √3, where cells are
+/// up to 1.2 times as long.
+const FARTHEST: f64 = 2.1;
+
+/// A level stays while the data that brought it are within this many times its reach.
+const LINGER: f64 = 1.25;
+
+/// Part of its reach that the eye may move before a level looks again for the finest data in it.
+const LOOK: f64 = 1.0 / 32.0;
 
 /// A level stays until it is needed by less than this part of what brought it.
 const STAY: f64 = 0.75;
@@ -33,9 +47,16 @@ pub struct EyePlace {
     y: f64,
     /// How far the drawn ground may be off, metres.
     tolerance_m: f64,
-    /// Distance of samples of the data, metres; infinite on flat ground.
-    finest_m: f64,
+    lat_rad: f64,
+    lon_rad: f64,
     radius_m: f64,
+}
+
+/// The finest data that were found about a place.
+pub struct Found {
+    normal: DVec3,
+    lingers: bool,
+    finest_m: f64,
 }
 
 impl EyePlace {
@@ -63,7 +84,8 @@ impl EyePlace {
             x,
             y,
             tolerance_m: (view.tolerance_px * view.pixel_rad * above_m).max(0.0),
-            finest_m: ground.finest_spacing_rad(eye.lat_rad, eye.lon_rad) * radius_m,
+            lat_rad: eye.lat_rad,
+            lon_rad: eye.lon_rad,
             radius_m,
         })
     }
@@ -83,19 +105,49 @@ impl EyePlace {
         from.distance(self.nearest(4 * n)).unwrap_or(i64::MAX)
     }
 
-    /// Whether cells of `spacing_m` are too coarse here. `part` of the tolerance is taken.
-    fn needs_finer(&self, spacing_m: f64, part: f64) -> bool {
+    /// Distance of samples of the finest data within a level's reach, metres; infinite on flat ground. What was found is good
+    /// for some way on.
+    fn finest_m(
+        &self,
+        number: u32,
+        lingers: bool,
+        found: &mut Option<Found>,
+        ground: &dyn Elevation,
+    ) -> f64 {
+        let reach_rad = FARTHEST * level::EDGE_RAD * 0.5_f64.powi(number as i32);
+        let normal = Ellipsoid::normal(self.lat_rad, self.lon_rad);
+        if let Some(found) = found
+            && found.lingers == lingers
+            && found.normal.distance(normal) < LOOK * reach_rad
+        {
+            return found.finest_m;
+        }
+        let linger = if lingers { LINGER } else { 1.0 };
+        let angle_rad = (linger + LOOK) * reach_rad;
+        let bounds = Bounds::around(self.lat_rad, self.lon_rad, angle_rad);
+        let finest_m = ground.finest_spacing_in(&bounds) * self.radius_m;
+        *found = Some(Found {
+            normal,
+            lingers,
+            finest_m,
+        });
+        finest_m
+    }
+
+    /// Whether cells of `spacing_m` are too coarse for data of `finest_m`. `part` of the tolerance is taken.
+    fn needs_finer(&self, spacing_m: f64, finest_m: f64, part: f64) -> bool {
         let tolerance_m = self.tolerance_m * part;
         // The chord of a cell below the sphere. Nobody sees a millimetre.
         let sagitta_m = spacing_m * spacing_m / (8.0 * self.radius_m);
         sagitta_m > tolerance_m.max(1e-3)
-            || (spacing_m > self.finest_m && spacing_m * RISE > tolerance_m)
+            || (spacing_m * ACROSS > finest_m && spacing_m * RISE > tolerance_m)
     }
 }
 
 /// Moves, fills, begins and ends levels for an eye.
 pub fn follow(
     levels: &mut Vec<Level>,
+    found: &mut [Option<Found>],
     options: &ClipmapOptions,
     eye: &EyePlace,
     source: &Source<'_>,
@@ -111,7 +163,8 @@ pub fn follow(
         let at = number as usize;
         let spacing_m = level::EDGE_RAD / (radius << (number - 1)) as f64 * eye.radius_m;
         let there = levels.get(at).is_some_and(|level| level.reach.is_some());
-        let wanted = eye.needs_finer(spacing_m, if there { STAY } else { 1.0 });
+        let finest_m = eye.finest_m(number, there, &mut found[at], source.ground);
+        let wanted = eye.needs_finer(spacing_m, finest_m, if there { STAY } else { 1.0 });
         counts.wanted += u32::from(wanted);
         if levels.len() <= at {
             if !wanted {

@@ -29,8 +29,10 @@
 //! of the coarser one: two allocations each, 0.4 MB at 129 samples.
 //!
 //! The tolerance says how many levels there are (the last is the first whose cells' sixteenth, the rise taken to be between
-//! samples, is within it), and data no finer than a level end them. It is no bound of the error: the paper's cells are as
-//! wide as a 32nd of their distance, whatever the ground.
+//! samples, is within it), and so do the finest data anywhere within a level's reach: there are none whose cells are less than
+//! a 128th of theirs. Cells as wide as the data's are not enough, for the lattice's triangles lie across the edges along which
+//! the data's ground bends. The tolerance is no bound of the error: the paper's cells are as wide as a 32nd of their distance,
+//! whatever the ground.
 
 mod follow;
 mod lattice;
@@ -47,7 +49,7 @@ pub use reach::{Box2, InDiamond, Reach};
 use super::surface::{GroundView, Patch, Surface, SurfaceStats};
 use crate::elevation::Elevation;
 use crate::frames::Ellipsoid;
-use follow::{EyePlace, base_is_seen};
+use follow::{EyePlace, Found, base_is_seen};
 use level::{Level, Source};
 
 /// The outline of a level.
@@ -119,6 +121,8 @@ pub struct Clipmap {
     options: ClipmapOptions,
     icosahedron: Icosahedron,
     levels: Vec<Level>,
+    /// By the number of a level, the finest data within its reach.
+    found: Vec<Option<Found>>,
     /// Numbers of level and sheet of what is drawn, near ones first.
     drawn: Vec<(usize, usize)>,
     /// Where revisions of the next new sheet begin.
@@ -141,6 +145,7 @@ impl Clipmap {
             options: ClipmapOptions { levels, ..options },
             icosahedron: Icosahedron::default(),
             levels: Vec::with_capacity(levels as usize + 1),
+            found: (0..=levels).map(|_| None).collect(),
             drawn: Vec::with_capacity(10 + 5 * levels as usize),
             clock: 0,
             counts: ClipmapCounts::default(),
@@ -151,6 +156,7 @@ impl Clipmap {
     /// Drops all samples, for a ground whose heights have changed.
     pub fn forget(&mut self) {
         self.levels.clear();
+        self.found.fill_with(|| None);
         self.drawn.clear();
     }
 
@@ -202,6 +208,7 @@ impl Surface for Clipmap {
         }
         follow::follow(
             &mut self.levels,
+            &mut self.found,
             &self.options,
             &eye,
             &source,
@@ -240,6 +247,10 @@ impl Surface for Clipmap {
         }
         self.stats = stats;
         stats
+    }
+
+    fn crosses_blocks(&self) -> bool {
+        true
     }
 
     fn visit(&self, draw: &mut dyn FnMut(&Patch)) {

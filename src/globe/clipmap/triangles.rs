@@ -2,8 +2,9 @@
 
 use super::lattice::{Spot, Triangle};
 use super::reach::{InDiamond, Reach};
+use std::ops::Range;
 
-/// Appends the triangles of a level in one diamond, three numbers each.
+/// Appends the triangles of a level in one diamond, three numbers each, square by square.
 ///
 /// The level reaches whole triangles of the next coarser lattice. Each is cut in four; where the triangle across an edge is
 /// not within reach, that edge stays whole, for the coarser level draws it whole. What the finer level reaches is left out.
@@ -26,8 +27,8 @@ pub fn ring(
     };
     let hole = hole.and_then(|hole| hole.in_diamond(diamond));
     let r = reach.radius;
-    for i in span.least.0..span.most.0 {
-        for j in span.least.1..span.most.1 {
+    for (rows, columns) in squares(span.least, span.most, SQUARE / 2) {
+        for (i, j) in rows.flat_map(|i| columns.clone().map(move |j| (i, j))) {
             let at = hole
                 .as_ref()
                 .map_or(Hole::Off, |hole| hole_at(hole, 2 * i, 2 * j, 2));
@@ -80,8 +81,8 @@ pub fn full(
     out: &mut Vec<u32>,
 ) {
     let hole = hole.and_then(|hole| hole.in_diamond(diamond));
-    for i in 0..n {
-        for j in 0..n {
+    for (rows, columns) in squares((0, 0), (n, n), SQUARE) {
+        for (i, j) in rows.flat_map(|i| columns.clone().map(move |j| (i, j))) {
             for far in [false, true] {
                 let cell = Spot { diamond, i, j };
                 let corners = Triangle { cell, far }.corners();
@@ -92,6 +93,23 @@ pub fn full(
             }
         }
     }
+}
+
+/// Cells along the edge of a square whose triangles stand together in the list.
+const SQUARE: i64 = 16;
+
+/// A box in squares of so many cells an edge, or what is left at its end.
+fn squares(
+    least: (i64, i64),
+    most: (i64, i64),
+    side: i64,
+) -> impl Iterator<Item = (Range<i64>, Range<i64>)> {
+    let spans = move |least: i64, most: i64| {
+        let starts = (least..most).step_by(side as usize);
+        starts.map(move |start| start..(start + side).min(most))
+    };
+    spans(least.0, most.0)
+        .flat_map(move |rows| spans(least.1, most.1).map(move |columns| (rows.clone(), columns)))
 }
 
 /// What the hole takes of a square of cells.

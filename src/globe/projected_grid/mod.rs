@@ -20,6 +20,7 @@
 
 mod bounds;
 mod cast;
+mod parts;
 mod relief;
 mod screen;
 #[cfg(test)]
@@ -29,6 +30,7 @@ mod uniforms;
 
 pub use bounds::{Finder, Rect};
 pub use cast::{Cast, Caster, Foot, cast};
+pub use parts::grid_parts;
 pub use relief::{RINGS, Relief, Ring, can_show, far_angle, highest_radius, lowest_radius};
 pub use screen::Screen;
 pub use tiles::{
@@ -37,10 +39,11 @@ pub use tiles::{
 };
 pub use uniforms::{GridLevel, GridUniforms};
 
-use super::{Figure, GridDraw, GroundVertex, GroundView, Indices, Patch, Surface, SurfaceStats};
+use super::{Figure, GridDraw, GroundVertex, GroundView, Patch, Surface, SurfaceStats};
 use crate::elevation::Elevation;
 use crate::frames::{Ellipsoid, Geodetic};
 use glam::{DMat4, DVec2, DVec3, UVec2, Vec2};
+use parts::indices;
 use std::sync::Arc;
 
 /// Over how much ground a sample's height is averaged.
@@ -439,20 +442,6 @@ fn slope(normal: DVec3, one: (DVec3, f64), other: (DVec3, f64)) -> Vec2 {
     (rise * level).as_vec2()
 }
 
-/// Two triangles a cell, counter-clockwise with x to the right and y upwards.
-fn indices(samples: (u32, u32)) -> Indices {
-    let (columns, rows) = samples;
-    let mut triangles = Vec::with_capacity(6 * (columns as usize - 1) * (rows as usize - 1));
-    for row in 0..rows - 1 {
-        for column in 0..columns - 1 {
-            let corner = row * columns + column;
-            let above = corner + columns;
-            triangles.extend([corner, corner + 1, above + 1, corner, above + 1, above]);
-        }
-    }
-    Indices { triangles }
-}
-
 impl Surface for ProjectedGrid {
     fn name(&self) -> &'static str {
         "projected-grid"
@@ -491,6 +480,10 @@ impl Surface for ProjectedGrid {
             stats.samples_read = u64::from(stats.vertices);
         }
         stats
+    }
+
+    fn crosses_blocks(&self) -> bool {
+        true
     }
 
     fn visit(&self, draw: &mut dyn FnMut(&Patch)) {

@@ -192,12 +192,102 @@ fn as_many_levels_as_data_and_tolerance_ask_for() {
     // Cells of 220 km/2^ℓ. Flat ground needs none but for the curvature: a millimetre at 226 m.
     assert_eq!(finest(&FLAT, 1e3, 0.0), 10);
     assert_eq!(finest(&FLAT, 1e3, 1e9), 0);
-    assert_eq!(finest(&FINE, 1e4, 0.0), 16);
-    // 1 px of a milliradian at 2 km and 400 km: 32 m and 6.4 km between samples; the spike's data have 64 m.
+    assert_eq!(finest(&FINE, 1e4, 0.0), 22);
+    // 1 px of a milliradian at 2 km and 400 km: 32 m and 6.4 km between samples; the spike's data of 64 m are not
+    // followed by cells as wide.
     assert_eq!(finest(&FINE, 2e3, 1.0), 13);
-    assert_eq!(finest(&SPIKE, 2e3, 1.0), 12);
+    assert_eq!(finest(&SPIKE, 2e3, 1.0), 13);
     assert_eq!(finest(&FINE, 4e5, 1.0), 6);
     assert_eq!(finest(&FINE, 1e30, 1.0), 0);
+}
+
+/// Hills of half a degree at 20° N 10° E, samples 139 m apart, and nothing else.
+fn island() -> crate::elevation::Ground {
+    use crate::elevation::{Georeference, GridLimits, HeightGrid, Registration};
+    const SIDE: u32 = 401;
+    let bounds = Bounds {
+        south_rad: 20_f64.to_radians(),
+        north_rad: 20.5_f64.to_radians(),
+        west_rad: 10_f64.to_radians(),
+        width_rad: 0.5_f64.to_radians(),
+    };
+    let place = Georeference::from_bounds(Registration::Posts, &bounds, SIDE, SIDE);
+    let height =
+        |n: u32| 500.0 + 400.0 * ((n % SIDE) as f32 * 0.4).sin() * ((n / SIDE) as f32 * 0.3).cos();
+    let heights = (0..SIDE * SIDE).map(height).collect();
+    let place = place.expect("a place");
+    let grid = HeightGrid::new(&place, heights, &GridLimits::default());
+    crate::elevation::Ground::from(grid.expect("a grid"))
+}
+
+#[test]
+fn data_ahead_of_the_eye_bring_the_levels_that_reach_them() {
+    let ground = island();
+    let mut map = clipmap(at_once(16, Trim::Diamond));
+    let mut finest = |lat_deg: f64| {
+        let view = GroundView {
+            tolerance_px: 1.0,
+            ..over(lat_deg, 10.25, 3e3)
+        };
+        map.prepare(&view, &ground);
+        map.counts.finest
+    };
+    // Level ℓ reaches 2.1 · 7060 km/2^ℓ, cells are 220 km/2^ℓ; flat ground is drawn by level 5 at 3 km (3 m of curvature).
+    assert_eq!(finest(0.0), 5);
+    let near = finest(19.25);
+    assert_eq!(near, 7, "83 km away");
+    assert_eq!(finest(19.85), 9, "17 km away");
+    // 139 m within the tolerance of 3 m: 48 m between samples.
+    assert_eq!(finest(20.25), 13);
+    // An eye that goes to and fro sees no level come and go: one that is there stays for a quarter of its reach.
+    let mut before = finest(17.0);
+    for step in 0..300 {
+        let sway = if step % 2 == 0 { 0.0 } else { 0.02 };
+        let now = finest(17.0 + 0.01 * f64::from(step) - sway);
+        assert!(now >= before, "{now} after {before} at step {step}");
+        before = now;
+    }
+    assert!(before > 9);
+}
+
+#[test]
+fn a_frame_at_rest_or_on_its_way_looks_for_data_seldom() {
+    struct Counting(crate::elevation::Ground, std::sync::atomic::AtomicU32);
+    impl Elevation for Counting {
+        fn height_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64 {
+            self.0.height_m(lat_rad, lon_rad, spacing_rad)
+        }
+        fn range_m(&self, bounds: &Bounds) -> HeightRange {
+            self.0.range_m(bounds)
+        }
+        fn finest_spacing_rad(&self, lat_rad: f64, lon_rad: f64) -> f64 {
+            self.0.finest_spacing_rad(lat_rad, lon_rad)
+        }
+        fn finest_spacing_in(&self, bounds: &Bounds) -> f64 {
+            self.1.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            self.0.finest_spacing_in(bounds)
+        }
+    }
+    let ground = Counting(island(), 0.into());
+    let mut map = clipmap(at_once(16, Trim::Diamond));
+    let view = |step: u32| GroundView {
+        tolerance_px: 1.0,
+        // 4 m a frame.
+        ..over(20.25 + 3.6e-5 * f64::from(step), 10.25, 3e3)
+    };
+    // Twice: a level that is there looks farther than one that is not.
+    map.prepare(&view(0), &ground);
+    map.prepare(&view(0), &ground);
+    let looks = || ground.1.swap(0, std::sync::atomic::Ordering::Relaxed);
+    assert!(looks() >= 26);
+    map.prepare(&view(0), &ground);
+    assert_eq!(looks(), 0);
+    for step in 0..100 {
+        map.prepare(&view(step), &ground);
+    }
+    // Level 13 reaches 1.9 km and looks again after a 32nd of that, level 12 half as often.
+    let looks = looks();
+    assert!((5..20).contains(&looks), "{looks}");
 }
 
 #[test]

@@ -1,0 +1,183 @@
+//! Lists of triangles in parts, each with the blocks that it may touch: what lies in several blocks is drawn with the tiles of
+//! each of them, and that should not take all triangles each time.
+
+use super::blocks::{BlockSet, COLUMNS, ROWS};
+use super::surface::Patch;
+use crate::frames::Ellipsoid;
+use glam::{DVec3, Vec3};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::ops::Range;
+
+/// Most triangles of a part: those of a square of 16 × 16 cells.
+pub const PART_TRIANGLES: usize = 512;
+
+/// A geocentric angle is this much less than the change of the geodetic latitude along it, at most.
+const GEODETIC: f64 = 1.01;
+/// What places on the GPU may be off by, radians (6 m).
+const ROUNDED_RAD: f64 = 1e-6;
+
+/// Neighbouring triangles of a list.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Where their numbers stand in the list.
+    pub indices: Range<u32>,
+    /// Blocks that they may touch: perhaps too many, never too few.
+    pub blocks: BlockSet,
+}
+
+/// Hands over the parts that may touch any of some blocks; what is next to each other comes as one.
+pub fn runs(parts: &[Part], blocks: BlockSet, mut draw: impl FnMut(Range<u32>)) {
+    let mut open: Option<Range<u32>> = None;
+    for part in parts.iter().filter(|part| part.blocks.0 & blocks.0 != 0) {
+        match &mut open {
+            Some(range) if range.end == part.indices.start => range.end = part.indices.end,
+            _ => {
+                if let Some(range) = open.replace(part.indices.clone()) {
+                    draw(range);
+                }
+            }
+        }
+    }
+    if let Some(range) = open {
+        draw(range);
+    }
+}
+
+/// The blocks that places up to `radius_m` from a point may lie in.
+pub fn blocks_near(ellipsoid: &Ellipsoid, middle_itrf_m: DVec3, radius_m: f64) -> BlockSet {
+    let sine = radius_m / middle_itrf_m.length();
+    // A comparison with what is no number is false.
+    if !(0.0..0.8).contains(&sine) {
+        return BlockSet::ALL;
+    }
+    let angle_rad = sine.asin() * GEODETIC + ROUNDED_RAD;
+    let place = ellipsoid.geodetic_from_itrf(middle_itrf_m);
+    let (north, south) = (place.lat_rad + angle_rad, place.lat_rad - angle_rad);
+    let row = |lat_rad: f64| {
+        let row = (0.5 - lat_rad / PI) * f64::from(ROWS);
+        (row.max(0.0) as u32).min(ROWS - 1)
+    };
+    let mut columns = 0..i64::from(COLUMNS);
+    if north < FRAC_PI_2 && south > -FRAC_PI_2 {
+        // A circle about the place touches the meridians at sin Δλ = sin r / cos φ.
+        let aside = angle_rad.sin() / place.lat_rad.cos();
+        let aside_rad = aside.min(1.0).asin() + ROUNDED_RAD;
+        let column = |lon_rad: f64| ((lon_rad / TAU + 0.5) * f64::from(COLUMNS)).floor() as i64;
+        let (first, last) = (
+            column(place.lon_rad - aside_rad),
+            column(place.lon_rad + aside_rad),
+        );
+        columns = first..(last + 1).min(first + i64::from(COLUMNS));
+    }
+    let mut blocks = BlockSet::default();
+    for row in row(north)..=row(south) {
+        for column in columns.clone() {
+            let column = column.rem_euclid(i64::from(COLUMNS)) as u32;
+            blocks.insert((row * COLUMNS + column) as u8);
+        }
+    }
+    blocks
+}
+
+/// The parts of a patch, by the boxes about their vertices.
+pub fn parts_of(patch: &Patch, ellipsoid: &Ellipsoid, out: &mut Vec<Part>) {
+    out.clear();
+    let mut start = 0;
+    for list in patch.indices.triangles.chunks(3 * PART_TRIANGLES) {
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for vertex in list {
+            if let Some(vertex) = patch.vertices.get(*vertex as usize) {
+                low = low.min(vertex.from_origin_m);
+                high = high.max(vertex.from_origin_m);
+            }
+        }
+        let middle_m = patch.origin_itrf_m + 0.5 * (low.as_dvec3() + high.as_dvec3());
+        let radius_m = 0.5 * f64::from(low.distance(high));
+        let end = start + list.len() as u32;
+        out.push(Part {
+            indices: start..end,
+            blocks: blocks_near(ellipsoid, middle_m, radius_m),
+        });
+        start = end;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frames::Geodetic;
+
+    /// The block of a place, from its latitude and longitude.
+    fn block_of(place: Geodetic) -> u8 {
+        let row = ((0.5 - place.lat_rad / PI) * 8.0).clamp(0.0, 7.0) as u8;
+        let column = ((place.lon_rad / TAU + 0.5) * 16.0)
+            .floor()
+            .rem_euclid(16.0) as u8;
+        row * 16 + column
+    }
+
+    #[test]
+    fn no_block_near_a_point_is_left_out_and_few_are_too_many() {
+        let wgs84 = Ellipsoid::WGS84;
+        let mut too_many = 0;
+        let mut seed = 7_u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for round in 0..400 {
+            let lat_deg = match round % 4 {
+                0 => 90.0,
+                1 => -89.0,
+                _ => 180.0 * random() - 90.0,
+            };
+            let lon_deg = if round % 3 == 0 {
+                179.99
+            } else {
+                360.0 * random()
+            };
+            let middle = wgs84.itrf_from_geodetic(Geodetic::from_degrees(lat_deg, lon_deg, 5e3));
+            let radius_m = 10_f64.powf(3.0 + 3.5 * random());
+            let found = blocks_near(&wgs84, middle, radius_m);
+            let mut seen = BlockSet::default();
+            for _ in 0..400 {
+                let aside = DVec3::new(random() - 0.5, random() - 0.5, random() - 0.5);
+                let place = middle + aside.normalize() * radius_m;
+                // Deep in the Earth no ground lies.
+                if place.length() < 6.3e6 {
+                    continue;
+                }
+                seen.insert(block_of(wgs84.geodetic_from_itrf(place)));
+            }
+            assert_eq!(seen.0 & !found.0, 0, "{lat_deg} {lon_deg} {radius_m}");
+            too_many += u32::from(radius_m < 3e5 && found.len() > seen.len() + 2);
+        }
+        assert!(too_many < 40, "{too_many}");
+    }
+
+    #[test]
+    fn a_point_that_is_none_may_lie_anywhere() {
+        let wgs84 = Ellipsoid::WGS84;
+        for (middle, radius_m) in [(DVec3::ZERO, 1.0), (DVec3::X, f64::NAN), (DVec3::NAN, 1.0)] {
+            assert_eq!(blocks_near(&wgs84, middle, radius_m), BlockSet::ALL);
+        }
+    }
+
+    #[test]
+    fn runs_join_neighbours() {
+        let part = |start: u32, blocks| Part {
+            indices: start..start + 3,
+            blocks: BlockSet(blocks),
+        };
+        let parts = [part(0, 1), part(3, 3), part(6, 2), part(9, 1), part(12, 4)];
+        let of = |blocks| {
+            let mut found = Vec::new();
+            runs(&parts, BlockSet(blocks), |range| found.push(range));
+            found
+        };
+        assert_eq!(of(1), [0..6, 9..12]);
+        assert_eq!(of(2), std::iter::once(3..9).collect::<Vec<_>>());
+        assert_eq!(of(5), [0..6, 9..15]);
+        assert_eq!(of(8), []);
+    }
+}

@@ -1,0 +1,76 @@
+//! The grid's triangles, in an order in which neighbours stand together, and which blocks they may touch.
+
+use super::Frame;
+use crate::globe::{Indices, Part, blocks_near};
+use glam::DVec3;
+use std::ops::Range;
+
+/// Squares that a grid is cut in, each way.
+const SQUARES: u32 = 8;
+/// Places of a square that are looked at, each way, besides the first.
+const LOOKS: u32 = 4;
+
+/// Cells of the squares along one side of the grid.
+fn spans(samples: u32) -> impl Iterator<Item = Range<u32>> + Clone {
+    let cells = samples - 1;
+    let side = cells.div_ceil(SQUARES);
+    (0..cells.div_ceil(side)).map(move |k| k * side..((k + 1) * side).min(cells))
+}
+
+/// Two triangles a cell, counter-clockwise with x to the right and y upwards; square by square.
+pub fn indices((columns, rows): (u32, u32)) -> Indices {
+    let mut triangles = Vec::with_capacity(6 * (columns as usize - 1) * (rows as usize - 1));
+    for down in spans(rows) {
+        for across in spans(columns) {
+            for row in down.clone() {
+                for column in across.clone() {
+                    let corner = row * columns + column;
+                    let above = corner + columns;
+                    triangles.extend([corner, corner + 1, above + 1, corner, above + 1, above]);
+                }
+            }
+        }
+    }
+    Indices { triangles }
+}
+
+/// The squares of a frame's triangles, and the blocks that they may touch, whatever their heights.
+///
+/// Of each square 5 × 5 places are looked at. What lies between them is in the box about them, or beyond it by less than half of
+/// what lies between two that are next to each other.
+pub fn grid_parts(frame: &Frame, out: &mut Vec<Part>) {
+    out.clear();
+    let (columns, rows) = frame.samples;
+    let radii_m = frame.caster.radii_m;
+    let mut start = 0;
+    for down in spans(rows) {
+        for across in spans(columns) {
+            let at = |span: &Range<u32>, k: u32| span.start + (span.end - span.start) * k / LOOKS;
+            let mut places = [[DVec3::ZERO; LOOKS as usize + 1]; LOOKS as usize + 1];
+            let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+            for (row, places) in (0..).zip(&mut places) {
+                for (column, place) in (0..).zip(places) {
+                    let sample = frame.sample(at(&across, column), at(&down, row));
+                    *place = sample.place * radii_m;
+                    (low, high) = (low.min(*place), high.max(*place));
+                }
+            }
+            let mut gap_m = 0.0_f64;
+            for row in 0..=LOOKS as usize {
+                for column in 0..LOOKS as usize {
+                    let aside = places[row][column].distance(places[row][column + 1]);
+                    let below = places[column][row].distance(places[column + 1][row]);
+                    gap_m = gap_m.max(aside).max(below);
+                }
+            }
+            let radius_m = 0.5 * low.distance(high) + 0.5 * gap_m;
+            let cells = (down.end - down.start) * (across.end - across.start);
+            let end = start + 6 * cells;
+            out.push(Part {
+                indices: start..end,
+                blocks: blocks_near(&frame.ellipsoid, 0.5 * (low + high), radius_m),
+            });
+            start = end;
+        }
+    }
+}

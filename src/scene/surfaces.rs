@@ -1,0 +1,163 @@
+//! `[earth.clipmap]` and `[earth.projected_grid]`: settings that one surface alone has.
+
+use super::error::{SceneError, printable};
+use super::field::{Field, field, span_of, written};
+use super::limits::{CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRID_SAMPLES};
+use super::locate::Source;
+use super::raw::RawEarth;
+use crate::globe::clipmap::{ClipmapOptions, Trim};
+use crate::globe::projected_grid::GridOptions;
+use crate::globe::{SurfaceKind, SurfaceSettings};
+use toml::{Spanned, Value};
+
+impl Source<'_> {
+    /// What draws ground with relief, as its own table sets it.
+    pub(super) fn surface_settings(
+        &self,
+        earth: &RawEarth,
+        surface: SurfaceKind,
+    ) -> Result<SurfaceSettings, SceneError> {
+        let clipmap = field!(earth.clipmap);
+        self.only_of(&clipmap, SurfaceKind::Clipmap, surface)?;
+        let grid = field!(earth.projected_grid);
+        self.only_of(&grid, SurfaceKind::ProjectedGrid, surface)?;
+        let cells = self.subdivision(&field!(earth.subdivision))?;
+        let mut settings = surface.settings(cells);
+        match &mut settings {
+            SurfaceSettings::Clipmap(options) => self.clipmap(&clipmap, options)?,
+            SurfaceSettings::ProjectedGrid(options) => self.grid(&grid, options)?,
+            _ => {}
+        }
+        Ok(settings)
+    }
+
+    fn only_of(
+        &self,
+        table: &Field<'_, Value>,
+        of: SurfaceKind,
+        surface: SurfaceKind,
+    ) -> Result<(), SceneError> {
+        if !table.is_given() || of == surface {
+            return Ok(());
+        }
+        let advice = format!(
+            "this table is for surface = \"{}\"; leave it out, or write that below [earth]",
+            of.name()
+        );
+        Err(self.refuse(table, advice))
+    }
+
+    fn clipmap(
+        &self,
+        table: &Field<'_, Value>,
+        options: &mut ClipmapOptions,
+    ) -> Result<(), SceneError> {
+        for (key, value) in self.entries(table, CLIPMAP)? {
+            let must = match (key.as_str(), value) {
+                ("samples", Value::Integer(samples)) if CLIPMAP_SAMPLES.contains(samples) => {
+                    options.samples = *samples as u32;
+                    continue;
+                }
+                ("levels", Value::Integer(levels)) if CLIPMAP_LEVELS.contains(levels) => {
+                    options.levels = *levels as u32;
+                    continue;
+                }
+                ("trimming", Value::String(word)) if trim_of(word).is_some() => {
+                    options.trim = trim_of(word).unwrap_or_default();
+                    continue;
+                }
+                ("samples", _) => "samples along an edge of a level must be 65, 129 or 257".into(),
+                ("levels", _) => {
+                    let span = span_of(&CLIPMAP_LEVELS);
+                    format!("levels must be a whole number from {span}, besides the globe's")
+                }
+                ("trimming", _) => "trimming must be \"diamond\" or \"hexagon\"".into(),
+                (other, _) => {
+                    let other = printable(other);
+                    format!("a clipmap has samples, levels and trimming, not {other}")
+                }
+            };
+            return Err(self.refuse(table, format!("{must}; write them like {CLIPMAP}")));
+        }
+        Ok(())
+    }
+
+    fn grid(&self, table: &Field<'_, Value>, options: &mut GridOptions) -> Result<(), SceneError> {
+        for (key, value) in self.entries(table, GRID)? {
+            let must = match (key.as_str(), value) {
+                ("samples", Value::Array(sides)) if sides_of(sides).is_some() => {
+                    options.samples = sides_of(sides).unwrap_or(options.samples);
+                    continue;
+                }
+                ("on_gpu", Value::Boolean(on_gpu)) => {
+                    options.on_gpu = *on_gpu;
+                    continue;
+                }
+                ("samples", _) => {
+                    let span = span_of(&GRID_SAMPLES);
+                    format!("samples must be [across, down], whole numbers from {span}")
+                }
+                ("on_gpu", _) => "on_gpu must be true or false".into(),
+                (other, _) => {
+                    let other = printable(other);
+                    format!("a projected grid has samples and on_gpu, not {other}")
+                }
+            };
+            return Err(self.refuse(table, format!("{must}; write them like {GRID}")));
+        }
+        Ok(())
+    }
+
+    /// The keys of a table within a table; none where it is left out.
+    fn entries<'v>(
+        &self,
+        table: &Field<'v, Value>,
+        like: &str,
+    ) -> Result<impl Iterator<Item = (&'v String, &'v Value)>, SceneError> {
+        let entries = match table.given.map(Spanned::get_ref) {
+            None => None,
+            Some(Value::Table(entries)) => Some(entries),
+            Some(_) => return Err(self.refuse(table, format!("must be a table like {like}"))),
+        };
+        Ok(entries.into_iter().flatten())
+    }
+}
+
+const CLIPMAP: &str = "{ samples = 129, levels = 12, trimming = \"diamond\" }";
+const GRID: &str = "{ samples = [129, 129], on_gpu = true }";
+
+fn trim_of(word: &str) -> Option<Trim> {
+    let trims = [Trim::Diamond, Trim::Hexagon];
+    trims.into_iter().find(|trim| written(trim) == word)
+}
+
+fn sides_of(sides: &[Value]) -> Option<(u32, u32)> {
+    let side = |value: &Value| {
+        let side = value
+            .as_integer()
+            .filter(|side| GRID_SAMPLES.contains(side));
+        side.map(|side| side as u32)
+    };
+    match sides {
+        [across, down] => Some((side(across)?, side(down)?)),
+        _ => None,
+    }
+}
+
+/// The settings of a surface's own table as a scene writes them, by the table's key.
+pub(super) fn value(settings: &SurfaceSettings, key: &str) -> Result<String, &'static str> {
+    match (key, settings) {
+        ("clipmap", SurfaceSettings::Clipmap(options)) => Ok(format!(
+            "{{ samples = {}, levels = {}, trimming = \"{}\" }}",
+            options.samples,
+            options.levels,
+            written(&options.trim)
+        )),
+        ("projected_grid", SurfaceSettings::ProjectedGrid(options)) => Ok(format!(
+            "{{ samples = [{}, {}], on_gpu = {} }}",
+            options.samples.0, options.samples.1, options.on_gpu
+        )),
+        ("clipmap", _) => Err("for surface = \"clipmap\""),
+        _ => Err("for surface = \"projected-grid\""),
+    }
+}
