@@ -74,7 +74,10 @@ mod tests {
             assert!((1.2..3.2).contains(&ratio), "{step}: {ratio}");
         }
         for side in [0, 1, 2, 100] {
-            assert_eq!(fractal_heights_m(side, 1, 5.0, 0.5).len(), (side * side) as usize);
+            assert_eq!(
+                fractal_heights_m(side, 1, 5.0, 0.5).len(),
+                (side * side) as usize
+            );
         }
     }
 }

@@ -381,7 +381,8 @@ impl HeightGrid {
     pub fn sample_m(&self, column: u32, row: u32) -> f64 {
         let (columns, rows) = self.size();
         let (column, row) = (column.min(columns - 1), row.min(rows - 1));
-        self.samples.at_m(row as usize * columns as usize + column as usize)
+        self.samples
+            .at_m(row as usize * columns as usize + column as usize)
     }
 
     /// From the first to the last sample each way: half a spacing less than [`Self::bounds`] where samples are cells.

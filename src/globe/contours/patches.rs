@@ -90,6 +90,10 @@ pub struct PatchTree {
 /// Leaves, or corners, that a thread takes at a time.
 const PART_LEAVES: usize = 1 << 14;
 
+/// Most that a leaf takes while patches are built: itself twice, while the list of leaves grows, and five thirds of a corner,
+/// which is held twice when it is new. A corner has a place, an owner, a depth and whether it hangs: 14 bytes.
+const LEAF_BYTES: usize = 2 * size_of::<Leaf>() + (2 * size_of::<Corner>() + 14) * 5 / 3;
+
 /// Rounding of heights to ±10⁶ m through a dozen operations.
 const ROUNDING_M: f64 = 4e-9;
 
@@ -113,10 +117,9 @@ impl PatchTree {
             what: "a tree of patches",
             budget_bytes: options.budget_bytes,
         };
-        // Two tables of a u32 and one of a byte a sample; a leaf and its share of corners, once more while growing.
+        // Two tables of a u32 and one of a byte a sample.
         let left = options.budget_bytes.checked_sub(9 * samples).ok_or(over)?;
-        let a_leaf = size_of::<Leaf>() + size_of::<Corner>() + 14;
-        let most = (left / (2 * a_leaf as u64)).min(u64::from(NONE) / 2) as usize;
+        let most = (left / LEAF_BYTES as u64).min(u64::from(NONE) / 2) as usize;
         let fitting = Fitting {
             dem,
             // With contours: cut wherever they are.
@@ -194,10 +197,8 @@ impl PatchTree {
         let [columns, rows] = self.size.map(|n| n as usize);
         let at = |[i, j]: [u32; 2]| j as usize * columns + i as usize;
         // Leaves of one depth that begin at one place are one and the same.
-        self.leaves.sort_unstable_by_key(|leaf| {
-            let [w, _, s, _] = leaf.span.map(u64::from);
-            u64::from(leaf.depth) << 56 | w << 28 | s
-        });
+        self.leaves
+            .sort_unstable_by_key(|leaf| (leaf.depth, leaf.span[0], leaf.span[2]));
         // The leaf inside whose edge a sample lies, then the number of a corner.
         let mut owner = vec![NONE; columns * rows];
         let mut finest = vec![0u8; columns * rows];

@@ -207,9 +207,9 @@ fn every_number_of_threads_builds_the_same_patches() {
             for threads in [2, 3, 16] {
                 assert!(on(threads, 1 << 30).unwrap() == one, "{threads}");
             }
-            // A leaf counts 164 bytes.
-            let takes = 9 * dem.heights_m().len() as u64 + 164 * one.leaves.len() as u64;
-            for (budget, fits) in [(takes, true), (takes - 164, false)] {
+            // A leaf counts 202 bytes.
+            let takes = 9 * dem.heights_m().len() as u64 + 202 * one.leaves.len() as u64;
+            for (budget, fits) in [(takes, true), (takes - 202, false)] {
                 assert_eq!((on(1, budget).is_ok(), on(2, budget).is_ok()), (fits, fits));
             }
         }
