@@ -387,7 +387,10 @@ impl Fitting<'_> {
                     Some((spans, count)) => {
                         level.extend(spans[..count].iter().map(|span| (*span, depth + 1)));
                     }
-                    None => leaves.push(leaf_of(span, depth)),
+                    None => {
+                        leaves.push(leaf_of(span, depth));
+                        self.count.fetch_add(1, Ordering::Relaxed);
+                    }
                 }
             }
         }
