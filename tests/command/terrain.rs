@@ -208,6 +208,6 @@ fn bad_input_is_told_before_anything_is_built() {
         said.contains("globe.toml") && said.contains("in the way"),
         "{said}"
     );
-    let said = place.fail(1, &with(&["--memory", "1"]));
+    let said = place.fail(1, &["terrain", "--fractal", "513", "--memory", "1"]);
     assert!(said.contains("made-1") && said.contains("allow"), "{said}");
 }

@@ -18,9 +18,9 @@ pub struct MadeGround {
 
 /// Of a made ground, metres between posts.
 const MADE_SPACING_M: f64 = 90.0;
-/// Of a made ground: how far its first midpoints are moved, metres, and by how much less those of each halving: 2^-0.8, as
-/// rough as mountains.
-const MADE: (f64, f64) = (1_500.0, 0.574_349_177_498_517_5);
+/// Of a made ground: how far its last midpoints are moved, metres, and by how much less than those of the halving before: 2^-0.8,
+/// as rough as mountains. A larger one is more of the same ground: 1 500 m for 2049 posts.
+const MADE: (f64, f64) = (3.4, 0.574_349_177_498_517_5);
 
 /// A grid of heights, its rows from the north.
 #[derive(Clone, Debug)]
@@ -75,7 +75,10 @@ impl Field {
     /// A made ground, in whole metres as files mostly are.
     pub fn made(made: MadeGround) -> Self {
         let MadeGround { side, seed } = made;
-        let heights_m = fractal_heights_m(side, seed, MADE.0, MADE.1);
+        let (last_m, factor) = MADE;
+        let halvings = side.saturating_sub(1).max(1).ilog2();
+        let first_m = last_m / factor.powi(halvings as i32);
+        let heights_m = fractal_heights_m(side, seed, first_m, factor);
         Self {
             name: format!("made-{seed}"),
             columns: side,
