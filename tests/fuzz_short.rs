@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+#[path = "../fuzz/bodies/contour_cache.rs"]
+mod contour_cache;
 #[path = "../fuzz/bodies/earth_orientation.rs"]
 mod earth_orientation;
 #[path = "../fuzz/bodies/ephemeris.rs"]
@@ -15,6 +17,10 @@ mod live;
 mod manifest;
 #[path = "../fuzz/bodies/omm.rs"]
 mod omm;
+#[path = "../fuzz/bodies/patch_cache.rs"]
+mod patch_cache;
+#[path = "../fuzz/bodies/quadtree_cache.rs"]
+mod quadtree_cache;
 #[path = "../fuzz/bodies/scene.rs"]
 mod scene;
 #[cfg(feature = "terrain")]
@@ -45,6 +51,19 @@ const TARGETS: &[Target] = &[
         earth_orientation::run,
         30_000,
     ),
+    (
+        "quadtree_cache",
+        quadtree_cache::seeds,
+        quadtree_cache::run,
+        30_000,
+    ),
+    (
+        "contour_cache",
+        contour_cache::seeds,
+        contour_cache::run,
+        30_000,
+    ),
+    ("patch_cache", patch_cache::seeds, patch_cache::run, 30_000),
     #[cfg(feature = "pack-build")]
     ("source", source::seeds, source::run, 30_000),
     #[cfg(feature = "terrain")]
@@ -185,6 +204,21 @@ fn tables_of_the_earths_orientation() {
     run("earth_orientation");
 }
 
+#[test]
+fn kept_quadtrees() {
+    run("quadtree_cache");
+}
+
+#[test]
+fn kept_contours() {
+    run("contour_cache");
+}
+
+#[test]
+fn kept_patches() {
+    run("patch_cache");
+}
+
 /// The seeds are good inputs: a fuzzer that starts from refused ones would look at little.
 #[test]
 fn seeds_are_good() {
@@ -218,6 +252,17 @@ fn seeds_are_good() {
             read::read_heights(seed, sidecar, path, &GridLimits::default()).expect("good heights");
         }
     }
+    assert!(
+        quadtree_cache::seeds()
+            .iter()
+            .all(|s| quadtree_cache::is_good(s))
+    );
+    assert!(
+        contour_cache::seeds()
+            .iter()
+            .all(|s| contour_cache::is_good(s))
+    );
+    assert!(patch_cache::seeds().iter().all(|s| patch_cache::is_good(s)));
     for seed in scene::seeds() {
         terrella::scene::Scene::from_toml(&text(&seed), path).expect("a good scene");
     }

@@ -9,6 +9,7 @@ mod pack;
 mod play;
 mod progress;
 mod report;
+mod terrain;
 mod values;
 
 use clap::{Args, Parser, Subcommand};
@@ -68,6 +69,8 @@ enum Command {
     Doctor,
     /// Measure error against run time: a page with tables, charts and pictures
     Report(report::ReportArgs),
+    /// Measure quadtree, contours and patches over heights: what they save, their speed and storage
+    Terrain(terrain::TerrainArgs),
     /// Build imagery packs and look into them: maps larger than memory, cut into tiles
     Pack(pack::PackArgs),
 }
@@ -86,6 +89,7 @@ pub fn run() -> ExitCode {
         Command::Orbit(args) => orbit::run(args, common),
         Command::Doctor => doctor::run(common),
         Command::Report(args) => report::run(args, common),
+        Command::Terrain(args) => terrain::run(args, common),
         Command::Pack(args) => pack::run(args, common),
     };
     match done {

@@ -12,6 +12,7 @@
 //! | [`errors`] | how wrong a picture is: colours, places, silhouette |
 //! | [`mod@report`] | error against run time over a scene's settings: tables, charts, a page |
 //! | [`surfaces`] | surfaces with relief: error beside run time, holes, popping |
+//! | [`terrain`] | trees over heights on their own: what they save, build times, storage |
 //! | [`orbits`] | propagators: error beside run time |
 //! | `quantiles`, `pareto`, `chart`, `axis` | what is told of measurements |
 
@@ -30,6 +31,7 @@ pub mod report;
 mod rig;
 mod stations;
 pub mod surfaces;
+pub mod terrain;
 
 pub use chart::{Chart, ChartError, Point, Series};
 pub use floor::Floor;

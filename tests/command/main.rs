@@ -13,6 +13,7 @@ mod passes;
 mod pictures;
 mod reference;
 mod report;
+mod terrain;
 mod usage;
 mod video;
 #[cfg(target_os = "linux")]

@@ -372,6 +372,31 @@ impl HeightGrid {
         self.bounds
     }
 
+    /// Samples of a row, and rows. A last sample that repeats the first of its row behind a full turn is not kept.
+    pub fn size(&self) -> (u32, u32) {
+        (self.place.columns as u32, self.place.rows as u32)
+    }
+
+    /// A sample, metres: the first column is the western, the first row the northern. The nearest beyond the edge.
+    pub fn sample_m(&self, column: u32, row: u32) -> f64 {
+        let (columns, rows) = self.size();
+        let (column, row) = (column.min(columns - 1), row.min(rows - 1));
+        self.samples
+            .at_m(row as usize * columns as usize + column as usize)
+    }
+
+    /// From the first to the last sample each way: half a spacing less than [`Self::bounds`] where samples are cells.
+    pub fn sample_bounds(&self) -> Bounds {
+        let place = &self.place;
+        let tall_rad = (place.rows - 1) as f64 * place.lat_step_rad;
+        Bounds {
+            south_rad: place.north_rad - tall_rad,
+            north_rad: place.north_rad,
+            west_rad: place.west_rad,
+            width_rad: (place.columns - 1) as f64 * place.lon_step_rad,
+        }
+    }
+
     /// Angle between neighbouring samples, radians: along a column or along the row nearest to the equator, whichever is
     /// less.
     pub fn finest_spacing_rad(&self) -> f64 {

@@ -280,6 +280,15 @@ impl Dem {
     }
 }
 
+/// What one thread builds at a time has this many cells at most. Grids that are not larger are built in one part, and no
+/// thread is started for them.
+pub(super) const PART_CELLS: u64 = 1 << 16;
+
+/// Cells of a span; a way without width counts as one.
+pub(super) fn cells([west, east, south, north]: Span) -> u64 {
+    u64::from(east - west).max(1) * u64::from(north - south).max(1)
+}
+
 /// The halves of a span at its middle sample: one to four spans that share their edges, south-west first. A way that is
 /// one cell across is not cut; `None` if neither can be.
 ///

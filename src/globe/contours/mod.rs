@@ -9,17 +9,20 @@
 //!
 //! Everything is f64 about a local origin. [`Denoise`] takes out single wrong heights first, if asked.
 
+mod build;
 mod cast;
 mod dem;
 mod denoise;
 mod flat;
 mod hermite;
 mod joins;
+mod keep;
 mod patches;
 mod plane;
 pub mod qbernstein;
 mod store;
 mod surface;
+mod threads;
 mod tree;
 mod wide;
 
@@ -34,7 +37,7 @@ pub use hermite::{Corner, Net, cubic, evaluate, net, restrict};
 pub use joins::{Joins, evaluate_q};
 pub use patches::{DEGREE, Leaf, PatchError, PatchOptions, PatchTree, QPatch};
 pub use plane::{Contour, Support, eigen, fit, fit_points};
-pub use store::{Storage, StoreError, morton_leaves, source_hash};
+pub use store::{Storage, StoreError, morton_leaves};
 pub use surface::{ContourOptions, ContourSurface};
 pub use tree::{
     BudgetError, ContourTree, Node, TreeStats, corners_m, screen_error_px, world_error_m,

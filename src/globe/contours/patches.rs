@@ -1,10 +1,12 @@
 //! q-Bézier patches over a DEM: bicubic, G1 across every edge and every difference of levels, within a tolerance of the
 //! samples.
 
-use super::dem::{Dem, Span, quarters};
+use super::dem::{Dem, PART_CELLS, Span, cells, quarters};
 use super::hermite::{Corner, Net, cubic, estimate, net, restrict};
 use super::qbernstein::{QBasis, QError};
+use super::threads::in_parts;
 use super::tree::{BudgetError, ContourTree};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Degree of the patches each way.
 pub const DEGREE: usize = 3;
@@ -20,6 +22,8 @@ pub struct PatchOptions {
     pub q: [f64; 2],
     /// Most memory while building, bytes.
     pub budget_bytes: u64,
+    /// Threads that build, 1 or more. The patches are the same to the last bit.
+    pub threads: usize,
 }
 
 impl Default for PatchOptions {
@@ -28,6 +32,7 @@ impl Default for PatchOptions {
             tolerance_m: 5.0,
             q: [1.0, 1.0],
             budget_bytes: 1 << 30,
+            threads: 1,
         }
     }
 }
@@ -82,6 +87,13 @@ pub struct PatchTree {
     pub rounds: u32,
 }
 
+/// Leaves, or corners, that a thread takes at a time.
+const PART_LEAVES: usize = 1 << 14;
+
+/// Most that a leaf takes while patches are built: itself twice, while the list of leaves grows, and five thirds of a corner,
+/// which is held twice when it is new. A corner has a place, an owner, a depth and whether it hangs: 14 bytes.
+const LEAF_BYTES: usize = 2 * size_of::<Leaf>() + (2 * size_of::<Corner>() + 14) * 5 / 3;
+
 /// Rounding of heights to ±10⁶ m through a dozen operations.
 const ROUNDING_M: f64 = 4e-9;
 
@@ -95,76 +107,37 @@ impl PatchTree {
         options: &PatchOptions,
         progress: &mut dyn FnMut(f32),
     ) -> Result<Self, PatchError> {
-        let bases = [
-            QBasis::new(DEGREE, options.q[0])?,
-            QBasis::new(DEGREE, options.q[1])?,
-        ];
+        // Refused before any work.
+        options
+            .q
+            .iter()
+            .try_for_each(|q| QBasis::new(DEGREE, *q).map(drop))?;
         let samples = dem.heights_m().len() as u64;
         let over = BudgetError {
             what: "a tree of patches",
             budget_bytes: options.budget_bytes,
         };
-        // Two tables of a u32 and one of a byte a sample; a leaf and its share of corners, once more while growing.
+        // Two tables of a u32 and one of a byte a sample.
         let left = options.budget_bytes.checked_sub(9 * samples).ok_or(over)?;
-        let a_leaf = size_of::<Leaf>() + size_of::<Corner>() + 9;
-        let most = (left / (2 * a_leaf as u64)).min(u64::from(NONE) - 1) as usize;
-        let tolerance_m = options.tolerance_m.max(0.0) + ROUNDING_M;
-        let mut open: Vec<(Span, u8)> = vec![(dem.span(), 0)];
-        let mut leaves = Vec::new();
-        let cells = |[w, e, s, n]: Span| u64::from(e - w).max(1) * u64::from(n - s).max(1);
-        let (all, mut done, mut told) = (cells(dem.span()), 0, 0.0f32);
-        // With contours: cut wherever they are.
-        let mut inner: Vec<Span> = contours.map_or(Vec::new(), |tree| {
-            let nodes = tree.nodes.iter().filter(|node| node.children > 0);
-            nodes.map(|node| node.span).collect()
-        });
-        inner.sort_unstable();
-        while let Some((span, depth)) = open.pop() {
-            let corners = places(span).map(|[i, j]| free(dem, i, j, depth));
-            let good = inner.binary_search(&span).is_err()
-                && distance_m(dem, span, &corners, tolerance_m).is_some();
-            if let Some((spans, count)) = quarters(span).filter(|_| !good) {
-                open.extend(spans[..count].iter().map(|span| (*span, depth + 1)));
-            } else {
-                leaves.push(Leaf {
-                    span,
-                    depth,
-                    corners: [NONE; 4],
-                });
-                if leaves.len() > most {
-                    return Err(over.into());
-                }
-                done += cells(span);
-                let part = 0.7 * done as f32 / all as f32;
-                if part > told + 0.01 {
-                    told = part;
-                    progress(part);
-                }
-            }
-        }
-        let mut tree = Self {
-            leaves,
-            corners: Vec::new(),
-            hangs: Vec::new(),
-            places: Vec::new(),
-            bases,
-            size: [dem.columns(), dem.rows()],
-            error_m: 0.0,
-            rounds: 0,
+        let most = (left / LEAF_BYTES as u64).min(u64::from(NONE) / 2) as usize;
+        let fitting = Fitting {
+            dem,
+            // With contours: cut wherever they are.
+            inner: contours.map_or(Vec::new(), inner),
+            tolerance_m: options.tolerance_m.max(0.0) + ROUNDING_M,
+            threads: options.threads,
+            count: AtomicUsize::new(0),
+            most,
         };
+        let mut tree = Self::of_leaves(
+            fitting.leaves(progress).ok_or(over)?,
+            [dem.columns(), dem.rows()],
+            options.q,
+        )?;
         loop {
-            tree.settle(dem);
-            let mut cut = Vec::new();
-            tree.error_m = 0.0;
-            for (k, leaf) in tree.leaves.iter().enumerate() {
-                let corners = leaf.corners.map(|c| tree.corners[c as usize]);
-                match distance_m(dem, leaf.span, &corners, tolerance_m) {
-                    Some(off) => tree.error_m = tree.error_m.max(off),
-                    None if quarters(leaf.span).is_some() => cut.push(k),
-                    // A single cell off by more lies on a coarser patch's edge that is off too, and cut now.
-                    None => (),
-                }
-            }
+            tree.settle(dem, options.threads);
+            let (error_m, cut) = fitting.check(&tree);
+            tree.error_m = error_m;
             if cut.is_empty() {
                 break;
             }
@@ -173,11 +146,7 @@ impl PatchTree {
             for k in cut {
                 let leaf = tree.leaves[k];
                 if let Some((spans, count)) = quarters(leaf.span) {
-                    let child = |span| Leaf {
-                        span,
-                        depth: leaf.depth + 1,
-                        ..leaf
-                    };
+                    let child = |span| leaf_of(span, leaf.depth + 1);
                     tree.leaves[k] = child(spans[0]);
                     tree.leaves
                         .extend(spans[1..count].iter().map(|s| child(*s)));
@@ -192,18 +161,44 @@ impl PatchTree {
     }
 
     /// Gives all leaves their corners: free ones from the samples, hanging ones from the coarser edge.
-    fn settle(&mut self, dem: &Dem) {
-        self.resettle(&mut |i, j, depth| free(dem, i, j, depth));
+    fn settle(&mut self, dem: &Dem, threads: usize) {
+        let (owners, depths) = self.number();
+        let all = &self.places;
+        let parts = in_parts(
+            threads,
+            owners.len().div_ceil(PART_LEAVES),
+            |part| {
+                let from = part * PART_LEAVES;
+                let to = owners.len().min(from + PART_LEAVES);
+                let corner = |k: usize| match owners[k] {
+                    NONE => free(dem, all[k][0], all[k][1], depths[k]),
+                    _ => Corner::default(),
+                };
+                (from..to).map(corner).collect::<Vec<_>>()
+            },
+            &mut |_| (),
+        );
+        let mut free = parts.into_iter().flatten();
+        self.set_corners(&owners, |_| free.next().unwrap_or_default());
     }
 
     /// The same with free corners from elsewhere, asked for in an order that depends on the leaves alone.
-    pub(super) fn resettle(&mut self, free: &mut dyn FnMut(u32, u32, u8) -> Corner) {
+    pub(super) fn resettle(&mut self, free: &mut dyn FnMut() -> Corner) {
+        let (owners, _) = self.number();
+        self.set_corners(&owners, |owner| match owner {
+            NONE => free(),
+            _ => Corner::default(),
+        });
+    }
+
+    /// Puts leaves in order and numbers their corners. Answers of each corner the leaf inside whose edge it lies, and the depth
+    /// of the finest leaf about it.
+    fn number(&mut self) -> (Vec<u32>, Vec<u8>) {
         let [columns, rows] = self.size.map(|n| n as usize);
         let at = |[i, j]: [u32; 2]| j as usize * columns + i as usize;
-        self.leaves.sort_by_key(|leaf| (leaf.depth, leaf.span));
-        self.corners.clear();
-        self.hangs.clear();
-        self.places.clear();
+        // Leaves of one depth that begin at one place are one and the same.
+        self.leaves
+            .sort_unstable_by_key(|leaf| (leaf.depth, leaf.span[0], leaf.span[2]));
         // The leaf inside whose edge a sample lies, then the number of a corner.
         let mut owner = vec![NONE; columns * rows];
         let mut finest = vec![0u8; columns * rows];
@@ -222,22 +217,38 @@ impl PatchTree {
                 *depth = (*depth).max(leaf.depth);
             }
         }
+        // Four of the first leaf; a cut that makes three leaves more makes five corners more at most.
+        let most = (4 + self.leaves.len() * 5 / 3).min(columns * rows);
+        let (mut owners, mut depths) = (Vec::with_capacity(most), Vec::with_capacity(most));
+        self.places = Vec::with_capacity(most);
         let mut number = vec![NONE; columns * rows];
-        for k in 0..self.leaves.len() {
-            for (c, place) in places(self.leaves[k].span).into_iter().enumerate() {
+        for leaf in &mut self.leaves {
+            for (place, corner) in places(leaf.span).into_iter().zip(&mut leaf.corners) {
                 let index = at(place);
                 if number[index] == NONE {
-                    number[index] = self.corners.len() as u32;
-                    let corner = match owner[index] {
-                        NONE => free(place[0], place[1], finest[index]),
-                        owner => self.hanging(owner, place),
-                    };
-                    self.corners.push(corner);
-                    self.hangs.push(owner[index] != NONE);
+                    number[index] = self.places.len() as u32;
                     self.places.push(place);
+                    owners.push(owner[index]);
+                    depths.push(finest[index]);
                 }
-                self.leaves[k].corners[c] = number[index];
+                *corner = number[index];
             }
+        }
+        (owners, depths)
+    }
+
+    /// Sets all corners, in the order of their numbers: free ones as `next` says, hanging ones by their owners, whose corners
+    /// have smaller numbers.
+    fn set_corners(&mut self, owners: &[u32], mut next: impl FnMut(u32) -> Corner) {
+        self.corners = Vec::with_capacity(owners.len());
+        self.hangs = owners.iter().map(|owner| *owner != NONE).collect();
+        for (k, owner) in owners.iter().enumerate() {
+            let given = next(*owner);
+            let corner = match *owner {
+                NONE => given,
+                owner => self.hanging(owner, self.places[k]),
+            };
+            self.corners.push(corner);
         }
     }
 
@@ -339,6 +350,140 @@ fn free(dem: &Dem, i: u32, j: u32, depth: u8) -> Corner {
     let steps = |x: [i64; 3]| [(x[1] - x[0]) as f64, (x[2] - x[1]) as f64];
     let heights = y.map(|j| x.map(|i| dem.height_m(i, j)));
     estimate(&heights, steps(x), steps(y)).map(|x| f64::from(x as f32))
+}
+
+/// Cuts spans until their patches fit.
+struct Fitting<'a> {
+    dem: &'a Dem,
+    /// Spans that are cut whatever their patch, in order.
+    inner: Vec<Span>,
+    tolerance_m: f64,
+    threads: usize,
+    /// Leaves so far, of all parts.
+    count: AtomicUsize,
+    most: usize,
+}
+
+impl Fitting<'_> {
+    /// The leaves, by free corners alone; `None` if they are too many. `progress` hears 0…0.7.
+    fn leaves(&self, progress: &mut dyn FnMut(f32)) -> Option<Vec<Leaf>> {
+        // Coarse spans level by level, until they are small enough to be parts.
+        let (mut leaves, mut parts) = (Vec::new(), Vec::new());
+        let mut level = vec![(self.dem.span(), 0)];
+        while !level.is_empty() {
+            let (small, large): (Vec<_>, Vec<_>) = level
+                .into_iter()
+                .partition(|(span, _)| cells(*span) <= PART_CELLS);
+            parts.extend(small);
+            let cuts = in_parts(
+                self.threads,
+                large.len(),
+                |k| self.cut(large[k].0, large[k].1),
+                &mut |_| (),
+            );
+            level = Vec::new();
+            for ((span, depth), cut) in large.into_iter().zip(cuts) {
+                match cut {
+                    Some((spans, count)) => {
+                        level.extend(spans[..count].iter().map(|span| (*span, depth + 1)));
+                    }
+                    None => {
+                        leaves.push(leaf_of(span, depth));
+                        self.count.fetch_add(1, Ordering::Relaxed);
+                    }
+                }
+            }
+        }
+        let all = cells(self.dem.span());
+        let mut done = leaves.iter().map(|leaf| cells(leaf.span)).sum::<u64>();
+        let found = in_parts(
+            self.threads,
+            parts.len(),
+            |k| self.part(parts[k]),
+            &mut |k| {
+                done += cells(parts[k].0);
+                progress(0.7 * done as f32 / all as f32);
+            },
+        );
+        if found.iter().any(Option::is_none) || self.count.load(Ordering::Relaxed) > self.most {
+            return None;
+        }
+        leaves.reserve_exact(self.count.load(Ordering::Relaxed));
+        for part in found.into_iter().flatten() {
+            leaves.extend(part);
+        }
+        Some(leaves)
+    }
+
+    /// The leaves of a span; `None` once there are too many.
+    fn part(&self, whole: (Span, u8)) -> Option<Vec<Leaf>> {
+        let (mut open, mut leaves) = (vec![whole], Vec::new());
+        while let Some((span, depth)) = open.pop() {
+            if let Some((spans, count)) = self.cut(span, depth) {
+                open.extend(spans[..count].iter().map(|span| (*span, depth + 1)));
+                continue;
+            }
+            leaves.push(leaf_of(span, depth));
+            if self.count.fetch_add(1, Ordering::Relaxed) >= self.most {
+                return None;
+            }
+        }
+        leaves.shrink_to_fit();
+        Some(leaves)
+    }
+
+    /// The quarters of a span whose patch is beyond the tolerance.
+    fn cut(&self, span: Span, depth: u8) -> Option<([Span; 4], usize)> {
+        let spans = quarters(span)?;
+        let must = self.inner.binary_search(&span).is_ok();
+        let fits = || {
+            let corners = places(span).map(|[i, j]| free(self.dem, i, j, depth));
+            distance_m(self.dem, span, &corners, self.tolerance_m).is_some()
+        };
+        (must || !fits()).then_some(spans)
+    }
+
+    /// The largest error of the settled leaves that fit, metres, and those that do not and can be cut.
+    fn check(&self, tree: &PatchTree) -> (f64, Vec<usize>) {
+        let parts = in_parts(
+            self.threads,
+            tree.leaves.len().div_ceil(PART_LEAVES),
+            |part| {
+                let from = part * PART_LEAVES;
+                let to = tree.leaves.len().min(from + PART_LEAVES);
+                let (mut error_m, mut cut) = (0.0f64, Vec::new());
+                for (k, leaf) in (from..to).zip(&tree.leaves[from..to]) {
+                    let corners = leaf.corners.map(|c| tree.corners[c as usize]);
+                    match distance_m(self.dem, leaf.span, &corners, self.tolerance_m) {
+                        Some(off) => error_m = error_m.max(off),
+                        None if quarters(leaf.span).is_some() => cut.push(k),
+                        // A single cell off by more lies on a coarser patch's edge that is off too, and cut now.
+                        None => (),
+                    }
+                }
+                (error_m, cut)
+            },
+            &mut |_| (),
+        );
+        let error_m = parts.iter().map(|part| part.0).fold(0.0, f64::max);
+        (error_m, parts.into_iter().flat_map(|part| part.1).collect())
+    }
+}
+
+fn leaf_of(span: Span, depth: u8) -> Leaf {
+    Leaf {
+        span,
+        depth,
+        corners: [NONE; 4],
+    }
+}
+
+/// Spans that contours are cut at, in order.
+fn inner(contours: &ContourTree) -> Vec<Span> {
+    let nodes = contours.nodes.iter().filter(|node| node.children > 0);
+    let mut spans: Vec<Span> = nodes.map(|node| node.span).collect();
+    spans.sort_unstable();
+    spans
 }
 
 /// Largest distance of a patch from its samples; `None` as soon as one is beyond the tolerance.

@@ -38,11 +38,29 @@ impl Contour {
         self.high_m - self.low_m
     }
 
+    /// The same plane with contours that hold these points.
+    pub(super) fn over(self, points_m: impl Iterator<Item = DVec3>) -> Self {
+        let (mut low_m, mut high_m) = (0.0f64, 0.0f64);
+        for p in points_m {
+            let d = self.normal.dot(p - self.at_m);
+            low_m = low_m.min(d);
+            high_m = high_m.max(d);
+        }
+        Self {
+            low_m,
+            high_m,
+            ..self
+        }
+    }
+
     /// Signed distance of a point from the plane halfway between the contours, metres.
     pub fn distance_m(&self, point_m: DVec3) -> f64 {
         self.normal.dot(point_m - self.at_m) - 0.5 * (self.low_m + self.high_m)
     }
 }
+
+/// Of the square of a geometric mean: the square of a tenth of the rounding of f64.
+const NEGLIGIBLE: f64 = 1e-2 * f64::EPSILON * f64::EPSILON;
 
 /// Eigenvalues of a symmetric matrix, smallest first, and their unit eigenvectors, by cyclic Jacobi rotations.
 /// Entries that are not finite give finite vectors without meaning.
@@ -56,17 +74,21 @@ pub fn eigen(symmetric: DMat3) -> ([f64; 3], [DVec3; 3]) {
             break;
         }
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            if a[p][q] == 0.0 {
+            // What is below rounding beside both of its diagonals turns neither of their vectors.
+            if a[p][q] * a[p][q] <= NEGLIGIBLE * (a[p][p] * a[q][q]).abs() {
+                a[p][q] = 0.0;
+                a[q][p] = 0.0;
                 continue;
             }
             // t = tan of the angle, the smaller root of t² + 2θt = 1.
             let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+            // Beyond 10¹⁵⁴ the square is infinite and t = 0: what is left out is below any rounding.
             let t = if theta.is_finite() {
-                1.0f64.copysign(theta) / (theta.abs() + theta.hypot(1.0))
+                1.0f64.copysign(theta) / (theta.abs() + (theta * theta + 1.0).sqrt())
             } else {
                 0.0
             };
-            let c = 1.0 / t.hypot(1.0);
+            let c = 1.0 / (t * t + 1.0).sqrt();
             let s = t * c;
             let r = 3 - p - q;
             let (arp, arq, apq) = (a[r][p], a[r][q], a[p][q]);
@@ -94,37 +116,30 @@ pub fn eigen(symmetric: DMat3) -> ([f64; 3], [DVec3; 3]) {
 /// Below this part of the largest eigenvalue an eigenvalue is rounding, not extent: squares of 1e-7 of the size.
 const ROUNDING: f64 = 1e-14;
 
-/// Fits a plane to points that `each` hands over, in metres from a local origin, and measures its contours. It is called
-/// three times and must hand over the same points. `up` is a unit vector; it decides where points do not.
-pub fn fit(up: DVec3, each: impl Fn(&mut dyn FnMut(DVec3))) -> Contour {
-    let (mut count, mut first, mut sum) = (0u64, DVec3::ZERO, DVec3::ZERO);
-    each(&mut |p| {
-        if count == 0 {
-            first = p;
-        }
+/// Fits a plane to points, in metres from a local origin, and measures its contours. `up` is a unit vector; it decides where
+/// points do not.
+pub fn fit(up: DVec3, points_m: impl Iterator<Item = DVec3> + Clone) -> Contour {
+    let first = points_m.clone().next().unwrap_or_default();
+    let (mut count, mut sum) = (0u64, DVec3::ZERO);
+    for p in points_m.clone() {
         count += 1;
         sum += p - first;
-    });
+    }
     let center = first + sum / count.max(1) as f64;
     let mut m = DMat3::ZERO;
-    each(&mut |p| {
+    for p in points_m.clone() {
         let d = p - center;
         m += DMat3::from_cols(d * d.x, d * d.y, d * d.z);
-    });
+    }
     let (normal, support) = normal_of(m, center, count, up);
-    let (mut low_m, mut high_m) = (0.0f64, 0.0f64);
-    each(&mut |p| {
-        let d = normal.dot(p - center);
-        low_m = low_m.min(d);
-        high_m = high_m.max(d);
-    });
-    Contour {
+    let contour = Contour {
         normal,
         at_m: center,
-        low_m,
-        high_m,
+        low_m: 0.0,
+        high_m: 0.0,
         support,
-    }
+    };
+    contour.over(points_m)
 }
 
 fn normal_of(m: DMat3, center: DVec3, count: u64, up: DVec3) -> (DVec3, Support) {
@@ -155,7 +170,7 @@ fn normal_of(m: DMat3, center: DVec3, count: u64, up: DVec3) -> (DVec3, Support)
 
 /// [`fit`] for points in a slice.
 pub fn fit_points(up: DVec3, points_m: &[DVec3]) -> Contour {
-    fit(up, |take| points_m.iter().for_each(|p| take(*p)))
+    fit(up, points_m.iter().copied())
 }
 
 #[cfg(test)]

@@ -8,32 +8,33 @@
 use super::dem::{Dem, MOST_SAMPLES, Span, quarters};
 use super::patches::{Leaf, PatchOptions, PatchTree};
 use super::qbernstein::QError;
+use super::tree::TreeStats;
 
 const MAGIC: &[u8; 8] = b"TERRQBEZ";
 const VERSION: u32 = 1;
 const HEADER: usize = 8 + 5 * 4 + 3 * 8 + 32;
 const HASH: usize = 32;
 
-/// Bytes that are no patches.
+/// Bytes that are no patches, or no contours.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StoreError {
     /// Not this format, or another version of it.
-    #[error("the patch cache is not in this format (version 1); delete it and build it again")]
+    #[error("it is not in this format (version 1); build it again")]
     Format,
     /// The checksum does not fit.
-    #[error("the patch cache is damaged: its checksum does not fit; delete it and build it again")]
+    #[error("it is damaged: its checksum does not fit; build it again")]
     Checksum,
     /// Made from other heights or options.
-    #[error("the patch cache was made from other heights or options; build it again")]
+    #[error("it was made from other heights or options; build it again")]
     Stale,
     /// A number that cannot be.
-    #[error("the patch cache says {what}, which cannot be; delete it and build it again")]
+    #[error("it says {what}, which cannot be; build it again")]
     Content {
         /// Which.
         what: &'static str,
     },
     /// Larger than allowed.
-    #[error("the patch cache needs {bytes} bytes of memory; {budget} are allowed")]
+    #[error("it needs {bytes} bytes of memory; {budget} are allowed; allow more")]
     Budget {
         /// Needed.
         bytes: u64,
@@ -45,21 +46,21 @@ pub enum StoreError {
     Basis(#[from] QError),
 }
 
-/// Which heights and options patches were made from.
-pub fn source_hash(dem: &Dem, options: &PatchOptions, over_contours: bool) -> [u8; 32] {
-    let mut hash = blake3::Hasher::new();
-    hash.update(&dem.columns().to_le_bytes());
-    hash.update(&options.tolerance_m.to_le_bytes());
-    hash.update(&[u8::from(over_contours)]);
-    options.q.iter().for_each(|q| {
-        hash.update(&q.to_le_bytes());
-    });
-    hash.update(bytemuck::cast_slice(dem.heights_m()));
-    *hash.finalize().as_bytes()
-}
-
 impl PatchTree {
-    /// The bytes to keep. `source` is what [`source_hash`] said.
+    /// Which heights and options patches are made from.
+    pub fn source(dem: &Dem, options: &PatchOptions, over_contours: bool) -> [u8; 32] {
+        let mut hash = blake3::Hasher::new();
+        hash.update(&dem.columns().to_le_bytes());
+        hash.update(&options.tolerance_m.to_le_bytes());
+        hash.update(&[u8::from(over_contours)]);
+        options.q.iter().for_each(|q| {
+            hash.update(&q.to_le_bytes());
+        });
+        hash.update(bytemuck::cast_slice(dem.heights_m()));
+        *hash.finalize().as_bytes()
+    }
+
+    /// The bytes to keep. `source` is what [`Self::source`] said.
     pub fn to_bytes(&self, source: &[u8; 32]) -> Vec<u8> {
         let free = self.hangs.iter().filter(|hangs| !**hangs).count();
         let mut out = Vec::with_capacity(HEADER + self.leaves.len() / 4 + 16 * free + HASH);
@@ -194,7 +195,7 @@ impl PatchTree {
         let mut tree = Self::of_leaves(found, size, [real(28), real(36)])?;
         tree.error_m = error_m;
         let mut bad = false;
-        tree.resettle(&mut |_, _, _| {
+        tree.resettle(&mut || {
             std::array::from_fn(|_| match values.next() {
                 Some(x) if x.is_finite() => x,
                 _ => {
@@ -230,20 +231,14 @@ pub struct Storage {
 }
 
 impl Storage {
-    /// Counts what a grid takes. Contours and patches are those of the same tolerance.
-    pub fn count(
-        dem: &Dem,
-        tolerance_m: f64,
-        contours: &super::ContourTree,
-        patches: &PatchTree,
-    ) -> Self {
+    /// Counts what a grid takes with contours and patches of the same tolerance; of the latter, their bytes as kept.
+    pub fn count(dem: &Dem, tolerance_m: f64, contours: &TreeStats, patch_bytes: u64) -> Self {
         let leaves = morton_leaves(dem, tolerance_m);
-        let stats = contours.stats();
         Self {
             raw: 2 * dem.heights_m().len() as u64,
             morton: 2 * leaves + (4 * leaves).div_ceil(3).div_ceil(8),
-            contours: 12 * stats.leaves + stats.nodes.div_ceil(8),
-            patches: patches.to_bytes(&[0; 32]).len() as u64,
+            contours: 12 * contours.leaves + contours.nodes.div_ceil(8),
+            patches: patch_bytes,
         }
     }
 }
@@ -283,7 +278,7 @@ mod tests {
             ..PatchOptions::default()
         };
         let tree = PatchTree::build(&dem, None, &options, &mut |_| ()).unwrap();
-        (tree, source_hash(&dem, &options, false))
+        (tree, PatchTree::source(&dem, &options, false))
     }
 
     #[test]

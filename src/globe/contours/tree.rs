@@ -1,7 +1,7 @@
 //! The quadtree of contours over a DEM of any size.
 
-use super::dem::{Dem, Half, Span, quarters};
-use super::plane::{Contour, Support, fit};
+use super::dem::{Half, Span};
+use super::plane::Contour;
 use glam::{DMat4, DVec3};
 
 /// A tree that would not fit into its budget.
@@ -46,7 +46,7 @@ pub struct Node {
     pub first: u32,
     /// How many.
     pub children: u32,
-    parent: u32,
+    pub(super) parent: u32,
 }
 
 /// What a tree holds.
@@ -75,139 +75,13 @@ pub struct ContourTree {
     pub nodes: Vec<Node>,
     /// What its slabs were held against, metres.
     pub tolerance_m: f64,
-    stats: TreeStats,
+    pub(super) stats: TreeStats,
 }
 
-/// Below this cosine to the vertical a plane is no ground: over a column it would rise a thousandfold.
-const LEAST_COSINE: f64 = 1e-3;
-
 impl ContourTree {
-    /// Builds the tree: a span is cut in quarters until its slab is not thicker than the tolerance (0: until single
-    /// cells, unless flat to 10 μm). `progress` hears 0…1.
-    pub fn build(
-        dem: &Dem,
-        tolerance_m: f64,
-        budget_bytes: u64,
-        progress: &mut dyn FnMut(f32),
-    ) -> Result<Self, BudgetError> {
-        let most = (budget_bytes / size_of::<Node>() as u64).min(u64::from(u32::MAX)) as usize;
-        let mut stats = TreeStats::default();
-        let mut nodes = vec![Self::node(dem, dem.span(), 0, &mut stats)];
-        let (mut next, mut done, mut told) = (0, 0u64, 0.0);
-        let cells = |[w, e, s, n]: Span| u64::from(e - w).max(1) * u64::from(n - s).max(1);
-        let all = cells(dem.span());
-        while next < nodes.len() {
-            let node = nodes[next];
-            let thick = node.contour.thickness_m();
-            let quarters = quarters(node.span).filter(|_| thick > tolerance_m.max(1e-5));
-            if let Some((spans, count)) = quarters {
-                if nodes.len() + count > most {
-                    return Err(BudgetError {
-                        what: "a tree of contours",
-                        budget_bytes,
-                    });
-                }
-                nodes[next].first = nodes.len() as u32;
-                nodes[next].children = count as u32;
-                for span in &spans[..count] {
-                    let child = Self::node(dem, *span, next as u32, &mut stats);
-                    nodes.push(child);
-                }
-            } else {
-                stats.leaves += 1;
-                stats.thickest_m = stats.thickest_m.max(thick);
-                stats.over += u64::from(thick > tolerance_m.max(1e-5));
-                done += cells(node.span);
-                let part = done as f32 / all as f32;
-                if part > told + 0.01 {
-                    told = part;
-                    progress(part);
-                }
-            }
-            next += 1;
-        }
-        Self::raise_ceilings(dem, &mut nodes);
-        let mut last = nodes.len() - 1;
-        while last > 0 {
-            last = nodes[last].parent as usize;
-            stats.depth += 1;
-        }
-        stats.nodes = nodes.len() as u64;
-        stats.bytes = stats.nodes * size_of::<Node>() as u64;
-        progress(1.0);
-        Ok(Self {
-            nodes,
-            tolerance_m,
-            stats,
-        })
-    }
-
     /// What it holds.
     pub fn stats(&self) -> TreeStats {
         self.stats
-    }
-
-    fn node(dem: &Dem, span: Span, parent: u32, stats: &mut TreeStats) -> Node {
-        let [west, east, south, north] = span;
-        let each = |take: &mut dyn FnMut(DVec3)| {
-            for j in south..=north {
-                for i in west..=east {
-                    take(dem.point_m(i, j));
-                }
-            }
-        };
-        let mut contour = fit(dem.up(), each);
-        let mut radius_m = 0.0f64;
-        if contour.normal.dot(dem.up()) < LEAST_COSINE {
-            stats.upright += 1;
-            contour = Contour {
-                normal: dem.up(),
-                support: Support::Point,
-                low_m: 0.0,
-                high_m: 0.0,
-                ..contour
-            };
-            each(&mut |p| {
-                let d = contour.normal.dot(p - contour.at_m);
-                contour.low_m = contour.low_m.min(d);
-                contour.high_m = contour.high_m.max(d);
-            });
-        }
-        for (i, j) in [(west, south), (east, south), (west, north), (east, north)] {
-            for height in [dem.range_m().low_m, dem.range_m().high_m] {
-                let along = dem.lifted_m(i, j, height) - contour.at_m;
-                radius_m = radius_m.max(along.length());
-            }
-        }
-        Node {
-            contour,
-            ceiling_m: contour.high_m,
-            radius_m,
-            span,
-            first: 0,
-            children: 0,
-            parent,
-        }
-    }
-
-    /// Lets each ceiling hold the drawn quadrilaterals of the node and of all below it.
-    fn raise_ceilings(dem: &Dem, nodes: &mut [Node]) {
-        for k in 0..nodes.len() {
-            let corners = corners_m(&dem.column(nodes[k].span), &nodes[k].contour);
-            let mut at = k;
-            loop {
-                let node = &mut nodes[at];
-                for corner in corners {
-                    let d = node.contour.normal.dot(corner - node.contour.at_m);
-                    // A hair more than rounding.
-                    node.ceiling_m = node.ceiling_m.max(d + 1e-6);
-                }
-                if at == 0 {
-                    break;
-                }
-                at = node.parent as usize;
-            }
-        }
     }
 
     /// The nodes to draw for a view, coarse ones where their slab is thinner than `pixels` at their nearest: those whose

@@ -1,12 +1,14 @@
 //! A tree as bytes, for a file beside its data.
 
 use super::order::Order;
-use super::tree::{ABSENT, CELLS, LEAF, MOST_POSTS, Tree, TreeError, TreeNode, levels};
+use super::tree::{
+    ABSENT, CELLS, LEAF, MOST_POSTS, Tree, TreeError, TreeNode, TreeOptions, levels,
+};
 
 /// What the bytes begin with; the last two are the version.
-const MAGIC: [u8; 16] = *b"terrella tree 01";
-/// Magic, columns, rows, spacing, order, nodes.
-const HEADER: usize = 16 + 4 + 4 + 8 + 4 + 4;
+const MAGIC: [u8; 16] = *b"terrella tree 02";
+/// Magic, source, columns, rows, spacing, order, nodes.
+const HEADER: usize = 16 + 32 + 4 + 4 + 8 + 4 + 4;
 /// BLAKE3 of all before it.
 const CHECKSUM: usize = 32;
 
@@ -29,11 +31,29 @@ fn take_f32(bytes: &mut &[u8]) -> Result<f32, TreeError> {
 }
 
 impl Tree {
-    /// All of the tree, little-endian, with its version and a BLAKE3 checksum.
-    pub fn to_bytes(&self) -> Vec<u8> {
+    /// Which heights and options a tree is made from.
+    pub fn source(
+        (columns, rows): (usize, usize),
+        heights_m: &[f32],
+        spacing_m: f64,
+        options: &TreeOptions,
+    ) -> [u8; 32] {
+        let mut hash = blake3::Hasher::new();
+        for side in [columns, rows] {
+            hash.update(&(side as u64).to_le_bytes());
+        }
+        hash.update(&spacing_m.to_le_bytes());
+        hash.update(&[options.merge as u8, options.order as u8]);
+        hash.update(bytemuck::cast_slice(heights_m));
+        *hash.finalize().as_bytes()
+    }
+
+    /// All of the tree, little-endian, with its version and a BLAKE3 checksum. `source` is what [`Self::source`] said.
+    pub fn to_bytes(&self, source: &[u8; 32]) -> Vec<u8> {
         let node_bytes = size_of::<TreeNode>() * self.nodes.len();
         let mut out = Vec::with_capacity(HEADER + 4 * self.heights_m.len() + node_bytes + CHECKSUM);
         out.extend(MAGIC);
+        out.extend(source);
         out.extend((self.columns as u32).to_le_bytes());
         out.extend((self.rows as u32).to_le_bytes());
         out.extend(self.spacing_m.to_le_bytes());
@@ -59,8 +79,13 @@ impl Tree {
     /// The tree that [`Self::to_bytes`] wrote, if it takes at most `most_bytes`.
     ///
     /// # Errors
-    /// Bytes of another version, too few, too many, damaged, or that describe no tree; a tree above the budget.
-    pub fn from_bytes(bytes: &[u8], most_bytes: usize) -> Result<Self, TreeError> {
+    /// Bytes of another version, too few, too many, damaged, or that describe no tree; a tree of another source or above
+    /// the budget.
+    pub fn from_bytes(
+        bytes: &[u8],
+        source: &[u8; 32],
+        most_bytes: usize,
+    ) -> Result<Self, TreeError> {
         if bytes.len() > most_bytes.saturating_add(HEADER + CHECKSUM) {
             return Err(TreeError::TooLarge {
                 needed: bytes.len(),
@@ -78,6 +103,9 @@ impl Tree {
         if *blake3::hash(&bytes[..body]).as_bytes() != bytes[body..] {
             return Err(TreeError::Bytes("the checksum is another one"));
         }
+        if take(rest, source.len())? != source {
+            return Err(TreeError::Stale);
+        }
         let (columns, rows) = (take_u32(rest)? as usize, take_u32(rest)? as usize);
         let spacing_m =
             f64::from_bits(u64::from(take_u32(rest)?) | u64::from(take_u32(rest)?) << 32);
@@ -88,9 +116,12 @@ impl Tree {
         let is_sound = (1..=MOST_POSTS).contains(&columns)
             && (1..=MOST_POSTS).contains(&rows)
             && spacing_m.is_finite();
+        if !is_sound {
+            return Err(TreeError::Bytes("sizes do not fit"));
+        }
         // Nothing is allocated before the sizes fit the bytes that are there.
         let needed = 4 * columns * rows + size_of::<TreeNode>() * count;
-        if !is_sound || rest.len() != needed + CHECKSUM {
+        if rest.len() != needed + CHECKSUM {
             return Err(TreeError::Bytes("sizes do not fit"));
         }
         let heights_m = (0..columns * rows)

@@ -31,7 +31,7 @@ pub enum QError {
     #[error("degree of a q-Bernstein basis is {0}; it must be from 1 to 12")]
     Degree(usize),
     /// q is outside 10⁻⁶…10⁶, or no number.
-    #[error("q of a q-Bernstein basis is {0}; it must be from 1e-6 to 1e6")]
+    #[error("q of a q-Bernstein basis is {0:?}; it must be from 1e-6 to 1e6")]
     Q(f64),
 }
 

@@ -281,3 +281,76 @@ fn what_cannot_be_a_dem_is_refused() {
     let refused = ContourTree::build(&dem, 0.0, 10_000, &mut |_| ());
     assert!(refused.is_err());
 }
+
+#[test]
+fn every_number_of_threads_builds_the_same_contours() {
+    let bounds = Bounds {
+        south_rad: 0.6,
+        north_rad: 0.61,
+        west_rad: 3.139,
+        width_rad: 0.012,
+    };
+    // Larger than a part, one of them rough in one corner alone.
+    let dems = [
+        fractal(513, 3),
+        globe(400, bounds, |i, j| ((i * j) % 23 * (i / 300)) as f32 * 9.0),
+        flat(1, 70_000, |_, j| (j % 7) as f32),
+    ];
+    for dem in dems {
+        for tolerance_m in [0.0, 20.0, 300.0] {
+            let mut told = Vec::new();
+            let on = |threads, note: &mut dyn FnMut(f32)| {
+                ContourTree::build_on(threads, &dem, tolerance_m, BUDGET, note).unwrap()
+            };
+            let one = on(1, &mut |part| told.push(part));
+            assert!(told.is_sorted() && told.last() == Some(&1.0));
+            for threads in [2, 3, 16] {
+                assert!(on(threads, &mut |_| ()) == one, "{threads}");
+            }
+            // What the whole takes is enough, and a node less is not, on any number of threads.
+            let takes = 2 * one.stats().bytes;
+            for (budget, fits) in [(takes, true), (takes - 2 * 120, false)] {
+                let built = |threads| {
+                    ContourTree::build_on(threads, &dem, tolerance_m, budget, &mut |_| ()).is_ok()
+                };
+                assert_eq!((built(1), built(2)), (fits, fits));
+            }
+        }
+    }
+}
+
+#[test]
+fn large_trees_are_whole() {
+    let dem = fractal(513, 3);
+    let tree = build(&dem, 30.0);
+    let (mut cells, mut deepest) = (0, 0);
+    let mut stack = vec![(0u32, dem.span(), 0)];
+    let mut met = 0;
+    while let Some((index, span, depth)) = stack.pop() {
+        let node = &tree.nodes[index as usize];
+        assert_eq!(node.span, span);
+        (met, deepest) = (met + 1, deepest.max(depth));
+        let [w, e, s, n] = span;
+        if node.children == 0 {
+            cells += (e - w) * (n - s);
+            continue;
+        }
+        let (spans, count) = quarters(span).unwrap();
+        assert_eq!(node.children as usize, count);
+        for (k, span) in spans[..count].iter().enumerate() {
+            stack.push((node.first + k as u32, *span, depth + 1));
+        }
+        // Nothing below rises over the ceiling.
+        for k in node.first..node.first + node.children {
+            let child = &tree.nodes[k as usize];
+            for corner in corners_m(&dem.column(child.span), &child.contour) {
+                let over_m = node.contour.normal.dot(corner - node.contour.at_m);
+                assert!(over_m <= node.ceiling_m);
+            }
+        }
+    }
+    assert_eq!(met, tree.nodes.len());
+    assert_eq!(cells, 512 * 512);
+    assert_eq!(tree.stats().depth, deepest);
+    assert!(deepest == 9 && tree.stats().leaves > 1_000);
+}

@@ -1,0 +1,76 @@
+//! Quadtrees as they are kept.
+
+use glam::DVec3;
+use terrella::globe::quadtree::{Chosen, Measure, Order, Refine, Tree, TreeOptions, TreeView};
+
+const SOURCE: [u8; 32] = [3; 32];
+const MOST_BYTES: usize = 1 << 20;
+
+/// Reads any bytes as a tree, as they are and with a source and a checksum that fit.
+pub fn run(data: &[u8]) {
+    let plain = Tree::from_bytes(data, &SOURCE, MOST_BYTES);
+    let mut signed = data.to_vec();
+    if signed.len() >= 80 {
+        signed[16..48].copy_from_slice(&SOURCE);
+        let body = signed.len() - 32;
+        let hash = blake3::hash(&signed[..body]);
+        signed[body..].copy_from_slice(hash.as_bytes());
+    }
+    for tree in [plain, Tree::from_bytes(&signed, &SOURCE, MOST_BYTES)] {
+        match tree {
+            Ok(tree) => draw(&tree),
+            Err(error) => assert!(error.to_string().len() < 300),
+        }
+    }
+}
+
+/// What is a tree can be drawn, whatever its heights and errors say.
+fn draw(tree: &Tree) {
+    let (mut chosen, mut triangles) = (Chosen::default(), Vec::new());
+    for lambda in [0.0, 30.0, f64::INFINITY] {
+        let view = TreeView {
+            eye_m: DVec3::new(10.0, -10.0, 500.0),
+            refine: Refine::Paper { lambda },
+            pixel_rad: 1e-3,
+            tolerance_px: 1.0,
+            measure: Measure::Bound,
+            is_culled: true,
+        };
+        tree.choose(&view, &mut chosen);
+        tree.triangles(&chosen, &mut triangles);
+        let (columns, rows) = tree.size();
+        assert!(
+            triangles
+                .iter()
+                .all(|post| (*post as usize) < columns * rows)
+        );
+    }
+}
+
+/// Good inputs to start from.
+#[allow(dead_code, reason = "the fuzzer reads its corpus from files")]
+pub fn seeds() -> Vec<Vec<u8>> {
+    let sizes = [(1, 1), (2, 3), (9, 9), (17, 12)];
+    let orders = [
+        Order::DepthFirst,
+        Order::Hilbert,
+        Order::Rows,
+        Order::Interleaved,
+    ];
+    let seed = |((columns, rows), order): ((usize, usize), Order)| {
+        let heights = (0..columns * rows).map(|k| (k * k % 37) as f32);
+        let options = TreeOptions {
+            order,
+            ..TreeOptions::default()
+        };
+        let tree = Tree::build((columns, rows), heights.collect(), 30.0, &options, &|_| {});
+        tree.expect("a good tree").to_bytes(&SOURCE)
+    };
+    sizes.into_iter().zip(orders).map(seed).collect()
+}
+
+/// Reads a seed.
+#[allow(dead_code, reason = "for the test of the seeds")]
+pub fn is_good(seed: &[u8]) -> bool {
+    Tree::from_bytes(seed, &SOURCE, MOST_BYTES).is_ok()
+}

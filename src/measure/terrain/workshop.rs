@@ -1,0 +1,189 @@
+//! Building trees, or finding them in the cache.
+
+use super::TerrainError;
+use super::cache::Cache;
+use super::field::Field;
+use crate::globe::contours::{ContourTree, Dem, PatchOptions, PatchTree};
+use crate::globe::quadtree::{Order, Tree, TreeOptions};
+use crate::play::Progress;
+use std::cell::{Cell, RefCell};
+
+/// What trees are built with.
+pub(super) struct Workshop<'r> {
+    pub cache: Cache,
+    /// Most that building one tree takes.
+    pub memory_bytes: u64,
+    pub threads: usize,
+    pub progress: &'r dyn Progress,
+}
+
+impl Workshop<'_> {
+    /// The quadtree of a field in the plain order, from the cache if it is there.
+    pub fn quadtree(&self, field: &Field) -> Result<Tree, TerrainError> {
+        let options = quadtree_options(Order::default(), self.threads, self.memory_bytes);
+        let (size, spacing_m) = (quadtree_size(field), field.spacing_m());
+        let source = Tree::source(size, &field.heights_m, spacing_m, &options);
+        let name = format!("{}-{}-quadtree", field.name, field.size());
+        let most = self.memory_bytes as usize;
+        let find = |bytes: &[u8]| Tree::from_bytes(bytes, &source, most);
+        if let Some(tree) = self.cache.find(&name, find) {
+            return Ok(tree);
+        }
+        let tree = self.build_quadtree(field, &options)?;
+        self.cache.keep(&name, || tree.to_bytes(&source))?;
+        Ok(tree)
+    }
+
+    /// The same, built in any case.
+    pub fn build_quadtree(
+        &self,
+        field: &Field,
+        options: &TreeOptions,
+    ) -> Result<Tree, TerrainError> {
+        let heights_m = field.heights_m.clone();
+        let built = self.shown(field, "quadtree", |tell| {
+            // It is told on this thread alone.
+            let tell = RefCell::new(tell);
+            let note = |part: f64| (tell.borrow_mut())(part as f32);
+            let size = quadtree_size(field);
+            Tree::build(size, heights_m, field.spacing_m(), options, &note)
+        })?;
+        built.map_err(|error| TerrainError::Quadtree {
+            ground: field.name.clone(),
+            error,
+        })
+    }
+
+    /// The contours of a field, from the cache if they are there.
+    pub fn contours(
+        &self,
+        field: &Field,
+        dem: &Dem,
+        tolerance_m: f64,
+    ) -> Result<ContourTree, TerrainError> {
+        let source = ContourTree::source(dem, tolerance_m);
+        let name = format!("{}-{}-contours-{tolerance_m}m", field.name, field.size());
+        let find = |bytes: &[u8]| ContourTree::from_bytes(bytes, dem, &source, self.beside(bytes));
+        if let Some(tree) = self.cache.find(&name, find) {
+            return Ok(tree);
+        }
+        let tree = self.build_contours(field, dem, tolerance_m, self.threads)?;
+        self.cache.keep(&name, || tree.to_bytes(&source))?;
+        Ok(tree)
+    }
+
+    /// The same, built in any case.
+    pub fn build_contours(
+        &self,
+        field: &Field,
+        dem: &Dem,
+        tolerance_m: f64,
+        threads: usize,
+    ) -> Result<ContourTree, TerrainError> {
+        let built = self.shown(field, "contours", |tell| {
+            ContourTree::build_on(threads, dem, tolerance_m, self.memory_bytes, tell)
+        })?;
+        built.map_err(|error| TerrainError::Contours {
+            ground: field.name.clone(),
+            error,
+        })
+    }
+
+    /// The bytes of a field's patches and their largest error, metres; from the cache if they are there.
+    pub fn patches(
+        &self,
+        field: &Field,
+        dem: &Dem,
+        tolerance_m: f64,
+    ) -> Result<(u64, f64), TerrainError> {
+        let options = self.patch_options(tolerance_m, self.threads);
+        let source = PatchTree::source(dem, &options, false);
+        let name = format!("{}-{}-patches-{tolerance_m}m", field.name, field.size());
+        let find = |bytes: &[u8]| {
+            let tree = PatchTree::from_bytes(bytes, &source, self.beside(bytes))?;
+            Ok::<_, crate::globe::contours::StoreError>((bytes.len() as u64, tree.error_m))
+        };
+        if let Some(found) = self.cache.find(&name, find) {
+            return Ok(found);
+        }
+        let tree = self.build_patches(field, dem, &options)?;
+        let bytes = tree.to_bytes(&source);
+        let found = (bytes.len() as u64, tree.error_m);
+        self.cache.keep(&name, || bytes)?;
+        Ok(found)
+    }
+
+    /// The same as a tree, built in any case.
+    pub fn build_patches(
+        &self,
+        field: &Field,
+        dem: &Dem,
+        options: &PatchOptions,
+    ) -> Result<PatchTree, TerrainError> {
+        let built = self.shown(field, "patches", |tell| {
+            PatchTree::build(dem, None, options, tell)
+        })?;
+        built.map_err(|error| TerrainError::Patches {
+            ground: field.name.clone(),
+            error,
+        })
+    }
+
+    pub fn patch_options(&self, tolerance_m: f64, threads: usize) -> PatchOptions {
+        PatchOptions {
+            tolerance_m,
+            threads,
+            budget_bytes: self.memory_bytes,
+            ..PatchOptions::default()
+        }
+    }
+
+    /// What is left of the memory beside a file that was read.
+    fn beside(&self, bytes: &[u8]) -> u64 {
+        self.memory_bytes.saturating_sub(bytes.len() as u64)
+    }
+
+    /// Shows how far work is. It is not begun once nobody wants it.
+    fn shown<T>(
+        &self,
+        field: &Field,
+        what: &str,
+        work: impl FnOnce(&mut dyn FnMut(f32)) -> T,
+    ) -> Result<T, TerrainError> {
+        self.go_on()?;
+        const STEPS: u64 = 100;
+        let what = format!("{what} of {}, {}", field.name, field.size());
+        self.progress.begin(&what, Some(STEPS));
+        let told = Cell::new(0);
+        let done = work(&mut |part| {
+            let reached = (f64::from(part) * STEPS as f64) as u64;
+            for _ in told.get()..reached.min(STEPS) {
+                self.progress.step();
+                told.set(told.get() + 1);
+            }
+        });
+        self.progress.end();
+        Ok(done)
+    }
+
+    /// An error once the work is no longer wanted.
+    pub fn go_on(&self) -> Result<(), TerrainError> {
+        match self.progress.cancelled() {
+            true => Err(TerrainError::Interrupted),
+            false => Ok(()),
+        }
+    }
+}
+
+fn quadtree_size(field: &Field) -> (usize, usize) {
+    (field.columns as usize, field.rows as usize)
+}
+
+pub(super) fn quadtree_options(order: Order, threads: usize, memory_bytes: u64) -> TreeOptions {
+    TreeOptions {
+        order,
+        threads,
+        most_bytes: memory_bytes as usize,
+        ..TreeOptions::default()
+    }
+}
