@@ -183,7 +183,7 @@ fn draw(
     let places = earth.draw(view, SIZE).expect("a device");
     let stats = earth.stats();
     let picture = GroundPicture::new(&places, view, &FIGURE, ground).expect("pixels");
-    let errors = exact.map(|exact| picture.errors(&FIGURE, ground, exact));
+    let errors = exact.map(|exact| picture.errors(&FIGURE, ground, Some(exact)));
     for y in 0..SIZE.1 {
         for x in 0..SIZE.0 {
             assert!(places.along(x, y).is_none_or(f64::is_finite), "{x}, {y}");
@@ -284,7 +284,7 @@ fn the_numbers_see_what_is_wrong() {
         })
     };
     let good = picture(&ground);
-    let errors = |picture: &GroundPicture| picture.errors(&FIGURE, &ground, &exact);
+    let errors = |picture: &GroundPicture| picture.errors(&FIGURE, &ground, Some(&exact));
     let faultless = errors(&good);
     println!("faultless: {faultless:?}");
     assert!(faultless.p99_px < 0.5 && faultless.holes == 0 && faultless.elsewhere_percent() < 0.2);
@@ -319,7 +319,7 @@ fn the_numbers_see_what_is_wrong() {
     earth.settle(&up, SIZE, SETTLE);
     let places = earth.draw(&up, SIZE).expect("a device");
     let picture = GroundPicture::new(&places, &up, &FIGURE, &flat).expect("pixels");
-    let low = picture.errors(&FIGURE, &flat, &exact);
+    let low = picture.errors(&FIGURE, &flat, Some(&exact));
     println!("9 km too low: {low:?}");
     assert!(low.holes > 50 && low.elsewhere > 1000);
 }

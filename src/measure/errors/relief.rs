@@ -132,12 +132,12 @@ impl GroundPicture {
         self.pixels.get(index).filter(|_| is_inside)?.as_ref()
     }
 
-    /// How wrong it is. `exact` is the true picture of the same view and size.
+    /// How wrong it is. `exact` is the true picture of the same view and size; without it nothing is looked for elsewhere.
     pub fn errors(
         &self,
         figure: &Ellipsoid,
         ground: &dyn Elevation,
-        exact: &TrueRelief,
+        exact: Option<&TrueRelief>,
     ) -> GroundErrors {
         let drawn = self.pixels.iter().flatten();
         let sorted = |of: fn(&Drawn) -> f64| {
@@ -155,7 +155,7 @@ impl GroundPicture {
             p99_px: nearest_rank(&pixels, 0.99),
             max_px: nearest_rank(&pixels, 1.0),
             holes: self.holes(figure, ground),
-            elsewhere: self.elsewhere(exact),
+            elsewhere: exact.map_or(0, |exact| self.elsewhere(exact)),
         }
     }
 

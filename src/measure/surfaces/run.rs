@@ -181,7 +181,7 @@ impl Stand<'_> {
                     continue;
                 };
                 row.popping_px = row.popping_px.max(now.popping_px(before));
-                let errors = now.errors(figure, elevation, exact);
+                let errors = now.errors(figure, elevation, Some(exact));
                 row.errors = row.errors.with(&errors);
             }
         }
