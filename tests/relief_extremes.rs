@@ -183,7 +183,7 @@ fn draw(
     let places = earth.draw(view, SIZE).expect("a device");
     let stats = earth.stats();
     let picture = GroundPicture::new(&places, view, &FIGURE, ground).expect("pixels");
-    let errors = exact.map(|exact| picture.errors(&FIGURE, ground, Some(exact)));
+    let errors = exact.map(|_| picture.errors(&FIGURE, ground, exact));
     for y in 0..SIZE.1 {
         for x in 0..SIZE.0 {
             assert!(places.along(x, y).is_none_or(f64::is_finite), "{x}, {y}");

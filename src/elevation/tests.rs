@@ -275,7 +275,7 @@ fn fine_data_are_found_where_they_reach_and_nowhere_else() {
     assert!(around(89.0, -150.0, 80.0).is_finite());
     // Where all heights are the same only the way to the border is relief, as wide as a sixteenth of the grid.
     let flat = rough(|_| 5.0);
-    let inside = Bounds::around(11_f64.to_radians(), 21_f64.to_radians(), 0.01);
+    let inside = Bounds::around(11_f64.to_radians(), 21_f64.to_radians(), 0.004);
     assert!((flat.finest_spacing_in(&inside).to_degrees() - 2.0 / 16.0).abs() < 0.01);
     assert!((flat.finest_spacing_in(&bounds) / step - 1.0).abs() < 0.05);
 }
