@@ -88,7 +88,8 @@
 //! keeps their patches on the GPU, writes what changed, and draws them with the Earth's own shader, which then takes the
 //! place of a pixel from the mesh, moved onto the pixel's ray. The projected grid's vertices are made on the GPU. Origins are
 //! subtracted from the eye in f64; neighbours' edges agree to the last bit. `measure::surfaces` holds all of them against the
-//! data: metres, pixels, holes, popping, time.
+//! data: metres, pixels, holes, popping, time. Trees over one grid of heights are built on threads, the same to the last bit,
+//! and kept as bytes with a checksum; `measure::terrain` measures them.
 //!
 //! # Quality against time
 //!

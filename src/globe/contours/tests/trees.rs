@@ -321,11 +321,18 @@ fn every_number_of_threads_builds_the_same_contours() {
 
 #[test]
 fn large_trees_are_whole() {
-    let dem = fractal(513, 3);
+    // Planes through three posts beside a pit rise over all posts by a quarter of it.
+    let pits = |i, j| {
+        if (i * 7 + j * 13) % 11 == 0 {
+            -90.0
+        } else {
+            0.0
+        }
+    };
+    let dem = flat(513, 513, pits);
     let tree = build(&dem, 30.0);
-    let (mut cells, mut deepest) = (0, 0);
+    let (mut cells, mut deepest, mut met, mut raised) = (0, 0, 0, 0);
     let mut stack = vec![(0u32, dem.span(), 0)];
-    let mut met = 0;
     while let Some((index, span, depth)) = stack.pop() {
         let node = &tree.nodes[index as usize];
         assert_eq!(node.span, span);
@@ -333,24 +340,28 @@ fn large_trees_are_whole() {
         let [w, e, s, n] = span;
         if node.children == 0 {
             cells += (e - w) * (n - s);
-            continue;
+        } else {
+            let (spans, count) = quarters(span).unwrap();
+            assert_eq!(node.children as usize, count);
+            for (k, span) in (node.first..).zip(&spans[..count]) {
+                assert_eq!(tree.nodes[k as usize].parent, index);
+                stack.push((k, *span, depth + 1));
+            }
         }
-        let (spans, count) = quarters(span).unwrap();
-        assert_eq!(node.children as usize, count);
-        for (k, span) in spans[..count].iter().enumerate() {
-            stack.push((node.first + k as u32, *span, depth + 1));
-        }
-        // Nothing below rises over the ceiling.
-        for k in node.first..node.first + node.children {
-            let child = &tree.nodes[k as usize];
-            for corner in corners_m(&dem.column(child.span), &child.contour) {
-                let over_m = node.contour.normal.dot(corner - node.contour.at_m);
-                assert!(over_m <= node.ceiling_m);
+        // It rises over no ceiling above it.
+        let corners = corners_m(&dem.column(span), &node.contour);
+        let mut at = index;
+        while at > 0 {
+            at = tree.nodes[at as usize].parent;
+            let above = &tree.nodes[at as usize];
+            for corner in corners {
+                let over_m = above.contour.normal.dot(corner - above.contour.at_m);
+                assert!(over_m <= above.ceiling_m, "{over_m} over {at}");
+                raised += u32::from(at == 0 && over_m > above.contour.high_m + 10.0);
             }
         }
     }
-    assert_eq!(met, tree.nodes.len());
-    assert_eq!(cells, 512 * 512);
-    assert_eq!(tree.stats().depth, deepest);
-    assert!(deepest == 9 && tree.stats().leaves > 1_000);
+    assert_eq!((met, cells), (tree.nodes.len(), 512 * 512));
+    assert_eq!((tree.stats().depth, deepest), (9, 9));
+    assert!(raised > 1_000, "the root's ceiling was not tried: {raised}");
 }
