@@ -67,25 +67,26 @@ impl ContourSurface {
         let nothing = (f64::INFINITY, f64::NEG_INFINITY);
         let mut seen = [[nothing; PARTS]; PARTS];
         let within = |(low, high): (f64, f64), z: f64| (low.min(z), high.max(z));
-        for j in 0..SEGMENTS as usize {
-            for i in 0..SEGMENTS as usize {
-                let corners = [
-                    drawn[j][i],
-                    drawn[j][i + 1],
-                    drawn[j + 1][i],
-                    drawn[j + 1][i + 1],
-                ];
-                // In the middle of a square, which lies on the diagonal of its triangles.
-                let middle_m = 0.5 * (corners[0][0] + corners[3][0]);
-                let at = [
-                    (x + i as u32 * segment + segment / 2) % AROUND,
-                    y + j as u32 * segment + segment / 2,
-                ];
-                let data_m = self.height_m(ground, at, 0.0);
-                error_m = error_m.max((middle_m - data_m).abs());
-                let part = &mut seen[j * PARTS / SEGMENTS as usize][i * PARTS / SEGMENTS as usize];
-                let all = corners.map(|corner| corner[0]);
-                *part = all.into_iter().fold(within(*part, data_m), within);
+        // In half segments: where a patch is furthest from its knots, and in the middle of each square, which lies on the
+        // diagonal of its triangles.
+        for j in 0..=2 * SEGMENTS {
+            for i in 0..=2 * SEGMENTS {
+                let (m, n) = ((i / 2) as usize, (j / 2) as usize);
+                let drawn_m = match (i & 1, j & 1) {
+                    (0, 0) => drawn[n][m][0],
+                    (1, 1) => 0.5 * (drawn[n][m][0] + drawn[n + 1][m + 1][0]),
+                    _ => continue,
+                };
+                let part = |k: u32| (k as usize * PARTS / (2 * SEGMENTS as usize)).min(PARTS - 1);
+                let part = &mut seen[part(j)][part(i)];
+                *part = within(*part, drawn_m);
+                if i % 4 == 0 && j % 4 == 0 {
+                    continue;
+                }
+                let half = segment / 2;
+                let data_m = self.height_m(ground, [(x + i * half) % AROUND, y + j * half], 0.0);
+                error_m = error_m.max((drawn_m - data_m).abs());
+                *part = within(*part, data_m);
             }
         }
         let size_rad = f64::from(cell.steps()) * STEP_RAD;

@@ -50,7 +50,7 @@ impl Default for ContourOptions {
     fn default() -> Self {
         Self {
             ellipsoid: Ellipsoid::WGS84,
-            most_cuts: 450,
+            most_cuts: 600,
             measured_per_frame: 24,
             cut_per_frame: 24,
             deepest: u32::from(LEVELS),
@@ -103,7 +103,7 @@ impl ContourSurface {
             now: 0,
             clock: 0,
             measures: Cache::new(14),
-            known_knots: Cache::new(12),
+            known_knots: Cache::new(13),
             inner: Keys::new(14),
             before: Keys::new(14),
             wanted: BinaryHeap::new(),
