@@ -195,6 +195,7 @@ table!(RawEarth {
     elevation: Vec<Spanned<String>> = "a list of strings, the paths of files of heights",
     tolerance_px: f64 = "a number of pixels",
     sea_floor: bool = "true or false",
+    denoise: bool = "true or false",
 });
 
 table!(RawOutput {

@@ -139,7 +139,7 @@ impl Scene {
                 Some(pack) => pack_value(pack, key),
                 None => Err("no pack: whole maps are drawn"),
             },
-            ("earth", "surface" | "elevation" | "tolerance_px" | "sea_floor") => {
+            ("earth", "surface" | "elevation" | "tolerance_px" | "sea_floor" | "denoise") => {
                 relief_value(earth.relief.as_ref(), key)
             }
             ("output", "size") => {
@@ -292,7 +292,8 @@ fn relief_value(relief: Option<&ReliefTable>, key: &str) -> Result<String, &'sta
             format!("[{}]", files.collect::<Vec<_>>().join(", "))
         }
         "tolerance_px" => relief.tolerance_px.to_string(),
-        _ => relief.sea_floor.to_string(),
+        "sea_floor" => relief.sea_floor.to_string(),
+        _ => relief.denoise.to_string(),
     })
 }
 
