@@ -1,14 +1,21 @@
 //! The whole Earth as q-Bézier patches: a forest over the blocks of 22.5°, chosen by the view.
 //!
-//! Each block is a quadtree; a cell is one bicubic patch of heights over longitude and latitude, lifted along the normal of
-//! the ellipsoid. Its corners are heights and derivatives of the ground at its own scale, so that neighbours share them;
-//! where a neighbour is coarser they are what the coarser edge says ([`restrict`]): the ground joins with one height and one
-//! tangent plane across every edge, in each frame's own choice of levels. Neighbours, diagonal ones too, differ by one level
-//! at most.
+//! Each block is a quadtree; a cell is 4 × 4 bicubic patches of heights over longitude and latitude, lifted along the normal
+//! of the ellipsoid, each drawn as 2 × 2 squares. The knots between them are heights and derivatives of the ground at the
+//! patches' own scale, so that neighbours share them; where a neighbour is coarser they are that one's, or what its edge says
+//! half-way between two ([`restrict`](super::restrict)): the ground joins with one height and one tangent plane across every
+//! edge, in each frame's own choice of levels. Neighbours, diagonal ones too, differ by one level at most, so that corners of
+//! a cell are knots of the coarser ones around it. Near the poles, where columns draw together, vertices take the slope of
+//! the ground about them in place of the derivative by longitude.
 //!
-//! Per frame: choose which cells to cut, largest errors in pixels first, as measured when a cell was first looked at; cut more
-//! until the levels are balanced; draw those that are seen. New cells are measured within a budget, so a jump of the eye
-//! becomes sharp over some frames and never waits. Vertices are written anew only where what they follow from has changed.
+//! Patches are kept and drawn in Hermite form. The parameter q of [`PatchTree`](super::PatchTree) changes the control values
+//! of a patch and not its surface, so there is none here.
+//!
+//! Per frame: choose which cells to cut, largest errors in pixels first, as measured when a cell was first looked at, and with
+//! each what must be cut beside it; draw those that are seen. New cells are measured, and cut, within budgets, so a jump of
+//! the eye becomes sharp over some frames and never waits. Vertices are written anew only where the neighbours' levels have
+//! changed. The error that is reported is that of the cells drawn, each on its own: at the border of the picture an edge may
+//! be that of a coarser cell out of sight.
 
 mod choose;
 mod knots;
@@ -90,8 +97,8 @@ pub struct ContourSurface {
 }
 
 impl ContourSurface {
-    /// An empty surface. Tables take 7 MB and a patch 3 kB. Cuts are bounded whatever balancing adds, and so are patches and
-    /// memory: 80 MB at most, 12 MB on a descent from 400 km to 2 km with the default options.
+    /// An empty surface. Tables take 11 MB and a patch 2 kB. Cuts are bounded whatever balancing adds, and so are patches and
+    /// memory: 80 MB at most, 15 MB on a descent from 400 km to 2 km with the default options.
     pub fn new(options: ContourOptions) -> Self {
         let options = ContourOptions {
             most_cuts: options.most_cuts.clamp(16, 900),
