@@ -361,7 +361,7 @@ fn relief_is_drawn_where_heights_or_its_surface_are_named() {
     let starter = relief("[earth]\nsurface = \"clipmap\"\n").expect("relief");
     assert_eq!(starter.surface, SurfaceKind::Clipmap);
     assert_eq!((starter.elevation.len(), starter.tolerance_px), (0, 1.0));
-    let given = "[earth]\nelevation = [\"sat.tle\"]\ntolerance_px = 0\nsea_floor = true\nsubdivision = 24\n";
+    let given = "[earth]\nelevation = [\"sat.tle\"]\ntolerance_px = 0\nsea_floor = true\ndenoise = true\nsubdivision = 24\n";
     let given = relief(given).expect("relief");
     assert_eq!(given.surface, SurfaceKind::Blocks);
     assert_eq!(given.elevation, [folder.path("sat.tle")]);
@@ -383,11 +383,13 @@ fn relief_is_drawn_where_heights_or_its_surface_are_named() {
         .expect("good");
     let told = "{ samples = 129, levels = 6, trimming = \"diamond\" }";
     assert!(scene.summary().contains(told), "{}", scene.summary());
+    assert!(given.denoise && !starter.denoise);
     for (text, words) in [
         (
             "sea_floor = true",
             ["sea_floor", "is for ground with relief"],
         ),
+        ("denoise = true", ["denoise", "is for ground with relief"]),
         (
             "tolerance_px = 2",
             ["tolerance_px", "is for ground with relief"],

@@ -6,6 +6,7 @@
 //! [`Ground`] is what scenes use: any number of [`HeightGrid`]s over a sea at height 0. Grids are made from heights in
 //! memory or, with the feature `terrain`, read from files (GeoTIFF, PNG with a sidecar, NetCDF classic).
 
+mod denoise;
 mod fractal;
 #[cfg(any(feature = "terrain", feature = "pack-build"))]
 pub(crate) mod geo_tags;
@@ -14,6 +15,7 @@ mod ground;
 #[cfg(feature = "terrain")]
 pub mod read;
 
+pub use denoise::{Denoise, Denoised};
 pub use fractal::fractal_heights_m;
 pub use grid::{
     FEATHER_SAMPLES, Georeference, GridError, GridLimits, GridStats, HIGHEST_M, HeightGrid,
@@ -21,7 +23,7 @@ pub use grid::{
 };
 pub use ground::Ground;
 #[cfg(feature = "terrain")]
-pub use read::{HeightFile, HeightFileError, open_heights};
+pub use read::{HeightFile, HeightFileError, open_heights, open_heights_denoised};
 
 use crate::frames::Ellipsoid;
 use glam::DVec2;

@@ -2,7 +2,7 @@
 
 use super::error::PlayError;
 use crate::GroundOptions;
-use crate::elevation::{GridLimits, Ground, open_heights};
+use crate::elevation::{Denoise, GridLimits, Ground, open_heights_denoised};
 use crate::imagery::find_textures;
 use crate::scene::ReliefTable;
 use std::path::PathBuf;
@@ -10,7 +10,8 @@ use std::sync::Arc;
 
 /// Reads the heights that a scene names, or the starter pack's.
 pub(super) fn ground_options(table: &ReliefTable) -> Result<GroundOptions, PlayError> {
-    let ground = Arc::new(read_ground(&table.elevation, table.sea_floor)?);
+    let ground = read_ground(&table.elevation, table.sea_floor, table.denoise)?;
+    let ground = Arc::new(ground);
     Ok(GroundOptions {
         elevation: ground,
         surface: table.settings,
@@ -18,8 +19,8 @@ pub(super) fn ground_options(table: &ReliefTable) -> Result<GroundOptions, PlayE
     })
 }
 
-/// The grids of these files, or the starter pack's, over one another.
-pub fn read_ground(files: &[PathBuf], sea_floor: bool) -> Result<Ground, PlayError> {
+/// The grids of these files, or the starter pack's, over one another; with `denoise`, without single wrong heights.
+pub fn read_ground(files: &[PathBuf], sea_floor: bool, denoise: bool) -> Result<Ground, PlayError> {
     let starter;
     let files = match files.is_empty() {
         true => {
@@ -28,9 +29,10 @@ pub fn read_ground(files: &[PathBuf], sea_floor: bool) -> Result<Ground, PlayErr
         }
         false => files,
     };
+    let denoise = denoise.then(Denoise::default);
     let mut grids = Vec::new();
     for file in files {
-        let heights = open_heights(file, &GridLimits::default())?;
+        let heights = open_heights_denoised(file, &GridLimits::default(), denoise.as_ref())?;
         let stats = heights.grid.stats();
         tracing::info!(
             "heights from {}: {:.0} to {:.0} m, {:.0} MB",
@@ -45,6 +47,17 @@ pub fn read_ground(files: &[PathBuf], sea_floor: bool) -> Result<Ground, PlayErr
                 "{}: {holes} samples have no data; {left} of them are left to what lies beneath",
                 file.display()
             );
+        }
+        match heights.denoised {
+            Some(found) if found.replaced > 0 => tracing::warn!(
+                "{}: {} single heights stood out by up to {:.0} m and were taken out; {} others stand with neighbours",
+                file.display(),
+                found.replaced,
+                found.moved_m,
+                found.kept
+            ),
+            Some(_) => tracing::info!("{}: no single height stands out", file.display()),
+            None => {}
         }
         grids.push(Arc::new(heights.grid));
     }

@@ -198,6 +198,7 @@ table!(RawEarth {
     // Any value: tables within the table.
     clipmap: toml::Value = "a table like { samples = 129, levels = 12, trimming = \"diamond\" }",
     projected_grid: toml::Value = "a table like { samples = [129, 129], on_gpu = true }",
+    denoise: bool = "true or false",
 });
 
 table!(RawOutput {

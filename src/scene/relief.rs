@@ -21,6 +21,8 @@ pub struct ReliefTable {
     pub tolerance_px: f64,
     /// Whether the sea's floor is drawn, and not its surface, where a file of the whole Earth has it.
     pub sea_floor: bool,
+    /// Whether single wrong heights are taken out of the files before anything is made of them.
+    pub denoise: bool,
 }
 
 impl Source<'_> {
@@ -32,10 +34,12 @@ impl Source<'_> {
         let elevation_field = field!(earth.elevation);
         let elevation = self.paths(&elevation_field)?;
         let (tolerance_px, sea_floor) = (field!(earth.tolerance_px), field!(earth.sea_floor));
+        let denoise = field!(earth.denoise);
         if surface == SurfaceKind::Blocks && !elevation_field.is_given() {
             for (key, given) in [
                 (tolerance_px.key, tolerance_px.given.map(|v| v.span())),
                 (sea_floor.key, sea_floor.given.map(|v| v.span())),
+                (denoise.key, denoise.given.map(|v| v.span())),
             ] {
                 if let Some(span) = given {
                     let advice = format!(
@@ -55,6 +59,7 @@ impl Source<'_> {
                 format!("must be from {} pixels", span_of(&TOLERANCE_PX))
             })?,
             sea_floor: flag(&sea_floor, false),
+            denoise: flag(&denoise, false),
         }))
     }
 

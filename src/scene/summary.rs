@@ -141,7 +141,7 @@ impl Scene {
             },
             (
                 "earth",
-                "surface" | "elevation" | "tolerance_px" | "sea_floor" | "clipmap"
+                "surface" | "elevation" | "tolerance_px" | "sea_floor" | "denoise" | "clipmap"
                 | "projected_grid",
             ) => relief_value(earth.relief.as_ref(), key),
             ("output", "size") => {
@@ -294,8 +294,9 @@ fn relief_value(relief: Option<&ReliefTable>, key: &str) -> Result<String, &'sta
             format!("[{}]", files.collect::<Vec<_>>().join(", "))
         }
         "tolerance_px" => relief.tolerance_px.to_string(),
-        "clipmap" | "projected_grid" => return surfaces::value(&relief.settings, key),
-        _ => relief.sea_floor.to_string(),
+        "sea_floor" => relief.sea_floor.to_string(),
+        "denoise" => relief.denoise.to_string(),
+        _ => return surfaces::value(&relief.settings, key),
     })
 }
 

@@ -23,7 +23,7 @@ mod tiff;
 pub use error::HeightFileError;
 pub use sidecar::{ByteOrder, HeightUnit, MAX_SIDECAR_BYTES, Sidecar, SidecarPlace};
 
-use super::{Georeference, GridLimits, HeightGrid};
+use super::{Denoise, Denoised, Georeference, GridLimits, HeightGrid};
 use error::Blame;
 use std::fs::File;
 use std::io::{BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom};
@@ -36,6 +36,8 @@ pub struct HeightFile {
     pub grid: HeightGrid,
     /// Whom to name for them, from the sidecar.
     pub attribution: Option<String>,
+    /// Single wrong heights that were found, where they were looked for.
+    pub denoised: Option<Denoised>,
 }
 
 /// What a file says before its heights. What it does not say is `None`.
@@ -85,6 +87,18 @@ enum Source<R: BufRead + Seek> {
 /// # Errors
 /// [`HeightFileError`]: which file, what is wrong, what was expected and what to do.
 pub fn open_heights(path: &Path, limits: &GridLimits) -> Result<HeightFile, HeightFileError> {
+    open_heights_denoised(path, limits, None)
+}
+
+/// The same without single wrong heights: they are taken out before means and ranges are made of the heights.
+///
+/// # Errors
+/// As [`open_heights`].
+pub fn open_heights_denoised(
+    path: &Path,
+    limits: &GridLimits,
+    denoise: Option<&Denoise>,
+) -> Result<HeightFile, HeightFileError> {
     let blame = Blame::new(path);
     let file = File::open(path).map_err(|error| blame.unreadable(error))?;
     let metadata = file.metadata().map_err(|error| blame.unreadable(error))?;
@@ -93,7 +107,7 @@ pub fn open_heights(path: &Path, limits: &GridLimits) -> Result<HeightFile, Heig
     }
     let sidecar = read_sidecar(&path.with_extension("toml"))?;
     let reader = BufReader::with_capacity(1 << 16, file);
-    read_heights(reader, sidecar.as_ref(), path, limits)
+    read(reader, sidecar.as_ref(), path, limits, denoise)
 }
 
 /// The sidecar at a path, if there is a file.
@@ -119,10 +133,20 @@ fn read_sidecar(path: &Path) -> Result<Option<Sidecar>, HeightFileError> {
 /// # Errors
 /// As [`open_heights`].
 pub fn read_heights<R: BufRead + Seek>(
+    reader: R,
+    sidecar: Option<&Sidecar>,
+    path: &Path,
+    limits: &GridLimits,
+) -> Result<HeightFile, HeightFileError> {
+    read(reader, sidecar, path, limits, None)
+}
+
+fn read<R: BufRead + Seek>(
     mut reader: R,
     sidecar: Option<&Sidecar>,
     path: &Path,
     limits: &GridLimits,
+    denoise: Option<&Denoise>,
 ) -> Result<HeightFile, HeightFileError> {
     let blame = Blame::new(path);
     let mut magic = Vec::with_capacity(8);
@@ -196,10 +220,12 @@ pub fn read_heights<R: BufRead + Seek>(
     if header.is_south_first {
         flip_rows(&mut heights_m, header.columns as usize);
     }
+    let denoised = denoise.map(|denoise| denoise.clean(header.columns as usize, &mut heights_m));
     let grid = HeightGrid::new(&place, heights_m, limits).map_err(|error| blame.grid(error))?;
     Ok(HeightFile {
         grid,
         attribution: said.attribution.clone(),
+        denoised,
     })
 }
 

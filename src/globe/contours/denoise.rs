@@ -1,117 +1,16 @@
-//! Taking single wrong heights out of a DEM before planes are fitted to it: one of them bends the plane of every node
-//! above it.
+//! Taking single wrong heights out of a DEM before planes are fitted to it.
 
 use super::dem::{Dem, DemError};
-
-/// What counts as wrong.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Denoise {
-    /// Residuals this many robust standard deviations out are suspect: 1.4826 times the median absolute deviation of the
-    /// residuals of the 7 × 7 samples around.
-    pub deviations: f64,
-    /// Residuals below this are never suspect, metres.
-    pub least_m: f64,
-}
-
-impl Default for Denoise {
-    fn default() -> Self {
-        Self {
-            deviations: 8.0,
-            least_m: 30.0,
-        }
-    }
-}
-
-/// What was found.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Denoised {
-    /// Samples replaced.
-    pub replaced: u64,
-    /// Suspect samples left as they were, because two or more neighbours stand with them: cliffs, ridges, walls.
-    pub kept: u64,
-    /// Farthest that a replaced one was moved, metres.
-    pub moved_m: f64,
-}
-
-/// The upper of the two in the middle where their number is even.
-fn median(values: &mut [f64]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
-}
-
-/// The median of the up to eight samples around one, and those samples.
-fn around(dem: &Dem, i: i64, j: i64, out: &mut [f64; 8]) -> usize {
-    let mut count = 0;
-    for dj in -1..=1 {
-        for di in -1..=1 {
-            let (x, y) = (i + di, j + dj);
-            let inside = (0..i64::from(dem.columns())).contains(&x)
-                && (0..i64::from(dem.rows())).contains(&y);
-            if (di, dj) != (0, 0) && inside {
-                out[count] = dem.height_m(x, y);
-                count += 1;
-            }
-        }
-    }
-    count
-}
-
-fn residual_m(dem: &Dem, i: i64, j: i64) -> f64 {
-    let mut near = [0.0; 8];
-    let count = around(dem, i, j, &mut near);
-    if count == 0 {
-        return 0.0;
-    }
-    dem.height_m(i, j) - median(&mut near[..count])
-}
+use crate::elevation::{Denoise, Denoised};
 
 impl Denoise {
-    /// The grid without its outliers: a sample farther from the median of its eight neighbours than both limits, with at
-    /// most one neighbour on its side, becomes that median. A straight or rounded cliff has at least two there and stays,
-    /// as does a summit in ground that is rough all around. All decisions are made on the grid as it was.
+    /// A DEM without its outliers ([`Denoise::clean`]).
+    ///
+    /// # Errors
+    /// As [`Dem::new`].
     pub fn apply(&self, dem: &Dem) -> Result<(Dem, Denoised), DemError> {
         let mut heights_m = dem.heights_m().to_vec();
-        let mut found = Denoised::default();
-        let (columns, rows) = (i64::from(dem.columns()), i64::from(dem.rows()));
-        for j in 0..rows {
-            for i in 0..columns {
-                let off = residual_m(dem, i, j);
-                if off.abs() <= self.least_m.max(0.0) {
-                    continue;
-                }
-                let mut spread = [0.0; 49];
-                let mut count = 0;
-                for y in (j - 3).max(0)..=(j + 3).min(rows - 1) {
-                    for x in (i - 3).max(0)..=(i + 3).min(columns - 1) {
-                        spread[count] = residual_m(dem, x, y).abs();
-                        count += 1;
-                    }
-                }
-                let limit = self.deviations * 1.4826 * median(&mut spread[..count]);
-                if off.abs() <= limit {
-                    continue;
-                }
-                let mut near = [0.0; 8];
-                let count = around(dem, i, j, &mut near);
-                let height = dem.height_m(i, j);
-                // On its side: nearer to it than to the median.
-                let with = near[..count]
-                    .iter()
-                    .filter(|z| (*z - height).abs() < 0.5 * off.abs())
-                    .count();
-                // At the grid's edge half of a wall's neighbours are missing.
-                if with >= if count < 8 { 1 } else { 2 } || count < 3 {
-                    found.kept += 1;
-                    continue;
-                }
-                heights_m[(j * columns + i) as usize] = (height - off) as f32;
-                found.replaced += 1;
-                found.moved_m = found.moved_m.max(off.abs());
-            }
-        }
+        let found = self.clean(dem.columns() as usize, &mut heights_m);
         let clean = Dem::new(dem.columns(), dem.rows(), heights_m, dem.frame())?;
         Ok((clean, found))
     }

@@ -30,12 +30,6 @@ pub fn cubic(b: [f64; 4], t: f64) -> (f64, f64) {
     (lerp(p, q, t), 3.0 * (q - p))
 }
 
-/// Bézier heights of the edge from `a` to `b`, `steps` steps along u (or v).
-pub fn edge(a: &Corner, b: &Corner, steps: f64, along_u: bool) -> [f64; 4] {
-    let d = if along_u { 1 } else { 2 };
-    values((a[0], a[d]), (b[0], b[d]), steps)
-}
-
 /// Bézier values of the cubic that has a height and slope (per step) at both ends of `steps` steps.
 fn values(a: (f64, f64), b: (f64, f64), steps: f64) -> [f64; 4] {
     let third = steps / 3.0;

@@ -29,9 +29,9 @@ mod wide;
 #[cfg(test)]
 mod tests;
 
+pub use crate::elevation::{Denoise, Denoised};
 pub use cast::{Hit, Ray};
 pub use dem::{Dem, DemError, Frame, Half, MOST_SAMPLES, Span, quarters};
-pub use denoise::{Denoise, Denoised};
 pub use flat::{FlatNode, STACK, cast_flat};
 pub use hermite::{Corner, Net, cubic, evaluate, net, restrict};
 pub use joins::{Joins, evaluate_q};

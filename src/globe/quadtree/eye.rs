@@ -57,6 +57,8 @@ struct Horizon {
 /// An eye and what it asks for.
 pub struct Eye {
     itrf_m: DVec3,
+    /// Above the ellipsoid, metres.
+    height_m: f64,
     planes: [DVec4; 6],
     horizon: Option<Horizon>,
     pixel_rad: f64,
@@ -105,6 +107,7 @@ impl Eye {
         };
         Some(Self {
             itrf_m: view.eye_itrf_m,
+            height_m: ellipsoid.geodetic_from_itrf(view.eye_itrf_m).height_m,
             planes,
             horizon: Horizon::new(view.eye_itrf_m, ellipsoid, lowest_m),
             pixel_rad: view.pixel_rad,
@@ -114,10 +117,14 @@ impl Eye {
         })
     }
 
-    /// From the eye to a ball, metres; at least a millimetre.
+    /// From the eye to what is drawn of a square, metres; at least a millimetre. No nearer than the ball about it, nor than its
+    /// highest lies below the eye: a large square's ball may hold an eye that is kilometres above it.
     pub fn distance_m(&self, info: &Info) -> f64 {
         let center_m = info.center_itrf_m.distance(self.itrf_m);
-        (center_m - f64::from(info.radius_m)).max(LEAST_DISTANCE_M)
+        let above_m = self.height_m - f64::from(info.high_m);
+        (center_m - f64::from(info.radius_m))
+            .max(above_m)
+            .max(LEAST_DISTANCE_M)
     }
 
     /// How far a leaf is from being fine enough: it is to be divided above 1. `side_m` is the side of its square.

@@ -29,11 +29,11 @@ pub struct Ground {
 /// Files that cannot be read.
 pub fn grounds(scene: &Scene) -> Result<Vec<Ground>, SurfacesError> {
     let alps = Geodetic::from_degrees(46.5, 8.0, 0.0);
-    let globe = read_ground(&[], false)?;
+    let globe = read_ground(&[], false, false)?;
     let mut grounds = vec![of("globe", globe.clone(), alps)];
     let relief = scene.earth.relief.as_ref();
     if let Some(relief) = relief.filter(|relief| !relief.elevation.is_empty()) {
-        let heights = read_ground(&relief.elevation, relief.sea_floor)?;
+        let heights = read_ground(&relief.elevation, relief.sea_floor, relief.denoise)?;
         let bounds = heights.grids().first().map(|grid| grid.bounds());
         let site = bounds.map_or(alps, |bounds| middle(&bounds));
         grounds.push(of("scene", heights, site));

@@ -286,3 +286,33 @@ fn the_starter_pack_is_read() {
         globe.height_m(0.3, 0.4, 0.0)
     );
 }
+
+/// A single wrong height of a file is drawn as it is, or taken out where that is asked for.
+#[test]
+fn single_wrong_heights_are_taken_out_if_asked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("needle.png");
+    let picture = image::ImageBuffer::from_fn(24, 16, |x, y| {
+        let needle = if (x, y) == (11, 6) { 4000 } else { 0 };
+        image::Luma([1000 + 5 * x as u16 + 9 * y as u16 + needle])
+    });
+    picture.save(&path).expect("written");
+    let sidecar = "bounds = { south_deg = 10, north_deg = 25, west_deg = 0, east_deg = 23 }\n\
+                   registration = \"posts\"\nunit = \"metres\"\n";
+    std::fs::write(path.with_extension("toml"), sidecar).expect("written");
+    let limits = GridLimits::default();
+    let plain = open_heights(&path, &limits).expect("good");
+    assert_eq!(
+        (plain.denoised, plain.grid.stats().range.high_m),
+        (None, 5109.0)
+    );
+    let clean = open_heights_denoised(&path, &limits, Some(&Denoise::default())).expect("good");
+    let found = clean.denoised.expect("looked for");
+    assert_eq!((found.replaced, found.kept), (1, 0));
+    assert!((found.moved_m - 4000.0).abs() < 20.0);
+    assert_eq!(clean.grid.stats().range.high_m, 1250.0);
+    let needle_m = clean
+        .grid
+        .height_m(19_f64.to_radians(), 11_f64.to_radians(), 0.0);
+    assert!((needle_m - 1109.0).abs() < 20.0, "{needle_m}");
+}

@@ -1,10 +1,11 @@
 //! Which cells are cut for a view.
 
-use super::super::hermite::{Corner, cubic, net};
 use super::ContourSurface;
-use super::lattice::{AROUND, Cell, LEVELS, SEGMENTS, STEP_RAD, ball};
+use super::knots::{DIAGONALS, SIDES};
+use super::lattice::{AROUND, Cell, PIECES, SEGMENTS, STEP_RAD, ball};
+use super::mesh::vertices;
 use super::seen::Seen;
-use crate::elevation::Elevation;
+use crate::elevation::{Bounds, Elevation, HeightRange};
 use glam::DVec3;
 use std::cmp::Ordering;
 
@@ -17,18 +18,11 @@ pub(super) struct Measure {
     pub low_m: f32,
     /// See [`Self::low_m`].
     pub high_m: f32,
-    /// The highest of the heights it is drawn with, and of the data where probed.
-    pub top_m: f32,
     /// A ball that holds it, ITRF metres.
     pub center_m: DVec3,
     /// See [`Self::center_m`].
     pub radius_m: f64,
-    /// A quarter of the spacing of the data: finer shows nothing more.
-    pub last: bool,
 }
-
-/// From this level on the chord of a segment lies less than 6 cm below the arc, however coarse the data.
-const ROUND: u8 = 8;
 
 /// A cell that should be cut.
 #[derive(Clone, Copy, Debug)]
@@ -58,89 +52,69 @@ impl PartialEq for Wanted {
 
 impl Eq for Wanted {}
 
-const AROUND_A_CELL: [(i32, i32); 8] = [
-    (-1, -1),
-    (0, -1),
-    (1, -1),
-    (-1, 0),
-    (1, 0),
-    (-1, 1),
-    (0, 1),
-    (1, 1),
-];
+/// Squares along an edge of a cell whose data's range is looked at: one to each patch.
+const PARTS: usize = PIECES as usize;
 
 impl ContourSurface {
+    /// Reads a cell and holds what would be drawn against the data.
     pub(super) fn measure(&mut self, ground: &dyn Elevation, cell: Cell) -> Measure {
-        let corners: [Corner; 4] =
-            std::array::from_fn(|k| self.free(ground, cell.corner(k), cell.level));
-        let steps = f64::from(cell.steps());
-        let net = net(&corners, steps, steps);
-        let mut error_m = 0.0f64;
-        let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
-        let side = f64::from(SEGMENTS);
-        let row = |j: u32| -> [f64; SEGMENTS as usize + 1] {
-            let columns = net.map(|column| cubic(column, f64::from(j) / side).0);
-            std::array::from_fn(|i| cubic(columns, i as f64 / side).0)
-        };
+        let knots = self.knots(ground, cell);
+        let drawn = vertices(cell, &knots);
         let [x, y] = cell.vertex(0, 0);
-        let (mut south, middle) = (row(0), cell.steps() / SEGMENTS / 2);
-        for j in 0..SEGMENTS {
-            let north = row(j + 1);
-            for i in 0..SEGMENTS as usize {
-                // In the middle of a square: what is drawn there is about the mean of its corners.
-                let drawn = 0.25 * (south[i] + south[i + 1] + north[i] + north[i + 1]);
-                let step = cell.steps() / SEGMENTS;
-                let at = (x + i as u32 * step + middle) % AROUND;
-                let data = self.height_m(ground, at, y + j * step + middle, 0.0);
-                error_m = error_m.max((drawn - data).abs());
-                lowest = lowest.min(data.min(drawn));
-                highest = highest.max(data.max(drawn));
+        let segment = cell.steps() / SEGMENTS;
+        let mut error_m = 0.0f64;
+        // By part, what is drawn and what the data are where they were read.
+        let nothing = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut seen = [[nothing; PARTS]; PARTS];
+        let within = |(low, high): (f64, f64), z: f64| (low.min(z), high.max(z));
+        // In half segments: where a patch is furthest from its knots, and in the middle of each square, which lies on the
+        // diagonal of its triangles.
+        for j in 0..=2 * SEGMENTS {
+            for i in 0..=2 * SEGMENTS {
+                let (m, n) = ((i / 2) as usize, (j / 2) as usize);
+                let drawn_m = match (i & 1, j & 1) {
+                    (0, 0) => drawn[n][m][0],
+                    (1, 1) => 0.5 * (drawn[n][m][0] + drawn[n + 1][m + 1][0]),
+                    _ => continue,
+                };
+                let part = |k: u32| (k as usize * PARTS / (2 * SEGMENTS as usize)).min(PARTS - 1);
+                let part = &mut seen[part(j)][part(i)];
+                *part = within(*part, drawn_m);
+                if i % 4 == 0 && j % 4 == 0 {
+                    continue;
+                }
+                let half = segment / 2;
+                let data_m = self.height_m(ground, [(x + i * half) % AROUND, y + j * half], 0.0);
+                error_m = error_m.max((drawn_m - data_m).abs());
+                *part = within(*part, data_m);
             }
-            south = north;
         }
-        let size_rad = steps * STEP_RAD;
+        let size_rad = f64::from(cell.steps()) * STEP_RAD;
         // The chord of a segment below the arc, both ways.
-        let arc = size_rad / side;
+        let arc = size_rad / f64::from(SEGMENTS);
         error_m += 0.25 * arc * arc * self.options.ellipsoid.equatorial_radius_m;
         let bounds = cell.bounds();
         // Of the data at their finest: at any spacing the mean of the whole Earth would count too.
         let range = ground.range_up_to_m(&bounds, 0.0);
-        // What the probes have missed, a single summit, say. Only from a source whose ranges become narrower with the
-        // bounds; one that answers the same for all quarters knows no more than that.
-        let is_telling = cell.level < LEVELS
-            && cell
-                .children()
-                .iter()
-                .any(|c| ground.range_up_to_m(&c.bounds(), 0.0) != range);
-        if is_telling {
-            error_m = error_m
-                .max(range.high_m - highest)
-                .max(lowest - range.low_m);
-        }
+        // Where data are no finer than what was read there is nothing between.
         let (lat, lon) = (
             0.5 * (bounds.south_rad + bounds.north_rad),
             bounds.west_rad + 0.5 * size_rad,
         );
-        let spacing_rad = ground.finest_spacing_rad(lat, lon);
-        // Cubics may leave the range of their data: by no more than their Bézier heights do.
-        let (low, high) = net
-            .iter()
-            .flatten()
-            .fold((range.low_m, range.high_m), |(low, high), z| {
-                (low.min(*z), high.max(*z))
-            });
-        let top = net.iter().flatten().fold(f64::MIN, |top, z| top.max(*z));
+        if arc > ground.finest_spacing_rad(lat, lon) {
+            error_m = error_m.max(missed_m(ground, &bounds, &range, &seen));
+        }
+        // Cubics may leave the range of their data.
+        let heights = drawn.iter().flatten().map(|corner| corner[0]);
+        let (low, high) = heights.fold((range.low_m, range.high_m), within);
         let (low_m, high_m) = (low as f32 - 1.0, high as f32 + 1.0);
-        let figure = &self.options.ellipsoid;
-        let (center_m, radius_m) = ball(figure, cell, low_m.into(), high_m.into());
+        let (center_m, radius_m) = ball(&self.options.ellipsoid, cell, low_m.into(), high_m.into());
         let measure = Measure {
             center_m,
             radius_m,
             error_m: error_m as f32,
-            top_m: (top + error_m) as f32 + 1.0,
             low_m,
             high_m,
-            last: spacing_rad.is_finite() && size_rad <= 0.25 * spacing_rad && cell.level >= ROUND,
         };
         self.measures.put(cell.key(), self.now, measure);
         measure
@@ -152,7 +126,6 @@ impl ContourSurface {
         let nothing = Measure {
             low_m: -12_000.0,
             high_m: 9_000.0,
-            top_m: 9_000.0,
             ..Measure::default()
         };
         let found = loop {
@@ -180,56 +153,76 @@ impl ContourSurface {
         self.inner.get(cell.key()).is_some()
     }
 
-    /// Marks a cell and all above it as cut; false if there is no room.
-    fn cut(&mut self, mut cell: Cell) -> bool {
-        while !self.is_cut(cell) {
+    /// Marks a cell as cut, all above it, and what must be cut beside it so that neighbours differ by one level at most.
+    /// Answers how many of those were not cut in the last frame; none if there is no room.
+    fn cut(&mut self, cell: Cell) -> Option<u32> {
+        let mut fresh = 0;
+        self.queue.clear();
+        self.queue.push(cell);
+        while let Some(cell) = self.queue.pop() {
+            if self.is_cut(cell) {
+                continue;
+            }
             if !self.inner.set(cell.key(), 0) {
-                return false;
+                return None;
             }
-            self.queue.push(cell);
+            fresh += u32::from(self.before.get(cell.key()).is_none());
             if cell.level == 0 {
-                break;
+                continue;
             }
-            cell = cell.parent();
+            self.queue.push(cell.parent());
+            for (dx, dy) in SIDES.into_iter().chain(DIAGONALS) {
+                self.queue.extend(cell.beside(dx, dy).map(Cell::parent));
+            }
         }
-        true
+        Some(fresh)
     }
 
-    /// Chooses the cells to cut, those of the largest errors in pixels first, and measures new ones within the budget.
+    /// Chooses the cells to cut, those of the largest errors in pixels first. New cells are measured, and cells cut that
+    /// were not, within the budgets of a frame.
     pub(super) fn choose(&mut self, view: &Seen, ground: &dyn Elevation) {
+        std::mem::swap(&mut self.inner, &mut self.before);
         self.inner.clear();
         self.wanted.clear();
-        self.queue.clear();
-        let mut budget = self.options.measured_per_frame;
+        let mut to_measure = self.options.measured_per_frame;
+        let mut to_cut = self.options.cut_per_frame;
         for root in Cell::roots() {
             // Blocks are known from the first frame on.
-            budget += u32::from(self.measures.get(root.key(), self.now).is_none());
-            self.want(view, ground, root, &mut budget);
+            to_measure += u32::from(self.measures.get(root.key(), self.now).is_none());
+            self.want(view, ground, root, &mut to_measure);
         }
         while let Some(Wanted { cell, .. }) = self.wanted.pop() {
-            if self.inner.len() >= self.options.most_cuts as usize || !self.inner.set(cell.key(), 0)
-            {
-                break;
+            if !self.is_cut(cell) {
+                if self.inner.len() >= self.options.most_cuts as usize {
+                    break;
+                }
+                if to_cut == 0 && self.before.get(cell.key()).is_none() {
+                    continue;
+                }
+                let Some(fresh) = self.cut(cell) else {
+                    // Beyond what the tables hold: the blocks as they are, which is always whole.
+                    self.inner.clear();
+                    break;
+                };
+                to_cut = to_cut.saturating_sub(fresh);
             }
-            self.queue.push(cell);
             for child in cell.children() {
-                self.want(view, ground, child, &mut budget);
+                self.want(view, ground, child, &mut to_measure);
             }
         }
-        self.balance();
     }
 
     /// Puts a cell among those to cut if its error shows.
-    fn want(&mut self, view: &Seen, ground: &dyn Elevation, cell: Cell, budget: &mut u32) {
+    fn want(&mut self, view: &Seen, ground: &dyn Elevation, cell: Cell, to_measure: &mut u32) {
         let measure = match self.measures.get(cell.key(), self.now) {
             Some(measure) => measure,
             None => {
                 // Not seen with what is known from above: not worth measuring.
                 let above = self.known(cell);
-                if *budget == 0 || view.distance_m(self, &above).is_none() {
+                if *to_measure == 0 || view.distance_m(self, &above).is_none() {
                     return;
                 }
-                *budget -= 1;
+                *to_measure -= 1;
                 self.measure(ground, cell)
             }
         };
@@ -237,28 +230,50 @@ impl ContourSurface {
             return;
         };
         let pixels = f64::from(measure.error_m) / (distance_m * view.pixel_rad);
-        let is_deepest = measure.last || u32::from(cell.level) >= self.options.deepest;
-        if pixels > view.tolerance_px && !is_deepest {
+        if pixels > view.tolerance_px && u32::from(cell.level) < self.options.deepest {
             self.wanted.push(Wanted { pixels, cell });
         }
     }
+}
 
-    /// Cuts more cells until neighbours differ by one level at most.
-    fn balance(&mut self) {
-        let mut next = 0;
-        while next < self.queue.len() {
-            let cell = self.queue[next];
-            next += 1;
-            for (dx, dy) in AROUND_A_CELL {
-                if let Some(beside) = cell.beside(dx, dy)
-                    && beside.level > 0
-                    && !self.cut(beside.parent())
-                {
-                    // Beyond what the tables hold: the blocks as they are, which is always whole.
-                    self.inner.clear();
-                    return;
+/// By how much the data of a cell reach beyond what was seen in each part of it and around: a single summit, say.
+/// Nothing from a source that answers the same for all parts, which knows no more than that.
+fn missed_m(
+    ground: &dyn Elevation,
+    bounds: &Bounds,
+    whole: &HeightRange,
+    seen: &[[(f64, f64); PARTS]; PARTS],
+) -> f64 {
+    let (height_rad, width_rad) = (
+        (bounds.north_rad - bounds.south_rad) / PARTS as f64,
+        bounds.width_rad / PARTS as f64,
+    );
+    let (mut is_telling, mut most) = (false, 0.0f64);
+    for j in 0..PARTS {
+        for i in 0..PARTS {
+            let south_rad = bounds.south_rad + j as f64 * height_rad;
+            let part = Bounds {
+                south_rad,
+                north_rad: (south_rad + height_rad).min(bounds.north_rad),
+                west_rad: bounds.west_rad + i as f64 * width_rad,
+                width_rad,
+            };
+            let range = ground.range_up_to_m(&part, 0.0);
+            is_telling |= range != *whole;
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            for row in &seen[j.saturating_sub(1)..=(j + 1).min(PARTS - 1)] {
+                for part in &row[i.saturating_sub(1)..=(i + 1).min(PARTS - 1)] {
+                    (low, high) = (low.min(part.0), high.max(part.1));
                 }
             }
+            // Ranges reach a little further than asked, and nothing was read beyond the cell: as steep as here, then.
+            let is_border = [i, j].iter().any(|k| *k == 0 || *k == PARTS - 1);
+            let part = seen[j][i];
+            let more = if is_border { part.1 - part.0 } else { 0.0 };
+            most = most
+                .max(range.high_m - high - more)
+                .max(low - more - range.low_m);
         }
     }
+    if is_telling { most } else { 0.0 }
 }

@@ -10,6 +10,8 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_8, PI};
 pub const LEVELS: u8 = 20;
 /// Segments along an edge of a cell.
 pub const SEGMENTS: u32 = 8;
+/// Bicubic patches along an edge of a cell: two segments each.
+pub const PIECES: u32 = 4;
 /// Lattice steps in a block: one for each vertex of the deepest cells.
 const BLOCK_STEPS: u32 = SEGMENTS << LEVELS;
 /// Lattice steps around the equator and from pole to pole.

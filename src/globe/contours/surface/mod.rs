@@ -1,16 +1,24 @@
 //! The whole Earth as q-Bézier patches: a forest over the blocks of 22.5°, chosen by the view.
 //!
-//! Each block is a quadtree; a cell is one bicubic patch of heights over longitude and latitude, lifted along the normal of
-//! the ellipsoid. Its corners are heights and derivatives of the ground at its own scale, so that neighbours share them;
-//! where a neighbour is coarser they are what the coarser edge says ([`restrict`]): the ground joins with one height and one
-//! tangent plane across every edge, in each frame's own choice of levels. Neighbours, diagonal ones too, differ by one level
-//! at most.
+//! Each block is a quadtree; a cell is 4 × 4 bicubic patches of heights over longitude and latitude, lifted along the normal
+//! of the ellipsoid, each drawn as 2 × 2 squares. The knots between them are heights and derivatives of the ground at the
+//! patches' own scale, so that neighbours share them; where a neighbour is coarser they are that one's, or what its edge says
+//! half-way between two ([`restrict`](super::restrict)): the ground joins with one height and one tangent plane across every
+//! edge, in each frame's own choice of levels. Neighbours, diagonal ones too, differ by one level at most, so that corners of
+//! a cell are knots of the coarser ones around it. Near the poles, where columns draw together, vertices take the slope of
+//! the ground about them in place of the derivative by longitude.
 //!
-//! Per frame: choose which cells to cut, largest errors in pixels first, as measured when a cell was first looked at; cut more
-//! until the levels are balanced; draw those that are seen. New cells are measured within a budget, so a jump of the eye
-//! becomes sharp over some frames and never waits. Vertices are written anew only where what they follow from has changed.
+//! Patches are kept and drawn in Hermite form. The parameter q of [`PatchTree`](super::PatchTree) changes the control values
+//! of a patch and not its surface, so there is none here.
+//!
+//! Per frame: choose which cells to cut, largest errors in pixels first, as measured when a cell was first looked at, and with
+//! each what must be cut beside it; draw those that are seen. New cells are measured, and cut, within budgets, so a jump of
+//! the eye becomes sharp over some frames and never waits. Vertices are written anew only where the neighbours' levels have
+//! changed. The error that is reported is that of the cells drawn, each on its own: at the border of the picture an edge may
+//! be that of a coarser cell out of sight.
 
 mod choose;
+mod knots;
 mod lattice;
 mod mesh;
 mod seen;
@@ -18,14 +26,13 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
-use super::hermite::{Corner, estimate, restrict};
 use crate::elevation::Elevation;
 use crate::frames::Ellipsoid;
 use crate::globe::{GroundView, Indices, Patch, Surface, SurfaceStats};
 use choose::{Measure, Wanted};
 use glam::DVec3;
-use lattice::{AROUND, Cell, LEVELS, STEP_RAD, TALL, lat_rad, lon_rad};
-use mesh::Shape;
+use knots::{Joins, Knots};
+use lattice::{Cell, LEVELS};
 use seen::Seen;
 use std::collections::BinaryHeap;
 use std::sync::Arc;
@@ -40,6 +47,8 @@ pub struct ContourOptions {
     pub most_cuts: u32,
     /// Cells that are measured anew in a frame.
     pub measured_per_frame: u32,
+    /// Cells that are cut in a frame and were not in the last; what must be cut beside the last of them comes on top.
+    pub cut_per_frame: u32,
     /// Deepest level, 0…20; more counts as 20, where cells are 2.4 m wide.
     pub deepest: u32,
 }
@@ -48,8 +57,9 @@ impl Default for ContourOptions {
     fn default() -> Self {
         Self {
             ellipsoid: Ellipsoid::WGS84,
-            most_cuts: 450,
-            measured_per_frame: 12,
+            most_cuts: 600,
+            measured_per_frame: 24,
+            cut_per_frame: 24,
             deepest: u32::from(LEVELS),
         }
     }
@@ -57,7 +67,8 @@ impl Default for ContourOptions {
 
 struct Slot {
     used: u64,
-    shape: Shape,
+    /// What its vertices were written with; none before they are.
+    joins: Option<Joins>,
     patch: Patch,
 }
 
@@ -67,12 +78,11 @@ pub struct ContourSurface {
     now: u64,
     clock: u64,
     measures: Cache<Measure>,
-    corners: Cache<Corner>,
+    known_knots: Cache<Knots>,
     /// Cells that are cut.
     inner: Keys,
-    /// This frame's corners by place.
-    settled: Keys,
-    settled_corners: Vec<Corner>,
+    /// Cells that were cut in the last frame.
+    before: Keys,
     /// Cells still to be cut, largest errors first.
     wanted: BinaryHeap<Wanted>,
     queue: Vec<Cell>,
@@ -87,8 +97,8 @@ pub struct ContourSurface {
 }
 
 impl ContourSurface {
-    /// An empty surface. Tables take 7 MB and a patch 3 kB. Cuts are bounded whatever balancing adds, and so are patches and
-    /// memory: 80 MB at most, 12 MB on a descent from 400 km to 2 km with the default options.
+    /// An empty surface. Tables take 11 MB and a patch 2 kB. Cuts are bounded whatever balancing adds, and so are patches and
+    /// memory: 80 MB at most, 15 MB on a descent from 400 km to 2 km with the default options.
     pub fn new(options: ContourOptions) -> Self {
         let options = ContourOptions {
             most_cuts: options.most_cuts.clamp(16, 900),
@@ -100,10 +110,9 @@ impl ContourSurface {
             now: 0,
             clock: 0,
             measures: Cache::new(14),
-            corners: Cache::new(16),
+            known_knots: Cache::new(13),
             inner: Keys::new(14),
-            settled: Keys::new(16),
-            settled_corners: Vec::new(),
+            before: Keys::new(14),
             wanted: BinaryHeap::new(),
             queue: Vec::new(),
             leaves: Vec::new(),
@@ -115,126 +124,6 @@ impl ContourSurface {
             #[cfg(test)]
             cull: true,
         }
-    }
-
-    /// Height of a lattice place, longitudes of any turn, latitudes to the poles.
-    fn height_m(&mut self, ground: &dyn Elevation, x: u32, y: u32, spacing_rad: f64) -> f64 {
-        self.samples += 1;
-        ground.height_m(lat_rad(y), lon_rad(x), spacing_rad)
-    }
-
-    /// A corner that no coarser edge binds, for cells of a level.
-    fn free(&mut self, ground: &dyn Elevation, [x, y]: [u32; 2], level: u8) -> Corner {
-        let key = u64::from(level) << 56 | u64::from(y) << 28 | u64::from(x % AROUND);
-        if let Some(corner) = self.corners.get(key, self.now) {
-            return corner;
-        }
-        let root = Cell { level, x: 0, y: 0 };
-        let steps = root.steps();
-        let spacing_rad = 0.25 * f64::from(steps) * STEP_RAD;
-        let ys = [y.saturating_sub(steps), y, (y + steps).min(TALL)];
-        let xs = [(x + AROUND - steps) % AROUND, x, (x + steps) % AROUND];
-        let mut heights = [[0.0; 3]; 3];
-        for (row, y) in heights.iter_mut().zip(ys) {
-            for (height, x) in row.iter_mut().zip(xs) {
-                *height = self.height_m(ground, x, y, spacing_rad);
-            }
-        }
-        let step = f64::from(steps);
-        let south_north = [f64::from(y - ys[0]), f64::from(ys[2] - y)];
-        let mut corner = estimate(&heights, [step; 2], south_north);
-        if y == 0 || y == TALL {
-            // One place for all longitudes.
-            corner = [corner[0], 0.0, corner[2], 0.0];
-        }
-        self.corners.put(key, self.now, corner);
-        corner
-    }
-
-    fn rank(&self, cell: Option<Cell>) -> Rank {
-        match cell {
-            Some(cell) if cell.level > 0 && !self.is_cut(cell.parent()) => Rank::Coarser,
-            Some(cell) if self.is_cut(cell) => Rank::Finer,
-            Some(_) => Rank::Equal,
-            None => Rank::Equal,
-        }
-    }
-
-    /// What corner `k` of a leaf is this frame.
-    fn corner(&mut self, ground: &dyn Elevation, cell: Cell, k: usize) -> Corner {
-        let place = cell.corner(k);
-        let key = u64::from(place[1]) << 28 | u64::from(place[0]);
-        if let Some(index) = self.settled.get(key) {
-            return self.settled_corners[index as usize];
-        }
-        let (ix, iy) = (k as u32 & 1, k as u32 >> 1);
-        let (dx, dy) = (2 * ix as i32 - 1, 2 * iy as i32 - 1);
-        let (a, b) = (cell.beside(dx, 0), cell.beside(0, dy));
-        let (rank_a, rank_b) = (self.rank(a), self.rank(b));
-        let odd_x = (cell.x + ix) & 1 == 1;
-        let odd_y = (cell.y + iy) & 1 == 1;
-        let corner = match (a, b) {
-            (Some(a), _) if rank_a == Rank::Coarser && odd_y => {
-                let [from, to] = if dx > 0 { [0, 2] } else { [1, 3] };
-                self.middle(ground, a.parent(), from, to, false)
-            }
-            (_, Some(b)) if rank_b == Rank::Coarser && odd_x => {
-                let [from, to] = if dy > 0 { [0, 1] } else { [2, 3] };
-                self.middle(ground, b.parent(), from, to, true)
-            }
-            _ => {
-                let finer = [rank_a, rank_b, self.rank(cell.beside(dx, dy))].contains(&Rank::Finer);
-                self.free(ground, place, cell.level + u8::from(finer))
-            }
-        };
-        if self.settled.set(key, self.settled_corners.len() as u32) {
-            self.settled_corners.push(corner);
-        }
-        corner
-    }
-
-    fn middle(
-        &mut self,
-        ground: &dyn Elevation,
-        of: Cell,
-        a: usize,
-        b: usize,
-        along_u: bool,
-    ) -> Corner {
-        let (a, b) = (self.corner(ground, of, a), self.corner(ground, of, b));
-        restrict(&a, &b, f64::from(of.steps()), 0.5, along_u)
-    }
-
-    fn shape(&mut self, ground: &dyn Elevation, cell: Cell) -> Shape {
-        let corners = std::array::from_fn(|k| self.corner(ground, cell, k));
-        let mut shape = Shape {
-            corners,
-            ..Shape::default()
-        };
-        // West, east, south, north: the facing corners of the neighbour.
-        let sides = [
-            ((-1, 0), [1, 3]),
-            ((1, 0), [0, 2]),
-            ((0, -1), [2, 3]),
-            ((0, 1), [0, 1]),
-        ];
-        for (side, ((dx, dy), [a, b])) in sides.into_iter().enumerate() {
-            let beside = cell.beside(dx, dy);
-            if self.rank(beside) == Rank::Coarser
-                && let Some(beside) = beside
-            {
-                let of = beside.parent();
-                let ends = [self.corner(ground, of, a), self.corner(ground, of, b)];
-                shape.coarse[side] = Some(ends);
-            }
-        }
-        for (k, touched) in shape.touched.iter_mut().enumerate() {
-            let (dx, dy) = (2 * (k as i32 & 1) - 1, 2 * (k as i32 >> 1) - 1);
-            *touched = [(dx, 0), (0, dy), (dx, dy)]
-                .into_iter()
-                .any(|(dx, dy)| self.rank(cell.beside(dx, dy)) == Rank::Coarser);
-        }
-        shape
     }
 
     /// The slot of a cell, new or as it was.
@@ -256,14 +145,10 @@ impl ContourSurface {
             indices: self.indices[0].clone(),
             block: None,
         };
-        let nothing = Shape {
-            corners: [[f64::NAN; 4]; 4],
-            ..Shape::default()
-        };
         if let Some(slot) = oldest {
             let vertices = std::mem::take(&mut self.slots[slot].patch.vertices);
             let changed = std::mem::take(&mut self.slots[slot].patch.changed);
-            self.slots[slot].shape = nothing;
+            self.slots[slot].joins = None;
             self.slots[slot].patch = Patch {
                 vertices,
                 changed,
@@ -273,7 +158,7 @@ impl ContourSurface {
         }
         self.slots.push(Slot {
             used: 0,
-            shape: nothing,
+            joins: None,
             patch,
         });
         self.slots.len() - 1
@@ -282,14 +167,6 @@ impl ContourSurface {
 
 /// Slots kept beyond those drawn.
 const RESERVE: usize = 256;
-
-/// A neighbour's level against a cell's own.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Rank {
-    Coarser,
-    Equal,
-    Finer,
-}
 
 impl Surface for ContourSurface {
     fn name(&self) -> &'static str {
@@ -301,8 +178,6 @@ impl Surface for ContourSurface {
         self.samples = 0;
         let seen = Seen::new(view, self.options.ellipsoid);
         self.choose(&seen, ground);
-        self.settled.clear();
-        self.settled_corners.clear();
         self.leaves.clear();
         self.queue.clear();
         self.queue.extend(Cell::roots());
@@ -332,21 +207,22 @@ impl Surface for ContourSurface {
         self.drawn.clear();
         for k in 0..self.leaves.len() {
             let cell = self.leaves[k].1;
-            let shape = self.shape(ground, cell);
+            let joins = self.joins(cell);
             let slot = self.slot(cell);
-            let Slot {
-                used,
-                shape: was,
-                patch,
-            } = &mut self.slots[slot];
-            *used = self.now;
-            if *was != shape {
-                *was = shape;
+            self.slots[slot].used = self.now;
+            if self.slots[slot].joins != Some(joins) {
+                let knots = self.joined(ground, cell, joins);
                 self.clock += 1;
+                let Slot {
+                    joins: was, patch, ..
+                } = &mut self.slots[slot];
+                *was = Some(joins);
                 patch.revision = self.clock;
-                patch.indices = self.indices[shape.mask()].clone();
-                mesh::write(&self.options.ellipsoid, cell, &shape, patch);
+                patch.indices = self.indices[usize::from(joins.sides)].clone();
+                let figure = &self.options.ellipsoid;
+                self.samples += mesh::write(figure, ground, (cell, joins), &knots, patch);
             }
+            let patch = &self.slots[slot].patch;
             stats.patches += 1;
             stats.vertices += patch.vertices.len() as u32;
             stats.triangles += patch.indices.triangles.len() as u32 / 3;
@@ -360,9 +236,9 @@ impl Surface for ContourSurface {
         stats.samples_read = self.samples;
         let a_slot = size_of::<Slot>() + mesh::VERTICES * size_of::<crate::globe::GroundVertex>();
         stats.resident_bytes = self.measures.bytes()
-            + self.corners.bytes()
+            + self.known_knots.bytes()
             + self.inner.bytes()
-            + self.settled.bytes()
+            + self.before.bytes()
             + self.by_key.bytes()
             + (self.slots.len() * a_slot) as u64
             + self

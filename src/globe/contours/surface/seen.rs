@@ -47,7 +47,7 @@ impl Seen {
         let from_eye = center - self.eye_m;
         // Not nearer than its ball, nor than its top is below the eye.
         let distance = (from_eye.length() - radius)
-            .max(self.height_m - f64::from(measure.top_m))
+            .max(self.height_m - high)
             .max(1.0);
         #[cfg(test)]
         if !surface.cull {

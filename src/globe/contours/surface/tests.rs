@@ -192,10 +192,14 @@ fn the_whole_earth_is_watertight() {
 
 #[test]
 fn vertices_at_one_place_have_one_slope() {
-    for (name, ground) in grounds() {
+    let polar = [("polar hill", 88.9, polar_hill())];
+    let others = grounds()
+        .into_iter()
+        .map(|(name, ground)| (name, 46.4, ground));
+    for (name, lat, ground) in others.chain(polar) {
         let mut surface = ContourSurface::new(options(80));
         surface.cull = false;
-        settle(&mut surface, &view(46.4, 8.1, 20_000.0, None, 0.5), &ground);
+        settle(&mut surface, &view(lat, 8.1, 20_000.0, None, 0.5), &ground);
         let mut at: HashMap<[u64; 3], (Vec3, u64)> = HashMap::new();
         let (mut shared, mut worst) = (0, 0.0f32);
         surface.visit(&mut |patch| {
@@ -233,8 +237,11 @@ fn what_is_drawn_is_as_near_to_the_data_as_it_says() {
             let stats = settle(&mut surface, &view, &ground);
             let (error_m, error_px) = (stats.error_m.unwrap(), stats.error_px.unwrap());
             let mut worst = 0.0f64;
+            // Edges may be those of coarser cells out of sight.
+            let inner =
+                (0..81u32).filter(|k| (1..8).contains(&(k % 9)) && (1..8).contains(&(k / 9)));
             surface.visit(&mut |patch| {
-                for k in 0..patch.vertices.len() as u32 {
+                for k in inner.clone() {
                     let at = Ellipsoid::WGS84.geodetic_from_itrf(place(patch, k));
                     let data = ground.height_m(at.lat_rad, at.lon_rad, 0.0);
                     worst = worst.max((at.height_m - data).abs());
@@ -249,8 +256,8 @@ fn what_is_drawn_is_as_near_to_the_data_as_it_says() {
                     error_px <= tolerance_px,
                     "{name}: not settled within the tolerance"
                 );
-                // Probes are an eighth of a cell apart: they miss a part of what a wave does between.
-                assert!(worst <= 1.5 * error_m + 0.2);
+                // Probes miss a part of what a wave does between, and patches at an edge go over into the coarser one's.
+                assert!(worst <= 2.0 * error_m + 0.2);
             }
         }
     }
@@ -409,5 +416,71 @@ fn nothing_seen_is_left_out() {
         }
         assert!(seen > 100, "{seen}");
         assert_eq!(seen, hits, "from {lat} {lon} {height_m}");
+    }
+}
+
+/// A hill beside each pole on ground that is tilted there, smooth at the pole itself.
+fn polar_hill() -> Formula {
+    Formula {
+        height: |lat, lon| {
+            let p = Ellipsoid::normal(lat.to_radians(), lon.to_radians());
+            let from_top = (p.x - 0.01).hypot(p.y + 0.02) / 0.03;
+            2_000.0 * (-from_top * from_top).exp() + 60_000.0 * p.x
+        },
+        range: (-63_000.0, 63_000.0),
+        spacing_deg: 0.01,
+    }
+}
+
+#[test]
+fn slopes_near_the_poles_are_those_of_the_ground() {
+    let ground = polar_hill();
+    let figure = Ellipsoid::WGS84;
+    for (lat, lon, height_m) in [
+        (90.0, 0.0, 2_000.0),
+        (-90.0, 33.0, 4_000.0),
+        (88.0, 120.0, 2_000.0),
+        (-86.5, -20.0, 2_000.0),
+    ] {
+        let mut surface = ContourSurface::new(options(200));
+        settle(&mut surface, &view(lat, lon, height_m, None, 1.0), &ground);
+        let (mut polar, mut at_pole, mut worst, mut worst_at_pole) = (0, 0, 0.0f64, 0.0f64);
+        surface.visit(&mut |patch| {
+            // Larger cells take their slopes over more than the hill.
+            if patch.key >> 56 < 3 {
+                return;
+            }
+            for k in 0..patch.vertices.len() as u32 {
+                let p = place(patch, k);
+                let is_pole = p.x == 0.0 && p.y == 0.0;
+                // All vertices of a row stand at a pole, each for the longitude of the one beside it.
+                let beside = if p.z > 0.0 { k.wrapping_sub(9) } else { k + 9 };
+                let lon_rad = if is_pole {
+                    let q = place(patch, beside);
+                    q.y.atan2(q.x)
+                } else {
+                    p.y.atan2(p.x)
+                };
+                let lat_rad = figure.geodetic_from_itrf(p).lat_rad;
+                if lat_rad.abs() < 76f64.to_radians() {
+                    continue;
+                }
+                let truth = ground.slope(&figure, lat_rad, lon_rad, 0.0);
+                let drawn = patch.vertices[k as usize].slope.as_dvec2();
+                let off = drawn.distance(truth);
+                polar += 1;
+                worst = worst.max(off);
+                if is_pole {
+                    at_pole += 1;
+                    worst_at_pole = worst_at_pole.max(off);
+                }
+            }
+        });
+        println!(
+            "from {lat} {lon} {height_m}: {polar} vertices, {at_pole} at the pole, slopes within {worst:.4} and {worst_at_pole:.4}"
+        );
+        // The hill has slopes up to 0.01 + 2 000 · 0.86 / (0.03 · R) = 0.018.
+        assert!(polar > 1_000 && worst < 0.005 && worst_at_pole < 0.005);
+        assert!(at_pole > 0 || lat.abs() < 89.0);
     }
 }

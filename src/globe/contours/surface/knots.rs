@@ -1,0 +1,168 @@
+//! The corners of a cell's patches, and what they become beside a coarser cell.
+
+use super::super::hermite::{Corner, estimate, restrict};
+use super::ContourSurface;
+use super::lattice::{AROUND, Cell, PIECES, SEGMENTS, STEP_RAD, TALL, lat_rad, lon_rad};
+use crate::elevation::Elevation;
+
+/// Knots along an edge of a cell.
+pub const KNOTS: usize = PIECES as usize + 1;
+
+/// Corners of the patches of a cell, `[row from the south][column from the west]`.
+pub type Knots = [[Corner; KNOTS]; KNOTS];
+
+/// West, east, south, north.
+pub const SIDES: [(i32, i32); 4] = [(-1, 0), (1, 0), (0, -1), (0, 1)];
+/// South-west, south-east, north-west, north-east.
+pub const DIAGONALS: [(i32, i32); 4] = [(-1, -1), (1, -1), (-1, 1), (1, 1)];
+
+/// Where coarser cells touch a cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Joins {
+    /// A bit for each of [`SIDES`].
+    pub sides: u8,
+    /// A bit for each of [`DIAGONALS`]: the corner belongs to a coarser cell too, across a side or not.
+    pub corners: u8,
+}
+
+impl Joins {
+    /// A coarser cell lies beyond a side.
+    pub fn side(self, k: usize) -> bool {
+        self.sides >> k & 1 == 1
+    }
+
+    /// A coarser cell touches a corner.
+    pub fn corner(self, k: usize) -> bool {
+        self.corners >> k & 1 == 1
+    }
+}
+
+/// Row and column of knot `m` along a side.
+fn along(side: usize, m: usize) -> [usize; 2] {
+    let last = KNOTS - 1;
+    [[m, 0], [m, last], [0, m], [last, m]][side]
+}
+
+/// The knot of a cell at a lattice place, which must be one of its knots.
+fn knot_at(cell: Cell, knots: &Knots, [x, y]: [u32; 2]) -> Corner {
+    let [x0, y0] = cell.vertex(0, 0);
+    let step = cell.steps() / PIECES;
+    let (i, j) = ((x + AROUND - x0) % AROUND / step, (y - y0) / step);
+    knots[j as usize][i as usize]
+}
+
+impl ContourSurface {
+    /// Height of a lattice place, longitudes of any turn, latitudes to the poles.
+    pub(super) fn height_m(
+        &mut self,
+        ground: &dyn Elevation,
+        [x, y]: [u32; 2],
+        spacing_rad: f64,
+    ) -> f64 {
+        self.samples += 1;
+        // A pole is one point, whatever the size of the cells about it.
+        let spacing_rad = if y == 0 || y == TALL {
+            0.0
+        } else {
+            spacing_rad
+        };
+        ground.height_m(lat_rad(y), lon_rad(x), spacing_rad)
+    }
+
+    /// The knots of a cell with neighbours of its own level.
+    pub(super) fn knots(&mut self, ground: &dyn Elevation, cell: Cell) -> Knots {
+        if let Some(knots) = self.known_knots.get(cell.key(), self.now) {
+            return knots;
+        }
+        let knots = self.read_knots(ground, cell);
+        self.known_knots.put(cell.key(), self.now, knots);
+        knots
+    }
+
+    fn read_knots(&mut self, ground: &dyn Elevation, cell: Cell) -> Knots {
+        let step = cell.steps() / PIECES;
+        let spacing_rad = 0.25 * f64::from(step) * STEP_RAD;
+        let [x, y] = cell.vertex(0, 0);
+        // One more on each side; beyond a pole the pole again.
+        let xs: [u32; KNOTS + 2] =
+            std::array::from_fn(|i| (x + AROUND + i as u32 * step - step) % AROUND);
+        let ys: [u32; KNOTS + 2] =
+            std::array::from_fn(|j| (y + j as u32 * step).saturating_sub(step).min(TALL));
+        let heights: [[f64; KNOTS + 2]; KNOTS + 2] =
+            ys.map(|y| xs.map(|x| self.height_m(ground, [x, y], spacing_rad)));
+        let west_east = [f64::from(step); 2];
+        std::array::from_fn(|j| {
+            let [south, middle, north] = [ys[j], ys[j + 1], ys[j + 2]];
+            let south_north = [f64::from(middle - south), f64::from(north - middle)];
+            std::array::from_fn(|i| {
+                let near = std::array::from_fn(|b| std::array::from_fn(|a| heights[j + b][i + a]));
+                let mut corner = estimate(&near, west_east, south_north);
+                if middle == 0 || middle == TALL {
+                    // One place for all longitudes, from which the ground rises by each of them in its own way.
+                    let twist = near[2][2] - near[2][0] - near[0][2] + near[0][0];
+                    corner[1] = 0.0;
+                    corner[3] = twist / (2.0 * f64::from(step) * f64::from(step));
+                }
+                corner
+            })
+        })
+    }
+
+    /// Whether a neighbour is a quarter of a cell that is not cut.
+    fn is_coarser(&self, beside: Option<Cell>) -> bool {
+        beside.is_some_and(|cell| cell.level > 0 && !self.is_cut(cell.parent()))
+    }
+
+    /// Where coarser cells touch a leaf.
+    pub(super) fn joins(&self, cell: Cell) -> Joins {
+        let is_coarser = |(dx, dy)| u8::from(self.is_coarser(cell.beside(dx, dy)));
+        let mut joins = Joins::default();
+        for (k, side) in SIDES.into_iter().enumerate() {
+            joins.sides |= is_coarser(side) << k;
+        }
+        for (k, diagonal) in DIAGONALS.into_iter().enumerate() {
+            let sides = joins.sides >> (k & 1) | joins.sides >> (2 + (k >> 1));
+            joins.corners |= (sides & 1 | is_coarser(diagonal)) << k;
+        }
+        joins
+    }
+
+    /// The knots of a leaf: where a coarser cell has one too it is that one's, and half-way between two of those what the
+    /// coarser edge says. Corners of a cell are knots of the coarser ones around, so nothing further away matters.
+    pub(super) fn joined(&mut self, ground: &dyn Elevation, cell: Cell, joins: Joins) -> Knots {
+        let mut knots = self.knots(ground, cell);
+        let two = 2 * SEGMENTS / PIECES;
+        for (side, (dx, dy)) in SIDES.into_iter().enumerate() {
+            let Some(beside) = cell.beside(dx, dy).filter(|_| joins.side(side)) else {
+                continue;
+            };
+            let beside = beside.parent();
+            let theirs = self.knots(ground, beside);
+            for m in (0..KNOTS).step_by(2) {
+                let [row, column] = along(side, m);
+                let place = cell.vertex(column as u32 * two / 2, row as u32 * two / 2);
+                knots[row][column] = knot_at(beside, &theirs, place);
+            }
+            let steps = f64::from(beside.steps() / PIECES);
+            for m in (1..KNOTS).step_by(2) {
+                let [a, b] = [m - 1, m + 1].map(|m| {
+                    let [row, column] = along(side, m);
+                    knots[row][column]
+                });
+                let [row, column] = along(side, m);
+                knots[row][column] = restrict(&a, &b, steps, 0.5, side >= 2);
+            }
+        }
+        for (k, (dx, dy)) in DIAGONALS.into_iter().enumerate() {
+            let beside = cell.beside(dx, dy);
+            let by_side = joins.side(k & 1) || joins.side(2 + (k >> 1));
+            if let Some(beside) = beside.filter(|_| joins.corner(k) && !by_side) {
+                let theirs = self.knots(ground, beside.parent());
+                let last = KNOTS - 1;
+                knots[(k >> 1) * last][(k & 1) * last] =
+                    knot_at(beside.parent(), &theirs, cell.corner(k));
+            }
+        }
+        knots
+    }
+}
