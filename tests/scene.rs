@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use terrella::air::Atmosphere;
 use terrella::earth::Shading;
 use terrella::frames::{Epoch, utc_from_rfc3339};
-use terrella::globe::{Figure, LevelRule, Subdivision, SurfaceKind, Visibility};
+use terrella::globe::{ContourDrawing, Figure, LevelRule, Subdivision, SurfaceKind, Visibility};
 use terrella::scene::{CameraMode, Scene, SceneError, StorageChoice, limits};
 
 /// A folder with what the scenes of these tests refer to: `sat.tle` and `maps/`.
@@ -365,7 +365,20 @@ fn relief_is_drawn_where_heights_or_its_surface_are_named() {
     assert_eq!(given.surface, SurfaceKind::Blocks);
     assert_eq!(given.elevation, [folder.path("sat.tle")]);
     assert_eq!((given.tolerance_px, given.sea_floor), (0.0, true));
+    let cast = relief("[earth]\nsurface = \"contours\"\ncontours = \"cast\"\n").expect("relief");
+    assert_eq!(
+        (starter.contours, cast.contours),
+        (ContourDrawing::Patches, ContourDrawing::Cast)
+    );
     for (text, words) in [
+        (
+            "surface = \"quadtree\"\ncontours = \"cast\"",
+            ["contours", "set surface = \"contours\""],
+        ),
+        (
+            "surface = \"contours\"\ncontours = \"casts\"",
+            ["contours", "did you mean \"cast\"?"],
+        ),
         (
             "sea_floor = true",
             ["sea_floor", "is for ground with relief"],

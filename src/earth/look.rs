@@ -31,6 +31,7 @@ pub(super) fn look<'a>(
         output: style.output,
         relief: ground.is_some(),
         grid: ground.and_then(|ground| ground.surface().grid()),
+        pages: ground.and_then(|ground| ground.surface().pages()),
         wireframe: style.wireframe,
         anisotropy: if software { 1 } else { quality.anisotropy },
         format,

@@ -21,7 +21,7 @@ mod surface;
 
 pub use blocks::{BLOCK_COUNT, Block, BlockGrid, BlockRow, COLUMNS, ROWS, SubdivisionError};
 pub use displaced::DisplacedBlocks;
-pub use kinds::{SurfaceError, SurfaceKind, SurfaceSettings};
+pub use kinds::{ContourDrawing, SurfaceError, SurfaceKind, SurfaceSettings};
 pub use levels::{
     HYSTERESIS, LevelRule, PAPER_BANDS_M, paper_level, screen_level, texels_per_pixel,
 };

@@ -2,9 +2,11 @@
 
 use super::error::PlayError;
 use crate::elevation::{GridLimits, Ground, open_heights};
+use crate::globe::ContourDrawing;
+use crate::globe::contours::PageOptions;
 use crate::imagery::find_textures;
 use crate::scene::ReliefTable;
-use crate::{GroundOptions, Subdivision};
+use crate::{GroundOptions, Subdivision, SurfaceSettings};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -16,7 +18,10 @@ pub(super) fn ground_options(
     let ground = Arc::new(read_ground(&table.elevation, table.sea_floor)?);
     Ok(GroundOptions {
         elevation: ground,
-        surface: table.surface.settings(subdivision),
+        surface: match table.contours {
+            ContourDrawing::Patches => table.surface.settings(subdivision),
+            ContourDrawing::Cast => SurfaceSettings::CastContours(PageOptions::default()),
+        },
         tolerance_px: table.tolerance_px,
     })
 }

@@ -192,6 +192,7 @@ table!(RawEarth {
     texture_mb: f64 = "a number of megabytes",
     upload_mb: f64 = "a number of megabytes",
     surface: String = "a string: \"blocks\", \"projected-grid\", \"quadtree\", \"contours\" or \"clipmap\"",
+    contours: String = "a string: \"patches\" or \"cast\"",
     elevation: Vec<Spanned<String>> = "a list of strings, the paths of files of heights",
     tolerance_px: f64 = "a number of pixels",
     sea_floor: bool = "true or false",

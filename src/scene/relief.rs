@@ -5,7 +5,7 @@ use super::field::{Field, Wanted, field, flag, span_of};
 use super::limits::{DEFAULT_TOLERANCE_PX, MAX_ELEVATION_FILES, TOLERANCE_PX};
 use super::locate::Source;
 use super::raw::RawEarth;
-use crate::globe::{Subdivision, SurfaceKind, Visibility};
+use crate::globe::{ContourDrawing, Subdivision, SurfaceKind, Visibility};
 use std::path::PathBuf;
 
 /// The keys of `[earth]` that say how ground with relief is drawn.
@@ -13,6 +13,8 @@ use std::path::PathBuf;
 pub struct ReliefTable {
     /// What draws it.
     pub surface: SurfaceKind,
+    /// How contours are drawn.
+    pub contours: ContourDrawing,
     /// Files of heights; none takes the starter pack's, of the whole Earth.
     pub elevation: Vec<PathBuf>,
     /// Most pixels by which the drawn ground may differ from its data.
@@ -26,6 +28,12 @@ impl Source<'_> {
     pub(super) fn relief(&self, earth: &RawEarth) -> Result<Option<ReliefTable>, SceneError> {
         let surface_field = field!(earth.surface);
         let surface = self.choice(&surface_field, SurfaceKind::default())?;
+        let contours_field = field!(earth.contours);
+        let contours = self.choice(&contours_field, ContourDrawing::default())?;
+        if contours_field.is_given() && surface != SurfaceKind::Contours {
+            let advice = "says how contours are drawn; leave it out, or set surface = \"contours\"";
+            return Err(self.refuse(&contours_field, advice));
+        }
         let elevation_field = field!(earth.elevation);
         let elevation = self.paths(&elevation_field)?;
         let (tolerance_px, sea_floor) = (field!(earth.tolerance_px), field!(earth.sea_floor));
@@ -46,6 +54,7 @@ impl Source<'_> {
         self.only_of_the_smooth_earth(earth, surface)?;
         Ok(Some(ReliefTable {
             surface,
+            contours,
             elevation,
             tolerance_px: self.number(&tolerance_px, DEFAULT_TOLERANCE_PX, TOLERANCE_PX, |_| {
                 format!("must be from {} pixels", span_of(&TOLERANCE_PX))

@@ -6,7 +6,7 @@ use super::field::written;
 use super::raw::{TABLES, Table};
 use super::{CameraMode, PackTable, ReliefTable, Scene, orbit_summary};
 use crate::air::Atmosphere;
-use crate::globe::{LevelRule, Subdivision};
+use crate::globe::{ContourDrawing, LevelRule, Subdivision, SurfaceKind};
 use std::fmt::Write;
 
 impl Scene {
@@ -139,7 +139,7 @@ impl Scene {
                 Some(pack) => pack_value(pack, key),
                 None => Err("no pack: whole maps are drawn"),
             },
-            ("earth", "surface" | "elevation" | "tolerance_px" | "sea_floor") => {
+            ("earth", "surface" | "contours" | "elevation" | "tolerance_px" | "sea_floor") => {
                 relief_value(earth.relief.as_ref(), key)
             }
             ("output", "size") => {
@@ -233,7 +233,12 @@ impl Scene {
             };
             uses.push((
                 "relief",
-                format!("{} from {files}", written(&relief.surface)),
+                match relief.contours {
+                    ContourDrawing::Patches => format!("{} from {files}", written(&relief.surface)),
+                    ContourDrawing::Cast => {
+                        format!("contours from {files}, a ray cast at each pixel")
+                    }
+                },
             ));
         }
         if self.earth.atmosphere != Atmosphere::None {
@@ -283,6 +288,10 @@ fn relief_value(relief: Option<&ReliefTable>, key: &str) -> Result<String, &'sta
     };
     Ok(match key {
         "surface" => format!("\"{}\"", written(&relief.surface)),
+        "contours" if relief.surface != SurfaceKind::Contours => {
+            return Err("only for surface = \"contours\"");
+        }
+        "contours" => format!("\"{}\"", written(&relief.contours)),
         "elevation" if relief.elevation.is_empty() => {
             return Err("the starter pack's heights are taken");
         }

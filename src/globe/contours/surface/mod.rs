@@ -11,10 +11,10 @@
 //! becomes sharp over some frames and never waits. Vertices are written anew only where what they follow from has changed.
 
 mod choose;
-mod lattice;
+pub(super) mod lattice;
 mod mesh;
 mod seen;
-mod tables;
+pub(super) mod tables;
 #[cfg(test)]
 mod tests;
 
