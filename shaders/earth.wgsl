@@ -76,10 +76,10 @@ struct BlockVertex {
 #if cast
     // A corner of a page's prism less the eye, ITRF metres: subtracted in f64.
     @location(0) from_eye_m: vec3f,
-    // Of the page: the eye less its origin, where its tree begins, and slack and cone of rays.
+    // Of the page: the eye less its origin, where its tree begins, and slack, cone and step of its rays.
     @location(5) eye_from_origin_m: vec3f,
     @location(6) root: u32,
-    @location(7) slack_and_cone: vec2f,
+    @location(7) ray: vec3f,
 #else
 #if relief
     // Vertex less its patch's origin, ITRF metres, height above the ellipsoid, and rise of the ground to east and north.
@@ -115,7 +115,7 @@ struct Varying {
 #if cast
     @location(4) @interpolate(flat) eye_from_origin_m: vec3f,
     @location(5) @interpolate(flat) root: u32,
-    @location(6) @interpolate(flat) slack_and_cone: vec2f,
+    @location(6) @interpolate(flat) ray: vec3f,
 #else
 #if relief
     @location(4) from_eye_m: vec3f,
@@ -150,7 +150,7 @@ fn vertex(in: BlockVertex) -> Varying {
 #if cast
     out.eye_from_origin_m = in.eye_from_origin_m;
     out.root = in.root;
-    out.slack_and_cone = in.slack_and_cone;
+    out.ray = in.ray;
     // Only what lies behind the eye is cut off: the prism is no part of the picture, the ground in it may be.
     out.clip = frame.clip_from_eye * vec4f(in.from_eye_m, 1.0);
     out.clip.z = 0.5 * out.clip.w;
@@ -225,7 +225,7 @@ fn place(in: Varying) -> Place {
 #if cast
     // Where the ray meets the page's contours.
     let ray_length = length(ray);
-    let in_page = ContourRay(in.eye_from_origin_m, 1e30, ray / ray_length, in.slack_and_cone.y, in.slack_and_cone.x);
+    let in_page = ContourRay(in.eye_from_origin_m, 1e30, ray / ray_length, in.ray.y, in.ray.x, in.ray.z);
     let hit = contour_cast(in_page, in.root);
     if hit.node == 0xffffffffu {
         discard;

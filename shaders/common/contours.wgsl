@@ -31,6 +31,8 @@ struct ContourRay {
     cone: f32,
     // Columns are wider by this on all sides, metres.
     slack: f32,
+    // A ray that enters the tree's column deeper in the ground than this came from below other ground: it meets nothing.
+    step: f32,
 }
 
 struct ContourHit {
@@ -89,8 +91,12 @@ fn contour_cast(ray: ContourRay, root: u32) -> ContourHit {
         let is_fine = contour_nodes[index].thickness <= ray.cone * span.x;
         if children == 0u || is_fine || height + 4u > CONTOUR_STACK {
             let t = (middle - over) / climbs;
-            if over + climbs * span.x - middle <= 0.0 {
+            let depth = middle - over - climbs * span.x;
+            if depth >= 0.0 {
                 // Through the wall of the column, or from inside the ground.
+                if span.x > 0.0 && span.x <= whole.x && depth > ray.step {
+                    return ContourHit(ray.most, 0xffffffffu);
+                }
                 best = ContourHit(span.x, index);
             } else if climbs < 0.0 && t <= span.y && t < best.t {
                 best = ContourHit(max(t, span.x), index);

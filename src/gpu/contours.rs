@@ -24,11 +24,12 @@ struct PageInstance {
     /// See [`crate::globe::contours::FlatRay`].
     slack_m: f32,
     cone: f32,
+    step_m: f32,
 }
 
 const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float32x3];
 const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 7] = wgpu::vertex_attr_array![
-    1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Uint32, 5 => Float32x3, 6 => Uint32, 7 => Float32x2
+    1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Uint32, 5 => Float32x3, 6 => Uint32, 7 => Float32x3
 ];
 
 /// The vertex buffers of `shaders/earth.wgsl` where rays are cast.
@@ -167,6 +168,7 @@ impl PageMesh {
                 root,
                 slack_m: slack_m as f32,
                 cone: draw.cone as f32,
+                step_m: drawn.skirt_m as f32,
             });
             self.blocks.push(block);
         }

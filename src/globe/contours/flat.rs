@@ -93,6 +93,9 @@ pub struct FlatRay {
     pub cone: f32,
     /// Columns are wider by this on all sides, metres: for rays between trees whose origins round them differently.
     pub slack: f32,
+    /// A ray that enters the tree's column deeper in the ground than this came from below other ground: it meets nothing.
+    /// Metres; of neighbours one lies lower than the other by no more.
+    pub step: f32,
 }
 
 /// The stretch of a ray inside a node's column; x > y if there is none.
@@ -117,6 +120,7 @@ pub fn cast_flat(nodes: &[FlatNode], root: u32, ray: &FlatRay) -> Option<(f32, u
     let mut best = (ray.most, u32::MAX);
     let mut stack = [(0u32, 0.0f32, 0.0f32); STACK];
     let (t0, t1) = contour_column(&nodes[root as usize], ray);
+    let entry = t0;
     stack[0] = (root, t0, t1);
     let mut height = usize::from(t0 <= t1);
     while height > 0 {
@@ -137,6 +141,9 @@ pub fn cast_flat(nodes: &[FlatNode], root: u32, ray: &FlatRay) -> Option<(f32, u
             let start = over + climbs * t0 - node.middle;
             let t = (node.middle - over) / climbs;
             if start <= 0.0 {
+                if t0 > 0.0 && t0 <= entry && -start > ray.step {
+                    return None;
+                }
                 best = (t0, index);
             } else if climbs < 0.0 && t <= t1 && t < best.0 {
                 best = (t.max(t0), index);
@@ -199,6 +206,7 @@ mod tests {
                 most: 1e6,
                 cone: 0.0,
                 slack: 0.0,
+                step: f32::MAX,
             };
             let single = cast_flat(&nodes, 3, &flat);
             match (double, single) {
@@ -237,7 +245,7 @@ mod tests {
         let source = format!(
             "{SHADER}\n@group(0) @binding(0) var<storage, read> contour_nodes: array<ContourNode>;\n\
              @fragment fn main(@location(0) p: vec3f) -> @location(0) vec4f {{\n\
-             return vec4f(contour_cast(ContourRay(p, 1e6, normalize(p), 1e-3, 0.0), 0u).t); }}"
+             return vec4f(contour_cast(ContourRay(p, 1e6, normalize(p), 1e-3, 0.0, 1e9), 0u).t); }}"
         );
         let module = naga::front::wgsl::parse_str(&source).unwrap_or_else(|error| {
             panic!("{}", error.emit_to_string(&source));

@@ -58,7 +58,7 @@ pub struct TreeStats {
     pub leaves: u64,
     /// Leaves of one cell whose slab is still thicker than the tolerance.
     pub over: u64,
-    /// Nodes whose best plane stands upright, and that took a level one.
+    /// Nodes whose best plane stands upright, or so steep that its slab reaches higher, and that took a level one.
     pub upright: u64,
     /// Longest way from the root.
     pub depth: u32,
@@ -80,6 +80,9 @@ pub struct ContourTree {
 
 /// Below this cosine to the vertical a plane is no ground: over a column it would rise a thousandfold.
 const LEAST_COSINE: f64 = 1e-3;
+/// Below this cosine a plane is taken only if its slab, measured upwards, is thinner than that of the level one: of a narrow
+/// column with a cliff in it, it may reach far above and below all samples.
+const STEEP_COSINE: f64 = 0.5;
 
 impl ContourTree {
     /// Builds the tree: a span is cut in quarters until its slab is not thicker than the tolerance (0: until single
@@ -158,9 +161,9 @@ impl ContourTree {
         };
         let mut contour = fit(dem.up(), each);
         let mut radius_m = 0.0f64;
-        if contour.normal.dot(dem.up()) < LEAST_COSINE {
-            stats.upright += 1;
-            contour = Contour {
+        let cosine = contour.normal.dot(dem.up());
+        if cosine < STEEP_COSINE {
+            let mut level = Contour {
                 normal: dem.up(),
                 support: Support::Point,
                 low_m: 0.0,
@@ -168,10 +171,14 @@ impl ContourTree {
                 ..contour
             };
             each(&mut |p| {
-                let d = contour.normal.dot(p - contour.at_m);
-                contour.low_m = contour.low_m.min(d);
-                contour.high_m = contour.high_m.max(d);
+                let d = level.normal.dot(p - level.at_m);
+                level.low_m = level.low_m.min(d);
+                level.high_m = level.high_m.max(d);
             });
+            if cosine < LEAST_COSINE || contour.thickness_m() > cosine * level.thickness_m() {
+                stats.upright += 1;
+                contour = level;
+            }
         }
         for (i, j) in [(west, south), (east, south), (west, north), (east, north)] {
             for height in [dem.range_m().low_m, dem.range_m().high_m] {

@@ -3,6 +3,7 @@
 use super::Setting;
 use crate::Subdivision;
 use crate::globe::clipmap::ClipmapOptions;
+use crate::globe::contours::PageOptions;
 use crate::globe::projected_grid::GridOptions;
 use crate::globe::{SurfaceKind, SurfaceSettings};
 use crate::scene::limits::DEFAULT_TOLERANCE_PX;
@@ -71,7 +72,14 @@ fn of_kind(kind: SurfaceKind) -> Vec<Trial> {
     match kind {
         SurfaceKind::Blocks => [12, 24, 48].map(blocks).into(),
         SurfaceKind::ProjectedGrid => [65, 129, 257].map(grid).into(),
-        SurfaceKind::Quadtree | SurfaceKind::Contours => tolerances().into(),
+        SurfaceKind::Quadtree => tolerances().into(),
+        SurfaceKind::Contours => {
+            let cast = [2.0, 1.0, 0.5].map(|px| {
+                let surface = SurfaceSettings::CastContours(PageOptions::default());
+                trial("cast, tolerance px", px.to_string(), false, surface, px)
+            });
+            tolerances().into_iter().chain(cast).collect()
+        }
         SurfaceKind::Clipmap => [(65, 12), (129, 6), (129, 12), (257, 12)]
             .map(|(samples, levels)| clipmap(samples, levels))
             .into(),

@@ -18,8 +18,6 @@
 
 mod page;
 mod seen;
-#[cfg(test)]
-mod tests;
 
 use super::flat::{FlatRay, cast_flat};
 use super::surface::lattice::{Cell, ball};
@@ -72,6 +70,10 @@ impl PageOptions {
 
 /// Once cut, a page stays cut until its error shows by less than this part of the tolerance.
 const HYSTERESIS: f64 = 0.8;
+
+/// The part of the tolerance that pages may take. The other quarter is for nodes that count as leaves in a picture because a
+/// ray sees half their slab as less.
+const PART_OF_PAGES: f64 = 0.75;
 
 /// A page of the last view.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -257,6 +259,7 @@ impl ContourPages {
                 most,
                 cone: self.cone as f32,
                 slack: slack_m(page, eye_itrf_m) as f32,
+                step: drawn.skirt_m as f32,
             };
             if !enters(page, drawn, &ray) {
                 continue;
@@ -318,7 +321,8 @@ impl Surface for ContourPages {
         if built > 0 {
             self.index();
         }
-        self.choose(&seen, view.tolerance_px.max(0.0));
+        let tolerance_px = view.tolerance_px.max(0.0);
+        self.choose(&seen, PART_OF_PAGES * tolerance_px);
         self.wanted
             .sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.key().cmp(&b.1.key())));
         for k in 0..self.wanted.len().min(self.options.built_per_frame as usize) {
@@ -348,17 +352,18 @@ impl Surface for ContourPages {
             error_m = error_m.max(page.error_m);
             error_px = error_px.max(page.error_m / (drawn.distance_m * seen.pixel_rad));
         }
+        let of_nodes_px = (1.0 - PART_OF_PAGES) * tolerance_px;
+        error_px += of_nodes_px;
         for drawn in &mut self.drawn {
-            // A neighbour is no farther than this, so its ground is wrong by no more than the worst shows there.
+            // A neighbour is no farther than this, so its ground is wrong by no more than the worst shows there: heights of
+            // the two differ by no more on their border.
             let page = &self.pages[drawn.page as usize];
             let away_m = drawn.distance_m + 2.0 * page.radius_m;
             drawn.skirt_m = page.error_m + error_px * seen.pixel_rad * away_m + 1.0;
         }
         (stats.error_m, stats.error_px) = (Some(error_m), Some(error_px));
-        (self.pixel_rad, self.cone) = (
-            seen.pixel_rad,
-            0.5 * view.tolerance_px.max(0.0) * seen.pixel_rad,
-        );
+        self.pixel_rad = seen.pixel_rad;
+        self.cone = 2.0 * of_nodes_px * seen.pixel_rad;
         let nodes: usize = self.pages.iter().map(|page| page.nodes.capacity()).sum();
         stats.resident_bytes = (nodes * size_of::<super::FlatNode>()
             + self.pages.len() * (size_of::<Page>() + size_of::<Slot>()))

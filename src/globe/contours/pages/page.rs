@@ -5,10 +5,11 @@ use super::super::flat::FlatNode;
 use super::super::plane::{Contour, Support};
 use super::super::surface::lattice::{AROUND, Cell, STEP_RAD, TALL, ball, lat_rad, lon_rad};
 use super::super::tree::{ContourTree, corners_m};
-use crate::elevation::{Bounds, Elevation, HeightRange};
+use crate::elevation::{Elevation, HeightRange};
 use crate::frames::Ellipsoid;
 use crate::globe::Block;
 use glam::{DVec2, DVec3};
+use std::f64::consts::FRAC_PI_2;
 
 /// Cells along an edge of a page.
 pub const CELLS: u32 = 16;
@@ -107,18 +108,12 @@ impl Posts {
         self.heights_m[j + 1][i + 1]
     }
 
-    /// Rise to the east and to the north at a post.
-    fn slope(&self, bounds: &Bounds, radius_m: f64, i: u32, j: u32) -> DVec2 {
+    /// Rise to the east and to the north at a post that is no pole.
+    fn slope(&self, lat_rad: f64, radius_m: f64, i: u32, j: u32) -> DVec2 {
         let (i, j) = (i as usize + 1, j as usize + 1);
         let h = &self.heights_m;
-        let north_rad = bounds.south_rad + f64::from(j as u32 - 1) * self.spacing_rad;
         let across_m = 2.0 * self.spacing_rad * radius_m;
-        let east_m = across_m * north_rad.cos();
-        // At a pole there is no east.
-        let east = match east_m > 1e-3 * across_m {
-            true => (h[j][i + 1] - h[j][i - 1]) / east_m,
-            false => 0.0,
-        };
+        let east = (h[j][i + 1] - h[j][i - 1]) / (across_m * lat_rad.cos());
         DVec2::new(east, (h[j + 1][i] - h[j - 1][i]) / across_m)
     }
 }
@@ -209,10 +204,27 @@ impl Page {
             }
         };
         let radius_m = ellipsoid.equatorial_radius_m;
-        let slope = |i, j| posts.slope(&bounds, radius_m, i, j);
+        let slope = |i: u32, j: u32| {
+            let lat_rad = bounds.south_rad + f64::from(j) * posts.spacing_rad;
+            if lat_rad.abs() < FRAC_PI_2 - 0.5 * posts.spacing_rad {
+                return posts.slope(lat_rad, radius_m, i, j);
+            }
+            // At a pole, where east is whatever the column says.
+            let lon_rad = bounds.west_rad + f64::from(i) * posts.spacing_rad;
+            let slope = ground.slope(ellipsoid, lat_rad, lon_rad, posts.spacing_rad);
+            if slope.is_finite() {
+                slope
+            } else {
+                DVec2::ZERO
+            }
+        };
         tree.flatten(&dem, slope, &mut self.nodes);
         self.origin_itrf_m = dem.origin_m();
-        self.error_m = 0.5 * tree.stats().thickest_m + missed_m;
+        let leaves = tree.nodes.iter().filter(|node| node.children == 0);
+        // Upwards, not along the normal.
+        let slabs_m =
+            leaves.map(|leaf| leaf.contour.thickness_m() / leaf.contour.normal.dot(dem.up()));
+        self.error_m = 0.5 * slabs_m.fold(0.0, f64::max) + missed_m;
         let (lat, lon) = (
             0.5 * (bounds.south_rad + bounds.north_rad),
             bounds.west_rad + 0.5 * bounds.width_rad,
