@@ -69,9 +69,6 @@ fn surfaces() -> Vec<(&'static str, SurfaceSettings)> {
         "contours, cast",
         SurfaceSettings::CastContours(PageOptions::default()),
     ));
-    if let Ok(only) = std::env::var("TERRELLA_ONLY") {
-        all.retain(|(n, _)| *n == only);
-    }
     all
 }
 

@@ -42,7 +42,7 @@ struct ContourHit {
     node: u32,
 }
 
-const CONTOUR_STACK: u32 = 64u;
+const CONTOUR_STACK: u32 = 24u;
 
 // The stretch of a ray inside a node's column; x > y if there is none.
 fn contour_column(node: u32, ray: ContourRay) -> vec2f {
@@ -65,10 +65,17 @@ fn contour_column(node: u32, ray: ContourRay) -> vec2f {
 
 // Where a ray first meets the ground of the tree at `root`.
 fn contour_cast(ray: ContourRay, root: u32) -> ContourHit {
-    var best = ContourHit(ray.most, 0xffffffffu);
+    let nothing = ContourHit(ray.most, 0xffffffffu);
+    let whole = contour_column(root, ray);
+    let top = contour_nodes[root].normal;
+    let above = dot(top, ray.start - contour_nodes[root].at) + dot(top, ray.towards) * whole.x;
+    let thickness = contour_nodes[root].thickness;
+    if whole.x > 0.0 && contour_nodes[root].middle - above > thickness + ray.step {
+        return nothing;
+    }
+    var best = nothing;
     var nodes: array<u32, CONTOUR_STACK>;
     var spans: array<vec2f, CONTOUR_STACK>;
-    let whole = contour_column(root, ray);
     nodes[0] = root;
     spans[0] = whole;
     var height = select(0u, 1u, whole.x <= whole.y);
@@ -95,7 +102,7 @@ fn contour_cast(ray: ContourRay, root: u32) -> ContourHit {
             if depth >= 0.0 {
                 // Through the wall of the column, or from inside the ground.
                 if span.x > 0.0 && span.x <= whole.x && depth > ray.step {
-                    return ContourHit(ray.most, 0xffffffffu);
+                    return nothing;
                 }
                 best = ContourHit(span.x, index);
             } else if climbs < 0.0 && t <= span.y && t < best.t {

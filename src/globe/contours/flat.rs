@@ -49,8 +49,8 @@ pub fn unpack_normal(packed: u32) -> Vec2 {
     Vec2::new(part(packed), part(packed >> 16))
 }
 
-/// Entries of the walk's stack.
-pub const STACK: usize = 64;
+/// Entries of the walk's stack: enough for trees of 7 levels below the root, 129 samples a side.
+pub const STACK: usize = 24;
 
 impl ContourTree {
     /// All nodes, the root first, appended to `out`. `slope` tells the rise of the ground at a sample, to the east and to the
@@ -122,6 +122,11 @@ pub fn cast_flat(nodes: &[FlatNode], root: u32, ray: &FlatRay) -> Option<(f32, u
     let (t0, t1) = contour_column(&nodes[root as usize], ray);
     let entry = t0;
     stack[0] = (root, t0, t1);
+    let whole = &nodes[root as usize];
+    let above = whole.normal.dot(ray.from - whole.at) + whole.normal.dot(ray.towards) * t0;
+    if t0 > 0.0 && whole.middle - above > whole.thickness + ray.step {
+        return None;
+    }
     let mut height = usize::from(t0 <= t1);
     while height > 0 {
         height -= 1;

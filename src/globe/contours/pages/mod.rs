@@ -346,20 +346,21 @@ impl Surface for ContourPages {
             samples_read: built * Page::READS,
             ..SurfaceStats::default()
         };
-        let (mut error_m, mut error_px) = (0.0f64, 0.0f64);
+        let of_nodes_px = (1.0 - PART_OF_PAGES) * tolerance_px;
+        let (mut error_m, mut error_px, mut border_px) = (0.0f64, 0.0f64, 0.0f64);
         for drawn in &self.drawn {
             let page = &self.pages[drawn.page as usize];
+            let px_per_m = 1.0 / (drawn.distance_m * seen.pixel_rad);
             error_m = error_m.max(page.error_m);
-            error_px = error_px.max(page.error_m / (drawn.distance_m * seen.pixel_rad));
+            error_px = error_px.max(page.error_m * px_per_m + of_nodes_px);
+            border_px = border_px.max(page.border_m * px_per_m + of_nodes_px);
         }
-        let of_nodes_px = (1.0 - PART_OF_PAGES) * tolerance_px;
-        error_px += of_nodes_px;
         for drawn in &mut self.drawn {
-            // A neighbour is no farther than this, so its ground is wrong by no more than the worst shows there: heights of
-            // the two differ by no more on their border.
+            // A neighbour is no farther than this, so on the border its ground is wrong by no more than the worst shows
+            // there: of the two one lies lower by no more than both are wrong. And a half more, as borders are probed.
             let page = &self.pages[drawn.page as usize];
             let away_m = drawn.distance_m + 2.0 * page.radius_m;
-            drawn.skirt_m = page.error_m + error_px * seen.pixel_rad * away_m + 1.0;
+            drawn.skirt_m = 1.5 * (page.border_m + border_px * seen.pixel_rad * away_m) + 1.0;
         }
         (stats.error_m, stats.error_px) = (Some(error_m), Some(error_px));
         self.pixel_rad = seen.pixel_rad;

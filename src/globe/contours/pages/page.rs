@@ -1,11 +1,12 @@
 //! A page: a cell of the forest with a small tree of contours about its own origin.
 
+use super::super::cast::Ray;
 use super::super::dem::{Dem, Frame};
 use super::super::flat::FlatNode;
 use super::super::plane::{Contour, Support};
 use super::super::surface::lattice::{AROUND, Cell, STEP_RAD, TALL, ball, lat_rad, lon_rad};
 use super::super::tree::{ContourTree, corners_m};
-use crate::elevation::{Elevation, HeightRange};
+use crate::elevation::{Bounds, Elevation, HeightRange};
 use crate::frames::Ellipsoid;
 use crate::globe::Block;
 use glam::{DVec2, DVec3};
@@ -44,6 +45,8 @@ pub struct Page {
     pub axes: [DVec3; 3],
     /// Largest distance between what is drawn and the data, metres, as far as known.
     pub error_m: f64,
+    /// The same on its border, where neighbours meet.
+    pub border_m: f64,
     /// A ball that holds the prism, ITRF metres.
     pub center_m: DVec3,
     /// See [`Self::center_m`].
@@ -163,7 +166,7 @@ fn missed_m(
 
 impl Page {
     /// Heights that [`Self::build`] reads.
-    pub(super) const READS: u64 = (READ * READ) as u64 + (CELLS * CELLS) as u64;
+    pub(super) const READS: u64 = (READ * READ) as u64 + (CELLS * CELLS + 8 * CELLS) as u64;
 
     /// Makes it that of a cell. `reach` is the same for all pages: heights that all columns hold their corners at.
     pub(super) fn build(
@@ -225,6 +228,7 @@ impl Page {
         let slabs_m =
             leaves.map(|leaf| leaf.contour.thickness_m() / leaf.contour.normal.dot(dem.up()));
         self.error_m = 0.5 * slabs_m.fold(0.0, f64::max) + missed_m;
+        self.border_m = self.border_m(&bounds, (&dem, &tree), ground, ellipsoid);
         let (lat, lon) = (
             0.5 * (bounds.south_rad + bounds.north_rad),
             bounds.west_rad + 0.5 * bounds.width_rad,
@@ -233,6 +237,45 @@ impl Page {
         self.is_last =
             finest_rad.is_finite() && posts.spacing_rad <= 0.5 * finest_rad && cell.level >= ROUND;
         self.enclose(cell, &dem, &tree, ellipsoid, range);
+    }
+
+    /// How far what is drawn on the border lies from the data, metres: at posts and between them.
+    fn border_m(
+        &self,
+        bounds: &Bounds,
+        (dem, tree): (&Dem, &ContourTree),
+        ground: &dyn Elevation,
+        ellipsoid: &Ellipsoid,
+    ) -> f64 {
+        let top_m = dem.range_m().high_m + 1e5;
+        let tall_rad = bounds.north_rad - bounds.south_rad;
+        let mut most_m = 0.0f64;
+        for k in 0..2 * CELLS {
+            // A hair inside, where columns do not end.
+            let part = (f64::from(k) / f64::from(2 * CELLS)).max(1e-4);
+            for (u, v) in [
+                (part, 1e-4),
+                (part, 1.0 - 1e-4),
+                (1e-4, part),
+                (1.0 - 1e-4, part),
+            ] {
+                let lat_rad = bounds.south_rad + v * tall_rad;
+                let lon_rad = bounds.west_rad + u * bounds.width_rad;
+                let up = Ellipsoid::normal(lat_rad, lon_rad);
+                let ray = Ray {
+                    from_m: ellipsoid.surface_point(up) + up * top_m - dem.origin_m(),
+                    towards: -up,
+                    most_m: 1e7,
+                    cone: 0.0,
+                };
+                let Some(hit) = tree.cast(dem, &ray) else {
+                    return self.error_m;
+                };
+                let data_m = sound(ground.height_m(lat_rad, lon_rad, 0.0));
+                most_m = most_m.max((top_m - hit.distance_m - data_m).abs());
+            }
+        }
+        most_m
     }
 
     /// The prism and the ball around all that is drawn.
