@@ -7,6 +7,7 @@ mod common;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use terrella::elevation::{Bounds, Elevation, HeightRange};
 use terrella::frames::Geodetic;
 use terrella::{Earth, EarthOptions, Sky};
 
@@ -39,6 +40,23 @@ fn allocations(mut work: impl FnMut()) -> u64 {
     let before = COUNT.with(Cell::get);
     work();
     COUNT.with(Cell::get) - before
+}
+
+/// Ground that is rough at every spacing.
+struct Waves;
+impl Elevation for Waves {
+    fn height_m(&self, lat_rad: f64, lon_rad: f64, _: f64) -> f64 {
+        500.0 * (300.0 * lat_rad).sin() * (200.0 * lon_rad).cos()
+    }
+    fn range_m(&self, _: &Bounds) -> HeightRange {
+        HeightRange {
+            low_m: -500.0,
+            high_m: 500.0,
+        }
+    }
+    fn finest_spacing_rad(&self, _: f64, _: f64) -> f64 {
+        1e-5
+    }
 }
 
 #[test]
@@ -344,25 +362,9 @@ fn a_view_at_rest_with_all_its_tiles_allocates_nothing_of_its_own() {
 
 #[test]
 fn a_projected_grid_allocates_nothing() {
-    use terrella::elevation::{Bounds, Elevation, HeightRange};
     use terrella::globe::projected_grid::{GridOptions, GridUniforms, HeightTiles, ProjectedGrid};
     use terrella::globe::{GroundView, Surface};
 
-    struct Waves;
-    impl Elevation for Waves {
-        fn height_m(&self, lat_rad: f64, lon_rad: f64, _: f64) -> f64 {
-            500.0 * (300.0 * lat_rad).sin() * (200.0 * lon_rad).cos()
-        }
-        fn range_m(&self, _: &Bounds) -> HeightRange {
-            HeightRange {
-                low_m: -500.0,
-                high_m: 500.0,
-            }
-        }
-        fn finest_spacing_rad(&self, _: f64, _: f64) -> f64 {
-            1e-5
-        }
-    }
     let mut grid = ProjectedGrid::new(&GridOptions::on_cpu());
     let mut tiles = HeightTiles::new(256);
     let mut drawn = 0;
@@ -391,24 +393,8 @@ fn a_projected_grid_allocates_nothing() {
 
 #[test]
 fn a_grid_of_the_gpu_allocates_nothing_of_its_own() {
-    use terrella::elevation::{Bounds, Elevation, HeightRange};
     use terrella::globe::projected_grid::{GPU_LOADS, GridOptions, GridUniforms, TILE_SAMPLES};
 
-    struct Waves;
-    impl Elevation for Waves {
-        fn height_m(&self, lat_rad: f64, lon_rad: f64, _: f64) -> f64 {
-            500.0 * (300.0 * lat_rad).sin() * (200.0 * lon_rad).cos()
-        }
-        fn range_m(&self, _: &Bounds) -> HeightRange {
-            HeightRange {
-                low_m: -500.0,
-                high_m: 500.0,
-            }
-        }
-        fn finest_spacing_rad(&self, _: f64, _: f64) -> f64 {
-            1e-5
-        }
-    }
     let gpu = common::gpu();
     let mut options = EarthOptions::new(common::plain([90, 90, 90]));
     options.atmosphere = terrella::Atmosphere::None;
@@ -501,25 +487,9 @@ fn a_grid_of_the_gpu_allocates_nothing_of_its_own() {
 /// Where no page is built nothing is allocated; a view at rest builds none.
 #[test]
 fn pages_of_contours_allocate_nothing_once_they_are_built() {
-    use terrella::elevation::{Bounds, Elevation, HeightRange};
     use terrella::globe::contours::{ContourPages, PageOptions};
     use terrella::globe::{GroundView, Surface};
 
-    struct Waves;
-    impl Elevation for Waves {
-        fn height_m(&self, lat_rad: f64, lon_rad: f64, _: f64) -> f64 {
-            500.0 * (300.0 * lat_rad).sin() * (200.0 * lon_rad).cos()
-        }
-        fn range_m(&self, _: &Bounds) -> HeightRange {
-            HeightRange {
-                low_m: -500.0,
-                high_m: 500.0,
-            }
-        }
-        fn finest_spacing_rad(&self, _: f64, _: f64) -> f64 {
-            1e-5
-        }
-    }
     let view = |step: u32| {
         let place = Geodetic::from_degrees(47.0, 2e-4 * f64::from(step), 2e4);
         common::tilted(place, 90.0, -40.0, 45.0, 16.0 / 9.0)
