@@ -1,7 +1,7 @@
 // The surface: one block a draw, texture coordinates and normals exact at every pixel.
 //
 // Features (see src/gpu/shader.rs): paper, clouds, normals, night_lights, water, tiles, air, encode, decode, places, relief, and
-// grid with relief, and crossing with both tiles and relief.
+// with relief grid, or cast, that with depth, and with tiles and relief crossing.
 
 #import common/frame.wgsl
 #import common/color.wgsl
@@ -11,6 +11,9 @@
 #if grid
 #import common/projected_grid.wgsl
 #endif
+#if cast
+#import common/contours.wgsl
+#endif
 
 // | group | binding | what                        | when         |
 // |-------|---------|-----------------------------|--------------|
@@ -19,6 +22,7 @@
 // | 0     | 2       | table sampler               | air          |
 // | 0     | 3       | where tiles lie             | tiles        |
 // | 0     | 4, 5    | the grid, its heights       | grid         |
+// | 0     | 6       | nodes of contours           | cast         |
 // | 1     | 0, 5    | day, its sampler            | always       |
 // | 1     | 1, 6    | cloud cover                 | clouds       |
 // | 1     | 2, 7    | slopes east, north          | normals      |
@@ -42,6 +46,9 @@ struct Tiles {
 #endif
 }
 @group(0) @binding(3) var<uniform> tiles: Tiles;
+#endif
+#if cast
+@group(0) @binding(6) var<storage, read> contour_nodes: array<ContourNode>;
 #endif
 @group(1) @binding(0) var day_map: texture_2d<f32>;
 @group(1) @binding(5) var day_sampler: sampler;
@@ -78,6 +85,14 @@ const CROSSING: u32 = 128u;
 #if grid
 #else
 struct BlockVertex {
+#if cast
+    // A corner of a page's prism less the eye, ITRF metres: subtracted in f64.
+    @location(0) from_eye_m: vec3f,
+    // Of the page: the eye less its origin, where its tree begins, and slack, cone and step of its rays.
+    @location(5) eye_from_origin_m: vec3f,
+    @location(6) root: u32,
+    @location(7) ray: vec3f,
+#else
 #if relief
     // Vertex less its patch's origin, ITRF metres, height above the ellipsoid, and rise of the ground to east and north.
     @location(0) from_origin_m: vec3f,
@@ -89,6 +104,7 @@ struct BlockVertex {
 #else
     // Vertex less eye, ITRF metres: subtracted in f64.
     @location(0) from_eye_m: vec3f,
+#endif
 #endif
     // The block's centre: (cos, sin) of longitude and of latitude, and its texture coordinates.
     @location(1) center_lon: vec2f,
@@ -108,6 +124,11 @@ struct Varying {
 #if tiles
     @location(3) @interpolate(flat) block: u32,
 #endif
+#if cast
+    @location(4) @interpolate(flat) eye_from_origin_m: vec3f,
+    @location(5) @interpolate(flat) root: u32,
+    @location(6) @interpolate(flat) ray: vec3f,
+#else
 #if relief
 #if crossing
     // Of a place within the triangle, so that its block is one that the triangle touches.
@@ -117,6 +138,7 @@ struct Varying {
 #endif
     @location(5) height_m: f32,
     @location(6) slope: vec2f,
+#endif
 #endif
 }
 
@@ -150,6 +172,14 @@ fn vertex(@builtin(vertex_index) index: u32) -> Varying {
 @vertex
 fn vertex(in: BlockVertex) -> Varying {
     var out: Varying;
+#if cast
+    out.eye_from_origin_m = in.eye_from_origin_m;
+    out.root = in.root;
+    out.ray = in.ray;
+    // Only what lies behind the eye is cut off: the prism is no part of the picture, the ground in it may be.
+    out.clip = frame.clip_from_eye * vec4f(in.from_eye_m, 1.0);
+    out.clip.z = 0.5 * out.clip.w;
+#else
 #if relief
     // In this order: the first sum is the same in all patches that share the vertex.
     out.from_eye_m = (in.origin_from_anchor_m + in.from_origin_m) + in.anchor_from_eye_m;
@@ -158,6 +188,7 @@ fn vertex(in: BlockVertex) -> Varying {
     out.clip = frame.clip_from_eye * vec4f(out.from_eye_m, 1.0);
 #else
     out.clip = frame.clip_from_eye * vec4f(in.from_eye_m, 1.0);
+#endif
 #endif
     out.center_lon = in.center_lon;
     out.center_lat = in.center_lat;
@@ -196,8 +227,13 @@ struct Place {
 #endif
 #if relief
     slope: vec2f,
+#if cast
+    // The ground's distance in lengths of the pixel's ray.
+    along: f32,
+#else
 #if places
     along: f32,
+#endif
 #endif
 #endif
 }
@@ -211,18 +247,41 @@ fn place(in: Varying) -> Place {
     let to_scaled = vec3f(1.0, 1.0, frame.polar_stretch);
     let scaled = ray * to_scaled;
 #if relief
+#if cast
+    // Where the ray meets the page's contours.
+    let ray_length = length(ray);
+    let in_page = ContourRay(in.eye_from_origin_m, 1e30, ray / ray_length, in.ray.y, in.ray.x, in.ray.z);
+    let hit = contour_cast(in_page, in.root);
+    if hit.node == 0xffffffffu {
+        discard;
+    }
+    let along = hit.t / ray_length;
+#else
     // The mesh's own place, moved onto the pixel's ray, so that what is interpolated can be wrong along the ray only.
     let along = dot(in.from_eye_m, ray) / dot(ray, ray);
+#endif
     let radii = along / frame.radius_m;
     let p = frame.eye_scaled + radii * scaled;
+#if cast
+    // |p|² − 1 without cancellation.
+    let above = frame.above + radii * (2.0 * dot(frame.eye_scaled, scaled) + radii * dot(scaled, scaled));
+    let height_m = frame.radius_m * above / (1.0 + sqrt(max(1.0 + above, 0.0)));
+#else
+    let height_m = in.height_m;
+#endif
     // The normal through a point at height h: z over ρ by the parallel radii of the figure h higher,
     //   q(a + h)/(q² a + h) in scaled space, q = b/a, where N is taken as a.
     let q = 1.0 / frame.polar_stretch;
-    let lift = in.height_m / frame.radius_m;
+    let lift = height_m / frame.radius_m;
     out.up = normalize(p * vec3f(1.0, 1.0, q * (1.0 + lift) / (q * q + lift)));
+#if cast
+    out.slope = contour_slope(hit.node, in_page.start + hit.t * in_page.towards);
+    out.along = along;
+#else
     out.slope = in.slope;
 #if places
     out.along = along;
+#endif
 #endif
 #else
     let d = normalize(scaled);
@@ -464,12 +523,30 @@ fn shade(at: Place) -> vec3f {
 }
 #endif
 
+// What a pixel gets.
+struct Drawn {
+    @location(0) color: vec4f,
+#if depth
+    @builtin(frag_depth) depth: f32,
+#endif
+}
+
+fn drawn(color: vec4f, at: Place) -> Drawn {
+#if depth
+    // The depth of the ground that the ray met, not of the prism that it was looked for in.
+    let clip = frame.clip_from_eye * vec4f(-at.to_eye * at.along, 1.0);
+    return Drawn(color, saturate(clip.z / max(clip.w, 1e-6)));
+#else
+    return Drawn(color);
+#endif
+}
+
 #if places
 // In place of colour, for measuring: the texture coordinates that maps would be read with, from the block's centre, and
 // that centre. Kept apart, they are rounded as little as the samplers' are. The target is cleared to 0; no centre is 0.
 // With relief: how many of its rays long the pixel's way to the ground is, in the last number, and 1 in the others.
 @fragment
-fn fragment(in: Varying) -> @location(0) vec4f {
+fn fragment(in: Varying) -> Drawn {
     let at = place(in);
 #if crossing
     if drawn_as(at) != in.block {
@@ -477,14 +554,14 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     }
 #endif
 #if relief
-    return vec4f(1.0, 1.0, 1.0, at.along);
+    return drawn(vec4f(1.0, 1.0, 1.0, at.along), at);
 #else
-    return vec4f(at.uv, at.center_uv);
+    return drawn(vec4f(at.uv, at.center_uv), at);
 #endif
 }
 #else
 @fragment
-fn fragment(in: Varying) -> @location(0) vec4f {
+fn fragment(in: Varying) -> Drawn {
 #if crossing
     let found = place(in);
     if drawn_as(found) != in.block {
@@ -501,6 +578,6 @@ fn fragment(in: Varying) -> @location(0) vec4f {
 #if decode
     color = decode_srgb(color);
 #endif
-    return vec4f(color, 1.0);
+    return drawn(vec4f(color, 1.0), at);
 }
 #endif

@@ -86,7 +86,8 @@
 //! turns each view into patches of triangles ([`globe::Patch`]) about local origins: the lifted blocks, a projected grid, an
 //! unfull quadtree, q-Bézier patches or a clipmap ([`SurfaceKind`]). Surfaces are pure code: no GPU, no files. One drawable
 //! keeps their patches on the GPU, writes what changed, and draws them with the Earth's own shader, which then takes the
-//! place of a pixel from the mesh, moved onto the pixel's ray. The projected grid's vertices are made on the GPU. Origins are
+//! place of a pixel from the mesh, moved onto the pixel's ray. The projected grid's vertices are made on the GPU; contours can be
+//! drawn without vertices, by casting the pixel's ray at small trees of them ([`globe::contours::ContourPages`]). Origins are
 //! subtracted from the eye in f64; neighbours' edges agree to the last bit. `measure::surfaces` holds all of them against the
 //! data: metres, pixels, holes, popping, time. Trees over one grid of heights are built on threads, the same to the last bit,
 //! and kept as bytes with a checksum; `measure::terrain` measures them.

@@ -8,9 +8,11 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use terrella::elevation::{Bounds, Elevation, HeightRange};
 use terrella::frames::{Ellipsoid, Geodetic};
+use terrella::globe::contours::PageOptions;
 use terrella::imagery::EarthLayers;
 use terrella::{
     Atmosphere, EarthOptions, EyeView, GroundOptions, Shading, Subdivision, SurfaceKind,
+    SurfaceSettings,
 };
 
 const SIZE: (u32, u32) = (320, 180);
@@ -57,14 +59,30 @@ impl Elevation for Hills {
     }
 }
 
-fn options(layers: EarthLayers, ground: Option<(SurfaceKind, Arc<dyn Elevation>)>) -> EarthOptions {
+/// Every kind at its default, and contours that rays are cast at.
+fn surfaces() -> Vec<(&'static str, SurfaceSettings)> {
+    let kinds = SurfaceKind::ALL.iter();
+    let mut all: Vec<_> = kinds
+        .map(|kind| (kind.name(), kind.settings(Subdivision::Auto)))
+        .collect();
+    all.push((
+        "contours, cast",
+        SurfaceSettings::CastContours(PageOptions::default()),
+    ));
+    all
+}
+
+fn options(
+    layers: EarthLayers,
+    ground: Option<(SurfaceSettings, Arc<dyn Elevation>)>,
+) -> EarthOptions {
     let mut options = EarthOptions::new(layers);
     options.atmosphere = Atmosphere::None;
     options.shading = Shading::Paper;
     options.anisotropy = 1;
     options.ground = ground.map(|(surface, elevation)| GroundOptions {
         elevation,
-        surface: surface.settings(Subdivision::Auto),
+        surface,
         tolerance_px: TOLERANCE_PX,
     });
     options
@@ -133,14 +151,14 @@ fn hit(eye: DVec3, direction: DVec3, height_m: f64) -> Option<Geodetic> {
 #[test]
 fn level_ground_is_where_the_exact_ray_meets_it() {
     let mut wrong = Vec::new();
-    for kind in SurfaceKind::ALL {
+    for (kind, surface) in surfaces() {
         for height_m in [0.0, 8000.0, -8000.0] {
             let ground: Arc<dyn Elevation> = Arc::new(Level(height_m));
-            let mut rig = Rig::new(&options(position_layers(), Some((*kind, ground))), SIZE);
+            let mut rig = Rig::new(&options(position_layers(), Some((surface, ground))), SIZE);
             for (name, view) in views(rig.aspect()) {
                 let sun = view.eye_world.normalize();
                 let (picture, stats, _) = rig.draw_complete(&view, sun);
-                assert!(stats.ground.triangles > 0, "{kind:?}, {name}");
+                assert!(stats.ground.triangles > 0, "{kind}, {name}");
                 let (mut worst, mut count) = (0.0_f64, 0);
                 let middle = (SIZE.0 / 2, SIZE.1 / 2);
                 let pixel_rad = ray(&view, middle.0, middle.1, SIZE).angle_between(ray(
@@ -182,11 +200,11 @@ fn level_ground_is_where_the_exact_ray_meets_it() {
                         count += 1;
                     }
                 }
-                println!("{kind:?} at {height_m} m, {name}: {worst:.1} of 255 in {count}");
-                assert!(count > 5000, "{kind:?} at {height_m} m, {name}: {count}");
+                println!("{kind} at {height_m} m, {name}: {worst:.1} of 255 in {count}");
+                assert!(count > 5000, "{kind} at {height_m} m, {name}: {count}");
                 // The mesh stands a sagitta below the ground between its vertices; pixels near the limb are left out.
                 if worst >= 3.0 {
-                    wrong.push(format!("{kind:?} at {height_m} m, {name}: {worst} of 255"));
+                    wrong.push(format!("{kind} at {height_m} m, {name}: {worst} of 255"));
                 }
             }
         }
@@ -197,8 +215,8 @@ fn level_ground_is_where_the_exact_ray_meets_it() {
 #[test]
 fn hills_have_no_holes() {
     let mut wrong = Vec::new();
-    for kind in SurfaceKind::ALL {
-        let options = options(plain([255; 3]), Some((*kind, Arc::new(Hills))));
+    for (kind, surface) in surfaces() {
+        let options = options(plain([255; 3]), Some((surface, Arc::new(Hills))));
         let mut rig = Rig::new(&options, SIZE);
         for (name, view) in views(rig.aspect()) {
             let sun = view.eye_world.normalize();
@@ -215,19 +233,19 @@ fn hills_have_no_holes() {
                 for y in column {
                     let is_hole = picture.get_pixel(x, y).0[0] == 0;
                     if is_hole {
-                        println!("{kind:?}, {name}: hole at {x}, {y}");
+                        println!("{kind}, {name}: hole at {x}, {y}");
                     }
                     holes += u32::from(is_hole);
                 }
             }
-            println!("{kind:?}, {name}: {holes} holes");
+            println!("{kind}, {name}: {holes} holes");
             if holes > 0 {
-                wrong.push(format!("{kind:?}, {name}: {holes}"));
+                wrong.push(format!("{kind}, {name}: {holes}"));
             }
             if let Some(folder) = std::env::var_os("TERRELLA_RELIEF_PICTURES") {
                 let side = (sun + 1.5 * sun.any_orthonormal_vector()).normalize();
                 let (picture, ..) = rig.draw_complete(&view, side);
-                let file = format!("{kind:?}-{}.png", name.replace([' ', ','], "-"));
+                let file = format!("{kind}-{}.png", name.replace([' ', ','], "-"));
                 picture
                     .save(std::path::Path::new(&folder).join(file))
                     .expect("a folder");
@@ -242,7 +260,10 @@ fn the_smooth_earth_is_not_touched() {
     let bare = Rig::new(&options(position_layers(), None), SIZE);
     let ground: Arc<dyn Elevation> = Arc::new(Hills);
     let with = Rig::new(
-        &options(position_layers(), Some((SurfaceKind::Blocks, ground))),
+        &options(
+            position_layers(),
+            Some((SurfaceKind::Blocks.settings(Subdivision::Auto), ground)),
+        ),
         SIZE,
     );
     assert!(!bare.earth.features_on().contains(&"relief"));

@@ -384,7 +384,20 @@ fn relief_is_drawn_where_heights_or_its_surface_are_named() {
     let told = "{ samples = 129, levels = 6, trimming = \"diamond\" }";
     assert!(scene.summary().contains(told), "{}", scene.summary());
     assert!(given.denoise && !starter.denoise);
+    let cast = "[earth]\nsurface = \"contours\"\ncontours = { drawn = \"cast\" }\n";
+    let settings = relief(cast).expect("relief").settings;
+    assert!(matches!(settings, SurfaceSettings::CastContours(_)));
+    let summary = folder.load(cast).expect("good").summary();
+    assert!(summary.contains("{ drawn = \"cast\" }"), "{summary}");
     for (text, words) in [
+        (
+            "surface = \"quadtree\"\ncontours = { drawn = \"cast\" }",
+            ["contours", "for surface = \"contours\""],
+        ),
+        (
+            "surface = \"contours\"\ncontours = { drawn = \"casts\" }",
+            ["contours", "must be \"patches\" or \"cast\""],
+        ),
         (
             "sea_floor = true",
             ["sea_floor", "is for ground with relief"],

@@ -78,6 +78,13 @@ fn every_variant_compiles() {
         let on: Vec<_> = on.chain(needs).collect();
         ShaderVariant::new(EARTH_SHADER, &on)
     }));
+    // So are contours that rays are cast at, of another fragment stage too.
+    let with = ["paper", "normals", "tiles", "air", "places", "depth"];
+    all.extend(variants(EARTH_SHADER, &with).into_iter().map(|variant| {
+        let on = variant.features.iter().map(|name| (*name, true));
+        let on: Vec<_> = on.chain([("relief", true), ("cast", true)]).collect();
+        ShaderVariant::new(EARTH_SHADER, &on)
+    }));
     let failures: Vec<_> = all
         .iter()
         .filter_map(|variant| {
@@ -182,12 +189,28 @@ fn ground_of_patches_has_nothing_of_the_grid() {
 }
 
 #[test]
+fn ground_of_patches_casts_no_rays() {
+    let text = |cast, depth| {
+        let features = [("relief", true), ("cast", cast), ("depth", depth)];
+        ShaderVariant::new(EARTH_SHADER, &features)
+            .source()
+            .unwrap()
+    };
+    let (with, without) = (text(true, true), text(false, false));
+    for name in ["contour_cast", "contour_nodes", "frag_depth", "discard"] {
+        assert!(with.contains(name) && !without.contains(name), "{name}");
+    }
+    assert!(!with.contains("from_origin_m: vec3f,\n    @location(5) height_m"));
+    assert!(!text(true, false).contains("frag_depth"), "no depth buffer");
+}
+
+#[test]
 fn a_picture_s_shader_draws_no_places() {
     let text = |places| {
         let variant = ShaderVariant::new(EARTH_SHADER, &[("places", places)]);
         variant.source().unwrap()
     };
-    let places = "return vec4f(at.uv, at.center_uv);";
+    let places = "vec4f(at.uv, at.center_uv)";
     assert!(text(true).contains(places) && !text(false).contains(places));
 }
 

@@ -7,6 +7,7 @@ mod common;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use terrella::elevation::{Bounds, Elevation, HeightRange};
 use terrella::frames::Geodetic;
 use terrella::{Earth, EarthOptions, Sky};
 
@@ -39,6 +40,23 @@ fn allocations(mut work: impl FnMut()) -> u64 {
     let before = COUNT.with(Cell::get);
     work();
     COUNT.with(Cell::get) - before
+}
+
+/// Ground that is rough at every spacing.
+struct Waves;
+impl Elevation for Waves {
+    fn height_m(&self, lat_rad: f64, lon_rad: f64, _: f64) -> f64 {
+        500.0 * (300.0 * lat_rad).sin() * (200.0 * lon_rad).cos()
+    }
+    fn range_m(&self, _: &Bounds) -> HeightRange {
+        HeightRange {
+            low_m: -500.0,
+            high_m: 500.0,
+        }
+    }
+    fn finest_spacing_rad(&self, _: f64, _: f64) -> f64 {
+        1e-5
+    }
 }
 
 #[test]
@@ -344,25 +362,9 @@ fn a_view_at_rest_with_all_its_tiles_allocates_nothing_of_its_own() {
 
 #[test]
 fn a_projected_grid_allocates_nothing() {
-    use terrella::elevation::{Bounds, Elevation, HeightRange};
     use terrella::globe::projected_grid::{GridOptions, GridUniforms, HeightTiles, ProjectedGrid};
     use terrella::globe::{GroundView, Surface};
 
-    struct Waves;
-    impl Elevation for Waves {
-        fn height_m(&self, lat_rad: f64, lon_rad: f64, _: f64) -> f64 {
-            500.0 * (300.0 * lat_rad).sin() * (200.0 * lon_rad).cos()
-        }
-        fn range_m(&self, _: &Bounds) -> HeightRange {
-            HeightRange {
-                low_m: -500.0,
-                high_m: 500.0,
-            }
-        }
-        fn finest_spacing_rad(&self, _: f64, _: f64) -> f64 {
-            1e-5
-        }
-    }
     let mut grid = ProjectedGrid::new(&GridOptions::on_cpu());
     let mut tiles = HeightTiles::new(256);
     let mut drawn = 0;
@@ -391,24 +393,8 @@ fn a_projected_grid_allocates_nothing() {
 
 #[test]
 fn a_grid_of_the_gpu_allocates_nothing_of_its_own() {
-    use terrella::elevation::{Bounds, Elevation, HeightRange};
     use terrella::globe::projected_grid::{GPU_LOADS, GridOptions, GridUniforms, TILE_SAMPLES};
 
-    struct Waves;
-    impl Elevation for Waves {
-        fn height_m(&self, lat_rad: f64, lon_rad: f64, _: f64) -> f64 {
-            500.0 * (300.0 * lat_rad).sin() * (200.0 * lon_rad).cos()
-        }
-        fn range_m(&self, _: &Bounds) -> HeightRange {
-            HeightRange {
-                low_m: -500.0,
-                high_m: 500.0,
-            }
-        }
-        fn finest_spacing_rad(&self, _: f64, _: f64) -> f64 {
-            1e-5
-        }
-    }
     let gpu = common::gpu();
     let mut options = EarthOptions::new(common::plain([90, 90, 90]));
     options.atmosphere = terrella::Atmosphere::None;
@@ -495,5 +481,91 @@ fn a_grid_of_the_gpu_allocates_nothing_of_its_own() {
         "{worst} allocations in prepare at most, {most} by wgpu's writes alone; {loads} tiles"
     );
     assert!(loads > 50, "{loads}");
+    assert!(worst <= most, "{worst} allocations, {most} of them wgpu's");
+}
+
+/// Where no page is built nothing is allocated; a view at rest builds none.
+#[test]
+fn pages_of_contours_allocate_nothing_once_they_are_built() {
+    use terrella::globe::contours::{ContourPages, PageOptions};
+    use terrella::globe::{GroundView, Surface};
+
+    let view = |step: u32| {
+        let place = Geodetic::from_degrees(47.0, 2e-4 * f64::from(step), 2e4);
+        common::tilted(place, 90.0, -40.0, 45.0, 16.0 / 9.0)
+    };
+    let mut pages = ContourPages::new(PageOptions::default());
+    let (mut still, mut drawn) = (0, 0);
+    for step in 0..600 {
+        let (eye_itrf_m, clip_from_eye) = view(step / 2).to_itrf();
+        let view = GroundView {
+            eye_itrf_m,
+            clip_from_eye,
+            pixel_rad: 1e-3,
+            tolerance_px: 1.0,
+        };
+        let mut stats = terrella::globe::SurfaceStats::default();
+        let count = allocations(|| stats = pages.prepare(&view, &Waves));
+        if stats.samples_read == 0 {
+            assert_eq!(count, 0, "step {step}");
+            still += 1;
+            drawn = drawn.max(stats.patches);
+        }
+    }
+    println!("{still} of 600 frames built nothing, {drawn} pages");
+    assert!(still > 300 && drawn > 20);
+
+    // And so on the GPU, but for what wgpu takes for three writes.
+    let gpu = common::gpu();
+    let mut options = EarthOptions::new(common::plain([90, 90, 90]));
+    options.atmosphere = terrella::Atmosphere::None;
+    options.ground = Some(terrella::GroundOptions {
+        elevation: std::sync::Arc::new(Waves),
+        surface: terrella::SurfaceSettings::CastContours(PageOptions::default()),
+        tolerance_px: 1.0,
+    });
+    let mut earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("an Earth");
+    let sky = Sky {
+        sun_itrf: glam::DVec3::X,
+    };
+    let wait = std::time::Duration::from_secs(60);
+    let (stats, _) = earth.prepare_complete(&gpu.queue, &view(0), &sky, (640, 400), wait);
+    assert!(stats.ground.patches > 10);
+    let flush = || {
+        gpu.queue.submit([]);
+        gpu.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .expect("the device answers");
+    };
+    let write = |size: usize| {
+        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("terrella test"),
+            size: size as u64,
+            usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let bytes = vec![0_u8; size];
+        let once = || {
+            let count = allocations(|| gpu.queue.write_buffer(&buffer, 0, &bytes));
+            flush();
+            count
+        };
+        (0..8).map(|_| once()).max().expect("eight")
+    };
+    let pages = stats.ground.patches as usize;
+    let most: u64 = [size_of::<terrella::gpu::Frame>(), 96 * pages, 56 * pages]
+        .map(write)
+        .iter()
+        .sum();
+    let mut worst = 0;
+    for round in 0..40 {
+        let count = allocations(|| {
+            earth.prepare(&gpu.queue, &view(0), &sky, (640, 400));
+        });
+        flush();
+        // The first rounds fill wgpu's own pools.
+        worst = if round < 20 { 0 } else { worst.max(count) };
+    }
+    println!("{worst} allocations in prepare at most, {most} by wgpu's three writes");
     assert!(worst <= most, "{worst} allocations, {most} of them wgpu's");
 }

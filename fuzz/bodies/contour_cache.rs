@@ -49,7 +49,9 @@ fn look(tree: &ContourTree, dem: &Dem) {
             assert!((0.0..=1e6).contains(&hit.distance_m));
         }
     }
-    assert_eq!(tree.flatten(dem).len(), tree.nodes.len());
+    let mut flat = Vec::new();
+    tree.flatten(dem, |_, _| glam::DVec2::ZERO, &mut flat);
+    assert_eq!(flat.len(), tree.nodes.len());
 }
 
 /// Good inputs to start from.

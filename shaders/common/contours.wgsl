@@ -1,6 +1,6 @@
 // Casting rays at contours: the walk of `cast_flat` in src/globe/contours/flat.rs. Whoever imports this declares
 //   var<storage, read> contour_nodes: array<ContourNode>;
-// Positions are metres from the origin of the DEM.
+// with one tree after another. Positions are metres from the origin of a tree.
 
 struct ContourNode {
     normal: vec3f,
@@ -11,11 +11,28 @@ struct ContourNode {
     middle: f32,
     // West, east, south, north: inside is where xyz·p >= w.
     walls: array<vec4f, 4>,
-    // First child, 0 for a leaf, and how many.
+    // First child, counted from the root, 0 for a leaf, and how many.
     first: u32,
     children: u32,
     thickness: f32,
     unused: f32,
+    // East and north parts of the ground's normal at the corners SW, SE, NW, NE, 16 bits each.
+    slopes: vec4u,
+}
+
+struct ContourRay {
+    // Metres from the tree's origin.
+    start: vec3f,
+    // Nothing beyond is of interest, metres.
+    most: f32,
+    // Of length 1.
+    towards: vec3f,
+    // A node whose slab is thinner than this times its distance counts as a leaf.
+    cone: f32,
+    // Columns are wider by this on all sides, metres.
+    slack: f32,
+    // A ray that enters the tree's column deeper in the ground than this came from below other ground: it meets nothing.
+    step: f32,
 }
 
 struct ContourHit {
@@ -25,16 +42,16 @@ struct ContourHit {
     node: u32,
 }
 
-const CONTOUR_STACK: u32 = 64u;
+const CONTOUR_STACK: u32 = 24u;
 
 // The stretch of a ray inside a node's column; x > y if there is none.
-fn contour_column(node: u32, origin: vec3f, towards: vec3f, most: f32) -> vec2f {
+fn contour_column(node: u32, ray: ContourRay) -> vec2f {
     var t0 = 0.0;
-    var t1 = most;
+    var t1 = ray.most;
     for (var k = 0u; k < 4u; k++) {
         let wall = contour_nodes[node].walls[k];
-        let lacks = wall.w - dot(wall.xyz, origin);
-        let gains = dot(wall.xyz, towards);
+        let lacks = wall.w - dot(wall.xyz, ray.start) - ray.slack;
+        let gains = dot(wall.xyz, ray.towards);
         if gains > 0.0 {
             t0 = max(t0, lacks / gains);
         } else if gains < 0.0 {
@@ -46,14 +63,20 @@ fn contour_column(node: u32, origin: vec3f, towards: vec3f, most: f32) -> vec2f 
     return vec2f(t0, t1);
 }
 
-// Where a ray first meets the ground. `towards` has length 1; a node whose slab is thinner than `cone` times its distance
-// counts as a leaf.
-fn contour_cast(origin: vec3f, towards: vec3f, most: f32, cone: f32) -> ContourHit {
-    var best = ContourHit(most, 0xffffffffu);
+// Where a ray first meets the ground of the tree at `root`.
+fn contour_cast(ray: ContourRay, root: u32) -> ContourHit {
+    let nothing = ContourHit(ray.most, 0xffffffffu);
+    let whole = contour_column(root, ray);
+    let top = contour_nodes[root].normal;
+    let above = dot(top, ray.start - contour_nodes[root].at) + dot(top, ray.towards) * whole.x;
+    let thickness = contour_nodes[root].thickness;
+    if whole.x > 0.0 && contour_nodes[root].middle - above > thickness + ray.step {
+        return nothing;
+    }
+    var best = nothing;
     var nodes: array<u32, CONTOUR_STACK>;
     var spans: array<vec2f, CONTOUR_STACK>;
-    let whole = contour_column(0u, origin, towards, most);
-    nodes[0] = 0u;
+    nodes[0] = root;
     spans[0] = whole;
     var height = select(0u, 1u, whole.x <= whole.y);
     while height > 0u {
@@ -65,19 +88,22 @@ fn contour_cast(origin: vec3f, towards: vec3f, most: f32, cone: f32) -> ContourH
         }
         let normal = contour_nodes[index].normal;
         let middle = contour_nodes[index].middle;
-        let over = dot(normal, origin - contour_nodes[index].at);
-        let climbs = dot(normal, towards);
+        let over = dot(normal, ray.start - contour_nodes[index].at);
+        let climbs = dot(normal, ray.towards);
         let lowest = min(over + climbs * span.x, over + climbs * span.y);
         if lowest > contour_nodes[index].ceiling {
             continue;
         }
-        let first = contour_nodes[index].first;
         let children = contour_nodes[index].children;
-        let is_fine = contour_nodes[index].thickness <= cone * span.x;
+        let is_fine = contour_nodes[index].thickness <= ray.cone * span.x;
         if children == 0u || is_fine || height + 4u > CONTOUR_STACK {
             let t = (middle - over) / climbs;
-            if over + climbs * span.x - middle <= 0.0 {
+            let depth = middle - over - climbs * span.x;
+            if depth >= 0.0 {
                 // Through the wall of the column, or from inside the ground.
+                if span.x > 0.0 && span.x <= whole.x && depth > ray.step {
+                    return nothing;
+                }
                 best = ContourHit(span.x, index);
             } else if climbs < 0.0 && t <= span.y && t < best.t {
                 best = ContourHit(max(t, span.x), index);
@@ -85,9 +111,10 @@ fn contour_cast(origin: vec3f, towards: vec3f, most: f32, cone: f32) -> ContourH
             continue;
         }
         // Near children on top.
+        let first = root + contour_nodes[index].first;
         let bottom = height;
         for (var k = first; k < first + children; k++) {
-            let part = contour_column(k, origin, towards, most);
+            let part = contour_column(k, ray);
             if part.x <= part.y {
                 var at = height;
                 while at > bottom && spans[at - 1u].x < part.x {
@@ -102,4 +129,20 @@ fn contour_cast(origin: vec3f, towards: vec3f, most: f32, cone: f32) -> ContourH
         }
     }
     return best;
+}
+
+// Rise of the ground to the east and to the north at a place inside a node's column, between its corners.
+fn contour_slope(node: u32, p: vec3f) -> vec2f {
+    var inside: array<f32, 4>;
+    for (var k = 0u; k < 4u; k++) {
+        let wall = contour_nodes[node].walls[k];
+        inside[k] = max(dot(wall.xyz, p) - wall.w, 0.0);
+    }
+    let u = inside[0] / max(inside[0] + inside[1], 1e-6);
+    let v = inside[2] / max(inside[2] + inside[3], 1e-6);
+    let corners = contour_nodes[node].slopes;
+    let south = mix(unpack2x16snorm(corners.x), unpack2x16snorm(corners.y), u);
+    let north = mix(unpack2x16snorm(corners.z), unpack2x16snorm(corners.w), u);
+    let normal = mix(south, north, v);
+    return -normal / sqrt(max(1.0 - dot(normal, normal), 1e-4));
 }

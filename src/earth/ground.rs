@@ -1,12 +1,13 @@
 //! Ground with relief: the surface that a scene chose, and the heights that it is made from.
 
 use crate::elevation::{Bounds, Elevation};
+use crate::globe::contours::ContourOptions;
 use crate::globe::projected_grid::GPU_TILES;
 use crate::globe::{
     Block, BlockGrid, Figure, GroundView, Surface, SurfaceError, SurfaceSettings, SurfaceStats,
     select_blocks_between,
 };
-use crate::gpu::GridMesh;
+use crate::gpu::{GridMesh, PageMesh};
 use glam::{DMat4, DVec3};
 use std::fmt;
 use std::sync::Arc;
@@ -45,7 +46,8 @@ pub(super) struct GroundDriver {
 const QUIET_FRAMES: u32 = 10;
 
 impl GroundDriver {
-    /// A grid that is to be made on the GPU is made on the CPU, and a warning given, where the device has no room for it.
+    /// A grid that is to be made on the GPU is made on the CPU, and contours that are to be cast at are drawn as patches,
+    /// where the device has no room for them; a warning is given.
     pub fn new(
         options: &GroundOptions,
         figure: Figure,
@@ -60,6 +62,14 @@ impl GroundDriver {
                 "this device's textures or uniforms are too small for the projected grid; its vertices are made on the CPU"
             );
             grid.on_gpu = false;
+        }
+        if let SurfaceSettings::CastContours(pages) = &surface
+            && !PageMesh::fits(limits, pages)
+        {
+            tracing::warn!(
+                "this device's fragment shaders cannot read so large a storage buffer; contours are drawn as patches"
+            );
+            surface = SurfaceSettings::Contours(ContourOptions::default());
         }
         Ok(Self {
             elevation: options.elevation.clone(),

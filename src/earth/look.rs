@@ -32,6 +32,7 @@ pub(super) fn look<'a>(
         relief: ground.is_some(),
         crossing: ground.is_some_and(|ground| ground.surface().crosses_blocks()),
         grid: ground.and_then(|ground| ground.surface().grid()),
+        pages: ground.and_then(|ground| ground.surface().pages()),
         wireframe: style.wireframe,
         anisotropy: if software { 1 } else { quality.anisotropy },
         format,

@@ -150,6 +150,10 @@ impl Earth {
         let ground = options.ground.as_ref();
         let ground = ground.map(|g| GroundDriver::new(g, options.figure, &device.limits()));
         let ground = ground.transpose()?;
+        let is_cast = |ground: &GroundDriver| ground.surface().pages().is_some();
+        if options.wireframe && ground.as_ref().is_some_and(is_cast) {
+            return Err(EarthError::NoEdges);
+        }
         let mut quality = Quality::of(options);
         if options.output == SurfaceOutput::Places {
             quality.atmosphere = Atmosphere::None;
@@ -536,6 +540,7 @@ impl Earth {
         };
         let of_ground: &[&str] = match &self.ground {
             Some(ground) if ground.surface().grid().is_some() => &["relief", "grid"],
+            Some(ground) if ground.surface().pages().is_some() => &["relief", "cast"],
             Some(_) => &["relief"],
             None => &[],
         };

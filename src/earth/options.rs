@@ -119,6 +119,12 @@ pub enum EarthError {
          open it with that feature, or on another adapter (terrella doctor lists them) if this one has it not"
     )]
     NoLines,
+    /// Edges of triangles are wanted of ground that has none.
+    #[error(
+        "contours that rays are cast at have no triangles whose edges could be drawn; leave out the wireframe, or draw \
+         contours as patches (contours = \"patches\" under [earth] in a scene)"
+    )]
+    NoEdges,
     /// The textures do not fit into the device's memory.
     #[error(
         "the device has no room for {mib} MiB of maps and tiles: {cause}; \

@@ -1,7 +1,7 @@
 //! Which surface draws ground with relief, and with what settings.
 
 use super::clipmap::{Clipmap, ClipmapOptions, SamplesError};
-use super::contours::{ContourOptions, ContourSurface};
+use super::contours::{ContourOptions, ContourPages, ContourSurface, PageOptions};
 use super::projected_grid::{GridOptions, ProjectedGrid};
 use super::quadtree::{Quadtree, QuadtreeOptions};
 use super::{DisplacedBlocks, Figure, Subdivision, SubdivisionError, Surface};
@@ -21,7 +21,7 @@ pub enum SurfaceKind {
     ProjectedGrid,
     /// Squares of the ground, divided where it is rough and near (2005).
     Quadtree,
-    /// q-Bézier patches between contours (2017).
+    /// Contours (2017): q-Bézier patches between them, or rays cast at them, see [`ContourDrawing`].
     Contours,
     /// Nested rings of samples on an icosahedron (2014).
     Clipmap,
@@ -63,6 +63,17 @@ impl SurfaceKind {
     }
 }
 
+/// How contours are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ContourDrawing {
+    /// As triangles of q-Bézier patches.
+    #[default]
+    Patches,
+    /// By casting the ray of each pixel at them.
+    Cast,
+}
+
 /// What draws ground with relief, and how. The figures in here give way to the Earth's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SurfaceSettings {
@@ -74,6 +85,8 @@ pub enum SurfaceSettings {
     Quadtree(QuadtreeOptions),
     /// [`ContourSurface`]
     Contours(ContourOptions),
+    /// [`ContourPages`]. A device that cannot read storage buffers in fragment shaders gets [`ContourSurface`].
+    CastContours(PageOptions),
     /// [`Clipmap`]
     Clipmap(ClipmapOptions),
 }
@@ -109,6 +122,10 @@ impl SurfaceSettings {
                 ..options
             })),
             Self::Contours(options) => Box::new(ContourSurface::new(ContourOptions {
+                ellipsoid,
+                ..options
+            })),
+            Self::CastContours(options) => Box::new(ContourPages::new(PageOptions {
                 ellipsoid,
                 ..options
             })),

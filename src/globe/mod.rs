@@ -24,7 +24,7 @@ pub use blocks::{
     BLOCK_COUNT, Block, BlockGrid, BlockRow, BlockSet, COLUMNS, ROWS, SubdivisionError,
 };
 pub use displaced::DisplacedBlocks;
-pub use kinds::{SurfaceError, SurfaceKind, SurfaceSettings};
+pub use kinds::{ContourDrawing, SurfaceError, SurfaceKind, SurfaceSettings};
 pub use levels::{
     HYSTERESIS, LevelRule, PAPER_BANDS_M, paper_level, screen_level, texels_per_pixel,
 };

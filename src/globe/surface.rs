@@ -1,6 +1,7 @@
 //! What every surface with relief answers: patches of ground, ready for the GPU. No GPU here.
 
 use super::blocks::Block;
+use super::contours::PagesDraw;
 use super::projected_grid::{Frame, HeightTiles};
 use crate::elevation::Elevation;
 use bytemuck::{Pod, Zeroable};
@@ -111,6 +112,11 @@ pub trait Surface: Send {
 
     /// What is drawn in place of patches, for a surface that has none: the same answer, `Some` or `None`, all its life.
     fn grid(&self) -> Option<GridDraw<'_>> {
+        None
+    }
+
+    /// The same for a surface that rays are cast at.
+    fn pages(&self) -> Option<PagesDraw<'_>> {
         None
     }
 }

@@ -2,6 +2,7 @@
 
 mod air;
 mod context;
+mod contours;
 mod grid;
 mod ground;
 mod lattice;
@@ -28,6 +29,7 @@ pub use tracks::TrackFrame;
 pub use uniforms::{AirFrame, Frame};
 
 pub(crate) use air::AirDrawable;
+pub(crate) use contours::PageMesh;
 pub(crate) use grid::GridMesh;
 use layers::GpuLayer;
 pub(crate) use read_back::read_rows;

@@ -25,6 +25,10 @@ const FILES: &[(&str, &str)] = &[
         PROJECTED_GRID_SHADER,
         include_str!("../../shaders/common/projected_grid.wgsl"),
     ),
+    (
+        "common/contours.wgsl",
+        include_str!("../../shaders/common/contours.wgsl"),
+    ),
     (AIR_SHADER, include_str!("../../shaders/air.wgsl")),
     (TRACKS_SHADER, include_str!("../../shaders/tracks.wgsl")),
     (
@@ -61,6 +65,7 @@ const FEATURES: &[&str] = &[
     "relief",
     "grid",
     "crossing",
+    "cast",
 ];
 
 /// What is wrong with a shader file.

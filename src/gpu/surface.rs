@@ -1,12 +1,15 @@
-//! The drawable of the surface: blocks of a lattice, patches of ground with relief, or a grid, one indexed draw each.
+//! The drawable of the surface: blocks of a lattice, patches of ground with relief, a grid, or pages that rays are cast at, one
+//! indexed draw each.
 
+use super::contours::{self, PageMesh};
 use super::grid::GridMesh;
 use super::ground::{self, GroundMesh};
 use super::lattice::{self, Lattice};
 use super::maps::Maps;
 use super::tiles::{BlockTiles, TILES_BYTES, TileTextures};
-use super::{Frame, GpuLayer, PassFormat, ShaderError, ShaderVariant, SurfaceOutput};
+use super::{DepthBuffer, Frame, GpuLayer, PassFormat, ShaderError, ShaderVariant, SurfaceOutput};
 use crate::frames::Ellipsoid;
+use crate::globe::contours::PagesDraw;
 use crate::globe::{BLOCK_COUNT, Block, BlockGrid, GridDraw, Shading, Surface};
 use crate::imagery::EarthLayers;
 use crate::imagery::stream::{Pool, Upload};
@@ -46,12 +49,21 @@ enum Geometry {
         /// As above.
         whole: Option<wgpu::BindGroup>,
     },
+    /// The same as pages of contours. Each lies in one block.
+    Pages(PageMesh),
 }
 
 impl Geometry {
     fn grid(&self) -> Option<&GridMesh> {
         match self {
             Self::Grid { mesh, .. } => Some(mesh),
+            _ => None,
+        }
+    }
+
+    fn pages(&self) -> Option<&PageMesh> {
+        match self {
+            Self::Pages(mesh) => Some(mesh),
             _ => None,
         }
     }
@@ -98,6 +110,8 @@ pub(crate) struct SurfaceLook<'a> {
     pub wireframe: bool,
     /// The grid that draws it, if one does whose vertices the GPU makes. Nor does that.
     pub grid: Option<GridDraw<'a>>,
+    /// The pages that rays are cast at, if that draws it. Nor does that.
+    pub pages: Option<PagesDraw<'a>>,
 }
 
 impl SurfaceDrawable {
@@ -130,18 +144,21 @@ impl SurfaceDrawable {
         let texture_bytes = maps.bytes() + tile_bytes;
         let frame = super::uniform_buffer::<Frame>(device, "terrella frame");
         let whole = || pools.is_some().then(|| maps.bind_whole(device));
-        let geometry = match (look.relief, &look.grid) {
-            (false, _) => Geometry::blocks(device, grids),
-            (true, None) => Geometry::Ground {
+        let geometry = match (look.relief, &look.grid, &look.pages) {
+            (false, ..) => Geometry::blocks(device, grids),
+            (true, None, None) => Geometry::Ground {
                 mesh: GroundMesh::new(device),
                 whole: whole(),
             },
-            (true, Some(grid)) => Geometry::Grid {
+            (true, Some(grid), _) => Geometry::Grid {
                 mesh: GridMesh::new(device, grid),
                 whole: whole(),
             },
+            (true, None, Some(pages)) => {
+                Geometry::Pages(PageMesh::new(device, pages, look.format.depth))
+            }
         };
-        let assembled = assemble(device, &maps, &imagery, &frame, geometry.grid(), look)?;
+        let assembled = assemble(device, &maps, &imagery, &frame, &geometry, look)?;
         Ok(Self {
             assembled,
             geometry,
@@ -168,8 +185,8 @@ impl SurfaceDrawable {
             Imagery::Tiles(tiles) => tiles.bind_again(device, &self.maps),
             Imagery::Whole(bind_group) => *bind_group = self.maps.bind_whole(device),
         }
-        let grid = self.geometry.grid();
-        self.assembled = assemble(device, &self.maps, &self.imagery, &self.frame, grid, look)?;
+        let with = (&self.maps, &self.imagery, &self.frame);
+        self.assembled = assemble(device, with.0, with.1, with.2, &self.geometry, look)?;
         match &mut self.geometry {
             Geometry::Blocks { .. } => self.geometry = Geometry::blocks(device, grids),
             Geometry::Ground { mesh, whole } => {
@@ -180,6 +197,7 @@ impl SurfaceDrawable {
                 mesh.clear();
                 *whole = whole.take().map(|_| self.maps.bind_whole(device));
             }
+            Geometry::Pages(mesh) => mesh.clear(),
         }
         self.drawn.clear();
         Ok(())
@@ -234,7 +252,7 @@ impl SurfaceDrawable {
     pub fn staged(&self) -> &[Vec3] {
         match &self.geometry {
             Geometry::Blocks { staging, .. } => staging,
-            Geometry::Ground { .. } | Geometry::Grid { .. } => &[],
+            _ => &[],
         }
     }
 
@@ -259,6 +277,10 @@ impl SurfaceDrawable {
                 Some(grid) => mesh.write(queue, &grid, tiled),
                 None => 0,
             },
+            Geometry::Pages(mesh) => match surface.pages() {
+                Some(pages) => mesh.write(queue, &pages, eye_itrf_m),
+                None => 0,
+            },
         }
     }
 
@@ -272,6 +294,7 @@ impl SurfaceDrawable {
             Geometry::Grid { mesh, .. } => {
                 Some((mesh.draw_calls(), mesh.triangles(), mesh.bytes()))
             }
+            Geometry::Pages(mesh) => Some((mesh.draw_calls(), mesh.triangles(), mesh.bytes())),
         }
     }
 
@@ -294,7 +317,7 @@ impl SurfaceDrawable {
         queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
         let vertices = match &self.geometry {
             Geometry::Blocks { lattice, staging } => lattice.write(queue, staging),
-            Geometry::Ground { .. } | Geometry::Grid { .. } => 0,
+            _ => 0,
         };
         let placements = match &mut self.imagery {
             Imagery::Tiles(tiles) => {
@@ -336,6 +359,11 @@ impl SurfaceDrawable {
             Geometry::Grid { mesh, whole } => {
                 mesh.render(pass, |pass, block| bind(pass, block, whole));
             }
+            Geometry::Pages(mesh) => mesh.render(pass, |pass, block| {
+                if let Imagery::Tiles(tiles) = &self.imagery {
+                    pass.set_bind_group(1, tiles.bind_group(block), &[]);
+                }
+            }),
         }
     }
 }
@@ -346,10 +374,11 @@ fn assemble(
     maps: &Maps,
     imagery: &Imagery,
     frame: &wgpu::Buffer,
-    grid: Option<&GridMesh>,
+    geometry: &Geometry,
     look: &SurfaceLook<'_>,
 ) -> Result<Assembled, ShaderError> {
     let format = look.format;
+    let (grid, pages) = (geometry.grid(), geometry.pages());
     let has_tiles = matches!(imagery, Imagery::Tiles(_));
     let variant = match look.output {
         SurfaceOutput::Color => color_variant(maps, look, has_tiles),
@@ -361,6 +390,8 @@ fn assemble(
                 ("relief", look.relief),
                 ("crossing", has_tiles && look.crossing),
                 ("grid", look.grid.is_some()),
+                ("cast", look.pages.is_some()),
+                ("depth", writes_depth(look)),
             ],
         ),
     };
@@ -396,6 +427,10 @@ fn assemble(
         layout.extend(grid.layout());
         entries.extend(grid.entries());
     }
+    if let Some(pages) = pages {
+        layout.push(pages.layout());
+        entries.push(pages.entry());
+    }
     let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("terrella earth"),
         entries: &layout,
@@ -417,15 +452,20 @@ fn assemble(
             module: &module,
             entry_point: Some("vertex"),
             compilation_options: Default::default(),
-            buffers: match (look.relief, grid) {
-                (false, _) => &lattice::BUFFERS,
-                (true, None) => &ground::BUFFERS,
-                (true, Some(_)) => &[],
+            buffers: match geometry {
+                Geometry::Blocks { .. } => &lattice::BUFFERS,
+                Geometry::Ground { .. } => &ground::BUFFERS,
+                Geometry::Grid { .. } => &[],
+                Geometry::Pages(_) => &contours::BUFFERS,
             },
         },
         primitive: wgpu::PrimitiveState {
             front_face: wgpu::FrontFace::Ccw,
-            cull_mode: Some(wgpu::Face::Back),
+            // Of a prism the far sides are drawn, so that an eye inside sees its page.
+            cull_mode: Some(match pages {
+                None => wgpu::Face::Back,
+                Some(_) => wgpu::Face::Front,
+            }),
             polygon_mode: match look.wireframe {
                 false => wgpu::PolygonMode::Fill,
                 true => wgpu::PolygonMode::Line,
@@ -455,6 +495,11 @@ fn assemble(
     })
 }
 
+/// Whether the shader says itself how deep a pixel lies: where rays are cast, if there is a depth buffer.
+fn writes_depth(look: &SurfaceLook<'_>) -> bool {
+    look.pages.is_some() && look.format.depth != DepthBuffer::None
+}
+
 /// The shader that draws pictures.
 fn color_variant(maps: &Maps, look: &SurfaceLook<'_>, has_tiles: bool) -> ShaderVariant {
     let paper = look.shading == Shading::Paper;
@@ -472,6 +517,8 @@ fn color_variant(maps: &Maps, look: &SurfaceLook<'_>, has_tiles: bool) -> Shader
             ("relief", look.relief),
             ("crossing", has_tiles && look.crossing),
             ("grid", look.grid.is_some()),
+            ("cast", look.pages.is_some()),
+            ("depth", writes_depth(look)),
             ("air", look.sunlight.is_some()),
             ("encode", !paper && stores_display_values),
             ("decode", paper && !stores_display_values),

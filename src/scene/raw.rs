@@ -197,6 +197,7 @@ table!(RawEarth {
     sea_floor: bool = "true or false",
     // Any value: tables within the table.
     clipmap: toml::Value = "a table like { samples = 129, levels = 12, trimming = \"diamond\" }",
+    contours: toml::Value = "a table like { drawn = \"patches\" }",
     projected_grid: toml::Value = "a table like { samples = [129, 129], on_gpu = true }",
     denoise: bool = "true or false",
 });

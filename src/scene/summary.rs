@@ -6,7 +6,7 @@ use super::field::written;
 use super::raw::{TABLES, Table};
 use super::{CameraMode, PackTable, ReliefTable, Scene, orbit_summary, surfaces};
 use crate::air::Atmosphere;
-use crate::globe::{LevelRule, Subdivision};
+use crate::globe::{LevelRule, Subdivision, SurfaceSettings};
 use std::fmt::Write;
 
 impl Scene {
@@ -142,7 +142,7 @@ impl Scene {
             (
                 "earth",
                 "surface" | "elevation" | "tolerance_px" | "sea_floor" | "denoise" | "clipmap"
-                | "projected_grid",
+                | "contours" | "projected_grid",
             ) => relief_value(earth.relief.as_ref(), key),
             ("output", "size") => {
                 let [width, height] = self.output.size;
@@ -235,7 +235,12 @@ impl Scene {
             };
             uses.push((
                 "relief",
-                format!("{} from {files}", written(&relief.surface)),
+                match relief.settings {
+                    SurfaceSettings::CastContours(_) => {
+                        format!("contours from {files}, a ray cast at each pixel")
+                    }
+                    _ => format!("{} from {files}", written(&relief.surface)),
+                },
             ));
         }
         if self.earth.atmosphere != Atmosphere::None {

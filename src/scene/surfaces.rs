@@ -1,4 +1,4 @@
-//! `[earth.clipmap]` and `[earth.projected_grid]`: settings that one surface alone has.
+//! `[earth.clipmap]`, `[earth.contours]` and `[earth.projected_grid]`: settings that one surface alone has.
 
 use super::error::{SceneError, printable};
 use super::field::{Field, field, span_of, written};
@@ -6,8 +6,9 @@ use super::limits::{CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRID_SAMPLES};
 use super::locate::Source;
 use super::raw::RawEarth;
 use crate::globe::clipmap::{ClipmapOptions, Trim};
+use crate::globe::contours::PageOptions;
 use crate::globe::projected_grid::GridOptions;
-use crate::globe::{SurfaceKind, SurfaceSettings};
+use crate::globe::{ContourDrawing, SurfaceKind, SurfaceSettings};
 use toml::{Spanned, Value};
 
 impl Source<'_> {
@@ -21,6 +22,11 @@ impl Source<'_> {
         self.only_of(&clipmap, SurfaceKind::Clipmap, surface)?;
         let grid = field!(earth.projected_grid);
         self.only_of(&grid, SurfaceKind::ProjectedGrid, surface)?;
+        let contours = field!(earth.contours);
+        self.only_of(&contours, SurfaceKind::Contours, surface)?;
+        if self.contours(&contours)? == ContourDrawing::Cast {
+            return Ok(SurfaceSettings::CastContours(PageOptions::default()));
+        }
         let cells = self.subdivision(&field!(earth.subdivision))?;
         let mut settings = surface.settings(cells);
         match &mut settings {
@@ -108,6 +114,22 @@ impl Source<'_> {
         Ok(())
     }
 
+    fn contours(&self, table: &Field<'_, Value>) -> Result<ContourDrawing, SceneError> {
+        let mut drawing = ContourDrawing::default();
+        for (key, value) in self.entries(table, CONTOURS)? {
+            let must = match (key.as_str(), value) {
+                ("drawn", Value::String(word)) if drawing_of(word).is_some() => {
+                    drawing = drawing_of(word).unwrap_or_default();
+                    continue;
+                }
+                ("drawn", _) => "drawn must be \"patches\" or \"cast\"".into(),
+                (other, _) => format!("contours have drawn, not {}", printable(other)),
+            };
+            return Err(self.refuse(table, format!("{must}; write it like {CONTOURS}")));
+        }
+        Ok(drawing)
+    }
+
     /// The keys of a table within a table; none where it is left out.
     fn entries<'v>(
         &self,
@@ -124,11 +146,19 @@ impl Source<'_> {
 }
 
 const CLIPMAP: &str = "{ samples = 129, levels = 12, trimming = \"diamond\" }";
+const CONTOURS: &str = "{ drawn = \"patches\" }";
 const GRID: &str = "{ samples = [129, 129], on_gpu = true }";
 
 fn trim_of(word: &str) -> Option<Trim> {
     let trims = [Trim::Diamond, Trim::Hexagon];
     trims.into_iter().find(|trim| written(trim) == word)
+}
+
+fn drawing_of(word: &str) -> Option<ContourDrawing> {
+    let drawings = [ContourDrawing::Patches, ContourDrawing::Cast];
+    drawings
+        .into_iter()
+        .find(|drawing| written(drawing) == word)
 }
 
 fn sides_of(sides: &[Value]) -> Option<(u32, u32)> {
@@ -157,7 +187,14 @@ pub(super) fn value(settings: &SurfaceSettings, key: &str) -> Result<String, &'s
             "{{ samples = [{}, {}], on_gpu = {} }}",
             options.samples.0, options.samples.1, options.on_gpu
         )),
+        ("contours", SurfaceSettings::Contours(_)) => Ok(drawn(ContourDrawing::Patches)),
+        ("contours", SurfaceSettings::CastContours(_)) => Ok(drawn(ContourDrawing::Cast)),
+        ("contours", _) => Err("for surface = \"contours\""),
         ("clipmap", _) => Err("for surface = \"clipmap\""),
         _ => Err("for surface = \"projected-grid\""),
     }
+}
+
+fn drawn(drawing: ContourDrawing) -> String {
+    format!("{{ drawn = \"{}\" }}", written(&drawing))
 }

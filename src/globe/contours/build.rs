@@ -10,6 +10,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Below this cosine to the vertical a plane is no ground: over a column it would rise a thousandfold.
 const LEAST_COSINE: f64 = 1e-3;
+/// Below this cosine a plane is taken only if its slab, measured upwards, is thinner than that of the level one: of a narrow
+/// column with a cliff in it, it may reach far above and below all samples.
+const STEEP_COSINE: f64 = 0.5;
 
 /// A node as wide as a part, and all that is below it.
 struct Part {
@@ -245,14 +248,20 @@ impl Builder<'_> {
             scratch.extend(samples.clone());
             fit_points(dem.up(), scratch)
         };
-        let upright = contour.normal.dot(dem.up()) < LEAST_COSINE;
-        if upright {
-            contour = Contour {
+        let cosine = contour.normal.dot(dem.up());
+        let mut upright = false;
+        if cosine < STEEP_COSINE {
+            let level = Contour {
                 normal: dem.up(),
                 support: Support::Point,
                 ..contour
             }
             .over(samples);
+            let thicker = contour.thickness_m() > cosine * level.thickness_m();
+            upright = cosine < LEAST_COSINE || thicker;
+            if upright {
+                contour = level;
+            }
         }
         let node = Node {
             contour,

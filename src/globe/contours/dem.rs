@@ -168,6 +168,14 @@ impl Dem {
         Ok(())
     }
 
+    /// The same with columns that hold their corners at these heights too: neighbours that share such heights overlap there,
+    /// whatever their own are.
+    pub fn reaching(mut self, heights: HeightRange) -> Self {
+        self.range.low_m = self.range.low_m.min(heights.low_m);
+        self.range.high_m = self.range.high_m.max(heights.high_m);
+        self
+    }
+
     /// Samples from west to east.
     pub fn columns(&self) -> u32 {
         self.columns
@@ -183,7 +191,7 @@ impl Dem {
         &self.heights_m
     }
 
-    /// Lowest and highest.
+    /// Lowest and highest of the heights, and of those of [`Self::reaching`].
     pub fn range_m(&self) -> HeightRange {
         self.range
     }

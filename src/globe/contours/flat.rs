@@ -1,12 +1,13 @@
 //! The tree as a flat buffer for a shader, and the shader's walk in Rust.
 //!
 //! `shaders/common/contours.wgsl` does what [`cast_flat`] does, operation by operation, in f32. Positions are metres from the
-//! DEM's origin; a ray is handed over from there too, so that both are small. 112 bytes a node, children after each other.
+//! DEM's origin; a ray is handed over from there too, so that both are small. 128 bytes a node, children after each other.
+//! A buffer may hold several trees after each other: a walk is given the place of its root.
 
-use super::dem::Dem;
+use super::dem::{Dem, Span};
 use super::tree::ContourTree;
 use bytemuck::{Pod, Zeroable};
-use glam::{Vec3, Vec4};
+use glam::{DVec2, Vec2, Vec3, Vec4};
 
 /// A node as the shader reads it.
 #[repr(C)]
@@ -22,7 +23,7 @@ pub struct FlatNode {
     pub middle: f32,
     /// West, east, south, north: inside is where xyz·p ≥ w.
     pub walls: [Vec4; 4],
-    /// First child; 0 for a leaf.
+    /// First child, counted from the root; 0 for a leaf.
     pub first: u32,
     /// How many.
     pub children: u32,
@@ -30,14 +31,35 @@ pub struct FlatNode {
     pub thickness: f32,
     /// 0.
     pub unused: f32,
+    /// For shading: where the ground's normal points at the corners SW, SE, NW, NE, packed by [`pack_slope`].
+    pub slopes: [u32; 4],
 }
 
-/// Entries of the walk's stack.
-pub const STACK: usize = 64;
+/// Rise to the east and to the north, metres per metre, as the east and north parts of the unit normal in 16 bits each.
+pub fn pack_slope(slope: DVec2) -> u32 {
+    let slope = slope.clamp(DVec2::splat(-1e3), DVec2::splat(1e3));
+    let normal = -slope / (1.0 + slope.length_squared()).sqrt();
+    let part = |x: f64| u32::from((x * 32_767.0).round() as i16 as u16);
+    part(normal.x) | part(normal.y) << 16
+}
+
+/// The east and north parts of the unit normal, as a shader's `unpack2x16snorm` has them.
+pub fn unpack_normal(packed: u32) -> Vec2 {
+    let part = |bits: u32| (f32::from(bits as u16 as i16) / 32_767.0).max(-1.0);
+    Vec2::new(part(packed), part(packed >> 16))
+}
+
+/// Entries of the walk's stack: enough for trees of 7 levels below the root, 129 samples a side.
+pub const STACK: usize = 24;
 
 impl ContourTree {
-    /// All nodes, the root first.
-    pub fn flatten(&self, dem: &Dem) -> Vec<FlatNode> {
+    /// All nodes, the root first, appended to `out`. `slope` tells the rise of the ground at a sample, to the east and to the
+    /// north.
+    pub fn flatten(&self, dem: &Dem, slope: impl Fn(u32, u32) -> DVec2, out: &mut Vec<FlatNode>) {
+        let corners = |[west, east, south, north]: Span| {
+            [(west, south), (east, south), (west, north), (east, north)]
+                .map(|(i, j)| pack_slope(slope(i, j)))
+        };
         let flat = |node: &super::tree::Node| FlatNode {
             normal: node.contour.normal.as_vec3(),
             // Rounding of positions to f32 must not lower it.
@@ -51,17 +73,37 @@ impl ContourTree {
             children: node.children,
             thickness: node.contour.thickness_m() as f32,
             unused: 0.0,
+            slopes: corners(node.span),
         };
-        self.nodes.iter().map(flat).collect()
+        out.extend(self.nodes.iter().map(flat));
     }
 }
 
+/// A ray as the shader has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlatRay {
+    /// Where it begins, metres from the tree's origin.
+    pub from: Vec3,
+    /// Unit direction.
+    pub towards: Vec3,
+    /// Nothing beyond is of interest, metres.
+    pub most: f32,
+    /// A node counts as a leaf where its slab is thinner than this times the distance: the pixels of error times radians a
+    /// pixel.
+    pub cone: f32,
+    /// Columns are wider by this on all sides, metres: for rays between trees whose origins round them differently.
+    pub slack: f32,
+    /// A ray that enters the tree's column deeper in the ground than this came from below other ground: it meets nothing.
+    /// Metres; of neighbours one lies lower than the other by no more.
+    pub step: f32,
+}
+
 /// The stretch of a ray inside a node's column; x > y if there is none.
-fn contour_column(node: &FlatNode, from: Vec3, towards: Vec3, most: f32) -> (f32, f32) {
-    let (mut t0, mut t1) = (0.0f32, most);
+fn contour_column(node: &FlatNode, ray: &FlatRay) -> (f32, f32) {
+    let (mut t0, mut t1) = (0.0f32, ray.most);
     for wall in node.walls {
-        let lacks = wall.w - wall.truncate().dot(from);
-        let gains = wall.truncate().dot(towards);
+        let lacks = wall.w - wall.truncate().dot(ray.from) - ray.slack;
+        let gains = wall.truncate().dot(ray.towards);
         if gains > 0.0 {
             t0 = t0.max(lacks / gains);
         } else if gains < 0.0 {
@@ -73,19 +115,18 @@ fn contour_column(node: &FlatNode, from: Vec3, towards: Vec3, most: f32) -> (f32
     (t0, t1)
 }
 
-/// Where a ray first meets the ground, metres along it, and the node; see [`ContourTree::cast`]. `towards` is a unit
-/// vector, `cone` the pixels of error times radians a pixel.
-pub fn cast_flat(
-    nodes: &[FlatNode],
-    from: Vec3,
-    towards: Vec3,
-    most: f32,
-    cone: f32,
-) -> Option<(f32, u32)> {
-    let mut best = (most, u32::MAX);
+/// Where a ray first meets the ground of the tree at `root`, metres along it, and the node; see [`ContourTree::cast`].
+pub fn cast_flat(nodes: &[FlatNode], root: u32, ray: &FlatRay) -> Option<(f32, u32)> {
+    let mut best = (ray.most, u32::MAX);
     let mut stack = [(0u32, 0.0f32, 0.0f32); STACK];
-    let (t0, t1) = contour_column(&nodes[0], from, towards, most);
-    stack[0] = (0, t0, t1);
+    let (t0, t1) = contour_column(&nodes[root as usize], ray);
+    let entry = t0;
+    stack[0] = (root, t0, t1);
+    let whole = &nodes[root as usize];
+    let above = whole.normal.dot(ray.from - whole.at) + whole.normal.dot(ray.towards) * t0;
+    if t0 > 0.0 && whole.middle - above > whole.thickness + ray.step {
+        return None;
+    }
     let mut height = usize::from(t0 <= t1);
     while height > 0 {
         height -= 1;
@@ -94,17 +135,20 @@ pub fn cast_flat(
             continue;
         }
         let node = &nodes[index as usize];
-        let over = node.normal.dot(from - node.at);
-        let climbs = node.normal.dot(towards);
+        let over = node.normal.dot(ray.from - node.at);
+        let climbs = node.normal.dot(ray.towards);
         let lowest = (over + climbs * t0).min(over + climbs * t1);
         if lowest > node.ceiling {
             continue;
         }
-        let fine = node.thickness <= cone * t0;
+        let fine = node.thickness <= ray.cone * t0;
         if node.children == 0 || fine || height + 4 > STACK {
             let start = over + climbs * t0 - node.middle;
             let t = (node.middle - over) / climbs;
             if start <= 0.0 {
+                if t0 > 0.0 && t0 <= entry && -start > ray.step {
+                    return None;
+                }
                 best = (t0, index);
             } else if climbs < 0.0 && t <= t1 && t < best.0 {
                 best = (t.max(t0), index);
@@ -112,8 +156,8 @@ pub fn cast_flat(
             continue;
         }
         let bottom = height;
-        for k in node.first..node.first + node.children {
-            let (t0, t1) = contour_column(&nodes[k as usize], from, towards, most);
+        for k in root + node.first..root + node.first + node.children {
+            let (t0, t1) = contour_column(&nodes[k as usize], ray);
             if t0 <= t1 {
                 let mut at = height;
                 while at > bottom && stack[at - 1].1 < t0 {
@@ -144,7 +188,8 @@ mod tests {
     fn single_precision_meets_the_same_ground() {
         let dem = fractal(129, 21);
         let tree = ContourTree::build(&dem, 10.0, 1 << 28, &mut |_| ()).unwrap();
-        let nodes = tree.flatten(&dem);
+        let mut nodes = vec![FlatNode::default(); 3];
+        tree.flatten(&dem, |_, _| DVec2::ZERO, &mut nodes);
         let mut seed = 2;
         let (mut offs, mut other) = (Vec::new(), 0);
         for _ in 0..5_000 {
@@ -160,7 +205,15 @@ mod tests {
                 cone: 0.0,
             };
             let double = tree.cast(&dem, &ray);
-            let single = cast_flat(&nodes, from.as_vec3(), ray.towards.as_vec3(), 1e6, 0.0);
+            let flat = FlatRay {
+                from: from.as_vec3(),
+                towards: ray.towards.as_vec3(),
+                most: 1e6,
+                cone: 0.0,
+                slack: 0.0,
+                step: f32::MAX,
+            };
+            let single = cast_flat(&nodes, 3, &flat);
             match (double, single) {
                 (Some(a), Some(b)) => offs.push((a.distance_m - f64::from(b.0)).abs()),
                 (None, None) => (),
@@ -181,12 +234,23 @@ mod tests {
     }
 
     #[test]
+    fn slopes_come_back_from_sixteen_bits() {
+        for slope in [DVec2::ZERO, DVec2::new(0.3, -0.1), DVec2::new(-4.0, 2.0)] {
+            let normal = unpack_normal(pack_slope(slope)).as_dvec2();
+            let up = (1.0 - normal.length_squared()).sqrt();
+            assert!((-normal / up - slope).length() < 1e-3 * (1.0 + slope.length_squared()));
+        }
+        let upright = unpack_normal(pack_slope(DVec2::new(f64::INFINITY, 0.0)));
+        assert!((upright.x + 1.0).abs() < 1e-4);
+    }
+
+    #[test]
     fn the_shader_compiles_and_its_nodes_are_laid_out_as_ours() {
         use naga::valid::{Capabilities, ValidationFlags, Validator};
         let source = format!(
             "{SHADER}\n@group(0) @binding(0) var<storage, read> contour_nodes: array<ContourNode>;\n\
              @fragment fn main(@location(0) p: vec3f) -> @location(0) vec4f {{\n\
-             return vec4f(contour_cast(p, normalize(p), 1e6, 1e-3).t); }}"
+             return vec4f(contour_cast(ContourRay(p, 1e6, normalize(p), 1e-3, 0.0, 1e9), 0u).t); }}"
         );
         let module = naga::front::wgsl::parse_str(&source).unwrap_or_else(|error| {
             panic!("{}", error.emit_to_string(&source));
@@ -213,6 +277,7 @@ mod tests {
             std::mem::offset_of!(FlatNode, children),
             std::mem::offset_of!(FlatNode, thickness),
             std::mem::offset_of!(FlatNode, unused),
+            std::mem::offset_of!(FlatNode, slopes),
         ];
         assert_eq!(theirs, ours);
         assert_eq!(*span as usize, size_of::<FlatNode>());

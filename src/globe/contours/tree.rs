@@ -58,7 +58,7 @@ pub struct TreeStats {
     pub leaves: u64,
     /// Leaves of one cell whose slab is still thicker than the tolerance.
     pub over: u64,
-    /// Nodes whose best plane stands upright, and that took a level one.
+    /// Nodes whose best plane stands upright, or so steep that its slab reaches higher, and that took a level one.
     pub upright: u64,
     /// Longest way from the root.
     pub depth: u32,

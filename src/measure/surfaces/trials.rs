@@ -3,6 +3,7 @@
 use super::Setting;
 use crate::Subdivision;
 use crate::globe::clipmap::{ClipmapOptions, Trim};
+use crate::globe::contours::PageOptions;
 use crate::globe::projected_grid::GridOptions;
 use crate::globe::quadtree::{QuadtreeOptions, Refine};
 use crate::globe::{SurfaceKind, SurfaceSettings};
@@ -93,7 +94,13 @@ fn of_kind(kind: SurfaceKind) -> Vec<Trial> {
             .map(|(side, on_gpu)| grid(side, on_gpu))
             .into(),
         SurfaceKind::Quadtree => tolerances().into_iter().chain([lambda(300.0)]).collect(),
-        SurfaceKind::Contours => tolerances().into(),
+        SurfaceKind::Contours => {
+            let cast = [2.0, 1.0, 0.5].map(|px| {
+                let surface = SurfaceSettings::CastContours(PageOptions::default());
+                trial("cast, tolerance px", px.to_string(), false, surface, px)
+            });
+            tolerances().into_iter().chain(cast).collect()
+        }
         SurfaceKind::Clipmap => [
             (65, 12, Trim::Diamond),
             (129, 6, Trim::Diamond),

@@ -19,10 +19,10 @@
 
 mod choose;
 mod knots;
-mod lattice;
+pub(super) mod lattice;
 mod mesh;
 mod seen;
-mod tables;
+pub(super) mod tables;
 #[cfg(test)]
 mod tests;
 

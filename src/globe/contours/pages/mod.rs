@@ -1,0 +1,390 @@
+//! The whole Earth as contours that rays are cast at: a forest over the blocks of 22.5°, chosen by the view.
+//!
+//! A *page* is a cell of the forest: 17 × 17 posts of ground, averaged at its own scale, and a [`ContourTree`] over them about
+//! its own origin, fitted in f64 and kept in f32. A page is cut into its four quarters while its error shows by more than the
+//! tolerance: half a slab of its leaves, and what finer data would add. Within a page leaves end where slabs are thinner than
+//! that, and in a picture where they are thinner than the ray sees.
+//!
+//! **Watertight.** A column of ground is solid to any depth, so a ray meets either its top or its wall; columns of
+//! neighbours overlap ([`Dem::reaching`]), and are widened by what rounding of the eye's place leaves. What is drawn of a
+//! page is bounded by a prism, which reaches down as far as a neighbour may lie lower.
+//!
+//! **Per frame.** Pages are built within a budget, those of the largest errors first, and their parents drawn until all four
+//! are there. Nothing waits, and where nothing is built nothing is allocated. At most [`PageOptions::most_pages`] are kept;
+//! the one that was longest out of use makes way.
+//!
+//! [`ContourTree`]: super::ContourTree
+//! [`Dem::reaching`]: super::Dem::reaching
+
+mod page;
+mod seen;
+
+use super::flat::{FlatRay, cast_flat};
+use super::surface::lattice::{Cell, ball};
+use super::surface::tables::Keys;
+use crate::elevation::{Bounds, Elevation, HeightRange};
+use crate::frames::Ellipsoid;
+use crate::globe::{GroundView, Patch, Surface, SurfaceStats};
+use glam::DVec3;
+use page::{CELLS, DEEPEST};
+pub use page::{MOST_NODES, Page};
+use seen::Seen;
+
+/// How much the surface may take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PageOptions {
+    /// The figure.
+    pub ellipsoid: Ellipsoid,
+    /// Most pages that are kept, 144…2048. One takes up to 44 kB in memory and as much on the GPU.
+    pub most_pages: u32,
+    /// Pages that are built in a frame; 1 and more. Those of whole blocks, which every view needs, are built beyond it.
+    pub built_per_frame: u32,
+}
+
+impl Default for PageOptions {
+    fn default() -> Self {
+        Self {
+            ellipsoid: Ellipsoid::WGS84,
+            most_pages: 768,
+            built_per_frame: 4,
+        }
+    }
+}
+
+impl PageOptions {
+    /// As they are taken: in range.
+    pub fn within_limits(self) -> Self {
+        Self {
+            most_pages: self.most_pages.clamp(144, 2048),
+            built_per_frame: self.built_per_frame.max(1),
+            ..self
+        }
+    }
+
+    /// Bytes of all nodes on the GPU.
+    pub fn node_bytes(&self) -> u64 {
+        let pages = u64::from(self.within_limits().most_pages);
+        pages * u64::from(MOST_NODES) * size_of::<super::FlatNode>() as u64
+    }
+}
+
+/// Once cut, a page stays cut until its error shows by less than this part of the tolerance.
+const HYSTERESIS: f64 = 0.8;
+
+/// The part of the tolerance that pages may take. The other quarter is for nodes that count as leaves in a picture because a
+/// ray sees half their slab as less.
+const PART_OF_PAGES: f64 = 0.75;
+
+/// A page of the last view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrawnPage {
+    /// Which of [`PagesDraw::pages`].
+    pub page: u32,
+    /// How far the nearest of it may be, metres.
+    pub distance_m: f64,
+    /// How far its prism reaches down below its own ground, metres: to that of any neighbour.
+    pub skirt_m: f64,
+}
+
+/// What is drawn in place of patches.
+#[derive(Clone, Copy, Debug)]
+pub struct PagesDraw<'a> {
+    /// All that are kept, at most as many as ever; one stays in its place until another takes it.
+    pub pages: &'a [Page],
+    /// Those of the last view, near ones first.
+    pub drawn: &'a [DrawnPage],
+    /// Most pages that there will be.
+    pub most_pages: u32,
+    /// Angle of a pixel in the middle of the picture, radians.
+    pub pixel_rad: f64,
+    /// See [`FlatRay::cone`].
+    pub cone: f64,
+}
+
+/// How much wider columns are for an eye at this place, metres; see [`FlatRay::slack`].
+pub fn slack_m(page: &Page, eye_itrf_m: DVec3) -> f64 {
+    let away_m = page.origin_itrf_m.distance(eye_itrf_m) + page.radius_m;
+    away_m * 2f64.powi(-20)
+}
+
+struct Slot {
+    used: u64,
+    is_cut: bool,
+    cell: Cell,
+}
+
+/// Contours as ground that rays are cast at.
+pub struct ContourPages {
+    options: PageOptions,
+    now: u64,
+    clock: u64,
+    pages: Vec<Page>,
+    /// As many as pages.
+    slots: Vec<Slot>,
+    by_key: Keys,
+    queue: Vec<Cell>,
+    /// Cells to build, and by how many pixels what is drawn in their place is wrong.
+    wanted: Vec<(f64, Cell)>,
+    drawn: Vec<DrawnPage>,
+    pixel_rad: f64,
+    cone: f64,
+}
+
+impl ContourPages {
+    /// An empty surface.
+    pub fn new(options: PageOptions) -> Self {
+        let options = options.within_limits();
+        let most = options.most_pages as usize;
+        Self {
+            options,
+            now: 0,
+            clock: 0,
+            pages: Vec::with_capacity(most),
+            slots: Vec::with_capacity(most),
+            by_key: Keys::new(13),
+            queue: Vec::with_capacity(4 * most),
+            wanted: Vec::with_capacity(4 * most),
+            drawn: Vec::with_capacity(most),
+            pixel_rad: 0.0,
+            cone: 0.0,
+        }
+    }
+
+    fn find(&self, cell: Cell) -> Option<usize> {
+        self.by_key.get(cell.key()).map(|slot| slot as usize)
+    }
+
+    /// Builds a page, in place of the one longest out of use if there is no more room; false if all are in use.
+    fn build(&mut self, cell: Cell, ground: &dyn Elevation, reach: HeightRange) -> bool {
+        let slot = if self.slots.len() < self.options.most_pages as usize {
+            self.pages.push(Page::default());
+            self.slots.push(Slot {
+                used: 0,
+                is_cut: false,
+                cell,
+            });
+            self.slots.len() - 1
+        } else {
+            let oldest = (0..self.slots.len()).min_by_key(|k| self.slots[*k].used);
+            match oldest.filter(|k| self.slots[*k].used < self.now) {
+                Some(oldest) => oldest,
+                None => return false,
+            }
+        };
+        self.clock += 1;
+        self.slots[slot] = Slot {
+            used: self.now,
+            is_cut: false,
+            cell,
+        };
+        let page = &mut self.pages[slot];
+        page.build(cell, ground, &self.options.ellipsoid, reach);
+        page.revision = self.clock;
+        true
+    }
+
+    /// Finds pages by their cells again.
+    fn index(&mut self) {
+        self.by_key.clear();
+        for (k, slot) in (0u32..).zip(&self.slots) {
+            // There is room: it is for four times as many.
+            let _ = self.by_key.set(slot.cell.key(), k);
+        }
+    }
+
+    /// Whether all quarters that can be seen are there; asks for those that are not.
+    fn has_quarters(&mut self, cell: Cell, k: usize, pixels: f64, seen: &Seen) -> bool {
+        let (low_m, high_m) = (self.pages[k].low_m, self.pages[k].high_m);
+        let more_m = self.pages[k].error_m + 1.0;
+        let mut is_complete = true;
+        for quarter in cell.children() {
+            if let Some(slot) = self.find(quarter) {
+                // Waits for the others, or is drawn.
+                self.slots[slot].used = self.now;
+                continue;
+            }
+            let ellipsoid = &self.options.ellipsoid;
+            let (center_m, radius_m) = ball(ellipsoid, quarter, low_m - more_m, high_m + more_m);
+            if seen
+                .distance_m(center_m, radius_m, high_m + more_m)
+                .is_some()
+            {
+                is_complete = false;
+                self.wanted.push((pixels, quarter));
+            }
+        }
+        is_complete
+    }
+
+    /// Chooses the pages of a view.
+    fn choose(&mut self, seen: &Seen, tolerance_px: f64) {
+        while let Some(cell) = self.queue.pop() {
+            let Some(k) = self.find(cell) else {
+                continue;
+            };
+            self.slots[k].used = self.now;
+            let page = &self.pages[k];
+            let highest_m = page.high_m + page.error_m;
+            let Some(distance_m) = seen.distance_m(page.center_m, page.radius_m, highest_m) else {
+                continue;
+            };
+            let pixels = page.error_m / (distance_m * seen.pixel_rad);
+            let most_px = match self.slots[k].is_cut {
+                true => HYSTERESIS * tolerance_px,
+                false => tolerance_px,
+            };
+            let is_coarse = pixels > most_px && !page.is_last && cell.level < DEEPEST;
+            self.slots[k].is_cut = is_coarse && self.has_quarters(cell, k, pixels, seen);
+            if self.slots[k].is_cut {
+                self.queue.extend(cell.children());
+            } else if !self.pages[k].nodes.is_empty() {
+                self.drawn.push(DrawnPage {
+                    page: k as u32,
+                    distance_m,
+                    skirt_m: 0.0,
+                });
+            }
+        }
+    }
+
+    /// Where the ray of an eye first meets the ground of the last view, metres along it: the shader's answer, in f32 about
+    /// each page's origin.
+    pub fn cast(&self, eye_itrf_m: DVec3, towards: DVec3) -> Option<f64> {
+        let mut most = f32::MAX;
+        for drawn in &self.drawn {
+            let page = &self.pages[drawn.page as usize];
+            let ray = FlatRay {
+                from: -(page.origin_itrf_m - eye_itrf_m).as_vec3(),
+                towards: towards.as_vec3(),
+                most,
+                cone: self.cone as f32,
+                slack: slack_m(page, eye_itrf_m) as f32,
+                step: drawn.skirt_m as f32,
+            };
+            if !enters(page, drawn, &ray) {
+                continue;
+            }
+            if let Some((t, _)) = cast_flat(&page.nodes, 0, &ray) {
+                most = t;
+            }
+        }
+        (most < f32::MAX).then_some(f64::from(most))
+    }
+}
+
+/// Whether a ray goes through a page's prism, as a picture shows it.
+fn enters(page: &Page, drawn: &DrawnPage, ray: &FlatRay) -> bool {
+    let up = page.axes[2];
+    let (from, towards) = (ray.from.as_dvec3(), ray.towards.as_dvec3());
+    let [low, high] = [0, 4].map(|k| up.dot(page.corners_m[k]));
+    let mut stretch = (0.0f64, f64::MAX);
+    let root = page.nodes[0].walls.map(|wall| wall.as_dvec4());
+    let slab = [up.extend(low - drawn.skirt_m), (-up).extend(-high)];
+    for wall in root.into_iter().chain(slab) {
+        let lacks = wall.w - wall.truncate().dot(from) - f64::from(ray.slack);
+        let gains = wall.truncate().dot(towards);
+        if gains > 0.0 {
+            stretch.0 = stretch.0.max(lacks / gains);
+        } else if gains < 0.0 {
+            stretch.1 = stretch.1.min(lacks / gains);
+        } else if lacks > 0.0 {
+            return false;
+        }
+    }
+    stretch.0 <= stretch.1
+}
+
+impl Surface for ContourPages {
+    fn name(&self) -> &'static str {
+        "contours"
+    }
+
+    fn prepare(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats {
+        self.now += 1;
+        self.drawn.clear();
+        self.wanted.clear();
+        self.queue.clear();
+        let reach = ground.range_m(&Bounds::GLOBE);
+        let seen = Seen::new(view, &self.options.ellipsoid, reach);
+        let mut built = 0;
+        for root in Cell::roots() {
+            let ellipsoid = &self.options.ellipsoid;
+            let (center_m, radius_m) = ball(ellipsoid, root, reach.low_m, reach.high_m);
+            if seen.distance_m(center_m, radius_m, reach.high_m).is_none() {
+                continue;
+            }
+            if self.find(root).is_none() && self.build(root, ground, reach) {
+                built += 1;
+            }
+            self.queue.push(root);
+        }
+        if built > 0 {
+            self.index();
+        }
+        let tolerance_px = view.tolerance_px.max(0.0);
+        self.choose(&seen, PART_OF_PAGES * tolerance_px);
+        self.wanted
+            .sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.key().cmp(&b.1.key())));
+        for k in 0..self.wanted.len().min(self.options.built_per_frame as usize) {
+            if !self.build(self.wanted[k].1, ground, reach) {
+                break;
+            }
+            built += 1;
+        }
+        if built > 0 {
+            self.index();
+        }
+        self.drawn.sort_unstable_by(|a, b| {
+            a.distance_m
+                .total_cmp(&b.distance_m)
+                .then(a.page.cmp(&b.page))
+        });
+        let mut stats = SurfaceStats {
+            patches: self.drawn.len() as u32,
+            vertices: 8 * self.drawn.len() as u32,
+            triangles: 12 * self.drawn.len() as u32,
+            samples_read: built * Page::READS,
+            ..SurfaceStats::default()
+        };
+        let of_nodes_px = (1.0 - PART_OF_PAGES) * tolerance_px;
+        let (mut error_m, mut error_px, mut border_px) = (0.0f64, 0.0f64, 0.0f64);
+        for drawn in &self.drawn {
+            let page = &self.pages[drawn.page as usize];
+            let px_per_m = 1.0 / (drawn.distance_m * seen.pixel_rad);
+            error_m = error_m.max(page.error_m);
+            error_px = error_px.max(page.error_m * px_per_m + of_nodes_px);
+            border_px = border_px.max(page.border_m * px_per_m + of_nodes_px);
+        }
+        for drawn in &mut self.drawn {
+            // A neighbour is no farther than this, so on the border its ground is wrong by no more than the worst shows
+            // there: of the two one lies lower by no more than both are wrong. And a half more, as borders are probed.
+            let page = &self.pages[drawn.page as usize];
+            let away_m = drawn.distance_m + 2.0 * page.radius_m;
+            drawn.skirt_m = 1.5 * (page.border_m + border_px * seen.pixel_rad * away_m) + 1.0;
+        }
+        (stats.error_m, stats.error_px) = (Some(error_m), Some(error_px));
+        self.pixel_rad = seen.pixel_rad;
+        self.cone = 2.0 * of_nodes_px * seen.pixel_rad;
+        let nodes: usize = self.pages.iter().map(|page| page.nodes.capacity()).sum();
+        stats.resident_bytes = (nodes * size_of::<super::FlatNode>()
+            + self.pages.len() * (size_of::<Page>() + size_of::<Slot>()))
+            as u64
+            + self.by_key.bytes();
+        stats
+    }
+
+    fn visit(&self, _: &mut dyn FnMut(&Patch)) {}
+
+    fn pages(&self) -> Option<PagesDraw<'_>> {
+        Some(PagesDraw {
+            pages: &self.pages,
+            drawn: &self.drawn,
+            most_pages: self.options.most_pages,
+            pixel_rad: self.pixel_rad,
+            cone: self.cone,
+        })
+    }
+}
+
+/// Posts of a page do not lie between those of the lattice.
+const _: () = assert!(CELLS.is_power_of_two() && CELLS <= 16);

@@ -1,0 +1,230 @@
+//! Pages of contours on the GPU: one buffer of nodes with a slot a page, and the prisms of those that are in sight, behind
+//! whose faces the shader casts each pixel's ray at a page's tree.
+
+use super::DepthBuffer;
+use super::lattice::BlockInstance;
+use crate::globe::Block;
+use crate::globe::contours::{FlatNode, MOST_NODES, PageOptions, PagesDraw, slack_m};
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec3, Vec3};
+use wgpu::util::DeviceExt;
+
+/// The binding of the nodes.
+const BINDING: u32 = 6;
+
+/// Per-page values, one instance a page.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct PageInstance {
+    reference: BlockInstance,
+    /// The eye less the page's origin, ITRF metres: subtracted in f64.
+    eye_from_origin_m: Vec3,
+    /// Where its tree begins among all nodes.
+    root: u32,
+    /// See [`crate::globe::contours::FlatRay`].
+    slack_m: f32,
+    cone: f32,
+    step_m: f32,
+}
+
+const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float32x3];
+const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 7] = wgpu::vertex_attr_array![
+    1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Uint32, 5 => Float32x3, 6 => Uint32, 7 => Float32x3
+];
+
+/// The vertex buffers of `shaders/earth.wgsl` where rays are cast.
+pub(super) const BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
+    Some(wgpu::VertexBufferLayout {
+        array_stride: size_of::<Vec3>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &VERTEX_ATTRIBUTES,
+    }),
+    Some(wgpu::VertexBufferLayout {
+        array_stride: size_of::<PageInstance>() as u64,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes: &INSTANCE_ATTRIBUTES,
+    }),
+];
+
+/// A prism's faces, counter-clockwise from outside: below, above, south, east, north, west. Corners are SW, SE, NW, NE below,
+/// then above.
+const FACES: [u16; 36] = [
+    0, 3, 1, 0, 2, 3, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 1, 3, 7, 1, 7, 5, 3, 2, 6, 3, 6, 7, 2, 0,
+    4, 2, 4, 6,
+];
+
+/// Pixels by which a prism is drawn larger than its page, so that all samples of a pixel lie inside whose middle does.
+const MARGIN_PX: f64 = 2.0;
+
+/// The pages of one surface.
+pub(crate) struct PageMesh {
+    nodes: wgpu::Buffer,
+    /// The revision that each slot holds.
+    held: Vec<u64>,
+    corners: wgpu::Buffer,
+    corner_staging: Vec<Vec3>,
+    instances: wgpu::Buffer,
+    instance_staging: Vec<PageInstance>,
+    faces: wgpu::Buffer,
+    blocks: Vec<Block>,
+    /// Without a depth buffer pages are drawn the far ones first.
+    far_first: bool,
+}
+
+impl PageMesh {
+    /// Whether a device of these limits can cast rays at so many pages.
+    pub fn fits(limits: &wgpu::Limits, options: &PageOptions) -> bool {
+        let bytes = options.node_bytes();
+        limits.max_storage_buffers_per_shader_stage > 0
+            && bytes <= limits.max_storage_buffer_binding_size
+            && bytes <= limits.max_buffer_size
+            && limits.max_bindings_per_bind_group > BINDING
+    }
+
+    pub fn new(device: &wgpu::Device, pages: &PagesDraw<'_>, depth: DepthBuffer) -> Self {
+        let most = pages.most_pages as usize;
+        let buffer = |label: &'static str, bytes: usize, usage: wgpu::BufferUsages| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: bytes as u64,
+                usage: usage | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        let slot = MOST_NODES as usize * size_of::<FlatNode>();
+        let vertex = wgpu::BufferUsages::VERTEX;
+        let storage = wgpu::BufferUsages::STORAGE;
+        Self {
+            nodes: buffer("terrella contours", most * slot, storage),
+            held: vec![0; most],
+            corners: buffer(
+                "terrella page corners",
+                8 * most * size_of::<Vec3>(),
+                vertex,
+            ),
+            corner_staging: Vec::with_capacity(8 * most),
+            instances: buffer("terrella pages", most * size_of::<PageInstance>(), vertex),
+            instance_staging: Vec::with_capacity(most),
+            faces: device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some("terrella page faces"),
+                contents: bytemuck::cast_slice(&FACES),
+                usage: wgpu::BufferUsages::INDEX,
+            }),
+            blocks: Vec::with_capacity(most),
+            far_first: depth == DepthBuffer::None,
+        }
+    }
+
+    /// Nothing is drawn until pages are written again.
+    pub fn clear(&mut self) {
+        self.blocks.clear();
+    }
+
+    /// Draw calls of the frame that was written last.
+    pub fn draw_calls(&self) -> u32 {
+        self.blocks.len() as u32
+    }
+
+    /// Triangles of those: the faces of prisms.
+    pub fn triangles(&self) -> u32 {
+        self.draw_calls() * (FACES.len() as u32 / 3)
+    }
+
+    /// Bytes of nodes, and of prisms in sight at most.
+    pub fn bytes(&self) -> u64 {
+        self.nodes.size() + self.corners.size() + self.instances.size()
+    }
+
+    /// Writes the pages in sight, and the nodes of those that are not there. Returns the bytes written.
+    pub fn write(&mut self, queue: &wgpu::Queue, draw: &PagesDraw<'_>, eye_itrf_m: DVec3) -> u64 {
+        self.corner_staging.clear();
+        self.instance_staging.clear();
+        self.blocks.clear();
+        let mut written = 0;
+        for drawn in draw.drawn {
+            let slot = drawn.page as usize;
+            let (Some(page), Some(held)) = (draw.pages.get(slot), self.held.get_mut(slot)) else {
+                continue;
+            };
+            let root = drawn.page * MOST_NODES;
+            if *held != page.revision {
+                *held = page.revision;
+                let bytes: &[u8] = bytemuck::cast_slice(&page.nodes);
+                let at = u64::from(root) * size_of::<FlatNode>() as u64;
+                queue.write_buffer(&self.nodes, at, bytes);
+                written += bytes.len() as u64;
+            }
+            let origin_from_eye_m = page.origin_itrf_m - eye_itrf_m;
+            let slack_m = slack_m(page, eye_itrf_m);
+            let [east, north, up] = page.axes;
+            for (k, corner) in (0..).zip(page.corners_m) {
+                let sign = |bit: u32| if k & bit == 0 { -1.0 } else { 1.0 };
+                let outward = east * sign(1) + north * sign(2) + up * sign(4);
+                let from_eye_m = origin_from_eye_m + corner;
+                let more_m = MARGIN_PX * draw.pixel_rad * from_eye_m.length() + slack_m;
+                let down_m = if k < 4 { drawn.skirt_m } else { 0.0 };
+                let moved_m = from_eye_m + outward * more_m - up * down_m;
+                self.corner_staging.push(moved_m.as_vec3());
+            }
+            let block = page.block();
+            self.instance_staging.push(PageInstance {
+                reference: BlockInstance::of_block(block),
+                eye_from_origin_m: (-origin_from_eye_m).as_vec3(),
+                root,
+                slack_m: slack_m as f32,
+                cone: draw.cone as f32,
+                step_m: drawn.skirt_m as f32,
+            });
+            self.blocks.push(block);
+        }
+        let corners: &[u8] = bytemuck::cast_slice(&self.corner_staging);
+        let instances: &[u8] = bytemuck::cast_slice(&self.instance_staging);
+        for (buffer, bytes) in [(&self.corners, corners), (&self.instances, instances)] {
+            if !bytes.is_empty() {
+                queue.write_buffer(buffer, 0, bytes);
+                written += bytes.len() as u64;
+            }
+        }
+        written
+    }
+
+    /// Its binding of group 0.
+    pub fn layout(&self) -> wgpu::BindGroupLayoutEntry {
+        wgpu::BindGroupLayoutEntry {
+            binding: BINDING,
+            visibility: wgpu::ShaderStages::FRAGMENT,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Storage { read_only: true },
+                has_dynamic_offset: false,
+                min_binding_size: wgpu::BufferSize::new(size_of::<FlatNode>() as u64),
+            },
+            count: None,
+        }
+    }
+
+    /// What is bound there.
+    pub fn entry(&self) -> wgpu::BindGroupEntry<'_> {
+        wgpu::BindGroupEntry {
+            binding: BINDING,
+            resource: self.nodes.as_entire_binding(),
+        }
+    }
+
+    /// Draws the pages; `bind` makes the maps those of a block.
+    pub fn render(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        mut bind: impl FnMut(&mut wgpu::RenderPass<'_>, Block),
+    ) {
+        pass.set_vertex_buffer(0, self.corners.slice(..));
+        pass.set_vertex_buffer(1, self.instances.slice(..));
+        pass.set_index_buffer(self.faces.slice(..), wgpu::IndexFormat::Uint16);
+        let count = self.blocks.len();
+        for n in 0..count {
+            let k = if self.far_first { count - 1 - n } else { n };
+            bind(pass, self.blocks[k]);
+            let place = k as u32;
+            pass.draw_indexed(0..FACES.len() as u32, 8 * place as i32, place..place + 1);
+        }
+    }
+}
