@@ -97,7 +97,7 @@ pub struct ContourSurface {
 }
 
 impl ContourSurface {
-    /// An empty surface. Tables take 11 MB and a patch 2 kB. Cuts are bounded whatever balancing adds, and so are patches and
+    /// An empty surface. Tables take 9 MB and a patch 2 kB. Cuts are bounded whatever balancing adds, and so are patches and
     /// memory: 80 MB at most, 15 MB on a descent from 400 km to 2 km with the default options.
     pub fn new(options: ContourOptions) -> Self {
         let options = ContourOptions {
