@@ -42,7 +42,7 @@ enum Geometry {
     },
     /// The same, its vertices made on the GPU.
     Grid {
-        mesh: GridMesh,
+        mesh: Box<GridMesh>,
         /// As above.
         whole: Option<wgpu::BindGroup>,
     },
@@ -51,7 +51,7 @@ enum Geometry {
 impl Geometry {
     fn grid(&self) -> Option<&GridMesh> {
         match self {
-            Self::Grid { mesh, .. } => Some(mesh),
+            Self::Grid { mesh, .. } => Some(mesh.as_ref()),
             _ => None,
         }
     }
@@ -137,7 +137,7 @@ impl SurfaceDrawable {
                 whole: whole(),
             },
             (true, Some(grid)) => Geometry::Grid {
-                mesh: GridMesh::new(device, grid),
+                mesh: Box::new(GridMesh::new(device, grid)),
                 whole: whole(),
             },
         };
