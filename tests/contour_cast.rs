@@ -440,7 +440,7 @@ fn the_gpu_answers_as_the_cpu_does() {
         apart.sort_by(f64::total_cmp);
         let at = |part: f64| apart[((apart.len() - 1) as f64 * part) as usize];
         let picture = GroundPicture::new(&places, &view, &EARTH, ground.as_ref()).expect("pixels");
-        let errors = picture.errors(&EARTH, ground.as_ref());
+        let errors = picture.errors(&EARTH, ground.as_ref(), None);
         println!(
             "{place}: {} pixels, {other} hit in one alone, apart by {:.1e}, 99 % {:.1e} of the distance; {errors:?}",
             apart.len(),
@@ -469,7 +469,7 @@ fn trinidad_has_no_holes_in_descent_low_flight_and_horizon() {
     use terrella::measure::surfaces::SurfacePath;
     let files =
         ["textures/elevation.png", "textures/dem/trinidad.png"].map(std::path::PathBuf::from);
-    let ground = Arc::new(terrella::play::read_ground(&files, false).expect("heights"));
+    let ground = Arc::new(terrella::play::read_ground(&files, false, false).expect("heights"));
     let site = Geodetic::from_degrees(37.5, -105.5, 0.0);
     let size = (192, 108);
     let wait = std::time::Duration::from_secs(60);
@@ -497,7 +497,9 @@ fn trinidad_has_no_holes_in_descent_low_flight_and_horizon() {
             times_s.push(best_s);
             let stats = earth.stats();
             let picture = GroundPicture::new(&places, &view, &EARTH, ground.as_ref());
-            let errors = picture.expect("pixels").errors(&EARTH, ground.as_ref());
+            let errors = picture
+                .expect("pixels")
+                .errors(&EARTH, ground.as_ref(), None);
             println!(
                 "{path:?}, {}: {} pages or patches, {} resident bytes, {} on the GPU, bound {:?} px; {errors:?}; {:.1} ms",
                 if times_s.len() == 1 {

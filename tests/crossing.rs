@@ -3,7 +3,7 @@
 mod common;
 
 use common::tiles::FunctionTiles;
-use common::{Rig, gpu, map, plain, ray, tilted};
+use common::{Rig, gpu, looks_at, map, plain, ray, tilted};
 use image::RgbaImage;
 use std::sync::Arc;
 use terrella::elevation::{Bounds, Elevation, HeightRange};
@@ -321,14 +321,23 @@ fn tiles_lie_where_the_whole_map_says() {
             let (expected, _) = drawn(&mut whole, &view);
             let (picture, stats) = drawn(&mut tiled, &view);
             assert!(stats.tiles.hits > 0 && stats.tiles.fallbacks == 0);
-            let pairs = expected.pixels().zip(picture.pixels());
-            let off = pairs.map(|(a, b)| (0..3).map(|k| a[k].abs_diff(b[k])).max());
+            // A tile has four mip levels; towards the limb of a globe pixels are larger than the last one's texels.
+            let is_steep = |x: u32, y: u32| {
+                looks_at(&view, x, y, SIZE).is_some_and(|place| {
+                    let up = Ellipsoid::normal(place.lat_rad, place.lon_rad);
+                    -up.dot(ray(&view, x, y, SIZE)) > 0.6
+                })
+            };
+            let is_far = view_name.contains("globe");
+            let pairs = expected.enumerate_pixels().zip(picture.pixels());
+            let pairs = pairs.filter(|((x, y, _), _)| !is_far || is_steep(*x, *y));
+            let off = pairs.map(|((_, _, a), b)| (0..3).map(|k| a[k].abs_diff(b[k])).max());
             let mut off: Vec<u8> = off.flatten().collect();
+            assert!(off.len() > 10_000);
             off.sort_unstable();
             let (most, at_999) = (off[off.len() - 1], off[off.len() * 999 / 1000]);
             println!("{name}, {view_name}: {at_999} of 255 at 99.9 %, {most} at most");
-            // From afar the tile's smallest mip level is as fine as the waves.
-            let limit = if view_name.contains("globe") { 10 } else { 3 };
+            let limit = if is_far { 10 } else { 3 };
             assert!(at_999 <= limit, "{name}, {view_name}: {at_999}, {most}");
         }
     }

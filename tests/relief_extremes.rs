@@ -12,6 +12,7 @@ use terrella::elevation::{
     Bounds, Elevation, Georeference, GridLimits, Ground, HeightGrid, HeightRange, Registration,
 };
 use terrella::frames::{Ellipsoid, Geodetic};
+use terrella::globe::contours::PageOptions;
 use terrella::globe::projected_grid::GridOptions;
 use terrella::measure::errors::{GroundErrors, GroundPicture, PlacesEarth};
 use terrella::measure::reference::TrueRelief;
@@ -60,7 +61,7 @@ const HERE: (f64, f64) = (30.0, 20.0);
 /// Name, where its middle is, degrees, and heights.
 fn grounds() -> Vec<(&'static str, (f64, f64), Ground)> {
     use Registration::{Cells, Posts};
-    let is_hole = |c: u32, r: u32| (c / 8 + r / 8) % 3 == 0;
+    let is_hole = |c: u32, r: u32| (c / 8 + r / 8).is_multiple_of(3);
     let turn = |c: u32| f64::from(c) * std::f64::consts::TAU / 256.0;
     let about_the_pole = Bounds {
         south_rad: 84_f64.to_radians(),
@@ -163,7 +164,9 @@ fn surfaces() -> Vec<(&'static str, SurfaceSettings)> {
         (kind.name(), settings)
     });
     let on_cpu = SurfaceSettings::ProjectedGrid(GridOptions::on_cpu());
-    of_scenes.chain([("projected-grid, CPU", on_cpu)]).collect()
+    let cast = SurfaceSettings::CastContours(PageOptions::default());
+    let others = [("projected-grid, CPU", on_cpu), ("contours, cast", cast)];
+    of_scenes.chain(others).collect()
 }
 
 fn draw(

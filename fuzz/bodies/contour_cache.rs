@@ -50,7 +50,7 @@ fn look(tree: &ContourTree, dem: &Dem) {
         }
     }
     let mut flat = Vec::new();
-    tree.flatten(dem, |_, _| glam::DVec2::ZERO, &mut flat);
+    tree.flatten(dem, |_, _| DVec2::ZERO, &mut flat);
     assert_eq!(flat.len(), tree.nodes.len());
 }
 

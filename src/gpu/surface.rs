@@ -45,7 +45,7 @@ enum Geometry {
     },
     /// The same, its vertices made on the GPU.
     Grid {
-        mesh: GridMesh,
+        mesh: Box<GridMesh>,
         /// As above.
         whole: Option<wgpu::BindGroup>,
     },
@@ -56,7 +56,7 @@ enum Geometry {
 impl Geometry {
     fn grid(&self) -> Option<&GridMesh> {
         match self {
-            Self::Grid { mesh, .. } => Some(mesh),
+            Self::Grid { mesh, .. } => Some(mesh.as_ref()),
             _ => None,
         }
     }
@@ -151,7 +151,7 @@ impl SurfaceDrawable {
                 whole: whole(),
             },
             (true, Some(grid), _) => Geometry::Grid {
-                mesh: GridMesh::new(device, grid),
+                mesh: Box::new(GridMesh::new(device, grid)),
                 whole: whole(),
             },
             (true, None, Some(pages)) => {

@@ -55,14 +55,13 @@ pub fn grid_parts(frame: &Frame, out: &mut Vec<Part>) {
                     (low, high) = (low.min(*place), high.max(*place));
                 }
             }
-            let mut gap_m = 0.0_f64;
-            for row in 0..=LOOKS as usize {
-                for column in 0..LOOKS as usize {
-                    let aside = places[row][column].distance(places[row][column + 1]);
-                    let below = places[column][row].distance(places[column + 1][row]);
-                    gap_m = gap_m.max(aside).max(below);
-                }
-            }
+            let aside = places.iter().flat_map(|row| row.windows(2));
+            let aside = aside.map(|pair| pair[0].distance(pair[1]));
+            let above = places
+                .windows(2)
+                .flat_map(|rows| rows[0].iter().zip(&rows[1]));
+            let above = above.map(|(one, other)| one.distance(*other));
+            let gap_m = aside.chain(above).fold(0.0, f64::max);
             let radius_m = 0.5 * low.distance(high) + 0.5 * gap_m;
             let cells = (down.end - down.start) * (across.end - across.start);
             let end = start + 6 * cells;
