@@ -239,7 +239,7 @@ fn rays_along_the_borders_of_pages_are_not_lost() {
         let mut surface = ContourPages::new(PageOptions::default());
         let stats = settle(&mut surface, &seen, &ground);
         let floor_m = floor_m(&ground, &seen, &stats);
-        let draw = surface.pages().expect("pages");
+        let draw = surface.draw();
         let (mut rays, mut lost) = (0, 0);
         for drawn in draw.drawn {
             let page = &draw.pages[drawn.page as usize];
@@ -271,7 +271,7 @@ fn rays_along_the_borders_of_pages_are_not_lost() {
 
 /// What a ray met, for messages.
 fn met(surface: &ContourPages, eye_m: DVec3, towards: DVec3) -> String {
-    let draw = surface.pages().expect("pages");
+    let draw = surface.draw();
     let mut text = String::new();
     for drawn in draw.drawn {
         let page = &draw.pages[drawn.page as usize];
@@ -340,7 +340,7 @@ fn whatever_is_asked_the_answer_is_finite_and_bounded() {
                 for _ in 0..6 {
                     surface.prepare(&seen, ground);
                 }
-                let draw = surface.pages().expect("pages");
+                let draw = surface.draw();
                 assert!(draw.pages.len() <= most as usize);
                 for drawn in draw.drawn {
                     let page = &draw.pages[drawn.page as usize];

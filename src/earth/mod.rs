@@ -24,7 +24,7 @@ mod view;
 use crate::air::{Atmosphere, Billboard, EARTH_AIR};
 use crate::frames::{Epoch, Orientation, sun_direction_itrf_oriented};
 pub use crate::globe::Shading;
-use crate::globe::{COLUMNS, Meshes, Visibility, select_blocks, texels_per_pixel};
+use crate::globe::{COLUMNS, GroundForm, Meshes, Visibility, select_blocks, texels_per_pixel};
 use crate::gpu::{AirDrawable, Frame, PassFormat, SurfaceDrawable};
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::tile::{LayerLayout, MapLayer, TileKey};
@@ -150,7 +150,8 @@ impl Earth {
         let ground = options.ground.as_ref();
         let ground = ground.map(|g| GroundDriver::new(g, options.figure, &device.limits()));
         let ground = ground.transpose()?;
-        let is_cast = |ground: &GroundDriver| ground.surface().pages().is_some();
+        let is_cast =
+            |ground: &GroundDriver| matches!(ground.surface().form(), GroundForm::Pages(_));
         if options.wireframe && ground.as_ref().is_some_and(is_cast) {
             return Err(EarthError::NoEdges);
         }
@@ -538,10 +539,11 @@ impl Earth {
             Some(_) => &["water", "tiles"],
             None => &[],
         };
-        let of_ground: &[&str] = match &self.ground {
-            Some(ground) if ground.surface().grid().is_some() => &["relief", "grid"],
-            Some(ground) if ground.surface().pages().is_some() => &["relief", "cast"],
-            Some(_) => &["relief"],
+        let form = self.ground.as_ref().map(|ground| ground.surface().form());
+        let of_ground: &[&str] = match form {
+            Some(GroundForm::Grid(_)) => &["relief", "grid"],
+            Some(GroundForm::Pages(_)) => &["relief", "cast"],
+            Some(GroundForm::Patches) => &["relief"],
             None => &[],
         };
         ["clouds", "normals", "night_lights"]

@@ -31,7 +31,9 @@ pub use levels::{
 pub use meshes::{LIMB_PX, Meshes, Subdivision, limb_error_px};
 pub use parts::{PART_TRIANGLES, Part, blocks_near, parts_of, runs};
 pub use select::{Selection, select_blocks, select_blocks_between};
-pub use surface::{GridDraw, GroundVertex, GroundView, Indices, Patch, Surface, SurfaceStats};
+pub use surface::{
+    GridDraw, GroundForm, GroundVertex, GroundView, Indices, Patch, Surface, SurfaceStats,
+};
 
 /// Which blocks are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]

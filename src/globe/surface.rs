@@ -93,6 +93,17 @@ pub struct GridDraw<'a> {
     pub indices: &'a Indices,
 }
 
+/// In what form a surface hands over what is drawn.
+#[derive(Clone, Copy, Debug)]
+pub enum GroundForm<'a> {
+    /// As patches of triangles: [`Surface::visit`].
+    Patches,
+    /// As a grid whose vertices the GPU makes.
+    Grid(GridDraw<'a>),
+    /// As pages of contours that the GPU casts rays at.
+    Pages(PagesDraw<'a>),
+}
+
 /// A way to draw ground that has relief.
 pub trait Surface: Send {
     /// As scene files name it.
@@ -101,7 +112,7 @@ pub trait Surface: Send {
     /// Chooses, and builds where needed, what the view needs. Allocates nothing in steady state, and never waits.
     fn prepare(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats;
 
-    /// Hands over each patch of the last view, near ones first where that is known.
+    /// Hands over each patch of the last view, near ones first where that is known; none in another form.
     fn visit(&self, draw: &mut dyn FnMut(&Patch));
 
     /// Whether it has patches that lie in several blocks, to be drawn with the tiles of each of them. The same answer all its
@@ -110,13 +121,8 @@ pub trait Surface: Send {
         false
     }
 
-    /// What is drawn in place of patches, for a surface that has none: the same answer, `Some` or `None`, all its life.
-    fn grid(&self) -> Option<GridDraw<'_>> {
-        None
-    }
-
-    /// The same for a surface that rays are cast at.
-    fn pages(&self) -> Option<PagesDraw<'_>> {
-        None
+    /// In what form it is drawn: the same variant all its life.
+    fn form(&self) -> GroundForm<'_> {
+        GroundForm::Patches
     }
 }

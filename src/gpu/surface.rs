@@ -9,8 +9,7 @@ use super::maps::Maps;
 use super::tiles::{BlockTiles, TILES_BYTES, TileTextures};
 use super::{DepthBuffer, Frame, GpuLayer, PassFormat, ShaderError, ShaderVariant, SurfaceOutput};
 use crate::frames::Ellipsoid;
-use crate::globe::contours::PagesDraw;
-use crate::globe::{BLOCK_COUNT, Block, BlockGrid, GridDraw, Shading, Surface};
+use crate::globe::{BLOCK_COUNT, Block, BlockGrid, GroundForm, Shading, Surface};
 use crate::imagery::EarthLayers;
 use crate::imagery::stream::{Pool, Upload};
 use crate::imagery::tile::{MAP_LAYERS, MapLayer};
@@ -102,16 +101,12 @@ pub(crate) struct SurfaceLook<'a> {
     pub format: PassFormat,
     /// The air's sunlight table, if there is air and the shading uses it.
     pub sunlight: Option<&'a GpuLayer>,
-    /// Whether ground with relief is drawn and not the block sphere. It does not change.
-    pub relief: bool,
+    /// In what form ground with relief is drawn, if it is and not the block sphere. The variant does not change.
+    pub ground: Option<GroundForm<'a>>,
     /// Whether that has triangles that lie in several blocks. Nor does that.
     pub crossing: bool,
     /// Whether edges of triangles are drawn alone.
     pub wireframe: bool,
-    /// The grid that draws it, if one does whose vertices the GPU makes. Nor does that.
-    pub grid: Option<GridDraw<'a>>,
-    /// The pages that rays are cast at, if that draws it. Nor does that.
-    pub pages: Option<PagesDraw<'a>>,
 }
 
 impl SurfaceDrawable {
@@ -144,17 +139,17 @@ impl SurfaceDrawable {
         let texture_bytes = maps.bytes() + tile_bytes;
         let frame = super::uniform_buffer::<Frame>(device, "terrella frame");
         let whole = || pools.is_some().then(|| maps.bind_whole(device));
-        let geometry = match (look.relief, &look.grid, &look.pages) {
-            (false, ..) => Geometry::blocks(device, grids),
-            (true, None, None) => Geometry::Ground {
+        let geometry = match &look.ground {
+            None => Geometry::blocks(device, grids),
+            Some(GroundForm::Patches) => Geometry::Ground {
                 mesh: GroundMesh::new(device),
                 whole: whole(),
             },
-            (true, Some(grid), _) => Geometry::Grid {
+            Some(GroundForm::Grid(grid)) => Geometry::Grid {
                 mesh: Box::new(GridMesh::new(device, grid)),
                 whole: whole(),
             },
-            (true, None, Some(pages)) => {
+            Some(GroundForm::Pages(pages)) => {
                 Geometry::Pages(PageMesh::new(device, pages, look.format.depth))
             }
         };
@@ -273,13 +268,13 @@ impl SurfaceDrawable {
             Geometry::Ground { mesh, .. } => {
                 mesh.write(queue, surface, (ellipsoid, eye_itrf_m), tiled)
             }
-            Geometry::Grid { mesh, .. } => match surface.grid() {
-                Some(grid) => mesh.write(queue, &grid, tiled),
-                None => 0,
+            Geometry::Grid { mesh, .. } => match surface.form() {
+                GroundForm::Grid(grid) => mesh.write(queue, &grid, tiled),
+                _ => 0,
             },
-            Geometry::Pages(mesh) => match surface.pages() {
-                Some(pages) => mesh.write(queue, &pages, eye_itrf_m),
-                None => 0,
+            Geometry::Pages(mesh) => match surface.form() {
+                GroundForm::Pages(pages) => mesh.write(queue, &pages, eye_itrf_m),
+                _ => 0,
             },
         }
     }
@@ -380,22 +375,11 @@ fn assemble(
     let format = look.format;
     let (grid, pages) = (geometry.grid(), geometry.pages());
     let has_tiles = matches!(imagery, Imagery::Tiles(_));
-    let variant = match look.output {
+    let shader = match look.output {
         SurfaceOutput::Color => color_variant(maps, look, has_tiles),
-        SurfaceOutput::Places => ShaderVariant::new(
-            super::EARTH_SHADER,
-            &[
-                ("places", true),
-                ("tiles", has_tiles),
-                ("relief", look.relief),
-                ("crossing", has_tiles && look.crossing),
-                ("grid", look.grid.is_some()),
-                ("cast", look.pages.is_some()),
-                ("depth", writes_depth(look)),
-            ],
-        ),
+        SurfaceOutput::Places => variant(look, has_tiles, &[("places", true)]),
     };
-    let (module, shader_bytes) = variant.module(device)?;
+    let (module, shader_bytes) = shader.module(device)?;
     let table_sampler = table_sampler(device);
     let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
     let mut layout = vec![super::uniform_entry(0, both, size_of::<Frame>())];
@@ -488,24 +472,39 @@ fn assemble(
         cache: None,
     });
     Ok(Assembled {
-        variant,
+        variant: shader,
         pipeline,
         bind_group,
         shader_bytes,
     })
 }
 
-/// Whether the shader says itself how deep a pixel lies: where rays are cast, if there is a depth buffer.
-fn writes_depth(look: &SurfaceLook<'_>) -> bool {
-    look.pages.is_some() && look.format.depth != DepthBuffer::None
+/// The shader with what follows from the form of the ground.
+fn variant(
+    look: &SurfaceLook<'_>,
+    has_tiles: bool,
+    others: &[(&'static str, bool)],
+) -> ShaderVariant {
+    let is_cast = matches!(look.ground, Some(GroundForm::Pages(_)));
+    let of_ground = [
+        ("tiles", has_tiles),
+        ("relief", look.ground.is_some()),
+        ("crossing", has_tiles && look.crossing),
+        ("grid", matches!(look.ground, Some(GroundForm::Grid(_)))),
+        ("cast", is_cast),
+        // Where rays are cast, the shader says itself how deep a pixel lies.
+        ("depth", is_cast && look.format.depth != DepthBuffer::None),
+    ];
+    ShaderVariant::new(super::EARTH_SHADER, &[&of_ground, others].concat())
 }
 
 /// The shader that draws pictures.
 fn color_variant(maps: &Maps, look: &SurfaceLook<'_>, has_tiles: bool) -> ShaderVariant {
     let paper = look.shading == Shading::Paper;
     let stores_display_values = look.format.stores_display_values();
-    ShaderVariant::new(
-        super::EARTH_SHADER,
+    variant(
+        look,
+        has_tiles,
         &[
             ("paper", paper),
             ("clouds", maps.has(MapLayer::Clouds)),
@@ -513,12 +512,6 @@ fn color_variant(maps: &Maps, look: &SurfaceLook<'_>, has_tiles: bool) -> Shader
             ("night_lights", maps.has(MapLayer::NightLights)),
             // The paper's shading has no glint.
             ("water", !paper && maps.has(MapLayer::Water)),
-            ("tiles", has_tiles),
-            ("relief", look.relief),
-            ("crossing", has_tiles && look.crossing),
-            ("grid", look.grid.is_some()),
-            ("cast", look.pages.is_some()),
-            ("depth", writes_depth(look)),
             ("air", look.sunlight.is_some()),
             ("encode", !paper && stores_display_values),
             ("decode", paper && !stores_display_values),

@@ -39,7 +39,7 @@ pub use tiles::{
 };
 pub use uniforms::{GridLevel, GridUniforms};
 
-use super::{Figure, GridDraw, GroundVertex, GroundView, Patch, Surface, SurfaceStats};
+use super::{Figure, GridDraw, GroundForm, GroundVertex, GroundView, Patch, Surface, SurfaceStats};
 use crate::elevation::Elevation;
 use crate::frames::{Ellipsoid, Geodetic};
 use glam::{DMat4, DVec2, DVec3, UVec2, Vec2};
@@ -492,11 +492,14 @@ impl Surface for ProjectedGrid {
         }
     }
 
-    fn grid(&self) -> Option<GridDraw<'_>> {
-        Some(GridDraw {
-            frame: self.frame.as_ref(),
-            tiles: self.tiles.as_ref()?,
-            indices: &self.patch.indices,
-        })
+    fn form(&self) -> GroundForm<'_> {
+        match &self.tiles {
+            Some(tiles) => GroundForm::Grid(GridDraw {
+                frame: self.frame.as_ref(),
+                tiles,
+                indices: &self.patch.indices,
+            }),
+            None => GroundForm::Patches,
+        }
     }
 }

@@ -24,7 +24,7 @@ use super::surface::lattice::{Cell, ball};
 use super::surface::tables::Keys;
 use crate::elevation::{Bounds, Elevation, HeightRange};
 use crate::frames::Ellipsoid;
-use crate::globe::{GroundView, Patch, Surface, SurfaceStats};
+use crate::globe::{GroundForm, GroundView, Patch, Surface, SurfaceStats};
 use glam::DVec3;
 use page::{CELLS, DEEPEST};
 pub use page::{MOST_NODES, Page};
@@ -294,6 +294,19 @@ fn enters(page: &Page, drawn: &DrawnPage, ray: &FlatRay) -> bool {
     stretch.0 <= stretch.1
 }
 
+impl ContourPages {
+    /// The pages of the last view.
+    pub fn draw(&self) -> PagesDraw<'_> {
+        PagesDraw {
+            pages: &self.pages,
+            drawn: &self.drawn,
+            most_pages: self.options.most_pages,
+            pixel_rad: self.pixel_rad,
+            cone: self.cone,
+        }
+    }
+}
+
 impl Surface for ContourPages {
     fn name(&self) -> &'static str {
         "contours"
@@ -375,14 +388,8 @@ impl Surface for ContourPages {
 
     fn visit(&self, _: &mut dyn FnMut(&Patch)) {}
 
-    fn pages(&self) -> Option<PagesDraw<'_>> {
-        Some(PagesDraw {
-            pages: &self.pages,
-            drawn: &self.drawn,
-            most_pages: self.options.most_pages,
-            pixel_rad: self.pixel_rad,
-            cone: self.cone,
-        })
+    fn form(&self) -> GroundForm<'_> {
+        GroundForm::Pages(self.draw())
     }
 }
 

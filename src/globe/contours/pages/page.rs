@@ -5,7 +5,7 @@ use super::super::dem::{Dem, Frame};
 use super::super::flat::FlatNode;
 use super::super::plane::{Contour, Support};
 use super::super::surface::lattice::{AROUND, Cell, STEP_RAD, TALL, ball, lat_rad, lon_rad};
-use super::super::tree::{ContourTree, corners_m};
+use super::super::tree::{ContourTree, Node, corners_m};
 use crate::elevation::{Bounds, Elevation, HeightRange};
 use crate::frames::Ellipsoid;
 use crate::globe::Block;
@@ -198,7 +198,8 @@ impl Page {
                 return;
             }
         };
-        let room = u64::from(MOST_NODES) * size_of::<super::super::tree::Node>() as u64;
+        // Building counts each node twice.
+        let room = 2 * u64::from(MOST_NODES) * size_of::<Node>() as u64;
         let tree = match ContourTree::build(&dem, tolerance_m, room, &mut |_| ()) {
             Ok(tree) => tree,
             Err(error) => {
