@@ -46,7 +46,7 @@ impl Default for QuadtreeOptions {
             most_leaves: 24_000,
             most_pages: 16_384,
             most_level: 24,
-            work: 4_000,
+            work: 3_200,
             is_culled: true,
             is_certain: false,
         }

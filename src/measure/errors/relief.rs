@@ -21,8 +21,6 @@ pub struct GroundPicture {
 /// What a pixel shows.
 #[derive(Clone, Copy, Debug)]
 struct Drawn {
-    /// From the eye, metres.
-    distance_m: f64,
     /// The point of the data's ground over the same place, ITRF metres.
     truth_itrf_m: DVec3,
     /// Height drawn less height of the data, metres.
@@ -31,8 +29,8 @@ struct Drawn {
     error_px: f64,
 }
 
-/// Part of a distance by which two count as the same: single precision of the picture of distances, with room.
-const SAME_DISTANCE: f64 = 1e-4;
+/// Part of a distance by which two count as the same: the ground within a pixel has several.
+const SAME_DISTANCE: f64 = 1e-3;
 
 /// Errors over a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,7 +51,7 @@ pub struct GroundErrors {
     pub max_px: f64,
     /// Pixels of space where ground must be: through the lowest ground there is, or below other ground.
     pub holes: usize,
-    /// Pixels that show what the exact picture shows nowhere near: [`GroundPicture::elsewhere`].
+    /// Pixels that show what is not to be seen there: [`GroundPicture::elsewhere`].
     pub elsewhere: usize,
 }
 
@@ -73,7 +71,7 @@ impl GroundErrors {
         }
     }
 
-    /// Part of the pixels that show what the exact picture shows nowhere near, %.
+    /// Part of the pixels that show what is not to be seen there, %.
     pub fn elsewhere_percent(&self) -> f64 {
         100.0 * self.elsewhere as f64 / (self.pixels.max(1)) as f64
     }
@@ -109,7 +107,6 @@ impl GroundPicture {
                     let shown = pixel_of(view, places.size, truth_itrf_m - eye_itrf_m);
                     let error_px = shown.map_or(f64::INFINITY, |shown| shown.distance(middle));
                     Drawn {
-                        distance_m: drawn_m.distance(eye_itrf_m),
                         truth_itrf_m,
                         error_m,
                         error_px: error_px.copysign(error_m),
@@ -159,36 +156,31 @@ impl GroundPicture {
         }
     }
 
-    /// Pixels that show something which the exact picture shows nowhere within a pixel from there: ground nearer or farther
-    /// away than all of the exact ground, space where that has none, or ground where that has space alone. A peak that is
-    /// missing counts, one drawn where none is, and what either hides; an outline that is off by less than a pixel does not. The
-    /// picture's border is left out.
+    /// Pixels that show what is not to be seen within a pixel from there: a place that is to appear more than a pixel away, or
+    /// that lies behind other ground in the exact picture; space where that has ground alone, or ground where it has space
+    /// alone. A peak that is missing counts, one drawn where none is, and what either hides; an outline that is off by less than
+    /// a pixel does not. The picture's border is left out.
     pub fn elsewhere(&self, exact: &TrueRelief) -> usize {
         let (width, height) = self.size;
         let mut count = 0;
         for y in 1..height.saturating_sub(1) {
             for x in 1..width.saturating_sub(1) {
                 let around = (0..9).map(|k| exact.distance_m(x + k % 3 - 1, y + k / 3 - 1));
-                let (mut nearest, mut farthest, mut has_space) = (f64::INFINITY, 0.0_f64, false);
+                let farthest_m = around.clone().flatten().fold(0.0_f64, f64::max);
+                let (mut has_space, mut has_ground) = (false, false);
                 for distance in around {
-                    match distance {
-                        Some(distance) => {
-                            nearest = nearest.min(distance);
-                            farthest = farthest.max(distance);
-                        }
-                        None => has_space = true,
-                    }
+                    has_space |= distance.is_none();
+                    has_ground |= distance.is_some();
                 }
-                let is_shown = match self.at(x, y) {
+                let is_seen = match self.at(x, y) {
                     None => has_space,
-                    Some(_) if nearest > farthest => false,
                     Some(drawn) => {
-                        let is_behind = drawn.distance_m > farthest * (1.0 + SAME_DISTANCE);
-                        let is_before = drawn.distance_m < nearest * (1.0 - SAME_DISTANCE);
-                        !is_before && (!is_behind || has_space)
+                        let away_m = drawn.truth_itrf_m.distance(self.eye_itrf_m);
+                        let is_hidden = away_m > farthest_m * (1.0 + SAME_DISTANCE) && !has_space;
+                        has_ground && !is_hidden && drawn.error_px.abs() <= 1.0
                     }
                 };
-                count += usize::from(!is_shown);
+                count += usize::from(!is_seen);
             }
         }
         count

@@ -162,8 +162,9 @@ pub(super) fn page(study: &SurfaceStudy, plots: &[SurfacePlot]) -> String {
     out.push_str(
         "<h2>What the columns say</h2>\n<p>Errors compare each pixel's drawn ground with the data at their finest over the same \
          place: vertically in metres, and as seen from the eye in pixels; the largest of all frames is told. Holes are \
-         pixels of space where ground must be. Elsewhere are pixels that show what the exact picture, ray by ray, shows nowhere \
-         within a pixel: peaks that are missing, and what they would hide. Popping is the largest change of the error in pixels from a frame to the \
+         pixels of space where ground must be. Elsewhere are pixels whose place is to \
+         appear more than a pixel away or, ray by ray, lies behind other ground: peaks that are missing, and what they would \
+         hide. Popping is the largest change of the error in pixels from a frame to the \
          next, a sixtieth of a second later. Frame times are of the whole picture, maps and air included, the device waited \
          for; the floor takes as many texture samples on the smooth Earth and computes nothing.</p>\n</body>\n</html>\n",
     );
