@@ -103,7 +103,7 @@ impl Elevation for Ground {
         }
         if let [grid] = self.grids.as_slice() {
             return match grid.weighted(lat_rad, lon_rad, spacing_rad) {
-                Some((height_m, weight)) => weight * height_m,
+                Some((height_m, weight)) => weight * height_m.max(self.floor_m(grid)),
                 None => 0.0,
             };
         }

@@ -319,6 +319,10 @@ fn the_sea_s_surface_covers_its_floor_and_not_a_local_grid() {
     assert_eq!(wet.height_m(0.3, sea, 0.0), 0.0);
     assert_eq!(wet.height_m(0.3, land, 0.0), bare.height_m(0.3, land, 0.0));
     assert_eq!(wet.height_m(0.0, 0.0, 0.0), -430.0);
+    // Alone, too.
+    let alone = Ground::new([globe.clone()]).with_sea_surface();
+    assert_eq!(alone.height_m(0.3, sea, 0.0), 0.0);
+    assert!(alone.height_m(0.3, land, 0.0) > 800.0);
     let range = wet.range_m(&Bounds::GLOBE);
     assert!(range.low_m <= -430.0 && range.low_m > -1000.0 && range.high_m >= 900.0);
 }
