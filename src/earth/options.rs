@@ -122,7 +122,7 @@ pub enum EarthError {
     /// Edges of triangles are wanted of ground that has none.
     #[error(
         "contours that rays are cast at have no triangles whose edges could be drawn; leave out the wireframe, or draw \
-         contours as patches (contours = \"patches\" under [earth] in a scene)"
+         contours as patches (drawn = \"patches\" under [earth.contours] in a scene)"
     )]
     NoEdges,
     /// The textures do not fit into the device's memory.
