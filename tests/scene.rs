@@ -361,7 +361,9 @@ fn relief_is_drawn_where_heights_or_its_surface_are_named() {
     let starter = relief("[earth]\nsurface = \"clipmap\"\n").expect("relief");
     assert_eq!(starter.surface, SurfaceKind::Clipmap);
     assert_eq!((starter.elevation.len(), starter.tolerance_px), (0, 1.0));
-    let given = "[earth]\nelevation = [\"sat.tle\"]\ntolerance_px = 0\nsea_floor = true\ndenoise = true\nsubdivision = 24\n";
+    let heights = relief("[earth]\nelevation = []\n").expect("relief");
+    assert_eq!(heights.surface, SurfaceKind::Quadtree);
+    let given = "[earth]\nsurface = \"blocks\"\nelevation = [\"sat.tle\"]\ntolerance_px = 0\nsea_floor = true\ndenoise = true\nsubdivision = 24\n";
     let given = relief(given).expect("relief");
     assert_eq!(given.surface, SurfaceKind::Blocks);
     assert_eq!(given.elevation, [folder.path("sat.tle")]);

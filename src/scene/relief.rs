@@ -28,10 +28,14 @@ pub struct ReliefTable {
 impl Source<'_> {
     /// Relief is drawn where a scene names heights, or a surface other than the blocks, which need none.
     pub(super) fn relief(&self, earth: &RawEarth) -> Result<Option<ReliefTable>, SceneError> {
-        let surface_field = field!(earth.surface);
-        let surface = self.choice(&surface_field, SurfaceKind::default())?;
-        let settings = self.surface_settings(earth, surface)?;
         let elevation_field = field!(earth.elevation);
+        // What docs/surfaces.md finds best near the ground.
+        let usual = match elevation_field.is_given() {
+            true => SurfaceKind::Quadtree,
+            false => SurfaceKind::Blocks,
+        };
+        let surface = self.choice(&field!(earth.surface), usual)?;
+        let settings = self.surface_settings(earth, surface)?;
         let elevation = self.paths(&elevation_field)?;
         let (tolerance_px, sea_floor) = (field!(earth.tolerance_px), field!(earth.sea_floor));
         let denoise = field!(earth.denoise);
