@@ -10,7 +10,6 @@ use crate::elevation::{Bounds, Elevation, HeightRange};
 use crate::frames::Ellipsoid;
 use crate::globe::Block;
 use glam::{DVec2, DVec3};
-use std::f64::consts::FRAC_PI_2;
 
 /// Cells along an edge of a page.
 pub const CELLS: u32 = 16;
@@ -27,6 +26,8 @@ const THICKEST: f64 = 1.0 / 32.0;
 const THINNEST: f64 = 1.0 / 1024.0;
 /// No ground is higher or lower than this, metres; a source that says so is not believed.
 const BEYOND_M: f64 = 1e5;
+/// Latitudes between which slopes go over from differences of posts to the ground's own, radians.
+const POLAR_RAD: (f64, f64) = (1.4, 1.47);
 /// From this level on the chord of a cell lies less than 3 cm below the arc, however coarse the data.
 const ROUND: u8 = 8;
 
@@ -208,19 +209,25 @@ impl Page {
             }
         };
         let radius_m = ellipsoid.equatorial_radius_m;
+        // Near the poles, where columns draw together, differences between them say nothing: the ground's own slope there.
         let slope = |i: u32, j: u32| {
             let lat_rad = bounds.south_rad + f64::from(j) * posts.spacing_rad;
-            if lat_rad.abs() < FRAC_PI_2 - 0.5 * posts.spacing_rad {
+            let part =
+                ((lat_rad.abs() - POLAR_RAD.0) / (POLAR_RAD.1 - POLAR_RAD.0)).clamp(0.0, 1.0);
+            if part == 0.0 {
                 return posts.slope(lat_rad, radius_m, i, j);
             }
-            // At a pole, where east is whatever the column says.
             let lon_rad = bounds.west_rad + f64::from(i) * posts.spacing_rad;
-            let slope = ground.slope(ellipsoid, lat_rad, lon_rad, posts.spacing_rad);
-            if slope.is_finite() {
-                slope
+            let of_ground = ground.slope(ellipsoid, lat_rad, lon_rad, posts.spacing_rad);
+            let of_ground = if of_ground.is_finite() {
+                of_ground
             } else {
                 DVec2::ZERO
+            };
+            if part == 1.0 {
+                return of_ground;
             }
+            posts.slope(lat_rad, radius_m, i, j).lerp(of_ground, part)
         };
         tree.flatten(&dem, slope, &mut self.nodes);
         self.origin_itrf_m = dem.origin_m();
