@@ -104,8 +104,8 @@
 //! Positions are f64 up to one subtraction, eye from vertex, on the CPU; the GPU gets small f32 offsets. Nothing on the
 //! GPU is a two-float sum. Horizon, limb and air are computed in *scaled space*, (x/a, y/a, z/b), where the ellipsoid is
 //! the unit sphere and tangents stay tangents. Forms that cancel are avoided: L2 = h(L + R)/L for L − R²/L, Lagrange's
-//! identity for b² − c. Depth is reversed Z unless the host's is not. `tests/precision.rs` and `tests/picture.rs` measure
-//! it all; `tests/extreme` holds each form beside the printed one against arithmetic of 320 bits
+//! identity for b² − c. Depth is reversed Z unless the host's is not. `tests/render` (`precision`, `picture`) measures
+//! it all; `tests/accuracy/extreme` holds each form beside the printed one against arithmetic of 320 bits
 //! (`measure::numeric::stability_table`). What f32 sets an end to: a direction is known to 6e-8 rad, a tenth of a pixel
 //! for views down to 0.1° over 1000 lines, six pixels at 0.001°.
 //!

@@ -1,4 +1,4 @@
-//! The uniform structs of the shaders. `tests/shaders.rs` compares every offset with the one naga reflects.
+//! The uniform structs of the shaders. `tests/model/shaders.rs` compares every offset with the one naga reflects.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};

@@ -2,10 +2,9 @@
 //!
 //! Tests that draw need an adapter and the maps of the starter pack, which a checkout has.
 
-#![cfg(feature = "command")]
-
 mod bad_input;
 mod bench;
+mod goldens;
 mod live;
 mod orbit;
 mod packs;

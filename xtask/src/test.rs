@@ -51,9 +51,9 @@ mod tests {
 
     #[test]
     fn arguments_go_where_they_belong() {
-        let all = words("--test goldens -- --nocapture");
+        let all = words("--test render -- --nocapture");
         let (for_cargo, for_tests) = split(&all);
-        assert_eq!(for_cargo, words("--test goldens"));
+        assert_eq!(for_cargo, words("--test render"));
         assert_eq!(for_tests, words("-- --nocapture"));
         assert_eq!(split(&words("horizon")).1, words(""));
     }
@@ -63,6 +63,6 @@ mod tests {
         assert!(chooses_packages(&words("-p xtask")));
         assert!(chooses_packages(&words("-pxtask")));
         assert!(chooses_packages(&words("--package=xtask")));
-        assert!(!chooses_packages(&words("--test prepare")));
+        assert!(!chooses_packages(&words("--test render")));
     }
 }

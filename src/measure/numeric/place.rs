@@ -1,6 +1,6 @@
 //! Where a pixel lies on the ground, in f32: `place` of `shaders/earth.wgsl`, line for line.
 //!
-//! `tests/extreme` runs the shader's own text on the adapter and compares, so that this cannot become another formula.
+//! `tests/accuracy/extreme` runs the shader's own text on the adapter and compares, so that this cannot become another formula.
 
 use super::formula::{AnyFormula, Form, Formula, Judge};
 use super::method::log_spaced;

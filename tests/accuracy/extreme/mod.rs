@@ -1,0 +1,10 @@
+//! The extremes: formulas at the ends of their ranges, held against arbitrary precision, and pictures that nobody
+//! would ask for.
+
+mod formulas;
+mod horizon;
+mod levels;
+mod pictures;
+mod projection;
+mod shader;
+mod time;

@@ -1,0 +1,13 @@
+//! Formulas and pictures held against the instruments of `terrella::measure`: arithmetic of 320 bits, the reference renderer,
+//! the places that pixels show.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod contour_cast;
+mod crossing;
+mod extreme;
+mod grid_forms;
+mod reference;
+mod reference_gpu;
+mod relief_extremes;
+mod report_sees;

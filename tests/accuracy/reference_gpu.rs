@@ -1,0 +1,119 @@
+//! Drawn pictures against the reference: the same places, the same light, within what a drawing's shortcuts cost.
+
+use crate::common::tilted;
+use image::RgbImage;
+use std::path::Path;
+use terrella::frames::{Ellipsoid, Geodetic};
+use terrella::gpu::{ContextError, GpuContext};
+use terrella::measure::reference::{Reference, ReferenceOptions};
+use terrella::play::{Flight, Moment, Picture};
+use terrella::scene::Scene;
+use terrella::{EarthOptions, Sky};
+
+const SIZE: (u32, u32) = (160, 90);
+
+/// An adapter as the other picture tests choose it; `None`, said loudly, where there is none at all.
+fn adapter() -> Option<GpuContext> {
+    let named = std::env::var("TERRELLA_TEST_ADAPTER").ok();
+    let open = |name: Option<&str>| pollster::block_on(GpuContext::open(name));
+    let context = match named.as_deref() {
+        Some(name) => open(Some(name)),
+        None => open(Some("llvmpipe")).or_else(|_| open(None)),
+    };
+    match context {
+        Ok(context) => Some(context),
+        Err(ContextError::NoAdapter) => {
+            eprintln!("SKIPPED: no graphics adapter, nothing to compare the reference with");
+            None
+        }
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// Mean FLIP and root mean square of display values.
+fn apart(a: &RgbImage, b: &RgbImage) -> (f32, f64) {
+    let (width, height) = a.dimensions();
+    let flip = nv_flip::flip(
+        nv_flip::FlipImageRgb8::with_data(width, height, a),
+        nv_flip::FlipImageRgb8::with_data(width, height, b),
+        nv_flip::DEFAULT_PIXELS_PER_DEGREE,
+    );
+    let values = flip.to_vec();
+    let squares = a.iter().zip(b.iter());
+    let squares = squares.map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2));
+    let mean_square = squares.sum::<f64>() / a.len() as f64;
+    (
+        values.iter().sum::<f32>() / values.len() as f32,
+        mean_square.sqrt(),
+    )
+}
+
+fn flight(text: &str) -> Flight {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/test.toml");
+    Flight::open(Scene::from_toml(text, &path).expect("a scene")).expect("opens")
+}
+
+/// Options, and moments by name.
+fn scenes() -> Vec<(&'static str, EarthOptions, Moment)> {
+    let aspect = f64::from(SIZE.0) / f64::from(SIZE.1);
+    let of = |name: &'static str, text: &str| {
+        let flight = flight(text);
+        let options = flight
+            .earth_options(terrella::gpu::BcSupport::None)
+            .expect("maps");
+        let moment = flight
+            .at(flight.scene().time.start, aspect)
+            .expect("a moment");
+        (name, options, moment)
+    };
+    let iss =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("config/iss.toml"));
+    let disc = "[time]\nstart = \"2018-01-15T09:00:00Z\"\n[camera]\nlat_deg = 20\nlon_deg = 30\nheight_km = 20000\n";
+    let (_, options, mut night) = of("", disc);
+    // Over Europe's cities, the limb towards a Sun that is 25° below the horizon.
+    night.view = tilted(
+        Geodetic::from_degrees(48.0, 8.0, 4e5),
+        90.0,
+        -18.0,
+        50.0,
+        aspect,
+    );
+    night.sky = Sky {
+        sun_itrf: Ellipsoid::normal(0.1, f64::to_radians(8.0 + 125.0)),
+    };
+    vec![
+        of("space station", &iss.expect("a scene")),
+        of("whole disc", disc),
+        ("limb at night", options, night),
+    ]
+}
+
+#[test]
+fn what_is_drawn_is_near_the_reference() {
+    let Some(_) = adapter() else { return };
+    for (name, mut options, moment) in scenes() {
+        options.samples = 4;
+        // The mesh's silhouette is not what is judged here.
+        options.subdivision = terrella::Subdivision::Cells(48);
+        let reference = Reference::new(&options.layers, ReferenceOptions::of(&options, 3));
+        let reference = reference.expect("sound options");
+        let exact = reference.render(&moment.view, &moment.sky, SIZE).to_rgba8();
+        let gpu = adapter().expect("as before");
+        let mut picture = Picture::open(gpu, options, SIZE).expect("a picture");
+        picture.draw(&moment);
+        let drawn = picture.read().expect("reads");
+        let rgb = |picture| image::DynamicImage::ImageRgba8(picture).to_rgb8();
+        let (exact, drawn) = (rgb(exact), rgb(drawn));
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("reference");
+        std::fs::create_dir_all(&folder).expect("a folder");
+        // To look at side by side.
+        for (kind, picture) in [("reference", &exact), ("drawn", &drawn)] {
+            let file = folder.join(format!("{name}, {kind}.png"));
+            picture.save(file).expect("writes");
+        }
+        let (flip, rms) = apart(&exact, &drawn);
+        println!("{name}: FLIP {flip:.4}, root mean square {rms:.2} of 255");
+        assert!(flip < 0.045 && rms < 6.0, "{name}: {flip} {rms}");
+        assert!(rms > 0.1, "{name}: too near to be another renderer's");
+    }
+}

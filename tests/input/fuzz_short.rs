@@ -1,0 +1,309 @@
+//! The bodies of the fuzz targets of `fuzz/`, for a second or two each: the same mutated inputs every time.
+
+use std::path::Path;
+
+#[path = "../../fuzz/bodies/contour_cache.rs"]
+mod contour_cache;
+#[path = "../../fuzz/bodies/earth_orientation.rs"]
+mod earth_orientation;
+#[path = "../../fuzz/bodies/ephemeris.rs"]
+mod ephemeris;
+#[cfg(feature = "terrain")]
+#[path = "../../fuzz/bodies/heights.rs"]
+mod heights;
+#[path = "../../fuzz/bodies/live.rs"]
+mod live;
+#[path = "../../fuzz/bodies/manifest.rs"]
+mod manifest;
+#[path = "../../fuzz/bodies/omm.rs"]
+mod omm;
+#[path = "../../fuzz/bodies/patch_cache.rs"]
+mod patch_cache;
+#[path = "../../fuzz/bodies/quadtree_cache.rs"]
+mod quadtree_cache;
+#[path = "../../fuzz/bodies/scene.rs"]
+mod scene;
+#[cfg(feature = "terrain")]
+#[path = "../../fuzz/bodies/sidecar.rs"]
+mod sidecar;
+#[cfg(feature = "pack-build")]
+#[path = "../../fuzz/bodies/source.rs"]
+mod source;
+#[path = "../../fuzz/bodies/tile.rs"]
+mod tile;
+#[path = "../../fuzz/bodies/tle.rs"]
+mod tle;
+
+/// Name, seeds, body, and how many inputs are tried.
+type Target = (&'static str, fn() -> Vec<Vec<u8>>, fn(&[u8]), u32);
+
+const TARGETS: &[Target] = &[
+    ("manifest", manifest::seeds, manifest::run, 10_000),
+    ("tile", tile::seeds, tile::run, 100_000),
+    ("scene", scene::seeds, scene::run, 100_000),
+    ("tle", tle::seeds, tle::run, 200_000),
+    ("omm", omm::seeds, omm::run, 30_000),
+    ("ephemeris", ephemeris::seeds, ephemeris::run, 30_000),
+    ("live", live::seeds, live::run, 200_000),
+    (
+        "earth_orientation",
+        earth_orientation::seeds,
+        earth_orientation::run,
+        30_000,
+    ),
+    (
+        "quadtree_cache",
+        quadtree_cache::seeds,
+        quadtree_cache::run,
+        30_000,
+    ),
+    (
+        "contour_cache",
+        contour_cache::seeds,
+        contour_cache::run,
+        30_000,
+    ),
+    ("patch_cache", patch_cache::seeds, patch_cache::run, 30_000),
+    #[cfg(feature = "pack-build")]
+    ("source", source::seeds, source::run, 30_000),
+    #[cfg(feature = "terrain")]
+    ("heights", heights::seeds, heights::run, 30_000),
+    #[cfg(feature = "terrain")]
+    ("sidecar", sidecar::seeds, sidecar::run, 30_000),
+];
+
+/// Marsaglia's xorshift: the same numbers on every machine.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    /// A number below `end`; 0 for 0.
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() % end.max(1) as u64) as usize
+    }
+}
+
+/// Changes an input in one of the ways in which fuzzers do; `other` gives pieces to put in.
+fn mutate(input: &mut Vec<u8>, other: &[u8], random: &mut Random) {
+    const WORDS: [&[u8]; 12] = [
+        b"\0",
+        b"\xff\xff\xff\xff",
+        b"\xff\xff\xff\x7f",
+        b"-1",
+        b"nan",
+        b"1e999",
+        b"\"",
+        b"[[",
+        b"\n",
+        b"9999999999",
+        b"../",
+        "\u{202e}é".as_bytes(),
+    ];
+    let at = random.below(input.len());
+    let len = 1 + random.below(24);
+    match random.below(7) {
+        0 if !input.is_empty() => input[at] ^= 1 << random.below(8),
+        1 if !input.is_empty() => input[at] = random.next() as u8,
+        2 => input.truncate(at),
+        3 => drop(input.drain(at..(at + len).min(input.len()))),
+        4 => {
+            let word = WORDS[random.below(WORDS.len())];
+            input.splice(at..at, word.iter().copied());
+        }
+        5 => {
+            let word = WORDS[random.below(WORDS.len())];
+            let end = (at + word.len()).min(input.len());
+            input.splice(at..end, word.iter().copied());
+        }
+        _ => {
+            let from = random.below(other.len());
+            let piece = &other[from..(from + len * 4).min(other.len())];
+            input.splice(at..at, piece.iter().copied());
+        }
+    }
+}
+
+fn run(target: &str) {
+    let (_, seeds, body, inputs) = *TARGETS.iter().find(|t| t.0 == target).expect("a target");
+    let seeds = seeds();
+    for seed in &seeds {
+        body(seed);
+    }
+    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    for _ in 0..inputs {
+        let mut input = seeds[random.below(seeds.len())].clone();
+        for _ in 0..=random.below(4) {
+            let other = &seeds[random.below(seeds.len())];
+            mutate(&mut input, other, &mut random);
+        }
+        body(&input);
+    }
+}
+
+#[test]
+fn manifests() {
+    run("manifest");
+}
+
+#[test]
+fn tiles() {
+    run("tile");
+}
+
+#[test]
+fn scenes() {
+    run("scene");
+}
+
+#[test]
+#[cfg(feature = "pack-build")]
+fn maps() {
+    run("source");
+}
+
+#[test]
+#[cfg(feature = "terrain")]
+fn files_of_heights() {
+    run("heights");
+}
+
+#[test]
+#[cfg(feature = "terrain")]
+fn sidecars_of_heights() {
+    run("sidecar");
+}
+
+#[test]
+fn elements() {
+    run("tle");
+}
+
+#[test]
+fn elements_in_every_form() {
+    run("omm");
+}
+
+#[test]
+fn ephemerides() {
+    run("ephemeris");
+}
+
+#[test]
+fn packets_of_simulators() {
+    run("live");
+}
+
+#[test]
+fn tables_of_the_earths_orientation() {
+    run("earth_orientation");
+}
+
+#[test]
+fn kept_quadtrees() {
+    run("quadtree_cache");
+}
+
+#[test]
+fn kept_contours() {
+    run("contour_cache");
+}
+
+#[test]
+fn kept_patches() {
+    run("patch_cache");
+}
+
+/// The seeds are good inputs: a fuzzer that starts from refused ones would look at little.
+#[test]
+fn seeds_are_good() {
+    use terrella::imagery::pack::Manifest;
+    let text = |seed: &Vec<u8>| String::from_utf8(seed.clone()).expect("text");
+    let path = Path::new("seed");
+    let good = |seed: &&Vec<u8>| Manifest::from_toml(&text(seed), path).is_ok();
+    assert_eq!(manifest::seeds().iter().filter(good).count(), 2);
+    #[cfg(feature = "pack-build")]
+    {
+        use terrella::imagery::build::source::{SourceLimits, read_source};
+        let limits = SourceLimits {
+            buffer_bytes: 256 << 10,
+        };
+        let good = |seed: &&Vec<u8>| {
+            read_source(std::io::Cursor::new(seed.to_vec()), path, limits).is_ok()
+        };
+        // All but the one of separate planes.
+        assert_eq!(source::seeds().iter().filter(good).count(), 8);
+    }
+    #[cfg(feature = "terrain")]
+    {
+        use terrella::elevation::{GridLimits, read};
+        let sidecars = sidecar::seeds().into_iter().map(|seed| text(&seed));
+        let sidecars: Vec<_> = sidecars
+            .map(|text| read::Sidecar::from_toml(&text, path).expect("a good sidecar"))
+            .collect();
+        for seed in heights::seeds() {
+            let sidecar = seed.starts_with(b"\x89PNG").then_some(&sidecars[0]);
+            let seed = std::io::Cursor::new(seed);
+            read::read_heights(seed, sidecar, path, &GridLimits::default()).expect("good heights");
+        }
+    }
+    assert!(
+        quadtree_cache::seeds()
+            .iter()
+            .all(|s| quadtree_cache::is_good(s))
+    );
+    assert!(
+        contour_cache::seeds()
+            .iter()
+            .all(|s| contour_cache::is_good(s))
+    );
+    assert!(patch_cache::seeds().iter().all(|s| patch_cache::is_good(s)));
+    for seed in scene::seeds() {
+        terrella::scene::Scene::from_toml(&text(&seed), path).expect("a good scene");
+    }
+    let good =
+        |seed: &&Vec<u8>| terrella::orbit::TleFeed::from_text(&text(seed), path, None).is_ok();
+    let elements = tle::seeds();
+    assert!(
+        elements.iter().filter(good).count() > 20,
+        "of {}",
+        elements.len()
+    );
+    for seed in omm::seeds() {
+        terrella::orbit::Catalogue::from_text(&text(&seed), path, true).expect("good elements");
+    }
+    for seed in ephemeris::seeds() {
+        terrella::orbit::Ephemerides::from_text(&text(&seed), path, true).expect("good states");
+    }
+    for seed in live::seeds() {
+        let mut splitter = terrella::orbit::live::Splitter::default();
+        splitter.push(&seed);
+        while let Some((packet, _)) = splitter.finish() {
+            packet.expect("a good packet");
+        }
+    }
+    for seed in earth_orientation::seeds() {
+        terrella::frames::EarthOrientation::from_finals2000a(&text(&seed), path)
+            .expect("a good table");
+    }
+}
+
+/// Writes them where `cargo fuzz` looks for its corpus.
+#[test]
+#[ignore = "writes to fuzz/corpus"]
+fn write_the_corpus() {
+    for (target, seeds, _, _) in TARGETS {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("fuzz/corpus")
+            .join(target);
+        std::fs::create_dir_all(&folder).expect("made");
+        for (number, seed) in seeds().iter().enumerate() {
+            std::fs::write(folder.join(format!("seed-{number}")), seed).expect("written");
+        }
+    }
+}

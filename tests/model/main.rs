@@ -1,0 +1,6 @@
+//! The model of the Earth as numbers: figure, time, blocks, air, and the shaders as text. No adapter, no files.
+
+mod air;
+mod frames;
+mod globe;
+mod shaders;

@@ -1,9 +1,0 @@
-//! Packs on disk: opened, read tile by tile and as whole maps, verified, previewed, and bad ones refused.
-
-mod coarsest;
-mod command;
-mod fixture;
-mod mutations;
-mod open;
-mod tiles;
-mod verify;

@@ -1,8 +1,0 @@
-//! Building packs: the readers of maps, whole builds, and the command, also killed.
-#![cfg(feature = "pack-build")]
-
-mod command;
-mod maps;
-mod packs;
-mod readers;
-mod refusals;

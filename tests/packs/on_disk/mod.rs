@@ -1,0 +1,10 @@
+//! Packs on disk: opened, read tile by tile and as whole maps, verified, previewed, and bad ones refused.
+
+mod coarsest;
+#[cfg(feature = "command")]
+mod command;
+mod fixture;
+mod mutations;
+mod open;
+mod tiles;
+mod verify;
