@@ -1,8 +1,7 @@
 //! How the surface is drawn.
 
 use super::Quality;
-use super::ground::GroundDriver;
-use crate::globe::Shading;
+use crate::globe::{Shading, Surface};
 use crate::gpu::{AirDrawable, PassFormat, SurfaceLook, SurfaceOutput};
 use crate::imagery::tile::MapLayer;
 
@@ -20,7 +19,7 @@ pub(super) fn look<'a>(
     style: Style,
     format: PassFormat,
     quality: &Quality,
-    (air, ground): (Option<&'a AirDrawable>, Option<&'a GroundDriver>),
+    (air, ground): (Option<&'a AirDrawable>, Option<&'a dyn Surface>),
 ) -> SurfaceLook<'a> {
     let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
     let mut shown = quality.maps;
@@ -29,8 +28,8 @@ pub(super) fn look<'a>(
         shading: style.shading,
         shown,
         output: style.output,
-        ground: ground.map(|ground| ground.surface().form()),
-        crossing: ground.is_some_and(|ground| ground.surface().crosses_blocks()),
+        ground: ground.map(Surface::form),
+        crossing: ground.is_some_and(Surface::crosses_blocks),
         wireframe: style.wireframe,
         anisotropy: if software { 1 } else { quality.anisotropy },
         format,

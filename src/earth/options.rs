@@ -4,6 +4,7 @@ use super::{GroundOptions, TileOptions};
 use crate::air::Atmosphere;
 use crate::globe::{Figure, Shading, Subdivision, SubdivisionError, SurfaceError, Visibility};
 use crate::gpu::{DepthBuffer, ShaderError, SurfaceOutput};
+use crate::imagery::tile::{LayerLayout, MapLayer};
 use crate::imagery::{EarthLayers, ImageryError};
 
 /// What is fixed when an Earth is made.
@@ -67,6 +68,45 @@ impl EarthOptions {
             wireframe: false,
         }
     }
+
+    /// Whether this device can draw an Earth with these options, as far as that can be said before anything is made.
+    pub(super) fn check(&self, device: &wgpu::Device) -> Result<(), EarthError> {
+        if !(self.exposure.is_finite() && self.exposure >= 0.0) {
+            return Err(EarthError::Exposure(self.exposure));
+        }
+        let lines = wgpu::Features::POLYGON_MODE_LINE;
+        if self.wireframe && !device.features().contains(lines) {
+            return Err(EarthError::NoLines);
+        }
+        let limit = device.limits().max_texture_dimension_2d;
+        for layer in MapLayer::ALL {
+            let Some(image) = self.layers.get(layer) else {
+                continue;
+            };
+            image.check()?;
+            let (width, height) = (image.width, image.height);
+            if width.max(height) > limit {
+                return Err(EarthError::TooLarge {
+                    layer: layer.name(),
+                    width,
+                    height,
+                    limit,
+                });
+            }
+        }
+        match &self.tiles {
+            Some(tiles) if !reads(device, tiles) => Err(EarthError::NoBc),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Whether the device reads the tiles' formats.
+fn reads(device: &wgpu::Device, tiles: &TileOptions) -> bool {
+    let is_plain = |layer: &LayerLayout| layer.format.unit_side() == 1;
+    let has_bc = device.features();
+    tiles.source.layers().iter().all(is_plain)
+        || has_bc.contains(wgpu::Features::TEXTURE_COMPRESSION_BC)
 }
 
 /// What can be wrong with the options.

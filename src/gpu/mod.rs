@@ -8,6 +8,7 @@ mod ground;
 mod lattice;
 mod layers;
 mod maps;
+mod plan;
 mod read_back;
 mod shader;
 mod surface;
@@ -25,15 +26,16 @@ pub use targets::{
     Attachments, FrameTargets, PassPart, PictureError, color_texture, read_floats, read_texture,
 };
 pub use timer::{GpuTimer, TimerError};
-pub use tracks::TrackFrame;
-pub use uniforms::{AirFrame, Frame};
+pub use tracks::TrackUniforms;
+pub use uniforms::{AirUniforms, FrameUniforms};
 
 pub(crate) use air::AirDrawable;
 pub(crate) use contours::PageMesh;
 pub(crate) use grid::GridMesh;
 use layers::GpuLayer;
+pub(crate) use plan::{AirPlan, BlockTiles, FramePlan};
 pub(crate) use read_back::read_rows;
-pub(crate) use surface::{SurfaceDrawable, SurfaceLook};
+pub(crate) use surface::{DrawCosts, SurfaceDrawable, SurfaceLook};
 pub(crate) use tracks::{
     FROM_PREVIOUS as TRACK_FROM_PREVIOUS, Fill, LinePoint, Mark, ON_GROUND as TRACK_ON_GROUND,
     TrackKinds, TracksDrawable,

@@ -1,14 +1,14 @@
 //! The drawable of satellites' tracks: lines, marks and fills of plain values. `crate::tracks` makes them of satellites.
 
-use super::{Frame, PassFormat, ShaderError, ShaderVariant, TRACKS_SHADER};
+use super::{FrameUniforms, PassFormat, ShaderError, ShaderVariant, TRACKS_SHADER};
 use bytemuck::{Pod, Zeroable};
 
 /// `TrackFrame` of `shaders/tracks.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct TrackFrame {
+pub struct TrackUniforms {
     /// The eye, its rays and its projection; light and air of it are not read.
-    pub frame: Frame,
+    pub frame: FrameUniforms,
     /// Width and height of the viewport, pixels.
     pub size_px: [f32; 2],
     /// Upper boundary of the air, scaled space.
@@ -120,10 +120,10 @@ impl TracksDrawable {
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("terrella tracks"),
-            entries: &[super::uniform_entry(0, stages, size_of::<TrackFrame>())],
+            entries: &[super::uniform_entry(0, stages, size_of::<TrackUniforms>())],
         });
         let frames = ["terrella tracks beyond", "terrella tracks before"]
-            .map(|label| super::uniform_buffer::<TrackFrame>(device, label));
+            .map(|label| super::uniform_buffer::<TrackUniforms>(device, label));
         let bind_groups = frames.each_ref().map(|frame| {
             device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("terrella tracks"),
@@ -181,16 +181,16 @@ impl TracksDrawable {
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        frame: &TrackFrame,
+        frame: &TrackUniforms,
         points: &mut Vec<LinePoint>,
         marks: &[Mark],
         fills: &[Fill],
     ) -> u64 {
         for (buffer, side) in self.frames.iter().zip([1.0, -1.0]) {
-            let frame = TrackFrame { side, ..*frame };
+            let frame = TrackUniforms { side, ..*frame };
             queue.write_buffer(buffer, 0, bytemuck::bytes_of(&frame));
         }
-        let mut bytes = 2 * size_of::<TrackFrame>() as u64;
+        let mut bytes = 2 * size_of::<TrackUniforms>() as u64;
         if let Some(batch) = &mut self.lines {
             // Segment i goes from point i + 1 to i + 2; those from and to the padding are not drawn.
             let count = points.len().saturating_sub(1);
