@@ -1,6 +1,9 @@
 //! The drawable of the air: one square that faces the eye.
 
-use super::{AirPlan, AirUniforms, DepthBuffer, GpuLayer, PassFormat, ShaderError, ShaderVariant};
+use super::{
+    AirPlan, AirUniforms, DepthBuffer, GpuLayer, PassFormat, PipelineDescription, ShaderError,
+    ShaderVariant,
+};
 use crate::air::{self, AirTables, EARTH_AIR};
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec4};
@@ -192,43 +195,24 @@ impl Variant {
             layout: &layout,
             entries: &entries,
         });
-        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(label),
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
-        });
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(label),
-            layout: Some(&pipeline_layout),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("vertex"),
-                compilation_options: Default::default(),
-                buffers: &[Some(wgpu::VertexBufferLayout {
-                    array_stride: size_of::<AirVertex>() as u64,
-                    step_mode: wgpu::VertexStepMode::Vertex,
-                    attributes: &VERTEX_ATTRIBUTES,
-                })],
-            },
+        let pipeline = PipelineDescription {
+            label,
+            bind_groups: Some(&[Some(&layout)]),
+            module: &module,
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: size_of::<AirVertex>() as u64,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &VERTEX_ATTRIBUTES,
+            })],
             primitive: wgpu::PrimitiveState {
                 topology: wgpu::PrimitiveTopology::TriangleStrip,
                 ..Default::default()
             },
-            depth_stencil: format.depth_stencil(false),
-            multisample: format.multisample(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("fragment"),
-                compilation_options: Default::default(),
-                targets: &[Some(wgpu::ColorTargetState {
-                    format: format.color,
-                    blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-                    write_mask: wgpu::ColorWrites::ALL,
-                })],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+            format,
+            writes_depth: false,
+            blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+        }
+        .create(device);
         Ok(Self {
             pipeline,
             bind_group,

@@ -8,6 +8,7 @@ mod ground;
 mod lattice;
 mod layers;
 mod maps;
+mod pipeline;
 mod plan;
 mod read_back;
 mod shader;
@@ -33,9 +34,10 @@ pub(crate) use air::AirDrawable;
 pub(crate) use contours::PageMesh;
 pub(crate) use grid::GridMesh;
 use layers::GpuLayer;
+pub(crate) use pipeline::PipelineDescription;
 pub(crate) use plan::{AirPlan, BlockTiles, FramePlan};
 pub(crate) use read_back::read_rows;
-pub(crate) use surface::{DrawCosts, SurfaceDrawable, SurfaceLook};
+pub(crate) use surface::{SurfaceDrawable, SurfaceLook};
 pub(crate) use tracks::{
     FROM_PREVIOUS as TRACK_FROM_PREVIOUS, Fill, LinePoint, Mark, ON_GROUND as TRACK_ON_GROUND,
     TrackKinds, TracksDrawable,

@@ -8,8 +8,8 @@ use super::lattice::{self, Lattice};
 use super::maps::Maps;
 use super::tiles::{TILES_BYTES, TileTextures};
 use super::{
-    DepthBuffer, FramePlan, FrameUniforms, GpuLayer, PassFormat, ShaderError, ShaderVariant,
-    SurfaceOutput,
+    DepthBuffer, FramePlan, FrameUniforms, GpuLayer, PassFormat, PipelineDescription, ShaderError,
+    ShaderVariant, SurfaceOutput,
 };
 use crate::globe::{Block, BlockGrid, GroundForm, Shading, Surface};
 use crate::imagery::EarthLayers;
@@ -363,24 +363,15 @@ fn assemble(
         layout: &layout,
         entries: &entries,
     });
-    let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("terrella earth"),
-        bind_group_layouts: &[Some(&layout), Some(maps.layout())],
-        immediate_size: 0,
-    });
-    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("terrella earth"),
-        layout: Some(&pipeline_layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("vertex"),
-            compilation_options: Default::default(),
-            buffers: match geometry {
-                Geometry::Blocks(_) => &lattice::BUFFERS,
-                Geometry::Ground { .. } => &ground::BUFFERS,
-                Geometry::Grid { .. } => &[],
-                Geometry::Pages(_) => &contours::BUFFERS,
-            },
+    let pipeline = PipelineDescription {
+        label: "terrella earth",
+        bind_groups: Some(&[Some(&layout), Some(maps.layout())]),
+        module: &module,
+        buffers: match geometry {
+            Geometry::Blocks(_) => &lattice::BUFFERS,
+            Geometry::Ground { .. } => &ground::BUFFERS,
+            Geometry::Grid { .. } => &[],
+            Geometry::Pages(_) => &contours::BUFFERS,
         },
         primitive: wgpu::PrimitiveState {
             front_face: wgpu::FrontFace::Ccw,
@@ -395,21 +386,11 @@ fn assemble(
             },
             ..Default::default()
         },
-        depth_stencil: format.depth_stencil(true),
-        multisample: format.multisample(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("fragment"),
-            compilation_options: Default::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: format.color,
-                blend: None,
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
-    });
+        format,
+        writes_depth: true,
+        blend: None,
+    }
+    .create(device);
     Ok(Assembled {
         variant: shader,
         pipeline,

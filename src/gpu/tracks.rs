@@ -1,6 +1,8 @@
 //! The drawable of satellites' tracks: lines, marks and fills of plain values. `crate::tracks` makes them of satellites.
 
-use super::{FrameUniforms, PassFormat, ShaderError, ShaderVariant, TRACKS_SHADER};
+use super::{
+    FrameUniforms, PassFormat, PipelineDescription, ShaderError, ShaderVariant, TRACKS_SHADER,
+};
 use bytemuck::{Pod, Zeroable};
 
 /// `TrackFrame` of `shaders/tracks.wgsl`.
@@ -134,11 +136,6 @@ impl TracksDrawable {
                 }],
             })
         });
-        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("terrella tracks"),
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
-        });
         let mut shader_bytes = 0;
         let mut batch =
             |is_wanted: bool, feature: &'static str, label: &'static str, buffers: &[_]| {
@@ -151,7 +148,21 @@ impl TracksDrawable {
                     ShaderVariant::new(TRACKS_SHADER, &features).module(device)?;
                 shader_bytes += bytes;
                 Ok(Some(Batch {
-                    pipeline: pipeline(device, &pipeline_layout, &module, format, label, buffers),
+                    pipeline: PipelineDescription {
+                        label,
+                        bind_groups: Some(&[Some(&layout)]),
+                        module: &module,
+                        buffers,
+                        primitive: wgpu::PrimitiveState {
+                            topology: wgpu::PrimitiveTopology::TriangleStrip,
+                            ..Default::default()
+                        },
+                        format,
+                        // What is drawn before the Earth hides tracks, tracks hide nothing.
+                        writes_depth: false,
+                        blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                    }
+                    .create(device),
                     buffer: None,
                     label,
                     count: 0,
@@ -309,44 +320,5 @@ fn instances(
         array_stride: stride as u64,
         step_mode: wgpu::VertexStepMode::Instance,
         attributes,
-    })
-}
-
-fn pipeline(
-    device: &wgpu::Device,
-    layout: &wgpu::PipelineLayout,
-    module: &wgpu::ShaderModule,
-    format: PassFormat,
-    label: &'static str,
-    buffers: &[Option<wgpu::VertexBufferLayout<'_>>],
-) -> wgpu::RenderPipeline {
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(label),
-        layout: Some(layout),
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some("vertex"),
-            compilation_options: Default::default(),
-            buffers,
-        },
-        primitive: wgpu::PrimitiveState {
-            topology: wgpu::PrimitiveTopology::TriangleStrip,
-            ..Default::default()
-        },
-        // Tested and not written: what is drawn before the Earth hides tracks, tracks hide nothing.
-        depth_stencil: format.depth_stencil(false),
-        multisample: format.multisample(),
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some("fragment"),
-            compilation_options: Default::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: format.color,
-                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
     })
 }
