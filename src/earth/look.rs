@@ -1,16 +1,15 @@
 //! How the surface is drawn.
 
-use super::Quality;
+use super::{DiagnosticOptions, Quality};
 use crate::globe::{Shading, Surface};
-use crate::gpu::{AirDrawable, PassFormat, SurfaceLook, SurfaceOutput};
+use crate::gpu::{AirDrawable, PassFormat, SurfaceLook};
 use crate::imagery::tile::MapLayer;
 
 /// How the surface is drawn, whatever the quality.
 #[derive(Clone, Copy)]
 pub(super) struct Style {
     pub shading: Shading,
-    pub output: SurfaceOutput,
-    pub wireframe: bool,
+    pub diagnostics: DiagnosticOptions,
 }
 
 /// How the surface is drawn with a quality.
@@ -27,10 +26,10 @@ pub(super) fn look<'a>(
     SurfaceLook {
         shading: style.shading,
         shown,
-        output: style.output,
+        output: style.diagnostics.output,
         ground: ground.map(Surface::form),
         crossing: ground.is_some_and(Surface::crosses_blocks),
-        wireframe: style.wireframe,
+        wireframe: style.diagnostics.wireframe,
         anisotropy: if software { 1 } else { quality.anisotropy },
         format,
         sunlight: air

@@ -12,7 +12,9 @@
 //! | `tiles.rs` | which tiles of a pack a frame wants and is drawn with |
 //! | `quality.rs` | what can be given up to draw faster, and in what order |
 //! | `governor.rs` | when it is given up, to hold a frame time |
+//! | `diagnostics.rs` | what is not for pictures: where pixels look, edges of triangles, what the shaders hold |
 
+mod diagnostics;
 mod governor;
 mod ground;
 mod look;
@@ -30,7 +32,8 @@ use crate::globe::{GroundForm, Surface};
 use crate::gpu::{AirDrawable, FramePlan, PassFormat, SurfaceDrawable};
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::tile::TileKey;
-use glam::{DVec3, Vec3};
+pub use diagnostics::{DiagnosticOptions, Diagnostics};
+use glam::DVec3;
 pub use governor::{Change, Governor};
 pub use ground::GroundOptions;
 use look::{Style, look};
@@ -110,12 +113,12 @@ impl Earth {
     ) -> Result<Self, EarthError> {
         options.check(device)?;
         let mut quality = Quality::of(options);
-        if options.output == SurfaceOutput::Places {
+        if options.diagnostics.output == SurfaceOutput::Geolocation {
             quality.atmosphere = Atmosphere::None;
         }
         let planner = Planner::new(options, &quality, &device.limits())?;
         let is_cast = |ground: &dyn Surface| matches!(ground.form(), GroundForm::Pages(_));
-        if options.wireframe && planner.ground().is_some_and(is_cast) {
+        if options.diagnostics.wireframe && planner.ground().is_some_and(is_cast) {
             return Err(EarthError::NoEdges);
         }
         let format = PassFormat {
@@ -131,8 +134,7 @@ impl Earth {
         };
         let style = Style {
             shading: options.shading,
-            output: options.output,
-            wireframe: options.wireframe,
+            diagnostics: options.diagnostics,
         };
         let look = look(
             device,
@@ -255,7 +257,7 @@ impl Earth {
 
     fn apply(&mut self, queue: &wgpu::Queue, quality: &Quality) -> Result<(), EarthError> {
         let mut quality = *quality;
-        if self.style.output == SurfaceOutput::Places {
+        if self.style.diagnostics.output == SurfaceOutput::Geolocation {
             quality.atmosphere = Atmosphere::None;
         }
         let meshes = self.planner.meshes_of(quality.subdivision)?;
@@ -355,20 +357,6 @@ impl Earth {
         }
     }
 
-    /// The vertices that the GPU gets, eye-relative ITRF metres, each beside its exact ITRF position.
-    pub fn vertices(&self) -> impl Iterator<Item = (Vec3, DVec3)> {
-        let grid = self.planner.meshes().grid();
-        let exact = self.plan.blocks.iter().flat_map(|block| {
-            (0..=grid.subdivision()).flat_map(|row| grid.vertex_row(*block, row).iter().copied())
-        });
-        self.plan.vertices.iter().copied().zip(exact)
-    }
-
-    /// Bytes of the WGSL that the driver got: the surface's, and the air's from outside and from inside it.
-    pub fn shader_bytes(&self) -> u64 {
-        self.surface.shader_bytes() + self.air.as_ref().map_or(0, |air| air.shader_bytes)
-    }
-
     /// Whether the air is drawn.
     pub fn has_air(&self) -> bool {
         self.air.is_some()
@@ -377,42 +365,6 @@ impl Earth {
     /// Whether blocks are drawn with tiles.
     pub fn has_tiles(&self) -> bool {
         self.planner.tiles.is_some()
-    }
-
-    /// Names of the features that are on.
-    pub fn features_on(&self) -> Vec<&'static str> {
-        self.features(true)
-    }
-
-    /// Names of the features that are off and cost nothing.
-    pub fn features_off(&self) -> Vec<&'static str> {
-        self.features(false)
-    }
-
-    fn features(&self, on: bool) -> Vec<&'static str> {
-        let shader = &self.surface.variant().features;
-        // Water and tiles come with packs; an Earth without one has nothing to switch off.
-        let of_packs: &[&str] = match self.planner.tiles {
-            Some(_) => &["water", "tiles"],
-            None => &[],
-        };
-        let form = self.planner.ground().map(Surface::form);
-        let of_ground: &[&str] = match form {
-            Some(GroundForm::Grid(_)) => &["relief", "grid"],
-            Some(GroundForm::Pages(_)) => &["relief", "cast"],
-            Some(GroundForm::Patches) => &["relief"],
-            None => &[],
-        };
-        ["clouds", "normals", "night_lights"]
-            .iter()
-            .chain(of_packs)
-            .chain(of_ground)
-            .copied()
-            .map(|name| (name, shader.contains(&name)))
-            .chain([("atmosphere", self.air.is_some())])
-            .filter(|(_, is_on)| *is_on == on)
-            .map(|(name, _)| name)
-            .collect()
     }
 }
 

@@ -1,9 +1,9 @@
 //! What is fixed when an Earth is made, and what can be wrong with it.
 
-use super::{GroundOptions, TileOptions};
+use super::{DiagnosticOptions, GroundOptions, TileOptions};
 use crate::air::Atmosphere;
 use crate::globe::{Figure, Shading, Subdivision, SubdivisionError, SurfaceError, Visibility};
-use crate::gpu::{DepthBuffer, ShaderError, SurfaceOutput};
+use crate::gpu::{DepthBuffer, ShaderError};
 use crate::imagery::tile::{LayerLayout, MapLayer};
 use crate::imagery::{EarthLayers, ImageryError};
 
@@ -40,11 +40,8 @@ pub struct EarthOptions {
     /// What a white sheet that faces the Sun in space is drawn with, 0 or more; the target's white is 1. The paper's shading
     /// works in display values and is not touched by it, the air is.
     pub exposure: f32,
-    /// What is written to the target: the picture, or for measuring where each pixel looks.
-    pub output: SurfaceOutput,
-    /// Draws the edges of triangles alone, for looking at meshes. Needs a device with
-    /// [`wgpu::Features::POLYGON_MODE_LINE`].
-    pub wireframe: bool,
+    /// What is drawn for measuring and for looking at meshes, in place of pictures.
+    pub diagnostics: DiagnosticOptions,
 }
 
 impl EarthOptions {
@@ -64,8 +61,7 @@ impl EarthOptions {
             depth: DepthBuffer::ReversedZ(crate::gpu::FrameTargets::DEPTH),
             anisotropy: 8,
             exposure: 1.4,
-            output: SurfaceOutput::Color,
-            wireframe: false,
+            diagnostics: DiagnosticOptions::default(),
         }
     }
 
@@ -75,7 +71,7 @@ impl EarthOptions {
             return Err(EarthError::Exposure(self.exposure));
         }
         let lines = wgpu::Features::POLYGON_MODE_LINE;
-        if self.wireframe && !device.features().contains(lines) {
+        if self.diagnostics.wireframe && !device.features().contains(lines) {
             return Err(EarthError::NoLines);
         }
         let limit = device.limits().max_texture_dimension_2d;

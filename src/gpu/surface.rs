@@ -316,7 +316,7 @@ fn assemble(
     let has_tiles = matches!(imagery, Imagery::Tiles(_));
     let shader = match look.output {
         SurfaceOutput::Color => color_variant(maps, look, has_tiles),
-        SurfaceOutput::Places => variant(look, has_tiles, &[("places", true)]),
+        SurfaceOutput::Geolocation => variant(look, has_tiles, &[("places", true)]),
     };
     let (module, shader_bytes) = shader.module(device)?;
     let table_sampler = table_sampler(device);
