@@ -139,8 +139,9 @@ pub mod tracks;
 
 pub use air::Atmosphere;
 pub use earth::{
-    Change, DepthBuffer, Earth, EarthError, EarthOptions, EyeView, FrameStats, GiveUp, Governor,
-    GroundOptions, Quality, Rung, Sky, SurfaceOutput, TILED_SUBDIVISION, TileOptions, Viewport,
+    Change, DepthBuffer, DiagnosticOptions, Diagnostics, Earth, EarthError, EarthOptions, EyeView,
+    FrameStats, GiveUp, Governor, GroundOptions, Quality, Rung, Sky, SurfaceOutput,
+    TILED_SUBDIVISION, TileOptions, Viewport,
 };
 pub use globe::{
     Figure, LevelRule, Shading, Subdivision, SurfaceKind, SurfaceSettings, Visibility,

@@ -1,5 +1,6 @@
 //! Ground with relief: the surface that a scene chose, and the heights that it is made from.
 
+use super::view::ItrfView;
 use crate::elevation::{Bounds, Elevation};
 use crate::globe::contours::ContourOptions;
 use crate::globe::projected_grid::GPU_TILES;
@@ -8,7 +9,6 @@ use crate::globe::{
     select_blocks_between,
 };
 use crate::gpu::{GridMesh, PageMesh};
-use glam::{DMat4, DVec3};
 use std::fmt;
 use std::sync::Arc;
 
@@ -81,21 +81,20 @@ impl GroundDriver {
     }
 
     /// Chooses what is drawn, and the blocks in sight, whose tiles it is drawn with.
-    pub fn prepare(
+    pub fn plan(
         &mut self,
         grid: &BlockGrid,
-        eye_itrf_m: DVec3,
-        clip_from_eye: &DMat4,
-        pixel_rad: f64,
-        drawn: &mut Vec<Block>,
+        view: &ItrfView,
+        blocks: &mut Vec<Block>,
     ) -> SurfaceStats {
+        let (eye_itrf_m, clip_from_eye) = (view.eye_itrf_m, view.clip_from_eye);
         let range = self.elevation.range_m(&Bounds::GLOBE);
         let heights = (range.low_m, range.high_m);
-        select_blocks_between(grid, heights, eye_itrf_m, clip_from_eye, drawn);
+        select_blocks_between(grid, heights, eye_itrf_m, &clip_from_eye, blocks);
         let view = GroundView {
             eye_itrf_m,
-            clip_from_eye: *clip_from_eye,
-            pixel_rad,
+            clip_from_eye,
+            pixel_rad: view.pixel_rad(),
             tolerance_px: self.tolerance_px,
         };
         let stats = self.surface.prepare(&view, self.elevation.as_ref());

@@ -1,17 +1,15 @@
 //! How the surface is drawn.
 
-use super::Quality;
-use super::ground::GroundDriver;
-use crate::globe::Shading;
-use crate::gpu::{AirDrawable, PassFormat, SurfaceLook, SurfaceOutput};
+use super::{DiagnosticOptions, Quality};
+use crate::globe::{Shading, Surface};
+use crate::gpu::{AirDrawable, PassFormat, SurfaceLook};
 use crate::imagery::tile::MapLayer;
 
 /// How the surface is drawn, whatever the quality.
 #[derive(Clone, Copy)]
 pub(super) struct Style {
     pub shading: Shading,
-    pub output: SurfaceOutput,
-    pub wireframe: bool,
+    pub diagnostics: DiagnosticOptions,
 }
 
 /// How the surface is drawn with a quality.
@@ -20,7 +18,7 @@ pub(super) fn look<'a>(
     style: Style,
     format: PassFormat,
     quality: &Quality,
-    (air, ground): (Option<&'a AirDrawable>, Option<&'a GroundDriver>),
+    (air, ground): (Option<&'a AirDrawable>, Option<&'a dyn Surface>),
 ) -> SurfaceLook<'a> {
     let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
     let mut shown = quality.maps;
@@ -28,10 +26,10 @@ pub(super) fn look<'a>(
     SurfaceLook {
         shading: style.shading,
         shown,
-        output: style.output,
-        ground: ground.map(|ground| ground.surface().form()),
-        crossing: ground.is_some_and(|ground| ground.surface().crosses_blocks()),
-        wireframe: style.wireframe,
+        output: style.diagnostics.output,
+        ground: ground.map(Surface::form),
+        crossing: ground.is_some_and(Surface::crosses_blocks),
+        wireframe: style.diagnostics.wireframe,
         anisotropy: if software { 1 } else { quality.anisotropy },
         format,
         sunlight: air

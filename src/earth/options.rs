@@ -1,9 +1,10 @@
 //! What is fixed when an Earth is made, and what can be wrong with it.
 
-use super::{GroundOptions, TileOptions};
+use super::{DiagnosticOptions, GroundOptions, TileOptions};
 use crate::air::Atmosphere;
 use crate::globe::{Figure, Shading, Subdivision, SubdivisionError, SurfaceError, Visibility};
-use crate::gpu::{DepthBuffer, ShaderError, SurfaceOutput};
+use crate::gpu::{DepthBuffer, ShaderError};
+use crate::imagery::tile::{LayerLayout, MapLayer};
 use crate::imagery::{EarthLayers, ImageryError};
 
 /// What is fixed when an Earth is made.
@@ -39,11 +40,8 @@ pub struct EarthOptions {
     /// What a white sheet that faces the Sun in space is drawn with, 0 or more; the target's white is 1. The paper's shading
     /// works in display values and is not touched by it, the air is.
     pub exposure: f32,
-    /// What is written to the target: the picture, or for measuring where each pixel looks.
-    pub output: SurfaceOutput,
-    /// Draws the edges of triangles alone, for looking at meshes. Needs a device with
-    /// [`wgpu::Features::POLYGON_MODE_LINE`].
-    pub wireframe: bool,
+    /// What is drawn for measuring and for looking at meshes, in place of pictures.
+    pub diagnostics: DiagnosticOptions,
 }
 
 impl EarthOptions {
@@ -63,10 +61,48 @@ impl EarthOptions {
             depth: DepthBuffer::ReversedZ(crate::gpu::FrameTargets::DEPTH),
             anisotropy: 8,
             exposure: 1.4,
-            output: SurfaceOutput::Color,
-            wireframe: false,
+            diagnostics: DiagnosticOptions::default(),
         }
     }
+
+    /// Whether this device can draw an Earth with these options, as far as that can be said before anything is made.
+    pub(super) fn check(&self, device: &wgpu::Device) -> Result<(), EarthError> {
+        if !(self.exposure.is_finite() && self.exposure >= 0.0) {
+            return Err(EarthError::Exposure(self.exposure));
+        }
+        let lines = wgpu::Features::POLYGON_MODE_LINE;
+        if self.diagnostics.wireframe && !device.features().contains(lines) {
+            return Err(EarthError::NoLines);
+        }
+        let limit = device.limits().max_texture_dimension_2d;
+        for layer in MapLayer::ALL {
+            let Some(image) = self.layers.get(layer) else {
+                continue;
+            };
+            image.check()?;
+            let (width, height) = (image.width, image.height);
+            if width.max(height) > limit {
+                return Err(EarthError::TooLarge {
+                    layer: layer.name(),
+                    width,
+                    height,
+                    limit,
+                });
+            }
+        }
+        match &self.tiles {
+            Some(tiles) if !reads(device, tiles) => Err(EarthError::NoBc),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Whether the device reads the tiles' formats.
+fn reads(device: &wgpu::Device, tiles: &TileOptions) -> bool {
+    let is_plain = |layer: &LayerLayout| layer.format.unit_side() == 1;
+    let has_bc = device.features();
+    tiles.source.layers().iter().all(is_plain)
+        || has_bc.contains(wgpu::Features::TEXTURE_COMPRESSION_BC)
 }
 
 /// What can be wrong with the options.

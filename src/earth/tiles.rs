@@ -6,9 +6,9 @@ use crate::globe::{
     BLOCK_COUNT, Block, BlockGrid, LevelRule, Visibility, paper_level, screen_level, select_blocks,
     texels_per_pixel,
 };
-use crate::gpu::SurfaceDrawable;
+use crate::gpu::BlockTiles;
 use crate::imagery::EarthLayers;
-use crate::imagery::stream::{Pool, StreamCounters, StreamOptions, TileStream, Want};
+use crate::imagery::stream::{Pool, StreamCounters, StreamOptions, TileStream, Upload, Want};
 use crate::imagery::tile::{MAP_LAYERS, MAX_LEVELS, MapLayer, TileKey, TileSource};
 use glam::DVec3;
 use std::fmt;
@@ -104,20 +104,19 @@ impl fmt::Debug for TileOptions {
 
 /// What a frame's choice depends on beside the blocks.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Eye {
-    pub itrf_m: DVec3,
+pub(super) struct TileView {
+    pub eye_itrf_m: DVec3,
     pub sun_itrf: DVec3,
     /// Angle of a screen pixel.
     pub pixel_rad: f64,
 }
 
-/// What became of a frame.
+/// How fine the maps are that a frame is drawn with.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TileFrame {
-    pub counters: StreamCounters,
-    pub uploaded_bytes: u64,
-    pub upload: Duration,
+pub(super) struct TileDetail {
+    /// As [`super::FrameStats::texels_per_pixel`].
     pub texels_per_pixel: f64,
+    /// As [`super::FrameStats::day_levels`].
     pub day_levels: [u32; MAX_LEVELS],
 }
 
@@ -203,64 +202,67 @@ impl TileDriver {
         self.expected.extend(views.iter().take(MAX_EXPECTED));
     }
 
-    /// Chooses levels, has blocks drawn with what is there, and uploads parts of what has come, at most `budget` bytes.
-    pub fn prepare(
+    /// Asks for the tiles of the blocks in sight, and lists each block with those that are there, near ones first.
+    pub fn plan(
         &mut self,
         grid: &BlockGrid,
-        eye: &Eye,
-        budget: Option<u64>,
-        surface: &mut SurfaceDrawable,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-    ) -> TileFrame {
+        view: &TileView,
+        blocks: &[Block],
+        tiles: &mut Vec<(Block, BlockTiles)>,
+    ) -> TileDetail {
         self.wants.clear();
         let mut levels = [[NONE; BLOCK_COUNT as usize]; MAP_LAYERS];
-        sort_by_distance(&mut self.near, grid, eye.itrf_m, surface.drawn());
+        sort_by_distance(&mut self.near, grid, view.eye_itrf_m, blocks);
         for place in 0..self.near.len() {
             let (distance_m, block) = self.near[place];
-            self.want(grid, eye, distance_m, block, Some(&mut levels));
+            self.want(grid, view, distance_m, block, Some(&mut levels));
         }
         self.levels = levels;
-        self.want_expected(grid, eye);
+        self.want_expected(grid, view);
         self.stream.update(Instant::now(), &self.wants);
 
         let mut fewest = f64::INFINITY;
         let mut day_levels = [0; MAX_LEVELS];
+        tiles.clear();
         for (distance_m, block) in &self.near {
             let index = block.index() as u8;
-            let chosen = MapLayer::ALL.map(|layer| {
-                let pixels = &self.pixels[layer.index()];
-                let drawn = (!pixels.is_empty() && self.shown[layer.index()])
-                    .then(|| self.stream.draw(layer, index))
-                    .flatten();
-                if layer == MapLayer::Day && is_lit(grid, *block, eye.sun_itrf) {
-                    let level =
-                        drawn.map_or(pixels.len().saturating_sub(1), |(level, _)| level.into());
-                    if let Some(blocks) = day_levels.get_mut(level) {
-                        *blocks += 1;
-                    }
-                    if let Some(pixels) = pixels.get(level) {
-                        let radius_m = grid.ellipsoid().equatorial_radius_m;
-                        let sharp = texels_per_pixel(*pixels, radius_m, *distance_m, eye.pixel_rad);
-                        fewest = fewest.min(sharp);
-                    }
-                }
-                drawn.map(|(_, slot)| slot)
+            let drawn = MapLayer::ALL.map(|layer| {
+                let has_tiles = !self.pixels[layer.index()].is_empty() && self.shown[layer.index()];
+                has_tiles.then(|| self.stream.draw(layer, index)).flatten()
             });
-            surface.choose(device, *block, chosen);
+            tiles.push((*block, drawn));
+            if !is_lit(grid, *block, view.sun_itrf) {
+                continue;
+            }
+            let pixels = &self.pixels[MapLayer::Day.index()];
+            let coarsest = pixels.len().saturating_sub(1);
+            let day = drawn[MapLayer::Day.index()];
+            let level = day.map_or(coarsest, |tile| tile.level.into());
+            if let Some(blocks) = day_levels.get_mut(level) {
+                *blocks += 1;
+            }
+            if let Some(pixels) = pixels.get(level) {
+                let radius_m = grid.ellipsoid().equatorial_radius_m;
+                let sharp = texels_per_pixel(*pixels, radius_m, *distance_m, view.pixel_rad);
+                fewest = fewest.min(sharp);
+            }
         }
-        let budget = budget.unwrap_or(self.upload_bytes);
-        let begin = Instant::now();
-        let uploaded_bytes = self
-            .stream
-            .upload(budget, &mut |part| surface.write_tile(queue, &part));
-        TileFrame {
-            counters: self.stream.counters(),
-            uploaded_bytes,
-            upload: begin.elapsed(),
+        TileDetail {
             texels_per_pixel: if fewest.is_finite() { fewest } else { 0.0 },
             day_levels,
         }
+    }
+
+    /// Gives parts of tiles that have come to `write`, at most `budget` bytes or else as many as a frame may upload. Returns the
+    /// bytes written.
+    pub fn upload(&mut self, budget: Option<u64>, write: &mut dyn FnMut(Upload<'_>)) -> u64 {
+        self.stream
+            .upload(budget.unwrap_or(self.upload_bytes), write)
+    }
+
+    /// What the stream is doing.
+    pub fn counters(&self) -> StreamCounters {
+        self.stream.counters()
     }
 
     /// Tiles that the last frame's picture lacks.
@@ -283,7 +285,7 @@ impl TileDriver {
     fn want(
         &mut self,
         grid: &BlockGrid,
-        eye: &Eye,
+        view: &TileView,
         distance_m: f64,
         block: Block,
         mut levels: Option<&mut [[u8; BLOCK_COUNT as usize]; MAP_LAYERS]>,
@@ -292,7 +294,7 @@ impl TileDriver {
         for layer in MapLayer::ALL {
             let pixels = &self.pixels[layer.index()];
             let is_drawn = !pixels.is_empty() && self.shown[layer.index()];
-            if !is_drawn || !shows(grid, layer, block, eye.sun_itrf) {
+            if !is_drawn || !shows(grid, layer, block, view.sun_itrf) {
                 continue;
             }
             let before = self.levels[layer.index()][index];
@@ -302,7 +304,7 @@ impl TileDriver {
                     pixels,
                     grid.ellipsoid().equatorial_radius_m,
                     distance_m,
-                    eye.pixel_rad,
+                    view.pixel_rad,
                     self.most_px,
                     (before != NONE).then_some(before.into()),
                 ),
@@ -321,7 +323,7 @@ impl TileDriver {
         }
     }
 
-    fn want_expected(&mut self, grid: &BlockGrid, eye: &Eye) {
+    fn want_expected(&mut self, grid: &BlockGrid, view: &TileView) {
         for place in 0..self.expected.len() {
             let (itrf_m, clip_from_eye) = self.expected[place].to_itrf();
             if !itrf_m.is_finite() || !clip_from_eye.is_finite() {
@@ -339,7 +341,7 @@ impl TileDriver {
             );
             near[own..].sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
             for (distance_m, block) in &near[own..] {
-                self.want(grid, eye, *distance_m, *block, None);
+                self.want(grid, view, *distance_m, *block, None);
             }
             near.truncate(own);
             self.near = near;

@@ -1,5 +1,8 @@
 //! The eye: where it is, what it sees, and on which part of the host's target.
 
+use crate::frames::Ellipsoid;
+use crate::gpu::FrameUniforms;
+use bytemuck::Zeroable;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
 
 /// Where the eye is and what it sees, in the host's own world.
@@ -50,6 +53,18 @@ impl EyeView {
         )
     }
 
+    /// The view as it is drawn to a target. `None` where no picture is defined: of a view that is not finite, a projection
+    /// that has no inverse, and an eye beyond 1e24 m.
+    pub(crate) fn in_itrf(&self, target: Viewport) -> Option<ItrfView> {
+        let (eye_itrf_m, clip_from_eye) = self.to_itrf();
+        let view = ItrfView {
+            eye_itrf_m,
+            clip_from_eye,
+            rays: self.pixel_rays(target),
+        };
+        view.can_be_drawn().then_some(view)
+    }
+
     /// The rays of a target's pixels, ITRF axes.
     pub(crate) fn pixel_rays(&self, viewport: Viewport) -> PixelRays {
         let itrf_from_view =
@@ -98,10 +113,14 @@ impl From<(u32, u32)> for Viewport {
     }
 }
 
-/// Rays on the plane one unit in front of the eye: through pixel (0, 0)'s corner, and to the next pixel.
+/// Rays on the plane one unit in front of the eye, ITRF axes.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct PixelRays {
+    /// Through the upper left corner of pixel (0, 0).
     pub corner: DVec3,
+    /// What they change by to the next pixel right.
     pub right: DVec3,
+    /// What they change by to the next pixel down.
     pub down: DVec3,
 }
 
@@ -117,15 +136,50 @@ impl PixelRays {
 /// Farthest eye that the Earth is drawn for, metres: beyond it squares of lengths in Earth radii leave the range of f32.
 const FARTHEST_M: f64 = 1e24;
 
-/// Whether an eye, its matrix to clip space and its pixels' rays give a picture. None of a matrix without an inverse: it
-/// shows all the world in one line or point, and what a pixel looks at cannot be said.
-pub(crate) fn can_be_drawn(eye_itrf_m: DVec3, clip_from_eye: &DMat4, rays: &PixelRays) -> bool {
-    // Comparing with a number that is none is false.
-    eye_itrf_m.abs().max_element() < FARTHEST_M
-        && eye_itrf_m.is_finite()
-        && clip_from_eye.as_mat4().is_finite()
-        && clip_from_eye.determinant() != 0.0
-        && rays.are_finite()
+/// A view of which there is a picture, in ITRF axes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ItrfView {
+    /// The eye, metres.
+    pub eye_itrf_m: DVec3,
+    /// Takes eye-relative metres to clip space.
+    pub clip_from_eye: DMat4,
+    /// The rays of the target's pixels.
+    pub rays: PixelRays,
+}
+
+impl ItrfView {
+    /// Angle of a pixel in the middle of the picture.
+    pub fn pixel_rad(&self) -> f64 {
+        self.rays.down.length()
+    }
+
+    /// What shaders read of it, without light: Sun, exposure and the air below the eye are zero.
+    pub fn uniforms(&self, ellipsoid: &Ellipsoid) -> FrameUniforms {
+        let eye_scaled = self.eye_itrf_m / ellipsoid.itrf_from_scaled();
+        let distance = eye_scaled.length();
+        FrameUniforms {
+            clip_from_eye: self.clip_from_eye.as_mat4(),
+            eye_scaled: eye_scaled.as_vec3(),
+            above: ((distance - 1.0) * (distance + 1.0)) as f32,
+            radius_m: ellipsoid.equatorial_radius_m as f32,
+            corner_ray: self.rays.corner.as_vec3(),
+            polar_stretch: (ellipsoid.equatorial_radius_m / ellipsoid.polar_radius_m) as f32,
+            pixel_right: self.rays.right.as_vec3(),
+            pixel_down: self.rays.down.as_vec3(),
+            ..FrameUniforms::zeroed()
+        }
+    }
+
+    /// Whether it gives a picture. A matrix without an inverse gives none: it shows all the world in one line or point, and
+    /// what a pixel looks at cannot be said.
+    fn can_be_drawn(&self) -> bool {
+        // Comparing with a number that is none is false.
+        self.eye_itrf_m.abs().max_element() < FARTHEST_M
+            && self.eye_itrf_m.is_finite()
+            && self.clip_from_eye.as_mat4().is_finite()
+            && self.clip_from_eye.determinant() != 0.0
+            && self.rays.are_finite()
+    }
 }
 
 /// Perspective projection to wgpu clip space with the near plane at depth 1 and infinity at 0.

@@ -1,7 +1,10 @@
 //! The drawable of the air: one square that faces the eye.
 
-use super::{AirFrame, DepthBuffer, GpuLayer, PassFormat, ShaderError, ShaderVariant};
-use crate::air::{self, AirTables, Billboard, EARTH_AIR};
+use super::{
+    AirPlan, AirUniforms, DepthBuffer, GpuLayer, PassFormat, PipelineDescription, ShaderError,
+    ShaderVariant,
+};
+use crate::air::{self, AirTables, EARTH_AIR};
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec4};
 
@@ -63,7 +66,7 @@ impl AirDrawable {
         // and back, and lose all below 2⁻²³. Twice that keeps the ground from coming before the air on it.
         let shifts_depth = device.adapter_info().backend == wgpu::Backend::Gl;
         let depth_rounding = if shifts_depth { 2.4e-7 } else { 0.0 };
-        let frame = super::uniform_buffer::<AirFrame>(device, "terrella air frame");
+        let frame = super::uniform_buffer::<AirUniforms>(device, "terrella air frame");
         let vertices = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("terrella air square"),
             size: 4 * size_of::<AirVertex>() as u64,
@@ -91,24 +94,23 @@ impl AirDrawable {
     }
 
     /// Writes this frame's square. Returns the bytes written.
-    pub fn write(
-        &mut self,
-        queue: &wgpu::Queue,
-        square: &Billboard,
-        sun_scaled: DVec3,
-        exposure: f32,
-    ) -> u64 {
+    pub fn write(&mut self, queue: &wgpu::Queue, plan: &AirPlan) -> u64 {
+        let AirPlan {
+            square,
+            sun_scaled,
+            exposure,
+        } = plan;
         let air_top = EARTH_AIR.top();
         self.eye_is_inside = square.eye_distance < air_top;
-        let sun = DVec3::from_array(square.axes.map(|axis| axis.dot(sun_scaled)))
+        let sun = DVec3::from_array(square.axes.map(|axis| axis.dot(*sun_scaled)))
             .normalize_or(DVec3::NEG_Z);
-        let frame = AirFrame {
+        let frame = AirUniforms {
             clip_from_billboard: square.clip_from_billboard.as_mat4(),
             sun: sun.as_vec3(),
             eye_distance: square.eye_distance as f32,
             top: air_top as f32,
             eye_height: (square.eye_distance - 1.0) as f32,
-            exposure,
+            exposure: *exposure,
             depth_rounding: self.depth_rounding,
         };
         let mut corners = [AirVertex::default(); 4];
@@ -120,7 +122,7 @@ impl AirDrawable {
         }
         queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
         queue.write_buffer(&self.vertices, 0, bytemuck::bytes_of(&corners));
-        (size_of::<AirFrame>() + size_of_val(&corners)) as u64
+        (size_of::<AirUniforms>() + size_of_val(&corners)) as u64
     }
 
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
@@ -159,7 +161,7 @@ impl Variant {
         let (module, shader_bytes) = shader.module(device)?;
         let sampler = super::surface::table_sampler(device);
         let mut layout = vec![
-            super::uniform_entry(0, wgpu::ShaderStages::FRAGMENT, size_of::<AirFrame>()),
+            super::uniform_entry(0, wgpu::ShaderStages::FRAGMENT, size_of::<AirUniforms>()),
             super::sampler_entry(1),
         ];
         let mut entries = vec![
@@ -193,43 +195,24 @@ impl Variant {
             layout: &layout,
             entries: &entries,
         });
-        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(label),
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
-        });
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(label),
-            layout: Some(&pipeline_layout),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("vertex"),
-                compilation_options: Default::default(),
-                buffers: &[Some(wgpu::VertexBufferLayout {
-                    array_stride: size_of::<AirVertex>() as u64,
-                    step_mode: wgpu::VertexStepMode::Vertex,
-                    attributes: &VERTEX_ATTRIBUTES,
-                })],
-            },
+        let pipeline = PipelineDescription {
+            label,
+            bind_groups: Some(&[Some(&layout)]),
+            module: &module,
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: size_of::<AirVertex>() as u64,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &VERTEX_ATTRIBUTES,
+            })],
             primitive: wgpu::PrimitiveState {
                 topology: wgpu::PrimitiveTopology::TriangleStrip,
                 ..Default::default()
             },
-            depth_stencil: format.depth_stencil(false),
-            multisample: format.multisample(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("fragment"),
-                compilation_options: Default::default(),
-                targets: &[Some(wgpu::ColorTargetState {
-                    format: format.color,
-                    blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-                    write_mask: wgpu::ColorWrites::ALL,
-                })],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+            format,
+            writes_depth: false,
+            blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+        }
+        .create(device);
         Ok(Self {
             pipeline,
             bind_group,

@@ -67,7 +67,6 @@ pub(super) struct Lattice {
     vertices: wgpu::Buffer,
     instances: wgpu::Buffer,
     cells: Vec<Cells>,
-    current: usize,
 }
 
 /// The triangles of a grid's blocks.
@@ -88,7 +87,7 @@ impl Lattice {
         });
         let vertices = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("terrella block vertices"),
-            size: (Self::most_vertices(grids) * size_of::<Vec3>()) as u64,
+            size: (most_vertices(grids) * size_of::<Vec3>()) as u64,
             usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
@@ -96,19 +95,7 @@ impl Lattice {
             vertices,
             instances,
             cells: grids.iter().map(|grid| Cells::new(device, grid)).collect(),
-            current: 0,
         }
-    }
-
-    /// Vertices of all blocks together, of the finest grid.
-    pub fn most_vertices(grids: &[BlockGrid]) -> usize {
-        let per_block = grids.iter().map(BlockGrid::vertices_per_block).max();
-        (BLOCK_COUNT * per_block.unwrap_or(0)) as usize
-    }
-
-    /// Draws from now on with the grid at this place.
-    pub fn choose(&mut self, place: usize) {
-        self.current = place.min(self.cells.len() - 1);
     }
 
     /// Writes the vertices of the blocks that are drawn, eye-relative ITRF metres. Returns the bytes written.
@@ -120,25 +107,38 @@ impl Lattice {
         bytes.len() as u64
     }
 
-    /// Makes the buffers those of the pass.
-    pub fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
-        let indices = &self.cells[self.current].indices;
+    /// Draws blocks, whose vertices were written in this order, as the grid at this place divides them; `bind` makes the maps
+    /// those of a block.
+    pub fn render(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        grid: usize,
+        blocks: &[Block],
+        mut bind: impl FnMut(&mut wgpu::RenderPass<'_>, Block),
+    ) {
+        let Some(cells) = self.cells.get(grid) else {
+            return;
+        };
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_vertex_buffer(1, self.instances.slice(..));
-        pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint16);
+        pass.set_index_buffer(cells.indices.slice(..), wgpu::IndexFormat::Uint16);
+        for (place, block) in (0u32..).zip(blocks) {
+            bind(pass, *block);
+            let range = match block.kind() {
+                BlockRow::North => &cells.ranges[0],
+                BlockRow::Middle => &cells.ranges[1],
+                BlockRow::South => &cells.ranges[2],
+            };
+            let base = (place * cells.vertices_per_block) as i32;
+            pass.draw_indexed(range.clone(), base, block.index()..block.index() + 1);
+        }
     }
+}
 
-    /// Draws a block whose vertices were written as the `place`th.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, place: u32, block: Block) {
-        let cells = &self.cells[self.current];
-        let range = match block.kind() {
-            BlockRow::North => &cells.ranges[0],
-            BlockRow::Middle => &cells.ranges[1],
-            BlockRow::South => &cells.ranges[2],
-        };
-        let base = (place * cells.vertices_per_block) as i32;
-        pass.draw_indexed(range.clone(), base, block.index()..block.index() + 1);
-    }
+/// Vertices of all blocks together, of the finest grid.
+fn most_vertices(grids: &[BlockGrid]) -> usize {
+    let per_block = grids.iter().map(BlockGrid::vertices_per_block).max();
+    (BLOCK_COUNT * per_block.unwrap_or(0)) as usize
 }
 
 impl Cells {

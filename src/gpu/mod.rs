@@ -8,6 +8,8 @@ mod ground;
 mod lattice;
 mod layers;
 mod maps;
+mod pipeline;
+mod plan;
 mod read_back;
 mod shader;
 mod surface;
@@ -25,13 +27,15 @@ pub use targets::{
     Attachments, FrameTargets, PassPart, PictureError, color_texture, read_floats, read_texture,
 };
 pub use timer::{GpuTimer, TimerError};
-pub use tracks::TrackFrame;
-pub use uniforms::{AirFrame, Frame};
+pub use tracks::TrackUniforms;
+pub use uniforms::{AirUniforms, FrameUniforms};
 
 pub(crate) use air::AirDrawable;
 pub(crate) use contours::PageMesh;
 pub(crate) use grid::GridMesh;
 use layers::GpuLayer;
+pub(crate) use pipeline::PipelineDescription;
+pub(crate) use plan::{AirPlan, BlockTiles, FramePlan};
 pub(crate) use read_back::read_rows;
 pub(crate) use surface::{SurfaceDrawable, SurfaceLook};
 pub(crate) use tracks::{
@@ -56,18 +60,18 @@ pub enum SurfaceOutput {
     /// The picture.
     #[default]
     Color,
-    /// For measuring: where each pixel looks, and no picture. The target is [`SurfaceOutput::PLACES`] with one sample a
+    /// The geolocation buffer, for measuring: where each pixel looks, and no picture. The target is [`SurfaceOutput::GEOLOCATION`] with one sample a
     /// pixel, cleared to 0; a pixel of the ground holds texture coordinates (u east from 180° W, v south from the north
     /// pole, both 0…1 over the whole map) as they are from the block's centre, two numbers, and that centre's, two more;
     /// or with relief 1, 1, 1 and the distance of the drawn ground in lengths of the pixel's ray to the plane one metre in
     /// front of the eye.
     /// There is no air, and no map is read.
-    Places,
+    Geolocation,
 }
 
 impl SurfaceOutput {
-    /// The target's format for places.
-    pub const PLACES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+    /// The target's format for [`Self::Geolocation`].
+    pub const GEOLOCATION: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 }
 
 /// What all pipelines of one Earth share: the pass that they are drawn in.

@@ -6,14 +6,15 @@ use super::grid::GridMesh;
 use super::ground::{self, GroundMesh};
 use super::lattice::{self, Lattice};
 use super::maps::Maps;
-use super::tiles::{BlockTiles, TILES_BYTES, TileTextures};
-use super::{DepthBuffer, Frame, GpuLayer, PassFormat, ShaderError, ShaderVariant, SurfaceOutput};
-use crate::frames::Ellipsoid;
-use crate::globe::{BLOCK_COUNT, Block, BlockGrid, GroundForm, Shading, Surface};
+use super::tiles::{TILES_BYTES, TileTextures};
+use super::{
+    DepthBuffer, FramePlan, FrameUniforms, GpuLayer, PassFormat, PipelineDescription, ShaderError,
+    ShaderVariant, SurfaceOutput,
+};
+use crate::globe::{Block, BlockGrid, GroundForm, Shading, Surface};
 use crate::imagery::EarthLayers;
 use crate::imagery::stream::{Pool, Upload};
 use crate::imagery::tile::{MAP_LAYERS, MapLayer};
-use glam::{DVec3, Vec3};
 
 pub(crate) struct SurfaceDrawable {
     assembled: Assembled,
@@ -23,19 +24,13 @@ pub(crate) struct SurfaceDrawable {
     frame: wgpu::Buffer,
     /// Whether triangles that lie in several blocks are drawn with the tiles of each.
     crossing: bool,
-    /// The blocks in sight; those whose vertices are on the GPU.
-    drawn: Vec<Block>,
     pub texture_bytes: u64,
 }
 
 /// What is drawn.
 enum Geometry {
     /// The block sphere on the ellipsoid.
-    Blocks {
-        lattice: Lattice,
-        /// Eye-relative vertices of the blocks to draw; kept to allocate nothing in steady state.
-        staging: Vec<Vec3>,
-    },
+    Blocks(Lattice),
     /// Ground with relief.
     Ground {
         mesh: GroundMesh,
@@ -66,13 +61,15 @@ impl Geometry {
             _ => None,
         }
     }
+}
 
-    fn blocks(device: &wgpu::Device, grids: &[BlockGrid]) -> Self {
-        Self::Blocks {
-            lattice: Lattice::new(device, grids),
-            staging: Vec::with_capacity(Lattice::most_vertices(grids)),
-        }
-    }
+/// What drawing costs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DrawCosts {
+    pub draw_calls: u32,
+    pub triangles: u32,
+    /// Bytes of vertices, triangles and heights held.
+    pub bytes: u64,
 }
 
 /// What follows from a look.
@@ -137,10 +134,10 @@ impl SurfaceDrawable {
             Imagery::Whole(_) => 0,
         };
         let texture_bytes = maps.bytes() + tile_bytes;
-        let frame = super::uniform_buffer::<Frame>(device, "terrella frame");
+        let frame = super::uniform_buffer::<FrameUniforms>(device, "terrella frame");
         let whole = || pools.is_some().then(|| maps.bind_whole(device));
         let geometry = match &look.ground {
-            None => Geometry::blocks(device, grids),
+            None => Geometry::Blocks(Lattice::new(device, grids)),
             Some(GroundForm::Patches) => Geometry::Ground {
                 mesh: GroundMesh::new(device),
                 whole: whole(),
@@ -161,14 +158,13 @@ impl SurfaceDrawable {
             imagery,
             frame,
             crossing: look.crossing && pools.is_some(),
-            drawn: Vec::with_capacity(BLOCK_COUNT as usize),
             texture_bytes,
         })
     }
 
     /// Draws from now on with this look and these grids. Maps and tiles stay where they are.
     ///
-    /// Nothing is drawn until the next frame is staged.
+    /// Nothing may be drawn until the next frame is written.
     pub fn set_look(
         &mut self,
         device: &wgpu::Device,
@@ -183,7 +179,7 @@ impl SurfaceDrawable {
         let with = (&self.maps, &self.imagery, &self.frame);
         self.assembled = assemble(device, with.0, with.1, with.2, &self.geometry, look)?;
         match &mut self.geometry {
-            Geometry::Blocks { .. } => self.geometry = Geometry::blocks(device, grids),
+            Geometry::Blocks(lattice) => *lattice = Lattice::new(device, grids),
             Geometry::Ground { mesh, whole } => {
                 mesh.clear();
                 *whole = whole.take().map(|_| self.maps.bind_whole(device));
@@ -194,7 +190,6 @@ impl SurfaceDrawable {
             }
             Geometry::Pages(mesh) => mesh.clear(),
         }
-        self.drawn.clear();
         Ok(())
     }
 
@@ -208,145 +203,93 @@ impl SurfaceDrawable {
         self.assembled.shader_bytes
     }
 
-    /// The list that the caller fills with the blocks to draw.
-    pub fn drawn_mut(&mut self) -> &mut Vec<Block> {
-        &mut self.drawn
-    }
-
-    /// The blocks that are drawn.
-    pub fn drawn(&self) -> &[Block] {
-        &self.drawn
-    }
-
-    /// Draws with the grid at this place from the next staging on.
-    pub fn choose_grid(&mut self, place: usize) {
-        if let Geometry::Blocks { lattice, .. } = &mut self.geometry {
-            lattice.choose(place);
-        }
-    }
-
-    /// Subtracts the eye from every vertex of the drawn blocks, in f64. Does nothing where ground with relief is drawn.
-    pub fn stage(&mut self, grid: &BlockGrid, eye_itrf_m: DVec3) {
-        let Geometry::Blocks { staging, .. } = &mut self.geometry else {
-            return;
-        };
-        staging.clear();
-        for block in &self.drawn {
-            for row in 0..=grid.subdivision() {
-                staging.extend(
-                    grid.vertex_row(*block, row)
-                        .iter()
-                        .map(|v| (*v - eye_itrf_m).as_vec3()),
-                );
-            }
-        }
-    }
-
-    /// The vertices as the GPU gets them: eye-relative ITRF metres, (n + 1)² a block in the order of [`Self::drawn`]. None
-    /// of ground with relief.
-    pub fn staged(&self) -> &[Vec3] {
-        match &self.geometry {
-            Geometry::Blocks { staging, .. } => staging,
-            _ => &[],
-        }
-    }
-
-    /// Writes the patches or the grid that a surface with relief draws, after [`Self::write`]. Returns the bytes written.
-    pub fn write_ground(
-        &mut self,
-        queue: &wgpu::Queue,
-        surface: &dyn Surface,
-        ellipsoid: &Ellipsoid,
-        eye_itrf_m: DVec3,
-    ) -> u64 {
-        let tiled = match &self.imagery {
-            Imagery::Tiles(tiles) if self.crossing => Some(tiles.tiled()),
-            _ => None,
-        };
-        match &mut self.geometry {
-            Geometry::Blocks { .. } => 0,
-            Geometry::Ground { mesh, .. } => {
-                mesh.write(queue, surface, (ellipsoid, eye_itrf_m), tiled)
-            }
-            Geometry::Grid { mesh, .. } => match surface.form() {
-                GroundForm::Grid(grid) => mesh.write(queue, &grid, tiled),
-                _ => 0,
-            },
-            Geometry::Pages(mesh) => match surface.form() {
-                GroundForm::Pages(pages) => mesh.write(queue, &pages, eye_itrf_m),
-                _ => 0,
-            },
-        }
-    }
-
-    /// Draw calls of the last frame, their triangles, and bytes of vertices, triangles and heights held, of ground with relief.
-    pub fn ground_costs(&self) -> Option<(u32, u32, u64)> {
-        match &self.geometry {
-            Geometry::Blocks { .. } => None,
-            Geometry::Ground { mesh, .. } => {
-                Some((mesh.draw_calls(), mesh.triangles(), mesh.bytes()))
-            }
-            Geometry::Grid { mesh, .. } => {
-                Some((mesh.draw_calls(), mesh.triangles(), mesh.bytes()))
-            }
-            Geometry::Pages(mesh) => Some((mesh.draw_calls(), mesh.triangles(), mesh.bytes())),
-        }
-    }
-
-    /// Has a drawn block use these tiles; where there are none, whole maps are drawn and nothing is done.
-    pub fn choose(&mut self, device: &wgpu::Device, block: Block, chosen: BlockTiles) {
-        if let Imagery::Tiles(tiles) = &mut self.imagery {
-            tiles.choose(device, &self.maps, block, chosen);
-        }
-    }
-
-    /// Writes a part of a tile.
+    /// Writes a part of a tile; does nothing where whole maps are drawn.
     pub fn write_tile(&self, queue: &wgpu::Queue, part: &Upload<'_>) {
         if let Imagery::Tiles(tiles) = &self.imagery {
             tiles.write(queue, part);
         }
     }
 
-    /// Writes what was staged. Returns the bytes written.
-    pub fn write(&mut self, queue: &wgpu::Queue, frame: &Frame) -> u64 {
-        queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
-        let vertices = match &self.geometry {
-            Geometry::Blocks { lattice, staging } => lattice.write(queue, staging),
-            _ => 0,
-        };
-        let placements = match &mut self.imagery {
-            Imagery::Tiles(tiles) => {
-                if self.crossing {
-                    tiles.find_tiled(&self.drawn);
-                }
-                tiles.flush(queue)
+    /// Writes what a frame draws: the plan, and of ground with relief the patches or the grid of its surface, as far as they are
+    /// not there. Returns the bytes written.
+    pub fn write(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        plan: &FramePlan,
+        ground: Option<&dyn Surface>,
+    ) -> u64 {
+        queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&plan.uniforms));
+        let mut written = size_of::<FrameUniforms>() as u64;
+        let mut tiled = None;
+        if let Imagery::Tiles(tiles) = &mut self.imagery {
+            for (block, chosen) in &plan.tiles {
+                tiles.choose(device, &self.maps, *block, *chosen);
             }
-            Imagery::Whole(_) => 0,
-        };
-        size_of::<Frame>() as u64 + vertices + placements
+            if self.crossing {
+                tiles.find_tiled(&plan.blocks);
+                tiled = Some(tiles.tiled());
+            }
+            written += tiles.flush(queue);
+        }
+        written
+            + match (
+                &mut self.geometry,
+                ground.map(|ground| (ground, ground.form())),
+            ) {
+                (Geometry::Blocks(lattice), _) => lattice.write(queue, &plan.vertices),
+                (Geometry::Ground { mesh, .. }, Some((ground, GroundForm::Patches))) => {
+                    mesh.write(queue, ground, (&plan.ellipsoid, plan.eye_itrf_m), tiled)
+                }
+                (Geometry::Grid { mesh, .. }, Some((_, GroundForm::Grid(grid)))) => {
+                    mesh.write(queue, &grid, tiled)
+                }
+                (Geometry::Pages(mesh), Some((_, GroundForm::Pages(pages)))) => {
+                    mesh.write(queue, &pages, plan.eye_itrf_m)
+                }
+                // A surface keeps its form all its life.
+                (Geometry::Ground { .. } | Geometry::Grid { .. } | Geometry::Pages(_), _) => 0,
+            }
     }
 
-    pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
+    /// What the frame that was written last costs, of ground with relief; `None` of blocks.
+    pub fn ground_costs(&self) -> Option<DrawCosts> {
+        let (draw_calls, triangles, bytes) = match &self.geometry {
+            Geometry::Blocks(_) => return None,
+            Geometry::Ground { mesh, .. } => (mesh.draw_calls(), mesh.triangles(), mesh.bytes()),
+            Geometry::Grid { mesh, .. } => (mesh.draw_calls(), mesh.triangles(), mesh.bytes()),
+            Geometry::Pages(mesh) => (mesh.draw_calls(), mesh.triangles(), mesh.bytes()),
+        };
+        Some(DrawCosts {
+            draw_calls,
+            triangles,
+            bytes,
+        })
+    }
+
+    /// Draws the plan that was written last.
+    pub fn render(&self, pass: &mut wgpu::RenderPass<'_>, plan: &FramePlan) {
         pass.set_pipeline(&self.assembled.pipeline);
         pass.set_bind_group(0, &self.assembled.bind_group, &[]);
         if let Imagery::Whole(maps) = &self.imagery {
             pass.set_bind_group(1, maps, &[]);
         }
-        let bind = |pass: &mut wgpu::RenderPass<'_>, block: Option<Block>, whole: &_| {
+        let bind_tiles = |pass: &mut wgpu::RenderPass<'_>, block: Block| {
             if let Imagery::Tiles(tiles) = &self.imagery {
-                let maps = block.map(|block| tiles.bind_group(block));
-                pass.set_bind_group(1, maps.or(Option::as_ref(whole)), &[]);
+                pass.set_bind_group(1, tiles.bind_group(block), &[]);
+            }
+        };
+        let bind = |pass: &mut wgpu::RenderPass<'_>, block: Option<Block>, whole: &_| match block {
+            Some(block) => bind_tiles(pass, block),
+            None => {
+                if let Imagery::Tiles(_) = &self.imagery {
+                    pass.set_bind_group(1, Option::as_ref(whole), &[]);
+                }
             }
         };
         match &self.geometry {
-            Geometry::Blocks { lattice, .. } => {
-                lattice.bind(pass);
-                for (place, block) in (0u32..).zip(&self.drawn) {
-                    if let Imagery::Tiles(tiles) = &self.imagery {
-                        pass.set_bind_group(1, tiles.bind_group(*block), &[]);
-                    }
-                    lattice.draw(pass, place, *block);
-                }
+            Geometry::Blocks(lattice) => {
+                lattice.render(pass, plan.mesh, &plan.blocks, bind_tiles);
             }
             Geometry::Ground { mesh, whole } => {
                 mesh.render(pass, |pass, block| bind(pass, block, whole));
@@ -354,11 +297,7 @@ impl SurfaceDrawable {
             Geometry::Grid { mesh, whole } => {
                 mesh.render(pass, |pass, block| bind(pass, block, whole));
             }
-            Geometry::Pages(mesh) => mesh.render(pass, |pass, block| {
-                if let Imagery::Tiles(tiles) = &self.imagery {
-                    pass.set_bind_group(1, tiles.bind_group(block), &[]);
-                }
-            }),
+            Geometry::Pages(mesh) => mesh.render(pass, bind_tiles),
         }
     }
 }
@@ -377,12 +316,12 @@ fn assemble(
     let has_tiles = matches!(imagery, Imagery::Tiles(_));
     let shader = match look.output {
         SurfaceOutput::Color => color_variant(maps, look, has_tiles),
-        SurfaceOutput::Places => variant(look, has_tiles, &[("places", true)]),
+        SurfaceOutput::Geolocation => variant(look, has_tiles, &[("places", true)]),
     };
     let (module, shader_bytes) = shader.module(device)?;
     let table_sampler = table_sampler(device);
     let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
-    let mut layout = vec![super::uniform_entry(0, both, size_of::<Frame>())];
+    let mut layout = vec![super::uniform_entry(0, both, size_of::<FrameUniforms>())];
     let mut entries = vec![wgpu::BindGroupEntry {
         binding: 0,
         resource: frame.as_entire_binding(),
@@ -424,24 +363,15 @@ fn assemble(
         layout: &layout,
         entries: &entries,
     });
-    let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("terrella earth"),
-        bind_group_layouts: &[Some(&layout), Some(maps.layout())],
-        immediate_size: 0,
-    });
-    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("terrella earth"),
-        layout: Some(&pipeline_layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("vertex"),
-            compilation_options: Default::default(),
-            buffers: match geometry {
-                Geometry::Blocks { .. } => &lattice::BUFFERS,
-                Geometry::Ground { .. } => &ground::BUFFERS,
-                Geometry::Grid { .. } => &[],
-                Geometry::Pages(_) => &contours::BUFFERS,
-            },
+    let pipeline = PipelineDescription {
+        label: "terrella earth",
+        bind_groups: Some(&[Some(&layout), Some(maps.layout())]),
+        module: &module,
+        buffers: match geometry {
+            Geometry::Blocks(_) => &lattice::BUFFERS,
+            Geometry::Ground { .. } => &ground::BUFFERS,
+            Geometry::Grid { .. } => &[],
+            Geometry::Pages(_) => &contours::BUFFERS,
         },
         primitive: wgpu::PrimitiveState {
             front_face: wgpu::FrontFace::Ccw,
@@ -456,21 +386,11 @@ fn assemble(
             },
             ..Default::default()
         },
-        depth_stencil: format.depth_stencil(true),
-        multisample: format.multisample(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("fragment"),
-            compilation_options: Default::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: format.color,
-                blend: None,
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
-    });
+        format,
+        writes_depth: true,
+        blend: None,
+    }
+    .create(device);
     Ok(Assembled {
         variant: shader,
         pipeline,

@@ -1,6 +1,6 @@
 //! Colour and depth textures for programs that have none, and reading a picture back.
 
-use super::read_rows;
+use super::{DepthBuffer, read_rows};
 use image::RgbaImage;
 
 /// Why a picture could not be read back.
@@ -24,6 +24,8 @@ impl FrameTargets {
     pub const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
     /// Depth format.
     pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+    /// The depth buffer of its passes.
+    pub(crate) const REVERSED_DEPTH: DepthBuffer = DepthBuffer::ReversedZ(Self::DEPTH);
 
     /// Makes the textures. `samples` is 1 or 4; `size` is within the device's limits and not zero.
     pub fn new(device: &wgpu::Device, size: (u32, u32), samples: u32) -> Self {

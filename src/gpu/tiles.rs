@@ -1,8 +1,9 @@
 //! Tiles on the GPU: fixed pools of textures, and for each block the bind group of the tiles that it is drawn with.
 
+use super::BlockTiles;
 use super::maps::Maps;
 use crate::globe::{BLOCK_COUNT, Block, BlockSet, COLUMNS, Part, ROWS, runs};
-use crate::imagery::stream::{Pool, Slot, Upload};
+use crate::imagery::stream::{Pool, Upload};
 use crate::imagery::tile::{MAP_LAYERS, TILE_BORDER, TILE_MIPS, TileFormat, TileShape};
 use glam::Vec4;
 use std::ops::Range;
@@ -24,9 +25,6 @@ struct PoolTextures {
     shape: TileShape,
     slots: Vec<(wgpu::Texture, wgpu::TextureView)>,
 }
-
-/// The tiles that a block is drawn with, by [`crate::imagery::tile::MapLayer::index`]; `None` is the whole map.
-pub(crate) type BlockTiles = [Option<Slot>; MAP_LAYERS];
 
 struct BlockMaps {
     tiles: BlockTiles,
@@ -138,8 +136,8 @@ impl TileTextures {
             return;
         }
         let mut placements = [whole_map(block); MAP_LAYERS];
-        for slot in tiles.into_iter().flatten() {
-            if let Some(pool) = self.pools.get(usize::from(slot.pool)) {
+        for tile in tiles.into_iter().flatten() {
+            if let Some(pool) = self.pools.get(usize::from(tile.slot.pool)) {
                 placements[pool.layer] = in_tile(pool.shape);
             }
         }
@@ -218,8 +216,8 @@ fn bind(
     maps: &Maps,
     tiles: BlockTiles,
 ) -> wgpu::BindGroup {
-    let views = tiles.map(|slot| {
-        let slot = slot?;
+    let views = tiles.map(|tile| {
+        let slot = tile?.slot;
         let pool = pools.get(usize::from(slot.pool))?;
         let (_, view) = pool.slots.get(usize::from(slot.index))?;
         Some(view)

@@ -1,14 +1,16 @@
 //! The drawable of satellites' tracks: lines, marks and fills of plain values. `crate::tracks` makes them of satellites.
 
-use super::{Frame, PassFormat, ShaderError, ShaderVariant, TRACKS_SHADER};
+use super::{
+    FrameUniforms, PassFormat, PipelineDescription, ShaderError, ShaderVariant, TRACKS_SHADER,
+};
 use bytemuck::{Pod, Zeroable};
 
 /// `TrackFrame` of `shaders/tracks.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct TrackFrame {
+pub struct TrackUniforms {
     /// The eye, its rays and its projection; light and air of it are not read.
-    pub frame: Frame,
+    pub frame: FrameUniforms,
     /// Width and height of the viewport, pixels.
     pub size_px: [f32; 2],
     /// Upper boundary of the air, scaled space.
@@ -120,10 +122,10 @@ impl TracksDrawable {
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("terrella tracks"),
-            entries: &[super::uniform_entry(0, stages, size_of::<TrackFrame>())],
+            entries: &[super::uniform_entry(0, stages, size_of::<TrackUniforms>())],
         });
         let frames = ["terrella tracks beyond", "terrella tracks before"]
-            .map(|label| super::uniform_buffer::<TrackFrame>(device, label));
+            .map(|label| super::uniform_buffer::<TrackUniforms>(device, label));
         let bind_groups = frames.each_ref().map(|frame| {
             device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("terrella tracks"),
@@ -133,11 +135,6 @@ impl TracksDrawable {
                     resource: frame.as_entire_binding(),
                 }],
             })
-        });
-        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("terrella tracks"),
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
         });
         let mut shader_bytes = 0;
         let mut batch =
@@ -151,7 +148,21 @@ impl TracksDrawable {
                     ShaderVariant::new(TRACKS_SHADER, &features).module(device)?;
                 shader_bytes += bytes;
                 Ok(Some(Batch {
-                    pipeline: pipeline(device, &pipeline_layout, &module, format, label, buffers),
+                    pipeline: PipelineDescription {
+                        label,
+                        bind_groups: Some(&[Some(&layout)]),
+                        module: &module,
+                        buffers,
+                        primitive: wgpu::PrimitiveState {
+                            topology: wgpu::PrimitiveTopology::TriangleStrip,
+                            ..Default::default()
+                        },
+                        format,
+                        // What is drawn before the Earth hides tracks, tracks hide nothing.
+                        writes_depth: false,
+                        blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                    }
+                    .create(device),
                     buffer: None,
                     label,
                     count: 0,
@@ -181,16 +192,16 @@ impl TracksDrawable {
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        frame: &TrackFrame,
+        frame: &TrackUniforms,
         points: &mut Vec<LinePoint>,
         marks: &[Mark],
         fills: &[Fill],
     ) -> u64 {
         for (buffer, side) in self.frames.iter().zip([1.0, -1.0]) {
-            let frame = TrackFrame { side, ..*frame };
+            let frame = TrackUniforms { side, ..*frame };
             queue.write_buffer(buffer, 0, bytemuck::bytes_of(&frame));
         }
-        let mut bytes = 2 * size_of::<TrackFrame>() as u64;
+        let mut bytes = 2 * size_of::<TrackUniforms>() as u64;
         if let Some(batch) = &mut self.lines {
             // Segment i goes from point i + 1 to i + 2; those from and to the padding are not drawn.
             let count = points.len().saturating_sub(1);
@@ -309,44 +320,5 @@ fn instances(
         array_stride: stride as u64,
         step_mode: wgpu::VertexStepMode::Instance,
         attributes,
-    })
-}
-
-fn pipeline(
-    device: &wgpu::Device,
-    layout: &wgpu::PipelineLayout,
-    module: &wgpu::ShaderModule,
-    format: PassFormat,
-    label: &'static str,
-    buffers: &[Option<wgpu::VertexBufferLayout<'_>>],
-) -> wgpu::RenderPipeline {
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(label),
-        layout: Some(layout),
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some("vertex"),
-            compilation_options: Default::default(),
-            buffers,
-        },
-        primitive: wgpu::PrimitiveState {
-            topology: wgpu::PrimitiveTopology::TriangleStrip,
-            ..Default::default()
-        },
-        // Tested and not written: what is drawn before the Earth hides tracks, tracks hide nothing.
-        depth_stencil: format.depth_stencil(false),
-        multisample: format.multisample(),
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some("fragment"),
-            compilation_options: Default::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: format.color,
-                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
     })
 }

@@ -6,7 +6,7 @@ use glam::{Mat4, Vec3};
 /// `Frame` of `shaders/common/frame.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Frame {
+pub struct FrameUniforms {
     /// Takes eye-relative ITRF metres to clip space.
     pub clip_from_eye: Mat4,
     /// The eye in scaled space, (x/a, y/a, z/b).
@@ -34,7 +34,7 @@ pub struct Frame {
 /// `AirFrame` of `shaders/air.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct AirFrame {
+pub struct AirUniforms {
     /// Takes billboard-frame vectors to clip space.
     pub clip_from_billboard: Mat4,
     /// Unit vector to the Sun, billboard frame.

@@ -1,10 +1,10 @@
 //! The least that a frame could cost: the same samples on the same pixels, and nothing computed.
 
-use crate::gpu::{FrameTargets, GpuContext};
+use crate::gpu::{FrameTargets, GpuContext, PassFormat, PipelineDescription};
 use crate::imagery::tile::MapLayer;
 use crate::imagery::{LayerImage, TexelFormat};
 use crate::{Atmosphere, EarthOptions, EyeView, Shading, air};
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
@@ -36,36 +36,21 @@ impl Floor {
             label: Some("terrella floor"),
             source: wgpu::ShaderSource::Wgsl(textures.shader().into()),
         });
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("terrella floor"),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("vertex"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
+        let pipeline = PipelineDescription {
+            label: "terrella floor",
+            bind_groups: None,
+            module: &module,
+            buffers: &[],
             primitive: Default::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: FrameTargets::DEPTH,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
-                stencil: Default::default(),
-                bias: Default::default(),
-            }),
-            multisample: wgpu::MultisampleState {
-                count: options.samples,
-                ..Default::default()
+            format: PassFormat {
+                color: FrameTargets::COLOR,
+                samples: options.samples,
+                depth: FrameTargets::REVERSED_DEPTH,
             },
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("fragment"),
-                compilation_options: Default::default(),
-                targets: &[Some(FrameTargets::COLOR.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+            writes_depth: true,
+            blend: None,
+        }
+        .create(device);
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("terrella floor"),
             address_mode_u: wgpu::AddressMode::Repeat,
@@ -250,19 +235,11 @@ fn ground_part(view: &EyeView, size: (u32, u32)) -> [u32; 4] {
 
 /// The pixels' rays and the eye on the unit sphere, four vectors of four.
 fn rays(view: &EyeView, size: (u32, u32)) -> [f32; 16] {
-    let itrf_from_view =
-        view.itrf_from_world.matrix3 * glam::DMat3::from_quat(view.view_from_world.inverse());
-    let axis = |v: DVec3| v.normalize_or_zero();
-    let p = &view.clip_from_view;
-    let (width, height) = (f64::from(size.0.max(1)), f64::from(size.1.max(1)));
-    let right = axis(itrf_from_view.x_axis) * (2.0 / (p.x_axis.x * width));
-    let down = axis(itrf_from_view.y_axis) * (-2.0 / (p.y_axis.y * height));
-    let corner = axis(itrf_from_view.x_axis) * ((p.z_axis.x - 1.0) / p.x_axis.x)
-        + axis(itrf_from_view.y_axis) * ((p.z_axis.y + 1.0) / p.y_axis.y)
-        - axis(itrf_from_view.z_axis);
+    let rays = view.pixel_rays(size.into());
     let eye = view.itrf_from_world.transform_point3(view.eye_world) / EARTH_RADIUS_M;
     let mut out = [0.0; 16];
-    for (four, v) in out.chunks_exact_mut(4).zip([corner, right, down, eye]) {
+    let vectors = [rays.corner, rays.right, rays.down, eye];
+    for (four, v) in out.chunks_exact_mut(4).zip(vectors) {
         four[..3].copy_from_slice(&v.as_vec3().to_array());
     }
     out
@@ -326,6 +303,7 @@ fn upload(gpu: &GpuContext, image: &LayerImage) -> wgpu::TextureView {
 mod tests {
     use super::*;
     use crate::frames::{Ellipsoid, Geodetic};
+    use glam::DVec3;
 
     #[test]
     fn the_part_holds_the_disc_and_not_much_more() {

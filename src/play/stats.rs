@@ -124,6 +124,7 @@ impl Stats {
         let info = picture.adapter_info();
         let (width, height) = picture.size();
         let counts = &measured.stats;
+        let diagnostics = picture.earth().diagnostics();
         let names = |names: Vec<&str>| names.into_iter().map(str::to_owned).collect();
         Self {
             adapter: info.name,
@@ -140,8 +141,8 @@ impl Stats {
                 .earth()
                 .has_tiles()
                 .then(|| Tiles::new(counts, missing)),
-            features_on: names(picture.earth().features_on()),
-            features_off: names(picture.earth().features_off()),
+            features_on: names(diagnostics.features_on),
+            features_off: names(diagnostics.features_off),
             eye: Eye::new(counts.eye),
             sun: SubsolarPoint::new(moment.sky.sun_itrf),
             epoch: rfc3339(moment.epoch),

@@ -59,7 +59,7 @@ pub fn write_still(
     let gpu = pollster::block_on(GpuContext::open_with(request.adapter, wanted))?;
     progress.begin("loading maps", None);
     let mut options = flight.earth_options(gpu.bc_support())?;
-    options.wireframe = request.wireframe;
+    options.diagnostics.wireframe = request.wireframe;
     progress.end();
     let mut picture = Picture::open(gpu, options, size)?;
     picture.show_tracks(flight)?;

@@ -53,10 +53,10 @@ mod footprint;
 mod satellite;
 
 use crate::air::EARTH_AIR;
-use crate::earth::{EarthOptions, EyeView, Viewport, can_be_drawn};
+use crate::earth::{EarthOptions, EyeView, Viewport};
 use crate::frames::{Ellipsoid, Epoch, Orientation};
 use crate::gpu::{
-    DepthBuffer, Fill, Frame, LinePoint, Mark, PassFormat, ShaderError, TrackFrame, TrackKinds,
+    DepthBuffer, Fill, LinePoint, Mark, PassFormat, ShaderError, TrackKinds, TrackUniforms,
     TracksDrawable,
 };
 use crate::orbit::Feed;
@@ -377,18 +377,17 @@ impl Tracks {
         feeds: impl IntoIterator<Item = &'f dyn Feed>,
         budget: usize,
     ) -> TrackStats {
-        let rays = moment.view.pixel_rays(moment.target);
-        let (eye_itrf_m, clip_from_eye) = moment.view.to_itrf();
+        let view = moment.view.in_itrf(moment.target);
         self.stats = TrackStats::default();
-        self.is_shown = can_be_drawn(eye_itrf_m, &clip_from_eye, &rays);
+        self.is_shown = view.is_some();
         self.stage.clear();
-        if !self.is_shown {
+        let Some(view) = view else {
             return self.stats;
-        }
+        };
         let ellipsoid = self.options.ellipsoid;
         let eye = Eye {
-            itrf_m: eye_itrf_m,
-            clip_from_eye,
+            itrf_m: view.eye_itrf_m,
+            clip_from_eye: view.clip_from_eye,
             size: moment.target.size,
             ellipsoid: &ellipsoid,
         };
@@ -399,23 +398,8 @@ impl Tracks {
             is_complete &= satellite.follow(feed, &mut axes, &ellipsoid, &mut left);
             satellite.stage(index, &eye, &mut axes, &mut self.stage);
         }
-        let scale = ellipsoid.itrf_from_scaled();
-        let eye_scaled = eye_itrf_m / scale;
-        let distance = eye_scaled.length();
-        let frame = TrackFrame {
-            frame: Frame {
-                clip_from_eye: clip_from_eye.as_mat4(),
-                eye_scaled: eye_scaled.as_vec3(),
-                above: ((distance - 1.0) * (distance + 1.0)) as f32,
-                sun_itrf: glam::Vec3::ZERO,
-                radius_m: ellipsoid.equatorial_radius_m as f32,
-                corner_ray: rays.corner.as_vec3(),
-                polar_stretch: (ellipsoid.equatorial_radius_m / ellipsoid.polar_radius_m) as f32,
-                pixel_right: rays.right.as_vec3(),
-                exposure: 0.0,
-                pixel_down: rays.down.as_vec3(),
-                air_below: 0.0,
-            },
+        let frame = TrackUniforms {
+            frame: view.uniforms(&ellipsoid),
             size_px: [
                 moment.target.size.0.max(1) as f32,
                 moment.target.size.1.max(1) as f32,

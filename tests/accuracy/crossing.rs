@@ -228,7 +228,7 @@ fn every_pixel_has_its_own_block_s_tile() {
     for (name, surface) in surfaces() {
         let mut places = PlacesEarth::with_ground(gpu(), &ground(surface)).expect("sound options");
         let mut rig = Rig::new(&options(surface, true), SIZE);
-        assert!(rig.earth.features_on().contains(&"tiles"));
+        assert!(rig.earth.diagnostics().features_on.contains(&"tiles"));
         for (view_name, view) in views() {
             let at = settled(&mut places, &view);
             let (picture, stats) = drawn(&mut rig, &view);

@@ -181,8 +181,8 @@ fn both_forms_draw_the_same_ground() {
 #[test]
 fn both_forms_have_the_same_colours() {
     let mut rigs = [false, true].map(|on_gpu| Rig::new(&options(position_layers(), on_gpu), SIZE));
-    assert!(rigs[1].earth.features_on().contains(&"grid"));
-    assert!(!rigs[0].earth.features_on().contains(&"grid"));
+    assert!(rigs[1].earth.diagnostics().features_on.contains(&"grid"));
+    assert!(!rigs[0].earth.diagnostics().features_on.contains(&"grid"));
     let mut wrong = Vec::new();
     for (name, view) in views() {
         let sun = view.eye_world.normalize();
@@ -295,6 +295,6 @@ fn a_device_without_room_draws_it_from_the_cpu() {
     .expect("a device");
     let options = options(plain([200; 3]), true);
     let earth = terrella::Earth::new(&device, &queue, &options).expect("sound options");
-    let on = earth.features_on();
+    let on = earth.diagnostics().features_on;
     assert!(on.contains(&"relief") && !on.contains(&"grid"));
 }

@@ -80,7 +80,10 @@ pub fn labels_gpu_objects(file: &File) -> Vec<String> {
             violations.push(file.at(token, format!("{name}::default() has no label")));
         }
     }
-    for i in file.find(&["label", ":", "Some", "("]) {
+    // A description of ours has its label plain, wgpu's an option of one.
+    let plain = file.find(&["PipelineDescription", "{", "label", ":"]);
+    let optional = file.find(&["label", ":", "Some", "("]);
+    for i in plain.into_iter().chain(optional) {
         if let Some(token) = file.tokens.get(i + 4)
             && let Word::Text(label) = &token.word
             && !label.starts_with("terrella")

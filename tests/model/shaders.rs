@@ -4,8 +4,8 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use std::mem::offset_of;
 use terrella::globe::projected_grid::{GridLevel, GridUniforms};
 use terrella::gpu::{
-    AIR_SHADER, AirFrame, EARTH_SHADER, Frame, PROJECTED_GRID_SHADER, ShaderVariant, TRACKS_SHADER,
-    TrackFrame,
+    AIR_SHADER, AirUniforms as AirFrame, EARTH_SHADER, FrameUniforms as Frame,
+    PROJECTED_GRID_SHADER, ShaderVariant, TRACKS_SHADER, TrackUniforms as TrackFrame,
 };
 
 fn module(variant: &ShaderVariant) -> Result<naga::Module, String> {

@@ -14,7 +14,7 @@ fn worst_px(rig: &mut Rig, view: &EyeView) -> (f64, u32) {
     let (eye, clip_from_eye) = view.to_itrf();
     let on_gpu = clip_from_eye.as_mat4();
     let (mut worst, mut count) = (0.0_f64, 0);
-    for (from_eye, exact) in rig.earth.vertices() {
+    for (from_eye, exact) in rig.earth.diagnostics().vertices() {
         let gpu = on_gpu * from_eye.extend(1.0);
         let cpu = clip_from_eye * (exact - eye).extend(1.0);
         if cpu.w <= 0.0 || cpu.x.abs() > cpu.w || cpu.y.abs() > cpu.w {

@@ -264,9 +264,9 @@ fn the_smooth_earth_is_not_touched() {
         ),
         SIZE,
     );
-    assert!(!bare.earth.features_on().contains(&"relief"));
-    assert!(with.earth.features_on().contains(&"relief"));
-    assert!(bare.earth.shader_bytes() < with.earth.shader_bytes());
+    assert!(!bare.earth.diagnostics().features_on.contains(&"relief"));
+    assert!(with.earth.diagnostics().features_on.contains(&"relief"));
+    assert!(bare.earth.diagnostics().shader_bytes < with.earth.diagnostics().shader_bytes);
     assert_eq!(
         Level(0.0)
             .slope(&Ellipsoid::WGS84, 0.5 * PI, 0.0, 0.0)

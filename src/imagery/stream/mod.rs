@@ -62,11 +62,20 @@ impl Default for StreamOptions {
 
 /// Place of a tile in the pools.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Slot {
+pub struct TileSlot {
     /// Index into [`TileStream::pools`].
     pub pool: u16,
     /// 0…[`Pool::slots`] − 1.
     pub index: u16,
+}
+
+/// A tile that can be drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ResidentTile {
+    /// Its level, 0 the finest.
+    pub level: u8,
+    /// Where its texels are.
+    pub slot: TileSlot,
 }
 
 /// A tile that is asked for.
@@ -82,7 +91,7 @@ pub struct Want {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Upload<'a> {
     /// Where it goes.
-    pub slot: Slot,
+    pub slot: TileSlot,
     /// The tile.
     pub key: TileKey,
     /// Mip level, 0 the base.
@@ -174,12 +183,12 @@ impl TileStream {
         self.loader.hand_over(&mut self.cache);
     }
 
-    /// The tile to draw a block of a map with: its level and slot; `None` is the whole coarsest map. Marks the slot as
+    /// The tile to draw a block of a map with; `None` is the whole coarsest map. Marks the slot as
     /// drawn in this frame. A block without a drawn want in this frame has `None`.
     ///
     /// That is the tile fitted to the pools if it is resident, else the next coarser one, else a finer one whose slot
     /// nobody waits for.
-    pub fn draw(&mut self, layer: MapLayer, block: u8) -> Option<(u8, Slot)> {
+    pub fn draw(&mut self, layer: MapLayer, block: u8) -> Option<ResidentTile> {
         self.cache.draw(layer, block)
     }
 

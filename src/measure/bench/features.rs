@@ -153,7 +153,7 @@ pub(super) fn measure(
         target_bytes(size, options.samples),
         target_bytes(size, less_samples),
     );
-    let shader = [rig.picture(), &less].map(|picture| picture.earth().shader_bytes());
+    let shader = [rig.picture(), &less].map(|picture| picture.earth().diagnostics().shader_bytes);
     Ok(Some(Feature {
         name: part.name().to_owned(),
         frame_ms_with: rounded(Quantiles::of(&with).median),

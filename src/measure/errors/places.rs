@@ -7,8 +7,8 @@ use crate::imagery::{EarthLayers, LayerImage};
 use crate::measure::reference::ground_point;
 use crate::play::PlayError;
 use crate::{
-    Earth, EarthError, EarthOptions, EyeView, Figure, FrameStats, GroundOptions, Sky, Subdivision,
-    SurfaceOutput, Visibility,
+    DiagnosticOptions, Earth, EarthError, EarthOptions, EyeView, Figure, FrameStats, GroundOptions,
+    Sky, Subdivision, SurfaceOutput, Visibility,
 };
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -66,8 +66,11 @@ impl PlacesEarth {
     fn of(gpu: &GpuContext, set: impl FnOnce(&mut EarthOptions)) -> Result<Self, PlayError> {
         let day = LayerImage::from_rgba8(1, 1, vec![0; 4]).map_err(EarthError::from)?;
         let mut options = EarthOptions {
-            output: SurfaceOutput::Places,
-            color_format: SurfaceOutput::PLACES,
+            diagnostics: DiagnosticOptions {
+                output: SurfaceOutput::Geolocation,
+                ..DiagnosticOptions::default()
+            },
+            color_format: SurfaceOutput::GEOLOCATION,
             ..EarthOptions::new(EarthLayers {
                 day,
                 clouds: None,
@@ -126,7 +129,7 @@ impl PlacesEarth {
 impl Targets {
     fn new(gpu: &GpuContext, size: (u32, u32)) -> Self {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
-        let format = SurfaceOutput::PLACES;
+        let format = SurfaceOutput::GEOLOCATION;
         let texture = color_texture(&gpu.device, "terrella places", size, format, 1, usage);
         Self {
             view: texture.create_view(&wgpu::TextureViewDescriptor {

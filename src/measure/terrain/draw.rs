@@ -1,7 +1,7 @@
 //! Drawing the triangles of a flat tree, to time them: no maps, no air, each face in one grey by its slope.
 
 use crate::globe::quadtree::Tree;
-use crate::gpu::{FrameTargets, GpuContext};
+use crate::gpu::{FrameTargets, GpuContext, PassFormat, PipelineDescription};
 use crate::play::PlayError;
 use glam::{DMat4, DVec3, Mat4, Vec3};
 use image::RgbaImage;
@@ -51,37 +51,25 @@ impl Canvas {
             label: Some("terrella terrain"),
             source: wgpu::ShaderSource::Wgsl(SHADER.into()),
         });
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("terrella terrain"),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("vertex"),
-                compilation_options: Default::default(),
-                buffers: &[Some(wgpu::VertexBufferLayout {
-                    array_stride: size_of::<Vec3>() as u64,
-                    step_mode: wgpu::VertexStepMode::Vertex,
-                    attributes: &wgpu::vertex_attr_array![0 => Float32x3],
-                })],
-            },
+        let pipeline = PipelineDescription {
+            label: "terrella terrain",
+            bind_groups: None,
+            module: &module,
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: size_of::<Vec3>() as u64,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+            })],
             primitive: Default::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: FrameTargets::DEPTH,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
-                stencil: Default::default(),
-                bias: Default::default(),
-            }),
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("fragment"),
-                compilation_options: Default::default(),
-                targets: &[Some(FrameTargets::COLOR.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+            format: PassFormat {
+                color: FrameTargets::COLOR,
+                samples: 1,
+                depth: FrameTargets::REVERSED_DEPTH,
+            },
+            writes_depth: true,
+            blend: None,
+        }
+        .create(device);
         let view = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("terrella terrain view"),
             size: 80,

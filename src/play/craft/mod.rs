@@ -8,7 +8,7 @@ mod mesh;
 use super::camera::Motion;
 use super::flight::Moment;
 use crate::frames::Ellipsoid;
-use crate::gpu::{FrameTargets, GpuContext};
+use crate::gpu::{FrameTargets, GpuContext, PassFormat, PipelineDescription};
 use crate::{EarthOptions, EyeView, FrameStats, Sky};
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DMat4, DVec3, Mat4, Vec2, Vec3};
@@ -204,7 +204,25 @@ impl CraftDrawable {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let pipeline = pipeline(device, &module, color_format, samples);
+        let pipeline = PipelineDescription {
+            label: "terrella craft",
+            bind_groups: None,
+            module: &module,
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: size_of::<CraftVertex>() as u64,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &mesh::ATTRIBUTES,
+            })],
+            primitive: wgpu::PrimitiveState::default(),
+            format: PassFormat {
+                color: color_format,
+                samples,
+                depth: FrameTargets::REVERSED_DEPTH,
+            },
+            writes_depth: true,
+            blend: None,
+        }
+        .create(device);
         let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("terrella craft"),
             layout: &pipeline.get_bind_group_layout(0),
@@ -228,48 +246,6 @@ impl CraftDrawable {
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.draw(0..self.vertex_count, 0..1);
     }
-}
-
-fn pipeline(
-    device: &wgpu::Device,
-    module: &wgpu::ShaderModule,
-    color_format: wgpu::TextureFormat,
-    samples: u32,
-) -> wgpu::RenderPipeline {
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("terrella craft"),
-        layout: None,
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some("vertex"),
-            compilation_options: Default::default(),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<CraftVertex>() as u64,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &mesh::ATTRIBUTES,
-            })],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: FrameTargets::DEPTH,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
-            stencil: Default::default(),
-            bias: Default::default(),
-        }),
-        multisample: wgpu::MultisampleState {
-            count: samples,
-            ..Default::default()
-        },
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some("fragment"),
-            compilation_options: Default::default(),
-            targets: &[Some(color_format.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
 }
 
 #[cfg(test)]

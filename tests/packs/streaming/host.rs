@@ -4,7 +4,7 @@ use super::source::{scramble, tile};
 use std::collections::{HashMap, HashSet};
 use std::time::{Duration, Instant};
 use terrella::imagery::stream::{
-    LoadError, Pool, Slot, StreamCounters, Ticket, TileCache, Upload, Want,
+    LoadError, Pool, ResidentTile, StreamCounters, Ticket, TileCache, TileSlot, Upload, Want,
 };
 use terrella::imagery::tile::{
     LayerLayout, MAX_LEVELS, MapLayer, TILE_MIPS, Tile, TileError, TileKey, TileShape,
@@ -45,7 +45,7 @@ pub struct Host {
     /// Tiles whose loads do not end.
     pub stuck: Vec<TileKey>,
     pub now: Instant,
-    slots: HashMap<Slot, Held>,
+    slots: HashMap<TileSlot, Held>,
     loads: Vec<Load>,
     /// Bytes of tiles under way or waiting.
     reserved: u64,
@@ -151,8 +151,10 @@ impl Host {
                     continue;
                 }
                 let got = self.cache.draw(layer, block);
-                drawn.insert((layer, block), got.map(|(level, _)| level));
-                let Some((level, slot)) = got else { continue };
+                drawn.insert((layer, block), got.map(|tile| tile.level));
+                let Some(ResidentTile { level, slot }) = got else {
+                    continue;
+                };
                 let key = TileKey { level, ..want.key };
                 self.check_slot(slot, key);
                 pictures.push((slot, key));
@@ -171,7 +173,7 @@ impl Host {
     }
 
     /// The slot holds just this tile, bit for bit.
-    fn check_slot(&mut self, slot: Slot, key: TileKey) {
+    fn check_slot(&mut self, slot: TileSlot, key: TileKey) {
         let held = &self.slots[&slot];
         assert_eq!(held.key, Some(key), "{slot:?} holds another tile");
         assert!(held.is_whole, "{key} is there in part only");

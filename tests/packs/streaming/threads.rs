@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
-use terrella::imagery::stream::{Slot, StreamOptions, TileStream, Want};
+use terrella::imagery::stream::{ResidentTile, StreamOptions, TileSlot, TileStream, Want};
 use terrella::imagery::tile::{
     LayerLayout, MapLayer, Storage, Tile, TileError, TileKey, TileSource,
 };
@@ -122,7 +122,7 @@ fn a_slow_failing_and_panicking_source_gives_what_it_can() {
         }
     });
     let mut stream = TileStream::new(source.clone(), &options());
-    let mut slots: HashMap<Slot, Vec<u8>> = HashMap::new();
+    let mut slots: HashMap<TileSlot, Vec<u8>> = HashMap::new();
     let (mut now, start) = (Instant::now(), Instant::now());
     let mut drawn_fine = 0;
     for frame in 0_u32.. {
@@ -136,7 +136,7 @@ fn a_slow_failing_and_panicking_source_gives_what_it_can() {
         let mut pictures = Vec::new();
         for want in &wants {
             let TileKey { layer, block, .. } = want.key;
-            let Some((level, slot)) = stream.draw(layer, block) else {
+            let Some(ResidentTile { level, slot }) = stream.draw(layer, block) else {
                 continue;
             };
             assert!(block % 8 != 2, "block {block} cannot be read");

@@ -2,12 +2,12 @@
 
 use super::{Stage, TileCache, place_of};
 use crate::globe::BLOCK_COUNT;
-use crate::imagery::stream::Slot;
+use crate::imagery::stream::{ResidentTile, TileSlot};
 use crate::imagery::tile::{MapLayer, TileKey};
 
 impl TileCache {
     /// The tile to draw a block of a map with; `None` is the whole coarsest map: see [`super::super::TileStream::draw`].
-    pub fn draw(&mut self, layer: MapLayer, block: u8) -> Option<(u8, Slot)> {
+    pub fn draw(&mut self, layer: MapLayer, block: u8) -> Option<ResidentTile> {
         let levels = self.maps[layer.index()].levels.len() as u8;
         if levels == 0 || u32::from(block) >= BLOCK_COUNT {
             return None;
@@ -31,9 +31,9 @@ impl TileCache {
                 block,
             };
             let slot = self.drawable(key, level < fitted.goal)?;
-            Some((level, slot))
+            Some(ResidentTile { level, slot })
         });
-        let level = drawn.map_or(coarsest, |(level, _)| level);
+        let level = drawn.map_or(coarsest, |tile| tile.level);
         if level <= fitted.target {
             self.counters.hits += 1;
         } else {
@@ -43,7 +43,7 @@ impl TileCache {
     }
 
     /// The slot of a tile that may be drawn; marks it.
-    fn drawable(&mut self, key: TileKey, is_finer: bool) -> Option<Slot> {
+    fn drawable(&mut self, key: TileKey, is_finer: bool) -> Option<TileSlot> {
         let pool = self.pool_of(key)?;
         let state = &self.tiles[place_of(key)];
         let Stage::Resident(index) = state.stage else {
@@ -61,6 +61,6 @@ impl TileCache {
         }
         (place.drawn, place.used) = (self.frame, self.frame);
         let pool = pool as u16;
-        Some(Slot { pool, index })
+        Some(TileSlot { pool, index })
     }
 }

@@ -1,7 +1,7 @@
 //! Decoded tiles on their way into slots.
 
 use super::{Stage, TileCache, Waiting, place_of};
-use crate::imagery::stream::{Slot, Upload};
+use crate::imagery::stream::{TileSlot, Upload};
 use crate::imagery::tile::{TILE_MIPS, TileKey};
 
 impl TileCache {
@@ -41,14 +41,14 @@ impl TileCache {
     }
 
     /// The slot that a tile is being written to; takes one if it has none yet.
-    fn slot_for(&mut self, key: TileKey) -> Option<Slot> {
+    fn slot_for(&mut self, key: TileKey) -> Option<TileSlot> {
         let pool = self.pool_of(key)?;
         let index = match self.tiles[place_of(key)].slot() {
             Some(index) => index,
             None => self.take_slot(key, pool)?,
         };
         let pool = pool as u16;
-        Some(Slot { pool, index })
+        Some(TileSlot { pool, index })
     }
 
     /// A slot could be taken for a tile without disturbing what is drawn. A tile that is only expected leaves enough for
@@ -106,7 +106,7 @@ fn rows_of(waiting: &Waiting) -> (u32, u32) {
 /// Writes rows up to the budget; true if that was the last.
 fn write_rows(
     waiting: &mut Waiting,
-    slot: Slot,
+    slot: TileSlot,
     budget: u64,
     written: &mut u64,
     write: &mut dyn FnMut(Upload<'_>),

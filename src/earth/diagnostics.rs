@@ -1,0 +1,78 @@
+//! For measuring and for looking at how an Earth is drawn. Pictures need none of it.
+
+use super::Earth;
+use crate::globe::{BlockGrid, GroundForm, Surface};
+use crate::gpu::{FramePlan, SurfaceOutput};
+use glam::{DVec3, Vec3};
+
+/// What an Earth draws that is to be examined. The default is the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DiagnosticOptions {
+    /// What is written to the target: the picture, or where each pixel looks.
+    pub output: SurfaceOutput,
+    /// Draws the edges of triangles alone, for looking at meshes. Needs a device with
+    /// [`wgpu::Features::POLYGON_MODE_LINE`].
+    pub wireframe: bool,
+}
+
+/// How an Earth is drawn: see [`Earth::diagnostics`].
+pub struct Diagnostics<'e> {
+    /// Bytes of the WGSL that the driver got: the surface's, and the air's from outside and from inside it.
+    pub shader_bytes: u64,
+    /// Names of the features that are on.
+    pub features_on: Vec<&'static str>,
+    /// Names of the features that are off and cost nothing.
+    pub features_off: Vec<&'static str>,
+    grid: &'e BlockGrid,
+    plan: &'e FramePlan,
+}
+
+impl Diagnostics<'_> {
+    /// The vertices of blocks that the GPU got for the last frame, from the eye, each beside its exact place; ITRF metres.
+    pub fn vertices(&self) -> impl Iterator<Item = (Vec3, DVec3)> {
+        let exact = self.plan.blocks.iter().flat_map(|block| {
+            let rows = 0..=self.grid.subdivision();
+            rows.flat_map(|row| self.grid.vertex_row(*block, row).iter().copied())
+        });
+        self.plan.vertices.iter().copied().zip(exact)
+    }
+}
+
+impl Earth {
+    /// How it is drawn. Makes lists: not for every frame.
+    pub fn diagnostics(&self) -> Diagnostics<'_> {
+        let air_bytes = self.air.as_ref().map_or(0, |air| air.shader_bytes);
+        Diagnostics {
+            shader_bytes: self.surface.shader_bytes() + air_bytes,
+            features_on: self.features(true),
+            features_off: self.features(false),
+            grid: self.planner.meshes().grid(),
+            plan: &self.plan,
+        }
+    }
+
+    fn features(&self, on: bool) -> Vec<&'static str> {
+        let shader = &self.surface.variant().features;
+        // Water and tiles come with packs; an Earth without one has nothing to switch off.
+        let of_packs: &[&str] = match self.planner.tiles {
+            Some(_) => &["water", "tiles"],
+            None => &[],
+        };
+        let of_ground: &[&str] = match self.planner.ground().map(Surface::form) {
+            Some(GroundForm::Grid(_)) => &["relief", "grid"],
+            Some(GroundForm::Pages(_)) => &["relief", "cast"],
+            Some(GroundForm::Patches) => &["relief"],
+            None => &[],
+        };
+        ["clouds", "normals", "night_lights"]
+            .iter()
+            .chain(of_packs)
+            .chain(of_ground)
+            .copied()
+            .map(|name| (name, shader.contains(&name)))
+            .chain([("atmosphere", self.air.is_some())])
+            .filter(|(_, is_on)| *is_on == on)
+            .map(|(name, _)| name)
+            .collect()
+    }
+}

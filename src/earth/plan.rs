@@ -1,0 +1,200 @@
+//! What a frame draws: how fine the mesh is, which blocks are in sight, with which tiles and ground. Pure code: the plan is
+//! handed to the GPU, and nothing comes back.
+
+use super::ground::GroundDriver;
+use super::tiles::{TileDriver, TileView};
+use super::view::ItrfView;
+use super::{EarthError, EarthOptions, FrameStats, Quality, Sky, TILED_SUBDIVISION};
+use crate::air::{Atmosphere, Billboard, EARTH_AIR};
+use crate::frames::Ellipsoid;
+use crate::globe::{
+    BLOCK_COUNT, BlockGrid, COLUMNS, Meshes, Subdivision, SubdivisionError, Surface, Visibility,
+    select_blocks, texels_per_pixel,
+};
+use crate::gpu::{AirPlan, FramePlan, FrameUniforms};
+
+/// Turns views into plans.
+pub(super) struct Planner {
+    meshes: Meshes,
+    visibility: Visibility,
+    exposure: f32,
+    has_air: bool,
+    ground: Option<GroundDriver>,
+    pub tiles: Option<TileDriver>,
+    /// Texels of the day map per block side where no tile is drawn.
+    whole_day_pixels: u32,
+}
+
+impl Planner {
+    /// `limits` are the device's: they say in what forms it can draw ground with relief.
+    pub fn new(
+        options: &EarthOptions,
+        quality: &Quality,
+        limits: &wgpu::Limits,
+    ) -> Result<Self, EarthError> {
+        let ellipsoid = options.figure.ellipsoid();
+        let tiles = options.tiles.as_ref();
+        let tiles = tiles.map(|t| TileDriver::new(t, &options.layers, options.visibility));
+        let ground = options.ground.as_ref();
+        let ground = ground.map(|g| GroundDriver::new(g, options.figure, limits));
+        Ok(Self {
+            meshes: meshes(ellipsoid, quality.subdivision, tiles.is_some())?,
+            visibility: options.visibility,
+            exposure: options.exposure,
+            has_air: quality.atmosphere == Atmosphere::Billboard,
+            tiles: tiles.transpose()?,
+            ground: ground.transpose()?,
+            whole_day_pixels: options.layers.day.width / COLUMNS,
+        })
+    }
+
+    /// The meshes of a subdivision, for [`Self::set_quality`].
+    pub fn meshes_of(&self, subdivision: Subdivision) -> Result<Meshes, SubdivisionError> {
+        meshes(self.ellipsoid(), subdivision, self.tiles.is_some())
+    }
+
+    /// Plans for this quality from now on, with the meshes of its subdivision.
+    pub fn set_quality(&mut self, quality: &Quality, meshes: Meshes) {
+        self.meshes = meshes;
+        self.has_air = quality.atmosphere == Atmosphere::Billboard;
+        if let Some(tiles) = &mut self.tiles {
+            tiles.set_quality(quality);
+        }
+    }
+
+    /// The figure of the Earth.
+    pub fn ellipsoid(&self) -> Ellipsoid {
+        self.meshes.grid().ellipsoid()
+    }
+
+    /// The meshes that blocks are drawn with, one of them at a time.
+    pub fn meshes(&self) -> &Meshes {
+        &self.meshes
+    }
+
+    /// The ground with relief, if there is any.
+    pub fn ground(&self) -> Option<&dyn Surface> {
+        self.ground.as_ref().map(GroundDriver::surface)
+    }
+
+    /// Whether a view that does not move would be given the ground that it has now.
+    pub fn is_ground_settled(&self) -> bool {
+        self.ground.as_ref().is_none_or(GroundDriver::is_settled)
+    }
+
+    /// A plan that draws nothing, with room for all that this planner may put into it.
+    pub fn empty_plan(&self) -> FramePlan {
+        let per_block = self
+            .meshes
+            .grids()
+            .iter()
+            .map(BlockGrid::vertices_per_block);
+        let vertices = match self.ground {
+            Some(_) => 0,
+            None => BLOCK_COUNT * per_block.max().unwrap_or(0),
+        };
+        FramePlan::new(self.ellipsoid(), vertices as usize)
+    }
+
+    /// Fills the plan for a view, and answers what it draws, as far as the GPU has no part in it. Allocates nothing.
+    pub fn plan(&mut self, view: &ItrfView, sky: &Sky, plan: &mut FramePlan) -> FrameStats {
+        let ellipsoid = self.ellipsoid();
+        let eye = ellipsoid.geodetic_from_itrf(view.eye_itrf_m);
+        let pixel_rad = view.pixel_rad();
+        let mut stats = FrameStats {
+            eye,
+            pixel_m: eye.height_m.max(0.0) * pixel_rad,
+            ..FrameStats::default()
+        };
+        plan.clear();
+        plan.eye_itrf_m = view.eye_itrf_m;
+        match &mut self.ground {
+            Some(ground) => {
+                stats.ground = ground.plan(self.meshes.grid(), view, &mut plan.blocks);
+                stats.blocks_visible = plan.blocks.len() as u32;
+                stats.triangles = stats.ground.triangles;
+            }
+            None => self.plan_blocks(view, plan, &mut stats),
+        }
+        stats.blocks_drawn = plan.blocks.len() as u32;
+        self.plan_tiles(view, sky, plan, &mut stats);
+        plan.uniforms = FrameUniforms {
+            sun_itrf: sky.sun_itrf.as_vec3(),
+            exposure: self.exposure,
+            air_below: EARTH_AIR.part_below(eye.height_m) as f32,
+            ..view.uniforms(&ellipsoid)
+        };
+        if self.has_air {
+            let scale = ellipsoid.itrf_from_scaled();
+            let eye_scaled = view.eye_itrf_m / scale;
+            plan.air = Some(AirPlan {
+                square: Billboard::new(eye_scaled, EARTH_AIR.top(), &view.clip_from_eye, scale),
+                sun_scaled: sky.sun_itrf / scale,
+                exposure: self.exposure,
+            });
+            stats.draw_calls += 1;
+            stats.triangles += 2;
+        }
+        stats
+    }
+
+    /// Chooses the mesh and the blocks of the smooth ellipsoid.
+    fn plan_blocks(&mut self, view: &ItrfView, plan: &mut FramePlan, stats: &mut FrameStats) {
+        plan.mesh = self.meshes.choose(stats.eye.height_m, view.pixel_rad());
+        let grid = self.meshes.grid();
+        let selection = select_blocks(
+            grid,
+            self.visibility,
+            view.eye_itrf_m,
+            &view.clip_from_eye,
+            &mut plan.blocks,
+        );
+        plan.place_vertices(grid);
+        stats.subdivision = grid.subdivision();
+        stats.blocks_visible = selection.visible;
+        stats.draw_calls = plan.blocks.len() as u32;
+        let triangles = plan.blocks.iter().map(|block| grid.triangles(block.kind()));
+        stats.triangles = triangles.sum();
+    }
+
+    /// Chooses what map each block is drawn with.
+    fn plan_tiles(
+        &mut self,
+        view: &ItrfView,
+        sky: &Sky,
+        plan: &mut FramePlan,
+        stats: &mut FrameStats,
+    ) {
+        let grid = self.meshes.grid();
+        let pixel_rad = view.pixel_rad();
+        if let Some(tiles) = &mut self.tiles {
+            let view = TileView {
+                eye_itrf_m: view.eye_itrf_m,
+                sun_itrf: sky.sun_itrf,
+                pixel_rad,
+            };
+            let drawn = tiles.plan(grid, &view, &plan.blocks, &mut plan.tiles);
+            stats.day_levels = drawn.day_levels;
+            stats.texels_per_pixel = drawn.texels_per_pixel;
+            return;
+        }
+        let distances = plan.blocks.iter();
+        let distances = distances.map(|block| grid.distance_m(*block, view.eye_itrf_m));
+        let nearest_m = distances.fold(f64::INFINITY, f64::min);
+        if nearest_m.is_finite() {
+            let radius_m = grid.ellipsoid().equatorial_radius_m;
+            stats.texels_per_pixel =
+                texels_per_pixel(self.whole_day_pixels, radius_m, nearest_m, pixel_rad);
+        }
+    }
+}
+
+/// The meshes of a subdivision, for an Earth with tiles or without.
+fn meshes(
+    ellipsoid: Ellipsoid,
+    subdivision: Subdivision,
+    has_tiles: bool,
+) -> Result<Meshes, SubdivisionError> {
+    let least = if has_tiles { TILED_SUBDIVISION } else { 1 };
+    Meshes::new(ellipsoid, subdivision, least)
+}

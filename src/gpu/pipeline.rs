@@ -1,0 +1,58 @@
+//! Render pipelines: what all of them share stands here, what differs is a value.
+
+use super::PassFormat;
+
+/// A pipeline whose shader has the entry points `vertex` and `fragment` and writes one colour target.
+pub(crate) struct PipelineDescription<'a> {
+    /// Begins with `terrella`.
+    pub label: &'a str,
+    /// Layouts of its bind groups; `None` takes them from the shader.
+    pub bind_groups: Option<&'a [Option<&'a wgpu::BindGroupLayout>]>,
+    pub module: &'a wgpu::ShaderModule,
+    pub buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
+    pub primitive: wgpu::PrimitiveState,
+    /// The pass that it draws in.
+    pub format: PassFormat,
+    /// What it draws hides what is farther. Otherwise it is hidden by what is nearer, and that is all.
+    pub writes_depth: bool,
+    /// How it is laid over what is there; `None` replaces it.
+    pub blend: Option<wgpu::BlendState>,
+}
+
+impl PipelineDescription<'_> {
+    /// Makes the pipeline.
+    pub fn create(&self, device: &wgpu::Device) -> wgpu::RenderPipeline {
+        let layout = self.bind_groups.map(|bind_group_layouts| {
+            device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(self.label),
+                bind_group_layouts,
+                immediate_size: 0,
+            })
+        });
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(self.label),
+            layout: layout.as_ref(),
+            vertex: wgpu::VertexState {
+                module: self.module,
+                entry_point: Some("vertex"),
+                compilation_options: Default::default(),
+                buffers: self.buffers,
+            },
+            primitive: self.primitive,
+            depth_stencil: self.format.depth_stencil(self.writes_depth),
+            multisample: self.format.multisample(),
+            fragment: Some(wgpu::FragmentState {
+                module: self.module,
+                entry_point: Some("fragment"),
+                compilation_options: Default::default(),
+                targets: &[Some(wgpu::ColorTargetState {
+                    format: self.format.color,
+                    blend: self.blend,
+                    write_mask: wgpu::ColorWrites::ALL,
+                })],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+}

@@ -1,0 +1,83 @@
+//! What a frame draws, as plain values: the façade fills a plan by code that knows no GPU, the drawables read it and answer
+//! nothing but what writing it cost.
+
+use super::FrameUniforms;
+use crate::air::Billboard;
+use crate::frames::Ellipsoid;
+use crate::globe::{BLOCK_COUNT, Block, BlockGrid};
+use crate::imagery::stream::ResidentTile;
+use crate::imagery::tile::MAP_LAYERS;
+use bytemuck::Zeroable;
+use glam::{DVec3, Vec3};
+
+/// The tiles that a block is drawn with, by [`crate::imagery::tile::MapLayer::index`]; `None` is the whole map.
+pub(crate) type BlockTiles = [Option<ResidentTile>; MAP_LAYERS];
+
+/// All that a frame draws but the patches of ground with relief: these stay with the surface that made them.
+///
+/// One plan serves all frames, so that its lists keep their memory.
+pub(crate) struct FramePlan {
+    /// The figure of the Earth.
+    pub ellipsoid: Ellipsoid,
+    /// The eye, ITRF metres.
+    pub eye_itrf_m: DVec3,
+    /// What all shaders of the Earth read of a frame.
+    pub uniforms: FrameUniforms,
+    /// The mesh that blocks are drawn with: its place among [`crate::globe::Meshes::grids`].
+    pub mesh: usize,
+    /// The blocks in sight, in the order in which they are drawn.
+    pub blocks: Vec<Block>,
+    /// Their vertices from the eye, ITRF axes, metres: (n + 1)² a block, row by row. None where there is ground with relief.
+    pub vertices: Vec<Vec3>,
+    /// Blocks in sight with the tiles that they are drawn with, near ones first. Empty without a pack.
+    pub tiles: Vec<(Block, BlockTiles)>,
+    /// The square that carries the air; `None` without air.
+    pub air: Option<AirPlan>,
+}
+
+/// How the air of a frame is drawn.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AirPlan {
+    /// The square that faces the eye.
+    pub square: Billboard,
+    /// To the Sun, scaled space; of any length.
+    pub sun_scaled: DVec3,
+    /// What a white sheet that faces the Sun in space is drawn with.
+    pub exposure: f32,
+}
+
+impl FramePlan {
+    /// A plan that draws nothing, with room for so many vertices.
+    pub fn new(ellipsoid: Ellipsoid, vertices: usize) -> Self {
+        Self {
+            ellipsoid,
+            eye_itrf_m: DVec3::ZERO,
+            uniforms: FrameUniforms::zeroed(),
+            mesh: 0,
+            blocks: Vec::with_capacity(BLOCK_COUNT as usize),
+            vertices: Vec::with_capacity(vertices),
+            tiles: Vec::with_capacity(BLOCK_COUNT as usize),
+            air: None,
+        }
+    }
+
+    /// Draws nothing until it is filled again; keeps the lists' memory.
+    pub fn clear(&mut self) {
+        self.blocks.clear();
+        self.vertices.clear();
+        self.tiles.clear();
+        self.air = None;
+    }
+
+    /// Subtracts the eye from every vertex of the blocks in sight, in f64.
+    pub fn place_vertices(&mut self, grid: &BlockGrid) {
+        self.vertices.clear();
+        for block in &self.blocks {
+            for row in 0..=grid.subdivision() {
+                let row = grid.vertex_row(*block, row).iter();
+                self.vertices
+                    .extend(row.map(|v| (*v - self.eye_itrf_m).as_vec3()));
+            }
+        }
+    }
+}
