@@ -1,7 +1,8 @@
 //! Quadtrees as they are kept.
 
 use glam::DVec3;
-use terrella::globe::quadtree::{Chosen, Measure, Order, Refine, Tree, TreeOptions, TreeView};
+use terrella::globe::quadtree::Refine;
+use terrella::measure::terrain::quadtree::{Chosen, Measure, Order, Tree, TreeOptions, TreeView};
 
 const SOURCE: [u8; 32] = [3; 32];
 const MOST_BYTES: usize = 1 << 20;

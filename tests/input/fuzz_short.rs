@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+#[cfg(feature = "command")]
 #[path = "../../fuzz/bodies/contour_cache.rs"]
 mod contour_cache;
 #[path = "../../fuzz/bodies/earth_orientation.rs"]
@@ -17,8 +18,10 @@ mod live;
 mod manifest;
 #[path = "../../fuzz/bodies/omm.rs"]
 mod omm;
+#[cfg(feature = "command")]
 #[path = "../../fuzz/bodies/patch_cache.rs"]
 mod patch_cache;
+#[cfg(feature = "command")]
 #[path = "../../fuzz/bodies/quadtree_cache.rs"]
 mod quadtree_cache;
 #[path = "../../fuzz/bodies/scene.rs"]
@@ -51,18 +54,21 @@ const TARGETS: &[Target] = &[
         earth_orientation::run,
         30_000,
     ),
+    #[cfg(feature = "command")]
     (
         "quadtree_cache",
         quadtree_cache::seeds,
         quadtree_cache::run,
         30_000,
     ),
+    #[cfg(feature = "command")]
     (
         "contour_cache",
         contour_cache::seeds,
         contour_cache::run,
         30_000,
     ),
+    #[cfg(feature = "command")]
     ("patch_cache", patch_cache::seeds, patch_cache::run, 30_000),
     #[cfg(feature = "pack-build")]
     ("source", source::seeds, source::run, 30_000),
@@ -204,16 +210,19 @@ fn tables_of_the_earths_orientation() {
     run("earth_orientation");
 }
 
+#[cfg(feature = "command")]
 #[test]
 fn kept_quadtrees() {
     run("quadtree_cache");
 }
 
+#[cfg(feature = "command")]
 #[test]
 fn kept_contours() {
     run("contour_cache");
 }
 
+#[cfg(feature = "command")]
 #[test]
 fn kept_patches() {
     run("patch_cache");
@@ -252,17 +261,15 @@ fn seeds_are_good() {
             read::read_heights(seed, sidecar, path, &GridLimits::default()).expect("good heights");
         }
     }
-    assert!(
-        quadtree_cache::seeds()
-            .iter()
-            .all(|s| quadtree_cache::is_good(s))
-    );
-    assert!(
-        contour_cache::seeds()
-            .iter()
-            .all(|s| contour_cache::is_good(s))
-    );
-    assert!(patch_cache::seeds().iter().all(|s| patch_cache::is_good(s)));
+    #[cfg(feature = "command")]
+    {
+        let quadtrees = quadtree_cache::seeds();
+        assert!(quadtrees.iter().all(|s| quadtree_cache::is_good(s)));
+        let contours = contour_cache::seeds();
+        assert!(contours.iter().all(|s| contour_cache::is_good(s)));
+        let patches = patch_cache::seeds();
+        assert!(patches.iter().all(|s| patch_cache::is_good(s)));
+    }
     for seed in scene::seeds() {
         terrella::scene::Scene::from_toml(&text(&seed), path).expect("a good scene");
     }

@@ -1,7 +1,7 @@
 //! Ground as an unfull quadtree (the 2005 paper): large leaves where the data are flat or far, small ones elsewhere.
 //!
-//! Two trees share one grid of squares ([`Node`]), one rule that keeps edges whole ([`ring`]) and one bound on what a leaf
-//! is off by ([`leaf_error`]): [`Quadtree`] draws the Earth, and [`Tree`] holds one grid of heights of any size.
+//! [`Quadtree`] draws the Earth. Its grid of squares ([`Node`]), the rule that keeps edges whole ([`ring`]) and the bound on
+//! what a leaf is off by ([`leaf_error`]) serve the tree over one grid of heights that `measure::terrain` measures too.
 //!
 //! A leaf is drawn as a fan from its centre to its corners and to every point that finer leaves beside have on its edges. So
 //! leaves of any two levels may meet, every edge has the same points on both sides, and no point is ever moved.
@@ -13,23 +13,18 @@
 
 mod arrange;
 mod bound;
-mod bytes;
-mod choose;
 mod eye;
 mod forest;
 mod node;
-mod order;
 mod page;
 mod patch;
 mod surface;
 #[cfg(test)]
 mod tests;
-mod tree;
 
-pub use bound::{LeafError, leaf_error};
-pub use choose::{Chosen, Measure, TreeView};
+#[cfg(feature = "command")]
+pub(crate) use bound::leaf_error;
 pub use eye::Refine;
-pub use node::{Among, Cut, Domain, Kept, Node, Point, Side, Square, among, child_among, ring};
-pub use order::{Order, hilbert, morton};
-pub use surface::{PAGE_WORK, Quadtree, QuadtreeOptions};
-pub use tree::{MOST_POSTS, Merge, Tree, TreeError, TreeNode, TreeOptions};
+#[cfg(feature = "command")]
+pub(crate) use node::{Cut, Domain, Node, Point, among, child_among, ring};
+pub use surface::{Quadtree, QuadtreeOptions};

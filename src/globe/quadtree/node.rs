@@ -84,11 +84,6 @@ impl Square {
     pub fn center(self) -> Point {
         (self.x + self.size / 2, self.y + self.size / 2)
     }
-
-    /// Whether a point lies on its edge; the point must not lie outside.
-    pub fn has_on_edge(self, (x, y): Point) -> bool {
-        x == self.x || y == self.y || x == self.x + self.size || y == self.y + self.size
-    }
 }
 
 /// A side of a square, in the order in which a ring runs: counter-clockwise seen from above, from the north-west.

@@ -1,6 +1,6 @@
 //! Drawing the triangles of a flat tree, to time them: no maps, no air, each face in one grey by its slope.
 
-use crate::globe::quadtree::Tree;
+use super::quadtree::Tree;
 use crate::gpu::{FrameTargets, GpuContext, PassFormat, PipelineDescription};
 use crate::play::PlayError;
 use glam::{DMat4, DVec3, Mat4, Vec3};

@@ -12,6 +12,7 @@
 mod cache;
 mod draw;
 mod field;
+pub mod quadtree;
 mod table;
 mod tables;
 mod workshop;
@@ -23,12 +24,12 @@ use super::report::Folder;
 use crate::elevation::HeightFileError;
 use crate::globe::contours::qbernstein::QError;
 use crate::globe::contours::{BudgetError, DemError, PatchError};
-use crate::globe::quadtree::TreeError;
 use crate::gpu::{ContextError, GpuContext};
 use crate::play::{OutputError, PendingFile, PlayError, Progress};
 use cache::Cache;
 use draw::Canvas;
 use field::Field;
+use quadtree::TreeError;
 use std::path::{Path, PathBuf};
 use workshop::Workshop;
 

@@ -3,11 +3,12 @@
 use super::TerrainError;
 use super::draw::{Canvas, SIZE};
 use super::field::Field;
+use super::quadtree::{Chosen, Measure, Order, Tree, TreeView};
 use super::table::Table;
 use super::workshop::{Workshop, quadtree_options};
 use crate::globe::contours::qbernstein::{MAX_DEGREE, QBasis};
 use crate::globe::contours::{ContourTree, PatchTree, Storage};
-use crate::globe::quadtree::{Chosen, Measure, Order, Refine, Tree, TreeView};
+use crate::globe::quadtree::Refine;
 use crate::measure::Quantiles;
 use glam::DVec3;
 use std::time::Instant;

@@ -3,8 +3,8 @@
 use super::TerrainError;
 use super::cache::Cache;
 use super::field::Field;
+use super::quadtree::{Order, Tree, TreeOptions};
 use crate::globe::contours::{ContourTree, Dem, PatchOptions, PatchTree};
-use crate::globe::quadtree::{Order, Tree, TreeOptions};
 use crate::play::Progress;
 use std::cell::{Cell, RefCell};
 

@@ -4,7 +4,6 @@ mod cracks;
 mod culling;
 mod errors;
 mod extremes;
-mod tree;
 
 use super::{Quadtree, QuadtreeOptions};
 use crate::elevation::{Bounds, Elevation, HeightRange};

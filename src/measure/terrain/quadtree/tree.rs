@@ -1,8 +1,7 @@
 //! The tree over one grid of heights, of any size.
 
-use super::bound::leaf_error;
-use super::node::Node;
 use super::order::Order;
+use crate::globe::quadtree::{Node, leaf_error};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;

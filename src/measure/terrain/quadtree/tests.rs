@@ -1,6 +1,7 @@
 //! The tree over one grid.
 
-use crate::globe::quadtree::*;
+use super::*;
+use crate::globe::quadtree::{Node, Refine};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use std::cell::RefCell;
@@ -296,7 +297,7 @@ fn children_stand_where_the_paper_s_formula_says() {
         let mut stack = vec![(0_u32, 0_u8)];
         while let Some((p, level)) = stack.pop() {
             let first = tree.nodes[p as usize].children;
-            if first < crate::globe::quadtree::tree::ABSENT {
+            if first < super::tree::ABSENT {
                 let m = i64::from(first) - 4 * i64::from(p);
                 assert_eq!(*m_of_level.entry(level).or_insert(m), m, "level {level}");
                 stack.extend((0..4).map(|k| (first + k, level + 1)));

@@ -1,8 +1,7 @@
 //! Which leaves of a tree a view is drawn with, and their triangles.
 
-use super::eye::Refine;
-use super::node::{Cut, Domain, Node, Point, among, child_among, ring};
 use super::tree::{ABSENT, CELLS, LEAF, Tree, TreeNode};
+use crate::globe::quadtree::{Cut, Domain, Node, Point, Refine, among, child_among, ring};
 use glam::DVec3;
 
 /// Which error of a node a view looks at.
