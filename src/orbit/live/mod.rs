@@ -63,7 +63,6 @@
 
 mod buffer;
 mod clock;
-mod crc32;
 mod lockstep;
 mod options;
 mod packet;

@@ -2,7 +2,6 @@
 
 use super::super::record::shortened;
 use super::super::{Frame, OrbitState};
-use super::crc32;
 use crate::frames::{Duration, Epoch, TimeScale, ccsds_time, utc_from_rfc3339};
 use glam::DVec3;
 use serde::Deserialize;
@@ -195,7 +194,7 @@ impl Packet {
             return Err(PacketFault::Length { found: said });
         }
         let found = u32::from_le_bytes(part(bytes, STATE_BYTES - CRC_BYTES));
-        let expected = crc32::of(&bytes[..STATE_BYTES - CRC_BYTES]);
+        let expected = crc32fast::hash(&bytes[..STATE_BYTES - CRC_BYTES]);
         if found != expected {
             return Err(PacketFault::Checksum { found, expected });
         }
@@ -280,7 +279,7 @@ impl Packet {
         for (place, number) in bytes[32..80].chunks_exact_mut(8).zip(numbers) {
             place.copy_from_slice(&number.to_le_bytes());
         }
-        let crc = crc32::of(&bytes[..STATE_BYTES - CRC_BYTES]);
+        let crc = crc32fast::hash(&bytes[..STATE_BYTES - CRC_BYTES]);
         bytes[STATE_BYTES - CRC_BYTES..].copy_from_slice(&crc.to_le_bytes());
         Some(bytes)
     }
@@ -347,6 +346,12 @@ fn byte_from_frame(frame: Frame) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_checksum_has_the_published_check_value() {
+        assert_eq!(crc32fast::hash(b"123456789"), 0xcbf4_3926);
+        assert_eq!(crc32fast::hash(b""), 0);
+    }
 
     fn packet() -> Packet {
         Packet {
