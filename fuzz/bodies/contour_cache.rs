@@ -1,7 +1,7 @@
 //! Contours as they are kept.
 
 use glam::{DVec2, DVec3};
-use terrella::globe::contours::{ContourTree, Dem, Frame, Ray};
+use terrella::measure::terrain::contours::{ContourTree, Dem, Frame, Ray};
 
 const BUDGET: u64 = 1 << 20;
 const TOLERANCES_M: [f64; 3] = [0.0, 30.0, 1e6];
@@ -59,7 +59,7 @@ fn look(tree: &ContourTree, dem: &Dem) {
 pub fn seeds() -> Vec<Vec<u8>> {
     let dem = dem();
     let seed = |tolerance_m| {
-        let tree = ContourTree::build(&dem, tolerance_m, BUDGET, &mut |_| ());
+        let tree = ContourTree::build(&dem, tolerance_m, BUDGET);
         let source = ContourTree::source(&dem, TOLERANCES_M[0]);
         tree.expect("a good tree").to_bytes(&source)
     };

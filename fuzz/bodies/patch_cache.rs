@@ -1,7 +1,8 @@
 //! q-Bézier patches as they are kept.
 
 use glam::DVec2;
-use terrella::globe::contours::{Dem, Frame, PatchOptions, PatchTree};
+use terrella::measure::terrain::contours::{Dem, Frame};
+use terrella::measure::terrain::patches::{PatchOptions, PatchTree};
 
 const SOURCE: [u8; 32] = [3; 32];
 const BUDGET: u64 = 1 << 20;

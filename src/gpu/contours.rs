@@ -4,7 +4,7 @@
 use super::DepthBuffer;
 use super::lattice::BlockInstance;
 use crate::globe::Block;
-use crate::globe::contours::{FlatNode, MOST_NODES, PageOptions, PagesDraw, slack_m};
+use crate::globe::contours::{FlatNode, MAX_NODES, PageOptions, PagesDraw, slack_m};
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use wgpu::util::DeviceExt;
@@ -91,7 +91,7 @@ impl PageMesh {
                 mapped_at_creation: false,
             })
         };
-        let slot = MOST_NODES as usize * size_of::<FlatNode>();
+        let slot = MAX_NODES as usize * size_of::<FlatNode>();
         let vertex = wgpu::BufferUsages::VERTEX;
         let storage = wgpu::BufferUsages::STORAGE;
         Self {
@@ -146,7 +146,7 @@ impl PageMesh {
             let (Some(page), Some(held)) = (draw.pages.get(slot), self.held.get_mut(slot)) else {
                 continue;
             };
-            let root = drawn.page * MOST_NODES;
+            let root = drawn.page * MAX_NODES;
             if *held != page.revision {
                 *held = page.revision;
                 let bytes: &[u8] = bytemuck::cast_slice(&page.nodes);

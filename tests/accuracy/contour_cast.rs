@@ -6,7 +6,7 @@ use glam::DVec3;
 use std::sync::Arc;
 use terrella::elevation::{Bounds, Elevation, HeightRange};
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::globe::contours::{ContourPages, FlatRay, MOST_NODES, PageOptions, cast_flat};
+use terrella::globe::contours::{ContourPages, FlatRay, MAX_NODES, PageOptions, cast_flat};
 use terrella::globe::{GroundView, Surface, SurfaceStats};
 use terrella::{EyeView, GroundOptions, SurfaceSettings};
 
@@ -342,7 +342,7 @@ fn whatever_is_asked_the_answer_is_finite_and_bounded() {
                 assert!(draw.pages.len() <= most as usize);
                 for drawn in draw.drawn {
                     let page = &draw.pages[drawn.page as usize];
-                    assert!((1..=MOST_NODES as usize).contains(&page.nodes.len()));
+                    assert!((1..=MAX_NODES as usize).contains(&page.nodes.len()));
                     let is_finite = |node: &terrella::globe::contours::FlatNode| {
                         node.normal.is_finite()
                             && node.at.is_finite()

@@ -122,6 +122,7 @@ impl ContourTree {
     }
 
     /// The same by looking at every leaf: what [`Self::cast`] is held against.
+    #[cfg(test)]
     pub fn cast_at_all(&self, dem: &Dem, ray: &Ray) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         for (index, node) in self.nodes.iter().enumerate() {

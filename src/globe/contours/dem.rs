@@ -5,7 +5,7 @@ use crate::frames::Ellipsoid;
 use glam::{DVec2, DVec3};
 
 /// Most samples of a grid: 16 385 × 16 385.
-pub const MOST_SAMPLES: u64 = 16_385 * 16_385;
+pub const MAX_SAMPLES: u64 = 16_385 * 16_385;
 
 /// Heights that are refused.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -45,6 +45,10 @@ pub enum DemError {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Frame {
     /// x east, y north, z up, metres, the south-west sample at x = y = 0.
+    #[cfg_attr(
+        not(any(test, feature = "command")),
+        expect(dead_code, reason = "grids on a plane are measured, not drawn")
+    )]
     Flat {
         /// Between columns and between rows, metres.
         step_m: DVec2,
@@ -89,7 +93,7 @@ impl Dem {
         frame: Frame,
     ) -> Result<Self, DemError> {
         let samples = u64::from(columns) * u64::from(rows);
-        if samples == 0 || samples > MOST_SAMPLES || samples != heights_m.len() as u64 {
+        if samples == 0 || samples > MAX_SAMPLES || samples != heights_m.len() as u64 {
             return Err(DemError::Size {
                 columns,
                 rows,
@@ -176,29 +180,9 @@ impl Dem {
         self
     }
 
-    /// Samples from west to east.
-    pub fn columns(&self) -> u32 {
-        self.columns
-    }
-
-    /// Samples from south to north.
-    pub fn rows(&self) -> u32 {
-        self.rows
-    }
-
-    /// All heights, metres, row by row from the south.
-    pub fn heights_m(&self) -> &[f32] {
-        &self.heights_m
-    }
-
     /// Lowest and highest of the heights, and of those of [`Self::reaching`].
     pub fn range_m(&self) -> HeightRange {
         self.range
-    }
-
-    /// Where it lies.
-    pub fn frame(&self) -> Frame {
-        self.frame
     }
 
     /// What positions are measured from: 0 for a flat grid, otherwise ITRF metres.
@@ -288,12 +272,32 @@ impl Dem {
     }
 }
 
-/// What one thread builds at a time has this many cells at most. Grids that are not larger are built in one part, and no
-/// thread is started for them.
-pub(super) const PART_CELLS: u64 = 1 << 16;
+/// What is asked of whole grids that are measured.
+#[cfg(any(test, feature = "command"))]
+impl Dem {
+    /// Samples from west to east.
+    pub fn columns(&self) -> u32 {
+        self.columns
+    }
+
+    /// Samples from south to north.
+    pub fn rows(&self) -> u32 {
+        self.rows
+    }
+
+    /// All heights, metres, row by row from the south.
+    pub fn heights_m(&self) -> &[f32] {
+        &self.heights_m
+    }
+
+    /// Where it lies.
+    pub fn frame(&self) -> Frame {
+        self.frame
+    }
+}
 
 /// Cells of a span; a way without width counts as one.
-pub(super) fn cells([west, east, south, north]: Span) -> u64 {
+pub fn cells([west, east, south, north]: Span) -> u64 {
     u64::from(east - west).max(1) * u64::from(north - south).max(1)
 }
 

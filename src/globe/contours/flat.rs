@@ -7,7 +7,7 @@
 use super::dem::{Dem, Span};
 use super::tree::ContourTree;
 use bytemuck::{Pod, Zeroable};
-use glam::{DVec2, Vec2, Vec3, Vec4};
+use glam::{DVec2, Vec3, Vec4};
 
 /// A node as the shader reads it.
 #[repr(C)]
@@ -36,21 +36,15 @@ pub struct FlatNode {
 }
 
 /// Rise to the east and to the north, metres per metre, as the east and north parts of the unit normal in 16 bits each.
-pub fn pack_slope(slope: DVec2) -> u32 {
+fn pack_slope(slope: DVec2) -> u32 {
     let slope = slope.clamp(DVec2::splat(-1e3), DVec2::splat(1e3));
     let normal = -slope / (1.0 + slope.length_squared()).sqrt();
     let part = |x: f64| u32::from((x * 32_767.0).round() as i16 as u16);
     part(normal.x) | part(normal.y) << 16
 }
 
-/// The east and north parts of the unit normal, as a shader's `unpack2x16snorm` has them.
-pub fn unpack_normal(packed: u32) -> Vec2 {
-    let part = |bits: u32| (f32::from(bits as u16 as i16) / 32_767.0).max(-1.0);
-    Vec2::new(part(packed), part(packed >> 16))
-}
-
 /// Entries of the walk's stack: enough for trees of 7 levels below the root, 129 samples a side.
-pub const STACK: usize = 24;
+const STACK: usize = 24;
 
 impl ContourTree {
     /// All nodes, the root first, appended to `out`. `slope` tells the rise of the ground at a sample, to the east and to the
@@ -174,10 +168,10 @@ pub fn cast_flat(nodes: &[FlatNode], root: u32, ray: &FlatRay) -> Option<(f32, u
 
 #[cfg(test)]
 mod tests {
-    use super::super::Ray;
+    use super::super::cast::Ray;
     use super::super::tests::ground::{fractal, noise};
     use super::*;
-    use glam::DVec3;
+    use glam::{DVec3, Vec2};
 
     const SHADER: &str = include_str!(concat!(
         env!("CARGO_MANIFEST_DIR"),
@@ -187,7 +181,7 @@ mod tests {
     #[test]
     fn single_precision_meets_the_same_ground() {
         let dem = fractal(129, 21);
-        let tree = ContourTree::build(&dem, 10.0, 1 << 28, &mut |_| ()).unwrap();
+        let tree = ContourTree::build(&dem, 10.0, 1 << 28).unwrap();
         let mut nodes = vec![FlatNode::default(); 3];
         tree.flatten(&dem, |_, _| DVec2::ZERO, &mut nodes);
         let mut seed = 2;
@@ -231,6 +225,12 @@ mod tests {
         );
         // Rays that graze a crest go on to the next one in one of the two.
         assert!(at(0.99) < 0.1 && other <= 3 && offs.len() > 2_000);
+    }
+
+    /// The east and north parts of the unit normal, as a shader's `unpack2x16snorm` has them.
+    fn unpack_normal(packed: u32) -> Vec2 {
+        let part = |bits: u32| (f32::from(bits as u16 as i16) / 32_767.0).max(-1.0);
+        Vec2::new(part(packed), part(packed >> 16))
     }
 
     #[test]

@@ -11,9 +11,6 @@
 /// Height, its derivatives by u and by v, and by both, per lattice step.
 pub type Corner = [f64; 4];
 
-/// Bézier control heights of a bicubic patch, `[along u][along v]`.
-pub type Net = [[f64; 4]; 4];
-
 /// a + (b − a)t: exactly a for equal values.
 fn lerp(a: f64, b: f64, t: f64) -> f64 {
     a + (b - a) * t
@@ -31,7 +28,7 @@ pub fn cubic(b: [f64; 4], t: f64) -> (f64, f64) {
 }
 
 /// Bézier values of the cubic that has a height and slope (per step) at both ends of `steps` steps.
-fn values(a: (f64, f64), b: (f64, f64), steps: f64) -> [f64; 4] {
+pub fn bezier_values(a: (f64, f64), b: (f64, f64), steps: f64) -> [f64; 4] {
     let third = steps / 3.0;
     [a.0, a.0 + third * a.1, b.0 - third * b.1, b.0]
 }
@@ -39,26 +36,12 @@ fn values(a: (f64, f64), b: (f64, f64), steps: f64) -> [f64; 4] {
 /// What a corner must be at `t` of the way from `a` to `b`, an edge of `steps` steps along u (or v): the coarser edge's.
 pub fn restrict(a: &Corner, b: &Corner, steps: f64, t: f64, along_u: bool) -> Corner {
     let (d, n) = if along_u { (1, 2) } else { (2, 1) };
-    let (z, slope) = cubic(values((a[0], a[d]), (b[0], b[d]), steps), t);
-    let (across, twist) = cubic(values((a[n], a[3]), (b[n], b[3]), steps), t);
+    let (z, slope) = cubic(bezier_values((a[0], a[d]), (b[0], b[d]), steps), t);
+    let (across, twist) = cubic(bezier_values((a[n], a[3]), (b[n], b[3]), steps), t);
     let mut out = [z, 0.0, 0.0, twist / steps];
     out[d] = slope / steps;
     out[n] = across;
     out
-}
-
-/// The Bézier net of a patch of `w` × `h` steps from its corners south-west, south-east, north-west, north-east.
-pub fn net(corners: &[Corner; 4], w: f64, h: f64) -> Net {
-    let [sw, se, nw, ne] = corners;
-    // Along u first: heights and derivatives by v of the southern and the northern edge.
-    let row = |a: &Corner, b: &Corner| {
-        (
-            values((a[0], a[1]), (b[0], b[1]), w),
-            values((a[2], a[3]), (b[2], b[3]), w),
-        )
-    };
-    let ((south, south_v), (north, north_v)) = (row(sw, se), row(nw, ne));
-    std::array::from_fn(|i| values((south[i], south_v[i]), (north[i], north_v[i]), h))
 }
 
 /// A corner from 3 × 3 heights about it, `[row from the south][column from the west]`, `west_east` steps to either column
@@ -92,12 +75,4 @@ pub fn estimate(heights: &[[f64; 3]; 3], west_east: [f64; 2], south_north: [f64;
         (heights[2][2] - heights[2][0] - heights[0][2] + heights[0][0]) / area
     };
     [heights[1][1], zu, zv, twist]
-}
-
-/// Height and derivatives by u and by v (both 0…1) of a net.
-pub fn evaluate(net: &Net, u: f64, v: f64) -> [f64; 3] {
-    let columns = net.map(|column| cubic(column, v));
-    let (z, zu) = cubic(columns.map(|c| c.0), u);
-    let (zv, _) = cubic(columns.map(|c| c.1), u);
-    [z, zu, zv]
 }

@@ -39,7 +39,7 @@ impl Contour {
     }
 
     /// The same plane with contours that hold these points.
-    pub(super) fn over(self, points_m: impl Iterator<Item = DVec3>) -> Self {
+    pub fn over(self, points_m: impl Iterator<Item = DVec3>) -> Self {
         let (mut low_m, mut high_m) = (0.0f64, 0.0f64);
         for p in points_m {
             let d = self.normal.dot(p - self.at_m);

@@ -1,9 +1,9 @@
 //! Heights that are measured: of a file, or made.
 
 use super::TerrainError;
+use super::contours::{Dem, DemError, Frame};
 use crate::elevation::{Bounds, GridLimits, fractal_heights_m, open_heights};
 use crate::frames::Ellipsoid;
-use crate::globe::contours::{Dem, DemError, Frame};
 use glam::DVec2;
 use std::path::Path;
 

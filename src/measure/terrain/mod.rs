@@ -3,6 +3,10 @@
 //! | file | what |
 //! |---|---|
 //! | `field.rs` | the heights: of files, or made |
+//! | [`quadtree`], [`contours`], [`patches`] | the trees |
+//! | [`qbernstein`] | the basis of the patches |
+//! | `workers.rs` | building in parts, on threads |
+//! | `deserialize.rs` | what the readers of kept trees share |
 //! | `workshop.rs` | building trees, or finding them in the cache |
 //! | `cache.rs` | trees in files |
 //! | `tables.rs` | what is measured |
@@ -10,25 +14,33 @@
 //! | `table.rs` | tables as text and CSV |
 
 mod cache;
+pub mod contours;
+mod deserialize;
 mod draw;
 mod field;
+pub mod patches;
+pub mod qbernstein;
 pub mod quadtree;
+mod storage;
 mod table;
 mod tables;
+mod workers;
 mod workshop;
 
+pub use deserialize::DeserializeError;
 pub use field::MadeGround;
 pub use table::Table;
 
 use super::report::Folder;
 use crate::elevation::HeightFileError;
-use crate::globe::contours::qbernstein::QError;
-use crate::globe::contours::{BudgetError, DemError, PatchError};
 use crate::gpu::{ContextError, GpuContext};
 use crate::play::{OutputError, PendingFile, PlayError, Progress};
 use cache::Cache;
+use contours::{BudgetError, DemError};
 use draw::Canvas;
 use field::Field;
+use patches::PatchError;
+use qbernstein::QError;
 use quadtree::TreeError;
 use std::path::{Path, PathBuf};
 use workshop::Workshop;

@@ -1,13 +1,15 @@
 //! What is measured, a table each.
 
 use super::TerrainError;
+use super::contours::ContourTree;
 use super::draw::{Canvas, SIZE};
 use super::field::Field;
+use super::patches::PatchTree;
+use super::qbernstein::{MAX_DEGREE, QBasis};
 use super::quadtree::{Chosen, Measure, Order, Tree, TreeView};
+use super::storage::Storage;
 use super::table::Table;
 use super::workshop::{Workshop, quadtree_options};
-use crate::globe::contours::qbernstein::{MAX_DEGREE, QBasis};
-use crate::globe::contours::{ContourTree, PatchTree, Storage};
 use crate::globe::quadtree::Refine;
 use crate::measure::Quantiles;
 use glam::DVec3;
@@ -204,7 +206,7 @@ pub(super) fn stored(
 ) -> Result<Vec<String>, TerrainError> {
     let dem = field.dem().map_err(|error| field.refused(error))?;
     // One after the other: both do not fit into the memory for one.
-    let contours = shop.contours(field, &dem, tolerance_m)?.stats();
+    let contours = shop.contours(field, &dem, tolerance_m)?.stats;
     let (patch_bytes, error_m) = shop.patches(field, &dem, tolerance_m)?;
     let bytes = Storage::count(&dem, tolerance_m, &contours, patch_bytes);
     let numbers = [bytes.raw, bytes.morton, bytes.contours, bytes.patches];
@@ -265,7 +267,7 @@ pub(super) fn built(
     let (times, tree) = least(threads, |threads| {
         shop.build_contours(field, &dem, tolerance_m, threads)
     })?;
-    let (memory, bytes) = (tree.stats().bytes, tree.to_bytes(&[0; 32]));
+    let (memory, bytes) = (tree.stats.bytes, tree.to_bytes(&[0; 32]));
     drop(tree);
     let (read_s, _) = timed(|| ContourTree::from_bytes(&bytes, &dem, &[0; 32], u64::MAX));
     let kept = Kept::new(memory, &bytes, read_s);

@@ -2,9 +2,10 @@
 
 use super::TerrainError;
 use super::cache::Cache;
+use super::contours::{ContourTree, Dem};
 use super::field::Field;
+use super::patches::{PatchOptions, PatchTree};
 use super::quadtree::{Order, Tree, TreeOptions};
-use crate::globe::contours::{ContourTree, Dem, PatchOptions, PatchTree};
 use crate::play::Progress;
 use std::cell::{Cell, RefCell};
 
@@ -101,7 +102,7 @@ impl Workshop<'_> {
         let name = format!("{}-{}-patches-{tolerance_m}m", field.name, field.size());
         let find = |bytes: &[u8]| {
             let tree = PatchTree::from_bytes(bytes, &source, self.beside(bytes))?;
-            Ok::<_, crate::globe::contours::StoreError>((bytes.len() as u64, tree.error_m))
+            Ok::<_, super::DeserializeError>((bytes.len() as u64, tree.error_m))
         };
         if let Some(found) = self.cache.find(&name, find) {
             return Ok(found);

@@ -27,7 +27,7 @@ use crate::frames::Ellipsoid;
 use crate::globe::{GroundForm, GroundView, Patch, Surface, SurfaceStats};
 use glam::DVec3;
 use page::{CELLS, DEEPEST};
-pub use page::{MOST_NODES, Page};
+pub use page::{MAX_NODES, Page};
 use seen::Seen;
 
 /// How much the surface may take.
@@ -64,7 +64,7 @@ impl PageOptions {
     /// Bytes of all nodes on the GPU.
     pub fn node_bytes(&self) -> u64 {
         let pages = u64::from(self.within_limits().most_pages);
-        pages * u64::from(MOST_NODES) * size_of::<super::FlatNode>() as u64
+        pages * u64::from(MAX_NODES) * size_of::<super::FlatNode>() as u64
     }
 }
 

@@ -14,7 +14,7 @@ use glam::{DVec2, DVec3};
 /// Cells along an edge of a page.
 pub const CELLS: u32 = 16;
 /// Most nodes of a page: 1 + 4 + 16 + 64 + 256.
-pub const MOST_NODES: u32 = (4 * CELLS * CELLS - 1) / 3;
+pub const MAX_NODES: u32 = (4 * CELLS * CELLS - 1) / 3;
 /// Deepest level: cells of 0.6 m.
 pub const DEEPEST: u8 = 18;
 /// Posts along an edge of a page, and those with one more at each end, for slopes.
@@ -200,8 +200,8 @@ impl Page {
             }
         };
         // Building counts each node twice.
-        let room = 2 * u64::from(MOST_NODES) * size_of::<Node>() as u64;
-        let tree = match ContourTree::build(&dem, tolerance_m, room, &mut |_| ()) {
+        let room = 2 * u64::from(MAX_NODES) * size_of::<Node>() as u64;
+        let tree = match ContourTree::build(&dem, tolerance_m, room) {
             Ok(tree) => tree,
             Err(error) => {
                 tracing::warn!("a page of contours is left out: {error}");

@@ -1,5 +1,5 @@
-//! Contours, rays and patches over whole grids.
+//! Contours and rays over whole grids.
 
+mod denoise;
 pub mod ground;
-mod patches;
 mod trees;

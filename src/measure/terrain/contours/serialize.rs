@@ -5,11 +5,11 @@
 //! centroid, lower and upper contour and ceiling (9 × f64); BLAKE3 of all before it (32 bytes). Numbers are little-endian.
 //! Spans follow from the first children, distances from the heights.
 
-use super::build::radius_m;
-use super::dem::{Dem, Frame, Span, quarters};
-use super::plane::{Contour, Support};
-use super::store::StoreError;
-use super::tree::{ContourTree, Node, TreeStats};
+use super::{ContourTree, Dem, Frame, Node, TreeStats};
+use crate::globe::contours::build::radius_m;
+use crate::globe::contours::dem::{Span, quarters};
+use crate::globe::contours::plane::{Contour, Support};
+use crate::measure::terrain::deserialize::{DeserializeError, read_f64, read_u32};
 use glam::DVec3;
 
 const MAGIC: &[u8; 8] = b"TERRCONT";
@@ -20,16 +20,6 @@ const NODE: usize = 4 + 1 + 9 * 8;
 /// Of a node that no node before it has among its children.
 const NOBODY: u32 = u32::MAX;
 const SUPPORTS: [Support; 3] = [Support::Plane, Support::Line, Support::Point];
-
-fn int(bytes: &[u8]) -> u32 {
-    u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])
-}
-
-fn real(bytes: &[u8]) -> f64 {
-    let mut eight = [0; 8];
-    eight.copy_from_slice(&bytes[..8]);
-    f64::from_le_bytes(eight)
-}
 
 impl ContourTree {
     /// Which heights and tolerance a tree is made from.
@@ -88,33 +78,33 @@ impl ContourTree {
         dem: &Dem,
         source: &[u8; 32],
         budget_bytes: u64,
-    ) -> Result<Self, StoreError> {
-        if bytes.len() < HEADER + HASH || &bytes[..8] != MAGIC || int(&bytes[8..]) != VERSION {
-            return Err(StoreError::Format);
+    ) -> Result<Self, DeserializeError> {
+        if bytes.len() < HEADER + HASH || &bytes[..8] != MAGIC || read_u32(&bytes[8..]) != VERSION {
+            return Err(DeserializeError::Format);
         }
         let (body, hash) = bytes.split_at(bytes.len() - HASH);
         if blake3::hash(body).as_bytes() != hash {
-            return Err(StoreError::Checksum);
+            return Err(DeserializeError::Checksum);
         }
         let (header, body) = body.split_at(HEADER);
-        let size = [int(&header[12..]), int(&header[16..])];
+        let size = [read_u32(&header[12..]), read_u32(&header[16..])];
         if header[HEADER - 32..] != source[..] || size != [dem.columns(), dem.rows()] {
-            return Err(StoreError::Stale);
+            return Err(DeserializeError::Stale);
         }
-        let content = |what| StoreError::Content { what };
-        let count = int(&header[20..]) as usize;
+        let content = |what| DeserializeError::Content { what };
+        let count = read_u32(&header[20..]) as usize;
         if count == 0 || body.len() != NODE * count {
             return Err(content("another number of nodes than it has"));
         }
         // A byte more for its depth.
         let needs = (size_of::<Node>() as u64 + 1) * count as u64;
         if needs > budget_bytes {
-            return Err(StoreError::Budget {
+            return Err(DeserializeError::Budget {
                 bytes: needs,
                 budget: budget_bytes,
             });
         }
-        let tolerance_m = real(&header[24..]);
+        let tolerance_m = read_f64(&header[24..]);
         let mut upright = [0; 8];
         upright.copy_from_slice(&header[32..40]);
         let mut nodes = Vec::with_capacity(count);
@@ -137,7 +127,7 @@ impl ContourTree {
 
 /// What a node's bytes say; its span is empty and its parent unknown.
 fn node(bytes: &[u8]) -> Option<Node> {
-    let number = |k: usize| real(&bytes[5 + 8 * k..]);
+    let number = |k: usize| read_f64(&bytes[5 + 8 * k..]);
     let vector = |k: usize| DVec3::new(number(k), number(k + 1), number(k + 2));
     let contour = Contour {
         normal: vector(0),
@@ -159,7 +149,7 @@ fn node(bytes: &[u8]) -> Option<Node> {
         ceiling_m,
         radius_m: 0.0,
         span: [0; 4],
-        first: int(bytes),
+        first: read_u32(bytes),
         children: 0,
         parent: NOBODY,
     })
@@ -183,10 +173,7 @@ fn connect(nodes: &mut [Node], dem: &Dem, tolerance_m: f64) -> Option<TreeStats>
         }
         nodes[k].radius_m = radius_m(dem, span, nodes[k].contour.at_m);
         if first == 0 {
-            let thick_m = nodes[k].contour.thickness_m();
-            stats.leaves += 1;
-            stats.over += u64::from(thick_m > tolerance_m.max(1e-5));
-            stats.thickest_m = stats.thickest_m.max(thick_m);
+            stats.add_leaf(&nodes[k], tolerance_m.max(1e-5));
             stats.depth = stats.depth.max(u32::from(depths[k]));
             continue;
         }
@@ -210,30 +197,30 @@ fn connect(nodes: &mut [Node], dem: &Dem, tolerance_m: f64) -> Option<TreeStats>
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::ground::fractal;
     use super::*;
+    use crate::globe::contours::tests::ground::fractal;
 
     #[test]
     fn contours_come_back_to_the_last_bit() {
         for (n, tolerance_m) in [(33, 20.0), (129, 0.0), (513, 30.0)] {
             let dem = fractal(n, 5);
-            let tree = ContourTree::build(&dem, tolerance_m, 1 << 28, &mut |_| ()).unwrap();
+            let tree = ContourTree::build_on(1, &dem, tolerance_m, 1 << 28, &mut |_| ()).unwrap();
             let source = ContourTree::source(&dem, tolerance_m);
             let bytes = tree.to_bytes(&source);
             let back = ContourTree::from_bytes(&bytes, &dem, &source, 1 << 28).unwrap();
             assert_eq!(back, tree);
             let small = ContourTree::from_bytes(&bytes, &dem, &source, 1_000);
-            assert!(matches!(small, Err(StoreError::Budget { .. })));
+            assert!(matches!(small, Err(DeserializeError::Budget { .. })));
             let other = ContourTree::source(&dem, tolerance_m + 1.0);
             let stale = ContourTree::from_bytes(&bytes, &dem, &other, 1 << 28);
-            assert_eq!(stale, Err(StoreError::Stale));
+            assert_eq!(stale, Err(DeserializeError::Stale));
         }
     }
 
     #[test]
     fn what_was_changed_or_cut_off_is_refused() {
         let dem = fractal(17, 3);
-        let tree = ContourTree::build(&dem, 40.0, 1 << 24, &mut |_| ()).unwrap();
+        let tree = ContourTree::build(&dem, 40.0, 1 << 24).unwrap();
         let source = ContourTree::source(&dem, 40.0);
         let bytes = tree.to_bytes(&source);
         let read = |bytes: &[u8]| ContourTree::from_bytes(bytes, &dem, &source, 1 << 24);

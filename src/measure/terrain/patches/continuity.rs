@@ -1,9 +1,10 @@
 //! Measuring how patches join: position, normal, and the proportion of the paper's theorem.
 
-use super::dem::{Dem, Frame};
-use super::hermite::{Net, cubic};
-use super::patches::{Leaf, PatchTree, QPatch};
-use super::qbernstein::QBasis;
+use super::bezier::Net;
+use super::{Leaf, PatchTree, QPatch};
+use crate::globe::contours::dem::{Dem, Frame};
+use crate::globe::contours::hermite::cubic;
+use crate::measure::terrain::qbernstein::QBasis;
 use glam::{DVec2, DVec3};
 
 /// What the edges of a tree of patches were found to be.

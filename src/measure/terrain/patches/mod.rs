@@ -1,12 +1,30 @@
 //! q-Bézier patches over a DEM: bicubic, G1 across every edge and every difference of levels, within a tolerance of the
 //! samples.
+//!
+//! | file | what |
+//! |---|---|
+//! | `fit.rs` | cutting until patches are within the tolerance |
+//! | `bezier.rs` | patches by their control heights |
+//! | `continuity.rs` | measuring how neighbours join |
+//! | `serialize.rs` | patches as bytes |
 
-use super::dem::{Dem, PART_CELLS, Span, cells, quarters};
-use super::hermite::{Corner, Net, cubic, estimate, net, restrict};
+mod bezier;
+mod continuity;
+mod fit;
+mod serialize;
+#[cfg(test)]
+mod tests;
+
+pub use bezier::{Net, evaluate};
+pub use continuity::{Joins, evaluate_q};
+
+use super::contours::{BudgetError, ContourTree};
 use super::qbernstein::{QBasis, QError};
-use super::threads::in_parts;
-use super::tree::{BudgetError, ContourTree};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use super::workers::Workers;
+use crate::globe::contours::dem::{Dem, Span, quarters};
+use crate::globe::contours::hermite::{Corner, restrict};
+use bezier::{converted, net};
+use fit::{Fitting, PART_LEAVES, free, leaf_of, places};
 
 /// Degree of the patches each way.
 pub const DEGREE: usize = 3;
@@ -87,15 +105,9 @@ pub struct PatchTree {
     pub rounds: u32,
 }
 
-/// Leaves, or corners, that a thread takes at a time.
-const PART_LEAVES: usize = 1 << 14;
-
 /// Most that a leaf takes while patches are built: itself twice, while the list of leaves grows, and five thirds of a corner,
 /// which is held twice when it is new. A corner has a place, an owner, a depth and whether it hangs: 14 bytes.
 const LEAF_BYTES: usize = 2 * size_of::<Leaf>() + (2 * size_of::<Corner>() + 14) * 5 / 3;
-
-/// Rounding of heights to ±10⁶ m through a dozen operations.
-const ROUNDING_M: f64 = 4e-9;
 
 impl PatchTree {
     /// Builds patches. Spans are cut until a patch is within the tolerance of its samples; they begin with the whole grid,
@@ -119,23 +131,16 @@ impl PatchTree {
         };
         // Two tables of a u32 and one of a byte a sample.
         let left = options.budget_bytes.checked_sub(9 * samples).ok_or(over)?;
-        let most = (left / LEAF_BYTES as u64).min(u64::from(NONE) / 2) as usize;
-        let fitting = Fitting {
-            dem,
-            // With contours: cut wherever they are.
-            inner: contours.map_or(Vec::new(), inner),
-            tolerance_m: options.tolerance_m.max(0.0) + ROUNDING_M,
-            threads: options.threads,
-            count: AtomicUsize::new(0),
-            most,
-        };
+        let max_leaves = (left / LEAF_BYTES as u64).min(u64::from(NONE) / 2) as usize;
+        let workers = Workers::new(options.threads);
+        let fitting = Fitting::new(dem, contours, options.tolerance_m, max_leaves, &workers);
         let mut tree = Self::of_leaves(
             fitting.leaves(progress).ok_or(over)?,
             [dem.columns(), dem.rows()],
             options.q,
         )?;
         loop {
-            tree.settle(dem, options.threads);
+            tree.settle(dem, &workers);
             let (error_m, cut) = fitting.check(&tree);
             tree.error_m = error_m;
             if cut.is_empty() {
@@ -152,7 +157,7 @@ impl PatchTree {
                         .extend(spans[1..count].iter().map(|s| child(*s)));
                 }
             }
-            if tree.leaves.len() > most {
+            if tree.leaves.len() > max_leaves {
                 return Err(over.into());
             }
         }
@@ -161,11 +166,10 @@ impl PatchTree {
     }
 
     /// Gives all leaves their corners: free ones from the samples, hanging ones from the coarser edge.
-    fn settle(&mut self, dem: &Dem, threads: usize) {
+    fn settle(&mut self, dem: &Dem, workers: &Workers) {
         let (owners, depths) = self.number();
         let all = &self.places;
-        let parts = in_parts(
-            threads,
+        let parts = workers.map(
             owners.len().div_ceil(PART_LEAVES),
             |part| {
                 let from = part * PART_LEAVES;
@@ -183,7 +187,7 @@ impl PatchTree {
     }
 
     /// The same with free corners from elsewhere, asked for in an order that depends on the leaves alone.
-    pub(super) fn resettle(&mut self, free: &mut dyn FnMut() -> Corner) {
+    fn resettle(&mut self, free: &mut dyn FnMut() -> Corner) {
         let (owners, _) = self.number();
         self.set_corners(&owners, |owner| match owner {
             NONE => free(),
@@ -269,11 +273,7 @@ impl PatchTree {
     }
 
     /// An empty tree for [`Self::resettle`].
-    pub(super) fn of_leaves(
-        leaves: Vec<Leaf>,
-        size: [u32; 2],
-        q: [f64; 2],
-    ) -> Result<Self, QError> {
+    fn of_leaves(leaves: Vec<Leaf>, size: [u32; 2], q: [f64; 2]) -> Result<Self, QError> {
         Ok(Self {
             leaves,
             corners: Vec::new(),
@@ -301,14 +301,14 @@ impl PatchTree {
     /// q-Bézier heights of a patch, metres: M⁻¹ of each basis each way.
     pub fn q_patch(&self, leaf: &Leaf) -> QPatch {
         let [along_u, along_v] = self.bases.map(|basis| basis.q_from_bernstein());
-        let control_m = both_ways(&self.bezier(leaf), &along_u, &along_v);
+        let control_m = converted(&self.bezier(leaf), &along_u, &along_v);
         QPatch { control_m }
     }
 
     /// Bézier heights again from q-Bézier ones.
     pub fn bezier_from_q(&self, patch: &QPatch) -> Net {
         let [along_u, along_v] = self.bases.map(|basis| basis.bernstein_from_q());
-        both_ways(&patch.control_m, &along_u, &along_v)
+        converted(&patch.control_m, &along_u, &along_v)
     }
 
     /// Memory held, bytes.
@@ -316,204 +316,4 @@ impl PatchTree {
         (self.leaves.len() * size_of::<Leaf>()
             + self.corners.len() * (size_of::<Corner>() + size_of::<[u32; 2]>() + 1)) as u64
     }
-}
-
-fn both_ways(
-    net: &Net,
-    along_u: &super::qbernstein::Conversion,
-    along_v: &super::qbernstein::Conversion,
-) -> Net {
-    let columns = net.map(|column| along_v.apply(&column));
-    let mut out = [[0.0; 4]; 4];
-    for j in 0..4 {
-        let row = along_u.apply(&columns.map(|column| column[j]));
-        for i in 0..4 {
-            out[i][j] = row[i];
-        }
-    }
-    out
-}
-
-/// South-west, south-east, north-west, north-east.
-pub(super) fn places([w, e, s, n]: Span) -> [[u32; 2]; 4] {
-    [[w, s], [e, s], [w, n], [e, n]]
-}
-
-/// A free corner: the sample, and differences over the width of a cell of its depth. Single precision, as it is stored.
-fn free(dem: &Dem, i: u32, j: u32, depth: u8) -> Corner {
-    let reach = |k: u32, last: u32| {
-        let step = (i64::from(last) >> depth.min(62)).max(1);
-        let k = i64::from(k);
-        [(k - step).max(0), k, (k + step).min(i64::from(last))]
-    };
-    let (x, y) = (reach(i, dem.columns() - 1), reach(j, dem.rows() - 1));
-    let steps = |x: [i64; 3]| [(x[1] - x[0]) as f64, (x[2] - x[1]) as f64];
-    let heights = y.map(|j| x.map(|i| dem.height_m(i, j)));
-    estimate(&heights, steps(x), steps(y)).map(|x| f64::from(x as f32))
-}
-
-/// Cuts spans until their patches fit.
-struct Fitting<'a> {
-    dem: &'a Dem,
-    /// Spans that are cut whatever their patch, in order.
-    inner: Vec<Span>,
-    tolerance_m: f64,
-    threads: usize,
-    /// Leaves so far, of all parts.
-    count: AtomicUsize,
-    most: usize,
-}
-
-impl Fitting<'_> {
-    /// The leaves, by free corners alone; `None` if they are too many. `progress` hears 0…0.7.
-    fn leaves(&self, progress: &mut dyn FnMut(f32)) -> Option<Vec<Leaf>> {
-        // Coarse spans level by level, until they are small enough to be parts.
-        let (mut leaves, mut parts) = (Vec::new(), Vec::new());
-        let mut level = vec![(self.dem.span(), 0)];
-        while !level.is_empty() {
-            let (small, large): (Vec<_>, Vec<_>) = level
-                .into_iter()
-                .partition(|(span, _)| cells(*span) <= PART_CELLS);
-            parts.extend(small);
-            let cuts = in_parts(
-                self.threads,
-                large.len(),
-                |k| self.cut(large[k].0, large[k].1),
-                &mut |_| (),
-            );
-            level = Vec::new();
-            for ((span, depth), cut) in large.into_iter().zip(cuts) {
-                match cut {
-                    Some((spans, count)) => {
-                        level.extend(spans[..count].iter().map(|span| (*span, depth + 1)));
-                    }
-                    None => {
-                        leaves.push(leaf_of(span, depth));
-                        self.count.fetch_add(1, Ordering::Relaxed);
-                    }
-                }
-            }
-        }
-        let all = cells(self.dem.span());
-        let mut done = leaves.iter().map(|leaf| cells(leaf.span)).sum::<u64>();
-        let found = in_parts(
-            self.threads,
-            parts.len(),
-            |k| self.part(parts[k]),
-            &mut |k| {
-                done += cells(parts[k].0);
-                progress(0.7 * done as f32 / all as f32);
-            },
-        );
-        if found.iter().any(Option::is_none) || self.count.load(Ordering::Relaxed) > self.most {
-            return None;
-        }
-        leaves.reserve_exact(self.count.load(Ordering::Relaxed));
-        for part in found.into_iter().flatten() {
-            leaves.extend(part);
-        }
-        Some(leaves)
-    }
-
-    /// The leaves of a span; `None` once there are too many.
-    fn part(&self, whole: (Span, u8)) -> Option<Vec<Leaf>> {
-        let (mut open, mut leaves) = (vec![whole], Vec::new());
-        while let Some((span, depth)) = open.pop() {
-            if let Some((spans, count)) = self.cut(span, depth) {
-                open.extend(spans[..count].iter().map(|span| (*span, depth + 1)));
-                continue;
-            }
-            leaves.push(leaf_of(span, depth));
-            if self.count.fetch_add(1, Ordering::Relaxed) >= self.most {
-                return None;
-            }
-        }
-        leaves.shrink_to_fit();
-        Some(leaves)
-    }
-
-    /// The quarters of a span whose patch is beyond the tolerance.
-    fn cut(&self, span: Span, depth: u8) -> Option<([Span; 4], usize)> {
-        let spans = quarters(span)?;
-        let must = self.inner.binary_search(&span).is_ok();
-        let fits = || {
-            let corners = places(span).map(|[i, j]| free(self.dem, i, j, depth));
-            distance_m(self.dem, span, &corners, self.tolerance_m).is_some()
-        };
-        (must || !fits()).then_some(spans)
-    }
-
-    /// The largest error of the settled leaves that fit, metres, and those that do not and can be cut.
-    fn check(&self, tree: &PatchTree) -> (f64, Vec<usize>) {
-        let parts = in_parts(
-            self.threads,
-            tree.leaves.len().div_ceil(PART_LEAVES),
-            |part| {
-                let from = part * PART_LEAVES;
-                let to = tree.leaves.len().min(from + PART_LEAVES);
-                let (mut error_m, mut cut) = (0.0f64, Vec::new());
-                for (k, leaf) in (from..to).zip(&tree.leaves[from..to]) {
-                    let corners = leaf.corners.map(|c| tree.corners[c as usize]);
-                    match distance_m(self.dem, leaf.span, &corners, self.tolerance_m) {
-                        Some(off) => error_m = error_m.max(off),
-                        None if quarters(leaf.span).is_some() => cut.push(k),
-                        // A single cell off by more lies on a coarser patch's edge that is off too, and cut now.
-                        None => (),
-                    }
-                }
-                (error_m, cut)
-            },
-            &mut |_| (),
-        );
-        let error_m = parts.iter().map(|part| part.0).fold(0.0, f64::max);
-        (error_m, parts.into_iter().flat_map(|part| part.1).collect())
-    }
-}
-
-fn leaf_of(span: Span, depth: u8) -> Leaf {
-    Leaf {
-        span,
-        depth,
-        corners: [NONE; 4],
-    }
-}
-
-/// Spans that contours are cut at, in order.
-fn inner(contours: &ContourTree) -> Vec<Span> {
-    let nodes = contours.nodes.iter().filter(|node| node.children > 0);
-    let mut spans: Vec<Span> = nodes.map(|node| node.span).collect();
-    spans.sort_unstable();
-    spans
-}
-
-/// Largest distance of a patch from its samples; `None` as soon as one is beyond the tolerance.
-fn distance_m(dem: &Dem, span: Span, corners: &[Corner; 4], tolerance_m: f64) -> Option<f64> {
-    let [w, e, s, n] = span;
-    let (width, height) = (f64::from(e - w), f64::from(n - s));
-    let net = net(corners, width, height);
-    let part = |k: u32, by: f64| if by > 0.0 { f64::from(k) / by } else { 0.0 };
-    // An eighth of the samples each way first: most spans that fail, fail there.
-    let steps = if (e - w).max(n - s) > 8 {
-        &[8, 1][..]
-    } else {
-        &[1][..]
-    };
-    let mut worst = 0.0f64;
-    for divisor in steps {
-        let step = |cells: u32| if *divisor == 8 { (cells / 8).max(1) } else { 1 } as usize;
-        worst = 0.0;
-        for j in (s..=n).step_by(step(n - s)) {
-            let row = net.map(|column| cubic(column, part(j - s, height)).0);
-            let from = j as usize * dem.columns() as usize;
-            let samples = &dem.heights_m()[from + w as usize..=from + e as usize];
-            for (k, sample) in samples.iter().enumerate().step_by(step(e - w)) {
-                let z = cubic(row, part(k as u32, width)).0;
-                worst = worst.max((z - f64::from(*sample)).abs());
-            }
-            if worst > tolerance_m {
-                return None;
-            }
-        }
-    }
-    Some(worst)
 }

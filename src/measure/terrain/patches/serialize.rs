@@ -1,50 +1,18 @@
-//! Patches as bytes, for a cache on disk, and what the kinds of storage cost.
+//! Patches as bytes, for a cache on disk.
 //!
 //! `TERRQBEZ`, version, columns, rows, leaves and free corners (u32 each), q (2 × f64), error in metres (f64), the hash of
 //! the source (32 bytes); one bit for each node of the tree in depth-first order, 1 where it is cut, the first in the
 //! lowest bit; four f32 for each free corner; BLAKE3 of all before it (32 bytes). Numbers are little-endian. Hanging
 //! corners are not stored: they follow from the others.
 
-use super::dem::{Dem, MOST_SAMPLES, Span, quarters};
-use super::patches::{Leaf, PatchOptions, PatchTree};
-use super::qbernstein::QError;
-use super::tree::TreeStats;
+use super::{Leaf, PatchOptions, PatchTree};
+use crate::globe::contours::dem::{Dem, MAX_SAMPLES, Span, quarters};
+use crate::measure::terrain::deserialize::{DeserializeError, read_f64, read_u32};
 
 const MAGIC: &[u8; 8] = b"TERRQBEZ";
 const VERSION: u32 = 1;
 const HEADER: usize = 8 + 5 * 4 + 3 * 8 + 32;
 const HASH: usize = 32;
-
-/// Bytes that are no patches, or no contours.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum StoreError {
-    /// Not this format, or another version of it.
-    #[error("it is not in this format (version 1); build it again")]
-    Format,
-    /// The checksum does not fit.
-    #[error("it is damaged: its checksum does not fit; build it again")]
-    Checksum,
-    /// Made from other heights or options.
-    #[error("it was made from other heights or options; build it again")]
-    Stale,
-    /// A number that cannot be.
-    #[error("it says {what}, which cannot be; build it again")]
-    Content {
-        /// Which.
-        what: &'static str,
-    },
-    /// Larger than allowed.
-    #[error("it needs {bytes} bytes of memory; {budget} are allowed; allow more")]
-    Budget {
-        /// Needed.
-        bytes: u64,
-        /// Allowed.
-        budget: u64,
-    },
-    /// q out of range.
-    #[error(transparent)]
-    Basis(#[from] QError),
-}
 
 impl PatchTree {
     /// Which heights and options patches are made from.
@@ -115,39 +83,32 @@ impl PatchTree {
         bytes: &[u8],
         source: &[u8; 32],
         budget_bytes: u64,
-    ) -> Result<Self, StoreError> {
+    ) -> Result<Self, DeserializeError> {
         if bytes.len() < HEADER + HASH || &bytes[..8] != MAGIC {
-            return Err(StoreError::Format);
+            return Err(DeserializeError::Format);
         }
         let (body, hash) = bytes.split_at(bytes.len() - HASH);
-        let int = |k: usize| {
-            let at = 8 + 4 * k;
-            u32::from_le_bytes([body[at], body[at + 1], body[at + 2], body[at + 3]])
-        };
-        let real = |at: usize| {
-            let mut eight = [0; 8];
-            eight.copy_from_slice(&body[at..at + 8]);
-            f64::from_le_bytes(eight)
-        };
+        let int = |k: usize| read_u32(&body[8 + 4 * k..]);
+        let real = |at: usize| read_f64(&body[at..]);
         if int(0) != VERSION {
-            return Err(StoreError::Format);
+            return Err(DeserializeError::Format);
         }
         if blake3::hash(body).as_bytes() != hash {
-            return Err(StoreError::Checksum);
+            return Err(DeserializeError::Checksum);
         }
         if body[HEADER - 32..HEADER] != source[..] {
-            return Err(StoreError::Stale);
+            return Err(DeserializeError::Stale);
         }
-        let content = |what| StoreError::Content { what };
+        let content = |what| DeserializeError::Content { what };
         let size = [int(1), int(2)];
         let samples = u64::from(size[0]) * u64::from(size[1]);
-        if samples == 0 || samples > MOST_SAMPLES {
+        if samples == 0 || samples > MAX_SAMPLES {
             return Err(content("a size of 0 or beyond the limit"));
         }
         let (leaves, free) = (int(3) as usize, int(4) as usize);
         let needs = 9 * samples + 200 * leaves as u64;
         if needs > budget_bytes {
-            return Err(StoreError::Budget {
+            return Err(DeserializeError::Budget {
                 bytes: needs,
                 budget: budget_bytes,
             });
@@ -217,58 +178,10 @@ fn whole([columns, rows]: [u32; 2]) -> Span {
     [0, columns - 1, 0, rows - 1]
 }
 
-/// Bytes of one DEM in several forms.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Storage {
-    /// Two bytes a sample.
-    pub raw: u64,
-    /// Equal (within the tolerance) quarters merged in Morton order: two bytes a leaf, one bit a node.
-    pub morton: u64,
-    /// Contours: three f32 a leaf (two slopes, one height), one bit a node.
-    pub contours: u64,
-    /// Patches, as [`PatchTree::to_bytes`] writes them.
-    pub patches: u64,
-}
-
-impl Storage {
-    /// Counts what a grid takes with contours and patches of the same tolerance; of the latter, their bytes as kept.
-    pub fn count(dem: &Dem, tolerance_m: f64, contours: &TreeStats, patch_bytes: u64) -> Self {
-        let leaves = morton_leaves(dem, tolerance_m);
-        Self {
-            raw: 2 * dem.heights_m().len() as u64,
-            morton: 2 * leaves + (4 * leaves).div_ceil(3).div_ceil(8),
-            contours: 12 * contours.leaves + contours.nodes.div_ceil(8),
-            patches: patch_bytes,
-        }
-    }
-}
-
-/// Leaves of the quadtree whose four equal children become one, level by level; equal means that all lie within the
-/// tolerance either side of one height. Grids that are no power of two are cut as [`quarters`] does, over samples.
-pub fn morton_leaves(dem: &Dem, tolerance_m: f64) -> u64 {
-    // Samples take the place of cells: a span's last row and column belong to the next.
-    fn leaves(dem: &Dem, [w, e, s, n]: Span, tolerance_m: f64) -> (u64, f64, f64) {
-        let Some((spans, count)) = quarters([w, e, s, n]) else {
-            let z = dem.height_m(w.into(), s.into());
-            return (1, z, z);
-        };
-        let mut sum = (0, f64::INFINITY, f64::NEG_INFINITY);
-        for span in &spans[..count] {
-            let part = leaves(dem, *span, tolerance_m);
-            sum = (sum.0 + part.0, sum.1.min(part.1), sum.2.max(part.2));
-        }
-        if sum.0 == count as u64 && sum.2 - sum.1 <= 2.0 * tolerance_m {
-            sum.0 = 1;
-        }
-        sum
-    }
-    leaves(dem, [0, dem.columns(), 0, dem.rows()], tolerance_m).0
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::tests::ground::fractal;
     use super::*;
+    use crate::globe::contours::tests::ground::fractal;
 
     fn built() -> (PatchTree, [u8; 32]) {
         let dem = fractal(65, 3);
@@ -314,28 +227,11 @@ mod tests {
         other[3] ^= 1;
         assert_eq!(
             PatchTree::from_bytes(&bytes, &other, 1 << 24),
-            Err(StoreError::Stale)
+            Err(DeserializeError::Stale)
         );
         assert!(matches!(
             PatchTree::from_bytes(&bytes, &source, 1_000),
-            Err(StoreError::Budget { .. })
+            Err(DeserializeError::Budget { .. })
         ));
-    }
-
-    #[test]
-    fn equal_samples_merge() {
-        use super::super::Frame;
-        let step_m = glam::DVec2::ONE;
-        let dem = |n: u32, f: fn(u32) -> f32| {
-            Dem::new(n, n, (0..n * n).map(f).collect(), Frame::Flat { step_m }).unwrap()
-        };
-        assert_eq!(morton_leaves(&dem(64, |_| 5.0), 0.0), 1);
-        assert_eq!(morton_leaves(&dem(65, |_| 5.0), 0.0), 1);
-        assert_eq!(morton_leaves(&dem(64, |k| k as f32), 0.0), 64 * 64);
-        // One odd sample: three quarters stay at each of six levels, and four samples.
-        assert_eq!(
-            morton_leaves(&dem(64, |k| if k == 0 { 1.0 } else { 0.0 }), 0.0),
-            3 * 6 + 1
-        );
     }
 }

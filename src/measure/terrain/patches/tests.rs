@@ -1,5 +1,6 @@
-use super::super::*;
-use super::ground::{fractal, noise};
+use super::*;
+use crate::globe::contours::dem::Frame;
+use crate::globe::contours::tests::ground::{fractal, noise};
 use glam::DVec2;
 
 fn rough(columns: u32, rows: u32, seed: u64, f: impl Fn(u32, u32, f64) -> f64) -> Dem {
@@ -161,7 +162,7 @@ fn q_moves_control_values_and_not_the_surface() {
 #[test]
 fn patches_over_contours_begin_with_their_leaves() {
     let dem = fractal(65, 8);
-    let contours = ContourTree::build(&dem, 30.0, 1 << 28, &mut |_| ()).unwrap();
+    let contours = ContourTree::build(&dem, 30.0, 1 << 28).unwrap();
     let options = PatchOptions {
         tolerance_m: 30.0,
         ..PatchOptions::default()

@@ -1,13 +1,17 @@
 //! Numbers with the digits of an f64 and a far larger range.
 //!
 //! At q = 10⁶ and degree 12 entries of the conversion matrices reach q⁶⁶ = 10³⁹⁶, which no f64 holds.
+//!
+//! Why no crate: double-double types (`twofloat`) add digits and keep the range of an f64. Arbitrary precision
+//! (`astro-float-num`, which the tests compare with) rounds to whole words of 64 bits, so at q = 1 it would not give the
+//! Bernstein basis to the last bit of an f64, and allocates for every number; `f128` is not stable yet.
 
 use std::cmp::Ordering;
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// m·2ᵉ with ½ ≤ |m| < 1, or 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wide {
+pub struct ExtendedFloat {
     m: f64,
     e: i32,
 }
@@ -17,7 +21,7 @@ fn power(e: i32) -> f64 {
     f64::from_bits(((i64::from(e) + 1023) as u64) << 52)
 }
 
-impl Wide {
+impl ExtendedFloat {
     /// 0.
     pub const ZERO: Self = Self { m: 0.0, e: 0 };
     /// 1.
@@ -49,11 +53,6 @@ impl Wide {
         }
     }
 
-    /// Quotient; the divisor must not be 0.
-    pub fn over(self, by: Self) -> Self {
-        Self::new(self.m / by.m, self.e - by.e)
-    }
-
     /// The larger of two that are not negative.
     pub fn max(self, other: Self) -> Self {
         let order = match (self.m == 0.0, other.m == 0.0) {
@@ -80,20 +79,28 @@ impl Wide {
     }
 }
 
-impl From<f64> for Wide {
+impl From<f64> for ExtendedFloat {
     fn from(x: f64) -> Self {
         Self::new(x, 0)
     }
 }
 
-impl Mul for Wide {
+impl Mul for ExtendedFloat {
     type Output = Self;
     fn mul(self, by: Self) -> Self {
         Self::new(self.m * by.m, self.e + by.e)
     }
 }
 
-impl Neg for Wide {
+/// The divisor must not be 0.
+impl Div for ExtendedFloat {
+    type Output = Self;
+    fn div(self, by: Self) -> Self {
+        Self::new(self.m / by.m, self.e - by.e)
+    }
+}
+
+impl Neg for ExtendedFloat {
     type Output = Self;
     fn neg(self) -> Self {
         Self {
@@ -103,7 +110,7 @@ impl Neg for Wide {
     }
 }
 
-impl Add for Wide {
+impl Add for ExtendedFloat {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         if self.m == 0.0 {
@@ -125,7 +132,7 @@ impl Add for Wide {
     }
 }
 
-impl Sub for Wide {
+impl Sub for ExtendedFloat {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         self + -other
@@ -134,7 +141,7 @@ impl Sub for Wide {
 
 #[cfg(test)]
 mod tests {
-    use super::Wide;
+    use super::ExtendedFloat;
 
     #[test]
     fn agrees_with_f64_where_f64_reaches() {
@@ -150,15 +157,15 @@ mod tests {
             0.999_999_9,
         ];
         for a in values {
-            assert_eq!(Wide::from(a).to_f64(), a);
+            assert_eq!(ExtendedFloat::from(a).to_f64(), a);
             for b in values {
-                let (x, y) = (Wide::from(a), Wide::from(b));
+                let (x, y) = (ExtendedFloat::from(a), ExtendedFloat::from(b));
                 assert_eq!((x + y).to_f64(), a + b, "{a} + {b}");
                 assert_eq!((x - y).to_f64(), a - b, "{a} - {b}");
                 let product = a * b;
                 if product == 0.0 || product.abs() > 1e-290 {
-                    let wide = (x * y).to_f64();
-                    assert!(wide == product || product == 0.0 && wide.abs() < 1e-300);
+                    let ours = (x * y).to_f64();
+                    assert!(ours == product || product == 0.0 && ours.abs() < 1e-300);
                 }
             }
         }
@@ -166,17 +173,20 @@ mod tests {
 
     #[test]
     fn holds_what_f64_cannot() {
-        let mut x = Wide::ONE;
+        let mut x = ExtendedFloat::ONE;
         for _ in 0..66 {
-            x = x * Wide::from(1e6);
+            x = x * ExtendedFloat::from(1e6);
         }
         assert!((x.log10() - 396.0).abs() < 1e-12);
         assert_eq!(x.to_f64(), f64::INFINITY);
         assert_eq!((-x).to_f64(), f64::NEG_INFINITY);
-        assert_eq!(Wide::ONE.over(x).to_f64(), 0.0);
+        assert_eq!((ExtendedFloat::ONE / x).to_f64(), 0.0);
         assert_eq!((x - x).to_f64(), 0.0);
-        assert!((x.over(x).to_f64() - 1.0).abs() < 1e-15);
-        assert_eq!(x.max(Wide::ONE), x);
-        assert_eq!(Wide::ZERO.max(Wide::ONE), Wide::ONE);
+        assert!(((x / x).to_f64() - 1.0).abs() < 1e-15);
+        assert_eq!(x.max(ExtendedFloat::ONE), x);
+        assert_eq!(
+            ExtendedFloat::ZERO.max(ExtendedFloat::ONE),
+            ExtendedFloat::ONE
+        );
     }
 }

@@ -6,15 +6,16 @@
 //! q = 1, and a factor 1 − qˢt is (1 − t) + t(1 − qˢ), whose two parts have one sign for q ≤ 1. At q = 1 that is 1 − t and
 //! everything is the Bernstein basis to the last bit. Entries of both conversion matrices are sums of one sign for every q
 //! (see [`QBasis::bernstein_from_q`]), so that each is exact to some roundings however ill-conditioned the matrix is. What
-//! is beyond an f64 is computed in [`Wide`].
+//! is beyond an f64 is computed in [`ExtendedFloat`].
 //!
 //! For q > 1 the basis changes sign and its terms can be far larger than their sum: that no formula mends, and
 //! [`QBasis::condition`] says how much it costs.
 
+mod extended_float;
 #[cfg(test)]
 mod tests;
 
-use super::wide::Wide;
+use extended_float::ExtendedFloat;
 
 /// Highest degree.
 pub const MAX_DEGREE: usize = 12;
@@ -52,7 +53,7 @@ pub struct QBasis {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conversion {
     size: usize,
-    rows: [[Wide; MAX_DEGREE + 1]; MAX_DEGREE + 1],
+    rows: [[ExtendedFloat; MAX_DEGREE + 1]; MAX_DEGREE + 1],
 }
 
 /// How much a change of basis can enlarge a relative error: ‖M‖·‖M⁻¹‖ in two norms, as common logarithms.
@@ -116,15 +117,15 @@ impl QBasis {
         (1.0 - t) + t * self.one_minus[s]
     }
 
-    fn wide_values(&self, t: f64) -> [Wide; MAX_DEGREE + 1] {
-        let mut values = [Wide::ZERO; MAX_DEGREE + 1];
+    fn extended_values(&self, t: f64) -> [ExtendedFloat; MAX_DEGREE + 1] {
+        let mut values = [ExtendedFloat::ZERO; MAX_DEGREE + 1];
         for (i, value) in values.iter_mut().enumerate().take(self.degree + 1) {
-            let mut product = Wide::from(self.binomials[i]);
+            let mut product = ExtendedFloat::from(self.binomials[i]);
             for _ in 0..i {
-                product = product * Wide::from(t);
+                product = product * ExtendedFloat::from(t);
             }
             for s in 0..self.degree - i {
-                product = product * Wide::from(self.factor(s, t));
+                product = product * ExtendedFloat::from(self.factor(s, t));
             }
             *value = product;
         }
@@ -133,7 +134,7 @@ impl QBasis {
 
     /// B_0…B_n at t in 0…1. Values beyond an f64 are ±∞, which happens from q⁶⁶ > 10³⁰⁸ on at degree 12.
     pub fn values(&self, t: f64) -> Row {
-        self.wide_values(t).map(Wide::to_f64)
+        self.extended_values(t).map(ExtendedFloat::to_f64)
     }
 
     /// The curve Σ c_i B_i(t; q) and its derivative by t, with degree + 1 control values, by the q-de Casteljau scheme
@@ -143,24 +144,24 @@ impl QBasis {
     /// equal control values give that value exactly, for q ≤ 1 they lie in 0…1 (the curve stays within the control
     /// values), and at q = 1 it is de Casteljau's own. Missing control values count as 0.
     pub fn point_and_slope(&self, control: &[f64], t: f64) -> (f64, f64) {
-        let mut c = [(Wide::ZERO, Wide::ZERO); MAX_DEGREE + 1];
+        let mut c = [(ExtendedFloat::ZERO, ExtendedFloat::ZERO); MAX_DEGREE + 1];
         for (to, from) in c.iter_mut().zip(control) {
-            to.0 = Wide::from(*from);
+            to.0 = ExtendedFloat::from(*from);
         }
         for m in (1..=self.degree).rev() {
             for i in 0..m {
                 let k = m - 1 - i;
-                let power = Wide::from(self.powers[k]);
+                let power = ExtendedFloat::from(self.powers[k]);
                 let (a, b) = (c[i], c[i + 1]);
                 let rise = b.0 - a.0;
                 c[i] = if self.q <= 1.0 {
                     // a + (b − a)s is exact for equal values and never leaves them for s in 0…1, to rounding.
-                    let s = power * Wide::from(t);
+                    let s = power * ExtendedFloat::from(t);
                     (a.0 + rise * s, a.1 + (b.1 - a.1) * s + rise * power)
                 } else {
-                    let s = power * Wide::from(t);
-                    let rest = Wide::from(self.factor(k, t));
-                    let value = if rise == Wide::ZERO {
+                    let s = power * ExtendedFloat::from(t);
+                    let rest = ExtendedFloat::from(self.factor(k, t));
+                    let value = if rise == ExtendedFloat::ZERO {
                         a.0
                     } else {
                         a.0 * rest + b.0 * s
@@ -184,17 +185,17 @@ impl QBasis {
     pub fn bernstein_from_q(&self) -> Conversion {
         let n = self.degree;
         let plain = Self::plain_binomials(n);
-        let mut rows = [[Wide::ZERO; MAX_DEGREE + 1]; MAX_DEGREE + 1];
+        let mut rows = [[ExtendedFloat::ZERO; MAX_DEGREE + 1]; MAX_DEGREE + 1];
         for i in 0..=n {
-            let mut e = [Wide::ZERO; MAX_DEGREE + 1];
-            e[0] = Wide::ONE;
+            let mut e = [ExtendedFloat::ZERO; MAX_DEGREE + 1];
+            e[0] = ExtendedFloat::ONE;
             for s in 0..n - i {
                 for k in (1..=s + 1).rev() {
-                    e[k] = e[k] + e[k - 1] * Wide::from(self.one_minus[s]);
+                    e[k] = e[k] + e[k - 1] * ExtendedFloat::from(self.one_minus[s]);
                 }
             }
             for k in 0..=n - i {
-                rows[i + k][i] = (Wide::from(self.binomials[i]) * e[k]).over(plain[i + k]);
+                rows[i + k][i] = ExtendedFloat::from(self.binomials[i]) * e[k] / plain[i + k];
             }
         }
         Conversion { size: n + 1, rows }
@@ -207,37 +208,37 @@ impl QBasis {
     pub fn q_from_bernstein(&self) -> Conversion {
         let n = self.degree;
         let plain = Self::plain_binomials(n);
-        let mut rows = [[Wide::ZERO; MAX_DEGREE + 1]; MAX_DEGREE + 1];
+        let mut rows = [[ExtendedFloat::ZERO; MAX_DEGREE + 1]; MAX_DEGREE + 1];
         // Coefficients of (1 − t)^m over N_0^m…N_m^m, m growing; column j needs m = n − j, shifted by tʲ.
-        let mut a = [Wide::ZERO; MAX_DEGREE + 1];
-        a[0] = Wide::ONE;
+        let mut a = [ExtendedFloat::ZERO; MAX_DEGREE + 1];
+        a[0] = ExtendedFloat::ONE;
         for m in 0..=n {
             let j = n - m;
             for i in 0..=m {
-                rows[i + j][j] = (a[i] * plain[j]).over(Wide::from(self.binomials[i + j]));
+                rows[i + j][j] = a[i] * plain[j] / ExtendedFloat::from(self.binomials[i + j]);
             }
             for i in (1..=(m + 1).min(n)).rev() {
-                a[i] = a[i] + a[i - 1] * Wide::from(-self.one_minus[m + 1 - i]);
+                a[i] = a[i] + a[i - 1] * ExtendedFloat::from(-self.one_minus[m + 1 - i]);
             }
         }
         Conversion { size: n + 1, rows }
     }
 
-    fn plain_binomials(n: usize) -> [Wide; MAX_DEGREE + 1] {
+    fn plain_binomials(n: usize) -> [ExtendedFloat; MAX_DEGREE + 1] {
         let mut plain = [1.0; MAX_DEGREE + 1];
         for i in 1..=n {
             plain[i] = plain[i - 1] * (n - i + 1) as f64 / i as f64;
         }
-        plain.map(Wide::from)
+        plain.map(ExtendedFloat::from)
     }
 
     /// What the basis costs.
     pub fn condition(&self) -> Condition {
         let (to, back) = (self.bernstein_from_q(), self.q_from_bernstein());
         let lebesgue = (0..=256).map(|k| {
-            self.wide_values(f64::from(k) / 256.0)
+            self.extended_values(f64::from(k) / 256.0)
                 .into_iter()
-                .fold(Wide::ZERO, |sum, value| sum + value.abs())
+                .fold(ExtendedFloat::ZERO, |sum, value| sum + value.abs())
         });
         Condition {
             log10_columns: (to.norm(false) * back.norm(false)).log10(),
@@ -245,7 +246,9 @@ impl QBasis {
             log10_lebesgue: if self.q <= 1.0 {
                 0.0
             } else {
-                lebesgue.fold(Wide::ZERO, Wide::max).log10()
+                lebesgue
+                    .fold(ExtendedFloat::ZERO, ExtendedFloat::max)
+                    .log10()
             },
         }
     }
@@ -267,16 +270,18 @@ impl Conversion {
             *to = row
                 .iter()
                 .zip(control)
-                .fold(Wide::ZERO, |sum, (entry, c)| sum + *entry * Wide::from(*c))
+                .fold(ExtendedFloat::ZERO, |sum, (entry, c)| {
+                    sum + *entry * ExtendedFloat::from(*c)
+                })
                 .to_f64();
         }
         out
     }
 
     /// Largest row sum, or column sum, of absolute values.
-    fn norm(&self, of_rows: bool) -> Wide {
+    fn norm(&self, of_rows: bool) -> ExtendedFloat {
         let sum = |k: usize| {
-            (0..self.size).fold(Wide::ZERO, |sum, l| {
+            (0..self.size).fold(ExtendedFloat::ZERO, |sum, l| {
                 sum + if of_rows {
                     self.rows[k][l]
                 } else {
@@ -285,6 +290,8 @@ impl Conversion {
                 .abs()
             })
         };
-        (0..self.size).map(sum).fold(Wide::ZERO, Wide::max)
+        (0..self.size)
+            .map(sum)
+            .fold(ExtendedFloat::ZERO, ExtendedFloat::max)
     }
 }

@@ -1,6 +1,5 @@
 //! The basis against itself and, with long arithmetic at hand, against its definition.
 
-#[cfg(feature = "command")]
 mod oracle;
 
 use super::*;
