@@ -1,7 +1,7 @@
 //! Work in parts, on a number of threads.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::sync::{OnceLock, mpsc};
 
 /// Most threads that are started.
 const MAX_THREADS: usize = 64;
@@ -13,48 +13,52 @@ pub(super) const PART_CELLS: u64 = 1 << 16;
 /// Threads that work is done on.
 pub(super) struct Workers {
     threads: usize,
+    /// Started by the first work in more than one part; none if that failed.
+    pool: OnceLock<Option<ThreadPool>>,
 }
 
 impl Workers {
-    /// So many, at least one and at most 64.
+    /// So many, at most 64. One, or none, is the calling thread.
     pub fn new(threads: usize) -> Self {
         Self {
-            threads: threads.clamp(1, MAX_THREADS),
+            threads: threads.min(MAX_THREADS),
+            pool: OnceLock::new(),
         }
     }
 
-    /// What `work` answers for 0…`count`, in this order, each on the first thread that is free. `done` hears the number of each
-    /// part that is finished, on the calling thread. One thread, or one part, is worked on the calling thread: none is started.
+    fn pool(&self) -> Option<&ThreadPool> {
+        let start = || {
+            let pool = ThreadPoolBuilder::new().num_threads(self.threads).build();
+            let warn = |error| tracing::warn!("trees are built on one thread: {error}");
+            pool.map_err(warn).ok()
+        };
+        self.pool.get_or_init(start).as_ref()
+    }
+
+    /// What `work` answers for 0…`count`, in this order whatever the number of threads. `done` hears the number of each part
+    /// that is finished, on the calling thread. One part is worked on the calling thread.
     pub fn map<T: Send>(
         &self,
         count: usize,
         work: impl Fn(usize) -> T + Sync,
         done: &mut dyn FnMut(usize),
     ) -> Vec<T> {
-        let threads = self.threads.min(count);
-        if threads <= 1 {
+        let is_parallel = self.threads > 1 && count > 1;
+        let Some(pool) = is_parallel.then(|| self.pool()).flatten() else {
             let one = |index| {
                 let answer = work(index);
                 done(index);
                 answer
             };
             return (0..count).map(one).collect();
-        }
-        let next = AtomicUsize::new(0);
+        };
         let (sender, answers) = mpsc::channel();
         let mut found: Vec<Option<T>> = std::iter::repeat_with(|| None).take(count).collect();
-        std::thread::scope(|scope| {
-            for _ in 0..threads {
-                let (sender, next, work) = (sender.clone(), &next, &work);
-                scope.spawn(move || {
-                    loop {
-                        let index = next.fetch_add(1, Ordering::Relaxed);
-                        // Nobody listens where a panic on the calling thread gave the work up.
-                        if index >= count || sender.send((index, work(index))).is_err() {
-                            break;
-                        }
-                    }
-                });
+        pool.in_place_scope(|scope| {
+            for index in 0..count {
+                let (sender, work) = (sender.clone(), &work);
+                // Nobody listens where a panic on the calling thread gave the work up.
+                scope.spawn(move |_| drop(sender.send((index, work(index)))));
             }
             drop(sender);
             for (index, answer) in answers {

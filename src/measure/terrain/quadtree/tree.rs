@@ -2,9 +2,7 @@
 
 use super::order::Order;
 use crate::globe::quadtree::{Node, leaf_error};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
+use crate::measure::terrain::workers::Workers;
 
 /// Which squares are merged for good. Neither changes the surface at any post.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -158,8 +156,6 @@ struct Builder<'a> {
     heights_m: &'a [f32],
     /// Level whose subtrees are built on their own.
     split_level: u8,
-    /// Those, by column and row, once they are built.
-    subtrees: Vec<Mutex<Option<Subtree>>>,
 }
 
 /// A node, and those below it with their first as 0.
@@ -213,11 +209,8 @@ impl Tree {
             merge: options.merge,
             heights_m: &heights_m,
             split_level,
-            subtrees: (0..1 << (2 * split_level))
-                .map(|_| Mutex::default())
-                .collect(),
         };
-        builder.build_subtrees(options.threads.clamp(1, 64), progress);
+        let mut subtrees = builder.subtrees(&Workers::new(options.threads), progress);
         let mut below = Vec::new();
         let root = builder.node(
             Node {
@@ -225,6 +218,7 @@ impl Tree {
                 x: 0,
                 y: 0,
             },
+            &mut subtrees,
             &mut below,
         );
         let nodes = in_order(root, below, options.order);
@@ -280,57 +274,49 @@ impl Tree {
 }
 
 impl Builder<'_> {
-    /// Builds the subtrees of the split level, each on the first thread that is free.
-    fn build_subtrees(&self, threads: usize, progress: &dyn Fn(f64)) {
+    /// The subtrees of the split level, by column and row; none where that is the root's.
+    fn subtrees(&self, workers: &Workers, progress: &dyn Fn(f64)) -> Vec<Option<Subtree>> {
         if self.split_level == 0 {
-            return;
+            return Vec::new();
         }
-        let next = AtomicUsize::new(0);
-        let (sender, done) = mpsc::channel();
-        let all = self.subtrees.len();
-        std::thread::scope(|scope| {
-            for _ in 0..threads {
-                let (sender, next) = (sender.clone(), &next);
-                scope.spawn(move || {
-                    loop {
-                        let index = next.fetch_add(1, Ordering::Relaxed);
-                        let Some(place) = self.subtrees.get(index) else {
-                            break;
-                        };
-                        let mut below = Vec::new();
-                        let side = 1 << self.split_level;
-                        let node = Node {
-                            level: self.split_level,
-                            x: (index % side) as u64,
-                            y: (index / side) as u64,
-                        };
-                        let root = self.node(node, &mut below);
-                        if let Ok(mut place) = place.lock() {
-                            *place = Some((root, below));
-                        }
-                        // Nobody listens where building was given up.
-                        let _ = sender.send(());
-                    }
-                });
-            }
-            drop(sender);
-            for (count, ()) in done.iter().enumerate() {
-                progress((count + 1) as f64 / (all + 1) as f64);
-            }
-        });
+        let side = 1 << self.split_level;
+        let count = side * side;
+        let mut finished = 0;
+        workers.map(
+            count,
+            |index| {
+                let mut below = Vec::new();
+                let node = Node {
+                    level: self.split_level,
+                    x: (index % side) as u64,
+                    y: (index / side) as u64,
+                };
+                let root = self.node(node, &mut [], &mut below);
+                Some((root, below))
+            },
+            &mut |_| {
+                finished += 1;
+                progress(finished as f64 / (count + 1) as f64);
+            },
+        )
     }
 
     fn height(&self, column: usize, row: usize) -> f64 {
         f64::from(self.heights_m[row * self.columns + column])
     }
 
-    /// The node of a square; those below it are put at the end of `below`.
-    fn node(&self, node: Node, below: &mut Vec<TreeNode>) -> TreeNode {
-        if node.level == self.split_level
-            && self.split_level > 0
-            && let Some(subtree) = self.take(node)
-        {
-            return append(subtree, below);
+    /// The node of a square; those below it are put at the end of `below`. Subtrees that are built already are taken.
+    fn node(
+        &self,
+        node: Node,
+        subtrees: &mut [Option<Subtree>],
+        below: &mut Vec<TreeNode>,
+    ) -> TreeNode {
+        if node.level == self.split_level {
+            let index = (node.y << self.split_level | node.x) as usize;
+            if let Some(subtree) = subtrees.get_mut(index).and_then(Option::take) {
+                return append(subtree, below);
+            }
         }
         let square = node.square(self.levels);
         let (x, y, size) = (square.x as usize, square.y as usize, square.size as usize);
@@ -348,7 +334,7 @@ impl Builder<'_> {
                 ..TreeNode::ABSENT
             };
             for k in 0..4 {
-                let child = self.node(node.child(k), below);
+                let child = self.node(node.child(k), subtrees, below);
                 below[first + usize::from(k)] = child;
                 out.midpoints_m = out.midpoints_m.max(child.midpoints_m);
                 out.bound_m = out.bound_m.max(child.bound_m);
@@ -379,11 +365,6 @@ impl Builder<'_> {
             out.children = LEAF;
         }
         out
-    }
-
-    fn take(&self, node: Node) -> Option<Subtree> {
-        let index = (node.y << self.split_level | node.x) as usize;
-        self.subtrees[index].lock().ok()?.take()
     }
 
     /// The node over up to 2 × 2 cells.
