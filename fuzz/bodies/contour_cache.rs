@@ -1,4 +1,4 @@
-//! Contours as they are kept.
+//! Serialized contours.
 
 use glam::{DVec2, DVec3};
 use terrella::measure::terrain::contours::{ContourTree, Dem, Frame, Ray};
@@ -16,7 +16,7 @@ fn dem() -> Dem {
 /// Reads any bytes as contours, as they are and with a source and a checksum that fit.
 pub fn run(data: &[u8]) {
     let dem = dem();
-    let source = ContourTree::source(&dem, TOLERANCES_M[0]);
+    let source = ContourTree::source_hash(&dem, TOLERANCES_M[0]);
     let plain = ContourTree::from_bytes(data, &dem, &source, BUDGET);
     let mut signed = data.to_vec();
     if signed.len() >= 104 {
@@ -60,7 +60,7 @@ pub fn seeds() -> Vec<Vec<u8>> {
     let dem = dem();
     let seed = |tolerance_m| {
         let tree = ContourTree::build(&dem, tolerance_m, BUDGET);
-        let source = ContourTree::source(&dem, TOLERANCES_M[0]);
+        let source = ContourTree::source_hash(&dem, TOLERANCES_M[0]);
         tree.expect("a good tree").to_bytes(&source)
     };
     TOLERANCES_M.map(seed).to_vec()
@@ -70,6 +70,6 @@ pub fn seeds() -> Vec<Vec<u8>> {
 #[allow(dead_code, reason = "for the test of the seeds")]
 pub fn is_good(seed: &[u8]) -> bool {
     let dem = dem();
-    let source = ContourTree::source(&dem, TOLERANCES_M[0]);
+    let source = ContourTree::source_hash(&dem, TOLERANCES_M[0]);
     ContourTree::from_bytes(seed, &dem, &source, BUDGET).is_ok()
 }

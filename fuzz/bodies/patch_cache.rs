@@ -1,4 +1,4 @@
-//! q-Bézier patches as they are kept.
+//! Serialized q-Bézier patches.
 
 use glam::DVec2;
 use terrella::measure::terrain::contours::{Dem, Frame};

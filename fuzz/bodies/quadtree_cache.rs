@@ -1,15 +1,17 @@
-//! Quadtrees as they are kept.
+//! Serialized quadtrees.
 
 use glam::DVec3;
 use terrella::globe::quadtree::Refine;
-use terrella::measure::terrain::quadtree::{Chosen, Measure, Order, Tree, TreeOptions, TreeView};
+use terrella::measure::terrain::quadtree::{
+    ErrorMetric, GridQuadtree, Order, SelectedLeaves, TreeOptions, TreeView,
+};
 
 const SOURCE: [u8; 32] = [3; 32];
-const MOST_BYTES: usize = 1 << 20;
+const MAX_BYTES: usize = 1 << 20;
 
 /// Reads any bytes as a tree, as they are and with a source and a checksum that fit.
 pub fn run(data: &[u8]) {
-    let plain = Tree::from_bytes(data, &SOURCE, MOST_BYTES);
+    let plain = GridQuadtree::from_bytes(data, &SOURCE, MAX_BYTES);
     let mut signed = data.to_vec();
     if signed.len() >= 80 {
         signed[16..48].copy_from_slice(&SOURCE);
@@ -17,7 +19,7 @@ pub fn run(data: &[u8]) {
         let hash = blake3::hash(&signed[..body]);
         signed[body..].copy_from_slice(hash.as_bytes());
     }
-    for tree in [plain, Tree::from_bytes(&signed, &SOURCE, MOST_BYTES)] {
+    for tree in [plain, GridQuadtree::from_bytes(&signed, &SOURCE, MAX_BYTES)] {
         match tree {
             Ok(tree) => draw(&tree),
             Err(error) => assert!(error.to_string().len() < 300),
@@ -26,19 +28,19 @@ pub fn run(data: &[u8]) {
 }
 
 /// What is a tree can be drawn, whatever its heights and errors say.
-fn draw(tree: &Tree) {
-    let (mut chosen, mut triangles) = (Chosen::default(), Vec::new());
+fn draw(tree: &GridQuadtree) {
+    let (mut selected, mut triangles) = (SelectedLeaves::default(), Vec::new());
     for lambda in [0.0, 30.0, f64::INFINITY] {
         let view = TreeView {
             eye_m: DVec3::new(10.0, -10.0, 500.0),
             refine: Refine::Paper { lambda },
             pixel_rad: 1e-3,
             tolerance_px: 1.0,
-            measure: Measure::Bound,
+            metric: ErrorMetric::Bound,
             is_culled: true,
         };
-        tree.choose(&view, &mut chosen);
-        tree.triangles(&chosen, &mut triangles);
+        tree.select(&view, &mut selected);
+        tree.triangles(&selected, &mut triangles);
         let (columns, rows) = tree.size();
         assert!(
             triangles
@@ -64,7 +66,7 @@ pub fn seeds() -> Vec<Vec<u8>> {
             order,
             ..TreeOptions::default()
         };
-        let tree = Tree::build((columns, rows), heights.collect(), 30.0, &options, &|_| {});
+        let tree = GridQuadtree::build((columns, rows), heights.collect(), 30.0, &options, &|_| {});
         tree.expect("a good tree").to_bytes(&SOURCE)
     };
     sizes.into_iter().zip(orders).map(seed).collect()
@@ -73,5 +75,5 @@ pub fn seeds() -> Vec<Vec<u8>> {
 /// Reads a seed.
 #[allow(dead_code, reason = "for the test of the seeds")]
 pub fn is_good(seed: &[u8]) -> bool {
-    Tree::from_bytes(seed, &SOURCE, MOST_BYTES).is_ok()
+    GridQuadtree::from_bytes(seed, &SOURCE, MAX_BYTES).is_ok()
 }

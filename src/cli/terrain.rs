@@ -4,7 +4,7 @@ use super::progress::{Bars, stop_on_interrupt};
 use super::{Common, print};
 use clap::Args;
 use std::path::PathBuf;
-use terrella::measure::terrain::{MadeGround, TerrainRequest, measure_terrain};
+use terrella::measure::terrain::{SyntheticGround, TerrainRequest, measure_terrain};
 
 /// Arguments of `terrella terrain`.
 #[derive(Debug, Args)]
@@ -47,7 +47,7 @@ pub fn run(args: &TerrainArgs, common: &Common) -> anyhow::Result<()> {
     let threads: Vec<usize> = args.threads.iter().map(|n| *n as usize).collect();
     let request = TerrainRequest {
         files: &args.files,
-        made: args.fractal.map(|side| MadeGround {
+        synthetic: args.fractal.map(|side| SyntheticGround {
             side,
             seed: args.seed,
         }),

@@ -1,4 +1,4 @@
-//! Trees kept in a folder: whole files with checksums, or none.
+//! Serialized trees in a folder: whole files with checksums, or none.
 
 use crate::play::{OutputError, PendingFile};
 use std::fmt::Display;
@@ -9,16 +9,16 @@ use std::path::{Path, PathBuf};
 /// Extension of the files.
 const EXTENSION: &str = "tree";
 
-/// A folder of trees; without one nothing is kept.
+/// A folder of serialized trees; without one nothing is read or written.
 pub(super) struct Cache {
     folder: Option<PathBuf>,
     /// Larger files are not read.
-    most_bytes: u64,
+    max_bytes: u64,
 }
 
 impl Cache {
-    /// Makes the folder and sees whether files can be made in it.
-    pub fn open(folder: Option<&Path>, most_bytes: u64) -> Result<Self, OutputError> {
+    /// Makes the folder and tries whether files can be made in it.
+    pub fn open(folder: Option<&Path>, max_bytes: u64) -> Result<Self, OutputError> {
         if let Some(folder) = folder {
             if folder.exists() && !folder.is_dir() {
                 return Err(OutputError::InTheWay {
@@ -34,7 +34,7 @@ impl Cache {
         }
         Ok(Self {
             folder: folder.map(Path::to_owned),
-            most_bytes,
+            max_bytes,
         })
     }
 
@@ -44,7 +44,7 @@ impl Cache {
 
     /// The tree of that name as `read` finds it in the file. `None` where there is no such file, and, with a warning that names
     /// it, where it cannot be used: it is to be built.
-    pub fn find<T, E: Display>(
+    pub fn load<T, E: Display>(
         &self,
         name: &str,
         read: impl FnOnce(&[u8]) -> Result<T, E>,
@@ -73,19 +73,19 @@ impl Cache {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             file => file?,
         };
-        let most = self.most_bytes;
-        if file.metadata()?.len() > most {
-            let what = format!("it has more than the {most} bytes that are allowed");
+        let max = self.max_bytes;
+        if file.metadata()?.len() > max {
+            let what = format!("it has more than the {max} bytes that are allowed");
             return Err(std::io::Error::other(what));
         }
         let mut bytes = Vec::new();
         // It may have grown since.
-        file.take(most).read_to_end(&mut bytes)?;
+        file.take(max).read_to_end(&mut bytes)?;
         Ok(Some(bytes))
     }
 
-    /// Keeps a tree under its name, in place of what was there.
-    pub fn keep(&self, name: &str, bytes: impl FnOnce() -> Vec<u8>) -> Result<(), OutputError> {
+    /// Writes a tree under its name, in place of what was there.
+    pub fn store(&self, name: &str, bytes: impl FnOnce() -> Vec<u8>) -> Result<(), OutputError> {
         let Some(path) = self.path(name) else {
             return Ok(());
         };

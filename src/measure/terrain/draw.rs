@@ -1,6 +1,6 @@
 //! Drawing the triangles of a flat tree, to time them: no maps, no air, each face in one grey by its slope.
 
-use super::quadtree::Tree;
+use super::quadtree::GridQuadtree;
 use crate::gpu::{FrameTargets, GpuContext, PassFormat, PipelineDescription};
 use crate::play::PlayError;
 use glam::{DMat4, DVec3, Mat4, Vec3};
@@ -98,7 +98,7 @@ impl Canvas {
     }
 
     /// Uploads all posts of a tree; `false` if the device cannot hold them.
-    pub fn set_posts(&mut self, tree: &Tree) -> bool {
+    pub fn set_posts(&mut self, tree: &GridQuadtree) -> bool {
         let (columns, rows) = tree.size();
         let count = columns * rows;
         let bytes = (count * size_of::<Vec3>()) as u64;

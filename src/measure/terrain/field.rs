@@ -1,4 +1,4 @@
-//! Heights that are measured: of a file, or made.
+//! Heights that are measured: of a file, or synthetic.
 
 use super::TerrainError;
 use super::contours::{Dem, DemError, Frame};
@@ -7,42 +7,42 @@ use crate::frames::Ellipsoid;
 use glam::DVec2;
 use std::path::Path;
 
-/// A made ground.
+/// A fractal ground made by midpoint displacement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MadeGround {
+pub struct SyntheticGround {
     /// Posts of a side: one more than a power of two.
     pub side: u32,
     /// Another one is another ground.
     pub seed: u64,
 }
 
-/// Of a made ground, metres between posts.
-const MADE_SPACING_M: f64 = 90.0;
-/// Of a made ground: how far its last midpoints are moved, metres, and by how much less than those of the halving before: 2^-0.8,
+/// Of a synthetic ground, metres between posts.
+const SYNTHETIC_SPACING_M: f64 = 90.0;
+/// Of a synthetic ground: how far its last midpoints are displaced, metres, and by how much less than those of the halving before: 2^-0.8,
 /// as rough as mountains. A larger one is more of the same ground: 1 500 m for 2049 posts.
-const MADE: (f64, f64) = (3.4, 0.574_349_177_498_517_5);
+const DISPLACEMENT: (f64, f64) = (3.4, 0.574_349_177_498_517_5);
 
 /// A grid of heights, its rows from the north.
 #[derive(Clone, Debug)]
-pub(super) struct Field {
+pub(super) struct HeightField {
     /// As in tables and names of files.
     pub name: String,
     pub columns: u32,
     pub rows: u32,
     pub heights_m: Vec<f32>,
-    pub place: Place,
+    pub extent: Extent,
 }
 
 /// Where a field lies.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Place {
+pub(super) enum Extent {
     /// On a plane, so many metres between samples.
     Plane(f64),
     /// On the ellipsoid, from the first to the last sample each way.
     Earth(Bounds),
 }
 
-impl Field {
+impl HeightField {
     /// All samples of a file.
     pub fn open(path: &Path) -> Result<Self, TerrainError> {
         let file = open_heights(path, &GridLimits::default())?;
@@ -62,7 +62,7 @@ impl Field {
             columns,
             rows,
             heights_m: heights_m.collect(),
-            place: Place::Earth(grid.sample_bounds()),
+            extent: Extent::Earth(grid.sample_bounds()),
         };
         // What is too wide is said before anything is built.
         field.dem().map_err(|error| TerrainError::Field {
@@ -72,10 +72,10 @@ impl Field {
         Ok(field)
     }
 
-    /// A made ground, in whole metres as files mostly are.
-    pub fn made(made: MadeGround) -> Self {
-        let MadeGround { side, seed } = made;
-        let (last_m, factor) = MADE;
+    /// A synthetic ground, in whole metres as files mostly are.
+    pub fn synthetic(ground: SyntheticGround) -> Self {
+        let SyntheticGround { side, seed } = ground;
+        let (last_m, factor) = DISPLACEMENT;
         let halvings = side.saturating_sub(1).max(1).ilog2();
         let first_m = last_m / factor.powi(halvings as i32);
         let heights_m = fractal_heights_m(side, seed, first_m, factor);
@@ -84,12 +84,12 @@ impl Field {
             columns: side,
             rows: side,
             heights_m: heights_m.into_iter().map(|z| z.round() as f32).collect(),
-            place: Place::Plane(MADE_SPACING_M),
+            extent: Extent::Plane(SYNTHETIC_SPACING_M),
         }
     }
 
     /// Every `step`-th sample each way, from the north-western one.
-    pub fn every(&self, step: u32) -> Self {
+    pub fn subsampled(&self, step: u32) -> Self {
         let (columns, rows) = ((self.columns - 1) / step + 1, (self.rows - 1) / step + 1);
         let row = |j: u32| {
             let from = (j * step) as usize * self.columns as usize;
@@ -98,11 +98,11 @@ impl Field {
         let part = |kept: u32, all: u32| {
             f64::from((kept - 1) * step) / f64::from(all.saturating_sub(1).max(1))
         };
-        let place = match self.place {
-            Place::Plane(spacing_m) => Place::Plane(spacing_m * f64::from(step)),
-            Place::Earth(bounds) => {
+        let extent = match self.extent {
+            Extent::Plane(spacing_m) => Extent::Plane(spacing_m * f64::from(step)),
+            Extent::Earth(bounds) => {
                 let tall_rad = bounds.north_rad - bounds.south_rad;
-                Place::Earth(Bounds {
+                Extent::Earth(Bounds {
                     south_rad: bounds.north_rad - tall_rad * part(rows, self.rows),
                     width_rad: bounds.width_rad * part(columns, self.columns),
                     ..bounds
@@ -114,7 +114,7 @@ impl Field {
             columns,
             rows,
             heights_m: (0..rows).flat_map(row).collect(),
-            place,
+            extent,
         }
     }
 
@@ -122,8 +122,8 @@ impl Field {
     pub fn sizes(&self) -> Vec<Self> {
         let mut sizes = vec![self.clone()];
         let mut step = 2;
-        while (self.columns.min(self.rows) - 1) / step >= LEAST_SIDE - 1 {
-            sizes.push(self.every(step));
+        while (self.columns.min(self.rows) - 1) / step >= MIN_SIDE - 1 {
+            sizes.push(self.subsampled(step));
             step *= 2;
         }
         sizes
@@ -136,9 +136,9 @@ impl Field {
 
     /// Between neighbouring samples of the tree on a plane, metres: of a file the mean of both ways, by their product.
     pub fn spacing_m(&self) -> f64 {
-        match self.place {
-            Place::Plane(spacing_m) => spacing_m,
-            Place::Earth(bounds) => {
+        match self.extent {
+            Extent::Plane(spacing_m) => spacing_m,
+            Extent::Earth(bounds) => {
                 let gaps = |count: u32| f64::from(count.saturating_sub(1).max(1));
                 let lat_rad = 0.5 * (bounds.north_rad + bounds.south_rad);
                 let tall_rad = (bounds.north_rad - bounds.south_rad) / gaps(self.rows);
@@ -153,11 +153,11 @@ impl Field {
     pub fn dem(&self) -> Result<Dem, DemError> {
         let rows = self.heights_m.chunks_exact(self.columns as usize).rev();
         let heights_m = rows.flatten().copied().collect();
-        let frame = match self.place {
-            Place::Plane(spacing_m) => Frame::Flat {
+        let frame = match self.extent {
+            Extent::Plane(spacing_m) => Frame::Flat {
                 step_m: DVec2::splat(spacing_m),
             },
-            Place::Earth(bounds) => Frame::Geodetic {
+            Extent::Earth(bounds) => Frame::Geodetic {
                 ellipsoid: Ellipsoid::WGS84,
                 bounds,
             },
@@ -167,7 +167,7 @@ impl Field {
 }
 
 /// A field is not halved below this.
-const LEAST_SIDE: u32 = 129;
+const MIN_SIDE: u32 = 129;
 
 /// The file's name without its extension, safe in names of other files.
 fn name_of(path: &Path) -> String {
@@ -194,19 +194,19 @@ mod tests {
             west_rad: 0.1,
             width_rad: 0.2,
         };
-        let field = Field {
+        let field = HeightField {
             name: "f".into(),
             columns: 300,
             rows: 261,
             heights_m: (0..300 * 261).map(|k| k as f32).collect(),
-            place: Place::Earth(bounds),
+            extent: Extent::Earth(bounds),
         };
         let sizes = field.sizes();
-        let said: Vec<_> = sizes.iter().map(Field::size).collect();
+        let said: Vec<_> = sizes.iter().map(HeightField::size).collect();
         assert_eq!(said, ["300x261", "150x131"]);
         let half = &sizes[1];
         assert_eq!(half.heights_m[151], 602.0);
-        let Place::Earth(of_half) = half.place else {
+        let Extent::Earth(of_half) = half.extent else {
             panic!("no place")
         };
         assert!((of_half.south_rad - 0.5).abs() < 1e-12);

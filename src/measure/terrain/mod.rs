@@ -2,13 +2,13 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `field.rs` | the heights: of files, or made |
+//! | `field.rs` | the heights: of files, or synthetic |
 //! | [`quadtree`], [`contours`], [`patches`] | the trees |
 //! | [`qbernstein`] | the basis of the patches |
 //! | `workers.rs` | building in parts, on threads |
-//! | `deserialize.rs` | what the readers of kept trees share |
-//! | `workshop.rs` | building trees, or finding them in the cache |
-//! | `cache.rs` | trees in files |
+//! | `deserialize.rs` | what the readers of serialized trees share |
+//! | `trees.rs` | trees of a field: from the cache, or built |
+//! | `cache.rs` | serialized trees in files |
 //! | `tables.rs` | what is measured |
 //! | `draw.rs` | drawing the quadtree's triangles |
 //! | `table.rs` | tables as text and CSV |
@@ -24,11 +24,11 @@ pub mod quadtree;
 mod storage;
 mod table;
 mod tables;
+mod trees;
 mod workers;
-mod workshop;
 
 pub use deserialize::DeserializeError;
-pub use field::MadeGround;
+pub use field::SyntheticGround;
 pub use table::Table;
 
 use super::report::Folder;
@@ -38,27 +38,27 @@ use crate::play::{OutputError, PendingFile, PlayError, Progress};
 use cache::Cache;
 use contours::{BudgetError, DemError};
 use draw::Canvas;
-use field::Field;
+use field::HeightField;
 use patches::PatchError;
 use qbernstein::QError;
 use quadtree::TreeError;
 use std::path::{Path, PathBuf};
-use workshop::Workshop;
+use trees::CachedTrees;
 
-/// What is to be measured.
+/// Which heights are measured, how, and where the results go.
 #[derive(Clone, Debug)]
 pub struct TerrainRequest<'r> {
     /// Files of heights.
     pub files: &'r [PathBuf],
-    /// A made ground, after the files.
-    pub made: Option<MadeGround>,
+    /// A synthetic ground, after the files.
+    pub synthetic: Option<SyntheticGround>,
     /// Tolerances of contours and patches, metres.
     pub tolerances_m: &'r [f64],
-    /// Numbers of threads whose times are told; trees that are not timed are built with the largest.
+    /// Numbers of threads that building is timed with; trees that are not timed are built with the largest.
     pub threads: &'r [usize],
     /// Most memory that building one tree takes, bytes.
     pub memory_bytes: u64,
-    /// Where trees are kept; `None` keeps none.
+    /// Folder of serialized trees; `None` writes none.
     pub cache: Option<&'r Path>,
     /// Where tables and pictures are written to.
     pub output: Option<&'r Path>,
@@ -66,7 +66,7 @@ pub struct TerrainRequest<'r> {
     pub adapter: Option<&'r str>,
 }
 
-/// Why nothing is measured, or not all.
+/// Why a measurement stopped.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TerrainError {
@@ -81,7 +81,7 @@ pub enum TerrainError {
         /// Why not.
         error: DemError,
     },
-    /// Heights of a made ground, or of every so many samples of a file, that these trees cannot be made of.
+    /// Heights of a synthetic ground, or of every so many samples of a file, that these trees cannot be made of.
     #[error("{ground}: {error}")]
     Ground {
         /// The ground.
@@ -89,7 +89,7 @@ pub enum TerrainError {
         /// Why not.
         error: DemError,
     },
-    /// No quadtree.
+    /// The quadtree was refused.
     #[error("{ground}: {error}")]
     Quadtree {
         /// The ground.
@@ -97,7 +97,7 @@ pub enum TerrainError {
         /// Why not.
         error: TreeError,
     },
-    /// No contours.
+    /// The tree of contours was refused.
     #[error("{ground}: {error}")]
     Contours {
         /// The ground.
@@ -105,7 +105,7 @@ pub enum TerrainError {
         /// Why not.
         error: BudgetError,
     },
-    /// No patches.
+    /// The patches were refused.
     #[error("{ground}: {error}")]
     Patches {
         /// The ground.
@@ -113,22 +113,22 @@ pub enum TerrainError {
         /// Why not.
         error: PatchError,
     },
-    /// A basis.
+    /// A degree or q that no q-Bernstein basis has.
     #[error(transparent)]
     Basis(#[from] QError),
-    /// Drawing.
+    /// The device failed, or a frame.
     #[error(transparent)]
     Play(#[from] PlayError),
-    /// Writing.
+    /// A table, picture or tree could not be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// Stopped from outside.
+    /// The user stopped it.
     #[error("interrupted; trees that were finished are in the cache, if one was given")]
     Interrupted,
 }
 
-impl Field {
-    /// The error of a ground that is no DEM.
+impl HeightField {
+    /// The error of a field that is no DEM.
     fn refused(&self, error: DemError) -> TerrainError {
         TerrainError::Ground {
             ground: self.name.clone(),
@@ -137,28 +137,28 @@ impl Field {
     }
 }
 
-/// Measures all of it. `tell` is given each table when it is complete.
+/// Measures all fields. `report` is given each table when it is complete.
 ///
 /// # Errors
 /// Files that cannot be read, a cache or a folder that cannot be written to, before anything is built; trees beyond the
-/// memory; a lost device; an interrupt. A missing adapter is told as a warning, and its columns stay empty; one that was
+/// memory; a lost device; an interrupt. A missing adapter is a warning, and its columns stay empty; one that was
 /// asked for by name and is not there is an error.
 pub fn measure_terrain(
     request: &TerrainRequest<'_>,
     progress: &dyn Progress,
-    tell: &mut dyn FnMut(&Table),
+    report: &mut dyn FnMut(&Table),
 ) -> Result<Vec<Table>, TerrainError> {
     let folder = request.output.map(Folder::open).transpose()?;
-    let shop = Workshop {
+    let trees = CachedTrees {
         cache: Cache::open(request.cache, request.memory_bytes)?,
         memory_bytes: request.memory_bytes,
         threads: request.threads.iter().copied().max().unwrap_or(1),
         progress,
     };
     progress.begin("reading heights", None);
-    let files = request.files.iter().map(|path| Field::open(path));
+    let files = request.files.iter().map(|path| HeightField::open(path));
     let mut fields = files.collect::<Result<Vec<_>, _>>()?;
-    fields.extend(request.made.map(Field::made));
+    fields.extend(request.synthetic.map(HeightField::synthetic));
     progress.end();
     let mut canvas = canvas(request.adapter)?;
     let mut tables = Vec::new();
@@ -166,7 +166,7 @@ pub fn measure_terrain(
         if let Some(folder) = &folder {
             folder.write(&format!("{}.csv", table.name), table.to_csv().as_bytes())?;
         }
-        tell(&table);
+        report(&table);
         tables.push(table);
         Ok(())
     };
@@ -174,7 +174,7 @@ pub fn measure_terrain(
     for field in &fields {
         for (k, size) in field.sizes().iter().enumerate() {
             let is_pictured = k == 0 && request.output.is_some();
-            let (row, picture) = tables::rate(&shop, size, canvas.as_mut(), is_pictured)?;
+            let (row, picture) = tables::rate(&trees, size, canvas.as_mut(), is_pictured)?;
             table.rows.push(row);
             if let (Some(picture), Some(output)) = (picture, request.output) {
                 let path = output.join(format!("pictures/{}.png", field.name));
@@ -187,7 +187,9 @@ pub fn measure_terrain(
     for field in &fields {
         for size in field.sizes() {
             for tolerance_m in request.tolerances_m {
-                table.rows.push(tables::stored(&shop, &size, *tolerance_m)?);
+                table
+                    .rows
+                    .push(tables::stored(&trees, &size, *tolerance_m)?);
             }
         }
     }
@@ -195,13 +197,13 @@ pub fn measure_terrain(
     let mut table = tables::builds(request.threads);
     let tolerance_m = timed_tolerance_m(request.tolerances_m);
     for field in &fields {
-        let rows = tables::built(&shop, field, tolerance_m, request.threads)?;
+        let rows = tables::built(&trees, field, tolerance_m, request.threads)?;
         table.rows.extend(rows);
     }
     done(table)?;
     let mut table = tables::orders();
     for field in &fields {
-        table.rows.extend(tables::ordered(&shop, field)?);
+        table.rows.extend(tables::ordered(&trees, field)?);
     }
     done(table)?;
     for table in tables::conditions()? {

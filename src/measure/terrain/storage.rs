@@ -17,7 +17,7 @@ pub struct Storage {
 }
 
 impl Storage {
-    /// Counts what a grid takes with contours and patches of the same tolerance; of the latter, their bytes as kept.
+    /// Counts what a grid takes with contours and patches of the same tolerance; of the latter, the bytes as serialized.
     pub fn count(dem: &Dem, tolerance_m: f64, contours: &TreeStats, patch_bytes: u64) -> Self {
         let leaves = morton_leaves(dem, tolerance_m);
         Self {

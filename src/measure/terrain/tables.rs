@@ -3,13 +3,13 @@
 use super::TerrainError;
 use super::contours::ContourTree;
 use super::draw::{Canvas, SIZE};
-use super::field::Field;
+use super::field::HeightField;
 use super::patches::PatchTree;
 use super::qbernstein::{MAX_DEGREE, QBasis};
-use super::quadtree::{Chosen, Measure, Order, Tree, TreeView};
+use super::quadtree::{ErrorMetric, GridQuadtree, Order, SelectedLeaves, TreeView};
 use super::storage::Storage;
 use super::table::Table;
-use super::workshop::{Workshop, quadtree_options};
+use super::trees::{CachedTrees, quadtree_options};
 use crate::globe::quadtree::Refine;
 use crate::measure::Quantiles;
 use glam::DVec3;
@@ -19,7 +19,7 @@ use std::time::Instant;
 const LAMBDA: f64 = 300.0;
 /// How often a tree is built for its time; the least counts.
 const BUILDS: usize = 3;
-/// How often leaves are chosen for their time.
+/// How often leaves are selected for their time.
 const CHOICES: usize = 15;
 /// How often a frame is drawn for its time, after one that is not counted.
 const FRAMES: usize = 5;
@@ -41,7 +41,7 @@ fn median_and_least_ms(count: usize, mut work: impl FnMut()) -> (f64, f64) {
 }
 
 /// Over the middle of the southern edge, looking north.
-fn view(tree: &Tree, refine: Refine, is_culled: bool) -> TreeView {
+fn view(tree: &GridQuadtree, refine: Refine, is_culled: bool) -> TreeView {
     let (columns, rows) = tree.size();
     let post = (rows - 1) * columns + columns / 2;
     TreeView {
@@ -49,7 +49,7 @@ fn view(tree: &Tree, refine: Refine, is_culled: bool) -> TreeView {
         refine,
         pixel_rad: 1.0 / f64::from(SIZE.1),
         tolerance_px: 1.0,
-        measure: Measure::Midpoints,
+        metric: ErrorMetric::Midpoints,
         is_culled,
     }
 }
@@ -83,13 +83,13 @@ pub(super) fn rates() -> Table {
 
 /// A row of [`rates`].
 pub(super) fn rate(
-    shop: &Workshop<'_>,
-    field: &Field,
+    trees: &CachedTrees<'_>,
+    field: &HeightField,
     canvas: Option<&mut Canvas>,
     is_pictured: bool,
 ) -> Result<(Vec<String>, Option<image::RgbaImage>), TerrainError> {
-    let tree = shop.quadtree(field)?;
-    shop.go_on()?;
+    let tree = trees.quadtree(field)?;
+    trees.check_cancelled()?;
     let lambda = Refine::Paper { lambda: LAMBDA };
     let everything = Refine::Paper {
         lambda: f64::INFINITY,
@@ -99,30 +99,31 @@ pub(super) fn rate(
         view(&tree, lambda, false),
         view(&tree, lambda, true),
     ];
-    let (mut chosen, mut indices) = (Chosen::default(), Vec::new());
+    let (mut selected, mut indices) = (SelectedLeaves::default(), Vec::new());
     let mut row = vec![field.name.clone(), field.size()];
     let mut triangles = vec![2 * tree.cells()];
     for view in &views {
-        tree.choose(view, &mut chosen);
-        tree.triangles(&chosen, &mut indices);
-        let saved = 1.0 - chosen.leaves().len() as f64 / tree.cells().max(1) as f64;
+        tree.select(view, &mut selected);
+        tree.triangles(&selected, &mut indices);
+        let saved = 1.0 - selected.leaves().len() as f64 / tree.cells().max(1) as f64;
         row.push(format!("{:.1}", 100.0 * saved));
         triangles.push(indices.len() / 3);
     }
     row.extend(triangles.iter().map(usize::to_string));
     let (choosing_ms, _) = median_and_least_ms(CHOICES, || {
-        tree.choose(&views[2], &mut chosen);
-        tree.triangles(&chosen, &mut indices);
+        tree.select(&views[2], &mut selected);
+        tree.triangles(&selected, &mut indices);
     });
     row.push(format!("{choosing_ms:.2}"));
     let what = format!("frames of {}, {}", field.name, field.size());
     let mut picture = None;
     match canvas {
         Some(canvas) => {
-            shop.progress
+            trees
+                .progress
                 .begin(&what, Some((views.len() as u64 + 1) * FRAMES as u64));
-            let rates = frames(shop, &tree, &views, canvas);
-            shop.progress.end();
+            let rates = frames(trees, &tree, &views, canvas);
+            trees.progress.end();
             row.extend(rates?);
             if is_pictured {
                 picture = Some(canvas.picture()?);
@@ -135,12 +136,12 @@ pub(super) fn rate(
 
 /// Frames a second of all cells and of each view; "-" where the device cannot hold them.
 fn frames(
-    shop: &Workshop<'_>,
-    tree: &Tree,
+    trees: &CachedTrees<'_>,
+    tree: &GridQuadtree,
     views: &[TreeView; 3],
     canvas: &mut Canvas,
 ) -> Result<Vec<String>, TerrainError> {
-    let (mut chosen, mut indices) = (Chosen::default(), Vec::new());
+    let (mut selected, mut indices) = (SelectedLeaves::default(), Vec::new());
     let mut rates = Vec::new();
     if !canvas.set_posts(tree) {
         return Ok(vec!["-".to_owned(); 4]);
@@ -148,13 +149,13 @@ fn frames(
     for view in [None].into_iter().chain(views.iter().map(Some)) {
         let mut times = Vec::new();
         for frame in 0..=FRAMES {
-            shop.go_on()?;
+            trees.check_cancelled()?;
             let begin = Instant::now();
-            // Nothing is chosen where all is drawn, nor uploaded again.
+            // Nothing is selected where all is drawn, nor uploaded again.
             match view {
                 Some(view) => {
-                    tree.choose(view, &mut chosen);
-                    tree.triangles(&chosen, &mut indices);
+                    tree.select(view, &mut selected);
+                    tree.triangles(&selected, &mut indices);
                 }
                 None if frame == 0 => tree.all_triangles(&mut indices),
                 None => (),
@@ -168,7 +169,7 @@ fn frames(
             canvas.draw(views[0].eye_m)?;
             if frame > 0 {
                 times.push(begin.elapsed().as_secs_f64());
-                shop.progress.step();
+                trees.progress.step();
             }
         }
         rates.push(match Quantiles::of(&times).median {
@@ -200,14 +201,14 @@ pub(super) fn storage() -> Table {
 
 /// A row of [`storage`].
 pub(super) fn stored(
-    shop: &Workshop<'_>,
-    field: &Field,
+    trees: &CachedTrees<'_>,
+    field: &HeightField,
     tolerance_m: f64,
 ) -> Result<Vec<String>, TerrainError> {
     let dem = field.dem().map_err(|error| field.refused(error))?;
     // One after the other: both do not fit into the memory for one.
-    let contours = shop.contours(field, &dem, tolerance_m)?.stats;
-    let (patch_bytes, error_m) = shop.patches(field, &dem, tolerance_m)?;
+    let contours = trees.contours(field, &dem, tolerance_m)?.stats;
+    let (patch_bytes, error_m) = trees.patches(field, &dem, tolerance_m)?;
     let bytes = Storage::count(&dem, tolerance_m, &contours, patch_bytes);
     let numbers = [bytes.raw, bytes.morton, bytes.contours, bytes.patches];
     let mut row = vec![field.name.clone(), field.size(), tolerance_m.to_string()];
@@ -236,60 +237,61 @@ pub(super) fn builds(threads: &[usize]) -> Table {
 
 /// The rows of [`builds`] for a field.
 pub(super) fn built(
-    shop: &Workshop<'_>,
-    field: &Field,
+    trees: &CachedTrees<'_>,
+    field: &HeightField,
     tolerance_m: f64,
     threads: &[usize],
 ) -> Result<Vec<Vec<String>>, TerrainError> {
     let dem = field.dem().map_err(|error| field.refused(error))?;
-    let memory_bytes = shop.memory_bytes;
-    let row = |tree: &str, tolerance: String, times: Vec<f64>, kept: Kept| {
+    let memory_bytes = trees.memory_bytes;
+    let row = |tree: &str, tolerance: String, times: Vec<f64>, serialized: Serialized| {
         let mut row = vec![field.name.clone(), field.size(), tree.to_owned(), tolerance];
         row.extend(times.iter().map(|time| format!("{time:.2}")));
-        row.push(format!("{:.1}", kept.memory_bytes as f64 / 1e6));
-        row.push(format!("{:.1}", kept.bytes as f64 / 1e6));
-        row.push(format!("{:.2}", kept.read_s));
+        row.push(format!("{:.1}", serialized.memory_bytes as f64 / 1e6));
+        row.push(format!("{:.1}", serialized.bytes as f64 / 1e6));
+        row.push(format!("{:.2}", serialized.read_s));
         row
     };
     let (times, tree) = least(threads, |threads| {
         let options = quadtree_options(Order::default(), threads, memory_bytes);
-        shop.build_quadtree(field, &options)
+        trees.build_quadtree(field, &options)
     })?;
     let memory = tree.resident_bytes() as u64;
     let bytes = tree.to_bytes(&[0; 32]);
-    let (read_s, _) = timed(|| Tree::from_bytes(&bytes, &[0; 32], usize::MAX));
+    let (read_s, _) = timed(|| GridQuadtree::from_bytes(&bytes, &[0; 32], usize::MAX));
     let quadtree = row(
         "quadtree",
         "-".to_owned(),
         times,
-        Kept::new(memory, &bytes, read_s),
+        Serialized::new(memory, &bytes, read_s),
     );
     let (times, tree) = least(threads, |threads| {
-        shop.build_contours(field, &dem, tolerance_m, threads)
+        trees.build_contours(field, &dem, tolerance_m, threads)
     })?;
     let (memory, bytes) = (tree.stats.bytes, tree.to_bytes(&[0; 32]));
     drop(tree);
     let (read_s, _) = timed(|| ContourTree::from_bytes(&bytes, &dem, &[0; 32], u64::MAX));
-    let kept = Kept::new(memory, &bytes, read_s);
-    let contours = row("contours", tolerance_m.to_string(), times, kept);
+    let serialized = Serialized::new(memory, &bytes, read_s);
+    let contours = row("contours", tolerance_m.to_string(), times, serialized);
     let (times, tree) = least(threads, |threads| {
-        shop.build_patches(field, &dem, &shop.patch_options(tolerance_m, threads))
+        trees.build_patches(field, &dem, &trees.patch_options(tolerance_m, threads))
     })?;
     let (memory, bytes) = (tree.bytes(), tree.to_bytes(&[0; 32]));
     drop(tree);
     let (read_s, _) = timed(|| PatchTree::from_bytes(&bytes, &[0; 32], u64::MAX));
-    let kept = Kept::new(memory, &bytes, read_s);
-    let patches = row("patches", tolerance_m.to_string(), times, kept);
+    let serialized = Serialized::new(memory, &bytes, read_s);
+    let patches = row("patches", tolerance_m.to_string(), times, serialized);
     Ok(vec![quadtree, contours, patches])
 }
 
-struct Kept {
+/// What a built tree takes in memory and as bytes, and how long these take to read.
+struct Serialized {
     memory_bytes: u64,
     bytes: u64,
     read_s: f64,
 }
 
-impl Kept {
+impl Serialized {
     fn new(memory_bytes: u64, bytes: &[u8], read_s: f64) -> Self {
         Self {
             memory_bytes,
@@ -345,25 +347,25 @@ pub(super) fn orders() -> Table {
 
 /// The rows of [`orders`] for a field.
 pub(super) fn ordered(
-    shop: &Workshop<'_>,
-    field: &Field,
+    trees: &CachedTrees<'_>,
+    field: &HeightField,
 ) -> Result<Vec<Vec<String>>, TerrainError> {
     let names = ["plain", "Morton", "Hilbert", "interleaved", "depth-first"];
     let mut rows = Vec::new();
     for (order, name) in Order::ALL.into_iter().zip(names) {
-        let options = quadtree_options(order, shop.threads, shop.memory_bytes);
-        let tree = shop.build_quadtree(field, &options)?;
-        let mut chosen = Chosen::default();
+        let options = quadtree_options(order, trees.threads, trees.memory_bytes);
+        let tree = trees.build_quadtree(field, &options)?;
+        let mut selected = SelectedLeaves::default();
         let mut row = vec![field.name.clone(), field.size(), name.to_owned()];
         for lambda in [f64::INFINITY, LAMBDA] {
             let view = view(&tree, Refine::Paper { lambda }, false);
-            tree.choose(&view, &mut chosen);
+            tree.select(&view, &mut selected);
             let (median_ms, least_ms) =
-                median_and_least_ms(CHOICES, || tree.choose(&view, &mut chosen));
+                median_and_least_ms(CHOICES, || tree.select(&view, &mut selected));
             row.extend([median_ms, least_ms].map(|time| format!("{time:.3}")));
         }
         rows.push(row);
-        shop.go_on()?;
+        trees.check_cancelled()?;
     }
     Ok(rows)
 }

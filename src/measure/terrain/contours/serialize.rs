@@ -23,7 +23,7 @@ const SUPPORTS: [Support; 3] = [Support::Plane, Support::Line, Support::Point];
 
 impl ContourTree {
     /// Which heights and tolerance a tree is made from.
-    pub fn source(dem: &Dem, tolerance_m: f64) -> [u8; 32] {
+    pub fn source_hash(dem: &Dem, tolerance_m: f64) -> [u8; 32] {
         let mut hash = blake3::Hasher::new();
         hash.update(&dem.columns().to_le_bytes());
         let place = match dem.frame() {
@@ -45,7 +45,7 @@ impl ContourTree {
         *hash.finalize().as_bytes()
     }
 
-    /// The bytes to keep. `source` is what [`Self::source`] said.
+    /// The tree as bytes. `source` is what [`Self::source_hash`] said.
     pub fn to_bytes(&self, source: &[u8; 32]) -> Vec<u8> {
         let [_, east, _, north] = self.nodes[0].span;
         let mut out = Vec::with_capacity(HEADER + NODE * self.nodes.len() + HASH);
@@ -205,13 +205,13 @@ mod tests {
         for (n, tolerance_m) in [(33, 20.0), (129, 0.0), (513, 30.0)] {
             let dem = fractal(n, 5);
             let tree = ContourTree::build_on(1, &dem, tolerance_m, 1 << 28, &mut |_| ()).unwrap();
-            let source = ContourTree::source(&dem, tolerance_m);
+            let source = ContourTree::source_hash(&dem, tolerance_m);
             let bytes = tree.to_bytes(&source);
             let back = ContourTree::from_bytes(&bytes, &dem, &source, 1 << 28).unwrap();
             assert_eq!(back, tree);
             let small = ContourTree::from_bytes(&bytes, &dem, &source, 1_000);
             assert!(matches!(small, Err(DeserializeError::Budget { .. })));
-            let other = ContourTree::source(&dem, tolerance_m + 1.0);
+            let other = ContourTree::source_hash(&dem, tolerance_m + 1.0);
             let stale = ContourTree::from_bytes(&bytes, &dem, &other, 1 << 28);
             assert_eq!(stale, Err(DeserializeError::Stale));
         }
@@ -221,7 +221,7 @@ mod tests {
     fn what_was_changed_or_cut_off_is_refused() {
         let dem = fractal(17, 3);
         let tree = ContourTree::build(&dem, 40.0, 1 << 24).unwrap();
-        let source = ContourTree::source(&dem, 40.0);
+        let source = ContourTree::source_hash(&dem, 40.0);
         let bytes = tree.to_bytes(&source);
         let read = |bytes: &[u8]| ContourTree::from_bytes(bytes, &dem, &source, 1 << 24);
         let signed = |mut bytes: Vec<u8>| {

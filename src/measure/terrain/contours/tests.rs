@@ -51,12 +51,12 @@ fn every_number_of_threads_builds_the_same_contours() {
     ];
     for dem in dems {
         for tolerance_m in [0.0, 20.0, 300.0] {
-            let mut told = Vec::new();
+            let mut reported = Vec::new();
             let on = |threads, note: &mut dyn FnMut(f32)| {
                 ContourTree::build_on(threads, &dem, tolerance_m, BUDGET, note).unwrap()
             };
-            let one = on(1, &mut |part| told.push(part));
-            assert!(told.is_sorted() && told.last() == Some(&1.0));
+            let one = on(1, &mut |part| reported.push(part));
+            assert!(reported.is_sorted() && reported.last() == Some(&1.0));
             for threads in [2, 3, 16] {
                 assert!(on(threads, &mut |_| ()) == one, "{threads}");
             }

@@ -1,4 +1,4 @@
-//! Measuring how patches join: position, normal, and the proportion of the paper's theorem.
+//! Measuring the continuity of patches across their edges: position, normal, and the proportion of the paper's theorem.
 
 use super::bezier::Net;
 use super::{Leaf, PatchTree, QPatch};
@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 
 /// What the edges of a tree of patches were found to be.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Joins {
+pub struct Continuity {
     /// Shared edges, each as long as the finer of its two patches.
     pub edges: u64,
     /// Of those, between patches of different depth.
@@ -42,7 +42,7 @@ fn piece(c: [f64; 4], a: f64, b: f64) -> [f64; 4] {
 impl PatchTree {
     /// Measures every shared edge at `points` places from q-control heights, as if each patch knew only its own. Steps of a
     /// grid on the ellipsoid count as their length in the middle.
-    pub fn joins(&self, dem: &Dem, points: u32) -> Joins {
+    pub fn measure_continuity(&self, dem: &Dem, points: u32) -> Continuity {
         let [columns, rows] = self.size.map(|n| n as usize - 1);
         let step_m = match dem.frame() {
             Frame::Flat { step_m } => step_m,
@@ -64,9 +64,9 @@ impl PatchTree {
                 }
             }
         }
-        let mut joins = Joins {
+        let mut continuity = Continuity {
             alpha: (f64::INFINITY, 0.0),
-            ..Joins::default()
+            ..Continuity::default()
         };
         let patches: Vec<QPatch> = self.leaves.iter().map(|leaf| self.q_patch(leaf)).collect();
         for (k, leaf) in self.leaves.iter().enumerate() {
@@ -90,10 +90,10 @@ impl PatchTree {
                 if beside.depth > leaf.depth || beside.depth == leaf.depth && side % 2 == 1 {
                     continue;
                 }
-                joins.edges += 1;
-                joins.across_levels += u64::from(beside.depth < leaf.depth);
-                self.join(
-                    &mut joins,
+                continuity.edges += 1;
+                continuity.across_levels += u64::from(beside.depth < leaf.depth);
+                self.measure_edge(
+                    &mut continuity,
                     step_m,
                     side,
                     points,
@@ -102,12 +102,12 @@ impl PatchTree {
                 );
             }
         }
-        joins
+        continuity
     }
 
-    fn join(
+    fn measure_edge(
         &self,
-        joins: &mut Joins,
+        continuity: &mut Continuity,
         step_m: DVec2,
         side: u32,
         points: u32,
@@ -130,8 +130,8 @@ impl PatchTree {
                 _ => (w + (e - w) * t, n),
             };
             let ((a, na), (b, nb)) = (normal(fine, i, j), normal(coarse, i, j));
-            joins.gap_m = joins.gap_m.max((a - b).abs());
-            joins.angle_rad = joins.angle_rad.max(na.cross(nb).length().asin());
+            continuity.gap_m = continuity.gap_m.max((a - b).abs());
+            continuity.angle_rad = continuity.angle_rad.max(na.cross(nb).length().asin());
         }
         // Cross-boundary first differences of the Bézier nets, both counted from west to east or south to north.
         let turn = |net: Net| -> Net {
@@ -169,8 +169,11 @@ impl PatchTree {
         };
         let its = piece(difference(&c, its), along.0, along.1);
         for (a, b) in difference(&f, mine).into_iter().zip(its) {
-            joins.proportion_m = joins.proportion_m.max((a - across * b).abs());
+            continuity.proportion_m = continuity.proportion_m.max((a - across * b).abs());
         }
-        joins.alpha = (joins.alpha.0.min(across), joins.alpha.1.max(across));
+        continuity.alpha = (
+            continuity.alpha.0.min(across),
+            continuity.alpha.1.max(across),
+        );
     }
 }

@@ -16,7 +16,7 @@ mod serialize;
 mod tests;
 
 pub use bezier::{Net, evaluate};
-pub use continuity::{Joins, evaluate_q};
+pub use continuity::{Continuity, evaluate_q};
 
 use super::contours::{BudgetError, ContourTree};
 use super::qbernstein::{QBasis, QError};

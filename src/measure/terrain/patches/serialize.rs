@@ -16,7 +16,7 @@ const HASH: usize = 32;
 
 impl PatchTree {
     /// Which heights and options patches are made from.
-    pub fn source(dem: &Dem, options: &PatchOptions, over_contours: bool) -> [u8; 32] {
+    pub fn source_hash(dem: &Dem, options: &PatchOptions, over_contours: bool) -> [u8; 32] {
         let mut hash = blake3::Hasher::new();
         hash.update(&dem.columns().to_le_bytes());
         hash.update(&options.tolerance_m.to_le_bytes());
@@ -28,7 +28,7 @@ impl PatchTree {
         *hash.finalize().as_bytes()
     }
 
-    /// The bytes to keep. `source` is what [`Self::source`] said.
+    /// The patches as bytes. `source` is what [`Self::source_hash`] said.
     pub fn to_bytes(&self, source: &[u8; 32]) -> Vec<u8> {
         let free = self.hangs.iter().filter(|hangs| !**hangs).count();
         let mut out = Vec::with_capacity(HEADER + self.leaves.len() / 4 + 16 * free + HASH);
@@ -191,7 +191,7 @@ mod tests {
             ..PatchOptions::default()
         };
         let tree = PatchTree::build(&dem, None, &options, &mut |_| ()).unwrap();
-        (tree, PatchTree::source(&dem, &options, false))
+        (tree, PatchTree::source_hash(&dem, &options, false))
     }
 
     #[test]

@@ -84,20 +84,24 @@ fn patches_tile_the_grid_within_the_tolerance_and_join_smoothly() {
             }
             let [_, e, _, n] = dem.span();
             assert_eq!(cells, e.max(1) * n.max(1));
-            let joins = tree.joins(&dem, 7);
+            let continuity = tree.measure_continuity(&dem, 7);
             println!(
                 "{name:9} {tolerance_m:10} {q:8} {:8} {:7} {:7} {:9.1e} {:12.1e} {:11.1e} {:7} {:9.2e}",
                 tree.leaves.len(),
-                joins.edges,
-                joins.across_levels,
-                joins.gap_m,
-                joins.angle_rad,
-                joins.proportion_m,
+                continuity.edges,
+                continuity.across_levels,
+                continuity.gap_m,
+                continuity.angle_rad,
+                continuity.proportion_m,
                 tree.rounds,
                 tree.error_m
             );
-            assert!(joins.gap_m < 1e-9 && joins.angle_rad < 1e-9 && joins.proportion_m < 1e-9);
-            assert!(joins.edges == 0 || joins.alpha.0 > 0.0);
+            assert!(
+                continuity.gap_m < 1e-9
+                    && continuity.angle_rad < 1e-9
+                    && continuity.proportion_m < 1e-9
+            );
+            assert!(continuity.edges == 0 || continuity.alpha.0 > 0.0);
             if tolerance_m == 1e9 {
                 assert_eq!(tree.leaves.len(), 1);
             }
@@ -113,12 +117,12 @@ fn patches_tile_the_grid_within_the_tolerance_and_join_smoothly() {
 #[test]
 fn levels_do_meet_in_these_tests() {
     let shapes = shapes();
-    let joins = |name: &str| {
+    let continuity = |name: &str| {
         let dem = &shapes.iter().find(|shape| shape.0 == name).unwrap().1;
-        build(dem, 1.0, [1.0; 2]).joins(dem, 5)
+        build(dem, 1.0, [1.0; 2]).measure_continuity(dem, 5)
     };
-    assert!(joins("hills").across_levels > 400);
-    let spike = joins("spike");
+    assert!(continuity("hills").across_levels > 400);
+    let spike = continuity("spike");
     assert!(
         spike.alpha.0 < 0.3,
         "a patch must meet one more than twice as wide: {spike:?}"
@@ -167,9 +171,10 @@ fn patches_over_contours_begin_with_their_leaves() {
         tolerance_m: 30.0,
         ..PatchOptions::default()
     };
-    let mut told = Vec::new();
-    let tree = PatchTree::build(&dem, Some(&contours), &options, &mut |x| told.push(x)).unwrap();
-    assert!(told.is_sorted() && told.last() == Some(&1.0) && told.len() > 1);
+    let mut reported = Vec::new();
+    let tree =
+        PatchTree::build(&dem, Some(&contours), &options, &mut |x| reported.push(x)).unwrap();
+    assert!(reported.is_sorted() && reported.last() == Some(&1.0) && reported.len() > 1);
     let leaves: Vec<_> = contours
         .nodes
         .iter()
@@ -184,7 +189,7 @@ fn patches_over_contours_begin_with_their_leaves() {
                 .any(|c| c[0] <= w && e <= c[1] && c[2] <= s && n <= c[3])
         );
     }
-    assert!(tree.joins(&dem, 5).angle_rad < 1e-9);
+    assert!(tree.measure_continuity(&dem, 5).angle_rad < 1e-9);
 }
 
 #[test]

@@ -17,5 +17,5 @@ mod tests;
 mod tree;
 
 pub use order::Order;
-pub use select::{Chosen, Measure, TreeView};
-pub use tree::{MOST_POSTS, Merge, Tree, TreeError, TreeNode, TreeOptions};
+pub use select::{ErrorMetric, SelectedLeaves, TreeView};
+pub use tree::{GridQuadtree, MAX_POSTS, Merge, TreeError, TreeNode, TreeOptions};

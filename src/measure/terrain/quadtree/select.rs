@@ -1,12 +1,12 @@
 //! Which leaves of a tree a view is drawn with, and their triangles.
 
-use super::tree::{ABSENT, CELLS, LEAF, Tree, TreeNode};
+use super::tree::{ABSENT, CELLS, GridQuadtree, LEAF, TreeNode};
 use crate::globe::quadtree::{Cut, Domain, Node, Point, Refine, among, child_among, ring};
 use glam::DVec3;
 
 /// Which error of a node a view looks at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Measure {
+pub enum ErrorMetric {
     /// The paper's: the largest of five midpoint errors, of the node and below. What is drawn may be off by more.
     Midpoints,
     /// Most that any post is off by.
@@ -26,14 +26,14 @@ pub struct TreeView {
     /// Pixels by which the drawn ground may differ from its data.
     pub tolerance_px: f64,
     /// Which error counts.
-    pub measure: Measure,
+    pub metric: ErrorMetric,
     /// Leave out what faces away with every face.
     pub is_culled: bool,
 }
 
 /// The leaves of a view. Kept from view to view, it takes no new memory.
 #[derive(Clone, Debug, Default)]
-pub struct Chosen {
+pub struct SelectedLeaves {
     /// A bit to each node of the tree: it is divided.
     split: Vec<u64>,
     leaves: Vec<Node>,
@@ -42,7 +42,7 @@ pub struct Chosen {
     error_m: f64,
 }
 
-impl Chosen {
+impl SelectedLeaves {
     /// Leaves to draw, cells among them.
     pub fn leaves(&self) -> &[Node] {
         &self.leaves
@@ -65,8 +65,8 @@ impl Chosen {
 
 /// A tree as a view divides it.
 struct Divided<'a> {
-    tree: &'a Tree,
-    chosen: &'a Chosen,
+    tree: &'a GridQuadtree,
+    selected: &'a SelectedLeaves,
 }
 
 impl Cut for Divided<'_> {
@@ -85,7 +85,7 @@ impl Cut for Divided<'_> {
     }
 
     fn is_split(&self, index: u32) -> bool {
-        index != CELL && self.chosen.is_split(index)
+        index != CELL && self.selected.is_split(index)
     }
 
     fn child(&self, _node: Node, index: u32, k: u8) -> Option<u32> {
@@ -103,24 +103,24 @@ impl Cut for Divided<'_> {
 /// In place of a node: a cell, which has none.
 const CELL: u32 = u32::MAX;
 
-impl Tree {
+impl GridQuadtree {
     /// Chooses the leaves of a view: from the root down, a square is divided while the rule asks for it and there is
     /// something below.
-    pub fn choose(&self, view: &TreeView, chosen: &mut Chosen) {
-        chosen.split.clear();
-        chosen.split.resize(self.nodes.len().div_ceil(64), 0);
-        chosen.leaves.clear();
-        (chosen.culled, chosen.error_m) = (0, 0.0);
+    pub fn select(&self, view: &TreeView, selected: &mut SelectedLeaves) {
+        selected.split.clear();
+        selected.split.resize(self.nodes.len().div_ceil(64), 0);
+        selected.leaves.clear();
+        (selected.culled, selected.error_m) = (0, 0.0);
         let root = Node {
             level: 0,
             x: 0,
             y: 0,
         };
-        chosen.stack.clear();
-        chosen.stack.push((root, 0));
-        while let Some((node, index)) = chosen.stack.pop() {
+        selected.stack.clear();
+        selected.stack.push((root, 0));
+        while let Some((node, index)) = selected.stack.pop() {
             if index == CELL {
-                self.choose_cell(view, node, chosen);
+                self.select_cell(view, node, selected);
                 continue;
             }
             let known = &self.nodes[index as usize];
@@ -129,12 +129,12 @@ impl Tree {
             }
             let bounds = self.bounds(node, known);
             if view.is_culled && faces_away(view.eye_m, bounds, known, self.spacing_m) {
-                chosen.culled += 1;
+                selected.culled += 1;
                 continue;
             }
-            let error_m = f64::from(match view.measure {
-                Measure::Midpoints => known.midpoints_m,
-                Measure::Bound => known.bound_m,
+            let error_m = f64::from(match view.metric {
+                ErrorMetric::Midpoints => known.midpoints_m,
+                ErrorMetric::Bound => known.bound_m,
             });
             let (low, high) = bounds;
             let distance_m = view.eye_m.distance(view.eye_m.clamp(low, high));
@@ -143,38 +143,41 @@ impl Tree {
                 && (known.bound_m.is_infinite()
                     || view.is_exceeded(error_m, distance_m, high.x - low.x));
             if !is_divided {
-                chosen.error_m = chosen.error_m.max(f64::from(known.bound_m));
-                chosen.leaves.push(node);
+                selected.error_m = selected.error_m.max(f64::from(known.bound_m));
+                selected.leaves.push(node);
                 continue;
             }
-            chosen.split[index as usize / 64] |= 1 << (index % 64);
+            selected.split[index as usize / 64] |= 1 << (index % 64);
             for k in (0..4).rev() {
                 let below = match known.children {
                     CELLS => CELL,
                     first => first + u32::from(k),
                 };
-                chosen.stack.push((node.child(k), below));
+                selected.stack.push((node.child(k), below));
             }
         }
     }
 
     /// A cell, if it is on the grid and may be seen.
-    fn choose_cell(&self, view: &TreeView, node: Node, chosen: &mut Chosen) {
+    fn select_cell(&self, view: &TreeView, node: Node, selected: &mut SelectedLeaves) {
         if node.x as usize + 1 >= self.columns || node.y as usize + 1 >= self.rows {
             return;
         }
         if view.is_culled && self.cell_faces_away(view.eye_m, node) {
-            chosen.culled += 1;
+            selected.culled += 1;
         } else {
-            chosen.leaves.push(node);
+            selected.leaves.push(node);
         }
     }
 
     /// The triangles of the leaves, three numbers of posts each (row × columns + column), counter-clockwise seen from above.
-    pub fn triangles(&self, chosen: &Chosen, out: &mut Vec<u32>) {
+    pub fn triangles(&self, selected: &SelectedLeaves, out: &mut Vec<u32>) {
         out.clear();
         let levels = self.levels();
-        let divided = Divided { tree: self, chosen };
+        let divided = Divided {
+            tree: self,
+            selected,
+        };
         let post = |(x, y): Point| (y as usize * self.columns + x as usize) as u32;
         let mut points = Vec::with_capacity(64);
         let root = Node {
@@ -183,7 +186,7 @@ impl Tree {
             y: 0,
         };
         // Leaves stand in the order of this walk; those left out are passed over.
-        let mut leaves = chosen.leaves.iter().copied().peekable();
+        let mut leaves = selected.leaves.iter().copied().peekable();
         let mut stack = Vec::with_capacity(64);
         stack.push(among(&divided, (root, 0)));
         while let Some(square) = stack.pop() {

@@ -2,7 +2,7 @@
 
 use super::order::Order;
 use super::tree::{
-    ABSENT, CELLS, LEAF, MOST_POSTS, Tree, TreeError, TreeNode, TreeOptions, levels,
+    ABSENT, CELLS, GridQuadtree, LEAF, MAX_POSTS, TreeError, TreeNode, TreeOptions, levels,
 };
 
 /// What the bytes begin with; the last two are the version.
@@ -30,9 +30,9 @@ fn take_f32(bytes: &mut &[u8]) -> Result<f32, TreeError> {
     Ok(f32::from_bits(take_u32(bytes)?))
 }
 
-impl Tree {
+impl GridQuadtree {
     /// Which heights and options a tree is made from.
-    pub fn source(
+    pub fn source_hash(
         (columns, rows): (usize, usize),
         heights_m: &[f32],
         spacing_m: f64,
@@ -48,7 +48,7 @@ impl Tree {
         *hash.finalize().as_bytes()
     }
 
-    /// All of the tree, little-endian, with its version and a BLAKE3 checksum. `source` is what [`Self::source`] said.
+    /// All of the tree, little-endian, with its version and a BLAKE3 checksum. `source` is what [`Self::source_hash`] said.
     pub fn to_bytes(&self, source: &[u8; 32]) -> Vec<u8> {
         let node_bytes = size_of::<TreeNode>() * self.nodes.len();
         let mut out = Vec::with_capacity(HEADER + 4 * self.heights_m.len() + node_bytes + CHECKSUM);
@@ -76,7 +76,7 @@ impl Tree {
         out
     }
 
-    /// The tree that [`Self::to_bytes`] wrote, if it takes at most `most_bytes`.
+    /// The tree that [`Self::to_bytes`] wrote, if it takes at most `max_bytes`.
     ///
     /// # Errors
     /// Bytes of another version, too few, too many, damaged, or that describe no tree; a tree of another source or above
@@ -84,12 +84,12 @@ impl Tree {
     pub fn from_bytes(
         bytes: &[u8],
         source: &[u8; 32],
-        most_bytes: usize,
+        max_bytes: usize,
     ) -> Result<Self, TreeError> {
-        if bytes.len() > most_bytes.saturating_add(HEADER + CHECKSUM) {
+        if bytes.len() > max_bytes.saturating_add(HEADER + CHECKSUM) {
             return Err(TreeError::TooLarge {
                 needed: bytes.len(),
-                most: most_bytes,
+                most: max_bytes,
             });
         }
         let rest = &mut &*bytes;
@@ -113,8 +113,8 @@ impl Tree {
             .get(take_u32(rest)? as usize)
             .ok_or(TreeError::Bytes("the order is unknown"))?;
         let count = take_u32(rest)? as usize;
-        let is_sound = (1..=MOST_POSTS).contains(&columns)
-            && (1..=MOST_POSTS).contains(&rows)
+        let is_sound = (1..=MAX_POSTS).contains(&columns)
+            && (1..=MAX_POSTS).contains(&rows)
             && spacing_m.is_finite();
         if !is_sound {
             return Err(TreeError::Bytes("sizes do not fit"));

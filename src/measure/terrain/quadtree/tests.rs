@@ -30,14 +30,14 @@ fn heights(columns: usize, rows: usize, seed: u64) -> Vec<f32> {
     out
 }
 
-fn tree(columns: usize, rows: usize, seed: u64, merge: Merge, order: Order) -> Tree {
+fn tree(columns: usize, rows: usize, seed: u64, merge: Merge, order: Order) -> GridQuadtree {
     let options = TreeOptions {
         merge,
         order,
         ..TreeOptions::default()
     };
     let heights = heights(columns, rows, seed);
-    Tree::build((columns, rows), heights, 30.0, &options, &|_| {}).expect("sound")
+    GridQuadtree::build((columns, rows), heights, 30.0, &options, &|_| {}).expect("sound")
 }
 
 fn paper_view(eye_m: DVec3, lambda: f64) -> TreeView {
@@ -46,22 +46,22 @@ fn paper_view(eye_m: DVec3, lambda: f64) -> TreeView {
         refine: Refine::Paper { lambda },
         pixel_rad: 1e-3,
         tolerance_px: 1.0,
-        measure: Measure::Bound,
+        metric: ErrorMetric::Bound,
         is_culled: false,
     }
 }
 
-fn mesh(tree: &Tree, view: &TreeView) -> (Chosen, Vec<[u32; 3]>) {
-    let (mut chosen, mut out) = (Chosen::default(), Vec::new());
-    tree.choose(view, &mut chosen);
-    tree.triangles(&chosen, &mut out);
-    (chosen, out.as_chunks::<3>().0.to_vec())
+fn mesh(tree: &GridQuadtree, view: &TreeView) -> (SelectedLeaves, Vec<[u32; 3]>) {
+    let (mut selected, mut out) = (SelectedLeaves::default(), Vec::new());
+    tree.select(view, &mut selected);
+    tree.triangles(&selected, &mut out);
+    (selected, out.as_chunks::<3>().0.to_vec())
 }
 
 /// Fails unless the triangles cover the grid once: each edge inside belongs to two triangles that run along it in opposite
 /// directions, each other one lies on the grid's edge, and the areas add up.
 #[track_caller]
-fn assert_whole(tree: &Tree, triangles: &[[u32; 3]]) {
+fn assert_whole(tree: &GridQuadtree, triangles: &[[u32; 3]]) {
     let (columns, rows) = tree.size();
     let place = |post: u32| (post as usize % columns, post as usize / columns);
     let mut edges = HashSet::new();
@@ -92,7 +92,7 @@ fn assert_whole(tree: &Tree, triangles: &[[u32; 3]]) {
 
 /// Largest difference between the triangles and any post, metres. Every post must be under some triangle.
 #[track_caller]
-fn largest_difference(tree: &Tree, triangles: &[[u32; 3]]) -> f64 {
+fn largest_difference(tree: &GridQuadtree, triangles: &[[u32; 3]]) -> f64 {
     let (columns, rows) = tree.size();
     let mut is_covered = vec![false; columns * rows];
     let mut most = 0.0_f64;
@@ -145,13 +145,13 @@ fn merging_loses_nothing_at_any_size() {
         for merge in [Merge::None, Merge::Equal, Merge::Flat] {
             let tree = tree(columns, rows, 1, merge, Order::DepthFirst);
             // Divided as far as it goes.
-            let (chosen, triangles) = mesh(&tree, &paper_view(DVec3::ZERO, f64::INFINITY));
+            let (selected, triangles) = mesh(&tree, &paper_view(DVec3::ZERO, f64::INFINITY));
             assert_whole(&tree, &triangles);
             assert!(largest_difference(&tree, &triangles) < 1e-9);
             assert!(tree.nodes() <= before && tree.nodes() <= full.nodes());
             before = tree.nodes();
             if merge == Merge::Flat && columns >= 100 {
-                assert!(chosen.leaves().len() * 4 < 3 * tree.cells());
+                assert!(selected.leaves().len() * 4 < 3 * tree.cells());
             }
         }
     }
@@ -168,10 +168,11 @@ fn merging_keeps_what_the_paper_s_figure_keeps() {
         merge: Merge::Equal,
         ..TreeOptions::default()
     };
-    let tree = Tree::build((5, 5), heights.collect(), 1.0, &options, &|_| {}).expect("sound");
-    let (chosen, _) = mesh(&tree, &paper_view(DVec3::ZERO, f64::INFINITY));
+    let tree =
+        GridQuadtree::build((5, 5), heights.collect(), 1.0, &options, &|_| {}).expect("sound");
+    let (selected, _) = mesh(&tree, &paper_view(DVec3::ZERO, f64::INFINITY));
     // One quarter of four equal cells, and twelve cells.
-    let sizes: Vec<u8> = chosen.leaves().iter().map(|leaf| leaf.level).collect();
+    let sizes: Vec<u8> = selected.leaves().iter().map(|leaf| leaf.level).collect();
     assert_eq!(sizes.iter().filter(|level| **level == 1).count(), 1);
     assert_eq!(sizes.iter().filter(|level| **level == 2).count(), 12);
 }
@@ -198,12 +199,12 @@ proptest! {
             view.refine = Refine::Full { k: 1.0 / lambda };
         }
         if is_paper {
-            view.measure = Measure::Midpoints;
+            view.metric = ErrorMetric::Midpoints;
         }
-        let (chosen, triangles) = mesh(&tree, &view);
+        let (selected, triangles) = mesh(&tree, &view);
         assert_whole(&tree, &triangles);
         let off_m = largest_difference(&tree, &triangles);
-        prop_assert!(off_m <= chosen.error_m() + 1e-9, "{} of {}", off_m, chosen.error_m());
+        prop_assert!(off_m <= selected.error_m() + 1e-9, "{} of {}", off_m, selected.error_m());
     }
 
     #[test]
@@ -233,11 +234,11 @@ proptest! {
 }
 
 /// The leaf of each triangle.
-fn owners(tree: &Tree, view: &TreeView) -> HashMap<[u32; 3], Node> {
-    let (chosen, triangles) = mesh(tree, view);
+fn owners(tree: &GridQuadtree, view: &TreeView) -> HashMap<[u32; 3], Node> {
+    let (selected, triangles) = mesh(tree, view);
     let (columns, _) = tree.size();
     let levels = tree.levels();
-    let leaves: HashSet<Node> = chosen.leaves().iter().copied().collect();
+    let leaves: HashSet<Node> = selected.leaves().iter().copied().collect();
     triangles
         .into_iter()
         .map(|corners| {
@@ -270,14 +271,15 @@ fn steep_ground_seen_from_low_down_is_left_out_in_part() {
     let ridge: Vec<f32> = (0..65 * 65)
         .map(|i| 900.0 - 28.0 * ((i % 65) as f32 - 32.0).abs())
         .collect();
-    let tree = Tree::build((65, 65), ridge, 30.0, &TreeOptions::default(), &|_| {}).expect("sound");
+    let tree = GridQuadtree::build((65, 65), ridge, 30.0, &TreeOptions::default(), &|_| {})
+        .expect("sound");
     let view = TreeView {
         is_culled: true,
         ..paper_view(DVec3::new(-200.0, -960.0, 50.0), f64::INFINITY)
     };
-    let (chosen, triangles) = mesh(&tree, &view);
+    let (selected, triangles) = mesh(&tree, &view);
     // The eastern slope faces away; the western one is a few large leaves.
-    assert!(chosen.culled() > 0);
+    assert!(selected.culled() > 0);
     let east = triangles
         .iter()
         .filter(|corners| corners.iter().all(|post| post % 65 >= 32));
@@ -311,9 +313,9 @@ fn children_stand_where_the_paper_s_formula_says() {
 #[test]
 fn every_order_and_every_number_of_threads_gives_the_same_leaves() {
     let view = paper_view(DVec3::new(500.0, -900.0, 300.0), 60.0);
-    let leaves = |tree: &Tree| {
-        let (chosen, triangles) = mesh(tree, &view);
-        (chosen.leaves().to_vec(), triangles)
+    let leaves = |tree: &GridQuadtree| {
+        let (selected, triangles) = mesh(tree, &view);
+        (selected.leaves().to_vec(), triangles)
     };
     let first = leaves(&tree(130, 90, 4, Merge::Flat, Order::DepthFirst));
     for order in Order::ALL {
@@ -328,12 +330,12 @@ fn every_order_and_every_number_of_threads_gives_the_same_leaves() {
             threads,
             ..TreeOptions::default()
         };
-        let told = RefCell::new(Vec::new());
-        let note = |part: f64| told.borrow_mut().push(part);
-        let tree =
-            Tree::build((130, 90), heights(130, 90, 4), 30.0, &options, &note).expect("sound");
-        let told = told.into_inner();
-        assert!(told.is_sorted() && told.last() == Some(&1.0) && told.len() > 10);
+        let reported = RefCell::new(Vec::new());
+        let note = |part: f64| reported.borrow_mut().push(part);
+        let tree = GridQuadtree::build((130, 90), heights(130, 90, 4), 30.0, &options, &note)
+            .expect("sound");
+        let reported = reported.into_inner();
+        assert!(reported.is_sorted() && reported.last() == Some(&1.0) && reported.len() > 10);
         tree
     };
     assert_eq!(with_threads(1), with_threads(2));
@@ -347,28 +349,28 @@ fn bytes_come_back_or_are_refused() {
         let tree = tree(columns, rows, 5, Merge::Flat, Order::Hilbert);
         let bytes = tree.to_bytes(&SOURCE);
         assert_eq!(
-            Tree::from_bytes(&bytes, &SOURCE, 1 << 20).as_ref(),
+            GridQuadtree::from_bytes(&bytes, &SOURCE, 1 << 20).as_ref(),
             Ok(&tree)
         );
         // Cut short anywhere, one bit another way anywhere, or with something behind.
         for at in (0..bytes.len()).step_by(1 + bytes.len() / 60) {
-            assert!(Tree::from_bytes(&bytes[..at], &SOURCE, 1 << 20).is_err());
+            assert!(GridQuadtree::from_bytes(&bytes[..at], &SOURCE, 1 << 20).is_err());
             let mut bad = bytes.clone();
             bad[at] ^= 1 << (at % 8);
-            assert!(Tree::from_bytes(&bad, &SOURCE, 1 << 20).is_err());
+            assert!(GridQuadtree::from_bytes(&bad, &SOURCE, 1 << 20).is_err());
         }
         let longer = [bytes.clone(), vec![0]].concat();
-        assert!(Tree::from_bytes(&longer, &SOURCE, 1 << 20).is_err());
+        assert!(GridQuadtree::from_bytes(&longer, &SOURCE, 1 << 20).is_err());
     }
     let bytes = tree(100, 37, 5, Merge::Flat, Order::Hilbert).to_bytes(&SOURCE);
     assert!(matches!(
-        Tree::from_bytes(&bytes, &SOURCE, 1_000),
+        GridQuadtree::from_bytes(&bytes, &SOURCE, 1_000),
         Err(TreeError::TooLarge { .. })
     ));
     let mut other = SOURCE;
     other[31] ^= 1;
     assert_eq!(
-        Tree::from_bytes(&bytes, &other, 1 << 20),
+        GridQuadtree::from_bytes(&bytes, &other, 1 << 20),
         Err(TreeError::Stale)
     );
     // With a checksum that fits, what does not describe a tree is refused all the same.
@@ -376,7 +378,7 @@ fn bytes_come_back_or_are_refused() {
         body.truncate(body.len() - 32);
         let checksum = blake3::hash(&body);
         body.extend(checksum.as_bytes());
-        Tree::from_bytes(&body, &SOURCE, 1 << 20)
+        GridQuadtree::from_bytes(&body, &SOURCE, 1 << 20)
     };
     assert!(signed(bytes.clone()).is_ok());
     let root = 72 + 4 * 100 * 37;
@@ -400,12 +402,12 @@ fn bytes_come_back_or_are_refused() {
 
 #[test]
 fn what_cannot_be_built_is_refused() {
-    let build = |size, heights, most_bytes| {
+    let build = |size, heights, max_bytes| {
         let options = TreeOptions {
-            most_bytes,
+            max_bytes,
             ..TreeOptions::default()
         };
-        Tree::build(size, heights, 1.0, &options, &|_| {}).map(|_| ())
+        GridQuadtree::build(size, heights, 1.0, &options, &|_| {}).map(|_| ())
     };
     let all = usize::MAX;
     assert!(matches!(
@@ -413,7 +415,7 @@ fn what_cannot_be_built_is_refused() {
         Err(TreeError::Size { .. })
     ));
     assert!(matches!(
-        build((MOST_POSTS + 1, 1), vec![], all),
+        build((MAX_POSTS + 1, 1), vec![], all),
         Err(TreeError::Size { .. })
     ));
     assert!(matches!(
@@ -435,17 +437,17 @@ fn extreme_heights_give_finite_answers() {
     let cliffs: Vec<f32> = (0..33 * 33)
         .map(|i| if (i / 5) % 2 == 0 { 9_000.0 } else { -11_000.0 })
         .collect();
-    let tree =
-        Tree::build((33, 33), cliffs, 30.0, &TreeOptions::default(), &|_| {}).expect("sound");
+    let tree = GridQuadtree::build((33, 33), cliffs, 30.0, &TreeOptions::default(), &|_| {})
+        .expect("sound");
     for eye_m in [
         DVec3::ZERO,
         DVec3::new(480.0, -480.0, 9_001.0),
         DVec3::splat(-1e9),
     ] {
         for lambda in [0.0, 300.0, f64::INFINITY] {
-            let (chosen, triangles) = mesh(&tree, &paper_view(eye_m, lambda));
+            let (selected, triangles) = mesh(&tree, &paper_view(eye_m, lambda));
             assert_whole(&tree, &triangles);
-            assert!(chosen.error_m().is_finite());
+            assert!(selected.error_m().is_finite());
         }
     }
 }

@@ -26,7 +26,7 @@ pub struct TreeOptions {
     /// Threads that build, 1 or more.
     pub threads: usize,
     /// Most bytes of heights and nodes together.
-    pub most_bytes: usize,
+    pub max_bytes: usize,
 }
 
 impl Default for TreeOptions {
@@ -35,7 +35,7 @@ impl Default for TreeOptions {
             merge: Merge::default(),
             order: Order::default(),
             threads: 2,
-            most_bytes: 512 << 20,
+            max_bytes: 512 << 20,
         }
     }
 }
@@ -88,7 +88,7 @@ pub enum TreeError {
 }
 
 /// Most posts of a side: 2¹⁵ + 1.
-pub const MOST_POSTS: usize = (1 << 15) + 1;
+pub const MAX_POSTS: usize = (1 << 15) + 1;
 
 /// Marks in place of the first child.
 pub(super) const LEAF: u32 = u32::MAX;
@@ -132,7 +132,7 @@ impl TreeNode {
 /// An unfull quadtree over a grid of heights. The grid may be of any size: the tree is that of the next power of two, and
 /// what lies outside is absent.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tree {
+pub struct GridQuadtree {
     pub(super) columns: usize,
     pub(super) rows: usize,
     pub(super) spacing_m: f64,
@@ -161,12 +161,12 @@ struct Builder<'a> {
 /// A node, and those below it with their first as 0.
 type Subtree = (TreeNode, Vec<TreeNode>);
 
-impl Tree {
+impl GridQuadtree {
     /// Builds the tree of `columns` × `rows` heights, metres, the north-western first, row by row, `spacing_m` apart. `progress`
     /// hears of the part that is done, 0…1, on this thread.
     ///
     /// # Errors
-    /// A size of 0 or above [`MOST_POSTS`], heights that are not finite or too few, or a tree above the budget.
+    /// A size of 0 or above [`MAX_POSTS`], heights that are not finite or too few, or a tree above the budget.
     pub fn build(
         (columns, rows): (usize, usize),
         heights_m: Vec<f32>,
@@ -174,7 +174,7 @@ impl Tree {
         options: &TreeOptions,
         progress: &dyn Fn(f64),
     ) -> Result<Self, TreeError> {
-        if !(1..=MOST_POSTS).contains(&columns) || !(1..=MOST_POSTS).contains(&rows) {
+        if !(1..=MAX_POSTS).contains(&columns) || !(1..=MAX_POSTS).contains(&rows) {
             return Err(TreeError::Size { columns, rows });
         }
         if heights_m.len() != columns * rows {
@@ -194,10 +194,10 @@ impl Tree {
         // put in order.
         let nodes = (columns / 2 + 1) * (rows / 2 + 1) * 4 / 3 + 8 * (columns + rows);
         let needed = 4 * heights_m.len() + 2 * nodes * size_of::<TreeNode>();
-        if needed > options.most_bytes {
+        if needed > options.max_bytes {
             return Err(TreeError::TooLarge {
                 needed,
-                most: options.most_bytes,
+                most: options.max_bytes,
             });
         }
         let levels = levels(columns, rows);

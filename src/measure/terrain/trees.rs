@@ -1,16 +1,16 @@
-//! Building trees, or finding them in the cache.
+//! The trees of a field: from the cache, or built and then stored there.
 
 use super::TerrainError;
 use super::cache::Cache;
 use super::contours::{ContourTree, Dem};
-use super::field::Field;
+use super::field::HeightField;
 use super::patches::{PatchOptions, PatchTree};
-use super::quadtree::{Order, Tree, TreeOptions};
+use super::quadtree::{GridQuadtree, Order, TreeOptions};
 use crate::play::Progress;
 use std::cell::{Cell, RefCell};
 
-/// What trees are built with.
-pub(super) struct Workshop<'r> {
+/// Builds trees within a memory budget, and caches them.
+pub(super) struct CachedTrees<'r> {
     pub cache: Cache,
     /// Most that building one tree takes.
     pub memory_bytes: u64,
@@ -18,36 +18,36 @@ pub(super) struct Workshop<'r> {
     pub progress: &'r dyn Progress,
 }
 
-impl Workshop<'_> {
+impl CachedTrees<'_> {
     /// The quadtree of a field in the plain order, from the cache if it is there.
-    pub fn quadtree(&self, field: &Field) -> Result<Tree, TerrainError> {
+    pub fn quadtree(&self, field: &HeightField) -> Result<GridQuadtree, TerrainError> {
         let options = quadtree_options(Order::default(), self.threads, self.memory_bytes);
         let (size, spacing_m) = (quadtree_size(field), field.spacing_m());
-        let source = Tree::source(size, &field.heights_m, spacing_m, &options);
+        let source = GridQuadtree::source_hash(size, &field.heights_m, spacing_m, &options);
         let name = format!("{}-{}-quadtree", field.name, field.size());
         let most = self.memory_bytes as usize;
-        let find = |bytes: &[u8]| Tree::from_bytes(bytes, &source, most);
-        if let Some(tree) = self.cache.find(&name, find) {
+        let read = |bytes: &[u8]| GridQuadtree::from_bytes(bytes, &source, most);
+        if let Some(tree) = self.cache.load(&name, read) {
             return Ok(tree);
         }
         let tree = self.build_quadtree(field, &options)?;
-        self.cache.keep(&name, || tree.to_bytes(&source))?;
+        self.cache.store(&name, || tree.to_bytes(&source))?;
         Ok(tree)
     }
 
     /// The same, built in any case.
     pub fn build_quadtree(
         &self,
-        field: &Field,
+        field: &HeightField,
         options: &TreeOptions,
-    ) -> Result<Tree, TerrainError> {
+    ) -> Result<GridQuadtree, TerrainError> {
         let heights_m = field.heights_m.clone();
-        let built = self.shown(field, "quadtree", |tell| {
-            // It is told on this thread alone.
-            let tell = RefCell::new(tell);
-            let note = |part: f64| (tell.borrow_mut())(part as f32);
+        let built = self.with_progress(field, "quadtree", |report| {
+            // It is called on this thread alone.
+            let report = RefCell::new(report);
+            let note = |part: f64| (report.borrow_mut())(part as f32);
             let size = quadtree_size(field);
-            Tree::build(size, heights_m, field.spacing_m(), options, &note)
+            GridQuadtree::build(size, heights_m, field.spacing_m(), options, &note)
         })?;
         built.map_err(|error| TerrainError::Quadtree {
             ground: field.name.clone(),
@@ -58,31 +58,32 @@ impl Workshop<'_> {
     /// The contours of a field, from the cache if they are there.
     pub fn contours(
         &self,
-        field: &Field,
+        field: &HeightField,
         dem: &Dem,
         tolerance_m: f64,
     ) -> Result<ContourTree, TerrainError> {
-        let source = ContourTree::source(dem, tolerance_m);
+        let source = ContourTree::source_hash(dem, tolerance_m);
         let name = format!("{}-{}-contours-{tolerance_m}m", field.name, field.size());
-        let find = |bytes: &[u8]| ContourTree::from_bytes(bytes, dem, &source, self.beside(bytes));
-        if let Some(tree) = self.cache.find(&name, find) {
+        let read =
+            |bytes: &[u8]| ContourTree::from_bytes(bytes, dem, &source, self.memory_beside(bytes));
+        if let Some(tree) = self.cache.load(&name, read) {
             return Ok(tree);
         }
         let tree = self.build_contours(field, dem, tolerance_m, self.threads)?;
-        self.cache.keep(&name, || tree.to_bytes(&source))?;
+        self.cache.store(&name, || tree.to_bytes(&source))?;
         Ok(tree)
     }
 
     /// The same, built in any case.
     pub fn build_contours(
         &self,
-        field: &Field,
+        field: &HeightField,
         dem: &Dem,
         tolerance_m: f64,
         threads: usize,
     ) -> Result<ContourTree, TerrainError> {
-        let built = self.shown(field, "contours", |tell| {
-            ContourTree::build_on(threads, dem, tolerance_m, self.memory_bytes, tell)
+        let built = self.with_progress(field, "contours", |report| {
+            ContourTree::build_on(threads, dem, tolerance_m, self.memory_bytes, report)
         })?;
         built.map_err(|error| TerrainError::Contours {
             ground: field.name.clone(),
@@ -93,36 +94,36 @@ impl Workshop<'_> {
     /// The bytes of a field's patches and their largest error, metres; from the cache if they are there.
     pub fn patches(
         &self,
-        field: &Field,
+        field: &HeightField,
         dem: &Dem,
         tolerance_m: f64,
     ) -> Result<(u64, f64), TerrainError> {
         let options = self.patch_options(tolerance_m, self.threads);
-        let source = PatchTree::source(dem, &options, false);
+        let source = PatchTree::source_hash(dem, &options, false);
         let name = format!("{}-{}-patches-{tolerance_m}m", field.name, field.size());
-        let find = |bytes: &[u8]| {
-            let tree = PatchTree::from_bytes(bytes, &source, self.beside(bytes))?;
+        let read = |bytes: &[u8]| {
+            let tree = PatchTree::from_bytes(bytes, &source, self.memory_beside(bytes))?;
             Ok::<_, super::DeserializeError>((bytes.len() as u64, tree.error_m))
         };
-        if let Some(found) = self.cache.find(&name, find) {
+        if let Some(found) = self.cache.load(&name, read) {
             return Ok(found);
         }
         let tree = self.build_patches(field, dem, &options)?;
         let bytes = tree.to_bytes(&source);
         let found = (bytes.len() as u64, tree.error_m);
-        self.cache.keep(&name, || bytes)?;
+        self.cache.store(&name, || bytes)?;
         Ok(found)
     }
 
     /// The same as a tree, built in any case.
     pub fn build_patches(
         &self,
-        field: &Field,
+        field: &HeightField,
         dem: &Dem,
         options: &PatchOptions,
     ) -> Result<PatchTree, TerrainError> {
-        let built = self.shown(field, "patches", |tell| {
-            PatchTree::build(dem, None, options, tell)
+        let built = self.with_progress(field, "patches", |report| {
+            PatchTree::build(dem, None, options, report)
         })?;
         built.map_err(|error| TerrainError::Patches {
             ground: field.name.clone(),
@@ -140,35 +141,35 @@ impl Workshop<'_> {
     }
 
     /// What is left of the memory beside a file that was read.
-    fn beside(&self, bytes: &[u8]) -> u64 {
+    fn memory_beside(&self, bytes: &[u8]) -> u64 {
         self.memory_bytes.saturating_sub(bytes.len() as u64)
     }
 
-    /// Shows how far work is. It is not begun once nobody wants it.
-    fn shown<T>(
+    /// Does some work with a progress bar, unless the user has cancelled.
+    fn with_progress<T>(
         &self,
-        field: &Field,
+        field: &HeightField,
         what: &str,
         work: impl FnOnce(&mut dyn FnMut(f32)) -> T,
     ) -> Result<T, TerrainError> {
-        self.go_on()?;
+        self.check_cancelled()?;
         const STEPS: u64 = 100;
         let what = format!("{what} of {}, {}", field.name, field.size());
         self.progress.begin(&what, Some(STEPS));
-        let told = Cell::new(0);
+        let steps = Cell::new(0);
         let done = work(&mut |part| {
             let reached = (f64::from(part) * STEPS as f64) as u64;
-            for _ in told.get()..reached.min(STEPS) {
+            for _ in steps.get()..reached.min(STEPS) {
                 self.progress.step();
-                told.set(told.get() + 1);
+                steps.set(steps.get() + 1);
             }
         });
         self.progress.end();
         Ok(done)
     }
 
-    /// An error once the work is no longer wanted.
-    pub fn go_on(&self) -> Result<(), TerrainError> {
+    /// An error once the user has cancelled.
+    pub fn check_cancelled(&self) -> Result<(), TerrainError> {
         match self.progress.cancelled() {
             true => Err(TerrainError::Interrupted),
             false => Ok(()),
@@ -176,7 +177,7 @@ impl Workshop<'_> {
     }
 }
 
-fn quadtree_size(field: &Field) -> (usize, usize) {
+fn quadtree_size(field: &HeightField) -> (usize, usize) {
     (field.columns as usize, field.rows as usize)
 }
 
@@ -184,7 +185,7 @@ pub(super) fn quadtree_options(order: Order, threads: usize, memory_bytes: u64) 
     TreeOptions {
         order,
         threads,
-        most_bytes: memory_bytes as usize,
+        max_bytes: memory_bytes as usize,
         ..TreeOptions::default()
     }
 }
