@@ -1,7 +1,7 @@
 //! Serialized contours.
 
 use glam::{DVec2, DVec3};
-use terrella::measure::terrain::contours::{ContourTree, Dem, Frame, Ray};
+use terrella::measure::terrain::contours::{ContourTree, Dem, DemFrame, Ray};
 
 const BUDGET: u64 = 1 << 20;
 const TOLERANCES_M: [f64; 3] = [0.0, 30.0, 1e6];
@@ -10,7 +10,7 @@ const TOLERANCES_M: [f64; 3] = [0.0, 30.0, 1e6];
 fn dem() -> Dem {
     let heights = (0..17 * 12).map(|k| (k * k % 37 * 9) as f32).collect();
     let step_m = DVec2::new(30.0, 40.0);
-    Dem::new(17, 12, heights, Frame::Flat { step_m }).expect("good heights")
+    Dem::new(17, 12, heights, DemFrame::Flat { step_m }).expect("good heights")
 }
 
 /// Reads any bytes as contours, as they are and with a source and a checksum that fit.
@@ -49,9 +49,9 @@ fn look(tree: &ContourTree, dem: &Dem) {
             assert!((0.0..=1e6).contains(&hit.distance_m));
         }
     }
-    let mut flat = Vec::new();
-    tree.flatten(dem, |_, _| DVec2::ZERO, &mut flat);
-    assert_eq!(flat.len(), tree.nodes.len());
+    let mut nodes = Vec::new();
+    tree.write_gpu_nodes(dem, |_, _| DVec2::ZERO, &mut nodes);
+    assert_eq!(nodes.len(), tree.nodes.len());
 }
 
 /// Good inputs to start from.

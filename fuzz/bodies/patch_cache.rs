@@ -1,7 +1,7 @@
 //! Serialized q-Bézier patches.
 
 use glam::DVec2;
-use terrella::measure::terrain::contours::{Dem, Frame};
+use terrella::measure::terrain::contours::{Dem, DemFrame};
 use terrella::measure::terrain::patches::{PatchOptions, PatchTree};
 
 const SOURCE: [u8; 32] = [3; 32];
@@ -36,7 +36,7 @@ pub fn seeds() -> Vec<Vec<u8>> {
     let seed = |(columns, rows, tolerance_m): (u32, u32, f64)| {
         let heights = (0..columns * rows).map(|k| (k * k % 37 * 9) as f32);
         let step_m = DVec2::splat(30.0);
-        let dem = Dem::new(columns, rows, heights.collect(), Frame::Flat { step_m });
+        let dem = Dem::new(columns, rows, heights.collect(), DemFrame::Flat { step_m });
         let options = PatchOptions {
             tolerance_m,
             ..PatchOptions::default()

@@ -4,7 +4,7 @@
 use super::DepthBuffer;
 use super::lattice::BlockInstance;
 use crate::globe::Block;
-use crate::globe::contours::{FlatNode, MAX_NODES, PageOptions, PagesDraw, slack_m};
+use crate::globe::contours::{ContourNode, MAX_NODES, PageOptions, PagesDraw, slack_m};
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use wgpu::util::DeviceExt;
@@ -21,7 +21,7 @@ struct PageInstance {
     eye_from_origin_m: Vec3,
     /// Where its tree begins among all nodes.
     root: u32,
-    /// See [`crate::globe::contours::FlatRay`].
+    /// See [`crate::globe::contours::ContourRay`].
     slack_m: f32,
     cone: f32,
     step_m: f32,
@@ -91,7 +91,7 @@ impl PageMesh {
                 mapped_at_creation: false,
             })
         };
-        let slot = MAX_NODES as usize * size_of::<FlatNode>();
+        let slot = MAX_NODES as usize * size_of::<ContourNode>();
         let vertex = wgpu::BufferUsages::VERTEX;
         let storage = wgpu::BufferUsages::STORAGE;
         Self {
@@ -150,7 +150,7 @@ impl PageMesh {
             if *held != page.revision {
                 *held = page.revision;
                 let bytes: &[u8] = bytemuck::cast_slice(&page.nodes);
-                let at = u64::from(root) * size_of::<FlatNode>() as u64;
+                let at = u64::from(root) * size_of::<ContourNode>() as u64;
                 queue.write_buffer(&self.nodes, at, bytes);
                 written += bytes.len() as u64;
             }
@@ -196,7 +196,7 @@ impl PageMesh {
             ty: wgpu::BindingType::Buffer {
                 ty: wgpu::BufferBindingType::Storage { read_only: true },
                 has_dynamic_offset: false,
-                min_binding_size: wgpu::BufferSize::new(size_of::<FlatNode>() as u64),
+                min_binding_size: wgpu::BufferSize::new(size_of::<ContourNode>() as u64),
             },
             count: None,
         }

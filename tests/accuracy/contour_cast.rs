@@ -6,7 +6,7 @@ use glam::DVec3;
 use std::sync::Arc;
 use terrella::elevation::{Bounds, Elevation, HeightRange};
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::globe::contours::{ContourPages, FlatRay, MAX_NODES, PageOptions, cast_flat};
+use terrella::globe::contours::{ContourPages, ContourRay, MAX_NODES, PageOptions, contour_cast};
 use terrella::globe::{GroundView, Surface, SurfaceStats};
 use terrella::{EyeView, GroundOptions, SurfaceSettings};
 
@@ -273,7 +273,7 @@ fn met(surface: &ContourPages, eye_m: DVec3, towards: DVec3) -> String {
     let mut text = String::new();
     for drawn in draw.drawn {
         let page = &draw.pages[drawn.page as usize];
-        let ray = FlatRay {
+        let ray = ContourRay {
             from: -(page.origin_itrf_m - eye_m).as_vec3(),
             towards: towards.as_vec3(),
             most: 1e30,
@@ -281,7 +281,7 @@ fn met(surface: &ContourPages, eye_m: DVec3, towards: DVec3) -> String {
             slack: 1.0,
             step: drawn.skirt_m as f32,
         };
-        if let Some((t, node)) = cast_flat(&page.nodes, 0, &ray) {
+        if let Some((t, node)) = contour_cast(&page.nodes, 0, &ray) {
             let node = &page.nodes[node as usize];
             let upright = node.normal.as_dvec3().dot(page.axes[2]);
             let at = EARTH.geodetic_from_itrf(page.origin_itrf_m + node.at.as_dvec3());
@@ -343,7 +343,7 @@ fn whatever_is_asked_the_answer_is_finite_and_bounded() {
                 for drawn in draw.drawn {
                     let page = &draw.pages[drawn.page as usize];
                     assert!((1..=MAX_NODES as usize).contains(&page.nodes.len()));
-                    let is_finite = |node: &terrella::globe::contours::FlatNode| {
+                    let is_finite = |node: &terrella::globe::contours::ContourNode| {
                         node.normal.is_finite()
                             && node.at.is_finite()
                             && node.walls.iter().all(|wall| wall.is_finite())

@@ -6,7 +6,7 @@
 //! stretch of the ray inside each column; a node whose ceiling the ray stays above is left out whole, and nothing is
 //! looked at beyond the nearest hit so far. No recursion and no allocation: a stack of 4 entries a level.
 
-use super::dem::{Dem, Half};
+use super::dem::{Dem, HalfSpace};
 use super::tree::{ContourTree, Node};
 use glam::DVec3;
 
@@ -36,7 +36,7 @@ pub struct Hit {
 }
 
 /// The part t0…t1 of a ray inside a column; empty if t0 > t1.
-fn inside(ray: &Ray, column: &[Half; 4], (mut t0, mut t1): (f64, f64)) -> (f64, f64) {
+fn inside(ray: &Ray, column: &[HalfSpace; 4], (mut t0, mut t1): (f64, f64)) -> (f64, f64) {
     for (n, d) in column {
         let (lacks, gains) = (d - n.dot(ray.from_m), n.dot(ray.towards));
         if gains > 0.0 {

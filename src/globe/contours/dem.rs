@@ -43,7 +43,7 @@ pub enum DemError {
 
 /// How columns, rows and heights become positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Frame {
+pub enum DemFrame {
     /// x east, y north, z up, metres, the south-west sample at x = y = 0.
     #[cfg_attr(
         not(any(test, feature = "command")),
@@ -62,8 +62,8 @@ pub enum Frame {
     },
 }
 
-/// Half of space: the points p with n·p ≥ d.
-pub type Half = (DVec3, f64);
+/// HalfSpace of space: the points p with n·p ≥ d.
+pub type HalfSpace = (DVec3, f64);
 
 /// Samples `[west, east, south, north]`, the last ones included.
 pub type Span = [u32; 4];
@@ -74,7 +74,7 @@ pub struct Dem {
     columns: u32,
     rows: u32,
     heights_m: Vec<f32>,
-    frame: Frame,
+    frame: DemFrame,
     range: HeightRange,
     origin_m: DVec3,
     up: DVec3,
@@ -90,7 +90,7 @@ impl Dem {
         columns: u32,
         rows: u32,
         heights_m: Vec<f32>,
-        frame: Frame,
+        frame: DemFrame,
     ) -> Result<Self, DemError> {
         let samples = u64::from(columns) * u64::from(rows);
         if samples == 0 || samples > MAX_SAMPLES || samples != heights_m.len() as u64 {
@@ -127,13 +127,13 @@ impl Dem {
             parallels: Vec::new(),
         };
         match frame {
-            Frame::Flat { step_m } => {
+            DemFrame::Flat { step_m } => {
                 let usable = |step: f64| (1e-6..=1e7).contains(&step);
                 if !usable(step_m.x) || !usable(step_m.y) {
                     return Err(DemError::Place);
                 }
             }
-            Frame::Geodetic { ellipsoid, bounds } => dem.place(&ellipsoid, &bounds)?,
+            DemFrame::Geodetic { ellipsoid, bounds } => dem.place(&ellipsoid, &bounds)?,
         }
         Ok(dem)
     }
@@ -210,10 +210,10 @@ impl Dem {
     /// Where column i and row j have a height, metres from [`Self::origin_m`].
     pub fn lifted_m(&self, i: u32, j: u32, height_m: f64) -> DVec3 {
         match self.frame {
-            Frame::Flat { step_m } => {
+            DemFrame::Flat { step_m } => {
                 DVec3::new(f64::from(i) * step_m.x, f64::from(j) * step_m.y, height_m)
             }
-            Frame::Geodetic { .. } => {
+            DemFrame::Geodetic { .. } => {
                 let (lon, (lat, surface)) =
                     (self.meridians[i as usize], self.parallels[j as usize]);
                 let rho = surface.x + height_m * lat.x;
@@ -233,9 +233,9 @@ impl Dem {
     /// in their place stand the planes along the normal in the middle of the edge, moved out until the column holds its
     /// corners at every height of the grid. Columns of neighbours in latitude then overlap by the sagitta of their edge,
     /// w² tan φ/8R: 2 cm for 1 km at 45°.
-    pub fn column(&self, [west, east, south, north]: Span) -> [Half; 4] {
+    pub fn column(&self, [west, east, south, north]: Span) -> [HalfSpace; 4] {
         match self.frame {
-            Frame::Flat { step_m } => {
+            DemFrame::Flat { step_m } => {
                 let (x, y) = (step_m.x, step_m.y);
                 [
                     (DVec3::X, f64::from(west) * x),
@@ -244,7 +244,7 @@ impl Dem {
                     (-DVec3::Y, -f64::from(north) * y),
                 ]
             }
-            Frame::Geodetic { .. } => {
+            DemFrame::Geodetic { .. } => {
                 let (w, e) = (self.meridians[west as usize], self.meridians[east as usize]);
                 let middle = (w + e).normalize_or(w);
                 let side = |n: DVec3| (n, -n.dot(self.origin_m));
@@ -291,7 +291,7 @@ impl Dem {
     }
 
     /// Where it lies.
-    pub fn frame(&self) -> Frame {
+    pub fn frame(&self) -> DemFrame {
         self.frame
     }
 }

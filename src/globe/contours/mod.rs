@@ -2,7 +2,7 @@
 //!
 //! *Contours* (`ContourTree`) describe a DEM by a quadtree whose every node holds the best-fit plane of its samples and two
 //! planes parallel to it that hold them between them; a node whose slab is thin enough is a leaf. They are drawn by casting
-//! rays, on the GPU as [`cast_flat`] does. *Patches* are bicubic and join with one height and one tangent plane across every
+//! rays, on the GPU as [`contour_cast`] does. *Patches* are bicubic and join with one height and one tangent plane across every
 //! edge and any difference of levels.
 //!
 //! Both draw the whole Earth, chosen by the view: [`ContourSurface`] such patches as triangles, [`ContourPages`] small trees of
@@ -14,7 +14,7 @@
 pub(crate) mod build;
 pub(crate) mod cast;
 pub(crate) mod dem;
-mod flat;
+mod gpu_layout;
 pub(crate) mod hermite;
 mod pages;
 pub(crate) mod plane;
@@ -23,7 +23,7 @@ mod surface;
 pub(crate) mod tests;
 pub(crate) mod tree;
 
-pub use flat::{FlatNode, FlatRay, cast_flat};
+pub use gpu_layout::{ContourNode, ContourRay, contour_cast};
 pub(crate) use pages::slack_m;
 pub use pages::{ContourPages, DrawnPage, MAX_NODES, Page, PageOptions, PagesDraw};
 pub use surface::{ContourOptions, ContourSurface};

@@ -1,6 +1,6 @@
 //! The quadtree of contours over a DEM of any size.
 
-use super::dem::{Half, Span};
+use super::dem::{HalfSpace, Span};
 use super::plane::Contour;
 use glam::DVec3;
 
@@ -65,10 +65,10 @@ pub struct ContourTree {
 }
 
 /// Where the plane halfway between the contours meets the four edges of its column, metres.
-pub fn corners_m(column: &[Half; 4], contour: &Contour) -> [DVec3; 4] {
+pub fn corners_m(column: &[HalfSpace; 4], contour: &Contour) -> [DVec3; 4] {
     let middle = 0.5 * (contour.low_m + contour.high_m);
     // About the centroid, so that nothing large cancels.
-    let moved = |half: Half| (half.0, half.1 - half.0.dot(contour.at_m));
+    let moved = |half: HalfSpace| (half.0, half.1 - half.0.dot(contour.at_m));
     [(0, 2), (1, 2), (0, 3), (1, 3)].map(|(a, b)| {
         let ((a, da), (b, db)) = (moved(column[a]), moved(column[b]));
         let n = contour.normal;

@@ -1,7 +1,7 @@
 //! Heights that are measured: of a file, or synthetic.
 
 use super::TerrainError;
-use super::contours::{Dem, DemError, Frame};
+use super::contours::{Dem, DemError, DemFrame};
 use crate::elevation::{Bounds, GridLimits, fractal_heights_m, open_heights};
 use crate::frames::Ellipsoid;
 use glam::DVec2;
@@ -154,10 +154,10 @@ impl HeightField {
         let rows = self.heights_m.chunks_exact(self.columns as usize).rev();
         let heights_m = rows.flatten().copied().collect();
         let frame = match self.extent {
-            Extent::Plane(spacing_m) => Frame::Flat {
+            Extent::Plane(spacing_m) => DemFrame::Flat {
                 step_m: DVec2::splat(spacing_m),
             },
-            Extent::Earth(bounds) => Frame::Geodetic {
+            Extent::Earth(bounds) => DemFrame::Geodetic {
                 ellipsoid: Ellipsoid::WGS84,
                 bounds,
             },

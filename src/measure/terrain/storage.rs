@@ -54,13 +54,13 @@ pub fn morton_leaves(dem: &Dem, tolerance_m: f64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::globe::contours::dem::Frame;
+    use crate::globe::contours::dem::DemFrame;
 
     #[test]
     fn equal_samples_merge() {
         let step_m = glam::DVec2::ONE;
         let dem = |n: u32, f: fn(u32) -> f32| {
-            Dem::new(n, n, (0..n * n).map(f).collect(), Frame::Flat { step_m }).unwrap()
+            Dem::new(n, n, (0..n * n).map(f).collect(), DemFrame::Flat { step_m }).unwrap()
         };
         assert_eq!(morton_leaves(&dem(64, |_| 5.0), 0.0), 1);
         assert_eq!(morton_leaves(&dem(65, |_| 5.0), 0.0), 1);

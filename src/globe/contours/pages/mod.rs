@@ -1,7 +1,8 @@
 //! The whole Earth as contours that rays are cast at: a forest over the blocks of 22.5°, chosen by the view.
 //!
-//! A *page* is a cell of the forest: 17 × 17 posts of ground, averaged at its own scale, and a [`ContourTree`] over them about
-//! its own origin, fitted in f64 and kept in f32. A page is cut into its four quarters while its error shows by more than the
+//! A *page* is what is built, uploaded and given up as a whole (imagery has the *tiles*). It is a cell of the forest: 17 × 17
+//! posts of ground, averaged at its own scale, and a [`ContourTree`] over them about its own origin, fitted in f64 and
+//! stored in f32. A page is cut into its four quarters while its error shows by more than the
 //! tolerance: half a slab of its leaves, and what finer data would add. Within a page leaves end where slabs are thinner than
 //! that, and in a picture where they are thinner than the ray sees.
 //!
@@ -13,13 +14,13 @@
 //! are there. Nothing waits, and where nothing is built nothing is allocated. At most [`PageOptions::most_pages`] are kept;
 //! the one that was longest out of use makes way.
 //!
-//! [`ContourTree`]: super::ContourTree
-//! [`Dem::reaching`]: super::Dem::reaching
+//! [`ContourTree`]: super::tree::ContourTree
+//! [`Dem::reaching`]: super::dem::Dem::reaching
 
 mod page;
 mod seen;
 
-use super::flat::{FlatRay, cast_flat};
+use super::gpu_layout::{ContourRay, contour_cast};
 use super::surface::lattice::{Cell, ball};
 use super::surface::tables::Keys;
 use crate::elevation::{Bounds, Elevation, HeightRange};
@@ -64,7 +65,7 @@ impl PageOptions {
     /// Bytes of all nodes on the GPU.
     pub fn node_bytes(&self) -> u64 {
         let pages = u64::from(self.within_limits().most_pages);
-        pages * u64::from(MAX_NODES) * size_of::<super::FlatNode>() as u64
+        pages * u64::from(MAX_NODES) * size_of::<super::ContourNode>() as u64
     }
 }
 
@@ -97,11 +98,11 @@ pub struct PagesDraw<'a> {
     pub most_pages: u32,
     /// Angle of a pixel in the middle of the picture, radians.
     pub pixel_rad: f64,
-    /// See [`FlatRay::cone`].
+    /// See [`ContourRay::cone`].
     pub cone: f64,
 }
 
-/// How much wider columns are for an eye at this place, metres; see [`FlatRay::slack`].
+/// How much wider columns are for an eye at this place, metres; see [`ContourRay::slack`].
 pub fn slack_m(page: &Page, eye_itrf_m: DVec3) -> f64 {
     let away_m = page.origin_itrf_m.distance(eye_itrf_m) + page.radius_m;
     away_m * 2f64.powi(-20)
@@ -253,7 +254,7 @@ impl ContourPages {
         let mut most = f32::MAX;
         for drawn in &self.drawn {
             let page = &self.pages[drawn.page as usize];
-            let ray = FlatRay {
+            let ray = ContourRay {
                 from: -(page.origin_itrf_m - eye_itrf_m).as_vec3(),
                 towards: towards.as_vec3(),
                 most,
@@ -264,7 +265,7 @@ impl ContourPages {
             if !enters(page, drawn, &ray) {
                 continue;
             }
-            if let Some((t, _)) = cast_flat(&page.nodes, 0, &ray) {
+            if let Some((t, _)) = contour_cast(&page.nodes, 0, &ray) {
                 most = t;
             }
         }
@@ -273,7 +274,7 @@ impl ContourPages {
 }
 
 /// Whether a ray goes through a page's prism, as a picture shows it.
-fn enters(page: &Page, drawn: &DrawnPage, ray: &FlatRay) -> bool {
+fn enters(page: &Page, drawn: &DrawnPage, ray: &ContourRay) -> bool {
     let up = page.axes[2];
     let (from, towards) = (ray.from.as_dvec3(), ray.towards.as_dvec3());
     let [low, high] = [0, 4].map(|k| up.dot(page.corners_m[k]));
@@ -379,7 +380,7 @@ impl Surface for ContourPages {
         self.pixel_rad = seen.pixel_rad;
         self.cone = 2.0 * of_nodes_px * seen.pixel_rad;
         let nodes: usize = self.pages.iter().map(|page| page.nodes.capacity()).sum();
-        stats.resident_bytes = (nodes * size_of::<super::FlatNode>()
+        stats.resident_bytes = (nodes * size_of::<super::ContourNode>()
             + self.pages.len() * (size_of::<Page>() + size_of::<Slot>()))
             as u64
             + self.by_key.bytes();

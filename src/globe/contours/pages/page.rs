@@ -1,8 +1,8 @@
 //! A page: a cell of the forest with a small tree of contours about its own origin.
 
 use super::super::cast::Ray;
-use super::super::dem::{Dem, Frame};
-use super::super::flat::FlatNode;
+use super::super::dem::{Dem, DemFrame};
+use super::super::gpu_layout::ContourNode;
 use super::super::plane::{Contour, Support};
 use super::super::surface::lattice::{AROUND, Cell, STEP_RAD, TALL, ball, lat_rad, lon_rad};
 use super::super::tree::{ContourTree, Node, corners_m};
@@ -39,7 +39,7 @@ pub struct Page {
     /// Where positions are measured from, ITRF metres.
     pub origin_itrf_m: DVec3,
     /// Its tree.
-    pub nodes: Vec<FlatNode>,
+    pub nodes: Vec<ContourNode>,
     /// The prism that holds what is drawn: SW, SE, NW, NE below, then above, metres from the origin.
     pub corners_m: [DVec3; 8],
     /// Unit vectors east, north and up in its middle.
@@ -187,7 +187,7 @@ impl Page {
         self.nodes.clear();
         self.is_last = true;
         let heights = (0..POSTS * POSTS).map(|k| posts.height_m(k % POSTS, k / POSTS) as f32);
-        let frame = Frame::Geodetic {
+        let frame = DemFrame::Geodetic {
             ellipsoid: *ellipsoid,
             bounds,
         };
@@ -229,7 +229,7 @@ impl Page {
             }
             posts.slope(lat_rad, radius_m, i, j).lerp(of_ground, part)
         };
-        tree.flatten(&dem, slope, &mut self.nodes);
+        tree.write_gpu_nodes(&dem, slope, &mut self.nodes);
         self.origin_itrf_m = dem.origin_m();
         let leaves = tree.nodes.iter().filter(|node| node.children == 0);
         // Upwards, not along the normal.

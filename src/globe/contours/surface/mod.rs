@@ -1,15 +1,15 @@
 //! The whole Earth as q-Bézier patches: a forest over the blocks of 22.5°, chosen by the view.
 //!
-//! Each block is a quadtree; a cell is 4 × 4 bicubic patches of heights over longitude and latitude, lifted along the normal
+//! Each block is a quadtree; a cell is 4 × 4 bicubic patches of heights over longitude and latitude, displaced along the normal
 //! of the ellipsoid, each drawn as 2 × 2 squares. The knots between them are heights and derivatives of the ground at the
 //! patches' own scale, so that neighbours share them; where a neighbour is coarser they are that one's, or what its edge says
-//! half-way between two ([`restrict`](super::restrict)): the ground joins with one height and one tangent plane across every
+//! half-way between two ([`restrict`](super::hermite::restrict)): the ground joins with one height and one tangent plane across every
 //! edge, in each frame's own choice of levels. Neighbours, diagonal ones too, differ by one level at most, so that corners of
 //! a cell are knots of the coarser ones around it. Near the poles, where columns draw together, vertices take the slope of
 //! the ground about them in place of the derivative by longitude.
 //!
-//! Patches are kept and drawn in Hermite form. The parameter q of [`PatchTree`](super::PatchTree) changes the control values
-//! of a patch and not its surface, so there is none here.
+//! Patches are held and drawn in Hermite form. The parameter q of the paper changes the control values of a patch and not
+//! its surface, so there is none here; `measure::terrain` measures it.
 //!
 //! Per frame: choose which cells to cut, largest errors in pixels first, as measured when a cell was first looked at, and with
 //! each what must be cut beside it; draw those that are seen. New cells are measured, and cut, within budgets, so a jump of

@@ -2,7 +2,7 @@
 
 use super::ground::{fractal, noise};
 use crate::elevation::{Denoise, Denoised};
-use crate::globe::contours::dem::{Dem, Frame};
+use crate::globe::contours::dem::{Dem, DemFrame};
 use crate::globe::contours::tree::ContourTree;
 use glam::DVec2;
 
@@ -76,14 +76,14 @@ fn cliffs_walls_and_flat_ground_stay() {
             })
             .collect();
         let step_m = DVec2::splat(30.0);
-        let dem = Dem::new(41, 41, heights, Frame::Flat { step_m }).unwrap();
+        let dem = Dem::new(41, 41, heights, DemFrame::Flat { step_m }).unwrap();
         let (out, found) = cleaned(&dem);
         assert!(out == dem, "{name}: {found:?}");
     }
     for (c, r) in [(1, 1), (2, 3), (1, 5)] {
         let heights = (0..c * r).map(|k| (k * 500) as f32).collect();
         let step_m = DVec2::ONE;
-        let dem = Dem::new(c, r, heights, Frame::Flat { step_m }).unwrap();
+        let dem = Dem::new(c, r, heights, DemFrame::Flat { step_m }).unwrap();
         cleaned(&dem);
     }
 }

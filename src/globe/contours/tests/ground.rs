@@ -2,7 +2,7 @@
 
 use crate::elevation::{Bounds, fractal_heights_m};
 use crate::frames::Ellipsoid;
-use crate::globe::contours::dem::{Dem, Frame};
+use crate::globe::contours::dem::{Dem, DemFrame};
 use glam::DVec2;
 
 /// Numbers in −1…1 that look random.
@@ -18,7 +18,7 @@ pub fn fractal(n: u32, seed: u64) -> Dem {
     let heights = fractal_heights_m(n, seed, 900.0 * f64::from(n) / 129.0, 0.5);
     let heights = heights.into_iter().map(|z| (2_000.0 + z) as f32).collect();
     let step_m = DVec2::splat(90.0);
-    Dem::new(n, n, heights, Frame::Flat { step_m }).unwrap()
+    Dem::new(n, n, heights, DemFrame::Flat { step_m }).unwrap()
 }
 
 /// Heights by column and row, 70 m and 90 m apart.
@@ -27,12 +27,12 @@ pub fn flat(columns: u32, rows: u32, f: impl Fn(u32, u32) -> f32) -> Dem {
         .map(|k| f(k % columns, k / columns))
         .collect();
     let step_m = DVec2::new(70.0, 90.0);
-    Dem::new(columns, rows, heights, Frame::Flat { step_m }).unwrap()
+    Dem::new(columns, rows, heights, DemFrame::Flat { step_m }).unwrap()
 }
 
 /// n × n heights by column and row over a part of WGS84.
 pub fn globe(n: u32, bounds: Bounds, f: impl Fn(u32, u32) -> f32) -> Dem {
     let heights = (0..n * n).map(|k| f(k % n, k / n)).collect();
     let ellipsoid = Ellipsoid::WGS84;
-    Dem::new(n, n, heights, Frame::Geodetic { ellipsoid, bounds }).unwrap()
+    Dem::new(n, n, heights, DemFrame::Geodetic { ellipsoid, bounds }).unwrap()
 }

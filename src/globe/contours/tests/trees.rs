@@ -3,7 +3,7 @@
 use super::ground::{flat, fractal, globe, noise};
 use crate::elevation::Bounds;
 use crate::globe::contours::cast::{Hit, Ray};
-use crate::globe::contours::dem::{Dem, DemError, Frame};
+use crate::globe::contours::dem::{Dem, DemError, DemFrame};
 use crate::globe::contours::tree::ContourTree;
 use glam::{DVec2, DVec3};
 
@@ -153,7 +153,7 @@ fn casting_finds_what_looking_at_every_leaf_finds() {
 fn a_ray_meets_the_ground_where_marching_over_the_data_does() {
     // Bilinear heights, marched in steps of 1 m, on rays that look down steeply enough for one tolerance of height.
     let dem = fractal(129, 9);
-    let Frame::Flat { step_m } = dem.frame() else {
+    let DemFrame::Flat { step_m } = dem.frame() else {
         panic!()
     };
     let height = |p: DVec3| {
@@ -221,7 +221,7 @@ fn an_eye_in_the_ground_and_odd_rays_have_answers() {
 #[test]
 fn what_cannot_be_a_dem_is_refused() {
     let step_m = DVec2::ONE;
-    let new = |c, r, h: Vec<f32>| Dem::new(c, r, h, Frame::Flat { step_m });
+    let new = |c, r, h: Vec<f32>| Dem::new(c, r, h, DemFrame::Flat { step_m });
     assert!(matches!(new(0, 3, vec![]), Err(DemError::Size { .. })));
     assert!(matches!(
         new(2, 2, vec![0.0; 3]),
@@ -237,7 +237,7 @@ fn what_cannot_be_a_dem_is_refused() {
     ));
     let step_m = DVec2::new(0.0, 1.0);
     assert_eq!(
-        Dem::new(1, 1, vec![0.0], Frame::Flat { step_m }),
+        Dem::new(1, 1, vec![0.0], DemFrame::Flat { step_m }),
         Err(DemError::Place)
     );
     let dem = fractal(65, 1);

@@ -8,6 +8,6 @@ mod serialize;
 mod tests;
 
 pub use crate::globe::contours::cast::{Hit, Ray};
-pub use crate::globe::contours::dem::{Dem, DemError, Frame};
+pub use crate::globe::contours::dem::{Dem, DemError, DemFrame};
 pub use crate::globe::contours::tree::{BudgetError, ContourTree, Node, TreeStats};
 pub use select::{screen_error_px, world_error_m};

@@ -5,7 +5,7 @@
 //! centroid, lower and upper contour and ceiling (9 × f64); BLAKE3 of all before it (32 bytes). Numbers are little-endian.
 //! Spans follow from the first children, distances from the heights.
 
-use super::{ContourTree, Dem, Frame, Node, TreeStats};
+use super::{ContourTree, Dem, DemFrame, Node, TreeStats};
 use crate::globe::contours::build::radius_m;
 use crate::globe::contours::dem::{Span, quarters};
 use crate::globe::contours::plane::{Contour, Support};
@@ -27,8 +27,8 @@ impl ContourTree {
         let mut hash = blake3::Hasher::new();
         hash.update(&dem.columns().to_le_bytes());
         let place = match dem.frame() {
-            Frame::Flat { step_m } => vec![step_m.x, step_m.y],
-            Frame::Geodetic { ellipsoid, bounds } => vec![
+            DemFrame::Flat { step_m } => vec![step_m.x, step_m.y],
+            DemFrame::Geodetic { ellipsoid, bounds } => vec![
                 ellipsoid.equatorial_radius_m,
                 ellipsoid.polar_radius_m,
                 bounds.south_rad,

@@ -2,7 +2,7 @@
 
 use super::bezier::Net;
 use super::{Leaf, PatchTree, QPatch};
-use crate::globe::contours::dem::{Dem, Frame};
+use crate::globe::contours::dem::{Dem, DemFrame};
 use crate::globe::contours::hermite::cubic;
 use crate::measure::terrain::qbernstein::QBasis;
 use glam::{DVec2, DVec3};
@@ -45,8 +45,8 @@ impl PatchTree {
     pub fn measure_continuity(&self, dem: &Dem, points: u32) -> Continuity {
         let [columns, rows] = self.size.map(|n| n as usize - 1);
         let step_m = match dem.frame() {
-            Frame::Flat { step_m } => step_m,
-            Frame::Geodetic { ellipsoid, bounds } => {
+            DemFrame::Flat { step_m } => step_m,
+            DemFrame::Geodetic { ellipsoid, bounds } => {
                 let lat = 0.5 * (bounds.south_rad + bounds.north_rad);
                 let tall = bounds.north_rad - bounds.south_rad;
                 let part = DVec2::new(bounds.width_rad * lat.cos(), tall);

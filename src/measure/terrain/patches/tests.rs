@@ -1,5 +1,5 @@
 use super::*;
-use crate::globe::contours::dem::Frame;
+use crate::globe::contours::dem::DemFrame;
 use crate::globe::contours::tests::ground::{fractal, noise};
 use glam::DVec2;
 
@@ -9,7 +9,7 @@ fn rough(columns: u32, rows: u32, seed: u64, f: impl Fn(u32, u32, f64) -> f64) -
         .map(|k| f(k % columns, k / columns, noise(&mut seed)) as f32)
         .collect();
     let step_m = DVec2::new(30.0, 45.0);
-    Dem::new(columns, rows, heights, Frame::Flat { step_m }).unwrap()
+    Dem::new(columns, rows, heights, DemFrame::Flat { step_m }).unwrap()
 }
 
 fn build(dem: &Dem, tolerance_m: f64, q: [f64; 2]) -> PatchTree {

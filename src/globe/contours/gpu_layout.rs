@@ -1,6 +1,6 @@
-//! The tree as a flat buffer for a shader, and the shader's walk in Rust.
+//! The tree as the GPU gets it, and the shader's walk in Rust.
 //!
-//! `shaders/common/contours.wgsl` does what [`cast_flat`] does, operation by operation, in f32. Positions are metres from the
+//! `shaders/common/contours.wgsl` has the same names; its `contour_cast` does what [`contour_cast`] does, operation by operation, in f32. Positions are metres from the
 //! DEM's origin; a ray is handed over from there too, so that both are small. 128 bytes a node, children after each other.
 //! A buffer may hold several trees after each other: a walk is given the place of its root.
 
@@ -12,7 +12,7 @@ use glam::{DVec2, Vec3, Vec4};
 /// A node as the shader reads it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct FlatNode {
+pub struct ContourNode {
     /// Unit normal of its planes.
     pub normal: Vec3,
     /// Signed distance from the centroid's plane over which nothing rises that is drawn, metres.
@@ -49,12 +49,17 @@ const STACK: usize = 24;
 impl ContourTree {
     /// All nodes, the root first, appended to `out`. `slope` tells the rise of the ground at a sample, to the east and to the
     /// north.
-    pub fn flatten(&self, dem: &Dem, slope: impl Fn(u32, u32) -> DVec2, out: &mut Vec<FlatNode>) {
+    pub fn write_gpu_nodes(
+        &self,
+        dem: &Dem,
+        slope: impl Fn(u32, u32) -> DVec2,
+        out: &mut Vec<ContourNode>,
+    ) {
         let corners = |[west, east, south, north]: Span| {
             [(west, south), (east, south), (west, north), (east, north)]
                 .map(|(i, j)| pack_slope(slope(i, j)))
         };
-        let flat = |node: &super::tree::Node| FlatNode {
+        let gpu_node = |node: &super::tree::Node| ContourNode {
             normal: node.contour.normal.as_vec3(),
             // Rounding of positions to f32 must not lower it.
             ceiling: (node.ceiling_m + 1e-6 * node.contour.at_m.length()) as f32,
@@ -69,13 +74,13 @@ impl ContourTree {
             unused: 0.0,
             slopes: corners(node.span),
         };
-        out.extend(self.nodes.iter().map(flat));
+        out.extend(self.nodes.iter().map(gpu_node));
     }
 }
 
 /// A ray as the shader has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FlatRay {
+pub struct ContourRay {
     /// Where it begins, metres from the tree's origin.
     pub from: Vec3,
     /// Unit direction.
@@ -93,7 +98,7 @@ pub struct FlatRay {
 }
 
 /// The stretch of a ray inside a node's column; x > y if there is none.
-fn contour_column(node: &FlatNode, ray: &FlatRay) -> (f32, f32) {
+fn contour_column(node: &ContourNode, ray: &ContourRay) -> (f32, f32) {
     let (mut t0, mut t1) = (0.0f32, ray.most);
     for wall in node.walls {
         let lacks = wall.w - wall.truncate().dot(ray.from) - ray.slack;
@@ -110,7 +115,7 @@ fn contour_column(node: &FlatNode, ray: &FlatRay) -> (f32, f32) {
 }
 
 /// Where a ray first meets the ground of the tree at `root`, metres along it, and the node; see [`ContourTree::cast`].
-pub fn cast_flat(nodes: &[FlatNode], root: u32, ray: &FlatRay) -> Option<(f32, u32)> {
+pub fn contour_cast(nodes: &[ContourNode], root: u32, ray: &ContourRay) -> Option<(f32, u32)> {
     let mut best = (ray.most, u32::MAX);
     let mut stack = [(0u32, 0.0f32, 0.0f32); STACK];
     let (t0, t1) = contour_column(&nodes[root as usize], ray);
@@ -182,8 +187,8 @@ mod tests {
     fn single_precision_meets_the_same_ground() {
         let dem = fractal(129, 21);
         let tree = ContourTree::build(&dem, 10.0, 1 << 28).unwrap();
-        let mut nodes = vec![FlatNode::default(); 3];
-        tree.flatten(&dem, |_, _| DVec2::ZERO, &mut nodes);
+        let mut nodes = vec![ContourNode::default(); 3];
+        tree.write_gpu_nodes(&dem, |_, _| DVec2::ZERO, &mut nodes);
         let mut seed = 2;
         let (mut offs, mut other) = (Vec::new(), 0);
         for _ in 0..5_000 {
@@ -199,7 +204,7 @@ mod tests {
                 cone: 0.0,
             };
             let double = tree.cast(&dem, &ray);
-            let flat = FlatRay {
+            let ray = ContourRay {
                 from: from.as_vec3(),
                 towards: ray.towards.as_vec3(),
                 most: 1e6,
@@ -207,7 +212,7 @@ mod tests {
                 slack: 0.0,
                 step: f32::MAX,
             };
-            let single = cast_flat(&nodes, 3, &flat);
+            let single = contour_cast(&nodes, 3, &ray);
             match (double, single) {
                 (Some(a), Some(b)) => offs.push((a.distance_m - f64::from(b.0)).abs()),
                 (None, None) => (),
@@ -268,18 +273,18 @@ mod tests {
         };
         let theirs: Vec<_> = members.iter().map(|m| m.offset as usize).collect();
         let ours = [
-            std::mem::offset_of!(FlatNode, normal),
-            std::mem::offset_of!(FlatNode, ceiling),
-            std::mem::offset_of!(FlatNode, at),
-            std::mem::offset_of!(FlatNode, middle),
-            std::mem::offset_of!(FlatNode, walls),
-            std::mem::offset_of!(FlatNode, first),
-            std::mem::offset_of!(FlatNode, children),
-            std::mem::offset_of!(FlatNode, thickness),
-            std::mem::offset_of!(FlatNode, unused),
-            std::mem::offset_of!(FlatNode, slopes),
+            std::mem::offset_of!(ContourNode, normal),
+            std::mem::offset_of!(ContourNode, ceiling),
+            std::mem::offset_of!(ContourNode, at),
+            std::mem::offset_of!(ContourNode, middle),
+            std::mem::offset_of!(ContourNode, walls),
+            std::mem::offset_of!(ContourNode, first),
+            std::mem::offset_of!(ContourNode, children),
+            std::mem::offset_of!(ContourNode, thickness),
+            std::mem::offset_of!(ContourNode, unused),
+            std::mem::offset_of!(ContourNode, slopes),
         ];
         assert_eq!(theirs, ours);
-        assert_eq!(*span as usize, size_of::<FlatNode>());
+        assert_eq!(*span as usize, size_of::<ContourNode>());
     }
 }
