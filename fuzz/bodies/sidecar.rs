@@ -1,7 +1,7 @@
 //! Sidecars of files of heights.
 
 use std::path::Path;
-use terrella::elevation::read::{Sidecar, SidecarPlace};
+use terrella::elevation::read::{Sidecar, SidecarGeoreference};
 
 /// Reads any text as a sidecar.
 pub fn run(data: &[u8]) {
@@ -12,7 +12,7 @@ pub fn run(data: &[u8]) {
         Ok(sidecar) => {
             let numbers = [sidecar.scale, sidecar.offset];
             assert!(numbers.iter().flatten().all(|number| number.is_finite()));
-            if let Some(SidecarPlace::Bounds(bounds, _)) = sidecar.place {
+            if let Some(SidecarGeoreference::Bounds(bounds, _)) = sidecar.georeference {
                 assert!(bounds.south_rad < bounds.north_rad);
                 assert!(0.0 < bounds.width_rad && bounds.width_rad <= std::f64::consts::TAU);
             }

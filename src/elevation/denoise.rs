@@ -23,7 +23,7 @@ impl Default for Denoise {
 /// What was found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Denoised {
-    /// Samples replaced.
+    /// HeightRows replaced.
     pub replaced: u64,
     /// Suspect samples left as they were, because two or more neighbours stand with them: cliffs, ridges, walls.
     pub kept: u64,
@@ -32,7 +32,7 @@ pub struct Denoised {
 }
 
 /// Heights row by row; what is no number is not there.
-struct Samples<'a> {
+struct HeightRows<'a> {
     columns: usize,
     heights_m: &'a [f32],
 }
@@ -46,7 +46,7 @@ fn median(values: &mut [f64]) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-impl Samples<'_> {
+impl HeightRows<'_> {
     /// Rows and columns up to `reach` away, the grid's own.
     fn near(
         &self,
@@ -101,14 +101,14 @@ impl Denoise {
     /// Takes the outliers out of heights that stand row by row: a sample farther from the median of its eight neighbours
     /// than both limits, with at most one neighbour on its side, becomes that median. A straight or rounded cliff has at
     /// least two there and stays, as does a summit in ground that is rough all around. All decisions are made on the grid
-    /// as it was. Samples that are no numbers are left alone, and so are rows that are not whole.
+    /// as it was. HeightRows that are no numbers are left alone, and so are rows that are not whole.
     pub fn clean(&self, columns: usize, heights_m: &mut [f32]) -> Denoised {
         let mut found = Denoised::default();
         if columns == 0 || !heights_m.len().is_multiple_of(columns) {
             return found;
         }
         let least_m = self.least_m.max(0.0);
-        let grid = Samples { columns, heights_m };
+        let grid = HeightRows { columns, heights_m };
         let mut replaced = Vec::new();
         for index in 0..grid.heights_m.len() {
             let (row, column) = (index / columns, index % columns);

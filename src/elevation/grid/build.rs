@@ -1,8 +1,8 @@
 //! Making a grid from its heights.
 
+use super::georeference::{Georeference, SampleLattice};
 use super::holes::{coverage, fill};
-use super::levels::{Shape, average, even_out, shapes};
-use super::place::{Georeference, Snapped};
+use super::levels::{LevelShape, average, even_out, shapes};
 use super::ranges::Ranges;
 use super::{
     FEATHER_SAMPLES, GridError, GridStats, HIGHEST_M, HeightGrid, LOWEST_M, Level, Samples,
@@ -70,7 +70,7 @@ impl HeightGrid {
         limits: &GridLimits,
     ) -> Result<Self, GridError> {
         let Georeference { columns, rows, .. } = *georeference;
-        let place = georeference.snapped()?;
+        let lattice = georeference.lattice()?;
         limits.check(columns, rows)?;
         let expected = u64::from(columns) * u64::from(rows);
         if heights_m.len() as u64 != expected {
@@ -80,7 +80,7 @@ impl HeightGrid {
             });
         }
         let mut heights_m = heights_m;
-        if place.columns < columns as usize {
+        if lattice.columns < columns as usize {
             drop_last_column(&mut heights_m, columns as usize);
         }
         let range = known_range(&mut heights_m)?;
@@ -89,9 +89,9 @@ impl HeightGrid {
             .all(|height| height.is_nan() || height.fract() == 0.0);
         let is_short = is_whole || estimated_bytes(expected, false) > limits.bytes;
 
-        let shapes = shapes(&place);
-        let (coverage, holes, left_holes) = fill_holes(&place, &shapes, &mut heights_m);
-        one_value_at_poles(&place, &mut heights_m);
+        let shapes = shapes(&lattice);
+        let (coverage, holes, left_holes) = fill_holes(&lattice, &shapes, &mut heights_m);
+        one_value_at_poles(&lattice, &mut heights_m);
         let samples = match (is_short, is_whole) {
             (false, _) => Samples::F32(heights_m),
             (true, true) => short(&heights_m, 0.0, 1.0),
@@ -101,7 +101,7 @@ impl HeightGrid {
                 short(&heights_m, 0.5 * (range.low_m + range.high_m), scale_m)
             }
         };
-        let levels = pyramid(&place, &shapes, &samples);
+        let levels = pyramid(&lattice, &shapes, &samples);
         let ranges = Ranges::new(&samples, &levels, coverage.as_ref().map(|c| c.0.as_slice()));
         let bytes = sample_bytes(&samples)
             + levels
@@ -122,15 +122,15 @@ impl HeightGrid {
             levels: levels.len() as u32,
             bytes,
         };
-        let finest_rad = place
+        let finest_rad = lattice
             .lat_step_rad
-            .min(place.lon_step_rad * place.widest_cos());
+            .min(lattice.lon_step_rad * lattice.widest_cos());
         let ramp = |count: usize| {
-            let side = (count - 1) as f64 + 2.0 * place.margin();
+            let side = (count - 1) as f64 + 2.0 * lattice.margin();
             1.0 / FEATHER_SAMPLES.max(side / 16.0).min(0.25 * side)
         };
         Ok(Self {
-            place,
+            lattice,
             bounds: georeference.bounds(),
             samples,
             levels,
@@ -138,7 +138,7 @@ impl HeightGrid {
             coverage,
             finest_rad,
             steps_per_rad: 1.0 / finest_rad,
-            ramps: (ramp(place.rows), ramp(place.columns)),
+            ramps: (ramp(lattice.rows), ramp(lattice.columns)),
             stats,
         })
     }
@@ -177,7 +177,11 @@ fn known_range(heights_m: &mut [f32]) -> Result<HeightRange, GridError> {
 type Coverage = Option<(Vec<u8>, [f64; 2])>;
 
 /// Gives holes heights; how far to believe them, how many there are and how many are left to the source beneath.
-fn fill_holes(place: &Snapped, shapes: &[Shape], heights_m: &mut [f32]) -> (Coverage, u64, u64) {
+fn fill_holes(
+    lattice: &SampleLattice,
+    shapes: &[LevelShape],
+    heights_m: &mut [f32],
+) -> (Coverage, u64, u64) {
     let is_hole: Vec<bool> = heights_m.iter().map(|height| height.is_nan()).collect();
     let holes = is_hole.iter().filter(|hole| **hole).count() as u64;
     if holes == 0 {
@@ -187,7 +191,7 @@ fn fill_holes(place: &Snapped, shapes: &[Shape], heights_m: &mut [f32]) -> (Cove
     let mut means: Vec<Vec<f32>> = Vec::new();
     for pair in shapes.windows(2) {
         let fine = means.last().map_or(&*heights_m, Vec::as_slice);
-        let coarse = average(place, &pair[0], fine, &pair[1]);
+        let coarse = average(lattice, &pair[0], fine, &pair[1]);
         let is_whole = coarse.iter().all(|height| !height.is_nan());
         means.push(coarse);
         if is_whole {
@@ -205,16 +209,16 @@ fn fill_holes(place: &Snapped, shapes: &[Shape], heights_m: &mut [f32]) -> (Cove
         .flatten()
         .filter(|believed| **believed < 255)
         .count() as u64;
-    let columns = place.columns;
+    let columns = lattice.columns;
     let coverage = coverage.map(|mut coverage| {
         let least = |row: &[u8]| row.iter().copied().min().unwrap_or(0);
         let north = least(&coverage[..columns]);
         let south = least(&coverage[coverage.len() - columns..]);
-        let (north_row, south_row) = place.pole_rows();
-        if place.reaches_north && north_row == 0.0 {
+        let (north_row, south_row) = lattice.pole_rows();
+        if lattice.reaches_north && north_row == 0.0 {
             coverage[..columns].fill(north);
         }
-        if place.reaches_south && south_row == (place.rows - 1) as f64 {
+        if lattice.reaches_south && south_row == (lattice.rows - 1) as f64 {
             let start = coverage.len() - columns;
             coverage[start..].fill(south);
         }
@@ -224,15 +228,15 @@ fn fill_holes(place: &Snapped, shapes: &[Shape], heights_m: &mut [f32]) -> (Cove
 }
 
 /// A row that lies on a pole gets one height: its mean.
-fn one_value_at_poles(place: &Snapped, heights_m: &mut [f32]) {
+fn one_value_at_poles(lattice: &SampleLattice, heights_m: &mut [f32]) {
     let on_pole = |row: usize| {
-        let (north, south) = place.pole_rows();
+        let (north, south) = lattice.pole_rows();
         let row = row as f64;
-        place.reaches_north && (row - north).abs() < 1e-9
-            || place.reaches_south && (row - south).abs() < 1e-9
+        lattice.reaches_north && (row - north).abs() < 1e-9
+            || lattice.reaches_south && (row - south).abs() < 1e-9
     };
-    for (row, heights_m) in heights_m.chunks_exact_mut(place.columns).enumerate() {
-        if (row == 0 || row + 1 == place.rows) && on_pole(row) {
+    for (row, heights_m) in heights_m.chunks_exact_mut(lattice.columns).enumerate() {
+        if (row == 0 || row + 1 == lattice.rows) && on_pole(row) {
             let mean = mean(heights_m.iter().copied());
             heights_m.fill(mean as f32);
         }
@@ -261,7 +265,7 @@ fn sample_bytes(samples: &Samples) -> u64 {
 }
 
 /// All levels, from the samples as they are held.
-fn pyramid(place: &Snapped, shapes: &[Shape], samples: &Samples) -> Vec<Level> {
+fn pyramid(lattice: &SampleLattice, shapes: &[LevelShape], samples: &Samples) -> Vec<Level> {
     let finest: Vec<f32>;
     let finest = match samples {
         Samples::F32(values) => values.as_slice(),
@@ -270,7 +274,7 @@ fn pyramid(place: &Snapped, shapes: &[Shape], samples: &Samples) -> Vec<Level> {
             finest.as_slice()
         }
     };
-    let poles_m = |shape: &Shape, values: &[f32]| {
+    let poles_m = |shape: &LevelShape, values: &[f32]| {
         let rows = [0, shape.rows - 1];
         rows.map(|row| {
             let row = &values[row * shape.columns..(row + 1) * shape.columns];
@@ -286,9 +290,9 @@ fn pyramid(place: &Snapped, shapes: &[Shape], samples: &Samples) -> Vec<Level> {
     let mut plain: Vec<f32> = Vec::new();
     for pair in shapes.windows(2) {
         let below = if levels.len() == 1 { finest } else { &plain };
-        plain = average(place, &pair[0], below, &pair[1]);
+        plain = average(lattice, &pair[0], below, &pair[1]);
         let mut means_m = plain.clone();
-        even_out(place, &pair[1], &mut means_m);
+        even_out(lattice, &pair[1], &mut means_m);
         levels.push(Level {
             shape: pair[1],
             poles_m: poles_m(&pair[1], &means_m),

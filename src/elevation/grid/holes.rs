@@ -1,6 +1,6 @@
 //! Samples without data: what they are given, and how far that is believed.
 
-use super::levels::Shape;
+use super::levels::LevelShape;
 
 /// A hole up to so many samples from the nearest datum is filled from the coarser levels alone.
 pub(super) const FILLED: u8 = 4;
@@ -9,9 +9,9 @@ pub(super) const FILLED: u8 = 4;
 pub(super) const LEFT: u8 = 9;
 
 /// Gives every sample of a level that is not a number the value of the next coarser level at its place.
-pub(super) fn fill(shape: &Shape, values: &mut [f32], coarse: &Shape, coarser: &[f32]) {
+pub(super) fn fill(shape: &LevelShape, values: &mut [f32], coarse: &LevelShape, coarser: &[f32]) {
     // Poles have no values yet: towards them the outermost row stays.
-    let coarse = Shape {
+    let coarse = LevelShape {
         north_pole: None,
         south_pole: None,
         ..*coarse
@@ -33,7 +33,7 @@ pub(super) fn fill(shape: &Shape, values: &mut [f32], coarse: &Shape, coarser: &
 
 /// How far each sample is believed, 0…255 for 0…1: as data up to [`FILLED`] samples from a datum, then less up to
 /// [`LEFT`]. Diagonal neighbours count as neighbours. `None` if all is believed.
-pub(super) fn coverage(shape: &Shape, is_hole: &[bool]) -> Option<Vec<u8>> {
+pub(super) fn coverage(shape: &LevelShape, is_hole: &[bool]) -> Option<Vec<u8>> {
     let (columns, rows) = (shape.columns, shape.rows);
     let mut steps: Vec<u8> = is_hole
         .iter()

@@ -1,10 +1,10 @@
 //! The pyramid of averages, and interpolation in one of its levels.
 
-use super::place::{Snapped, floor};
+use super::georeference::{SampleLattice, floor};
 
 /// Size of a level and how rows and columns of the finest level become its own.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shape {
+pub(super) struct LevelShape {
     pub columns: usize,
     pub rows: usize,
     /// Its samples to one of the finest level, along a row and along a column.
@@ -16,19 +16,19 @@ pub(super) struct Shape {
     pub south_pole: Option<f64>,
 }
 
-impl Shape {
-    pub(super) fn new(place: &Snapped, columns: usize, rows: usize) -> Self {
-        let row_ratio = rows as f64 / place.rows as f64;
-        let (north, south) = place.pole_rows();
+impl LevelShape {
+    pub(super) fn new(lattice: &SampleLattice, columns: usize, rows: usize) -> Self {
+        let row_ratio = rows as f64 / lattice.rows as f64;
+        let (north, south) = lattice.pole_rows();
         let own = |row: f64| (row + 0.5) * row_ratio - 0.5;
         Self {
             columns,
             rows,
-            column_ratio: columns as f64 / place.columns as f64,
+            column_ratio: columns as f64 / lattice.columns as f64,
             row_ratio,
-            is_periodic: place.is_periodic,
-            north_pole: place.reaches_north.then_some(own(north).min(0.0)),
-            south_pole: place
+            is_periodic: lattice.is_periodic,
+            north_pole: lattice.reaches_north.then_some(own(north).min(0.0)),
+            south_pole: lattice
                 .reaches_south
                 .then_some(own(south).max((rows - 1) as f64)),
         }
@@ -124,21 +124,24 @@ fn to_pole(row: f64, pole: f64, part: f64) -> f64 {
 /// Sizes of all levels, the finest first. Level k has samples about 2^k of the finest spacings apart on the ground: each
 /// side is divided by the power of two that comes nearest to that, so that the other spacing differs by √2 at most. What
 /// cannot be divided is cut into parts that are a little smaller.
-pub(super) fn shapes(place: &Snapped) -> Vec<Shape> {
-    let step = (place.lat_step_rad, place.lon_step_rad * place.widest_cos());
+pub(super) fn shapes(lattice: &SampleLattice) -> Vec<LevelShape> {
+    let step = (
+        lattice.lat_step_rad,
+        lattice.lon_step_rad * lattice.widest_cos(),
+    );
     let finest = step.0.min(step.1);
     let count = |all: usize, level: i32, step: f64| {
         let halvings = (f64::from(level) - (step / finest).log2()).round();
         (all as f64 / halvings.max(0.0).exp2()).ceil().max(1.0) as usize
     };
-    let mut shapes = vec![Shape::new(place, place.columns, place.rows)];
+    let mut shapes = vec![LevelShape::new(lattice, lattice.columns, lattice.rows)];
     for level in 1..64 {
         if shapes.last().is_some_and(|shape| shape.samples() == 1) {
             break;
         }
-        let columns = count(place.columns, level, step.1);
-        let rows = count(place.rows, level, step.0);
-        shapes.push(Shape::new(place, columns, rows));
+        let columns = count(lattice.columns, level, step.1);
+        let rows = count(lattice.rows, level, step.0);
+        shapes.push(LevelShape::new(lattice, columns, rows));
     }
     shapes
 }
@@ -167,7 +170,12 @@ pub(super) fn ranges(fine: usize, coarse: usize) -> impl Iterator<Item = (usize,
 }
 
 /// The next coarser level: means by area on the ground, of what is a number.
-pub(super) fn average(place: &Snapped, fine: &Shape, values: &[f32], coarse: &Shape) -> Vec<f32> {
+pub(super) fn average(
+    lattice: &SampleLattice,
+    fine: &LevelShape,
+    values: &[f32],
+    coarse: &LevelShape,
+) -> Vec<f32> {
     let columns = spans(fine.columns, coarse.columns);
     let mut out = Vec::with_capacity(coarse.samples());
     let mut sums = vec![(0.0f64, 0.0f64); fine.columns];
@@ -176,7 +184,7 @@ pub(super) fn average(place: &Snapped, fine: &Shape, values: &[f32], coarse: &Sh
         for (n, part) in parts.iter().enumerate() {
             let row = first + n;
             let base_row = (row as f64 + 0.5) / fine.row_ratio - 0.5;
-            let weight = part * place.latitude_rad(base_row).cos().max(1e-6);
+            let weight = part * lattice.latitude_rad(base_row).cos().max(1e-6);
             let values = &values[row * fine.columns..(row + 1) * fine.columns];
             for (sum, value) in sums.iter_mut().zip(values) {
                 if !value.is_nan() {
@@ -200,13 +208,13 @@ pub(super) fn average(place: &Snapped, fine: &Shape, values: &[f32], coarse: &Sh
 
 /// Averages each row along itself over as much ground as the columns are apart in the row nearest to the equator. Towards
 /// the poles they draw together: without this a coarse level would be coarse in one direction only.
-pub(super) fn even_out(place: &Snapped, shape: &Shape, values: &mut [f32]) {
-    let widest_cos = place.widest_cos();
+pub(super) fn even_out(lattice: &SampleLattice, shape: &LevelShape, values: &mut [f32]) {
+    let widest_cos = lattice.widest_cos();
     let columns = shape.columns;
     let mut sums = Vec::with_capacity(columns + 1);
     for (row, values) in values.chunks_exact_mut(columns).enumerate() {
         let base_row = (row as f64 + 0.5) / shape.row_ratio - 0.5;
-        let cos = place.latitude_rad(base_row).cos().max(1e-9);
+        let cos = lattice.latitude_rad(base_row).cos().max(1e-9);
         let width = (widest_cos / cos).min(columns as f64);
         if width <= 1.0 + 1e-9 || columns < 2 {
             continue;

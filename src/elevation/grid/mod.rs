@@ -1,19 +1,19 @@
 //! Heights at equal steps of latitude and longitude, held in memory.
 
 mod build;
+mod georeference;
 mod holes;
 mod levels;
-mod place;
 mod ranges;
 #[cfg(test)]
 mod tests;
 
 pub use build::GridLimits;
-pub use place::{Georeference, MAX_SIDE, Registration};
+pub use georeference::{Georeference, MAX_SIDE, Registration};
 
 use super::{Bounds, HeightRange};
-use levels::Shape;
-use place::Snapped;
+use georeference::SampleLattice;
+use levels::LevelShape;
 use ranges::Ranges;
 use std::f64::consts::{PI, TAU};
 use std::fmt;
@@ -131,7 +131,7 @@ impl Samples {
 
 /// A level of the pyramid.
 struct Level {
-    shape: Shape,
+    shape: LevelShape,
     /// Metres; empty in the finest level, whose samples are [`Samples`].
     means_m: Vec<f32>,
     /// Heights of the poles, north first: the means of the outermost rows.
@@ -157,7 +157,7 @@ struct Level {
 /// [`GridLimits`] allow, heights are rounded to 65 500 steps between lowest and highest if 2 and 2.7 bytes are allowed.
 /// One byte more where holes are left. While a grid is made, its heights and the means are held beside it.
 pub struct HeightGrid {
-    place: Snapped,
+    lattice: SampleLattice,
     bounds: Bounds,
     samples: Samples,
     /// The finest first.
@@ -177,7 +177,7 @@ impl fmt::Debug for HeightGrid {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // Not the samples.
         f.debug_struct("HeightGrid")
-            .field("place", &self.place)
+            .field("lattice", &self.lattice)
             .field("stats", &self.stats)
             .finish_non_exhaustive()
     }
@@ -186,7 +186,7 @@ impl fmt::Debug for HeightGrid {
 impl HeightGrid {
     /// Height at a place, metres, averaged over about `spacing_rad` to each side. Always finite for finite places.
     pub fn height_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64 {
-        let (row, column) = self.place.locate(lat_rad, lon_rad);
+        let (row, column) = self.lattice.locate(lat_rad, lon_rad);
         self.at(row, column, spacing_rad)
     }
 
@@ -238,7 +238,7 @@ impl HeightGrid {
     /// How much a place's height counts against that of what lies beneath, 0…1, continuous: 0 outside the grid and on
     /// its border, 1 from some samples inside on ([`FEATHER_SAMPLES`]), except in holes.
     pub fn weight(&self, lat_rad: f64, lon_rad: f64) -> f64 {
-        let (row, column) = self.place.locate(lat_rad, lon_rad);
+        let (row, column) = self.lattice.locate(lat_rad, lon_rad);
         self.weight_at(row, column)
     }
 
@@ -250,7 +250,7 @@ impl HeightGrid {
         lon_rad: f64,
         spacing_rad: f64,
     ) -> Option<(f64, f64)> {
-        let (row, column) = self.place.locate(lat_rad, lon_rad);
+        let (row, column) = self.lattice.locate(lat_rad, lon_rad);
         let weight = self.weight_at(row, column);
         (weight > 0.0).then(|| (self.at(row, column, spacing_rad), weight))
     }
@@ -271,18 +271,18 @@ impl HeightGrid {
     /// The part of the weight that the border takes.
     #[inline]
     fn inside(&self, row: f64, column: f64) -> f64 {
-        let Snapped {
+        let SampleLattice {
             columns,
             rows,
             is_periodic,
             reaches_north,
             reaches_south,
             ..
-        } = self.place;
+        } = self.lattice;
         if is_periodic && reaches_north && reaches_south {
             return 1.0;
         }
-        let margin = self.place.margin();
+        let margin = self.lattice.margin();
         let ramp = |from_border: f64, per_sample: f64| {
             let part = (from_border * per_sample).clamp(0.0, 1.0);
             part * part * (3.0 - 2.0 * part)
@@ -309,8 +309,8 @@ impl HeightGrid {
     /// Whether the grid alone says the height of every place inside the bounds. May say no too often.
     pub(super) fn rules(&self, bounds: &Bounds) -> bool {
         let (rows, columns) = self.span(bounds);
-        if self.place.is_periodic {
-            let whole = (0.0, (self.place.columns - 1) as f64);
+        if self.lattice.is_periodic {
+            let whole = (0.0, (self.lattice.columns - 1) as f64);
             let corners = [(rows.0, whole.0), (rows.1, whole.1)];
             if corners.iter().any(|(r, c)| self.inside(*r, *c) < 1.0) {
                 return false;
@@ -326,7 +326,7 @@ impl HeightGrid {
                 return false;
             }
         }
-        self.coverage.is_none() || !self.ranges.has_left_hole(&self.place, rows, columns)
+        self.coverage.is_none() || !self.ranges.has_left_hole(&self.lattice, rows, columns)
     }
 
     /// Lowest and highest height that the grid answers inside the bounds at spacings up to `coarsest_rad`; infinite for
@@ -347,14 +347,14 @@ impl HeightGrid {
     /// First and last row, first and last column of the bounds, real numbers of the finest level. Columns of a grid that
     /// goes round may go on behind its last; of others they stay inside it.
     fn span(&self, bounds: &Bounds) -> ((f64, f64), (f64, f64)) {
-        let (north, west) = self.place.locate(bounds.north_rad, bounds.west_rad);
-        let (south, _) = self.place.locate(bounds.south_rad, bounds.west_rad);
-        let width = bounds.width_rad.clamp(0.0, TAU) / self.place.lon_step_rad;
-        let columns = self.place.columns as f64;
-        let (west, east) = if self.place.is_periodic {
+        let (north, west) = self.lattice.locate(bounds.north_rad, bounds.west_rad);
+        let (south, _) = self.lattice.locate(bounds.south_rad, bounds.west_rad);
+        let width = bounds.width_rad.clamp(0.0, TAU) / self.lattice.lon_step_rad;
+        let columns = self.lattice.columns as f64;
+        let (west, east) = if self.lattice.is_periodic {
             (west, west + width.min(columns))
         } else {
-            let turn = TAU / self.place.lon_step_rad;
+            let turn = TAU / self.lattice.lon_step_rad;
             // Behind the meridian opposite the grid its other side is the nearer one.
             if west + width > 0.5 * (columns - 1.0) + 0.5 * turn {
                 (0.0, columns - 1.0)
@@ -374,7 +374,7 @@ impl HeightGrid {
 
     /// Samples of a row, and rows. A last sample that repeats the first of its row behind a full turn is not kept.
     pub fn size(&self) -> (u32, u32) {
-        (self.place.columns as u32, self.place.rows as u32)
+        (self.lattice.columns as u32, self.lattice.rows as u32)
     }
 
     /// A sample, metres: the first column is the western, the first row the northern. The nearest beyond the edge.
@@ -387,13 +387,13 @@ impl HeightGrid {
 
     /// From the first to the last sample each way: half a spacing less than [`Self::bounds`] where samples are cells.
     pub fn sample_bounds(&self) -> Bounds {
-        let place = &self.place;
-        let tall_rad = (place.rows - 1) as f64 * place.lat_step_rad;
+        let lattice = &self.lattice;
+        let tall_rad = (lattice.rows - 1) as f64 * lattice.lat_step_rad;
         Bounds {
-            south_rad: place.north_rad - tall_rad,
-            north_rad: place.north_rad,
-            west_rad: place.west_rad,
-            width_rad: (place.columns - 1) as f64 * place.lon_step_rad,
+            south_rad: lattice.north_rad - tall_rad,
+            north_rad: lattice.north_rad,
+            west_rad: lattice.west_rad,
+            width_rad: (lattice.columns - 1) as f64 * lattice.lon_step_rad,
         }
     }
 

@@ -1,7 +1,7 @@
 //! Lowest and highest heights of parts of a grid: a pyramid beside that of averages.
 
-use super::levels::{Shape, ranges};
-use super::place::Snapped;
+use super::georeference::SampleLattice;
+use super::levels::{LevelShape, ranges};
 use super::{HeightGrid, Level, Samples};
 use crate::elevation::HeightRange;
 
@@ -15,7 +15,7 @@ const CELLS: f64 = 4.0;
 const FLAG_SIDE: usize = 16;
 
 /// Most flags looked at; more count as one that is set.
-const MOST_FLAGS: usize = 4096;
+const MAX_FLAGS: usize = 4096;
 
 /// Per level above the finest, for each of its cells: lowest and highest of the samples in it, of its own mean and of
 /// those of all levels between.
@@ -156,36 +156,36 @@ impl Ranges {
     /// Whether some place between these rows and columns may be left to the source beneath.
     pub(super) fn has_left_hole(
         &self,
-        place: &Snapped,
+        lattice: &SampleLattice,
         rows: (f64, f64),
         columns: (f64, f64),
     ) -> bool {
-        let first_row = inside(rows.0.floor(), place.rows) / FLAG_SIDE;
-        let last_row = inside(rows.1.floor() + 1.0, place.rows) / FLAG_SIDE;
+        let first_row = inside(rows.0.floor(), lattice.rows) / FLAG_SIDE;
+        let last_row = inside(rows.1.floor() + 1.0, lattice.rows) / FLAG_SIDE;
         let first_column = columns.0.floor();
         let last_column = columns.1.floor() + 1.0;
         let flags_across = (last_column - first_column) as usize / FLAG_SIDE + 2;
-        if flags_across * (last_row + 1 - first_row) > MOST_FLAGS {
+        if flags_across * (last_row + 1 - first_row) > MAX_FLAGS {
             return true;
         }
         // At a pole the whole outermost row counts.
-        let poles = place.reaches_north && rows.0 < 0.0
-            || place.reaches_south && rows.1 > (place.rows - 1) as f64;
+        let poles = lattice.reaches_north && rows.0 < 0.0
+            || lattice.reaches_south && rows.1 > (lattice.rows - 1) as f64;
         if poles {
             return true;
         }
-        let count = place.columns as f64;
+        let count = lattice.columns as f64;
         (0..=flags_across).any(|n| {
             let column = (first_column + (n * FLAG_SIDE) as f64).min(last_column);
-            let column = if place.is_periodic {
-                (column.rem_euclid(count) as usize).min(place.columns - 1)
+            let column = if lattice.is_periodic {
+                (column.rem_euclid(count) as usize).min(lattice.columns - 1)
             } else {
-                inside(column, place.columns)
+                inside(column, lattice.columns)
             } / FLAG_SIDE;
             // The strip after the last column of a row that goes round may be a narrow one.
             (first_row..=last_row).any(|row| {
                 let at = |column: usize| self.left[row * self.left_columns + column];
-                at(column) || place.is_periodic && at((column + 1) % self.left_columns)
+                at(column) || lattice.is_periodic && at((column + 1) % self.left_columns)
             })
         })
     }
@@ -198,7 +198,7 @@ fn inside(n: f64, count: usize) -> usize {
 }
 
 /// Columns from one to another, each once.
-fn columns_of(shape: &Shape, first: f64, last: f64) -> impl Iterator<Item = usize> {
+fn columns_of(shape: &LevelShape, first: f64, last: f64) -> impl Iterator<Item = usize> {
     let count = shape.columns;
     let (first, number) = if shape.is_periodic {
         let number = ((last - first) as usize + 1).min(count);

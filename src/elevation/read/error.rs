@@ -113,9 +113,9 @@ pub enum HeightFileError {
 
 /// Errors about one file.
 #[derive(Clone, Debug)]
-pub(super) struct Blame(PathBuf);
+pub(super) struct FileContext(PathBuf);
 
-impl Blame {
+impl FileContext {
     pub(super) fn new(path: &Path) -> Self {
         Self(path.to_path_buf())
     }

@@ -1,7 +1,7 @@
 //! What the tags of a GeoTIFF say about place and units (OGC 19-008r4, and GDAL's own tags).
 
 use super::HeightFileError;
-use super::error::Blame;
+use super::error::FileContext;
 use super::sidecar::HeightUnit;
 use crate::elevation::geo_tags::{GeoTags, MODEL_TYPE, RASTER_TYPE};
 use crate::elevation::{Georeference, Registration};
@@ -46,26 +46,26 @@ pub(super) type Place = (Georeference, bool);
 
 impl HeightTags {
     /// Where the file lies; `None` if it does not say.
-    pub(super) fn place(
+    pub(super) fn georeference(
         &self,
         columns: u32,
         rows: u32,
-        blame: &Blame,
+        context: &FileContext,
     ) -> Result<Option<Place>, HeightFileError> {
-        let affine = self.affine(blame)?;
+        let affine = self.affine(context)?;
         let Some([left, top, right_step, down_step]) = affine else {
             if !self.geo.keys.is_empty() && self.geo.key(MODEL_TYPE).is_some_and(|model| model != 2)
             {
-                self.check_coordinates(blame)?;
+                self.check_coordinates(context)?;
             }
             return Ok(None);
         };
-        let radians = self.check_coordinates(blame)?;
+        let radians = self.check_coordinates(context)?;
         let registration = match self.geo.key(RASTER_TYPE) {
             None | Some(1) => Registration::Cells,
             Some(2) => Registration::Posts,
             Some(other) => {
-                return Err(blame.refused(
+                return Err(context.refused(
                     format!("has the raster type {other}"),
                     "1 (areas) or 2 (points) in GTRasterTypeGeoKey",
                     "rewrite it with `gdal_translate`",
@@ -78,12 +78,12 @@ impl HeightTags {
             Registration::Posts => 0.0,
         };
         if !(right_step > 0.0 && down_step != 0.0 && left.is_finite() && top.is_finite()) {
-            return Err(blame.refused(
+            return Err(context.refused(
                 "runs from east to west, or has steps of no size",
                 "columns from west to east",
                 format!(
                     "`gdalwarp -t_srs EPSG:4326 {} OUT.tif`",
-                    blame.path().display()
+                    context.path().display()
                 ),
             ));
         }
@@ -107,13 +107,13 @@ impl HeightTags {
     }
 
     /// Longitude and latitude of column 0, row 0, and steps to the east and to the south.
-    fn affine(&self, blame: &Blame) -> Result<Option<[f64; 4]>, HeightFileError> {
+    fn affine(&self, context: &FileContext) -> Result<Option<[f64; 4]>, HeightFileError> {
         if let Some(m) = self.geo.matrix.as_deref() {
             let [a, b, _, c, d, e, _, f, ..] = *m else {
-                return Err(blame.damaged("ModelTransformation of fewer than 16 numbers"));
+                return Err(context.damaged("ModelTransformation of fewer than 16 numbers"));
             };
             if b != 0.0 || d != 0.0 {
-                return Err(blame.rotated());
+                return Err(context.rotated());
             }
             return Ok(Some([c, f, a, -e]));
         }
@@ -121,21 +121,21 @@ impl HeightTags {
             (Some([x, y, ..]), Some([column, row, _, lon, lat, _])) => {
                 Ok(Some([lon - column * x, lat + row * y, *x, *y]))
             }
-            (Some(_), None) => Err(blame.damaged("ModelPixelScale without ModelTiepoint")),
+            (Some(_), None) => Err(context.damaged("ModelPixelScale without ModelTiepoint")),
             (None, None) => Ok(None),
-            _ => Err(blame.refused(
+            _ => Err(context.refused(
                 "is placed by several points",
                 "one point and a scale",
                 format!(
                     "`gdalwarp -t_srs EPSG:4326 -r bilinear {} OUT.tif`",
-                    blame.path().display()
+                    context.path().display()
                 ),
             )),
         }
     }
 
     /// Refuses what is not latitude and longitude of WGS84 or nearly that; radians of one unit.
-    fn check_coordinates(&self, blame: &Blame) -> Result<f64, HeightFileError> {
+    fn check_coordinates(&self, context: &FileContext) -> Result<f64, HeightFileError> {
         let epsg = |kind: &str, code: Option<u16>| match code {
             Some(code) if code != USER_DEFINED && code != 0 => format!("{kind} EPSG:{code}"),
             _ => format!("{kind} of its own making"),
@@ -144,48 +144,53 @@ impl HeightTags {
             Some(2) => {}
             Some(1) => {
                 let crs = epsg("the projected coordinates", self.geo.key(PROJECTED_TYPE));
-                return Err(blame.other_coordinates(crs));
+                return Err(context.other_coordinates(crs));
             }
-            Some(3) => return Err(blame.other_coordinates("geocentric coordinates")),
+            Some(3) => return Err(context.other_coordinates("geocentric coordinates")),
             Some(other) => {
                 return Err(
-                    blame.other_coordinates(format!("coordinates of the unknown model {other}"))
+                    context.other_coordinates(format!("coordinates of the unknown model {other}"))
                 );
             }
             None if self.geo.key(PROJECTED_TYPE).is_some() => {
                 let crs = epsg("the projected coordinates", self.geo.key(PROJECTED_TYPE));
-                return Err(blame.other_coordinates(crs));
+                return Err(context.other_coordinates(crs));
             }
             None if self.geo.key(GEOGRAPHIC_TYPE).is_some() => {}
             None => {
-                return Err(blame.refused(
+                return Err(context.refused(
                     "does not say what coordinates it lies in",
                     "GeoTIFF keys of latitude and longitude",
                     format!(
                         "if it is so, `gdal_translate -a_srs EPSG:4326 {} OUT.tif`",
-                        blame.path().display()
+                        context.path().display()
                     ),
                 ));
             }
         }
         let code = self.geo.key(GEOGRAPHIC_TYPE);
         if !code.is_some_and(|code| NEAR_WGS84.contains(&code)) {
-            return Err(blame.other_coordinates(epsg("the geographic coordinates", code)));
+            return Err(context.other_coordinates(epsg("the geographic coordinates", code)));
         }
         match self.geo.key(ANGULAR_UNITS) {
             None | Some(9102 | 9122) => Ok(1f64.to_radians()),
             Some(9101) => Ok(1.0),
-            Some(other) => Err(blame.other_coordinates(format!("angles of the unit EPSG:{other}"))),
+            Some(other) => {
+                Err(context.other_coordinates(format!("angles of the unit EPSG:{other}")))
+            }
         }
     }
 
     /// The unit of heights, `None` if the file does not say it.
-    pub(super) fn unit(&self, blame: &Blame) -> Result<Option<HeightUnit>, HeightFileError> {
+    pub(super) fn unit(
+        &self,
+        context: &FileContext,
+    ) -> Result<Option<HeightUnit>, HeightFileError> {
         let unknown = |what: String| {
-            blame.refused(
+            context.refused(
                 what,
                 "metres or feet",
-                format!("`gdal_translate -a_scale … {} OUT.tif`, then write unit = \"metres\" in a sidecar", blame.path().display()),
+                format!("`gdal_translate -a_scale … {} OUT.tif`, then write unit = \"metres\" in a sidecar", context.path().display()),
             )
         };
         match self.geo.key(VERTICAL_UNITS) {

@@ -21,10 +21,10 @@ mod tests;
 mod tiff;
 
 pub use error::HeightFileError;
-pub use sidecar::{ByteOrder, HeightUnit, MAX_SIDECAR_BYTES, Sidecar, SidecarPlace};
+pub use sidecar::{ByteOrder, HeightUnit, MAX_SIDECAR_BYTES, Sidecar, SidecarGeoreference};
 
 use super::{Denoise, Denoised, Georeference, GridLimits, HeightGrid};
-use error::Blame;
+use error::FileContext;
 use std::fs::File;
 use std::io::{BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -44,7 +44,7 @@ pub struct HeightFile {
 struct Header {
     columns: u32,
     rows: u32,
-    place: Option<Georeference>,
+    georeference: Option<Georeference>,
     /// The southern row is stored first.
     is_south_first: bool,
     unit: Option<HeightUnit>,
@@ -76,7 +76,7 @@ impl Conversion {
 }
 
 /// A file whose header has been read.
-enum Source<R: BufRead + Seek> {
+enum Decoder<R: BufRead + Seek> {
     Tiff(Box<tiff::Tiff<R>>),
     Png(Box<png::Png<R>>),
     NetCdf(netcdf::NetCdf<R>),
@@ -99,11 +99,11 @@ pub fn open_heights_denoised(
     limits: &GridLimits,
     denoise: Option<&Denoise>,
 ) -> Result<HeightFile, HeightFileError> {
-    let blame = Blame::new(path);
-    let file = File::open(path).map_err(|error| blame.unreadable(error))?;
-    let metadata = file.metadata().map_err(|error| blame.unreadable(error))?;
+    let context = FileContext::new(path);
+    let file = File::open(path).map_err(|error| context.unreadable(error))?;
+    let metadata = file.metadata().map_err(|error| context.unreadable(error))?;
     if !metadata.is_file() {
-        return Err(blame.refused("is no file", "a GeoTIFF, PNG or NetCDF file", "give one"));
+        return Err(context.refused("is no file", "a GeoTIFF, PNG or NetCDF file", "give one"));
     }
     let sidecar = read_sidecar(&path.with_extension("toml"))?;
     let reader = BufReader::with_capacity(1 << 16, file);
@@ -112,18 +112,18 @@ pub fn open_heights_denoised(
 
 /// The sidecar at a path, if there is a file.
 fn read_sidecar(path: &Path) -> Result<Option<Sidecar>, HeightFileError> {
-    let blame = Blame::new(path);
+    let context = FileContext::new(path);
     let file = match File::open(path) {
         Ok(file) => file,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(blame.unreadable(error)),
+        Err(error) => return Err(context.unreadable(error)),
     };
     let mut text = Vec::new();
     file.take(MAX_SIDECAR_BYTES + 1)
         .read_to_end(&mut text)
-        .map_err(|error| blame.unreadable(error))?;
+        .map_err(|error| context.unreadable(error))?;
     let Ok(text) = String::from_utf8(text) else {
-        return Err(blame.refused("is no text", "TOML", "write it anew as UTF-8"));
+        return Err(context.refused("is no text", "TOML", "write it anew as UTF-8"));
     };
     Sidecar::from_toml(&text, path).map(Some)
 }
@@ -148,38 +148,38 @@ fn read<R: BufRead + Seek>(
     limits: &GridLimits,
     denoise: Option<&Denoise>,
 ) -> Result<HeightFile, HeightFileError> {
-    let blame = Blame::new(path);
+    let context = FileContext::new(path);
     let mut magic = Vec::with_capacity(8);
     (&mut reader)
         .take(8)
         .read_to_end(&mut magic)
         .and_then(|_| reader.seek(SeekFrom::Start(0)))
-        .map_err(|error| blame.unreadable(error))?;
+        .map_err(|error| context.unreadable(error))?;
     let formats = "a GeoTIFF, a PNG or a NetCDF classic file";
     let nothing = Sidecar::default();
     let said = sidecar.unwrap_or(&nothing);
     let (source, header) = match magic.as_slice() {
         [0x89, b'P', b'N', b'G', ..] => {
-            let (png, header) = png::Png::open(reader, &blame, said.byte_order)?;
-            (Source::Png(Box::new(png)), header)
+            let (png, header) = png::Png::open(reader, &context, said.byte_order)?;
+            (Decoder::Png(Box::new(png)), header)
         }
         [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => {
-            let (tiff, header) = tiff::Tiff::open(reader, &blame)?;
-            (Source::Tiff(Box::new(tiff)), header)
+            let (tiff, header) = tiff::Tiff::open(reader, &context)?;
+            (Decoder::Tiff(Box::new(tiff)), header)
         }
         [b'C', b'D', b'F', 1 | 2, ..] => {
-            let (file, header) = netcdf::NetCdf::open(reader, &blame, said.variable.as_deref())?;
-            (Source::NetCdf(file), header)
+            let (file, header) = netcdf::NetCdf::open(reader, &context, said.variable.as_deref())?;
+            (Decoder::NetCdf(file), header)
         }
         [b'C', b'D', b'F', ..] | [0x89, b'H', b'D', b'F', ..] => {
-            return Err(blame.refused(
+            return Err(context.refused(
                 "is a NetCDF file of a later form",
                 "NetCDF classic",
                 format!("convert it: `nccopy -k classic {} OUT.nc`", path.display()),
             ));
         }
         _ => {
-            return Err(blame.refused(
+            return Err(context.refused(
                 "is none of the files that heights are read from",
                 formats,
                 format!(
@@ -189,16 +189,16 @@ fn read<R: BufRead + Seek>(
             ));
         }
     };
-    let is_png = matches!(source, Source::Png(_));
+    let is_png = matches!(source, Decoder::Png(_));
     if said.byte_order.is_some() && !is_png {
-        return Err(blame.refused(
+        return Err(context.refused(
             "says its byte order itself, and so does the sidecar",
             "one word on it",
             "take byte_order out of the sidecar",
         ));
     }
-    if said.variable.is_some() && !matches!(source, Source::NetCdf(_)) {
-        return Err(blame.refused(
+    if said.variable.is_some() && !matches!(source, Decoder::NetCdf(_)) {
+        return Err(context.refused(
             "has no variables, and the sidecar names one",
             "a variable for NetCDF files only",
             "take it out of the sidecar",
@@ -206,22 +206,23 @@ fn read<R: BufRead + Seek>(
     }
     limits
         .check(header.columns, header.rows)
-        .map_err(|error| blame.grid(error))?;
-    let place = place(&header, said, &blame)?;
-    let conversion = conversion(&header, said, &blame)?;
+        .map_err(|error| context.grid(error))?;
+    let georeference = georeference(&header, said, &context)?;
+    let conversion = conversion(&header, said, &context)?;
     // Checked above: the georeference has the file's size.
     let count = header.columns as usize * header.rows as usize;
     let mut heights_m = vec![0.0f32; count];
     match source {
-        Source::Tiff(mut tiff) => tiff.read(&blame, conversion, &mut heights_m)?,
-        Source::Png(mut png) => png.read(&blame, conversion, &mut heights_m)?,
-        Source::NetCdf(mut file) => file.read(&blame, conversion, &mut heights_m)?,
+        Decoder::Tiff(mut tiff) => tiff.read(&context, conversion, &mut heights_m)?,
+        Decoder::Png(mut png) => png.read(&context, conversion, &mut heights_m)?,
+        Decoder::NetCdf(mut file) => file.read(&context, conversion, &mut heights_m)?,
     }
     if header.is_south_first {
         flip_rows(&mut heights_m, header.columns as usize);
     }
     let denoised = denoise.map(|denoise| denoise.clean(header.columns as usize, &mut heights_m));
-    let grid = HeightGrid::new(&place, heights_m, limits).map_err(|error| blame.grid(error))?;
+    let grid =
+        HeightGrid::new(&georeference, heights_m, limits).map_err(|error| context.grid(error))?;
     Ok(HeightFile {
         grid,
         attribution: said.attribution.clone(),
@@ -229,21 +230,25 @@ fn read<R: BufRead + Seek>(
     })
 }
 
-fn place(header: &Header, said: &Sidecar, blame: &Blame) -> Result<Georeference, HeightFileError> {
-    match (&header.place, &said.place) {
-        (Some(_), Some(_)) => Err(blame.refused(
+fn georeference(
+    header: &Header,
+    said: &Sidecar,
+    context: &FileContext,
+) -> Result<Georeference, HeightFileError> {
+    match (&header.georeference, &said.georeference) {
+        (Some(_), Some(_)) => Err(context.refused(
             "says itself where it lies, and so does its sidecar",
             "one place",
             "take bounds, centre, spacing and registration out of the sidecar",
         )),
-        (Some(place), None) => Ok(*place),
-        (None, Some(place)) => {
-            let place = place.georeference(header.columns, header.rows);
-            place.map_err(|error| blame.grid(error))
+        (Some(georeference), None) => Ok(*georeference),
+        (None, Some(said)) => {
+            let georeference = said.georeference(header.columns, header.rows);
+            georeference.map_err(|error| context.grid(error))
         }
         (None, None) => Err(HeightFileError::NoPlace {
-            path: blame.path().to_owned(),
-            sidecar: sidecar_of(blame.path()),
+            path: context.path().to_owned(),
+            sidecar: sidecar_of(context.path()),
         }),
     }
 }
@@ -251,12 +256,12 @@ fn place(header: &Header, said: &Sidecar, blame: &Blame) -> Result<Georeference,
 fn conversion(
     header: &Header,
     said: &Sidecar,
-    blame: &Blame,
+    context: &FileContext,
 ) -> Result<Conversion, HeightFileError> {
     let unit = match (header.unit, said.unit) {
         (Some(of_file), Some(of_sidecar)) if of_file != of_sidecar => {
             return Err(HeightFileError::TwoUnits {
-                path: blame.path().to_owned(),
+                path: context.path().to_owned(),
                 of_file: of_file.name(),
                 of_sidecar: of_sidecar.name(),
             });
@@ -264,8 +269,8 @@ fn conversion(
         (Some(unit), _) | (None, Some(unit)) => unit,
         (None, None) => {
             return Err(HeightFileError::NoUnit {
-                path: blame.path().to_owned(),
-                sidecar: sidecar_of(blame.path()),
+                path: context.path().to_owned(),
+                sidecar: sidecar_of(context.path()),
             });
         }
     };

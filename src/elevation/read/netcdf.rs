@@ -3,7 +3,7 @@
 //! Format: Unidata, "The NetCDF Classic Format Specification". All numbers are big-endian, names and values are padded
 //! to four bytes.
 
-use super::error::Blame;
+use super::error::FileContext;
 use super::sidecar::HeightUnit;
 use super::{Conversion, Header, HeightFileError};
 use crate::elevation::{Georeference, GridError, MAX_SIDE, Registration};
@@ -11,7 +11,7 @@ use std::io::{BufRead, Read, Seek, SeekFrom};
 
 /// Largest header, bytes, and most dimensions, attributes or variables of one list.
 const HEADER_BYTES: u64 = 1 << 20;
-const MOST_ENTRIES: u32 = 1024;
+const MAX_ENTRIES: u32 = 1024;
 /// Longest name or text that is kept, bytes.
 const TEXT_BYTES: u32 = 256;
 
@@ -19,16 +19,16 @@ const TEXT_BYTES: u32 = 256;
 const UNEVEN: f64 = 0.05;
 
 /// An attribute's values: a text or its first number.
-enum Value {
+enum AttributeValue {
     Text(String),
     Number(f64),
 }
 
-type Attributes = Vec<(String, Value)>;
+type Attributes = Vec<(String, AttributeValue)>;
 
 fn number(attributes: &Attributes, name: &str) -> Option<f64> {
     attributes.iter().find_map(|(n, value)| match value {
-        Value::Number(number) if n == name => Some(*number),
+        AttributeValue::Number(number) if n == name => Some(*number),
         _ => None,
     })
 }
@@ -36,14 +36,14 @@ fn number(attributes: &Attributes, name: &str) -> Option<f64> {
 fn text<'a>(attributes: &'a Attributes, name: &str) -> Option<&'a str> {
     attributes.iter().find_map(|(n, value)| match value {
         // C programs write the end of their strings too.
-        Value::Text(text) if n == name => Some(text.trim_end_matches('\0')),
+        AttributeValue::Text(text) if n == name => Some(text.trim_end_matches('\0')),
         _ => None,
     })
 }
 
 /// Number type of the file: its code and bytes.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum NumberType {
     Byte,
     Char,
     Short,
@@ -52,9 +52,9 @@ enum Kind {
     Double,
 }
 
-impl Kind {
+impl NumberType {
     fn from_code(code: u32) -> Option<Self> {
-        use Kind::{Byte, Char, Double, Float, Int, Short};
+        use NumberType::{Byte, Char, Double, Float, Int, Short};
         let all = [Byte, Char, Short, Int, Float, Double];
         all.get((code as usize).checked_sub(1)?).copied()
     }
@@ -95,22 +95,22 @@ struct Variable {
     name: String,
     dimensions: Vec<usize>,
     attributes: Attributes,
-    kind: Kind,
+    kind: NumberType,
     begin: u64,
 }
 
 /// Reads the header, byte by byte within its bound.
-struct Head<'a, R> {
+struct HeaderReader<'a, R> {
     reader: std::io::Take<&'a mut R>,
-    blame: &'a Blame,
-    is_wide: bool,
+    context: &'a FileContext,
+    has_64_bit_offsets: bool,
 }
 
-impl<R: Read> Head<'_, R> {
+impl<R: Read> HeaderReader<'_, R> {
     fn bytes<const N: usize>(&mut self) -> Result<[u8; N], HeightFileError> {
         let mut bytes = [0; N];
         let read = self.reader.read_exact(&mut bytes);
-        read.map_err(|error| self.blame.reading(error))?;
+        read.map_err(|error| self.context.reading(error))?;
         Ok(bytes)
     }
 
@@ -123,11 +123,11 @@ impl<R: Read> Head<'_, R> {
         let kept = bytes.min(u64::from(TEXT_BYTES));
         let mut run = vec![0; kept as usize];
         let read = self.reader.read_exact(&mut run);
-        read.map_err(|error| self.blame.reading(error))?;
+        read.map_err(|error| self.context.reading(error))?;
         let rest = bytes.next_multiple_of(4) - kept;
         let skipped = std::io::copy(&mut (&mut self.reader).take(rest), &mut std::io::sink());
-        if skipped.map_err(|error| self.blame.reading(error))? < rest {
-            return Err(self.blame.damaged("the file ends too early"));
+        if skipped.map_err(|error| self.context.reading(error))? < rest {
+            return Err(self.context.damaged("the file ends too early"));
         }
         Ok(run)
     }
@@ -135,7 +135,7 @@ impl<R: Read> Head<'_, R> {
     fn name(&mut self) -> Result<String, HeightFileError> {
         let length = self.word()?;
         if length > TEXT_BYTES {
-            return Err(self.blame.damaged("a name of more than 256 bytes"));
+            return Err(self.context.damaged("a name of more than 256 bytes"));
         }
         let bytes = self.run(u64::from(length))?;
         Ok(String::from_utf8_lossy(&bytes).into_owned())
@@ -146,14 +146,15 @@ impl<R: Read> Head<'_, R> {
         let (found, count) = (self.word()?, self.word()?);
         match (found, count) {
             (0, 0) => Ok(0),
-            (found, count) if found == tag && count <= MOST_ENTRIES => Ok(count),
-            _ => Err(self.blame.damaged("a list in the header is not one")),
+            (found, count) if found == tag && count <= MAX_ENTRIES => Ok(count),
+            _ => Err(self.context.damaged("a list in the header is not one")),
         }
     }
 
-    fn kind(&mut self) -> Result<Kind, HeightFileError> {
+    fn kind(&mut self) -> Result<NumberType, HeightFileError> {
         let code = self.word()?;
-        Kind::from_code(code).ok_or_else(|| self.blame.damaged("an unknown type of numbers"))
+        NumberType::from_code(code)
+            .ok_or_else(|| self.context.damaged("an unknown type of numbers"))
     }
 
     fn attributes(&mut self) -> Result<Attributes, HeightFileError> {
@@ -164,8 +165,8 @@ impl<R: Read> Head<'_, R> {
             let count = u64::from(self.word()?);
             let bytes = self.run(count * kind.bytes() as u64)?;
             let value = match kind.number(&bytes) {
-                Some(number) => Value::Number(number),
-                None => Value::Text(String::from_utf8_lossy(&bytes).into_owned()),
+                Some(number) => AttributeValue::Number(number),
+                None => AttributeValue::Text(String::from_utf8_lossy(&bytes).into_owned()),
             };
             attributes.push((name, value));
         }
@@ -175,15 +176,15 @@ impl<R: Read> Head<'_, R> {
     fn variable(&mut self, dimensions: usize) -> Result<Variable, HeightFileError> {
         let name = self.name()?;
         let count = self.word()?;
-        if count > MOST_ENTRIES {
-            return Err(self.blame.damaged("a variable of too many dimensions"));
+        if count > MAX_ENTRIES {
+            return Err(self.context.damaged("a variable of too many dimensions"));
         }
         let mut of_variable = Vec::new();
         for _ in 0..count {
             let dimension = self.word()? as usize;
             if dimension >= dimensions {
                 return Err(self
-                    .blame
+                    .context
                     .damaged("a variable of a dimension that is not there"));
             }
             of_variable.push(dimension);
@@ -192,7 +193,7 @@ impl<R: Read> Head<'_, R> {
         let kind = self.kind()?;
         // The size that follows is redundant.
         self.word()?;
-        let begin = if self.is_wide {
+        let begin = if self.has_64_bit_offsets {
             self.bytes().map(u64::from_be_bytes)?
         } else {
             u64::from(self.word()?)
@@ -211,24 +212,24 @@ impl<R: Read> Head<'_, R> {
 pub(super) struct NetCdf<R: BufRead + Seek> {
     reader: R,
     columns: usize,
-    kind: Kind,
+    kind: NumberType,
     begin: u64,
 }
 
 impl<R: BufRead + Seek> NetCdf<R> {
     pub(super) fn open(
         mut reader: R,
-        blame: &Blame,
+        context: &FileContext,
         wanted: Option<&str>,
     ) -> Result<(Self, Header), HeightFileError> {
-        let mut head = Head {
+        let mut head = HeaderReader {
             reader: (&mut reader).take(HEADER_BYTES),
-            blame,
-            is_wide: false,
+            context,
+            has_64_bit_offsets: false,
         };
         // The caller has seen the first three.
         let [_, _, _, version] = head.bytes()?;
-        head.is_wide = version == 2;
+        head.has_64_bit_offsets = version == 2;
         let _records = head.word()?;
         let mut dimensions = Vec::new();
         for _ in 0..head.list(10)? {
@@ -241,20 +242,20 @@ impl<R: BufRead + Seek> NetCdf<R> {
             variables.push(head.variable(dimensions.len())?);
         }
 
-        let chosen = choose(&variables, wanted, blame)?;
+        let chosen = select_variable(&variables, wanted, context)?;
         let (lat, lon) = (chosen.dimensions[0], chosen.dimensions[1]);
         let (rows, columns) = (dimensions[lat].1, dimensions[lon].1);
         // A length of 0 is that of records.
         let sides = 1..=MAX_SIDE;
         if !sides.contains(&columns) || !sides.contains(&rows) {
-            return Err(blame.grid(GridError::Size { columns, rows }));
+            return Err(context.grid(GridError::Size { columns, rows }));
         }
         let mut axis = |dimension: usize, axis: &Axis| {
             let (name, count) = &dimensions[dimension];
             let of_name = |v: &&Variable| v.name == *name && v.dimensions == [dimension];
             let variable = variables.iter().find(of_name);
             variable
-                .map(|variable| axis.read(&mut reader, variable, *count, blame))
+                .map(|variable| axis.read(&mut reader, variable, *count, context))
                 .transpose()
         };
         let place = match (axis(lat, &LATITUDE)?, axis(lon, &LONGITUDE)?) {
@@ -267,13 +268,13 @@ impl<R: BufRead + Seek> NetCdf<R> {
         let unit = match text(&chosen.attributes, "units") {
             None => None,
             Some(word) => Some(HeightUnit::from_word(word).ok_or_else(|| {
-                blame.refused(
+                context.refused(
                     format!("has heights of the unit {word:?}"),
                     "metres or feet",
                     format!(
                         "`ncatted -a units,{},d,, {}` and a unit in a sidecar",
                         chosen.name,
-                        blame.path().display()
+                        context.path().display()
                     ),
                 )
             })?),
@@ -281,7 +282,7 @@ impl<R: BufRead + Seek> NetCdf<R> {
         let header = Header {
             columns,
             rows,
-            place: place.map(|((south, lat_step), (west, lon_step))| Georeference {
+            georeference: place.map(|((south, lat_step), (west, lon_step))| Georeference {
                 columns,
                 rows,
                 registration: if is_cells {
@@ -319,17 +320,17 @@ impl<R: BufRead + Seek> NetCdf<R> {
     /// Fills all rows.
     pub(super) fn read(
         &mut self,
-        blame: &Blame,
+        context: &FileContext,
         conversion: Conversion,
         heights_m: &mut [f32],
     ) -> Result<(), HeightFileError> {
         let start = self.reader.seek(SeekFrom::Start(self.begin));
-        start.map_err(|error| blame.reading(error))?;
+        start.map_err(|error| context.reading(error))?;
         let bytes = self.kind.bytes();
         let mut row = vec![0; self.columns * bytes];
         for heights_m in heights_m.chunks_exact_mut(self.columns) {
             let read = self.reader.read_exact(&mut row);
-            read.map_err(|error| blame.reading(error))?;
+            read.map_err(|error| context.reading(error))?;
             for (height_m, value) in heights_m.iter_mut().zip(row.chunks_exact(bytes)) {
                 *height_m = match self.kind.number(value) {
                     Some(stored) => conversion.metres(stored),
@@ -342,12 +343,12 @@ impl<R: BufRead + Seek> NetCdf<R> {
 }
 
 /// The variable of heights: the one that is named, or the only one of two dimensions.
-fn choose<'a>(
+fn select_variable<'a>(
     variables: &'a [Variable],
     wanted: Option<&str>,
-    blame: &Blame,
+    context: &FileContext,
 ) -> Result<&'a Variable, HeightFileError> {
-    let is_grid = |v: &&Variable| v.dimensions.len() == 2 && v.kind != Kind::Char;
+    let is_grid = |v: &&Variable| v.dimensions.len() == 2 && v.kind != NumberType::Char;
     let mut grids = variables.iter().filter(is_grid);
     let names = || {
         let names: Vec<_> = variables
@@ -365,19 +366,19 @@ fn choose<'a>(
             .filter(is_grid)
             .find(|v| v.name == wanted)
             .ok_or_else(|| {
-                blame.refused(
+                context.refused(
                     format!("has no variable {wanted:?} over two dimensions"),
                     format!("one of: {}", names()),
                     write,
                 )
             }),
         (None, Some(only), None) => Ok(only),
-        (None, Some(_), Some(_)) => Err(blame.refused(
+        (None, Some(_), Some(_)) => Err(context.refused(
             "has several variables over two dimensions",
             format!("one of: {}", names()),
             write,
         )),
-        (None, None, _) => Err(blame.refused(
+        (None, None, _) => Err(context.refused(
             "has no variable over two dimensions",
             "heights over latitude and longitude",
             "take one time or level out of it (`ncks -d time,0`, then `ncwa -a time`)",
@@ -407,7 +408,7 @@ impl Axis {
         reader: &mut R,
         variable: &Variable,
         count: u32,
-        blame: &Blame,
+        context: &FileContext,
     ) -> Result<(f64, f64), HeightFileError> {
         let name = &variable.name;
         let is_named = name.to_ascii_lowercase().starts_with(self.name);
@@ -416,15 +417,15 @@ impl Axis {
                 .contains(&unit.trim().to_ascii_lowercase().as_str())
         });
         if !has_unit.unwrap_or(is_named) {
-            return Err(blame.other_coordinates(format!("the coordinates {name:?}")));
+            return Err(context.other_coordinates(format!("the coordinates {name:?}")));
         }
         let bytes = variable.kind.bytes();
         let start = reader.seek(SeekFrom::Start(variable.begin));
-        start.map_err(|error| blame.reading(error))?;
+        start.map_err(|error| context.reading(error))?;
         // At most 8 × `MAX_SIDE`.
         let mut values = vec![0; count as usize * bytes];
         let read = reader.read_exact(&mut values);
-        read.map_err(|error| blame.reading(error))?;
+        read.map_err(|error| context.reading(error))?;
         let mut degrees: Vec<f64> = values
             .chunks_exact(bytes)
             .map(|value| variable.kind.number(value).unwrap_or(f64::NAN))
@@ -449,12 +450,12 @@ impl Axis {
         };
         let is_good = step.is_finite() && step != 0.0 && degrees.iter().enumerate().all(even);
         if !is_good || self.name == "lon" && step < 0.0 {
-            return Err(blame.refused(
+            return Err(context.refused(
                 format!("has coordinates {name:?} at unequal steps, or only one"),
                 "equal steps, longitudes to the east",
                 format!(
                     "`gdalwarp -t_srs EPSG:4326 {} OUT.tif`",
-                    blame.path().display()
+                    context.path().display()
                 ),
             ));
         }

@@ -1,6 +1,6 @@
 //! PNG: grey of 8 or 16 bits; everything else about it stands in the sidecar.
 
-use super::error::Blame;
+use super::error::FileContext;
 use super::sidecar::ByteOrder;
 use super::{Conversion, Header, HeightFileError};
 use png::{BitDepth, ColorType, DecodingError, Limits, Reader, Transformations};
@@ -20,10 +20,10 @@ pub(super) struct Png<R: BufRead + Seek> {
 impl<R: BufRead + Seek> Png<R> {
     pub(super) fn open(
         reader: R,
-        blame: &Blame,
+        context: &FileContext,
         byte_order: Option<ByteOrder>,
     ) -> Result<(Self, Header), HeightFileError> {
-        let told = |error| tell(blame, error);
+        let told = |error| png_error(context, error);
         let mut decoder = png::Decoder::new_with_limits(
             reader,
             Limits {
@@ -36,33 +36,33 @@ impl<R: BufRead + Seek> Png<R> {
         let (columns, rows) = decoder.read_header_info().map_err(told)?.size();
         let sides = 1..=crate::elevation::MAX_SIDE;
         if !sides.contains(&columns) || !sides.contains(&rows) {
-            return Err(blame.grid(crate::elevation::GridError::Size { columns, rows }));
+            return Err(context.grid(crate::elevation::GridError::Size { columns, rows }));
         }
         let reader = decoder.read_info().map_err(told)?;
         let info = reader.info();
         let (colour, depth) = (info.color_type, info.bit_depth);
         let is_short = depth == BitDepth::Sixteen;
         if colour != ColorType::Grayscale || !(is_short || depth == BitDepth::Eight) {
-            return Err(blame.refused(
+            return Err(context.refused(
                 format!("holds {colour:?} samples of {} bits", depth as u8),
                 "one height a sample, grey of 8 or 16 bits",
                 "save it as 16-bit grey",
             ));
         }
         if info.interlaced || info.is_animated() {
-            return Err(blame.refused(
+            return Err(context.refused(
                 "is interlaced or an animation",
                 "a PNG that is written row by row",
                 format!(
                     "`magick {} -interlace none OUT.png`",
-                    blame.path().display()
+                    context.path().display()
                 ),
             ));
         }
         let header = Header {
             columns,
             rows,
-            place: None,
+            georeference: None,
             is_south_first: false,
             unit: None,
             scale: None,
@@ -81,14 +81,17 @@ impl<R: BufRead + Seek> Png<R> {
     /// Fills all rows.
     pub(super) fn read(
         &mut self,
-        blame: &Blame,
+        context: &FileContext,
         conversion: Conversion,
         heights_m: &mut [f32],
     ) -> Result<(), HeightFileError> {
         for heights_m in heights_m.chunks_exact_mut(self.columns) {
-            let row = self.reader.next_row().map_err(|error| tell(blame, error))?;
+            let row = self
+                .reader
+                .next_row()
+                .map_err(|error| png_error(context, error))?;
             let Some(row) = row else {
-                return Err(blame.damaged("too few rows"));
+                return Err(context.damaged("too few rows"));
             };
             let row = row.data();
             if let Some(is_little) = self.is_little {
@@ -108,18 +111,20 @@ impl<R: BufRead + Seek> Png<R> {
             }
         }
         // What is left must be whole too: checksums and the end chunk.
-        self.reader.finish().map_err(|error| tell(blame, error))
+        self.reader
+            .finish()
+            .map_err(|error| png_error(context, error))
     }
 }
 
-fn tell(blame: &Blame, error: DecodingError) -> HeightFileError {
+fn png_error(context: &FileContext, error: DecodingError) -> HeightFileError {
     match error {
-        DecodingError::IoError(error) => blame.reading(error),
-        DecodingError::LimitsExceeded => blame.refused(
+        DecodingError::IoError(error) => context.reading(error),
+        DecodingError::LimitsExceeded => context.refused(
             "has chunks beyond all measure",
             "a picture and little else",
             "strip it of everything but the picture",
         ),
-        other => blame.damaged(other),
+        other => context.damaged(other),
     }
 }

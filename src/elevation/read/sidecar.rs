@@ -67,7 +67,7 @@ pub enum ByteOrder {
 
 /// Where a file lies that does not say it itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SidecarPlace {
+pub enum SidecarGeoreference {
     /// By its edges; size and spacing follow from the file's samples.
     Bounds(Bounds, Registration),
     /// By its middle (of all cells, or of all posts) and spacings, radians.
@@ -85,7 +85,7 @@ pub enum SidecarPlace {
     },
 }
 
-impl SidecarPlace {
+impl SidecarGeoreference {
     /// For a file of so many samples.
     pub(super) fn georeference(&self, columns: u32, rows: u32) -> Result<Georeference, GridError> {
         match self {
@@ -131,7 +131,7 @@ impl SidecarPlace {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sidecar {
     /// Where it lies.
-    pub place: Option<SidecarPlace>,
+    pub georeference: Option<SidecarGeoreference>,
     /// Unit of heights.
     pub unit: Option<HeightUnit>,
     /// Heights in the unit are offset + scale × stored.
@@ -150,7 +150,7 @@ pub struct Sidecar {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Raw {
+struct RawSidecar {
     bounds: Option<Spanned<RawBounds>>,
     centre: Option<Spanned<RawPair>>,
     spacing: Option<Spanned<RawPair>>,
@@ -188,9 +188,9 @@ enum RawRegistration {
 }
 
 /// A text and the file that errors name.
-struct Text<'a>(&'a str, &'a Path);
+struct SidecarText<'a>(&'a str, &'a Path);
 
-impl Text<'_> {
+impl SidecarText<'_> {
     fn wrong(&self, offset: usize, cause: impl Into<String>) -> HeightFileError {
         let before = self.0.as_bytes().iter().take(offset);
         HeightFileError::Sidecar {
@@ -218,12 +218,12 @@ impl Sidecar {
     /// # Errors
     /// [`HeightFileError::Sidecar`] with the line.
     pub fn from_toml(text: &str, path: &Path) -> Result<Self, HeightFileError> {
-        let source = Text(text, path);
+        let source = SidecarText(text, path);
         if text.len() as u64 > MAX_SIDECAR_BYTES {
             let cause = format!("longer than {MAX_SIDECAR_BYTES} bytes; expected a few lines");
             return Err(source.wrong(0, cause));
         }
-        let raw: Raw = toml::from_str(text).map_err(|error| {
+        let raw: RawSidecar = toml::from_str(text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start);
             // One line, of bounded length: it may quote the file.
             let said: String = error.message().chars().take(300).collect();
@@ -243,7 +243,7 @@ impl Sidecar {
         Ok(Self {
             scale: finite(&raw.scale, "scale")?,
             offset: finite(&raw.offset, "offset")?,
-            place: place(
+            georeference: georeference(
                 &source,
                 raw.bounds,
                 raw.centre,
@@ -259,13 +259,13 @@ impl Sidecar {
     }
 }
 
-fn place(
-    source: &Text<'_>,
+fn georeference(
+    source: &SidecarText<'_>,
     bounds: Option<Spanned<RawBounds>>,
     centre: Option<Spanned<RawPair>>,
     spacing: Option<Spanned<RawPair>>,
     registration: Option<Spanned<RawRegistration>>,
-) -> Result<Option<SidecarPlace>, HeightFileError> {
+) -> Result<Option<SidecarGeoreference>, HeightFileError> {
     let starts = [
         bounds.as_ref().map(|value| value.span().start),
         centre.as_ref().map(|value| value.span().start),
@@ -286,7 +286,7 @@ fn place(
     match (bounds, centre, spacing) {
         (Some(bounds), None, None) => {
             let start = bounds.span().start;
-            bounds_place(source, start, bounds.get_ref(), registration).map(Some)
+            from_bounds(source, start, bounds.get_ref(), registration).map(Some)
         }
         (None, Some(centre), Some(spacing)) => {
             let (centre, start) = (centre.get_ref(), spacing.span().start);
@@ -300,7 +300,7 @@ fn place(
                 let cause = "centre or spacing is no place; expected latitudes of -90 to 90 and positive spacings, degrees";
                 return Err(source.wrong(start, cause));
             }
-            Ok(Some(SidecarPlace::Centre {
+            Ok(Some(SidecarGeoreference::Centre {
                 lat_rad: centre.lat_deg.to_radians(),
                 lon_rad: centre.lon_deg.to_radians(),
                 lat_step_rad: spacing.lat_deg.to_radians(),
@@ -315,12 +315,12 @@ fn place(
     }
 }
 
-fn bounds_place(
-    source: &Text<'_>,
+fn from_bounds(
+    source: &SidecarText<'_>,
     start: usize,
     bounds: &RawBounds,
     registration: Registration,
-) -> Result<SidecarPlace, HeightFileError> {
+) -> Result<SidecarGeoreference, HeightFileError> {
     let RawBounds {
         south_deg,
         north_deg,
@@ -347,5 +347,5 @@ fn bounds_place(
         west_rad: west_deg.to_radians(),
         width_rad: width_deg.to_radians(),
     };
-    Ok(SidecarPlace::Bounds(bounds, registration))
+    Ok(SidecarGeoreference::Bounds(bounds, registration))
 }

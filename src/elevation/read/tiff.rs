@@ -1,6 +1,6 @@
 //! GeoTIFF and TIFF with a sidecar: one channel of any number type, in strips or tiles.
 
-use super::error::Blame;
+use super::error::FileContext;
 use super::geo_keys::HeightTags;
 use super::{Conversion, Header, HeightFileError};
 use crate::elevation::geo_tags::GeoTags;
@@ -26,22 +26,28 @@ pub(super) struct Tiff<R: BufRead + Seek> {
 }
 
 impl<R: BufRead + Seek> Tiff<R> {
-    pub(super) fn open(reader: R, blame: &Blame) -> Result<(Self, Header), HeightFileError> {
-        let told = |error| tell(blame, error);
+    pub(super) fn open(
+        reader: R,
+        context: &FileContext,
+    ) -> Result<(Self, Header), HeightFileError> {
+        let told = |error| tiff_error(context, error);
         let mut decoder = Decoder::new(reader).map_err(told)?;
         let (columns, rows) = decoder.dimensions().map_err(told)?;
         let sides = 1..=MAX_SIDE;
         if !sides.contains(&columns) || !sides.contains(&rows) {
-            return Err(blame.grid(GridError::Size { columns, rows }));
+            return Err(context.grid(GridError::Size { columns, rows }));
         }
         let colour = decoder.colortype().map_err(told)?;
         let ColorType::Gray(bits @ (8 | 16 | 32 | 64)) = colour else {
-            return Err(unfit(blame, format!("holds {colour:?} samples")));
+            return Err(unsupported(context, format!("holds {colour:?} samples")));
         };
         let photometric = decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation);
         if photometric.map_err(told)? == Some(0) {
             // The decoder would turn the numbers round.
-            return Err(unfit(blame, "counts from white to black".to_string()));
+            return Err(unsupported(
+                context,
+                "counts from white to black".to_string(),
+            ));
         }
         let tags = HeightTags {
             geo: GeoTags::read(&mut decoder),
@@ -49,17 +55,20 @@ impl<R: BufRead + Seek> Tiff<R> {
                 .get_tag_ascii_string(GDAL_METADATA)
                 .unwrap_or_default(),
         };
-        let placed = tags.place(columns, rows, blame)?;
+        let placed = tags.georeference(columns, rows, context)?;
         let number = |text: &str| text.trim_matches(['\0', ' ', '\n']).parse::<f64>().ok();
         let no_data = match decoder.find_tag(Tag::GdalNodata).map_err(told)? {
             Some(value) => {
                 let text = value.into_string().map_err(told)?;
                 let shown: String = text.chars().take(40).collect();
                 Some(number(&text).ok_or_else(|| {
-                    blame.refused(
+                    context.refused(
                         format!("has the no-data value {shown:?}"),
                         "a number",
-                        format!("`gdal_edit.py -a_nodata -32768 {}`", blame.path().display()),
+                        format!(
+                            "`gdal_edit.py -a_nodata -32768 {}`",
+                            context.path().display()
+                        ),
                     )
                 })?)
             }
@@ -68,9 +77,9 @@ impl<R: BufRead + Seek> Tiff<R> {
         let header = Header {
             columns,
             rows,
-            place: placed.map(|(place, _)| place),
+            georeference: placed.map(|(georeference, _)| georeference),
             is_south_first: placed.is_some_and(|(_, is_south_first)| is_south_first),
-            unit: tags.unit(blame)?,
+            unit: tags.unit(context)?,
             scale: tags.gdal_item("scale").and_then(number),
             offset: tags.gdal_item("offset").and_then(number),
             no_data,
@@ -86,15 +95,15 @@ impl<R: BufRead + Seek> Tiff<R> {
             .saturating_mul(u64::from(chunk_rows))
             .saturating_mul(u64::from(bits / 8));
         if chunk_columns == 0 || chunk_rows == 0 {
-            return Err(blame.damaged("strips or tiles of no size"));
+            return Err(context.damaged("strips or tiles of no size"));
         }
         if chunk_bytes > CHUNK_BYTES {
-            return Err(blame.refused(
+            return Err(context.refused(
                 format!("has strips or tiles of {} MB", chunk_bytes / 1_000_000),
                 format!("at most {} MB", CHUNK_BYTES / 1_000_000),
                 format!(
                     "`gdal_translate -co TILED=YES {} OUT.tif`",
-                    blame.path().display()
+                    context.path().display()
                 ),
             ));
         }
@@ -117,7 +126,7 @@ impl<R: BufRead + Seek> Tiff<R> {
     /// Fills all rows, strip by strip or tile by tile.
     pub(super) fn read(
         &mut self,
-        blame: &Blame,
+        context: &FileContext,
         conversion: Conversion,
         heights_m: &mut [f32],
     ) -> Result<(), HeightFileError> {
@@ -131,7 +140,7 @@ impl<R: BufRead + Seek> Tiff<R> {
             // Below 2^32: chunks hold a sample at least.
             let index = number as u32;
             let chunk = self.decoder.read_chunk(index);
-            let chunk = chunk.map_err(|error| tell(blame, error))?;
+            let chunk = chunk.map_err(|error| tiff_error(context, error))?;
             let (width, height) = self.decoder.chunk_data_dimensions(index);
             let width = (width as usize).min(self.columns - first_column);
             let height = (height as usize).min(self.rows - first_row);
@@ -139,7 +148,7 @@ impl<R: BufRead + Seek> Tiff<R> {
                 || width < self.chunk_columns.min(self.columns - first_column)
                 || height < self.chunk_rows.min(self.rows - first_row)
             {
-                return Err(blame.damaged("a strip or tile of the wrong size"));
+                return Err(context.damaged("a strip or tile of the wrong size"));
             }
             let rows = heights_m
                 .chunks_exact_mut(self.columns)
@@ -147,21 +156,21 @@ impl<R: BufRead + Seek> Tiff<R> {
                 .take(height)
                 .map(|row| &mut row[first_column..first_column + width]);
             let is_whole = match &chunk {
-                DecodingResult::U8(values) => place(values, rows, conversion),
-                DecodingResult::I8(values) => place(values, rows, conversion),
-                DecodingResult::U16(values) => place(values, rows, conversion),
-                DecodingResult::I16(values) => place(values, rows, conversion),
-                DecodingResult::U32(values) => place(values, rows, conversion),
-                DecodingResult::I32(values) => place(values, rows, conversion),
-                DecodingResult::F32(values) => place(values, rows, conversion),
-                DecodingResult::F64(values) => place(values, rows, conversion),
+                DecodingResult::U8(values) => convert_rows(values, rows, conversion),
+                DecodingResult::I8(values) => convert_rows(values, rows, conversion),
+                DecodingResult::U16(values) => convert_rows(values, rows, conversion),
+                DecodingResult::I16(values) => convert_rows(values, rows, conversion),
+                DecodingResult::U32(values) => convert_rows(values, rows, conversion),
+                DecodingResult::I32(values) => convert_rows(values, rows, conversion),
+                DecodingResult::F32(values) => convert_rows(values, rows, conversion),
+                DecodingResult::F64(values) => convert_rows(values, rows, conversion),
                 _ => {
                     let cause = "holds whole numbers of 64 bits or floats of 16";
-                    return Err(unfit(blame, cause.to_string()));
+                    return Err(unsupported(context, cause.to_string()));
                 }
             };
             if !is_whole {
-                return Err(blame.damaged("a strip or tile of too few samples"));
+                return Err(context.damaged("a strip or tile of too few samples"));
             }
         }
         Ok(())
@@ -169,7 +178,7 @@ impl<R: BufRead + Seek> Tiff<R> {
 }
 
 /// Converts a chunk's samples, as wide as its rows; whether there were enough.
-fn place<'a, T: Copy + Into<f64>>(
+fn convert_rows<'a, T: Copy + Into<f64>>(
     values: &[T],
     rows: impl Iterator<Item = &'a mut [f32]>,
     conversion: Conversion,
@@ -187,29 +196,29 @@ fn place<'a, T: Copy + Into<f64>>(
     true
 }
 
-fn unfit(blame: &Blame, cause: String) -> HeightFileError {
-    blame.refused(
+fn unsupported(context: &FileContext, cause: String) -> HeightFileError {
+    context.refused(
         cause,
         "one channel of whole numbers of 8 to 32 bits or of floats of 32 or 64, uncompressed or by LZW, deflate or PackBits",
         format!(
             "`gdal_translate -b 1 -ot Float32 -co COMPRESS=DEFLATE {} OUT.tif`",
-            blame.path().display()
+            context.path().display()
         ),
     )
 }
 
-fn tell(blame: &Blame, error: TiffError) -> HeightFileError {
+fn tiff_error(context: &FileContext, error: TiffError) -> HeightFileError {
     match error {
-        TiffError::IoError(error) => blame.reading(error),
-        TiffError::UnsupportedError(error) => unfit(blame, error.to_string()),
-        TiffError::LimitsExceeded => blame.refused(
+        TiffError::IoError(error) => context.reading(error),
+        TiffError::UnsupportedError(error) => unsupported(context, error.to_string()),
+        TiffError::LimitsExceeded => context.refused(
             "has tags or strips beyond all measure",
             "those of a picture",
             format!(
                 "rewrite it: `gdal_translate {} OUT.tif`",
-                blame.path().display()
+                context.path().display()
             ),
         ),
-        other => blame.damaged(other),
+        other => context.damaged(other),
     }
 }

@@ -200,7 +200,7 @@ fn sidecars_are_read_line_by_line() {
         "bounds = { south_deg = -90, north_deg = 90, west_deg = 0, east_deg = 0 }\nregistration = \"cells\"",
         Path::new("dem.toml"),
     );
-    let Some(SidecarPlace::Bounds(bounds, _)) = turn.unwrap().place else {
+    let Some(SidecarGeoreference::Bounds(bounds, _)) = turn.unwrap().georeference else {
         panic!("bounds")
     };
     assert_eq!(bounds.width_rad, std::f64::consts::TAU);

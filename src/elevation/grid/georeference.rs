@@ -59,7 +59,7 @@ impl Georeference {
         }
         let lat_step_rad = (bounds.north_rad - bounds.south_rad) / f64::from(gaps.1);
         let lon_step_rad = bounds.width_rad / f64::from(gaps.0);
-        let place = Self {
+        let georeference = Self {
             columns,
             rows,
             registration,
@@ -68,8 +68,8 @@ impl Georeference {
             west_rad: bounds.west_rad + half * lon_step_rad,
             lon_step_rad,
         };
-        place.snapped()?;
-        Ok(place)
+        georeference.lattice()?;
+        Ok(georeference)
     }
 
     /// What the grid covers.
@@ -87,8 +87,8 @@ impl Georeference {
         }
     }
 
-    /// Checked, and moved by at most [`SNAP`] spacings where it all but meets a pole or itself behind a full turn.
-    pub(super) fn snapped(&self) -> Result<Snapped, GridError> {
+    /// The lattice of its samples: checked, and moved by at most [`SNAP`] spacings where it all but meets a pole or itself behind a full turn.
+    pub(super) fn lattice(&self) -> Result<SampleLattice, GridError> {
         let Self { columns, rows, .. } = *self;
         let sides = 1..=MAX_SIDE;
         let least = u32::from(self.registration == Registration::Posts) + 1;
@@ -142,7 +142,7 @@ impl Georeference {
         };
         // Between a pole and a row closer than a step lies nothing but that row.
         let reaches = |row: f64| is_periodic && FRAC_PI_2 - row < lat_step * (1.0 + 1e-9);
-        Ok(Snapped {
+        Ok(SampleLattice {
             columns: columns_used as usize,
             rows: rows as usize,
             registration: self.registration,
@@ -160,9 +160,9 @@ impl Georeference {
     }
 }
 
-/// A georeference that has been checked.
+/// Where samples lie, of a georeference that has been checked.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Snapped {
+pub(super) struct SampleLattice {
     /// Columns that are kept: one that repeats the first is not.
     pub columns: usize,
     pub rows: usize,
@@ -196,7 +196,7 @@ pub(super) fn floor(x: f64) -> f64 {
     }
 }
 
-impl Snapped {
+impl SampleLattice {
     /// Row and column of a place as real numbers, 0 at the centre of the first sample. Where the grid is not periodic,
     /// columns are counted from the nearer side.
     #[inline]
