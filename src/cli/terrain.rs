@@ -42,7 +42,7 @@ pub struct TerrainArgs {
     output: Option<PathBuf>,
 }
 
-/// Runs it.
+/// Measures the terrain and prints each table when it is complete.
 pub fn run(args: &TerrainArgs, common: &Common) -> anyhow::Result<()> {
     let threads: Vec<usize> = args.threads.iter().map(|n| *n as usize).collect();
     let request = TerrainRequest {

@@ -46,7 +46,7 @@ pub enum GridError {
     /// No such place on Earth.
     #[error("cannot lie where it is said to: {what}; correct bounds, spacing or registration")]
     Place {
-        /// What is wrong.
+        /// Which rule the georeference breaks.
         what: &'static str,
     },
     /// Not one height for each sample.

@@ -13,7 +13,7 @@ pub enum HeightFileError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// The system's words.
+        /// The system's error.
         source: std::io::Error,
     },
     /// A file began well and then broke.
@@ -21,7 +21,7 @@ pub enum HeightFileError {
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// What is damaged.
         cause: String,
     },
     /// A file cannot be used as it is.
@@ -29,7 +29,7 @@ pub enum HeightFileError {
     Refused {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// What the file is or lacks.
         cause: String,
         /// What it should be.
         expected: String,

@@ -17,7 +17,7 @@ pub enum DeserializeError {
     /// A number that cannot be.
     #[error("it says {what}, which cannot be; build it again")]
     Content {
-        /// Which.
+        /// What is said.
         what: &'static str,
     },
     /// Larger than allowed.
