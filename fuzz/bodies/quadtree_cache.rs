@@ -3,7 +3,7 @@
 use glam::DVec3;
 use terrella::globe::quadtree::Refine;
 use terrella::measure::terrain::quadtree::{
-    ErrorMetric, GridQuadtree, Order, SelectedLeaves, TreeOptions, TreeView,
+    ErrorMetric, GridQuadtree, Order, Posts, SelectedLeaves, TreeOptions, TreeView,
 };
 
 const SOURCE: [u8; 32] = [3; 32];
@@ -61,12 +61,18 @@ pub fn seeds() -> Vec<Vec<u8>> {
         Order::Interleaved,
     ];
     let seed = |((columns, rows), order): ((usize, usize), Order)| {
-        let heights = (0..columns * rows).map(|k| (k * k % 37) as f32);
+        let heights_m: Vec<f32> = (0..columns * rows).map(|k| (k * k % 37) as f32).collect();
+        let posts = Posts {
+            columns,
+            rows,
+            heights_m: &heights_m,
+            spacing_m: 30.0,
+        };
         let options = TreeOptions {
             order,
             ..TreeOptions::default()
         };
-        let tree = GridQuadtree::build((columns, rows), heights.collect(), 30.0, &options, &|_| {});
+        let tree = GridQuadtree::build(posts, &options, &|_| {});
         tree.expect("a good tree").to_bytes(&SOURCE)
     };
     sizes.into_iter().zip(orders).map(seed).collect()

@@ -5,7 +5,7 @@ use super::cache::Cache;
 use super::contours::{ContourTree, Dem};
 use super::field::HeightField;
 use super::patches::{PatchOptions, PatchTree};
-use super::quadtree::{GridQuadtree, Order, TreeOptions};
+use super::quadtree::{GridQuadtree, Order, Posts, TreeOptions};
 use crate::play::Progress;
 use std::cell::{Cell, RefCell};
 
@@ -22,8 +22,7 @@ impl CachedTrees<'_> {
     /// The quadtree of a field in the plain order, from the cache if it is there.
     pub fn quadtree(&self, field: &HeightField) -> Result<GridQuadtree, TerrainError> {
         let options = quadtree_options(Order::default(), self.threads, self.memory_bytes);
-        let (size, spacing_m) = (quadtree_size(field), field.spacing_m());
-        let source = GridQuadtree::source_hash(size, &field.heights_m, spacing_m, &options);
+        let source = GridQuadtree::source_hash(posts_of(field), &options);
         let name = format!("{}-{}-quadtree", field.name, field.size());
         let most = self.memory_bytes as usize;
         let read = |bytes: &[u8]| GridQuadtree::from_bytes(bytes, &source, most);
@@ -41,13 +40,11 @@ impl CachedTrees<'_> {
         field: &HeightField,
         options: &TreeOptions,
     ) -> Result<GridQuadtree, TerrainError> {
-        let heights_m = field.heights_m.clone();
         let built = self.with_progress(field, "quadtree", |report| {
             // It is called on this thread alone.
             let report = RefCell::new(report);
             let note = |part: f64| (report.borrow_mut())(part as f32);
-            let size = quadtree_size(field);
-            GridQuadtree::build(size, heights_m, field.spacing_m(), options, &note)
+            GridQuadtree::build(posts_of(field), options, &note)
         })?;
         built.map_err(|error| TerrainError::Quadtree {
             ground: field.name.clone(),
@@ -177,8 +174,13 @@ impl CachedTrees<'_> {
     }
 }
 
-fn quadtree_size(field: &HeightField) -> (usize, usize) {
-    (field.columns as usize, field.rows as usize)
+fn posts_of(field: &HeightField) -> Posts<'_> {
+    Posts {
+        columns: field.columns as usize,
+        rows: field.rows as usize,
+        heights_m: &field.heights_m,
+        spacing_m: field.spacing_m(),
+    }
 }
 
 pub(super) fn quadtree_options(order: Order, threads: usize, memory_bytes: u64) -> TreeOptions {

@@ -18,4 +18,4 @@ mod tree;
 
 pub use order::Order;
 pub use select::{ErrorMetric, SelectedLeaves, TreeView};
-pub use tree::{GridQuadtree, MAX_POSTS, Merge, TreeError, TreeNode, TreeOptions};
+pub use tree::{GridQuadtree, MAX_POSTS, Merge, Posts, TreeError, TreeNode, TreeOptions};

@@ -2,7 +2,7 @@
 
 use super::order::Order;
 use super::tree::{
-    ABSENT, CELLS, GridQuadtree, LEAF, MAX_POSTS, TreeError, TreeNode, TreeOptions, levels,
+    ABSENT, CELLS, GridQuadtree, LEAF, MAX_POSTS, Posts, TreeError, TreeNode, TreeOptions, levels,
 };
 
 /// What the bytes begin with; the last two are the version.
@@ -32,19 +32,14 @@ fn take_f32(bytes: &mut &[u8]) -> Result<f32, TreeError> {
 
 impl GridQuadtree {
     /// Which heights and options a tree is made from.
-    pub fn source_hash(
-        (columns, rows): (usize, usize),
-        heights_m: &[f32],
-        spacing_m: f64,
-        options: &TreeOptions,
-    ) -> [u8; 32] {
+    pub fn source_hash(posts: Posts<'_>, options: &TreeOptions) -> [u8; 32] {
         let mut hash = blake3::Hasher::new();
-        for side in [columns, rows] {
+        for side in [posts.columns, posts.rows] {
             hash.update(&(side as u64).to_le_bytes());
         }
-        hash.update(&spacing_m.to_le_bytes());
+        hash.update(&posts.spacing_m.to_le_bytes());
         hash.update(&[options.merge as u8, options.order as u8]);
-        hash.update(bytemuck::cast_slice(heights_m));
+        hash.update(bytemuck::cast_slice(posts.heights_m));
         *hash.finalize().as_bytes()
     }
 

@@ -129,6 +129,19 @@ impl TreeNode {
     };
 }
 
+/// The posts that a tree is built over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Posts<'a> {
+    /// From west to east.
+    pub columns: usize,
+    /// From north to south.
+    pub rows: usize,
+    /// Heights, metres, the north-western first, row by row.
+    pub heights_m: &'a [f32],
+    /// Between neighbouring posts, metres.
+    pub spacing_m: f64,
+}
+
 /// An unfull quadtree over a grid of heights. The grid may be of any size: the tree is that of the next power of two, and
 /// what lies outside is absent.
 #[derive(Clone, Debug, PartialEq)]
@@ -162,18 +175,21 @@ struct Builder<'a> {
 type Subtree = (TreeNode, Vec<TreeNode>);
 
 impl GridQuadtree {
-    /// Builds the tree of `columns` × `rows` heights, metres, the north-western first, row by row, `spacing_m` apart. `progress`
-    /// hears of the part that is done, 0…1, on this thread.
+    /// Builds the tree. `progress` hears of the part that is done, 0…1, on this thread.
     ///
     /// # Errors
     /// A size of 0 or above [`MAX_POSTS`], heights that are not finite or too few, or a tree above the budget.
     pub fn build(
-        (columns, rows): (usize, usize),
-        heights_m: Vec<f32>,
-        spacing_m: f64,
+        posts: Posts<'_>,
         options: &TreeOptions,
         progress: &dyn Fn(f64),
     ) -> Result<Self, TreeError> {
+        let Posts {
+            columns,
+            rows,
+            heights_m,
+            spacing_m,
+        } = posts;
         if !(1..=MAX_POSTS).contains(&columns) || !(1..=MAX_POSTS).contains(&rows) {
             return Err(TreeError::Size { columns, rows });
         }
@@ -207,7 +223,7 @@ impl GridQuadtree {
             rows,
             levels,
             merge: options.merge,
-            heights_m: &heights_m,
+            heights_m,
             split_level,
         };
         let mut subtrees = builder.subtrees(&Workers::new(options.threads), progress);
@@ -228,7 +244,7 @@ impl GridQuadtree {
             rows,
             spacing_m,
             order: options.order,
-            heights_m,
+            heights_m: heights_m.to_vec(),
             nodes,
         })
     }
