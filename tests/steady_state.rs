@@ -451,7 +451,10 @@ fn a_grid_of_the_gpu_allocates_nothing_of_its_own() {
         flush();
         allocations(|| gpu.queue.write_buffer(&buffer, 0, &bytes))
     };
-    let sizes = [size_of::<terrella::gpu::Frame>(), size_of::<GridUniforms>()];
+    let sizes = [
+        size_of::<terrella::gpu::FrameUniforms>(),
+        size_of::<GridUniforms>(),
+    ];
     let uniforms: u64 = sizes
         .map(|size| (0..8).map(|_| write(size)).max())
         .iter()
@@ -553,10 +556,14 @@ fn pages_of_contours_allocate_nothing_once_they_are_built() {
         (0..8).map(|_| once()).max().expect("eight")
     };
     let pages = stats.ground.patches as usize;
-    let most: u64 = [size_of::<terrella::gpu::Frame>(), 96 * pages, 56 * pages]
-        .map(write)
-        .iter()
-        .sum();
+    let most: u64 = [
+        size_of::<terrella::gpu::FrameUniforms>(),
+        96 * pages,
+        56 * pages,
+    ]
+    .map(write)
+    .iter()
+    .sum();
     let mut worst = 0;
     for round in 0..40 {
         let count = allocations(|| {

@@ -8,7 +8,7 @@ use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::globe::projected_grid::{
     GPU_FIRST_LOADS, GPU_LOADS, GridOptions, GridUniforms, TILE_SAMPLES,
 };
-use terrella::gpu::Frame;
+use terrella::gpu::FrameUniforms;
 use terrella::imagery::EarthLayers;
 use terrella::measure::errors::{GroundPicture, Places, PlacesEarth};
 use terrella::{Atmosphere, EarthOptions, EyeView, GroundOptions, Shading, SurfaceSettings};
@@ -219,7 +219,7 @@ fn both_forms_have_the_same_colours() {
 #[test]
 fn a_frame_writes_its_uniform_and_new_tiles_alone() {
     let mut rig = Rig::new(&options(plain([200; 3]), true), SIZE);
-    let least = (size_of::<Frame>() + size_of::<GridUniforms>()) as u64;
+    let least = (size_of::<FrameUniforms>() + size_of::<GridUniforms>()) as u64;
     let tile = u64::from(4 * TILE_SAMPLES * TILE_SAMPLES);
     let mut held = None;
     for (name, view) in views() {

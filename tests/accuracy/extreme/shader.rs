@@ -3,7 +3,7 @@
 use crate::common::gpu;
 use glam::{DVec3, Mat4, Vec3};
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::gpu::{EARTH_SHADER, Frame, ShaderVariant};
+use terrella::gpu::{EARTH_SHADER, FrameUniforms, ShaderVariant};
 use terrella::measure::numeric::{PixelRay, Placed, place};
 
 const ENTRY: &str = "
@@ -49,7 +49,7 @@ fn on_the_adapter(pixels: &[PixelRay]) -> Vec<Placed> {
     };
     use wgpu::BufferUsages as Usage;
     let bytes = 48 * pixels.len();
-    let frame = buffer(size_of::<Frame>(), Usage::UNIFORM | Usage::COPY_DST);
+    let frame = buffer(size_of::<FrameUniforms>(), Usage::UNIFORM | Usage::COPY_DST);
     let found = buffer(bytes, Usage::STORAGE | Usage::COPY_SRC);
     let copy = buffer(bytes, Usage::MAP_READ | Usage::COPY_DST);
     let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -70,7 +70,7 @@ fn on_the_adapter(pixels: &[PixelRay]) -> Vec<Placed> {
         ];
         let mut clip_from_eye = Mat4::ZERO;
         clip_from_eye.x_axis = center.into();
-        let values = Frame {
+        let values = FrameUniforms {
             clip_from_eye,
             eye_scaled: input.eye_scaled,
             above: input.above,
