@@ -72,7 +72,7 @@ pub fn seeds() -> Vec<Vec<u8>> {
             order,
             ..TreeOptions::default()
         };
-        let tree = GridQuadtree::build(posts, &options, &|_| {});
+        let tree = GridQuadtree::build(posts, &options, &mut |_| {});
         tree.expect("a good tree").to_bytes(&SOURCE)
     };
     sizes.into_iter().zip(orders).map(seed).collect()

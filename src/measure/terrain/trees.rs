@@ -7,7 +7,7 @@ use super::field::HeightField;
 use super::patches::{PatchOptions, PatchTree};
 use super::quadtree::{GridQuadtree, Order, Posts, TreeOptions};
 use crate::play::Progress;
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 
 /// Builds trees within a memory budget, and caches them.
 pub(super) struct CachedTrees<'r> {
@@ -41,10 +41,7 @@ impl CachedTrees<'_> {
         options: &TreeOptions,
     ) -> Result<GridQuadtree, TerrainError> {
         let built = self.with_progress(field, "quadtree", |report| {
-            // It is called on this thread alone.
-            let report = RefCell::new(report);
-            let note = |part: f64| (report.borrow_mut())(part as f32);
-            GridQuadtree::build(posts_of(field), options, &note)
+            GridQuadtree::build(posts_of(field), options, report)
         })?;
         built.map_err(|error| TerrainError::Quadtree {
             ground: field.name.clone(),

@@ -4,7 +4,6 @@ use super::*;
 use crate::globe::quadtree::{Node, Refine};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
-use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
 
 fn mixed(seed: u64, x: u64, y: u64) -> u64 {
@@ -35,7 +34,7 @@ fn built(
     heights_m: &[f32],
     spacing_m: f64,
     options: &TreeOptions,
-    progress: &dyn Fn(f64),
+    progress: &mut dyn FnMut(f32),
 ) -> Result<GridQuadtree, TreeError> {
     let posts = Posts {
         columns,
@@ -53,7 +52,7 @@ fn tree(columns: usize, rows: usize, seed: u64, merge: Merge, order: Order) -> G
         ..TreeOptions::default()
     };
     let heights = heights(columns, rows, seed);
-    built((columns, rows), &heights, 30.0, &options, &|_| {}).expect("sound")
+    built((columns, rows), &heights, 30.0, &options, &mut |_| {}).expect("sound")
 }
 
 fn paper_view(eye_m: DVec3, lambda: f64) -> TreeView {
@@ -184,7 +183,14 @@ fn merging_keeps_what_the_paper_s_figure_keeps() {
         merge: Merge::Equal,
         ..TreeOptions::default()
     };
-    let tree = built((5, 5), &heights.collect::<Vec<_>>(), 1.0, &options, &|_| {}).expect("sound");
+    let tree = built(
+        (5, 5),
+        &heights.collect::<Vec<_>>(),
+        1.0,
+        &options,
+        &mut |_| {},
+    )
+    .expect("sound");
     let (selected, _) = mesh(&tree, &paper_view(DVec3::ZERO, f64::INFINITY));
     // One quarter of four equal cells, and twelve cells.
     let sizes: Vec<u8> = selected.leaves().iter().map(|leaf| leaf.level).collect();
@@ -286,7 +292,7 @@ fn steep_ground_seen_from_low_down_is_left_out_in_part() {
     let ridge: Vec<f32> = (0..65 * 65)
         .map(|i| 900.0 - 28.0 * ((i % 65) as f32 - 32.0).abs())
         .collect();
-    let tree = built((65, 65), &ridge, 30.0, &TreeOptions::default(), &|_| {}).expect("sound");
+    let tree = built((65, 65), &ridge, 30.0, &TreeOptions::default(), &mut |_| {}).expect("sound");
     let view = TreeView {
         is_culled: true,
         ..paper_view(DVec3::new(-200.0, -960.0, 50.0), f64::INFINITY)
@@ -344,10 +350,10 @@ fn every_order_and_every_number_of_threads_gives_the_same_leaves() {
             threads,
             ..TreeOptions::default()
         };
-        let reported = RefCell::new(Vec::new());
-        let note = |part: f64| reported.borrow_mut().push(part);
-        let tree = built((130, 90), &heights(130, 90, 4), 30.0, &options, &note).expect("sound");
-        let reported = reported.into_inner();
+        let mut reported = Vec::new();
+        let mut note = |part| reported.push(part);
+        let tree =
+            built((130, 90), &heights(130, 90, 4), 30.0, &options, &mut note).expect("sound");
         assert!(reported.is_sorted() && reported.last() == Some(&1.0) && reported.len() > 10);
         tree
     };
@@ -420,7 +426,7 @@ fn what_cannot_be_built_is_refused() {
             max_bytes,
             ..TreeOptions::default()
         };
-        built(size, &heights, 1.0, &options, &|_| {}).map(|_| ())
+        built(size, &heights, 1.0, &options, &mut |_| {}).map(|_| ())
     };
     let all = usize::MAX;
     assert!(matches!(
@@ -450,7 +456,14 @@ fn extreme_heights_give_finite_answers() {
     let cliffs: Vec<f32> = (0..33 * 33)
         .map(|i| if (i / 5) % 2 == 0 { 9_000.0 } else { -11_000.0 })
         .collect();
-    let tree = built((33, 33), &cliffs, 30.0, &TreeOptions::default(), &|_| {}).expect("sound");
+    let tree = built(
+        (33, 33),
+        &cliffs,
+        30.0,
+        &TreeOptions::default(),
+        &mut |_| {},
+    )
+    .expect("sound");
     for eye_m in [
         DVec3::ZERO,
         DVec3::new(480.0, -480.0, 9_001.0),

@@ -182,7 +182,7 @@ impl GridQuadtree {
     pub fn build(
         posts: Posts<'_>,
         options: &TreeOptions,
-        progress: &dyn Fn(f64),
+        progress: &mut dyn FnMut(f32),
     ) -> Result<Self, TreeError> {
         let Posts {
             columns,
@@ -291,7 +291,7 @@ impl GridQuadtree {
 
 impl Builder<'_> {
     /// The subtrees of the split level, by column and row; none where that is the root's.
-    fn subtrees(&self, workers: &Workers, progress: &dyn Fn(f64)) -> Vec<Option<Subtree>> {
+    fn subtrees(&self, workers: &Workers, progress: &mut dyn FnMut(f32)) -> Vec<Option<Subtree>> {
         if self.split_level == 0 {
             return Vec::new();
         }
@@ -312,7 +312,7 @@ impl Builder<'_> {
             },
             &mut |_| {
                 finished += 1;
-                progress(finished as f64 / (count + 1) as f64);
+                progress(finished as f32 / (count + 1) as f32);
             },
         )
     }
