@@ -1,6 +1,6 @@
 //! Packets of simulators, alone and in a stream, and what is shown of them.
 
-use terrella::orbit::live::{LONGEST_PACKET, Packet, Splitter};
+use terrella::orbit::live::{MAX_PACKET_BYTES, Packet, Splitter};
 
 /// Reads any bytes as one packet of either form and as a stream. What is taken must be finite and come back from what is
 /// written of it bit for bit; a stream gives the same packets in one piece and in many, and keeps no more than one packet.
@@ -24,7 +24,7 @@ fn packets(data: &[u8], step: usize) -> Vec<Packet> {
         while let Some((cut, _)) = splitter.next() {
             good.extend(cut);
         }
-        assert!(splitter.waiting() <= LONGEST_PACKET);
+        assert!(splitter.waiting() <= MAX_PACKET_BYTES);
     }
     while let Some((cut, _)) = splitter.finish() {
         good.extend(cut);

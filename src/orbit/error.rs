@@ -137,7 +137,7 @@ pub enum OrbitError {
     #[error(
         "{satellite} is not known at {epoch}: its elements hold from {first} to {last}; change the date or take elements of that time"
     )]
-    OutOfReach {
+    OutsideValidity {
         /// The satellite.
         satellite: String,
         /// The epoch asked for, UTC.

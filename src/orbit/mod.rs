@@ -13,9 +13,9 @@ pub mod numerical;
 mod oem;
 mod omm;
 mod passes;
-mod reach;
-mod record;
-pub mod sampled;
+mod validity;
+mod entry;
+pub mod interpolated;
 mod sgp4_feed;
 mod state;
 mod table;
@@ -33,9 +33,9 @@ pub use ephemeris::Ephemerides;
 pub use error::{LineFault, OrbitError};
 pub use oem::write_oem;
 pub use omm::write_omm;
-pub use passes::{Bearing, Horizon, Pass, next_pass, passes};
-pub use record::{RecordError, RecordFault};
-pub use sampled::SampledFeed;
+pub use passes::{LookAngles, Observer, Pass, next_pass, passes};
+pub use entry::{RecordError, RecordFault};
+pub use interpolated::EphemerisFeed;
 pub use sgp4_feed::{Sgp4Feed, TleFeed};
 pub use state::{Frame, OrbitState};
 pub use write::Header;
@@ -43,7 +43,7 @@ pub use write_table::{csv_header, csv_row};
 
 /// Kinds of files of orbits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
+pub enum FileFormat {
     /// Two-line elements.
     Tle,
     /// Orbit mean-elements message.

@@ -17,13 +17,13 @@ const STEP_RAD: f64 = 0.01;
 /// Bounds of these steps, seconds.
 const STEP_S: std::ops::RangeInclusive<f64> = 0.5..=120.0;
 /// Gravity at the ground is nowhere greater, m/s².
-const MOST_GRAVITY_M_S2: f64 = 9.9;
+const MAX_GRAVITY_M_S2: f64 = 9.9;
 /// What else may pull: all bounds of acceleration are taken so much larger.
 const MARGIN: f64 = 1.1;
 
 /// A place on the Earth, and how high above its horizon a satellite has to stand. No refraction, no hills.
 #[derive(Clone, Copy)]
-pub struct Horizon<'o> {
+pub struct Observer<'o> {
     place_itrf_m: DVec3,
     up: DVec3,
     east: DVec3,
@@ -33,7 +33,7 @@ pub struct Horizon<'o> {
 
 /// Where a satellite stands, seen from a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bearing {
+pub struct LookAngles {
     /// Clockwise from north, radians, 0…2π. At the poles north is along the meridian of the place's longitude.
     pub azimuth_rad: f64,
     /// Above the plane across the ellipsoid's normal, radians.
@@ -59,7 +59,7 @@ pub struct Pass {
     pub sets: bool,
 }
 
-impl<'o> Horizon<'o> {
+impl<'o> Observer<'o> {
     /// Of a place above `ellipsoid`; `least_elevation_rad` is brought into 0…π/2, and `orientation` is the Earth's.
     pub fn new(
         place: Geodetic,
@@ -80,12 +80,12 @@ impl<'o> Horizon<'o> {
     }
 
     /// Where a satellite stands.
-    pub fn bearing(&self, state: &OrbitState) -> Bearing {
+    pub fn bearing(&self, state: &OrbitState) -> LookAngles {
         let itrf = state.in_frame(Frame::Itrf, &(self.orientation)(state.epoch));
         let line = itrf.position_m - self.place_itrf_m;
         let (east, up) = (line.dot(self.east), line.dot(self.up));
         let north = line.dot(self.up.cross(self.east));
-        Bearing {
+        LookAngles {
             azimuth_rad: east.atan2(north).rem_euclid(std::f64::consts::TAU),
             elevation_rad: up.atan2(east.hypot(north)),
             distance_m: line.length(),
@@ -110,7 +110,7 @@ impl<'o> Horizon<'o> {
 /// What else the feed refuses in its validity before the end of a pass: a satellite that has decayed.
 pub fn next_pass(
     feed: &dyn Feed,
-    horizon: &Horizon<'_>,
+    horizon: &Observer<'_>,
     from: Epoch,
     until: Epoch,
 ) -> Result<Option<Pass>, OrbitError> {
@@ -134,7 +134,7 @@ pub fn next_pass(
 /// All passes of a span in order of time, as [`next_pass`] finds them; an error is the last item.
 pub fn passes<'a>(
     feed: &'a dyn Feed,
-    horizon: &'a Horizon<'a>,
+    horizon: &'a Observer<'a>,
     from: Epoch,
     until: Epoch,
 ) -> impl Iterator<Item = Result<Pass, OrbitError>> + 'a {
@@ -150,7 +150,7 @@ pub fn passes<'a>(
 
 /// What one state tells.
 #[derive(Clone, Copy)]
-struct Sight {
+struct ElevationState {
     /// h = ρ·u − |ρ| sin e, metres: not negative where it stands high enough.
     above_m: f64,
     /// h′, metres per second.
@@ -165,7 +165,7 @@ struct Sight {
 /// A span to look through; times are seconds since `from`.
 struct Search<'s> {
     feed: &'s dyn Feed,
-    horizon: &'s Horizon<'s>,
+    horizon: &'s Observer<'s>,
     from: Epoch,
     end_s: f64,
 }
@@ -176,7 +176,7 @@ impl Search<'_> {
     }
 
     /// `None` in a gap of the feed.
-    fn sight(&self, t: f64) -> Result<Option<Sight>, OrbitError> {
+    fn sight(&self, t: f64) -> Result<Option<ElevationState>, OrbitError> {
         match self.feed.state_at(self.epoch(t)) {
             Ok(state) => Ok(Some(self.horizon.sight(&state))),
             Err(OrbitError::NotCovered { .. }) => Ok(None),
@@ -249,7 +249,7 @@ impl Search<'_> {
                 Some(_) => None,
             };
             if let Some(low) = low {
-                let is_low = |sight: Option<Sight>| sight.is_none_or(|s| s.above_m < 0.0);
+                let is_low = |sight: Option<ElevationState>| sight.is_none_or(|s| s.above_m < 0.0);
                 if is_low(self.sight(low)?) {
                     let (above, below) = self.bisect(t, low, is_low)?;
                     break (above, self.sight(below)?.is_some());
@@ -302,7 +302,7 @@ impl Search<'_> {
         &self,
         low: f64,
         high: f64,
-        has_turned: impl Fn(&Sight) -> bool,
+        has_turned: impl Fn(&ElevationState) -> bool,
     ) -> Result<(f64, f64), OrbitError> {
         self.bisect(low, high, |sight| sight.as_ref().is_some_and(&has_turned))
     }
@@ -312,7 +312,7 @@ impl Search<'_> {
         &self,
         mut low: f64,
         mut high: f64,
-        has_turned: impl Fn(Option<Sight>) -> bool,
+        has_turned: impl Fn(Option<ElevationState>) -> bool,
     ) -> Result<(f64, f64), OrbitError> {
         while high - low > EXACT_S {
             let middle = 0.5 * (low + high);
@@ -328,8 +328,8 @@ impl Search<'_> {
     }
 }
 
-impl Horizon<'_> {
-    fn sight(&self, state: &OrbitState) -> Sight {
+impl Observer<'_> {
+    fn sight(&self, state: &OrbitState) -> ElevationState {
         let itrf = state.in_frame(Frame::Itrf, &(self.orientation)(state.epoch));
         let (r, v) = (itrf.position_m, itrf.velocity_m_s);
         let line = r - self.place_itrf_m;
@@ -351,11 +351,11 @@ impl Horizon<'_> {
         // Within this time it loses at most a third of its height: gravity is then twice of what it is.
         let soon = 0.25 * radius / (speed + omega * radius);
         let near = leap(2.3 * EARTH_GM_M3_S2 / (radius * radius)).min(soon);
-        Sight {
+        ElevationState {
             above_m,
             rate_m_s,
             sin_elevation,
-            leap_s: leap(MOST_GRAVITY_M_S2).max(near),
+            leap_s: leap(MAX_GRAVITY_M_S2).max(near),
             step_s: least,
         }
     }

@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::frames::utc_from_rfc3339;
-use crate::orbit::kepler::{Anomaly, Drift, Elements, KeplerFeed, KeplerOptions, Size};
-use crate::orbit::sampled::{Interpolation, Sample, Sampled, Segment};
-use crate::orbit::{SampledFeed, Sgp4Feed};
+use crate::orbit::kepler::{Anomaly, Drift, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize};
+use crate::orbit::interpolated::{Interpolation, StateSample, InterpolatedStates, EphemerisSegment};
+use crate::orbit::{EphemerisFeed, Sgp4Feed};
 use std::path::Path;
 
 const DAY_S: f64 = 86_400.0;
@@ -17,9 +17,9 @@ fn instant(text: &str) -> Epoch {
     utc_from_rfc3339(text).expect("a date")
 }
 
-fn horizon(lat_deg: f64, lon_deg: f64, least_deg: f64) -> Horizon<'static> {
+fn horizon(lat_deg: f64, lon_deg: f64, least_deg: f64) -> Observer<'static> {
     let place = Geodetic::from_degrees(lat_deg, lon_deg, 200.0);
-    Horizon::new(place, &Ellipsoid::WGS84, least_deg.to_radians(), &still)
+    Observer::new(place, &Ellipsoid::WGS84, least_deg.to_radians(), &still)
 }
 
 fn released(file: &str) -> Sgp4Feed {
@@ -27,7 +27,7 @@ fn released(file: &str) -> Sgp4Feed {
     Sgp4Feed::from_file(&folder.join(file), None).expect("released elements")
 }
 
-fn kepler(elements: Elements) -> KeplerFeed {
+fn kepler(elements: KeplerElements) -> KeplerFeed {
     let epoch = instant("2018-01-15T00:00:00Z");
     let options = KeplerOptions {
         drift: Drift::None,
@@ -37,13 +37,13 @@ fn kepler(elements: Elements) -> KeplerFeed {
     KeplerFeed::from_elements("test", Frame::Teme, epoch, &elements, options).expect("an orbit")
 }
 
-fn circle(axis_m: f64, inclination_deg: f64) -> Elements {
-    Elements {
-        size: Size::SemiMajorAxis(axis_m),
+fn circle(axis_m: f64, inclination_deg: f64) -> KeplerElements {
+    KeplerElements {
+        size: OrbitSize::SemiMajorAxis(axis_m),
         eccentricity: 0.0,
         inclination_rad: inclination_deg.to_radians(),
-        node_rad: 1.0,
-        argument_rad: 0.0,
+        raan_rad: 1.0,
+        argument_of_periapsis_rad: 0.0,
         anomaly: Anomaly::True(0.0),
     }
 }
@@ -60,7 +60,7 @@ const PLACES: [(f64, f64); 7] = [
 ];
 
 /// First second, last second, greatest elevation and its second, of each time above; cut ones as they are.
-fn brute_force(path: &[DVec3], horizon: &Horizon<'_>) -> Vec<(f64, f64, f64, f64)> {
+fn brute_force(path: &[DVec3], horizon: &Observer<'_>) -> Vec<(f64, f64, f64, f64)> {
     let above = |r: &DVec3| {
         let line = *r - horizon.place_itrf_m;
         (
@@ -222,7 +222,7 @@ impl<F: Feed> Feed for Counting<F> {
 
 #[test]
 fn the_work_is_bounded() {
-    let asked = |feed: Sgp4Feed, horizon: &Horizon<'_>| {
+    let asked = |feed: Sgp4Feed, horizon: &Observer<'_>| {
         let feed = Counting(feed, 0.into());
         let (from, until) = feed.validity();
         let count = passes(&feed, horizon, from, until).count();
@@ -269,15 +269,15 @@ fn gaps_end_passes_and_are_passed_over() {
             .map(|k| {
                 let epoch = first + Duration::from_seconds(10.0 * f64::from(k));
                 let state = orbit.state_at(epoch).expect("known").in_itrf();
-                Sample {
+                StateSample {
                     epoch,
                     position_m: state.position_m,
                     velocity_m_s: Some(state.velocity_m_s),
                 }
             })
             .collect();
-        let sampled = Sampled::new(Frame::Itrf, &samples, Interpolation::WITH_VELOCITIES);
-        Segment::whole(sampled.expect("good samples"))
+        let sampled = InterpolatedStates::new(Frame::Itrf, &samples, Interpolation::WITH_VELOCITIES);
+        EphemerisSegment::whole(sampled.expect("good samples"))
     };
     let minutes = Duration::from_seconds(60.0);
     let segments = vec![
@@ -286,7 +286,7 @@ fn gaps_end_passes_and_are_passed_over() {
     ];
     let known = segments[0].usable;
     let again = segments[1].usable.0;
-    let feed = SampledFeed::new("gap".to_owned(), None, segments).expect("in order");
+    let feed = EphemerisFeed::new("gap".to_owned(), None, segments).expect("in order");
     let found: Result<Vec<_>, _> =
         passes(&feed, &place, from, from + Duration::from_days(1.0)).collect();
     let found = found.expect("gaps are no errors");

@@ -231,7 +231,7 @@ impl PlayError {
                 | Self::Live { .. }
                 | Self::NoElements { .. }
                 | Self::Orbit(
-                    OrbitError::OutOfReach { .. }
+                    OrbitError::OutsideValidity { .. }
                         | OrbitError::NotCovered { .. }
                         | OrbitError::Kepler(KeplerError::Impact { .. })
                         | OrbitError::Numerical(NumericalError::Impact { .. })

@@ -3,7 +3,7 @@
 use super::ephemeris::{Layout, satellite};
 use super::{Flight, PlayError, Tracked};
 use crate::frames::{Duration, Epoch, Geodetic, rfc3339};
-use crate::orbit::{Bearing, Horizon, Pass, passes};
+use crate::orbit::{LookAngles, Horizon, Pass, passes};
 use std::fmt::Write;
 
 /// Most passes of one table.
@@ -28,7 +28,7 @@ pub struct PassTable<'f> {
     place: Geodetic,
     least_elevation_rad: f64,
     span: (Epoch, Epoch),
-    rows: Vec<(Pass, [Bearing; 3])>,
+    rows: Vec<(Pass, [LookAngles; 3])>,
 }
 
 impl<'f> PassTable<'f> {

@@ -7,7 +7,7 @@ use crate::orbit::kepler::{Drift, KeplerFeed, KeplerOptions};
 use crate::orbit::live::{LiveError, LiveFeed, LiveOptions};
 use crate::orbit::numerical::{ForceModel, Gravity, NumericalFeed, NumericalOptions, Shadow};
 use crate::orbit::{
-    Catalogue, Ephemerides, Feed, Form, Frame, MeanElements, OrbitError, OrbitState, Sgp4Feed,
+    Catalogue, Ephemerides, Feed, FileFormat, Frame, MeanElements, OrbitError, OrbitState, Sgp4Feed,
 };
 use crate::scene::limits::YEARS;
 use crate::scene::{Forces, Motion, Orbit, OrbitSource, Scene, Start, StartForm};
@@ -141,7 +141,7 @@ pub(super) fn open(
 fn live(options: &LiveOptions, ears: Ears) -> Result<Tracked, LiveError> {
     let feed = match ears {
         Ears::Open => LiveFeed::open(options.clone())?,
-        Ears::Shut => LiveFeed::deaf(options.clone())?,
+        Ears::Shut => LiveFeed::unconnected(options.clone())?,
     };
     if ears == Ears::Open {
         tracing::info!("{} is waited for on {}", options.name, feed.listens_on());
@@ -162,14 +162,14 @@ fn from_file(
     let name = orbit.name.as_deref();
     // Without a name the only satellite is meant, and which is the only one a spoilt record leaves open.
     let is_strict = orbit.strict || name.is_none();
-    let check = |form| match source_of(form) {
+    let check = |format| match source_of(format) {
         source if source == orbit.source => Ok(()),
         source => {
             let given = word(orbit.source);
             let remedy = format!(
                 "{} holds {}; write source = \"{}\"",
                 file.display(),
-                says(form),
+                says(format),
                 word(source)
             );
             Err(scene.refuse_orbit(index, "source", given, remedy))
@@ -178,7 +178,7 @@ fn from_file(
     let (tracked, faults, faults_left_out) = match orbit.source {
         OrbitSource::Tle | OrbitSource::Omm => {
             let catalogue = Catalogue::from_file(file, is_strict)?;
-            check(catalogue.form)?;
+            check(catalogue.format)?;
             let left_out = catalogue.faults_left_out;
             let mut catalogue = catalogue;
             let faults = std::mem::take(&mut catalogue.faults);
@@ -195,7 +195,7 @@ fn from_file(
         }
         _ => {
             let mut ephemerides = Ephemerides::from_file(file, is_strict)?;
-            check(ephemerides.form)?;
+            check(ephemerides.format)?;
             let left_out = ephemerides.faults_left_out;
             let faults = std::mem::take(&mut ephemerides.faults);
             (
@@ -219,13 +219,13 @@ fn from_file(
     })
 }
 
-fn source_of(form: Form) -> OrbitSource {
-    match form {
-        Form::Tle => OrbitSource::Tle,
-        Form::Omm => OrbitSource::Omm,
-        Form::Oem => OrbitSource::Oem,
-        Form::Czml => OrbitSource::Czml,
-        Form::Csv => OrbitSource::Csv,
+fn source_of(format: FileFormat) -> OrbitSource {
+    match format {
+        FileFormat::Tle => OrbitSource::Tle,
+        FileFormat::Omm => OrbitSource::Omm,
+        FileFormat::Oem => OrbitSource::Oem,
+        FileFormat::Czml => OrbitSource::Czml,
+        FileFormat::Csv => OrbitSource::Csv,
     }
 }
 
@@ -242,13 +242,13 @@ fn word(source: OrbitSource) -> &'static str {
     }
 }
 
-fn says(form: Form) -> &'static str {
-    match form {
-        Form::Tle => "two-line elements",
-        Form::Omm => "an orbit mean-elements message",
-        Form::Oem => "an orbit ephemeris message",
-        Form::Czml => "CZML",
-        Form::Csv => "states in columns",
+fn says(format: FileFormat) -> &'static str {
+    match format {
+        FileFormat::Tle => "two-line elements",
+        FileFormat::Omm => "an orbit mean-elements message",
+        FileFormat::Oem => "an orbit ephemeris message",
+        FileFormat::Czml => "CZML",
+        FileFormat::Csv => "states in columns",
     }
 }
 

@@ -6,7 +6,7 @@ use super::limits::*;
 use super::locate::Source;
 use super::raw::RawOrbit;
 use super::{Orbit, Scene};
-use crate::orbit::live::{Extrapolation, LiveOptions, Mode, Transport};
+use crate::orbit::live::{Extrapolation, LiveOptions, Pacing, Transport};
 use std::time::Duration;
 
 /// Keys of live satellites alone.
@@ -42,7 +42,7 @@ impl Source<'_> {
             self.refuse(&listen, advice)
         })?;
         let usual = LiveOptions::new(transport);
-        let mode = self.choice(&field!(orbit.pacing), usual.mode)?;
+        let mode = self.choice(&field!(orbit.pacing), usual.pacing)?;
         self.live_keys_fit(orbit, &usual.transport, mode)?;
         let allow_remote = flag(&field!(orbit.allow_remote), false);
         let is_remote = |transport: &Transport| {
@@ -58,8 +58,8 @@ impl Source<'_> {
             |field: Field<'_, f64>, default, range| self.within(&field, default, range, "seconds");
         let timeout_s = seconds(field!(orbit.timeout_s), default_timeout_s, TIMEOUT_S)?;
         let packets = field!(orbit.packets_per_s);
-        let most_packets_per_s = match packets.given.map(|given| *given.get_ref()) {
-            None => usual.most_packets_per_s,
+        let max_packets_per_s = match packets.given.map(|given| *given.get_ref()) {
+            None => usual.max_packets_per_s,
             Some(count) => in_range(count, &PACKETS_PER_S).ok_or_else(|| {
                 let advice = format!(
                     "must be from {} packets per second",
@@ -69,7 +69,7 @@ impl Source<'_> {
             })?,
         };
         Ok(LiveOptions {
-            mode,
+            pacing: mode,
             name: name.map_or(usual.name, str::to_owned),
             allow_remote,
             allowed_origins: self.origins(&field!(orbit.allowed_origins))?,
@@ -98,7 +98,7 @@ impl Source<'_> {
             gap_s: seconds(field!(orbit.gap_s), usual.gap_s, GAP_S)?,
             // In range: it is finite and not negative.
             frame_timeout: Duration::try_from_secs_f64(timeout_s).unwrap_or_default(),
-            most_packets_per_s,
+            max_packets_per_s,
             transport: usual.transport,
         })
     }
@@ -108,7 +108,7 @@ impl Source<'_> {
         &self,
         orbit: &RawOrbit,
         transport: &Transport,
-        mode: Mode,
+        mode: Pacing,
     ) -> Result<(), SceneError> {
         for (key, span) in orbit.given() {
             if let Some(why) = idle(transport, mode, key) {
@@ -178,7 +178,7 @@ impl Source<'_> {
                 };
                 return Err(self.refuse(&field!(orbit.listen), advice));
             }
-            let waits = |options: &LiveOptions| options.mode == Mode::Lockstep;
+            let waits = |options: &LiveOptions| options.pacing == Pacing::Lockstep;
             if waits(options) && before().any(waits) {
                 let advice = "a picture is of one instant, and the simulator of a satellite before this one says which; write \"broadcast\" here";
                 return Err(self.refuse(&field!(orbit.pacing), advice));
@@ -189,8 +189,8 @@ impl Source<'_> {
 }
 
 /// Why a key does nothing with the way in or the pacing; `None` where it does something.
-fn idle(transport: &Transport, mode: Mode, key: &str) -> Option<&'static str> {
-    let is_lockstep = mode == Mode::Lockstep;
+fn idle(transport: &Transport, mode: Pacing, key: &str) -> Option<&'static str> {
+    let is_lockstep = mode == Pacing::Lockstep;
     match key {
         "allow_remote" if *transport == Transport::Stdin => {
             Some("is for ports, and standard input is none")
@@ -213,7 +213,7 @@ fn idle(transport: &Transport, mode: Mode, key: &str) -> Option<&'static str> {
 
 /// The value of one of [`KEYS`], or why there is none.
 pub(super) fn value(options: &LiveOptions, key: &str) -> Result<String, &'static str> {
-    if let Some(why) = idle(&options.transport, options.mode, key) {
+    if let Some(why) = idle(&options.transport, options.pacing, key) {
         return Err(why);
     }
     let quoted = |text: &str| format!("\"{}\"", printable(text));
@@ -228,7 +228,7 @@ pub(super) fn value(options: &LiveOptions, key: &str) -> Result<String, &'static
                 .collect();
             format!("[{}]", pages.join(", "))
         }
-        "pacing" => quoted(&written(&options.mode)),
+        "pacing" => quoted(&written(&options.pacing)),
         "rate" => options.rate.to_string(),
         "playback_delay_s" => options.playback_delay_s.to_string(),
         "timeout_s" => options.frame_timeout.as_secs_f64().to_string(),
@@ -236,7 +236,7 @@ pub(super) fn value(options: &LiveOptions, key: &str) -> Result<String, &'static
         "extrapolate_s" => options.extrapolation_limit_s.to_string(),
         "extrapolation" => quoted(&written(&options.extrapolation)),
         "gap_s" => options.gap_s.to_string(),
-        "packets_per_s" => options.most_packets_per_s.to_string(),
+        "packets_per_s" => options.max_packets_per_s.to_string(),
         // A test holds that no known key comes here.
         _ => return Err("unknown to the summary"),
     })
@@ -249,12 +249,12 @@ pub(super) fn flies_by(options: &LiveOptions) -> String {
         Extrapolation::TwoBody => "in free fall",
         Extrapolation::Linear => "straight on",
     };
-    match options.mode {
-        Mode::Broadcast => format!(
+    match options.pacing {
+        Pacing::Broadcast => format!(
             "states that a simulator sends, drawn {} s late, {beyond} for {} s beyond the last: {whose}",
             options.playback_delay_s, options.extrapolation_limit_s
         ),
-        Mode::Lockstep => format!(
+        Pacing::Lockstep => format!(
             "frames that a simulator waits for, each up to {} s: {whose}",
             options.frame_timeout.as_secs_f64()
         ),

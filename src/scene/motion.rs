@@ -3,9 +3,9 @@
 use super::Track;
 use crate::frames::Epoch;
 use crate::orbit::Frame;
-use crate::orbit::kepler::Elements;
+use crate::orbit::kepler::KeplerElements;
 use crate::orbit::live::LiveOptions;
-use crate::orbit::numerical::{Atmosphere, Craft};
+use crate::orbit::numerical::{AtmosphereModel, Spacecraft};
 use glam::DVec3;
 use std::path::PathBuf;
 
@@ -111,7 +111,7 @@ pub struct Start {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StartForm {
     /// As classical elements.
-    Elements(Elements),
+    Elements(KeplerElements),
     /// As a state.
     State {
         /// Metres from the Earth's centre.
@@ -129,7 +129,7 @@ pub struct Forces {
     /// Its order, not above the degree; 0 leaves the zonal terms J2, J3, … alone.
     pub gravity_order: u32,
     /// The air whose drag acts; `None` for none.
-    pub drag: Option<Atmosphere>,
+    pub drag: Option<AtmosphereModel>,
     /// The Sun's gravity.
     pub sun: bool,
     /// The Moon's.
@@ -137,7 +137,7 @@ pub struct Forces {
     /// The pressure of sunlight.
     pub radiation: bool,
     /// What air and sunlight act on.
-    pub craft: Craft,
+    pub craft: Spacecraft,
     /// Error allowed in a step, relative to distance and speed.
     pub tolerance: f64,
 }

@@ -6,8 +6,8 @@ use super::field::written;
 use super::live;
 use super::orbits::foreign;
 use super::{Forces, Motion, Orbit, OrbitSource, Scene, Start, StartForm, tracks};
-use crate::orbit::kepler::{Anomaly, Elements, Size};
-use crate::orbit::numerical::Atmosphere;
+use crate::orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
+use crate::orbit::numerical::AtmosphereModel;
 use glam::DVec3;
 
 /// A value as a scene would write it, or why there is none.
@@ -63,8 +63,8 @@ fn force_value(forces: &Forces, key: &str) -> Option<Value> {
         "gravity_order" => Ok(forces.gravity_order.to_string()),
         "drag" => Ok(forces.drag.is_some().to_string()),
         "air_model" => match forces.drag {
-            Some(Atmosphere::Standard1976) => quoted("us1976"),
-            Some(Atmosphere::Exponential) => quoted("exponential"),
+            Some(AtmosphereModel::Standard1976) => quoted("us1976"),
+            Some(AtmosphereModel::Exponential) => quoted("exponential"),
             None => Err("only for drag = true"),
         },
         "sun" => Ok(forces.sun.to_string()),
@@ -95,18 +95,18 @@ fn start_value(start: &Start, key: &str) -> Value {
     }
 }
 
-fn element_value(elements: &Elements, key: &str) -> Value {
+fn element_value(elements: &KeplerElements, key: &str) -> Value {
     let km = |metres: f64| Ok(rounded(metres / 1e3));
     let degrees = |radians: f64| Ok(rounded(radians.to_degrees()));
     match (key, elements.size, elements.anomaly) {
-        ("semi_major_axis_km", Size::SemiMajorAxis(metres), _) => km(metres),
+        ("semi_major_axis_km", OrbitSize::SemiMajorAxis(metres), _) => km(metres),
         ("semi_major_axis_km", ..) => Err("the size is given by the periapsis"),
-        ("periapsis_km", Size::Periapsis(metres), _) => km(metres),
+        ("periapsis_km", OrbitSize::Periapsis(metres), _) => km(metres),
         ("periapsis_km", ..) => Err("the size is given by the semi-major axis"),
         ("eccentricity", ..) => Ok(elements.eccentricity.to_string()),
         ("inclination_deg", ..) => degrees(elements.inclination_rad),
-        ("node_deg", ..) => degrees(elements.node_rad),
-        ("argument_deg", ..) => degrees(elements.argument_rad),
+        ("node_deg", ..) => degrees(elements.raan_rad),
+        ("argument_deg", ..) => degrees(elements.argument_of_periapsis_rad),
         ("true_anomaly_deg", _, Anomaly::True(radians)) => degrees(radians),
         ("true_anomaly_deg", ..) => Err("the place is given by the mean anomaly"),
         ("mean_anomaly_deg", _, Anomaly::Mean(radians)) => degrees(radians),

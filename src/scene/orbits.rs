@@ -9,8 +9,8 @@ use super::raw::{RawOrbit, RawTracks};
 use super::{Forces, Motion, Orbit, OrbitSource, Start, StartForm};
 use crate::frames::Epoch;
 use crate::orbit::Frame;
-use crate::orbit::kepler::{Anomaly, Elements, Size};
-use crate::orbit::numerical::{Atmosphere, Craft};
+use crate::orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
+use crate::orbit::numerical::{AtmosphereModel, Spacecraft};
 use glam::DVec3;
 use serde::Deserialize;
 use std::ops::RangeInclusive;
@@ -47,7 +47,7 @@ enum AirModel {
     Exponential,
 }
 
-impl From<AirModel> for Atmosphere {
+impl From<AirModel> for AtmosphereModel {
     fn from(model: AirModel) -> Self {
         match model {
             AirModel::Us1976 => Self::Standard1976,
@@ -223,7 +223,7 @@ impl Source<'_> {
         Ok(Start { epoch, frame, form })
     }
 
-    fn elements(&self, orbit: &RawOrbit) -> Result<Elements, SceneError> {
+    fn elements(&self, orbit: &RawOrbit) -> Result<KeplerElements, SceneError> {
         let (axis, periapsis) = (field!(orbit.semi_major_axis_km), field!(orbit.periapsis_km));
         let eccentricity_field = field!(orbit.eccentricity);
         let eccentricity = self.within(&eccentricity_field, 0.0, ECCENTRICITY, "")?;
@@ -247,11 +247,11 @@ impl Source<'_> {
                     let advice = "must be above 0 with an eccentricity below 1, and below 0 with one above 1";
                     return Err(self.refuse(&axis, advice));
                 }
-                Size::SemiMajorAxis(km * 1e3)
+                OrbitSize::SemiMajorAxis(km * 1e3)
             }
             (false, true) => {
                 let range = 0.001..=*ORBIT_KM.end();
-                Size::Periapsis(self.within(&periapsis, 0.0, range, "kilometres")? * 1e3)
+                OrbitSize::Periapsis(self.within(&periapsis, 0.0, range, "kilometres")? * 1e3)
             }
         };
         let angle = |field: Field<'_, f64>| {
@@ -276,14 +276,14 @@ impl Source<'_> {
             false => Anomaly::True(angle(true_anomaly)?),
         };
         let inclination = field!(orbit.inclination_deg);
-        Ok(Elements {
+        Ok(KeplerElements {
             size,
             eccentricity,
             inclination_rad: self
                 .within(&inclination, 0.0, INCLINATION_DEG, "degrees")?
                 .to_radians(),
-            node_rad: angle(field!(orbit.node_deg))?,
-            argument_rad: angle(field!(orbit.argument_deg))?,
+            raan_rad: angle(field!(orbit.node_deg))?,
+            argument_of_periapsis_rad: angle(field!(orbit.argument_deg))?,
             anomaly,
         })
     }
@@ -331,7 +331,7 @@ impl Source<'_> {
             let advice = "cr has no meaning with radiation = false; leave one of them out";
             return Err(self.refuse(&cr, advice));
         }
-        let usual = Craft::default();
+        let usual = Spacecraft::default();
         let area = field!(orbit.area_m2);
         let area_m2 = self.within(&area, usual.drag_area_m2, AREA_M2, "square metres")?;
         Ok(Forces {
@@ -341,7 +341,7 @@ impl Source<'_> {
             sun: flag(&field!(orbit.sun), true),
             moon: flag(&field!(orbit.moon), true),
             radiation,
-            craft: Craft {
+            craft: Spacecraft {
                 mass_kg: self.within(
                     &field!(orbit.mass_kg),
                     usual.mass_kg,

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::frames::{Geodetic, utc_from_rfc3339};
-use crate::orbit::kepler::{Anomaly, Elements, KeplerFeed, KeplerOptions, Size};
+use crate::orbit::kepler::{Anomaly, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize};
 use crate::orbit::{OrbitError, Sgp4Feed};
 
 const WGS84: Ellipsoid = Ellipsoid::WGS84;
@@ -12,12 +12,12 @@ fn utc(text: &str) -> Epoch {
 }
 
 fn kepler(periapsis_m: f64, eccentricity: f64, inclination_deg: f64) -> KeplerFeed {
-    let elements = Elements {
-        size: Size::Periapsis(periapsis_m),
+    let elements = KeplerElements {
+        size: OrbitSize::Periapsis(periapsis_m),
         eccentricity,
         inclination_rad: f64::to_radians(inclination_deg),
-        node_rad: 1.0,
-        argument_rad: 4.7,
+        raan_rad: 1.0,
+        argument_of_periapsis_rad: 4.7,
         anomaly: Anomaly::Mean(0.4),
     };
     let options = KeplerOptions {

@@ -7,7 +7,7 @@ mod czml;
 mod oem;
 mod oem_bad_input;
 mod omm;
-mod sampled;
+mod interpolated;
 mod table;
 mod track;
 mod verification;

@@ -20,7 +20,7 @@ pub enum KeplerError {
         /// What it should be.
         expected: &'static str,
     },
-    /// Size and eccentricity belong to different conics.
+    /// OrbitSize and eccentricity belong to different conics.
     #[error(
         "a semi-major axis of {axis_m:e} m does not go with eccentricity {eccentricity}: it is above 0 for ellipses (e < 1), below 0 for hyperbolas (e > 1), and a parabola has none; give the periapsis radius instead"
     )]

@@ -17,11 +17,11 @@ mod tests;
 
 pub use conic::Conic;
 pub use drift::SecularRates;
-pub use elements::{Anomaly, Elements, Size};
+pub use elements::{Anomaly, KeplerElements, OrbitSize};
 pub use error::KeplerError;
 
 use super::constants::EARTH_GM_M3_S2;
-use super::reach::{Ground, check_span};
+use super::validity::{Ground, check_span};
 use super::{Feed, Frame, OrbitError, OrbitState};
 use crate::frames::{Duration, Ellipsoid, Epoch, rfc3339};
 use elements::{angles, plane};
@@ -74,13 +74,13 @@ impl KeplerFeed {
     /// From classical elements at `epoch`, in the axes of `frame` (TEME, GCRF or EME2000).
     ///
     /// # Errors
-    /// What [`Elements::conic`] refuses, a turning frame, a drift of what is no ellipse, an empty span, an epoch under
+    /// What [`KeplerElements::conic`] refuses, a turning frame, a drift of what is no ellipse, an empty span, an epoch under
     /// the ground.
     pub fn from_elements(
         name: impl Into<String>,
         frame: Frame,
         epoch: Epoch,
-        elements: &Elements,
+        elements: &KeplerElements,
         options: KeplerOptions,
     ) -> Result<Self, KeplerError> {
         let conic = elements.conic(EARTH_GM_M3_S2, epoch)?;
@@ -249,8 +249,8 @@ impl KeplerFeed {
         let normal = self.conic.to_periapsis.cross(self.conic.across);
         let [to_periapsis, across] = plane(
             *inclination,
-            node + rates.node_rad_s * seconds,
-            argument + rates.argument_rad_s * seconds,
+            node + rates.raan_rad_s * seconds,
+            argument + rates.argument_of_periapsis_rad_s * seconds,
         );
         let turned = Conic {
             to_periapsis,
@@ -258,8 +258,8 @@ impl KeplerFeed {
             ..self.conic
         };
         let (position, velocity) = turned.at(whole, rest + factor * seconds);
-        let node_turn = DVec3::Z * rates.node_rad_s;
-        let own_turn = to_periapsis.cross(across).normalize_or(normal) * rates.argument_rad_s;
+        let node_turn = DVec3::Z * rates.raan_rad_s;
+        let own_turn = to_periapsis.cross(across).normalize_or(normal) * rates.argument_of_periapsis_rad_s;
         (
             position,
             velocity * (1.0 + factor) + (node_turn + own_turn).cross(position),

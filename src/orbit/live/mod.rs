@@ -74,13 +74,13 @@ mod split;
 mod websocket;
 
 pub use lockstep::FrameRequest;
-pub use options::{Extrapolation, LiveError, LiveOptions, Mode, Transport};
-pub use packet::{Form, Kind, LONGEST_PACKET, Packet, PacketFault, STATE_BYTES};
+pub use options::{Extrapolation, LiveError, LiveOptions, Pacing, Transport};
+pub use packet::{PacketFormat, PacketKind, MAX_PACKET_BYTES, Packet, PacketFault, STATE_BYTES};
 pub use reply::Reply;
-pub use shared::Counters;
+pub use shared::PacketCounters;
 pub use split::{Cut, Splitter};
 
-use super::record::shortened;
+use super::entry::shortened;
 use super::{Feed, Freshness, OrbitError, OrbitState};
 use crate::frames::{Epoch, rfc3339, utc_from_rfc3339};
 use buffer::later;
@@ -155,7 +155,7 @@ impl LiveFeed {
     ///
     /// # Errors
     /// A setting out of its range, an address that other machines reach.
-    pub fn deaf(options: LiveOptions) -> Result<Self, LiveError> {
+    pub fn unconnected(options: LiveOptions) -> Result<Self, LiveError> {
         options.check()?;
         let shared = Arc::new(Shared::new(options));
         shared.end();
@@ -185,7 +185,7 @@ impl LiveFeed {
     }
 
     /// What has come and what became of it.
-    pub fn counters(&self) -> Counters {
+    pub fn counters(&self) -> PacketCounters {
         self.shared.lock().counters
     }
 

@@ -95,7 +95,7 @@ impl FromStr for Transport {
 /// Who waits for whom.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Mode {
+pub enum Pacing {
     /// Nobody: states come when they come, and pictures are drawn from the newest.
     #[default]
     Broadcast,
@@ -120,7 +120,7 @@ pub struct LiveOptions {
     /// Where states come from.
     pub transport: Transport,
     /// Who waits for whom.
-    pub mode: Mode,
+    pub pacing: Pacing,
     /// The satellite's name until a packet tells one.
     pub name: String,
     /// Lets the port be bound to an address that other machines reach. Whoever reaches it can steer the picture.
@@ -143,7 +143,7 @@ pub struct LiveOptions {
     /// How long a simulator waits for a frame before it gets an error, 1 ms…1 h; lockstep only.
     pub frame_timeout: Duration,
     /// Packets a second, 1…1 000 000; more are dropped unread.
-    pub most_packets_per_s: u32,
+    pub max_packets_per_s: u32,
 }
 
 impl LiveOptions {
@@ -151,7 +151,7 @@ impl LiveOptions {
     pub fn new(transport: Transport) -> Self {
         Self {
             transport,
-            mode: Mode::default(),
+            pacing: Pacing::default(),
             name: "live".to_owned(),
             allow_remote: false,
             allowed_origins: Vec::new(),
@@ -162,7 +162,7 @@ impl LiveOptions {
             extrapolation: Extrapolation::default(),
             gap_s: 60.0,
             frame_timeout: Duration::from_secs(10),
-            most_packets_per_s: 10_000,
+            max_packets_per_s: 10_000,
         }
     }
 
@@ -193,8 +193,8 @@ impl LiveOptions {
         within("gap_s", self.gap_s, 1e-3, 1e7)?;
         let timeout_s = self.frame_timeout.as_secs_f64();
         within("frame_timeout, s,", timeout_s, 1e-3, 3600.0)?;
-        let packets = f64::from(self.most_packets_per_s);
-        within("most_packets_per_s", packets, 1.0, 1e6)?;
+        let packets = f64::from(self.max_packets_per_s);
+        within("max_packets_per_s", packets, 1.0, 1e6)?;
         let Some(address) = self.transport.address() else {
             return Ok(());
         };

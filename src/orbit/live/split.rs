@@ -1,6 +1,6 @@
 //! A stream of bytes cut into packets, whatever lies between them.
 
-use super::packet::{Form, LONGEST_PACKET, MAGIC, Packet, PacketFault, STATE_BYTES};
+use super::packet::{PacketFormat, MAX_PACKET_BYTES, MAGIC, Packet, PacketFault, STATE_BYTES};
 
 /// Cuts a stream into packets. It holds at most one unfinished packet and the bytes of the last [`Splitter::push`].
 ///
@@ -16,7 +16,7 @@ pub struct Splitter {
 }
 
 /// A packet, or why there is none, and in which form it came.
-pub type Cut = (Result<Packet, PacketFault>, Form);
+pub type Cut = (Result<Packet, PacketFault>, PacketFormat);
 
 impl Splitter {
     /// Takes bytes in. Call [`Splitter::next`] until it has no more.
@@ -77,7 +77,7 @@ impl Splitter {
             // Something else: passed over to the next place where a packet can begin.
             let next = rest.iter().skip(1).position(|&b| starts(b));
             self.done += next.map_or(rest.len(), |n| n + 1);
-            if let Some(cut) = self.lose(PacketFault::NotAPacket, Form::Json) {
+            if let Some(cut) = self.lose(PacketFault::NotAPacket, PacketFormat::Json) {
                 return Some(cut);
             }
         }
@@ -86,24 +86,24 @@ impl Splitter {
     /// From `{` to the end of the line, or to a magic, which is in no text.
     fn line(&mut self, is_end: bool) -> Option<Cut> {
         let rest = self.bytes.get(self.done..).unwrap_or_default();
-        let window = &rest[..rest.len().min(LONGEST_PACKET + 1)];
+        let window = &rest[..rest.len().min(MAX_PACKET_BYTES + 1)];
         let line_feed = window.iter().position(|&b| b == b'\n');
         let window = &window[..line_feed.unwrap_or(window.len())];
         let magic = window.windows(MAGIC.len()).position(|w| w == MAGIC);
         let end = magic.or(line_feed).or_else(|| {
-            let is_whole = is_end && rest.len() <= LONGEST_PACKET;
+            let is_whole = is_end && rest.len() <= MAX_PACKET_BYTES;
             is_whole.then_some(rest.len())
         });
         let Some(end) = end else {
-            if rest.len() <= LONGEST_PACKET {
+            if rest.len() <= MAX_PACKET_BYTES {
                 return None;
             }
             // No packet can be in so long a line: the rest of it goes as well.
-            self.done += LONGEST_PACKET;
+            self.done += MAX_PACKET_BYTES;
             let skipped = self.bytes[self.done..].iter();
             let to = skipped.clone().position(|&b| b == b'\n' || b == MAGIC[0]);
             self.done += to.unwrap_or(skipped.len());
-            return match self.lose(PacketFault::TooLong, Form::Json) {
+            return match self.lose(PacketFault::TooLong, PacketFormat::Json) {
                 Some(cut) => Some(cut),
                 None => self.cut(is_end),
             };
@@ -113,9 +113,9 @@ impl Splitter {
         match packet {
             Ok(packet) => {
                 self.is_lost = false;
-                Some((Ok(packet), Form::Json))
+                Some((Ok(packet), PacketFormat::Json))
             }
-            Err(fault) => match self.lose(fault, Form::Json) {
+            Err(fault) => match self.lose(fault, PacketFormat::Json) {
                 Some(cut) => Some(cut),
                 None => self.cut(is_end),
             },
@@ -131,11 +131,11 @@ impl Splitter {
             Ok(_) | Err(PacketFault::Field { .. }) => STATE_BYTES,
             Err(_) => MAGIC.len(),
         };
-        (packet, Form::Binary)
+        (packet, PacketFormat::Binary)
     }
 
     /// One fault for what is wrong in a row.
-    fn lose(&mut self, fault: PacketFault, form: Form) -> Option<Cut> {
+    fn lose(&mut self, fault: PacketFault, form: PacketFormat) -> Option<Cut> {
         let is_new = !std::mem::replace(&mut self.is_lost, true);
         is_new.then_some((Err(fault), form))
     }

@@ -1,6 +1,6 @@
 //! Moments that are looked for along a trajectory.
 
-use super::force::{Motion, sun_above_limb_rad};
+use super::force::{EquationsOfMotion, sun_above_limb_rad};
 use super::integrate::Step;
 use crate::frames::Epoch;
 use glam::DVec3;
@@ -35,7 +35,7 @@ pub struct Event {
 
 /// Which events to look for; the impact always is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Watch {
+pub struct EventSelection {
     /// Crossings of the equator.
     pub nodes: bool,
     /// Nearest and farthest points.
@@ -46,23 +46,23 @@ pub struct Watch {
 
 /// A function of the state that changes its sign at an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Gauge {
+enum EventFunction {
     Height,
     Latitude,
     Radial,
     Shadow,
 }
 
-impl Gauge {
-    fn value(self, motion: &mut Motion, ground_m: f64, t: f64, y: &[f64; 6]) -> f64 {
+impl EventFunction {
+    fn value(self, motion: &mut EquationsOfMotion, ground_m: f64, t: f64, y: &[f64; 6]) -> f64 {
         let (r, v) = (DVec3::new(y[0], y[1], y[2]), DVec3::new(y[3], y[4], y[5]));
         match self {
             // High up only the sign matters.
             Self::Height if r.length() > 6.5e6 + ground_m => r.length(),
             Self::Height => motion.height_m(t, r) - ground_m,
-            Self::Latitude => (motion.sky.intermediate_from_gcrf(t) * r).z,
+            Self::Latitude => (motion.axes.intermediate_from_gcrf(t) * r).z,
             Self::Radial => r.dot(v),
-            Self::Shadow => sun_above_limb_rad(r, motion.sky.sun_m(t)),
+            Self::Shadow => sun_above_limb_rad(r, motion.axes.sun_m(t)),
         }
     }
 
@@ -82,21 +82,21 @@ impl Gauge {
 
 /// Looks at the events of one step after the other.
 #[derive(Clone, Debug)]
-pub(super) struct Watcher {
-    gauges: Vec<Gauge>,
+pub(super) struct EventDetector {
+    gauges: Vec<EventFunction>,
     ground_m: f64,
 }
 
 /// Places looked at inside a step: two changes of sign between two of them go unseen.
 const LOOKS: u32 = 8;
 
-impl Watcher {
-    pub fn new(watch: Watch, ground_m: f64) -> Self {
+impl EventDetector {
+    pub fn new(watch: EventSelection, ground_m: f64) -> Self {
         let gauges = [
-            (true, Gauge::Height),
-            (watch.nodes, Gauge::Latitude),
-            (watch.apsides, Gauge::Radial),
-            (watch.shadow, Gauge::Shadow),
+            (true, EventFunction::Height),
+            (watch.nodes, EventFunction::Latitude),
+            (watch.apsides, EventFunction::Radial),
+            (watch.shadow, EventFunction::Shadow),
         ];
         Self {
             gauges: gauges
@@ -109,7 +109,7 @@ impl Watcher {
     }
 
     /// Events inside a step with their times, in the order of flight. Nothing follows an impact.
-    pub fn events(&self, motion: &mut Motion, step: &Step<6>) -> Vec<(f64, EventKind)> {
+    pub fn events(&self, motion: &mut EquationsOfMotion, step: &Step<6>) -> Vec<(f64, EventKind)> {
         let mut found = Vec::new();
         for &gauge in &self.gauges {
             let mut value = |t: f64, y: &[f64; 6]| gauge.value(motion, self.ground_m, t, y);

@@ -6,26 +6,26 @@
 //! | `integrate/` | solvers of differential equations |
 //! | `event.rs` | impact, nodes, apsides, shadow |
 //! | `trajectory.rs` | the steps with what lies between |
-//! | `run.rs` | from a state to a trajectory |
+//! | `integration.rs` | from a state to a trajectory |
 
 mod error;
 mod event;
 mod force;
 mod integrate;
-mod run;
+mod integration;
 #[cfg(test)]
 mod tests;
 mod trajectory;
 
 pub use error::NumericalError;
-pub use event::{Event, EventKind, Watch};
-pub use force::{Atmosphere, Craft, EGM96_DEGREE, ForceModel, Gravity, Shadow, Thrust, ThrustAxes};
+pub use event::{Event, EventKind, EventSelection};
+pub use force::{AtmosphereModel, Spacecraft, EGM96_DEGREE, ForceModel, Gravity, Shadow, Thrust, ThrustAxes};
 pub use integrate::{Counts, Solver};
 
-use super::reach::{Ground, check_span};
+use super::validity::{Ground, check_span};
 use super::{Feed, Frame, OrbitError, OrbitState};
 use crate::frames::{Duration, Epoch, rfc3339};
-use run::{Ending, Run};
+use integration::{StopReason, Integration};
 use trajectory::Trajectory;
 
 /// How to integrate.
@@ -42,7 +42,7 @@ pub struct NumericalOptions {
     /// Most steps kept, about 0.4 kB each.
     pub step_limit: usize,
     /// Events to look for.
-    pub watch: Watch,
+    pub watch: EventSelection,
     /// Height over WGS84 at which the ground is met, metres.
     pub ground_height_m: f64,
 }
@@ -56,7 +56,7 @@ impl NumericalOptions {
             relative_tolerance: 1e-10,
             solver: Solver::Automatic,
             step_limit: 1_000_000,
-            watch: Watch::default(),
+            watch: EventSelection::default(),
             ground_height_m: 0.0,
         }
     }
@@ -95,25 +95,25 @@ impl NumericalFeed {
         name: impl Into<String>,
         state: &OrbitState,
         model: &ForceModel,
-        craft: &Craft,
+        craft: &Spacecraft,
         options: &NumericalOptions,
     ) -> Result<Self, NumericalError> {
         let name = name.into();
         let start = state.in_frame(Frame::Gcrf, &model.orientation);
-        let mut run = Run::new(&name, &start, model, craft, options)?;
+        let mut run = Integration::new(&name, &start, model, craft, options)?;
         let epoch = start.epoch;
         let before = run.fly((options.first - epoch).to_seconds())?;
         let after = run.fly((options.last - epoch).to_seconds())?;
-        let impact = |ending: Ending| match ending {
-            Ending::Limit => None,
+        let impact = |ending: StopReason| match ending {
+            StopReason::Limit => None,
             // Whole nanoseconds, and on this side of the ground.
-            Ending::Impact(t) => Some(epoch + Duration::from_seconds(t)),
+            StopReason::Impact(t) => Some(epoch + Duration::from_seconds(t)),
         };
         let ground = Ground {
             left: impact(before),
             met: impact(after),
         };
-        let Run {
+        let Integration {
             trajectory,
             mut events,
             counts,
@@ -172,7 +172,7 @@ impl NumericalFeed {
     pub fn integration_error_m(
         &self,
         model: &ForceModel,
-        craft: &Craft,
+        craft: &Spacecraft,
         options: &NumericalOptions,
     ) -> Result<f64, NumericalError> {
         let finer = NumericalOptions {

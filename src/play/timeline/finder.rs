@@ -189,7 +189,7 @@ impl Feed for Wanted<'_> {
         match (self.is_wanted)() {
             true => self.feed.state_at(epoch),
             // Nobody reads it.
-            false => Err(OrbitError::OutOfReach {
+            false => Err(OrbitError::OutsideValidity {
                 satellite: String::new(),
                 epoch: String::new(),
                 first: String::new(),

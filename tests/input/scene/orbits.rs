@@ -3,9 +3,9 @@
 use super::{Bad, Folder, scene, utc};
 use glam::DVec3;
 use terrella::orbit::Frame;
-use terrella::orbit::kepler::{Anomaly, Size};
+use terrella::orbit::kepler::{Anomaly, OrbitSize};
 use terrella::orbit::live::{Extrapolation, LiveOptions, Mode};
-use terrella::orbit::numerical::Atmosphere;
+use terrella::orbit::numerical::AtmosphereModel;
 use terrella::scene::{Motion, OrbitSource, StartForm};
 
 #[rustfmt::skip]
@@ -124,7 +124,7 @@ fn starts_and_forces_are_read_in_their_units() {
     let StartForm::Elements(elements) = &start.form else {
         panic!("{start:?}");
     };
-    assert_eq!(elements.size, Size::SemiMajorAxis(7e6));
+    assert_eq!(elements.size, OrbitSize::SemiMajorAxis(7e6));
     assert_eq!(elements.inclination_rad, 90f64.to_radians());
     assert_eq!(elements.anomaly, Anomaly::Mean(45f64.to_radians()));
     let summary = kepler.summary();
@@ -240,7 +240,7 @@ fn live_keys_reach_the_feed() {
             extrapolation_limit_s: 90.0,
             extrapolation: Extrapolation::Linear,
             gap_s: 30.0,
-            most_packets_per_s: 50,
+            max_packets_per_s: 50,
             allowed_origins: vec!["https://example.org".to_owned()],
             ..LiveOptions::new("ws://127.0.0.1:5005".parse().unwrap())
         }

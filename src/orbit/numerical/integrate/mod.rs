@@ -19,7 +19,7 @@ mod tableau;
 mod tests;
 
 pub use driver::Solver;
-pub(crate) use driver::{Driver, Fault};
+pub(crate) use driver::{Driver, IntegrationFault};
 
 /// ẏ = f(t, y), with what a solver has to know of y's size.
 pub(crate) trait Equations<const N: usize> {

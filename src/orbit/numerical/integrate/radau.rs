@@ -1,7 +1,7 @@
 //! Radau IIA, order 5: implicit, stable for any eigenvalue to the left (Hairer & Wanner 1996, Solving Ordinary Differential
 //! Equations II, IV.8, code RADAU5).
 
-use super::dop853::Try;
+use super::dop853::StepOutcome;
 use super::lu::{Complex, Lu};
 use super::{Counts, Dense, Equations, Step, add, is_finite, scaled};
 
@@ -66,7 +66,7 @@ const P: [[f64; 3]; 3] = [
     [1.0 / 3.0, -8.0 / 3.0, 10.0 / 3.0],
 ];
 /// Rounds of Newton's method before the step is made shorter.
-const MOST_ROUNDS: u32 = 6;
+const MAX_ROUNDS: u32 = 6;
 
 /// State of the method between steps.
 #[derive(Clone, Debug)]
@@ -123,11 +123,11 @@ impl<const N: usize> Radau<N> {
         (t0, y0, f0): (f64, &[f64; N], &[f64; N]),
         h: f64,
         counts: &mut Counts,
-    ) -> Try<N> {
+    ) -> StepOutcome<N> {
         let reject = |this: &mut Self, factor: f64, counts: &mut Counts| {
             this.after_rejection = true;
             counts.rejected += 1;
-            Try::Rejected { next_h: factor * h }
+            StepOutcome::Rejected { next_h: factor * h }
         };
         if self.jacobian.is_none() {
             self.jacobian = Some(jacobian(equations, t0, y0, f0, counts));
@@ -189,7 +189,7 @@ impl<const N: usize> Radau<N> {
                 .min(equations.norm(&estimate, &y1));
         }
         let safety =
-            0.9 * f64::from(2 * MOST_ROUNDS + 1) / f64::from(2 * MOST_ROUNDS + stages.rounds);
+            0.9 * f64::from(2 * MAX_ROUNDS + 1) / f64::from(2 * MAX_ROUNDS + stages.rounds);
         if !error.is_finite() || !is_finite(&y1) {
             return reject(self, 0.1, counts);
         }
@@ -227,7 +227,7 @@ impl<const N: usize> Radau<N> {
             dense,
         };
         self.before = Some((step.clone(), error));
-        Try::Accepted {
+        StepOutcome::Accepted {
             step,
             next_h: factor * h,
         }
@@ -265,7 +265,7 @@ fn solve<const N: usize>(
     let mut w = mixed(&T_INVERSE, &z);
     let mut before: Option<f64> = None;
     let mut rate = 0.0;
-    for round in 0..MOST_ROUNDS {
+    for round in 0..MAX_ROUNDS {
         let mut f = [[0.0; N]; 3];
         for s in 0..3 {
             f[s] = equations.derivative(t0 + C[s] * h, &add(y0, 1.0, &z[s]));
@@ -298,7 +298,7 @@ fn solve<const N: usize>(
         }
         if let Some(before) = before.filter(|before| *before > 0.0) {
             rate = size / before;
-            let left = (MOST_ROUNDS - round) as i32;
+            let left = (MAX_ROUNDS - round) as i32;
             if rate >= 1.0 || rate.powi(left) / (1.0 - rate) * size > share {
                 return None;
             }

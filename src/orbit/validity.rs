@@ -12,7 +12,7 @@ pub(super) fn check_span(
     if first <= epoch && epoch <= last {
         return Ok(());
     }
-    Err(OrbitError::OutOfReach {
+    Err(OrbitError::OutsideValidity {
         satellite: satellite.to_owned(),
         epoch: rfc3339(epoch),
         first: rfc3339(first),

@@ -1,6 +1,6 @@
 //! What can be wrong with a message of the CCSDS, a CZML document or a table, and the fields they have in common.
 
-use super::sampled::{SampledError, SegmentsError};
+use super::interpolated::{InterpolationError, SegmentError};
 use crate::frames::{Epoch, TimeError, TimeScale, epoch_from_ccsds};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -97,10 +97,10 @@ pub enum RecordFault {
     },
     /// The states are no ephemeris.
     #[error(transparent)]
-    Samples(SampledError),
+    Samples(InterpolationError),
     /// The segments are no ephemeris.
     #[error(transparent)]
-    Segments(SegmentsError),
+    Segments(SegmentError),
     /// More than anyone needs.
     #[error("more than {limit} {what}; cut out what you need")]
     TooMany {
@@ -119,17 +119,17 @@ pub(super) struct Entry<'t> {
     /// Without brackets.
     pub unit: Option<Cow<'t, str>>,
     /// Where the value begins.
-    pub place: Place,
+    pub place: TextPosition,
 }
 
 /// Line and column (in bytes), both from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Place {
+pub(super) struct TextPosition {
     pub line: usize,
     pub column: usize,
 }
 
-impl Place {
+impl TextPosition {
     pub fn error(self, origin: &Path, fault: RecordFault) -> RecordError {
         RecordError {
             path: origin.to_owned(),
@@ -204,14 +204,14 @@ pub(super) type Keys = [(&'static str, &'static str)];
 pub(super) struct Fields {
     /// What it is, for errors: "the message".
     what: &'static str,
-    place: Place,
+    place: TextPosition,
     keys: &'static Keys,
     values: Vec<Option<Entry<'static>>>,
 }
 
 impl Fields {
     /// Empty; `place` is where the record begins.
-    pub fn new(what: &'static str, place: Place, keys: &'static Keys) -> Self {
+    pub fn new(what: &'static str, place: TextPosition, keys: &'static Keys) -> Self {
         Self {
             what,
             place,
@@ -221,7 +221,7 @@ impl Fields {
     }
 
     /// Where it begins.
-    pub fn place(&self) -> Place {
+    pub fn place(&self) -> TextPosition {
         self.place
     }
 

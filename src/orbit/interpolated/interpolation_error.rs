@@ -1,6 +1,6 @@
 //! How far interpolated states are from a Kepler orbit, by degree and step.
 
-use super::{Interpolation, Sample, Sampled, SampledError};
+use super::{Interpolation, StateSample, InterpolatedStates, InterpolationError};
 use crate::frames::{Duration, Epoch};
 use crate::orbit::Frame;
 use glam::DVec3;
@@ -106,7 +106,7 @@ pub fn interpolation_error(
     interpolation: Interpolation,
     step_s: f64,
     orbit: &KeplerOrbit,
-) -> Result<WorstDifference, SampledError> {
+) -> Result<WorstDifference, InterpolationError> {
     const WITHIN_STEP: i64 = 10;
     let period_s = std::f64::consts::TAU / orbit.mean_motion_rad_s();
     // In whole tenths of a step, in nanoseconds, so that instants are exact.
@@ -125,14 +125,14 @@ pub fn interpolation_error(
     let samples: Vec<_> = (-half_revolution - margin..=half_revolution + margin)
         .map(|k| {
             let (epoch, (position_m, velocity)) = instant(k * WITHIN_STEP);
-            Sample {
+            StateSample {
                 epoch,
                 position_m,
                 velocity_m_s: Some(velocity),
             }
         })
         .collect();
-    let sampled = Sampled::new(Frame::Gcrf, &samples, interpolation)?;
+    let sampled = InterpolatedStates::new(Frame::Gcrf, &samples, interpolation)?;
     let mut worst = WorstDifference::default();
     for tenths in -half_revolution * WITHIN_STEP..=half_revolution * WITHIN_STEP {
         let (epoch, (position, velocity)) = instant(tenths);

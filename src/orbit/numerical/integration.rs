@@ -1,10 +1,10 @@
 //! One integration from a state to both ends of its span.
 
-use super::event::Watcher;
-use super::force::Motion;
-use super::integrate::{Dense, Driver, Fault};
+use super::event::EventDetector;
+use super::force::EquationsOfMotion;
+use super::integrate::{Dense, Driver, IntegrationFault};
 use super::trajectory::Trajectory;
-use super::{Craft, Event, EventKind, ForceModel, NumericalError, NumericalOptions};
+use super::{Spacecraft, Event, EventKind, ForceModel, NumericalError, NumericalOptions};
 use crate::frames::{Duration, Epoch, rfc3339};
 use crate::orbit::OrbitState;
 use crate::orbit::numerical::Counts;
@@ -12,7 +12,7 @@ use glam::DVec3;
 
 /// How a stretch ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Ending {
+pub(super) enum StopReason {
     /// At the end of the span.
     Limit,
     /// At the ground, seconds from the epoch.
@@ -20,14 +20,14 @@ pub(super) enum Ending {
 }
 
 /// What an integration has gathered.
-pub(super) struct Run<'a> {
+pub(super) struct Integration<'a> {
     name: &'a str,
     epoch: Epoch,
     start: [f64; 6],
     model: &'a ForceModel,
     options: &'a NumericalOptions,
-    motion: Motion,
-    watcher: Watcher,
+    motion: EquationsOfMotion,
+    watcher: EventDetector,
     pub trajectory: Trajectory,
     pub events: Vec<Event>,
     pub counts: Counts,
@@ -36,15 +36,15 @@ pub(super) struct Run<'a> {
 }
 
 /// Longest span, days: 300 years.
-const LONGEST_DAYS: f64 = 110_000.0;
+const MAX_SPAN_DAYS: f64 = 110_000.0;
 
-impl<'a> Run<'a> {
+impl<'a> Integration<'a> {
     /// `start` is in GCRF.
     pub fn new(
         name: &'a str,
         start: &OrbitState,
         model: &'a ForceModel,
-        craft: &Craft,
+        craft: &Spacecraft,
         options: &'a NumericalOptions,
     ) -> Result<Self, NumericalError> {
         let range = |field, value, expected| {
@@ -87,7 +87,7 @@ impl<'a> Run<'a> {
             );
         }
         let days = (options.last - options.first).to_seconds() / 86_400.0;
-        if days > LONGEST_DAYS {
+        if days > MAX_SPAN_DAYS {
             return range("span, days,", days, "at most 110 000");
         }
         model.check(craft)?;
@@ -114,7 +114,7 @@ impl<'a> Run<'a> {
             model,
             options,
             motion,
-            watcher: Watcher::new(options.watch, options.ground_height_m),
+            watcher: EventDetector::new(options.watch, options.ground_height_m),
             trajectory: Trajectory::default(),
             events: Vec::new(),
             counts: Counts::default(),
@@ -123,9 +123,9 @@ impl<'a> Run<'a> {
     }
 
     /// Integrates from the epoch to `end`, seconds from it, or to the ground.
-    pub fn fly(&mut self, end: f64) -> Result<Ending, NumericalError> {
+    pub fn fly(&mut self, end: f64) -> Result<StopReason, NumericalError> {
         if end == 0.0 {
-            return Ok(Ending::Limit);
+            return Ok(StopReason::Limit);
         }
         let borders = self.borders(end);
         self.set_thrusts(0.0, borders.first().copied().unwrap_or(end));
@@ -142,15 +142,15 @@ impl<'a> Run<'a> {
                     .map_err(|fault| self.fault(fault, driver.t(), &y))?;
             }
             let ending = self.stretch(&mut driver, border);
-            if border == end || !matches!(ending, Ok(Ending::Limit)) {
+            if border == end || !matches!(ending, Ok(StopReason::Limit)) {
                 self.add_counts(driver.counts());
                 return ending;
             }
         }
-        Ok(Ending::Limit)
+        Ok(StopReason::Limit)
     }
 
-    fn stretch(&mut self, driver: &mut Driver<6>, border: f64) -> Result<Ending, NumericalError> {
+    fn stretch(&mut self, driver: &mut Driver<6>, border: f64) -> Result<StopReason, NumericalError> {
         while driver.t() != border {
             if self.trajectory.len() >= self.options.step_limit {
                 return Err(NumericalError::StepLimit {
@@ -171,11 +171,11 @@ impl<'a> Run<'a> {
                 let epoch = self.epoch + Duration::from_seconds(t);
                 self.events.push(Event { epoch, kind });
                 if kind == EventKind::Impact {
-                    return Ok(Ending::Impact(t));
+                    return Ok(StopReason::Impact(t));
                 }
             }
         }
-        Ok(Ending::Limit)
+        Ok(StopReason::Limit)
     }
 
     /// Where thrusts begin and end on the way to `end`, and `end` itself, in the order of flight.
@@ -207,12 +207,12 @@ impl<'a> Run<'a> {
             .collect();
     }
 
-    fn fault(&self, fault: Fault, t: f64, y: &[f64; 6]) -> NumericalError {
+    fn fault(&self, fault: IntegrationFault, t: f64, y: &[f64; 6]) -> NumericalError {
         let satellite = self.name.to_owned();
         let epoch = self.epoch_text(t);
         match fault {
-            Fault::NotFinite => NumericalError::Force { satellite, epoch },
-            Fault::Underflow => {
+            IntegrationFault::NotFinite => NumericalError::Force { satellite, epoch },
+            IntegrationFault::Underflow => {
                 let position = DVec3::new(y[0], y[1], y[2]);
                 let height_m = self.motion.clone().height_m(t, position);
                 NumericalError::Underflow {

@@ -67,7 +67,7 @@ pub(super) fn shifted(value: f64, power: i32) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::record::scaled_number;
+    use super::super::entry::scaled_number;
     use super::*;
 
     #[test]
