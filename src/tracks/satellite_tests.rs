@@ -56,18 +56,24 @@ fn follow(satellite: &mut Satellite, feed: &dyn Feed, at: Epoch) -> (bool, usize
 /// The trail in Earth-fixed axes of that instant, and the ground track, with seconds from then.
 fn curves(satellite: &Satellite, at: Epoch) -> [Vec<(f64, DVec3)>; 2] {
     let mut axes = Axes::new(at, Orientation::default());
-    let base = satellite.base.unwrap_or_else(|| panic!("nothing is known"));
-    let turn = axes.itrf_from(base.frame);
+    let reference = satellite
+        .reference
+        .unwrap_or_else(|| panic!("nothing is known"));
+    let turn = axes.itrf_from(reference.frame);
     let (mut trail, mut ground) = (Vec::new(), Vec::new());
     let now_s = satellite.now_s;
     if let (Some(curve), Some(span)) = (&satellite.trail, satellite.style.trail) {
-        curve.walk(base.window(span, now_s), satellite.now_m, |t_s, place| {
-            trail.push((t_s - now_s, turn * place));
-        });
+        curve.walk(
+            reference.window(span, now_s),
+            satellite.now_m,
+            |t_s, place| {
+                trail.push((t_s - now_s, turn * place));
+            },
+        );
     }
     if let (Some(curve), Some(span)) = (&satellite.ground, satellite.style.ground_track) {
-        let foot = satellite.now_m.map(|place| foot(turn * place, &WGS84));
-        curve.walk(base.window(span, now_s), foot, |t_s, place| {
+        let foot = satellite.now_m.map(|place| subpoint(turn * place, &WGS84));
+        curve.walk(reference.window(span, now_s), foot, |t_s, place| {
             ground.push((t_s - now_s, place));
         });
     }
