@@ -43,7 +43,7 @@ impl Reply {
         format!("{value}\n")
     }
 
-    /// PacketKind 3 has nothing behind the head, kind 4 a text; a number that is not known is the greatest.
+    /// Kind 3 has nothing behind the head, kind 4 a text; a number that is not known is the greatest.
     fn to_bytes(&self) -> Vec<u8> {
         let (kind, seq, text) = match self {
             Self::Drawn { seq } => (3, *seq, ""),
