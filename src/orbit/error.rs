@@ -124,10 +124,20 @@ pub enum OrbitError {
         /// When it is known, UTC.
         known: String,
     },
-    /// Kepler elements are wrong or their orbit has met the ground.
+    /// The orbit meets the ground: asked for on the far side of that.
+    #[error("{satellite} meets the ground at {impact}; {asked} is on the far side of that")]
+    Impact {
+        /// The satellite.
+        satellite: String,
+        /// When it meets the ground, UTC.
+        impact: String,
+        /// What was asked for, UTC.
+        asked: String,
+    },
+    /// Keplerian elements are wrong.
     #[error(transparent)]
     Kepler(#[from] super::kepler::KeplerError),
-    /// An integration cannot be, or its satellite has met the ground.
+    /// An integration cannot be, or cannot go on.
     #[error(transparent)]
     Numerical(#[from] super::numerical::NumericalError),
     /// A live feed has no state for the epoch.
@@ -146,6 +156,40 @@ pub enum OrbitError {
         first: String,
         /// Last.
         last: String,
+    },
+}
+
+/// Why no motion can start from a state or from elements, whether on a conic or integrated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StartError {
+    /// NaN or an infinite number.
+    #[error("{field} is not a finite number")]
+    NotFinite {
+        /// Which number.
+        field: &'static str,
+    },
+    /// A number outside its range.
+    #[error("{field} is {value:e}; expected {expected}")]
+    Range {
+        /// Which number.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it should be.
+        expected: &'static str,
+    },
+    /// Under the ground at the epoch.
+    #[error(
+        "at its epoch {satellite} is {depth_m:.0} m below {surface}; metres may have been taken for kilometres"
+    )]
+    BelowGround {
+        /// The satellite.
+        satellite: String,
+        /// How deep, metres.
+        depth_m: f64,
+        /// What it is below.
+        surface: &'static str,
     },
 }
 

@@ -1,11 +1,11 @@
 //! Mean elements through SGP4.
 
 use super::catalogue::{Candidate, choose};
-use super::mean_elements::MeanElements;
 use super::file::read_text;
-use super::validity::check_span;
+use super::mean_elements::MeanElements;
 use super::tle_fields::elements;
 use super::tle_text::{ElementSet, element_sets};
+use super::validity::Validity;
 use super::{Catalogue, Feed, Frame, OrbitError, OrbitState};
 use crate::frames::{Duration, Epoch, rfc3339};
 use glam::DVec3;
@@ -171,7 +171,8 @@ impl Feed for Sgp4Feed {
     }
 
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
-        check_span(&self.elements.name, epoch, self.validity())?;
+        let (first, last) = self.validity();
+        Validity::between(first, last).check(&self.elements.name, epoch)?;
         // Both in TAI: elapsed time, leap seconds included.
         let elapsed = epoch.to_tai_duration() - self.elements.epoch.to_tai_duration();
         let minutes = sgp4::MinutesSinceEpoch(elapsed.to_seconds() / 60.0);

@@ -1,41 +1,60 @@
-//! The span that a feed answers for, and the ground that may cut it short.
+//! The interval that a feed answers for, and the impacts on the ground that cut it short.
 
 use super::OrbitError;
 use crate::frames::{Epoch, rfc3339};
 
-/// Refuses an epoch outside `first` to `last`.
-pub(super) fn check_span(
-    satellite: &str,
-    epoch: Epoch,
-    (first, last): (Epoch, Epoch),
-) -> Result<(), OrbitError> {
-    if first <= epoch && epoch <= last {
-        return Ok(());
-    }
-    Err(OrbitError::OutsideValidity {
-        satellite: satellite.to_owned(),
-        epoch: rfc3339(epoch),
-        first: rfc3339(first),
-        last: rfc3339(last),
-    })
+/// First and last epoch to answer for, and where in between the ground ends the motion.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Validity {
+    pub first: Epoch,
+    pub last: Epoch,
+    pub impacts: Impacts,
 }
 
-/// When a satellite left the ground and when it meets it, if it does in its span.
+/// When a satellite left the ground before the epoch of its start, and when it meets it after that, if it does so within the
+/// interval.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Ground {
-    pub left: Option<Epoch>,
-    pub met: Option<Epoch>,
+pub(super) struct Impacts {
+    pub before: Option<Epoch>,
+    pub after: Option<Epoch>,
 }
 
-impl Ground {
-    /// What it leaves of a span.
-    pub fn cut(&self, (first, last): (Epoch, Epoch)) -> (Epoch, Epoch) {
-        (self.left.unwrap_or(first), self.met.unwrap_or(last))
+impl Validity {
+    /// An interval that no impact cuts short.
+    pub fn between(first: Epoch, last: Epoch) -> Self {
+        Self {
+            first,
+            last,
+            impacts: Impacts::default(),
+        }
     }
 
-    /// The impact that `epoch` is on the far side of.
-    pub fn between(&self, epoch: Epoch) -> Option<Epoch> {
-        let left = self.left.filter(|at| epoch < *at);
-        left.or(self.met.filter(|at| epoch > *at))
+    /// What the impacts leave of the interval.
+    pub fn interval(&self) -> (Epoch, Epoch) {
+        (
+            self.impacts.before.unwrap_or(self.first),
+            self.impacts.after.unwrap_or(self.last),
+        )
+    }
+
+    /// Refuses an epoch outside the interval or on the far side of an impact.
+    pub fn check(&self, satellite: &str, epoch: Epoch) -> Result<(), OrbitError> {
+        if epoch < self.first || self.last < epoch {
+            return Err(OrbitError::OutsideValidity {
+                satellite: satellite.to_owned(),
+                epoch: rfc3339(epoch),
+                first: rfc3339(self.first),
+                last: rfc3339(self.last),
+            });
+        }
+        let before = self.impacts.before.filter(|impact| epoch < *impact);
+        match before.or(self.impacts.after.filter(|impact| epoch > *impact)) {
+            Some(impact) => Err(OrbitError::Impact {
+                satellite: satellite.to_owned(),
+                impact: rfc3339(impact),
+                asked: rfc3339(epoch),
+            }),
+            None => Ok(()),
+        }
     }
 }

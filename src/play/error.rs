@@ -10,8 +10,6 @@ use crate::gpu::{ContextError, PictureError, TimerError};
 use crate::imagery::ImageryError;
 use crate::imagery::pack::PackError;
 use crate::orbit::OrbitError;
-use crate::orbit::kepler::KeplerError;
-use crate::orbit::numerical::NumericalError;
 use crate::scene::SceneError;
 use crate::tracks::TracksError;
 use std::path::PathBuf;
@@ -233,8 +231,7 @@ impl PlayError {
                 | Self::Orbit(
                     OrbitError::OutsideValidity { .. }
                         | OrbitError::NotCovered { .. }
-                        | OrbitError::Kepler(KeplerError::Impact { .. })
-                        | OrbitError::Numerical(NumericalError::Impact { .. })
+                        | OrbitError::Impact { .. }
                 )
         )
     }

@@ -1,7 +1,7 @@
 //! Motion on a conic of any kind, from a circle over the parabola and the straight line to the hyperbola.
 
-use super::KeplerError;
 use super::stumpff::Universal;
+use crate::orbit::StartError;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
@@ -45,14 +45,14 @@ impl Conic {
         gm_m3_s2: f64,
         position_m: DVec3,
         velocity_m_s: DVec3,
-    ) -> Result<Self, KeplerError> {
+    ) -> Result<Self, StartError> {
         let finite = |field, v: DVec3| match v.is_finite() {
             true => Ok(()),
-            false => Err(KeplerError::NotFinite { field }),
+            false => Err(StartError::NotFinite { field }),
         };
         finite("position", position_m)?;
         finite("velocity", velocity_m_s)?;
-        let range = |field, value, expected| KeplerError::Range {
+        let range = |field, value, expected| StartError::Range {
             field,
             value,
             expected,

@@ -2,10 +2,11 @@
 
 use super::{Conic, KeplerError};
 use crate::frames::Epoch;
+use crate::orbit::StartError;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// OrbitSize of a conic.
+/// Size of a conic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OrbitSize {
     /// Semi-major axis a, metres; below 0 for hyperbolas. A parabola has none.
@@ -28,7 +29,7 @@ pub enum Anomaly {
 /// Classical elements of an ellipse, parabola or hyperbola. A fall along a straight line has none: give its state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KeplerElements {
-    /// OrbitSize.
+    /// How large it is.
     pub size: OrbitSize,
     /// Eccentricity e, 0 or more.
     pub eccentricity: f64,
@@ -54,11 +55,11 @@ impl KeplerElements {
     pub fn conic(&self, gm_m3_s2: f64, epoch: Epoch) -> Result<Conic, KeplerError> {
         self.check_finite()?;
         let range = |field, value, expected| {
-            Err(KeplerError::Range {
+            Err(KeplerError::from(StartError::Range {
                 field,
                 value,
                 expected,
-            })
+            }))
         };
         let e = self.eccentricity;
         if !(0.0..=1e6).contains(&e) {
@@ -88,7 +89,11 @@ impl KeplerElements {
                 (q, (1.0 - e) / q)
             }
         };
-        let [to_periapsis, across] = plane(self.inclination_rad, self.raan_rad, self.argument_of_periapsis_rad);
+        let [to_periapsis, across] = plane(
+            self.inclination_rad,
+            self.raan_rad,
+            self.argument_of_periapsis_rad,
+        );
         let mut conic = Conic {
             gm_m3_s2,
             periapsis_m: q,
@@ -115,7 +120,7 @@ impl KeplerElements {
         Ok(conic)
     }
 
-    /// KeplerElements of a conic; angles from 0 to 2π, where a circle's periapsis is put into its node and an equatorial
+    /// Elements of a conic; angles from 0 to 2π, where a circle's periapsis is put into its node and an equatorial
     /// orbit's node to 0. The anomaly is the true one at the epoch.
     pub fn of(conic: &Conic) -> Self {
         let [inclination_rad, raan_rad, argument] = angles(conic);
@@ -137,7 +142,7 @@ impl KeplerElements {
         }
     }
 
-    fn check_finite(&self) -> Result<(), KeplerError> {
+    fn check_finite(&self) -> Result<(), StartError> {
         let (size_name, size) = match self.size {
             OrbitSize::SemiMajorAxis(a) => ("semi-major axis", a),
             OrbitSize::Periapsis(q) => ("periapsis radius", q),
@@ -156,7 +161,7 @@ impl KeplerElements {
             (anomaly_name, anomaly),
         ];
         match numbers.iter().find(|(_, value)| !value.is_finite()) {
-            Some(&(field, _)) => Err(KeplerError::NotFinite { field }),
+            Some(&(field, _)) => Err(StartError::NotFinite { field }),
             None => Ok(()),
         }
     }
@@ -186,11 +191,19 @@ pub(super) fn angles(conic: &Conic) -> [f64; 3] {
         .to_periapsis
         .dot(ahead)
         .atan2(conic.to_periapsis.dot(node));
-    [horizontal.atan2(normal.z), raan_rad, argument_of_periapsis_rad]
+    [
+        horizontal.atan2(normal.z),
+        raan_rad,
+        argument_of_periapsis_rad,
+    ]
 }
 
 /// Unit vectors to the periapsis and 90° on: R3(−Ω) R1(−i) R3(−ω) applied to x and y.
-pub(super) fn plane(inclination_rad: f64, raan_rad: f64, argument_of_periapsis_rad: f64) -> [DVec3; 2] {
+pub(super) fn plane(
+    inclination_rad: f64,
+    raan_rad: f64,
+    argument_of_periapsis_rad: f64,
+) -> [DVec3; 2] {
     let (sin_i, cos_i) = inclination_rad.sin_cos();
     let (sin_o, cos_o) = raan_rad.sin_cos();
     let node = DVec3::new(cos_o, sin_o, 0.0);

@@ -4,10 +4,10 @@ use super::event::EventDetector;
 use super::force::EquationsOfMotion;
 use super::integrate::{Dense, Driver, IntegrationFault};
 use super::trajectory::Trajectory;
-use super::{Spacecraft, Event, EventKind, ForceModel, NumericalError, NumericalOptions};
+use super::{Event, EventKind, ForceModel, NumericalError, NumericalOptions, Spacecraft};
 use crate::frames::{Duration, Epoch, rfc3339};
-use crate::orbit::OrbitState;
 use crate::orbit::numerical::Counts;
+use crate::orbit::{OrbitState, StartError};
 use glam::DVec3;
 
 /// How a stretch ended.
@@ -48,18 +48,18 @@ impl<'a> Integration<'a> {
         options: &'a NumericalOptions,
     ) -> Result<Self, NumericalError> {
         let range = |field, value, expected| {
-            Err(NumericalError::Range {
+            Err(NumericalError::from(StartError::Range {
                 field,
                 value,
                 expected,
-            })
+            }))
         };
         for (field, vector) in [
             ("position", start.position_m),
             ("velocity", start.velocity_m_s),
         ] {
             if !vector.is_finite() {
-                return Err(NumericalError::NotFinite { field });
+                return Err(StartError::NotFinite { field }.into());
             }
         }
         if !(1.0..1e12).contains(&start.position_m.length()) {
@@ -98,13 +98,15 @@ impl<'a> Integration<'a> {
                 epoch: rfc3339(start.epoch),
             });
         }
-        let mut motion = Motion::new(model, craft, start.epoch, options.relative_tolerance);
+        let mut motion =
+            EquationsOfMotion::new(model, craft, start.epoch, options.relative_tolerance);
         let height_m = motion.height_m(0.0, start.position_m) - options.ground_height_m;
         if height_m < 0.0 {
-            return Err(NumericalError::ImpactAtEpoch {
+            return Err(NumericalError::Start(StartError::BelowGround {
                 satellite: name.to_owned(),
                 depth_m: -height_m,
-            });
+                surface: "the ground",
+            }));
         }
         let (r, v) = (start.position_m, start.velocity_m_s);
         Ok(Self {
@@ -150,7 +152,11 @@ impl<'a> Integration<'a> {
         Ok(StopReason::Limit)
     }
 
-    fn stretch(&mut self, driver: &mut Driver<6>, border: f64) -> Result<StopReason, NumericalError> {
+    fn stretch(
+        &mut self,
+        driver: &mut Driver<6>,
+        border: f64,
+    ) -> Result<StopReason, NumericalError> {
         while driver.t() != border {
             if self.trajectory.len() >= self.options.step_limit {
                 return Err(NumericalError::StepLimit {

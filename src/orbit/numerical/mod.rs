@@ -19,13 +19,15 @@ mod trajectory;
 
 pub use error::NumericalError;
 pub use event::{Event, EventKind, EventSelection};
-pub use force::{AtmosphereModel, Spacecraft, EGM96_DEGREE, ForceModel, Gravity, Shadow, Thrust, ThrustAxes};
+pub use force::{
+    AtmosphereModel, EGM96_DEGREE, ForceModel, Gravity, Shadow, Spacecraft, Thrust, ThrustAxes,
+};
 pub use integrate::{Counts, Solver};
 
-use super::validity::{Ground, check_span};
+use super::validity::{Impacts, Validity};
 use super::{Feed, Frame, OrbitError, OrbitState};
-use crate::frames::{Duration, Epoch, rfc3339};
-use integration::{StopReason, Integration};
+use crate::frames::{Duration, Epoch};
+use integration::{Integration, StopReason};
 use trajectory::Trajectory;
 
 /// How to integrate.
@@ -74,10 +76,7 @@ pub struct NumericalFeed {
     /// Without a step: a span of no length.
     start: OrbitState,
     trajectory: Trajectory,
-    first: Epoch,
-    last: Epoch,
-    /// Where it met the ground: before and after the epoch.
-    ground: Ground,
+    validity: Validity,
     events: Vec<Event>,
     counts: Counts,
     stiff: Vec<(Epoch, Epoch)>,
@@ -109,9 +108,13 @@ impl NumericalFeed {
             // Whole nanoseconds, and on this side of the ground.
             StopReason::Impact(t) => Some(epoch + Duration::from_seconds(t)),
         };
-        let ground = Ground {
-            left: impact(before),
-            met: impact(after),
+        let validity = Validity {
+            first: options.first,
+            last: options.last,
+            impacts: Impacts {
+                before: impact(before),
+                after: impact(after),
+            },
         };
         let Integration {
             trajectory,
@@ -129,9 +132,7 @@ impl NumericalFeed {
             epoch,
             start,
             trajectory,
-            first: options.first,
-            last: options.last,
-            ground,
+            validity,
             events,
             counts,
             stiff,
@@ -140,7 +141,7 @@ impl NumericalFeed {
 
     /// When it meets the ground, if it does so after the epoch of its state.
     pub fn impact(&self) -> Option<Epoch> {
-        self.ground.met
+        self.validity.impacts.after
     }
 
     /// Events in the order of time.
@@ -213,19 +214,11 @@ impl Feed for NumericalFeed {
     }
 
     fn validity(&self) -> (Epoch, Epoch) {
-        self.ground.cut((self.first, self.last))
+        self.validity.interval()
     }
 
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
-        check_span(&self.name, epoch, (self.first, self.last))?;
-        match self.ground.between(epoch) {
-            Some(impact) => Err(NumericalError::Impact {
-                satellite: self.name.clone(),
-                impact: rfc3339(impact),
-                asked: rfc3339(epoch),
-            }
-            .into()),
-            None => Ok(self.inside(epoch)),
-        }
+        self.validity.check(&self.name, epoch)?;
+        Ok(self.inside(epoch))
     }
 }

@@ -1,9 +1,10 @@
 use super::force::EquationsOfMotion;
 use super::*;
 use crate::frames::{Ellipsoid, Orientation, utc_from_rfc3339};
+use crate::orbit::StartError;
 use crate::orbit::constants::EARTH_GM_M3_S2;
 use crate::orbit::kepler::{
-    Anomaly, Conic, Drift, KeplerElements, KeplerFeed, KeplerOptions, SecularRates, OrbitSize,
+    Anomaly, Conic, Drift, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize, SecularRates,
 };
 use glam::DVec3;
 
@@ -170,7 +171,7 @@ fn what_makes_no_sense_is_refused() {
     };
     assert_eq!(
         try_with(&nan, &model, &craft, &options),
-        NumericalError::NotFinite { field: "velocity" }
+        NumericalError::Start(StartError::NotFinite { field: "velocity" })
     );
     let kilometres = OrbitState {
         position_m: good.position_m * 1e-3,
@@ -178,7 +179,7 @@ fn what_makes_no_sense_is_refused() {
     };
     let error = try_with(&kilometres, &model, &craft, &options);
     assert!(
-        matches!(error, NumericalError::ImpactAtEpoch { .. })
+        matches!(error, NumericalError::Start(StartError::BelowGround { .. }))
             && error.to_string().contains("kilometres"),
         "{error}"
     );
@@ -189,7 +190,7 @@ fn what_makes_no_sense_is_refused() {
         };
         assert!(matches!(
             try_with(&good, &model, &craft, &options),
-            NumericalError::Range { .. }
+            NumericalError::Start(StartError::Range { .. })
         ));
     }
     let massless = Spacecraft {
@@ -198,7 +199,7 @@ fn what_makes_no_sense_is_refused() {
     };
     assert!(matches!(
         try_with(&good, &model, &massless, &options),
-        NumericalError::Range { .. }
+        NumericalError::Start(StartError::Range { .. })
     ));
     let high = ForceModel {
         gravity: Gravity::Field {
@@ -209,7 +210,7 @@ fn what_makes_no_sense_is_refused() {
     };
     assert!(matches!(
         try_with(&good, &high, &craft, &options),
-        NumericalError::Range { .. }
+        NumericalError::Start(StartError::Range { .. })
     ));
     let late = NumericalOptions {
         first: epoch() + Duration::from_seconds(1.0),
@@ -225,7 +226,7 @@ fn what_makes_no_sense_is_refused() {
     };
     assert!(matches!(
         try_with(&good, &model, &craft, &endless),
-        NumericalError::Range { .. }
+        NumericalError::Start(StartError::Range { .. })
     ));
     let backwards = Thrust {
         first: options.last,
@@ -243,7 +244,7 @@ fn what_makes_no_sense_is_refused() {
         &options,
     );
     assert!(
-        matches!(error, NumericalError::Range { value, .. } if value < 0.0),
+        matches!(error, NumericalError::Start(StartError::Range { value, .. }) if value < 0.0),
         "{error}"
     );
     // Too few steps: how far it came is said.

@@ -4,10 +4,10 @@
 /// is from half to twice theirs in most years, above 500 km from a tenth to ten times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AtmosphereModel {
-    /// Exponential pieces with Vallado's base densities (2013, table 8-4, after US Standard AtmosphereModel 1976 and CIRA-72),
+    /// Exponential pieces with Vallado's base densities (2013, table 8-4, after US Standard Atmosphere 1976 and CIRA-72),
     /// their scale heights made to join without steps.
     Exponential,
-    /// US Standard AtmosphereModel 1976: its layers below 80 km, its tabulated densities from 86 to 1000 km, smooth between the
+    /// US Standard Atmosphere 1976: its layers below 80 km, its tabulated densities from 86 to 1000 km, smooth between the
     /// entries. Integrates in fewer steps.
     Standard1976,
 }
@@ -49,7 +49,7 @@ const EXPONENTIAL: [(f64, f64); 28] = [
     (1000.0, 3.019e-15),
 ];
 
-/// The same of US Standard AtmosphereModel 1976, table I, from 86 km.
+/// The same of US Standard Atmosphere 1976, table I, from 86 km.
 const STANDARD: [(f64, f64); 23] = [
     (86.0, 6.958e-6),
     (90.0, 3.416e-6),
@@ -82,7 +82,7 @@ const LAST_SCALE_KM: f64 = 268.0;
 /// Scale height below the tables, km (Vallado's first).
 const FIRST_SCALE_KM: f64 = 7.249;
 
-/// Layers of US Standard AtmosphereModel 1976: base (geopotential km), temperature there (K), gradient (K/km).
+/// Layers of US Standard Atmosphere 1976: base (geopotential km), temperature there (K), gradient (K/km).
 const LAYERS: [(f64, f64, f64); 7] = [
     (0.0, 288.15, -6.5),
     (11.0, 216.65, 0.0),
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn the_standard_layers_are_those_of_its_table() {
-        // US Standard AtmosphereModel 1976, table I, geometric heights.
+        // US Standard Atmosphere 1976, table I, geometric heights.
         for (km, density) in [
             (0.0, 1.2250),
             (5.0, 7.3643e-1),

@@ -25,6 +25,7 @@ pub(super) use sun_moon_axes::SunMoonAxes;
 use super::NumericalError;
 use super::integrate::Equations;
 use crate::frames::{ASTRONOMICAL_UNIT_M, Ellipsoid, Epoch, Orientation};
+use crate::orbit::StartError;
 use crate::orbit::constants::{
     EARTH_GM_M3_S2, MOON_GM_M3_S2, SUN_GM_M3_S2, SUNLIGHT_PRESSURE_N_M2,
 };
@@ -133,11 +134,11 @@ impl ForceModel {
     /// Whether the numbers make sense together with a craft's.
     pub(super) fn check(&self, craft: &Spacecraft) -> Result<(), NumericalError> {
         let range = |field, value, expected| {
-            Err(NumericalError::Range {
+            Err(NumericalError::from(StartError::Range {
                 field,
                 value,
                 expected,
-            })
+            }))
         };
         let (degree, order) = match self.gravity {
             Gravity::Point => (2, 0),
@@ -171,7 +172,7 @@ impl ForceModel {
         }
         if !self.thrusts.iter().all(|t| t.acceleration_m_s2.is_finite()) {
             let field = "the acceleration of a thrust";
-            return Err(NumericalError::NotFinite { field });
+            return Err(StartError::NotFinite { field }.into());
         }
         match self.thrusts.iter().find(|t| t.first > t.last) {
             Some(t) => {
@@ -364,7 +365,7 @@ mod tests {
                 reflectivity: 1.3,
             };
             let point = -r * (EARTH_GM_M3_S2 / r.length().powi(3));
-            let a = Motion::new(&model, &craft, epoch, 1e-9).acceleration(0.0, r, v);
+            let a = EquationsOfMotion::new(&model, &craft, epoch, 1e-9).acceleration(0.0, r, v);
             (a - point).length()
         };
         let none = ForceModel::default();

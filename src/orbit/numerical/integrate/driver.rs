@@ -72,7 +72,11 @@ impl<const N: usize> Driver<N> {
     }
 
     /// Goes on from another y, or with another derivative, at the same time: after a step in the force.
-    pub fn restart(&mut self, equations: &mut impl Equations<N>, y: [f64; N]) -> Result<(), IntegrationFault> {
+    pub fn restart(
+        &mut self,
+        equations: &mut impl Equations<N>,
+        y: [f64; N],
+    ) -> Result<(), IntegrationFault> {
         self.y = y;
         self.f = equations.derivative(self.t, &y);
         self.counts.evaluations += 1;

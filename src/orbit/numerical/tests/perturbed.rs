@@ -18,7 +18,7 @@ fn energy_and_momentum_are_kept_under_flattening() {
             ..after(10.0)
         };
         let feed = fly(&start(&conic), &model, &options);
-        let mut motion = Motion::new(&model, &Spacecraft::default(), epoch(), 1e-9);
+        let mut motion = EquationsOfMotion::new(&model, &Spacecraft::default(), epoch(), 1e-9);
         let mut kept = |state: OrbitState| {
             let (r, v) = (state.position_m, state.velocity_m_s);
             (0.5 * v.length_squared() - motion.potential(r), r.cross(v).z)
