@@ -9,8 +9,10 @@ use crate::orbit::numerical::{ForceModel, Gravity, NumericalFeed, NumericalOptio
 use crate::orbit::{
     Catalogue, Ephemerides, Feed, FileFormat, Frame, MeanElements, OrbitError, OrbitState, Sgp4Feed,
 };
-use crate::scene::limits::YEARS;
-use crate::scene::{Forces, Motion, Orbit, OrbitSource, Scene, Start, StartForm};
+use crate::scene::YEARS;
+use crate::scene::{
+    ForceOptions, InitialState, Motion, Orbit, OrbitParameters, OrbitSource, Scene,
+};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -25,9 +27,9 @@ pub struct Tracked {
 
 /// Whether live satellites listen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Ears {
+pub(super) enum Listener {
     Open,
-    Shut,
+    Closed,
 }
 
 impl Tracked {
@@ -92,13 +94,13 @@ pub(super) fn open(
     index: usize,
     orbit: &Orbit,
     table: Option<&EarthOrientation>,
-    ears: Ears,
+    listener: Listener,
 ) -> Result<Tracked, PlayError> {
     let name = orbit.name.as_deref();
     if let Some(options) = &orbit.live {
         let listen = options.transport.to_string();
         // The numbers are the scene's: so are the file and the line.
-        let opened = live(options, ears)
+        let opened = live(options, listener)
             .map_err(|error| scene.refuse_orbit(index, "listen", &listen, error.to_string()));
         return Ok(opened?);
     }
@@ -138,12 +140,12 @@ pub(super) fn open(
     }
 }
 
-fn live(options: &LiveOptions, ears: Ears) -> Result<Tracked, LiveError> {
-    let feed = match ears {
-        Ears::Open => LiveFeed::open(options.clone())?,
-        Ears::Shut => LiveFeed::unconnected(options.clone())?,
+fn live(options: &LiveOptions, listener: Listener) -> Result<Tracked, LiveError> {
+    let feed = match listener {
+        Listener::Open => LiveFeed::open(options.clone())?,
+        Listener::Closed => LiveFeed::unconnected(options.clone())?,
     };
-    if ears == Ears::Open {
+    if listener == Listener::Open {
         tracing::info!("{} is waited for on {}", options.name, feed.listens_on());
     }
     let feed = Arc::new(feed);
@@ -254,7 +256,7 @@ fn says(format: FileFormat) -> &'static str {
 
 fn kepler(
     name: &str,
-    start: &Start,
+    start: &InitialState,
     j2: bool,
     orientation: &Orientation,
 ) -> Result<Tracked, OrbitError> {
@@ -265,11 +267,11 @@ fn kepler(
         first: year(*YEARS.start(), "01-01T00:00:00Z"),
         last: year(*YEARS.end(), "12-31T23:59:59Z"),
     };
-    Ok(Tracked::of(match start.form {
-        StartForm::Elements(elements) => {
+    Ok(Tracked::of(match start.parameters {
+        OrbitParameters::Elements(elements) => {
             KeplerFeed::from_elements(name, start.frame, start.epoch, &elements, options)?
         }
-        StartForm::State { .. } => {
+        OrbitParameters::State { .. } => {
             let mut state = state(start)?;
             if state.frame.is_earth_fixed() {
                 state = state.in_frame(Frame::Gcrf, orientation);
@@ -280,13 +282,13 @@ fn kepler(
 }
 
 /// The state at the start.
-fn state(start: &Start) -> Result<OrbitState, OrbitError> {
-    let (position_m, velocity_m_s) = match start.form {
-        StartForm::State {
+fn state(start: &InitialState) -> Result<OrbitState, OrbitError> {
+    let (position_m, velocity_m_s) = match start.parameters {
+        OrbitParameters::State {
             position_m,
             velocity_m_s,
         } => (position_m, velocity_m_s),
-        StartForm::Elements(elements) => elements
+        OrbitParameters::Elements(elements) => elements
             .conic(EARTH_GM_M3_S2, start.epoch)?
             .state_after(0.0),
     };
@@ -301,8 +303,8 @@ fn state(start: &Start) -> Result<OrbitState, OrbitError> {
 fn numerical(
     name: &str,
     scene: &Scene,
-    start: &Start,
-    forces: &Forces,
+    start: &InitialState,
+    forces: &ForceOptions,
     orientation: &Orientation,
 ) -> Result<Tracked, OrbitError> {
     let degree = forces.gravity_degree as usize;

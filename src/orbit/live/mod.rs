@@ -74,8 +74,12 @@ mod split;
 mod websocket;
 
 pub use lockstep::FrameRequest;
+pub(crate) use options::{
+    EXTRAPOLATION_LIMIT_S, FRAME_TIMEOUT_S, GAP_S, PACKETS_PER_S, PLAYBACK_DELAY_S, RATE,
+    STALE_AFTER_S,
+};
 pub use options::{Extrapolation, LiveError, LiveOptions, Pacing, Transport};
-pub use packet::{PacketFormat, PacketKind, MAX_PACKET_BYTES, Packet, PacketFault, STATE_BYTES};
+pub use packet::{MAX_PACKET_BYTES, Packet, PacketFault, PacketFormat, PacketKind, STATE_BYTES};
 pub use reply::Reply;
 pub use shared::PacketCounters;
 pub use split::{Cut, Splitter};

@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -114,6 +115,21 @@ pub enum Extrapolation {
     Linear,
 }
 
+/// [`LiveOptions::rate`]
+pub(crate) const RATE: RangeInclusive<f64> = 1e-3..=1e6;
+/// [`LiveOptions::playback_delay_s`]
+pub(crate) const PLAYBACK_DELAY_S: RangeInclusive<f64> = 0.0..=60.0;
+/// [`LiveOptions::stale_after_s`]
+pub(crate) const STALE_AFTER_S: RangeInclusive<f64> = 1e-3..=1e6;
+/// [`LiveOptions::extrapolation_limit_s`]
+pub(crate) const EXTRAPOLATION_LIMIT_S: RangeInclusive<f64> = 0.0..=1e6;
+/// [`LiveOptions::gap_s`]
+pub(crate) const GAP_S: RangeInclusive<f64> = 1e-3..=1e7;
+/// [`LiveOptions::frame_timeout`], seconds.
+pub(crate) const FRAME_TIMEOUT_S: RangeInclusive<f64> = 1e-3..=3600.0;
+/// [`LiveOptions::max_packets_per_s`]
+pub(crate) const PACKETS_PER_S: RangeInclusive<i64> = 1..=1_000_000;
+
 /// How a live feed is set up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveOptions {
@@ -171,30 +187,29 @@ impl LiveOptions {
     /// # Errors
     /// A setting out of its range, or an address that other machines reach.
     pub fn check(&self) -> Result<(), LiveError> {
-        let within = |key, value: f64, least: f64, most: f64| match (least..=most).contains(&value)
-        {
+        let within = |key, value: f64, range: RangeInclusive<f64>| match range.contains(&value) {
             true => Ok(()),
             false => Err(LiveError::Setting {
                 key,
                 value,
-                least,
-                most,
+                least: *range.start(),
+                most: *range.end(),
             }),
         };
-        within("rate", self.rate, 1e-3, 1e6)?;
-        within("playback_delay_s", self.playback_delay_s, 0.0, 60.0)?;
-        within("stale_after_s", self.stale_after_s, 1e-3, 1e6)?;
+        within("rate", self.rate, RATE)?;
+        within("playback_delay_s", self.playback_delay_s, PLAYBACK_DELAY_S)?;
+        within("stale_after_s", self.stale_after_s, STALE_AFTER_S)?;
         within(
             "extrapolation_limit_s",
             self.extrapolation_limit_s,
-            0.0,
-            1e6,
+            EXTRAPOLATION_LIMIT_S,
         )?;
-        within("gap_s", self.gap_s, 1e-3, 1e7)?;
+        within("gap_s", self.gap_s, GAP_S)?;
         let timeout_s = self.frame_timeout.as_secs_f64();
-        within("frame_timeout, s,", timeout_s, 1e-3, 3600.0)?;
+        within("frame_timeout, s,", timeout_s, FRAME_TIMEOUT_S)?;
         let packets = f64::from(self.max_packets_per_s);
-        within("max_packets_per_s", packets, 1.0, 1e6)?;
+        let (least, most) = PACKETS_PER_S.into_inner();
+        within("max_packets_per_s", packets, least as f64..=most as f64)?;
         let Some(address) = self.transport.address() else {
             return Ok(());
         };

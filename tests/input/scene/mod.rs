@@ -10,7 +10,7 @@ use terrella::earth::Shading;
 use terrella::frames::{Epoch, utc_from_rfc3339};
 use terrella::globe::clipmap::Trim;
 use terrella::globe::{Figure, LevelRule, Subdivision, SurfaceKind, SurfaceSettings, Visibility};
-use terrella::scene::{CameraMode, Scene, SceneError, StorageChoice, limits};
+use terrella::scene::{CameraMode, Scene, SceneError, StorageChoice};
 
 /// A folder with what the scenes of these tests refer to: `sat.tle` and `maps/`.
 struct Folder(tempfile::TempDir);
@@ -259,7 +259,7 @@ fn a_file_that_cannot_be_a_scene_is_named_and_refused() {
         "{error}"
     );
 
-    let mut text = "#".repeat(limits::MAX_FILE_BYTES as usize);
+    let mut text = "#".repeat(Scene::MAX_FILE_BYTES as usize);
     assert!(folder.load(&text).is_ok(), "the limit itself is allowed");
     text.push('#');
     let error = folder.load(&text).expect_err("one byte too many");

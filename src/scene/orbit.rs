@@ -1,6 +1,6 @@
-//! What `[orbit]` comes to.
+//! `[orbit]`, checked: a satellite and where its motion is from.
 
-use super::Track;
+use super::tracks::Track;
 use crate::frames::Epoch;
 use crate::orbit::Frame;
 use crate::orbit::kepler::KeplerElements;
@@ -83,33 +83,33 @@ pub enum Motion {
     /// On a conic.
     Kepler {
         /// From where.
-        start: Start,
+        start: InitialState,
         /// Whether node and periapsis drift by the Earth's flattening.
         j2: bool,
     },
     /// Under forces.
     Numerical {
         /// From where.
-        start: Start,
+        start: InitialState,
         /// Which.
-        forces: Forces,
+        forces: ForceOptions,
     },
 }
 
 /// Where a motion starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Start {
+pub struct InitialState {
     /// When.
     pub epoch: Epoch,
     /// In which axes.
     pub frame: Frame,
     /// How it is given.
-    pub form: StartForm,
+    pub parameters: OrbitParameters,
 }
 
 /// How a start is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum StartForm {
+pub enum OrbitParameters {
     /// As classical elements.
     Elements(KeplerElements),
     /// As a state.
@@ -121,9 +121,9 @@ pub enum StartForm {
     },
 }
 
-/// Forces of a numerical motion.
+/// ForceOptions of a numerical motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Forces {
+pub struct ForceOptions {
     /// Degree of the Earth's gravity; 0 and 1 are a point.
     pub gravity_degree: u32,
     /// Its order, not above the degree; 0 leaves the zonal terms J2, J3, … alone.
