@@ -1,8 +1,8 @@
 //! Many satellites from one file.
 
+use super::entry::Faults;
 use super::file::read_text;
 use super::omm;
-use super::entry::Faults;
 use super::tle_fields::catalogue_number;
 use super::tle_text::sets_and_faults;
 use super::{FileFormat, OrbitError, Sgp4Feed};

@@ -2,7 +2,9 @@
 
 use super::Frame;
 use super::entry::{RecordError, RecordFault, number, printable, shortened};
-use super::interpolated::{Interpolation, StateSample, InterpolatedStates, EphemerisFeed, EphemerisSegment};
+use super::interpolated::{
+    EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
+};
 use super::text::json::{Document, Object};
 use crate::frames::{Duration, Epoch, TimeScale, epoch_from_ccsds, utc_from_rfc3339};
 use glam::DVec3;

@@ -1,11 +1,11 @@
 //! Ephemerides from files: OEM, CZML and CSV.
 
 use super::catalogue::{Candidate, choose};
-use super::file::read_text;
 use super::entry::{Faults, RecordError};
+use super::file::read_text;
 use super::interpolated::EphemerisFeed;
 use super::text::unmarked;
-use super::{Feed, FileFormat, OrbitError, czml, oem, table};
+use super::{Feed, FileFormat, OrbitError, czml, ephemeris_csv, oem};
 use std::path::Path;
 
 /// The objects of a file of sampled states, in its order.
@@ -67,7 +67,7 @@ impl Ephemerides {
         match format {
             FileFormat::Oem => oem::each_object(text, origin, &mut each)?,
             FileFormat::Czml => czml::each_object(text, origin, &mut each)?,
-            _ if table::is_table(text) => each(table::read(text, origin))?,
+            _ if ephemeris_csv::is_table(text) => each(ephemeris_csv::read(text, origin))?,
             _ => {}
         }
         let mut kept: Vec<_> = faults.kept.into_iter().map(OrbitError::from).collect();

@@ -2,9 +2,11 @@
 
 use super::Frame;
 use super::entry::{
-    Entry, Fields, Keys, TextPosition, RecordError, RecordFault, scaled_number, shortened,
+    Entry, Fields, Keys, RecordError, RecordFault, TextPosition, scaled_number, shortened,
 };
-use super::interpolated::{Interpolation, StateSample, InterpolatedStates, EphemerisFeed, EphemerisSegment};
+use super::interpolated::{
+    EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
+};
 use super::text::csv;
 use crate::frames::TimeScale;
 use glam::DVec3;

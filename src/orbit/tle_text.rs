@@ -18,9 +18,9 @@ pub(super) struct ElementSet<'t> {
     pub line1: &'t str,
     /// 69 ASCII characters.
     pub line2: &'t str,
-    /// TextPosition of `line1` in the file, from 1.
+    /// Line of `line1` in the file, from 1.
     pub at1: usize,
-    /// TextPosition of `line2` in the file, from 1.
+    /// Line of `line2` in the file, from 1.
     pub at2: usize,
 }
 

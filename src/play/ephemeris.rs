@@ -2,9 +2,11 @@
 
 use super::{Flight, PlayError, Tracked};
 use crate::frames::{Duration, Epoch, Geodetic, TimeScale, ccsds_time};
-use crate::orbit::interpolated::{Interpolation, StateSample, InterpolatedStates, EphemerisSegment};
+use crate::orbit::interpolated::{
+    EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
+};
 use crate::orbit::{
-    Feed, Frame, Header, OrbitState, EphemerisFeed, csv_header, csv_row, write_oem, write_omm,
+    EphemerisFeed, Feed, Frame, Header, OrbitState, csv_header, csv_row, write_oem, write_omm,
 };
 use std::fmt::Write;
 use std::path::Path;

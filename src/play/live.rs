@@ -4,7 +4,7 @@ use super::error::PlayError;
 use super::flight::{Flight, Moment, ViewRequest};
 use super::keys::Action;
 use crate::frames::Epoch;
-use crate::orbit::live::{PacketCounters, FrameRequest, LiveFeed, Pacing};
+use crate::orbit::live::{FrameRequest, LiveFeed, Pacing, PacketCounters};
 use crate::orbit::{Feed, Freshness};
 use crate::scene::CameraMode;
 use std::time::{Duration, Instant};
@@ -328,7 +328,7 @@ impl Flight {
         let wait = self.scene().output.wait();
         let begun = Instant::now();
         loop {
-            match feed.options().mode {
+            match feed.options().pacing {
                 Pacing::Lockstep => {
                     if let Some(request) = feed.wait_request(ASK) {
                         return Some(Heard::Frame(request));

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::frames::utc_from_rfc3339;
-use crate::orbit::live::{PacketKind, Packet};
+use crate::orbit::live::{Packet, PacketKind};
 use crate::orbit::{Frame, OrbitState};
 use crate::play::camera::Look;
 use crate::scene::Scene;
@@ -100,7 +100,9 @@ impl Simulator {
             let begun = Instant::now();
             for seq in 0.. {
                 if its.load(Ordering::Relaxed) {
-                    let half = packet(PacketKind::State, seq, start_s).to_bytes().expect("bytes");
+                    let half = packet(PacketKind::State, seq, start_s)
+                        .to_bytes()
+                        .expect("bytes");
                     let _ = stream.write_all(&half[..40]);
                     return;
                 }

@@ -4,8 +4,8 @@ use crate::utc;
 use glam::DVec3;
 use std::path::Path;
 use terrella::frames::Duration;
-use terrella::orbit::interpolated::{Interpolation, StateSample, InterpolatedStates};
-use terrella::orbit::{Ephemerides, Feed, Frame, OrbitError, EphemerisFeed};
+use terrella::orbit::interpolated::{InterpolatedStates, Interpolation, StateSample};
+use terrella::orbit::{Ephemerides, EphemerisFeed, Feed, Frame, OrbitError};
 
 const SIMPLE: &str = include_str!("../data/orbit/simple.czml");
 
@@ -113,7 +113,8 @@ fn between_samples_the_files_degree_is_good_to_metres() {
         for segment in feed.segments() {
             let all: Vec<StateSample> = segment.samples.samples().collect();
             let with = |degree| {
-                InterpolatedStates::new(Frame::Gcrf, &all, Interpolation::Lagrange { degree }).unwrap()
+                InterpolatedStates::new(Frame::Gcrf, &all, Interpolation::Lagrange { degree })
+                    .unwrap()
             };
             let (truth, finer) = (with(15), with(11));
             let inner = all.get(8..all.len().saturating_sub(8)).unwrap_or_default();

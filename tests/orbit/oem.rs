@@ -5,8 +5,10 @@ use glam::DVec3;
 use std::fmt::Write;
 use std::path::Path;
 use terrella::frames::{Duration, Epoch, TimeScale, ccsds_time};
-use terrella::orbit::interpolated::{Interpolation, KeplerOrbit, StateSample, InterpolatedStates, EphemerisSegment};
-use terrella::orbit::{Ephemerides, Feed, Frame, Header, OrbitError, EphemerisFeed, write_oem};
+use terrella::orbit::interpolated::{
+    EphemerisSegment, InterpolatedStates, Interpolation, KeplerOrbit, StateSample,
+};
+use terrella::orbit::{Ephemerides, EphemerisFeed, Feed, Frame, Header, OrbitError, write_oem};
 
 pub(crate) fn epoch(t_s: f64) -> Epoch {
     utc("2016-12-31T23:50:00Z") + Duration::from_seconds(t_s)
@@ -369,7 +371,9 @@ fn what_is_written_reads_back_to_the_last_digit() {
                 }
             })
             .collect();
-        let mut segment = EphemerisSegment::whole(InterpolatedStates::new(frame, &samples, interpolation).unwrap());
+        let mut segment = EphemerisSegment::whole(
+            InterpolatedStates::new(frame, &samples, interpolation).unwrap(),
+        );
         segment.usable.0 += Duration::from_total_nanoseconds(123_456_789);
         segment
     };

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::Path;
 use terrella::frames::{Duration, Ellipsoid, TimeScale, ccsds_time, rfc3339};
 use terrella::orbit::interpolated::Interpolation;
-use terrella::orbit::{Ephemerides, Feed, Frame, OrbitError, EphemerisFeed};
+use terrella::orbit::{Ephemerides, EphemerisFeed, Feed, Frame, OrbitError};
 
 fn read(text: &str) -> Result<EphemerisFeed, OrbitError> {
     let origin = Path::new("folder/sat.csv");

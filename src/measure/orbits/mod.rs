@@ -23,7 +23,7 @@ use crate::frames::{Duration, Epoch};
 use crate::orbit::constants::{EARTH_GM_M3_S2, EGM96_EQUATORIAL_RADIUS_M, EGM96_J2};
 use crate::orbit::kepler::{Anomaly, Drift, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize};
 use crate::orbit::numerical::{
-    Spacecraft, ForceModel, Gravity, NumericalFeed, NumericalOptions, Solver,
+    ForceModel, Gravity, NumericalFeed, NumericalOptions, Solver, Spacecraft,
 };
 use crate::orbit::{Feed, Frame, OrbitState};
 use glam::DVec3;
@@ -151,7 +151,8 @@ impl OrbitCase {
             solver,
             ..NumericalOptions::between(first, last)
         };
-        let feed = NumericalFeed::new("", &self.start, &model, &Spacecraft::default(), &options).ok()?;
+        let feed =
+            NumericalFeed::new("", &self.start, &model, &Spacecraft::default(), &options).ok()?;
         Some(Flight {
             states: states(&feed)?,
             evaluations: feed.counts().evaluations,

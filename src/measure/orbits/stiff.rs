@@ -7,7 +7,7 @@ use crate::orbit::OrbitState;
 use crate::orbit::constants::EARTH_GM_M3_S2;
 use crate::orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
 use crate::orbit::numerical::{
-    AtmosphereModel, Spacecraft, ForceModel, Gravity, NumericalFeed, NumericalOptions, Solver,
+    AtmosphereModel, ForceModel, Gravity, NumericalFeed, NumericalOptions, Solver, Spacecraft,
 };
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
@@ -24,7 +24,7 @@ const REFERENCE_TOLERANCE: f64 = 1e-12;
 /// Seconds to the impact, and evaluations of the force.
 type Fall = (f64, u64);
 
-/// A sphere of 30 cm that weighs a gram, from a circle at 120 km to the ground through the US Standard AtmosphereModel 1976.
+/// A sphere of 30 cm that weighs a gram, from a circle at 120 km to the ground through the US Standard Atmosphere 1976.
 ///
 /// Its error is the instant of the impact, its cost evaluations of the force, each way flown once.
 #[derive(Clone, Debug)]

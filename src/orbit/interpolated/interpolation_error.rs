@@ -1,6 +1,6 @@
 //! How far interpolated states are from a Kepler orbit, by degree and step.
 
-use super::{Interpolation, StateSample, InterpolatedStates, InterpolationError};
+use super::{InterpolatedStates, Interpolation, InterpolationError, StateSample};
 use crate::frames::{Duration, Epoch};
 use crate::orbit::Frame;
 use glam::DVec3;

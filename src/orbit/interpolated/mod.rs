@@ -1,16 +1,16 @@
 //! Positions given at instants, and the polynomials between them: the common core of ephemeris files.
 
 mod basis;
-mod interpolation_error;
 mod feed;
+mod interpolation_error;
 
 use super::{Frame, OrbitState};
 use crate::frames::{Epoch, rfc3339};
 use basis::{Basis, MAX_NODES};
 use glam::DVec3;
 
-pub use interpolation_error::{KeplerOrbit, WorstDifference, interpolation_error};
 pub use feed::{EphemerisFeed, EphemerisSegment, SegmentError};
+pub use interpolation_error::{KeplerOrbit, WorstDifference, interpolation_error};
 
 /// How a state between samples is found. CCSDS 502.0 and CZML use the same names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -203,10 +203,11 @@ impl InterpolatedStates {
             {
                 return Err(InterpolationError::NoVelocity { index });
             }
-            let at = ns_between(first, sample.epoch).ok_or_else(|| InterpolationError::TooLong {
-                index,
-                epoch: rfc3339(sample.epoch),
-            })?;
+            let at =
+                ns_between(first, sample.epoch).ok_or_else(|| InterpolationError::TooLong {
+                    index,
+                    epoch: rfc3339(sample.epoch),
+                })?;
             if let Some((_, earlier)) = before.filter(|&(ns, _)| ns >= at) {
                 return Err(InterpolationError::Order {
                     index,

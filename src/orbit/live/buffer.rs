@@ -1,8 +1,8 @@
 //! The last states, in the order of time, and what lies between and beyond them.
 
 use super::super::constants::EARTH_GM_M3_S2;
+use super::super::interpolated::{InterpolatedStates, Interpolation, StateSample};
 use super::super::kepler::Conic;
-use super::super::interpolated::{Interpolation, StateSample, InterpolatedStates};
 use super::super::{Frame, OrbitState};
 use super::options::Extrapolation;
 use crate::frames::{Duration, Epoch, Orientation};

@@ -1,11 +1,11 @@
 //! What the threads that read and the player that draws share.
 
 use super::super::entry::shortened;
-use super::buffer::{StateBuffer, Insertion};
+use super::buffer::{Insertion, StateBuffer};
 use super::clock::PlaybackClock;
 use super::lockstep::{Lockstep, Outcome};
 use super::options::{LiveOptions, Pacing};
-use super::packet::{PacketKind, Packet, PacketFault};
+use super::packet::{Packet, PacketFault, PacketKind};
 use super::reply::Reply;
 use super::split::Cut;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -210,7 +210,10 @@ impl Shared {
                 inner.last_seq = None;
             }
         }
-        if !matches!(taken, Insertion::Newest | Insertion::Late | Insertion::Restart) {
+        if !matches!(
+            taken,
+            Insertion::Newest | Insertion::Late | Insertion::Restart
+        ) {
             return;
         }
         counters.taken += 1;

@@ -1,6 +1,6 @@
 //! A stream of bytes cut into packets, whatever lies between them.
 
-use super::packet::{PacketFormat, MAX_PACKET_BYTES, MAGIC, Packet, PacketFault, STATE_BYTES};
+use super::packet::{MAGIC, MAX_PACKET_BYTES, Packet, PacketFault, PacketFormat, STATE_BYTES};
 
 /// Cuts a stream into packets. It holds at most one unfinished packet and the bytes of the last [`Splitter::push`].
 ///

@@ -1,7 +1,9 @@
 //! A message while it is read: what KVN and XML have in common.
 
-use super::super::entry::{Entry, Fields, Keys, TextPosition, RecordError, RecordFault, printable};
-use super::super::interpolated::{Interpolation, StateSample, InterpolatedStates, EphemerisFeed, EphemerisSegment};
+use super::super::entry::{Entry, Fields, Keys, RecordError, RecordFault, TextPosition, printable};
+use super::super::interpolated::{
+    EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
+};
 use crate::frames::{Epoch, TimeScale};
 use crate::orbit::Frame;
 use glam::DVec3;
@@ -238,11 +240,12 @@ impl<'o> Draft<'o> {
             return Ok(());
         };
         let interpolation = open.interpolation.unwrap_or(Interpolation::WITH_VELOCITIES);
-        let samples = InterpolatedStates::new(open.frame, &open.samples, interpolation).map_err(|error| {
-            let line = error.index().and_then(|i| open.lines.get(i));
-            let place = line.map_or(open.place, |&line| TextPosition { line, column: 1 });
-            place.error(self.origin, RecordFault::Samples(error))
-        })?;
+        let samples =
+            InterpolatedStates::new(open.frame, &open.samples, interpolation).map_err(|error| {
+                let line = error.index().and_then(|i| open.lines.get(i));
+                let place = line.map_or(open.place, |&line| TextPosition { line, column: 1 });
+                place.error(self.origin, RecordFault::Samples(error))
+            })?;
         let mut segment = EphemerisSegment::whole(samples);
         segment.usable = open.usable;
         segment.sigma_m = open.sigma_m;

@@ -1,7 +1,7 @@
 //! OEM in KVN: blocks of metadata, rows of states, blocks of covariances.
 
 use super::super::entry::{
-    Entry, Fields, TextPosition, RecordError, RecordFault, number, scaled_number, shortened,
+    Entry, Fields, RecordError, RecordFault, TextPosition, number, scaled_number, shortened,
 };
 use super::super::text::kvn::{KvnLine, lines};
 use super::super::text::offset;

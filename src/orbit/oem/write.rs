@@ -1,7 +1,7 @@
 //! OEM out, in KVN.
 
-use super::super::interpolated::{Interpolation, EphemerisFeed};
-use super::super::write::{Header, one_line, real, shifted};
+use super::super::interpolated::{EphemerisFeed, Interpolation};
+use super::super::write_ccsds::{Header, one_line, real, shifted};
 use crate::frames::{Epoch, TimeScale, ccsds_time};
 use crate::orbit::Frame;
 use std::fmt::Write;

@@ -1,6 +1,6 @@
 //! OEM in XML.
 
-use super::super::entry::{Fields, Keys, TextPosition, RecordError, scaled_number};
+use super::super::entry::{Fields, Keys, RecordError, TextPosition, scaled_number};
 use super::super::text::xml::{XmlItem, walk};
 use super::Each;
 use super::draft::{Draft, metadata};

@@ -1,6 +1,6 @@
 //! The entries of one satellite, checked and turned into elements.
 
-use super::super::entry::{Entry, Fields, TextPosition, RecordError, printable};
+use super::super::entry::{Entry, Fields, RecordError, TextPosition, printable};
 use super::super::tle_fields::catalogue_number;
 use crate::frames::TimeScale;
 use crate::orbit::MeanElements;

@@ -3,7 +3,7 @@
 mod fields;
 mod write;
 
-use super::entry::{Entry, TextPosition, RecordError, RecordFault, shortened};
+use super::entry::{Entry, RecordError, RecordFault, TextPosition, shortened};
 use super::text::json::Document;
 use super::text::xml::XmlItem;
 use super::text::{csv, kvn, unmarked, xml};

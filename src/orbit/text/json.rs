@@ -1,6 +1,6 @@
 //! JSON objects as names and values with their places; numbers as they are written.
 
-use super::super::entry::{Entry, TextPosition, RecordError, RecordFault, shortened};
+use super::super::entry::{Entry, RecordError, RecordFault, TextPosition, shortened};
 use super::{Lines, offset};
 use serde::de::{Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};

@@ -9,7 +9,7 @@ pub enum KvnLine<'t> {
     /// `KEY = value [unit]`.
     Entry(Entry<'t>),
     /// Anything else: `META_START`, a row of numbers.
-    Words {
+    Other {
         /// Without blanks at either end, never empty.
         text: &'t str,
         /// Where it begins.

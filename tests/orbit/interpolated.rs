@@ -5,7 +5,8 @@ use glam::DVec3;
 use terrella::frames::{Duration, Epoch};
 use terrella::orbit::Frame;
 use terrella::orbit::interpolated::{
-    Interpolation, KeplerOrbit, StateSample, InterpolatedStates, InterpolationError, interpolation_error,
+    InterpolatedStates, Interpolation, InterpolationError, KeplerOrbit, StateSample,
+    interpolation_error,
 };
 
 fn start() -> Epoch {
@@ -25,7 +26,11 @@ fn sample(orbit: &KeplerOrbit, t_s: f64) -> StateSample {
     }
 }
 
-fn sampled(orbit: &KeplerOrbit, times_s: &[f64], interpolation: Interpolation) -> InterpolatedStates {
+fn sampled(
+    orbit: &KeplerOrbit,
+    times_s: &[f64],
+    interpolation: Interpolation,
+) -> InterpolatedStates {
     let samples: Vec<_> = times_s.iter().map(|&t| sample(orbit, t)).collect();
     InterpolatedStates::new(Frame::Gcrf, &samples, interpolation).unwrap()
 }
@@ -302,7 +307,8 @@ fn years_on_it_is_as_sharp() {
 fn samples_that_are_no_ephemeris_are_refused() {
     let good = sample(&KeplerOrbit::LOW, 0.0);
     let later = sample(&KeplerOrbit::LOW, 60.0);
-    let new = |samples: &[StateSample], i| InterpolatedStates::new(Frame::Gcrf, samples, i).map(|_| ());
+    let new =
+        |samples: &[StateSample], i| InterpolatedStates::new(Frame::Gcrf, samples, i).map(|_| ());
     assert_eq!(new(&[], LAGRANGE(3)), Err(InterpolationError::Empty));
     for degree in [0, 32, usize::MAX] {
         let refused = Err(InterpolationError::Degree { degree });
