@@ -3,7 +3,7 @@
 //! hands its rule to the checks, so that neither can differ from what is written here.
 
 use super::field::{Bounds, Field};
-use crate::orbit::live::{self, LiveOptions, Transport};
+use crate::orbit::live::{LiveOptions, Transport};
 use crate::orbit::numerical::Spacecraft;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, SeqAccess, Visitor};
@@ -264,21 +264,21 @@ table_with_tracks!(RawOrbit = "orbit" {
     /// Whether the simulator waits for its pictures, "broadcast" by default.
     pacing: String = "a string: \"broadcast\" or \"lockstep\"";
     /// Simulated seconds in a second of a simulator that nobody waits for.
-    rate: f64 = "a number of simulated seconds per second", in live::RATE, default usual_live().rate;
+    rate: f64 = "a number of simulated seconds per second", in LiveOptions::RATES, default usual_live().rate;
     /// How far pictures are behind such a simulator.
-    playback_delay_s: f64 = "a number of seconds", in live::PLAYBACK_DELAY_S, default usual_live().playback_delay_s;
+    playback_delay_s: f64 = "a number of seconds", in LiveOptions::PLAYBACK_DELAYS_S, default usual_live().playback_delay_s;
     /// How long a simulator waits for its picture.
-    timeout_s: f64 = "a number of seconds", in live::FRAME_TIMEOUT_S, default usual_live().frame_timeout.as_secs_f64();
+    timeout_s: f64 = "a number of seconds", in LiveOptions::FRAME_TIMEOUTS_S, default usual_live().frame_timeout.as_secs_f64();
     /// Age of the last state from which on the simulator is told to be silent.
-    stale_after_s: f64 = "a number of seconds", in live::STALE_AFTER_S, default usual_live().stale_after_s;
+    stale_after_s: f64 = "a number of seconds", in LiveOptions::STALE_AGES_S, default usual_live().stale_after_s;
     /// How far a satellite goes on beyond its simulator's last state.
-    extrapolate_s: f64 = "a number of simulated seconds", in live::EXTRAPOLATION_LIMIT_S, default usual_live().extrapolation_limit_s;
+    extrapolate_s: f64 = "a number of simulated seconds", in LiveOptions::EXTRAPOLATION_LIMITS_S, default usual_live().extrapolation_limit_s;
     /// How it goes on there, "two-body" by default.
     extrapolation: String = "a string: \"two-body\" or \"linear\"";
     /// How far apart two states are a jump.
-    gap_s: f64 = "a number of simulated seconds", in live::GAP_S, default usual_live().gap_s;
+    gap_s: f64 = "a number of simulated seconds", in LiveOptions::GAPS_S, default usual_live().gap_s;
     /// Packets that the simulator may send in a second.
-    packets_per_s: i64 = "a whole number of packets per second", in live::PACKETS_PER_S, default i64::from(usual_live().max_packets_per_s);
+    packets_per_s: i64 = "a whole number of packets per second", in LiveOptions::PACKET_RATES_PER_S, default i64::from(usual_live().max_packets_per_s);
     /// Colour of all that is drawn of the satellite; by default one of the usual ones, by its place in the scene.
     color: String = "a string, \"#\" and six hexadecimal digits";
 } {});

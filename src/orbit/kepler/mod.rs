@@ -1,10 +1,10 @@
-//! Motion on a conic: two bodies, and where wanted the Earth's flattening as an average.
+//! Keplerian propagation: motion on a conic, of two bodies, and where wanted the Earth's flattening as an average.
 //!
 //! | file | what |
 //! |---|---|
 //! | `stumpff.rs` | functions that are the same for every conic |
 //! | `conic.rs` | position from time and time from position, by a universal variable |
-//! | `elements.rs` | classical elements, there and back |
+//! | `elements.rs` | Keplerian elements, there and back |
 //! | `drift.rs` | the drift of node and periapsis by J2 |
 
 mod conic;
@@ -16,7 +16,7 @@ mod stumpff;
 mod tests;
 
 pub use conic::Conic;
-pub use drift::SecularRates;
+pub(crate) use drift::SecularRates;
 pub use elements::{Anomaly, KeplerElements, OrbitSize};
 pub use error::KeplerError;
 
@@ -59,7 +59,7 @@ pub struct KeplerFeed {
 /// How a [`KeplerFeed`] moves and how long it is good for.
 #[derive(Clone, Copy, Debug)]
 pub struct KeplerOptions {
-    /// The Earth's flattening.
+    /// What is taken of the Earth's flattening.
     pub drift: Drift,
     /// First epoch to answer for.
     pub first: Epoch,

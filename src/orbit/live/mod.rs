@@ -45,7 +45,7 @@
 //! An answer has the first 16 bytes, for an error up to 512 bytes of UTF-8, and the CRC-32; seq is 2⁶⁴ − 1 where it is not known.
 //! Packets are answered in the form that they came in.
 //!
-//! # Modes
+//! # Pacing
 //!
 //! *Broadcast*: the simulator never waits. Pictures show [`LiveFeed::playback_epoch`], a little behind the simulator, so that
 //! late packets still come in time. Between states Hermite's cubic is taken; beyond the last one the satellite goes on by
@@ -74,13 +74,8 @@ mod split;
 mod websocket;
 
 pub use lockstep::FrameRequest;
-pub(crate) use options::{
-    EXTRAPOLATION_LIMIT_S, FRAME_TIMEOUT_S, GAP_S, PACKETS_PER_S, PLAYBACK_DELAY_S, RATE,
-    STALE_AFTER_S,
-};
 pub use options::{Extrapolation, LiveError, LiveOptions, Pacing, Transport};
-pub use packet::{MAX_PACKET_BYTES, Packet, PacketFault, PacketFormat, PacketKind, STATE_BYTES};
-pub use reply::Reply;
+pub use packet::{MAX_PACKET_BYTES, Packet, PacketFault, PacketFormat, PacketKind};
 pub use shared::PacketCounters;
 pub use split::{Cut, Splitter};
 
@@ -108,7 +103,7 @@ pub struct LiveFeed {
 }
 
 impl LiveFeed {
-    /// Begins to listen.
+    /// Listens on the transport of the options.
     ///
     /// # Errors
     /// A setting out of its range, an address that other machines reach, a port that is taken.
@@ -155,7 +150,7 @@ impl LiveFeed {
         Ok(Self::of(shared, None, None))
     }
 
-    /// One that never hears anything: to look at a set-up without taking its port.
+    /// A feed without a transport, which no packet reaches: to look at a set-up without taking its port.
     ///
     /// # Errors
     /// A setting out of its range, an address that other machines reach.
@@ -208,7 +203,7 @@ impl LiveFeed {
         self.shared.has_ended()
     }
 
-    /// The newest state.
+    /// The newest state that has come.
     pub fn newest(&self) -> Option<OrbitState> {
         self.shared.lock().buffer.newest().copied()
     }

@@ -1,4 +1,4 @@
-//! How a live feed is set up, and what can be wrong with it.
+//! Settings of a live feed, their ranges, and its errors.
 
 use std::fmt;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
@@ -93,7 +93,7 @@ impl FromStr for Transport {
     }
 }
 
-/// Who waits for whom.
+/// How simulator and player keep pace.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Pacing {
@@ -115,22 +115,7 @@ pub enum Extrapolation {
     Linear,
 }
 
-/// [`LiveOptions::rate`]
-pub(crate) const RATE: RangeInclusive<f64> = 1e-3..=1e6;
-/// [`LiveOptions::playback_delay_s`]
-pub(crate) const PLAYBACK_DELAY_S: RangeInclusive<f64> = 0.0..=60.0;
-/// [`LiveOptions::stale_after_s`]
-pub(crate) const STALE_AFTER_S: RangeInclusive<f64> = 1e-3..=1e6;
-/// [`LiveOptions::extrapolation_limit_s`]
-pub(crate) const EXTRAPOLATION_LIMIT_S: RangeInclusive<f64> = 0.0..=1e6;
-/// [`LiveOptions::gap_s`]
-pub(crate) const GAP_S: RangeInclusive<f64> = 1e-3..=1e7;
-/// [`LiveOptions::frame_timeout`], seconds.
-pub(crate) const FRAME_TIMEOUT_S: RangeInclusive<f64> = 1e-3..=3600.0;
-/// [`LiveOptions::max_packets_per_s`]
-pub(crate) const PACKETS_PER_S: RangeInclusive<i64> = 1..=1_000_000;
-
-/// How a live feed is set up.
+/// Settings of a live feed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveOptions {
     /// Where states come from.
@@ -163,6 +148,21 @@ pub struct LiveOptions {
 }
 
 impl LiveOptions {
+    /// Of [`Self::rate`].
+    pub(crate) const RATES: RangeInclusive<f64> = 1e-3..=1e6;
+    /// Of [`Self::playback_delay_s`].
+    pub(crate) const PLAYBACK_DELAYS_S: RangeInclusive<f64> = 0.0..=60.0;
+    /// Of [`Self::stale_after_s`].
+    pub(crate) const STALE_AGES_S: RangeInclusive<f64> = 1e-3..=1e6;
+    /// Of [`Self::extrapolation_limit_s`].
+    pub(crate) const EXTRAPOLATION_LIMITS_S: RangeInclusive<f64> = 0.0..=1e6;
+    /// Of [`Self::gap_s`].
+    pub(crate) const GAPS_S: RangeInclusive<f64> = 1e-3..=1e7;
+    /// Of [`Self::frame_timeout`], seconds.
+    pub(crate) const FRAME_TIMEOUTS_S: RangeInclusive<f64> = 1e-3..=3600.0;
+    /// Of [`Self::max_packets_per_s`].
+    pub(crate) const PACKET_RATES_PER_S: RangeInclusive<i64> = 1..=1_000_000;
+
     /// Broadcast at the rate of real time, 0.1 s behind, stale after 1 s, an error 60 s beyond the last state.
     pub fn new(transport: Transport) -> Self {
         Self {
@@ -196,19 +196,23 @@ impl LiveOptions {
                 most: *range.end(),
             }),
         };
-        within("rate", self.rate, RATE)?;
-        within("playback_delay_s", self.playback_delay_s, PLAYBACK_DELAY_S)?;
-        within("stale_after_s", self.stale_after_s, STALE_AFTER_S)?;
+        within("rate", self.rate, Self::RATES)?;
+        within(
+            "playback_delay_s",
+            self.playback_delay_s,
+            Self::PLAYBACK_DELAYS_S,
+        )?;
+        within("stale_after_s", self.stale_after_s, Self::STALE_AGES_S)?;
         within(
             "extrapolation_limit_s",
             self.extrapolation_limit_s,
-            EXTRAPOLATION_LIMIT_S,
+            Self::EXTRAPOLATION_LIMITS_S,
         )?;
-        within("gap_s", self.gap_s, GAP_S)?;
+        within("gap_s", self.gap_s, Self::GAPS_S)?;
         let timeout_s = self.frame_timeout.as_secs_f64();
-        within("frame_timeout, s,", timeout_s, FRAME_TIMEOUT_S)?;
+        within("frame_timeout, s,", timeout_s, Self::FRAME_TIMEOUTS_S)?;
         let packets = f64::from(self.max_packets_per_s);
-        let (least, most) = PACKETS_PER_S.into_inner();
+        let (least, most) = Self::PACKET_RATES_PER_S.into_inner();
         within("max_packets_per_s", packets, least as f64..=most as f64)?;
         let Some(address) = self.transport.address() else {
             return Ok(());
@@ -220,20 +224,20 @@ impl LiveOptions {
     }
 }
 
-/// What can be wrong with a live feed.
+/// Why a live feed cannot listen, or has no state at an epoch.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LiveError {
     /// A setting out of its range.
     #[error("{key} is {value}; expected {least} to {most}")]
     Setting {
-        /// Which.
+        /// Which setting.
         key: &'static str,
         /// Its value.
         value: f64,
         /// The least it may be.
         least: f64,
-        /// The most.
+        /// The most it may be.
         most: f64,
     },
     /// No such way in.

@@ -1,10 +1,10 @@
-//! Motion under forces, integrated.
+//! Numerical propagation: motion under forces, integrated.
 //!
 //! | folder or file | what |
 //! |---|---|
 //! | `force/` | gravity, air, Sun, Moon, sunlight, thrust |
 //! | `integrate/` | solvers of differential equations |
-//! | `event.rs` | impact, nodes, apsides, shadow |
+//! | `event.rs` | impact, nodes, apsides, eclipses |
 //! | `trajectory.rs` | the steps with what lies between |
 //! | `integration.rs` | from a state to a trajectory |
 
@@ -19,9 +19,7 @@ mod trajectory;
 
 pub use error::NumericalError;
 pub use event::{Event, EventKind, EventSelection};
-pub use force::{
-    AtmosphereModel, EGM96_DEGREE, ForceModel, Gravity, Shadow, Spacecraft, Thrust, ThrustAxes,
-};
+pub use force::{AtmosphereModel, ForceModel, Gravity, Shadow, Spacecraft, Thrust, ThrustAxes};
 pub use integrate::{Counts, Solver};
 
 use super::validity::{Impacts, Validity};
@@ -30,7 +28,7 @@ use crate::frames::{Duration, Epoch};
 use integration::{Integration, StopReason};
 use trajectory::Trajectory;
 
-/// How to integrate.
+/// Settings of an integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NumericalOptions {
     /// First epoch to answer for; the state's epoch or before.
@@ -39,7 +37,7 @@ pub struct NumericalOptions {
     pub last: Epoch,
     /// Error allowed in a step, relative to distance and speed: 1e-14…1e-3. Errors of steps add up: docs/orbits.md.
     pub relative_tolerance: f64,
-    /// The method.
+    /// The method of integration.
     pub solver: Solver,
     /// Most steps kept, about 0.4 kB each.
     pub step_limit: usize,
@@ -160,7 +158,7 @@ impl NumericalFeed {
         &self.stiff
     }
 
-    /// Steps kept.
+    /// Number of steps kept.
     pub fn steps(&self) -> usize {
         self.trajectory.len()
     }

@@ -17,7 +17,7 @@ mod shadow;
 mod sun_moon_axes;
 
 pub use atmosphere::AtmosphereModel;
-pub use egm96::EGM96_DEGREE;
+use egm96::EGM96_DEGREE;
 pub use shadow::Shadow;
 pub(super) use shadow::sun_above_limb_rad;
 pub(super) use sun_moon_axes::SunMoonAxes;
@@ -32,21 +32,21 @@ use crate::orbit::constants::{
 use glam::DVec3;
 use gravity::Field;
 
-/// The Earth's gravity.
+/// Models of the Earth's gravity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gravity {
-    /// A point.
+    /// A point mass.
     #[default]
     Point,
     /// Zonal harmonics J2…J`degree` of EGM96 about the axis z of ITRF; `degree` from 2 to 20.
     Zonal {
-        /// The highest.
+        /// The highest degree.
         degree: usize,
     },
     /// The same about the z axis of GCRF, the pole of J2000 (within 0.14° in the first half of this century): then energy and
     /// the momentum about z are kept exactly.
     ZonalOfJ2000 {
-        /// The highest.
+        /// The highest degree.
         degree: usize,
     },
     /// EGM96 to a degree from 2 to 20 and an order up to it, turning with the Earth.
@@ -58,7 +58,7 @@ pub enum Gravity {
     },
 }
 
-/// A push from one epoch to another.
+/// A constant thrust from one epoch to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thrust {
     /// When it begins.
@@ -89,11 +89,11 @@ pub struct ForceModel {
     pub drag: Option<AtmosphereModel>,
     /// The Sun's gravity, as a point's.
     pub sun: bool,
-    /// The Moon's.
+    /// The Moon's gravity, as a point's.
     pub moon: bool,
     /// The pressure of sunlight, with this shadow.
     pub sunlight: Option<Shadow>,
-    /// Pushes.
+    /// Thrusts, each over its own time.
     pub thrusts: Vec<Thrust>,
     /// The Earth's orientation at the start.
     pub orientation: Orientation,
