@@ -45,7 +45,7 @@ impl Catalogue {
     /// As [`Self::from_file`], from text that is already in memory; `origin` is named in errors.
     ///
     /// # Errors
-    /// As there.
+    /// As [`Self::from_file`], but for what is wrong with the file itself.
     pub fn from_text(text: &str, origin: &Path, is_strict: bool) -> Result<Self, OrbitError> {
         let mut faults = Faults::new(is_strict);
         let mut feeds = Vec::new();
@@ -120,7 +120,7 @@ pub(super) struct Candidate<'c> {
     pub line: usize,
 }
 
-/// The place of the one that is meant, or an error that helps to say which.
+/// The index of the satellite that is meant, or an error that helps to say which.
 pub(super) fn choose(
     sets: &[Candidate<'_>],
     origin: &Path,

@@ -47,7 +47,7 @@ impl Ephemerides {
     /// As [`Self::from_file`], from text that is already in memory; `origin` is named in errors.
     ///
     /// # Errors
-    /// As there.
+    /// As [`Self::from_file`], but for what is wrong with the file itself.
     pub fn from_text(text: &str, origin: &Path, is_strict: bool) -> Result<Self, OrbitError> {
         let text = unmarked(text);
         let mut faults = Faults::<RecordError>::new(is_strict);

@@ -1,9 +1,9 @@
-//! What can be wrong with a feed, each message with the place and the remedy.
+//! Errors of feeds, each message with the place and the remedy.
 
 use super::RecordError;
 use std::path::{Path, PathBuf};
 
-/// What can be wrong with a feed.
+/// Why a feed cannot be made, or has no state at an epoch.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OrbitError {
@@ -143,7 +143,7 @@ pub enum OrbitError {
     /// A live feed has no state for the epoch.
     #[error(transparent)]
     Live(#[from] super::live::LiveError),
-    /// The epoch is outside the feed's validity.
+    /// The epoch is outside the feed's validity interval.
     #[error(
         "{satellite} is not known at {epoch}: its elements hold from {first} to {last}; change the date or take elements of that time"
     )]
@@ -154,7 +154,7 @@ pub enum OrbitError {
         epoch: String,
         /// First epoch that the feed answers for, UTC.
         first: String,
-        /// Last.
+        /// Last, UTC.
         last: String,
     },
 }
@@ -221,7 +221,7 @@ pub enum LineFault {
     Character {
         /// The character.
         character: char,
-        /// What can.
+        /// What can stand there.
         expected: &'static str,
     },
     /// A name line of a length that no name has.
@@ -281,7 +281,7 @@ pub enum LineFault {
         field: &'static str,
         /// What stands there.
         text: String,
-        /// What should.
+        /// What should stand there.
         expected: &'static str,
     },
 }

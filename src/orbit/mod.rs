@@ -11,8 +11,8 @@
 //! | turn a state vector from frame to frame | `state.rs` |
 //! | see how long a feed answers | [`Feed::validity`], `validity.rs` |
 //!
-//! Time scales and leap seconds are in [`frames`](crate::frames). The readers of OEM and OMM are our own: the crates for these
-//! formats are young or read one notation alone, and none names line, column and remedy in its errors.
+//! Time scales and leap seconds are in [`frames`](crate::frames). Why the readers of OEM and OMM and the
+//! integrators are our own stands in `oem/mod.rs`, `omm/mod.rs` and `numerical/integrate/mod.rs`.
 
 mod catalogue;
 pub mod constants;

@@ -39,22 +39,22 @@ pub struct LookAngles {
     pub azimuth_rad: f64,
     /// Above the plane across the ellipsoid's normal, radians.
     pub elevation_rad: f64,
-    /// Metres.
+    /// Range, metres.
     pub distance_m: f64,
 }
 
 /// A pass, from acquisition to loss of signal: a time all through which a satellite stands high enough.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pass {
-    /// Its first instant.
+    /// Its first instant: acquisition of signal.
     pub begin: Epoch,
     /// Whether it rises at `begin`; else the search, the feed or what it knows begins there.
     pub rises: bool,
     /// When it stands highest.
     pub highest: Epoch,
-    /// How high, radians.
+    /// How high it then stands, radians.
     pub elevation_rad: f64,
-    /// Its last instant.
+    /// Its last instant: loss of signal.
     pub end: Epoch,
     /// Whether it sets at `end`.
     pub sets: bool,

@@ -5,9 +5,9 @@ use crate::frames::{Epoch, TimeScale, ccsds_time};
 /// Who wrote a message and when.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Header {
-    /// Who: an agency or a program.
+    /// The originator: an agency or a program.
     pub originator: String,
-    /// When.
+    /// When it is written.
     pub created: Epoch,
 }
 

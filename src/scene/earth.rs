@@ -15,7 +15,7 @@ use toml::Spanned;
 /// `[earth]`
 #[derive(Clone, Debug, PartialEq)]
 pub struct EarthTable {
-    /// The figure.
+    /// The Earth's figure.
     pub figure: Figure,
     /// Cells per block edge.
     pub subdivision: Subdivision,
@@ -29,7 +29,7 @@ pub struct EarthTable {
     pub normals: bool,
     /// City lights.
     pub night_lights: bool,
-    /// The air.
+    /// How the air is drawn.
     pub atmosphere: Atmosphere,
     /// Folder of the maps; `None` is the starter pack. Not looked at where there is a pack.
     pub textures: Option<PathBuf>,

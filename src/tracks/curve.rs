@@ -3,10 +3,10 @@
 use glam::DVec3;
 use std::collections::VecDeque;
 
-/// A sampled place.
+/// A sampled point of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CurvePoint {
-    /// Seconds since the curve's base epoch.
+    /// Seconds since the curve's reference epoch.
     pub t_s: f64,
     /// Metres, in the curve's axes.
     pub point_m: DVec3,
@@ -21,7 +21,7 @@ pub(super) const STEP_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 /// Shortest step, seconds: nothing outside the Earth goes half a degree in less.
 const SHORTEST_S: f64 = 0.01;
 
-/// What of time is to be known, seconds since the base.
+/// The span of time that a curve is drawn over, seconds since its reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TimeWindow {
     pub from_s: f64,
@@ -52,7 +52,7 @@ impl Curve {
         }
     }
 
-    /// Forgets everything.
+    /// Forgets all samples: the next call begins anew.
     pub fn clear(&mut self) {
         self.samples.clear();
         self.coarseness = 1.0;

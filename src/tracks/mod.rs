@@ -58,9 +58,7 @@ mod style;
 use crate::air::EARTH_AIR;
 use crate::earth::{EarthOptions, EyeView, Viewport};
 use crate::frames::{Ellipsoid, Epoch, Orientation};
-use crate::gpu::{
-    DepthBuffer, PassFormat, ShaderError, TrackKinds, TrackUniforms, TracksDrawable,
-};
+use crate::gpu::{DepthBuffer, PassFormat, ShaderError, TrackKinds, TrackUniforms, TracksDrawable};
 use crate::orbit::Feed;
 use buffers::TrackBuffers;
 pub use buffers::{NEAREST_MARKER_M, TrackLabel};
@@ -81,7 +79,7 @@ pub const MAX_POINTS_IN_ALL: usize = 262_144;
 /// The pass that tracks are drawn in, and the figure that they lie on: the Earth's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TracksOptions {
-    /// The figure.
+    /// The figure of the Earth.
     pub ellipsoid: Ellipsoid,
     /// Format of the colour target.
     pub color_format: wgpu::TextureFormat,
@@ -106,11 +104,11 @@ impl TracksOptions {
 /// What a frame shows.
 #[derive(Clone, Copy, Debug)]
 pub struct TrackMoment<'m> {
-    /// Now.
+    /// The epoch that the frame shows.
     pub epoch: Epoch,
     /// The Earth's orientation now, as states are brought into Earth-fixed axes.
     pub orientation: Orientation,
-    /// The eye.
+    /// The view from the eye.
     pub view: &'m EyeView,
     /// The part of the target that the pass draws to.
     pub target: Viewport,

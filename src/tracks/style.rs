@@ -13,7 +13,7 @@ pub enum TrackSpan {
         /// After now, 0 or more.
         after: f64,
     },
-    /// So many seconds.
+    /// So many seconds of simulated time.
     Seconds {
         /// Before now, 0 or more.
         before_s: f64,
@@ -47,11 +47,11 @@ pub struct Footprint {
 /// What is drawn of one satellite. What is off is not sampled, not uploaded, and if it is off for all not compiled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackStyle {
-    /// Display values (sRGB).
+    /// Colour of lines, marks and fills, display values (sRGB).
     pub color: [u8; 3],
     /// Width of lines, pixels.
     pub width_px: f32,
-    /// The orbit.
+    /// The trail: the orbit's shape.
     pub trail: Option<TrackSpan>,
     /// Where it passed and will pass overhead.
     pub ground_track: Option<TrackSpan>,

@@ -1,4 +1,4 @@
-//! A feed of sampled segments.
+//! A feed of an object's ephemeris, segment by segment.
 
 use super::InterpolatedStates;
 use crate::frames::{Epoch, rfc3339};
@@ -62,7 +62,7 @@ pub struct EphemerisFeed {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SegmentError {
-    /// None at all.
+    /// No segment at all.
     #[error("no segment")]
     Empty,
     /// The interval that may be used holds none of the samples' time.
@@ -72,7 +72,7 @@ pub enum SegmentError {
         index: usize,
         /// Its beginning, UTC.
         first: String,
-        /// Its end.
+        /// Its end, UTC.
         last: String,
     },
     /// Two segments answer for the same time.

@@ -1,4 +1,4 @@
-//! How far interpolated states are from a Kepler orbit, by degree and step.
+//! The error of interpolated ephemerides against a Kepler orbit, by degree and step.
 
 use super::{InterpolatedStates, Interpolation, InterpolationError, StateSample};
 use crate::frames::{Duration, Epoch};
@@ -10,7 +10,7 @@ use glam::DVec3;
 pub struct KeplerOrbit {
     /// Half the long axis, metres.
     pub semi_major_axis_m: f64,
-    /// 0…0.9.
+    /// Eccentricity, 0…0.9.
     pub eccentricity: f64,
 }
 
@@ -70,12 +70,12 @@ impl KeplerOrbit {
     }
 }
 
-/// The largest differences found.
+/// The largest errors found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WorstDifference {
-    /// Metres.
+    /// Of the position, metres.
     pub position_m: f64,
-    /// Metres per second.
+    /// Of the velocity, metres per second.
     pub velocity_m_s: f64,
 }
 

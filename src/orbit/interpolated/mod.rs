@@ -1,4 +1,6 @@
-//! Positions given at instants, and the polynomials between them: the common core of ephemeris files.
+//! Interpolated ephemerides: states given at instants, and Lagrange's or Hermite's polynomials between them. The common core of
+//! ephemeris files. Our own: of the
+//! crates for these files `ccsds-ndm` (0.0) parses only and `lox-odm` is in alpha.
 
 mod basis;
 mod feed;
@@ -50,7 +52,7 @@ impl Interpolation {
         }
     }
 
-    /// Its degree.
+    /// Degree of the polynomial.
     pub fn degree(self) -> usize {
         match self {
             Self::Linear => 1,
@@ -78,22 +80,22 @@ impl Interpolation {
     }
 }
 
-/// A position at an instant, and what else is known there.
+/// A sample of an ephemeris: a position at an instant, with its velocity where that is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StateSample {
-    /// When.
+    /// When the sample holds.
     pub epoch: Epoch,
-    /// Where, metres.
+    /// Position, metres.
     pub position_m: DVec3,
-    /// How fast as seen in the samples' axes, metres per second.
+    /// Velocity as seen in the samples' axes, metres per second.
     pub velocity_m_s: Option<DVec3>,
 }
 
-/// Why samples are no ephemeris.
+/// Why samples cannot be interpolated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InterpolationError {
-    /// None at all.
+    /// No sample at all.
     #[error("no sample")]
     Empty,
     /// Two samples of one instant, or one before its predecessor.
@@ -149,7 +151,7 @@ impl InterpolationError {
     }
 }
 
-/// Samples in one frame and the interpolation between them.
+/// An interpolated ephemeris: samples in one frame and the interpolation between them.
 ///
 /// The window of samples is centred on the instant and shifted, not shortened, at the ends; where there are fewer samples
 /// than the degree asks for, all are used. Instants are kept as whole nanoseconds, so a long ephemeris is as sharp at its end
@@ -225,7 +227,7 @@ impl InterpolatedStates {
         Ok(sampled)
     }
 
-    /// In which axes.
+    /// The axes of the samples.
     pub fn frame(&self) -> Frame {
         self.frame
     }

@@ -8,9 +8,9 @@ use glam::DVec3;
 /// Average rates by J2, to first order (Vallado 2013, 9-37…9-41).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SecularRates {
-    /// Ω̇, radians per second.
+    /// Of the RAAN, Ω̇, radians per second.
     pub raan_rad_s: f64,
-    /// ω̇, radians per second.
+    /// Of the argument of periapsis, ω̇, radians per second.
     pub argument_of_periapsis_rad_s: f64,
     /// Ṁ − n over n.
     pub mean_motion_relative: f64,

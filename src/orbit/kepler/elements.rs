@@ -1,4 +1,4 @@
-//! Classical elements.
+//! Keplerian (classical) elements: semi-major axis or periapsis, eccentricity, inclination, RAAN, argument of periapsis, anomaly.
 
 use super::{Conic, KeplerError};
 use crate::frames::Epoch;
@@ -35,9 +35,9 @@ pub struct KeplerElements {
     pub eccentricity: f64,
     /// Inclination i, radians, 0…π.
     pub inclination_rad: f64,
-    /// Right ascension of the ascending node Ω, radians.
+    /// Right ascension of the ascending node (RAAN) Ω, radians.
     pub raan_rad: f64,
-    /// Argument of the periapsis ω, radians.
+    /// Argument of periapsis ω, radians.
     pub argument_of_periapsis_rad: f64,
     /// Where on it, at the epoch.
     pub anomaly: Anomaly,

@@ -1,4 +1,4 @@
-//! The last states, in the order of time, and what lies between and beyond them.
+//! The last states of a simulator, interpolated between and extrapolated beyond.
 
 use super::super::constants::EARTH_GM_M3_S2;
 use super::super::interpolated::{InterpolatedStates, Interpolation, StateSample};
@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 /// How many states are kept.
 pub const MAX_STATES: usize = 256;
 
-/// What became of a state.
+/// What became of a state that came.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Insertion {
     /// It is the newest.
@@ -28,7 +28,7 @@ pub enum Insertion {
     Restart,
 }
 
-/// The last states.
+/// The last states, in the order of time.
 #[derive(Debug)]
 pub struct StateBuffer {
     states: VecDeque<OrbitState>,

@@ -25,7 +25,7 @@ const TAI_1970_NS: i128 = 25_567 * 86_400 * 1_000_000_000;
 /// Instants of 1900 and 2100 on the packet's count.
 const TAI_NS: std::ops::Range<i128> = -TAI_1970_NS..47_482 * 86_400 * 1_000_000_000;
 
-/// What a packet asks for.
+/// What a packet is sent for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PacketKind {
     /// Nothing: it tells a state.
@@ -52,7 +52,7 @@ pub struct Packet {
 pub enum PacketFormat {
     /// A line of JSON.
     Json,
-    /// Binary.
+    /// 84 bytes in binary.
     Binary,
 }
 
@@ -79,7 +79,7 @@ pub enum PacketFault {
         key: &'static str,
         /// The value, shortened.
         text: String,
-        /// What is.
+        /// What can stand there.
         expected: &'static str,
     },
     /// Another version of the binary form.

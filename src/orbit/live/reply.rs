@@ -12,7 +12,7 @@ const MAX_REASON_BYTES: usize = 512;
 pub enum Reply {
     /// The picture of this state is drawn.
     Drawn {
-        /// Its number.
+        /// The packet's number.
         seq: u64,
     },
     /// There is no picture, or the packet is wrong.
@@ -26,8 +26,8 @@ pub enum Reply {
 
 impl Reply {
     /// As it goes over the wire.
-    pub fn to_wire(&self, form: PacketFormat) -> Vec<u8> {
-        match form {
+    pub fn to_wire(&self, format: PacketFormat) -> Vec<u8> {
+        match format {
             PacketFormat::Json => self.to_json().into_bytes(),
             PacketFormat::Binary => self.to_bytes(),
         }

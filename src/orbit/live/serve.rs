@@ -1,4 +1,5 @@
-//! The threads that read: standard input, TCP, UDP.
+//! The threads that read standard input, TCP and UDP. They are the standard library's: each blocks on its socket for as long as
+//! nothing comes, which a pool of workers is not for.
 
 use super::lockstep::MAX_WAITING;
 use super::options::{LiveError, Pacing};
@@ -129,7 +130,7 @@ pub fn stdin(shared: &Arc<Shared>) -> Result<(), LiveError> {
     .map(drop)
 }
 
-/// One TCP connection.
+/// Serves one TCP connection until it ends.
 pub fn tcp(connection: TcpStream, shared: &Shared, heard: &AtomicU64) {
     let begun = Instant::now();
     let first = heard.load(Ordering::Relaxed);

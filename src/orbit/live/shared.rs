@@ -234,7 +234,7 @@ impl Shared {
     }
 }
 
-/// How many packets may still come in this second.
+/// Limits the rate of packets: how many may still come in this second.
 #[derive(Debug)]
 pub struct RateLimiter {
     per_s: f64,

@@ -15,7 +15,7 @@ use tungstenite::{Error, Message, WebSocket, accept_hdr_with_config};
 /// How long a connection may take to become a WebSocket.
 const HANDSHAKE: Duration = Duration::from_secs(5);
 
-/// One connection.
+/// Serves one connection until it ends.
 pub fn serve(connection: TcpStream, shared: &Shared, heard: &AtomicU64) {
     let begun = Instant::now();
     let first = heard.load(Ordering::Relaxed);

@@ -1,11 +1,11 @@
-//! Moments that are looked for along a trajectory.
+//! Events that are looked for along a trajectory: impact, nodes, apsides, eclipses.
 
 use super::force::{EquationsOfMotion, sun_above_limb_rad};
 use super::integrate::Step;
 use crate::frames::Epoch;
 use glam::DVec3;
 
-/// What happens.
+/// Kinds of events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EventKind {
     /// It meets the ground; the trajectory ends.
@@ -16,20 +16,20 @@ pub enum EventKind {
     DescendingNode,
     /// It is nearest to the Earth's centre.
     Periapsis,
-    /// It is farthest.
+    /// It is farthest from the Earth's centre.
     Apoapsis,
-    /// The Sun's centre goes behind the Earth's limb (a sphere of 6378.137 km).
+    /// An eclipse begins: the Sun's centre goes behind the Earth's limb (a sphere of 6378.137 km).
     ShadowEntry,
-    /// It comes back.
+    /// The Sun's centre comes back.
     ShadowExit,
 }
 
-/// Something that happened.
+/// An event on a trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
     /// When: to a microsecond of the trajectory as integrated.
     pub epoch: Epoch,
-    /// What.
+    /// What happens.
     pub kind: EventKind,
 }
 
@@ -40,7 +40,7 @@ pub struct EventSelection {
     pub nodes: bool,
     /// Nearest and farthest points.
     pub apsides: bool,
-    /// The Earth's shadow.
+    /// Eclipses: entry into and exit from the Earth's shadow.
     pub shadow: bool,
 }
 

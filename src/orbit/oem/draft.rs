@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// Most states of a message.
 const MAX_STATES: usize = 2_000_000;
-/// Most segments.
+/// Most segments of a message.
 const MAX_SEGMENTS: usize = 100_000;
 
 const META_KEYS: &Keys = &[
@@ -72,7 +72,7 @@ impl<'o> Draft<'o> {
         }
     }
 
-    /// Where it begins.
+    /// Where the message begins.
     pub fn place(&self) -> TextPosition {
         self.place
     }
@@ -164,7 +164,7 @@ impl<'o> Draft<'o> {
         }
     }
 
-    /// Adds a state.
+    /// Adds a state to the open segment.
     pub fn state(
         &mut self,
         place: TextPosition,
@@ -254,7 +254,7 @@ impl<'o> Draft<'o> {
         Ok(())
     }
 
-    /// The object's feed.
+    /// Ends the message: the object's feed.
     pub fn finish(mut self) -> Result<EphemerisFeed, RecordError> {
         self.finish_segment()?;
         let (name, id) = self.object.take().unwrap_or_default();

@@ -1,4 +1,7 @@
 //! Orbit ephemeris messages (OEM, CCSDS 502.0-B): KVN and XML.
+//!
+//! Our own reader, because the crates for it are immature (`ccsds-ndm` 0.0, `lox-odm` alpha), and because a fault must name
+//! line, column and remedy and cost its own message only.
 
 mod draft;
 mod kvn;

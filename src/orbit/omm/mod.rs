@@ -1,4 +1,7 @@
 //! Orbit mean-elements messages (OMM, CCSDS 502.0-B-2 and -3): KVN, XML, and the JSON and CSV that catalogues publish.
+//!
+//! Our own reader, because `sgp4` reads JSON only and `ccsds-ndm` (0.0) is immature, and because a fault must name line, column
+//! and remedy and cost its own record only.
 
 mod fields;
 mod write;

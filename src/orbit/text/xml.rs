@@ -13,11 +13,11 @@ const MAX_DEPTH: usize = 32;
 /// Longest text of an element that is looked at, bytes.
 const MAX_TEXT_BYTES: usize = 4096;
 
-/// What is met.
+/// What the walk through a document meets, in its order.
 pub enum XmlItem<'t> {
     /// An element with others in it begins.
     Open(&'t str, usize),
-    /// It ends.
+    /// An element with others in it ends.
     Close(&'t str),
     /// An element with text only; `units` is its unit.
     Value(Entry<'t>),

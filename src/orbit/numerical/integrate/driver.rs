@@ -1,10 +1,10 @@
-//! One step after the other, by the method that suits.
+//! Takes one step after the other, by the method that suits: DOP853, or Radau IIA where the motion is stiff.
 
 use super::dop853::{Dop853, StepOutcome};
 use super::radau::Radau;
 use super::{Counts, Equations, Step, is_finite};
 
-/// Which method.
+/// Which method of integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Solver {
     /// DOP853 until it finds the motion stiff, Radau IIA until it no longer is.
@@ -30,7 +30,7 @@ const NONSTIFF_STEPS: u32 = 10;
 /// Length times largest eigenvalue below which the explicit method is not held back.
 const NONSTIFF_RADIUS: f64 = 3.0;
 
-/// A solution on its way.
+/// An integration on its way: the last point, and the method that takes the next step.
 #[derive(Clone, Debug)]
 pub(crate) struct Driver<const N: usize> {
     solver: Solver,
