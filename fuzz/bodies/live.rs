@@ -21,13 +21,13 @@ fn packets(data: &[u8], step: usize) -> Vec<Packet> {
     let mut good = Vec::new();
     for chunk in data.chunks(step) {
         splitter.push(chunk);
-        while let Some((cut, _)) = splitter.next() {
-            good.extend(cut);
+        while let Some(received) = splitter.next() {
+            good.extend(received.packet);
         }
         assert!(splitter.waiting() <= MAX_PACKET_BYTES);
     }
-    while let Some((cut, _)) = splitter.finish() {
-        good.extend(cut);
+    while let Some(received) = splitter.finish() {
+        good.extend(received.packet);
     }
     assert_eq!(splitter.waiting(), 0);
     good

@@ -37,7 +37,7 @@ impl Time {
 
     /// Frames of one playback, at least one.
     pub fn frame_count(&self) -> u64 {
-        // At most `limits::MAX_FRAMES` by the scene's checks; `as` saturates for a hand-made value.
+        // At most [`MAX_FRAMES`] by the scene's checks; `as` saturates for a hand-made value.
         self.frames_exact().round().max(1.0) as u64
     }
 }

@@ -77,7 +77,7 @@ pub use lockstep::FrameRequest;
 pub use options::{Extrapolation, LiveError, LiveOptions, Pacing, Transport};
 pub use packet::{MAX_PACKET_BYTES, Packet, PacketFault, PacketFormat, PacketKind};
 pub use shared::PacketCounters;
-pub use split::{Cut, Splitter};
+pub use split::{Received, Splitter};
 
 use super::entry::shortened;
 use super::{Feed, Freshness, OrbitError, OrbitState};

@@ -56,8 +56,8 @@ pub fn stream(read: &mut dyn Read, write: &mut dyn Write, shared: &Shared, heard
     while !shared.is_stopped() {
         let bytes = match read.read(&mut chunk) {
             Ok(0) => {
-                while let Some(cut) = splitter.finish() {
-                    if !shared.take(cut, |bytes| answer(&bytes, write)) {
+                while let Some(received) = splitter.finish() {
+                    if !shared.take(received, |bytes| answer(&bytes, write)) {
                         return;
                     }
                 }
@@ -74,7 +74,7 @@ pub fn stream(read: &mut dyn Read, write: &mut dyn Write, shared: &Shared, heard
         }
         heard();
         splitter.push(bytes);
-        while let Some(cut) = splitter.next() {
+        while let Some(received) = splitter.next() {
             if shared.is_stopped() {
                 return;
             }
@@ -88,7 +88,7 @@ pub fn stream(read: &mut dyn Read, write: &mut dyn Write, shared: &Shared, heard
                 shared.lock().counters.over_rate += 1;
                 continue;
             }
-            if !shared.take(cut, |bytes| answer(&bytes, write)) {
+            if !shared.take(received, |bytes| answer(&bytes, write)) {
                 return;
             }
         }
@@ -299,8 +299,8 @@ pub fn message(
             std::thread::sleep(allowance.pause());
             return true;
         }
-        if let Some(cut) = splitter.finish()
-            && !shared.take(cut, &mut send)
+        if let Some(received) = splitter.finish()
+            && !shared.take(received, &mut send)
         {
             return false;
         }

@@ -7,7 +7,7 @@ use super::lockstep::{Lockstep, Outcome};
 use super::options::{LiveOptions, Pacing};
 use super::packet::{Packet, PacketFault, PacketKind};
 use super::reply::Reply;
-use super::split::Cut;
+use super::split::Received;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
@@ -123,13 +123,13 @@ impl Shared {
 
     /// Takes what was cut out of a stream and sends what is answered; in lockstep it waits until the frame is drawn.
     /// `false` where the answer could not be sent.
-    pub fn take(&self, (packet, form): Cut, send: impl FnOnce(Vec<u8>) -> bool) -> bool {
+    pub fn take(&self, received: Received, send: impl FnOnce(Vec<u8>) -> bool) -> bool {
         self.unanswered.fetch_add(1, Ordering::AcqRel);
-        let reply = match packet {
+        let reply = match received.packet {
             Ok(packet) => self.take_packet(packet),
             Err(fault) => self.take_fault(&fault),
         };
-        let is_sent = reply.is_none_or(|reply| send(reply.to_wire(form)));
+        let is_sent = reply.is_none_or(|reply| send(reply.to_wire(received.format)));
         self.unanswered.fetch_sub(1, Ordering::AcqRel);
         is_sent
     }
