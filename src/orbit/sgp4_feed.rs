@@ -1,4 +1,4 @@
-//! Mean elements through SGP4.
+//! Mean elements propagated by SGP4 (SDP4 for deep space).
 
 use super::catalogue::{Candidate, choose};
 use super::file::read_text;
@@ -12,7 +12,7 @@ use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
 
-/// One satellite's mean elements, flown by SGP4 with the constants WGS72 and in the mode that agrees with the
+/// One satellite's mean elements, propagated by SGP4 with the constants WGS72 and in the mode that agrees with the
 /// operational code of the US Space Force ("AFSPC"), for which published elements are made.
 ///
 /// States are in TEME. Near their epoch published elements are good to about a kilometre, and the error grows by one to

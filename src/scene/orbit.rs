@@ -47,9 +47,9 @@ impl Orbit {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum OrbitSource {
-    /// Two-line elements, flown by SGP4.
+    /// Two-line elements, propagated by SGP4.
     Tle,
-    /// Orbit mean-elements messages (CCSDS 502.0), flown by SGP4.
+    /// Orbit mean-elements messages (CCSDS 502.0), propagated by SGP4.
     Omm,
     /// Orbit ephemeris messages (CCSDS 502.0): states, interpolated.
     Oem,

@@ -83,7 +83,7 @@ impl EventFunction {
 /// Looks at the events of one step after the other.
 #[derive(Clone, Debug)]
 pub(super) struct EventDetector {
-    gauges: Vec<EventFunction>,
+    functions: Vec<EventFunction>,
     ground_m: f64,
 }
 
@@ -91,18 +91,18 @@ pub(super) struct EventDetector {
 const LOOKS: u32 = 8;
 
 impl EventDetector {
-    pub fn new(watch: EventSelection, ground_m: f64) -> Self {
-        let gauges = [
+    pub fn new(selection: EventSelection, ground_m: f64) -> Self {
+        let functions = [
             (true, EventFunction::Height),
-            (watch.nodes, EventFunction::Latitude),
-            (watch.apsides, EventFunction::Radial),
-            (watch.shadow, EventFunction::Shadow),
+            (selection.nodes, EventFunction::Latitude),
+            (selection.apsides, EventFunction::Radial),
+            (selection.shadow, EventFunction::Shadow),
         ];
         Self {
-            gauges: gauges
+            functions: functions
                 .into_iter()
                 .filter(|(on, _)| *on)
-                .map(|(_, gauge)| gauge)
+                .map(|(_, function)| function)
                 .collect(),
             ground_m,
         }
@@ -111,8 +111,8 @@ impl EventDetector {
     /// Events inside a step with their times, in the order of flight. Nothing follows an impact.
     pub fn events(&self, motion: &mut EquationsOfMotion, step: &Step<6>) -> Vec<(f64, EventKind)> {
         let mut found = Vec::new();
-        for &gauge in &self.gauges {
-            let mut value = |t: f64, y: &[f64; 6]| gauge.value(motion, self.ground_m, t, y);
+        for &function in &self.functions {
+            let mut value = |t: f64, y: &[f64; 6]| function.value(motion, self.ground_m, t, y);
             let (mut t0, mut g0) = (step.t0, value(step.t0, &step.y0));
             for k in 1..=LOOKS {
                 let (t1, y1) = match k == LOOKS {
@@ -126,7 +126,7 @@ impl EventDetector {
                 if (g0 < 0.0) != (g1 < 0.0) {
                     let t = root(|t| value(t, &step.at(t)), (t0, g0), (t1, g1));
                     let rising = (g1 > g0) == (step.h > 0.0);
-                    found.push((t, gauge.kind(rising)));
+                    found.push((t, function.kind(rising)));
                 }
                 (t0, g0) = (t1, g1);
             }

@@ -27,7 +27,7 @@ pub(super) struct Integration<'a> {
     model: &'a ForceModel,
     options: &'a NumericalOptions,
     motion: EquationsOfMotion,
-    watcher: EventDetector,
+    detector: EventDetector,
     pub trajectory: Trajectory,
     pub events: Vec<Event>,
     pub counts: Counts,
@@ -116,7 +116,7 @@ impl<'a> Integration<'a> {
             model,
             options,
             motion,
-            watcher: EventDetector::new(options.watch, options.ground_height_m),
+            detector: EventDetector::new(options.watch, options.ground_height_m),
             trajectory: Trajectory::default(),
             events: Vec::new(),
             counts: Counts::default(),
@@ -125,7 +125,7 @@ impl<'a> Integration<'a> {
     }
 
     /// Integrates from the epoch to `end`, seconds from it, or to the ground.
-    pub fn fly(&mut self, end: f64) -> Result<StopReason, NumericalError> {
+    pub fn propagate(&mut self, end: f64) -> Result<StopReason, NumericalError> {
         if end == 0.0 {
             return Ok(StopReason::Limit);
         }
@@ -168,7 +168,7 @@ impl<'a> Integration<'a> {
             let step = driver
                 .step(&mut self.motion, border)
                 .map_err(|fault| self.fault(fault, driver.t(), driver.y()))?;
-            let found = self.watcher.events(&mut self.motion, &step);
+            let found = self.detector.events(&mut self.motion, &step);
             if matches!(step.dense, Dense::Implicit(_)) {
                 self.add_stiff(step.t0, step.t1());
             }

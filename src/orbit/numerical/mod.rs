@@ -97,10 +97,10 @@ impl NumericalFeed {
     ) -> Result<Self, NumericalError> {
         let name = name.into();
         let start = state.in_frame(Frame::Gcrf, &model.orientation);
-        let mut run = Integration::new(&name, &start, model, craft, options)?;
+        let mut integration = Integration::new(&name, &start, model, craft, options)?;
         let epoch = start.epoch;
-        let before = run.fly((options.first - epoch).to_seconds())?;
-        let after = run.fly((options.last - epoch).to_seconds())?;
+        let before = integration.propagate((options.first - epoch).to_seconds())?;
+        let after = integration.propagate((options.last - epoch).to_seconds())?;
         let impact = |ending: StopReason| match ending {
             StopReason::Limit => None,
             // Whole nanoseconds, and on this side of the ground.
@@ -120,7 +120,7 @@ impl NumericalFeed {
             counts,
             mut stiff,
             ..
-        } = run;
+        } = integration;
         stiff.sort_by(|a, b| a.0.total_cmp(&b.0));
         let at = |t| epoch + Duration::from_seconds(t);
         let stiff = stiff.into_iter().map(|(a, b)| (at(a), at(b))).collect();
