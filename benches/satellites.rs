@@ -5,7 +5,7 @@ use std::hint::black_box;
 use std::path::Path;
 use std::sync::Arc;
 use terrella::frames::{Duration, Epoch};
-use terrella::orbit::sampled::{Interpolation, KeplerOrbit, Sample, Sampled};
+use terrella::orbit::interpolated::{InterpolatedStates, Interpolation, KeplerOrbit, StateSample};
 use terrella::orbit::{Feed, Frame, Sgp4Feed};
 
 const SATELLITES: u64 = 10_000;
@@ -63,7 +63,7 @@ fn between_samples(criterion: &mut Criterion) {
         .map(|minute| {
             let t_s = f64::from(minute) * 60.0;
             let (position_m, velocity_m_s) = KeplerOrbit::LOW.state(t_s);
-            Sample {
+            StateSample {
                 epoch: start + Duration::from_seconds(t_s),
                 position_m,
                 velocity_m_s: Some(velocity_m_s),
@@ -75,8 +75,8 @@ fn between_samples(criterion: &mut Criterion) {
         Interpolation::WITH_VELOCITIES,
         Interpolation::Lagrange { degree: 27 },
     ] {
-        let ephemeris =
-            Sampled::new(Frame::Gcrf, &samples, interpolation).expect("samples of a good orbit");
+        let ephemeris = InterpolatedStates::new(Frame::Gcrf, &samples, interpolation)
+            .expect("samples of a good orbit");
         let name = format!("{} {}", interpolation.name(), interpolation.degree());
         let epoch = start + Duration::from_seconds(40_012.3);
         criterion.bench_function(&name, |b| b.iter(|| ephemeris.state_at(black_box(epoch))));

@@ -1,6 +1,6 @@
 //! Packets of simulators, alone and in a stream, and what is shown of them.
 
-use terrella::orbit::live::{LONGEST_PACKET, Packet, Splitter};
+use terrella::orbit::live::{MAX_PACKET_BYTES, Packet, Splitter};
 
 /// Reads any bytes as one packet of either form and as a stream. What is taken must be finite and come back from what is
 /// written of it bit for bit; a stream gives the same packets in one piece and in many, and keeps no more than one packet.
@@ -21,13 +21,13 @@ fn packets(data: &[u8], step: usize) -> Vec<Packet> {
     let mut good = Vec::new();
     for chunk in data.chunks(step) {
         splitter.push(chunk);
-        while let Some((cut, _)) = splitter.next() {
-            good.extend(cut);
+        while let Some(received) = splitter.next() {
+            good.extend(received.packet);
         }
-        assert!(splitter.waiting() <= LONGEST_PACKET);
+        assert!(splitter.waiting() <= MAX_PACKET_BYTES);
     }
-    while let Some((cut, _)) = splitter.finish() {
-        good.extend(cut);
+    while let Some(received) = splitter.finish() {
+        good.extend(received.packet);
     }
     assert_eq!(splitter.waiting(), 0);
     good

@@ -2,7 +2,7 @@
 
 use terrella::SurfaceKind;
 use terrella::frames::{Epoch, Geodetic, utc_from_rfc3339};
-use terrella::scene::limits::{LAT_DEG, LON_DEG, SIDE_PX};
+use terrella::scene::{Camera, Output};
 
 /// `1280x720`.
 pub fn size(text: &str) -> Result<(u32, u32), String> {
@@ -11,11 +11,11 @@ pub fn size(text: &str) -> Result<(u32, u32), String> {
     match sides.map(|(width, height)| (side(width), side(height))) {
         Some((Some(width), Some(height))) => {
             for (name, side) in [("width", width), ("height", height)] {
-                if !SIDE_PX.contains(&i64::from(side)) {
+                if !Output::SIDE_PX.contains(&i64::from(side)) {
                     return Err(format!(
                         "the {name} is {side}; it must be from {} to {} pixels",
-                        SIDE_PX.start(),
-                        SIDE_PX.end()
+                        Output::SIDE_PX.start(),
+                        Output::SIDE_PX.end()
                     ));
                 }
             }
@@ -57,10 +57,10 @@ pub fn place(text: &str) -> Result<Geodetic, String> {
             return Err("write it as latitude,longitude in degrees, for example 48.2,16.4, or with metres above the ellipsoid behind".into());
         }
     };
-    if !LAT_DEG.contains(&lat) {
+    if !Camera::LAT_DEG.contains(&lat) {
         return Err(format!("the latitude is {lat}; it must be from -90 to 90"));
     }
-    if !LON_DEG.contains(&lon) {
+    if !Camera::LON_DEG.contains(&lon) {
         return Err(format!(
             "the longitude is {lon}; it must be from -360 to 360"
         ));

@@ -1,11 +1,11 @@
 //! Many satellites from one file.
 
+use super::entry::Faults;
 use super::file::read_text;
 use super::omm;
-use super::record::Faults;
 use super::tle_fields::catalogue_number;
 use super::tle_text::sets_and_faults;
-use super::{Form, OrbitError, Sgp4Feed};
+use super::{FileFormat, OrbitError, Sgp4Feed};
 use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
@@ -13,8 +13,8 @@ use std::sync::Arc;
 /// The satellites of a file of elements, in its order.
 #[derive(Debug)]
 pub struct Catalogue {
-    /// What kind of file it was: [`Form::Tle`] or [`Form::Omm`].
-    pub form: Form,
+    /// What kind of file it was: [`FileFormat::Tle`] or [`FileFormat::Omm`].
+    pub format: FileFormat,
     /// Those that can be flown.
     pub feeds: Vec<Sgp4Feed>,
     /// What is wrong with the others: the first thousand faults.
@@ -25,10 +25,10 @@ pub struct Catalogue {
 
 impl Catalogue {
     /// Largest file read, bytes: all that is tracked, in the widest of the forms.
-    pub const LARGEST_FILE: u64 = 128 << 20;
+    pub const MAX_FILE_BYTES: u64 = 128 << 20;
 
     /// Most satellites read from a file.
-    pub const MOST_SATELLITES: usize = 1_000_000;
+    pub const MAX_SATELLITES: usize = 1_000_000;
 
     /// Reads every set of a file of two-line elements (with name lines or without) or of an OMM (CCSDS 502.0: KVN, XML,
     /// JSON, CSV). Which it is, the text itself says: XML begins with `<`, JSON with `[` or `{`, KVN with `CCSDS_OMM_VERS`,
@@ -39,22 +39,22 @@ impl Catalogue {
     /// # Errors
     /// If no set is good, or, when strict, if one is not: says which line and column is wrong, how, and what to do.
     pub fn from_file(path: &Path, is_strict: bool) -> Result<Self, OrbitError> {
-        Self::from_text(&read_text(path, Self::LARGEST_FILE)?, path, is_strict)
+        Self::from_text(&read_text(path, Self::MAX_FILE_BYTES)?, path, is_strict)
     }
 
     /// As [`Self::from_file`], from text that is already in memory; `origin` is named in errors.
     ///
     /// # Errors
-    /// As there.
+    /// As [`Self::from_file`], but for what is wrong with the file itself.
     pub fn from_text(text: &str, origin: &Path, is_strict: bool) -> Result<Self, OrbitError> {
         let mut faults = Faults::new(is_strict);
         let mut feeds = Vec::new();
         let path: Arc<Path> = Arc::from(origin);
-        let form = match omm::is_omm(text) {
-            true => Form::Omm,
-            false => Form::Tle,
+        let format = match omm::is_omm(text) {
+            true => FileFormat::Omm,
+            false => FileFormat::Tle,
         };
-        if form == Form::Omm {
+        if format == FileFormat::Omm {
             omm::each_elements(text, origin, &mut |result| {
                 let feed = result.and_then(|(elements, line)| {
                     Sgp4Feed::from_elements(elements, Arc::clone(&path), line)
@@ -83,7 +83,7 @@ impl Catalogue {
             });
         }
         Ok(Self {
-            form,
+            format,
             feeds,
             faults: faults.kept,
             faults_left_out: faults.left_out,
@@ -120,7 +120,7 @@ pub(super) struct Candidate<'c> {
     pub line: usize,
 }
 
-/// The place of the one that is meant, or an error that helps to say which.
+/// The index of the satellite that is meant, or an error that helps to say which.
 pub(super) fn choose(
     sets: &[Candidate<'_>],
     origin: &Path,

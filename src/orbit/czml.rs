@@ -1,8 +1,10 @@
 //! CZML: the sampled positions of its packets (github.com/AnalyticalGraphicsInc/czml-writer, CZML guide).
 
 use super::Frame;
-use super::record::{RecordError, RecordFault, number, printable, shortened};
-use super::sampled::{Interpolation, Sample, Sampled, SampledFeed, Segment};
+use super::entry::{RecordError, RecordFault, number, printable, shortened};
+use super::interpolated::{
+    EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
+};
 use super::text::json::{Document, Object};
 use crate::frames::{Duration, Epoch, TimeScale, epoch_from_ccsds, utc_from_rfc3339};
 use glam::DVec3;
@@ -12,14 +14,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Most packets of a document.
-const MOST_PACKETS: usize = 1_000_000;
+const MAX_PACKETS: usize = 1_000_000;
 /// Most numbers of an object's samples.
-const MOST_NUMBERS: usize = 8_000_000;
+const MAX_NUMBERS: usize = 8_000_000;
 /// Most intervals of an object's availability or position.
-const MOST_INTERVALS: usize = 10_000;
+const MAX_INTERVALS: usize = 10_000;
 
 /// What is done with each object; its error ends the reading.
-type Each<'e> = dyn FnMut(Result<SampledFeed, RecordError>) -> Result<(), RecordError> + 'e;
+type Each<'e> = dyn FnMut(Result<EphemerisFeed, RecordError>) -> Result<(), RecordError> + 'e;
 
 /// Calls `each` for every packet that has a sampled position.
 pub(super) fn each_object(
@@ -31,7 +33,7 @@ pub(super) fn each_object(
     // Identifiers and the lines they are in.
     let mut seen: HashMap<String, usize> = HashMap::new();
     let read =
-        document.each_object::<RecordError>(MOST_PACKETS, "packets", &mut |value| match packet(
+        document.each_object::<RecordError>(MAX_PACKETS, "packets", &mut |value| match packet(
             &document, value, &mut seen,
         ) {
             Ok(Some(feed)) => each(Ok(feed)),
@@ -47,7 +49,7 @@ fn packet<'t>(
     document: &Document<'t>,
     value: &'t RawValue,
     seen: &mut HashMap<String, usize>,
-) -> Result<Option<SampledFeed>, RecordError> {
+) -> Result<Option<EphemerisFeed>, RecordError> {
     let packet = document.object(value, "a packet, which is an object")?;
     let Some(position) = packet.get("position") else {
         return Ok(None);
@@ -64,7 +66,7 @@ fn packet<'t>(
             pieces.extend(from_position(document, value)?);
             Ok(())
         };
-        document.each_member(position.get(), MOST_INTERVALS, "intervals", &mut each)?;
+        document.each_member(position.get(), MAX_INTERVALS, "intervals", &mut each)?;
     } else {
         pieces.extend(from_position(document, position)?);
     }
@@ -80,7 +82,7 @@ fn packet<'t>(
         None => Vec::new(),
     };
     let segments = segments(pieces, &available).ok_or_else(|| {
-        let (what, limit) = ("intervals", MOST_INTERVALS);
+        let (what, limit) = ("intervals", MAX_INTERVALS);
         document.error(position, RecordFault::TooMany { what, limit })
     })?;
     if segments.is_empty() {
@@ -91,17 +93,17 @@ fn packet<'t>(
         return Err(document.error(position, fault));
     }
     let name = text("name").filter(|n| !n.is_empty()).unwrap_or(id);
-    match SampledFeed::new(name, None, segments) {
+    match EphemerisFeed::new(name, None, segments) {
         Ok(feed) => Ok(Some(feed.at_line(place.line))),
         Err(error) => Err(document.error(position, RecordFault::Segments(error))),
     }
 }
 
 /// Samples and the interval in which they hold, if one is said.
-type Piece = (Sampled, Option<(Epoch, Epoch)>);
+type Piece = (InterpolatedStates, Option<(Epoch, Epoch)>);
 
 /// Each piece within each interval of availability, in order of time; `None` if they are too many.
-fn segments(pieces: Vec<Piece>, available: &[(Epoch, Epoch)]) -> Option<Vec<Segment>> {
+fn segments(pieces: Vec<Piece>, available: &[(Epoch, Epoch)]) -> Option<Vec<EphemerisSegment>> {
     let mut segments = Vec::new();
     for (samples, interval) in pieces {
         let (first, last) = samples.span();
@@ -116,10 +118,10 @@ fn segments(pieces: Vec<Piece>, available: &[(Epoch, Epoch)]) -> Option<Vec<Segm
         for &(from, to) in within {
             let usable = (span.0.max(from), span.1.min(to));
             if usable.0 <= usable.1 {
-                if segments.len() >= MOST_INTERVALS {
+                if segments.len() >= MAX_INTERVALS {
                     return None;
                 }
-                segments.push(Segment {
+                segments.push(EphemerisSegment {
                     samples: Arc::clone(&samples),
                     usable,
                     sigma_m: Vec::new(),
@@ -160,7 +162,7 @@ fn from_position<'t>(
     };
     let runs = samples(document, numbers, epoch, with_velocity)?;
     let pieces = runs.iter().map(|samples| {
-        let sampled = Sampled::new(frame, samples, interpolation);
+        let sampled = InterpolatedStates::new(frame, samples, interpolation);
         let sampled = sampled.map_err(|e| document.error(numbers, RecordFault::Samples(e)))?;
         Ok((sampled, interval))
     });
@@ -181,9 +183,9 @@ fn samples<'t>(
     array: &'t RawValue,
     epoch: Option<Epoch>,
     with_velocity: bool,
-) -> Result<Vec<Vec<Sample>>, RecordError> {
+) -> Result<Vec<Vec<StateSample>>, RecordError> {
     let width = if with_velocity { 7 } else { 4 };
-    let mut runs: Vec<Vec<Sample>> = vec![Vec::new()];
+    let mut runs: Vec<Vec<StateSample>> = vec![Vec::new()];
     let mut row = [0.0; 6];
     let mut at: Option<Epoch> = None;
     let mut count = 0;
@@ -203,7 +205,7 @@ fn samples<'t>(
             return Ok(());
         };
         let [x, y, z, vx, vy, vz] = row;
-        let sample = Sample {
+        let sample = StateSample {
             epoch,
             position_m: DVec3::new(x, y, z),
             velocity_m_s: with_velocity.then_some(DVec3::new(vx, vy, vz)),
@@ -211,15 +213,15 @@ fn samples<'t>(
         let count = runs.len();
         match runs.last_mut() {
             Some(run) if run.last().is_none_or(|before| before.epoch != epoch) => run.push(sample),
-            _ if count >= MOST_INTERVALS => {
-                let (what, limit) = ("jumps", MOST_INTERVALS);
+            _ if count >= MAX_INTERVALS => {
+                let (what, limit) = ("jumps", MAX_INTERVALS);
                 return Err(document.error(value, RecordFault::TooMany { what, limit }));
             }
             _ => runs.push(vec![sample]),
         }
         Ok(())
     };
-    document.each_member(array.get(), MOST_NUMBERS, "numbers", &mut each)?;
+    document.each_member(array.get(), MAX_NUMBERS, "numbers", &mut each)?;
     match count % width {
         0 => Ok(runs),
         _ => {
@@ -311,7 +313,7 @@ fn intervals<'t>(
         intervals.push(interval(document, value)?);
         Ok(())
     };
-    document.each_member(value.get(), MOST_INTERVALS, "intervals", &mut each)?;
+    document.each_member(value.get(), MAX_INTERVALS, "intervals", &mut each)?;
     Ok(intervals)
 }
 
@@ -343,7 +345,7 @@ fn interpolation<'t>(
             .get()
             .parse::<usize>()
             .ok()
-            .filter(|n| (1..=Interpolation::HIGHEST_DEGREE).contains(n))
+            .filter(|n| (1..=Interpolation::MAX_DEGREE).contains(n))
             .ok_or_else(|| document.wrong(key, value, "a whole number from 1 to 31"))?,
         None => 1,
     };

@@ -1,9 +1,9 @@
-//! What can be wrong with a feed, each message with the place and the remedy.
+//! Errors of feeds, each message with the place and the remedy.
 
 use super::RecordError;
 use std::path::{Path, PathBuf};
 
-/// What can be wrong with a feed.
+/// Why a feed cannot be made, or has no state at an epoch.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OrbitError {
@@ -124,28 +124,72 @@ pub enum OrbitError {
         /// When it is known, UTC.
         known: String,
     },
-    /// Kepler elements are wrong or their orbit has met the ground.
+    /// The orbit meets the ground: asked for on the far side of that.
+    #[error("{satellite} meets the ground at {impact}; {asked} is on the far side of that")]
+    Impact {
+        /// The satellite.
+        satellite: String,
+        /// When it meets the ground, UTC.
+        impact: String,
+        /// What was asked for, UTC.
+        asked: String,
+    },
+    /// Keplerian elements are wrong.
     #[error(transparent)]
     Kepler(#[from] super::kepler::KeplerError),
-    /// An integration cannot be, or its satellite has met the ground.
+    /// An integration cannot be, or cannot go on.
     #[error(transparent)]
     Numerical(#[from] super::numerical::NumericalError),
     /// A live feed has no state for the epoch.
     #[error(transparent)]
     Live(#[from] super::live::LiveError),
-    /// The epoch is outside the feed's validity.
+    /// The epoch is outside the feed's validity interval.
     #[error(
         "{satellite} is not known at {epoch}: its elements hold from {first} to {last}; change the date or take elements of that time"
     )]
-    OutOfReach {
+    OutsideValidity {
         /// The satellite.
         satellite: String,
         /// The epoch asked for, UTC.
         epoch: String,
         /// First epoch that the feed answers for, UTC.
         first: String,
-        /// Last.
+        /// Last, UTC.
         last: String,
+    },
+}
+
+/// Why no motion can start from a state or from elements, whether on a conic or integrated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StartError {
+    /// NaN or an infinite number.
+    #[error("{field} is not a finite number")]
+    NotFinite {
+        /// Which number.
+        field: &'static str,
+    },
+    /// A number outside its range.
+    #[error("{field} is {value:e}; expected {expected}")]
+    Range {
+        /// Which number.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it should be.
+        expected: &'static str,
+    },
+    /// Under the ground at the epoch.
+    #[error(
+        "at its epoch {satellite} is {depth_m:.0} m below {surface}; metres may have been taken for kilometres"
+    )]
+    BelowGround {
+        /// The satellite.
+        satellite: String,
+        /// How deep, metres.
+        depth_m: f64,
+        /// What it is below.
+        surface: &'static str,
     },
 }
 
@@ -177,7 +221,7 @@ pub enum LineFault {
     Character {
         /// The character.
         character: char,
-        /// What can.
+        /// What can stand there.
         expected: &'static str,
     },
     /// A name line of a length that no name has.
@@ -237,7 +281,7 @@ pub enum LineFault {
         field: &'static str,
         /// What stands there.
         text: String,
-        /// What should.
+        /// What should stand there.
         expected: &'static str,
     },
 }

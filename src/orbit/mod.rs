@@ -1,49 +1,63 @@
-//! Feeds: where a satellite is at an epoch.
+//! Feeds: where a satellite is at an epoch, propagated, interpolated or sent.
+//!
+//! | to | look in |
+//! |---|---|
+//! | propagate mean elements (TLE, OMM) by SGP4 | `sgp4_feed.rs`; read them: `tle_text.rs`, `tle_fields.rs`, `omm/`, `catalogue.rs` |
+//! | propagate Keplerian elements, with J2 or without | [`kepler`] |
+//! | integrate under forces; eclipses, nodes, apsides and impact on the way | [`numerical`] |
+//! | interpolate an ephemeris (Lagrange, Hermite) | [`interpolated`]; read one: `oem/`, `czml.rs`, `ephemeris_csv.rs`, `ephemerides.rs` |
+//! | take states that a simulator sends | [`live`] |
+//! | find passes over a place | `passes.rs` |
+//! | turn a state vector from frame to frame | `state.rs` |
+//! | see how long a feed answers | [`Feed::validity`], `validity.rs` |
+//!
+//! Time scales and leap seconds are in [`frames`](crate::frames). Why the readers of OEM and OMM and the
+//! integrators are our own stands in `oem/mod.rs`, `omm/mod.rs` and `numerical/integrate/mod.rs`.
 
 mod catalogue;
 pub mod constants;
 mod czml;
-mod elements;
-mod ephemeris;
+mod entry;
+mod ephemerides;
+mod ephemeris_csv;
 mod error;
 mod file;
+pub mod interpolated;
 pub mod kepler;
 pub mod live;
+mod mean_elements;
 pub mod numerical;
 mod oem;
 mod omm;
 mod passes;
-mod reach;
-mod record;
-pub mod sampled;
 mod sgp4_feed;
 mod state;
-mod table;
 mod text;
 mod tle_fields;
 mod tle_text;
-mod write;
-mod write_table;
+mod validity;
+mod write_ccsds;
+mod write_csv;
 
 use crate::frames::Epoch;
 
 pub use catalogue::Catalogue;
-pub use elements::MeanElements;
-pub use ephemeris::Ephemerides;
-pub use error::{LineFault, OrbitError};
+pub use entry::{RecordError, RecordFault};
+pub use ephemerides::Ephemerides;
+pub use error::{LineFault, OrbitError, StartError};
+pub use interpolated::EphemerisFeed;
+pub use mean_elements::MeanElements;
 pub use oem::write_oem;
 pub use omm::write_omm;
-pub use passes::{Bearing, Horizon, Pass, next_pass, passes};
-pub use record::{RecordError, RecordFault};
-pub use sampled::SampledFeed;
+pub use passes::{LookAngles, Observer, Pass, next_pass, passes};
 pub use sgp4_feed::{Sgp4Feed, TleFeed};
 pub use state::{Frame, OrbitState};
-pub use write::Header;
-pub use write_table::{csv_header, csv_row};
+pub use write_ccsds::Header;
+pub use write_csv::{csv_header, csv_row};
 
 /// Kinds of files of orbits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
+pub enum FileFormat {
     /// Two-line elements.
     Tle,
     /// Orbit mean-elements message.

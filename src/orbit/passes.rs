@@ -1,4 +1,4 @@
-//! When a satellite stands above a place's horizon.
+//! Passes: when a satellite stands above an observer's horizon, and its azimuth and elevation.
 
 use super::constants::EARTH_GM_M3_S2;
 use super::{Feed, Frame, OrbitError, OrbitState};
@@ -8,7 +8,7 @@ use glam::DVec3;
 /// How exactly the ends of a pass are found, seconds.
 const EXACT_S: f64 = 1e-3;
 /// From the end of one pass to where the next one is looked for, seconds.
-const APART_S: f64 = 1.0;
+const SEPARATION_S: f64 = 1.0;
 /// Step where the feed knows nothing, seconds.
 const GAP_STEP_S: f64 = 30.0;
 /// Shortest steps, as an angle that the satellite moves about the Earth's centre, radians: within it the elevation turns
@@ -17,13 +17,14 @@ const STEP_RAD: f64 = 0.01;
 /// Bounds of these steps, seconds.
 const STEP_S: std::ops::RangeInclusive<f64> = 0.5..=120.0;
 /// Gravity at the ground is nowhere greater, m/s².
-const MOST_GRAVITY_M_S2: f64 = 9.9;
+const MAX_GRAVITY_M_S2: f64 = 9.9;
 /// What else may pull: all bounds of acceleration are taken so much larger.
 const MARGIN: f64 = 1.1;
 
-/// A place on the Earth, and how high above its horizon a satellite has to stand. No refraction, no hills.
+/// An observer on the ground: a place, and the elevation mask, how high above its horizon a satellite has to stand. No refraction,
+/// no hills.
 #[derive(Clone, Copy)]
-pub struct Horizon<'o> {
+pub struct Observer<'o> {
     place_itrf_m: DVec3,
     up: DVec3,
     east: DVec3,
@@ -31,35 +32,35 @@ pub struct Horizon<'o> {
     orientation: &'o dyn Fn(Epoch) -> Orientation,
 }
 
-/// Where a satellite stands, seen from a place.
+/// Look angles: where a satellite stands, seen from a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bearing {
+pub struct LookAngles {
     /// Clockwise from north, radians, 0…2π. At the poles north is along the meridian of the place's longitude.
     pub azimuth_rad: f64,
     /// Above the plane across the ellipsoid's normal, radians.
     pub elevation_rad: f64,
-    /// Metres.
+    /// Range, metres.
     pub distance_m: f64,
 }
 
-/// A time all through which a satellite stands high enough.
+/// A pass, from acquisition to loss of signal: a time all through which a satellite stands high enough.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pass {
-    /// Its first instant.
+    /// Its first instant: acquisition of signal.
     pub begin: Epoch,
     /// Whether it rises at `begin`; else the search, the feed or what it knows begins there.
     pub rises: bool,
     /// When it stands highest.
     pub highest: Epoch,
-    /// How high, radians.
+    /// How high it then stands, radians.
     pub elevation_rad: f64,
-    /// Its last instant.
+    /// Its last instant: loss of signal.
     pub end: Epoch,
     /// Whether it sets at `end`.
     pub sets: bool,
 }
 
-impl<'o> Horizon<'o> {
+impl<'o> Observer<'o> {
     /// Of a place above `ellipsoid`; `least_elevation_rad` is brought into 0…π/2, and `orientation` is the Earth's.
     pub fn new(
         place: Geodetic,
@@ -80,12 +81,12 @@ impl<'o> Horizon<'o> {
     }
 
     /// Where a satellite stands.
-    pub fn bearing(&self, state: &OrbitState) -> Bearing {
+    pub fn look_angles(&self, state: &OrbitState) -> LookAngles {
         let itrf = state.in_frame(Frame::Itrf, &(self.orientation)(state.epoch));
         let line = itrf.position_m - self.place_itrf_m;
         let (east, up) = (line.dot(self.east), line.dot(self.up));
         let north = line.dot(self.up.cross(self.east));
-        Bearing {
+        LookAngles {
             azimuth_rad: east.atan2(north).rem_euclid(std::f64::consts::TAU),
             elevation_rad: up.atan2(east.hypot(north)),
             distance_m: line.length(),
@@ -110,7 +111,7 @@ impl<'o> Horizon<'o> {
 /// What else the feed refuses in its validity before the end of a pass: a satellite that has decayed.
 pub fn next_pass(
     feed: &dyn Feed,
-    horizon: &Horizon<'_>,
+    observer: &Observer<'_>,
     from: Epoch,
     until: Epoch,
 ) -> Result<Option<Pass>, OrbitError> {
@@ -121,7 +122,7 @@ pub fn next_pass(
     }
     let search = Search {
         feed,
-        horizon,
+        observer,
         from,
         end_s: (until - from).to_seconds(),
     };
@@ -134,23 +135,23 @@ pub fn next_pass(
 /// All passes of a span in order of time, as [`next_pass`] finds them; an error is the last item.
 pub fn passes<'a>(
     feed: &'a dyn Feed,
-    horizon: &'a Horizon<'a>,
+    observer: &'a Observer<'a>,
     from: Epoch,
     until: Epoch,
 ) -> impl Iterator<Item = Result<Pass, OrbitError>> + 'a {
     let mut from = Some(from);
     std::iter::from_fn(move || {
-        let found = next_pass(feed, horizon, from.take()?, until).transpose()?;
+        let found = next_pass(feed, observer, from.take()?, until).transpose()?;
         if let Ok(pass) = &found {
-            from = Some(pass.end + Duration::from_seconds(APART_S)).filter(|at| *at < until);
+            from = Some(pass.end + Duration::from_seconds(SEPARATION_S)).filter(|at| *at < until);
         }
         Some(found)
     })
 }
 
-/// What one state tells.
+/// What one state says of the elevation and of how fast it changes.
 #[derive(Clone, Copy)]
-struct Sight {
+struct ElevationState {
     /// h = ρ·u − |ρ| sin e, metres: not negative where it stands high enough.
     above_m: f64,
     /// h′, metres per second.
@@ -165,7 +166,7 @@ struct Sight {
 /// A span to look through; times are seconds since `from`.
 struct Search<'s> {
     feed: &'s dyn Feed,
-    horizon: &'s Horizon<'s>,
+    observer: &'s Observer<'s>,
     from: Epoch,
     end_s: f64,
 }
@@ -176,9 +177,9 @@ impl Search<'_> {
     }
 
     /// `None` in a gap of the feed.
-    fn sight(&self, t: f64) -> Result<Option<Sight>, OrbitError> {
+    fn elevation_state(&self, t: f64) -> Result<Option<ElevationState>, OrbitError> {
         match self.feed.state_at(self.epoch(t)) {
-            Ok(state) => Ok(Some(self.horizon.sight(&state))),
+            Ok(state) => Ok(Some(self.observer.elevation_state(&state))),
             Err(OrbitError::NotCovered { .. }) => Ok(None),
             Err(error) => Err(error),
         }
@@ -187,14 +188,14 @@ impl Search<'_> {
     /// When it first is high enough, and whether it rises there.
     fn rise(&self) -> Result<Option<(f64, bool)>, OrbitError> {
         let mut t = 0.0;
-        let mut before = self.sight(t)?;
+        let mut before = self.elevation_state(t)?;
         if before.is_some_and(|sight| sight.above_m >= 0.0) {
             return Ok(Some((t, false)));
         }
         while t < self.end_s {
             let step = before.map_or(GAP_STEP_S, |sight| sight.leap_s.max(sight.step_s));
             let next_t = (t + step).min(self.end_s);
-            let next = self.sight(next_t)?;
+            let next = self.elevation_state(next_t)?;
             let is_above = next.is_some_and(|sight| sight.above_m >= 0.0);
             let summit = match (before, next) {
                 _ if is_above => Some(next_t),
@@ -206,8 +207,11 @@ impl Search<'_> {
             };
             if let Some(summit) = summit {
                 let (below, above) = self.turn(t, summit, |sight| sight.above_m >= 0.0)?;
-                if self.sight(above)?.is_some_and(|s| s.above_m >= 0.0) {
-                    return Ok(Some((above, self.sight(below)?.is_some())));
+                if self
+                    .elevation_state(above)?
+                    .is_some_and(|s| s.above_m >= 0.0)
+                {
+                    return Ok(Some((above, self.elevation_state(below)?.is_some())));
                 }
             }
             (t, before) = (next_t, next);
@@ -220,7 +224,7 @@ impl Search<'_> {
         let mut highest = (begin, f64::NEG_INFINITY);
         let (mut before_t, mut before_sine) = (begin, f64::NEG_INFINITY);
         let mut t = begin;
-        let mut before = self.sight(t)?;
+        let mut before = self.elevation_state(t)?;
         let (end, sets) = loop {
             let Some(a) = before else { break (t, false) };
             if a.sin_elevation > highest.1 {
@@ -230,7 +234,7 @@ impl Search<'_> {
                 break (self.end_s, false);
             }
             let next_t = (t + a.step_s).min(self.end_s);
-            let next = self.sight(next_t)?;
+            let next = self.elevation_state(next_t)?;
             let is_summit = a.sin_elevation >= before_sine
                 && next.is_none_or(|b| b.sin_elevation <= a.sin_elevation);
             if is_summit {
@@ -249,10 +253,10 @@ impl Search<'_> {
                 Some(_) => None,
             };
             if let Some(low) = low {
-                let is_low = |sight: Option<Sight>| sight.is_none_or(|s| s.above_m < 0.0);
-                if is_low(self.sight(low)?) {
+                let is_low = |sight: Option<ElevationState>| sight.is_none_or(|s| s.above_m < 0.0);
+                if is_low(self.elevation_state(low)?) {
                     let (above, below) = self.bisect(t, low, is_low)?;
-                    break (above, self.sight(below)?.is_some());
+                    break (above, self.elevation_state(below)?.is_some());
                 }
             }
             (before_t, before_sine) = (t, a.sin_elevation);
@@ -275,7 +279,7 @@ impl Search<'_> {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
         let sine = |t: f64| -> Result<f64, OrbitError> {
-            let sight = self.sight(t)?;
+            let sight = self.elevation_state(t)?;
             Ok(sight.map_or(f64::NEG_INFINITY, |sight| sight.sin_elevation))
         };
         let (mut left, mut right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
@@ -302,7 +306,7 @@ impl Search<'_> {
         &self,
         low: f64,
         high: f64,
-        has_turned: impl Fn(&Sight) -> bool,
+        has_turned: impl Fn(&ElevationState) -> bool,
     ) -> Result<(f64, f64), OrbitError> {
         self.bisect(low, high, |sight| sight.as_ref().is_some_and(&has_turned))
     }
@@ -312,14 +316,14 @@ impl Search<'_> {
         &self,
         mut low: f64,
         mut high: f64,
-        has_turned: impl Fn(Option<Sight>) -> bool,
+        has_turned: impl Fn(Option<ElevationState>) -> bool,
     ) -> Result<(f64, f64), OrbitError> {
         while high - low > EXACT_S {
             let middle = 0.5 * (low + high);
             if middle <= low || middle >= high {
                 break;
             }
-            match has_turned(self.sight(middle)?) {
+            match has_turned(self.elevation_state(middle)?) {
                 true => high = middle,
                 false => low = middle,
             }
@@ -328,8 +332,8 @@ impl Search<'_> {
     }
 }
 
-impl Horizon<'_> {
-    fn sight(&self, state: &OrbitState) -> Sight {
+impl Observer<'_> {
+    fn elevation_state(&self, state: &OrbitState) -> ElevationState {
         let itrf = state.in_frame(Frame::Itrf, &(self.orientation)(state.epoch));
         let (r, v) = (itrf.position_m, itrf.velocity_m_s);
         let line = r - self.place_itrf_m;
@@ -351,11 +355,11 @@ impl Horizon<'_> {
         // Within this time it loses at most a third of its height: gravity is then twice of what it is.
         let soon = 0.25 * radius / (speed + omega * radius);
         let near = leap(2.3 * EARTH_GM_M3_S2 / (radius * radius)).min(soon);
-        Sight {
+        ElevationState {
             above_m,
             rate_m_s,
             sin_elevation,
-            leap_s: leap(MOST_GRAVITY_M_S2).max(near),
+            leap_s: leap(MAX_GRAVITY_M_S2).max(near),
             step_s: least,
         }
     }

@@ -2,9 +2,11 @@
 
 use super::*;
 use crate::frames::utc_from_rfc3339;
-use crate::orbit::kepler::{Anomaly, Drift, Elements, KeplerFeed, KeplerOptions, Size};
-use crate::orbit::sampled::{Interpolation, Sample, Sampled, Segment};
-use crate::orbit::{SampledFeed, Sgp4Feed};
+use crate::orbit::interpolated::{
+    EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
+};
+use crate::orbit::kepler::{Anomaly, Drift, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize};
+use crate::orbit::{EphemerisFeed, Sgp4Feed};
 use std::path::Path;
 
 const DAY_S: f64 = 86_400.0;
@@ -17,9 +19,9 @@ fn instant(text: &str) -> Epoch {
     utc_from_rfc3339(text).expect("a date")
 }
 
-fn horizon(lat_deg: f64, lon_deg: f64, least_deg: f64) -> Horizon<'static> {
+fn observer(lat_deg: f64, lon_deg: f64, least_deg: f64) -> Observer<'static> {
     let place = Geodetic::from_degrees(lat_deg, lon_deg, 200.0);
-    Horizon::new(place, &Ellipsoid::WGS84, least_deg.to_radians(), &still)
+    Observer::new(place, &Ellipsoid::WGS84, least_deg.to_radians(), &still)
 }
 
 fn released(file: &str) -> Sgp4Feed {
@@ -27,7 +29,7 @@ fn released(file: &str) -> Sgp4Feed {
     Sgp4Feed::from_file(&folder.join(file), None).expect("released elements")
 }
 
-fn kepler(elements: Elements) -> KeplerFeed {
+fn kepler(elements: KeplerElements) -> KeplerFeed {
     let epoch = instant("2018-01-15T00:00:00Z");
     let options = KeplerOptions {
         drift: Drift::None,
@@ -37,13 +39,13 @@ fn kepler(elements: Elements) -> KeplerFeed {
     KeplerFeed::from_elements("test", Frame::Teme, epoch, &elements, options).expect("an orbit")
 }
 
-fn circle(axis_m: f64, inclination_deg: f64) -> Elements {
-    Elements {
-        size: Size::SemiMajorAxis(axis_m),
+fn circle(axis_m: f64, inclination_deg: f64) -> KeplerElements {
+    KeplerElements {
+        size: OrbitSize::SemiMajorAxis(axis_m),
         eccentricity: 0.0,
         inclination_rad: inclination_deg.to_radians(),
-        node_rad: 1.0,
-        argument_rad: 0.0,
+        raan_rad: 1.0,
+        argument_of_periapsis_rad: 0.0,
         anomaly: Anomaly::True(0.0),
     }
 }
@@ -60,12 +62,12 @@ const PLACES: [(f64, f64); 7] = [
 ];
 
 /// First second, last second, greatest elevation and its second, of each time above; cut ones as they are.
-fn brute_force(path: &[DVec3], horizon: &Horizon<'_>) -> Vec<(f64, f64, f64, f64)> {
+fn brute_force(path: &[DVec3], observer: &Observer<'_>) -> Vec<(f64, f64, f64, f64)> {
     let above = |r: &DVec3| {
-        let line = *r - horizon.place_itrf_m;
+        let line = *r - observer.place_itrf_m;
         (
-            line.dot(horizon.up) - horizon.sin_least * line.length(),
-            line.dot(horizon.up) / line.length(),
+            line.dot(observer.up) - observer.sin_least * line.length(),
+            line.dot(observer.up) / line.length(),
         )
     };
     let heights: Vec<_> = path.iter().map(above).collect();
@@ -106,8 +108,8 @@ fn compare(feed: &dyn Feed, from: Epoch, days: f64, least_deg: f64) -> usize {
     let until = from + Duration::from_seconds(f64::from(seconds));
     let mut count = 0;
     for (lat_deg, lon_deg) in PLACES {
-        let horizon = horizon(lat_deg, lon_deg, least_deg);
-        let found: Result<Vec<_>, _> = passes(feed, &horizon, from, until).collect();
+        let observer = observer(lat_deg, lon_deg, least_deg);
+        let found: Result<Vec<_>, _> = passes(feed, &observer, from, until).collect();
         // A second's look may miss a pass of a second.
         let length = |pass: &Pass| (pass.end - pass.begin).to_seconds();
         let found: Vec<_> = found
@@ -115,7 +117,7 @@ fn compare(feed: &dyn Feed, from: Epoch, days: f64, least_deg: f64) -> usize {
             .into_iter()
             .filter(|p| length(p) > 2.0)
             .collect();
-        let meant: Vec<_> = brute_force(&path, &horizon)
+        let meant: Vec<_> = brute_force(&path, &observer)
             .into_iter()
             .filter(|p| p.1 - p.0 > 2.0)
             .collect();
@@ -186,7 +188,7 @@ fn a_geostationary_satellite_is_always_there_or_never() {
     let from = instant("2018-01-18T00:00:00Z");
     let until = from + Duration::from_days(10.0);
     // GOES 16 stands over 75° W.
-    let quito = horizon(0.0, -78.5, 10.0);
+    let quito = observer(0.0, -78.5, 10.0);
     let pass = next_pass(&feed, &quito, from, until)
         .expect("known")
         .expect("there");
@@ -195,11 +197,11 @@ fn a_geostationary_satellite_is_always_there_or_never() {
     assert!(pass.elevation_rad > 1.45 && pass.highest > from, "{pass:?}");
     assert_eq!(passes(&feed, &quito, from, until).count(), 1);
     assert_eq!(
-        next_pass(&feed, &horizon(0.0, 105.0, 10.0), from, until).expect("known"),
+        next_pass(&feed, &observer(0.0, 105.0, 10.0), from, until).expect("known"),
         None
     );
     assert_eq!(
-        next_pass(&feed, &horizon(90.0, 0.0, 10.0), from, until).expect("known"),
+        next_pass(&feed, &observer(90.0, 0.0, 10.0), from, until).expect("known"),
         None
     );
 }
@@ -222,25 +224,25 @@ impl<F: Feed> Feed for Counting<F> {
 
 #[test]
 fn the_work_is_bounded() {
-    let asked = |feed: Sgp4Feed, horizon: &Horizon<'_>| {
+    let asked = |feed: Sgp4Feed, observer: &Observer<'_>| {
         let feed = Counting(feed, 0.into());
         let (from, until) = feed.validity();
-        let count = passes(&feed, horizon, from, until).count();
+        let count = passes(&feed, observer, from, until).count();
         (feed.1.into_inner(), count)
     };
     // Sixty days: 930 revolutions that never come into sight, and those that do.
-    let (states, count) = asked(released("iss.tle"), &horizon(90.0, 0.0, 10.0));
+    let (states, count) = asked(released("iss.tle"), &observer(90.0, 0.0, 10.0));
     assert_eq!(count, 0);
     assert!(states < 15_000, "{states}");
-    let (states, count) = asked(released("iss.tle"), &horizon(48.2, 16.4, 10.0));
+    let (states, count) = asked(released("iss.tle"), &observer(48.2, 16.4, 10.0));
     assert!(count > 200, "{count}");
     assert!(states < 80_000, "{states}");
     // A satellite that hangs at the very edge: every step is a short one, and none is shorter than that.
     let goes = released("geostationary.tle");
     let edge = |lon_deg: f64| {
-        let horizon = horizon(0.0, lon_deg, 0.0);
+        let observer = observer(0.0, lon_deg, 0.0);
         let state = goes.state_at(goes.epoch()).expect("known");
-        horizon.bearing(&state).elevation_rad.to_degrees()
+        observer.look_angles(&state).elevation_rad.to_degrees()
     };
     let lon = (0..60).fold((-20.0, 20.0), |(low, high), _| {
         let middle = 0.5 * (low + high);
@@ -250,7 +252,7 @@ fn the_work_is_bounded() {
             (low, middle)
         }
     });
-    let (states, _) = asked(goes.clone(), &horizon(0.0, lon.0, 10.0));
+    let (states, _) = asked(goes.clone(), &observer(0.0, lon.0, 10.0));
     assert!(states < 200_000, "{states}");
 }
 
@@ -258,7 +260,7 @@ fn the_work_is_bounded() {
 fn gaps_end_passes_and_are_passed_over() {
     let orbit = kepler(circle(7_178_000.0, 60.0));
     let from = orbit.validity().0 + Duration::from_days(1.0);
-    let place = horizon(48.2, 16.4, 5.0);
+    let place = observer(48.2, 16.4, 5.0);
     let whole = next_pass(&orbit, &place, from, from + Duration::from_days(1.0));
     let whole = whole.expect("known").expect("a pass");
     assert!(whole.rises && whole.sets);
@@ -269,15 +271,16 @@ fn gaps_end_passes_and_are_passed_over() {
             .map(|k| {
                 let epoch = first + Duration::from_seconds(10.0 * f64::from(k));
                 let state = orbit.state_at(epoch).expect("known").in_itrf();
-                Sample {
+                StateSample {
                     epoch,
                     position_m: state.position_m,
                     velocity_m_s: Some(state.velocity_m_s),
                 }
             })
             .collect();
-        let sampled = Sampled::new(Frame::Itrf, &samples, Interpolation::WITH_VELOCITIES);
-        Segment::whole(sampled.expect("good samples"))
+        let sampled =
+            InterpolatedStates::new(Frame::Itrf, &samples, Interpolation::WITH_VELOCITIES);
+        EphemerisSegment::whole(sampled.expect("good samples"))
     };
     let minutes = Duration::from_seconds(60.0);
     let segments = vec![
@@ -286,7 +289,7 @@ fn gaps_end_passes_and_are_passed_over() {
     ];
     let known = segments[0].usable;
     let again = segments[1].usable.0;
-    let feed = SampledFeed::new("gap".to_owned(), None, segments).expect("in order");
+    let feed = EphemerisFeed::new("gap".to_owned(), None, segments).expect("in order");
     let found: Result<Vec<_>, _> =
         passes(&feed, &place, from, from + Duration::from_days(1.0)).collect();
     let found = found.expect("gaps are no errors");
@@ -316,7 +319,7 @@ fn a_decayed_satellite_is_told_and_a_pass_before_is_found() {
         .clone();
     elements.drag_term_per_er *= 1000.0;
     let feed = Sgp4Feed::from_elements(elements, Path::new("x").into(), 1).expect("starts");
-    let place = horizon(48.2, 16.4, 10.0);
+    let place = observer(48.2, 16.4, 10.0);
     let (from, until) = (feed.epoch(), feed.validity().1);
     let mut found = passes(&feed, &place, from, until);
     assert!(found.next().is_some_and(|pass| pass.is_ok()));
@@ -328,7 +331,7 @@ fn a_decayed_satellite_is_told_and_a_pass_before_is_found() {
 #[test]
 fn spans_outside_the_validity_have_no_pass() {
     let feed = released("iss.tle");
-    let place = horizon(48.2, 16.4, 10.0);
+    let place = observer(48.2, 16.4, 10.0);
     let late = feed.validity().1 + Duration::from_days(1.0);
     let found = next_pass(&feed, &place, late, late + Duration::from_days(9.0));
     assert_eq!(found.expect("no refusal"), None);
@@ -346,9 +349,9 @@ fn spans_outside_the_validity_have_no_pass() {
 
 #[test]
 fn bearings_point_where_they_should() {
-    let place = horizon(0.0, 0.0, 0.0);
+    let place = observer(0.0, 0.0, 0.0);
     let at = |position_m: DVec3| {
-        place.bearing(&OrbitState {
+        place.look_angles(&OrbitState {
             epoch: instant("2018-01-15T00:00:00Z"),
             frame: Frame::Itrf,
             position_m,

@@ -1,18 +1,18 @@
-//! Mean elements through SGP4.
+//! Mean elements propagated by SGP4 (SDP4 for deep space).
 
 use super::catalogue::{Candidate, choose};
-use super::elements::MeanElements;
 use super::file::read_text;
-use super::reach::check_span;
+use super::mean_elements::MeanElements;
 use super::tle_fields::elements;
 use super::tle_text::{ElementSet, element_sets};
+use super::validity::Validity;
 use super::{Catalogue, Feed, Frame, OrbitError, OrbitState};
 use crate::frames::{Duration, Epoch, rfc3339};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
 
-/// One satellite's mean elements, flown by SGP4 with the constants WGS72 and in the mode that agrees with the
+/// One satellite's mean elements, propagated by SGP4 with the constants WGS72 and in the mode that agrees with the
 /// operational code of the US Space Force ("AFSPC"), for which published elements are made.
 ///
 /// States are in TEME. Near their epoch published elements are good to about a kilometre, and the error grows by one to
@@ -40,10 +40,10 @@ const DECAYED_BELOW_KM: f64 = 6378.135;
 impl Sgp4Feed {
     /// How far from the epoch of the elements a feed answers, both ways: 30 days. By then a low satellite is tens of
     /// kilometres, or hundreds in a restless atmosphere, from where SGP4 says.
-    pub const REACH: Duration = Duration::from_parts(0, 30 * 86_400 * 1_000_000_000);
+    pub const VALIDITY: Duration = Duration::from_parts(0, 30 * 86_400 * 1_000_000_000);
 
     /// Largest file read for one satellite, bytes: more than a hundred thousand two-line sets.
-    pub const LARGEST_FILE: u64 = 16 << 20;
+    pub const MAX_FILE_BYTES: u64 = 16 << 20;
 
     /// Reads a file of element sets and takes the one that `name` names: by its name, letter case aside, or by its
     /// catalogue number. `None` takes the only set there is.
@@ -55,7 +55,7 @@ impl Sgp4Feed {
     /// # Errors
     /// Says which file, line and column is wrong, how, and what to do.
     pub fn from_file(path: &Path, name: Option<&str>) -> Result<Self, OrbitError> {
-        Self::from_text(&read_text(path, Self::LARGEST_FILE)?, path, name)
+        Self::from_text(&read_text(path, Self::MAX_FILE_BYTES)?, path, name)
     }
 
     /// As [`Self::from_file`], from text that is already in memory; `origin` is named in errors.
@@ -165,13 +165,14 @@ impl Feed for Sgp4Feed {
 
     fn validity(&self) -> (Epoch, Epoch) {
         (
-            self.elements.epoch - Self::REACH,
-            self.elements.epoch + Self::REACH,
+            self.elements.epoch - Self::VALIDITY,
+            self.elements.epoch + Self::VALIDITY,
         )
     }
 
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
-        check_span(&self.elements.name, epoch, self.validity())?;
+        let (first, last) = self.validity();
+        Validity::between(first, last).check(&self.elements.name, epoch)?;
         // Both in TAI: elapsed time, leap seconds included.
         let elapsed = epoch.to_tai_duration() - self.elements.epoch.to_tai_duration();
         let minutes = sgp4::MinutesSinceEpoch(elapsed.to_seconds() / 60.0);

@@ -1,4 +1,4 @@
-//! Position and velocity, and the step from inertial axes to the turning Earth.
+//! State vectors: position and velocity, and the step from inertial axes to the turning Earth.
 
 use crate::frames::{
     EARTH_ROTATION_RATE_RAD_S, Epoch, Orientation, gcrf_from_eme2000, itrf_from_gcrf_oriented,
@@ -13,7 +13,7 @@ pub enum Frame {
     Teme,
     /// Earth-fixed, z to the pole of rotation: ITRF before polar motion.
     Pef,
-    /// Earth-fixed.
+    /// Earth-fixed, with polar motion.
     Itrf,
     /// The celestial reference frame (CCSDS name ICRF, where about the Earth's centre).
     Gcrf,
@@ -22,7 +22,7 @@ pub enum Frame {
 }
 
 impl Frame {
-    /// All of them.
+    /// All frames.
     pub const ALL: [Self; 5] = [Self::Teme, Self::Pef, Self::Itrf, Self::Gcrf, Self::Eme2000];
 
     /// As CCSDS files and the command line write it, in capitals.
@@ -74,12 +74,12 @@ impl Frame {
     }
 }
 
-/// Position and velocity at an epoch, in the axes of `frame`, about the Earth's centre.
+/// A state vector: position and velocity at an epoch, in the axes of `frame`, about the Earth's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrbitState {
-    /// When.
+    /// When the state holds.
     pub epoch: Epoch,
-    /// In which axes.
+    /// The axes that it is given in.
     pub frame: Frame,
     /// Position, metres.
     pub position_m: DVec3,

@@ -13,12 +13,12 @@ const NS_PER_EPOCH_DIGIT: i64 = NS_PER_DAY / 100_000_000;
 
 /// The elements of a set.
 pub(super) fn elements(set: &ElementSet<'_>, origin: &Path) -> Result<MeanElements, OrbitError> {
-    let one = Line {
+    let one = ElementLine {
         text: set.line1,
         at: set.at1,
         origin,
     };
-    let two = Line {
+    let two = ElementLine {
         text: set.line2,
         at: set.at2,
         origin,
@@ -101,13 +101,13 @@ fn object_id(text: &str) -> Option<String> {
     Some(format!("{year}-{:03}{piece}", digits(launch)?))
 }
 
-struct Line<'l> {
+struct ElementLine<'l> {
     text: &'l str,
     at: usize,
     origin: &'l Path,
 }
 
-impl Line<'_> {
+impl ElementLine<'_> {
     fn fault(
         &self,
         field: &'static str,

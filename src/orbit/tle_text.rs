@@ -1,13 +1,13 @@
 //! The lines of a two-line element file: which belong together, and whether each is whole.
 
-use super::record::Faults;
+use super::entry::Faults;
 use super::{LineFault, OrbitError};
 use std::path::Path;
 
 /// Characters of an element line.
 const LINE_LENGTH: usize = 69;
 /// Longest name line; catalogues use 24 characters.
-const LONGEST_NAME: usize = 128;
+const MAX_NAME_CHARS: usize = 128;
 
 /// One element set as it stands in a file: both lines whole, of one satellite, with good checksums.
 #[derive(Clone, Copy, Debug)]
@@ -18,9 +18,9 @@ pub(super) struct ElementSet<'t> {
     pub line1: &'t str,
     /// 69 ASCII characters.
     pub line2: &'t str,
-    /// Place of `line1` in the file, from 1.
+    /// Line of `line1` in the file, from 1.
     pub at1: usize,
-    /// Place of `line2` in the file, from 1.
+    /// Line of `line2` in the file, from 1.
     pub at2: usize,
 }
 
@@ -109,14 +109,14 @@ impl<'t> SetReader<'t, '_> {
         let kind = kind(line).map_err(|f| self.fault(at, f))?;
         let was_spoilt = std::mem::take(&mut self.is_line1_spoilt);
         match kind {
-            Kind::Line1 => {
+            LineKind::Line1 => {
                 if let Some((earlier, _)) = self.first {
                     return Err(self.fault(earlier, LineFault::NoLine2));
                 }
                 check(line, at, self.origin)?;
                 self.first = Some((at, line));
             }
-            Kind::Line2 => {
+            LineKind::Line2 => {
                 let Some((at1, line1)) = self.first.take() else {
                     return match was_spoilt {
                         true => Ok(()),
@@ -142,7 +142,7 @@ impl<'t> SetReader<'t, '_> {
                 }
                 self.sets.push(set);
             }
-            Kind::Name => {
+            LineKind::Name => {
                 if let Some((earlier, _)) = self.first {
                     return Err(self.fault(earlier, LineFault::NoLine2));
                 }
@@ -159,7 +159,7 @@ impl<'t> SetReader<'t, '_> {
     fn begin_anew(&mut self, at: usize, line: &'t str) -> Result<(), OrbitError> {
         let (had_first, had_name) = (self.first.take().is_some(), self.name.take().is_some());
         match kind(line) {
-            Ok(Kind::Line1) => {
+            Ok(LineKind::Line1) => {
                 self.is_line1_spoilt = true;
                 if had_first {
                     check(line, at, self.origin)?;
@@ -167,7 +167,7 @@ impl<'t> SetReader<'t, '_> {
                     self.is_line1_spoilt = false;
                 }
             }
-            Ok(Kind::Name) if had_first || had_name => {
+            Ok(LineKind::Name) if had_first || had_name => {
                 self.name = Some((at, check_name(line, at, self.origin)?));
             }
             Err(LineFault::Indented | LineFault::LineNumber { .. }) => self.is_line1_spoilt = true,
@@ -187,24 +187,24 @@ impl<'t> SetReader<'t, '_> {
     }
 }
 
-enum Kind {
+enum LineKind {
     Name,
     Line1,
     Line2,
 }
 
-fn kind(line: &str) -> Result<Kind, LineFault> {
+fn kind(line: &str) -> Result<LineKind, LineFault> {
     let bare = line.trim_start();
     let mut characters = bare.chars();
     let (digit, next) = (characters.next(), characters.next());
     let kind = match (digit, next) {
-        (Some('1'), Some(' ') | None) => Kind::Line1,
-        (Some('2'), Some(' ') | None) => Kind::Line2,
+        (Some('1'), Some(' ') | None) => LineKind::Line1,
+        (Some('2'), Some(' ') | None) => LineKind::Line2,
         // As long as an element line and shaped like one, but not numbered like one.
         (Some(digit @ '3'..='9'), Some(' ')) if bare.len() + 8 > LINE_LENGTH => {
             return Err(LineFault::LineNumber { digit });
         }
-        _ => return Ok(Kind::Name),
+        _ => return Ok(LineKind::Name),
     };
     if bare.len() == line.len() {
         Ok(kind)
@@ -258,8 +258,8 @@ fn check_name<'t>(line: &'t str, at: usize, origin: &Path) -> Result<&'t str, Or
         );
     }
     let length = line.chars().count();
-    if length > LONGEST_NAME {
-        let limit = LONGEST_NAME;
+    if length > MAX_NAME_CHARS {
+        let limit = MAX_NAME_CHARS;
         return fault(None, LineFault::NameTooLong { length, limit });
     }
     // Three-line sets number the name line 0.

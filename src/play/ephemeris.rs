@@ -2,9 +2,11 @@
 
 use super::{Flight, PlayError, Tracked};
 use crate::frames::{Duration, Epoch, Geodetic, TimeScale, ccsds_time};
-use crate::orbit::sampled::{Interpolation, Sample, Sampled, Segment};
+use crate::orbit::interpolated::{
+    EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
+};
 use crate::orbit::{
-    Feed, Frame, Header, OrbitState, SampledFeed, csv_header, csv_row, write_oem, write_omm,
+    EphemerisFeed, Feed, Frame, Header, OrbitState, csv_header, csv_row, write_oem, write_omm,
 };
 use std::fmt::Write;
 use std::path::Path;
@@ -210,17 +212,17 @@ impl<'f> Ephemeris<'f> {
         let samples: Vec<_> = self
             .states
             .iter()
-            .map(|state| Sample {
+            .map(|state| StateSample {
                 epoch: state.epoch,
                 position_m: state.position_m,
                 velocity_m_s: Some(state.velocity_m_s),
             })
             .collect();
-        let sampled = Sampled::new(frame, &samples, Interpolation::WITH_VELOCITIES)
+        let sampled = InterpolatedStates::new(frame, &samples, Interpolation::WITH_VELOCITIES)
             .map_err(|error| refuse(format!("{error}; take a smaller step with --every")))?;
         let id = self.satellite.elements().and_then(|e| e.object_id.clone());
         let name = self.satellite.name().to_owned();
-        let feed = SampledFeed::new(name, id, vec![Segment::whole(sampled)])
+        let feed = EphemerisFeed::new(name, id, vec![EphemerisSegment::whole(sampled)])
             .map_err(|error| refuse(error.to_string()))?;
         let mut worst_m = 0.0_f64;
         for pair in self.states.windows(2) {

@@ -10,8 +10,6 @@ use crate::gpu::{ContextError, PictureError, TimerError};
 use crate::imagery::ImageryError;
 use crate::imagery::pack::PackError;
 use crate::orbit::OrbitError;
-use crate::orbit::kepler::KeplerError;
-use crate::orbit::numerical::NumericalError;
 use crate::scene::SceneError;
 use crate::tracks::TracksError;
 use std::path::PathBuf;
@@ -231,10 +229,9 @@ impl PlayError {
                 | Self::Live { .. }
                 | Self::NoElements { .. }
                 | Self::Orbit(
-                    OrbitError::OutOfReach { .. }
+                    OrbitError::OutsideValidity { .. }
                         | OrbitError::NotCovered { .. }
-                        | OrbitError::Kepler(KeplerError::Impact { .. })
-                        | OrbitError::Numerical(NumericalError::Impact { .. })
+                        | OrbitError::Impact { .. }
                 )
         )
     }

@@ -9,7 +9,7 @@ use super::progress::Progress;
 use super::video::{EncoderChoice, VideoFormat, check_size, open_video};
 use crate::gpu::GpuContext;
 use crate::imagery::tile::TileKey;
-use crate::orbit::live::Mode;
+use crate::orbit::live::Pacing;
 use image::RgbaImage;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -53,7 +53,7 @@ pub fn export(
     let scene = flight.scene();
     let is_lockstep = flight
         .live_clock()
-        .is_some_and(|feed| feed.options().mode == Mode::Lockstep);
+        .is_some_and(|feed| feed.options().pacing == Pacing::Lockstep);
     if !is_lockstep {
         flight.refuse_live(
             "nobody waits for the pictures of a film in broadcast",

@@ -4,7 +4,7 @@ use super::camera::{Look, Motion, Pose};
 use super::craft::CraftPose;
 use super::error::PlayError;
 use super::maps::{check_pack, earth_options};
-use super::satellites::{self, Ears, Tracked, orientation_at};
+use super::satellites::{self, Listener, Tracked, orientation_at};
 use crate::frames::{EarthOrientation, Ellipsoid, Epoch, Geodetic, Orientation};
 use crate::gpu::BcSupport;
 use crate::orbit::{Feed, OrbitError, OrbitState};
@@ -61,15 +61,15 @@ impl Flight {
     /// and that its pack, if it has one, holds what it asks for. Live satellites begin to listen; where there are any,
     /// their simulators give the time and the scene's dates are not checked.
     pub fn open(scene: Scene) -> Result<Self, PlayError> {
-        Self::with_ears(scene, Ears::Open)
+        Self::with_listener(scene, Listener::Open)
     }
 
     /// The same without listening: live satellites are never known. For looking at a scene.
     pub fn open_deaf(scene: Scene) -> Result<Self, PlayError> {
-        Self::with_ears(scene, Ears::Shut)
+        Self::with_listener(scene, Listener::Closed)
     }
 
-    fn with_ears(scene: Scene, ears: Ears) -> Result<Self, PlayError> {
+    fn with_listener(scene: Scene, listener: Listener) -> Result<Self, PlayError> {
         check_pack(&scene)?;
         let orientation = match &scene.time.orientation {
             Some(file) => Some(EarthOrientation::from_file(file)?),
@@ -83,7 +83,7 @@ impl Flight {
         let orbits = scene.orbits.iter().enumerate();
         let satellites = orbits
             .map(|(index, orbit)| {
-                satellites::open(&scene, index, orbit, orientation.as_ref(), ears)
+                satellites::open(&scene, index, orbit, orientation.as_ref(), listener)
             })
             .collect::<Result<Vec<_>, _>>()?;
         let names: Vec<_> = satellites.iter().map(Tracked::name).collect();

@@ -4,7 +4,7 @@ use super::error::PlayError;
 use super::flight::{Flight, Moment, ViewRequest};
 use super::keys::Action;
 use crate::frames::Epoch;
-use crate::orbit::live::{Counters, FrameRequest, LiveFeed, Mode};
+use crate::orbit::live::{FrameRequest, LiveFeed, Pacing, PacketCounters};
 use crate::orbit::{Feed, Freshness};
 use crate::scene::CameraMode;
 use std::time::{Duration, Instant};
@@ -57,7 +57,7 @@ impl<'f> LivePlay<'f> {
     }
 
     fn is_lockstep(&self) -> bool {
-        self.feed.options().mode == Mode::Lockstep
+        self.feed.options().pacing == Pacing::Lockstep
     }
 
     /// Whether a new picture is due. Where it is hidden, whoever waits for one is told so.
@@ -217,7 +217,7 @@ fn rows(feed: &LiveFeed, is_named: bool) -> Vec<(&'static str, String)> {
     };
     let mut rows = vec![("source", source), ("states", age)];
     rows.push(("packets", packets_text(&counters)));
-    if feed.options().mode == Mode::Lockstep {
+    if feed.options().pacing == Pacing::Lockstep {
         let late = match counters.timed_out {
             0 => String::new(),
             late => format!(", {late} too late"),
@@ -228,7 +228,7 @@ fn rows(feed: &LiveFeed, is_named: bool) -> Vec<(&'static str, String)> {
 }
 
 /// Packets taken and what became of the others, as far as there are any.
-fn packets_text(counters: &Counters) -> String {
+fn packets_text(counters: &PacketCounters) -> String {
     let dropped = [
         (counters.bad, "bad"),
         (counters.over_rate, "over the rate"),
@@ -258,7 +258,7 @@ impl Flight {
     /// fly with, else the first. `None` where the scene has its own time.
     pub fn live_clock(&self) -> Option<&LiveFeed> {
         let live = || self.satellites().iter().filter_map(|one| one.live());
-        let waits = live().find(|feed| feed.options().mode == Mode::Lockstep);
+        let waits = live().find(|feed| feed.options().pacing == Pacing::Lockstep);
         let followed = || self.satellites().get(self.followed())?.live();
         waits.or_else(followed).or_else(|| live().next())
     }
@@ -328,13 +328,13 @@ impl Flight {
         let wait = self.scene().output.wait();
         let begun = Instant::now();
         loop {
-            match feed.options().mode {
-                Mode::Lockstep => {
+            match feed.options().pacing {
+                Pacing::Lockstep => {
                     if let Some(request) = feed.wait_request(ASK) {
                         return Some(Heard::Frame(request));
                     }
                 }
-                Mode::Broadcast => {
+                Pacing::Broadcast => {
                     if let Some(epoch) = feed.playback_epoch() {
                         return Some(Heard::Time(epoch));
                     }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::frames::utc_from_rfc3339;
-use crate::orbit::live::{Kind, Packet};
+use crate::orbit::live::{Packet, PacketKind};
 use crate::orbit::{Frame, OrbitState};
 use crate::play::camera::Look;
 use crate::scene::Scene;
@@ -58,7 +58,7 @@ fn noon(t_s: f64) -> Epoch {
 }
 
 /// A circle 400 km above the equator, `t_s` seconds after noon.
-fn packet(kind: Kind, seq: u64, t_s: f64) -> Packet {
+fn packet(kind: PacketKind, seq: u64, t_s: f64) -> Packet {
     let (radius_m, rate): (f64, f64) = (6_778_137.0, 0.001_131_367);
     let (sin, cos) = (t_s * rate).sin_cos();
     Packet {
@@ -100,12 +100,14 @@ impl Simulator {
             let begun = Instant::now();
             for seq in 0.. {
                 if its.load(Ordering::Relaxed) {
-                    let half = packet(Kind::State, seq, start_s).to_bytes().expect("bytes");
+                    let half = packet(PacketKind::State, seq, start_s)
+                        .to_bytes()
+                        .expect("bytes");
                     let _ = stream.write_all(&half[..40]);
                     return;
                 }
                 let t_s = start_s + begun.elapsed().as_secs_f64();
-                send(&stream, &packet(Kind::State, seq, t_s));
+                send(&stream, &packet(PacketKind::State, seq, t_s));
                 std::thread::sleep(Duration::from_millis(10));
             }
         });
@@ -236,7 +238,7 @@ fn a_flood_and_garbage_in_the_middle_of_a_flight_are_dropped_and_counted() {
     let stop = Arc::new(AtomicBool::new(false));
     let flooders: Vec<_> = [
         b"\x89TRL\x01\x01garbage {[\n".to_vec(),
-        packet(Kind::State, 1, -5.0).to_json().into_bytes(),
+        packet(PacketKind::State, 1, -5.0).to_json().into_bytes(),
     ]
     .into_iter()
     .map(|bytes| {
@@ -320,7 +322,7 @@ fn in_lockstep_each_picture_is_of_the_frame_that_is_asked_for() {
     let partner = std::thread::spawn(move || {
         let stream = connect(to);
         for (seq, t_s) in (0..).zip(times) {
-            send(&stream, &packet(Kind::Frame, seq, t_s));
+            send(&stream, &packet(PacketKind::Frame, seq, t_s));
             let got = answer(&stream);
             assert_eq!(
                 (&got["message"], &got["seq"]),
@@ -356,7 +358,7 @@ fn a_lockstep_partner_gets_an_error_when_the_player_is_slow_hidden_or_gone() {
     let mut play = LivePlay::of(&flight).expect("live");
     // Slow: nobody draws.
     let begun = Instant::now();
-    send(&stream, &packet(Kind::Frame, 1, 1.0));
+    send(&stream, &packet(PacketKind::Frame, 1, 1.0));
     assert_eq!(answer(&stream)["error"], "not drawn within 0.4 s");
     assert!(
         begun.elapsed() < Duration::from_secs(5),
@@ -364,7 +366,7 @@ fn a_lockstep_partner_gets_an_error_when_the_player_is_slow_hidden_or_gone() {
         begun.elapsed()
     );
     // Hidden: at once.
-    send(&stream, &packet(Kind::Frame, 2, 2.0));
+    send(&stream, &packet(PacketKind::Frame, 2, 2.0));
     let begun = Instant::now();
     while flight.live_clock().expect("live").counters().frames < 2 {
         assert!(begun.elapsed() < PATIENCE);
@@ -373,7 +375,7 @@ fn a_lockstep_partner_gets_an_error_when_the_player_is_slow_hidden_or_gone() {
     let told = answer(&stream)["error"].to_string();
     assert!(told.contains("hidden"), "{told}");
     // Gone, in the middle of drawing.
-    send(&stream, &packet(Kind::Frame, 3, 3.0));
+    send(&stream, &packet(PacketKind::Frame, 3, 3.0));
     let begun = Instant::now();
     while !(play.is_due(false, false) && play.request.is_some()) {
         assert!(begun.elapsed() < PATIENCE);
@@ -398,7 +400,7 @@ fn a_satellite_that_is_not_known_at_the_simulators_time_ends_nothing() {
     let stream = connect(address(&flight));
     let mut play = LivePlay::of(&flight).expect("live");
     let mut ask = |seq, t_s| {
-        send(&stream, &packet(Kind::Frame, seq, t_s));
+        send(&stream, &packet(PacketKind::Frame, seq, t_s));
         let feed = flight.live_clock().expect("live");
         let drawn = play_until("an answer", &mut play, |_, _| feed.counters().frames == seq).0;
         (

@@ -3,7 +3,7 @@
 use super::ephemeris::{Layout, satellite};
 use super::{Flight, PlayError, Tracked};
 use crate::frames::{Duration, Epoch, Geodetic, rfc3339};
-use crate::orbit::{Bearing, Horizon, Pass, passes};
+use crate::orbit::{LookAngles, Observer, Pass, passes};
 use std::fmt::Write;
 
 /// Most passes of one table.
@@ -28,7 +28,7 @@ pub struct PassTable<'f> {
     place: Geodetic,
     least_elevation_rad: f64,
     span: (Epoch, Epoch),
-    rows: Vec<(Pass, [Bearing; 3])>,
+    rows: Vec<(Pass, [LookAngles; 3])>,
 }
 
 impl<'f> PassTable<'f> {
@@ -53,11 +53,11 @@ impl<'f> PassTable<'f> {
         }
         let orientation = |epoch| flight.orientation_at(epoch);
         let least_rad = request.least_elevation_rad;
-        let horizon = Horizon::new(request.place, flight.ellipsoid(), least_rad, &orientation);
+        let observer = Observer::new(request.place, flight.ellipsoid(), least_rad, &orientation);
         let bearing = |epoch| -> Result<_, PlayError> {
-            Ok(horizon.bearing(&satellite.feed().state_at(epoch)?))
+            Ok(observer.look_angles(&satellite.feed().state_at(epoch)?))
         };
-        let rows = passes(satellite.feed(), &horizon, span.0, span.1)
+        let rows = passes(satellite.feed(), &observer, span.0, span.1)
             .take(MOST_PASSES)
             .map(|pass| {
                 let pass = pass?;

@@ -7,10 +7,12 @@ use crate::orbit::kepler::{Drift, KeplerFeed, KeplerOptions};
 use crate::orbit::live::{LiveError, LiveFeed, LiveOptions};
 use crate::orbit::numerical::{ForceModel, Gravity, NumericalFeed, NumericalOptions, Shadow};
 use crate::orbit::{
-    Catalogue, Ephemerides, Feed, Form, Frame, MeanElements, OrbitError, OrbitState, Sgp4Feed,
+    Catalogue, Ephemerides, Feed, FileFormat, Frame, MeanElements, OrbitError, OrbitState, Sgp4Feed,
 };
-use crate::scene::limits::YEARS;
-use crate::scene::{Forces, Motion, Orbit, OrbitSource, Scene, Start, StartForm};
+use crate::scene::YEARS;
+use crate::scene::{
+    ForceOptions, InitialState, Motion, Orbit, OrbitParameters, OrbitSource, Scene,
+};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -25,9 +27,9 @@ pub struct Tracked {
 
 /// Whether live satellites listen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Ears {
+pub(super) enum Listener {
     Open,
-    Shut,
+    Closed,
 }
 
 impl Tracked {
@@ -92,13 +94,13 @@ pub(super) fn open(
     index: usize,
     orbit: &Orbit,
     table: Option<&EarthOrientation>,
-    ears: Ears,
+    listener: Listener,
 ) -> Result<Tracked, PlayError> {
     let name = orbit.name.as_deref();
     if let Some(options) = &orbit.live {
         let listen = options.transport.to_string();
         // The numbers are the scene's: so are the file and the line.
-        let opened = live(options, ears)
+        let opened = live(options, listener)
             .map_err(|error| scene.refuse_orbit(index, "listen", &listen, error.to_string()));
         return Ok(opened?);
     }
@@ -138,12 +140,12 @@ pub(super) fn open(
     }
 }
 
-fn live(options: &LiveOptions, ears: Ears) -> Result<Tracked, LiveError> {
-    let feed = match ears {
-        Ears::Open => LiveFeed::open(options.clone())?,
-        Ears::Shut => LiveFeed::deaf(options.clone())?,
+fn live(options: &LiveOptions, listener: Listener) -> Result<Tracked, LiveError> {
+    let feed = match listener {
+        Listener::Open => LiveFeed::open(options.clone())?,
+        Listener::Closed => LiveFeed::unconnected(options.clone())?,
     };
-    if ears == Ears::Open {
+    if listener == Listener::Open {
         tracing::info!("{} is waited for on {}", options.name, feed.listens_on());
     }
     let feed = Arc::new(feed);
@@ -162,14 +164,14 @@ fn from_file(
     let name = orbit.name.as_deref();
     // Without a name the only satellite is meant, and which is the only one a spoilt record leaves open.
     let is_strict = orbit.strict || name.is_none();
-    let check = |form| match source_of(form) {
+    let check = |format| match source_of(format) {
         source if source == orbit.source => Ok(()),
         source => {
             let given = word(orbit.source);
             let remedy = format!(
                 "{} holds {}; write source = \"{}\"",
                 file.display(),
-                says(form),
+                says(format),
                 word(source)
             );
             Err(scene.refuse_orbit(index, "source", given, remedy))
@@ -178,7 +180,7 @@ fn from_file(
     let (tracked, faults, faults_left_out) = match orbit.source {
         OrbitSource::Tle | OrbitSource::Omm => {
             let catalogue = Catalogue::from_file(file, is_strict)?;
-            check(catalogue.form)?;
+            check(catalogue.format)?;
             let left_out = catalogue.faults_left_out;
             let mut catalogue = catalogue;
             let faults = std::mem::take(&mut catalogue.faults);
@@ -195,7 +197,7 @@ fn from_file(
         }
         _ => {
             let mut ephemerides = Ephemerides::from_file(file, is_strict)?;
-            check(ephemerides.form)?;
+            check(ephemerides.format)?;
             let left_out = ephemerides.faults_left_out;
             let faults = std::mem::take(&mut ephemerides.faults);
             (
@@ -219,13 +221,13 @@ fn from_file(
     })
 }
 
-fn source_of(form: Form) -> OrbitSource {
-    match form {
-        Form::Tle => OrbitSource::Tle,
-        Form::Omm => OrbitSource::Omm,
-        Form::Oem => OrbitSource::Oem,
-        Form::Czml => OrbitSource::Czml,
-        Form::Csv => OrbitSource::Csv,
+fn source_of(format: FileFormat) -> OrbitSource {
+    match format {
+        FileFormat::Tle => OrbitSource::Tle,
+        FileFormat::Omm => OrbitSource::Omm,
+        FileFormat::Oem => OrbitSource::Oem,
+        FileFormat::Czml => OrbitSource::Czml,
+        FileFormat::Csv => OrbitSource::Csv,
     }
 }
 
@@ -242,19 +244,19 @@ fn word(source: OrbitSource) -> &'static str {
     }
 }
 
-fn says(form: Form) -> &'static str {
-    match form {
-        Form::Tle => "two-line elements",
-        Form::Omm => "an orbit mean-elements message",
-        Form::Oem => "an orbit ephemeris message",
-        Form::Czml => "CZML",
-        Form::Csv => "states in columns",
+fn says(format: FileFormat) -> &'static str {
+    match format {
+        FileFormat::Tle => "two-line elements",
+        FileFormat::Omm => "an orbit mean-elements message",
+        FileFormat::Oem => "an orbit ephemeris message",
+        FileFormat::Czml => "CZML",
+        FileFormat::Csv => "states in columns",
     }
 }
 
 fn kepler(
     name: &str,
-    start: &Start,
+    start: &InitialState,
     j2: bool,
     orientation: &Orientation,
 ) -> Result<Tracked, OrbitError> {
@@ -265,11 +267,11 @@ fn kepler(
         first: year(*YEARS.start(), "01-01T00:00:00Z"),
         last: year(*YEARS.end(), "12-31T23:59:59Z"),
     };
-    Ok(Tracked::of(match start.form {
-        StartForm::Elements(elements) => {
+    Ok(Tracked::of(match start.parameters {
+        OrbitParameters::Elements(elements) => {
             KeplerFeed::from_elements(name, start.frame, start.epoch, &elements, options)?
         }
-        StartForm::State { .. } => {
+        OrbitParameters::State { .. } => {
             let mut state = state(start)?;
             if state.frame.is_earth_fixed() {
                 state = state.in_frame(Frame::Gcrf, orientation);
@@ -280,13 +282,13 @@ fn kepler(
 }
 
 /// The state at the start.
-fn state(start: &Start) -> Result<OrbitState, OrbitError> {
-    let (position_m, velocity_m_s) = match start.form {
-        StartForm::State {
+fn state(start: &InitialState) -> Result<OrbitState, OrbitError> {
+    let (position_m, velocity_m_s) = match start.parameters {
+        OrbitParameters::State {
             position_m,
             velocity_m_s,
         } => (position_m, velocity_m_s),
-        StartForm::Elements(elements) => elements
+        OrbitParameters::Elements(elements) => elements
             .conic(EARTH_GM_M3_S2, start.epoch)?
             .state_after(0.0),
     };
@@ -301,8 +303,8 @@ fn state(start: &Start) -> Result<OrbitState, OrbitError> {
 fn numerical(
     name: &str,
     scene: &Scene,
-    start: &Start,
-    forces: &Forces,
+    start: &InitialState,
+    forces: &ForceOptions,
     orientation: &Orientation,
 ) -> Result<Tracked, OrbitError> {
     let degree = forces.gravity_degree as usize;

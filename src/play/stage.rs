@@ -17,7 +17,7 @@ use super::tracks::{Effort, TracksLayer};
 use super::window::WindowError;
 use crate::frames::rfc3339;
 use crate::gpu::{GpuContext, read_texture};
-use crate::scene::limits::EDGE_SAMPLES;
+use crate::scene::EDGE_SAMPLES;
 use crate::tracks::TracksOptions;
 use crate::{Earth, EyeView, FrameStats, Governor, Quality};
 use std::path::PathBuf;

@@ -1,27 +1,9 @@
-//! The scene's span of time, and whether an orbit answers for all of it.
+//! Whether an orbit answers for all of a scene's time.
 
-use super::error::{Place, SceneError};
-use super::{Scene, Time};
-use crate::frames::{Epoch, rfc3339};
-use hifitime::Unit;
-
-impl Time {
-    /// UTC instant at which playback ends: before `start` where the speed is negative.
-    pub fn end(&self) -> Epoch {
-        self.start + self.duration_s.copysign(self.speed) * Unit::Second
-    }
-
-    /// duration_s · frame_rate_hz / |speed|, before it is made a whole number.
-    pub(super) fn frames_exact(&self) -> f64 {
-        self.duration_s * self.frame_rate_hz / self.speed.abs()
-    }
-
-    /// Frames of one playback, at least one.
-    pub fn frame_count(&self) -> u64 {
-        // At most `limits::MAX_FRAMES` by the scene's checks; `as` saturates for a hand-made value.
-        self.frames_exact().round().max(1.0) as u64
-    }
-}
+use super::Scene;
+use super::error::{KeyLocation, SceneError};
+use super::time::utc;
+use crate::frames::Epoch;
 
 impl Scene {
     /// Refuses a scene of which any part lies outside `validity`, the first and last epoch that its orbit
@@ -29,7 +11,7 @@ impl Scene {
     pub fn check_dates(&self, validity: (Epoch, Epoch)) -> Result<(), SceneError> {
         let (first, last) = validity;
         let inside = |epoch: Epoch| first <= epoch && epoch <= last;
-        let reach = format!("the orbit answers from {} to {}", utc(first), utc(last));
+        let validity_text = format!("the orbit answers from {} to {}", utc(first), utc(last));
         let (start, end) = (self.time.start, self.time.end());
         if !inside(start) {
             let is_file = self.orbits.iter().any(|orbit| orbit.source.is_file());
@@ -37,7 +19,7 @@ impl Scene {
                 true => ", or name newer elements with file in [orbit]",
                 false => "",
             };
-            let remedy = format!("{reach}; choose a start in that time{or}");
+            let remedy = format!("{validity_text}; choose a start in that time{or}");
             return Err(self.refuse_time("start", utc(start), remedy));
         }
         if !inside(end) {
@@ -47,7 +29,7 @@ impl Scene {
                 (start - first).to_seconds()
             };
             let remedy = format!(
-                "the flight from {} would end at {}, but {reach}; make it at most {} seconds or choose another start",
+                "the flight from {} would end at {}, but {validity_text}; make it at most {} seconds or choose another start",
                 utc(start),
                 utc(end),
                 room_s.floor()
@@ -60,7 +42,7 @@ impl Scene {
     fn refuse_time(&self, key: &str, value: String, remedy: String) -> SceneError {
         let line = self.line("time", key);
         SceneError::Value {
-            place: Box::new(Place {
+            place: Box::new(KeyLocation {
                 path: self.path.clone(),
                 line,
                 table: "time".to_owned(),
@@ -73,14 +55,5 @@ impl Scene {
             },
             remedy,
         }
-    }
-}
-
-/// An instant as a scene would write it: RFC 3339, without decimals of the second where they are all 0.
-pub(super) fn utc(epoch: Epoch) -> String {
-    let text = rfc3339(epoch);
-    match text.strip_suffix(".000Z") {
-        Some(whole) => format!("{whole}Z"),
-        None => text,
     }
 }

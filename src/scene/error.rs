@@ -1,12 +1,12 @@
-//! What can be wrong with a scene. Every message says where (file, line, key), what, and what to do.
+//! Errors of scenes. Every message says where (file, line, key), what is wrong, and what to do.
 
-use super::limits::MAX_FILE_BYTES;
+use super::keys::MAX_FILE_BYTES;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// A key of a scene file.
+/// Where a key stands in a scene file, or would stand.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct KeyLocation {
     /// The scene file.
     pub path: PathBuf,
     /// Line of the file, from 1; `None` where the file does not give the key and its default is meant.
@@ -17,7 +17,7 @@ pub struct Place {
     pub key: String,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for KeyLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:", self.path.display())?;
         if let Some(line) = self.line {
@@ -33,7 +33,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// What can be wrong with a scene.
+/// Why a scene is refused.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
@@ -85,16 +85,16 @@ pub enum SceneError {
     /// A key or table that no scene has.
     #[error("{place}: {remedy}")]
     Unknown {
-        /// Where.
-        place: Box<Place>,
+        /// The key.
+        place: Box<KeyLocation>,
         /// The nearest known name and all known names.
         remedy: String,
     },
     /// A value of the wrong type, out of range, or in conflict with another.
     #[error("{place} = {value}: {remedy}")]
     Value {
-        /// Where.
-        place: Box<Place>,
+        /// The key.
+        place: Box<KeyLocation>,
         /// The value as written, or the default.
         value: String,
         /// What it must be, and why where that is not plain.

@@ -1,7 +1,7 @@
-//! What every key needs: its value or default, a range, a choice of names, a path, and words of refusal.
+//! What every key needs: its value or default, a range, a choice of names, a path, and the text of a refusal.
 
-use super::error::{Place, SceneError, printable};
-use super::locate::{Source, nearest};
+use super::error::{KeyLocation, SceneError, printable};
+use super::text::{SceneText, nearest};
 use serde::Deserialize;
 use serde::de::value::StrDeserializer;
 use std::fmt::Display;
@@ -9,42 +9,86 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
-/// A key with its value, if the file gives one.
-pub(super) struct Field<'r, T> {
+/// A key with its value, if the file gives one, and its rule as [`keys`](super::keys) declares it: [`Bounds`] of a number with
+/// a default, the range of one without, the default of a `bool`, or nothing.
+pub(super) struct Field<'r, T, R = ()> {
     pub(super) table: &'static str,
     pub(super) key: &'static str,
     pub(super) given: Option<&'r Spanned<T>>,
+    pub(super) rule: R,
 }
 
-impl<T> Field<'_, T> {
+/// What a number may be, and what it is where a scene does not give it.
+pub(super) struct Bounds<N> {
+    pub(super) range: RangeInclusive<N>,
+    pub(super) default: N,
+}
+
+impl<T, R> Field<'_, T, R> {
     pub(super) fn is_given(&self) -> bool {
         self.given.is_some()
     }
 }
 
-/// The field of a raw table under its own name: the name in a message cannot differ from the key that is read.
-macro_rules! field {
-    ($table:ident . $key:ident) => {
-        Field {
-            table: stringify!($table),
-            key: stringify!($key),
-            given: $table.$key.as_ref(),
-        }
-    };
+impl<T: Copy, R> Field<'_, T, R> {
+    /// The value that the file gives.
+    pub(super) fn value(&self) -> Option<T> {
+        self.given.map(|given| *given.get_ref())
+    }
 }
 
-pub(super) use field;
+impl Field<'_, bool, bool> {
+    /// Whether it is on, by the file or by default.
+    pub(super) fn is_on(&self) -> bool {
+        self.value().unwrap_or(self.rule)
+    }
+}
 
-impl Source<'_> {
-    /// A finite number in a range; `remedy` gets the number that is not.
+impl SceneText<'_> {
+    /// A finite number in its range, or its default; `remedy` gets the number that is not, and the range as text.
     pub(super) fn number(
         &self,
-        field: &Field<'_, f64>,
-        default: f64,
-        range: RangeInclusive<f64>,
+        field: &Field<'_, f64, Bounds<f64>>,
+        remedy: impl Fn(f64, &str) -> String,
+    ) -> Result<f64, SceneError> {
+        let Bounds { range, default } = &field.rule;
+        self.in_range(field, field.value().unwrap_or(*default), range, |value| {
+            remedy(value, &range_text(range))
+        })
+    }
+
+    /// The same, with the usual remedy, for ranges that are best written with exponents.
+    pub(super) fn quantity(
+        &self,
+        field: &Field<'_, f64, Bounds<f64>>,
+        unit: &str,
+    ) -> Result<f64, SceneError> {
+        let Bounds { range, default } = &field.rule;
+        let value = field.value().unwrap_or(*default);
+        self.in_range(field, value, range, |_| must_be_within(range, unit))
+    }
+
+    /// The same for the value that the file gives of a key without a default.
+    pub(super) fn given_quantity(
+        &self,
+        field: &Field<'_, f64, RangeInclusive<f64>>,
+        given: &Spanned<f64>,
+        unit: &str,
+    ) -> Result<f64, SceneError> {
+        let range = &field.rule;
+        self.in_range(field, *given.get_ref(), range, |_| {
+            must_be_within(range, unit)
+        })
+    }
+
+    /// A finite number in a range; `remedy` gets the number that is not.
+    pub(super) fn in_range<R>(
+        &self,
+        field: &Field<'_, f64, R>,
+        value: f64,
+        range: &RangeInclusive<f64>,
         remedy: impl Fn(f64) -> String,
     ) -> Result<f64, SceneError> {
-        let value = field.given.map_or(default, |given| *given.get_ref());
         if !value.is_finite() {
             return Err(self.refuse(field, "must be a finite number, not nan or inf"));
         }
@@ -52,6 +96,17 @@ impl Source<'_> {
             return Err(self.refuse(field, remedy(value)));
         }
         Ok(value)
+    }
+
+    /// A whole number in its range, or its default; `remedy` gets the range as text.
+    pub(super) fn count(
+        &self,
+        field: &Field<'_, i64, Bounds<i64>>,
+        remedy: impl Fn(&str) -> String,
+    ) -> Result<u32, SceneError> {
+        let Bounds { range, default } = &field.rule;
+        whole(field.value().unwrap_or(*default), range)
+            .ok_or_else(|| self.refuse(field, remedy(&range_text(range))))
     }
 
     /// One of the names of an enum, as its serde derive spells them.
@@ -85,14 +140,14 @@ impl Source<'_> {
     pub(super) fn path(
         &self,
         field: &Field<'_, String>,
-        wanted: Wanted,
+        kind: PathKind,
     ) -> Result<Option<PathBuf>, SceneError> {
         let Some(given) = field.given else {
             return Ok(None);
         };
-        let (what, other) = match wanted {
-            Wanted::File => ("a file", "a folder"),
-            Wanted::Folder => ("a folder", "a file"),
+        let (what, other) = match kind {
+            PathKind::File => ("a file", "a folder"),
+            PathKind::Folder => ("a folder", "a file"),
         };
         if given.get_ref().is_empty() {
             let advice = format!(
@@ -104,7 +159,7 @@ impl Source<'_> {
         let path = folder.join(given.get_ref());
         let shown = printable(&path.display().to_string());
         match std::fs::metadata(&path) {
-            Ok(found) if found.is_dir() == (wanted == Wanted::Folder) => Ok(Some(path)),
+            Ok(found) if found.is_dir() == (kind == PathKind::Folder) => Ok(Some(path)),
             Ok(_) => {
                 let advice = format!("{shown} is {other}; give the path of {what}");
                 Err(self.refuse(field, advice))
@@ -127,7 +182,7 @@ impl Source<'_> {
         remedy: impl Display,
     ) -> SceneError {
         SceneError::Value {
-            place: Box::new(Place {
+            place: Box::new(KeyLocation {
                 path: self.path.to_owned(),
                 line: Some(self.line(span.start)),
                 table: table.to_owned(),
@@ -138,10 +193,11 @@ impl Source<'_> {
         }
     }
 
-    pub(super) fn refuse<T>(&self, field: &Field<'_, T>, remedy: impl Display) -> SceneError {
+    /// Refuses a key's value, or its default where the file gives none.
+    pub(super) fn refuse<T, R>(&self, field: &Field<'_, T, R>, remedy: impl Display) -> SceneError {
         let span = field.given.map(Spanned::span);
         SceneError::Value {
-            place: Box::new(Place {
+            place: Box::new(KeyLocation {
                 path: self.path.to_owned(),
                 line: span.as_ref().map(|span| self.line(span.start)),
                 table: field.table.to_owned(),
@@ -158,7 +214,7 @@ impl Source<'_> {
 
 /// What a path must lead to.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Wanted {
+pub(super) enum PathKind {
     File,
     Folder,
 }
@@ -194,15 +250,47 @@ pub(super) fn written(value: &impl serde::Serialize) -> String {
     }
 }
 
-pub(super) fn flag(field: &Field<'_, bool>, default: bool) -> bool {
-    field.given.map_or(default, |given| *given.get_ref())
-}
-
-pub(super) fn in_range(value: i64, range: &RangeInclusive<i64>) -> Option<u32> {
+/// A whole number, if it is in the range and not negative.
+pub(super) fn whole(value: i64, range: &RangeInclusive<i64>) -> Option<u32> {
     u32::try_from(value).ok().filter(|_| range.contains(&value))
 }
 
-/// A range in words: "1 to 48".
-pub(super) fn span_of<T: Display>(range: &RangeInclusive<T>) -> String {
+/// The text of a range: "1 to 48".
+pub(super) fn range_text<T: Display>(range: &RangeInclusive<T>) -> String {
     format!("{} to {}", range.start(), range.end()).replace('-', "−")
+}
+
+/// A remedy with a range and its unit, if it has one.
+fn must_be_within(range: &RangeInclusive<f64>, unit: &str) -> String {
+    let text = format!("must be from {} {unit}", short_range_text(range));
+    text.trim_end().to_owned()
+}
+
+/// The text of a range in few characters: "−1e11 to 1e11".
+pub(super) fn short_range_text(range: &RangeInclusive<f64>) -> String {
+    let short = |bound: f64| {
+        let text = match bound != 0.0 && !(1e-3..1e6).contains(&bound.abs()) {
+            true => format!("{bound:e}"),
+            false => bound.to_string(),
+        };
+        match text.strip_prefix('-') {
+            Some(size) => format!("−{size}"),
+            None => text,
+        }
+    };
+    format!("{} to {}", short(*range.start()), short(*range.end()))
+}
+
+/// The value of a key as a scene would write it, or why it has none.
+pub(super) type KeyText = Result<String, &'static str>;
+
+/// Why a key has no value that no table knows. A test holds that it is never said.
+pub(super) const UNKNOWN: &str = "unknown to the summary";
+
+/// Why nothing of satellites has a value in a scene without any.
+pub(super) const NO_ORBIT: &str = "the camera stands over a place on the ground";
+
+/// A value in quotation marks.
+pub(super) fn quoted(text: &str) -> KeyText {
+    Ok(format!("\"{}\"", printable(text)))
 }

@@ -1,12 +1,11 @@
 //! `[orbit] source = "live"`: states that a simulator sends, and what several of them can share.
 
 use super::error::{SceneError, printable};
-use super::field::{Field, field, flag, in_range, span_of, written};
-use super::limits::*;
-use super::locate::Source;
-use super::raw::RawOrbit;
-use super::{Orbit, Scene};
-use crate::orbit::live::{Extrapolation, LiveOptions, Mode, Transport};
+use super::field::{Bounds, Field, KeyText, UNKNOWN, quoted, written};
+use super::keys::{MAX_LIVE_ORBITS, MAX_ORIGINS, RawOrbit};
+use super::orbit::Orbit;
+use super::text::SceneText;
+use crate::orbit::live::{Extrapolation, LiveOptions, Pacing, Transport};
 use std::time::Duration;
 
 /// Keys of live satellites alone.
@@ -25,26 +24,26 @@ pub(super) const KEYS: &[&str] = &[
     "packets_per_s",
 ];
 
-impl Source<'_> {
+impl SceneText<'_> {
     /// How the states of one satellite are taken.
     pub(super) fn live(
         &self,
         orbit: &RawOrbit,
         name: Option<&str>,
     ) -> Result<LiveOptions, SceneError> {
-        let listen = field!(orbit.listen);
+        let listen = orbit.listen();
         let Some(given) = listen.given else {
             let advice = "needs a place to listen on; add listen = \"tcp://127.0.0.1:5005\", or \"udp://…\", \"ws://…\" or \"stdin\"";
-            return Err(self.refuse(&field!(orbit.source), advice));
+            return Err(self.refuse(&orbit.source(), advice));
         };
         let transport: Transport = given.get_ref().parse().map_err(|_| {
             let advice = "must be \"stdin\", or \"tcp://\", \"udp://\" or \"ws://\" with an IP address and a port, such as \"tcp://127.0.0.1:5005\"";
             self.refuse(&listen, advice)
         })?;
         let usual = LiveOptions::new(transport);
-        let mode = self.choice(&field!(orbit.pacing), usual.mode)?;
-        self.live_keys_fit(orbit, &usual.transport, mode)?;
-        let allow_remote = flag(&field!(orbit.allow_remote), false);
+        let pacing = self.choice(&orbit.pacing(), usual.pacing)?;
+        self.live_keys_fit(orbit, &usual.transport, pacing)?;
+        let allow_remote = orbit.allow_remote().is_on();
         let is_remote = |transport: &Transport| {
             let address = transport.address();
             address.is_some_and(|address| !address.ip().is_loopback())
@@ -53,52 +52,25 @@ impl Source<'_> {
             let advice = "other machines reach this address, and whoever reaches it can steer the picture; take 127.0.0.1 or [::1], or write allow_remote = true";
             return Err(self.refuse(&listen, advice));
         }
-        let default_timeout_s = usual.frame_timeout.as_secs_f64();
-        let seconds =
-            |field: Field<'_, f64>, default, range| self.within(&field, default, range, "seconds");
-        let timeout_s = seconds(field!(orbit.timeout_s), default_timeout_s, TIMEOUT_S)?;
-        let packets = field!(orbit.packets_per_s);
-        let most_packets_per_s = match packets.given.map(|given| *given.get_ref()) {
-            None => usual.most_packets_per_s,
-            Some(count) => in_range(count, &PACKETS_PER_S).ok_or_else(|| {
-                let advice = format!(
-                    "must be from {} packets per second",
-                    span_of(&PACKETS_PER_S)
-                );
-                self.refuse(&packets, advice)
-            })?,
-        };
+        let seconds = |field: Field<'_, f64, Bounds<f64>>| self.quantity(&field, "seconds");
+        let timeout_s = seconds(orbit.timeout_s())?;
+        let max_packets_per_s = self.count(&orbit.packets_per_s(), |range| {
+            format!("must be from {range} packets per second")
+        })?;
         Ok(LiveOptions {
-            mode,
+            pacing,
             name: name.map_or(usual.name, str::to_owned),
             allow_remote,
-            allowed_origins: self.origins(&field!(orbit.allowed_origins))?,
-            rate: self.within(
-                &field!(orbit.rate),
-                usual.rate,
-                RATE,
-                "simulated seconds per second",
-            )?,
-            playback_delay_s: seconds(
-                field!(orbit.playback_delay_s),
-                usual.playback_delay_s,
-                PLAYBACK_DELAY_S,
-            )?,
-            stale_after_s: seconds(
-                field!(orbit.stale_after_s),
-                usual.stale_after_s,
-                STALE_AFTER_S,
-            )?,
-            extrapolation_limit_s: seconds(
-                field!(orbit.extrapolate_s),
-                usual.extrapolation_limit_s,
-                EXTRAPOLATE_S,
-            )?,
-            extrapolation: self.choice(&field!(orbit.extrapolation), usual.extrapolation)?,
-            gap_s: seconds(field!(orbit.gap_s), usual.gap_s, GAP_S)?,
+            allowed_origins: self.origins(&orbit.allowed_origins())?,
+            rate: self.quantity(&orbit.rate(), "simulated seconds per second")?,
+            playback_delay_s: seconds(orbit.playback_delay_s())?,
+            stale_after_s: seconds(orbit.stale_after_s())?,
+            extrapolation_limit_s: seconds(orbit.extrapolate_s())?,
+            extrapolation: self.choice(&orbit.extrapolation(), usual.extrapolation)?,
+            gap_s: seconds(orbit.gap_s())?,
             // In range: it is finite and not negative.
             frame_timeout: Duration::try_from_secs_f64(timeout_s).unwrap_or_default(),
-            most_packets_per_s,
+            max_packets_per_s,
             transport: usual.transport,
         })
     }
@@ -108,10 +80,10 @@ impl Source<'_> {
         &self,
         orbit: &RawOrbit,
         transport: &Transport,
-        mode: Mode,
+        pacing: Pacing,
     ) -> Result<(), SceneError> {
         for (key, span) in orbit.given() {
-            if let Some(why) = idle(transport, mode, key) {
+            if let Some(why) = idle(transport, pacing, key) {
                 return Err(self.refuse_at(
                     "orbit",
                     key,
@@ -165,7 +137,7 @@ impl Source<'_> {
             let advice = format!(
                 "a scene has at most {MAX_LIVE_ORBITS} satellites whose states are sent; leave some out"
             );
-            return Err(self.refuse(&field!(orbit.source), advice));
+            return Err(self.refuse(&orbit.source(), advice));
         }
         for (index, (orbit, options)) in live().enumerate() {
             let before = || live().take(index).map(|(_, before)| before);
@@ -176,12 +148,12 @@ impl Source<'_> {
                     }
                     _ => "a satellite before this one listens there; give this one another port",
                 };
-                return Err(self.refuse(&field!(orbit.listen), advice));
+                return Err(self.refuse(&orbit.listen(), advice));
             }
-            let waits = |options: &LiveOptions| options.mode == Mode::Lockstep;
+            let waits = |options: &LiveOptions| options.pacing == Pacing::Lockstep;
             if waits(options) && before().any(waits) {
                 let advice = "a picture is of one instant, and the simulator of a satellite before this one says which; write \"broadcast\" here";
-                return Err(self.refuse(&field!(orbit.pacing), advice));
+                return Err(self.refuse(&orbit.pacing(), advice));
             }
         }
         Ok(())
@@ -189,8 +161,8 @@ impl Source<'_> {
 }
 
 /// Why a key does nothing with the way in or the pacing; `None` where it does something.
-fn idle(transport: &Transport, mode: Mode, key: &str) -> Option<&'static str> {
-    let is_lockstep = mode == Mode::Lockstep;
+fn idle(transport: &Transport, pacing: Pacing, key: &str) -> Option<&'static str> {
+    let is_lockstep = pacing == Pacing::Lockstep;
     match key {
         "allow_remote" if *transport == Transport::Stdin => {
             Some("is for ports, and standard input is none")
@@ -212,78 +184,70 @@ fn idle(transport: &Transport, mode: Mode, key: &str) -> Option<&'static str> {
 }
 
 /// The value of one of [`KEYS`], or why there is none.
-pub(super) fn value(options: &LiveOptions, key: &str) -> Result<String, &'static str> {
-    if let Some(why) = idle(&options.transport, options.mode, key) {
+pub(super) fn value(options: &LiveOptions, key: &str) -> KeyText {
+    if let Some(why) = idle(&options.transport, options.pacing, key) {
         return Err(why);
     }
-    let quoted = |text: &str| format!("\"{}\"", printable(text));
     Ok(match key {
-        "listen" => quoted(&options.transport.to_string()),
+        "listen" => return quoted(&options.transport.to_string()),
         "allow_remote" => options.allow_remote.to_string(),
         "allowed_origins" => {
-            let pages: Vec<_> = options
-                .allowed_origins
-                .iter()
+            let pages = options.allowed_origins.iter();
+            let pages = pages
                 .map(|page| quoted(page))
-                .collect();
+                .collect::<Result<Vec<_>, _>>()?;
             format!("[{}]", pages.join(", "))
         }
-        "pacing" => quoted(&written(&options.mode)),
+        "pacing" => return quoted(&written(&options.pacing)),
         "rate" => options.rate.to_string(),
         "playback_delay_s" => options.playback_delay_s.to_string(),
         "timeout_s" => options.frame_timeout.as_secs_f64().to_string(),
         "stale_after_s" => options.stale_after_s.to_string(),
         "extrapolate_s" => options.extrapolation_limit_s.to_string(),
-        "extrapolation" => quoted(&written(&options.extrapolation)),
+        "extrapolation" => return quoted(&written(&options.extrapolation)),
         "gap_s" => options.gap_s.to_string(),
-        "packets_per_s" => options.most_packets_per_s.to_string(),
-        // A test holds that no known key comes here.
-        _ => return Err("unknown to the summary"),
+        "packets_per_s" => options.max_packets_per_s.to_string(),
+        _ => return Err(UNKNOWN),
     })
 }
 
-/// What a live satellite flies by, in words.
+/// The text of what a live satellite flies by.
 pub(super) fn flies_by(options: &LiveOptions) -> String {
     let whose = format!("{} on {}", printable(&options.name), options.transport);
     let beyond = match options.extrapolation {
         Extrapolation::TwoBody => "in free fall",
         Extrapolation::Linear => "straight on",
     };
-    match options.mode {
-        Mode::Broadcast => format!(
+    match options.pacing {
+        Pacing::Broadcast => format!(
             "states that a simulator sends, drawn {} s late, {beyond} for {} s beyond the last: {whose}",
             options.playback_delay_s, options.extrapolation_limit_s
         ),
-        Mode::Lockstep => format!(
+        Pacing::Lockstep => format!(
             "frames that a simulator waits for, each up to {} s: {whose}",
             options.frame_timeout.as_secs_f64()
         ),
     }
 }
 
-impl Scene {
-    /// Whether a simulator gives the time.
-    pub fn is_live(&self) -> bool {
-        self.orbits.iter().any(|orbit| orbit.live.is_some())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Scene;
     use std::path::Path;
 
     #[test]
     fn the_feed_takes_all_that_the_scene_takes() {
+        let orbit = RawOrbit::default();
         let ends = [
-            ("rate", RATE),
-            ("playback_delay_s", PLAYBACK_DELAY_S),
-            ("stale_after_s", STALE_AFTER_S),
-            ("extrapolate_s", EXTRAPOLATE_S),
-            ("gap_s", GAP_S),
-            ("pacing = \"lockstep\"\ntimeout_s", TIMEOUT_S),
+            ("rate", orbit.rate().rule),
+            ("playback_delay_s", orbit.playback_delay_s().rule),
+            ("stale_after_s", orbit.stale_after_s().rule),
+            ("extrapolate_s", orbit.extrapolate_s().rule),
+            ("gap_s", orbit.gap_s().rule),
+            ("pacing = \"lockstep\"\ntimeout_s", orbit.timeout_s().rule),
         ];
-        for (key, range) in ends {
+        for (key, Bounds { range, .. }) in ends {
             for end in [*range.start(), *range.end()] {
                 let text = format!(
                     "[orbit]\nsource = \"live\"\nlisten = \"udp://127.0.0.1:0\"\n{key} = {end}\n"

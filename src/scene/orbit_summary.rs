@@ -1,26 +1,20 @@
-//! The words of the summary about satellites.
+//! The part of the summary that is about satellites.
 
-use super::dates::utc;
 use super::error::printable;
-use super::field::written;
-use super::live;
-use super::orbits::foreign;
-use super::{Forces, Motion, Orbit, OrbitSource, Scene, Start, StartForm, tracks};
-use crate::orbit::kepler::{Anomaly, Elements, Size};
-use crate::orbit::numerical::Atmosphere;
+use super::field::{KeyText, UNKNOWN, quoted, written};
+use super::orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters, OrbitSource};
+use super::orbit_check::foreign;
+use super::time::utc;
+use super::tracks::TrackSpan;
+use super::{Scene, live, tracks};
+use crate::orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
+use crate::orbit::numerical::AtmosphereModel;
 use glam::DVec3;
-
-/// A value as a scene would write it, or why there is none.
-pub(super) type Value = Result<String, &'static str>;
 
 const BUILT_IN: &str = "the space station's elements are built in";
 
-fn quoted(text: &str) -> Value {
-    Ok(format!("\"{}\"", printable(text)))
-}
-
 /// The value of a key of a satellite.
-pub(super) fn value(orbit: &Orbit, key: &str) -> Value {
+pub(super) fn value(orbit: &Orbit, key: &str) -> KeyText {
     if let Some(why) = foreign(orbit.source, key) {
         return Err(why);
     }
@@ -49,22 +43,21 @@ pub(super) fn value(orbit: &Orbit, key: &str) -> Value {
         (key, Some(Motion::Numerical { start, forces })) => {
             force_value(forces, key).unwrap_or_else(|| start_value(start, key))
         }
-        // A test holds that no known key comes here.
         (key, None) => match &orbit.live {
             Some(options) => live::value(options, key),
-            None => Err("unknown to the summary"),
+            None => Err(UNKNOWN),
         },
     }
 }
 
-fn force_value(forces: &Forces, key: &str) -> Option<Value> {
+fn force_value(forces: &ForceOptions, key: &str) -> Option<KeyText> {
     Some(match key {
         "gravity_degree" => Ok(forces.gravity_degree.to_string()),
         "gravity_order" => Ok(forces.gravity_order.to_string()),
         "drag" => Ok(forces.drag.is_some().to_string()),
         "air_model" => match forces.drag {
-            Some(Atmosphere::Standard1976) => quoted("us1976"),
-            Some(Atmosphere::Exponential) => quoted("exponential"),
+            Some(AtmosphereModel::Standard1976) => quoted("us1976"),
+            Some(AtmosphereModel::Exponential) => quoted("exponential"),
             None => Err("only for drag = true"),
         },
         "sun" => Ok(forces.sun.to_string()),
@@ -81,37 +74,39 @@ fn force_value(forces: &Forces, key: &str) -> Option<Value> {
     })
 }
 
-fn start_value(start: &Start, key: &str) -> Value {
+fn start_value(start: &InitialState, key: &str) -> KeyText {
     const BY_STATE: &str = "the start is given by position and velocity";
     const BY_ELEMENTS: &str = "the start is given by elements";
-    match (key, &start.form) {
+    match (key, &start.parameters) {
         ("epoch", _) => quoted(&utc(start.epoch)),
         ("frame", _) => quoted(&start.frame.name().to_lowercase()),
-        ("position_km", StartForm::State { position_m, .. }) => Ok(vector_km(*position_m)),
-        ("velocity_km_s", StartForm::State { velocity_m_s, .. }) => Ok(vector_km(*velocity_m_s)),
-        ("position_km" | "velocity_km_s", StartForm::Elements(_)) => Err(BY_ELEMENTS),
-        (_, StartForm::State { .. }) => Err(BY_STATE),
-        (key, StartForm::Elements(elements)) => element_value(elements, key),
+        ("position_km", OrbitParameters::State { position_m, .. }) => Ok(vector_km(*position_m)),
+        ("velocity_km_s", OrbitParameters::State { velocity_m_s, .. }) => {
+            Ok(vector_km(*velocity_m_s))
+        }
+        ("position_km" | "velocity_km_s", OrbitParameters::Elements(_)) => Err(BY_ELEMENTS),
+        (_, OrbitParameters::State { .. }) => Err(BY_STATE),
+        (key, OrbitParameters::Elements(elements)) => element_value(elements, key),
     }
 }
 
-fn element_value(elements: &Elements, key: &str) -> Value {
+fn element_value(elements: &KeplerElements, key: &str) -> KeyText {
     let km = |metres: f64| Ok(rounded(metres / 1e3));
     let degrees = |radians: f64| Ok(rounded(radians.to_degrees()));
     match (key, elements.size, elements.anomaly) {
-        ("semi_major_axis_km", Size::SemiMajorAxis(metres), _) => km(metres),
+        ("semi_major_axis_km", OrbitSize::SemiMajorAxis(metres), _) => km(metres),
         ("semi_major_axis_km", ..) => Err("the size is given by the periapsis"),
-        ("periapsis_km", Size::Periapsis(metres), _) => km(metres),
+        ("periapsis_km", OrbitSize::Periapsis(metres), _) => km(metres),
         ("periapsis_km", ..) => Err("the size is given by the semi-major axis"),
         ("eccentricity", ..) => Ok(elements.eccentricity.to_string()),
         ("inclination_deg", ..) => degrees(elements.inclination_rad),
-        ("node_deg", ..) => degrees(elements.node_rad),
-        ("argument_deg", ..) => degrees(elements.argument_rad),
+        ("raan_deg", ..) => degrees(elements.raan_rad),
+        ("argument_of_periapsis_deg", ..) => degrees(elements.argument_of_periapsis_rad),
         ("true_anomaly_deg", _, Anomaly::True(radians)) => degrees(radians),
         ("true_anomaly_deg", ..) => Err("the place is given by the mean anomaly"),
         ("mean_anomaly_deg", _, Anomaly::Mean(radians)) => degrees(radians),
         ("mean_anomaly_deg", ..) => Err("the place is given by the true anomaly"),
-        _ => Err("unknown to the summary"),
+        _ => Err(UNKNOWN),
     }
 }
 
@@ -174,4 +169,63 @@ fn flies_by(orbit: &Orbit) -> String {
         (OrbitSource::Numerical, _) => name("Numerical"),
         (OrbitSource::Live, _) => orbit.live.as_ref().map_or_else(String::new, live::flies_by),
     }
+}
+
+impl Scene {
+    /// The value of a key of `[tracks]`.
+    pub(super) fn tracks_value(&self, key: &str) -> KeyText {
+        match key {
+            "width_px" => Ok(self.track_px.to_string()),
+            key => match self.line("tracks", key) {
+                Some(_) => Err("it is told with each satellite"),
+                None => Err("each satellite's own"),
+            },
+        }
+    }
+
+    /// What is drawn of each satellite of which anything is.
+    pub(super) fn track_uses(&self) -> Vec<(&'static str, String)> {
+        let shown = self.orbits.iter().enumerate();
+        shown
+            .filter(|(_, orbit)| !orbit.track.is_off())
+            .map(|(index, orbit)| ("track", track_text(index, orbit)))
+            .collect()
+    }
+}
+
+fn track_text(index: usize, orbit: &Orbit) -> String {
+    let track = &orbit.track;
+    let span = |name: &str, span: Option<TrackSpan>, usual: &str| {
+        span.map(|span| match span {
+            TrackSpan::Usual => format!("{name} of {usual}"),
+            TrackSpan::Minutes {
+                before_min,
+                after_min,
+            } => format!("{name} from {before_min} min before to {after_min} min after"),
+        })
+    };
+    let footprint = track.footprint.map(|footprint| {
+        let tinted = if footprint.fill { ", tinted" } else { "" };
+        match footprint.half_angle_deg {
+            Some(degrees) => format!("footprint of {degrees}° about straight down{tinted}"),
+            None => format!("footprint to the horizon{tinted}"),
+        }
+    });
+    let parts = [
+        span("trail", track.trail, "the last revolution"),
+        span(
+            "ground track",
+            track.ground_track,
+            "half a revolution to each side",
+        ),
+        footprint,
+        track.subpoint.then(|| "sub-satellite point".to_owned()),
+        track.marker.then(|| "marker with its name".to_owned()),
+    ];
+    let parts: Vec<_> = parts.into_iter().flatten().collect();
+    let whose = match &orbit.name {
+        Some(name) => printable(name),
+        None => format!("satellite {}", index + 1),
+    };
+    format!("{whose}: {}", parts.join("; "))
 }

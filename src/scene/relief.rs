@@ -1,10 +1,10 @@
 //! `[earth]`: the keys of ground with relief.
 
-use super::error::SceneError;
-use super::field::{Field, Wanted, field, flag, span_of};
-use super::limits::{DEFAULT_TOLERANCE_PX, MAX_ELEVATION_FILES, TOLERANCE_PX};
-use super::locate::Source;
-use super::raw::RawEarth;
+use super::error::{SceneError, printable};
+use super::field::{Field, KeyText, PathKind, written};
+use super::keys::{MAX_ELEVATION_FILES, RawEarth};
+use super::surfaces;
+use super::text::SceneText;
 use crate::globe::{Subdivision, SurfaceKind, SurfaceSettings, Visibility};
 use std::path::PathBuf;
 
@@ -25,20 +25,20 @@ pub struct ReliefTable {
     pub denoise: bool,
 }
 
-impl Source<'_> {
+impl SceneText<'_> {
     /// Relief is drawn where a scene names heights, or a surface other than the blocks, which need none.
     pub(super) fn relief(&self, earth: &RawEarth) -> Result<Option<ReliefTable>, SceneError> {
-        let elevation_field = field!(earth.elevation);
+        let elevation_field = earth.elevation();
         // What docs/surfaces.md finds best near the ground.
         let usual = match elevation_field.is_given() {
             true => SurfaceKind::Quadtree,
             false => SurfaceKind::Blocks,
         };
-        let surface = self.choice(&field!(earth.surface), usual)?;
+        let surface = self.choice(&earth.surface(), usual)?;
         let settings = self.surface_settings(earth, surface)?;
         let elevation = self.paths(&elevation_field)?;
-        let (tolerance_px, sea_floor) = (field!(earth.tolerance_px), field!(earth.sea_floor));
-        let denoise = field!(earth.denoise);
+        let (tolerance_px, sea_floor) = (earth.tolerance_px(), earth.sea_floor());
+        let denoise = earth.denoise();
         if surface == SurfaceKind::Blocks && !elevation_field.is_given() {
             for (key, given) in [
                 (tolerance_px.key, tolerance_px.given.map(|v| v.span())),
@@ -59,11 +59,11 @@ impl Source<'_> {
             surface,
             settings,
             elevation,
-            tolerance_px: self.number(&tolerance_px, DEFAULT_TOLERANCE_PX, TOLERANCE_PX, |_| {
-                format!("must be from {} pixels", span_of(&TOLERANCE_PX))
+            tolerance_px: self.number(&tolerance_px, |_, range| {
+                format!("must be from {range} pixels")
             })?,
-            sea_floor: flag(&sea_floor, false),
-            denoise: flag(&denoise, false),
+            sea_floor: sea_floor.is_on(),
+            denoise: denoise.is_on(),
         }))
     }
 
@@ -73,14 +73,14 @@ impl Source<'_> {
         earth: &RawEarth,
         surface: SurfaceKind,
     ) -> Result<(), SceneError> {
-        let subdivision = field!(earth.subdivision);
+        let subdivision = earth.subdivision();
         let cells = self.subdivision(&subdivision)?;
         if cells != Subdivision::Auto && surface != SurfaceKind::Blocks {
             let advice =
                 "a number of cells is for surface = \"blocks\"; leave it out, or give tolerance_px";
             return Err(self.refuse(&subdivision, advice));
         }
-        let visibility = field!(earth.visibility);
+        let visibility = earth.visibility();
         if self.choice(&visibility, Visibility::default())? == Visibility::Paper {
             let advice = "the paper's rule loses ground behind the horizon; leave it out, or leave out elevation and surface";
             return Err(self.refuse(&visibility, advice));
@@ -106,9 +106,35 @@ impl Source<'_> {
                 table: field.table,
                 key: field.key,
                 given: Some(one),
+                rule: (),
             };
-            paths.extend(self.path(&one, Wanted::File)?);
+            paths.extend(self.path(&one, PathKind::File)?);
         }
         Ok(paths)
     }
+}
+
+/// The value of one of the keys of relief.
+pub(super) fn relief_value(relief: Option<&ReliefTable>, key: &str) -> KeyText {
+    let Some(relief) = relief else {
+        return match key {
+            "surface" => Ok("\"blocks\"".to_owned()),
+            _ => Err("the smooth ellipsoid is drawn"),
+        };
+    };
+    Ok(match key {
+        "surface" => format!("\"{}\"", written(&relief.surface)),
+        "elevation" if relief.elevation.is_empty() => {
+            return Err("the starter pack's heights are taken");
+        }
+        "elevation" => {
+            let files = relief.elevation.iter();
+            let files = files.map(|file| format!("\"{}\"", printable(&file.display().to_string())));
+            format!("[{}]", files.collect::<Vec<_>>().join(", "))
+        }
+        "tolerance_px" => relief.tolerance_px.to_string(),
+        "sea_floor" => relief.sea_floor.to_string(),
+        "denoise" => relief.denoise.to_string(),
+        _ => return surfaces::value(&relief.settings, key),
+    })
 }

@@ -1,9 +1,9 @@
 //! What can be checked only when the satellites are known: names to follow, sources that do not answer.
 
 use super::Scene;
-use super::dates::utc;
-use super::error::{Place, SceneError, printable};
-use super::locate::nearest;
+use super::error::{KeyLocation, SceneError, printable};
+use super::text::nearest;
+use super::time::utc;
 use crate::frames::Epoch;
 
 impl Scene {
@@ -30,7 +30,7 @@ impl Scene {
     /// The place of a satellite by name, letter case aside, as [`Self::followed`] looks for it; else what to do.
     ///
     /// # Errors
-    /// Words for a message: the nearest name and all names.
+    /// The remedy for a message: the nearest name and all names.
     pub fn satellite(&self, wanted: &str, names: &[&str]) -> Result<usize, String> {
         let folded = wanted.trim().to_lowercase();
         let is_it = |index: usize, name: &str| {
@@ -134,7 +134,7 @@ impl Scene {
         remedy: String,
     ) -> SceneError {
         SceneError::Value {
-            place: Box::new(Place {
+            place: Box::new(KeyLocation {
                 path: self.path.clone(),
                 line,
                 table: table.to_owned(),

@@ -1,16 +1,16 @@
 //! What a scene comes to: every value and where it is from, what will be used and what is left out.
 
-use super::dates::utc;
-use super::error::printable;
-use super::field::written;
-use super::raw::{TABLES, Table};
-use super::{CameraMode, PackTable, ReliefTable, Scene, orbit_summary, surfaces};
+use super::camera::CameraMode;
+use super::field::{KeyText, NO_ORBIT, UNKNOWN, written};
+use super::keys::{TABLES, Table};
+use super::time::utc;
+use super::{Scene, camera, earth, orbit_summary, output, time};
 use crate::air::Atmosphere;
-use crate::globe::{LevelRule, Subdivision, SurfaceSettings};
+use crate::globe::SurfaceSettings;
 use std::fmt::Write;
 
 impl Scene {
-    /// The scene in words, many lines, each ended: every key in scene order with its value and whether that is
+    /// The scene as text, many lines, each ended: every key in scene order with its value and whether that is
     /// from the file or the default; then what the scene uses and what it leaves out.
     pub fn summary(&self) -> String {
         let mut out = format!("{}: good\n", self.path.display());
@@ -77,88 +77,19 @@ impl Scene {
     }
 
     /// A key's value as a scene would write it, or why it has none.
-    fn value(&self, table: &str, key: &str) -> Result<String, &'static str> {
-        const NO_ORBIT: &str = "the camera stands over a place on the ground";
-        const FLYING: &str = "only for mode = \"geodetic\"";
-        let (time, camera, earth) = (&self.time, &self.camera, &self.earth);
-        let place = |degrees: f64| match camera.mode {
-            CameraMode::Geodetic => Ok(degrees.to_string()),
-            _ => Err(FLYING),
-        };
-        let quoted = |text: &str| Ok(format!("\"{}\"", printable(text)));
-        match (table, key) {
-            ("time", "start") => quoted(&utc(time.start)),
-            ("time", "duration_s") => Ok(time.duration_s.to_string()),
-            ("time", "speed") => Ok(time.speed.to_string()),
-            ("time", "frame_rate_hz") => Ok(time.frame_rate_hz.to_string()),
-            ("time", "orientation") => match &time.orientation {
-                Some(file) => quoted(&file.display().to_string()),
-                None => Err("UT1 is taken as UTC and polar motion as none"),
-            },
-            ("orbit", key) => {
-                let orbit = self.orbits.first().ok_or(NO_ORBIT)?;
-                orbit_summary::value(orbit, key)
+    fn value(&self, table: &str, key: &str) -> KeyText {
+        match table {
+            "time" => time::value(&self.time, key),
+            "orbit" => orbit_summary::value(self.orbits.first().ok_or(NO_ORBIT)?, key),
+            "tracks" => self.tracks_value(key),
+            "camera" => camera::value(&self.camera, key, !self.orbits.is_empty()),
+            "earth" => earth::value(&self.earth, key),
+            "output" => {
+                let is_waited_for = self.earth.pack.is_some() || self.is_live();
+                output::value(&self.output, key, is_waited_for)
             }
-            ("tracks", key) => self.tracks_value(key),
-            ("camera", "follow") => match &camera.follow {
-                Some(name) => quoted(name),
-                None if self.orbits.is_empty() => Err(NO_ORBIT),
-                None => Err("the first satellite is flown with"),
-            },
-            ("camera", "mode") => quoted(&written(&camera.mode)),
-            ("camera", "up") => match camera.mode {
-                CameraMode::Nadir => quoted(&written(&camera.up)),
-                _ => Err("only for mode = \"nadir\""),
-            },
-            ("camera", "fov_deg") => Ok(camera.fov_deg.to_string()),
-            ("camera", "lat_deg") => place(camera.lat_deg),
-            ("camera", "lon_deg") => place(camera.lon_deg),
-            ("camera", "height_km") => place(camera.height_km),
-            ("camera", "heading_deg") => place(camera.heading_deg),
-            ("camera", "pitch_deg") => place(camera.pitch_deg),
-            ("earth", "figure") => quoted(&written(&earth.figure)),
-            ("earth", "subdivision") => match earth.subdivision {
-                Subdivision::Auto => quoted("auto"),
-                cells => Ok(cells.to_string()),
-            },
-            ("earth", "visibility") => quoted(&written(&earth.visibility)),
-            ("earth", "shading") => quoted(&written(&earth.shading)),
-            ("earth", "clouds") => Ok(earth.clouds.to_string()),
-            ("earth", "normals") => Ok(earth.normals.to_string()),
-            ("earth", "night_lights") => Ok(earth.night_lights.to_string()),
-            ("earth", "atmosphere") => quoted(&written(&earth.atmosphere)),
-            ("earth", "textures") => match &earth.textures {
-                Some(folder) => quoted(&folder.display().to_string()),
-                None if earth.pack.is_some() => Err("the pack is taken"),
-                None => Err("the starter pack is taken"),
-            },
-            (
-                "earth",
-                "pack" | "water" | "levels" | "texel_px" | "storage" | "texture_mb" | "upload_mb",
-            ) => match &earth.pack {
-                Some(pack) => pack_value(pack, key),
-                None => Err("no pack: whole maps are drawn"),
-            },
-            (
-                "earth",
-                "surface" | "elevation" | "tolerance_px" | "sea_floor" | "denoise" | "clipmap"
-                | "contours" | "projected_grid",
-            ) => relief_value(earth.relief.as_ref(), key),
-            ("output", "size") => {
-                let [width, height] = self.output.size;
-                Ok(format!("[{width}, {height}]"))
-            }
-            ("output", "samples") => Ok(self.output.samples.to_string()),
-            ("output", "wait_s") => match earth.pack {
-                None if !self.is_live() => Err("no pack: nothing to wait for"),
-                _ => Ok(self.output.wait_s.to_string()),
-            },
-            ("quality", "target_ms") => match self.quality {
-                Some(quality) => Ok(quality.target_ms.to_string()),
-                None => Err("everything is drawn however long it takes"),
-            },
-            // A test holds that no known key comes here.
-            _ => Err("unknown to the summary"),
+            "quality" => output::quality_value(self.quality.as_ref(), key),
+            _ => Err(UNKNOWN),
         }
     }
 
@@ -278,47 +209,6 @@ impl Scene {
         }
         names
     }
-}
-
-/// The value of one of the keys of relief.
-fn relief_value(relief: Option<&ReliefTable>, key: &str) -> Result<String, &'static str> {
-    let Some(relief) = relief else {
-        return match key {
-            "surface" => Ok("\"blocks\"".to_owned()),
-            _ => Err("the smooth ellipsoid is drawn"),
-        };
-    };
-    Ok(match key {
-        "surface" => format!("\"{}\"", written(&relief.surface)),
-        "elevation" if relief.elevation.is_empty() => {
-            return Err("the starter pack's heights are taken");
-        }
-        "elevation" => {
-            let files = relief.elevation.iter();
-            let files = files.map(|file| format!("\"{}\"", printable(&file.display().to_string())));
-            format!("[{}]", files.collect::<Vec<_>>().join(", "))
-        }
-        "tolerance_px" => relief.tolerance_px.to_string(),
-        "sea_floor" => relief.sea_floor.to_string(),
-        "denoise" => relief.denoise.to_string(),
-        _ => return surfaces::value(&relief.settings, key),
-    })
-}
-
-/// The value of one of the pack's keys.
-fn pack_value(pack: &PackTable, key: &str) -> Result<String, &'static str> {
-    Ok(match key {
-        "pack" => format!("\"{}\"", printable(&pack.folder.display().to_string())),
-        "water" => pack.water.to_string(),
-        "levels" => format!("\"{}\"", written(&pack.levels)),
-        "texel_px" if pack.levels == LevelRule::Paper => {
-            return Err("only for levels = \"screen\"");
-        }
-        "texel_px" => pack.texel_px.to_string(),
-        "storage" => format!("\"{}\"", written(&pack.storage)),
-        "texture_mb" => pack.texture_mb.to_string(),
-        _ => pack.upload_mb.to_string(),
-    })
 }
 
 fn line(out: &mut String, text: std::fmt::Arguments<'_>) {

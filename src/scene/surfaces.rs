@@ -1,33 +1,32 @@
 //! `[earth.clipmap]`, `[earth.contours]` and `[earth.projected_grid]`: settings that one surface alone has.
 
 use super::error::{SceneError, printable};
-use super::field::{Field, field, span_of, written};
-use super::limits::{CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRID_SAMPLES};
-use super::locate::Source;
-use super::raw::RawEarth;
+use super::field::{Field, KeyText, range_text, written};
+use super::keys::{CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRID_SAMPLES, RawEarth};
+use super::text::SceneText;
 use crate::globe::clipmap::{ClipmapOptions, Trim};
 use crate::globe::contours::PageOptions;
 use crate::globe::projected_grid::GridOptions;
 use crate::globe::{ContourDrawing, SurfaceKind, SurfaceSettings};
 use toml::{Spanned, Value};
 
-impl Source<'_> {
+impl SceneText<'_> {
     /// What draws ground with relief, as its own table sets it.
     pub(super) fn surface_settings(
         &self,
         earth: &RawEarth,
         surface: SurfaceKind,
     ) -> Result<SurfaceSettings, SceneError> {
-        let clipmap = field!(earth.clipmap);
+        let clipmap = earth.clipmap();
         self.only_of(&clipmap, SurfaceKind::Clipmap, surface)?;
-        let grid = field!(earth.projected_grid);
+        let grid = earth.projected_grid();
         self.only_of(&grid, SurfaceKind::ProjectedGrid, surface)?;
-        let contours = field!(earth.contours);
+        let contours = earth.contours();
         self.only_of(&contours, SurfaceKind::Contours, surface)?;
         if self.contours(&contours)? == ContourDrawing::Cast {
             return Ok(SurfaceSettings::CastContours(PageOptions::default()));
         }
-        let cells = self.subdivision(&field!(earth.subdivision))?;
+        let cells = self.subdivision(&earth.subdivision())?;
         let mut settings = surface.settings(cells);
         match &mut settings {
             SurfaceSettings::Clipmap(options) => self.clipmap(&clipmap, options)?,
@@ -74,7 +73,7 @@ impl Source<'_> {
                 }
                 ("samples", _) => "samples along an edge of a level must be 65, 129 or 257".into(),
                 ("levels", _) => {
-                    let span = span_of(&CLIPMAP_LEVELS);
+                    let span = range_text(&CLIPMAP_LEVELS);
                     format!("levels must be a whole number from {span}, besides the globe's")
                 }
                 ("trimming", _) => "trimming must be \"diamond\" or \"hexagon\"".into(),
@@ -100,7 +99,7 @@ impl Source<'_> {
                     continue;
                 }
                 ("samples", _) => {
-                    let span = span_of(&GRID_SAMPLES);
+                    let span = range_text(&GRID_SAMPLES);
                     format!("samples must be [across, down], whole numbers from {span}")
                 }
                 ("on_gpu", _) => "on_gpu must be true or false".into(),
@@ -175,7 +174,7 @@ fn sides_of(sides: &[Value]) -> Option<(u32, u32)> {
 }
 
 /// The settings of a surface's own table as a scene writes them, by the table's key.
-pub(super) fn value(settings: &SurfaceSettings, key: &str) -> Result<String, &'static str> {
+pub(super) fn value(settings: &SurfaceSettings, key: &str) -> KeyText {
     match (key, settings) {
         ("clipmap", SurfaceSettings::Clipmap(options)) => Ok(format!(
             "{{ samples = {}, levels = {}, trimming = \"{}\" }}",

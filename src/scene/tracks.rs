@@ -1,12 +1,9 @@
 //! What is drawn of satellites: keys of `[orbit]`, and `[tracks]` with what holds for all.
 
 use super::error::{SceneError, printable};
-use super::field::{Field, field, flag, span_of};
-use super::limits::*;
-use super::locate::Source;
-use super::orbit_summary::Value;
-use super::raw::{RawOrbit, RawTracks};
-use super::{Orbit, Scene};
+use super::field::{Field, KeyText, range_text};
+use super::keys::{RawOrbit, RawTracks, SPAN_MIN};
+use super::text::SceneText;
 use toml::Spanned;
 
 /// What is drawn of one satellite besides the Earth under it. All of it is off where a scene says nothing.
@@ -73,24 +70,21 @@ pub(super) const KEYS: &[&str] = &[
 ];
 
 /// The satellite's own key, or the one for all.
-fn own_or<'r, T>(own: Field<'r, T>, common: Field<'r, T>) -> Field<'r, T> {
+fn own_or<'r, T, R>(own: Field<'r, T, R>, common: Field<'r, T, R>) -> Field<'r, T, R> {
     if own.is_given() { own } else { common }
 }
 
-impl Source<'_> {
+impl SceneText<'_> {
     /// Checks what is drawn of a satellite.
     pub(super) fn track(&self, orbit: &RawOrbit, tracks: &RawTracks) -> Result<Track, SceneError> {
-        let is_on = |own, common| flag(&own_or(own, common), false);
+        let is_on = |own, common| own_or(own, common).is_on();
         Ok(Track {
-            color: self.color(&field!(orbit.color))?,
-            trail: self.span(&own_or(field!(orbit.trail), field!(tracks.trail)))?,
-            ground_track: self.span(&own_or(
-                field!(orbit.ground_track),
-                field!(tracks.ground_track),
-            ))?,
+            color: self.color(&orbit.color())?,
+            trail: self.span(&own_or(orbit.trail(), tracks.trail()))?,
+            ground_track: self.span(&own_or(orbit.ground_track(), tracks.ground_track()))?,
             footprint: self.footprint(orbit, tracks)?,
-            subpoint: is_on(field!(orbit.subpoint), field!(tracks.subpoint)),
-            marker: is_on(field!(orbit.marker), field!(tracks.marker)),
+            subpoint: is_on(orbit.subpoint(), tracks.subpoint()),
+            marker: is_on(orbit.marker(), tracks.marker()),
         })
     }
 
@@ -111,8 +105,8 @@ impl Source<'_> {
         }
         // Each satellite may have keys of its own: what is common is checked here too.
         self.track(&RawOrbit::default(), tracks)?;
-        self.number(&field!(tracks.width_px), DEFAULT_TRACK_PX, TRACK_PX, |_| {
-            format!("lines must be from {} pixels wide", span_of(&TRACK_PX))
+        self.number(&tracks.width_px(), |_, range| {
+            format!("lines must be from {range} pixels wide")
         })
     }
 
@@ -137,7 +131,7 @@ impl Source<'_> {
         let advice = || {
             format!(
                 "must be true, false, or minutes before and after now like {{ before_min = 90, after_min = 45 }}, each from {}",
-                span_of(&SPAN_MIN)
+                range_text(&SPAN_MIN)
             )
         };
         let entries = match field.given.map(Spanned::get_ref) {
@@ -186,40 +180,42 @@ impl Source<'_> {
         orbit: &RawOrbit,
         tracks: &RawTracks,
     ) -> Result<Option<Footprint>, SceneError> {
-        let shown = own_or(field!(orbit.footprint), field!(tracks.footprint));
+        let shown = own_or(orbit.footprint(), tracks.footprint());
         let angle = own_or(
-            field!(orbit.sensor_half_angle_deg),
-            field!(tracks.sensor_half_angle_deg),
+            orbit.sensor_half_angle_deg(),
+            tracks.sensor_half_angle_deg(),
         );
-        let fill = own_or(field!(orbit.footprint_fill), field!(tracks.footprint_fill));
-        let range = SENSOR_HALF_ANGLE_DEG;
-        let half_angle_deg = self.number(&angle, *range.end(), range, |_| {
-            format!(
-                "the half angle of the sensor's cone must be from {} degrees",
-                span_of(&SENSOR_HALF_ANGLE_DEG)
-            )
-        })?;
+        let fill = own_or(orbit.footprint_fill(), tracks.footprint_fill());
+        let half_angle_deg = match angle.value() {
+            None => None,
+            Some(degrees) => Some(self.in_range(&angle, degrees, &angle.rule, |_| {
+                format!(
+                    "the half angle of the sensor's cone must be from {} degrees",
+                    range_text(&angle.rule)
+                )
+            })?),
+        };
         // An angle is given to be seen.
-        let is_shown = flag(&shown, angle.is_given());
+        let is_shown = shown.value().unwrap_or(angle.is_given());
         let is_meant = |table: &str| !shown.is_given() || shown.table == table;
         if !is_shown && angle.is_given() && is_meant(angle.table) {
             let advice =
                 "a sensor's angle has no meaning with footprint = false; leave one of them out";
             return Err(self.refuse(&angle, advice));
         }
-        if !is_shown && flag(&fill, false) && is_meant(fill.table) {
+        if !is_shown && fill.is_on() && is_meant(fill.table) {
             let advice = "footprint_fill tints a footprint and there is none; write footprint = true, or give sensor_half_angle_deg";
             return Err(self.refuse(&fill, advice));
         }
         Ok(is_shown.then(|| Footprint {
-            half_angle_deg: angle.given.map(|_| half_angle_deg),
-            fill: flag(&fill, false),
+            half_angle_deg,
+            fill: fill.is_on(),
         }))
     }
 }
 
 /// The value of a key as a scene would write it.
-pub(super) fn value(track: &Track, key: &str) -> Value {
+pub(super) fn value(track: &Track, key: &str) -> KeyText {
     let span = |span: Option<TrackSpan>| match span {
         None => "false".to_owned(),
         Some(TrackSpan::Usual) => "true".to_owned(),
@@ -254,63 +250,4 @@ pub(super) fn value(track: &Track, key: &str) -> Value {
             Some(footprint) => footprint.fill.to_string(),
         },
     })
-}
-
-impl Scene {
-    /// The value of a key of `[tracks]`.
-    pub(super) fn tracks_value(&self, key: &str) -> Value {
-        match key {
-            "width_px" => Ok(self.track_px.to_string()),
-            key => match self.line("tracks", key) {
-                Some(_) => Err("it is told with each satellite"),
-                None => Err("each satellite's own"),
-            },
-        }
-    }
-
-    /// What is drawn of each satellite of which anything is.
-    pub(super) fn track_uses(&self) -> Vec<(&'static str, String)> {
-        let shown = self.orbits.iter().enumerate();
-        shown
-            .filter(|(_, orbit)| !orbit.track.is_off())
-            .map(|(index, orbit)| ("track", words(index, orbit)))
-            .collect()
-    }
-}
-
-fn words(index: usize, orbit: &Orbit) -> String {
-    let track = &orbit.track;
-    let span = |name: &str, span: Option<TrackSpan>, usual: &str| {
-        span.map(|span| match span {
-            TrackSpan::Usual => format!("{name} of {usual}"),
-            TrackSpan::Minutes {
-                before_min,
-                after_min,
-            } => format!("{name} from {before_min} min before to {after_min} min after"),
-        })
-    };
-    let footprint = track.footprint.map(|footprint| {
-        let tinted = if footprint.fill { ", tinted" } else { "" };
-        match footprint.half_angle_deg {
-            Some(degrees) => format!("footprint of {degrees}° about straight down{tinted}"),
-            None => format!("footprint to the horizon{tinted}"),
-        }
-    });
-    let parts = [
-        span("trail", track.trail, "the last revolution"),
-        span(
-            "ground track",
-            track.ground_track,
-            "half a revolution to each side",
-        ),
-        footprint,
-        track.subpoint.then(|| "sub-satellite point".to_owned()),
-        track.marker.then(|| "marker with its name".to_owned()),
-    ];
-    let parts: Vec<_> = parts.into_iter().flatten().collect();
-    let whose = match &orbit.name {
-        Some(name) => printable(name),
-        None => format!("satellite {}", index + 1),
-    };
-    format!("{whose}: {}", parts.join("; "))
 }

@@ -3,10 +3,10 @@
 use glam::DVec3;
 use std::collections::VecDeque;
 
-/// A sampled place.
+/// A sampled point of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Sample {
-    /// Seconds since the curve's base epoch.
+pub(super) struct CurvePoint {
+    /// Seconds since the curve's reference epoch.
     pub t_s: f64,
     /// Metres, in the curve's axes.
     pub point_m: DVec3,
@@ -21,9 +21,9 @@ pub(super) const STEP_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 /// Shortest step, seconds: nothing outside the Earth goes half a degree in less.
 const SHORTEST_S: f64 = 0.01;
 
-/// What of time is to be known, seconds since the base.
+/// The span of time that a curve is drawn over, seconds since its reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Window {
+pub(super) struct TimeWindow {
     pub from_s: f64,
     pub now_s: f64,
     pub to_s: f64,
@@ -32,31 +32,31 @@ pub(super) struct Window {
 /// A sampled curve. Between calls its samples go without a gap from the first to the last.
 #[derive(Debug)]
 pub(super) struct Curve {
-    samples: VecDeque<Sample>,
+    samples: VecDeque<CurvePoint>,
     /// Most samples that are kept.
-    most: usize,
-    /// Steps are this often as long as each sample says: above 1 where the span is too long for `most`.
+    max_points: usize,
+    /// Steps are this often as long as each sample says: above 1 where the span is too long for `max_points`.
     coarseness: f64,
     /// Before the one and after the other the feed has answered with an error.
-    known: (f64, f64),
+    refused: (f64, f64),
 }
 
 impl Curve {
-    /// An empty curve of at most `most` samples.
-    pub fn new(most: usize) -> Self {
+    /// An empty curve of at most `max_points` samples.
+    pub fn new(max_points: usize) -> Self {
         Self {
-            samples: VecDeque::with_capacity(most + 2),
-            most,
+            samples: VecDeque::with_capacity(max_points + 2),
+            max_points,
             coarseness: 1.0,
-            known: (f64::NEG_INFINITY, f64::INFINITY),
+            refused: (f64::NEG_INFINITY, f64::INFINITY),
         }
     }
 
-    /// Forgets everything.
+    /// Forgets all samples: the next call begins anew.
     pub fn clear(&mut self) {
         self.samples.clear();
         self.coarseness = 1.0;
-        self.known = (f64::NEG_INFINITY, f64::INFINITY);
+        self.refused = (f64::NEG_INFINITY, f64::INFINITY);
     }
 
     /// Forgets what lies later than `t_s`, and what was refused: a live feed may know better by now.
@@ -64,21 +64,21 @@ impl Curve {
         while self.samples.back().is_some_and(|last| last.t_s > t_s) {
             self.samples.pop_back();
         }
-        self.known = (f64::NEG_INFINITY, f64::INFINITY);
+        self.refused = (f64::NEG_INFINITY, f64::INFINITY);
     }
 
     /// Samples what of `window` is missing, from now outwards, with at most `budget` calls of `at`, which are taken off
-    /// it. `reach` is what the feed answers for. Samples outside the window go, but for one at each end.
+    /// it. `known` is what the feed answers for, first and last. Samples outside the window go, but for one at each end.
     ///
     /// Answers whether all is there. Allocates nothing.
     pub fn follow(
         &mut self,
-        window: Window,
-        reach: (f64, f64),
+        window: TimeWindow,
+        known: (f64, f64),
         budget: &mut usize,
-        mut at: impl FnMut(f64) -> Option<Sample>,
+        mut at: impl FnMut(f64) -> Option<CurvePoint>,
     ) -> bool {
-        let Window {
+        let TimeWindow {
             from_s,
             now_s,
             to_s,
@@ -91,8 +91,8 @@ impl Curve {
             at(t_s)
         };
         loop {
-            let first_s = from_s.max(reach.0).max(self.known.0);
-            let last_s = to_s.min(reach.1).min(self.known.1);
+            let first_s = from_s.max(known.0).max(self.refused.0);
+            let last_s = to_s.min(known.1).min(self.refused.1);
             if *budget == 0 || first_s > last_s {
                 break;
             }
@@ -106,30 +106,30 @@ impl Curve {
                 }
                 continue;
             };
-            if self.samples.len() >= self.most {
+            if self.samples.len() >= self.max_points {
                 // Longer steps from the beginning: the end that is not there yet would lack its samples.
                 let coarser = 1.5 * self.coarseness;
                 self.clear();
                 self.coarseness = coarser;
                 continue;
             }
-            let step = |sample: &Sample| (self.coarseness * sample.step_s).max(SHORTEST_S);
+            let step = |sample: &CurvePoint| (self.coarseness * sample.step_s).max(SHORTEST_S);
             // The nearer end to now grows first.
             let (later, earlier) = (back.t_s < last_s, front.t_s > first_s);
             match (later, earlier) {
                 (true, other) if !other || back.t_s - now_s <= now_s - front.t_s => {
                     // Steps may go beyond the span, not beyond what is known.
-                    let t_s = (back.t_s + step(&back)).min(reach.1);
+                    let t_s = (back.t_s + step(&back)).min(known.1);
                     match taken(budget, t_s) {
                         Some(sample) => self.samples.push_back(sample),
-                        None => self.known.1 = back.t_s,
+                        None => self.refused.1 = back.t_s,
                     }
                 }
                 (_, true) => {
-                    let t_s = (front.t_s - step(&front)).max(reach.0);
+                    let t_s = (front.t_s - step(&front)).max(known.0);
                     match taken(budget, t_s) {
                         Some(sample) => self.samples.push_front(sample),
-                        None => self.known.0 = front.t_s,
+                        None => self.refused.0 = front.t_s,
                     }
                 }
                 _ => break,
@@ -138,13 +138,13 @@ impl Curve {
         self.drop_outside(from_s, to_s);
         let ends = self.samples.front().zip(self.samples.back());
         ends.is_none_or(|(front, back)| {
-            front.t_s <= from_s.max(reach.0).max(self.known.0)
-                && back.t_s >= to_s.min(reach.1).min(self.known.1)
+            front.t_s <= from_s.max(known.0).max(self.refused.0)
+                && back.t_s >= to_s.min(known.1).min(self.refused.1)
         })
     }
 
     /// Whether the window lies so far from what is kept that going there would cost more than beginning anew.
-    fn is_far(&self, window: Window) -> bool {
+    fn is_far(&self, window: TimeWindow) -> bool {
         let (Some(front), Some(back)) = (self.samples.front(), self.samples.back()) else {
             return false;
         };
@@ -167,14 +167,14 @@ impl Curve {
 
     /// The places in the window, in order of time, with its ends cut where they fall between samples and with `now`, the
     /// exact place, in it. Nothing where nothing is known.
-    pub fn walk(&self, window: Window, now: Option<DVec3>, mut give: impl FnMut(f64, DVec3)) {
-        let Window {
+    pub fn walk(&self, window: TimeWindow, now: Option<DVec3>, mut give: impl FnMut(f64, DVec3)) {
+        let TimeWindow {
             from_s,
             now_s,
             to_s,
         } = window;
         let mut now = now.filter(|_| from_s <= now_s && now_s <= to_s);
-        let mut before: Option<&Sample> = None;
+        let mut before: Option<&CurvePoint> = None;
         for sample in &self.samples {
             if sample.t_s > from_s
                 && let Some(before) = before.filter(|before| before.t_s < from_s)
@@ -214,7 +214,7 @@ impl Curve {
     }
 }
 
-fn between(a: &Sample, b: &Sample, t_s: f64) -> DVec3 {
+fn between(a: &CurvePoint, b: &CurvePoint, t_s: f64) -> DVec3 {
     let at = ((t_s - a.t_s) / (b.t_s - a.t_s)).clamp(0.0, 1.0);
     a.point_m.lerp(b.point_m, at)
 }
@@ -224,16 +224,16 @@ mod tests {
     use super::*;
 
     /// Something that goes along x at a metre a second.
-    fn along(t_s: f64) -> Option<Sample> {
-        Some(Sample {
+    fn along(t_s: f64) -> Option<CurvePoint> {
+        Some(CurvePoint {
             t_s,
             point_m: DVec3::X * t_s,
             step_s: 10.0,
         })
     }
 
-    fn window(from_s: f64, now_s: f64, to_s: f64) -> Window {
-        Window {
+    fn window(from_s: f64, now_s: f64, to_s: f64) -> TimeWindow {
+        TimeWindow {
             from_s,
             now_s,
             to_s,
@@ -242,7 +242,7 @@ mod tests {
 
     const ALWAYS: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
-    fn walked(curve: &Curve, window: Window) -> Vec<f64> {
+    fn walked(curve: &Curve, window: TimeWindow) -> Vec<f64> {
         let mut times = Vec::new();
         curve.walk(window, Some(DVec3::X * window.now_s), |t_s, point| {
             assert!((point.x - t_s).abs() < 1e-9, "{t_s}: {point:?}");

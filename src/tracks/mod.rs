@@ -48,138 +48,38 @@
 //! **Air.** The air is one layer that blends over all that lies beyond its near boundary, as over the ground. So lines are drawn
 //! twice: beyond it before the air, before it after. A line behind the limb is dimmed and tinted, one in front is not.
 
+mod buffers;
 mod curve;
 mod footprint;
+mod projection;
 mod satellite;
+mod style;
 
 use crate::air::EARTH_AIR;
 use crate::earth::{EarthOptions, EyeView, Viewport};
 use crate::frames::{Ellipsoid, Epoch, Orientation};
-use crate::gpu::{
-    DepthBuffer, Fill, LinePoint, Mark, PassFormat, ShaderError, TrackKinds, TrackUniforms,
-    TracksDrawable,
-};
+use crate::gpu::{DepthBuffer, PassFormat, ShaderError, TrackKinds, TrackUniforms, TracksDrawable};
 use crate::orbit::Feed;
+use buffers::TrackBuffers;
+pub use buffers::{NEAREST_MARKER_M, TrackLabel};
 pub use footprint::{
     OUTLINE_POINTS, WIDEST_HALF_ANGLE_RAD, footprint_outline, is_beyond_air, is_hidden,
 };
-use glam::{DMat4, DVec3};
+use projection::EyeProjection;
 use satellite::{Axes, Satellite};
+pub use style::{Footprint, TrackSpan, TrackStyle};
 
 /// Most states that [`Tracks::prepare`] asks feeds for to grow their curves.
 pub const SAMPLES_A_FRAME: usize = 512;
 /// Most points of one curve.
-pub const MOST_POINTS: usize = 16_384;
+pub const MAX_POINTS: usize = 16_384;
 /// Most points of all curves.
-pub const MOST_POINTS_IN_ALL: usize = 262_144;
-/// Nearer than this a satellite is no dot, metres: it is then the eye's own, or a craft that is seen.
-pub const NEAREST_MARKER_M: f64 = 1000.0;
-
-/// Time before and after now that a curve is drawn over.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TrackSpan {
-    /// So many revolutions, by the orbit's energy when it was first seen; of an orbit that does not close or takes more
-    /// than two days, so many days.
-    Revolutions {
-        /// Before now, 0 or more.
-        before: f64,
-        /// After now, 0 or more.
-        after: f64,
-    },
-    /// So many seconds.
-    Seconds {
-        /// Before now, 0 or more.
-        before_s: f64,
-        /// After now, 0 or more.
-        after_s: f64,
-    },
-}
-
-impl TrackSpan {
-    /// What a trail has where nothing is said: the last revolution, which closes the ellipse.
-    pub const TRAIL: Self = Self::Revolutions {
-        before: 1.0,
-        after: 0.0,
-    };
-    /// What a ground track has: half a revolution to each side.
-    pub const GROUND_TRACK: Self = Self::Revolutions {
-        before: 0.5,
-        after: 0.5,
-    };
-}
-
-/// The ground that a sensor sees.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Footprint {
-    /// Half angle of the sensor's cone about straight down, radians; `None` is all the ground in sight.
-    pub half_angle_rad: Option<f64>,
-    /// Whether the ground within is tinted.
-    pub is_filled: bool,
-}
-
-/// What is drawn of one satellite. What is off is not sampled, not uploaded, and if it is off for all not compiled.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrackStyle {
-    /// Display values (sRGB).
-    pub color: [u8; 3],
-    /// Width of lines, pixels.
-    pub width_px: f32,
-    /// The orbit.
-    pub trail: Option<TrackSpan>,
-    /// Where it passed and will pass overhead.
-    pub ground_track: Option<TrackSpan>,
-    /// What its sensor sees.
-    pub footprint: Option<Footprint>,
-    /// A ring where it is overhead now.
-    pub subpoint: bool,
-    /// A dot where it is, and a place for its name.
-    pub marker: bool,
-}
-
-impl TrackStyle {
-    /// Nothing, in a colour of its own for each satellite of a scene, legible on the day and the night side: seven that
-    /// differ for the colour-blind too (after Okabe and Ito 2008, made lighter), again from the first beyond.
-    pub fn new(index: usize) -> Self {
-        const COLORS: [[u8; 3]; 7] = [
-            [255, 196, 46],
-            [92, 200, 255],
-            [255, 128, 176],
-            [64, 224, 160],
-            [255, 140, 64],
-            [240, 236, 96],
-            [178, 160, 255],
-        ];
-        Self {
-            color: COLORS[index % COLORS.len()],
-            width_px: 2.0,
-            trail: None,
-            ground_track: None,
-            footprint: None,
-            subpoint: false,
-            marker: false,
-        }
-    }
-
-    /// Whether nothing is drawn.
-    pub fn is_nothing(&self) -> bool {
-        let kinds = self.kinds();
-        !(kinds.lines || kinds.marks)
-    }
-
-    fn kinds(&self) -> TrackKinds {
-        let footprint = self.footprint;
-        TrackKinds {
-            lines: self.trail.or(self.ground_track).is_some() || footprint.is_some(),
-            marks: self.marker || self.subpoint,
-            fills: footprint.is_some_and(|footprint| footprint.is_filled),
-        }
-    }
-}
+pub const MAX_POINTS_IN_ALL: usize = 262_144;
 
 /// The pass that tracks are drawn in, and the figure that they lie on: the Earth's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TracksOptions {
-    /// The figure.
+    /// The figure of the Earth.
     pub ellipsoid: Ellipsoid,
     /// Format of the colour target.
     pub color_format: wgpu::TextureFormat,
@@ -204,25 +104,14 @@ impl TracksOptions {
 /// What a frame shows.
 #[derive(Clone, Copy, Debug)]
 pub struct TrackMoment<'m> {
-    /// Now.
+    /// The epoch that the frame shows.
     pub epoch: Epoch,
     /// The Earth's orientation now, as states are brought into Earth-fixed axes.
     pub orientation: Orientation,
-    /// The eye.
+    /// The view from the eye.
     pub view: &'m EyeView,
     /// The part of the target that the pass draws to.
     pub target: Viewport,
-}
-
-/// Where a satellite's name belongs: beside its dot, which is in the picture and not hidden.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrackLabel {
-    /// The satellite's place among the styles.
-    pub satellite: usize,
-    /// The dot's middle, pixels from the viewport's upper left corner.
-    pub at_px: [f32; 2],
-    /// Its colour, display values.
-    pub color: [u8; 3],
 }
 
 /// What a frame's tracks are.
@@ -268,28 +157,10 @@ pub struct Tracks {
     kinds: TrackKinds,
     drawable: TracksDrawable,
     device: wgpu::Device,
-    stage: Stage,
+    buffers: TrackBuffers,
     stats: TrackStats,
     /// False if the last view gives no picture.
     is_shown: bool,
-}
-
-/// What is written to the GPU, kept from frame to frame for its room.
-#[derive(Default)]
-struct Stage {
-    points: Vec<LinePoint>,
-    marks: Vec<Mark>,
-    fills: Vec<Fill>,
-    labels: Vec<TrackLabel>,
-    outline: Vec<DVec3>,
-}
-
-/// The eye of a frame.
-struct Eye<'e> {
-    itrf_m: DVec3,
-    clip_from_eye: DMat4,
-    size: (u32, u32),
-    ellipsoid: &'e Ellipsoid,
 }
 
 impl Tracks {
@@ -303,7 +174,9 @@ impl Tracks {
         styles: &[TrackStyle],
     ) -> Result<Self, TracksError> {
         for (satellite, style) in styles.iter().enumerate() {
-            satellite::check(style).map_err(|what| TracksError::Style { satellite, what })?;
+            style
+                .check()
+                .map_err(|what| TracksError::Style { satellite, what })?;
         }
         let mut kinds = TrackKinds::default();
         for style in styles.iter().map(TrackStyle::kinds) {
@@ -317,17 +190,17 @@ impl Tracks {
                 usize::from(style.trail.is_some()) + usize::from(style.ground_track.is_some())
             })
             .sum::<usize>();
-        let most = (MOST_POINTS_IN_ALL / curves.max(1)).min(MOST_POINTS);
+        let max_points = (MAX_POINTS_IN_ALL / curves.max(1)).min(MAX_POINTS);
         Ok(Self {
             satellites: styles
                 .iter()
-                .map(|style| Satellite::new(style, most))
+                .map(|style| Satellite::new(style, max_points))
                 .collect(),
             options: *options,
             kinds,
             drawable: TracksDrawable::new(device, options.format(), kinds)?,
             device: device.clone(),
-            stage: Stage::default(),
+            buffers: TrackBuffers::default(),
             stats: TrackStats::default(),
             is_shown: false,
         })
@@ -380,12 +253,12 @@ impl Tracks {
         let view = moment.view.in_itrf(moment.target);
         self.stats = TrackStats::default();
         self.is_shown = view.is_some();
-        self.stage.clear();
+        self.buffers.clear();
         let Some(view) = view else {
             return self.stats;
         };
         let ellipsoid = self.options.ellipsoid;
-        let eye = Eye {
+        let eye = EyeProjection {
             itrf_m: view.eye_itrf_m,
             clip_from_eye: view.clip_from_eye,
             size: moment.target.size,
@@ -396,7 +269,7 @@ impl Tracks {
         let mut is_complete = true;
         for (index, (satellite, feed)) in self.satellites.iter_mut().zip(feeds).enumerate() {
             is_complete &= satellite.follow(feed, &mut axes, &ellipsoid, &mut left);
-            satellite.stage(index, &eye, &mut axes, &mut self.stage);
+            satellite.write(index, &eye, &mut axes, &mut self.buffers);
         }
         let frame = TrackUniforms {
             frame: view.uniforms(&ellipsoid),
@@ -407,19 +280,19 @@ impl Tracks {
             air_top: EARTH_AIR.top() as f32,
             side: 0.0,
         };
-        let stage = &mut self.stage;
+        let buffers = &mut self.buffers;
         let uploaded_bytes = self.drawable.write(
             &self.device,
             queue,
             &frame,
-            &mut stage.points,
-            &stage.marks,
-            &stage.fills,
+            &mut buffers.points,
+            &buffers.marks,
+            &buffers.fills,
         );
         let (draw_calls, triangles) = self.drawable.calls();
         self.stats = TrackStats {
-            points: stage.points.len() as u32,
-            marks: stage.marks.len() as u32,
+            points: buffers.points.len() as u32,
+            marks: buffers.marks.len() as u32,
             samples: (budget - left) as u32,
             triangles,
             draw_calls,
@@ -445,7 +318,7 @@ impl Tracks {
 
     /// Where names belong in the picture prepared last.
     pub fn labels(&self) -> &[TrackLabel] {
-        &self.stage.labels
+        &self.buffers.labels
     }
 
     /// Names of what is drawn of some satellite: "trails" (with ground tracks and outlines), "marks", "fills".
@@ -475,14 +348,5 @@ impl TracksOptions {
             samples: self.samples,
             depth: self.depth,
         }
-    }
-}
-
-impl Stage {
-    fn clear(&mut self) {
-        self.points.clear();
-        self.marks.clear();
-        self.fills.clear();
-        self.labels.clear();
     }
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::frames::{Geodetic, utc_from_rfc3339};
-use crate::orbit::kepler::{Anomaly, Elements, KeplerFeed, KeplerOptions, Size};
+use crate::orbit::kepler::{Anomaly, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize};
 use crate::orbit::{OrbitError, Sgp4Feed};
 
 const WGS84: Ellipsoid = Ellipsoid::WGS84;
@@ -12,12 +12,12 @@ fn utc(text: &str) -> Epoch {
 }
 
 fn kepler(periapsis_m: f64, eccentricity: f64, inclination_deg: f64) -> KeplerFeed {
-    let elements = Elements {
-        size: Size::Periapsis(periapsis_m),
+    let elements = KeplerElements {
+        size: OrbitSize::Periapsis(periapsis_m),
         eccentricity,
         inclination_rad: f64::to_radians(inclination_deg),
-        node_rad: 1.0,
-        argument_rad: 4.7,
+        raan_rad: 1.0,
+        argument_of_periapsis_rad: 4.7,
         anomaly: Anomaly::Mean(0.4),
     };
     let options = KeplerOptions {
@@ -56,18 +56,24 @@ fn follow(satellite: &mut Satellite, feed: &dyn Feed, at: Epoch) -> (bool, usize
 /// The trail in Earth-fixed axes of that instant, and the ground track, with seconds from then.
 fn curves(satellite: &Satellite, at: Epoch) -> [Vec<(f64, DVec3)>; 2] {
     let mut axes = Axes::new(at, Orientation::default());
-    let base = satellite.base.unwrap_or_else(|| panic!("nothing is known"));
-    let turn = axes.itrf_from(base.frame);
+    let reference = satellite
+        .reference
+        .unwrap_or_else(|| panic!("nothing is known"));
+    let turn = axes.itrf_from(reference.frame);
     let (mut trail, mut ground) = (Vec::new(), Vec::new());
     let now_s = satellite.now_s;
     if let (Some(curve), Some(span)) = (&satellite.trail, satellite.style.trail) {
-        curve.walk(base.window(span, now_s), satellite.now_m, |t_s, place| {
-            trail.push((t_s - now_s, turn * place));
-        });
+        curve.walk(
+            reference.window(span, now_s),
+            satellite.now_m,
+            |t_s, place| {
+                trail.push((t_s - now_s, turn * place));
+            },
+        );
     }
     if let (Some(curve), Some(span)) = (&satellite.ground, satellite.style.ground_track) {
-        let foot = satellite.now_m.map(|place| foot(turn * place, &WGS84));
-        curve.walk(base.window(span, now_s), foot, |t_s, place| {
+        let foot = satellite.now_m.map(|place| subpoint(turn * place, &WGS84));
+        curve.walk(reference.window(span, now_s), foot, |t_s, place| {
             ground.push((t_s - now_s, place));
         });
     }

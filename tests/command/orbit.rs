@@ -3,7 +3,7 @@
 use crate::{Place, words};
 use std::path::{Path, PathBuf};
 use terrella::frames::{Duration, EarthOrientation, Ellipsoid, Orientation, utc_from_rfc3339};
-use terrella::orbit::{Catalogue, Ephemerides, Feed, Frame, SampledFeed, Sgp4Feed};
+use terrella::orbit::{Catalogue, Ephemerides, EphemerisFeed, Feed, Frame, Sgp4Feed};
 use terrella::play::Flight;
 use terrella::scene::Scene;
 
@@ -17,7 +17,7 @@ fn printed(place: &Place, arguments: &[&str]) -> String {
     String::from_utf8(place.succeed(arguments).stdout).expect("UTF-8")
 }
 
-fn read_table(text: &str) -> SampledFeed {
+fn read_table(text: &str) -> EphemerisFeed {
     let origin = Path::new("printed.csv");
     let read = Ephemerides::from_text(text, origin, true);
     let feeds = read.unwrap_or_else(|error| panic!("{error}\n{text}"));

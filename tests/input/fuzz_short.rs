@@ -290,7 +290,8 @@ fn seeds_are_good() {
     for seed in live::seeds() {
         let mut splitter = terrella::orbit::live::Splitter::default();
         splitter.push(&seed);
-        while let Some((packet, _)) = splitter.finish() {
+        while let Some(received) = splitter.finish() {
+            let packet = received.packet;
             packet.expect("a good packet");
         }
     }

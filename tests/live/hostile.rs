@@ -19,7 +19,7 @@ impl Random {
 /// Sends `count` packets, one in twenty of them garbage or damaged, and holds what arrives against what was sent.
 fn soak(count: u64) {
     let (feed, address) = open(LiveOptions {
-        most_packets_per_s: 1_000_000,
+        max_packets_per_s: 1_000_000,
         ..tcp()
     });
     let mut stream = connect(address);
@@ -111,7 +111,7 @@ fn a_line_without_an_end_is_one_bad_packet() {
 #[test]
 fn a_flood_is_dropped_and_the_picture_goes_on() {
     let (feed, address) = open(LiveOptions {
-        most_packets_per_s: 100,
+        max_packets_per_s: 100,
         ..tcp()
     });
     let stop = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
@@ -201,7 +201,7 @@ fn a_web_page_that_posts_states_is_refused() {
 #[test]
 fn a_flood_of_datagrams_is_dropped_and_what_comes_after_it_is_taken() {
     let (feed, address) = open(LiveOptions {
-        most_packets_per_s: 100,
+        max_packets_per_s: 100,
         ..udp()
     });
     let socket = std::net::UdpSocket::bind(loopback()).unwrap();

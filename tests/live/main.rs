@@ -10,7 +10,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::time::{Duration, Instant};
 use terrella::frames::{Epoch, utc_from_rfc3339};
-use terrella::orbit::live::{Kind, LiveFeed, LiveOptions, Mode, Packet, Transport};
+use terrella::orbit::live::{LiveFeed, LiveOptions, Pacing, Packet, PacketKind, Transport};
 use terrella::orbit::{Frame, OrbitState};
 
 /// Longest that anything is waited for; a machine under load is slow, not wrong.
@@ -31,7 +31,7 @@ fn udp() -> LiveOptions {
 
 fn lockstep(options: LiveOptions) -> LiveOptions {
     LiveOptions {
-        mode: Mode::Lockstep,
+        pacing: Pacing::Lockstep,
         ..options
     }
 }
@@ -62,7 +62,7 @@ fn state(t_s: f64) -> OrbitState {
 
 fn packet(seq: u64, t_s: f64) -> Packet {
     Packet {
-        kind: Kind::State,
+        kind: PacketKind::State,
         seq: Some(seq),
         state: state(t_s),
         name: None,
@@ -71,7 +71,7 @@ fn packet(seq: u64, t_s: f64) -> Packet {
 
 fn frame(seq: u64, t_s: f64) -> Packet {
     Packet {
-        kind: Kind::Frame,
+        kind: PacketKind::Frame,
         ..packet(seq, t_s)
     }
 }

@@ -5,8 +5,8 @@ use terrella::orbit::live::{PacketFault, Splitter};
 
 fn all(splitter: &mut Splitter) -> (Vec<u64>, Vec<PacketFault>) {
     let (mut good, mut bad) = (Vec::new(), Vec::new());
-    while let Some((cut, _)) = splitter.next() {
-        match cut {
+    while let Some(received) = splitter.next() {
+        match received.packet {
             Ok(packet) => good.push(packet.seq.unwrap()),
             Err(fault) => bad.push(fault),
         }

@@ -215,9 +215,9 @@ fn settings_and_ports_that_cannot_be_are_refused() {
             },
         ),
         (
-            "most_packets_per_s",
+            "max_packets_per_s",
             LiveOptions {
-                most_packets_per_s: 0,
+                max_packets_per_s: 0,
                 ..tcp()
             },
         ),

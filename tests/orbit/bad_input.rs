@@ -399,7 +399,7 @@ fn files_that_are_no_element_files_are_named() {
     let huge = folder.path().join("huge.tle");
     std::fs::File::create(&huge)
         .unwrap()
-        .set_len(TleFeed::LARGEST_FILE + 1)
+        .set_len(TleFeed::MAX_FILE_BYTES + 1)
         .unwrap();
     contains(&huge, "larger than 16 MiB");
     // At the limit it is read, and found to be no text.
@@ -407,7 +407,7 @@ fn files_that_are_no_element_files_are_named() {
         .write(true)
         .open(&huge)
         .unwrap()
-        .set_len(TleFeed::LARGEST_FILE)
+        .set_len(TleFeed::MAX_FILE_BYTES)
         .unwrap();
     contains(&huge, ":1:1: '\\0' cannot stand here");
     // A device that claims to be empty.

@@ -4,8 +4,8 @@ use crate::utc;
 use glam::DVec3;
 use std::path::Path;
 use terrella::frames::Duration;
-use terrella::orbit::sampled::{Interpolation, Sample, Sampled};
-use terrella::orbit::{Ephemerides, Feed, Frame, OrbitError, SampledFeed};
+use terrella::orbit::interpolated::{InterpolatedStates, Interpolation, StateSample};
+use terrella::orbit::{Ephemerides, EphemerisFeed, Feed, Frame, OrbitError};
 
 const SIMPLE: &str = include_str!("../data/orbit/simple.czml");
 
@@ -13,7 +13,7 @@ fn read(text: &str) -> Result<Ephemerides, OrbitError> {
     Ephemerides::from_text(text, Path::new("sat.czml"), true)
 }
 
-fn simple() -> Vec<SampledFeed> {
+fn simple() -> Vec<EphemerisFeed> {
     read(SIMPLE).unwrap().feeds
 }
 
@@ -111,15 +111,16 @@ fn between_samples_the_files_degree_is_good_to_metres() {
     for (feed, (most_m, finer_m)) in simple().iter().zip(bounds) {
         let mut offs = Vec::new();
         for segment in feed.segments() {
-            let all: Vec<Sample> = segment.samples.samples().collect();
+            let all: Vec<StateSample> = segment.samples.samples().collect();
             let with = |degree| {
-                Sampled::new(Frame::Gcrf, &all, Interpolation::Lagrange { degree }).unwrap()
+                InterpolatedStates::new(Frame::Gcrf, &all, Interpolation::Lagrange { degree })
+                    .unwrap()
             };
             let (truth, finer) = (with(15), with(11));
             let inner = all.get(8..all.len().saturating_sub(8)).unwrap_or_default();
             for sample in inner {
                 let t = sample.epoch + Duration::from_seconds(150.0);
-                let at = |s: &Sampled| s.state_at(t).unwrap().position_m;
+                let at = |s: &InterpolatedStates| s.state_at(t).unwrap().position_m;
                 let truth = at(&truth);
                 offs.push((
                     at(&segment.samples).distance(truth),

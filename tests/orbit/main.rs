@@ -4,10 +4,10 @@
 mod bad_input;
 mod catalogue;
 mod czml;
+mod interpolated;
 mod oem;
 mod oem_bad_input;
 mod omm;
-mod sampled;
 mod table;
 mod track;
 mod verification;

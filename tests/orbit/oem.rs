@@ -5,8 +5,10 @@ use glam::DVec3;
 use std::fmt::Write;
 use std::path::Path;
 use terrella::frames::{Duration, Epoch, TimeScale, ccsds_time};
-use terrella::orbit::sampled::{Interpolation, KeplerOrbit, Sample, Sampled, Segment};
-use terrella::orbit::{Ephemerides, Feed, Frame, Header, OrbitError, SampledFeed, write_oem};
+use terrella::orbit::interpolated::{
+    EphemerisSegment, InterpolatedStates, Interpolation, KeplerOrbit, StateSample,
+};
+use terrella::orbit::{Ephemerides, EphemerisFeed, Feed, Frame, Header, OrbitError, write_oem};
 
 pub(crate) fn epoch(t_s: f64) -> Epoch {
     utc("2016-12-31T23:50:00Z") + Duration::from_seconds(t_s)
@@ -116,7 +118,7 @@ pub(crate) fn read(text: &str) -> Result<Ephemerides, OrbitError> {
     Ephemerides::from_text(text, Path::new("sat.oem"), true)
 }
 
-fn one(text: &str) -> SampledFeed {
+fn one(text: &str) -> EphemerisFeed {
     let mut feeds = read(text).unwrap_or_else(|e| panic!("{e}\n{text}")).feeds;
     assert_eq!(feeds.len(), 1);
     feeds.remove(0)
@@ -362,14 +364,16 @@ fn what_is_written_reads_back_to_the_last_digit() {
                 let (position_m, velocity) = KeplerOrbit::MOLNIYA.state(t);
                 // The third axis has numbers of all sizes.
                 let z = DVec3::Z * (f64::from(k) * 0.7).sin() * 10_f64.powi(k as i32 % 17 - 9);
-                Sample {
+                StateSample {
                     epoch: epoch(t),
                     position_m: position_m + z,
                     velocity_m_s: Some(velocity - z),
                 }
             })
             .collect();
-        let mut segment = Segment::whole(Sampled::new(frame, &samples, interpolation).unwrap());
+        let mut segment = EphemerisSegment::whole(
+            InterpolatedStates::new(frame, &samples, interpolation).unwrap(),
+        );
         segment.usable.0 += Duration::from_total_nanoseconds(123_456_789);
         segment
     };
@@ -380,7 +384,7 @@ fn what_is_written_reads_back_to_the_last_digit() {
         segment(150, Frame::Eme2000, Interpolation::Linear),
         segment(200, Frame::Pef, Interpolation::Linear),
     ];
-    let feed = SampledFeed::new("SAT [1]".into(), Some("2016-001A".into()), segments).unwrap();
+    let feed = EphemerisFeed::new("SAT [1]".into(), Some("2016-001A".into()), segments).unwrap();
     let header = Header {
         originator: "TERRELLA".into(),
         created: epoch(0.0),

@@ -4,10 +4,10 @@ use crate::{config, utc};
 use std::fmt::Write;
 use std::path::Path;
 use terrella::frames::{Duration, Ellipsoid, TimeScale, ccsds_time, rfc3339};
-use terrella::orbit::sampled::Interpolation;
-use terrella::orbit::{Ephemerides, Feed, Frame, OrbitError, SampledFeed};
+use terrella::orbit::interpolated::Interpolation;
+use terrella::orbit::{Ephemerides, EphemerisFeed, Feed, Frame, OrbitError};
 
-fn read(text: &str) -> Result<SampledFeed, OrbitError> {
+fn read(text: &str) -> Result<EphemerisFeed, OrbitError> {
     let origin = Path::new("folder/sat.csv");
     Ephemerides::from_text(text, origin, true)?.into_one(origin, None)
 }

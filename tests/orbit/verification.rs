@@ -163,7 +163,7 @@ fn far_from_its_epoch_the_feed_refuses_and_the_propagator_agrees() {
     for row in &case.rows[1..] {
         assert!(matches!(
             fly(&feed, row.minutes),
-            Err(OrbitError::OutOfReach { .. })
+            Err(OrbitError::OutsideValidity { .. })
         ));
         let minutes = sgp4::MinutesSinceEpoch(row.minutes);
         let state = constants

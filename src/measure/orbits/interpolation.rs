@@ -1,6 +1,6 @@
 //! Interpolated ephemerides by degree and step, as a table.
 
-use crate::orbit::sampled::{Interpolation, KeplerOrbit, interpolation_error};
+use crate::orbit::interpolated::{Interpolation, KeplerOrbit, interpolation_error};
 use std::fmt::Write as _;
 
 /// Steps from state to state, seconds.

@@ -21,9 +21,9 @@ pub use table::{OrbitRow, markdown, rows};
 use super::numeric::{Method, Sweep, Work};
 use crate::frames::{Duration, Epoch};
 use crate::orbit::constants::{EARTH_GM_M3_S2, EGM96_EQUATORIAL_RADIUS_M, EGM96_J2};
-use crate::orbit::kepler::{Anomaly, Drift, Elements, KeplerFeed, KeplerOptions, Size};
+use crate::orbit::kepler::{Anomaly, Drift, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize};
 use crate::orbit::numerical::{
-    Craft, ForceModel, Gravity, NumericalFeed, NumericalOptions, Solver,
+    ForceModel, Gravity, NumericalFeed, NumericalOptions, Solver, Spacecraft,
 };
 use crate::orbit::{Feed, Frame, OrbitState};
 use glam::DVec3;
@@ -72,12 +72,12 @@ impl OrbitCase {
         } else {
             epoch
         };
-        let elements = Elements {
-            size: Size::Periapsis(7e6),
+        let elements = KeplerElements {
+            size: OrbitSize::Periapsis(7e6),
             eccentricity,
             inclination_rad: 63.4_f64.to_radians(),
-            node_rad: 1.0,
-            argument_rad: 4.7,
+            raan_rad: 1.0,
+            argument_of_periapsis_rad: 4.7,
             anomaly: Anomaly::PeriapsisAt(passage),
         };
         let (position_m, velocity_m_s) =
@@ -151,7 +151,8 @@ impl OrbitCase {
             solver,
             ..NumericalOptions::between(first, last)
         };
-        let feed = NumericalFeed::new("", &self.start, &model, &Craft::default(), &options).ok()?;
+        let feed =
+            NumericalFeed::new("", &self.start, &model, &Spacecraft::default(), &options).ok()?;
         Some(Flight {
             states: states(&feed)?,
             evaluations: feed.counts().evaluations,

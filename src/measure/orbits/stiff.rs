@@ -5,9 +5,9 @@ use crate::frames::{Duration, Epoch};
 use crate::orbit::Frame;
 use crate::orbit::OrbitState;
 use crate::orbit::constants::EARTH_GM_M3_S2;
-use crate::orbit::kepler::{Anomaly, Elements, Size};
+use crate::orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
 use crate::orbit::numerical::{
-    Atmosphere, Craft, ForceModel, Gravity, NumericalFeed, NumericalOptions, Solver,
+    AtmosphereModel, ForceModel, Gravity, NumericalFeed, NumericalOptions, Solver, Spacecraft,
 };
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
@@ -48,12 +48,12 @@ impl StiffFall {
     /// `None` where it fails.
     fn fly(solver: Solver, relative_tolerance: f64) -> Option<Fall> {
         let epoch = Epoch::from_gregorian_tai_at_noon(2018, 1, 15);
-        let elements = Elements {
-            size: Size::Periapsis(6_378_137.0 + 120e3),
+        let elements = KeplerElements {
+            size: OrbitSize::Periapsis(6_378_137.0 + 120e3),
             eccentricity: 0.0,
             inclination_rad: 20_f64.to_radians(),
-            node_rad: 1.1,
-            argument_rad: 2.3,
+            raan_rad: 1.1,
+            argument_of_periapsis_rad: 2.3,
             anomaly: Anomaly::True(0.0),
         };
         let (position_m, velocity_m_s) =
@@ -66,13 +66,13 @@ impl StiffFall {
         };
         let model = ForceModel {
             gravity: Gravity::Zonal { degree: 4 },
-            drag: Some(Atmosphere::Standard1976),
+            drag: Some(AtmosphereModel::Standard1976),
             ..ForceModel::default()
         };
-        let craft = Craft {
+        let craft = Spacecraft {
             mass_kg: 0.001,
             drag_area_m2: 0.07,
-            ..Craft::default()
+            ..Spacecraft::default()
         };
         let options = NumericalOptions {
             relative_tolerance,

@@ -7,7 +7,7 @@ use crate::globe::contours::PageOptions;
 use crate::globe::projected_grid::GridOptions;
 use crate::globe::quadtree::{QuadtreeOptions, Refine};
 use crate::globe::{SurfaceKind, SurfaceSettings};
-use crate::scene::limits::DEFAULT_TOLERANCE_PX;
+use crate::scene::DEFAULT_TOLERANCE_PX;
 
 /// A surface to be compared.
 #[derive(Clone, Debug, PartialEq)]

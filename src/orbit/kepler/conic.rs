@@ -1,7 +1,7 @@
 //! Motion on a conic of any kind, from a circle over the parabola and the straight line to the hyperbola.
 
-use super::KeplerError;
 use super::stumpff::Universal;
+use crate::orbit::StartError;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
@@ -34,7 +34,7 @@ pub struct Conic {
 pub(super) type PositionVelocity = (DVec3, DVec3);
 
 /// Bound on the solver's rounds; each halves the bracket at least, and no bracket has more than 2 000 binary digits.
-const MOST_ROUNDS: u32 = 2_200;
+const MAX_ROUNDS: u32 = 2_200;
 
 impl Conic {
     /// The conic through a position (m) with a velocity (m/s), both finite, the position not zero.
@@ -45,14 +45,14 @@ impl Conic {
         gm_m3_s2: f64,
         position_m: DVec3,
         velocity_m_s: DVec3,
-    ) -> Result<Self, KeplerError> {
+    ) -> Result<Self, StartError> {
         let finite = |field, v: DVec3| match v.is_finite() {
             true => Ok(()),
-            false => Err(KeplerError::NotFinite { field }),
+            false => Err(StartError::NotFinite { field }),
         };
         finite("position", position_m)?;
         finite("velocity", velocity_m_s)?;
-        let range = |field, value, expected| KeplerError::Range {
+        let range = |field, value, expected| StartError::Range {
             field,
             value,
             expected,
@@ -221,7 +221,7 @@ impl Conic {
             chi = chi.min((2.0 * tau * root * root * root / e + 1.8).ln() / root);
         }
         let mut before = f64::INFINITY;
-        for round in 1..=MOST_ROUNDS {
+        for round in 1..=MAX_ROUNDS {
             let (f, slope) = value(chi);
             if f == 0.0 {
                 return (chi, round);
@@ -255,6 +255,6 @@ impl Conic {
             }
             chi = next;
         }
-        (chi, MOST_ROUNDS)
+        (chi, MAX_ROUNDS)
     }
 }

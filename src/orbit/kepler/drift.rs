@@ -8,10 +8,10 @@ use glam::DVec3;
 /// Average rates by J2, to first order (Vallado 2013, 9-37…9-41).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SecularRates {
-    /// Ω̇, radians per second.
-    pub node_rad_s: f64,
-    /// ω̇, radians per second.
-    pub argument_rad_s: f64,
+    /// Of the RAAN, Ω̇, radians per second.
+    pub raan_rad_s: f64,
+    /// Of the argument of periapsis, ω̇, radians per second.
+    pub argument_of_periapsis_rad_s: f64,
     /// Ṁ − n over n.
     pub mean_motion_relative: f64,
 }
@@ -32,8 +32,8 @@ impl SecularRates {
         let factor = 0.75 * EGM96_J2 * (EGM96_EQUATORIAL_RADIUS_M / p).powi(2);
         let sin2_i = i.sin().powi(2);
         Some(Self {
-            node_rad_s: -2.0 * n * factor * i.cos(),
-            argument_rad_s: n * factor * (4.0 - 5.0 * sin2_i),
+            raan_rad_s: -2.0 * n * factor * i.cos(),
+            argument_of_periapsis_rad_s: n * factor * (4.0 - 5.0 * sin2_i),
             mean_motion_relative: factor * ((1.0 - e) * (1.0 + e)).sqrt() * (2.0 - 3.0 * sin2_i),
         })
     }

@@ -1,13 +1,14 @@
-//! Classical elements.
+//! Keplerian (classical) elements: semi-major axis or periapsis, eccentricity, inclination, RAAN, argument of periapsis, anomaly.
 
 use super::{Conic, KeplerError};
 use crate::frames::Epoch;
+use crate::orbit::StartError;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
 /// Size of a conic.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Size {
+pub enum OrbitSize {
     /// Semi-major axis a, metres; below 0 for hyperbolas. A parabola has none.
     SemiMajorAxis(f64),
     /// Distance of the periapsis from the Earth's centre q, metres, above 0.
@@ -27,17 +28,17 @@ pub enum Anomaly {
 
 /// Classical elements of an ellipse, parabola or hyperbola. A fall along a straight line has none: give its state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Elements {
-    /// Size.
-    pub size: Size,
+pub struct KeplerElements {
+    /// How large it is.
+    pub size: OrbitSize,
     /// Eccentricity e, 0 or more.
     pub eccentricity: f64,
     /// Inclination i, radians, 0…π.
     pub inclination_rad: f64,
-    /// Right ascension of the ascending node Ω, radians.
-    pub node_rad: f64,
-    /// Argument of the periapsis ω, radians.
-    pub argument_rad: f64,
+    /// Right ascension of the ascending node (RAAN) Ω, radians.
+    pub raan_rad: f64,
+    /// Argument of periapsis ω, radians.
+    pub argument_of_periapsis_rad: f64,
     /// Where on it, at the epoch.
     pub anomaly: Anomaly,
 }
@@ -45,7 +46,7 @@ pub struct Elements {
 /// Sizes in metres that anything about the Earth can have; also what keeps products finite.
 const SIZES_M: std::ops::RangeInclusive<f64> = 1.0..=1e15;
 
-impl Elements {
+impl KeplerElements {
     /// The conic at `epoch` about a centre of the given μ, m³/s².
     ///
     /// # Errors
@@ -54,11 +55,11 @@ impl Elements {
     pub fn conic(&self, gm_m3_s2: f64, epoch: Epoch) -> Result<Conic, KeplerError> {
         self.check_finite()?;
         let range = |field, value, expected| {
-            Err(KeplerError::Range {
+            Err(KeplerError::from(StartError::Range {
                 field,
                 value,
                 expected,
-            })
+            }))
         };
         let e = self.eccentricity;
         if !(0.0..=1e6).contains(&e) {
@@ -69,7 +70,7 @@ impl Elements {
             return range("inclination, rad,", i, "0…π");
         }
         let (q, alpha) = match self.size {
-            Size::SemiMajorAxis(a) => {
+            OrbitSize::SemiMajorAxis(a) => {
                 if e == 1.0 || (a > 0.0) != (e < 1.0) {
                     return Err(KeplerError::Contradiction {
                         axis_m: a,
@@ -81,14 +82,18 @@ impl Elements {
                 }
                 (a * (1.0 - e), 1.0 / a)
             }
-            Size::Periapsis(q) => {
+            OrbitSize::Periapsis(q) => {
                 if !SIZES_M.contains(&q) {
                     return range("periapsis radius, m,", q, "1…1e15");
                 }
                 (q, (1.0 - e) / q)
             }
         };
-        let [to_periapsis, across] = plane(self.inclination_rad, self.node_rad, self.argument_rad);
+        let [to_periapsis, across] = plane(
+            self.inclination_rad,
+            self.raan_rad,
+            self.argument_of_periapsis_rad,
+        );
         let mut conic = Conic {
             gm_m3_s2,
             periapsis_m: q,
@@ -118,29 +123,29 @@ impl Elements {
     /// Elements of a conic; angles from 0 to 2π, where a circle's periapsis is put into its node and an equatorial
     /// orbit's node to 0. The anomaly is the true one at the epoch.
     pub fn of(conic: &Conic) -> Self {
-        let [inclination_rad, node_rad, argument] = angles(conic);
+        let [inclination_rad, raan_rad, argument] = angles(conic);
         let ((x, y), _) = conic.in_plane(conic.chi_at(0.0, 0.0));
         let circle = conic.eccentricity < 1e-14;
-        let argument_rad = if circle { 0.0 } else { argument };
+        let argument_of_periapsis_rad = if circle { 0.0 } else { argument };
         // From the node to the place, less what the periapsis has of it.
-        let nu = y.atan2(x) + argument - argument_rad;
+        let nu = y.atan2(x) + argument - argument_of_periapsis_rad;
         Self {
             size: match conic.eccentricity {
-                0.0..0.9 => Size::SemiMajorAxis(1.0 / conic.reciprocal_axis_1_m),
-                _ => Size::Periapsis(conic.periapsis_m),
+                0.0..0.9 => OrbitSize::SemiMajorAxis(1.0 / conic.reciprocal_axis_1_m),
+                _ => OrbitSize::Periapsis(conic.periapsis_m),
             },
             eccentricity: conic.eccentricity,
             inclination_rad,
-            node_rad: node_rad.rem_euclid(TAU),
-            argument_rad: argument_rad.rem_euclid(TAU),
+            raan_rad: raan_rad.rem_euclid(TAU),
+            argument_of_periapsis_rad: argument_of_periapsis_rad.rem_euclid(TAU),
             anomaly: Anomaly::True(nu - TAU * (nu / TAU).round()),
         }
     }
 
-    fn check_finite(&self) -> Result<(), KeplerError> {
+    fn check_finite(&self) -> Result<(), StartError> {
         let (size_name, size) = match self.size {
-            Size::SemiMajorAxis(a) => ("semi-major axis", a),
-            Size::Periapsis(q) => ("periapsis radius", q),
+            OrbitSize::SemiMajorAxis(a) => ("semi-major axis", a),
+            OrbitSize::Periapsis(q) => ("periapsis radius", q),
         };
         let (anomaly_name, anomaly) = match self.anomaly {
             Anomaly::True(nu) => ("true anomaly", nu),
@@ -151,12 +156,12 @@ impl Elements {
             (size_name, size),
             ("eccentricity", self.eccentricity),
             ("inclination", self.inclination_rad),
-            ("right ascension of the ascending node", self.node_rad),
-            ("argument of the periapsis", self.argument_rad),
+            ("right ascension of the ascending node", self.raan_rad),
+            ("argument of the periapsis", self.argument_of_periapsis_rad),
             (anomaly_name, anomaly),
         ];
         match numbers.iter().find(|(_, value)| !value.is_finite()) {
-            Some(&(field, _)) => Err(KeplerError::NotFinite { field }),
+            Some(&(field, _)) => Err(StartError::NotFinite { field }),
             None => Ok(()),
         }
     }
@@ -174,7 +179,7 @@ impl Conic {
 pub(super) fn angles(conic: &Conic) -> [f64; 3] {
     let normal = conic.to_periapsis.cross(conic.across);
     let horizontal = normal.x.hypot(normal.y);
-    let (node, node_rad) = match horizontal > 1e-12 {
+    let (node, raan_rad) = match horizontal > 1e-12 {
         true => (
             DVec3::new(-normal.y, normal.x, 0.0) / horizontal,
             normal.x.atan2(-normal.y),
@@ -182,20 +187,28 @@ pub(super) fn angles(conic: &Conic) -> [f64; 3] {
         false => (DVec3::X, 0.0),
     };
     let ahead = normal.cross(node);
-    let argument_rad = conic
+    let argument_of_periapsis_rad = conic
         .to_periapsis
         .dot(ahead)
         .atan2(conic.to_periapsis.dot(node));
-    [horizontal.atan2(normal.z), node_rad, argument_rad]
+    [
+        horizontal.atan2(normal.z),
+        raan_rad,
+        argument_of_periapsis_rad,
+    ]
 }
 
 /// Unit vectors to the periapsis and 90° on: R3(−Ω) R1(−i) R3(−ω) applied to x and y.
-pub(super) fn plane(inclination_rad: f64, node_rad: f64, argument_rad: f64) -> [DVec3; 2] {
+pub(super) fn plane(
+    inclination_rad: f64,
+    raan_rad: f64,
+    argument_of_periapsis_rad: f64,
+) -> [DVec3; 2] {
     let (sin_i, cos_i) = inclination_rad.sin_cos();
-    let (sin_o, cos_o) = node_rad.sin_cos();
+    let (sin_o, cos_o) = raan_rad.sin_cos();
     let node = DVec3::new(cos_o, sin_o, 0.0);
     let ahead = DVec3::new(-sin_o * cos_i, cos_o * cos_i, sin_i);
-    let (sin_w, cos_w) = argument_rad.sin_cos();
+    let (sin_w, cos_w) = argument_of_periapsis_rad.sin_cos();
     [node * cos_w + ahead * sin_w, ahead * cos_w - node * sin_w]
 }
 

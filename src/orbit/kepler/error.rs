@@ -1,25 +1,14 @@
 //! What can be wrong with elements.
 
+use crate::orbit::StartError;
+
 /// Why there is no orbit, or none any more.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum KeplerError {
-    /// NaN or an infinite number.
-    #[error("{field} is not a finite number")]
-    NotFinite {
-        /// Which number.
-        field: &'static str,
-    },
-    /// A number outside its range.
-    #[error("{field} is {value:e}; expected {expected}")]
-    Range {
-        /// Which number.
-        field: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it should be.
-        expected: &'static str,
-    },
+    /// A number that cannot be, or a start under the ground.
+    #[error(transparent)]
+    Start(#[from] StartError),
     /// Size and eccentricity belong to different conics.
     #[error(
         "a semi-major axis of {axis_m:e} m does not go with eccentricity {eccentricity}: it is above 0 for ellipses (e < 1), below 0 for hyperbolas (e > 1), and a parabola has none; give the periapsis radius instead"
@@ -68,25 +57,5 @@ pub enum KeplerError {
         first: String,
         /// Last, UTC.
         last: String,
-    },
-    /// Under the ground at the epoch.
-    #[error(
-        "at its epoch {satellite} is {depth_m:.0} m below the WGS84 ellipsoid; metres may have been taken for kilometres"
-    )]
-    ImpactAtEpoch {
-        /// The satellite.
-        satellite: String,
-        /// How deep, metres.
-        depth_m: f64,
-    },
-    /// The orbit meets the ground.
-    #[error("{satellite} meets the ground at {impact}; {asked} is on the far side of that")]
-    Impact {
-        /// The satellite.
-        satellite: String,
-        /// When, UTC.
-        impact: String,
-        /// What was asked for, UTC.
-        asked: String,
     },
 }

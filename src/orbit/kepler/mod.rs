@@ -1,10 +1,10 @@
-//! Motion on a conic: two bodies, and where wanted the Earth's flattening as an average.
+//! Keplerian propagation: motion on a conic, of two bodies, and where wanted the Earth's flattening as an average.
 //!
 //! | file | what |
 //! |---|---|
 //! | `stumpff.rs` | functions that are the same for every conic |
 //! | `conic.rs` | position from time and time from position, by a universal variable |
-//! | `elements.rs` | classical elements, there and back |
+//! | `elements.rs` | Keplerian elements, there and back |
 //! | `drift.rs` | the drift of node and periapsis by J2 |
 
 mod conic;
@@ -16,13 +16,13 @@ mod stumpff;
 mod tests;
 
 pub use conic::Conic;
-pub use drift::SecularRates;
-pub use elements::{Anomaly, Elements, Size};
+pub(crate) use drift::SecularRates;
+pub use elements::{Anomaly, KeplerElements, OrbitSize};
 pub use error::KeplerError;
 
 use super::constants::EARTH_GM_M3_S2;
-use super::reach::{Ground, check_span};
-use super::{Feed, Frame, OrbitError, OrbitState};
+use super::validity::{Impacts, Validity};
+use super::{Feed, Frame, OrbitError, OrbitState, StartError};
 use crate::frames::{Duration, Ellipsoid, Epoch, rfc3339};
 use elements::{angles, plane};
 use glam::DVec3;
@@ -53,16 +53,13 @@ pub struct KeplerFeed {
     conic: Conic,
     /// Inclination, node and argument at the epoch, radians.
     drift: Option<([f64; 3], SecularRates)>,
-    first: Epoch,
-    last: Epoch,
-    /// Where the conic meets the ground, if it does in the span: before and after.
-    ground: Ground,
+    validity: Validity,
 }
 
 /// How a [`KeplerFeed`] moves and how long it is good for.
 #[derive(Clone, Copy, Debug)]
 pub struct KeplerOptions {
-    /// The Earth's flattening.
+    /// What is taken of the Earth's flattening.
     pub drift: Drift,
     /// First epoch to answer for.
     pub first: Epoch,
@@ -74,13 +71,13 @@ impl KeplerFeed {
     /// From classical elements at `epoch`, in the axes of `frame` (TEME, GCRF or EME2000).
     ///
     /// # Errors
-    /// What [`Elements::conic`] refuses, a turning frame, a drift of what is no ellipse, an empty span, an epoch under
+    /// What [`KeplerElements::conic`] refuses, a turning frame, a drift of what is no ellipse, an empty span, an epoch under
     /// the ground.
     pub fn from_elements(
         name: impl Into<String>,
         frame: Frame,
         epoch: Epoch,
-        elements: &Elements,
+        elements: &KeplerElements,
         options: KeplerOptions,
     ) -> Result<Self, KeplerError> {
         let conic = elements.conic(EARTH_GM_M3_S2, epoch)?;
@@ -137,18 +134,17 @@ impl KeplerFeed {
             epoch,
             conic,
             drift,
-            first: options.first,
-            last: options.last,
-            ground: Ground::default(),
+            validity: Validity::between(options.first, options.last),
         };
         let height_m = feed.height_m(conic.chi_at(0.0, 0.0));
         if height_m < 0.0 {
-            return Err(KeplerError::ImpactAtEpoch {
+            return Err(KeplerError::Start(StartError::BelowGround {
                 satellite: feed.name,
                 depth_m: -height_m,
-            });
+                surface: "the WGS84 ellipsoid",
+            }));
         }
-        feed.find_ground();
+        feed.find_impacts();
         Ok(feed)
     }
 
@@ -164,7 +160,7 @@ impl KeplerFeed {
 
     /// When it meets the ground (WGS84), if it does so after its epoch and within its span.
     pub fn impact(&self) -> Option<Epoch> {
-        self.ground.met
+        self.validity.impacts.after
     }
 
     /// Height over WGS84, metres, at χ; without drift, whose part in one turn is 0.1° at most.
@@ -177,7 +173,7 @@ impl KeplerFeed {
     /// Where the conic dips under the ground it is left on one side and met on the other.
     ///
     /// Only where the radius is below the equator's can this be: there the height is looked at from the epoch outwards.
-    fn find_ground(&mut self) {
+    fn find_impacts(&mut self) {
         let radius = Ellipsoid::WGS84.equatorial_radius_m;
         let (q, e, alpha) = (
             self.conic.periapsis_m,
@@ -209,9 +205,9 @@ impl KeplerFeed {
                 })
         };
         let (before, after) = (crossing(-1.0), crossing(1.0));
-        self.ground = Ground {
-            left: before.filter(|at| *at >= self.first),
-            met: after.filter(|at| *at <= self.last),
+        self.validity.impacts = Impacts {
+            before: before.filter(|at| *at >= self.validity.first),
+            after: after.filter(|at| *at <= self.validity.last),
         };
     }
 
@@ -235,6 +231,7 @@ impl KeplerFeed {
         Some(self.epoch + Duration::from_seconds(seconds))
     }
 
+    /// Propagates from the epoch: position, metres, and velocity, metres per second.
     fn state_after(&self, elapsed: Duration) -> (DVec3, DVec3) {
         let ns = elapsed.total_nanoseconds();
         let (whole, rest) = (
@@ -249,8 +246,8 @@ impl KeplerFeed {
         let normal = self.conic.to_periapsis.cross(self.conic.across);
         let [to_periapsis, across] = plane(
             *inclination,
-            node + rates.node_rad_s * seconds,
-            argument + rates.argument_rad_s * seconds,
+            node + rates.raan_rad_s * seconds,
+            argument + rates.argument_of_periapsis_rad_s * seconds,
         );
         let turned = Conic {
             to_periapsis,
@@ -258,8 +255,9 @@ impl KeplerFeed {
             ..self.conic
         };
         let (position, velocity) = turned.at(whole, rest + factor * seconds);
-        let node_turn = DVec3::Z * rates.node_rad_s;
-        let own_turn = to_periapsis.cross(across).normalize_or(normal) * rates.argument_rad_s;
+        let node_turn = DVec3::Z * rates.raan_rad_s;
+        let own_turn =
+            to_periapsis.cross(across).normalize_or(normal) * rates.argument_of_periapsis_rad_s;
         (
             position,
             velocity * (1.0 + factor) + (node_turn + own_turn).cross(position),
@@ -273,19 +271,11 @@ impl Feed for KeplerFeed {
     }
 
     fn validity(&self) -> (Epoch, Epoch) {
-        self.ground.cut((self.first, self.last))
+        self.validity.interval()
     }
 
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
-        check_span(&self.name, epoch, (self.first, self.last))?;
-        if let Some(impact) = self.ground.between(epoch) {
-            return Err(KeplerError::Impact {
-                satellite: self.name.clone(),
-                impact: rfc3339(impact),
-                asked: rfc3339(epoch),
-            }
-            .into());
-        }
+        self.validity.check(&self.name, epoch)?;
         let (position_m, velocity_m_s) = self.state_after(epoch - self.epoch);
         Ok(OrbitState {
             epoch,

@@ -16,13 +16,13 @@ fn span(days: f64) -> KeplerOptions {
     }
 }
 
-fn elements(periapsis_m: f64, eccentricity: f64, nu_deg: f64) -> Elements {
-    Elements {
-        size: Size::Periapsis(periapsis_m),
+fn elements(periapsis_m: f64, eccentricity: f64, nu_deg: f64) -> KeplerElements {
+    KeplerElements {
+        size: OrbitSize::Periapsis(periapsis_m),
         eccentricity,
         inclination_rad: 0.9,
-        node_rad: 1.1,
-        argument_rad: 2.3,
+        raan_rad: 1.1,
+        argument_of_periapsis_rad: 2.3,
         anomaly: Anomaly::True(nu_deg.to_radians()),
     }
 }
@@ -79,7 +79,7 @@ fn the_ellipse_solves_keplers_equation() {
         let a = 7e6 / (1.0 - e);
         let n = (MU / a.powi(3)).sqrt();
         let mut start = elements(7e6, e, 0.0);
-        start.size = Size::SemiMajorAxis(a);
+        start.size = OrbitSize::SemiMajorAxis(a);
         let conic = start.conic(MU, epoch()).unwrap();
         for k in -20..=20 {
             // From E to M, never the other way.
@@ -249,15 +249,17 @@ fn elements_come_back_as_themselves() {
     for e in [0.01, 0.5, 0.95, 1.3] {
         for nu in [-80.0, 20.0, 100.0] {
             let given = elements(8e6, e, nu);
-            let found = Elements::of(&given.conic(MU, epoch()).unwrap());
+            let found = KeplerElements::of(&given.conic(MU, epoch()).unwrap());
             let size = match found.size {
-                Size::SemiMajorAxis(a) => a * (1.0 - e),
-                Size::Periapsis(q) => q,
+                OrbitSize::SemiMajorAxis(a) => a * (1.0 - e),
+                OrbitSize::Periapsis(q) => q,
             };
             assert!((size / 8e6 - 1.0).abs() < 1e-14);
             assert!((found.inclination_rad - given.inclination_rad).abs() < 1e-14);
-            assert!((found.node_rad - given.node_rad).abs() < 1e-14);
-            assert!((found.argument_rad - given.argument_rad).abs() < 1e-13);
+            assert!((found.raan_rad - given.raan_rad).abs() < 1e-14);
+            assert!(
+                (found.argument_of_periapsis_rad - given.argument_of_periapsis_rad).abs() < 1e-13
+            );
             let Anomaly::True(true_anomaly) = found.anomaly else {
                 panic!()
             };
@@ -274,7 +276,7 @@ fn thirty_years_on_the_turns_are_still_counted() {
     // A period that is a whole number of seconds by choice of a: after 30 years of turns the place is the first one.
     let a = (MU * (5_400.0 / TAU).powi(2)).cbrt();
     let mut start = elements(1.0, 0.001, 0.0);
-    start.size = Size::SemiMajorAxis(a);
+    start.size = OrbitSize::SemiMajorAxis(a);
     start.anomaly = Anomaly::Mean(0.3);
     let feed =
         KeplerFeed::from_elements("old", Frame::Teme, epoch(), &start, span(11_000.0)).unwrap();
@@ -300,16 +302,16 @@ fn the_drift_by_flattening_is_that_of_known_orbits() {
     let mut sun = elements(7_178_136.3, 0.0, 0.0);
     sun.inclination_rad = 98.603_f64.to_radians();
     let rates = SecularRates::of(&sun.conic(MU, epoch()).unwrap()).unwrap();
-    let deg_day = rates.node_rad_s.to_degrees() * 86_400.0;
+    let deg_day = rates.raan_rad_s.to_degrees() * 86_400.0;
     assert!((deg_day - 0.985_647).abs() < 1e-3, "{deg_day}");
     // Frozen perigee at the critical inclination, sin² i = 4/5.
     let mut molniya = elements(6_978e3, 0.74, 0.0);
     molniya.inclination_rad = 0.8_f64.sqrt().asin();
     let rates = SecularRates::of(&molniya.conic(MU, epoch()).unwrap()).unwrap();
     assert!(
-        rates.argument_rad_s.abs() < 1e-20,
+        rates.argument_of_periapsis_rad_s.abs() < 1e-20,
         "{}",
-        rates.argument_rad_s
+        rates.argument_of_periapsis_rad_s
     );
     // The feed moves by these rates: its node after 10 days.
     let options = KeplerOptions {
@@ -337,41 +339,41 @@ fn the_drift_by_flattening_is_that_of_known_orbits() {
 
 #[test]
 fn what_is_no_orbit_is_refused() {
-    let refused = |change: fn(&mut Elements)| {
+    let refused = |change: fn(&mut KeplerElements)| {
         let mut e = elements(7e6, 0.1, 20.0);
         change(&mut e);
         e.conic(MU, epoch()).unwrap_err()
     };
     assert!(matches!(
         refused(|e| e.eccentricity = f64::NAN),
-        KeplerError::NotFinite {
+        KeplerError::Start(StartError::NotFinite {
             field: "eccentricity"
-        }
+        })
     ));
     assert!(matches!(
         refused(|e| e.eccentricity = -0.1),
-        KeplerError::Range { .. }
+        KeplerError::Start(StartError::Range { .. })
     ));
     assert!(matches!(
         refused(|e| e.inclination_rad = 4.0),
-        KeplerError::Range { .. }
+        KeplerError::Start(StartError::Range { .. })
     ));
     assert!(matches!(
-        refused(|e| e.size = Size::Periapsis(-7e6)),
-        KeplerError::Range { .. }
+        refused(|e| e.size = OrbitSize::Periapsis(-7e6)),
+        KeplerError::Start(StartError::Range { .. })
     ));
     assert!(matches!(
-        refused(|e| e.size = Size::SemiMajorAxis(f64::INFINITY)),
-        KeplerError::NotFinite { .. }
+        refused(|e| e.size = OrbitSize::SemiMajorAxis(f64::INFINITY)),
+        KeplerError::Start(StartError::NotFinite { .. })
     ));
     for (a, e) in [(-7e6, 0.5), (7e6, 1.5), (7e6, 1.0), (-7e6, 1.0), (0.0, 1.2)] {
         let mut orbit = elements(7e6, e, 0.0);
-        orbit.size = Size::SemiMajorAxis(a);
+        orbit.size = OrbitSize::SemiMajorAxis(a);
         let error = orbit.conic(MU, epoch()).unwrap_err();
         assert!(
             matches!(
                 error,
-                KeplerError::Contradiction { .. } | KeplerError::Range { .. }
+                KeplerError::Contradiction { .. } | KeplerError::Start(StartError::Range { .. })
             ),
             "{error}"
         );
@@ -389,14 +391,15 @@ fn what_is_no_orbit_is_refused() {
     assert!(elements(7e6, 2.0, 119.0).conic(MU, epoch()).is_ok());
     assert!(matches!(
         Conic::from_state(MU, DVec3::ZERO, DVec3::X),
-        Err(KeplerError::Range { .. })
+        Err(StartError::Range { .. })
     ));
     assert!(matches!(
         Conic::from_state(MU, DVec3::NAN, DVec3::X),
-        Err(KeplerError::NotFinite { .. })
+        Err(StartError::NotFinite { .. })
     ));
-    let feed =
-        |e: Elements, frame, options| KeplerFeed::from_elements("x", frame, epoch(), &e, options);
+    let feed = |e: KeplerElements, frame, options| {
+        KeplerFeed::from_elements("x", frame, epoch(), &e, options)
+    };
     assert!(matches!(
         feed(elements(7e6, 0.1, 0.0), Frame::Itrf, span(1.0)),
         Err(KeplerError::TurningFrame { .. })
@@ -411,7 +414,7 @@ fn what_is_no_orbit_is_refused() {
     ));
     assert!(matches!(
         feed(elements(6e6, 0.1, 0.0), Frame::Gcrf, span(1.0)),
-        Err(KeplerError::ImpactAtEpoch { .. })
+        Err(KeplerError::Start(StartError::BelowGround { .. }))
     ));
     assert!(matches!(
         feed(elements(7e6, 0.1, 0.0), Frame::Gcrf, span(-1.0)),

@@ -1,19 +1,19 @@
-//! The last states, in the order of time, and what lies between and beyond them.
+//! The last states of a simulator, interpolated between and extrapolated beyond.
 
 use super::super::constants::EARTH_GM_M3_S2;
+use super::super::interpolated::{InterpolatedStates, Interpolation, StateSample};
 use super::super::kepler::Conic;
-use super::super::sampled::{Interpolation, Sample, Sampled};
 use super::super::{Frame, OrbitState};
 use super::options::Extrapolation;
 use crate::frames::{Duration, Epoch, Orientation};
 use std::collections::VecDeque;
 
 /// How many states are kept.
-pub const MOST_STATES: usize = 256;
+pub const MAX_STATES: usize = 256;
 
-/// What became of a state.
+/// What became of a state that came.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Taken {
+pub enum Insertion {
     /// It is the newest.
     Newest,
     /// It came after a later one and stands in its place.
@@ -28,19 +28,19 @@ pub enum Taken {
     Restart,
 }
 
-/// The last states.
+/// The last states, in the order of time.
 #[derive(Debug)]
-pub struct Buffer {
+pub struct StateBuffer {
     states: VecDeque<OrbitState>,
     /// Farther apart than this is a jump, seconds.
     gap_s: f64,
     apart: Option<OrbitState>,
 }
 
-impl Buffer {
+impl StateBuffer {
     pub fn new(gap_s: f64) -> Self {
         Self {
-            states: VecDeque::with_capacity(MOST_STATES),
+            states: VecDeque::with_capacity(MAX_STATES),
             gap_s,
             apart: None,
         }
@@ -55,10 +55,10 @@ impl Buffer {
     }
 
     /// Takes a state of a simulator that nobody waits for.
-    pub fn take(&mut self, state: OrbitState) -> Taken {
+    pub fn take(&mut self, state: OrbitState) -> Insertion {
         let Some(newest) = self.newest() else {
             self.states.push_back(state);
-            return Taken::Newest;
+            return Insertion::Newest;
         };
         let ahead_s = seconds(newest.epoch, state.epoch);
         if ahead_s.abs() > self.gap_s {
@@ -68,16 +68,16 @@ impl Buffer {
             });
             if !is_confirmed {
                 self.apart = Some(state);
-                return Taken::Apart;
+                return Insertion::Apart;
             }
             let before = self.apart.take();
             self.states.clear();
             self.states.extend(before);
             self.place(state);
-            return Taken::Restart;
+            return Insertion::Restart;
         }
         let taken = self.place(state);
-        if matches!(taken, Taken::Newest | Taken::Late) {
+        if matches!(taken, Insertion::Newest | Insertion::Late) {
             self.apart = None;
         }
         taken
@@ -96,14 +96,14 @@ impl Buffer {
         self.place(state);
     }
 
-    fn place(&mut self, state: OrbitState) -> Taken {
+    fn place(&mut self, state: OrbitState) -> Insertion {
         let at = self.states.partition_point(|s| s.epoch < state.epoch);
         if self.states.get(at).is_some_and(|s| s.epoch == state.epoch) {
-            return Taken::Duplicate;
+            return Insertion::Duplicate;
         }
-        if self.states.len() == MOST_STATES {
+        if self.states.len() == MAX_STATES {
             if at == 0 {
-                return Taken::TooLate;
+                return Insertion::TooLate;
             }
             self.states.pop_front();
             self.states.insert(at - 1, state);
@@ -111,8 +111,8 @@ impl Buffer {
             self.states.insert(at, state);
         }
         match self.newest().is_some_and(|s| s.epoch == state.epoch) {
-            true => Taken::Newest,
-            false => Taken::Late,
+            true => Insertion::Newest,
+            false => Insertion::Late,
         }
     }
 
@@ -129,14 +129,14 @@ impl Buffer {
         }
         let after = self.states.get(behind)?;
         let before = before.in_frame(after.frame, &Orientation::default());
-        let sample = |s: &OrbitState| Sample {
+        let sample = |s: &OrbitState| StateSample {
             epoch: s.epoch,
             position_m: s.position_m,
             velocity_m_s: Some(s.velocity_m_s),
         };
         let samples = [sample(&before), sample(after)];
         let cubic = Interpolation::Hermite { degree: 3 };
-        let sampled = Sampled::new(after.frame, &samples, cubic).ok()?;
+        let sampled = InterpolatedStates::new(after.frame, &samples, cubic).ok()?;
         sampled.state_at(epoch)
     }
 
@@ -220,7 +220,7 @@ mod tests {
     #[test]
     fn the_cubic_is_as_good_as_it_says() {
         for (step_s, most_m) in [(1.0, 4e-8), (60.0, 0.4)] {
-            let mut buffer = Buffer::new(200.0);
+            let mut buffer = StateBuffer::new(200.0);
             for k in [0.0, 3.0, 1.0, 2.0] {
                 buffer.take(orbit(k * step_s));
             }
@@ -239,7 +239,7 @@ mod tests {
 
     #[test]
     fn beyond_the_last_state_it_falls_on_or_flies_straight() {
-        let mut buffer = Buffer::new(60.0);
+        let mut buffer = StateBuffer::new(60.0);
         assert_eq!(
             buffer.beyond(orbit(0.0).epoch, Extrapolation::TwoBody),
             None
@@ -255,7 +255,7 @@ mod tests {
         assert!((straight_m - 430.0).abs() < 20.0, "{straight_m}");
         // Seen from the turning Earth it is the same orbit.
         let fixed = orbit(0.0).in_frame(Frame::Itrf, &Orientation::default());
-        let mut buffer = Buffer::new(60.0);
+        let mut buffer = StateBuffer::new(60.0);
         buffer.take(fixed);
         let beyond = buffer
             .beyond(orbit(600.0).epoch, Extrapolation::TwoBody)
@@ -272,41 +272,41 @@ mod tests {
 
     #[test]
     fn one_state_apart_is_an_error_and_two_are_a_restart() {
-        let mut buffer = Buffer::new(60.0);
-        assert_eq!(buffer.take(orbit(0.0)), Taken::Newest);
-        assert_eq!(buffer.take(orbit(1e6)), Taken::Apart);
-        assert_eq!(buffer.take(orbit(1.0)), Taken::Newest);
-        assert_eq!(buffer.take(orbit(1e6)), Taken::Apart);
+        let mut buffer = StateBuffer::new(60.0);
+        assert_eq!(buffer.take(orbit(0.0)), Insertion::Newest);
+        assert_eq!(buffer.take(orbit(1e6)), Insertion::Apart);
+        assert_eq!(buffer.take(orbit(1.0)), Insertion::Newest);
+        assert_eq!(buffer.take(orbit(1e6)), Insertion::Apart);
         assert_eq!(
             buffer.take(orbit(1e6)),
-            Taken::Apart,
+            Insertion::Apart,
             "the same again says nothing"
         );
-        assert_eq!(buffer.take(orbit(-5000.0)), Taken::Apart);
-        assert_eq!(buffer.take(orbit(-4999.0)), Taken::Restart);
+        assert_eq!(buffer.take(orbit(-5000.0)), Insertion::Apart);
+        assert_eq!(buffer.take(orbit(-4999.0)), Insertion::Restart);
         assert_eq!(buffer.oldest(), Some(&orbit(-5000.0)));
         assert_eq!(buffer.newest(), Some(&orbit(-4999.0)));
     }
 
     #[test]
     fn memory_is_bounded_and_the_oldest_go() {
-        let mut buffer = Buffer::new(60.0);
+        let mut buffer = StateBuffer::new(60.0);
         for k in 0..10_000 {
-            assert_eq!(buffer.take(orbit(f64::from(k) * 0.1)), Taken::Newest);
+            assert_eq!(buffer.take(orbit(f64::from(k) * 0.1)), Insertion::Newest);
         }
-        assert_eq!(buffer.states.len(), MOST_STATES);
-        assert!(buffer.states.capacity() < 2 * MOST_STATES);
-        assert_eq!(buffer.take(orbit(999.9)), Taken::Duplicate);
-        assert_eq!(buffer.take(orbit(999.85)), Taken::Late);
-        assert_eq!(buffer.take(orbit(960.0)), Taken::TooLate);
-        assert_eq!(buffer.states.len(), MOST_STATES);
+        assert_eq!(buffer.states.len(), MAX_STATES);
+        assert!(buffer.states.capacity() < 2 * MAX_STATES);
+        assert_eq!(buffer.take(orbit(999.9)), Insertion::Duplicate);
+        assert_eq!(buffer.take(orbit(999.85)), Insertion::Late);
+        assert_eq!(buffer.take(orbit(960.0)), Insertion::TooLate);
+        assert_eq!(buffer.states.len(), MAX_STATES);
         let epochs: Vec<_> = buffer.states.iter().map(|s| s.epoch).collect();
         assert!(epochs.is_sorted());
     }
 
     #[test]
     fn a_frame_that_is_waited_for_is_there_whatever_was_before() {
-        let mut buffer = Buffer::new(60.0);
+        let mut buffer = StateBuffer::new(60.0);
         for t_s in [0.0, 1.0, 1e6, 5.0, 5.0, 4.0] {
             buffer.take_frame(orbit(t_s));
             assert_eq!(buffer.between(orbit(t_s).epoch), Some(orbit(t_s)));

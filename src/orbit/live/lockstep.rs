@@ -6,7 +6,7 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// How many frames may wait at the same time; each connection waits for one.
-pub const MOST_WAITING: usize = 8;
+pub const MAX_WAITING: usize = 8;
 
 /// A picture that a simulator waits for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,7 +73,7 @@ impl Lockstep {
         if queue.is_closed {
             return Outcome::Closed;
         }
-        if queue.waiting.len() >= MOST_WAITING {
+        if queue.waiting.len() >= MAX_WAITING {
             return Outcome::Busy;
         }
         before();

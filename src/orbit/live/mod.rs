@@ -45,7 +45,7 @@
 //! An answer has the first 16 bytes, for an error up to 512 bytes of UTF-8, and the CRC-32; seq is 2⁶⁴ − 1 where it is not known.
 //! Packets are answered in the form that they came in.
 //!
-//! # Modes
+//! # Pacing
 //!
 //! *Broadcast*: the simulator never waits. Pictures show [`LiveFeed::playback_epoch`], a little behind the simulator, so that
 //! late packets still come in time. Between states Hermite's cubic is taken; beyond the last one the satellite goes on by
@@ -74,13 +74,12 @@ mod split;
 mod websocket;
 
 pub use lockstep::FrameRequest;
-pub use options::{Extrapolation, LiveError, LiveOptions, Mode, Transport};
-pub use packet::{Form, Kind, LONGEST_PACKET, Packet, PacketFault, STATE_BYTES};
-pub use reply::Reply;
-pub use shared::Counters;
-pub use split::{Cut, Splitter};
+pub use options::{Extrapolation, LiveError, LiveOptions, Pacing, Transport};
+pub use packet::{MAX_PACKET_BYTES, Packet, PacketFault, PacketFormat, PacketKind};
+pub use shared::PacketCounters;
+pub use split::{Received, Splitter};
 
-use super::record::shortened;
+use super::entry::shortened;
 use super::{Feed, Freshness, OrbitError, OrbitState};
 use crate::frames::{Epoch, rfc3339, utc_from_rfc3339};
 use buffer::later;
@@ -104,7 +103,7 @@ pub struct LiveFeed {
 }
 
 impl LiveFeed {
-    /// Begins to listen.
+    /// Listens on the transport of the options.
     ///
     /// # Errors
     /// A setting out of its range, an address that other machines reach, a port that is taken.
@@ -151,11 +150,11 @@ impl LiveFeed {
         Ok(Self::of(shared, None, None))
     }
 
-    /// One that never hears anything: to look at a set-up without taking its port.
+    /// A feed without a transport, which no packet reaches: to look at a set-up without taking its port.
     ///
     /// # Errors
     /// A setting out of its range, an address that other machines reach.
-    pub fn deaf(options: LiveOptions) -> Result<Self, LiveError> {
+    pub fn unconnected(options: LiveOptions) -> Result<Self, LiveError> {
         options.check()?;
         let shared = Arc::new(Shared::new(options));
         shared.end();
@@ -185,7 +184,7 @@ impl LiveFeed {
     }
 
     /// What has come and what became of it.
-    pub fn counters(&self) -> Counters {
+    pub fn counters(&self) -> PacketCounters {
         self.shared.lock().counters
     }
 
@@ -204,7 +203,7 @@ impl LiveFeed {
         self.shared.has_ended()
     }
 
-    /// The newest state.
+    /// The newest state that has come.
     pub fn newest(&self) -> Option<OrbitState> {
         self.shared.lock().buffer.newest().copied()
     }

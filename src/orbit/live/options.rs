@@ -1,7 +1,8 @@
-//! How a live feed is set up, and what can be wrong with it.
+//! Settings of a live feed, their ranges, and its errors.
 
 use std::fmt;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -92,10 +93,10 @@ impl FromStr for Transport {
     }
 }
 
-/// Who waits for whom.
+/// How simulator and player keep pace.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Mode {
+pub enum Pacing {
     /// Nobody: states come when they come, and pictures are drawn from the newest.
     #[default]
     Broadcast,
@@ -114,13 +115,13 @@ pub enum Extrapolation {
     Linear,
 }
 
-/// How a live feed is set up.
+/// Settings of a live feed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveOptions {
     /// Where states come from.
     pub transport: Transport,
     /// Who waits for whom.
-    pub mode: Mode,
+    pub pacing: Pacing,
     /// The satellite's name until a packet tells one.
     pub name: String,
     /// Lets the port be bound to an address that other machines reach. Whoever reaches it can steer the picture.
@@ -143,15 +144,30 @@ pub struct LiveOptions {
     /// How long a simulator waits for a frame before it gets an error, 1 ms…1 h; lockstep only.
     pub frame_timeout: Duration,
     /// Packets a second, 1…1 000 000; more are dropped unread.
-    pub most_packets_per_s: u32,
+    pub max_packets_per_s: u32,
 }
 
 impl LiveOptions {
+    /// Of [`Self::rate`].
+    pub(crate) const RATES: RangeInclusive<f64> = 1e-3..=1e6;
+    /// Of [`Self::playback_delay_s`].
+    pub(crate) const PLAYBACK_DELAYS_S: RangeInclusive<f64> = 0.0..=60.0;
+    /// Of [`Self::stale_after_s`].
+    pub(crate) const STALE_AGES_S: RangeInclusive<f64> = 1e-3..=1e6;
+    /// Of [`Self::extrapolation_limit_s`].
+    pub(crate) const EXTRAPOLATION_LIMITS_S: RangeInclusive<f64> = 0.0..=1e6;
+    /// Of [`Self::gap_s`].
+    pub(crate) const GAPS_S: RangeInclusive<f64> = 1e-3..=1e7;
+    /// Of [`Self::frame_timeout`], seconds.
+    pub(crate) const FRAME_TIMEOUTS_S: RangeInclusive<f64> = 1e-3..=3600.0;
+    /// Of [`Self::max_packets_per_s`].
+    pub(crate) const PACKET_RATES_PER_S: RangeInclusive<i64> = 1..=1_000_000;
+
     /// Broadcast at the rate of real time, 0.1 s behind, stale after 1 s, an error 60 s beyond the last state.
     pub fn new(transport: Transport) -> Self {
         Self {
             transport,
-            mode: Mode::default(),
+            pacing: Pacing::default(),
             name: "live".to_owned(),
             allow_remote: false,
             allowed_origins: Vec::new(),
@@ -162,7 +178,7 @@ impl LiveOptions {
             extrapolation: Extrapolation::default(),
             gap_s: 60.0,
             frame_timeout: Duration::from_secs(10),
-            most_packets_per_s: 10_000,
+            max_packets_per_s: 10_000,
         }
     }
 
@@ -171,30 +187,33 @@ impl LiveOptions {
     /// # Errors
     /// A setting out of its range, or an address that other machines reach.
     pub fn check(&self) -> Result<(), LiveError> {
-        let within = |key, value: f64, least: f64, most: f64| match (least..=most).contains(&value)
-        {
+        let within = |key, value: f64, range: RangeInclusive<f64>| match range.contains(&value) {
             true => Ok(()),
             false => Err(LiveError::Setting {
                 key,
                 value,
-                least,
-                most,
+                least: *range.start(),
+                most: *range.end(),
             }),
         };
-        within("rate", self.rate, 1e-3, 1e6)?;
-        within("playback_delay_s", self.playback_delay_s, 0.0, 60.0)?;
-        within("stale_after_s", self.stale_after_s, 1e-3, 1e6)?;
+        within("rate", self.rate, Self::RATES)?;
+        within(
+            "playback_delay_s",
+            self.playback_delay_s,
+            Self::PLAYBACK_DELAYS_S,
+        )?;
+        within("stale_after_s", self.stale_after_s, Self::STALE_AGES_S)?;
         within(
             "extrapolation_limit_s",
             self.extrapolation_limit_s,
-            0.0,
-            1e6,
+            Self::EXTRAPOLATION_LIMITS_S,
         )?;
-        within("gap_s", self.gap_s, 1e-3, 1e7)?;
+        within("gap_s", self.gap_s, Self::GAPS_S)?;
         let timeout_s = self.frame_timeout.as_secs_f64();
-        within("frame_timeout, s,", timeout_s, 1e-3, 3600.0)?;
-        let packets = f64::from(self.most_packets_per_s);
-        within("most_packets_per_s", packets, 1.0, 1e6)?;
+        within("frame_timeout, s,", timeout_s, Self::FRAME_TIMEOUTS_S)?;
+        let packets = f64::from(self.max_packets_per_s);
+        let (least, most) = Self::PACKET_RATES_PER_S.into_inner();
+        within("max_packets_per_s", packets, least as f64..=most as f64)?;
         let Some(address) = self.transport.address() else {
             return Ok(());
         };
@@ -205,20 +224,20 @@ impl LiveOptions {
     }
 }
 
-/// What can be wrong with a live feed.
+/// Why a live feed cannot listen, or has no state at an epoch.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LiveError {
     /// A setting out of its range.
     #[error("{key} is {value}; expected {least} to {most}")]
     Setting {
-        /// Which.
+        /// Which setting.
         key: &'static str,
         /// Its value.
         value: f64,
         /// The least it may be.
         least: f64,
-        /// The most.
+        /// The most it may be.
         most: f64,
     },
     /// No such way in.

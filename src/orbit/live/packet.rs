@@ -1,6 +1,6 @@
 //! One message of a simulator, as a JSON line or in binary.
 
-use super::super::record::shortened;
+use super::super::entry::shortened;
 use super::super::{Frame, OrbitState};
 use crate::frames::{Duration, Epoch, TimeScale, ccsds_time, utc_from_rfc3339};
 use glam::DVec3;
@@ -13,21 +13,21 @@ pub const MAGIC: [u8; 4] = *b"\x89TRL";
 /// Version of the binary form.
 pub const VERSION: u8 = 1;
 /// Longest line or packet, bytes.
-pub const LONGEST_PACKET: usize = 4096;
+pub const MAX_PACKET_BYTES: usize = 4096;
 /// Length of a binary packet with a state, bytes.
 pub const STATE_BYTES: usize = 84;
 
 pub(super) const CRC_BYTES: usize = 4;
 /// Longest name, characters.
-const LONGEST_NAME: usize = 64;
+const MAX_NAME_CHARS: usize = 64;
 /// From 1900-01-01, where `hifitime` counts TAI from, to 1970-01-01.
 const TAI_1970_NS: i128 = 25_567 * 86_400 * 1_000_000_000;
 /// Instants of 1900 and 2100 on the packet's count.
 const TAI_NS: std::ops::Range<i128> = -TAI_1970_NS..47_482 * 86_400 * 1_000_000_000;
 
-/// What a packet asks for.
+/// What a packet is sent for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum PacketKind {
     /// Nothing: it tells a state.
     State,
     /// A picture of this state, and word when it is drawn.
@@ -38,7 +38,7 @@ pub enum Kind {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Packet {
     /// What it asks for.
-    pub kind: Kind,
+    pub kind: PacketKind,
     /// The simulator's count of its packets; a JSON line with a state may go without.
     pub seq: Option<u64>,
     /// The state.
@@ -49,10 +49,10 @@ pub struct Packet {
 
 /// How a packet is written; replies are written as what they answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
+pub enum PacketFormat {
     /// A line of JSON.
     Json,
-    /// Binary.
+    /// 84 bytes in binary.
     Binary,
 }
 
@@ -61,7 +61,7 @@ pub enum Form {
 #[non_exhaustive]
 pub enum PacketFault {
     /// More bytes than a packet may have.
-    #[error("longer than {LONGEST_PACKET} bytes; send one state a line")]
+    #[error("longer than {MAX_PACKET_BYTES} bytes; send one state a line")]
     TooLong,
     /// Neither a JSON object nor a binary packet.
     #[error("neither a JSON object in one line nor a binary packet")]
@@ -79,7 +79,7 @@ pub enum PacketFault {
         key: &'static str,
         /// The value, shortened.
         text: String,
-        /// What is.
+        /// What can stand there.
         expected: &'static str,
     },
     /// Another version of the binary form.
@@ -137,7 +137,7 @@ impl Packet {
     /// # Errors
     /// Says what is wrong; nothing of the line is used then.
     pub fn from_json(line: &[u8]) -> Result<Self, PacketFault> {
-        if line.len() > LONGEST_PACKET {
+        if line.len() > MAX_PACKET_BYTES {
             return Err(PacketFault::TooLong);
         }
         let line = std::str::from_utf8(line).map_err(|_| PacketFault::NotAPacket)?;
@@ -145,11 +145,11 @@ impl Packet {
             cause: shortened(&e.to_string()),
         })?;
         let kind = match line.message.as_deref() {
-            None | Some("state") => Kind::State,
-            Some("frame") => Kind::Frame,
+            None | Some("state") => PacketKind::State,
+            Some("frame") => PacketKind::Frame,
             Some(other) => return Err(field("message", other, "\"state\" or \"frame\"")),
         };
-        if kind == Kind::Frame && line.seq.is_none() {
+        if kind == PacketKind::Frame && line.seq.is_none() {
             return Err(field("seq", "", "a number from 0, to answer with"));
         }
         let epoch = utc_from_rfc3339(&line.epoch)
@@ -158,7 +158,7 @@ impl Packet {
             .ok_or_else(|| field("frame", &line.frame, "GCRF, EME2000, TEME, ITRF or PEF"))?;
         let name = line.name.map(Cow::into_owned);
         if let Some(name) = &name
-            && (name.chars().nth(LONGEST_NAME).is_some() || name.chars().any(char::is_control))
+            && (name.chars().nth(MAX_NAME_CHARS).is_some() || name.chars().any(char::is_control))
         {
             return Err(field("name", name, "at most 64 printable characters"));
         }
@@ -199,8 +199,8 @@ impl Packet {
             return Err(PacketFault::Checksum { found, expected });
         }
         let kind = match bytes[5] {
-            1 => Kind::State,
-            2 => Kind::Frame,
+            1 => PacketKind::State,
+            2 => PacketKind::Frame,
             other => {
                 return Err(field(
                     "kind",
@@ -237,7 +237,7 @@ impl Packet {
     /// The line of JSON, with its line feed.
     pub fn to_json(&self) -> String {
         let mut object = serde_json::Map::new();
-        if self.kind == Kind::Frame {
+        if self.kind == PacketKind::Frame {
             object.insert("message".to_owned(), "frame".into());
         }
         if let Some(seq) = self.seq {
@@ -267,8 +267,8 @@ impl Packet {
         bytes[..4].copy_from_slice(&MAGIC);
         bytes[4] = VERSION;
         bytes[5] = match self.kind {
-            Kind::State => 1,
-            Kind::Frame => 2,
+            PacketKind::State => 1,
+            PacketKind::Frame => 2,
         };
         bytes[6..8].copy_from_slice(&(STATE_BYTES as u16).to_le_bytes());
         bytes[8..16].copy_from_slice(&self.seq.unwrap_or_default().to_le_bytes());
@@ -355,7 +355,7 @@ mod tests {
 
     fn packet() -> Packet {
         Packet {
-            kind: Kind::Frame,
+            kind: PacketKind::Frame,
             seq: Some(7),
             state: OrbitState {
                 epoch: utc_from_rfc3339("2016-12-31T23:59:60.123456789Z").unwrap(),
@@ -436,12 +436,12 @@ mod tests {
             let said = line(from, to);
             assert!(said.contains(says), "{to}: {said}");
         }
-        let long = format!("{{\"x\":\"{}\"}}", "y".repeat(LONGEST_PACKET));
+        let long = format!("{{\"x\":\"{}\"}}", "y".repeat(MAX_PACKET_BYTES));
         assert_eq!(
             Packet::from_json(long.as_bytes()),
             Err(PacketFault::TooLong)
         );
-        let deep = "[".repeat(LONGEST_PACKET);
+        let deep = "[".repeat(MAX_PACKET_BYTES);
         assert!(Packet::from_json(deep.as_bytes()).is_err());
     }
 }

@@ -1,18 +1,18 @@
 //! What is answered to a simulator.
 
-use super::packet::{CRC_BYTES, Form, MAGIC, VERSION};
+use super::packet::{CRC_BYTES, MAGIC, PacketFormat, VERSION};
 
 /// Magic, version, kind, length, sequence number.
 const HEAD_BYTES: usize = 16;
 /// Longest explanation in a binary reply, bytes.
-const LONGEST_REASON: usize = 512;
+const MAX_REASON_BYTES: usize = 512;
 
 /// What is answered to a packet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Reply {
     /// The picture of this state is drawn.
     Drawn {
-        /// Its number.
+        /// The packet's number.
         seq: u64,
     },
     /// There is no picture, or the packet is wrong.
@@ -26,10 +26,10 @@ pub enum Reply {
 
 impl Reply {
     /// As it goes over the wire.
-    pub fn to_wire(&self, form: Form) -> Vec<u8> {
-        match form {
-            Form::Json => self.to_json().into_bytes(),
-            Form::Binary => self.to_bytes(),
+    pub fn to_wire(&self, format: PacketFormat) -> Vec<u8> {
+        match format {
+            PacketFormat::Json => self.to_json().into_bytes(),
+            PacketFormat::Binary => self.to_bytes(),
         }
     }
 
@@ -49,7 +49,7 @@ impl Reply {
             Self::Drawn { seq } => (3, *seq, ""),
             Self::Error { seq, reason } => (4, seq.unwrap_or(u64::MAX), reason.as_str()),
         };
-        let end = text.floor_char_boundary(LONGEST_REASON);
+        let end = text.floor_char_boundary(MAX_REASON_BYTES);
         let text = text.get(..end).unwrap_or_default();
         let length = (HEAD_BYTES + text.len() + CRC_BYTES) as u16;
         let mut bytes = Vec::with_capacity(usize::from(length));
@@ -72,15 +72,15 @@ mod tests {
     fn replies_are_the_documented_ones() {
         let drawn = Reply::Drawn { seq: 9 };
         assert_eq!(
-            drawn.to_wire(Form::Json),
+            drawn.to_wire(PacketFormat::Json),
             b"{\"message\":\"ack\",\"seq\":9}\n"
         );
-        let bytes = drawn.to_wire(Form::Binary);
+        let bytes = drawn.to_wire(PacketFormat::Binary);
         assert_eq!(bytes[..8], [0x89, b'T', b'R', b'L', 1, 3, 20, 0]);
         assert_eq!(bytes.len(), 20);
-        let reason = "ä".repeat(LONGEST_REASON);
-        let error = Reply::Error { seq: None, reason }.to_wire(Form::Binary);
-        assert_eq!(error.len(), HEAD_BYTES + LONGEST_REASON + CRC_BYTES);
+        let reason = "ä".repeat(MAX_REASON_BYTES);
+        let error = Reply::Error { seq: None, reason }.to_wire(PacketFormat::Binary);
+        assert_eq!(error.len(), HEAD_BYTES + MAX_REASON_BYTES + CRC_BYTES);
         assert_eq!(error[8..16], [0xff; 8]);
     }
 }

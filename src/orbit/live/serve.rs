@@ -1,9 +1,10 @@
-//! The threads that read: standard input, TCP, UDP.
+//! The threads that read standard input, TCP and UDP. They are the standard library's: each blocks on its socket for as long as
+//! nothing comes, which a pool of workers is not for.
 
-use super::lockstep::MOST_WAITING;
-use super::options::{LiveError, Mode};
-use super::packet::LONGEST_PACKET;
-use super::shared::{Allowance, Shared};
+use super::lockstep::MAX_WAITING;
+use super::options::{LiveError, Pacing};
+use super::packet::MAX_PACKET_BYTES;
+use super::shared::{RateLimiter, Shared};
 use super::split::Splitter;
 use std::io::{ErrorKind, Read, Write};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream, UdpSocket};
@@ -13,9 +14,9 @@ use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
 /// How many simulators may be connected; the one silent longest makes place for a new one.
-pub const MOST_CONNECTIONS: usize = 4;
+pub const MAX_CONNECTIONS: usize = 4;
 /// How many closed connections may still be in their last step; more than may wait for a frame.
-const MOST_ENDING: usize = 2 * MOST_WAITING;
+const MAX_ENDING: usize = 2 * MAX_WAITING;
 /// Bytes of one reading.
 const CHUNK: usize = 8192;
 /// How often a thread that waits for bytes looks whether the feed ends.
@@ -49,14 +50,14 @@ pub fn is_nothing(kind: ErrorKind) -> bool {
 /// Reads until the end, an error or the feed's own end. Any stream: a pipe, standard input, a connection.
 pub fn stream(read: &mut dyn Read, write: &mut dyn Write, shared: &Shared, heard: impl Fn()) {
     let mut splitter = Splitter::default();
-    let mut allowance = Allowance::new(shared.options.most_packets_per_s);
+    let mut allowance = RateLimiter::new(shared.options.max_packets_per_s);
     let mut chunk = [0; CHUNK];
     let mut is_first = true;
     while !shared.is_stopped() {
         let bytes = match read.read(&mut chunk) {
             Ok(0) => {
-                while let Some(cut) = splitter.finish() {
-                    if !shared.take(cut, |bytes| answer(&bytes, write)) {
+                while let Some(received) = splitter.finish() {
+                    if !shared.take(received, |bytes| answer(&bytes, write)) {
                         return;
                     }
                 }
@@ -73,11 +74,11 @@ pub fn stream(read: &mut dyn Read, write: &mut dyn Write, shared: &Shared, heard
         }
         heard();
         splitter.push(bytes);
-        while let Some(cut) = splitter.next() {
+        while let Some(received) = splitter.next() {
             if shared.is_stopped() {
                 return;
             }
-            let is_waited_for = shared.options.mode == Mode::Lockstep;
+            let is_waited_for = shared.options.pacing == Pacing::Lockstep;
             while is_waited_for && !shared.is_stopped() && !allowance.pause().is_zero() {
                 // Nothing may go missing: the sender waits instead.
                 std::thread::sleep(allowance.pause());
@@ -87,7 +88,7 @@ pub fn stream(read: &mut dyn Read, write: &mut dyn Write, shared: &Shared, heard
                 shared.lock().counters.over_rate += 1;
                 continue;
             }
-            if !shared.take(cut, |bytes| answer(&bytes, write)) {
+            if !shared.take(received, |bytes| answer(&bytes, write)) {
                 return;
             }
         }
@@ -129,7 +130,7 @@ pub fn stdin(shared: &Arc<Shared>) -> Result<(), LiveError> {
     .map(drop)
 }
 
-/// One TCP connection.
+/// Serves one TCP connection until it ends.
 pub fn tcp(connection: TcpStream, shared: &Shared, heard: &AtomicU64) {
     let begun = Instant::now();
     let first = heard.load(Ordering::Relaxed);
@@ -183,14 +184,14 @@ pub fn listen(
 
 fn accept(listener: &TcpListener, serve: Serve, shared: &Arc<Shared>) {
     let begun = Instant::now();
-    let mut links: Vec<Link> = Vec::with_capacity(MOST_CONNECTIONS);
+    let mut links: Vec<Link> = Vec::with_capacity(MAX_CONNECTIONS);
     // Closed, and perhaps waiting for a frame still.
     let mut ending: Vec<Link> = Vec::new();
     while !shared.is_stopped() {
         let ended = links.extract_if(.., |link| link.thread.is_finished());
         let ended = ended.chain(ending.extract_if(.., |link| link.thread.is_finished()));
         ended.for_each(Link::end);
-        if ending.len() >= MOST_ENDING {
+        if ending.len() >= MAX_ENDING {
             std::thread::sleep(LISTEN);
             continue;
         }
@@ -198,7 +199,7 @@ fn accept(listener: &TcpListener, serve: Serve, shared: &Arc<Shared>) {
             std::thread::sleep(LISTEN);
             continue;
         };
-        if links.len() >= MOST_CONNECTIONS {
+        if links.len() >= MAX_CONNECTIONS {
             let silent = links.iter().enumerate();
             let silent = silent.min_by_key(|(_, link)| link.heard.load(Ordering::Relaxed));
             if let Some(at) = silent.map(|(at, _)| at) {
@@ -257,9 +258,9 @@ pub fn udp(
 }
 
 fn datagrams(socket: &UdpSocket, shared: &Shared) {
-    let mut allowance = Allowance::new(shared.options.most_packets_per_s);
+    let mut allowance = RateLimiter::new(shared.options.max_packets_per_s);
     // One byte more than allowed, so that what is too long is seen to be.
-    let mut datagram = [0; LONGEST_PACKET + 1];
+    let mut datagram = [0; MAX_PACKET_BYTES + 1];
     while !shared.is_stopped() {
         let (length, from) = match socket.recv_from(&mut datagram) {
             Ok(received) => received,
@@ -284,7 +285,7 @@ fn datagrams(socket: &UdpSocket, shared: &Shared) {
 pub fn message(
     bytes: &[u8],
     shared: &Shared,
-    allowance: &mut Allowance,
+    allowance: &mut RateLimiter,
     mut send: impl FnMut(Vec<u8>) -> bool,
 ) -> bool {
     let mut splitter = Splitter::default();
@@ -298,8 +299,8 @@ pub fn message(
             std::thread::sleep(allowance.pause());
             return true;
         }
-        if let Some(cut) = splitter.finish()
-            && !shared.take(cut, &mut send)
+        if let Some(received) = splitter.finish()
+            && !shared.take(received, &mut send)
         {
             return false;
         }

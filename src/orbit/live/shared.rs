@@ -1,20 +1,20 @@
 //! What the threads that read and the player that draws share.
 
-use super::super::record::shortened;
-use super::buffer::{Buffer, Taken};
+use super::super::entry::shortened;
+use super::buffer::{Insertion, StateBuffer};
 use super::clock::PlaybackClock;
 use super::lockstep::{Lockstep, Outcome};
-use super::options::{LiveOptions, Mode};
-use super::packet::{Kind, Packet, PacketFault};
+use super::options::{LiveOptions, Pacing};
+use super::packet::{Packet, PacketFault, PacketKind};
 use super::reply::Reply;
-use super::split::Cut;
+use super::split::Received;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 /// What has come and what became of it, since the feed was opened.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counters {
+pub struct PacketCounters {
     /// States that were taken.
     pub taken: u64,
     /// Of these, states that came after a later one.
@@ -47,10 +47,10 @@ pub struct Counters {
 
 /// States and what is known about their coming; locked for microseconds, never while anything is waited for.
 #[derive(Debug)]
-pub struct Inner {
-    pub buffer: Buffer,
+pub struct FeedState {
+    pub buffer: StateBuffer,
     pub clock: PlaybackClock,
-    pub counters: Counters,
+    pub counters: PacketCounters,
     pub last_came: Option<Instant>,
     pub last_fault: Option<String>,
     last_seq: Option<u64>,
@@ -60,7 +60,7 @@ pub struct Inner {
 #[derive(Debug)]
 pub struct Shared {
     pub options: LiveOptions,
-    inner: Mutex<Inner>,
+    inner: Mutex<FeedState>,
     pub lockstep: Lockstep,
     pub name: OnceLock<String>,
     stop: AtomicBool,
@@ -74,10 +74,10 @@ const LAST_ANSWERS: Duration = Duration::from_millis(200);
 
 impl Shared {
     pub fn new(options: LiveOptions) -> Self {
-        let inner = Inner {
-            buffer: Buffer::new(options.gap_s),
+        let inner = FeedState {
+            buffer: StateBuffer::new(options.gap_s),
             clock: PlaybackClock::new(options.rate),
-            counters: Counters::default(),
+            counters: PacketCounters::default(),
             last_came: None,
             last_fault: None,
             last_seq: None,
@@ -93,7 +93,7 @@ impl Shared {
         }
     }
 
-    pub fn lock(&self) -> MutexGuard<'_, Inner> {
+    pub fn lock(&self) -> MutexGuard<'_, FeedState> {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -123,13 +123,13 @@ impl Shared {
 
     /// Takes what was cut out of a stream and sends what is answered; in lockstep it waits until the frame is drawn.
     /// `false` where the answer could not be sent.
-    pub fn take(&self, (packet, form): Cut, send: impl FnOnce(Vec<u8>) -> bool) -> bool {
+    pub fn take(&self, received: Received, send: impl FnOnce(Vec<u8>) -> bool) -> bool {
         self.unanswered.fetch_add(1, Ordering::AcqRel);
-        let reply = match packet {
+        let reply = match received.packet {
             Ok(packet) => self.take_packet(packet),
             Err(fault) => self.take_fault(&fault),
         };
-        let is_sent = reply.is_none_or(|reply| send(reply.to_wire(form)));
+        let is_sent = reply.is_none_or(|reply| send(reply.to_wire(received.format)));
         self.unanswered.fetch_sub(1, Ordering::AcqRel);
         is_sent
     }
@@ -141,7 +141,7 @@ impl Shared {
         inner.last_fault = Some(shortened(&reason));
         drop(inner);
         // Somebody may wait for an answer.
-        let is_waited_for = self.options.mode == Mode::Lockstep;
+        let is_waited_for = self.options.pacing == Pacing::Lockstep;
         is_waited_for.then_some(Reply::Error { seq: None, reason })
     }
 
@@ -151,12 +151,12 @@ impl Shared {
             let _ = self.name.set(name);
         }
         let (state, seq) = (packet.state, packet.seq);
-        if packet.kind == Kind::State {
+        if packet.kind == PacketKind::State {
             self.take_state(state, seq);
             return None;
         }
         let seq = seq?;
-        if self.options.mode == Mode::Broadcast {
+        if self.options.pacing == Pacing::Broadcast {
             let reason = "nobody waits here: the feed was opened in broadcast mode; send states, or open it in lockstep";
             let mut inner = self.lock();
             inner.counters.bad += 1;
@@ -199,18 +199,21 @@ impl Shared {
         let inner = &mut *inner;
         let counters = &mut inner.counters;
         match taken {
-            Taken::Newest => {}
-            Taken::Late => counters.late += 1,
-            Taken::Duplicate => counters.duplicates += 1,
-            Taken::TooLate => counters.too_late += 1,
-            Taken::Apart => counters.apart += 1,
-            Taken::Restart => {
+            Insertion::Newest => {}
+            Insertion::Late => counters.late += 1,
+            Insertion::Duplicate => counters.duplicates += 1,
+            Insertion::TooLate => counters.too_late += 1,
+            Insertion::Apart => counters.apart += 1,
+            Insertion::Restart => {
                 counters.restarts += 1;
                 inner.clock.clear();
                 inner.last_seq = None;
             }
         }
-        if !matches!(taken, Taken::Newest | Taken::Late | Taken::Restart) {
+        if !matches!(
+            taken,
+            Insertion::Newest | Insertion::Late | Insertion::Restart
+        ) {
             return;
         }
         counters.taken += 1;
@@ -222,24 +225,24 @@ impl Shared {
                 counters.lost = counters.lost.saturating_add(seq - last - 1)
             }
             // One that was counted as lost.
-            Some(_) if taken == Taken::Late => counters.lost = counters.lost.saturating_sub(1),
+            Some(_) if taken == Insertion::Late => counters.lost = counters.lost.saturating_sub(1),
             _ => {}
         }
-        if taken != Taken::Late {
+        if taken != Insertion::Late {
             inner.last_seq = Some(seq);
         }
     }
 }
 
-/// How many packets may still come in this second.
+/// Limits the rate of packets: how many may still come in this second.
 #[derive(Debug)]
-pub struct Allowance {
+pub struct RateLimiter {
     per_s: f64,
     left: f64,
     at: Instant,
 }
 
-impl Allowance {
+impl RateLimiter {
     pub fn new(per_s: u32) -> Self {
         Self {
             per_s: f64::from(per_s),

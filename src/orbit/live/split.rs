@@ -1,6 +1,6 @@
 //! A stream of bytes cut into packets, whatever lies between them.
 
-use super::packet::{Form, LONGEST_PACKET, MAGIC, Packet, PacketFault, STATE_BYTES};
+use super::packet::{MAGIC, MAX_PACKET_BYTES, Packet, PacketFault, PacketFormat, STATE_BYTES};
 
 /// Cuts a stream into packets. It holds at most one unfinished packet and the bytes of the last [`Splitter::push`].
 ///
@@ -15,8 +15,14 @@ pub struct Splitter {
     is_lost: bool,
 }
 
-/// A packet, or why there is none, and in which form it came.
-pub type Cut = (Result<Packet, PacketFault>, Form);
+/// What was cut out of a stream.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Received {
+    /// The packet, or why there is none.
+    pub packet: Result<Packet, PacketFault>,
+    /// The format that it came in.
+    pub format: PacketFormat,
+}
 
 impl Splitter {
     /// Takes bytes in. Call [`Splitter::next`] until it has no more.
@@ -28,12 +34,12 @@ impl Splitter {
 
     /// The next packet; `None` where more bytes are needed.
     #[allow(clippy::should_implement_trait, reason = "it goes on after None")]
-    pub fn next(&mut self) -> Option<Cut> {
+    pub fn next(&mut self) -> Option<Received> {
         self.cut(false)
     }
 
     /// The next packet where no more bytes come: a line may end without a line feed.
-    pub fn finish(&mut self) -> Option<Cut> {
+    pub fn finish(&mut self) -> Option<Received> {
         self.cut(true)
     }
 
@@ -51,7 +57,7 @@ impl Splitter {
         self.waiting() > 0
     }
 
-    fn cut(&mut self, is_end: bool) -> Option<Cut> {
+    fn cut(&mut self, is_end: bool) -> Option<Received> {
         loop {
             let rest = self.bytes.get(self.done..).unwrap_or_default();
             let &first = rest.first()?;
@@ -77,34 +83,34 @@ impl Splitter {
             // Something else: passed over to the next place where a packet can begin.
             let next = rest.iter().skip(1).position(|&b| starts(b));
             self.done += next.map_or(rest.len(), |n| n + 1);
-            if let Some(cut) = self.lose(PacketFault::NotAPacket, Form::Json) {
-                return Some(cut);
+            if let Some(received) = self.lose(PacketFault::NotAPacket, PacketFormat::Json) {
+                return Some(received);
             }
         }
     }
 
     /// From `{` to the end of the line, or to a magic, which is in no text.
-    fn line(&mut self, is_end: bool) -> Option<Cut> {
+    fn line(&mut self, is_end: bool) -> Option<Received> {
         let rest = self.bytes.get(self.done..).unwrap_or_default();
-        let window = &rest[..rest.len().min(LONGEST_PACKET + 1)];
+        let window = &rest[..rest.len().min(MAX_PACKET_BYTES + 1)];
         let line_feed = window.iter().position(|&b| b == b'\n');
         let window = &window[..line_feed.unwrap_or(window.len())];
         let magic = window.windows(MAGIC.len()).position(|w| w == MAGIC);
         let end = magic.or(line_feed).or_else(|| {
-            let is_whole = is_end && rest.len() <= LONGEST_PACKET;
+            let is_whole = is_end && rest.len() <= MAX_PACKET_BYTES;
             is_whole.then_some(rest.len())
         });
         let Some(end) = end else {
-            if rest.len() <= LONGEST_PACKET {
+            if rest.len() <= MAX_PACKET_BYTES {
                 return None;
             }
             // No packet can be in so long a line: the rest of it goes as well.
-            self.done += LONGEST_PACKET;
+            self.done += MAX_PACKET_BYTES;
             let skipped = self.bytes[self.done..].iter();
             let to = skipped.clone().position(|&b| b == b'\n' || b == MAGIC[0]);
             self.done += to.unwrap_or(skipped.len());
-            return match self.lose(PacketFault::TooLong, Form::Json) {
-                Some(cut) => Some(cut),
+            return match self.lose(PacketFault::TooLong, PacketFormat::Json) {
+                Some(received) => Some(received),
                 None => self.cut(is_end),
             };
         };
@@ -113,16 +119,19 @@ impl Splitter {
         match packet {
             Ok(packet) => {
                 self.is_lost = false;
-                Some((Ok(packet), Form::Json))
+                Some(Received {
+                    packet: Ok(packet),
+                    format: PacketFormat::Json,
+                })
             }
-            Err(fault) => match self.lose(fault, Form::Json) {
-                Some(cut) => Some(cut),
+            Err(fault) => match self.lose(fault, PacketFormat::Json) {
+                Some(received) => Some(received),
                 None => self.cut(is_end),
             },
         }
     }
 
-    fn binary(&mut self) -> Cut {
+    fn binary(&mut self) -> Received {
         let rest = self.bytes.get(self.done..).unwrap_or_default();
         let packet = Packet::from_bytes(&rest[..rest.len().min(STATE_BYTES)]);
         self.is_lost = packet.is_err();
@@ -131,13 +140,19 @@ impl Splitter {
             Ok(_) | Err(PacketFault::Field { .. }) => STATE_BYTES,
             Err(_) => MAGIC.len(),
         };
-        (packet, Form::Binary)
+        Received {
+            packet,
+            format: PacketFormat::Binary,
+        }
     }
 
     /// One fault for what is wrong in a row.
-    fn lose(&mut self, fault: PacketFault, form: Form) -> Option<Cut> {
+    fn lose(&mut self, fault: PacketFault, format: PacketFormat) -> Option<Received> {
         let is_new = !std::mem::replace(&mut self.is_lost, true);
-        is_new.then_some((Err(fault), form))
+        is_new.then_some(Received {
+            packet: Err(fault),
+            format,
+        })
     }
 }
 

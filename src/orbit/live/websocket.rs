@@ -1,8 +1,8 @@
 //! WebSocket connections (RFC 6455).
 
-use super::packet::LONGEST_PACKET;
+use super::packet::MAX_PACKET_BYTES;
 use super::serve::{is_nothing, message};
-use super::shared::{Allowance, Shared};
+use super::shared::{RateLimiter, Shared};
 use std::net::TcpStream;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -15,7 +15,7 @@ use tungstenite::{Error, Message, WebSocket, accept_hdr_with_config};
 /// How long a connection may take to become a WebSocket.
 const HANDSHAKE: Duration = Duration::from_secs(5);
 
-/// One connection.
+/// Serves one connection until it ends.
 pub fn serve(connection: TcpStream, shared: &Shared, heard: &AtomicU64) {
     let begun = Instant::now();
     let first = heard.load(Ordering::Relaxed);
@@ -23,7 +23,7 @@ pub fn serve(connection: TcpStream, shared: &Shared, heard: &AtomicU64) {
         shared.lock().counters.refused += 1;
         return;
     };
-    let mut allowance = Allowance::new(shared.options.most_packets_per_s);
+    let mut allowance = RateLimiter::new(shared.options.max_packets_per_s);
     while !shared.is_stopped() {
         let received = match socket.read() {
             Ok(received) => received,
@@ -73,8 +73,8 @@ fn handshake(
         .read_buffer_size(8192)
         .write_buffer_size(0)
         .max_write_buffer_size(64 << 10)
-        .max_message_size(Some(LONGEST_PACKET))
-        .max_frame_size(Some(LONGEST_PACKET));
+        .max_message_size(Some(MAX_PACKET_BYTES))
+        .max_frame_size(Some(MAX_PACKET_BYTES));
     let allowed = &shared.options.allowed_origins;
     #[allow(clippy::result_large_err, reason = "the type is tungstenite's")]
     let check = |request: &Request, response: Response| -> Result<Response, ErrorResponse> {

@@ -1,25 +1,14 @@
 //! Why an integration cannot be, or cannot go on.
 
+use crate::orbit::StartError;
+
 /// Why there is no trajectory, or none any more.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NumericalError {
-    /// NaN or an infinite number.
-    #[error("{field} is not a finite number")]
-    NotFinite {
-        /// Which number.
-        field: &'static str,
-    },
-    /// A number outside its range.
-    #[error("{field} is {value:e}; expected {expected}")]
-    Range {
-        /// Which number.
-        field: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it should be.
-        expected: &'static str,
-    },
+    /// A number that cannot be, or a start under the ground.
+    #[error(transparent)]
+    Start(#[from] StartError),
     /// The epoch is not in the span, or the span is empty.
     #[error("the span from {first} to {last} does not hold the state's epoch {epoch}")]
     Span {
@@ -29,26 +18,6 @@ pub enum NumericalError {
         last: String,
         /// The state's, UTC.
         epoch: String,
-    },
-    /// Under the ground at the epoch.
-    #[error(
-        "at its epoch {satellite} is {depth_m:.0} m below the ground; metres may have been taken for kilometres"
-    )]
-    ImpactAtEpoch {
-        /// The satellite.
-        satellite: String,
-        /// How deep, metres.
-        depth_m: f64,
-    },
-    /// It has met the ground.
-    #[error("{satellite} meets the ground at {impact}; {asked} is on the far side of that")]
-    Impact {
-        /// The satellite.
-        satellite: String,
-        /// When, UTC.
-        impact: String,
-        /// What was asked for, UTC.
-        asked: String,
     },
     /// The steps have become too short to advance the time.
     #[error(

@@ -1,11 +1,11 @@
-//! Moments that are looked for along a trajectory.
+//! Events that are looked for along a trajectory: impact, nodes, apsides, eclipses.
 
-use super::force::{Motion, sun_above_limb_rad};
+use super::force::{EquationsOfMotion, sun_above_limb_rad};
 use super::integrate::Step;
 use crate::frames::Epoch;
 use glam::DVec3;
 
-/// What happens.
+/// Kinds of events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EventKind {
     /// It meets the ground; the trajectory ends.
@@ -16,53 +16,53 @@ pub enum EventKind {
     DescendingNode,
     /// It is nearest to the Earth's centre.
     Periapsis,
-    /// It is farthest.
+    /// It is farthest from the Earth's centre.
     Apoapsis,
-    /// The Sun's centre goes behind the Earth's limb (a sphere of 6378.137 km).
+    /// An eclipse begins: the Sun's centre goes behind the Earth's limb (a sphere of 6378.137 km).
     ShadowEntry,
-    /// It comes back.
+    /// The Sun's centre comes back.
     ShadowExit,
 }
 
-/// Something that happened.
+/// An event on a trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
     /// When: to a microsecond of the trajectory as integrated.
     pub epoch: Epoch,
-    /// What.
+    /// What happens.
     pub kind: EventKind,
 }
 
 /// Which events to look for; the impact always is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Watch {
+pub struct EventSelection {
     /// Crossings of the equator.
     pub nodes: bool,
     /// Nearest and farthest points.
     pub apsides: bool,
-    /// The Earth's shadow.
+    /// Eclipses: entry into and exit from the Earth's shadow.
     pub shadow: bool,
 }
 
 /// A function of the state that changes its sign at an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Gauge {
+enum EventFunction {
     Height,
     Latitude,
     Radial,
     Shadow,
 }
 
-impl Gauge {
-    fn value(self, motion: &mut Motion, ground_m: f64, t: f64, y: &[f64; 6]) -> f64 {
+impl EventFunction {
+    fn value(self, motion: &mut EquationsOfMotion, ground_m: f64, t: f64, y: &[f64; 6]) -> f64 {
         let (r, v) = (DVec3::new(y[0], y[1], y[2]), DVec3::new(y[3], y[4], y[5]));
         match self {
             // High up only the sign matters.
             Self::Height if r.length() > 6.5e6 + ground_m => r.length(),
             Self::Height => motion.height_m(t, r) - ground_m,
-            Self::Latitude => (motion.sky.intermediate_from_gcrf(t) * r).z,
+            Self::Latitude => (motion.axes.intermediate_from_gcrf(t) * r).z,
             Self::Radial => r.dot(v),
-            Self::Shadow => sun_above_limb_rad(r, motion.sky.sun_m(t)),
+            Self::Shadow => sun_above_limb_rad(r, motion.axes.sun_m(t)),
         }
     }
 
@@ -82,37 +82,37 @@ impl Gauge {
 
 /// Looks at the events of one step after the other.
 #[derive(Clone, Debug)]
-pub(super) struct Watcher {
-    gauges: Vec<Gauge>,
+pub(super) struct EventDetector {
+    functions: Vec<EventFunction>,
     ground_m: f64,
 }
 
 /// Places looked at inside a step: two changes of sign between two of them go unseen.
 const LOOKS: u32 = 8;
 
-impl Watcher {
-    pub fn new(watch: Watch, ground_m: f64) -> Self {
-        let gauges = [
-            (true, Gauge::Height),
-            (watch.nodes, Gauge::Latitude),
-            (watch.apsides, Gauge::Radial),
-            (watch.shadow, Gauge::Shadow),
+impl EventDetector {
+    pub fn new(selection: EventSelection, ground_m: f64) -> Self {
+        let functions = [
+            (true, EventFunction::Height),
+            (selection.nodes, EventFunction::Latitude),
+            (selection.apsides, EventFunction::Radial),
+            (selection.shadow, EventFunction::Shadow),
         ];
         Self {
-            gauges: gauges
+            functions: functions
                 .into_iter()
                 .filter(|(on, _)| *on)
-                .map(|(_, gauge)| gauge)
+                .map(|(_, function)| function)
                 .collect(),
             ground_m,
         }
     }
 
     /// Events inside a step with their times, in the order of flight. Nothing follows an impact.
-    pub fn events(&self, motion: &mut Motion, step: &Step<6>) -> Vec<(f64, EventKind)> {
+    pub fn events(&self, motion: &mut EquationsOfMotion, step: &Step<6>) -> Vec<(f64, EventKind)> {
         let mut found = Vec::new();
-        for &gauge in &self.gauges {
-            let mut value = |t: f64, y: &[f64; 6]| gauge.value(motion, self.ground_m, t, y);
+        for &function in &self.functions {
+            let mut value = |t: f64, y: &[f64; 6]| function.value(motion, self.ground_m, t, y);
             let (mut t0, mut g0) = (step.t0, value(step.t0, &step.y0));
             for k in 1..=LOOKS {
                 let (t1, y1) = match k == LOOKS {
@@ -126,7 +126,7 @@ impl Watcher {
                 if (g0 < 0.0) != (g1 < 0.0) {
                     let t = root(|t| value(t, &step.at(t)), (t0, g0), (t1, g1));
                     let rising = (g1 > g0) == (step.h > 0.0);
-                    found.push((t, gauge.kind(rising)));
+                    found.push((t, function.kind(rising)));
                 }
                 (t0, g0) = (t1, g1);
             }

@@ -1,34 +1,34 @@
-//! Motion under forces, integrated.
+//! Numerical propagation: motion under forces, integrated.
 //!
 //! | folder or file | what |
 //! |---|---|
 //! | `force/` | gravity, air, Sun, Moon, sunlight, thrust |
 //! | `integrate/` | solvers of differential equations |
-//! | `event.rs` | impact, nodes, apsides, shadow |
+//! | `event.rs` | impact, nodes, apsides, eclipses |
 //! | `trajectory.rs` | the steps with what lies between |
-//! | `run.rs` | from a state to a trajectory |
+//! | `integration.rs` | from a state to a trajectory |
 
 mod error;
 mod event;
 mod force;
 mod integrate;
-mod run;
+mod integration;
 #[cfg(test)]
 mod tests;
 mod trajectory;
 
 pub use error::NumericalError;
-pub use event::{Event, EventKind, Watch};
-pub use force::{Atmosphere, Craft, EGM96_DEGREE, ForceModel, Gravity, Shadow, Thrust, ThrustAxes};
+pub use event::{Event, EventKind, EventSelection};
+pub use force::{AtmosphereModel, ForceModel, Gravity, Shadow, Spacecraft, Thrust, ThrustAxes};
 pub use integrate::{Counts, Solver};
 
-use super::reach::{Ground, check_span};
+use super::validity::{Impacts, Validity};
 use super::{Feed, Frame, OrbitError, OrbitState};
-use crate::frames::{Duration, Epoch, rfc3339};
-use run::{Ending, Run};
+use crate::frames::{Duration, Epoch};
+use integration::{Integration, StopReason};
 use trajectory::Trajectory;
 
-/// How to integrate.
+/// Settings of an integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NumericalOptions {
     /// First epoch to answer for; the state's epoch or before.
@@ -37,12 +37,12 @@ pub struct NumericalOptions {
     pub last: Epoch,
     /// Error allowed in a step, relative to distance and speed: 1e-14…1e-3. Errors of steps add up: docs/orbits.md.
     pub relative_tolerance: f64,
-    /// The method.
+    /// The method of integration.
     pub solver: Solver,
     /// Most steps kept, about 0.4 kB each.
     pub step_limit: usize,
     /// Events to look for.
-    pub watch: Watch,
+    pub watch: EventSelection,
     /// Height over WGS84 at which the ground is met, metres.
     pub ground_height_m: f64,
 }
@@ -56,7 +56,7 @@ impl NumericalOptions {
             relative_tolerance: 1e-10,
             solver: Solver::Automatic,
             step_limit: 1_000_000,
-            watch: Watch::default(),
+            watch: EventSelection::default(),
             ground_height_m: 0.0,
         }
     }
@@ -74,10 +74,7 @@ pub struct NumericalFeed {
     /// Without a step: a span of no length.
     start: OrbitState,
     trajectory: Trajectory,
-    first: Epoch,
-    last: Epoch,
-    /// Where it met the ground: before and after the epoch.
-    ground: Ground,
+    validity: Validity,
     events: Vec<Event>,
     counts: Counts,
     stiff: Vec<(Epoch, Epoch)>,
@@ -95,31 +92,35 @@ impl NumericalFeed {
         name: impl Into<String>,
         state: &OrbitState,
         model: &ForceModel,
-        craft: &Craft,
+        craft: &Spacecraft,
         options: &NumericalOptions,
     ) -> Result<Self, NumericalError> {
         let name = name.into();
         let start = state.in_frame(Frame::Gcrf, &model.orientation);
-        let mut run = Run::new(&name, &start, model, craft, options)?;
+        let mut integration = Integration::new(&name, &start, model, craft, options)?;
         let epoch = start.epoch;
-        let before = run.fly((options.first - epoch).to_seconds())?;
-        let after = run.fly((options.last - epoch).to_seconds())?;
-        let impact = |ending: Ending| match ending {
-            Ending::Limit => None,
+        let before = integration.propagate((options.first - epoch).to_seconds())?;
+        let after = integration.propagate((options.last - epoch).to_seconds())?;
+        let impact = |ending: StopReason| match ending {
+            StopReason::Limit => None,
             // Whole nanoseconds, and on this side of the ground.
-            Ending::Impact(t) => Some(epoch + Duration::from_seconds(t)),
+            StopReason::Impact(t) => Some(epoch + Duration::from_seconds(t)),
         };
-        let ground = Ground {
-            left: impact(before),
-            met: impact(after),
+        let validity = Validity {
+            first: options.first,
+            last: options.last,
+            impacts: Impacts {
+                before: impact(before),
+                after: impact(after),
+            },
         };
-        let Run {
+        let Integration {
             trajectory,
             mut events,
             counts,
             mut stiff,
             ..
-        } = run;
+        } = integration;
         stiff.sort_by(|a, b| a.0.total_cmp(&b.0));
         let at = |t| epoch + Duration::from_seconds(t);
         let stiff = stiff.into_iter().map(|(a, b)| (at(a), at(b))).collect();
@@ -129,9 +130,7 @@ impl NumericalFeed {
             epoch,
             start,
             trajectory,
-            first: options.first,
-            last: options.last,
-            ground,
+            validity,
             events,
             counts,
             stiff,
@@ -140,7 +139,7 @@ impl NumericalFeed {
 
     /// When it meets the ground, if it does so after the epoch of its state.
     pub fn impact(&self) -> Option<Epoch> {
-        self.ground.met
+        self.validity.impacts.after
     }
 
     /// Events in the order of time.
@@ -159,7 +158,7 @@ impl NumericalFeed {
         &self.stiff
     }
 
-    /// Steps kept.
+    /// Number of steps kept.
     pub fn steps(&self) -> usize {
         self.trajectory.len()
     }
@@ -172,7 +171,7 @@ impl NumericalFeed {
     pub fn integration_error_m(
         &self,
         model: &ForceModel,
-        craft: &Craft,
+        craft: &Spacecraft,
         options: &NumericalOptions,
     ) -> Result<f64, NumericalError> {
         let finer = NumericalOptions {
@@ -213,19 +212,11 @@ impl Feed for NumericalFeed {
     }
 
     fn validity(&self) -> (Epoch, Epoch) {
-        self.ground.cut((self.first, self.last))
+        self.validity.interval()
     }
 
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
-        check_span(&self.name, epoch, (self.first, self.last))?;
-        match self.ground.between(epoch) {
-            Some(impact) => Err(NumericalError::Impact {
-                satellite: self.name.clone(),
-                impact: rfc3339(impact),
-                asked: rfc3339(epoch),
-            }
-            .into()),
-            None => Ok(self.inside(epoch)),
-        }
+        self.validity.check(&self.name, epoch)?;
+        Ok(self.inside(epoch))
     }
 }

@@ -1,9 +1,10 @@
-use super::force::Motion;
+use super::force::EquationsOfMotion;
 use super::*;
 use crate::frames::{Ellipsoid, Orientation, utc_from_rfc3339};
+use crate::orbit::StartError;
 use crate::orbit::constants::EARTH_GM_M3_S2;
 use crate::orbit::kepler::{
-    Anomaly, Conic, Drift, Elements, KeplerFeed, KeplerOptions, SecularRates, Size,
+    Anomaly, Conic, Drift, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize, SecularRates,
 };
 use glam::DVec3;
 
@@ -21,12 +22,12 @@ fn after(days: f64) -> NumericalOptions {
 }
 
 fn conic(periapsis_m: f64, eccentricity: f64, inclination_deg: f64, nu_deg: f64) -> Conic {
-    let elements = Elements {
-        size: Size::Periapsis(periapsis_m),
+    let elements = KeplerElements {
+        size: OrbitSize::Periapsis(periapsis_m),
         eccentricity,
         inclination_rad: inclination_deg.to_radians(),
-        node_rad: 1.1,
-        argument_rad: 2.3,
+        raan_rad: 1.1,
+        argument_of_periapsis_rad: 2.3,
         anomaly: Anomaly::True(nu_deg.to_radians()),
     };
     elements.conic(EARTH_GM_M3_S2, epoch()).unwrap()
@@ -43,7 +44,7 @@ fn start(conic: &Conic) -> OrbitState {
 }
 
 fn fly(state: &OrbitState, model: &ForceModel, options: &NumericalOptions) -> NumericalFeed {
-    NumericalFeed::new("test", state, model, &Craft::default(), options).unwrap()
+    NumericalFeed::new("test", state, model, &Spacecraft::default(), options).unwrap()
 }
 
 /// Largest distance from the conic, metres, at 500 places of the span, between the steps too.
@@ -87,7 +88,7 @@ fn two_bodies_keep_to_their_conic() {
         );
         assert!(off < most, "e = {e}, {tolerance:e}: {off}");
         assert!(
-            feed.integration_error_m(&ForceModel::default(), &Craft::default(), &options)
+            feed.integration_error_m(&ForceModel::default(), &Spacecraft::default(), &options)
                 .unwrap()
                 < 2.0 * most
         );
@@ -122,7 +123,7 @@ fn spans_reach_back_too() {
     assert_eq!(feed.validity(), (options.first, options.last));
     assert!(matches!(
         feed.state_at(options.first - Duration::from_seconds(1.0)),
-        Err(OrbitError::OutOfReach { .. })
+        Err(OrbitError::OutsideValidity { .. })
     ));
     // A span of no length answers with the state itself.
     let moment = NumericalOptions {
@@ -160,17 +161,17 @@ fn states_of_every_frame_are_taken() {
 fn what_makes_no_sense_is_refused() {
     let good = start(&conic(7e6, 0.01, 50.0, 40.0));
     let try_with =
-        |state: &OrbitState, model: &ForceModel, craft: &Craft, options: &NumericalOptions| {
+        |state: &OrbitState, model: &ForceModel, craft: &Spacecraft, options: &NumericalOptions| {
             NumericalFeed::new("x", state, model, craft, options).unwrap_err()
         };
-    let (model, craft, options) = (ForceModel::default(), Craft::default(), after(0.1));
+    let (model, craft, options) = (ForceModel::default(), Spacecraft::default(), after(0.1));
     let nan = OrbitState {
         velocity_m_s: DVec3::NAN,
         ..good
     };
     assert_eq!(
         try_with(&nan, &model, &craft, &options),
-        NumericalError::NotFinite { field: "velocity" }
+        NumericalError::Start(StartError::NotFinite { field: "velocity" })
     );
     let kilometres = OrbitState {
         position_m: good.position_m * 1e-3,
@@ -178,7 +179,7 @@ fn what_makes_no_sense_is_refused() {
     };
     let error = try_with(&kilometres, &model, &craft, &options);
     assert!(
-        matches!(error, NumericalError::ImpactAtEpoch { .. })
+        matches!(error, NumericalError::Start(StartError::BelowGround { .. }))
             && error.to_string().contains("kilometres"),
         "{error}"
     );
@@ -189,16 +190,16 @@ fn what_makes_no_sense_is_refused() {
         };
         assert!(matches!(
             try_with(&good, &model, &craft, &options),
-            NumericalError::Range { .. }
+            NumericalError::Start(StartError::Range { .. })
         ));
     }
-    let massless = Craft {
+    let massless = Spacecraft {
         mass_kg: 0.0,
         ..craft
     };
     assert!(matches!(
         try_with(&good, &model, &massless, &options),
-        NumericalError::Range { .. }
+        NumericalError::Start(StartError::Range { .. })
     ));
     let high = ForceModel {
         gravity: Gravity::Field {
@@ -209,7 +210,7 @@ fn what_makes_no_sense_is_refused() {
     };
     assert!(matches!(
         try_with(&good, &high, &craft, &options),
-        NumericalError::Range { .. }
+        NumericalError::Start(StartError::Range { .. })
     ));
     let late = NumericalOptions {
         first: epoch() + Duration::from_seconds(1.0),
@@ -225,7 +226,7 @@ fn what_makes_no_sense_is_refused() {
     };
     assert!(matches!(
         try_with(&good, &model, &craft, &endless),
-        NumericalError::Range { .. }
+        NumericalError::Start(StartError::Range { .. })
     ));
     let backwards = Thrust {
         first: options.last,
@@ -243,7 +244,7 @@ fn what_makes_no_sense_is_refused() {
         &options,
     );
     assert!(
-        matches!(error, NumericalError::Range { value, .. } if value < 0.0),
+        matches!(error, NumericalError::Start(StartError::Range { value, .. }) if value < 0.0),
         "{error}"
     );
     // Too few steps: how far it came is said.
@@ -282,7 +283,7 @@ fn what_makes_no_sense_is_refused() {
 #[test]
 fn events_are_where_the_conic_has_them() {
     let conic = conic(7e6, 0.3, 50.0, 20.0);
-    let watch = Watch {
+    let watch = EventSelection {
         nodes: true,
         apsides: true,
         shadow: false,
@@ -338,9 +339,9 @@ fn events_are_where_the_conic_has_them() {
 #[test]
 fn the_shadow_is_entered_and_left_once_a_turn() {
     let conic = conic(6.778e6, 0.0, 10.0, 0.0);
-    let watch = Watch {
+    let watch = EventSelection {
         shadow: true,
-        ..Watch::default()
+        ..EventSelection::default()
     };
     let feed = fly(
         &start(&conic),

@@ -5,14 +5,14 @@ use glam::DVec3;
 
 /// One step as it is kept: enough to evaluate it.
 #[derive(Clone, Debug)]
-struct Segment {
+struct StepPolynomial {
     t0: f64,
     h: f64,
-    kind: Kind,
+    kind: PolynomialKind,
 }
 
 #[derive(Clone, Debug)]
-enum Kind {
+enum PolynomialKind {
     /// DOP853's own polynomial, order 7.
     Explicit(Box<([f64; 6], [[f64; 6]; 7])>),
     /// Position, velocity and acceleration at both ends: a polynomial of degree 5 and its slope. Radau's own is of degree 3
@@ -20,12 +20,12 @@ enum Kind {
     Hermite(Box<[DVec3; 6]>),
 }
 
-impl Segment {
+impl StepPolynomial {
     fn new(step: Step<6>) -> Self {
         let first = |y: &[f64; 6]| DVec3::new(y[0], y[1], y[2]);
         let last = |y: &[f64; 6]| DVec3::new(y[3], y[4], y[5]);
         let kind = match step.dense {
-            Dense::Explicit(terms) => Kind::Explicit(Box::new((step.y0, *terms))),
+            Dense::Explicit(terms) => PolynomialKind::Explicit(Box::new((step.y0, *terms))),
             Dense::Implicit(_) => {
                 let h = step.h;
                 let (p0, v0, a0) = (
@@ -40,7 +40,7 @@ impl Segment {
                 );
                 // p(x) = Σ c_k x^k with value, slope and bend at 0 and 1.
                 let (d, dv, da) = (p1 - p0 - v0 - 0.5 * a0, v1 - v0 - a0, a1 - a0);
-                Kind::Hermite(Box::new([
+                PolynomialKind::Hermite(Box::new([
                     p0,
                     v0,
                     0.5 * a0,
@@ -60,7 +60,7 @@ impl Segment {
     fn at(&self, t: f64) -> (DVec3, DVec3) {
         let x = (t - self.t0) / self.h;
         match &self.kind {
-            Kind::Explicit(parts) => {
+            PolynomialKind::Explicit(parts) => {
                 let (y0, terms) = &**parts;
                 let mut y = [0.0; 6];
                 for (k, term) in terms.iter().rev().enumerate() {
@@ -72,7 +72,7 @@ impl Segment {
                 let y: [f64; 6] = std::array::from_fn(|i| y0[i] + y[i]);
                 (DVec3::new(y[0], y[1], y[2]), DVec3::new(y[3], y[4], y[5]))
             }
-            Kind::Hermite(c) => {
+            PolynomialKind::Hermite(c) => {
                 let position = c.iter().rev().fold(DVec3::ZERO, |sum, c| sum * x + *c);
                 let slope = (1..6)
                     .rev()
@@ -86,15 +86,15 @@ impl Segment {
 /// Steps in the order of time, seconds from an epoch; joined without gaps.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Trajectory {
-    backward: Vec<Segment>,
-    forward: Vec<Segment>,
+    backward: Vec<StepPolynomial>,
+    forward: Vec<StepPolynomial>,
 }
 
 impl Trajectory {
     pub fn push(&mut self, step: Step<6>) {
         match step.h < 0.0 {
-            true => self.backward.push(Segment::new(step)),
-            false => self.forward.push(Segment::new(step)),
+            true => self.backward.push(StepPolynomial::new(step)),
+            false => self.forward.push(StepPolynomial::new(step)),
         }
     }
 
@@ -146,7 +146,7 @@ mod tests {
                 f1: f(t1),
                 dense: Dense::Implicit(Box::new([[0.0; 6]; 3])),
             };
-            let segment = Segment::new(step);
+            let segment = StepPolynomial::new(step);
             for part in [0.0, 0.2, 0.7, 1.0] {
                 let t = t0 + part * h;
                 let (position, velocity) = segment.at(t);

@@ -1,16 +1,18 @@
 //! A message while it is read: what KVN and XML have in common.
 
-use super::super::record::{Entry, Fields, Keys, Place, RecordError, RecordFault, printable};
-use super::super::sampled::{Interpolation, Sample, Sampled, SampledFeed, Segment};
+use super::super::entry::{Entry, Fields, Keys, RecordError, RecordFault, TextPosition, printable};
+use super::super::interpolated::{
+    EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
+};
 use crate::frames::{Epoch, TimeScale};
 use crate::orbit::Frame;
 use glam::DVec3;
 use std::path::Path;
 
 /// Most states of a message.
-const MOST_STATES: usize = 2_000_000;
-/// Most segments.
-const MOST_SEGMENTS: usize = 100_000;
+const MAX_STATES: usize = 2_000_000;
+/// Most segments of a message.
+const MAX_SEGMENTS: usize = 100_000;
 
 const META_KEYS: &Keys = &[
     ("OBJECT_NAME", ""),
@@ -28,7 +30,7 @@ const META_KEYS: &Keys = &[
 ];
 
 /// An empty set of a segment's metadata.
-pub fn metadata(place: Place) -> Fields {
+pub fn metadata(place: TextPosition) -> Fields {
     Fields::new("the metadata", place, META_KEYS)
 }
 
@@ -36,29 +38,29 @@ pub fn metadata(place: Place) -> Fields {
 pub struct Draft<'o> {
     origin: &'o Path,
     /// Where it begins.
-    place: Place,
+    place: TextPosition,
     /// Name and identifier of the object.
     object: Option<(String, String)>,
-    segments: Vec<Segment>,
-    segment_places: Vec<Place>,
+    segments: Vec<EphemerisSegment>,
+    segment_places: Vec<TextPosition>,
     states: usize,
     open: Option<OpenSegment>,
 }
 
 struct OpenSegment {
-    place: Place,
+    place: TextPosition,
     frame: Frame,
     scale: TimeScale,
     usable: (Epoch, Epoch),
     interpolation: Option<Interpolation>,
-    samples: Vec<Sample>,
+    samples: Vec<StateSample>,
     /// Lines of the samples.
     lines: Vec<usize>,
     sigma_m: Vec<(Epoch, f64)>,
 }
 
 impl<'o> Draft<'o> {
-    pub fn new(origin: &'o Path, place: Place) -> Self {
+    pub fn new(origin: &'o Path, place: TextPosition) -> Self {
         Self {
             origin,
             place,
@@ -70,13 +72,13 @@ impl<'o> Draft<'o> {
         }
     }
 
-    /// Where it begins.
-    pub fn place(&self) -> Place {
+    /// Where the message begins.
+    pub fn place(&self) -> TextPosition {
         self.place
     }
 
     /// The time system of the open segment; an error where no metadata have been.
-    pub fn scale(&self, place: Place) -> Result<TimeScale, RecordError> {
+    pub fn scale(&self, place: TextPosition) -> Result<TimeScale, RecordError> {
         self.open.as_ref().map(|s| s.scale).ok_or_else(|| {
             let fault = RecordFault::Missing {
                 what: "a state",
@@ -91,8 +93,8 @@ impl<'o> Draft<'o> {
     pub fn begin(&mut self, meta: &Fields) -> Result<(), RecordError> {
         self.finish_segment()?;
         let origin = self.origin;
-        if self.segments.len() >= MOST_SEGMENTS {
-            let (what, limit) = ("segments", MOST_SEGMENTS);
+        if self.segments.len() >= MAX_SEGMENTS {
+            let (what, limit) = ("segments", MAX_SEGMENTS);
             return Err(meta
                 .place()
                 .error(origin, RecordFault::TooMany { what, limit }));
@@ -162,22 +164,22 @@ impl<'o> Draft<'o> {
         }
     }
 
-    /// Adds a state.
+    /// Adds a state to the open segment.
     pub fn state(
         &mut self,
-        place: Place,
+        place: TextPosition,
         epoch: Epoch,
         position_m: DVec3,
         velocity_m_s: DVec3,
     ) -> Result<(), RecordError> {
         self.scale(place)?;
         self.states += 1;
-        if self.states > MOST_STATES {
-            let (what, limit) = ("states", MOST_STATES);
+        if self.states > MAX_STATES {
+            let (what, limit) = ("states", MAX_STATES);
             return Err(place.error(self.origin, RecordFault::TooMany { what, limit }));
         }
         if let Some(open) = &mut self.open {
-            open.samples.push(Sample {
+            open.samples.push(StateSample {
                 epoch,
                 position_m,
                 velocity_m_s: Some(velocity_m_s),
@@ -190,7 +192,7 @@ impl<'o> Draft<'o> {
     /// Adds the variances of a covariance matrix's position, km². Their sum is the same in all axes.
     pub fn covariance(
         &mut self,
-        place: Place,
+        place: TextPosition,
         epoch: Epoch,
         variances_km2: [f64; 3],
     ) -> Result<(), RecordError> {
@@ -238,12 +240,13 @@ impl<'o> Draft<'o> {
             return Ok(());
         };
         let interpolation = open.interpolation.unwrap_or(Interpolation::WITH_VELOCITIES);
-        let samples = Sampled::new(open.frame, &open.samples, interpolation).map_err(|error| {
-            let line = error.index().and_then(|i| open.lines.get(i));
-            let place = line.map_or(open.place, |&line| Place { line, column: 1 });
-            place.error(self.origin, RecordFault::Samples(error))
-        })?;
-        let mut segment = Segment::whole(samples);
+        let samples =
+            InterpolatedStates::new(open.frame, &open.samples, interpolation).map_err(|error| {
+                let line = error.index().and_then(|i| open.lines.get(i));
+                let place = line.map_or(open.place, |&line| TextPosition { line, column: 1 });
+                place.error(self.origin, RecordFault::Samples(error))
+            })?;
+        let mut segment = EphemerisSegment::whole(samples);
         segment.usable = open.usable;
         segment.sigma_m = open.sigma_m;
         self.segments.push(segment);
@@ -251,8 +254,8 @@ impl<'o> Draft<'o> {
         Ok(())
     }
 
-    /// The object's feed.
-    pub fn finish(mut self) -> Result<SampledFeed, RecordError> {
+    /// Ends the message: the object's feed.
+    pub fn finish(mut self) -> Result<EphemerisFeed, RecordError> {
         self.finish_segment()?;
         let (name, id) = self.object.take().unwrap_or_default();
         let segments = std::mem::take(&mut self.segments);
@@ -261,7 +264,7 @@ impl<'o> Draft<'o> {
             false => name,
         };
         let id = (!id.is_empty() && !id.eq_ignore_ascii_case("UNKNOWN")).then_some(id);
-        match SampledFeed::new(name, id, segments) {
+        match EphemerisFeed::new(name, id, segments) {
             Ok(feed) => Ok(feed.at_line(self.place.line)),
             Err(error) => {
                 let place = self.segment_places.get(error.index());
@@ -289,7 +292,7 @@ fn interpolation(meta: &Fields, origin: &Path) -> Result<Option<Interpolation>, 
     let degree = meta.must("INTERPOLATION_DEGREE", "; INTERPOLATION needs it", origin)?;
     let number = degree.value.parse::<usize>().ok();
     let number = number
-        .filter(|n| (1..=Interpolation::HIGHEST_DEGREE).contains(n))
+        .filter(|n| (1..=Interpolation::MAX_DEGREE).contains(n))
         .ok_or_else(|| degree.wrong(origin, "a whole number from 1 to 31"))?;
     Ok(Interpolation::from_name(&method.value, number))
 }

@@ -1,9 +1,9 @@
 //! OEM in KVN: blocks of metadata, rows of states, blocks of covariances.
 
-use super::super::record::{
-    Entry, Fields, Place, RecordError, RecordFault, number, scaled_number, shortened,
+use super::super::entry::{
+    Entry, Fields, RecordError, RecordFault, TextPosition, number, scaled_number, shortened,
 };
-use super::super::text::kvn::{Line, lines};
+use super::super::text::kvn::{KvnLine, lines};
 use super::super::text::offset;
 use super::draft::{Draft, metadata};
 use super::{Each, VERSION};
@@ -16,7 +16,7 @@ use std::path::Path;
 pub fn read(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), RecordError> {
     let mut message: Option<Message<'_>> = None;
     for line in lines(text) {
-        if let Line::Entry(entry) = &line
+        if let KvnLine::Entry(entry) = &line
             && entry.key == VERSION
         {
             if let Some(message) = message.take() {
@@ -56,7 +56,7 @@ enum Block {
 }
 
 impl<'o> Message<'o> {
-    fn new(origin: &'o Path, place: Place) -> Self {
+    fn new(origin: &'o Path, place: TextPosition) -> Self {
         Self {
             origin,
             draft: Draft::new(origin, place),
@@ -64,10 +64,10 @@ impl<'o> Message<'o> {
         }
     }
 
-    fn line(&mut self, line: Line<'_>) -> Result<(), RecordError> {
+    fn line(&mut self, line: KvnLine<'_>) -> Result<(), RecordError> {
         match line {
-            Line::Entry(entry) => self.entry(entry),
-            Line::Words { text, place } => self.words(text, place),
+            KvnLine::Entry(entry) => self.entry(entry),
+            KvnLine::Other { text, place } => self.words(text, place),
         }
     }
 
@@ -91,7 +91,7 @@ impl<'o> Message<'o> {
         }
     }
 
-    fn words(&mut self, text: &str, place: Place) -> Result<(), RecordError> {
+    fn words(&mut self, text: &str, place: TextPosition) -> Result<(), RecordError> {
         match (text, &mut self.block) {
             ("META_START", Block::None) => {
                 self.block = Block::Metadata(metadata(place));
@@ -120,7 +120,7 @@ impl<'o> Message<'o> {
     }
 
     /// Epoch, three kilometres, three kilometres per second, and perhaps three accelerations, which are not used.
-    fn state(&mut self, text: &str, place: Place) -> Result<(), RecordError> {
+    fn state(&mut self, text: &str, place: TextPosition) -> Result<(), RecordError> {
         let words: Vec<_> = text.split_whitespace().take(11).collect();
         let Some((date, values)) = words
             .split_first()
@@ -130,7 +130,7 @@ impl<'o> Message<'o> {
                 "an epoch and six numbers (km, km/s) or nine, or META_START, COVARIANCE_START";
             return Err(self.unexpected(text, place, expected));
         };
-        let at = |word: &str| Place {
+        let at = |word: &str| TextPosition {
             line: place.line,
             column: place.column + offset(text, word),
         };
@@ -162,7 +162,7 @@ impl<'o> Message<'o> {
     }
 
     /// Row n of a lower triangle has n numbers.
-    fn covariance_row(&mut self, text: &str, place: Place) -> Result<(), RecordError> {
+    fn covariance_row(&mut self, text: &str, place: TextPosition) -> Result<(), RecordError> {
         let Block::Covariance(epoch, rows, variances) = &mut self.block else {
             return Ok(());
         };
@@ -185,13 +185,13 @@ impl<'o> Message<'o> {
         Ok(())
     }
 
-    fn unexpected(&self, text: &str, place: Place, expected: &'static str) -> RecordError {
+    fn unexpected(&self, text: &str, place: TextPosition, expected: &'static str) -> RecordError {
         let text = shortened(text);
         place.error(self.origin, RecordFault::Unexpected { text, expected })
     }
 
-    fn finish(self) -> Result<crate::orbit::SampledFeed, RecordError> {
-        let missing = |place: Place, key| {
+    fn finish(self) -> Result<crate::orbit::EphemerisFeed, RecordError> {
+        let missing = |place: TextPosition, key| {
             let fault = RecordFault::Missing {
                 what: "the message",
                 key,

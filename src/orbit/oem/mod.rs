@@ -1,12 +1,15 @@
 //! Orbit ephemeris messages (OEM, CCSDS 502.0-B): KVN and XML.
+//!
+//! Our own reader, because the crates for it are immature (`ccsds-ndm` 0.0, `lox-odm` alpha), and because a fault must name
+//! line, column and remedy and cost its own message only.
 
 mod draft;
 mod kvn;
 mod write;
 mod xml;
 
-use super::record::RecordError;
-use super::sampled::SampledFeed;
+use super::entry::RecordError;
+use super::interpolated::EphemerisFeed;
 use super::text;
 use std::path::Path;
 
@@ -14,7 +17,7 @@ pub use write::write_oem;
 
 /// What is done with each object; its error ends the reading.
 pub(super) type Each<'e> =
-    dyn FnMut(Result<SampledFeed, RecordError>) -> Result<(), RecordError> + 'e;
+    dyn FnMut(Result<EphemerisFeed, RecordError>) -> Result<(), RecordError> + 'e;
 
 /// The key that begins a message in KVN.
 const VERSION: &str = "CCSDS_OEM_VERS";
@@ -24,7 +27,7 @@ pub(super) fn is_oem(text: &str) -> bool {
     let text = text::unmarked(text).trim_start();
     text.starts_with('<')
         || match text::kvn::lines(text).next() {
-            Some(text::kvn::Line::Entry(entry)) => entry.key == VERSION,
+            Some(text::kvn::KvnLine::Entry(entry)) => entry.key == VERSION,
             _ => false,
         }
 }

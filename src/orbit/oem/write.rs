@@ -1,7 +1,7 @@
 //! OEM out, in KVN.
 
-use super::super::sampled::{Interpolation, SampledFeed};
-use super::super::write::{Header, one_line, real, shifted};
+use super::super::interpolated::{EphemerisFeed, Interpolation};
+use super::super::write_ccsds::{Header, one_line, real, shifted};
 use crate::frames::{Epoch, TimeScale, ccsds_time};
 use crate::orbit::Frame;
 use std::fmt::Write;
@@ -11,14 +11,14 @@ use std::fmt::Write;
 /// Every number has as many digits as it takes to read the same one back; dates have all their nanoseconds. Where samples
 /// have no velocity, which the format demands, the interpolation's is written. Error estimates become covariance
 /// matrices of a third of the variance on each axis of the position and zeros elsewhere: what is known is their sum.
-pub fn write_oem(feed: &SampledFeed, header: &Header) -> String {
+pub fn write_oem(feed: &EphemerisFeed, header: &Header) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
     let _ = write(&mut text, feed, header);
     text
 }
 
-fn write(text: &mut String, feed: &SampledFeed, header: &Header) -> std::fmt::Result {
+fn write(text: &mut String, feed: &EphemerisFeed, header: &Header) -> std::fmt::Result {
     use crate::orbit::Feed;
     let utc = |epoch: Epoch| ccsds_time(epoch, TimeScale::Utc);
     writeln!(text, "CCSDS_OEM_VERS = 2.0")?;

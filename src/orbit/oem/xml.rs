@@ -1,7 +1,7 @@
 //! OEM in XML.
 
-use super::super::record::{Fields, Keys, Place, RecordError, scaled_number};
-use super::super::text::xml::{Item, walk};
+use super::super::entry::{Fields, Keys, RecordError, TextPosition, scaled_number};
+use super::super::text::xml::{XmlItem, walk};
 use super::Each;
 use super::draft::{Draft, metadata};
 use glam::DVec3;
@@ -29,8 +29,8 @@ pub fn read(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), Record
     let mut message: Option<Message<'_>> = None;
     let read = walk::<RecordError>(text, origin, &mut |item| {
         match &item {
-            Item::Open("oem", line) => {
-                let place = Place {
+            XmlItem::Open("oem", line) => {
+                let place = TextPosition {
                     line: *line,
                     column: 1,
                 };
@@ -41,7 +41,7 @@ pub fn read(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), Record
                 });
                 return Ok(());
             }
-            Item::Close("oem") => {
+            XmlItem::Close("oem") => {
                 return match message.take() {
                     Some(message) => each(message.draft.finish()),
                     None => Ok(()),
@@ -68,10 +68,10 @@ struct Message<'o> {
 }
 
 impl Message<'_> {
-    fn item(&mut self, item: Item<'_>) -> Result<(), RecordError> {
+    fn item(&mut self, item: XmlItem<'_>) -> Result<(), RecordError> {
         match item {
-            Item::Open(name, line) => {
-                let place = Place { line, column: 1 };
+            XmlItem::Open(name, line) => {
+                let place = TextPosition { line, column: 1 };
                 self.block = match name {
                     "metadata" => Some(("metadata", metadata(place))),
                     "stateVector" => {
@@ -85,11 +85,11 @@ impl Message<'_> {
                 };
                 Ok(())
             }
-            Item::Value(entry) => match &mut self.block {
+            XmlItem::Value(entry) => match &mut self.block {
                 Some((_, fields)) => fields.add(entry, self.origin),
                 None => Ok(()),
             },
-            Item::Close(name) => match self.block.take().filter(|(block, _)| *block == name) {
+            XmlItem::Close(name) => match self.block.take().filter(|(block, _)| *block == name) {
                 Some(("metadata", fields)) => self.draft.begin(&fields),
                 Some(("stateVector", fields)) => self.state(&fields),
                 Some((_, fields)) => self.covariance(&fields),

@@ -1,6 +1,6 @@
 //! The entries of one satellite, checked and turned into elements.
 
-use super::super::record::{Entry, Fields, Place, RecordError, printable};
+use super::super::entry::{Entry, Fields, RecordError, TextPosition, printable};
 use super::super::tle_fields::catalogue_number;
 use crate::frames::TimeScale;
 use crate::orbit::MeanElements;
@@ -33,7 +33,7 @@ const KEYS: [(&str, &str); 21] = [
 
 /// Where a record is from.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Source {
+pub enum OmmSource {
     /// A message of CCSDS 502.0: frame, time system, centre and theory must be said.
     Message,
     /// JSON or CSV of a catalogue, which may leave them out: TEME, UTC, the Earth and SGP4, as catalogues have them.
@@ -41,15 +41,15 @@ pub enum Source {
 }
 
 /// What has been read of one satellite.
-pub struct Record(Fields);
+pub struct ElementEntries(Fields);
 
-impl Record {
+impl ElementEntries {
     /// Empty; `what` names it in errors, `place` is where it begins.
-    pub fn new(what: &'static str, place: Place) -> Self {
+    pub fn new(what: &'static str, place: TextPosition) -> Self {
         Self(Fields::new(what, place, &KEYS))
     }
 
-    pub fn place(&self) -> Place {
+    pub fn place(&self) -> TextPosition {
         self.0.place()
     }
 
@@ -64,19 +64,19 @@ impl Record {
         key: &'static str,
         accepted: &[&str],
         remedy: &'static str,
-        source: Source,
+        source: OmmSource,
         origin: &Path,
     ) -> Result<(), RecordError> {
         match self.0.get(key) {
             Some(entry) if accepted.iter().any(|a| entry.value.eq_ignore_ascii_case(a)) => Ok(()),
             Some(entry) => Err(entry.unsupported(origin, remedy)),
-            None if source == Source::Catalogue => Ok(()),
+            None if source == OmmSource::Catalogue => Ok(()),
             None => self.0.must(key, "", origin).map(|_| ()),
         }
     }
 
     /// The elements, if all are there and SGP4's.
-    pub fn elements(&self, origin: &Path, source: Source) -> Result<MeanElements, RecordError> {
+    pub fn elements(&self, origin: &Path, source: OmmSource) -> Result<MeanElements, RecordError> {
         self.check_meaning(origin, source)?;
         let number = |key, range, expected| {
             let remedy = match key {
@@ -141,7 +141,7 @@ impl Record {
     }
 
     /// Refuses what SGP4 would fly wrongly.
-    fn check_meaning(&self, origin: &Path, source: Source) -> Result<(), RecordError> {
+    fn check_meaning(&self, origin: &Path, source: OmmSource) -> Result<(), RecordError> {
         for (key, accepted, remedy) in [
             (
                 "MEAN_ELEMENT_THEORY",

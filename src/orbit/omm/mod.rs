@@ -1,14 +1,17 @@
 //! Orbit mean-elements messages (OMM, CCSDS 502.0-B-2 and -3): KVN, XML, and the JSON and CSV that catalogues publish.
+//!
+//! Our own reader, because `sgp4` reads JSON only and `ccsds-ndm` (0.0) is immature, and because a fault must name line, column
+//! and remedy and cost its own record only.
 
 mod fields;
 mod write;
 
-use super::record::{Entry, Place, RecordError, RecordFault, shortened};
+use super::entry::{Entry, RecordError, RecordFault, TextPosition, shortened};
 use super::text::json::Document;
-use super::text::xml::Item;
+use super::text::xml::XmlItem;
 use super::text::{csv, kvn, unmarked, xml};
 use super::{Catalogue, MeanElements, OrbitError};
-use fields::{Record, Source};
+use fields::{ElementEntries, OmmSource};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -17,22 +20,22 @@ pub use write::write_omm;
 /// What is done with the elements of each satellite, and the line where they begin; its error ends the reading.
 type Each<'e> = dyn FnMut(Result<(MeanElements, usize), OrbitError>) -> Result<(), OrbitError> + 'e;
 
-enum Form {
+enum OmmNotation {
     Kvn,
     Xml,
     Json,
     Csv,
 }
 
-fn form(text: &str) -> Option<Form> {
+fn notation(text: &str) -> Option<OmmNotation> {
     let text = unmarked(text).trim_start();
     match text.as_bytes().first()? {
-        b'<' => Some(Form::Xml),
-        b'[' | b'{' => Some(Form::Json),
+        b'<' => Some(OmmNotation::Xml),
+        b'[' | b'{' => Some(OmmNotation::Json),
         _ => match kvn::lines(text).next()? {
-            kvn::Line::Entry(entry) => (entry.key == VERSION).then_some(Form::Kvn),
-            kvn::Line::Words { text, .. } => {
-                (text.contains(',') && text.contains("MEAN_MOTION")).then_some(Form::Csv)
+            kvn::KvnLine::Entry(entry) => (entry.key == VERSION).then_some(OmmNotation::Kvn),
+            kvn::KvnLine::Other { text, .. } => {
+                (text.contains(',') && text.contains("MEAN_MOTION")).then_some(OmmNotation::Csv)
             }
         },
     }
@@ -43,7 +46,7 @@ const VERSION: &str = "CCSDS_OMM_VERS";
 
 /// Whether a text is an OMM rather than two-line elements.
 pub(super) fn is_omm(text: &str) -> bool {
-    form(text).is_some()
+    notation(text).is_some()
 }
 
 /// Calls `each` for every satellite of a message in any form.
@@ -53,46 +56,46 @@ pub(super) fn each_elements(
     each: &mut Each<'_>,
 ) -> Result<(), OrbitError> {
     let text = unmarked(text);
-    let read = match form(text) {
-        Some(Form::Xml) => from_xml(text, origin, each),
-        Some(Form::Json) => from_json(text, origin, each),
-        Some(Form::Csv) => from_csv(text, origin, each),
-        Some(Form::Kvn) | None => from_kvn(text, origin, each),
+    let read = match notation(text) {
+        Some(OmmNotation::Xml) => from_xml(text, origin, each),
+        Some(OmmNotation::Json) => from_json(text, origin, each),
+        Some(OmmNotation::Csv) => from_csv(text, origin, each),
+        Some(OmmNotation::Kvn) | None => from_kvn(text, origin, each),
     };
     // What ends a whole text is one more fault where the others are good.
     read.or_else(|error| each(Err(error)))
 }
 
 fn from_kvn(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitError> {
-    let mut record: Option<Record> = None;
+    let mut record: Option<ElementEntries> = None;
     let mut count = 0;
-    let mut finish = |record: Option<Record>, each: &mut Each<'_>| match record {
+    let mut finish = |record: Option<ElementEntries>, each: &mut Each<'_>| match record {
         Some(record) => {
             count += 1;
             check_count(count, record.place(), origin)?;
             let line = record.place().line;
-            let elements = record.elements(origin, Source::Message);
+            let elements = record.elements(origin, OmmSource::Message);
             each(elements.map(|e| (e, line)).map_err(OrbitError::from))
         }
         None => Ok(()),
     };
     for line in kvn::lines(text) {
         match line {
-            kvn::Line::Entry(entry) if entry.key == VERSION => {
+            kvn::KvnLine::Entry(entry) if entry.key == VERSION => {
                 finish(record.take(), each)?;
                 match check_version(&entry, origin) {
-                    Ok(()) => record = Some(Record::new("the message", entry.place)),
+                    Ok(()) => record = Some(ElementEntries::new("the message", entry.place)),
                     Err(error) => each(Err(error.into()))?,
                 }
             }
-            kvn::Line::Entry(entry) => {
+            kvn::KvnLine::Entry(entry) => {
                 // Behind a fault the rest of its record is passed over.
                 if let Some(Err(error)) = record.as_mut().map(|r| r.add(entry, origin)) {
                     record = None;
                     each(Err(error.into()))?;
                 }
             }
-            kvn::Line::Words { text, place } => {
+            kvn::KvnLine::Other { text, place } => {
                 if record.take().is_some() {
                     let fault = RecordFault::Unexpected {
                         text: shortened(text),
@@ -113,8 +116,8 @@ fn check_version(entry: &Entry<'_>, origin: &Path) -> Result<(), RecordError> {
     }
 }
 
-fn check_count(count: usize, place: Place, origin: &Path) -> Result<(), RecordError> {
-    let limit = Catalogue::MOST_SATELLITES;
+fn check_count(count: usize, place: TextPosition, origin: &Path) -> Result<(), RecordError> {
+    let limit = Catalogue::MAX_SATELLITES;
     match count > limit {
         true => {
             let what = "satellites";
@@ -125,31 +128,31 @@ fn check_count(count: usize, place: Place, origin: &Path) -> Result<(), RecordEr
 }
 
 fn from_xml(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitError> {
-    let mut record: Option<Record> = None;
+    let mut record: Option<ElementEntries> = None;
     // A fault has been reported: the rest of the record is passed over.
     let mut count = 0;
     xml::walk::<OrbitError>(text, origin, &mut |item| {
         match item {
-            Item::Open("omm", line) => {
+            XmlItem::Open("omm", line) => {
                 count += 1;
-                let place = Place { line, column: 1 };
+                let place = TextPosition { line, column: 1 };
                 check_count(count, place, origin)?;
-                record = Some(Record::new("the message", place));
+                record = Some(ElementEntries::new("the message", place));
             }
-            Item::Close("omm") => {
+            XmlItem::Close("omm") => {
                 if let Some(record) = record.take() {
                     let line = record.place().line;
-                    let elements = record.elements(origin, Source::Message);
+                    let elements = record.elements(origin, OmmSource::Message);
                     each(elements.map(|e| (e, line)).map_err(OrbitError::from))?;
                 }
             }
-            Item::Value(entry) => {
+            XmlItem::Value(entry) => {
                 if let Some(Err(error)) = record.as_mut().map(|r| r.add(entry, origin)) {
                     record = None;
                     each(Err(error.into()))?;
                 }
             }
-            Item::Open(..) | Item::Close(_) => {}
+            XmlItem::Open(..) | XmlItem::Close(_) => {}
         }
         Ok(())
     })
@@ -159,16 +162,16 @@ fn from_json(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), Orbit
     let document = Document::new(text, origin);
     let read = |value| {
         let object = document.object(value, "an object with the elements of a satellite")?;
-        let mut record = Record::new("the object", document.place(value));
+        let mut record = ElementEntries::new("the object", document.place(value));
         for (key, value) in &object.0 {
             if let Some(entry) = document.entry(key, value) {
                 record.add(entry, origin)?;
             }
         }
         let line = record.place().line;
-        Ok((record.elements(origin, Source::Catalogue)?, line))
+        Ok((record.elements(origin, OmmSource::Catalogue)?, line))
     };
-    document.each_object::<OrbitError>(Catalogue::MOST_SATELLITES, "satellites", &mut |value| {
+    document.each_object::<OrbitError>(Catalogue::MAX_SATELLITES, "satellites", &mut |value| {
         each(read(value).map_err(|error: RecordError| error.into()))
     })
 }
@@ -185,7 +188,7 @@ fn from_csv(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitE
                 format: "CSV",
                 cause: "a quotation mark without its partner".to_owned(),
             };
-            Place { line, column: 1 }.error(origin, fault)
+            TextPosition { line, column: 1 }.error(origin, fault)
         })
     };
     let Some((at, header)) = rows.next() else {
@@ -193,7 +196,7 @@ fn from_csv(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitE
     };
     let header = fields(at, header)?;
     for (count, (line, text)) in rows.enumerate() {
-        let place = Place { line, column: 1 };
+        let place = TextPosition { line, column: 1 };
         check_count(count + 1, place, origin)?;
         let read = || {
             let row = fields(line, text)?;
@@ -204,7 +207,7 @@ fn from_csv(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitE
                 };
                 return Err(place.error(origin, fault));
             }
-            let mut record = Record::new("the row", place);
+            let mut record = ElementEntries::new("the row", place);
             for (name, field) in header.iter().zip(row) {
                 if field.text.is_empty() {
                     continue;
@@ -213,14 +216,14 @@ fn from_csv(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitE
                     key: Cow::Borrowed(&name.text),
                     value: Cow::Owned(field.text),
                     unit: None,
-                    place: Place {
+                    place: TextPosition {
                         line,
                         column: field.column,
                     },
                 };
                 record.add(entry, origin)?;
             }
-            record.elements(origin, Source::Catalogue)
+            record.elements(origin, OmmSource::Catalogue)
         };
         each(read().map(|e| (e, line)).map_err(OrbitError::from))?;
     }

@@ -1,6 +1,6 @@
 //! OMM out, in KVN.
 
-use super::super::write::{Header, one_line, real};
+use super::super::write_ccsds::{Header, one_line, real};
 use crate::frames::{TimeScale, ccsds_time};
 use crate::orbit::MeanElements;
 use std::fmt::Write;

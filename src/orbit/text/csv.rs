@@ -2,13 +2,13 @@
 
 /// A field and the column of its first byte, from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Field {
+pub struct CsvField {
     pub text: String,
     pub column: usize,
 }
 
 /// The fields of a line, blanks around them taken off; `None` if a quotation mark has no partner or stands in a field.
-pub fn fields(line: &str) -> Option<Vec<Field>> {
+pub fn fields(line: &str) -> Option<Vec<CsvField>> {
     let mut fields = Vec::new();
     let mut rest = line;
     loop {
@@ -27,7 +27,7 @@ pub fn fields(line: &str) -> Option<Vec<Field>> {
         if text.contains('"') && !rest.trim_start().starts_with('"') {
             return None;
         }
-        fields.push(Field { text, column });
+        fields.push(CsvField { text, column });
         match behind.strip_prefix(',') {
             Some(next) => rest = next,
             None => return behind.is_empty().then_some(fields),

@@ -1,6 +1,6 @@
 //! JSON objects as names and values with their places; numbers as they are written.
 
-use super::super::record::{Entry, Place, RecordError, RecordFault, shortened};
+use super::super::entry::{Entry, RecordError, RecordFault, TextPosition, shortened};
 use super::{Lines, offset};
 use serde::de::{Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
@@ -10,7 +10,7 @@ use std::fmt;
 use std::path::Path;
 
 /// Most members of an object that is looked into.
-const MOST_MEMBERS: usize = 10_000;
+const MAX_MEMBERS: usize = 10_000;
 
 /// A JSON text, to find places in it.
 pub struct Document<'t> {
@@ -32,7 +32,7 @@ impl<'t> Document<'t> {
     }
 
     /// Where a value begins.
-    pub fn place(&self, value: &RawValue) -> Place {
+    pub fn place(&self, value: &RawValue) -> TextPosition {
         self.lines.place(offset(self.text, value.get()))
     }
 
@@ -125,7 +125,7 @@ impl<'t> Document<'t> {
     fn syntax(&self, part: &str, error: &serde_json::Error) -> RecordError {
         let at = self.lines.place(offset(self.text, part));
         let (line, column) = (error.line().max(1), error.column().max(1));
-        let place = Place {
+        let place = TextPosition {
             line: at.line + line - 1,
             column: match line {
                 1 => at.column + column - 1,
@@ -167,7 +167,7 @@ impl<'de> Deserialize<'de> for Object<'de> {
                 while let Some((Name(name), value)) =
                     map.next_entry::<Name<'de>, &'de RawValue>()?
                 {
-                    if pairs.len() >= MOST_MEMBERS {
+                    if pairs.len() >= MAX_MEMBERS {
                         return Err(A::Error::custom("too many members"));
                     }
                     pairs.push((name, value));

@@ -1,36 +1,36 @@
 //! Keyword = value notation (CCSDS 502.0, section 7): one entry a line, units in brackets.
 
-use super::super::record::{Entry, Place, number};
+use super::super::entry::{Entry, TextPosition, number};
 use super::{offset, unmarked};
 use std::borrow::Cow;
 
 /// A line of a message.
-pub enum Line<'t> {
+pub enum KvnLine<'t> {
     /// `KEY = value [unit]`.
     Entry(Entry<'t>),
     /// Anything else: `META_START`, a row of numbers.
-    Words {
+    Other {
         /// Without blanks at either end, never empty.
         text: &'t str,
         /// Where it begins.
-        place: Place,
+        place: TextPosition,
     },
 }
 
 /// The lines of a text that say something: no empty ones, no comments.
-pub fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
+pub fn lines(text: &str) -> impl Iterator<Item = KvnLine<'_>> {
     let said = unmarked(text).lines().enumerate();
     said.filter_map(|(index, whole)| {
         let line = whole.trim();
         if line.is_empty() || is_comment(line) {
             return None;
         }
-        let place = |part: &str| Place {
+        let place = |part: &str| TextPosition {
             line: index + 1,
             column: offset(whole, part) + 1,
         };
         let Some((key, rest)) = line.split_once('=') else {
-            return Some(Line::Words {
+            return Some(KvnLine::Other {
                 text: line,
                 place: place(line),
             });
@@ -45,7 +45,7 @@ pub fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
             Some((value, unit)) => (value.trim_end(), Some(unit.trim())),
             None => (rest, None),
         };
-        Some(Line::Entry(Entry {
+        Some(KvnLine::Entry(Entry {
             key: Cow::Borrowed(key.trim()),
             value: Cow::Borrowed(value),
             unit: unit.map(Cow::Borrowed),

@@ -5,7 +5,7 @@ pub mod json;
 pub mod kvn;
 pub mod xml;
 
-use super::record::Place;
+use super::entry::TextPosition;
 
 /// Finds the line of a byte. Holds a mark for every so many bytes, so that neither a text of one line nor one of nothing but
 /// line breaks costs much memory or time.
@@ -31,13 +31,13 @@ impl<'t> Lines<'t> {
     }
 
     /// The place of byte `at`.
-    pub fn place(&self, at: usize) -> Place {
+    pub fn place(&self, at: usize) -> TextPosition {
         let at = at.min(self.text.len());
         let block = (at / BLOCK).min(self.marks.len().saturating_sub(1));
         let mark = self.marks.get(block).copied().unwrap_or((1, 0));
         let before = self.text.get(block * BLOCK..at).unwrap_or_default();
         let (line, begin) = through(before, block * BLOCK, mark);
-        Place {
+        TextPosition {
             line,
             column: at - begin + 1,
         }
@@ -76,14 +76,14 @@ mod tests {
             let lines = Lines::of(&text);
             let (mut line, mut column) = (1, 1);
             for (at, byte) in text.bytes().enumerate() {
-                assert_eq!(lines.place(at), Place { line, column }, "{at}");
+                assert_eq!(lines.place(at), TextPosition { line, column }, "{at}");
                 (line, column) = match byte {
                     b'\n' => (line + 1, 1),
                     _ => (line, column + 1),
                 };
             }
-            assert_eq!(lines.place(text.len()), Place { line, column });
-            assert_eq!(lines.place(text.len() + 9), Place { line, column });
+            assert_eq!(lines.place(text.len()), TextPosition { line, column });
+            assert_eq!(lines.place(text.len() + 9), TextPosition { line, column });
         }
     }
 }

@@ -1,6 +1,6 @@
 //! XML as a stream of elements: those with text are values, those with elements open and close.
 
-use super::super::record::{Entry, RecordError, RecordFault, shortened};
+use super::super::entry::{Entry, RecordError, RecordFault, shortened};
 use super::Lines;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
@@ -8,16 +8,16 @@ use std::borrow::Cow;
 use std::path::Path;
 
 /// Elements within elements; messages of the CCSDS have nine.
-const DEEPEST: usize = 32;
+const MAX_DEPTH: usize = 32;
 
 /// Longest text of an element that is looked at, bytes.
-const LONGEST_TEXT: usize = 4096;
+const MAX_TEXT_BYTES: usize = 4096;
 
-/// What is met.
-pub enum Item<'t> {
+/// What the walk through a document meets, in its order.
+pub enum XmlItem<'t> {
     /// An element with others in it begins.
     Open(&'t str, usize),
-    /// It ends.
+    /// An element with others in it ends.
     Close(&'t str),
     /// An element with text only; `units` is its unit.
     Value(Entry<'t>),
@@ -38,7 +38,7 @@ struct Begun {
 pub fn walk<E: From<RecordError>>(
     text: &str,
     origin: &Path,
-    each: &mut dyn FnMut(Item<'_>) -> Result<(), E>,
+    each: &mut dyn FnMut(XmlItem<'_>) -> Result<(), E>,
 ) -> Result<(), E> {
     let lines = Lines::of(text);
     let syntax = |at: usize, cause: String| {
@@ -58,10 +58,10 @@ pub fn walk<E: From<RecordError>>(
         let behind = reader.buffer_position() as usize;
         match event {
             Ok(Event::Start(start)) => {
-                if open.len() >= DEEPEST || (open.is_empty() && had_root) {
+                if open.len() >= MAX_DEPTH || (open.is_empty() && had_root) {
                     let cause = match open.is_empty() {
                         true => "a second root element".to_owned(),
-                        false => format!("more than {DEEPEST} elements within each other"),
+                        false => format!("more than {MAX_DEPTH} elements within each other"),
                     };
                     return Err(syntax(at, cause));
                 }
@@ -70,7 +70,7 @@ pub fn walk<E: From<RecordError>>(
                     && !parent.has_children
                 {
                     parent.has_children = true;
-                    each(Item::Open(&parent.name, lines.place(parent.at).line))?;
+                    each(XmlItem::Open(&parent.name, lines.place(parent.at).line))?;
                 }
                 let unit = units(&start).map_err(|cause| syntax(at, cause))?;
                 open.push(Begun {
@@ -85,8 +85,8 @@ pub fn walk<E: From<RecordError>>(
                 // Names have been compared by the parser.
                 let Some(element) = open.pop() else { continue };
                 match element.has_children {
-                    true => each(Item::Close(&element.name))?,
-                    false => each(Item::Value(entry(&element, text, &lines)))?,
+                    true => each(XmlItem::Close(&element.name))?,
+                    false => each(XmlItem::Value(entry(&element, text, &lines)))?,
                 }
             }
             Ok(Event::Text(piece)) => add(&mut open, &piece.xml10_content()),
@@ -142,7 +142,7 @@ fn add(open: &mut [Begun], piece: &str) {
     let Some(element) = open.last_mut() else {
         return;
     };
-    if element.text.len() + piece.len() <= LONGEST_TEXT {
+    if element.text.len() + piece.len() <= MAX_TEXT_BYTES {
         element.text.push_str(piece);
     } else if !element.text.ends_with('…') {
         // So that what is left cannot be taken for a whole value.

@@ -2,7 +2,7 @@
 
 use super::super::flight::Flight;
 use crate::frames::{Epoch, Geodetic};
-use crate::orbit::{Feed, Horizon, OrbitError, OrbitState, Pass, passes};
+use crate::orbit::{Feed, Observer, OrbitError, OrbitState, Pass, passes};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -137,26 +137,26 @@ fn find(flight: &Flight, order: &Order, is_wanted: &(dyn Fn() -> bool + Sync)) -
         is_wanted,
     };
     let orientation = |epoch| flight.orientation_at(epoch);
-    let horizon = |lookout: &Lookout| {
+    let observer = |lookout: &Lookout| {
         let least_rad = lookout.least_elevation_rad;
-        Horizon::new(lookout.place, flight.ellipsoid(), least_rad, &orientation)
+        Observer::new(lookout.place, flight.ellipsoid(), least_rad, &orientation)
     };
     let answer = match order {
         Order::Marks(lookout, (first, last)) => {
-            let horizon = horizon(lookout);
-            let found = passes(&feed, &horizon, *first, *last);
+            let observer = observer(lookout);
+            let found = passes(&feed, &observer, *first, *last);
             Answer::Marks(found.map_while(Result::ok).take(MOST_MARKS).collect())
         }
         Order::Next(lookout, (from, until)) => {
-            Answer::Next(next(&feed, &horizon(lookout), *from, *until))
+            Answer::Next(next(&feed, &observer(lookout), *from, *until))
         }
     };
     is_wanted().then_some(answer)
 }
 
-fn next(feed: &dyn Feed, horizon: &Horizon<'_>, from: Epoch, until: Epoch) -> Next {
+fn next(feed: &dyn Feed, observer: &Observer<'_>, from: Epoch, until: Epoch) -> Next {
     // The pass that it is in is not the next one.
-    let mut found = passes(feed, horizon, from, until);
+    let mut found = passes(feed, observer, from, until);
     match found.next() {
         None => Next::Never,
         Some(Err(error)) => Next::Refused(error.to_string()),
@@ -189,7 +189,7 @@ impl Feed for Wanted<'_> {
         match (self.is_wanted)() {
             true => self.feed.state_at(epoch),
             // Nobody reads it.
-            false => Err(OrbitError::OutOfReach {
+            false => Err(OrbitError::OutsideValidity {
                 satellite: String::new(),
                 epoch: String::new(),
                 first: String::new(),

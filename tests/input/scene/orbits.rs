@@ -3,10 +3,10 @@
 use super::{Bad, Folder, scene, utc};
 use glam::DVec3;
 use terrella::orbit::Frame;
-use terrella::orbit::kepler::{Anomaly, Size};
-use terrella::orbit::live::{Extrapolation, LiveOptions, Mode};
-use terrella::orbit::numerical::Atmosphere;
-use terrella::scene::{Motion, OrbitSource, StartForm};
+use terrella::orbit::kepler::{Anomaly, OrbitSize};
+use terrella::orbit::live::{Extrapolation, LiveOptions, Pacing};
+use terrella::orbit::numerical::AtmosphereModel;
+use terrella::scene::{Motion, OrbitParameters, OrbitSource};
 
 #[rustfmt::skip]
 const BAD: &[Bad] = &[
@@ -19,6 +19,9 @@ const BAD: &[Bad] = &[
     ("orbit = [1, 2]", 1, &["orbit = [1, 2]", "must be a table"]),
     ("[[camera]]\nfov_deg = 45", 1, &["camera", "must be a table, not a list"]),
     ("[orbit]\nsource = \"keplr\"", 2, &["[orbit] source = \"keplr\":", "did you mean \"kepler\"?"]),
+    // Keys that have another name now.
+    ("[orbit]\nnode_deg = 35", 2, &["[orbit] node_deg:", "now called raan_deg"]),
+    ("[orbit]\nargument_deg = 35", 2, &["[orbit] argument_deg:", "now called argument_of_periapsis_deg"]),
     // Keys of other sources.
     ("[orbit]\nj2 = true", 2, &["[orbit] j2 = true:", "is for source = \"kepler\"", "\"tle\""]),
     ("[orbit]\nfile = \"sat.tle\"\ninclination_deg = 5", 3, &["[orbit] inclination_deg = 5:", "whose start the scene gives"]),
@@ -42,7 +45,7 @@ const BAD: &[Bad] = &[
     ("[orbit]\nsource = \"kepler\"\nposition_km = [7000, 0, 0]", 3, &["[orbit] position_km", "velocity_km_s"]),
     ("[orbit]\nsource = \"kepler\"\nposition_km = [7000, 0]\nvelocity_km_s = [0, 7, 0]", 3, &["[orbit] position_km = [7000, 0]:", "three numbers"]),
     ("[orbit]\nsource = \"kepler\"\nposition_km = [7000, 0, inf]\nvelocity_km_s = [0, 7, 0]", 3, &["[orbit] position_km", "each number must be from"]),
-    ("[orbit]\nsource = \"kepler\"\nposition_km = [7000, 0, 0]\nvelocity_km_s = [0, 7, 0]\nnode_deg = 3", 5, &["[orbit] node_deg = 3:", "by elements or by position_km"]),
+    ("[orbit]\nsource = \"kepler\"\nposition_km = [7000, 0, 0]\nvelocity_km_s = [0, 7, 0]\nraan_deg = 3", 5, &["[orbit] raan_deg = 3:", "by elements or by position_km"]),
     ("[orbit]\nsource = \"kepler\"\nperiapsis_km = 7000\nepoch = \"noon\"", 4, &["[orbit] epoch = \"noon\":", "2018-01-15T12:00:00Z"]),
     ("[orbit]\nsource = \"kepler\"\nperiapsis_km = 7000\nname = \"a\\nb\"", 4, &["[orbit] name", "one line"]),
     // Forces.
@@ -111,8 +114,8 @@ fn one_name_is_followed_or_none() {
 #[test]
 fn starts_and_forces_are_read_in_their_units() {
     let kepler = scene(
-        "[orbit]\nsource = \"kepler\"\nsemi_major_axis_km = 7000\neccentricity = 0.1\ninclination_deg = 90\nnode_deg = 180\n\
-         argument_deg = -90\nmean_anomaly_deg = 45\nepoch = 2018-01-01T00:00:00Z\nframe = \"teme\"\nj2 = true",
+        "[orbit]\nsource = \"kepler\"\nsemi_major_axis_km = 7000\neccentricity = 0.1\ninclination_deg = 90\nraan_deg = 180\n\
+         argument_of_periapsis_deg = -90\nmean_anomaly_deg = 45\nepoch = 2018-01-01T00:00:00Z\nframe = \"teme\"\nj2 = true",
     );
     let Some(Motion::Kepler { start, j2: true }) = &kepler.orbits[0].motion else {
         panic!("{:?}", kepler.orbits);
@@ -121,10 +124,10 @@ fn starts_and_forces_are_read_in_their_units() {
         (start.epoch, start.frame),
         (utc("2018-01-01T00:00:00Z"), Frame::Teme)
     );
-    let StartForm::Elements(elements) = &start.form else {
+    let OrbitParameters::Elements(elements) = &start.parameters else {
         panic!("{start:?}");
     };
-    assert_eq!(elements.size, Size::SemiMajorAxis(7e6));
+    assert_eq!(elements.size, OrbitSize::SemiMajorAxis(7e6));
     assert_eq!(elements.inclination_rad, 90f64.to_radians());
     assert_eq!(elements.anomaly, Anomaly::Mean(45f64.to_radians()));
     let summary = kepler.summary();
@@ -132,7 +135,7 @@ fn starts_and_forces_are_read_in_their_units() {
     for [key, value] in [
         ["semi_major_axis_km", "7000"],
         ["inclination_deg", "90"],
-        ["argument_deg", "-90"],
+        ["argument_of_periapsis_deg", "-90"],
     ] {
         let told = words.windows(2).any(|pair| pair == [key, value]);
         assert!(told, "{key} {value} is not in\n{summary}");
@@ -147,8 +150,8 @@ fn starts_and_forces_are_read_in_their_units() {
         panic!("{:?}", numerical.orbits);
     };
     assert_eq!(
-        start.form,
-        StartForm::State {
+        start.parameters,
+        OrbitParameters::State {
             position_m: DVec3::new(1e3, 2e3, 7e6),
             velocity_m_s: DVec3::new(7500.0, 0.0, -100.0)
         }
@@ -240,7 +243,7 @@ fn live_keys_reach_the_feed() {
             extrapolation_limit_s: 90.0,
             extrapolation: Extrapolation::Linear,
             gap_s: 30.0,
-            most_packets_per_s: 50,
+            max_packets_per_s: 50,
             allowed_origins: vec!["https://example.org".to_owned()],
             ..LiveOptions::new("ws://127.0.0.1:5005".parse().unwrap())
         }
@@ -248,7 +251,7 @@ fn live_keys_reach_the_feed() {
     assert_eq!(
         options[1],
         LiveOptions {
-            mode: Mode::Lockstep,
+            pacing: Pacing::Lockstep,
             allow_remote: true,
             frame_timeout: std::time::Duration::from_millis(2500),
             ..LiveOptions::new("tcp://[::]:5006".parse().unwrap())

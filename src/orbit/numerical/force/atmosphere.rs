@@ -3,7 +3,7 @@
 /// A model of the air's density. Both are averages over day, season and the Sun's activity: above 200 km the true density
 /// is from half to twice theirs in most years, above 500 km from a tenth to ten times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Atmosphere {
+pub enum AtmosphereModel {
     /// Exponential pieces with Vallado's base densities (2013, table 8-4, after US Standard Atmosphere 1976 and CIRA-72),
     /// their scale heights made to join without steps.
     Exponential,
@@ -98,7 +98,7 @@ const GAS_CONSTANT: f64 = 287.052_87;
 /// The effective radius of the geopotential height, km.
 const RADIUS_KM: f64 = 6_356.766;
 
-impl Atmosphere {
+impl AtmosphereModel {
     /// Density at a height above the ellipsoid, kg/m³; continuous, 0 above 2500 km.
     pub fn density_kg_m3(self, height_m: f64) -> f64 {
         if height_m >= TOP_M {
@@ -195,7 +195,7 @@ mod tests {
             (200.0, 2.541e-10),
             (1000.0, 3.561e-15),
         ] {
-            let found = Atmosphere::Standard1976.density_kg_m3(km * 1e3);
+            let found = AtmosphereModel::Standard1976.density_kg_m3(km * 1e3);
             assert!(
                 (found / density - 1.0).abs() < 2e-4,
                 "{km} km: {found:e} {density:e}"
@@ -205,7 +205,7 @@ mod tests {
 
     #[test]
     fn the_air_thins_without_steps_from_the_ground_to_the_top() {
-        for model in [Atmosphere::Exponential, Atmosphere::Standard1976] {
+        for model in [AtmosphereModel::Exponential, AtmosphereModel::Standard1976] {
             let mut before = model.density_kg_m3(-6_000.0);
             assert_eq!(before, model.density_kg_m3(-5_000.0));
             for k in 0..250_000 {
@@ -225,8 +225,8 @@ mod tests {
     fn both_models_agree_to_the_spread_between_them() {
         for km in 0..1000 {
             let h = f64::from(km) * 1e3;
-            let ratio = Atmosphere::Exponential.density_kg_m3(h)
-                / Atmosphere::Standard1976.density_kg_m3(h);
+            let ratio = AtmosphereModel::Exponential.density_kg_m3(h)
+                / AtmosphereModel::Standard1976.density_kg_m3(h);
             assert!((0.6..1.45).contains(&ratio), "{km}: {ratio}");
         }
     }

@@ -5,7 +5,7 @@
 //! | `gravity.rs`, `egm96.rs` | the Earth's field |
 //! | `atmosphere.rs` | density of the air |
 //! | `shadow.rs` | sunlight behind the Earth |
-//! | `sky.rs` | Sun, Moon and the Earth's axes along a span |
+//! | `sun_moon_axes.rs` | Sun, Moon and the Earth's axes along a span |
 //!
 //! Left out: tides of the solid Earth and the oceans (1e-7 m/s² in low orbit), general relativity (1e-8), light and heat from
 //! the Earth (1e-8 for usual craft), lift, winds, other planets (1e-10), and what the Sun's activity does to the air.
@@ -14,38 +14,39 @@ mod atmosphere;
 mod egm96;
 mod gravity;
 mod shadow;
-mod sky;
+mod sun_moon_axes;
 
-pub use atmosphere::Atmosphere;
-pub use egm96::EGM96_DEGREE;
+pub use atmosphere::AtmosphereModel;
+use egm96::EGM96_DEGREE;
 pub use shadow::Shadow;
 pub(super) use shadow::sun_above_limb_rad;
-pub(super) use sky::Sky;
+pub(super) use sun_moon_axes::SunMoonAxes;
 
 use super::NumericalError;
 use super::integrate::Equations;
 use crate::frames::{ASTRONOMICAL_UNIT_M, Ellipsoid, Epoch, Orientation};
+use crate::orbit::StartError;
 use crate::orbit::constants::{
     EARTH_GM_M3_S2, MOON_GM_M3_S2, SUN_GM_M3_S2, SUNLIGHT_PRESSURE_N_M2,
 };
 use glam::DVec3;
 use gravity::Field;
 
-/// The Earth's gravity.
+/// Models of the Earth's gravity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gravity {
-    /// A point.
+    /// A point mass.
     #[default]
     Point,
     /// Zonal harmonics J2…J`degree` of EGM96 about the axis z of ITRF; `degree` from 2 to 20.
     Zonal {
-        /// The highest.
+        /// The highest degree.
         degree: usize,
     },
     /// The same about the z axis of GCRF, the pole of J2000 (within 0.14° in the first half of this century): then energy and
     /// the momentum about z are kept exactly.
     ZonalOfJ2000 {
-        /// The highest.
+        /// The highest degree.
         degree: usize,
     },
     /// EGM96 to a degree from 2 to 20 and an order up to it, turning with the Earth.
@@ -57,7 +58,7 @@ pub enum Gravity {
     },
 }
 
-/// A push from one epoch to another.
+/// A constant thrust from one epoch to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thrust {
     /// When it begins.
@@ -85,14 +86,14 @@ pub struct ForceModel {
     /// The Earth's gravity.
     pub gravity: Gravity,
     /// The air's drag, its air turning with the Earth.
-    pub drag: Option<Atmosphere>,
+    pub drag: Option<AtmosphereModel>,
     /// The Sun's gravity, as a point's.
     pub sun: bool,
-    /// The Moon's.
+    /// The Moon's gravity, as a point's.
     pub moon: bool,
     /// The pressure of sunlight, with this shadow.
     pub sunlight: Option<Shadow>,
-    /// Pushes.
+    /// Thrusts, each over its own time.
     pub thrusts: Vec<Thrust>,
     /// The Earth's orientation at the start.
     pub orientation: Orientation,
@@ -100,7 +101,7 @@ pub struct ForceModel {
 
 /// What the air and the sunlight act on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Craft {
+pub struct Spacecraft {
     /// Mass, kilograms.
     pub mass_kg: f64,
     /// Area against the air, m².
@@ -113,7 +114,7 @@ pub struct Craft {
     pub reflectivity: f64,
 }
 
-impl Default for Craft {
+impl Default for Spacecraft {
     /// 1000 kg behind 10 m²: 100 kg/m² before coefficients of 2.2 and 1.3.
     fn default() -> Self {
         Self {
@@ -127,17 +128,17 @@ impl Default for Craft {
 }
 
 /// Most thrusts in one model.
-const MOST_THRUSTS: usize = 10_000;
+const MAX_THRUSTS: usize = 10_000;
 
 impl ForceModel {
     /// Whether the numbers make sense together with a craft's.
-    pub(super) fn check(&self, craft: &Craft) -> Result<(), NumericalError> {
+    pub(super) fn check(&self, craft: &Spacecraft) -> Result<(), NumericalError> {
         let range = |field, value, expected| {
-            Err(NumericalError::Range {
+            Err(NumericalError::from(StartError::Range {
                 field,
                 value,
                 expected,
-            })
+            }))
         };
         let (degree, order) = match self.gravity {
             Gravity::Point => (2, 0),
@@ -162,7 +163,7 @@ impl ForceModel {
                 return range(field, value, "a number from 0 to 1e12, a mass above 0");
             }
         }
-        if self.thrusts.len() > MOST_THRUSTS {
+        if self.thrusts.len() > MAX_THRUSTS {
             return range(
                 "number of thrusts",
                 self.thrusts.len() as f64,
@@ -171,7 +172,7 @@ impl ForceModel {
         }
         if !self.thrusts.iter().all(|t| t.acceleration_m_s2.is_finite()) {
             let field = "the acceleration of a thrust";
-            return Err(NumericalError::NotFinite { field });
+            return Err(StartError::NotFinite { field }.into());
         }
         match self.thrusts.iter().find(|t| t.first > t.last) {
             Some(t) => {
@@ -182,7 +183,7 @@ impl ForceModel {
         }
     }
 
-    pub(super) fn needs_sky(&self) -> bool {
+    pub(super) fn needs_axes(&self) -> bool {
         self.drag.is_some()
             || self.sun
             || self.moon
@@ -193,14 +194,14 @@ impl ForceModel {
 
 /// The equations of motion: six unknowns, position (m) and velocity (m/s) in GCRF, over seconds from an epoch.
 #[derive(Clone, Debug)]
-pub(super) struct Motion {
+pub(super) struct EquationsOfMotion {
     model: ForceModel,
     field: Option<Field>,
     /// C_D A/m, m²/kg.
     ballistic: f64,
     /// C_R A/m, m²/kg.
     sail: f64,
-    pub sky: Sky,
+    pub axes: SunMoonAxes,
     relative: f64,
     /// Thrusts that act through the present stretch.
     pub acting: Vec<usize>,
@@ -209,8 +210,8 @@ pub(super) struct Motion {
 /// What the tolerance counts from where a speed is 0, m/s.
 const SPEED_FLOOR_M_S: f64 = 100.0;
 
-impl Motion {
-    pub fn new(model: &ForceModel, craft: &Craft, epoch: Epoch, relative: f64) -> Self {
+impl EquationsOfMotion {
+    pub fn new(model: &ForceModel, craft: &Spacecraft, epoch: Epoch, relative: f64) -> Self {
         let field = match model.gravity {
             Gravity::Point => None,
             Gravity::Zonal { degree } | Gravity::ZonalOfJ2000 { degree } => {
@@ -222,7 +223,7 @@ impl Motion {
             field,
             ballistic: craft.drag_coefficient * craft.drag_area_m2 / craft.mass_kg,
             sail: craft.reflectivity * craft.sunlit_area_m2 / craft.mass_kg,
-            sky: Sky::new(epoch, &model.orientation),
+            axes: SunMoonAxes::new(epoch, &model.orientation),
             model: model.clone(),
             relative,
             acting: Vec::new(),
@@ -234,17 +235,17 @@ impl Motion {
         let distance = r.length();
         let mut a = DVec3::ZERO;
         if let Some(shadow) = self.model.sunlight {
-            let sun = self.sky.sun_m(t);
+            let sun = self.axes.sun_m(t);
             let away = r - sun;
             let au = ASTRONOMICAL_UNIT_M / away.length();
             let pressure = SUNLIGHT_PRESSURE_N_M2 * au * au * shadow.sunlight(r, sun);
             a += away.normalize_or_zero() * (pressure * self.sail);
         }
         if self.model.sun {
-            a += third_body(SUN_GM_M3_S2, r, self.sky.sun_m(t));
+            a += third_body(SUN_GM_M3_S2, r, self.axes.sun_m(t));
         }
         if self.model.moon {
-            a += third_body(MOON_GM_M3_S2, r, self.sky.moon_m(t));
+            a += third_body(MOON_GM_M3_S2, r, self.axes.moon_m(t));
         }
         for &k in &self.acting {
             if let Some(thrust) = self.model.thrusts.get(k) {
@@ -255,12 +256,12 @@ impl Motion {
             && distance < Ellipsoid::WGS84.equatorial_radius_m + atmosphere::TOP_M
         {
             let density = air.density_kg_m3(self.height_m(t, r));
-            let through_air = v - self.sky.rotation_rad_s(t).cross(r);
+            let through_air = v - self.axes.rotation_rad_s(t).cross(r);
             a -= through_air * (0.5 * density * self.ballistic * through_air.length());
         }
         if let Some(field) = &mut self.field {
             let axes = match self.model.gravity {
-                Gravity::Zonal { .. } | Gravity::Field { .. } => Some(self.sky.itrf_from_gcrf(t)),
+                Gravity::Zonal { .. } | Gravity::Field { .. } => Some(self.axes.itrf_from_gcrf(t)),
                 Gravity::Point | Gravity::ZonalOfJ2000 { .. } => None,
             };
             a += match axes {
@@ -273,8 +274,8 @@ impl Motion {
 
     /// Height over WGS84, metres, at a position in GCRF. A model without Earth-fixed forces takes the pole of J2000.
     pub fn height_m(&mut self, t: f64, r: DVec3) -> f64 {
-        let position = match self.model.needs_sky() {
-            true => self.sky.intermediate_from_gcrf(t) * r,
+        let position = match self.model.needs_axes() {
+            true => self.axes.intermediate_from_gcrf(t) * r,
             false => r,
         };
         Ellipsoid::WGS84.geodetic_from_itrf(position).height_m
@@ -288,7 +289,7 @@ impl Motion {
     }
 }
 
-impl Equations<6> for Motion {
+impl Equations<6> for EquationsOfMotion {
     fn derivative(&mut self, t: f64, y: &[f64; 6]) -> [f64; 6] {
         let [x, y, z, vx, vy, vz] = *y;
         let a = self.acceleration(t, DVec3::new(x, y, z), DVec3::new(vx, vy, vz));
@@ -356,7 +357,7 @@ mod tests {
         let size = |model: ForceModel, km: f64| {
             let r = DVec3::new(km * 1e3, 0.0, 0.0);
             let v = DVec3::new(0.0, (EARTH_GM_M3_S2 / r.length()).sqrt(), 0.0);
-            let craft = Craft {
+            let craft = Spacecraft {
                 drag_coefficient: 2.3,
                 sunlit_area_m2: 1.0,
                 mass_kg: 100.0,
@@ -364,7 +365,7 @@ mod tests {
                 reflectivity: 1.3,
             };
             let point = -r * (EARTH_GM_M3_S2 / r.length().powi(3));
-            let a = Motion::new(&model, &craft, epoch, 1e-9).acceleration(0.0, r, v);
+            let a = EquationsOfMotion::new(&model, &craft, epoch, 1e-9).acceleration(0.0, r, v);
             (a - point).length()
         };
         let none = ForceModel::default();
@@ -385,7 +386,7 @@ mod tests {
             ..none.clone()
         };
         let drag = ForceModel {
-            drag: Some(Atmosphere::Standard1976),
+            drag: Some(AtmosphereModel::Standard1976),
             ..none.clone()
         };
         for (name, found, least, most) in [

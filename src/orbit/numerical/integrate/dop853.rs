@@ -4,8 +4,8 @@ use super::tableau::{A, C, D, E3, E5, Row};
 use super::{Counts, Dense, Equations, Step, add, is_finite, scaled};
 
 /// Bounds on the change of the step's length.
-const LEAST_FACTOR: f64 = 0.3;
-const MOST_FACTOR: f64 = 6.0;
+const MIN_FACTOR: f64 = 0.3;
+const MAX_FACTOR: f64 = 6.0;
 const SAFETY: f64 = 0.9;
 /// Share of the last error in the choice of the step (a PI controller; Hairer & Wanner 1996, IV.2).
 const BETA: f64 = 0.04;
@@ -22,7 +22,7 @@ pub(super) struct Dop853 {
 }
 
 /// What came of one try.
-pub(super) enum Try<const N: usize> {
+pub(super) enum StepOutcome<const N: usize> {
     /// The step, and the length to try next.
     Accepted { step: Step<N>, next_h: f64 },
     /// The length to try instead.
@@ -51,7 +51,7 @@ impl Dop853 {
         (t0, y0, f0): (f64, &[f64; N], &[f64; N]),
         h: f64,
         counts: &mut Counts,
-    ) -> Try<N> {
+    ) -> StepOutcome<N> {
         let mut k = [[0.0; N]; 16];
         k[0] = *f0;
         let mut y12 = *y0;
@@ -72,21 +72,21 @@ impl Dop853 {
         if !error.is_finite() || !is_finite(&y1) {
             self.after_rejection = true;
             counts.rejected += 1;
-            return Try::Rejected { next_h: 0.1 * h };
+            return StepOutcome::Rejected { next_h: 0.1 * h };
         }
         let by_error = error.powf(0.125 - 0.2 * BETA);
         if error > 1.0 {
             self.after_rejection = true;
             counts.rejected += 1;
-            let factor = (SAFETY / by_error).max(LEAST_FACTOR);
-            return Try::Rejected { next_h: factor * h };
+            let factor = (SAFETY / by_error).max(MIN_FACTOR);
+            return StepOutcome::Rejected { next_h: factor * h };
         }
         let f1 = equations.derivative(t0 + h, &y1);
         counts.evaluations += 1;
         if !is_finite(&f1) {
             self.after_rejection = true;
             counts.rejected += 1;
-            return Try::Rejected { next_h: 0.1 * h };
+            return StepOutcome::Rejected { next_h: 0.1 * h };
         }
         k[12] = f1;
         self.watch_stiffness(
@@ -102,12 +102,12 @@ impl Dop853 {
         let most = if self.after_rejection {
             1.0
         } else {
-            MOST_FACTOR
+            MAX_FACTOR
         };
-        let factor = (SAFETY * self.error_before.powf(BETA) / by_error).clamp(LEAST_FACTOR, most);
+        let factor = (SAFETY * self.error_before.powf(BETA) / by_error).clamp(MIN_FACTOR, most);
         self.error_before = error.max(1e-4);
         self.after_rejection = false;
-        Try::Accepted {
+        StepOutcome::Accepted {
             step: Step {
                 t0,
                 h,

@@ -1,10 +1,10 @@
-//! One step after the other, by the method that suits.
+//! Takes one step after the other, by the method that suits: DOP853, or Radau IIA where the motion is stiff.
 
-use super::dop853::{Dop853, Try};
+use super::dop853::{Dop853, StepOutcome};
 use super::radau::Radau;
 use super::{Counts, Equations, Step, is_finite};
 
-/// Which method.
+/// Which method of integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Solver {
     /// DOP853 until it finds the motion stiff, Radau IIA until it no longer is.
@@ -18,7 +18,7 @@ pub enum Solver {
 
 /// Why there is no next step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Fault {
+pub(crate) enum IntegrationFault {
     /// The step has become too short to advance the time.
     Underflow,
     /// The derivative is not a finite number at the last point reached.
@@ -26,11 +26,11 @@ pub(crate) enum Fault {
 }
 
 /// Steps of the implicit method that an explicit one would have taken too, before it is given back.
-const CALM_STEPS: u32 = 10;
+const NONSTIFF_STEPS: u32 = 10;
 /// Length times largest eigenvalue below which the explicit method is not held back.
-const CALM: f64 = 3.0;
+const NONSTIFF_RADIUS: f64 = 3.0;
 
-/// A solution on its way.
+/// An integration on its way: the last point, and the method that takes the next step.
 #[derive(Clone, Debug)]
 pub(crate) struct Driver<const N: usize> {
     solver: Solver,
@@ -42,7 +42,7 @@ pub(crate) struct Driver<const N: usize> {
     h: f64,
     explicit: Dop853,
     implicit: Option<Radau<N>>,
-    calm: u32,
+    nonstiff_steps: u32,
     counts: Counts,
 }
 
@@ -54,7 +54,7 @@ impl<const N: usize> Driver<N> {
         equations: &mut impl Equations<N>,
         t: f64,
         y: [f64; N],
-    ) -> Result<Self, Fault> {
+    ) -> Result<Self, IntegrationFault> {
         let mut driver = Self {
             solver,
             relative,
@@ -64,7 +64,7 @@ impl<const N: usize> Driver<N> {
             h: 0.0,
             explicit: Dop853::new(),
             implicit: (solver == Solver::Implicit).then(|| Radau::new(relative)),
-            calm: 0,
+            nonstiff_steps: 0,
             counts: Counts::default(),
         };
         driver.restart(equations, y)?;
@@ -72,7 +72,11 @@ impl<const N: usize> Driver<N> {
     }
 
     /// Goes on from another y, or with another derivative, at the same time: after a step in the force.
-    pub fn restart(&mut self, equations: &mut impl Equations<N>, y: [f64; N]) -> Result<(), Fault> {
+    pub fn restart(
+        &mut self,
+        equations: &mut impl Equations<N>,
+        y: [f64; N],
+    ) -> Result<(), IntegrationFault> {
         self.y = y;
         self.f = equations.derivative(self.t, &y);
         self.counts.evaluations += 1;
@@ -83,7 +87,7 @@ impl<const N: usize> Driver<N> {
         self.h = 0.0;
         match is_finite(&self.f) && is_finite(&y) {
             true => Ok(()),
-            false => Err(Fault::NotFinite),
+            false => Err(IntegrationFault::NotFinite),
         }
     }
 
@@ -104,7 +108,7 @@ impl<const N: usize> Driver<N> {
         &mut self,
         equations: &mut impl Equations<N>,
         limit: f64,
-    ) -> Result<Step<N>, Fault> {
+    ) -> Result<Step<N>, IntegrationFault> {
         let direction = (limit - self.t).signum();
         if self.h == 0.0 || self.h.signum() != direction {
             self.h = direction * self.first_length(equations, direction);
@@ -120,8 +124,8 @@ impl<const N: usize> Driver<N> {
             };
             if self.t + h == self.t || h.abs() < 4.0 * f64::EPSILON * self.t.abs() {
                 return Err(match is_finite(&self.f) {
-                    true => Fault::Underflow,
-                    false => Fault::NotFinite,
+                    true => IntegrationFault::Underflow,
+                    false => IntegrationFault::NotFinite,
                 });
             }
             let from = (self.t, &self.y, &self.f);
@@ -130,11 +134,11 @@ impl<const N: usize> Driver<N> {
                 None => self.explicit.step(equations, from, h, &mut self.counts),
             };
             match tried {
-                Try::Rejected { next_h } => {
+                StepOutcome::Rejected { next_h } => {
                     self.h = next_h;
                     self.change_method(equations, h);
                 }
-                Try::Accepted { step, next_h } => {
+                StepOutcome::Accepted { step, next_h } => {
                     // A step cut by the limit says little of the next one's length.
                     self.h = match h.abs() < 0.99 * self.h.abs() && next_h.abs() < self.h.abs() {
                         true => self.h,
@@ -157,19 +161,19 @@ impl<const N: usize> Driver<N> {
         match &self.implicit {
             None if self.explicit.is_stiff() => {
                 self.implicit = Some(Radau::new(self.relative));
-                self.calm = 0;
+                self.nonstiff_steps = 0;
                 self.counts.switches += 1;
             }
             None => {}
             Some(radau) => {
                 let y = &self.y;
                 let radius = radau.spectral_radius(|x| equations.norm(x, y));
-                self.calm = if h.abs() * radius < CALM {
-                    self.calm + 1
+                self.nonstiff_steps = if h.abs() * radius < NONSTIFF_RADIUS {
+                    self.nonstiff_steps + 1
                 } else {
                     0
                 };
-                if self.calm >= CALM_STEPS {
+                if self.nonstiff_steps >= NONSTIFF_STEPS {
                     self.implicit = None;
                     self.explicit = Dop853::new();
                     self.counts.switches += 1;

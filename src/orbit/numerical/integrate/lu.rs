@@ -1,93 +1,32 @@
-//! Gaussian elimination for a few unknowns, real and complex.
+//! Gaussian elimination for a few unknowns, real and complex. Our own: the matrices are 6 × 6 and lie on the stack, which the
+//! crates of linear algebra buy with ten times the code.
 
+use num_complex::Complex64;
 use std::ops::{Add, Div, Mul, Sub};
-
-/// A complex number.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Complex {
-    pub re: f64,
-    pub im: f64,
-}
 
 /// What a matrix is made of.
 pub(super) trait Scalar:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+    Copy
+    + Default
+    + From<f64>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
 {
-    const ZERO: Self;
-    fn from_real(x: f64) -> Self;
     /// Size, to choose a pivot by.
     fn size(self) -> f64;
 }
 
 impl Scalar for f64 {
-    const ZERO: Self = 0.0;
-    fn from_real(x: f64) -> Self {
-        x
-    }
     fn size(self) -> f64 {
         self.abs()
     }
 }
 
-impl Scalar for Complex {
-    const ZERO: Self = Self { re: 0.0, im: 0.0 };
-    fn from_real(x: f64) -> Self {
-        Self { re: x, im: 0.0 }
-    }
+impl Scalar for Complex64 {
     fn size(self) -> f64 {
-        self.re.abs() + self.im.abs()
-    }
-}
-
-impl Add for Complex {
-    type Output = Self;
-    fn add(self, o: Self) -> Self {
-        Self {
-            re: self.re + o.re,
-            im: self.im + o.im,
-        }
-    }
-}
-
-impl Sub for Complex {
-    type Output = Self;
-    fn sub(self, o: Self) -> Self {
-        Self {
-            re: self.re - o.re,
-            im: self.im - o.im,
-        }
-    }
-}
-
-impl Mul for Complex {
-    type Output = Self;
-    fn mul(self, o: Self) -> Self {
-        Self {
-            re: self.re * o.re - self.im * o.im,
-            im: self.re * o.im + self.im * o.re,
-        }
-    }
-}
-
-impl Div for Complex {
-    type Output = Self;
-    fn div(self, o: Self) -> Self {
-        // Smith's division: no square of a large number.
-        if o.re.abs() >= o.im.abs() {
-            let ratio = o.im / o.re;
-            let d = o.re + o.im * ratio;
-            Self {
-                re: (self.re + self.im * ratio) / d,
-                im: (self.im - self.re * ratio) / d,
-            }
-        } else {
-            let ratio = o.re / o.im;
-            let d = o.re * ratio + o.im;
-            Self {
-                re: (self.re * ratio + self.im) / d,
-                im: (self.im * ratio - self.re) / d,
-            }
-        }
+        self.l1_norm()
     }
 }
 
@@ -101,7 +40,7 @@ pub(super) struct Lu<S, const N: usize> {
 impl<S: Scalar, const N: usize> Lu<S, N> {
     /// `diagonal` · 1 − `matrix`, decomposed; `None` if it is singular or not finite.
     pub fn of_shifted(diagonal: S, matrix: &[[f64; N]; N]) -> Option<Self> {
-        let mut rows = matrix.map(|row| row.map(|x| S::from_real(-x)));
+        let mut rows = matrix.map(|row| row.map(|x| S::from(-x)));
         for (i, row) in rows.iter_mut().enumerate() {
             row[i] = row[i] + diagonal;
         }
@@ -128,7 +67,7 @@ impl<S: Scalar, const N: usize> Lu<S, N> {
 
     /// x with M x = b.
     pub fn solve(&self, b: &[S; N]) -> [S; N] {
-        let mut x = [S::ZERO; N];
+        let mut x = [S::default(); N];
         for i in 0..N {
             x[i] = b[self.order[i]];
             for j in 0..i {
@@ -156,22 +95,19 @@ mod tests {
         });
         let b: [f64; 6] = std::array::from_fn(|i| (i as f64).cos());
         let real = Lu::of_shifted(0.3, &matrix).unwrap().solve(&b);
-        let shift = Complex { re: 0.3, im: -2.0 };
+        let shift = Complex64::new(0.3, -2.0);
         let complex = Lu::of_shifted(shift, &matrix)
             .unwrap()
-            .solve(&b.map(Complex::from_real));
+            .solve(&b.map(Complex64::from));
         for i in 0..6 {
             let mut left = 0.3 * real[i];
             let mut left_complex = shift * complex[i];
             for j in 0..6 {
                 left -= matrix[i][j] * real[j];
-                left_complex = left_complex - Complex::from_real(matrix[i][j]) * complex[j];
+                left_complex = left_complex - Complex64::from(matrix[i][j]) * complex[j];
             }
             assert!((left - b[i]).abs() < 1e-11, "{i}: {left}");
-            assert!(
-                (left_complex - Complex::from_real(b[i])).size() < 1e-11,
-                "{i}"
-            );
+            assert!((left_complex - Complex64::from(b[i])).size() < 1e-11, "{i}");
         }
     }
 

@@ -19,7 +19,7 @@ mod tableau;
 mod tests;
 
 pub use driver::Solver;
-pub(crate) use driver::{Driver, Fault};
+pub(crate) use driver::{Driver, IntegrationFault};
 
 /// ẏ = f(t, y), with what a solver has to know of y's size.
 pub(crate) trait Equations<const N: usize> {
@@ -33,20 +33,20 @@ pub(crate) trait Equations<const N: usize> {
     fn increment(&self, index: usize, y: &[f64; N]) -> f64;
 }
 
-/// What a solver did.
+/// What an integration cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Evaluations of the force, those for Jacobians and for dense output included.
     pub evaluations: u64,
-    /// Steps taken.
+    /// Steps accepted.
     pub accepted: u64,
-    /// Steps thrown away.
+    /// Steps rejected.
     pub rejected: u64,
     /// Steps among the accepted that the implicit method took.
     pub implicit: u64,
     /// Jacobians by difference quotients.
     pub jacobians: u64,
-    /// Decompositions of matrices.
+    /// LU decompositions.
     pub decompositions: u64,
     /// Changes from one method to the other.
     pub switches: u64,
@@ -67,7 +67,7 @@ pub(crate) struct Step<const N: usize> {
     pub f0: [f64; N],
     /// f where it ends.
     pub f1: [f64; N],
-    /// What lies between.
+    /// The polynomial that interpolates the step.
     pub dense: Dense<N>,
 }
 

@@ -1,9 +1,10 @@
 //! Radau IIA, order 5: implicit, stable for any eigenvalue to the left (Hairer & Wanner 1996, Solving Ordinary Differential
 //! Equations II, IV.8, code RADAU5).
 
-use super::dop853::Try;
-use super::lu::{Complex, Lu};
+use super::dop853::StepOutcome;
+use super::lu::Lu;
 use super::{Counts, Dense, Equations, Step, add, is_finite, scaled};
+use num_complex::Complex64;
 
 /// √6.
 const S6: f64 = 2.449_489_742_783_178;
@@ -16,10 +17,7 @@ const E: [f64; 3] = [
 ];
 /// Eigenvalues of the inverse of the method's matrix, one real and a pair.
 const MU: f64 = 3.637_834_252_744_496;
-const MU_PAIR: Complex = Complex {
-    re: 2.681_082_873_627_752_3,
-    im: -3.050_430_199_247_410_5,
-};
+const MU_PAIR: Complex64 = Complex64::new(2.681_082_873_627_752_3, -3.050_430_199_247_410_5);
 /// Its eigenvectors, and the inverse.
 const T: [[f64; 3]; 3] = [
     [
@@ -66,14 +64,14 @@ const P: [[f64; 3]; 3] = [
     [1.0 / 3.0, -8.0 / 3.0, 10.0 / 3.0],
 ];
 /// Rounds of Newton's method before the step is made shorter.
-const MOST_ROUNDS: u32 = 6;
+const MAX_NEWTON_ROUNDS: u32 = 6;
 
 /// State of the method between steps.
 #[derive(Clone, Debug)]
 pub(super) struct Radau<const N: usize> {
     jacobian: Option<[[f64; N]; N]>,
     jacobian_is_fresh: bool,
-    decomposed: Option<(f64, Lu<f64, N>, Lu<Complex, N>)>,
+    decomposed: Option<(f64, Lu<f64, N>, Lu<Complex64, N>)>,
     before: Option<(Step<N>, f64)>,
     /// Newton's method ends where its error is this share of what is allowed.
     newton_share: f64,
@@ -123,11 +121,11 @@ impl<const N: usize> Radau<N> {
         (t0, y0, f0): (f64, &[f64; N], &[f64; N]),
         h: f64,
         counts: &mut Counts,
-    ) -> Try<N> {
+    ) -> StepOutcome<N> {
         let reject = |this: &mut Self, factor: f64, counts: &mut Counts| {
             this.after_rejection = true;
             counts.rejected += 1;
-            Try::Rejected { next_h: factor * h }
+            StepOutcome::Rejected { next_h: factor * h }
         };
         if self.jacobian.is_none() {
             self.jacobian = Some(jacobian(equations, t0, y0, f0, counts));
@@ -142,10 +140,7 @@ impl<const N: usize> Radau<N> {
             let Some(j) = &self.jacobian else {
                 return reject(self, 0.5, counts);
             };
-            let pair = Complex {
-                re: MU_PAIR.re / h,
-                im: MU_PAIR.im / h,
-            };
+            let pair = MU_PAIR / h;
             counts.decompositions += 1;
             self.decomposed = match (Lu::of_shifted(MU / h, j), Lu::of_shifted(pair, j)) {
                 (Some(real), Some(complex)) => Some((h, real, complex)),
@@ -188,8 +183,8 @@ impl<const N: usize> Radau<N> {
                 .norm(&estimate, y0)
                 .min(equations.norm(&estimate, &y1));
         }
-        let safety =
-            0.9 * f64::from(2 * MOST_ROUNDS + 1) / f64::from(2 * MOST_ROUNDS + stages.rounds);
+        let safety = 0.9 * f64::from(2 * MAX_NEWTON_ROUNDS + 1)
+            / f64::from(2 * MAX_NEWTON_ROUNDS + stages.rounds);
         if !error.is_finite() || !is_finite(&y1) {
             return reject(self, 0.1, counts);
         }
@@ -227,7 +222,7 @@ impl<const N: usize> Radau<N> {
             dense,
         };
         self.before = Some((step.clone(), error));
-        Try::Accepted {
+        StepOutcome::Accepted {
             step,
             next_h: factor * h,
         }
@@ -257,7 +252,7 @@ fn solve<const N: usize>(
     equations: &mut impl Equations<N>,
     (t0, y0, h): (f64, &[f64; N], f64),
     start: [[f64; N]; 3],
-    (real, complex): (&Lu<f64, N>, &Lu<Complex, N>),
+    (real, complex): (&Lu<f64, N>, &Lu<Complex64, N>),
     share: f64,
     counts: &mut Counts,
 ) -> Option<Stages<N>> {
@@ -265,7 +260,7 @@ fn solve<const N: usize>(
     let mut w = mixed(&T_INVERSE, &z);
     let mut before: Option<f64> = None;
     let mut rate = 0.0;
-    for round in 0..MOST_ROUNDS {
+    for round in 0..MAX_NEWTON_ROUNDS {
         let mut f = [[0.0; N]; 3];
         for s in 0..3 {
             f[s] = equations.derivative(t0 + C[s] * h, &add(y0, 1.0, &z[s]));
@@ -276,19 +271,9 @@ fn solve<const N: usize>(
         }
         let g = mixed(&T_INVERSE, &f);
         let d0 = real.solve(&add(&g[0], -MU / h, &w[0]));
-        let pair: [Complex; N] = std::array::from_fn(|i| {
-            let w = Complex {
-                re: w[1][i],
-                im: w[2][i],
-            };
-            let m = Complex {
-                re: MU_PAIR.re / h,
-                im: MU_PAIR.im / h,
-            };
-            Complex {
-                re: g[1][i],
-                im: g[2][i],
-            } - m * w
+        let pair: [Complex64; N] = std::array::from_fn(|i| {
+            let w = Complex64::new(w[1][i], w[2][i]);
+            Complex64::new(g[1][i], g[2][i]) - MU_PAIR / h * w
         });
         let pair = complex.solve(&pair);
         let d = [d0, pair.map(|c| c.re), pair.map(|c| c.im)];
@@ -298,7 +283,7 @@ fn solve<const N: usize>(
         }
         if let Some(before) = before.filter(|before| *before > 0.0) {
             rate = size / before;
-            let left = (MOST_ROUNDS - round) as i32;
+            let left = (MAX_NEWTON_ROUNDS - round) as i32;
             if rate >= 1.0 || rate.powi(left) / (1.0 - rate) * size > share {
                 return None;
             }

@@ -2,7 +2,7 @@
 //! and 3 and the dense output of order 7 by Hairer (Hairer, Nørsett & Wanner 1993, Solving Ordinary Differential
 //! Equations I, code DOP853), rounded to f64. Each row lists (stage, coefficient), zeros left out.
 
-/// One row.
+/// A row of the Butcher tableau: its entries that are not 0, with their stages.
 pub(super) type Row = &'static [(usize, f64)];
 
 /// Where the stages lie, as parts of the step; the last four are the new point and three for the dense output.

@@ -80,7 +80,7 @@ fn error_from(implicit: bool, y0: [f64; 2], h: f64, inside: f64) -> f64 {
         ),
         false => dop853::Dop853::new().step(&mut plain, (0.0, &y0, &f0), h, &mut counts),
     };
-    let dop853::Try::Accepted { step, .. } = tried else {
+    let dop853::StepOutcome::Accepted { step, .. } = tried else {
         panic!()
     };
     let (exact, _) = run(Solver::Explicit, 1e-15, pendulum, y0, inside * h);
@@ -235,7 +235,7 @@ fn a_solution_that_ends_is_an_error() {
             steps += 1;
             assert!(steps < 100_000, "{solver:?}");
         };
-        assert_eq!(fault, Fault::Underflow);
+        assert_eq!(fault, IntegrationFault::Underflow);
         assert!((driver.t() - 1.0).abs() < 1e-6, "{solver:?} {}", driver.t());
     }
     let mut nan = Plain {
@@ -245,6 +245,6 @@ fn a_solution_that_ends_is_an_error() {
     };
     assert_eq!(
         Driver::new(Solver::Explicit, 1e-9, &mut nan, 0.0, [1.0]).unwrap_err(),
-        Fault::NotFinite
+        IntegrationFault::NotFinite
     );
 }

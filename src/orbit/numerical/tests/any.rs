@@ -18,19 +18,19 @@ proptest! {
         let state = OrbitState { epoch: epoch(), frame: Frame::Gcrf, position_m, velocity_m_s };
         let model = ForceModel {
             gravity: Gravity::Field { degree: 8, order: 8 },
-            drag: Some(Atmosphere::Exponential),
+            drag: Some(AtmosphereModel::Exponential),
             sun: true,
             moon: true,
             sunlight: Some(Shadow::Cone),
             ..ForceModel::default()
         };
         let area = 10f64.powf(area_to_mass);
-        let craft = Craft { mass_kg: 1.0, drag_area_m2: area, sunlit_area_m2: area, ..Craft::default() };
+        let craft = Spacecraft { mass_kg: 1.0, drag_area_m2: area, sunlit_area_m2: area, ..Spacecraft::default() };
         let options = NumericalOptions {
             solver: [Solver::Automatic, Solver::Explicit, Solver::Implicit][usize::from(solver)],
             relative_tolerance: 1e-7,
             step_limit: 20_000,
-            watch: Watch { nodes: true, apsides: true, shadow: true },
+            watch: EventSelection { nodes: true, apsides: true, shadow: true },
             first: epoch() - Duration::from_hours(2.0),
             ..after(0.2)
         };

@@ -4,16 +4,16 @@ use super::*;
 fn fall() -> ForceModel {
     ForceModel {
         gravity: Gravity::Zonal { degree: 4 },
-        drag: Some(Atmosphere::Standard1976),
+        drag: Some(AtmosphereModel::Standard1976),
         ..ForceModel::default()
     }
 }
 
-fn with_area_to_mass(area_to_mass_m2_kg: f64) -> Craft {
-    Craft {
+fn with_area_to_mass(area_to_mass_m2_kg: f64) -> Spacecraft {
+    Spacecraft {
         mass_kg: 1.0,
         drag_area_m2: area_to_mass_m2_kg,
-        ..Craft::default()
+        ..Spacecraft::default()
     }
 }
 
@@ -46,7 +46,7 @@ fn everything_comes_down_from_a_craft_to_a_balloon_of_one_gram() {
         assert!(height.abs() < 0.05, "{height}");
         // It falls straight down through the turning air at the speed where drag is weight.
         let speed = itrf.velocity_m_s.length();
-        let density = Atmosphere::Standard1976.density_kg_m3(0.0);
+        let density = AtmosphereModel::Standard1976.density_kg_m3(0.0);
         let terminal = (2.0 * 9.80 / (density * 2.2 * area_to_mass)).sqrt();
         assert!(
             (speed / terminal - 1.0).abs() < 0.01,
@@ -134,9 +134,9 @@ fn a_perigee_in_the_air_brakes_a_long_ellipse() {
     let conic = conic(6_378_137.0 + 95e3, 0.99, 30.0, 180.0);
     let craft = with_area_to_mass(0.01);
     let run = |solver, relative_tolerance| {
-        let watch = Watch {
+        let watch = EventSelection {
             apsides: true,
-            ..Watch::default()
+            ..EventSelection::default()
         };
         let options = NumericalOptions {
             solver,

@@ -18,7 +18,7 @@ fn energy_and_momentum_are_kept_under_flattening() {
             ..after(10.0)
         };
         let feed = fly(&start(&conic), &model, &options);
-        let mut motion = Motion::new(&model, &Craft::default(), epoch(), 1e-9);
+        let mut motion = EquationsOfMotion::new(&model, &Spacecraft::default(), epoch(), 1e-9);
         let mut kept = |state: OrbitState| {
             let (r, v) = (state.position_m, state.velocity_m_s);
             (0.5 * v.length_squared() - motion.potential(r), r.cross(v).z)
@@ -51,7 +51,7 @@ fn flattening_turns_the_node_as_the_formula_says() {
     for (e, inclination) in [(0.01, 51.6), (0.2, 98.0), (0.05, 20.0)] {
         let conic = conic(7e6, e, inclination, 0.0);
         let options = NumericalOptions {
-            watch: Watch {
+            watch: EventSelection {
                 nodes: true,
                 apsides: true,
                 shadow: false,
@@ -69,7 +69,7 @@ fn flattening_turns_the_node_as_the_formula_says() {
                 .collect();
             let elements = |event: &Event| {
                 let s = feed.state_at(event.epoch).unwrap();
-                Elements::of(
+                KeplerElements::of(
                     &Conic::from_state(EARTH_GM_M3_S2, s.position_m, s.velocity_m_s).unwrap(),
                 )
             };
@@ -78,19 +78,19 @@ fn flattening_turns_the_node_as_the_formula_says() {
             let seconds = (b.epoch - a.epoch).to_seconds();
             let (a, b) = (elements(a), elements(b));
             (
-                turn(b.node_rad - a.node_rad) / seconds,
-                turn(b.argument_rad - a.argument_rad) / seconds,
+                turn(b.raan_rad - a.raan_rad) / seconds,
+                turn(b.argument_of_periapsis_rad - a.argument_of_periapsis_rad) / seconds,
             )
         };
         let (node, _) = seen(EventKind::AscendingNode);
         assert!(
-            (node / rates.node_rad_s - 1.0).abs() < 0.01,
+            (node / rates.raan_rad_s - 1.0).abs() < 0.01,
             "{inclination}: {node:e} {:e}",
-            rates.node_rad_s
+            rates.raan_rad_s
         );
         let (_, argument) = seen(EventKind::Periapsis);
         // The formula is of first order, with elements that are the osculating ones here.
-        let rate = rates.argument_rad_s + 1e-12;
+        let rate = rates.argument_of_periapsis_rad_s + 1e-12;
         assert!(
             (argument / rate - 1.0).abs() < 0.05,
             "{e} {inclination}: {argument:e} {rate:e}"
@@ -167,7 +167,7 @@ fn sun_and_moon_tilt_the_geostationary_orbit_as_is_known() {
 #[test]
 fn drag_lowers_an_orbit_as_the_formula_says() {
     // Circular, over the equator: da/dt = −ρ B a² v (v − ωa)²/μ, all constant but for the fall itself.
-    for air in [Atmosphere::Exponential, Atmosphere::Standard1976] {
+    for air in [AtmosphereModel::Exponential, AtmosphereModel::Standard1976] {
         let mut conic = conic(6_378_137.0 + 400e3, 0.0, 0.0, 0.0);
         let pole = crate::frames::intermediate_from_gcrf(epoch()).row(2);
         conic.to_periapsis = pole.any_orthonormal_vector();
@@ -185,7 +185,7 @@ fn drag_lowers_an_orbit_as_the_formula_says() {
         let a0 = conic.periapsis_m;
         let v = (EARTH_GM_M3_S2 / a0).sqrt();
         let through_air = v - crate::frames::EARTH_ROTATION_RATE_RAD_S * a0;
-        let craft = Craft::default();
+        let craft = Spacecraft::default();
         let b = craft.drag_coefficient * craft.drag_area_m2 / craft.mass_kg;
         let rate = -air.density_kg_m3(400e3) * b * a0 * a0 * v * through_air * through_air
             / EARTH_GM_M3_S2;
@@ -251,10 +251,10 @@ fn a_thrust_is_flown_without_a_stumble() {
 fn the_edge_of_a_cylinder_is_flown_over() {
     // The light jumps at the edge; nothing announces it. Small steps find it, and both shadows agree nearly.
     let state = start(&conic(7e6, 0.001, 20.0, 0.0));
-    let sail = Craft {
+    let sail = Spacecraft {
         sunlit_area_m2: 100.0,
         mass_kg: 1.0,
-        ..Craft::default()
+        ..Spacecraft::default()
     };
     let end = |shadow, relative_tolerance| {
         let model = ForceModel {

@@ -29,7 +29,7 @@ struct Piece {
 /// The Earth turns on steadily from its angle at the epoch: a leap second on the way, after which UT1 − UTC as given would
 /// be a second out, is no step here.
 #[derive(Clone, Debug)]
-pub(in crate::orbit::numerical) struct Sky {
+pub(in crate::orbit::numerical) struct SunMoonAxes {
     epoch: Epoch,
     angle_rad: f64,
     itrf_from_pef: DMat3,
@@ -37,7 +37,7 @@ pub(in crate::orbit::numerical) struct Sky {
     older: usize,
 }
 
-impl Sky {
+impl SunMoonAxes {
     pub fn new(epoch: Epoch, orientation: &Orientation) -> Self {
         Self {
             epoch,
@@ -162,7 +162,7 @@ mod tests {
             x_pole_rad: 1e-6,
             y_pole_rad: 2e-6,
         };
-        let mut sky = Sky::new(epoch, &orientation);
+        let mut sky = SunMoonAxes::new(epoch, &orientation);
         for k in -200..200 {
             let t = f64::from(k) * 17_777.7;
             let at = epoch + Duration::from_seconds(t);
@@ -182,7 +182,7 @@ mod tests {
     #[test]
     fn a_leap_second_is_no_step() {
         let epoch = utc_from_rfc3339("2016-12-31T12:00:00Z").unwrap();
-        let mut sky = Sky::new(epoch, &Orientation::default());
+        let mut sky = SunMoonAxes::new(epoch, &Orientation::default());
         let (before, after) = (sky.itrf_from_gcrf(43_200.0), sky.itrf_from_gcrf(43_201.5));
         let turned = before.x_axis.angle_between(after.x_axis);
         assert!(

@@ -1,11 +1,11 @@
-//! What `[orbit]` comes to.
+//! `[orbit]`, checked: a satellite and where its motion is from.
 
-use super::Track;
+use super::tracks::Track;
 use crate::frames::Epoch;
 use crate::orbit::Frame;
-use crate::orbit::kepler::Elements;
+use crate::orbit::kepler::KeplerElements;
 use crate::orbit::live::LiveOptions;
-use crate::orbit::numerical::{Atmosphere, Craft};
+use crate::orbit::numerical::{AtmosphereModel, Spacecraft};
 use glam::DVec3;
 use std::path::PathBuf;
 
@@ -47,9 +47,9 @@ impl Orbit {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum OrbitSource {
-    /// Two-line elements, flown by SGP4.
+    /// Two-line elements, propagated by SGP4.
     Tle,
-    /// Orbit mean-elements messages (CCSDS 502.0), flown by SGP4.
+    /// Orbit mean-elements messages (CCSDS 502.0), propagated by SGP4.
     Omm,
     /// Orbit ephemeris messages (CCSDS 502.0): states, interpolated.
     Oem,
@@ -83,35 +83,35 @@ pub enum Motion {
     /// On a conic.
     Kepler {
         /// From where.
-        start: Start,
+        start: InitialState,
         /// Whether node and periapsis drift by the Earth's flattening.
         j2: bool,
     },
     /// Under forces.
     Numerical {
         /// From where.
-        start: Start,
+        start: InitialState,
         /// Which.
-        forces: Forces,
+        forces: ForceOptions,
     },
 }
 
 /// Where a motion starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Start {
+pub struct InitialState {
     /// When.
     pub epoch: Epoch,
     /// In which axes.
     pub frame: Frame,
     /// How it is given.
-    pub form: StartForm,
+    pub parameters: OrbitParameters,
 }
 
 /// How a start is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum StartForm {
+pub enum OrbitParameters {
     /// As classical elements.
-    Elements(Elements),
+    Elements(KeplerElements),
     /// As a state.
     State {
         /// Metres from the Earth's centre.
@@ -121,15 +121,15 @@ pub enum StartForm {
     },
 }
 
-/// Forces of a numerical motion.
+/// ForceOptions of a numerical motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Forces {
+pub struct ForceOptions {
     /// Degree of the Earth's gravity; 0 and 1 are a point.
     pub gravity_degree: u32,
     /// Its order, not above the degree; 0 leaves the zonal terms J2, J3, … alone.
     pub gravity_order: u32,
     /// The air whose drag acts; `None` for none.
-    pub drag: Option<Atmosphere>,
+    pub drag: Option<AtmosphereModel>,
     /// The Sun's gravity.
     pub sun: bool,
     /// The Moon's.
@@ -137,7 +137,7 @@ pub struct Forces {
     /// The pressure of sunlight.
     pub radiation: bool,
     /// What air and sunlight act on.
-    pub craft: Craft,
+    pub craft: Spacecraft,
     /// Error allowed in a step, relative to distance and speed.
     pub tolerance: f64,
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 /// Most samples in a window.
-pub(super) const MOST_NODES: usize = 32;
+pub(super) const MAX_NODES: usize = 32;
 
 /// The Lagrange polynomials ℓᵢ of a window and their derivatives, at one point.
 ///
@@ -13,20 +13,20 @@ pub(super) const MOST_NODES: usize = 32;
 /// point near a sample is no special case.
 pub(super) struct Basis {
     len: usize,
-    node: [f64; MOST_NODES],
-    value: [f64; MOST_NODES],
-    slope: [f64; MOST_NODES],
+    node: [f64; MAX_NODES],
+    value: [f64; MAX_NODES],
+    slope: [f64; MAX_NODES],
 }
 
 impl Basis {
-    /// For distinct nodes, [`MOST_NODES`] at most, and the point `x`. Best scaled so that the nodes span about −2…2:
+    /// For distinct nodes, [`MAX_NODES`] at most, and the point `x`. Best scaled so that the nodes span about −2…2:
     /// then the weights neither overflow nor vanish.
     pub fn new(nodes: &[f64], x: f64) -> Self {
         let mut basis = Self {
-            len: nodes.len().min(MOST_NODES),
-            node: [0.0; MOST_NODES],
-            value: [0.0; MOST_NODES],
-            slope: [0.0; MOST_NODES],
+            len: nodes.len().min(MAX_NODES),
+            node: [0.0; MAX_NODES],
+            value: [0.0; MAX_NODES],
+            slope: [0.0; MAX_NODES],
         };
         let nodes = nodes.get(..basis.len).unwrap_or(nodes);
         for (kept, node) in basis.node.iter_mut().zip(nodes) {

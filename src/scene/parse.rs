@@ -1,38 +1,13 @@
-//! From the TOML reader's complaints to messages that name file, line, key, value and remedy.
+//! From text to tables and keys: the TOML reader's complaints become messages that name file, line, key, value and remedy.
 
-use super::error::{Place, SceneError, printable};
-use super::raw::{Key, RawScene, TABLES, Table};
+use super::error::{KeyLocation, SceneError, printable};
+use super::keys::{Key, RENAMED, RawScene, TABLES, Table};
+use super::text::{SceneText, nearest};
 use std::ops::Range;
-use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
-/// A scene's text and the name of its file.
-#[derive(Clone, Copy)]
-pub(super) struct Source<'a> {
-    pub(super) path: &'a Path,
-    pub(super) text: &'a str,
-}
-
-impl<'a> Source<'a> {
-    /// Line of a byte offset, from 1.
-    pub(super) fn line(&self, offset: usize) -> usize {
-        let before = self.text.as_bytes().iter().take(offset);
-        before.filter(|byte| **byte == b'\n').count() + 1
-    }
-
-    /// Column of a byte offset, in characters, from 1.
-    fn column(&self, offset: usize) -> usize {
-        let before = self.text.get(..offset).unwrap_or(self.text);
-        let line = before.rsplit('\n').next().unwrap_or_default();
-        line.chars().count() + 1
-    }
-
-    /// The text of a span, fit for a message.
-    pub(super) fn excerpt(&self, span: &Range<usize>) -> String {
-        printable(self.text.get(span.clone()).unwrap_or_default())
-    }
-
+impl SceneText<'_> {
     /// The file's text as tables and keys, or what is wrong with it.
     pub(super) fn parse(&self) -> Result<RawScene, SceneError> {
         let document = DeTable::parse(self.text).map_err(|error| self.syntax(&error))?;
@@ -57,8 +32,8 @@ impl<'a> Source<'a> {
         }
     }
 
-    fn place(&self, offset: usize, table: &str, key: &str) -> Box<Place> {
-        Box::new(Place {
+    fn place(&self, offset: usize, table: &str, key: &str) -> Box<KeyLocation> {
+        Box::new(KeyLocation {
             path: self.path.to_owned(),
             line: Some(self.line(offset)),
             table: table.to_owned(),
@@ -186,10 +161,13 @@ impl<'a> Source<'a> {
         let home = TABLES
             .iter()
             .find(|other| other.keys.iter().any(|key| key.name == word));
-        let hint = match (home, nearest(word, keys)) {
-            (Some(home), _) => format!("unknown key here; it belongs in [{}].", home.name),
-            (None, Some(near)) => format!("unknown key; did you mean {near}?"),
-            (None, None) => "unknown key.".to_owned(),
+        let renamed = RENAMED.iter().find(|(old, _)| *old == word);
+        let renamed = renamed.filter(|(_, new)| keys.clone().any(|key| key == *new));
+        let hint = match (renamed, home, nearest(word, keys)) {
+            (Some((_, new)), ..) => format!("this key is now called {new}; rename it."),
+            (None, Some(home), _) => format!("unknown key here; it belongs in [{}].", home.name),
+            (None, None, Some(near)) => format!("unknown key; did you mean {near}?"),
+            (None, None, None) => "unknown key.".to_owned(),
         };
         SceneError::Unknown {
             place: self.place(name.span().start, table.name, word),
@@ -249,21 +227,4 @@ fn is_table(value: &Spanned<DeValue<'_>>) -> bool {
 
 fn contains(outer: &Range<usize>, inner: &Range<usize>) -> bool {
     outer.start <= inner.start && inner.end <= outer.end
-}
-
-/// The known name most like `word`, if any is alike at all.
-pub(super) fn nearest<'k>(word: &str, known: impl Iterator<Item = &'k str>) -> Option<&'k str> {
-    /// Jaro–Winkler similarity below which a suggestion would only confuse.
-    const ALIKE: f64 = 0.7;
-    /// No known name is half as long; the comparison's cost grows with the length.
-    const LONGEST_WORD: usize = 64;
-    if word.len() > LONGEST_WORD {
-        return None;
-    }
-    let word = word.to_lowercase();
-    known
-        .map(|name| (strsim::jaro_winkler(&word, name), name))
-        .filter(|(likeness, _)| *likeness >= ALIKE)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, name)| name)
 }

@@ -12,15 +12,15 @@ pub struct MeanElements {
     pub object_id: Option<String>,
     /// The number in the US catalogue.
     pub catalogue_number: u64,
-    /// When they hold.
+    /// The epoch that they hold at.
     pub epoch: Epoch,
     /// Revolutions per day, after Kozai as published.
     pub mean_motion_rev_day: f64,
-    /// 0…1.
+    /// Eccentricity, 0…1.
     pub eccentricity: f64,
-    /// 0…180°.
+    /// Inclination, 0…180°.
     pub inclination_deg: f64,
-    /// Right ascension of the ascending node, degrees.
+    /// Right ascension of the ascending node (RAAN), degrees.
     pub raan_deg: f64,
     /// Argument of perigee, degrees.
     pub arg_perigee_deg: f64,
@@ -39,7 +39,7 @@ pub struct MeanElements {
 }
 
 impl MeanElements {
-    /// In the form that the propagator takes.
+    /// As the SGP4 propagator takes them.
     pub(super) fn for_sgp4(&self) -> sgp4::Elements {
         sgp4::Elements {
             object_name: None,

@@ -1,10 +1,12 @@
 //! Ephemerides as CSV with a header that says what the columns are.
 
 use super::Frame;
-use super::record::{
-    Entry, Fields, Keys, Place, RecordError, RecordFault, scaled_number, shortened,
+use super::entry::{
+    Entry, Fields, Keys, RecordError, RecordFault, TextPosition, scaled_number, shortened,
 };
-use super::sampled::{Interpolation, Sample, Sampled, SampledFeed, Segment};
+use super::interpolated::{
+    EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
+};
 use super::text::csv;
 use crate::frames::TimeScale;
 use glam::DVec3;
@@ -12,7 +14,7 @@ use std::borrow::Cow;
 use std::path::Path;
 
 /// Most rows of a table.
-const MOST_ROWS: usize = 2_000_000;
+const MAX_ROWS: usize = 2_000_000;
 
 /// What comments before the header may say.
 const KEYS: &Keys = &[
@@ -49,8 +51,8 @@ struct Columns {
 }
 
 /// Reads the object of a table.
-pub(super) fn read(text: &str, origin: &Path) -> Result<SampledFeed, RecordError> {
-    let start = Place { line: 1, column: 1 };
+pub(super) fn read(text: &str, origin: &Path) -> Result<EphemerisFeed, RecordError> {
+    let start = TextPosition { line: 1, column: 1 };
     let mut said = Fields::new("the table", start, KEYS);
     let mut columns: Option<Columns> = None;
     let mut samples = Vec::new();
@@ -67,16 +69,16 @@ pub(super) fn read(text: &str, origin: &Path) -> Result<SampledFeed, RecordError
                 format: "CSV",
                 cause: "a quotation mark without its partner".to_owned(),
             };
-            Place { line, column: 1 }.error(origin, fault)
+            TextPosition { line, column: 1 }.error(origin, fault)
         })?;
         let Some(columns) = &columns else {
             columns = Some(header(&row, line, origin)?);
             continue;
         };
-        if samples.len() >= MOST_ROWS {
-            let (what, limit) = ("rows", MOST_ROWS);
+        if samples.len() >= MAX_ROWS {
+            let (what, limit) = ("rows", MAX_ROWS);
             let fault = RecordFault::TooMany { what, limit };
-            return Err(Place { line, column: 1 }.error(origin, fault));
+            return Err(TextPosition { line, column: 1 }.error(origin, fault));
         }
         samples.push(sample(columns, &row, line, origin)?);
         places.push(line);
@@ -84,14 +86,14 @@ pub(super) fn read(text: &str, origin: &Path) -> Result<SampledFeed, RecordError
     let Some(columns) = columns else {
         return Err(missing(start, "the table", "a header", "", origin));
     };
-    let sampled = Sampled::new(
+    let sampled = InterpolatedStates::new(
         frame(&said, &columns, origin)?,
         &samples,
         interpolation(&said, &columns, origin)?,
     );
     let sampled = sampled.map_err(|error| {
         let line = error.index().and_then(|i| places.get(i)).copied();
-        let place = Place {
+        let place = TextPosition {
             line: line.unwrap_or(1),
             column: 1,
         };
@@ -99,10 +101,10 @@ pub(super) fn read(text: &str, origin: &Path) -> Result<SampledFeed, RecordError
     })?;
     let stem = origin.file_stem().map(|stem| stem.to_string_lossy());
     let name = match said.get("name") {
-        Some(entry) => super::record::printable(&entry.value),
-        None => super::record::printable(&stem.unwrap_or_default()),
+        Some(entry) => super::entry::printable(&entry.value),
+        None => super::entry::printable(&stem.unwrap_or_default()),
     };
-    SampledFeed::new(name, None, vec![Segment::whole(sampled)])
+    EphemerisFeed::new(name, None, vec![EphemerisSegment::whole(sampled)])
         .map_err(|error| start.error(origin, RecordFault::Segments(error)))
 }
 
@@ -119,7 +121,7 @@ fn declare(
                 key: Cow::Owned(key.trim().to_ascii_lowercase()),
                 value: Cow::Borrowed(value.trim()),
                 unit: None,
-                place: Place {
+                place: TextPosition {
                     line,
                     column: 2 + super::text::offset(comment, value.trim_start()),
                 },
@@ -130,13 +132,13 @@ fn declare(
     Ok(())
 }
 
-fn header(row: &[csv::Field], line: usize, origin: &Path) -> Result<Columns, RecordError> {
-    let place = Place { line, column: 1 };
+fn header(row: &[csv::CsvField], line: usize, origin: &Path) -> Result<Columns, RecordError> {
+    let place = TextPosition { line, column: 1 };
     let named = |name: &str| row.iter().position(|field| field.text == name);
     for (index, field) in row.iter().enumerate() {
         let first = named(&field.text).unwrap_or(index);
         if first != index && !field.text.is_empty() {
-            let place = Place {
+            let place = TextPosition {
                 line,
                 column: field.column,
             };
@@ -184,22 +186,22 @@ fn header(row: &[csv::Field], line: usize, origin: &Path) -> Result<Columns, Rec
 
 fn sample(
     columns: &Columns,
-    row: &[csv::Field],
+    row: &[csv::CsvField],
     line: usize,
     origin: &Path,
-) -> Result<Sample, RecordError> {
+) -> Result<StateSample, RecordError> {
     if row.len() != columns.count {
         let fault = RecordFault::Unexpected {
             text: format!("{} fields", row.len()),
             expected: "as many as the header has",
         };
-        return Err(Place { line, column: 1 }.error(origin, fault));
+        return Err(TextPosition { line, column: 1 }.error(origin, fault));
     }
     let entry = |index: usize, key: &'static str| Entry {
         key: Cow::Borrowed(key),
         value: Cow::Borrowed(row.get(index).map_or("", |field| &field.text)),
         unit: None,
-        place: Place {
+        place: TextPosition {
             line,
             column: row.get(index).map_or(1, |field| field.column),
         },
@@ -213,7 +215,7 @@ fn sample(
         }
         Ok(DVec3::from_array(vector))
     };
-    Ok(Sample {
+    Ok(StateSample {
         epoch: entry(columns.epoch, "the epoch").epoch(origin, columns.scale)?,
         position_m: vector(columns.position, ["x", "y", "z"])?,
         velocity_m_s: match columns.velocity {
@@ -251,7 +253,7 @@ fn interpolation(
             .value
             .parse::<usize>()
             .ok()
-            .filter(|n| (1..=Interpolation::HIGHEST_DEGREE).contains(n))
+            .filter(|n| (1..=Interpolation::MAX_DEGREE).contains(n))
             .ok_or_else(|| entry.wrong(origin, "a whole number from 1 to 31"))?,
         None => otherwise.degree(),
     };
@@ -268,7 +270,7 @@ fn interpolation(
 }
 
 fn missing(
-    place: Place,
+    place: TextPosition,
     what: &'static str,
     key: &'static str,
     remedy: &'static str,

@@ -4,8 +4,9 @@ use crate::utc;
 use glam::DVec3;
 use terrella::frames::{Duration, Epoch};
 use terrella::orbit::Frame;
-use terrella::orbit::sampled::{
-    Interpolation, KeplerOrbit, Sample, Sampled, SampledError, interpolation_error,
+use terrella::orbit::interpolated::{
+    InterpolatedStates, Interpolation, InterpolationError, KeplerOrbit, StateSample,
+    interpolation_error,
 };
 
 fn start() -> Epoch {
@@ -16,18 +17,22 @@ fn seconds(s: f64) -> Duration {
     Duration::from_total_nanoseconds((s * 1e9).round() as i128)
 }
 
-fn sample(orbit: &KeplerOrbit, t_s: f64) -> Sample {
+fn sample(orbit: &KeplerOrbit, t_s: f64) -> StateSample {
     let (position_m, velocity_m_s) = orbit.state(t_s);
-    Sample {
+    StateSample {
         epoch: start() + seconds(t_s),
         position_m,
         velocity_m_s: Some(velocity_m_s),
     }
 }
 
-fn sampled(orbit: &KeplerOrbit, times_s: &[f64], interpolation: Interpolation) -> Sampled {
+fn sampled(
+    orbit: &KeplerOrbit,
+    times_s: &[f64],
+    interpolation: Interpolation,
+) -> InterpolatedStates {
     let samples: Vec<_> = times_s.iter().map(|&t| sample(orbit, t)).collect();
-    Sampled::new(Frame::Gcrf, &samples, interpolation).unwrap()
+    InterpolatedStates::new(Frame::Gcrf, &samples, interpolation).unwrap()
 }
 
 fn every(step_s: f64, count: u32) -> Vec<f64> {
@@ -189,12 +194,12 @@ fn samples_are_met_bit_for_bit_and_neighbours_join() {
 fn velocities_come_from_positions() {
     let samples: Vec<_> = every(60.0, 100)
         .iter()
-        .map(|&t| Sample {
+        .map(|&t| StateSample {
             velocity_m_s: None,
             ..sample(&KeplerOrbit::LOW, t)
         })
         .collect();
-    let ephemeris = Sampled::new(Frame::Gcrf, &samples, LAGRANGE(9)).unwrap();
+    let ephemeris = InterpolatedStates::new(Frame::Gcrf, &samples, LAGRANGE(9)).unwrap();
     for k in 0..990 {
         let t = 3.0 * 60.0 + f64::from(k) * 5.3;
         let expected = sample(&KeplerOrbit::LOW, t);
@@ -205,8 +210,8 @@ fn velocities_come_from_positions() {
             "{t}"
         );
     }
-    let error = Sampled::new(Frame::Gcrf, &samples, HERMITE(7)).unwrap_err();
-    assert_eq!(error, SampledError::NoVelocity { index: 0 });
+    let error = InterpolatedStates::new(Frame::Gcrf, &samples, HERMITE(7)).unwrap_err();
+    assert_eq!(error, InterpolationError::NoVelocity { index: 0 });
 }
 
 /// At the ends the window is shifted, not shortened: with as many samples as the polynomial needs, all of it is one polynomial.
@@ -278,14 +283,14 @@ fn years_on_it_is_as_sharp() {
         .map(|&t| {
             let (position_m, velocity) =
                 KeplerOrbit::LOW.state(if t > 0.0 { t - far } else { 0.0 });
-            Sample {
+            StateSample {
                 epoch: start() + seconds(t),
                 position_m,
                 velocity_m_s: Some(velocity),
             }
         })
         .collect();
-    let ephemeris = Sampled::new(Frame::Gcrf, &samples, HERMITE(9)).unwrap();
+    let ephemeris = InterpolatedStates::new(Frame::Gcrf, &samples, HERMITE(9)).unwrap();
     for k in 0..100 {
         let t = 600.0 + f64::from(k) * 4.7;
         let epoch = start() + seconds(far) + seconds(t);
@@ -302,17 +307,18 @@ fn years_on_it_is_as_sharp() {
 fn samples_that_are_no_ephemeris_are_refused() {
     let good = sample(&KeplerOrbit::LOW, 0.0);
     let later = sample(&KeplerOrbit::LOW, 60.0);
-    let new = |samples: &[Sample], i| Sampled::new(Frame::Gcrf, samples, i).map(|_| ());
-    assert_eq!(new(&[], LAGRANGE(3)), Err(SampledError::Empty));
+    let new =
+        |samples: &[StateSample], i| InterpolatedStates::new(Frame::Gcrf, samples, i).map(|_| ());
+    assert_eq!(new(&[], LAGRANGE(3)), Err(InterpolationError::Empty));
     for degree in [0, 32, usize::MAX] {
-        let refused = Err(SampledError::Degree { degree });
+        let refused = Err(InterpolationError::Degree { degree });
         assert_eq!(new(&[good], LAGRANGE(degree)), refused);
         assert_eq!(new(&[good], HERMITE(degree)), refused);
     }
     for samples in [[good, good], [later, good]] {
         assert!(matches!(
             new(&samples, LAGRANGE(3)),
-            Err(SampledError::Order { index: 1, .. })
+            Err(InterpolationError::Order { index: 1, .. })
         ));
     }
     for (position_m, velocity) in [
@@ -321,23 +327,23 @@ fn samples_that_are_no_ephemeris_are_refused() {
         (DVec3::splat(1e13), DVec3::ZERO),
         (DVec3::ZERO, DVec3::splat(3e8)),
     ] {
-        let bad = Sample {
+        let bad = StateSample {
             position_m,
             velocity_m_s: Some(velocity),
             ..later
         };
         assert_eq!(
             new(&[good, bad], LAGRANGE(3)),
-            Err(SampledError::NotAState { index: 1 })
+            Err(InterpolationError::NotAState { index: 1 })
         );
     }
-    let far = Sample {
+    let far = StateSample {
         epoch: Epoch::from_duration(Duration::MAX, hifitime::TimeScale::TAI),
         ..good
     };
     assert!(matches!(
         new(&[good, far], LAGRANGE(3)),
-        Err(SampledError::TooLong { index: 1, .. })
+        Err(InterpolationError::TooLong { index: 1, .. })
     ));
     let ephemeris = sampled(&KeplerOrbit::LOW, &every(60.0, 20), LAGRANGE(7));
     for duration in [Duration::MAX, Duration::MIN] {
@@ -360,14 +366,14 @@ fn steps_of_all_sizes_give_numbers_or_nothing() {
     for interpolation in [LAGRANGE(31), HERMITE(31)] {
         let samples: Vec<_> = times
             .iter()
-            .map(|&t| Sample {
+            .map(|&t| StateSample {
                 epoch: start() + seconds(t),
                 ..sample(&KeplerOrbit::LOW, 0.0)
             })
             .collect();
         let mut samples = samples;
         samples.dedup_by_key(|s| s.epoch);
-        let ephemeris = Sampled::new(Frame::Gcrf, &samples, interpolation).unwrap();
+        let ephemeris = InterpolatedStates::new(Frame::Gcrf, &samples, interpolation).unwrap();
         for k in 0..400 {
             let t = start() + seconds(1e-9 * 1.3_f64.powi(k / 4) + f64::from(k) * 0.3e-9);
             if let Some(state) = ephemeris.state_at(t) {

@@ -5,9 +5,9 @@ use crate::frames::{Epoch, TimeScale, ccsds_time};
 /// Who wrote a message and when.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Header {
-    /// Who: an agency or a program.
+    /// The originator: an agency or a program.
     pub originator: String,
-    /// When.
+    /// When it is written.
     pub created: Epoch,
 }
 
@@ -67,7 +67,7 @@ pub(super) fn shifted(value: f64, power: i32) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::record::scaled_number;
+    use super::super::entry::scaled_number;
     use super::*;
 
     #[test]

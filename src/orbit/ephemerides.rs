@@ -1,20 +1,20 @@
 //! Ephemerides from files: OEM, CZML and CSV.
 
 use super::catalogue::{Candidate, choose};
+use super::entry::{Faults, RecordError};
 use super::file::read_text;
-use super::record::{Faults, RecordError};
-use super::sampled::SampledFeed;
+use super::interpolated::EphemerisFeed;
 use super::text::unmarked;
-use super::{Feed, Form, OrbitError, czml, oem, table};
+use super::{Feed, FileFormat, OrbitError, czml, ephemeris_csv, oem};
 use std::path::Path;
 
 /// The objects of a file of sampled states, in its order.
 #[derive(Debug)]
 pub struct Ephemerides {
-    /// What kind of file it was: [`Form::Oem`], [`Form::Czml`] or [`Form::Csv`].
-    pub form: Form,
+    /// What kind of file it was: [`FileFormat::Oem`], [`FileFormat::Czml`] or [`FileFormat::Csv`].
+    pub format: FileFormat,
     /// Those that can be flown.
-    pub feeds: Vec<SampledFeed>,
+    pub feeds: Vec<EphemerisFeed>,
     /// What is wrong with the others: the first thousand faults.
     pub faults: Vec<OrbitError>,
     /// How many faults there are beyond those.
@@ -23,13 +23,13 @@ pub struct Ephemerides {
 
 impl Ephemerides {
     /// Largest file read, bytes.
-    pub const LARGEST_FILE: u64 = 128 << 20;
+    pub const MAX_FILE_BYTES: u64 = 128 << 20;
 
     /// Reads a file of states. Which kind it is, the text itself says:
     ///
     /// - an OEM of CCSDS 502.0 begins with `CCSDS_OEM_VERS` (KVN) or `<` (XML). States in ICRF, GCRF, EME2000, TEME or
     ///   ITRF…, times in UTC, TAI, TT or GPS; others are refused. Where it names no interpolation,
-    ///   [`Interpolation::WITH_VELOCITIES`](super::sampled::Interpolation::WITH_VELOCITIES) is taken.
+    ///   [`Interpolation::WITH_VELOCITIES`](super::interpolated::Interpolation::WITH_VELOCITIES) is taken.
     /// - CZML begins with `[`. Every packet with a sampled `position` is an object; `INERTIAL` is taken as GCRF, `FIXED` as
     ///   ITRF. Points that stand still are passed over.
     /// - CSV has a header that names `epoch_utc,x_km,y_km,z_km`, and if it likes `vx_km_s,vy_km_s,vz_km_s`, in any order,
@@ -41,13 +41,13 @@ impl Ephemerides {
     /// # Errors
     /// If no object is good, or, when strict, if one is not: says which line and column is wrong, how, and what to do.
     pub fn from_file(path: &Path, is_strict: bool) -> Result<Self, OrbitError> {
-        Self::from_text(&read_text(path, Self::LARGEST_FILE)?, path, is_strict)
+        Self::from_text(&read_text(path, Self::MAX_FILE_BYTES)?, path, is_strict)
     }
 
     /// As [`Self::from_file`], from text that is already in memory; `origin` is named in errors.
     ///
     /// # Errors
-    /// As there.
+    /// As [`Self::from_file`], but for what is wrong with the file itself.
     pub fn from_text(text: &str, origin: &Path, is_strict: bool) -> Result<Self, OrbitError> {
         let text = unmarked(text);
         let mut faults = Faults::<RecordError>::new(is_strict);
@@ -59,15 +59,15 @@ impl Ephemerides {
             }
             Err(error) => faults.note(error),
         };
-        let form = match text.trim_start() {
-            _ if oem::is_oem(text) => Form::Oem,
-            start if start.starts_with(['[', '{']) => Form::Czml,
-            _ => Form::Csv,
+        let format = match text.trim_start() {
+            _ if oem::is_oem(text) => FileFormat::Oem,
+            start if start.starts_with(['[', '{']) => FileFormat::Czml,
+            _ => FileFormat::Csv,
         };
-        match form {
-            Form::Oem => oem::each_object(text, origin, &mut each)?,
-            Form::Czml => czml::each_object(text, origin, &mut each)?,
-            _ if table::is_table(text) => each(table::read(text, origin))?,
+        match format {
+            FileFormat::Oem => oem::each_object(text, origin, &mut each)?,
+            FileFormat::Czml => czml::each_object(text, origin, &mut each)?,
+            _ if ephemeris_csv::is_table(text) => each(ephemeris_csv::read(text, origin))?,
             _ => {}
         }
         let mut kept: Vec<_> = faults.kept.into_iter().map(OrbitError::from).collect();
@@ -81,7 +81,7 @@ impl Ephemerides {
             });
         }
         Ok(Self {
-            form,
+            format,
             feeds,
             faults: kept,
             faults_left_out: faults.left_out,
@@ -96,7 +96,7 @@ impl Ephemerides {
         mut self,
         origin: &Path,
         name: Option<&str>,
-    ) -> Result<SampledFeed, OrbitError> {
+    ) -> Result<EphemerisFeed, OrbitError> {
         let candidates: Vec<_> = self
             .feeds
             .iter()

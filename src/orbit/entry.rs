@@ -1,6 +1,7 @@
-//! What can be wrong with a message of the CCSDS, a CZML document or a table, and the fields they have in common.
+//! Entries of messages of the CCSDS, of CZML documents and of tables (a key, its value, where they stand), and errors that name
+//! file, line and column.
 
-use super::sampled::{SampledError, SegmentsError};
+use super::interpolated::{InterpolationError, SegmentError};
 use crate::frames::{Epoch, TimeError, TimeScale, epoch_from_ccsds};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -15,7 +16,7 @@ pub struct RecordError {
     pub line: usize,
     /// Column, in bytes, from 1.
     pub column: usize,
-    /// What is wrong.
+    /// What is wrong with it, and what to do.
     pub fault: Box<RecordFault>,
 }
 
@@ -36,23 +37,23 @@ pub enum RecordFault {
     Unexpected {
         /// What stands here.
         text: String,
-        /// What should.
+        /// What should stand there.
         expected: &'static str,
     },
     /// A value is not what it should be.
     #[error("{key} is {text:?}; expected {expected}")]
     Field {
-        /// Its name.
+        /// The field's name.
         key: String,
         /// What stands there.
         text: String,
-        /// What should.
+        /// What should stand there.
         expected: &'static str,
     },
     /// A date is none.
     #[error("{key}: {cause}")]
     Time {
-        /// Its name.
+        /// The field's name.
         key: String,
         /// What is wrong with it.
         cause: TimeError,
@@ -60,7 +61,7 @@ pub enum RecordFault {
     /// A value is right and cannot be used.
     #[error("{key} = {text:?} cannot be used: {remedy}")]
     Unsupported {
-        /// Its name.
+        /// The field's name.
         key: String,
         /// What stands there.
         text: String,
@@ -70,11 +71,11 @@ pub enum RecordFault {
     /// A unit other than the one that the format prescribes.
     #[error("{key} is in {unit:?}; the format has it in {expected}")]
     Unit {
-        /// Its name.
+        /// The field's name.
         key: String,
         /// The unit in the file.
         unit: String,
-        /// The right one.
+        /// The unit that the format prescribes.
         expected: &'static str,
     },
     /// Something that must be there is not.
@@ -90,21 +91,21 @@ pub enum RecordFault {
     /// Something comes twice that may come once.
     #[error("{key} a second time; the first is in line {first}")]
     Repeated {
-        /// Its name.
+        /// The field's name.
         key: String,
         /// Line of the first, from 1.
         first: usize,
     },
     /// The states are no ephemeris.
     #[error(transparent)]
-    Samples(SampledError),
+    Samples(InterpolationError),
     /// The segments are no ephemeris.
     #[error(transparent)]
-    Segments(SegmentsError),
+    Segments(SegmentError),
     /// More than anyone needs.
     #[error("more than {limit} {what}; cut out what you need")]
     TooMany {
-        /// Of what.
+        /// Of what there are too many.
         what: &'static str,
         /// The limit.
         limit: usize,
@@ -119,17 +120,17 @@ pub(super) struct Entry<'t> {
     /// Without brackets.
     pub unit: Option<Cow<'t, str>>,
     /// Where the value begins.
-    pub place: Place,
+    pub place: TextPosition,
 }
 
 /// Line and column (in bytes), both from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Place {
+pub(super) struct TextPosition {
     pub line: usize,
     pub column: usize,
 }
 
-impl Place {
+impl TextPosition {
     pub fn error(self, origin: &Path, fault: RecordFault) -> RecordError {
         RecordError {
             path: origin.to_owned(),
@@ -200,18 +201,18 @@ impl Entry<'_> {
 /// Keys that are looked at, and the units they may say they are in (empty: not checked).
 pub(super) type Keys = [(&'static str, &'static str)];
 
-/// The values of one record; entries of other keys are passed over.
+/// The entries of one record (a message, a segment's metadata, a state) by key; entries of other keys are passed over.
 pub(super) struct Fields {
     /// What it is, for errors: "the message".
     what: &'static str,
-    place: Place,
+    place: TextPosition,
     keys: &'static Keys,
     values: Vec<Option<Entry<'static>>>,
 }
 
 impl Fields {
     /// Empty; `place` is where the record begins.
-    pub fn new(what: &'static str, place: Place, keys: &'static Keys) -> Self {
+    pub fn new(what: &'static str, place: TextPosition, keys: &'static Keys) -> Self {
         Self {
             what,
             place,
@@ -220,8 +221,8 @@ impl Fields {
         }
     }
 
-    /// Where it begins.
-    pub fn place(&self) -> Place {
+    /// Where the record begins.
+    pub fn place(&self) -> TextPosition {
         self.place
     }
 

@@ -1,18 +1,18 @@
 //! One integration from a state to both ends of its span.
 
-use super::event::Watcher;
-use super::force::Motion;
-use super::integrate::{Dense, Driver, Fault};
+use super::event::EventDetector;
+use super::force::EquationsOfMotion;
+use super::integrate::{Dense, Driver, IntegrationFault};
 use super::trajectory::Trajectory;
-use super::{Craft, Event, EventKind, ForceModel, NumericalError, NumericalOptions};
+use super::{Event, EventKind, ForceModel, NumericalError, NumericalOptions, Spacecraft};
 use crate::frames::{Duration, Epoch, rfc3339};
-use crate::orbit::OrbitState;
 use crate::orbit::numerical::Counts;
+use crate::orbit::{OrbitState, StartError};
 use glam::DVec3;
 
 /// How a stretch ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Ending {
+pub(super) enum StopReason {
     /// At the end of the span.
     Limit,
     /// At the ground, seconds from the epoch.
@@ -20,14 +20,14 @@ pub(super) enum Ending {
 }
 
 /// What an integration has gathered.
-pub(super) struct Run<'a> {
+pub(super) struct Integration<'a> {
     name: &'a str,
     epoch: Epoch,
     start: [f64; 6],
     model: &'a ForceModel,
     options: &'a NumericalOptions,
-    motion: Motion,
-    watcher: Watcher,
+    motion: EquationsOfMotion,
+    detector: EventDetector,
     pub trajectory: Trajectory,
     pub events: Vec<Event>,
     pub counts: Counts,
@@ -36,30 +36,30 @@ pub(super) struct Run<'a> {
 }
 
 /// Longest span, days: 300 years.
-const LONGEST_DAYS: f64 = 110_000.0;
+const MAX_SPAN_DAYS: f64 = 110_000.0;
 
-impl<'a> Run<'a> {
+impl<'a> Integration<'a> {
     /// `start` is in GCRF.
     pub fn new(
         name: &'a str,
         start: &OrbitState,
         model: &'a ForceModel,
-        craft: &Craft,
+        craft: &Spacecraft,
         options: &'a NumericalOptions,
     ) -> Result<Self, NumericalError> {
         let range = |field, value, expected| {
-            Err(NumericalError::Range {
+            Err(NumericalError::from(StartError::Range {
                 field,
                 value,
                 expected,
-            })
+            }))
         };
         for (field, vector) in [
             ("position", start.position_m),
             ("velocity", start.velocity_m_s),
         ] {
             if !vector.is_finite() {
-                return Err(NumericalError::NotFinite { field });
+                return Err(StartError::NotFinite { field }.into());
             }
         }
         if !(1.0..1e12).contains(&start.position_m.length()) {
@@ -87,7 +87,7 @@ impl<'a> Run<'a> {
             );
         }
         let days = (options.last - options.first).to_seconds() / 86_400.0;
-        if days > LONGEST_DAYS {
+        if days > MAX_SPAN_DAYS {
             return range("span, days,", days, "at most 110 000");
         }
         model.check(craft)?;
@@ -98,13 +98,15 @@ impl<'a> Run<'a> {
                 epoch: rfc3339(start.epoch),
             });
         }
-        let mut motion = Motion::new(model, craft, start.epoch, options.relative_tolerance);
+        let mut motion =
+            EquationsOfMotion::new(model, craft, start.epoch, options.relative_tolerance);
         let height_m = motion.height_m(0.0, start.position_m) - options.ground_height_m;
         if height_m < 0.0 {
-            return Err(NumericalError::ImpactAtEpoch {
+            return Err(NumericalError::Start(StartError::BelowGround {
                 satellite: name.to_owned(),
                 depth_m: -height_m,
-            });
+                surface: "the ground",
+            }));
         }
         let (r, v) = (start.position_m, start.velocity_m_s);
         Ok(Self {
@@ -114,7 +116,7 @@ impl<'a> Run<'a> {
             model,
             options,
             motion,
-            watcher: Watcher::new(options.watch, options.ground_height_m),
+            detector: EventDetector::new(options.watch, options.ground_height_m),
             trajectory: Trajectory::default(),
             events: Vec::new(),
             counts: Counts::default(),
@@ -123,9 +125,9 @@ impl<'a> Run<'a> {
     }
 
     /// Integrates from the epoch to `end`, seconds from it, or to the ground.
-    pub fn fly(&mut self, end: f64) -> Result<Ending, NumericalError> {
+    pub fn propagate(&mut self, end: f64) -> Result<StopReason, NumericalError> {
         if end == 0.0 {
-            return Ok(Ending::Limit);
+            return Ok(StopReason::Limit);
         }
         let borders = self.borders(end);
         self.set_thrusts(0.0, borders.first().copied().unwrap_or(end));
@@ -142,15 +144,19 @@ impl<'a> Run<'a> {
                     .map_err(|fault| self.fault(fault, driver.t(), &y))?;
             }
             let ending = self.stretch(&mut driver, border);
-            if border == end || !matches!(ending, Ok(Ending::Limit)) {
+            if border == end || !matches!(ending, Ok(StopReason::Limit)) {
                 self.add_counts(driver.counts());
                 return ending;
             }
         }
-        Ok(Ending::Limit)
+        Ok(StopReason::Limit)
     }
 
-    fn stretch(&mut self, driver: &mut Driver<6>, border: f64) -> Result<Ending, NumericalError> {
+    fn stretch(
+        &mut self,
+        driver: &mut Driver<6>,
+        border: f64,
+    ) -> Result<StopReason, NumericalError> {
         while driver.t() != border {
             if self.trajectory.len() >= self.options.step_limit {
                 return Err(NumericalError::StepLimit {
@@ -162,7 +168,7 @@ impl<'a> Run<'a> {
             let step = driver
                 .step(&mut self.motion, border)
                 .map_err(|fault| self.fault(fault, driver.t(), driver.y()))?;
-            let found = self.watcher.events(&mut self.motion, &step);
+            let found = self.detector.events(&mut self.motion, &step);
             if matches!(step.dense, Dense::Implicit(_)) {
                 self.add_stiff(step.t0, step.t1());
             }
@@ -171,11 +177,11 @@ impl<'a> Run<'a> {
                 let epoch = self.epoch + Duration::from_seconds(t);
                 self.events.push(Event { epoch, kind });
                 if kind == EventKind::Impact {
-                    return Ok(Ending::Impact(t));
+                    return Ok(StopReason::Impact(t));
                 }
             }
         }
-        Ok(Ending::Limit)
+        Ok(StopReason::Limit)
     }
 
     /// Where thrusts begin and end on the way to `end`, and `end` itself, in the order of flight.
@@ -207,12 +213,12 @@ impl<'a> Run<'a> {
             .collect();
     }
 
-    fn fault(&self, fault: Fault, t: f64, y: &[f64; 6]) -> NumericalError {
+    fn fault(&self, fault: IntegrationFault, t: f64, y: &[f64; 6]) -> NumericalError {
         let satellite = self.name.to_owned();
         let epoch = self.epoch_text(t);
         match fault {
-            Fault::NotFinite => NumericalError::Force { satellite, epoch },
-            Fault::Underflow => {
+            IntegrationFault::NotFinite => NumericalError::Force { satellite, epoch },
+            IntegrationFault::Underflow => {
                 let position = DVec3::new(y[0], y[1], y[2]);
                 let height_m = self.motion.clone().height_m(t, position);
                 NumericalError::Underflow {

@@ -1,16 +1,15 @@
-//! `[orbit]`: sources of motion and which keys each takes.
+//! Checks `[orbit]`: sources of motion, which keys each takes, and the start and the forces of a motion.
 
 use super::error::SceneError;
-use super::field::{Field, Wanted, field, flag, in_range, span_of, written};
-use super::limits::*;
+use super::field::{Bounds, Field, PathKind, short_range_text, whole, written};
+use super::keys::{RawOrbit, RawTracks};
 use super::live;
-use super::locate::Source;
-use super::raw::{RawOrbit, RawTracks};
-use super::{Forces, Motion, Orbit, OrbitSource, Start, StartForm};
+use super::orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters, OrbitSource};
+use super::text::SceneText;
 use crate::frames::Epoch;
 use crate::orbit::Frame;
-use crate::orbit::kepler::{Anomaly, Elements, Size};
-use crate::orbit::numerical::{Atmosphere, Craft};
+use crate::orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
+use crate::orbit::numerical::{AtmosphereModel, Spacecraft};
 use glam::DVec3;
 use serde::Deserialize;
 use std::ops::RangeInclusive;
@@ -47,7 +46,7 @@ enum AirModel {
     Exponential,
 }
 
-impl From<AirModel> for Atmosphere {
+impl From<AirModel> for AtmosphereModel {
     fn from(model: AirModel) -> Self {
         match model {
             AirModel::Us1976 => Self::Standard1976,
@@ -62,8 +61,8 @@ const ELEMENTS: &[&str] = &[
     "periapsis_km",
     "eccentricity",
     "inclination_deg",
-    "node_deg",
-    "argument_deg",
+    "raan_deg",
+    "argument_of_periapsis_deg",
     "true_anomaly_deg",
     "mean_anomaly_deg",
 ];
@@ -105,7 +104,7 @@ pub(super) fn foreign(source: OrbitSource, key: &str) -> Option<&'static str> {
     (!fits).then_some(why)
 }
 
-impl Source<'_> {
+impl SceneText<'_> {
     /// Checks one satellite. `scene_start` is its epoch where it gives none, `tracks` what is drawn of all.
     pub(super) fn orbit(
         &self,
@@ -113,7 +112,7 @@ impl Source<'_> {
         tracks: &RawTracks,
         scene_start: Epoch,
     ) -> Result<Orbit, SceneError> {
-        let source_field = field!(orbit.source);
+        let source_field = orbit.source();
         let source = self.choice(&source_field, OrbitSource::Tle)?;
         for (key, span) in orbit.given() {
             if let Some(why) = foreign(source, key) {
@@ -124,9 +123,9 @@ impl Source<'_> {
                 return Err(self.refuse_at("orbit", key, span, advice));
             }
         }
-        let file_field = field!(orbit.file);
-        let file = self.path(&file_field, Wanted::File)?;
-        let name_field = field!(orbit.name);
+        let file_field = orbit.file();
+        let file = self.path(&file_field, PathKind::File)?;
+        let name_field = orbit.name();
         let name = name_field.given.map(|name| name.get_ref().clone());
         if name.as_ref().is_some_and(|name| name.trim().is_empty()) {
             let advice = "must not be empty; give the satellite's name, or leave name out where the file holds one satellite";
@@ -139,7 +138,7 @@ impl Source<'_> {
             let advice = "must be one line of text, without control characters";
             return Err(self.refuse(&name_field, advice));
         }
-        let strict = field!(orbit.strict);
+        let strict = orbit.strict();
         if source.is_file() && file.is_none() {
             if source != OrbitSource::Tle {
                 let advice = "needs the file to read; add file = \"…\" to [orbit]";
@@ -157,7 +156,7 @@ impl Source<'_> {
         let motion = match source {
             OrbitSource::Kepler => Some(Motion::Kepler {
                 start: self.orbit_start(orbit, scene_start)?,
-                j2: flag(&field!(orbit.j2), false),
+                j2: orbit.j2().is_on(),
             }),
             OrbitSource::Numerical => Some(Motion::Numerical {
                 start: self.orbit_start(orbit, scene_start)?,
@@ -166,11 +165,11 @@ impl Source<'_> {
             _ => None,
         };
         if let Some(Motion::Kepler { start, j2: true }) = &motion
-            && let StartForm::Elements(elements) = &start.form
+            && let OrbitParameters::Elements(elements) = &start.parameters
             && elements.eccentricity >= 1.0
         {
             let advice = "the drift by J2 is an average over revolutions, which only an eccentricity below 1 has; write false or leave it out";
-            return Err(self.refuse(&field!(orbit.j2), advice));
+            return Err(self.refuse(&orbit.j2(), advice));
         }
         let live = match source {
             OrbitSource::Live => Some(self.live(orbit, name.as_deref())?),
@@ -181,25 +180,29 @@ impl Source<'_> {
             file,
             live,
             name,
-            strict: flag(&strict, false),
+            strict: strict.is_on(),
             motion,
             track: self.track(orbit, tracks)?,
         })
     }
 
-    fn orbit_start(&self, orbit: &RawOrbit, scene_start: Epoch) -> Result<Start, SceneError> {
-        let epoch = self.instant(&field!(orbit.epoch), scene_start)?;
-        let frame_field = field!(orbit.frame);
+    fn orbit_start(
+        &self,
+        orbit: &RawOrbit,
+        scene_start: Epoch,
+    ) -> Result<InitialState, SceneError> {
+        let epoch = self.instant(&orbit.epoch(), scene_start)?;
+        let frame_field = orbit.frame();
         let frame = Frame::from(self.choice(&frame_field, FrameName::Gcrf)?);
-        let (position, velocity) = (field!(orbit.position_km), field!(orbit.velocity_km_s));
+        let (position, velocity) = (orbit.position_km(), orbit.velocity_km_s());
         let given = orbit.given();
-        let form = match (position.is_given(), velocity.is_given()) {
+        let parameters = match (position.is_given(), velocity.is_given()) {
             (false, false) => {
                 if frame.is_earth_fixed() {
                     let advice = "elements are of axes that do not turn with the Earth: \"teme\", \"gcrf\" or \"eme2000\"; or give position_km and velocity_km_s";
                     return Err(self.refuse(&frame_field, advice));
                 }
-                StartForm::Elements(self.elements(orbit)?)
+                OrbitParameters::Elements(self.elements(orbit)?)
             }
             (true, true) => {
                 let element = given.into_iter().find(|(key, _)| ELEMENTS.contains(key));
@@ -207,10 +210,9 @@ impl Source<'_> {
                     let advice = "a start is given by elements or by position_km and velocity_km_s; leave out the one or the other";
                     return Err(self.refuse_at("orbit", key, span, advice));
                 }
-                StartForm::State {
-                    position_m: self.vector(&position, ORBIT_KM, "kilometres")? * 1e3,
-                    velocity_m_s: self.vector(&velocity, SPEED_KM_S, "kilometres per second")?
-                        * 1e3,
+                OrbitParameters::State {
+                    position_m: self.vector(&position, "kilometres")? * 1e3,
+                    velocity_m_s: self.vector(&velocity, "kilometres per second")? * 1e3,
                 }
             }
             (true, false) => {
@@ -220,24 +222,28 @@ impl Source<'_> {
                 return Err(self.refuse(&velocity, "needs position_km beside it"));
             }
         };
-        Ok(Start { epoch, frame, form })
+        Ok(InitialState {
+            epoch,
+            frame,
+            parameters,
+        })
     }
 
-    fn elements(&self, orbit: &RawOrbit) -> Result<Elements, SceneError> {
-        let (axis, periapsis) = (field!(orbit.semi_major_axis_km), field!(orbit.periapsis_km));
-        let eccentricity_field = field!(orbit.eccentricity);
-        let eccentricity = self.within(&eccentricity_field, 0.0, ECCENTRICITY, "")?;
-        let size = match (axis.is_given(), periapsis.is_given()) {
-            (true, true) => {
+    fn elements(&self, orbit: &RawOrbit) -> Result<KeplerElements, SceneError> {
+        let (axis, periapsis) = (orbit.semi_major_axis_km(), orbit.periapsis_km());
+        let eccentricity_field = orbit.eccentricity();
+        let eccentricity = self.quantity(&eccentricity_field, "")?;
+        let size = match (axis.given, periapsis.given) {
+            (Some(_), Some(_)) => {
                 let advice = "semi_major_axis_km and periapsis_km both say how large the orbit is; leave one out";
                 return Err(self.refuse(&periapsis, advice));
             }
-            (false, false) => {
+            (None, None) => {
                 let advice = "needs a start: semi_major_axis_km or periapsis_km (from the Earth's centre) with the other elements, or position_km and velocity_km_s";
-                return Err(self.refuse(&field!(orbit.source), advice));
+                return Err(self.refuse(&orbit.source(), advice));
             }
-            (true, false) => {
-                let km = self.within(&axis, 0.0, ORBIT_KM, "kilometres")?;
+            (Some(given), None) => {
+                let km = self.given_quantity(&axis, given, "kilometres")?;
                 if eccentricity == 1.0 {
                     let advice =
                         "a parabola (eccentricity 1) has no semi-major axis; give periapsis_km";
@@ -247,21 +253,17 @@ impl Source<'_> {
                     let advice = "must be above 0 with an eccentricity below 1, and below 0 with one above 1";
                     return Err(self.refuse(&axis, advice));
                 }
-                Size::SemiMajorAxis(km * 1e3)
+                OrbitSize::SemiMajorAxis(km * 1e3)
             }
-            (false, true) => {
-                let range = 0.001..=*ORBIT_KM.end();
-                Size::Periapsis(self.within(&periapsis, 0.0, range, "kilometres")? * 1e3)
+            (None, Some(given)) => {
+                OrbitSize::Periapsis(self.given_quantity(&periapsis, given, "kilometres")? * 1e3)
             }
         };
-        let angle = |field: Field<'_, f64>| {
-            let degrees = self.within(&field, 0.0, ANGLE_DEG, "degrees")?;
+        let angle = |field: Field<'_, f64, Bounds<f64>>| {
+            let degrees = self.quantity(&field, "degrees")?;
             Ok::<f64, SceneError>(degrees.to_radians())
         };
-        let (true_anomaly, mean) = (
-            field!(orbit.true_anomaly_deg),
-            field!(orbit.mean_anomaly_deg),
-        );
+        let (true_anomaly, mean) = (orbit.true_anomaly_deg(), orbit.mean_anomaly_deg());
         let anomaly = match mean.is_given() {
             true if true_anomaly.is_given() => {
                 let advice = "true_anomaly_deg and mean_anomaly_deg both say where on the orbit; leave one out";
@@ -275,52 +277,38 @@ impl Source<'_> {
             true => Anomaly::Mean(angle(mean)?),
             false => Anomaly::True(angle(true_anomaly)?),
         };
-        let inclination = field!(orbit.inclination_deg);
-        Ok(Elements {
+        Ok(KeplerElements {
             size,
             eccentricity,
-            inclination_rad: self
-                .within(&inclination, 0.0, INCLINATION_DEG, "degrees")?
-                .to_radians(),
-            node_rad: angle(field!(orbit.node_deg))?,
-            argument_rad: angle(field!(orbit.argument_deg))?,
+            inclination_rad: angle(orbit.inclination_deg())?,
+            raan_rad: angle(orbit.raan_deg())?,
+            argument_of_periapsis_rad: angle(orbit.argument_of_periapsis_deg())?,
             anomaly,
         })
     }
 
-    fn forces(&self, orbit: &RawOrbit) -> Result<Forces, SceneError> {
-        let degree_field = field!(orbit.gravity_degree);
-        let gravity_degree = match degree_field.given.map(|given| *given.get_ref()) {
-            None => DEFAULT_GRAVITY_DEGREE,
-            Some(degree) => in_range(degree, &GRAVITY_DEGREE).ok_or_else(|| {
-                let advice = format!(
-                    "the degree of the Earth's gravity must be from {}; 0 is a point",
-                    span_of(&GRAVITY_DEGREE)
-                );
-                self.refuse(&degree_field, advice)
-            })?,
-        };
-        let order_field = field!(orbit.gravity_order);
-        let gravity_order = match order_field.given.map(|given| *given.get_ref()) {
+    fn forces(&self, orbit: &RawOrbit) -> Result<ForceOptions, SceneError> {
+        let gravity_degree = self.count(&orbit.gravity_degree(), |range| {
+            format!("the degree of the Earth's gravity must be from {range}; 0 is a point")
+        })?;
+        let order_field = orbit.gravity_order();
+        let gravity_order = match order_field.value() {
             None => gravity_degree,
-            Some(order) => in_range(order, &(0..=i64::from(gravity_degree))).ok_or_else(|| {
+            Some(order) => whole(order, &(0..=i64::from(gravity_degree))).ok_or_else(|| {
                 let advice = format!(
                     "the order of the Earth's gravity must be from 0, the zonal terms alone, to its degree, {gravity_degree}"
                 );
                 self.refuse(&order_field, advice)
             })?,
         };
-        let (drag, radiation) = (
-            flag(&field!(orbit.drag), true),
-            flag(&field!(orbit.radiation), true),
-        );
-        let model = field!(orbit.air_model);
+        let (drag, radiation) = (orbit.drag().is_on(), orbit.radiation().is_on());
+        let model = orbit.air_model();
         if !drag && model.is_given() {
             let advice = "air_model has no meaning with drag = false; leave one of them out";
             return Err(self.refuse(&model, advice));
         }
         let model = self.choice(&model, AirModel::Us1976)?;
-        let (cd, cr) = (field!(orbit.cd), field!(orbit.cr));
+        let (cd, cr) = (orbit.cd(), orbit.cr());
         if !drag && cd.is_given() {
             return Err(self.refuse(
                 &cd,
@@ -331,76 +319,41 @@ impl Source<'_> {
             let advice = "cr has no meaning with radiation = false; leave one of them out";
             return Err(self.refuse(&cr, advice));
         }
-        let usual = Craft::default();
-        let area = field!(orbit.area_m2);
-        let area_m2 = self.within(&area, usual.drag_area_m2, AREA_M2, "square metres")?;
-        Ok(Forces {
+        let area_m2 = self.quantity(&orbit.area_m2(), "square metres")?;
+        Ok(ForceOptions {
             gravity_degree,
             gravity_order,
             drag: drag.then_some(model.into()),
-            sun: flag(&field!(orbit.sun), true),
-            moon: flag(&field!(orbit.moon), true),
+            sun: orbit.sun().is_on(),
+            moon: orbit.moon().is_on(),
             radiation,
-            craft: Craft {
-                mass_kg: self.within(
-                    &field!(orbit.mass_kg),
-                    usual.mass_kg,
-                    MASS_KG,
-                    "kilograms",
-                )?,
+            craft: Spacecraft {
+                mass_kg: self.quantity(&orbit.mass_kg(), "kilograms")?,
                 drag_area_m2: area_m2,
-                drag_coefficient: self.within(&cd, usual.drag_coefficient, COEFFICIENT, "")?,
+                drag_coefficient: self.quantity(&cd, "")?,
                 sunlit_area_m2: area_m2,
-                reflectivity: self.within(&cr, usual.reflectivity, COEFFICIENT, "")?,
+                reflectivity: self.quantity(&cr, "")?,
             },
-            tolerance: self.within(&field!(orbit.tolerance), DEFAULT_TOLERANCE, TOLERANCE, "")?,
-        })
-    }
-
-    pub(super) fn within(
-        &self,
-        field: &Field<'_, f64>,
-        default: f64,
-        range: RangeInclusive<f64>,
-        unit: &str,
-    ) -> Result<f64, SceneError> {
-        let (least, most) = (*range.start(), *range.end());
-        self.number(field, default, range, |_| {
-            let words = format!("must be from {} to {} {unit}", short(least), short(most));
-            words.trim_end().to_owned()
+            tolerance: self.quantity(&orbit.tolerance(), "")?,
         })
     }
 
     fn vector(
         &self,
-        field: &Field<'_, Vec<f64>>,
-        range: RangeInclusive<f64>,
+        field: &Field<'_, Vec<f64>, RangeInclusive<f64>>,
         unit: &str,
     ) -> Result<DVec3, SceneError> {
         let Some(&[x, y, z]) = field.given.map(Spanned::get_ref).map(Vec::as_slice) else {
             return Err(self.refuse(field, "must be three numbers, [x, y, z]"));
         };
         // A range does not contain a number that is none.
-        if ![x, y, z].iter().all(|part| range.contains(part)) {
+        if ![x, y, z].iter().all(|part| field.rule.contains(part)) {
             let advice = format!(
-                "each number must be from {} to {} {unit}",
-                short(*range.start()),
-                short(*range.end())
+                "each number must be from {} {unit}",
+                short_range_text(&field.rule)
             );
             return Err(self.refuse(field, advice));
         }
         Ok(DVec3::new(x, y, z))
-    }
-}
-
-/// A bound in few characters.
-fn short(bound: f64) -> String {
-    let text = match bound != 0.0 && !(1e-3..1e6).contains(&bound.abs()) {
-        true => format!("{bound:e}"),
-        false => bound.to_string(),
-    };
-    match text.strip_prefix('-') {
-        Some(size) => format!("−{size}"),
-        None => text,
     }
 }

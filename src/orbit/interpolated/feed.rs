@@ -1,24 +1,24 @@
-//! A feed of sampled segments.
+//! A feed of an object's ephemeris, segment by segment.
 
-use super::Sampled;
+use super::InterpolatedStates;
 use crate::frames::{Epoch, rfc3339};
 use crate::orbit::{Feed, OrbitError, OrbitState};
 use std::sync::Arc;
 
 /// Samples that belong together: nothing is interpolated across segments, for between two of them an engine may have fired.
 #[derive(Clone, Debug)]
-pub struct Segment {
+pub struct EphemerisSegment {
     /// The samples.
-    pub samples: Arc<Sampled>,
+    pub samples: Arc<InterpolatedStates>,
     /// First and last instant that may be used, within the samples' span.
     pub usable: (Epoch, Epoch),
     /// One standard deviation of the position at instants in rising order, metres: √(σx² + σy² + σz²). May be empty.
     pub sigma_m: Vec<(Epoch, f64)>,
 }
 
-impl Segment {
+impl EphemerisSegment {
     /// All of the samples, without error estimates.
-    pub fn whole(samples: Sampled) -> Self {
+    pub fn whole(samples: InterpolatedStates) -> Self {
         let usable = samples.span();
         Self {
             samples: Arc::new(samples),
@@ -49,11 +49,11 @@ impl Segment {
 
 /// An object's ephemeris: what OEM, CZML and CSV files are read into.
 #[derive(Clone, Debug)]
-pub struct SampledFeed {
+pub struct EphemerisFeed {
     name: String,
     object_id: Option<String>,
     /// In order of time, none empty, none overlapping but for an instant.
-    segments: Vec<Segment>,
+    segments: Vec<EphemerisSegment>,
     /// Where it begins in its file, from 1.
     line: usize,
 }
@@ -61,8 +61,8 @@ pub struct SampledFeed {
 /// Why segments are no ephemeris: which of them, from 0, and how.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum SegmentsError {
-    /// None at all.
+pub enum SegmentError {
+    /// No segment at all.
     #[error("no segment")]
     Empty,
     /// The interval that may be used holds none of the samples' time.
@@ -72,7 +72,7 @@ pub enum SegmentsError {
         index: usize,
         /// Its beginning, UTC.
         first: String,
-        /// Its end.
+        /// Its end, UTC.
         last: String,
     },
     /// Two segments answer for the same time.
@@ -89,7 +89,7 @@ pub enum SegmentsError {
     },
 }
 
-impl SegmentsError {
+impl SegmentError {
     /// Which segment is meant, from 0.
     pub fn index(&self) -> usize {
         match self {
@@ -99,7 +99,7 @@ impl SegmentsError {
     }
 }
 
-impl SampledFeed {
+impl EphemerisFeed {
     /// Of segments in order of time that do not overlap; where two meet, the later one answers. Usable intervals are cut
     /// to the span of the samples.
     ///
@@ -108,14 +108,14 @@ impl SampledFeed {
     pub fn new(
         name: String,
         object_id: Option<String>,
-        mut segments: Vec<Segment>,
-    ) -> Result<Self, SegmentsError> {
+        mut segments: Vec<EphemerisSegment>,
+    ) -> Result<Self, SegmentError> {
         let mut ended: Option<Epoch> = None;
         for (index, segment) in segments.iter_mut().enumerate() {
             let (first, last) = segment.samples.span();
             let cut = (segment.usable.0.max(first), segment.usable.1.min(last));
             if cut.0 > cut.1 {
-                return Err(SegmentsError::Unusable {
+                return Err(SegmentError::Unusable {
                     index,
                     first: rfc3339(segment.usable.0),
                     last: rfc3339(segment.usable.1),
@@ -123,7 +123,7 @@ impl SampledFeed {
             }
             segment.usable = cut;
             if let Some(ended) = ended.filter(|ended| *ended > cut.0) {
-                return Err(SegmentsError::Overlap {
+                return Err(SegmentError::Overlap {
                     index,
                     begins: rfc3339(cut.0),
                     ends: rfc3339(ended),
@@ -132,7 +132,7 @@ impl SampledFeed {
             ended = Some(cut.1);
         }
         match segments.is_empty() {
-            true => Err(SegmentsError::Empty),
+            true => Err(SegmentError::Empty),
             false => Ok(Self {
                 name,
                 object_id,
@@ -157,12 +157,12 @@ impl SampledFeed {
     }
 
     /// What it is made of, in order of time.
-    pub fn segments(&self) -> &[Segment] {
+    pub fn segments(&self) -> &[EphemerisSegment] {
         &self.segments
     }
 
     /// The last segment that covers `epoch`.
-    fn segment(&self, epoch: Epoch) -> Option<&Segment> {
+    fn segment(&self, epoch: Epoch) -> Option<&EphemerisSegment> {
         let behind = self.segments.partition_point(|s| s.usable.0 <= epoch);
         let segment = self.segments.get(behind.checked_sub(1)?)?;
         segment.covers(epoch).then_some(segment)
@@ -188,7 +188,7 @@ impl SampledFeed {
     }
 }
 
-impl Feed for SampledFeed {
+impl Feed for EphemerisFeed {
     fn name(&self) -> &str {
         &self.name
     }

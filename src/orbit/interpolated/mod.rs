@@ -1,16 +1,18 @@
-//! Positions given at instants, and the polynomials between them: the common core of ephemeris files.
+//! Interpolated ephemerides: states given at instants, and Lagrange's or Hermite's polynomials between them. The common core of
+//! ephemeris files. Our own: of the
+//! crates for these files `ccsds-ndm` (0.0) parses only and `lox-odm` is in alpha.
 
 mod basis;
-mod error_table;
 mod feed;
+mod interpolation_error;
 
 use super::{Frame, OrbitState};
 use crate::frames::{Epoch, rfc3339};
-use basis::{Basis, MOST_NODES};
+use basis::{Basis, MAX_NODES};
 use glam::DVec3;
 
-pub use error_table::{KeplerOrbit, WorstDifference, interpolation_error};
-pub use feed::{SampledFeed, Segment, SegmentsError};
+pub use feed::{EphemerisFeed, EphemerisSegment, SegmentError};
+pub use interpolation_error::{KeplerOrbit, WorstDifference, interpolation_error};
 
 /// How a state between samples is found. CCSDS 502.0 and CZML use the same names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,19 +22,19 @@ pub enum Interpolation {
     /// The polynomial of that degree through degree + 1 positions; through as many velocities where there are some, else
     /// the velocity is its derivative.
     Lagrange {
-        /// 1…[`Interpolation::HIGHEST_DEGREE`].
+        /// 1…[`Interpolation::MAX_DEGREE`].
         degree: usize,
     },
     /// The polynomial that has the samples' positions and velocities: (degree + 1)/2 samples, rounded up.
     Hermite {
-        /// 1…[`Interpolation::HIGHEST_DEGREE`].
+        /// 1…[`Interpolation::MAX_DEGREE`].
         degree: usize,
     },
 }
 
 impl Interpolation {
     /// The highest degree.
-    pub const HIGHEST_DEGREE: usize = MOST_NODES - 1;
+    pub const MAX_DEGREE: usize = MAX_NODES - 1;
 
     /// For files with velocities that name none: four states. See [`interpolation_error`] for how good it is: in low orbit
     /// 30 nm at one minute from state to state, 1 cm at five.
@@ -50,7 +52,7 @@ impl Interpolation {
         }
     }
 
-    /// Its degree.
+    /// Degree of the polynomial.
     pub fn degree(self) -> usize {
         match self {
             Self::Linear => 1,
@@ -78,22 +80,22 @@ impl Interpolation {
     }
 }
 
-/// A position at an instant, and what else is known there.
+/// A sample of an ephemeris: a position at an instant, with its velocity where that is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
-    /// When.
+pub struct StateSample {
+    /// When the sample holds.
     pub epoch: Epoch,
-    /// Where, metres.
+    /// Position, metres.
     pub position_m: DVec3,
-    /// How fast as seen in the samples' axes, metres per second.
+    /// Velocity as seen in the samples' axes, metres per second.
     pub velocity_m_s: Option<DVec3>,
 }
 
-/// Why samples are no ephemeris.
+/// Why samples cannot be interpolated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum SampledError {
-    /// None at all.
+pub enum InterpolationError {
+    /// No sample at all.
     #[error("no sample")]
     Empty,
     /// Two samples of one instant, or one before its predecessor.
@@ -129,14 +131,14 @@ pub enum SampledError {
         index: usize,
     },
     /// A degree that is not offered.
-    #[error("interpolation degree {degree} is not from 1 to {most}", most = Interpolation::HIGHEST_DEGREE)]
+    #[error("interpolation degree {degree} is not from 1 to {most}", most = Interpolation::MAX_DEGREE)]
     Degree {
         /// The degree asked for.
         degree: usize,
     },
 }
 
-impl SampledError {
+impl InterpolationError {
     /// Which sample is meant, from 0, if one is.
     pub fn index(&self) -> Option<usize> {
         match self {
@@ -149,13 +151,13 @@ impl SampledError {
     }
 }
 
-/// Samples in one frame and the interpolation between them.
+/// An interpolated ephemeris: samples in one frame and the interpolation between them.
 ///
 /// The window of samples is centred on the instant and shifted, not shortened, at the ends; where there are fewer samples
 /// than the degree asks for, all are used. Instants are kept as whole nanoseconds, so a long ephemeris is as sharp at its end
 /// as at its beginning.
 #[derive(Clone, Debug)]
-pub struct Sampled {
+pub struct InterpolatedStates {
     frame: Frame,
     first: Epoch,
     /// Since `first`, strictly rising.
@@ -166,21 +168,21 @@ pub struct Sampled {
     interpolation: Interpolation,
 }
 
-impl Sampled {
+impl InterpolatedStates {
     /// Samples in the axes of `frame`, in rising order of time. Velocities are used if all samples have one.
     ///
     /// # Errors
     /// Says which sample is out of order or not finite, and why the interpolation does not fit.
     pub fn new(
         frame: Frame,
-        samples: &[Sample],
+        samples: &[StateSample],
         interpolation: Interpolation,
-    ) -> Result<Self, SampledError> {
+    ) -> Result<Self, InterpolationError> {
         let degree = interpolation.degree();
-        if !(1..=Interpolation::HIGHEST_DEGREE).contains(&degree) {
-            return Err(SampledError::Degree { degree });
+        if !(1..=Interpolation::MAX_DEGREE).contains(&degree) {
+            return Err(InterpolationError::Degree { degree });
         }
-        let first = samples.first().ok_or(SampledError::Empty)?.epoch;
+        let first = samples.first().ok_or(InterpolationError::Empty)?.epoch;
         // Counted in TAI, so that sums with it are elapsed time.
         let first = Epoch::from_tai_duration(first.to_tai_duration());
         let with_velocities = samples.iter().all(|s| s.velocity_m_s.is_some());
@@ -196,19 +198,20 @@ impl Sampled {
         for (index, sample) in samples.iter().enumerate() {
             let velocity = sample.velocity_m_s.unwrap_or_default();
             if !(sample.position_m.length() < 1e13 && velocity.length() < 299_792_458.0) {
-                return Err(SampledError::NotAState { index });
+                return Err(InterpolationError::NotAState { index });
             }
             if matches!(interpolation, Interpolation::Hermite { .. })
                 && sample.velocity_m_s.is_none()
             {
-                return Err(SampledError::NoVelocity { index });
+                return Err(InterpolationError::NoVelocity { index });
             }
-            let at = ns_between(first, sample.epoch).ok_or_else(|| SampledError::TooLong {
-                index,
-                epoch: rfc3339(sample.epoch),
-            })?;
+            let at =
+                ns_between(first, sample.epoch).ok_or_else(|| InterpolationError::TooLong {
+                    index,
+                    epoch: rfc3339(sample.epoch),
+                })?;
             if let Some((_, earlier)) = before.filter(|&(ns, _)| ns >= at) {
-                return Err(SampledError::Order {
+                return Err(InterpolationError::Order {
                     index,
                     epoch: rfc3339(sample.epoch),
                     before: rfc3339(earlier),
@@ -224,7 +227,7 @@ impl Sampled {
         Ok(sampled)
     }
 
-    /// In which axes.
+    /// The axes of the samples.
     pub fn frame(&self) -> Frame {
         self.frame
     }
@@ -247,9 +250,9 @@ impl Sampled {
     }
 
     /// The samples, in order.
-    pub fn samples(&self) -> impl Iterator<Item = Sample> {
+    pub fn samples(&self) -> impl Iterator<Item = StateSample> {
         let positions = self.at_ns.iter().zip(&self.position_m).enumerate();
-        positions.map(|(i, (&ns, &position_m))| Sample {
+        positions.map(|(i, (&ns, &position_m))| StateSample {
             epoch: self.first + nanoseconds(ns),
             position_m,
             velocity_m_s: self.velocity_m_s.get(i).copied(),
@@ -302,7 +305,7 @@ impl Sampled {
         // In units of half the window, about the instant itself: small numbers, and exact differences.
         let span_ns = at_ns[count - 1] - at_ns[0];
         let unit_s = (span_ns as f64 * 0.5e-9).max(1e-9);
-        let mut nodes = [0.0; MOST_NODES];
+        let mut nodes = [0.0; MAX_NODES];
         for (node, ns) in nodes.iter_mut().zip(at_ns) {
             *node = (ns - at) as f64 * 1e-9 / unit_s;
         }
@@ -310,7 +313,7 @@ impl Sampled {
         let velocities = self.velocity_m_s.get(window);
         match (self.interpolation, velocities) {
             (Interpolation::Hermite { .. }, Some(velocities)) => {
-                let mut slopes = [DVec3::ZERO; MOST_NODES];
+                let mut slopes = [DVec3::ZERO; MAX_NODES];
                 for (slope, velocity) in slopes.iter_mut().zip(velocities) {
                     *slope = *velocity * unit_s;
                 }

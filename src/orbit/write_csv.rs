@@ -1,6 +1,6 @@
 //! States as CSV, in the columns that [`Ephemerides`](super::Ephemerides) reads.
 
-use super::write::{one_line, shifted};
+use super::write_ccsds::{one_line, shifted};
 use super::{Frame, OrbitState};
 use crate::frames::{Geodetic, TimeScale, ccsds_time};
 

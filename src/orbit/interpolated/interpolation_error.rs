@@ -1,6 +1,6 @@
-//! How far interpolated states are from a Kepler orbit, by degree and step.
+//! The error of interpolated ephemerides against a Kepler orbit, by degree and step.
 
-use super::{Interpolation, Sample, Sampled, SampledError};
+use super::{InterpolatedStates, Interpolation, InterpolationError, StateSample};
 use crate::frames::{Duration, Epoch};
 use crate::orbit::Frame;
 use glam::DVec3;
@@ -10,7 +10,7 @@ use glam::DVec3;
 pub struct KeplerOrbit {
     /// Half the long axis, metres.
     pub semi_major_axis_m: f64,
-    /// 0…0.9.
+    /// Eccentricity, 0…0.9.
     pub eccentricity: f64,
 }
 
@@ -70,12 +70,12 @@ impl KeplerOrbit {
     }
 }
 
-/// The largest differences found.
+/// The largest errors found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WorstDifference {
-    /// Metres.
+    /// Of the position, metres.
     pub position_m: f64,
-    /// Metres per second.
+    /// Of the velocity, metres per second.
     pub velocity_m_s: f64,
 }
 
@@ -106,7 +106,7 @@ pub fn interpolation_error(
     interpolation: Interpolation,
     step_s: f64,
     orbit: &KeplerOrbit,
-) -> Result<WorstDifference, SampledError> {
+) -> Result<WorstDifference, InterpolationError> {
     const WITHIN_STEP: i64 = 10;
     let period_s = std::f64::consts::TAU / orbit.mean_motion_rad_s();
     // In whole tenths of a step, in nanoseconds, so that instants are exact.
@@ -125,14 +125,14 @@ pub fn interpolation_error(
     let samples: Vec<_> = (-half_revolution - margin..=half_revolution + margin)
         .map(|k| {
             let (epoch, (position_m, velocity)) = instant(k * WITHIN_STEP);
-            Sample {
+            StateSample {
                 epoch,
                 position_m,
                 velocity_m_s: Some(velocity),
             }
         })
         .collect();
-    let sampled = Sampled::new(Frame::Gcrf, &samples, interpolation)?;
+    let sampled = InterpolatedStates::new(Frame::Gcrf, &samples, interpolation)?;
     let mut worst = WorstDifference::default();
     for tenths in -half_revolution * WITHIN_STEP..=half_revolution * WITHIN_STEP {
         let (epoch, (position, velocity)) = instant(tenths);

@@ -1,0 +1,60 @@
+//! The interval that a feed answers for, and the impacts on the ground that cut it short.
+
+use super::OrbitError;
+use crate::frames::{Epoch, rfc3339};
+
+/// First and last epoch to answer for, and where in between the ground ends the motion.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Validity {
+    pub first: Epoch,
+    pub last: Epoch,
+    pub impacts: Impacts,
+}
+
+/// When a satellite left the ground before the epoch of its start, and when it meets it after that, if it does so within the
+/// interval.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Impacts {
+    pub before: Option<Epoch>,
+    pub after: Option<Epoch>,
+}
+
+impl Validity {
+    /// An interval that no impact cuts short.
+    pub fn between(first: Epoch, last: Epoch) -> Self {
+        Self {
+            first,
+            last,
+            impacts: Impacts::default(),
+        }
+    }
+
+    /// What the impacts leave of the interval.
+    pub fn interval(&self) -> (Epoch, Epoch) {
+        (
+            self.impacts.before.unwrap_or(self.first),
+            self.impacts.after.unwrap_or(self.last),
+        )
+    }
+
+    /// Refuses an epoch outside the interval or on the far side of an impact.
+    pub fn check(&self, satellite: &str, epoch: Epoch) -> Result<(), OrbitError> {
+        if epoch < self.first || self.last < epoch {
+            return Err(OrbitError::OutsideValidity {
+                satellite: satellite.to_owned(),
+                epoch: rfc3339(epoch),
+                first: rfc3339(self.first),
+                last: rfc3339(self.last),
+            });
+        }
+        let before = self.impacts.before.filter(|impact| epoch < *impact);
+        match before.or(self.impacts.after.filter(|impact| epoch > *impact)) {
+            Some(impact) => Err(OrbitError::Impact {
+                satellite: satellite.to_owned(),
+                impact: rfc3339(impact),
+                asked: rfc3339(epoch),
+            }),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! `[camera]`: where the eye is and what it looks at.
+
+use super::error::SceneError;
+use super::field::{KeyText, NO_ORBIT, UNKNOWN, quoted, written};
+use super::keys::{LAT_DEG, LON_DEG, RawCamera};
+use super::text::SceneText;
+use std::ops::RangeInclusive;
+
+/// Where the eye looks from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CameraMode {
+    /// At the satellite, straight down.
+    Nadir,
+    /// At the satellite, forward along the track with the horizon in the upper third.
+    Horizon,
+    /// Behind and above the satellite, looking at it, the Earth below.
+    Chase,
+    /// Above a place on the ground, straight down, north up.
+    Geodetic,
+}
+
+/// What is upwards on screen when the eye looks straight down from a satellite.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CameraUp {
+    /// The direction of flight.
+    #[default]
+    Flight,
+    /// North.
+    North,
+}
+
+/// `[camera]`
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// Where the eye looks from.
+    pub mode: CameraMode,
+    /// The name of the satellite that cameras fly with; `None` is the first.
+    pub follow: Option<String>,
+    /// Nadir mode: what is upwards on screen.
+    pub up: CameraUp,
+    /// Vertical field of view, degrees.
+    pub fov_deg: f64,
+    /// Geodetic mode: latitude, degrees.
+    pub lat_deg: f64,
+    /// Geodetic mode: longitude east, degrees, −180…180.
+    pub lon_deg: f64,
+    /// Geodetic mode: height above the ellipsoid, kilometres.
+    pub height_km: f64,
+    /// Geodetic mode: where the eye looks to, or what is upwards on screen if it looks straight down: degrees clockwise
+    /// from north.
+    pub heading_deg: f64,
+    /// Geodetic mode: how far above the horizontal the eye looks, degrees; −90 is straight down.
+    pub pitch_deg: f64,
+}
+
+impl Camera {
+    /// Latitudes, degrees.
+    pub const LAT_DEG: RangeInclusive<f64> = LAT_DEG;
+    /// Longitudes that a scene may give, degrees.
+    pub const LON_DEG: RangeInclusive<f64> = LON_DEG;
+}
+
+impl SceneText<'_> {
+    /// Checks `[camera]`.
+    pub(super) fn camera(&self, camera: &RawCamera) -> Result<Camera, SceneError> {
+        let (lat, lon, height) = (camera.lat_deg(), camera.lon_deg(), camera.height_km());
+        let (heading, pitch) = (camera.heading_deg(), camera.pitch_deg());
+        let stands = [&lat, &lon, &height, &heading, &pitch]
+            .into_iter()
+            .find(|field| field.is_given());
+        let default_mode = match stands {
+            Some(_) => CameraMode::Geodetic,
+            None => CameraMode::Nadir,
+        };
+        let mode = self.choice(&camera.mode(), default_mode)?;
+        if let Some(field) = stands
+            && mode != CameraMode::Geodetic
+        {
+            let advice = format!(
+                "{} has no meaning with mode = \"{}\", where the eye is the satellite's; leave it out or write mode = \"geodetic\"",
+                field.key,
+                written(&mode)
+            );
+            return Err(self.refuse(field, advice));
+        }
+        let up = camera.up();
+        if up.is_given() && mode != CameraMode::Nadir {
+            let advice = format!(
+                "up has no meaning with mode = \"{}\"; leave it out or write mode = \"nadir\"",
+                written(&mode)
+            );
+            return Err(self.refuse(&up, advice));
+        }
+        let up = self.choice(&up, CameraUp::default())?;
+        let fov_deg = self.number(&camera.fov_deg(), |_, range| {
+            format!(
+                "the field of view must be more than 0 and less than 180 degrees (from {range})"
+            )
+        })?;
+        let lat_deg = self.number(&lat, |_, range| {
+            format!("must be from {range} degrees, south negative")
+        })?;
+        let lon_deg = self.number(&lon, |_, range| {
+            format!("must be from {range} degrees, west negative")
+        })?;
+        let lowest_km = *height.rule.range.start();
+        let height_km = self.number(&height, |height_km, range| {
+            let why = match height_km {
+                h if h < 0.0 => "the eye would be inside the Earth",
+                h if h < lowest_km => "the eye would stand in the surface it looks at",
+                _ => "nothing would be seen from so far",
+            };
+            format!("{why}; must be from {range} km")
+        })?;
+        let heading_deg = self.number(&heading, |_, range| {
+            format!("must be from {range} degrees, clockwise from north")
+        })?;
+        let pitch_deg = self.number(&pitch, |_, range| {
+            format!("must be from {range} degrees: -90 looks straight down, 0 level")
+        })?;
+        let follow_field = camera.follow();
+        let follow = follow_field.given.map(|name| name.get_ref().clone());
+        if follow.as_ref().is_some_and(|name| name.trim().is_empty()) {
+            let advice = "must not be empty; give the name of a satellite of the scene, or leave follow out for the first";
+            return Err(self.refuse(&follow_field, advice));
+        }
+        Ok(Camera {
+            mode,
+            follow,
+            up,
+            fov_deg,
+            lat_deg,
+            lon_deg: half_turn(lon_deg),
+            height_km,
+            heading_deg,
+            pitch_deg,
+        })
+    }
+}
+
+/// A longitude of −360…360 in −180…180, exact where it is there already.
+fn half_turn(lon_deg: f64) -> f64 {
+    match lon_deg {
+        lon if lon > 180.0 => lon - 360.0,
+        lon if lon < -180.0 => lon + 360.0,
+        lon => lon,
+    }
+}
+
+/// The value of a key as a scene would write it, or why it has none.
+pub(super) fn value(camera: &Camera, key: &str, has_satellites: bool) -> KeyText {
+    let place = |degrees: f64| match camera.mode {
+        CameraMode::Geodetic => Ok(degrees.to_string()),
+        _ => Err("only for mode = \"geodetic\""),
+    };
+    match key {
+        "follow" => match &camera.follow {
+            Some(name) => quoted(name),
+            None if !has_satellites => Err(NO_ORBIT),
+            None => Err("the first satellite is flown with"),
+        },
+        "mode" => quoted(&written(&camera.mode)),
+        "up" => match camera.mode {
+            CameraMode::Nadir => quoted(&written(&camera.up)),
+            _ => Err("only for mode = \"nadir\""),
+        },
+        "fov_deg" => Ok(camera.fov_deg.to_string()),
+        "lat_deg" => place(camera.lat_deg),
+        "lon_deg" => place(camera.lon_deg),
+        "height_km" => place(camera.height_km),
+        "heading_deg" => place(camera.heading_deg),
+        "pitch_deg" => place(camera.pitch_deg),
+        _ => Err(UNKNOWN),
+    }
+}

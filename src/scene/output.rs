@@ -1,0 +1,134 @@
+//! `[output]` and `[quality]`: pictures, and the frame time that the window holds.
+
+use super::camera::{Camera, CameraMode};
+use super::earth::EarthTable;
+use super::error::SceneError;
+use super::field::{KeyText, UNKNOWN, range_text, whole};
+use super::keys::{DEFAULT_SIZE_PX, EDGE_SAMPLES, RawOutput, RawQuality, SAMPLES, SIDE_PX};
+use super::text::SceneText;
+use crate::air::Atmosphere;
+use std::ops::RangeInclusive;
+
+/// `[output]`
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Output {
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Samples per pixel, 1 or 4.
+    pub samples: u32,
+    /// How long a picture that is kept waits for the tiles of its pack, and for its satellite's simulator, seconds.
+    pub wait_s: f64,
+}
+
+/// `[quality]`: a frame time that the window holds by giving up quality. Pictures that are kept are drawn in full.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct QualityTable {
+    /// Most milliseconds that a frame may cost.
+    pub target_ms: f64,
+}
+
+impl Output {
+    /// Widths and heights, pixels.
+    pub const SIDE_PX: RangeInclusive<i64> = SIDE_PX;
+
+    /// [`Self::wait_s`] as a duration.
+    pub fn wait(&self) -> std::time::Duration {
+        // Bounds of scene files: a finite number that is not negative.
+        std::time::Duration::try_from_secs_f64(self.wait_s).unwrap_or_default()
+    }
+}
+
+impl SceneText<'_> {
+    /// Checks `[output]`. Some defaults follow from what is drawn.
+    pub(super) fn output(
+        &self,
+        output: &RawOutput,
+        camera: &Camera,
+        earth: &EarthTable,
+        has_live: bool,
+    ) -> Result<Output, SceneError> {
+        let size_field = output.size();
+        let range = &size_field.rule;
+        let size = match size_field.given.map(|given| given.get_ref().as_slice()) {
+            None => DEFAULT_SIZE_PX,
+            Some(&[width, height]) => match (whole(width, range), whole(height, range)) {
+                (Some(width), Some(height)) => [width, height],
+                _ => {
+                    let advice = format!(
+                        "width and height must each be from {} pixels",
+                        range_text(range)
+                    );
+                    return Err(self.refuse(&size_field, advice));
+                }
+            },
+            Some(other) => {
+                let advice = format!("must be two numbers, [width, height], not {}", other.len());
+                return Err(self.refuse(&size_field, advice));
+            }
+        };
+        let samples_field = output.samples();
+        let samples = match samples_field.value() {
+            // The air hides the limb's edge; a craft's edges and a bare limb are seen.
+            None if camera.mode == CameraMode::Chase || earth.atmosphere == Atmosphere::None => {
+                EDGE_SAMPLES
+            }
+            None => 1,
+            Some(count) => u32::try_from(count)
+                .ok()
+                .filter(|count| SAMPLES.contains(count))
+                .ok_or_else(|| {
+                    let advice = "must be 1 (edges as they fall) or 4 (smooth edges), the counts that every adapter can do";
+                    self.refuse(&samples_field, advice)
+                })?,
+        };
+        let wait = output.wait_s();
+        if earth.pack.is_none() && !has_live {
+            self.only_with_a_pack(&wait)?;
+        }
+        let wait_s = self.number(&wait, |_, range| format!("must be from {range} seconds"))?;
+        Ok(Output {
+            size,
+            samples,
+            wait_s,
+        })
+    }
+
+    /// Checks `[quality]`.
+    pub(super) fn quality(&self, quality: &RawQuality) -> Result<Option<QualityTable>, SceneError> {
+        let target = quality.target_ms();
+        let Some(target_ms) = target.value() else {
+            return Ok(None);
+        };
+        let range = &target.rule;
+        let target_ms = self.in_range(&target, target_ms, range, |_| {
+            format!(
+                "must be from {} milliseconds (16.7 is 60 frames per second)",
+                range_text(range)
+            )
+        })?;
+        Ok(Some(QualityTable { target_ms }))
+    }
+}
+
+/// The value of a key of `[output]` as a scene would write it, or why it has none.
+pub(super) fn value(output: &Output, key: &str, is_waited_for: bool) -> KeyText {
+    match key {
+        "size" => {
+            let [width, height] = output.size;
+            Ok(format!("[{width}, {height}]"))
+        }
+        "samples" => Ok(output.samples.to_string()),
+        "wait_s" if !is_waited_for => Err("no pack: nothing to wait for"),
+        "wait_s" => Ok(output.wait_s.to_string()),
+        _ => Err(UNKNOWN),
+    }
+}
+
+/// The same of `[quality]`.
+pub(super) fn quality_value(quality: Option<&QualityTable>, key: &str) -> KeyText {
+    match (key, quality) {
+        ("target_ms", Some(quality)) => Ok(quality.target_ms.to_string()),
+        ("target_ms", None) => Err("everything is drawn however long it takes"),
+        _ => Err(UNKNOWN),
+    }
+}

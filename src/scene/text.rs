@@ -1,0 +1,49 @@
+//! The text of a scene with the name of its file: places in it, excerpts of it, and the nearest of known words.
+
+use super::error::printable;
+use std::ops::Range;
+use std::path::Path;
+
+/// A scene's text and the name of its file.
+#[derive(Clone, Copy)]
+pub(super) struct SceneText<'a> {
+    pub(super) path: &'a Path,
+    pub(super) text: &'a str,
+}
+
+impl SceneText<'_> {
+    /// Line of a byte offset, from 1.
+    pub(super) fn line(&self, offset: usize) -> usize {
+        let before = self.text.as_bytes().iter().take(offset);
+        before.filter(|byte| **byte == b'\n').count() + 1
+    }
+
+    /// Column of a byte offset, in characters, from 1.
+    pub(super) fn column(&self, offset: usize) -> usize {
+        let before = self.text.get(..offset).unwrap_or(self.text);
+        let line = before.rsplit('\n').next().unwrap_or_default();
+        line.chars().count() + 1
+    }
+
+    /// The text of a span, fit for a message.
+    pub(super) fn excerpt(&self, span: &Range<usize>) -> String {
+        printable(self.text.get(span.clone()).unwrap_or_default())
+    }
+}
+
+/// The known name most like `word`, if any is alike at all.
+pub(super) fn nearest<'k>(word: &str, known: impl Iterator<Item = &'k str>) -> Option<&'k str> {
+    /// Jaro–Winkler similarity below which a suggestion would only confuse.
+    const ALIKE: f64 = 0.7;
+    /// No known name is half as long; the comparison's cost grows with the length.
+    const LONGEST_WORD: usize = 64;
+    if word.len() > LONGEST_WORD {
+        return None;
+    }
+    let word = word.to_lowercase();
+    known
+        .map(|name| (strsim::jaro_winkler(&word, name), name))
+        .filter(|(likeness, _)| *likeness >= ALIKE)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, name)| name)
+}

@@ -1,0 +1,67 @@
+//! From places to pixels: where on screen a place is, and what of the screen a ball may cover.
+
+use crate::frames::Ellipsoid;
+use glam::{DMat4, DVec3, DVec4};
+
+/// The eye of a frame and its projection.
+pub(super) struct EyeProjection<'e> {
+    pub itrf_m: DVec3,
+    pub clip_from_eye: DMat4,
+    /// Of the viewport, pixels.
+    pub size: (u32, u32),
+    pub ellipsoid: &'e Ellipsoid,
+}
+
+impl EyeProjection<'_> {
+    /// A place in clip space.
+    pub fn clip(&self, place_itrf_m: DVec3) -> DVec4 {
+        self.clip_from_eye * (place_itrf_m - self.itrf_m).extend(1.0)
+    }
+
+    /// Pixels from the viewport's upper left corner; `None` outside the picture.
+    pub fn pixel(&self, place_itrf_m: DVec3) -> Option<[f32; 2]> {
+        let clip = self.clip(place_itrf_m);
+        let ndc = clip.truncate() / clip.w;
+        let is_inside = clip.w > 0.0 && ndc.x.abs() <= 1.0 && ndc.y.abs() <= 1.0;
+        let (width, height) = (f64::from(self.size.0), f64::from(self.size.1));
+        is_inside.then_some([
+            (0.5 * (ndc.x + 1.0) * width) as f32,
+            (0.5 * (1.0 - ndc.y) * height) as f32,
+        ])
+    }
+
+    /// The part of the screen that a ball may cover: least x and y, greatest x and y; `None` where it covers none.
+    pub fn bounds(&self, center_itrf_m: DVec3, radius_m: f64) -> Option<[f32; 4]> {
+        const SCREEN: [f64; 4] = [-1.0, -1.0, 1.0, 1.0];
+        let corners = (0..8).map(|k| {
+            let side = |bit: u32| {
+                if k >> bit & 1 == 1 {
+                    radius_m
+                } else {
+                    -radius_m
+                }
+            };
+            self.clip(center_itrf_m + DVec3::new(side(0), side(1), side(2)))
+        });
+        let mut bounds = [
+            f64::INFINITY,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            f64::NEG_INFINITY,
+        ];
+        for clip in corners {
+            if clip.w <= 0.0 {
+                return Some(SCREEN.map(|edge| edge as f32));
+            }
+            let (x, y) = (clip.x / clip.w, clip.y / clip.w);
+            bounds = [
+                bounds[0].min(x),
+                bounds[1].min(y),
+                bounds[2].max(x),
+                bounds[3].max(y),
+            ];
+        }
+        let [left, low, right, high] = bounds.map(|edge| edge.clamp(-1.0, 1.0) as f32);
+        (left < right && low < high).then_some([left, low, right, high])
+    }
+}

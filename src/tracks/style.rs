@@ -1,0 +1,133 @@
+//! What is drawn of a satellite, and how: spans of curves, the footprint, colours and widths.
+
+use crate::gpu::TrackKinds;
+
+/// Time before and after now that a curve is drawn over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TrackSpan {
+    /// So many revolutions, by the orbit's energy when it was first seen; of an orbit that does not close or takes more
+    /// than two days, so many days.
+    Revolutions {
+        /// Before now, 0 or more.
+        before: f64,
+        /// After now, 0 or more.
+        after: f64,
+    },
+    /// So many seconds of simulated time.
+    Seconds {
+        /// Before now, 0 or more.
+        before_s: f64,
+        /// After now, 0 or more.
+        after_s: f64,
+    },
+}
+
+impl TrackSpan {
+    /// What a trail has where nothing is said: the last revolution, which closes the ellipse.
+    pub const TRAIL: Self = Self::Revolutions {
+        before: 1.0,
+        after: 0.0,
+    };
+    /// What a ground track has: half a revolution to each side.
+    pub const GROUND_TRACK: Self = Self::Revolutions {
+        before: 0.5,
+        after: 0.5,
+    };
+}
+
+/// The ground that a sensor sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Footprint {
+    /// Half angle of the sensor's cone about straight down, radians; `None` is all the ground in sight.
+    pub half_angle_rad: Option<f64>,
+    /// Whether the ground within is tinted.
+    pub is_filled: bool,
+}
+
+/// What is drawn of one satellite. What is off is not sampled, not uploaded, and if it is off for all not compiled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackStyle {
+    /// Colour of lines, marks and fills, display values (sRGB).
+    pub color: [u8; 3],
+    /// Width of lines, pixels.
+    pub width_px: f32,
+    /// The trail: the orbit's shape.
+    pub trail: Option<TrackSpan>,
+    /// Where it passed and will pass overhead.
+    pub ground_track: Option<TrackSpan>,
+    /// What its sensor sees.
+    pub footprint: Option<Footprint>,
+    /// A ring where it is overhead now.
+    pub subpoint: bool,
+    /// A dot where it is, and a place for its name.
+    pub marker: bool,
+}
+
+impl TrackStyle {
+    /// Nothing, in a colour of its own for each satellite of a scene, legible on the day and the night side: seven that
+    /// differ for the colour-blind too (after Okabe and Ito 2008, made lighter), again from the first beyond.
+    pub fn new(index: usize) -> Self {
+        const COLORS: [[u8; 3]; 7] = [
+            [255, 196, 46],
+            [92, 200, 255],
+            [255, 128, 176],
+            [64, 224, 160],
+            [255, 140, 64],
+            [240, 236, 96],
+            [178, 160, 255],
+        ];
+        Self {
+            color: COLORS[index % COLORS.len()],
+            width_px: 2.0,
+            trail: None,
+            ground_track: None,
+            footprint: None,
+            subpoint: false,
+            marker: false,
+        }
+    }
+
+    /// Whether nothing is drawn.
+    pub fn is_nothing(&self) -> bool {
+        let kinds = self.kinds();
+        !(kinds.lines || kinds.marks)
+    }
+
+    /// Which pipelines it needs.
+    pub(super) fn kinds(&self) -> TrackKinds {
+        let footprint = self.footprint;
+        TrackKinds {
+            lines: self.trail.or(self.ground_track).is_some() || footprint.is_some(),
+            marks: self.marker || self.subpoint,
+            fills: footprint.is_some_and(|footprint| footprint.is_filled),
+        }
+    }
+
+    /// Refuses angles, spans and widths that have no meaning: says what they must be.
+    pub(super) fn check(&self) -> Result<(), &'static str> {
+        let is_sound = |span: TrackSpan| {
+            let (before, after) = match span {
+                TrackSpan::Revolutions { before, after } => (before, after),
+                TrackSpan::Seconds { before_s, after_s } => (before_s, after_s),
+            };
+            (0.0..=1e9).contains(&before) && (0.0..=1e9).contains(&after)
+        };
+        if ![self.trail, self.ground_track]
+            .into_iter()
+            .flatten()
+            .all(is_sound)
+        {
+            return Err("spans must be from 0 to 1e9");
+        }
+        let half_angle = self
+            .footprint
+            .and_then(|footprint| footprint.half_angle_rad);
+        if half_angle.is_some_and(|angle| !(angle > 0.0 && angle <= std::f64::consts::FRAC_PI_2)) {
+            return Err("the half angle of a sensor must be above 0 and at most π/2");
+        }
+        if !(self.width_px > 0.0 && self.width_px <= 64.0) {
+            return Err("the width of lines must be above 0 and at most 64 pixels");
+        }
+        Ok(())
+    }
+}

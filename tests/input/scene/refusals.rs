@@ -1,0 +1,182 @@
+//! What is refused, where, and with which remedy.
+
+use super::{Bad, Folder};
+use std::path::Path;
+use terrella::scene::{Scene, SceneError};
+
+#[rustfmt::skip]
+const BAD: &[Bad] = &[
+    // Unknown names.
+    ("\n[camera]\nfov = 45", 3, &["[camera] fov:", "did you mean fov_deg?", "height_km"]),
+    ("[camera]\nFOV_DEG = 45", 2, &["[camera] FOV_DEG:", "did you mean fov_deg?"]),
+    ("[camera]\nspeed = 45", 2, &["[camera] speed:", "belongs in [time]"]),
+    ("[output]\nqwxz = 1", 2, &["[output] qwxz: unknown key.", "[output] has size, samples"]),
+    ("[time]\n\n[camra]\nmode = \"nadir\"", 3, &["[camra]:", "did you mean [camera]?"]),
+    ("[weather]\nrain = true", 1, &["[weather]: unknown table", "[time], [orbit], [tracks], [camera], [earth], [output]"]),
+    ("fov_deg = 45\n[time]", 1, &["fov_deg:", "outside its table", "[camera]"]),
+    ("cloud = false", 1, &["cloud: unknown key", "did you mean clouds in [earth]?"]),
+    ("\"\\u001b[31m\" = 1", 1, &["\\u{1b}[31m: unknown key"]),
+    ("[time.zone]\nname = \"CET\"", 1, &["[time] zone: unknown key"]),
+    // Wrong types.
+    ("[camera]\n# wide\nfov_deg = \"wide\"", 3, &["[camera] fov_deg = \"wide\"", "must be a number of degrees, not a string"]),
+    ("[camera]\nfov_deg = true", 2, &["[camera] fov_deg = true", "must be a number of degrees"]),
+    ("[camera]\nfov_deg = [45]", 2, &["[camera] fov_deg = [45]", "must be a number of degrees, not a list"]),
+    ("[camera.fov_deg]\nx = 1", 1, &["[camera] fov_deg", "must be a number of degrees, not a table"]),
+    ("[camera]\nmode = 1", 2, &["[camera] mode = 1", "must be a string", "\"nadir\", \"horizon\", \"chase\" or \"geodetic\""]),
+    ("[earth]\nclouds = \"yes\"", 2, &["[earth] clouds = \"yes\"", "must be true or false, not a string"]),
+    ("[earth]\nclouds = 1", 2, &["[earth] clouds = 1", "must be true or false"]),
+    ("[earth]\nsubdivision = 6.5", 2, &["[earth] subdivision = 6.5", "must be \"auto\" or from 1 to 48"]),
+    ("[earth]\nsubdivision = 99999999999999999999", 2, &["[earth] subdivision", "too large to be read"]),
+    ("[time]\nspeed = 99999999999999999999", 2, &["[time] speed", "too large to be read"]),
+    ("[time]\nspeed = 1e400", 2, &["[time] speed = 1e400", "too large to be read"]),
+    ("[output]\nsize = \"1280x720\"", 2, &["[output] size = \"1280x720\"", "[width, height]"]),
+    ("[output]\nsize = [1280,\n \"720\"]", 2, &["[output] size", "two whole numbers of pixels"]),
+    ("[output]\nsize = [640.0, 360.0]", 2, &["[output] size", "two whole numbers of pixels"]),
+    ("time = 5", 1, &["time = 5", "must be a table, not a whole number", "[time]"]),
+    ("[[time]]\nspeed = 1", 1, &["time", "must be a table, not a list"]),
+    ("[time]\nstart = 5", 2, &["[time] start = 5", "2018-01-15T12:00:00Z"]),
+    ("[time.start]\nx = 1", 1, &["[time] start", "2018-01-15T12:00:00Z"]),
+    // Not finite.
+    ("[time]\nspeed = nan", 2, &["[time] speed = nan", "finite"]),
+    ("[time]\nspeed = inf", 2, &["[time] speed = inf", "finite"]),
+    ("[time]\nduration_s = nan", 2, &["[time] duration_s = nan", "finite"]),
+    ("[time]\nframe_rate_hz = -inf", 2, &["[time] frame_rate_hz = -inf", "finite"]),
+    ("[camera]\nfov_deg = nan", 2, &["[camera] fov_deg = nan", "finite"]),
+    ("[camera]\nlat_deg = nan", 2, &["[camera] lat_deg = nan", "finite"]),
+    ("[camera]\nlon_deg = inf", 2, &["[camera] lon_deg = inf", "finite"]),
+    ("[camera]\nheight_km = nan", 2, &["[camera] height_km = nan", "finite"]),
+    // Out of range.
+    ("[camera]\nfov_deg = 0", 2, &["[camera] fov_deg = 0:", "must be more than 0 and less than 180 degrees", "0.001 to 179.999"]),
+    ("[camera]\nfov_deg = 180", 2, &["[camera] fov_deg = 180:", "must be more than 0 and less than 180 degrees", "0.001 to 179.999"]),
+    ("[camera]\nfov_deg = -45", 2, &["[camera] fov_deg = -45:", "must be more than 0"]),
+    ("[camera]\nlat_deg = 91", 2, &["[camera] lat_deg = 91:", "must be from −90 to 90 degrees"]),
+    ("[camera]\nlat_deg = -90.000001", 2, &["[camera] lat_deg = -90.000001:", "must be from −90 to 90 degrees"]),
+    ("[camera]\nlon_deg = 361", 2, &["[camera] lon_deg = 361:", "must be from −360 to 360 degrees"]),
+    ("[camera]\nheight_km = -5", 2, &["[camera] height_km = -5:", "inside the Earth", "0.001 to 1000000000 km"]),
+    ("[camera]\nheight_km = 0", 2, &["[camera] height_km = 0:", "in the surface", "0.001 to 1000000000 km"]),
+    ("[camera]\nheight_km = 2e9", 2, &["[camera] height_km = 2e9:", "0.001 to 1000000000 km"]),
+    ("[camera]\npitch_deg = 91", 2, &["[camera] pitch_deg = 91:", "from −90 to 90 degrees", "straight down"]),
+    ("[camera]\nheading_deg = 361", 2, &["[camera] heading_deg = 361:", "from −360 to 360 degrees", "clockwise from north"]),
+    ("[camera]\nmode = \"chase\"\npitch_deg = 0", 3, &["[camera] pitch_deg = 0:", "no meaning with mode = \"chase\"", "mode = \"geodetic\""]),
+    ("[earth]\nsubdivision = 0", 2, &["[earth] subdivision = 0:", "from 1 to 48"]),
+    ("[earth]\nsubdivision = 49", 2, &["[earth] subdivision = 49:", "from 1 to 48"]),
+    ("[earth]\nsubdivision = -6", 2, &["[earth] subdivision = -6:", "from 1 to 48"]),
+    ("[output]\nsize = [0, 720]", 2, &["[output] size = [0, 720]:", "each be from 1 to 16384 pixels"]),
+    ("[output]\nsize = [1280, 0]", 2, &["[output] size = [1280, 0]:", "each be from 1 to 16384 pixels"]),
+    ("[output]\nsize = [100000, 720]", 2, &["[output] size = [100000, 720]:", "each be from 1 to 16384 pixels"]),
+    ("[output]\nsize = [1280, 16385]", 2, &["[output] size = [1280, 16385]:", "each be from 1 to 16384 pixels"]),
+    ("[output]\nsize = [-1280, 720]", 2, &["[output] size = [-1280, 720]:", "each be from 1 to 16384 pixels"]),
+    ("[output]\nsize = [1280]", 2, &["[output] size = [1280]:", "two numbers, [width, height], not 1"]),
+    ("[output]\nsize = [1280, 720, 3]", 2, &["[output] size = [1280, 720, 3]:", "two numbers, [width, height], not 3"]),
+    ("[output]\nsamples = 2", 2, &["[output] samples = 2:", "must be 1", "or 4"]),
+    ("[time]\nspeed = 0", 2, &["[time] speed = 0:", "never end"]),
+    ("[time]\nspeed = -0.0", 2, &["[time] speed = -0.0:", "never end"]),
+    ("[time]\nspeed = 1000001", 2, &["[time] speed = 1000001:", "−1000000 to 1000000"]),
+    ("[time]\nduration_s = 0", 2, &["[time] duration_s = 0:", "more than 0"]),
+    ("[time]\nduration_s = -60", 2, &["[time] duration_s = -60:", "more than 0"]),
+    ("[time]\nduration_s = 2e9", 2, &["[time] duration_s = 2e9:", "at most 1000000000 seconds"]),
+    ("[time]\nframe_rate_hz = 0.5", 2, &["[time] frame_rate_hz = 0.5:", "1 to 240 frames per second"]),
+    ("[time]\nframe_rate_hz = 241", 2, &["[time] frame_rate_hz = 241:", "1 to 240 frames per second"]),
+    ("[time]\nduration_s = 1e8", 2, &["[time] duration_s = 1e8:", "more than 10000000 frames", "shorten the duration"]),
+    ("[time]\nspeed = -1e-9", 2, &["[time] speed = -1e-9:", "more than 10000000 frames", "raise the speed"]),
+    // Dates.
+    ("[time]\nstart = \"yesterday\"", 2, &["[time] start = \"yesterday\":", "2018-01-15T12:00:00Z"]),
+    ("[time]\nstart = \"2018-02-30T12:00:00Z\"", 2, &["[time] start = \"2018-02-30T12:00:00Z\":", "is not a UTC date"]),
+    ("[time]\nstart = 2018-01-15", 2, &["[time] start = 2018-01-15:", "a time of day", "2018-01-15T12:00:00Z"]),
+    ("[time]\nstart = 2018-01-15T12:00:00", 2, &["[time] start = 2018-01-15T12:00:00:", "the zone Z"]),
+    ("[time]\nstart = \"1066-10-14T09:00:00Z\"", 2, &["[time] start = \"1066-10-14T09:00:00Z\":", "1900 to 2099"]),
+    ("[time]\nstart = \"2099-06-01T00:00:00Z\"\nduration_s = 1e9\nspeed = 1e6", 3, &["[time] duration_s = 1e9:", "1900 to 2099"]),
+    ("[time]\nstart = 2099-12-31T23:00:00Z", 2, &["[time] start = 2099-12-31T23:00:00Z:", "end in 2100"]),
+    // Names.
+    ("[camera]\nmode = \"nadr\"", 2, &["[camera] mode = \"nadr\":", "\"nadir\", \"horizon\", \"chase\", \"geodetic\"", "did you mean \"nadir\"?"]),
+    ("[earth]\nfigure = \"flat\"", 2, &["[earth] figure = \"flat\":", "\"wgs84\", \"sphere\""]),
+    ("[earth]\nvisibility = \"\"", 2, &["[earth] visibility = \"\":", "\"conservative\", \"paper\""]),
+    ("[earth]\nshading = \"Paper\"", 2, &["[earth] shading = \"Paper\":", "did you mean \"paper\"?"]),
+    ("[earth]\natmosphere = \"off\"", 2, &["[earth] atmosphere = \"off\":", "\"billboard\", \"none\""]),
+    ("[orbit]\nsource = \"gps\"", 2, &["[orbit] source = \"gps\":", "\"tle\"", "\"numerical\""]),
+    // Conflicts.
+    ("[camera]\nmode = \"horizon\"\nup = \"north\"", 3, &["[camera] up = \"north\":", "no meaning with mode = \"horizon\""]),
+    ("[camera]\nup = \"left\"", 2, &["[camera] up", "left", "flight", "north"]),
+    ("[camera]\nmode = \"nadir\"\nlat_deg = 10", 3, &["[camera] lat_deg = 10:", "no meaning with mode = \"nadir\"", "mode = \"geodetic\""]),
+    ("[camera]\nheight_km = 400\nmode = \"chase\"", 2, &["[camera] height_km = 400:", "no meaning with mode = \"chase\""]),
+    ("[earth]\nshading = \"paper\"\nnight_lights = true", 3, &["[earth] night_lights = true:", "no night lights", "shading = \"sunlit\""]),
+    ("[orbit]\nname = \"ISS (ZARYA)\"", 2, &["[orbit] name = \"ISS (ZARYA)\":", "add file"]),
+    ("[orbit]\nfile = \"sat.tle\"\nname = \" \"", 3, &["[orbit] name = \" \":", "must not be empty"]),
+    // Files and folders.
+    ("[orbit]\nfile = \"nowhere.tle\"", 2, &["[orbit] file = \"nowhere.tle\":", "cannot be opened", "relative to the scene's folder"]),
+    ("[orbit]\nfile = \"maps\"", 2, &["[orbit] file = \"maps\":", "is a folder", "a file"]),
+    ("[orbit]\nfile = \"\"", 2, &["[orbit] file = \"\":", "must not be empty"]),
+    ("[orbit]\nfile = \"a\\u0000b\"", 2, &["[orbit] file", "cannot be opened"]),
+    ("[earth]\ntextures = \"nowhere\"", 2, &["[earth] textures = \"nowhere\":", "cannot be opened", "relative to the scene's folder"]),
+    ("[earth]\ntextures = \"sat.tle\"", 2, &["[earth] textures = \"sat.tle\":", "is a file", "a folder"]),
+    // Packs.
+    ("[earth]\npack = \"nowhere\"", 2, &["[earth] pack = \"nowhere\":", "cannot be opened"]),
+    ("[earth]\npack = \"maps\"\ntextures = \"maps\"", 3, &["[earth] textures", "leave out textures or pack"]),
+    ("[earth]\nlevels = \"screen\"", 2, &["[earth] levels", "for imagery packs", "pack = \"…\""]),
+    ("[earth]\ntexture_mb = 64", 2, &["[earth] texture_mb = 64", "for imagery packs"]),
+    ("[earth]\nwater = true", 2, &["[earth] water = true", "for imagery packs"]),
+    ("[earth]\npack = \"maps\"\nlevels = \"fine\"", 3, &["[earth] levels = \"fine\":", "\"screen\", \"paper\""]),
+    ("[earth]\npack = \"maps\"\nlevels = \"paper\"\ntexel_px = 2", 4, &["[earth] texel_px = 2", "distances alone decide"]),
+    ("[earth]\npack = \"maps\"\ntexel_px = 0", 3, &["[earth] texel_px = 0:", "must be from 0.25 to 16"]),
+    ("[earth]\npack = \"maps\"\ntexture_mb = 0.5", 3, &["[earth] texture_mb = 0.5:", "must be from 1 to 1000000 megabytes"]),
+    ("[earth]\npack = \"maps\"\nupload_mb = -1", 3, &["[earth] upload_mb = -1:", "must be from 0.01 to 10000"]),
+    ("[earth]\npack = \"maps\"\nstorage = \"dds\"", 3, &["[earth] storage = \"dds\":", "\"auto\", \"plain\", \"bc\""]),
+    ("[earth]\npack = \"maps\"\nshading = \"paper\"\nwater = true", 4, &["[earth] water = true:", "no glint"]),
+    ("[output]\nwait_s = 5", 2, &["[output] wait_s = 5", "for imagery packs"]),
+    ("[earth]\npack = \"maps\"\n[output]\nwait_s = 5000", 4, &["[output] wait_s = 5000:", "must be from 0 to 3600"]),
+    ("[quality]\ntarget_ms = 0", 2, &["[quality] target_ms = 0:", "must be from 1 to 1000 milliseconds"]),
+    ("[quality]\ntarget = 16", 2, &["[quality] target", "target_ms"]),
+    // Not TOML.
+    ("[time]\nspeed 60", 2, &["is not TOML", "`"]),
+    ("[time]\nspeed = 60\nspeed = 70", 3, &["is not TOML", "duplicate", "`speed`"]),
+    ("[time]\n[camera]\n[time]", 3, &["is not TOML", "duplicate"]),
+    ("[time\nspeed = 60", 1, &["is not TOML"]),
+    ("[camera]\nmode = \"nadir", 2, &["is not TOML"]),
+    ("[camera]\nmode =", 2, &["is not TOML"]),
+];
+
+#[test]
+fn every_bad_scene_is_refused_with_file_line_key_and_remedy() {
+    Folder::new().refuses(BAD);
+}
+
+#[test]
+fn a_file_that_cannot_be_a_scene_is_named_and_refused() {
+    let folder = Folder::new();
+
+    let path = folder.path("nowhere.toml");
+    let error = Scene::load(&path).expect_err("no such file");
+    assert!(matches!(error, SceneError::Read { .. }));
+    let message = error.to_string();
+    assert!(
+        message.starts_with(&path.display().to_string()),
+        "{message}"
+    );
+    assert!(message.contains("config/iss.toml"), "{message}");
+
+    let error = Scene::load(&folder.path("maps")).expect_err("a folder");
+    assert!(matches!(error, SceneError::Folder { .. }), "{error}");
+
+    let error = folder
+        .load(b"[camera]\nmode = \"\xff\"")
+        .expect_err("not UTF-8");
+    assert!(
+        matches!(error, SceneError::NotUtf8 { line: 2, .. }),
+        "{error}"
+    );
+
+    let mut text = "#".repeat(Scene::MAX_FILE_BYTES as usize);
+    assert!(folder.load(&text).is_ok(), "the limit itself is allowed");
+    text.push('#');
+    let error = folder.load(&text).expect_err("one byte too many");
+    assert!(matches!(error, SceneError::TooLarge { .. }), "{error}");
+    assert!(error.to_string().contains("1048576 bytes"), "{error}");
+}
+
+/// A pipe or a device has no length to be refused by: the reading itself is bounded.
+#[cfg(unix)]
+#[test]
+fn an_endless_file_is_refused() {
+    let error = Scene::load(Path::new("/dev/zero")).expect_err("endless");
+    assert!(matches!(error, SceneError::TooLarge { .. }), "{error}");
+}

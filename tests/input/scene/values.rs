@@ -1,0 +1,200 @@
+//! What a scene comes to: defaults, and what follows from the keys that are given.
+
+use super::{Folder, scene, utc};
+use terrella::air::Atmosphere;
+use terrella::earth::Shading;
+use terrella::globe::{Figure, LevelRule, Subdivision, Visibility};
+use terrella::scene::{CameraMode, Scene, StorageChoice};
+
+#[test]
+fn edges_that_are_seen_are_smoothed() {
+    let samples = |text: &str| {
+        Folder::new()
+            .load(text)
+            .expect("a good scene")
+            .output
+            .samples
+    };
+    assert_eq!(samples("[camera]\nmode = \"horizon\""), 1);
+    assert_eq!(samples("[camera]\nmode = \"chase\""), 4);
+    assert_eq!(samples("[earth]\natmosphere = \"none\""), 4);
+    assert_eq!(
+        samples("[camera]\nmode = \"chase\"\n[output]\nsamples = 1"),
+        1
+    );
+}
+
+#[test]
+fn an_empty_scene_is_all_defaults() {
+    let scene = scene("");
+    assert_eq!(scene.time.start, utc("2018-01-15T12:00:00Z"));
+    assert_eq!(scene.time.duration_s, 5580.0);
+    assert_eq!(scene.time.speed, 60.0);
+    assert_eq!(scene.time.frame_rate_hz, 30.0);
+    assert_eq!(scene.time.frame_count(), 2790);
+    assert_eq!(scene.time.end(), utc("2018-01-15T13:33:00Z"));
+    let orbit = scene.orbits.first().expect("the built-in elements");
+    assert_eq!((&orbit.file, &orbit.name), (&None, &None));
+    assert_eq!(scene.camera.mode, CameraMode::Nadir);
+    assert_eq!(scene.camera.fov_deg, 45.0);
+    assert_eq!(scene.earth.figure, Figure::Wgs84);
+    assert_eq!(scene.earth.subdivision, Subdivision::Auto);
+    assert_eq!(scene.earth.visibility, Visibility::Conservative);
+    assert_eq!(scene.earth.shading, Shading::Sunlit);
+    assert!(scene.earth.clouds && scene.earth.normals && scene.earth.night_lights);
+    assert_eq!(scene.earth.atmosphere, Atmosphere::Billboard);
+    assert_eq!(scene.earth.textures, None);
+    assert_eq!(scene.earth.pack, None);
+    assert_eq!(scene.output.size, [1280, 720]);
+    assert_eq!(scene.output.samples, 1);
+    assert_eq!(scene.line("time", "speed"), None);
+}
+
+#[test]
+fn every_key_is_read() {
+    let folder = Folder::new();
+    let scene = folder.load(
+        "[time]\nstart = \"2018-01-19T01:02:03.25Z\"\nduration_s = 12.5\nspeed = -2\n\
+         frame_rate_hz = 29.97\n\
+         [orbit]\nsource = \"tle\"\nfile = \"sat.tle\"\nname = \"A\"\nstrict = true\n\
+         color = \"#ffffff\"\ntrail = true\nground_track = true\nmarker = true\nsubpoint = true\n\
+         footprint = true\nsensor_half_angle_deg = 30\nfootprint_fill = true\n\
+         [tracks]\nwidth_px = 4\n\
+         [camera]\nmode = \"geodetic\"\nfov_deg = 179.999\nlat_deg = -90\nlon_deg = 350\n\
+         height_km = 0.001\nheading_deg = -360\npitch_deg = 90\n\
+         [earth]\nfigure = \"sphere\"\nsubdivision = 48\nvisibility = \"paper\"\n\
+         shading = \"paper\"\nclouds = false\nnormals = false\nnight_lights = false\n\
+         atmosphere = \"none\"\ntextures = \"maps\"\nsurface = \"blocks\"\n\
+         [output]\nsize = [16384, 1]\nsamples = 1\n",
+    );
+    let scene = scene.expect("a good scene");
+    assert_eq!(scene.time.start, utc("2018-01-19T01:02:03.25Z"));
+    assert_eq!(scene.time.end(), utc("2018-01-19T01:01:50.75Z"));
+    assert_eq!(scene.time.duration_s, 12.5);
+    assert_eq!(scene.time.speed, -2.0);
+    assert_eq!(scene.time.frame_rate_hz, 29.97);
+    let orbit = scene.orbits.first().expect("an orbit that was asked for");
+    assert_eq!(orbit.file, Some(folder.path("sat.tle")));
+    assert_eq!(orbit.name.as_deref(), Some("A"));
+    assert_eq!(scene.camera.mode, CameraMode::Geodetic);
+    assert_eq!(scene.camera.fov_deg, 179.999);
+    assert_eq!(scene.camera.lat_deg, -90.0);
+    assert_eq!(scene.camera.lon_deg, -10.0);
+    assert_eq!(scene.camera.height_km, 0.001);
+    assert_eq!(
+        (scene.camera.heading_deg, scene.camera.pitch_deg),
+        (-360.0, 90.0)
+    );
+    assert_eq!(scene.earth.relief, None);
+    assert_eq!(scene.earth.figure, Figure::Sphere);
+    assert_eq!(scene.earth.subdivision, Subdivision::Cells(48));
+    assert_eq!(scene.earth.visibility, Visibility::Paper);
+    assert_eq!(scene.earth.shading, Shading::Paper);
+    assert!(!scene.earth.clouds && !scene.earth.normals && !scene.earth.night_lights);
+    assert_eq!(scene.earth.atmosphere, Atmosphere::None);
+    assert_eq!(scene.earth.textures, Some(folder.path("maps")));
+    assert_eq!(scene.output.size, [16384, 1]);
+    assert_eq!(scene.output.samples, 1);
+    assert_eq!(scene.line("output", "samples"), Some(42));
+    let summary = scene.summary();
+    assert!(!summary.contains("default"), "{summary}");
+}
+
+#[test]
+fn a_pack_has_defaults_of_its_own() {
+    let folder = Folder::new();
+    let scene = folder.load("[earth]\npack = \"maps\"\n").expect("good");
+    let pack = scene.earth.pack.as_ref().expect("a pack");
+    assert_eq!(pack.folder, folder.path("maps"));
+    assert_eq!((pack.levels, pack.texel_px), (LevelRule::Screen, 1.0));
+    assert_eq!((pack.texture_mb, pack.upload_mb), (512.0, 8.0));
+    assert_eq!((pack.storage, pack.water), (StorageChoice::Auto, true));
+    let output = &scene.output;
+    assert_eq!(
+        (scene.earth.subdivision, output.wait_s),
+        (Subdivision::Auto, 30.0)
+    );
+    let scene = folder
+        .load("[earth]\npack = \"maps\"\nlevels = \"paper\"\nstorage = \"bc\"\nwater = false\nsubdivision = 6\n")
+        .expect("good");
+    let pack = scene.earth.pack.as_ref().expect("a pack");
+    assert_eq!(
+        (pack.levels, pack.storage),
+        (LevelRule::Paper, StorageChoice::Bc)
+    );
+    assert_eq!(
+        (pack.water, scene.earth.subdivision),
+        (false, Subdivision::Cells(6))
+    );
+    assert!(scene.summary().contains("the pack"), "{}", scene.summary());
+}
+
+#[test]
+fn the_mode_of_the_camera_follows_from_the_keys_that_are_given() {
+    let place = scene("[camera]\nlat_deg = 10");
+    assert_eq!(place.camera.mode, CameraMode::Geodetic);
+    assert_eq!(place.camera.lon_deg, 0.0);
+    assert_eq!(place.camera.height_km, 20_000.0);
+    assert!(place.orbits.is_empty());
+
+    let place = scene("[camera]\nmode = \"geodetic\"");
+    assert_eq!((place.camera.lat_deg, place.camera.lon_deg), (0.0, 0.0));
+    assert!(place.orbits.is_empty());
+
+    // An orbit that is asked for is kept, and asking takes no more than the table's head.
+    let kept = scene("[orbit]\n[camera]\nmode = \"geodetic\"").orbits;
+    assert_eq!(kept.len(), 1);
+    for mode in ["nadir", "horizon", "chase"] {
+        let orbits = scene(&format!("[camera]\nmode = \"{mode}\"")).orbits;
+        assert_eq!(orbits.len(), 1);
+    }
+}
+
+#[test]
+fn longitudes_come_into_a_half_turn() {
+    let cases = [
+        ("180", 180.0),
+        ("-180", -180.0),
+        ("181", -179.0),
+        ("-270.5", 89.5),
+        ("360", 0.0),
+        ("-360", 0.0),
+    ];
+    for (written, lon_deg) in cases {
+        let scene = scene(&format!("[camera]\nlon_deg = {written}"));
+        assert_eq!(scene.camera.lon_deg, lon_deg, "{written}");
+    }
+}
+
+#[test]
+fn a_start_may_be_a_string_or_a_date_of_toml() {
+    for written in [
+        "\"2018-01-19T07:32:00Z\"",
+        "2018-01-19T07:32:00Z",
+        "2018-01-19 07:32:00Z",
+        "2018-01-19T07:32Z",
+        "\"2018-01-19T09:32:00+02:00\"",
+        "2018-01-19T09:32:00+02:00",
+    ] {
+        let scene = scene(&format!("[time]\nstart = {written}"));
+        let start = scene.time.start;
+        assert_eq!(start, utc("2018-01-19T07:32:00Z"), "{written}");
+    }
+}
+
+#[test]
+fn the_shading_of_the_paper_has_no_night_lights_by_default() {
+    assert!(!scene("[earth]\nshading = \"paper\"").earth.night_lights);
+    assert!(scene("[earth]\nshading = \"sunlit\"").earth.night_lights);
+}
+
+#[test]
+fn paths_are_relative_to_the_folder_of_the_scene() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("scenes")).expect("a folder");
+    let path = folder.path("scenes/deep.toml");
+    std::fs::write(&path, "[orbit]\nfile = \"../sat.tle\"").expect("a file");
+    let scene = Scene::load(&path).expect("a good scene");
+    let file = scene.orbits.into_iter().next().and_then(|orbit| orbit.file);
+    assert_eq!(file, Some(folder.path("scenes/../sat.tle")));
+}
