@@ -59,17 +59,17 @@ fn main() {
     options.color_format = FrameTargets::COLOR;
     let earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("an Earth");
     let targets = FrameTargets::new(&gpu.device, arguments.size, options.samples);
-    let mut rig = Rig {
+    let mut renderer = FrameRenderer {
         gpu,
         earth,
         targets,
         size: arguments.size,
     };
     for course in arguments.courses() {
-        let at = |seconds: f64| course_at(*course, &flight, seconds, rig.aspect());
+        let at = |seconds: f64| course_at(*course, &flight, seconds, renderer.aspect());
         let (view, sky) = at(0.0);
-        if rig.record_start(&view, &sky) {
-            let info = rig.gpu.adapter.get_info();
+        if renderer.draw_first(&view, &sky) {
+            let info = renderer.gpu.adapter.get_info();
             println!(
                 "{} ({}), {} x {}, {} samples, texture budget {} MB, upload budget {} MB a frame",
                 info.name,
@@ -85,29 +85,31 @@ fn main() {
                 begin.elapsed().as_secs_f64() * 1e3
             );
         }
-        fly(&mut rig, *course, &flight, &arguments).print(course.name());
+        fly(&mut renderer, *course, &flight, &arguments).print(course.name());
     }
 }
 
-struct Rig {
+/// Draws the Earth into targets of its own, as a window would.
+struct FrameRenderer {
     gpu: GpuContext,
     earth: Earth,
     targets: FrameTargets,
     size: (u32, u32),
 }
 
-impl Rig {
+impl FrameRenderer {
     fn aspect(&self) -> f64 {
         f64::from(self.size.0) / f64::from(self.size.1)
     }
 
-    /// Draws one frame and waits for it. Whether it was drawn.
-    fn record_start(&mut self, view: &EyeView, sky: &Sky) -> bool {
+    /// Draws one frame and waits for it; whether any ground was drawn.
+    fn draw_first(&mut self, view: &EyeView, sky: &Sky) -> bool {
         let stats = self.earth.prepare(&self.gpu.queue, view, sky, self.size);
         self.draw();
         stats.blocks_drawn > 0
     }
 
+    /// Draws what was prepared and waits for the device.
     fn draw(&mut self) {
         let label = Some("terrella streaming");
         let mut encoder = self
@@ -151,8 +153,14 @@ fn course_at(course: Course, flight: &Flight, seconds: f64, aspect: f64) -> (Eye
     }
 }
 
-fn fly(rig: &mut Rig, course: Course, flight: &Flight, arguments: &Arguments) -> Record {
-    let aspect = rig.aspect();
+/// Flies a course in real time and records its frames.
+fn fly(
+    renderer: &mut FrameRenderer,
+    course: Course,
+    flight: &Flight,
+    arguments: &Arguments,
+) -> Record {
+    let aspect = renderer.aspect();
     let length_s = arguments.seconds.unwrap_or(match course {
         Course::Orbit => 90.0,
         Course::Spin => 2.0 * SPIN_TURN_S,
@@ -168,13 +176,17 @@ fn fly(rig: &mut Rig, course: Course, flight: &Flight, arguments: &Arguments) ->
         let (view, sky) = course_at(course, flight, seconds, aspect);
         let expected = EXPECTED_S.map(|ahead| course_at(course, flight, seconds + ahead, aspect).0);
         let prepare = Instant::now();
-        rig.earth.expect(&expected);
-        let stats = rig.earth.prepare(&rig.gpu.queue, &view, &sky, rig.size);
+        renderer.earth.expect(&expected);
+        let stats = renderer
+            .earth
+            .prepare(&renderer.gpu.queue, &view, &sky, renderer.size);
         let prepare: Duration = prepare.elapsed();
-        rig.draw();
+        renderer.draw();
         record.add(begin.elapsed(), prepare, &stats);
         if record.keeps_frames() {
-            let read = rig.targets.read_back(&rig.gpu.device, &rig.gpu.queue);
+            let read = renderer
+                .targets
+                .read_back(&renderer.gpu.device, &renderer.gpu.queue);
             record.keep(read.expect("a picture"));
         }
     }

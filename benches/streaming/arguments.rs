@@ -1,8 +1,8 @@
-//! What the benchmark is asked to do.
+//! The command line of the benchmark.
 
 use std::path::PathBuf;
 
-/// A way to fly.
+/// The course of a flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Course {
     Orbit,

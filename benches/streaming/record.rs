@@ -1,4 +1,4 @@
-//! What a flight was like.
+//! Frame times, uploads and memory of a flight, and their summary.
 
 use image::RgbaImage;
 use std::path::{Path, PathBuf};
@@ -6,10 +6,12 @@ use std::sync::mpsc::{Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 use terrella::FrameStats;
+use terrella::measure::{SortedSample, jank, median};
 
 /// Time that `prepare` may take without the copying of tiles.
-const PREPARE_LIMIT_MS: f64 = 2.0;
+const MAX_PREPARE_MS: f64 = 2.0;
 
+/// What is recorded of each frame of a flight.
 pub struct Record {
     frames_ms: Vec<f64>,
     prepare_ms: Vec<f64>,
@@ -19,10 +21,11 @@ pub struct Record {
     uploads: Vec<u64>,
     stand_ins: Vec<f64>,
     last: FrameStats,
-    before: Option<u64>,
+    uploaded_before: Option<u64>,
     writer: Option<Writer>,
 }
 
+/// Writes frames as PNG in a thread of its own, so that no frame waits for it.
 struct Writer {
     sender: Option<Sender<RgbaImage>>,
     thread: Option<JoinHandle<()>>,
@@ -38,7 +41,7 @@ impl Record {
             uploads: Vec::new(),
             stand_ins: Vec::new(),
             last: FrameStats::default(),
-            before: None,
+            uploaded_before: None,
             writer: folder.map(|folder| Writer::new(folder.join(name))),
         }
     }
@@ -54,8 +57,8 @@ impl Record {
         }
         let uploaded = stats.tiles.uploaded_bytes;
         self.uploads
-            .push(uploaded - self.before.unwrap_or(uploaded));
-        self.before = Some(uploaded);
+            .push(uploaded - self.uploaded_before.unwrap_or(uploaded));
+        self.uploaded_before = Some(uploaded);
         let draws = stats.tiles.hits + stats.tiles.fallbacks;
         if draws > 0 {
             self.stand_ins
@@ -79,38 +82,33 @@ impl Record {
     }
 
     pub fn print(&self, name: &str) {
-        let frames = Quantiles::of(&self.frames_ms);
-        let median = frames.at(0.5);
-        let long: Vec<f64> = self
-            .frames_ms
-            .iter()
-            .copied()
-            .filter(|ms| *ms > 2.0 * median)
-            .collect();
-        let jank: f64 = long.iter().map(|ms| ms - 2.0 * median).sum();
+        let frames = quantiles(&self.frames_ms);
+        let median = median(&self.frames_ms);
+        let long = self.frames_ms.iter().filter(|ms| **ms > 2.0 * median);
+        let jank = jank(&self.frames_ms);
         // Our own work of those frames: choosing and copying, in the frame's own thread.
         let own = self.frames_ms.iter().zip(&self.prepare_ms);
         let own = own.filter(|(frame, prepare)| {
             **frame > 2.0 * median && **frame - **prepare <= 2.0 * median
         });
-        let choosing = Quantiles::of(&self.choosing_ms);
+        let choosing = quantiles(&self.choosing_ms);
         let slow = self
             .choosing_ms
             .iter()
-            .filter(|ms| **ms > PREPARE_LIMIT_MS)
+            .filter(|ms| **ms > MAX_PREPARE_MS)
             .count();
         let tiles = self.last.tiles;
         println!("\n{name}: {} frames", self.frames_ms.len());
         println!("  frame            {frames} ms");
         println!(
             "  over 2 x median  {} frames, jank sum {jank:.1} ms; {} of them only by our own prepare",
-            long.len(),
+            long.count(),
             own.count()
         );
         println!("  longest          {}", self.longest());
-        println!("  prepare          {} ms", Quantiles::of(&self.prepare_ms));
+        println!("  prepare          {} ms", quantiles(&self.prepare_ms));
         println!(
-            "    less uploads   {choosing} ms, {slow} frames over {PREPARE_LIMIT_MS} ms{}",
+            "    less uploads   {choosing} ms, {slow} frames over {MAX_PREPARE_MS} ms{}",
             self.slowest()
         );
         println!(
@@ -120,12 +118,9 @@ impl Record {
         );
         println!(
             "  stand-ins        {} of all maps of blocks",
-            Quantiles::of(&self.stand_ins)
+            quantiles(&self.stand_ins)
         );
-        println!(
-            "  texels a pixel   {}",
-            Quantiles::of(&self.texels_per_pixel)
-        );
+        println!("  texels a pixel   {}", quantiles(&self.texels_per_pixel));
         println!(
             "  tiles            {} loads, {} completed, {} cancelled, {} failed, {} evicted, {:.1} MB decoded",
             tiles.loads,
@@ -141,7 +136,7 @@ impl Record {
         );
         match peak_mb() {
             Some(mb) => println!("  peak memory      {mb:.0} MB"),
-            None => println!("  peak memory      not told by this system"),
+            None => println!("  peak memory      not given by this system"),
         }
     }
 }
@@ -151,7 +146,7 @@ impl Record {
     fn slowest(&self) -> String {
         let slow = self.choosing_ms.iter().enumerate();
         let slow: Vec<_> = slow
-            .filter(|(_, ms)| **ms > PREPARE_LIMIT_MS)
+            .filter(|(_, ms)| **ms > MAX_PREPARE_MS)
             .map(|(frame, ms)| format!("{ms:.1} ms in frame {frame}"))
             .take(8)
             .collect();
@@ -189,32 +184,11 @@ fn peak_mb() -> Option<f64> {
     Some(kib * 1024.0 / 1e6)
 }
 
-struct Quantiles(Vec<f64>);
-
-impl Quantiles {
-    fn of(values: &[f64]) -> Self {
-        let mut sorted = values.to_vec();
-        sorted.sort_unstable_by(f64::total_cmp);
-        Self(sorted)
-    }
-
-    fn at(&self, part: f64) -> f64 {
-        let last = self.0.len().saturating_sub(1) as f64;
-        self.0
-            .get((part * last).round() as usize)
-            .copied()
-            .unwrap_or(f64::NAN)
-    }
-}
-
-impl std::fmt::Display for Quantiles {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let [least, p50, p95, p99, most] = [0.0, 0.5, 0.95, 0.99, 1.0].map(|part| self.at(part));
-        write!(
-            f,
-            "{least:.3} least, {p50:.3} median, {p95:.3} p95, {p99:.3} p99, {most:.3} most"
-        )
-    }
+/// Quantiles of a sample as one line.
+fn quantiles(sample: &[f64]) -> String {
+    let sorted = SortedSample::new(sample.to_vec());
+    let [min, p50, p95, p99, max] = [0.0, 0.5, 0.95, 0.99, 1.0].map(|part| sorted.quantile(part));
+    format!("{min:.3} min, {p50:.3} median, {p95:.3} p95, {p99:.3} p99, {max:.3} max")
 }
 
 impl Writer {

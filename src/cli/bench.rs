@@ -25,7 +25,7 @@ use terrella::scene::Scene;
 pub struct BenchArgs {
     /// The scene file
     scene: PathBuf,
-    /// Write everything to this file, for --baseline and other programs
+    /// Write the whole report to this file, for --baseline and other programs
     #[arg(long, value_name = "FILE.json")]
     json: Option<PathBuf>,
     /// Write the rows to this file
@@ -37,10 +37,10 @@ pub struct BenchArgs {
     /// Compare with an earlier run's JSON
     #[arg(long, value_name = "OLD.json")]
     baseline: Option<PathBuf>,
-    /// With --baseline: by what part a row may be slower, 0.25 being a quarter
+    /// With --baseline: how much slower a row may be, 0.25 being a quarter
     #[arg(long, value_name = "PART", default_value_t = DEFAULT_TOLERANCE, value_parser = values::part, requires = "baseline")]
     tolerance: f64,
-    /// Frames for each row and each feature
+    /// Frames to time for each row and each feature
     #[arg(long, value_name = "N", default_value_t = DEFAULT_FRAMES, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     frames: u32,
     /// Width and height in pixels, instead of the scene's
@@ -53,7 +53,7 @@ const DEFAULT_FRAMES: u32 = 24;
 /// More than a row of the same program differed between two runs on two cores that six times as many programs wanted.
 const DEFAULT_TOLERANCE: f64 = 0.35;
 
-/// Runs it.
+/// Benchmarks the scene, prints the tables and fails where a row is slower than the baseline.
 pub fn run(args: &BenchArgs, common: &Common) -> anyhow::Result<()> {
     let flight = Flight::open_deaf(Scene::load(&args.scene)?)?;
     flight.refuse_live(
@@ -72,7 +72,7 @@ pub fn run(args: &BenchArgs, common: &Common) -> anyhow::Result<()> {
         tolerance: args.tolerance,
     };
     stop_on_interrupt();
-    let outcome = run_bench(&flight, &request, &Bars::new(common.quiet))?;
-    print(&outcome.to_table())?;
-    Ok(outcome.verdict()?)
+    let run = run_bench(&flight, &request, &Bars::new(common.quiet))?;
+    print(&run.to_table())?;
+    Ok(run.verdict()?)
 }

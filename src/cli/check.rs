@@ -14,7 +14,7 @@ pub struct CheckArgs {
     scene: PathBuf,
 }
 
-/// Runs it.
+/// Loads the scene with all that it names and prints a summary.
 pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
     let flight = Flight::open_deaf(Scene::load(&args.scene)?)?;
     if common.quiet {

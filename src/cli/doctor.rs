@@ -4,7 +4,7 @@ use super::{Common, print};
 use std::fmt::Write;
 use terrella::gpu::{AdapterReport, ContextError, adapter_reports};
 
-/// Runs it. No adapter at all is a failure.
+/// Prints all adapters. No adapter at all is a failure.
 pub fn run(common: &Common) -> anyhow::Result<()> {
     let reports = pollster::block_on(adapter_reports());
     if reports.is_empty() {

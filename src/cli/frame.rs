@@ -29,10 +29,10 @@ pub struct FrameArgs {
     /// Width and height in pixels, instead of the scene's
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<(u32, u32)>,
-    /// Write the picture's numbers (times, memory, features, eye, Sun) to this file
+    /// Write statistics of the picture (times, memory, features, eye, Sun) to this file
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
-    /// What draws: a graphics adapter, or the slow and exact renderer that it is judged against
+    /// Renderer: a graphics adapter, or the slow and exact one that adapters are compared with
     #[arg(long, value_enum, default_value_t = Renderer::Gpu)]
     renderer: Renderer,
     /// With --renderer reference: N × N rays a pixel, 1 to 16. Default: 4
@@ -40,7 +40,7 @@ pub struct FrameArgs {
         i64::from(*SAMPLES.start())..=i64::from(*SAMPLES.end())
     ))]
     samples: Option<u32>,
-    /// Draw the edges of the surface's triangles alone
+    /// Draw only the edges of the surface's triangles
     #[arg(long)]
     wireframe: bool,
 }
@@ -53,7 +53,7 @@ enum Renderer {
     Reference,
 }
 
-/// Runs it. Where there is no graphics adapter at all, and none was asked for by name, the reference draws.
+/// Draws the picture. Where there is no graphics adapter at all, and none was asked for by name, the reference draws.
 pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
     refuse_conflicts(args, common);
     let flight = Flight::open(Scene::load(&args.scene)?)?;
@@ -89,9 +89,9 @@ pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
 
 /// Ends the program, as clap does, where options have no meaning together.
 fn refuse_conflicts(args: &FrameArgs, common: &Common) {
-    let refuse = |words: &str| -> ! {
+    let refuse = |message: &str| -> ! {
         Cli::command()
-            .error(ErrorKind::ArgumentConflict, words)
+            .error(ErrorKind::ArgumentConflict, message)
             .exit()
     };
     match args.renderer {

@@ -1,4 +1,4 @@
-//! The command line: what can be asked, where logs and errors go, exit codes. Everything else is the library's.
+//! The command line: arguments, logs, error messages, exit codes. Everything else is the library's.
 
 mod bench;
 mod check;
@@ -39,13 +39,13 @@ struct Cli {
     common: Common,
 }
 
-/// What every command takes.
+/// Options of every command.
 #[derive(Clone, Debug, Args)]
 struct Common {
-    /// Tell more on standard error; twice for all. The variable RUST_LOG says it in detail
+    /// Log more to standard error; twice for everything. The variable RUST_LOG sets levels in detail
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     verbose: u8,
-    /// Tell nothing but errors, and show no progress
+    /// Print errors only, and no progress bars
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     quiet: bool,
     /// Draw with the best adapter whose name contains this (see `terrella doctor`)
@@ -59,19 +59,19 @@ enum Command {
     Play(play::PlayArgs),
     /// Write one picture of a scene
     Frame(frame::FrameArgs),
-    /// Measure frames of a scene at ten heights, beside the least that they could cost
+    /// Benchmark frames of a scene at ten heights, each beside its floor: the least that it could cost
     Bench(bench::BenchArgs),
-    /// Check a scene and say what it uses and leaves out
+    /// Check a scene and list what it uses and ignores
     Check(check::CheckArgs),
-    /// Print where a scene's satellites are, and write their ephemerides and elements
+    /// Print positions of a scene's satellites, or write their ephemerides and elements
     Orbit(orbit::OrbitArgs),
-    /// List the graphics adapters, what each can do and what is dropped on it
+    /// List graphics adapters, their capabilities, and what is turned off on each
     Doctor,
-    /// Measure error against run time: a page with tables, charts and pictures
+    /// Measure error against run time and write a page with tables, charts and pictures
     Report(report::ReportArgs),
-    /// Measure quadtree, contours and patches over heights: what they save, their speed and storage
+    /// Benchmark terrain structures (quadtree, contours, patches) over heights: triangles saved, speed, storage
     Terrain(terrain::TerrainArgs),
-    /// Build imagery packs and look into them: maps larger than memory, cut into tiles
+    /// Build, inspect and verify imagery packs: maps larger than memory, cut into tiles
     Pack(pack::PackArgs),
 }
 
@@ -144,7 +144,7 @@ fn log_to_stderr(common: &Common) {
     let default = match (common.quiet, common.verbose) {
         (true, _) => "error",
         (false, 0) => "warn",
-        // wgpu's own news are for its developers.
+        // wgpu's own messages are for its developers.
         (false, 1) => "warn,terrella=info",
         (false, _) => "info,terrella=debug",
     };

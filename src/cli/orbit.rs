@@ -16,16 +16,16 @@ use terrella::scene::Scene;
 pub struct OrbitArgs {
     /// The scene file
     scene: PathBuf,
-    /// Seconds from one state to the next, from the scene's first instant to its last
+    /// Seconds between states, from the scene's first instant to its last
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds, default_value = "60", conflicts_with = "at")]
     every: f64,
-    /// Only the state of this instant
+    /// Print only the state at this instant
     #[arg(long, value_name = "UTC", value_parser = values::instant)]
     at: Option<Epoch>,
-    /// The axes of positions and velocities, or latitude, longitude and height
+    /// Frame of positions and velocities, or latitude, longitude and height
     #[arg(long, value_enum, default_value_t = FrameName::Itrf)]
     frame: FrameName,
-    /// Print CSV that a scene can read by source = "csv"
+    /// Print CSV, which a scene reads with source = "csv"
     #[arg(long, conflicts_with = "json")]
     csv: bool,
     /// Print JSON
@@ -44,18 +44,18 @@ pub struct OrbitArgs {
         conflicts_with_all = ["every", "at", "frame", "oem", "omm"]
     )]
     passes: Option<Geodetic>,
-    /// With --passes: how high above the horizon, degrees
+    /// With --passes: minimum elevation above the horizon, degrees
     #[arg(long, value_name = "DEGREES", value_parser = values::elevation_deg, default_value = "10", requires = "passes")]
     min_elevation: f64,
-    /// With --passes: for so many days from the scene's first instant on, as far as the satellite is known
+    /// With --passes: number of days from the scene's first instant, as far as the satellite's orbit is known
     #[arg(long, value_name = "N", value_parser = values::days, requires = "passes")]
     days: Option<f64>,
-    /// Of this satellite; without it the one that cameras fly with
+    /// Name of the satellite [default: the one that cameras follow]
     #[arg(long, value_name = "NAME")]
     satellite: Option<String>,
 }
 
-/// Axes by name.
+/// Frames by name.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum FrameName {
     /// True equator, mean equinox of date
@@ -85,7 +85,7 @@ impl FrameName {
     }
 }
 
-/// Runs it.
+/// Prints states, passes or writes messages, as the arguments ask.
 pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
     // Before anything is computed: a file that cannot be written is found at once.
     let oem_file = pending(args.oem.as_ref(), "ephemeris messages", "oem")?;

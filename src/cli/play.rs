@@ -16,19 +16,19 @@ pub struct PlayArgs {
     /// Write every frame as a PNG into this folder instead of opening a window
     #[arg(long, value_name = "FOLDER")]
     frames: Option<PathBuf>,
-    /// With --frames: take a folder that is not empty, and replace frames in it
+    /// With --frames: accept a folder that is not empty, and replace frames in it
     #[arg(long, requires = "frames")]
     overwrite: bool,
     /// Write an MP4 video (H.264) instead of opening a window
     #[arg(long, value_name = "FILE.mp4")]
     video: Option<PathBuf>,
-    /// With --video: what encodes it
+    /// With --video: the encoder
     #[arg(long, value_enum, default_value_t = Encoder::Auto, requires = "video")]
     encoder: Encoder,
     /// Width and height in pixels, instead of the scene's
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<(u32, u32)>,
-    /// Close the window by itself after so many seconds
+    /// Close the window after so many seconds
     #[arg(long, value_name = "N", value_parser = values::seconds, conflicts_with_all = ["frames", "video"])]
     for_seconds: Option<f64>,
 }
@@ -43,7 +43,7 @@ enum Encoder {
     Builtin,
 }
 
-/// Runs it.
+/// Opens the window, or writes frames and video.
 pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
     let flight = Flight::open(Scene::load(&args.scene)?)?;
     let bars = Bars::new(common.quiet);

@@ -21,30 +21,30 @@ pub struct ReportArgs {
     /// Three heights and fewer values: minutes instead of an hour
     #[arg(long)]
     quick: bool,
-    /// Compares the surfaces with relief instead: frame time, errors, holes and popping on four flights
+    /// Compare terrain surfaces instead: frame time, errors, holes and popping on four flights
     #[arg(long, conflicts_with_all = ["repeats", "samples", "heights"])]
     surfaces: bool,
-    /// Compares these surfaces alone: quadtree,clipmap
+    /// Compare only these surfaces: quadtree,clipmap
     #[arg(long, value_name = "NAME,…", requires = "surfaces", value_delimiter = ',', value_parser = values::surface)]
     only: Vec<SurfaceKind>,
-    /// Places of each flight that surfaces are compared at [default: 12, with --quick 3]
+    /// With --surfaces: places of each flight at which surfaces are compared [default: 12, with --quick 3]
     #[arg(long, value_name = "N", requires = "surfaces", value_parser = clap::value_parser!(u32).range(1..=1000))]
     places: Option<u32>,
     /// Width and height of the pictures in pixels
     #[arg(long, value_name = "WxH", value_parser = values::size, default_value = "640x360")]
     size: (u32, u32),
-    /// How often each frame is timed [default: 9, with --quick 5]
+    /// Number of times that each frame is timed [default: 9, with --quick 5]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeats: Option<u32>,
-    /// The true pictures have N × N rays a pixel [default: 4, with --quick 3]
+    /// Rays along each side of a pixel of the true pictures [default: 4, with --quick 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
     samples: Option<u32>,
-    /// Heights to look from in kilometres, instead of the usual ones: 400,36000
+    /// Heights of the eye in kilometres, instead of the usual ten: 400,36000
     #[arg(long, value_name = "KM,…", value_delimiter = ',', value_parser = values::height_km)]
     heights: Option<Vec<f64>>,
 }
 
-/// Runs it.
+/// Measures the scene, or compares surfaces, and prints a summary and the page's path.
 pub fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
     let flight = Flight::open_deaf(Scene::load(&args.scene)?)?;
     flight.refuse_live(
@@ -67,15 +67,15 @@ pub fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
         adapter: common.adapter.as_deref(),
     };
     stop_on_interrupt();
-    let tell = |text: &str| {
+    let print_line = |text: &str| {
         if !common.quiet {
             // A reader that has gone away is no reason to stop measuring.
             let _ = print(&format!("{}\n", text.trim_end()));
         }
     };
-    let study = match report(&flight, &request, &Bars::new(common.quiet), &tell) {
+    let study = match report(&flight, &request, &Bars::new(common.quiet), &print_line) {
         Ok(study) => study,
-        // So that a bad scene is told by its exit code.
+        // So that a bad scene has its own exit code.
         Err(ReportError::Play(error)) => return Err(error.into()),
         Err(error) => return Err(error.into()),
     };
@@ -99,7 +99,7 @@ fn surfaces(args: &ReportArgs, common: &Common, flight: &Flight) -> anyhow::Resu
     stop_on_interrupt();
     let study = match compare_surfaces(flight, &request, &Bars::new(common.quiet)) {
         Ok(study) => study,
-        // So that a bad scene is told by its exit code.
+        // So that a bad scene has its own exit code.
         Err(SurfacesError::Play(error)) => return Err(error.into()),
         Err(error) => return Err(error.into()),
     };

@@ -9,35 +9,35 @@ use terrella::measure::terrain::{SyntheticGround, TerrainRequest, measure_terrai
 /// Arguments of `terrella terrain`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Tables go to standard output, in Markdown or with --csv as CSV. Heights are read as scenes read them: GeoTIFF, \
+    after_help = "Tables go to standard output, in Markdown or with --csv as CSV. Elevation files are those that scenes read: GeoTIFF, \
     NetCDF classic, or PNG with a TOML file beside it."
 )]
 pub struct TerrainArgs {
-    /// Files of heights
+    /// Elevation files
     #[arg(value_name = "FILE", required_unless_present = "fractal")]
     files: Vec<PathBuf>,
-    /// Measure a made ground too, of N x N posts 90 m apart; N is 129, 257, … up to 8193
+    /// Measure fractal ground too, of N x N posts 90 m apart; N is 129, 257, … up to 8193
     #[arg(long, value_name = "N", value_parser = side)]
     fractal: Option<u32>,
-    /// Another number is another made ground
+    /// Seed of the fractal ground
     #[arg(long, value_name = "NUMBER", default_value_t = 1, requires = "fractal")]
     seed: u64,
     /// Tolerances of contours and patches, metres
     #[arg(long, value_name = "M,…", value_delimiter = ',', value_parser = tolerance_m, default_value = "0,1,5,20,50", allow_hyphen_values = true)]
     tolerances: Vec<f64>,
-    /// Numbers of threads that build
+    /// Numbers of threads to build with
     #[arg(long, value_name = "N,…", value_delimiter = ',', default_value = "1,2", value_parser = clap::value_parser!(u32).range(1..=64))]
     threads: Vec<u32>,
-    /// Most memory that building one tree takes, megabytes
+    /// Memory limit for building one tree, megabytes
     #[arg(long, value_name = "MB", default_value_t = 2000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     memory: u64,
-    /// Keep trees in this folder and read them again from there; made if it is not there
+    /// Cache built trees in this folder, which is made if it is not there
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
     /// Print the tables as CSV
     #[arg(long)]
     csv: bool,
-    /// Write the tables to this folder as CSV, and pictures of the quadtree's triangles
+    /// Write the tables as CSV and pictures of the quadtree's triangles to this folder
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
 }

@@ -33,7 +33,7 @@ pub use uniforms::{AirUniforms, FrameUniforms};
 pub(crate) use air::AirDrawable;
 pub(crate) use contours::PageMesh;
 pub(crate) use grid::GridMesh;
-use layers::GpuLayer;
+pub(crate) use layers::GpuLayer;
 pub(crate) use pipeline::PipelineDescription;
 pub(crate) use plan::{AirPlan, BlockTiles, FramePlan};
 pub(crate) use read_back::read_rows;

@@ -6,16 +6,16 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::fmt::Debug;
 
-/// A value on a chart with its spread, for both axes.
+/// A value on a chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
     /// Across.
     pub x: f64,
     /// Up.
     pub y: f64,
-    /// Ends of the spread across, if it has any.
-    pub x_spread: Option<(f64, f64)>,
-    /// A few words beside it; empty for none.
+    /// Ends of the error bar across, if it has any.
+    pub x_error_bar: Option<(f64, f64)>,
+    /// A short text beside it; empty for none.
     pub label: String,
     /// Whether it stands on the Pareto front.
     pub on_front: bool,
@@ -27,7 +27,7 @@ impl Point {
         Self {
             x,
             y,
-            x_spread: None,
+            x_error_bar: None,
             label: String::new(),
             on_front: false,
         }
@@ -73,7 +73,7 @@ pub enum ChartError {
     Drawing {
         /// Which chart.
         title: String,
-        /// The library's words.
+        /// What the library says.
         cause: String,
     },
 }
@@ -102,7 +102,7 @@ impl Chart {
     /// # Errors
     /// No point left.
     pub fn to_svg(&self) -> Result<String, ChartError> {
-        let ends = |p: &Point| match p.x_spread {
+        let ends = |p: &Point| match p.x_error_bar {
             Some((low, high)) if low.is_finite() && high.is_finite() => [p.x, low, high],
             _ => [p.x; 3],
         };
@@ -147,7 +147,7 @@ impl Chart {
 
     fn draw(&self, text: &mut String, x: Axis, y: Axis) -> Result<(), String> {
         let whole = SVGBackend::with_string(text, SIZE).into_drawing_area();
-        whole.fill(&WHITE).map_err(words)?;
+        whole.fill(&WHITE).map_err(error_text)?;
         // The legend stands beside the chart, where it covers nothing.
         let (root, legend) = match self.series.len() {
             0 | 1 => (whole.clone(), None),
@@ -162,7 +162,7 @@ impl Chart {
             .x_label_area_size(46)
             .y_label_area_size(72)
             .build_cartesian_2d(x.clone(), y)
-            .map_err(words)?;
+            .map_err(error_text)?;
         chart
             .configure_mesh()
             .x_desc(&self.x_name)
@@ -176,7 +176,7 @@ impl Chart {
             .light_line_style(RGBColor(240, 240, 240))
             .bold_line_style(RGBColor(215, 215, 215))
             .draw()
-            .map_err(words)?;
+            .map_err(error_text)?;
         for (n, series) in self.series.iter().enumerate() {
             let color = COLORS[n % COLORS.len()];
             let points: Vec<_> = series.points.iter().filter(|p| self.can_show(p)).collect();
@@ -184,22 +184,22 @@ impl Chart {
                 let line = points.iter().map(|p| (p.x, p.y));
                 chart
                     .draw_series(LineSeries::new(line, color.stroke_width(2)))
-                    .map_err(words)?;
+                    .map_err(error_text)?;
             }
-            let spreads = points.iter().filter_map(|p| {
-                let (low, high) = p.x_spread?;
+            let error_bars = points.iter().filter_map(|p| {
+                let (low, high) = p.x_error_bar?;
                 let shown = low.is_finite() && high.is_finite() && (!self.x_log || low > 0.0);
                 shown.then(|| PathElement::new([(low, p.y), (high, p.y)], color.mix(0.6)))
             });
-            chart.draw_series(spreads).map_err(words)?;
+            chart.draw_series(error_bars).map_err(error_text)?;
             let rings = points.iter().filter(|p| p.on_front);
             chart
                 .draw_series(rings.map(|p| Circle::new((p.x, p.y), 7, color.stroke_width(2))))
-                .map_err(words)?;
+                .map_err(error_text)?;
             let labels = points.iter().filter(|p| !p.label.is_empty());
             chart
                 .draw_series(labels.map(|p| {
-                    // Words beside a point at the right edge stand on its left.
+                    // Text beside a point at the right edge stand on its left.
                     let (side, offset) = match x.map(&p.x, (0, 100)) > 80 {
                         true => (HPos::Right, -7),
                         false => (HPos::Left, 7),
@@ -208,22 +208,22 @@ impl Chart {
                     let style = style.pos(Pos::new(side, VPos::Top));
                     EmptyElement::at((p.x, p.y)) + Text::new(p.label.clone(), (offset, -13), style)
                 }))
-                .map_err(words)?;
+                .map_err(error_text)?;
             if n < COLORS.len() {
                 let marks = points.iter();
                 let marks = marks.map(|p| Circle::new((p.x, p.y), 4, color.filled()));
-                chart.draw_series(marks).map_err(words)?;
+                chart.draw_series(marks).map_err(error_text)?;
             } else {
                 // Colours come again: other marks tell the series apart.
                 let marks = points.iter();
                 let marks = marks.map(|p| TriangleMarker::new((p.x, p.y), 6, color.filled()));
-                chart.draw_series(marks).map_err(words)?;
+                chart.draw_series(marks).map_err(error_text)?;
             }
         }
         if let Some(legend) = legend {
             self.draw_legend(&legend)?;
         }
-        whole.present().map_err(words)
+        whole.present().map_err(error_text)
     }
 
     fn draw_legend(&self, area: &LegendArea<'_>) -> Result<(), String> {
@@ -235,16 +235,16 @@ impl Chart {
             } else {
                 area.draw(&TriangleMarker::new(at, 6, color.filled()))
             }
-            .map_err(words)?;
+            .map_err(error_text)?;
             let style = ("sans-serif", 13).into_font().color(&BLACK);
             let name = Text::new(series.name.clone(), (at.0 + 12, at.1 - 7), style);
-            area.draw(&name).map_err(words)?;
+            area.draw(&name).map_err(error_text)?;
         }
         Ok(())
     }
 }
 
-fn words(error: impl Debug) -> String {
+fn error_text(error: impl Debug) -> String {
     format!("{error:?}")
 }
 
@@ -271,7 +271,7 @@ mod tests {
         let mut best = Point::new(10.0, 1e-3);
         best.on_front = true;
         best.label = "6 × 6 <best>".into();
-        best.x_spread = Some((9.0, 12.0));
+        best.x_error_bar = Some((9.0, 12.0));
         Chart {
             title: "Error against time".into(),
             x_name: "frame, ms".into(),

@@ -1,8 +1,7 @@
 //! The least that a frame could cost: the same samples on the same pixels, and nothing computed.
 
-use crate::gpu::{FrameTargets, GpuContext, PassFormat, PipelineDescription};
+use crate::gpu::{FrameTargets, GpuContext, GpuLayer, PassFormat, PipelineDescription};
 use crate::imagery::tile::MapLayer;
-use crate::imagery::{LayerImage, TexelFormat};
 use crate::{Atmosphere, EarthOptions, EyeView, Shading, air};
 use glam::DVec2;
 use std::f64::consts::TAU;
@@ -130,7 +129,11 @@ impl Textures {
     fn of(gpu: &GpuContext, options: &EarthOptions) -> Self {
         let layers = MapLayer::ALL.iter();
         let layers = layers.filter_map(|layer| options.layers.get(*layer));
-        let mut views: Vec<_> = layers.map(|image| upload(gpu, image)).collect();
+        let mut views: Vec<_> = layers
+            .map(|image| {
+                GpuLayer::upload(&gpu.device, &gpu.queue, "terrella floor map", image, false).view
+            })
+            .collect();
         let maps = views.len();
         let has_volume = options.atmosphere != Atmosphere::None;
         if has_volume && options.shading == Shading::Sunlit {
@@ -267,35 +270,6 @@ fn table(
         usage: wgpu::TextureUsages::TEXTURE_BINDING,
         view_formats: &[],
     });
-    texture.create_view(&Default::default())
-}
-
-fn upload(gpu: &GpuContext, image: &LayerImage) -> wgpu::TextureView {
-    use wgpu::util::DeviceExt;
-    let format = match image.format {
-        TexelFormat::Rgba8Srgb => wgpu::TextureFormat::Rgba8UnormSrgb,
-        TexelFormat::R8Unorm => wgpu::TextureFormat::R8Unorm,
-        TexelFormat::Rg8Snorm => wgpu::TextureFormat::Rg8Snorm,
-    };
-    let texture = gpu.device.create_texture_with_data(
-        &gpu.queue,
-        &wgpu::TextureDescriptor {
-            label: Some("terrella floor map"),
-            size: wgpu::Extent3d {
-                width: image.width,
-                height: image.height,
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: image.levels.len() as u32,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        },
-        wgpu::util::TextureDataOrder::LayerMajor,
-        &image.levels.concat(),
-    );
     texture.create_view(&Default::default())
 }
 

@@ -2,8 +2,8 @@
 //!
 //! | module | what |
 //! |---|---|
-//! | `stations` | where the harness looks from: the heights of the paper's Table 2 and farther |
-//! | `rig` | an Earth on a test stand: frames and their floor, timed turn about |
+//! | `viewpoints` | where frames are measured from: the heights of the paper's Table 2 and farther |
+//! | `frame_timer` | frames and their floor, timed turn about |
 //! | `floor` | the least that a frame could cost |
 //! | [`mod@bench`] | the frame-rate harness |
 //! | [`mod@reference`] | the true picture: ray casting in f64 on the processor |
@@ -14,7 +14,8 @@
 //! | [`surfaces`] | surfaces with relief: error beside run time, holes, popping |
 //! | [`terrain`] | trees over heights on their own: what they save, build times, storage |
 //! | [`orbits`] | propagators: error beside run time |
-//! | `quantiles`, `pareto`, `chart`, `axis` | what is told of measurements |
+//! | `statistics`, `pareto` | medians, quartiles, jank; the Pareto front |
+//! | `chart`, `axis`, `html`, `output` | measurements as charts, pages and tables, and the folder they are written to |
 
 mod axis;
 pub mod bench;
@@ -22,20 +23,23 @@ mod chart;
 pub mod errors;
 pub mod extreme;
 mod floor;
+mod frame_timer;
+mod html;
 pub mod numeric;
 pub mod orbits;
+mod output;
 mod pareto;
-mod quantiles;
 pub mod reference;
 pub mod report;
-mod rig;
-mod stations;
+mod statistics;
 pub mod surfaces;
 pub mod terrain;
+mod viewpoints;
 
 pub use chart::{Chart, ChartError, Point, Series};
 pub use floor::Floor;
+pub use frame_timer::{FrameTimer, FrameTimes};
+pub use html::PageError;
 pub use pareto::pareto_front;
-pub use quantiles::{Quantiles, Spread, jank};
-pub use rig::{Rig, Sample};
-pub use stations::{GroundPath, STATIONS, Station};
+pub use statistics::{Quantiles, Quartiles, SortedSample, jank, median};
+pub use viewpoints::{EYE_HEIGHTS, EyeHeight, GroundPath};

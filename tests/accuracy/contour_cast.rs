@@ -408,7 +408,7 @@ fn what_is_built_stays() {
 /// The device's own drawing against the same walk on the CPU, and against the data.
 #[test]
 fn the_gpu_answers_as_the_cpu_does() {
-    use terrella::measure::errors::{GroundPicture, PlacesEarth};
+    use terrella::measure::errors::{GeolocationRenderer, GroundPicture};
     let mut wrong = Vec::new();
     for (place, view) in views() {
         let ground = Arc::new(hills());
@@ -417,7 +417,8 @@ fn the_gpu_answers_as_the_cpu_does() {
             surface: SurfaceSettings::CastContours(PageOptions::default()),
             tolerance_px: 1.0,
         };
-        let mut earth = PlacesEarth::with_ground(common::gpu(), &options).expect("an Earth");
+        let mut earth =
+            GeolocationRenderer::with_ground(common::gpu(), &options).expect("an Earth");
         let wait = std::time::Duration::from_secs(60);
         earth.settle(&view, SIZE, wait);
         let places = earth.draw(&view, SIZE).expect("a picture");
@@ -463,7 +464,7 @@ fn the_gpu_answers_as_the_cpu_does() {
 fn trinidad_has_no_holes_in_descent_low_flight_and_horizon() {
     use std::time::Instant;
     use terrella::globe::contours::ContourOptions;
-    use terrella::measure::errors::{GroundPicture, PlacesEarth};
+    use terrella::measure::errors::{GeolocationRenderer, GroundPicture};
     use terrella::measure::surfaces::SurfacePath;
     let files =
         ["textures/elevation.png", "textures/dem/trinidad.png"].map(std::path::PathBuf::from);
@@ -483,7 +484,8 @@ fn trinidad_has_no_holes_in_descent_low_flight_and_horizon() {
                 surface,
                 tolerance_px: 1.0,
             };
-            let mut earth = PlacesEarth::with_ground(common::gpu(), &options).expect("an Earth");
+            let mut earth =
+                GeolocationRenderer::with_ground(common::gpu(), &options).expect("an Earth");
             earth.settle(&view, size, wait);
             let mut places = earth.draw(&view, size).expect("a picture");
             let mut best_s = f64::INFINITY;

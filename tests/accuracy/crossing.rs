@@ -13,7 +13,7 @@ use terrella::imagery::tile::{
     BlockSet, LayerLayout, LevelLayout, MapLayer, Tile, TileError, TileFormat, TileKey, TileShape,
     TileSource,
 };
-use terrella::measure::errors::{Places, PlacesEarth};
+use terrella::measure::errors::{GeolocationBuffer, GeolocationRenderer};
 use terrella::{
     Atmosphere, EarthOptions, EyeView, FrameStats, GroundOptions, Shading, SurfaceKind,
     SurfaceSettings, TileOptions,
@@ -189,7 +189,7 @@ fn views() -> Vec<(&'static str, EyeView)> {
 }
 
 /// Where a pixel of the ground lies.
-fn place(places: &Places, view: &EyeView, x: u32, y: u32) -> Option<Geodetic> {
+fn place(places: &GeolocationBuffer, view: &EyeView, x: u32, y: u32) -> Option<Geodetic> {
     let along = places.along(x, y)?;
     let forward = (view.view_from_world.inverse() * glam::DVec3::NEG_Z).normalize();
     let ray = ray(view, x, y, SIZE);
@@ -206,7 +206,7 @@ fn block_of(place: Geodetic) -> Option<u8> {
     is_sure.then(|| 16 * (lat as u8).min(7) + (lon as u8).min(15))
 }
 
-fn settled(earth: &mut PlacesEarth, view: &EyeView) -> Places {
+fn settled(earth: &mut GeolocationRenderer, view: &EyeView) -> GeolocationBuffer {
     for _ in 0..400 {
         let places = earth.draw(view, SIZE).expect("places");
         if earth.stats().ground.samples_read == 0 {
@@ -226,7 +226,8 @@ fn drawn(rig: &mut Rig, view: &EyeView) -> (RgbaImage, FrameStats) {
 fn every_pixel_has_its_own_block_s_tile() {
     let mut wrong = Vec::new();
     for (name, surface) in surfaces() {
-        let mut places = PlacesEarth::with_ground(gpu(), &ground(surface)).expect("sound options");
+        let mut places =
+            GeolocationRenderer::with_ground(gpu(), &ground(surface)).expect("sound options");
         let mut rig = Rig::new(&options(surface, true), SIZE);
         assert!(rig.earth.diagnostics().features_on.contains(&"tiles"));
         for (view_name, view) in views() {

@@ -10,7 +10,7 @@ use terrella::globe::projected_grid::{
 };
 use terrella::gpu::FrameUniforms;
 use terrella::imagery::EarthLayers;
-use terrella::measure::errors::{GroundPicture, Places, PlacesEarth};
+use terrella::measure::errors::{GeolocationBuffer, GeolocationRenderer, GroundPicture};
 use terrella::{Atmosphere, EarthOptions, EyeView, GroundOptions, Shading, SurfaceSettings};
 
 const SIZE: (u32, u32) = (320, 180);
@@ -102,7 +102,7 @@ fn views() -> Vec<(&'static str, EyeView)> {
 }
 
 /// Draws until all heights that a view needs are there.
-fn places(earth: &mut PlacesEarth, view: &EyeView) -> Places {
+fn places(earth: &mut GeolocationRenderer, view: &EyeView) -> GeolocationBuffer {
     for _ in 0..400 {
         let places = earth.draw(view, SIZE).expect("places");
         if earth.stats().ground.samples_read == 0 {
@@ -114,8 +114,9 @@ fn places(earth: &mut PlacesEarth, view: &EyeView) -> Places {
 
 #[test]
 fn both_forms_draw_the_same_ground() {
-    let mut earths = [false, true]
-        .map(|on_gpu| PlacesEarth::with_ground(gpu(), &ground(on_gpu)).expect("sound options"));
+    let mut earths = [false, true].map(|on_gpu| {
+        GeolocationRenderer::with_ground(gpu(), &ground(on_gpu)).expect("sound options")
+    });
     let wgs84 = Ellipsoid::WGS84;
     let mut wrong = Vec::new();
     println!(

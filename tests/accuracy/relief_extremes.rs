@@ -10,7 +10,7 @@ use terrella::elevation::{
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::globe::contours::PageOptions;
 use terrella::globe::projected_grid::GridOptions;
-use terrella::measure::errors::{GroundErrors, GroundPicture, PlacesEarth};
+use terrella::measure::errors::{GeolocationRenderer, GroundErrors, GroundPicture};
 use terrella::measure::reference::TrueRelief;
 use terrella::{EyeView, GroundOptions, Subdivision, SurfaceKind, SurfaceSettings};
 
@@ -177,7 +177,7 @@ fn draw(
         surface,
         tolerance_px,
     };
-    let mut earth = PlacesEarth::with_ground(gpu(), &options).expect("sound options");
+    let mut earth = GeolocationRenderer::with_ground(gpu(), &options).expect("sound options");
     earth.settle(view, SIZE, SETTLE);
     let places = earth.draw(view, SIZE).expect("a device");
     let stats = earth.stats();
@@ -270,7 +270,7 @@ fn the_numbers_see_what_is_wrong() {
             surface: SurfaceKind::Quadtree.settings(Subdivision::Auto),
             tolerance_px: 0.25,
         };
-        let mut earth = PlacesEarth::with_ground(gpu(), &options).expect("sound options");
+        let mut earth = GeolocationRenderer::with_ground(gpu(), &options).expect("sound options");
         earth.settle(&view, SIZE, SETTLE);
         let places = earth.draw(&view, SIZE).expect("a device");
         GroundPicture::new(&places, &view, &FIGURE, &ground).expect("pixels")
@@ -314,7 +314,7 @@ fn the_numbers_see_what_is_wrong() {
         surface: SurfaceKind::Quadtree.settings(Subdivision::Auto),
         tolerance_px: 0.25,
     };
-    let mut earth = PlacesEarth::with_ground(gpu(), &options).expect("sound options");
+    let mut earth = GeolocationRenderer::with_ground(gpu(), &options).expect("sound options");
     earth.settle(&up, SIZE, SETTLE);
     let places = earth.draw(&up, SIZE).expect("a device");
     let picture = GroundPicture::new(&places, &up, &FIGURE, &flat).expect("pixels");

@@ -6,9 +6,9 @@ use glam::DAffine3;
 use std::sync::OnceLock;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::imagery::{EarthLayers, LayerImage};
-use terrella::measure::Rig;
+use terrella::measure::FrameTimer;
 use terrella::measure::errors::{
-    Difference, Geolocation, PlacesEarth, Silhouette, geolocation, silhouette,
+    Difference, GeolocationErrors, GeolocationRenderer, SilhouetteErrors, geolocation, silhouette,
 };
 use terrella::measure::reference::{Reference, ReferenceOptions, ReferencePicture};
 use terrella::{Atmosphere, EarthOptions, EyeView, Figure, Sky, Visibility};
@@ -82,19 +82,22 @@ fn truth() -> &'static ReferencePicture {
 
 /// Draws [`view_down`] with these options and compares it.
 fn difference(options: &EarthOptions) -> Difference {
-    let mut rig = Rig::new(gpu(), options, SIZE).expect("sound options");
+    let mut rig = FrameTimer::new(gpu(), options, SIZE).expect("sound options");
     let picture = rig.draw(&view_down(), &sky(), std::time::Duration::ZERO);
     Difference::between(&picture.expect("a picture"), truth())
 }
 
-fn places_earth(subdivision: u32) -> PlacesEarth {
+fn geolocation_renderer(subdivision: u32) -> GeolocationRenderer {
     let (figure, rule) = (Figure::Wgs84, Visibility::Conservative);
-    PlacesEarth::new(gpu(), figure, subdivision, rule).expect("sound options")
+    GeolocationRenderer::new(gpu(), figure, subdivision, rule).expect("sound options")
 }
 
 /// Places and limb of an Earth that is drawn with a view that `alter` has changed, against those of the true view.
-fn geometry(subdivision: u32, alter: fn(&EyeView) -> EyeView) -> (Geolocation, Silhouette) {
-    let mut earth = places_earth(subdivision);
+fn geometry(
+    subdivision: u32,
+    alter: fn(&EyeView) -> EyeView,
+) -> (GeolocationErrors, SilhouetteErrors) {
+    let mut earth = geolocation_renderer(subdivision);
     let places = earth.draw(&alter(&view()), SIZE).expect("places");
     let mut draw = |view: &EyeView, size: (u32, u32)| earth.draw(&alter(view), size);
     let limb = silhouette(&view(), &FIGURE, SIZE, &mut draw).expect("strips");
@@ -200,7 +203,7 @@ fn a_view_without_a_limb_is_told_that_of_the_whole_horizon() {
     let place = Geodetic::from_degrees(10.0, 10.0, 2e5);
     let eye = FIGURE.itrf_from_geodetic(place);
     let view = EyeView::itrf(eye, -eye, glam::DVec3::Z, 0.8, 16.0 / 9.0);
-    let mut earth = places_earth(48);
+    let mut earth = geolocation_renderer(48);
     let mut draw = |view: &EyeView, size: (u32, u32)| earth.draw(view, size);
     let limb = silhouette(&view, &FIGURE, (640, 360), &mut draw).expect("strips");
     println!("{limb:?}");

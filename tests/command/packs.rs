@@ -3,7 +3,7 @@
 use crate::{Place, png_size, words};
 use image::{Rgb, RgbImage};
 use std::path::PathBuf;
-use terrella::measure::bench::{Report, Row};
+use terrella::measure::bench::{BenchReport, BenchRow};
 use terrella::play::Stats;
 
 /// A place with a pack of a map with coasts and waves, in both storages.
@@ -237,7 +237,7 @@ fn a_pack_is_measured_with_its_levels() {
         "-q", "bench", "a.toml", "--frames", "1", "--size", "64x36", "--json", "a.json",
     ]);
     let text = std::fs::read_to_string(place.path("a.json")).expect("a report");
-    let report: Report = serde_json::from_str(&text).expect("a report");
+    let report: BenchReport = serde_json::from_str(&text).expect("a report");
     let names: Vec<_> = report.features.iter().map(|f| f.name.as_str()).collect();
     assert_eq!(names, ["tiles", "multisampling"]);
     assert!(
@@ -247,7 +247,7 @@ fn a_pack_is_measured_with_its_levels() {
     );
     assert!(report.features[0].shader_bytes > 0, "{:?}", report.features);
     assert_eq!(report.scene["maps"], "day 256x128");
-    let most = |row: &Row| row.levels.iter().sum::<u32>();
+    let most = |row: &BenchRow| row.levels.iter().sum::<u32>();
     for row in &report.rows {
         assert!(most(row) <= row.blocks_drawn, "{row:?}");
         assert!(row.levels.len() <= 3, "{row:?}");

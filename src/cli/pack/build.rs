@@ -9,7 +9,7 @@ use terrella::imagery::build::{BuildOptions, BuildProgress, DEFAULT_MEMORY_BYTES
 use terrella::imagery::tile::{MapLayer, Storage};
 use terrella::play::Progress;
 
-/// What `pack build` takes.
+/// Arguments of `terrella pack build`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Maps are equirectangular PNG, JPEG or (Geo)TIFF files of the whole Earth, twice as wide as \
@@ -25,7 +25,7 @@ pub struct BuildArgs {
     /// Normal map in tangent space: red east, green north, blue up, middle 128
     #[arg(long, value_name = "MAP", conflicts_with = "elevation")]
     normals: Option<PathBuf>,
-    /// Elevations in metres, to make slopes of: 16-bit PNG, or TIFF of 16-bit or float samples
+    /// Elevations in metres, from which slopes are computed: 16-bit PNG, or TIFF of 16-bit or float samples
     #[arg(long, value_name = "MAP")]
     elevation: Option<PathBuf>,
     /// City lights: grey, or the luminance of colour
@@ -37,16 +37,16 @@ pub struct BuildArgs {
     /// The pack's folder
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// What the pack is called [default: as its folder]
+    /// Name of the pack [default: its folder's]
     #[arg(long)]
     name: Option<String>,
-    /// Whose data it is; may be given several times
+    /// Attribution of the data; may be given several times
     #[arg(long, value_name = "TEXT")]
     attribution: Vec<String>,
-    /// How tiles are kept: plain for software adapters, bc for graphics cards
+    /// Format of the tiles: plain for software adapters, bc for graphics cards
     #[arg(long, value_enum, default_value_t = StorageArg::Both)]
     storage: StorageArg,
-    /// Most memory to take, megabytes
+    /// Memory limit, megabytes
     #[arg(long, value_name = "MB", default_value_t = DEFAULT_MEMORY_BYTES / 1_000_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     memory: u64,
     /// Levels of a map in pixels per block (a 16th of its width), the finest first, as in day=5400,2700,1350,256; may
@@ -56,7 +56,7 @@ pub struct BuildArgs {
     /// How many times steeper than the truth slopes are, with --elevation
     #[arg(long, value_name = "TIMES", default_value_t = SLOPE_EXAGGERATION, requires = "elevation")]
     exaggeration: f64,
-    /// What is subtracted from elevations, metres [default: 11000 for PNG, 0 for TIFF]
+    /// Metres to subtract from elevations [default: 11000 for PNG, 0 for TIFF]
     #[arg(
         long,
         value_name = "METRES",
@@ -64,7 +64,7 @@ pub struct BuildArgs {
         allow_negative_numbers = true
     )]
     elevation_offset: Option<f64>,
-    /// Throw away what the folder holds of another build or a finished pack
+    /// Discard an unfinished build or a finished pack in the folder
     #[arg(long)]
     restart: bool,
 }

@@ -13,7 +13,7 @@ pub struct InfoArgs {
     dir: PathBuf,
 }
 
-/// Runs it.
+/// Prints the pack's contents.
 pub fn run(args: &InfoArgs) -> anyhow::Result<()> {
     let pack = Pack::open(&args.dir)?;
     let mut text = String::new();

@@ -19,7 +19,7 @@ pub struct PackArgs {
 enum PackCommand {
     /// Build a pack from maps of the whole Earth
     Build(Box<build::BuildArgs>),
-    /// Say what a pack holds: maps, levels, sizes, attribution
+    /// List what a pack holds: maps, levels, sizes, attribution
     Info(info::InfoArgs),
     /// Read every tile of a pack and name the bad ones
     ///
@@ -30,7 +30,7 @@ enum PackCommand {
     Preview(preview::PreviewArgs),
 }
 
-/// Runs it.
+/// Runs one of the commands for packs.
 pub fn run(args: &PackArgs, common: &Common) -> anyhow::Result<()> {
     match &args.command {
         PackCommand::Build(args) => build::run(args, common),
@@ -55,10 +55,10 @@ mod tests {
     use super::bytes;
 
     #[test]
-    fn bytes_are_told_in_the_unit_that_fits() {
-        let told = [0, 999, 1_000, 27_540, 1_500_000, 1_020_000_000].map(bytes);
+    fn bytes_have_the_unit_that_fits() {
+        let texts = [0, 999, 1_000, 27_540, 1_500_000, 1_020_000_000].map(bytes);
         assert_eq!(
-            told,
+            texts,
             ["0 B", "999 B", "1.0 kB", "27.5 kB", "1.5 MB", "1.02 GB"]
         );
     }

@@ -15,12 +15,12 @@ pub struct PreviewArgs {
     /// The picture to write
     #[arg(short, long, value_name = "SHEET.png")]
     output: PathBuf,
-    /// Which of its tiles to show, instead of the first kind it holds
+    /// Format of the tiles to show [default: the first that the pack holds]
     #[arg(long, value_name = "KIND")]
     storage: Option<StorageName>,
 }
 
-/// How tiles are kept.
+/// Formats of tiles.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum StorageName {
     /// Uncompressed texels
@@ -29,7 +29,7 @@ enum StorageName {
     Bc,
 }
 
-/// Runs it. Bad tiles are magenta on the sheet and told as warnings.
+/// Writes the contact sheet. Bad tiles are magenta on it and logged as warnings.
 pub fn run(args: &PreviewArgs) -> anyhow::Result<()> {
     let pack = Arc::new(Pack::open(&args.dir)?);
     let file = PendingFile::create(&args.output, "contact sheets", "png")?;

@@ -8,8 +8,8 @@ use std::path::PathBuf;
 use terrella::imagery::pack::{VerifyReport, verify};
 use terrella::play::Progress;
 
-/// Most lines of files that do not belong.
-const SHOWN_STRANGERS: usize = 20;
+/// Most files that do not belong to the pack which are listed.
+const MAX_SHOWN_STRANGERS: usize = 20;
 
 /// Arguments of `terrella pack verify`.
 #[derive(Debug, Args)]
@@ -18,7 +18,7 @@ pub struct VerifyArgs {
     dir: PathBuf,
 }
 
-/// Runs it. A bad tile is a failure.
+/// Reads every tile and prints the bad ones. A bad tile is a failure.
 pub fn run(args: &VerifyArgs, common: &Common) -> anyhow::Result<()> {
     let bars = Bars::new(common.quiet);
     let report = verify(&args.dir, |done, total| match done {
@@ -26,11 +26,11 @@ pub fn run(args: &VerifyArgs, common: &Common) -> anyhow::Result<()> {
         _ => bars.step(),
     })?;
     bars.end();
-    let told = describe(&report);
+    let text = describe(&report);
     if report.is_good() {
-        return if common.quiet { Ok(()) } else { print(&told) };
+        return if common.quiet { Ok(()) } else { print(&text) };
     }
-    print(&told)?;
+    print(&text)?;
     anyhow::bail!(
         "{}: {} of {} tiles are bad; build the pack again",
         args.dir.display(),
@@ -45,11 +45,13 @@ fn describe(report: &VerifyReport) -> String {
     for tile in &report.bad {
         let _ = writeln!(text, "bad       {}: {}", tile.path.display(), tile.cause);
     }
-    for path in report.strangers.iter().take(SHOWN_STRANGERS) {
+    for path in report.strangers.iter().take(MAX_SHOWN_STRANGERS) {
         let path = path.display().to_string();
         let _ = writeln!(text, "no tile   {}", path.escape_debug());
     }
-    let more = report.stranger_count.saturating_sub(SHOWN_STRANGERS as u64);
+    let more = report
+        .stranger_count
+        .saturating_sub(MAX_SHOWN_STRANGERS as u64);
     if more > 0 {
         let _ = writeln!(text, "no tile   and {more} more");
     }

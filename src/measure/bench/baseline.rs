@@ -1,7 +1,7 @@
 //! A run held against an earlier one: the same scene, size and adapter, and only ratios.
 
 use super::error::BenchError;
-use super::report::{Report, Row};
+use super::report::{BenchReport, BenchRow};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -9,12 +9,12 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug)]
 pub struct Baseline {
     path: PathBuf,
-    report: Report,
+    report: BenchReport,
 }
 
 /// A row now and then.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Change {
+pub struct RowChange {
     /// Height and path.
     pub row: String,
     /// Frame over floor in the baseline.
@@ -23,7 +23,7 @@ pub struct Change {
     pub now: f64,
 }
 
-impl Change {
+impl RowChange {
     /// By how much it is slower, 0.1 being a tenth; negative where it is faster.
     pub fn slower_by(&self) -> f64 {
         self.now / self.before - 1.0
@@ -34,8 +34,8 @@ impl Change {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// In the order of the rows.
-    pub changes: Vec<Change>,
-    /// Part by which a row may be slower.
+    pub changes: Vec<RowChange>,
+    /// FeatureKind by which a row may be slower.
     pub tolerance: f64,
 }
 
@@ -43,11 +43,11 @@ impl Baseline {
     /// Reads one.
     ///
     /// # Errors
-    /// As [`Report::load`].
+    /// As [`BenchReport::load`].
     pub fn load(path: &Path) -> Result<Self, BenchError> {
         Ok(Self {
             path: path.into(),
-            report: Report::load(path)?,
+            report: BenchReport::load(path)?,
         })
     }
 
@@ -55,9 +55,9 @@ impl Baseline {
     ///
     /// # Errors
     /// The first difference.
-    pub fn check_settings(&self, run: &Report) -> Result<(), BenchError> {
+    pub fn check_settings(&self, run: &BenchReport) -> Result<(), BenchError> {
         let there = &self.report;
-        let size = |report: &Report| format!("{} × {}", report.size[0], report.size[1]);
+        let size = |report: &BenchReport| format!("{} × {}", report.size[0], report.size[1]);
         self.same("size", size(there), size(run))?;
         self.same("frames", there.frames, run.frames)?;
         let value = |of: &BTreeMap<String, String>, key: &str| {
@@ -74,7 +74,7 @@ impl Baseline {
     ///
     /// # Errors
     /// The first difference.
-    pub fn check_all(&self, run: &Report) -> Result<(), BenchError> {
+    pub fn check_all(&self, run: &BenchReport) -> Result<(), BenchError> {
         let there = &self.report;
         self.same("adapter", &there.adapter, &run.adapter)?;
         self.same("backend", &there.backend, &run.backend)?;
@@ -116,14 +116,15 @@ impl Baseline {
     ///
     /// # Errors
     /// A row that only one of them has.
-    pub fn compare(&self, run: &Report, tolerance: f64) -> Result<Comparison, BenchError> {
+    pub fn compare(&self, run: &BenchReport, tolerance: f64) -> Result<Comparison, BenchError> {
         self.check_all(run)?;
-        let names = |report: &Report| report.rows.iter().map(Row::name).collect::<Vec<_>>();
+        let names =
+            |report: &BenchReport| report.rows.iter().map(BenchRow::name).collect::<Vec<_>>();
         self.same("the list of rows", names(&self.report), names(run))?;
         let pairs = self.report.rows.iter().zip(&run.rows);
         Ok(Comparison {
             changes: pairs
-                .map(|(there, here)| Change {
+                .map(|(there, here)| RowChange {
                     row: here.name(),
                     before: there.floor_ratio,
                     now: here.floor_ratio,
@@ -140,7 +141,7 @@ impl Comparison {
     /// # Errors
     /// [`BenchError::Slower`].
     pub fn verdict(&self) -> Result<(), BenchError> {
-        let beyond = |change: &&Change| change.slower_by() > self.tolerance;
+        let beyond = |change: &&RowChange| change.slower_by() > self.tolerance;
         let slower = self.changes.iter().filter(beyond);
         let worst = slower
             .clone()

@@ -100,7 +100,7 @@ pub fn sees_block(ellipsoid: &Ellipsoid, block: Block, eye_itrf_m: DVec3) -> boo
 mod tests {
     use super::*;
     use crate::frames::Geodetic;
-    use crate::measure::{GroundPath, STATIONS};
+    use crate::measure::{EYE_HEIGHTS, GroundPath};
 
     fn grid() -> BlockGrid {
         BlockGrid::new(Ellipsoid::WGS84, 6).expect("a sound subdivision")
@@ -131,8 +131,8 @@ mod tests {
     fn a_dense_scan_agrees() {
         let ellipsoid = Ellipsoid::WGS84;
         let (mut scanned, mut exact) = (0, 0);
-        for station in STATIONS {
-            let motion = GroundPath::Inclined.motion(&ellipsoid, station.height_km * 1e3, 0.37);
+        for height in EYE_HEIGHTS {
+            let motion = GroundPath::Inclined.motion(&ellipsoid, height.height_km * 1e3, 0.37);
             let eye = motion.position_itrf_m;
             for block in Block::all() {
                 let is_seen = sees_block(&ellipsoid, block, eye);
@@ -144,7 +144,7 @@ mod tests {
                         (eye - ellipsoid.surface_point(normal)).dot(normal) > 0.0
                     })
                 });
-                assert!(is_seen || !scan, "{block:?} from {} km", station.height_km);
+                assert!(is_seen || !scan, "{block:?} from {} km", height.height_km);
                 scanned += u32::from(scan);
                 exact += u32::from(is_seen);
             }
@@ -156,14 +156,14 @@ mod tests {
     fn drawing_loses_none_and_the_paper_s_rule_does() {
         let grid = grid();
         let mut paper_lost = 0;
-        for station in STATIONS {
+        for height in EYE_HEIGHTS {
             for path in GroundPath::ALL {
                 for step in 0..23 {
                     let part = f64::from(step) / 23.0;
-                    let motion = path.motion(&grid.ellipsoid(), station.height_km * 1e3, part);
+                    let motion = path.motion(&grid.ellipsoid(), height.height_km * 1e3, part);
                     let eye = motion.position_itrf_m;
                     let counts = BlockCounts::of(&grid, Visibility::Conservative, eye);
-                    assert_eq!(counts.lost, 0, "{} km, {part}", station.height_km);
+                    assert_eq!(counts.lost, 0, "{} km, {part}", height.height_km);
                     paper_lost += counts.lost_paper_rule;
                 }
             }

@@ -33,7 +33,7 @@ pub enum BenchError {
     NoBaseline {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Why it is none.
         what: String,
     },
     /// The baseline is of something else.
@@ -73,7 +73,7 @@ pub enum BenchError {
         rows: usize,
         /// The tolerance, per cent.
         tolerance_pct: f64,
-        /// The worst row, in words.
+        /// The worst row and its ratios, as text.
         worst: String,
     },
 }

@@ -4,8 +4,8 @@ use super::report::Feature;
 use super::rows::rounded;
 use crate::gpu::{BcSupport, GpuContext};
 use crate::imagery::tile::MapLayer;
-use crate::measure::rig::milliseconds;
-use crate::measure::{Quantiles, Rig};
+use crate::measure::frame_timer::milliseconds;
+use crate::measure::{FrameTimer, median};
 use crate::play::clock::frame_epoch;
 use crate::play::{
     Flight, Measured, Moment, Picture, PlayError, Progress, earth_options, target_bytes,
@@ -18,7 +18,7 @@ const WARM_UP: u32 = 2;
 
 /// A layer or an effect that can be switched off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum FeatureKind {
     Map(MapLayer),
     Atmosphere,
     Tiles,
@@ -26,15 +26,15 @@ pub(super) enum Part {
     Anisotropy,
 }
 
-impl Part {
+impl FeatureKind {
     /// Those that a scene has on.
     pub fn on(options: &EarthOptions, gpu: &GpuContext) -> Vec<Self> {
         let layers = MapLayer::ALL.into_iter();
-        let mut parts: Vec<_> = layers
+        let mut kinds: Vec<_> = layers
             .filter(|layer| *layer != MapLayer::Day && options.layers.get(*layer).is_some())
             .map(Self::Map)
             .collect();
-        for (part, is_on) in [
+        for (kind, is_on) in [
             (Self::Atmosphere, options.atmosphere != Atmosphere::None),
             (Self::Tiles, options.tiles.is_some()),
             (Self::Multisampling, options.samples > 1),
@@ -45,10 +45,10 @@ impl Part {
             ),
         ] {
             if is_on {
-                parts.push(part);
+                kinds.push(kind);
             }
         }
-        parts
+        kinds
     }
 
     fn name(self) -> &'static str {
@@ -62,7 +62,7 @@ impl Part {
     }
 
     /// The scene's options without it, all else as it was.
-    fn left_out(
+    fn options_without(
         self,
         scene: &Scene,
         options: &EarthOptions,
@@ -100,31 +100,31 @@ impl Part {
     }
 }
 
-/// Times the scene with and without a part, turn about, along the scene's own flight; `None` where the work is no longer
-/// wanted. `options` are those that `rig` was made with.
+/// Times the scene with and without a feature, turn about, along the scene's own flight; `None` where the work is no longer
+/// wanted. `options` are those that `timer` was made with.
 pub(super) fn measure(
-    part: Part,
+    kind: FeatureKind,
     flight: &Flight,
-    rig: &mut Rig,
+    timer: &mut FrameTimer,
     options: &EarthOptions,
     frames: u32,
     progress: &dyn Progress,
 ) -> Result<Option<Feature>, PlayError> {
     let scene = flight.scene();
-    let gpu = rig.picture().gpu().clone();
-    let size = rig.picture().size();
-    let less = part.left_out(scene, options, gpu.bc_support())?;
+    let gpu = timer.picture().gpu().clone();
+    let size = timer.picture().size();
+    let less = kind.options_without(scene, options, gpu.bc_support())?;
     let less_samples = less.samples;
     let mut less = Picture::open(gpu, less, size)?;
     let aspect = less.aspect();
-    let of_flight = scene.time.frame_count();
+    let flight_frames = scene.time.frame_count();
     let moment = |n: u32| {
-        let index = of_flight * u64::from(n) / u64::from(frames);
+        let index = flight_frames * u64::from(n) / u64::from(frames);
         flight.at(frame_epoch(&scene.time, index), aspect)
     };
     let first = moment(0)?;
     for _ in 0..WARM_UP {
-        timed(rig.picture_mut(), &first, scene)?;
+        timed(timer.picture_mut(), &first, scene)?;
         timed(&mut less, &first, scene)?;
     }
     let (mut with, mut without, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
@@ -136,11 +136,11 @@ pub(super) fn measure(
         let moment = moment(n)?;
         // Neither is always the first.
         let (a, b) = if n % 2 == 0 {
-            let a = timed(rig.picture_mut(), &moment, scene)?;
+            let a = timed(timer.picture_mut(), &moment, scene)?;
             (a, timed(&mut less, &moment, scene)?)
         } else {
             let b = timed(&mut less, &moment, scene)?;
-            (timed(rig.picture_mut(), &moment, scene)?, b)
+            (timed(timer.picture_mut(), &moment, scene)?, b)
         };
         let (a_ms, b_ms) = (milliseconds(a.frame), milliseconds(b.frame));
         with.push(a_ms);
@@ -153,12 +153,12 @@ pub(super) fn measure(
         target_bytes(size, options.samples),
         target_bytes(size, less_samples),
     );
-    let shader = [rig.picture(), &less].map(|picture| picture.earth().diagnostics().shader_bytes);
+    let shader = [timer.picture(), &less].map(|picture| picture.earth().diagnostics().shader_bytes);
     Ok(Some(Feature {
-        name: part.name().to_owned(),
-        frame_ms_with: rounded(Quantiles::of(&with).median),
-        frame_ms_without: rounded(Quantiles::of(&without).median),
-        frame_ratio: rounded(Quantiles::of(&ratios).median),
+        name: kind.name().to_owned(),
+        frame_ms_with: rounded(median(&with)),
+        frame_ms_without: rounded(median(&without)),
+        frame_ratio: rounded(median(&ratios)),
         texture_bytes: difference(texture_bytes[0], texture_bytes[1]) + targets,
         shader_bytes: difference(shader[0], shader[1]),
     }))

@@ -12,7 +12,7 @@
 //! | `table`, `plots` | what a person reads |
 //!
 //! Times of a shared or unknown machine cannot be compared with others. So each frame is timed beside its
-//! [`Floor`](super::Floor) and a bare clear, turn about, and the ratio of frame and floor is what is told first and what a
+//! [`Floor`](super::Floor) and a bare clear, turn about, and the ratio of frame and floor is what is printed first and what a
 //! baseline is held to.
 
 mod baseline;
@@ -28,8 +28,8 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub use baseline::{Baseline, Change, Comparison};
+pub use baseline::{Baseline, Comparison, RowChange};
 pub use blocks::{BlockCounts, sees_block};
 pub use error::BenchError;
-pub use report::{Feature, Report, Row, VERSION};
-pub use run::{BenchRequest, Outcome, run_bench};
+pub use report::{BenchReport, BenchRow, Feature, VERSION};
+pub use run::{BenchRequest, BenchRun, run_bench};

@@ -1,13 +1,13 @@
 //! The charts of a run.
 
-use super::report::{Report, Row};
+use super::report::{BenchReport, BenchRow};
 use crate::measure::{Chart, GroundPath, Point, Series};
 
 /// Names of the files, in the order of [`charts`].
 pub(super) const NAMES: [&str; 3] = ["frames_per_s.svg", "floor_ratio.svg", "features.svg"];
 
 /// Frames per second and frame over floor by height, and the features' costs.
-pub(super) fn charts(report: &Report) -> [Chart; 3] {
+pub(super) fn charts(report: &BenchReport) -> [Chart; 3] {
     let [width, height] = report.size;
     let run = format!("{width} × {height}, {} samples", report.samples);
     let by_height = |title: String, y_name: &str, series| Chart {
@@ -61,7 +61,7 @@ pub(super) fn charts(report: &Report) -> [Chart; 3] {
     ]
 }
 
-fn by_path(report: &Report, value: impl Fn(&Row) -> Option<f64> + Copy) -> Vec<Series> {
+fn by_path(report: &BenchReport, value: impl Fn(&BenchRow) -> Option<f64> + Copy) -> Vec<Series> {
     let series = GroundPath::ALL.map(|path| Series {
         name: match path {
             GroundPath::Equatorial => "along the equator".into(),
@@ -74,8 +74,8 @@ fn by_path(report: &Report, value: impl Fn(&Row) -> Option<f64> + Copy) -> Vec<S
 }
 
 fn points<'r>(
-    rows: impl Iterator<Item = &'r Row>,
-    value: impl Fn(&Row) -> Option<f64>,
+    rows: impl Iterator<Item = &'r BenchRow>,
+    value: impl Fn(&BenchRow) -> Option<f64>,
 ) -> Vec<Point> {
     rows.filter_map(|row| Some(Point::new(row.height_km, value(row)?)))
         .collect()

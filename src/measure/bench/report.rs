@@ -14,7 +14,7 @@ const MAX_BYTES: u64 = 2 << 20;
 /// One run of the harness.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Report {
+pub struct BenchReport {
     /// Layout of the file: [`VERSION`].
     pub version: u32,
     /// Whether the run was interrupted: then rows or features are missing.
@@ -36,7 +36,7 @@ pub struct Report {
     /// A pass that clears and draws nothing, likewise, milliseconds.
     pub clear_ms: f64,
     /// One for each height and path.
-    pub rows: Vec<Row>,
+    pub rows: Vec<BenchRow>,
     /// What each layer and effect costs.
     pub features: Vec<Feature>,
 }
@@ -44,7 +44,7 @@ pub struct Report {
 /// One height along one path. Counts are the largest of all frames.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Row {
+pub struct BenchRow {
     /// Height of the eye above the ellipsoid, kilometres.
     pub height_km: f64,
     /// The way that it flies.
@@ -106,7 +106,7 @@ pub struct Feature {
     pub shader_bytes: i64,
 }
 
-impl Report {
+impl BenchReport {
     /// As indented JSON with a line end.
     pub fn to_json(&self) -> String {
         // Numbers, strings, lists and maps of strings cannot fail to be written; the error is kept for the type's sake.
@@ -145,7 +145,7 @@ impl Report {
         Ok(report)
     }
 
-    /// What is wrong with it, if anything is.
+    /// Refuses what no complete run of this version writes; answers why.
     fn check(&self) -> Result<(), String> {
         if self.version != VERSION {
             return Err(format!(
@@ -190,7 +190,7 @@ impl Report {
     }
 }
 
-impl Row {
+impl BenchRow {
     /// Height and path, as in messages.
     pub fn name(&self) -> String {
         format!("{} km, {}", self.height_km, self.path.name())

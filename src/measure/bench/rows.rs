@@ -1,11 +1,11 @@
 //! One height along one path: frames, their floor, the times of the passes, the counts.
 
 use super::blocks::BlockCounts;
-use super::report::Row;
+use super::report::BenchRow;
 use crate::globe::Meshes;
 use crate::gpu::GpuTimer;
 use crate::imagery::tile::MAX_LEVELS;
-use crate::measure::{GroundPath, Quantiles, Rig, Station, jank};
+use crate::measure::{EyeHeight, FrameTimer, GroundPath, Quantiles, jank, median};
 use crate::play::{PlayError, Progress};
 use crate::scene::Scene;
 use crate::{EyeView, FrameStats, Sky};
@@ -19,17 +19,17 @@ const TIMED_PASSES: u32 = 8;
 /// What all rows have in common.
 pub(super) struct RowMeter<'a> {
     pub scene: &'a Scene,
-    pub rig: &'a mut Rig,
-    pub timer: Option<&'a GpuTimer>,
+    pub timer: &'a mut FrameTimer,
+    pub gpu_timer: Option<&'a GpuTimer>,
     pub meshes: Meshes,
     pub sky: Sky,
     pub frames: u32,
     pub progress: &'a dyn Progress,
 }
 
-/// A row, and what is told of it elsewhere.
-pub(super) struct Measurement {
-    pub row: Row,
+/// A row, and what the report as a whole needs of it.
+pub(super) struct MeasuredRow {
+    pub row: BenchRow,
     /// Median of the bare clear, milliseconds.
     pub clear_ms: f64,
     /// Most tiles that a frame had to do without.
@@ -47,47 +47,46 @@ impl RowMeter<'_> {
     /// Measures a row; `None` where the work is no longer wanted.
     pub fn measure(
         &mut self,
-        station: &Station,
+        height: &EyeHeight,
         path: GroundPath,
-    ) -> Result<Option<Measurement>, PlayError> {
+    ) -> Result<Option<MeasuredRow>, PlayError> {
         let wait = self.scene.output.wait();
         let (mut prepare, mut frame, mut floor) = (Vec::new(), Vec::new(), Vec::new());
         let (mut clear, mut ratios) = (Vec::new(), Vec::new());
         let mut counts = Counts::default();
         let mut missing_tiles = 0;
-        let first = self.view(station, path, 0, self.frames);
+        let first = self.view(height, path, 0, self.frames);
         for _ in 0..WARM_UP {
-            self.rig.complete(&first, &self.sky, wait);
-            self.rig.sample(&first, &self.sky)?;
+            self.timer.wait_for_tiles(&first, &self.sky, wait);
+            self.timer.time_frame_and_floor(&first, &self.sky)?;
         }
         for n in 0..self.frames {
             if self.progress.cancelled() {
                 return Ok(None);
             }
-            let view = self.view(station, path, n, self.frames);
+            let view = self.view(height, path, n, self.frames);
             // Rows are compared as they look once all tiles are there.
-            missing_tiles = missing_tiles.max(self.rig.complete(&view, &self.sky, wait));
-            let sample = self.rig.sample(&view, &self.sky)?;
-            clear.push(self.rig.clear_ms()?);
-            prepare.push(sample.prepare_ms);
-            frame.push(sample.frame_ms);
-            floor.push(sample.floor_ms);
-            ratios.push(sample.frame_ms / sample.floor_ms.max(1e-6));
-            counts.add(&sample.stats);
+            missing_tiles = missing_tiles.max(self.timer.wait_for_tiles(&view, &self.sky, wait));
+            let times = self.timer.time_frame_and_floor(&view, &self.sky)?;
+            clear.push(self.timer.clear_ms()?);
+            prepare.push(times.prepare_ms);
+            frame.push(times.frame_ms);
+            floor.push(times.floor_ms);
+            ratios.push(times.frame_ms / times.floor_ms.max(1e-6));
+            counts.add(&times.stats);
             let eye_itrf_m = view.to_itrf().0;
-            let drawn = self.meshes.with_cells(sample.stats.subdivision);
+            let drawn = self.meshes.with_cells(times.stats.subdivision);
             let grid = drawn.unwrap_or(self.meshes.grid());
             let blocks = BlockCounts::of(grid, self.scene.earth.visibility, eye_itrf_m);
             counts.blocks = counts.blocks.max(blocks);
         }
-        let gpu_ms = self.passes(station, path)?;
-        let median = |times: &[f64]| Quantiles::of(times).median;
+        let gpu_ms = self.passes(height, path)?;
         let (stats, blocks) = (&counts.stats, &counts.blocks);
         let frame_ms = quantiles(&frame);
         let used = stats.day_levels.iter().rposition(|blocks| *blocks > 0);
-        Ok(Some(Measurement {
-            row: Row {
-                height_km: station.height_km,
+        Ok(Some(MeasuredRow {
+            row: BenchRow {
+                height_km: height.height_km,
                 path,
                 blocks_visible: stats.blocks_visible,
                 blocks_drawn: stats.blocks_drawn,
@@ -107,7 +106,7 @@ impl RowMeter<'_> {
                 // More than nothing, as a baseline must be.
                 floor_ratio: rounded(median(&ratios)).max(1e-3),
                 frames_per_s: rounded(1e3 / median(&frame).max(1e-6)),
-                paper_frames_per_s: station.paper_frames_per_s,
+                paper_frames_per_s: height.paper_frames_per_s,
             },
             clear_ms: median(&clear),
             missing_tiles,
@@ -117,52 +116,52 @@ impl RowMeter<'_> {
     /// Median time of each pass on the device, milliseconds.
     fn passes(
         &mut self,
-        station: &Station,
+        height: &EyeHeight,
         path: GroundPath,
     ) -> Result<BTreeMap<String, f64>, PlayError> {
         let mut times: BTreeMap<String, Vec<f64>> = BTreeMap::new();
-        let Some(timer) = self.timer else {
+        let Some(gpu_timer) = self.gpu_timer else {
             return Ok(BTreeMap::new());
         };
         let frames = self.frames.min(TIMED_PASSES);
         for n in 0..frames {
-            let view = self.view(station, path, n, frames);
-            self.rig
-                .complete(&view, &self.sky, self.scene.output.wait());
-            for (name, time) in self.rig.passes(&view, &self.sky, timer)? {
+            let view = self.view(height, path, n, frames);
+            self.timer
+                .wait_for_tiles(&view, &self.sky, self.scene.output.wait());
+            for (name, time) in self.timer.time_passes(&view, &self.sky, gpu_timer)? {
                 times.entry(name.to_owned()).or_default().push(time);
             }
         }
         let medians = times.into_iter();
         Ok(medians
-            .map(|(name, times)| (name, rounded(Quantiles::of(&times).median)))
+            .map(|(name, times)| (name, rounded(median(&times))))
             .collect())
     }
 
     /// The `n`-th of `frames` views, spread evenly over one turn.
-    fn view(&self, station: &Station, path: GroundPath, n: u32, frames: u32) -> EyeView {
+    fn view(&self, height: &EyeHeight, path: GroundPath, n: u32, frames: u32) -> EyeView {
         let camera = &self.scene.camera;
         path.view(
             &self.meshes.grid().ellipsoid(),
-            station.height_km * 1e3,
+            height.height_km * 1e3,
             f64::from(n) / f64::from(frames),
             camera.mode,
             camera.fov_deg.to_radians(),
-            self.rig.picture().aspect(),
+            self.timer.picture().aspect(),
         )
     }
 }
 
 impl Counts {
     fn add(&mut self, stats: &FrameStats) {
-        let most = &mut self.stats;
-        most.blocks_visible = most.blocks_visible.max(stats.blocks_visible);
-        most.blocks_drawn = most.blocks_drawn.max(stats.blocks_drawn);
-        most.triangles = most.triangles.max(stats.triangles);
-        most.draw_calls = most.draw_calls.max(stats.draw_calls);
-        most.uploaded_bytes = most.uploaded_bytes.max(stats.uploaded_bytes);
+        let max = &mut self.stats;
+        max.blocks_visible = max.blocks_visible.max(stats.blocks_visible);
+        max.blocks_drawn = max.blocks_drawn.max(stats.blocks_drawn);
+        max.triangles = max.triangles.max(stats.triangles);
+        max.draw_calls = max.draw_calls.max(stats.draw_calls);
+        max.uploaded_bytes = max.uploaded_bytes.max(stats.uploaded_bytes);
         for level in 0..MAX_LEVELS {
-            most.day_levels[level] = most.day_levels[level].max(stats.day_levels[level]);
+            max.day_levels[level] = max.day_levels[level].max(stats.day_levels[level]);
         }
     }
 }

@@ -2,15 +2,15 @@
 
 use super::baseline::{Baseline, Comparison};
 use super::error::BenchError;
-use super::features::{self, Part};
+use super::features::{self, FeatureKind};
 use super::plots;
-use super::report::{Report, VERSION};
+use super::report::{BenchReport, VERSION};
 use super::rows::{RowMeter, rounded};
 use super::settings;
 use super::table;
 use crate::globe::Meshes;
 use crate::gpu::{GpuContext, GpuTimer};
-use crate::measure::{GroundPath, Quantiles, Rig, STATIONS};
+use crate::measure::{EYE_HEIGHTS, FrameTimer, GroundPath, median};
 use crate::play::{Flight, OutputError, PendingFile, PlayError, Progress};
 use crate::{EarthError, EarthOptions};
 use std::num::NonZeroU32;
@@ -23,7 +23,7 @@ pub struct BenchRequest<'r> {
     pub frames: NonZeroU32,
     /// Width and height, pixels; `None` is the scene's.
     pub size: Option<(u32, u32)>,
-    /// Part of the adapter's name; `None` takes the best.
+    /// FeatureKind of the adapter's name; `None` takes the best.
     pub adapter: Option<&'r str>,
     /// Where the report goes.
     pub json: Option<&'r Path>,
@@ -33,25 +33,25 @@ pub struct BenchRequest<'r> {
     pub plots: Option<&'r Path>,
     /// An earlier report to compare with.
     pub baseline: Option<&'r Path>,
-    /// Part by which a row's frame over floor may exceed the baseline's.
+    /// FeatureKind by which a row's frame over floor may exceed the baseline's.
     pub tolerance: f64,
 }
 
-/// What came of a run. Its files are written.
+/// A finished or interrupted run. Its files are written.
 #[derive(Clone, Debug)]
-pub struct Outcome {
+pub struct BenchRun {
     /// The report.
-    pub report: Report,
+    pub report: BenchReport,
     /// The comparison with the baseline, if one was given and the run is complete.
     pub comparison: Option<Comparison>,
     /// What a reader of the numbers should know.
     pub notices: Vec<String>,
 }
 
-impl Outcome {
+impl BenchRun {
     /// Headline, rows, features, comparison and notices, as a person reads them.
     pub fn to_table(&self) -> String {
-        table::text(self)
+        table::text(&self.report, self.comparison.as_ref(), &self.notices)
     }
 
     /// Whether the run is complete and no slower than the baseline.
@@ -62,7 +62,7 @@ impl Outcome {
         if self.report.partial {
             return Err(BenchError::Interrupted {
                 done: self.report.rows.len(),
-                wanted: STATIONS.len() * GroundPath::ALL.len(),
+                wanted: EYE_HEIGHTS.len() * GroundPath::ALL.len(),
             });
         }
         match &self.comparison {
@@ -104,7 +104,7 @@ impl Outputs {
         })
     }
 
-    fn write(self, report: &Report) -> Result<(), BenchError> {
+    fn write(self, report: &BenchReport) -> Result<(), BenchError> {
         if let Some(file) = self.json {
             file.write_whole(report.to_json().as_bytes())?;
         }
@@ -130,16 +130,16 @@ impl Outputs {
 ///
 /// # Errors
 /// Files that cannot be written and a baseline that is none or of something else, before anything is drawn; then what
-/// adapter, maps and drawing say. A slow or interrupted run is no error here: [`Outcome::verdict`].
+/// adapter, maps and drawing say. A slow or interrupted run is no error here: [`BenchRun::verdict`].
 pub fn run_bench(
     flight: &Flight,
     request: &BenchRequest<'_>,
     progress: &dyn Progress,
-) -> Result<Outcome, BenchError> {
+) -> Result<BenchRun, BenchError> {
     let scene = flight.scene();
     let size = request.size.unwrap_or(scene.output.size.into());
     let baseline = request.baseline.map(Baseline::load).transpose()?;
-    let mut report = Report {
+    let mut report = BenchReport {
         version: VERSION,
         partial: false,
         adapter: String::new(),
@@ -162,12 +162,12 @@ pub fn run_bench(
     let gpu = pollster::block_on(open).map_err(PlayError::from)?;
     progress.begin("loading maps", None);
     let options = flight.earth_options(gpu.bc_support())?;
-    let mut rig = Rig::new(&gpu, &options, size)?;
+    let mut timer = FrameTimer::new(&gpu, &options, size)?;
     progress.end();
-    let info = rig.picture().adapter_info();
+    let info = timer.picture().adapter_info();
     report.adapter = info.name;
     report.backend = info.backend.to_string();
-    report.samples = rig.picture().samples();
+    report.samples = timer.picture().samples();
     report.scene.extend([settings::of_maps(&options)]);
     if let Some(baseline) = &baseline {
         baseline.check_all(&report)?;
@@ -177,13 +177,13 @@ pub fn run_bench(
         samples: report.samples,
         ..options
     };
-    let notices = measure(flight, &gpu, &mut rig, &options, &mut report, progress)?;
+    let notices = measure(flight, &gpu, &mut timer, &options, &mut report, progress)?;
     outputs.write(&report)?;
     let comparison = match &baseline {
         Some(baseline) if !report.partial => Some(baseline.compare(&report, request.tolerance)?),
         _ => None,
     };
-    Ok(Outcome {
+    Ok(BenchRun {
         report,
         comparison,
         notices,
@@ -194,20 +194,20 @@ pub fn run_bench(
 fn measure(
     flight: &Flight,
     gpu: &GpuContext,
-    rig: &mut Rig,
+    timer: &mut FrameTimer,
     options: &EarthOptions,
-    report: &mut Report,
+    report: &mut BenchReport,
     progress: &dyn Progress,
 ) -> Result<Vec<String>, BenchError> {
     let scene = flight.scene();
-    let timer = GpuTimer::new(&gpu.device, &gpu.queue);
-    let parts = Part::on(options, gpu);
-    let steps = STATIONS.len() * GroundPath::ALL.len() + parts.len();
+    let gpu_timer = GpuTimer::new(&gpu.device, &gpu.queue);
+    let features = FeatureKind::on(options, gpu);
+    let steps = EYE_HEIGHTS.len() * GroundPath::ALL.len() + features.len();
     progress.begin("rows and features", Some(steps as u64));
     let mut meter = RowMeter {
         scene,
-        rig,
-        timer: timer.as_ref(),
+        timer,
+        gpu_timer: gpu_timer.as_ref(),
         meshes: Meshes::new(options.figure.ellipsoid(), options.subdivision, 1)
             .map_err(|error| PlayError::from(EarthError::from(error)))?,
         sky: flight.sky_at(scene.time.start),
@@ -216,8 +216,8 @@ fn measure(
     };
     let (mut floors, mut clears, mut missing_tiles) = (Vec::new(), Vec::new(), 0);
     'rows: for path in GroundPath::ALL {
-        for station in &STATIONS {
-            let Some(measured) = meter.measure(station, path)? else {
+        for height in &EYE_HEIGHTS {
+            let Some(measured) = meter.measure(height, path)? else {
                 report.partial = true;
                 break 'rows;
             };
@@ -234,13 +234,20 @@ fn measure(
             progress.step();
         }
     }
-    report.floor_ms = rounded(Quantiles::of(&floors).median);
-    report.clear_ms = rounded(Quantiles::of(&clears).median);
-    for part in parts {
+    report.floor_ms = rounded(median(&floors));
+    report.clear_ms = rounded(median(&clears));
+    for feature in features {
         if report.partial {
             break;
         }
-        match features::measure(part, flight, meter.rig, options, report.frames, progress)? {
+        match features::measure(
+            feature,
+            flight,
+            meter.timer,
+            options,
+            report.frames,
+            progress,
+        )? {
             Some(feature) => report.features.push(feature),
             None => report.partial = true,
         }
@@ -250,7 +257,7 @@ fn measure(
     Ok(notices(report, gpu, missing_tiles))
 }
 
-fn notices(report: &Report, gpu: &GpuContext, missing_tiles: usize) -> Vec<String> {
+fn notices(report: &BenchReport, gpu: &GpuContext, missing_tiles: usize) -> Vec<String> {
     let mut notices = Vec::new();
     let has = gpu.device.features();
     if !has.contains(GpuTimer::FEATURES) {

@@ -1,9 +1,9 @@
 //! A run as text: for a person, and as comma-separated rows.
 
 use super::baseline::Comparison;
-use super::report::{Report, Row};
-use super::run::Outcome;
-use crate::measure::Quantiles;
+use super::report::{BenchReport, BenchRow};
+use crate::measure::output::csv_text;
+use crate::measure::{GroundPath, median};
 use std::fmt::Write;
 
 /// Adds a line; writing to a string does not fail.
@@ -13,9 +13,12 @@ macro_rules! line {
     }};
 }
 
-/// Headline, rows, features, comparison and notices.
-pub(super) fn text(outcome: &Outcome) -> String {
-    let report = &outcome.report;
+/// Headline, rows, features, comparison with a baseline and notices.
+pub(super) fn text(
+    report: &BenchReport,
+    comparison: Option<&Comparison>,
+    notices: &[String],
+) -> String {
     let mut out = String::new();
     let [width, height] = report.size;
     line!(
@@ -35,18 +38,18 @@ pub(super) fn text(outcome: &Outcome) -> String {
     if !report.features.is_empty() {
         features(&mut out, report);
     }
-    if let Some(comparison) = &outcome.comparison {
+    if let Some(comparison) = comparison {
         compared(&mut out, comparison);
     }
-    for notice in &outcome.notices {
+    for notice in notices {
         line!(out, "\nnote: {notice}");
     }
     out
 }
 
-fn headline(out: &mut String, report: &Report) {
+fn headline(out: &mut String, report: &BenchReport) {
     let ratios: Vec<_> = report.rows.iter().map(|row| row.floor_ratio).collect();
-    let by_ratio = |a: &&Row, b: &&Row| a.floor_ratio.total_cmp(&b.floor_ratio);
+    let by_ratio = |a: &&BenchRow, b: &&BenchRow| a.floor_ratio.total_cmp(&b.floor_ratio);
     let (Some(worst), Some(best)) = (
         report.rows.iter().max_by(by_ratio),
         report.rows.iter().min_by(by_ratio),
@@ -56,7 +59,7 @@ fn headline(out: &mut String, report: &Report) {
     line!(
         out,
         "frame over floor {:.2} (median of rows), worst {:.2} at {}, best {:.2} at {}",
-        Quantiles::of(&ratios).median,
+        median(&ratios),
         worst.floor_ratio,
         worst.name(),
         best.floor_ratio,
@@ -73,7 +76,7 @@ fn headline(out: &mut String, report: &Report) {
 /// The passes, as they are drawn.
 const PASSES: [&str; 2] = ["surface", "air"];
 
-fn rows(out: &mut String, report: &Report) {
+fn rows(out: &mut String, report: &BenchReport) {
     line!(
         out,
         "\n{:>7} {:<10} {:>6} {:^23} {:>7} {:^15} {:>8} {:>7} {:>6}",
@@ -169,7 +172,7 @@ fn rows(out: &mut String, report: &Report) {
             row.uploaded_bytes as f64 * 1e-3,
         );
     }
-    let lost = |of: fn(&Row) -> u32| report.rows.iter().map(of).max().unwrap_or(0);
+    let lost = |of: fn(&BenchRow) -> u32| report.rows.iter().map(of).max().unwrap_or(0);
     line!(
         out,
         "visible: above the horizon by the scene's rule; exact: in truth; paper's: by its rule; drawn: in the frustum\n\
@@ -180,7 +183,7 @@ fn rows(out: &mut String, report: &Report) {
     levels(out, report);
 }
 
-fn levels(out: &mut String, report: &Report) {
+fn levels(out: &mut String, report: &BenchReport) {
     if report.rows.iter().all(|row| row.levels.is_empty()) {
         return;
     }
@@ -199,7 +202,7 @@ fn levels(out: &mut String, report: &Report) {
     }
 }
 
-fn features(out: &mut String, report: &Report) {
+fn features(out: &mut String, report: &BenchReport) {
     line!(
         out,
         "\n{:<14} {:>10} {:>10} {:>8} {:>10} {:>9}   along the scene's own flight",
@@ -247,51 +250,76 @@ fn compared(out: &mut String, comparison: &Comparison) {
     }
 }
 
-/// One line for each row; times in milliseconds, lists separated by blanks.
-pub(super) fn csv(report: &Report) -> String {
-    let mut out = String::from(
-        "height_km,path,inclination_deg,blocks_visible,blocks_drawn,blocks_paper_rule,blocks_exact,blocks_lost,\
-         blocks_lost_paper_rule,levels,triangles,draw_calls,uploaded_bytes,prepare_median_ms,prepare_p95_ms,\
-         prepare_p99_ms,gpu_surface_ms,gpu_air_ms,frame_median_ms,frame_p95_ms,frame_p99_ms,jank_ms,\
-         floor_ms,floor_ratio,frames_per_s,paper_frames_per_s\n",
-    );
-    for row in &report.rows {
-        let levels: Vec<_> = row.levels.iter().map(u32::to_string).collect();
-        let gpu = |pass| row.gpu_ms.get(pass).map_or(String::new(), f64::to_string);
-        let path = match row.path {
-            crate::measure::GroundPath::Equatorial => "equatorial",
-            crate::measure::GroundPath::Inclined => "inclined",
-        };
-        let values = [
-            row.height_km.to_string(),
-            path.into(),
-            row.path.inclination_deg().to_string(),
-            row.blocks_visible.to_string(),
-            row.blocks_drawn.to_string(),
-            row.blocks_paper_rule.to_string(),
-            row.blocks_exact.to_string(),
-            row.blocks_lost.to_string(),
-            row.blocks_lost_paper_rule.to_string(),
-            levels.join(" "),
-            row.triangles.to_string(),
-            row.draw_calls.to_string(),
-            row.uploaded_bytes.to_string(),
-            row.prepare_ms.median.to_string(),
-            row.prepare_ms.p95.to_string(),
-            row.prepare_ms.p99.to_string(),
-            gpu("surface"),
-            gpu("air"),
-            row.frame_ms.median.to_string(),
-            row.frame_ms.p95.to_string(),
-            row.frame_ms.p99.to_string(),
-            row.jank_ms.to_string(),
-            row.floor_ms.to_string(),
-            row.floor_ratio.to_string(),
-            row.frames_per_s.to_string(),
-            row.paper_frames_per_s
-                .map_or(String::new(), |paper| paper.to_string()),
-        ];
-        line!(out, "{}", values.join(","));
-    }
-    out
+/// Columns of the table of rows; times in milliseconds, levels separated by blanks.
+const CSV_COLUMNS: [&str; 26] = [
+    "height_km",
+    "path",
+    "inclination_deg",
+    "blocks_visible",
+    "blocks_drawn",
+    "blocks_paper_rule",
+    "blocks_exact",
+    "blocks_lost",
+    "blocks_lost_paper_rule",
+    "levels",
+    "triangles",
+    "draw_calls",
+    "uploaded_bytes",
+    "prepare_median_ms",
+    "prepare_p95_ms",
+    "prepare_p99_ms",
+    "gpu_surface_ms",
+    "gpu_air_ms",
+    "frame_median_ms",
+    "frame_p95_ms",
+    "frame_p99_ms",
+    "jank_ms",
+    "floor_ms",
+    "floor_ratio",
+    "frames_per_s",
+    "paper_frames_per_s",
+];
+
+/// One line for each row.
+pub(super) fn csv(report: &BenchReport) -> String {
+    let head = CSV_COLUMNS.map(str::to_owned);
+    csv_text(std::iter::once(head).chain(report.rows.iter().map(csv_fields)))
+}
+
+fn csv_fields(row: &BenchRow) -> [String; CSV_COLUMNS.len()] {
+    let levels: Vec<_> = row.levels.iter().map(u32::to_string).collect();
+    let gpu = |pass| row.gpu_ms.get(pass).map_or(String::new(), f64::to_string);
+    let path = match row.path {
+        GroundPath::Equatorial => "equatorial",
+        GroundPath::Inclined => "inclined",
+    };
+    [
+        row.height_km.to_string(),
+        path.into(),
+        row.path.inclination_deg().to_string(),
+        row.blocks_visible.to_string(),
+        row.blocks_drawn.to_string(),
+        row.blocks_paper_rule.to_string(),
+        row.blocks_exact.to_string(),
+        row.blocks_lost.to_string(),
+        row.blocks_lost_paper_rule.to_string(),
+        levels.join(" "),
+        row.triangles.to_string(),
+        row.draw_calls.to_string(),
+        row.uploaded_bytes.to_string(),
+        row.prepare_ms.median.to_string(),
+        row.prepare_ms.p95.to_string(),
+        row.prepare_ms.p99.to_string(),
+        gpu("surface"),
+        gpu("air"),
+        row.frame_ms.median.to_string(),
+        row.frame_ms.p95.to_string(),
+        row.frame_ms.p99.to_string(),
+        row.jank_ms.to_string(),
+        row.floor_ms.to_string(),
+        row.floor_ratio.to_string(),
+        row.frames_per_s.to_string(),
+        row.paper_frames_per_s
+            .map_or(String::new(), |paper| paper.to_string()),
+    ]
 }

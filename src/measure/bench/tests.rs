@@ -2,13 +2,13 @@ use super::*;
 use crate::measure::{GroundPath, Quantiles};
 use std::path::Path;
 
-fn row(height_km: f64, floor_ratio: f64) -> Row {
+fn row(height_km: f64, floor_ratio: f64) -> BenchRow {
     let times = Quantiles {
         median: 2.0,
         p95: 3.0,
         p99: 4.0,
     };
-    Row {
+    BenchRow {
         height_km,
         path: GroundPath::Inclined,
         blocks_visible: 6,
@@ -32,9 +32,9 @@ fn row(height_km: f64, floor_ratio: f64) -> Row {
     }
 }
 
-fn report() -> Report {
+fn report() -> BenchReport {
     let scene = [("fov_deg", "45"), ("maps", "day 64x32")];
-    Report {
+    BenchReport {
         version: VERSION,
         partial: false,
         adapter: "a card".into(),
@@ -67,7 +67,7 @@ fn load(text: &str) -> Result<Baseline, BenchError> {
     Baseline::load(&path)
 }
 
-fn baseline(change: impl FnOnce(&mut Report)) -> Baseline {
+fn baseline(change: impl FnOnce(&mut BenchReport)) -> Baseline {
     let mut report = report();
     change(&mut report);
     load(&report.to_json()).expect("a good baseline")
@@ -78,7 +78,7 @@ fn a_report_is_read_back_as_it_was_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a.json");
     std::fs::write(&path, report().to_json()).expect("writes");
-    assert_eq!(Report::load(&path).expect("reads"), report());
+    assert_eq!(BenchReport::load(&path).expect("reads"), report());
 }
 
 #[test]
@@ -142,7 +142,7 @@ fn a_file_that_no_run_writes_is_refused_with_the_reason() {
 
 #[test]
 fn a_baseline_of_something_else_is_refused_with_the_difference() {
-    type Spoil = fn(&mut Report);
+    type Spoil = fn(&mut BenchReport);
     let spoils: [(Spoil, &str); 9] = [
         (
             |r| r.adapter = "another".into(),
@@ -213,7 +213,7 @@ fn only_a_row_that_is_slower_beyond_the_tolerance_fails() {
 
 #[test]
 fn the_text_of_a_run_tells_headline_rows_and_costs() {
-    let outcome = Outcome {
+    let outcome = BenchRun {
         comparison: Some(baseline(|_| {}).compare(&report(), 0.25).expect("compares")),
         report: report(),
         notices: vec!["a notice".into()],

@@ -1,6 +1,6 @@
 //! Colours of a picture against those of the true one.
 
-use super::nearest_rank;
+use crate::measure::SortedSample;
 use crate::measure::reference::ReferencePicture;
 use image::{RgbImage, RgbaImage};
 
@@ -33,12 +33,11 @@ impl Difference {
             nv_flip::FlipImageRgb8::with_data(width, height, &rgb(picture)),
             nv_flip::DEFAULT_PIXELS_PER_DEGREE,
         );
-        let mut values: Vec<f64> = flip.to_vec().into_iter().map(f64::from).collect();
-        values.sort_by(f64::total_cmp);
+        let values = SortedSample::new(flip.to_vec().into_iter().map(f64::from).collect());
         let map = flip.apply_color_lut(&nv_flip::magma_lut()).to_vec();
         Self {
-            flip_mean: values.iter().sum::<f64>() / values.len().max(1) as f64,
-            flip_p99: nearest_rank(&values, 0.99),
+            flip_mean: values.mean(),
+            flip_p99: values.quantile(0.99),
             rmse_linear: rmse_linear(picture, &reference.linear),
             map: RgbImage::from_raw(width, height, map).expect("FLIP keeps the size"),
         }

@@ -3,21 +3,20 @@
 //! | file | what |
 //! |---|---|
 //! | `difference.rs` | colours against the true picture: FLIP, and the root mean square error in linear light |
-//! | `places.rs` | where each pixel says that it looks, drawn and read back; its distance from the exact ray's place |
+//! | `geolocation.rs` | the geolocation buffer: where each pixel says that it looks; its distance from the exact ray's place |
 //! | `relief.rs` | drawn ground with relief against its heights: metres, pixels, holes |
 //! | `silhouette.rs` | the drawn limb against the analytic one, to 1/64 pixel |
 
 mod difference;
-mod places;
+mod geolocation;
 mod relief;
 mod silhouette;
 
 pub use difference::Difference;
-pub use places::{Geolocation, Places, PlacesEarth, geolocation};
+pub use geolocation::{GeolocationBuffer, GeolocationErrors, GeolocationRenderer, geolocation};
 pub use relief::{GroundErrors, GroundPicture};
-pub use silhouette::{DrawPlaces, Silhouette, silhouette};
+pub use silhouette::{DrawGeolocation, SilhouetteErrors, silhouette};
 
-use super::quantiles::nearest_rank;
 use crate::EyeView;
 use glam::{DVec2, DVec3};
 

@@ -1,9 +1,10 @@
 //! Drawn ground with relief against its heights.
 
-use super::{Places, nearest_rank, pixel_of};
+use super::{GeolocationBuffer, pixel_of};
 use crate::EyeView;
 use crate::elevation::{Bounds, Elevation};
 use crate::frames::{Ellipsoid, Geodetic};
+use crate::measure::SortedSample;
 use crate::measure::reference::{Rays, TrueRelief};
 use glam::{DVec2, DVec3};
 
@@ -15,12 +16,12 @@ pub struct GroundPicture {
     view: EyeView,
     eye_itrf_m: DVec3,
     /// Row by row; `None` is space.
-    pixels: Vec<Option<Drawn>>,
+    pixels: Vec<Option<DrawnPixel>>,
 }
 
-/// What a pixel shows.
+/// The ground that a pixel shows.
 #[derive(Clone, Copy, Debug)]
-struct Drawn {
+struct DrawnPixel {
     /// The point of the data's ground over the same place, ITRF metres.
     truth_itrf_m: DVec3,
     /// Height drawn less height of the data, metres.
@@ -57,7 +58,7 @@ pub struct GroundErrors {
 
 impl GroundErrors {
     /// Of both pictures: the largest errors, pixels summed.
-    pub fn with(&self, other: &Self) -> Self {
+    pub fn combined(&self, other: &Self) -> Self {
         Self {
             pixels: self.pixels + other.pixels,
             median_m: self.median_m.max(other.median_m),
@@ -80,7 +81,7 @@ impl GroundErrors {
 impl GroundPicture {
     /// Holds what was drawn against the data at their finest. `None` for a view without pixels.
     pub fn new(
-        places: &Places,
+        places: &GeolocationBuffer,
         view: &EyeView,
         figure: &Ellipsoid,
         ground: &dyn Elevation,
@@ -106,7 +107,7 @@ impl GroundPicture {
                     let error_m = drawn.height_m - true_height_m;
                     let shown = pixel_of(view, places.size, truth_itrf_m - eye_itrf_m);
                     let error_px = shown.map_or(f64::INFINITY, |shown| shown.distance(middle));
-                    Drawn {
+                    DrawnPixel {
                         truth_itrf_m,
                         error_m,
                         error_px: error_px.copysign(error_m),
@@ -122,7 +123,7 @@ impl GroundPicture {
         })
     }
 
-    fn at(&self, x: u32, y: u32) -> Option<&Drawn> {
+    fn at(&self, x: u32, y: u32) -> Option<&DrawnPixel> {
         let (width, height) = self.size;
         let is_inside = x < width && y < height;
         let index = y as usize * width as usize + x as usize;
@@ -137,20 +138,18 @@ impl GroundPicture {
         exact: Option<&TrueRelief>,
     ) -> GroundErrors {
         let drawn = self.pixels.iter().flatten();
-        let sorted = |of: fn(&Drawn) -> f64| {
-            let mut values: Vec<_> = drawn.clone().map(|drawn| of(drawn).abs()).collect();
-            values.sort_by(f64::total_cmp);
-            values
+        let sorted = |of: fn(&DrawnPixel) -> f64| {
+            SortedSample::new(drawn.clone().map(|drawn| of(drawn).abs()).collect())
         };
         let (metres, pixels) = (sorted(|d| d.error_m), sorted(|d| d.error_px));
         GroundErrors {
             pixels: metres.len(),
-            median_m: nearest_rank(&metres, 0.5),
-            p99_m: nearest_rank(&metres, 0.99),
-            max_m: nearest_rank(&metres, 1.0),
-            median_px: nearest_rank(&pixels, 0.5),
-            p99_px: nearest_rank(&pixels, 0.99),
-            max_px: nearest_rank(&pixels, 1.0),
+            median_m: metres.median(),
+            p99_m: metres.quantile(0.99),
+            max_m: metres.max(),
+            median_px: pixels.median(),
+            p99_px: pixels.quantile(0.99),
+            max_px: pixels.max(),
             holes: self.holes(figure, ground),
             elsewhere: exact.map_or(0, |exact| self.elsewhere(exact)),
         }

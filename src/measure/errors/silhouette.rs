@@ -1,16 +1,17 @@
 //! The drawn limb against the analytic one, to a small part of a pixel.
 
-use super::places::Places;
-use super::{nearest_rank, pixel_of, pixel_rad};
+use super::geolocation::GeolocationBuffer;
+use super::{pixel_of, pixel_rad};
 use crate::EyeView;
 use crate::frames::Ellipsoid;
+use crate::measure::SortedSample;
 use crate::play::PlayError;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
 /// How far the drawn limb is from the true one, in pixels of the picture across the limb.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Silhouette {
+pub struct SilhouetteErrors {
     /// Largest of the places that were looked at.
     pub max_px: f64,
     /// Median of them.
@@ -23,18 +24,19 @@ pub struct Silhouette {
 }
 
 /// Draws where the pixels of a view and size look.
-pub type DrawPlaces<'d> = dyn FnMut(&EyeView, (u32, u32)) -> Result<Places, PlayError> + 'd;
+pub type DrawGeolocation<'d> =
+    dyn FnMut(&EyeView, (u32, u32)) -> Result<GeolocationBuffer, PlayError> + 'd;
 
 /// Places of the limb that are tried; those in the picture are kept.
 const CANDIDATES: usize = 720;
 /// Most places that are looked at.
-const PLACES: usize = 64;
+const MAX_PLACES: usize = 64;
 /// Width and height of the strip across the limb, its own pixels.
 const STRIP: (u32, u32) = (4, 1024);
 /// Half its height at first, pixels of the picture: 1/64 pixel is one of its own.
 const WINDOW_PX: f64 = 8.0;
 /// Most of half its height, on a plane ahead of the eye.
-const WIDEST: f64 = 2.0;
+const MAX_HALF_HEIGHT: f64 = 2.0;
 
 /// A point of the analytic limb.
 struct LimbPoint {
@@ -58,8 +60,8 @@ pub fn silhouette(
     view: &EyeView,
     figure: &Ellipsoid,
     size: (u32, u32),
-    draw: &mut DrawPlaces<'_>,
-) -> Result<Silhouette, PlayError> {
+    draw: &mut DrawGeolocation<'_>,
+) -> Result<SilhouetteErrors, PlayError> {
     let (eye_itrf_m, _) = view.to_itrf();
     let all = limb(eye_itrf_m, figure);
     let (width, height) = (f64::from(size.0), f64::from(size.1));
@@ -76,7 +78,7 @@ pub fn silhouette(
     } else {
         all.iter().collect()
     };
-    let step = looked_at.len().div_ceil(PLACES).max(1);
+    let step = looked_at.len().div_ceil(MAX_PLACES).max(1);
     let mut errors = Vec::new();
     for point in looked_at.into_iter().step_by(step) {
         let lift = edge_above(view, point, eye_itrf_m, size, draw)?;
@@ -90,10 +92,10 @@ pub fn silhouette(
         };
         errors.push(apart);
     }
-    errors.sort_by(f64::total_cmp);
-    Ok(Silhouette {
-        max_px: nearest_rank(&errors, 1.0),
-        median_px: nearest_rank(&errors, 0.5),
+    let errors = SortedSample::new(errors);
+    Ok(SilhouetteErrors {
+        max_px: errors.max(),
+        median_px: errors.median(),
         places: errors.len(),
         in_view: shows_limb,
     })
@@ -129,11 +131,11 @@ fn edge_above(
     point: &LimbPoint,
     eye_itrf_m: DVec3,
     size: (u32, u32),
-    draw: &mut DrawPlaces<'_>,
+    draw: &mut DrawGeolocation<'_>,
 ) -> Result<f64, PlayError> {
     let (columns, rows) = STRIP;
     let aspect = f64::from(columns) / f64::from(rows);
-    let mut half = (WINDOW_PX * pixel_rad(view, size)).min(WIDEST);
+    let mut half = (WINDOW_PX * pixel_rad(view, size)).min(MAX_HALF_HEIGHT);
     loop {
         let fov_rad = 2.0 * half.atan();
         let strip = EyeView::itrf(eye_itrf_m, point.direction, point.outward, fov_rad, aspect);
@@ -141,10 +143,10 @@ fn edge_above(
         // The highest row that is ground; space is above it.
         let edge = (0..rows).find(|row| places.is_ground(columns / 2, *row));
         let row = edge.unwrap_or(rows);
-        if (1..rows).contains(&row) || half >= WIDEST {
+        if (1..rows).contains(&row) || half >= MAX_HALF_HEIGHT {
             return Ok((1.0 - 2.0 * f64::from(row) / f64::from(rows)) * half);
         }
-        half = (8.0 * half).min(WIDEST);
+        half = (8.0 * half).min(MAX_HALF_HEIGHT);
     }
 }
 

@@ -4,29 +4,29 @@
 //! [`cases()`] is the list, [`run()`] draws one case on any device. Pictures are drawn to half floats, which show what an
 //! 8-bit target would hide.
 
+mod case;
 mod cases;
-mod places;
-mod settings;
 
-pub use cases::{ExtremeCase, Lit, Side, cases};
+pub use case::{ExtremeCase, Lit, Side};
+pub use cases::cases;
 
 use crate::gpu::{Attachments, GpuContext, PictureError, color_texture, read_rows};
 use crate::imagery::EarthLayers;
 use crate::{Atmosphere, DepthBuffer, Earth, EarthError, EarthOptions};
 use std::time::Duration;
 
-/// A drawn picture, linear light, rows from the top.
-pub struct Shot {
+/// A drawn picture in linear light, rows from the top.
+pub struct LinearPicture {
     /// Width and height, pixels.
     pub size: (u32, u32),
     /// RGBA of each pixel.
     pub pixels: Vec<[f32; 4]>,
 }
 
-impl Shot {
+impl LinearPicture {
     /// Whether any channel of a pixel can be seen on black.
     fn is_lit(pixel: &[f32; 4]) -> bool {
-        pixel[..3].iter().any(|value| *value > LEAST_LIGHT)
+        pixel[..3].iter().any(|value| *value > MIN_VISIBLE_LIGHT)
     }
 
     /// Pixels that can be seen.
@@ -42,10 +42,10 @@ impl Shot {
 }
 
 /// Linear light that an sRGB display still tells from black: one step of 255.
-const LEAST_LIGHT: f32 = 1.0 / 255.0 / 12.92;
+const MIN_VISIBLE_LIGHT: f32 = 1.0 / 255.0 / 12.92;
 
 /// Longest wait for one picture.
-const PATIENCE: Duration = Duration::from_secs(60);
+const MAX_WAIT: Duration = Duration::from_secs(60);
 
 /// Why a case gave no picture.
 #[derive(Debug, thiserror::Error)]
@@ -62,14 +62,14 @@ pub enum ExtremeError {
     Device(String),
 }
 
-/// What came of a case.
+/// What a case drew, and whether that is what it must show.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub struct CaseResult {
     /// The case.
     pub name: &'static str,
-    /// What must be seen, in words.
+    /// What must be seen, as text for the report.
     pub expected: &'static str,
-    /// What was seen, in words.
+    /// What was seen, as text for the report.
     pub what_was_drawn: String,
     /// Pixels that are not black.
     pub lit_pixels: usize,
@@ -81,31 +81,35 @@ pub struct Outcome {
     pub passed: bool,
 }
 
-/// Draws a case and judges it.
-pub fn run(case: &ExtremeCase, gpu: &GpuContext, layers: &EarthLayers) -> Outcome {
-    let (shot, error) = match draw(case, gpu, layers) {
-        Ok(shot) => (Some(shot), None),
+/// Draws a case and compares it with what it must show.
+pub fn run(case: &ExtremeCase, gpu: &GpuContext, layers: &EarthLayers) -> CaseResult {
+    let (picture, error) = match draw(case, gpu, layers) {
+        Ok(picture) => (Some(picture), None),
         Err(error) => (None, Some(error.to_string())),
     };
-    let (lit, broken, all) = shot.as_ref().map_or((0, 0, 0), |shot| {
-        (shot.lit_pixels(), shot.nan_pixels(), shot.pixels.len())
+    let (lit, broken, all) = picture.as_ref().map_or((0, 0, 0), |picture| {
+        (
+            picture.lit_pixels(),
+            picture.nan_pixels(),
+            picture.pixels.len(),
+        )
     });
     let passed = match (&case.lit, &error) {
         (Lit::Refused(part), Some(error)) => error.contains(part),
         (Lit::Refused(_), None) | (_, Some(_)) => false,
         (Lit::Nothing, None) => lit == 0 && broken == 0,
-        (Lit::Pixels(least, most), None) => (*least..=*most).contains(&lit) && broken == 0,
-        (Lit::Share(least, most), None) => {
+        (Lit::Pixels(min, max), None) => (*min..=*max).contains(&lit) && broken == 0,
+        (Lit::Share(min, max), None) => {
             let share = lit as f64 / all.max(1) as f64;
-            (*least..=*most).contains(&share) && broken == 0
+            (*min..=*max).contains(&share) && broken == 0
         }
     };
-    let what_was_drawn = match (&error, &shot) {
+    let what_was_drawn = match (&error, &picture) {
         (Some(error), _) => format!("an error: {error}"),
-        (None, Some(shot)) => seen(shot, lit),
+        (None, Some(picture)) => describe(picture, lit),
         (None, None) => String::new(),
     };
-    Outcome {
+    CaseResult {
         name: case.name,
         expected: case.expected,
         what_was_drawn,
@@ -116,16 +120,16 @@ pub fn run(case: &ExtremeCase, gpu: &GpuContext, layers: &EarthLayers) -> Outcom
     }
 }
 
-/// A picture in words.
-fn seen(shot: &Shot, lit: usize) -> String {
-    let all = shot.pixels.len();
-    let (width, height) = shot.size;
+/// What a picture shows, as text for the report.
+fn describe(picture: &LinearPicture, lit: usize) -> String {
+    let all = picture.pixels.len();
+    let (width, height) = picture.size;
     let size = format!("{width} × {height}");
     if lit == 0 {
         return format!("{size}: black");
     }
     let mut mean = [0.0_f32; 3];
-    for pixel in shot.pixels.iter().filter(|p| Shot::is_lit(p)) {
+    for pixel in picture.pixels.iter().filter(|p| LinearPicture::is_lit(p)) {
         for (sum, value) in mean.iter_mut().zip(pixel) {
             *sum += value / lit as f32;
         }
@@ -147,7 +151,7 @@ pub fn draw(
     case: &ExtremeCase,
     gpu: &GpuContext,
     layers: &EarthLayers,
-) -> Result<Shot, ExtremeError> {
+) -> Result<LinearPicture, ExtremeError> {
     const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
     let device = &gpu.device;
     let size = case.size(device.limits().max_texture_dimension_2d);
@@ -183,7 +187,7 @@ pub fn draw(
     if let Some(error) = pollster::block_on(scope.pop()) {
         return Err(ExtremeError::Device(error.to_string()));
     }
-    Ok(Shot {
+    Ok(LinearPicture {
         size,
         pixels: pixels?,
     })
@@ -191,7 +195,7 @@ pub fn draw(
 
 /// Reads an `Rgba16Float` texture (usage `COPY_SRC`). Waits for the device, one minute at most.
 fn read_halves(gpu: &GpuContext, texture: &wgpu::Texture) -> Result<Vec<[f32; 4]>, PictureError> {
-    let bytes = read_rows(&gpu.device, &gpu.queue, texture, 8, Some(PATIENCE))?;
+    let bytes = read_rows(&gpu.device, &gpu.queue, texture, 8, Some(MAX_WAIT))?;
     let halves = bytes.as_chunks::<2>().0.iter();
     let values: Vec<f32> = halves
         .map(|b| float_of_half(u16::from_le_bytes(*b)))
@@ -235,8 +239,8 @@ mod tests {
     }
 
     #[test]
-    fn a_shot_is_counted() {
-        let shot = Shot {
+    fn lit_and_broken_pixels_are_counted() {
+        let picture = LinearPicture {
             size: (4, 1),
             pixels: vec![
                 [0.0, 0.0, 0.0, 1.0],
@@ -245,7 +249,7 @@ mod tests {
                 [0.2, f32::INFINITY, 0.0, 1.0],
             ],
         };
-        assert_eq!((shot.lit_pixels(), shot.nan_pixels()), (2, 2));
-        assert_eq!(seen(&shot, 0), "4 × 1: black");
+        assert_eq!((picture.lit_pixels(), picture.nan_pixels()), (2, 2));
+        assert_eq!(describe(&picture, 0), "4 × 1: black");
     }
 }

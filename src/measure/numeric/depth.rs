@@ -1,6 +1,6 @@
 //! What a depth buffer of f32 still knows of a distance.
 
-use super::formula::{AnyFormula, Form, Formula, Judge};
+use super::formula::{AnyFormula, ErrorMeasure, Form, Formula};
 use super::method::log_spaced;
 use super::oracle::Real;
 use crate::EyeView;
@@ -36,7 +36,7 @@ pub(super) fn formulas() -> Vec<Box<dyn AnyFormula>> {
         parameter: "distance_m",
         values: log_spaced(0.1, 1e12, 4),
         inputs: |at| (0..8).map(|k| at * (1.0 + 0.031 * f64::from(k))).collect(),
-        judge: Judge::relative(|distance_m| Real::from(*distance_m)),
+        error_measure: ErrorMeasure::relative(|distance_m| Real::from(*distance_m)),
         forms: vec![
             Form {
                 name: "as usual: near at 0, 1e13 m at 1",

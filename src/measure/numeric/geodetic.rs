@@ -1,6 +1,6 @@
 //! Geodetic coordinates of a position.
 
-use super::formula::{AnyFormula, Form, Formula, Judge};
+use super::formula::{AnyFormula, ErrorMeasure, Form, Formula};
 use super::method::log_spaced;
 use super::oracle::Real;
 use crate::frames::{Ellipsoid, Geodetic};
@@ -123,7 +123,7 @@ pub(super) fn formulas() -> Vec<Box<dyn AnyFormula>> {
         parameter: "height_m",
         values: log_spaced(1e-3, 1e12, 3),
         inputs: positions,
-        judge: Judge::by("roundings of the position", roundings),
+        error_measure: ErrorMeasure::by("roundings of the position", roundings),
         forms: vec![
             Form {
                 name: "as printed: Bowring 1976, one round",

@@ -1,20 +1,19 @@
 //! How far below level the horizon lies.
 
-use super::formula::{AnyFormula, Form, Formula, Judge};
-use super::limb::{Above, heights_about};
-use super::method::log_spaced;
+use super::formula::{AnyFormula, ErrorMeasure, Form};
+use super::limb::{EyeAboveSphere, over_heights};
 use super::oracle::Real;
 use crate::frames::{Ellipsoid, Geodetic};
 use crate::play::camera::dip_rad;
 use glam::DVec3;
 
-fn exact(eye: &Above) -> Real {
+fn exact(eye: &EyeAboveSphere) -> Real {
     let (r, h) = eye.exact();
     ((&h * (&h + &r + &r)).sqrt() / r).atan()
 }
 
 /// The horizon camera's dip over a sphere, from the eye's position.
-fn from_position(eye: &Above) -> f64 {
+fn from_position(eye: &EyeAboveSphere) -> f64 {
     let sphere = Ellipsoid {
         equatorial_radius_m: eye.radius_m,
         polar_radius_m: eye.radius_m,
@@ -31,18 +30,16 @@ fn from_position(eye: &Above) -> f64 {
 
 pub(super) fn formulas() -> Vec<Box<dyn AnyFormula>> {
     vec![
-        Box::new(Formula {
-            name: "dip of the horizon, from the height",
-            range: "heights from 1 mm to 1e12 m",
-            parameter: "height_m",
-            values: log_spaced(1e-3, 1e12, 4),
-            inputs: heights_about,
-            judge: Judge::relative(exact),
-            forms: vec![
+        over_heights(
+            "dip of the horizon, from the height",
+            ErrorMeasure::relative(exact),
+            vec![
                 Form {
                     name: "as printed: acos(R/L)",
                     bound: None,
-                    value: |eye: &Above| (eye.radius_m / (eye.radius_m + eye.height_m)).acos(),
+                    value: |eye: &EyeAboveSphere| {
+                        (eye.radius_m / (eye.radius_m + eye.height_m)).acos()
+                    },
                 },
                 Form {
                     name: "stable: atan(√(h(L + R))/R)",
@@ -53,20 +50,16 @@ pub(super) fn formulas() -> Vec<Box<dyn AnyFormula>> {
                     },
                 },
             ],
-        }),
+        ),
         // A position near the ground has the height to nanometres only, whatever the formula makes of it.
-        Box::new(Formula {
-            name: "dip of the horizon, from the eye's position",
-            range: "heights from 1 mm to 1e12 m",
-            parameter: "height_m",
-            values: log_spaced(1e-3, 1e12, 4),
-            inputs: heights_about,
-            judge: Judge::absolute("rad", exact),
-            forms: vec![
+        over_heights(
+            "dip of the horizon, from the eye's position",
+            ErrorMeasure::absolute("rad", exact),
+            vec![
                 Form {
                     name: "as printed: asin(√(|e|² − R²)/|e|)",
                     bound: None,
-                    value: |eye: &Above| {
+                    value: |eye: &EyeAboveSphere| {
                         let l = eye.radius_m + eye.height_m;
                         ((l * l - eye.radius_m * eye.radius_m).sqrt() / l).asin()
                     },
@@ -77,6 +70,6 @@ pub(super) fn formulas() -> Vec<Box<dyn AnyFormula>> {
                     value: from_position,
                 },
             ],
-        }),
+        ),
     ]
 }

@@ -1,56 +1,67 @@
 //! The paper's square: its distance L2 from the eye and its side S.
 
-use super::formula::{AnyFormula, Form, Formula, Judge};
+use super::formula::{AnyFormula, ErrorMeasure, Form, Formula};
 use super::method::log_spaced;
 use super::oracle::Real;
 use crate::air::horizon_square;
 use crate::frames::Ellipsoid;
 
 /// An eye above a sphere.
-pub(super) struct Above {
+pub(super) struct EyeAboveSphere {
     pub radius_m: f64,
     pub height_m: f64,
 }
 
-impl Above {
+impl EyeAboveSphere {
     pub fn exact(&self) -> (Real, Real) {
         (Real::from(self.radius_m), Real::from(self.height_m))
     }
 }
 
 /// Heights about `height_m`, none of them round.
-pub(super) fn heights_about(height_m: f64) -> Vec<Above> {
+fn heights_about(height_m: f64) -> Vec<EyeAboveSphere> {
     let radius_m = Ellipsoid::PAPER_SPHERE.equatorial_radius_m;
     (0..8)
-        .map(|k| Above {
+        .map(|k| EyeAboveSphere {
             radius_m,
             height_m: height_m * (1.0 + 0.031 * f64::from(k)),
         })
         .collect()
 }
 
-const RANGE: &str = "heights from 1 mm to 1e12 m";
+/// A formula of the height of an eye above a sphere, from 1 mm to 1e12 m.
+pub(super) fn over_heights(
+    name: &'static str,
+    error_measure: ErrorMeasure<EyeAboveSphere>,
+    forms: Vec<Form<EyeAboveSphere>>,
+) -> Box<dyn AnyFormula> {
+    Box::new(Formula {
+        name,
+        range: "heights from 1 mm to 1e12 m",
+        parameter: "height_m",
+        values: log_spaced(1e-3, 1e12, 4),
+        inputs: heights_about,
+        error_measure,
+        forms,
+    })
+}
 
 /// L1 and L2 as the paper prints them: R²/L and L − L1.
-fn printed(eye: &Above) -> (f64, f64) {
+fn printed(eye: &EyeAboveSphere) -> (f64, f64) {
     let l = eye.radius_m + eye.height_m;
     let l1 = eye.radius_m * eye.radius_m / l;
     (l1, l - l1)
 }
 
 /// L2 = h(h + 2R)/(R + h).
-fn l2() -> Formula<Above> {
-    Formula {
-        name: "billboard, distance L2",
-        range: RANGE,
-        parameter: "height_m",
-        values: log_spaced(1e-3, 1e12, 4),
-        inputs: heights_about,
-        judge: Judge::relative(|eye| {
+fn l2() -> Box<dyn AnyFormula> {
+    over_heights(
+        "billboard, distance L2",
+        ErrorMeasure::relative(|eye| {
             let (r, h) = eye.exact();
             &h * (&h + &r + &r) / (r + h)
         }),
-        forms: vec![
+        vec![
             Form {
                 name: "as printed: L − R²/L",
                 bound: None,
@@ -64,23 +75,19 @@ fn l2() -> Formula<Above> {
                 },
             },
         ],
-    }
+    )
 }
 
 /// S = 2R√(h(h + 2R))/(R + h).
-fn side() -> Formula<Above> {
-    Formula {
-        name: "billboard, side S",
-        range: RANGE,
-        parameter: "height_m",
-        values: log_spaced(1e-3, 1e12, 4),
-        inputs: heights_about,
-        judge: Judge::relative(|eye| {
+fn side() -> Box<dyn AnyFormula> {
+    over_heights(
+        "billboard, side S",
+        ErrorMeasure::relative(|eye| {
             let (r, h) = eye.exact();
             let tangent = (&h * (&h + &r + &r)).sqrt();
             (&r + &r) * tangent / (r + h)
         }),
-        forms: vec![
+        vec![
             Form {
                 name: "as printed: 2√(L1·L2), L2 = L − R²/L",
                 bound: None,
@@ -98,9 +105,9 @@ fn side() -> Formula<Above> {
                 },
             },
         ],
-    }
+    )
 }
 
 pub(super) fn formulas() -> Vec<Box<dyn AnyFormula>> {
-    vec![Box::new(l2()), Box::new(side())]
+    vec![l2(), side()]
 }

@@ -1,5 +1,6 @@
 //! Methods compared by error and cost.
 
+use crate::measure::Quartiles;
 use std::time::Instant;
 
 /// The parameter that a method is swept over.
@@ -25,7 +26,7 @@ pub trait Method {
     }
 
     /// The ways to compute it.
-    fn variants(&self) -> Vec<String>;
+    fn variants(&self) -> Vec<&str>;
 
     /// What is swept.
     fn sweep(&self) -> Sweep;
@@ -52,33 +53,6 @@ pub enum Work<'m> {
     Counted(f64),
 }
 
-/// Median and quartiles of repeated measurements.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Quartiles {
-    /// A quarter of the measurements lie below.
-    pub lower: f64,
-    /// The one in the middle.
-    pub median: f64,
-    /// A quarter lie above.
-    pub upper: f64,
-}
-
-impl Quartiles {
-    /// Of any numbers, in any order; not a number if there are none.
-    pub fn of(values: &mut [f64]) -> Self {
-        values.sort_by(f64::total_cmp);
-        let at = |quarter: usize| {
-            let last = values.len().checked_sub(1)?;
-            values.get((last * quarter + 2) / 4).copied()
-        };
-        Self {
-            lower: at(1).unwrap_or(f64::NAN),
-            median: at(2).unwrap_or(f64::NAN),
-            upper: at(3).unwrap_or(f64::NAN),
-        }
-    }
-}
-
 /// One variant at one value of the parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
@@ -101,33 +75,34 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// First line of a table of measurements.
-    pub const CSV_HEADER: &'static str = "method,variant,parameter,value,error,error_unit,cost_median,cost_lower_quartile,cost_upper_quartile,cost_unit";
+    /// Columns of a table of measurements.
+    pub const CSV_COLUMNS: [&'static str; 10] = [
+        "method",
+        "variant",
+        "parameter",
+        "value",
+        "error",
+        "error_unit",
+        "cost_median",
+        "cost_lower_quartile",
+        "cost_upper_quartile",
+        "cost_unit",
+    ];
 
-    /// One line of the table, without its end.
-    pub fn csv_row(&self) -> String {
-        format!(
-            "{},{},{},{:e},{:e},{},{:.3},{:.3},{:.3},{}",
-            csv_field(&self.method),
-            csv_field(&self.variant),
-            self.parameter,
-            self.value,
-            self.error,
-            csv_field(&self.error_unit),
-            self.cost.median,
-            self.cost.lower,
-            self.cost.upper,
-            csv_field(&self.cost_unit),
-        )
-    }
-}
-
-/// A text as one field of CSV (RFC 4180): in quotation marks where it holds a comma, a mark or a line's end.
-pub(super) fn csv_field(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
+    /// Its line of the table.
+    pub fn csv_fields(&self) -> [String; Self::CSV_COLUMNS.len()] {
+        [
+            self.method.clone(),
+            self.variant.clone(),
+            self.parameter.to_owned(),
+            format!("{:e}", self.value),
+            format!("{:e}", self.error),
+            self.error_unit.clone(),
+            format!("{:.3}", self.cost.median),
+            format!("{:.3}", self.cost.lower),
+            format!("{:.3}", self.cost.upper),
+            self.cost_unit.clone(),
+        ]
     }
 }
 
@@ -157,15 +132,15 @@ pub fn measure(method: &dyn Method, repeats: u32) -> Vec<Measurement> {
                 }
             }
         }
-        for (index, (variant, (_, mut costs))) in variants.iter().zip(works).enumerate() {
+        for (index, (variant, (_, costs))) in variants.iter().zip(works).enumerate() {
             out.push(Measurement {
                 method: method.name().to_owned(),
-                variant: variant.clone(),
+                variant: (*variant).to_owned(),
                 parameter: sweep.parameter,
                 value,
                 error: method.error(index, value),
                 error_unit: method.error_unit().to_owned(),
-                cost: Quartiles::of(&mut costs),
+                cost: Quartiles::of(costs),
                 cost_unit: method.cost_unit().to_owned(),
             });
         }
@@ -189,6 +164,7 @@ pub fn log_spaced(first: f64, last: f64, per_decade: u32) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::output::csv_text;
     use std::cell::Cell;
 
     /// Sums of 1/k², which fall short of π²/6 by 1/n: backwards, and counted.
@@ -203,8 +179,8 @@ mod tests {
         fn error_unit(&self) -> &str {
             "relative"
         }
-        fn variants(&self) -> Vec<String> {
-            vec!["timed".into(), "counted".into()]
+        fn variants(&self) -> Vec<&str> {
+            vec!["timed", "counted"]
         }
         fn sweep(&self) -> Sweep {
             Sweep {
@@ -243,20 +219,12 @@ mod tests {
         assert_eq!(found[3].cost.median, 100.0);
         assert!((found[1].error - 0.0578).abs() < 1e-4, "{}", found[1].error);
         assert!(found[2].error < 0.2 * found[0].error);
-        let fields = |line: &str| line.replace("\"sum, of squares\"", "").split(',').count();
-        assert_eq!(fields(&found[1].csv_row()), fields(Measurement::CSV_HEADER));
-        assert!(
-            found[1]
-                .csv_row()
-                .starts_with("\"sum, of squares\",counted,terms,1e1,")
-        );
+        let line = csv_text([found[1].csv_fields()]);
+        assert!(line.starts_with("\"sum, of squares\",counted,terms,1e1,"));
     }
 
     #[test]
-    fn quartiles_and_spacing() {
-        let q = Quartiles::of(&mut [5.0, 1.0, 4.0, 2.0, 3.0]);
-        assert_eq!((q.lower, q.median, q.upper), (2.0, 3.0, 4.0));
-        assert!(Quartiles::of(&mut []).median.is_nan());
+    fn spacing_is_even_in_the_logarithm_and_keeps_both_ends() {
         let values = log_spaced(1e-3, 1e12, 2);
         assert_eq!((values.len(), values[0], values[30]), (31, 1e-3, 1e12));
         assert!((values[6] - 1.0).abs() < 1e-12);

@@ -19,8 +19,8 @@ mod roots;
 mod sidereal;
 
 pub use depth::{reversed_depth, standard_depth};
-pub use formula::{AnyFormula, Form, Formula, Judge, StabilityRow};
-pub use method::{Measurement, Method, Quartiles, Sweep, Work, log_spaced, measure};
+pub use formula::{AnyFormula, ErrorMeasure, Form, Formula, StabilityRow};
+pub use method::{Measurement, Method, Sweep, Work, log_spaced, measure};
 pub use place::{PixelRay, Placed, ShaderInput, place};
 
 /// Every formula that the product would lose digits in, were it written as usual.

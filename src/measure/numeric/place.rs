@@ -2,7 +2,7 @@
 //!
 //! `tests/accuracy/extreme` runs the shader's own text on the adapter and compares, so that this cannot become another formula.
 
-use super::formula::{AnyFormula, Form, Formula, Judge};
+use super::formula::{AnyFormula, ErrorMeasure, Form, Formula};
 use super::method::log_spaced;
 use super::oracle::{Real, Real3, along, dot, real3, scaled};
 use crate::frames::{Ellipsoid, Geodetic};
@@ -295,7 +295,7 @@ fn forms(bound: f64) -> Vec<Form<PixelRay, Placed>> {
 }
 
 pub(super) fn formulas() -> Vec<Box<dyn AnyFormula>> {
-    let across = || Judge::by("m across the ray", off_across_m);
+    let across = || ErrorMeasure::by("m across the ray", off_across_m);
     let degrees = || log_spaced(1e-12, 0.3, 2);
     vec![
         Box::new(Formula {
@@ -304,7 +304,7 @@ pub(super) fn formulas() -> Vec<Box<dyn AnyFormula>> {
             parameter: "height_m",
             values: log_spaced(1.0, 1e8, 2),
             inputs: pixels_from,
-            judge: across(),
+            error_measure: across(),
             forms: forms(15.0),
         }),
         Box::new(Formula {
@@ -313,7 +313,7 @@ pub(super) fn formulas() -> Vec<Box<dyn AnyFormula>> {
             parameter: "height_m",
             values: log_spaced(1e8, 1e12, 2),
             inputs: pixels_from,
-            judge: Judge::by("rad seen from the eye", off_seen_rad),
+            error_measure: ErrorMeasure::by("rad seen from the eye", off_seen_rad),
             forms: forms(2e-7),
         }),
         Box::new(Formula {
@@ -322,7 +322,7 @@ pub(super) fn formulas() -> Vec<Box<dyn AnyFormula>> {
             parameter: "off_deg",
             values: degrees(),
             inputs: pixels_at_the_poles,
-            judge: across(),
+            error_measure: across(),
             forms: forms(2.0),
         }),
         Box::new(Formula {
@@ -331,7 +331,7 @@ pub(super) fn formulas() -> Vec<Box<dyn AnyFormula>> {
             parameter: "off_deg",
             values: degrees(),
             inputs: pixels_at_the_seam,
-            judge: across(),
+            error_measure: across(),
             forms: forms(1.0),
         }),
         Box::new(Formula {
@@ -340,7 +340,7 @@ pub(super) fn formulas() -> Vec<Box<dyn AnyFormula>> {
             parameter: "off_deg",
             values: degrees(),
             inputs: pixels_at_the_poles,
-            judge: Judge::by("rad", normal_off_rad),
+            error_measure: ErrorMeasure::by("rad", normal_off_rad),
             forms: forms(2e-7).split_off(2),
         }),
     ]

@@ -1,6 +1,6 @@
 //! Where a ray meets the ellipsoid: the nearer root of |e + t·d| = 1 in scaled space.
 
-use super::formula::{AnyFormula, Form, Formula, Judge};
+use super::formula::{AnyFormula, ErrorMeasure, Form, Formula};
 use super::method::log_spaced;
 use super::oracle::{Real, along, dot, real3};
 use crate::frames::Ellipsoid;
@@ -127,7 +127,7 @@ fn forms(bound_m: f64) -> Vec<Form<Ray>> {
 }
 
 pub(super) fn formulas() -> Vec<Box<dyn AnyFormula>> {
-    let judge = || Judge::by("m", |ray: &Ray, t: &f64| backward_error_m(ray, *t));
+    let error_measure = || ErrorMeasure::by("m", |ray: &Ray, t: &f64| backward_error_m(ray, *t));
     vec![
         Box::new(Formula {
             name: "ray and ellipsoid, by height",
@@ -135,7 +135,7 @@ pub(super) fn formulas() -> Vec<Box<dyn AnyFormula>> {
             parameter: "height_m",
             values: log_spaced(1e-3, 1e12, 3),
             inputs: rays_from,
-            judge: judge(),
+            error_measure: error_measure(),
             forms: forms(1e-3),
         }),
         Box::new(Formula {
@@ -144,7 +144,7 @@ pub(super) fn formulas() -> Vec<Box<dyn AnyFormula>> {
             parameter: "k",
             values: (1..=52).map(f64::from).collect(),
             inputs: grazing,
-            judge: judge(),
+            error_measure: error_measure(),
             forms: forms(1e-8),
         }),
     ]

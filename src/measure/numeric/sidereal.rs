@@ -1,6 +1,6 @@
 //! How far the Earth has turned: Greenwich mean sidereal time of 1982.
 
-use super::formula::{AnyFormula, Form, Formula, Judge};
+use super::formula::{AnyFormula, ErrorMeasure, Form, Formula};
 use super::oracle::Real;
 use crate::frames::{itrf_from_teme, tai_from_utc_day};
 use std::f64::consts::TAU;
@@ -49,7 +49,7 @@ pub(super) fn formulas() -> Vec<Box<dyn AnyFormula>> {
         parameter: "year",
         values: (0..=80).map(|k| 1_800.0 + 5.0 * f64::from(k)).collect(),
         inputs: instants,
-        judge: Judge::by("arc seconds", |at: &Instant, theta: &f64| {
+        error_measure: ErrorMeasure::by("arc seconds", |at: &Instant, theta: &f64| {
             off_arc_seconds(at, *theta)
         }),
         forms: vec![

@@ -1,4 +1,8 @@
-//! Numbers of twice the digits of an f64: the sum of two, 32 decimal digits (Dekker 1971; Knuth, TAOCP 2, 4.2.2).
+//! Double-double arithmetic: the sum of two f64, 32 decimal digits (Dekker 1971; Knuth, TAOCP 2, 4.2.2).
+//!
+//! Why not a library: `twofloat` 0.8 brings a `syn` of its own (1.0, for hexadecimal literals) beside the two that are here
+//! already, and `libm`; the numbers of `astro-float-num`, with which the tests below compare, are some
+//! thirty times slower, and a report integrates ten months of orbits with these.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

@@ -33,10 +33,10 @@ use std::hint::black_box;
 /// The parameter that trades error for run time.
 pub const TOLERANCE: &str = "relative_tolerance";
 
-/// Places of a span that are looked at.
-const PLACES: u32 = 24;
+/// Instants of a span that are compared.
+const SAMPLED_INSTANTS: u32 = 24;
 
-/// The ways to get there.
+/// The methods that are compared: a conic, or an integrator.
 const VARIANTS: [(&str, Option<Solver>); 3] = [
     ("conic", None),
     ("DOP853", Some(Solver::Explicit)),
@@ -53,9 +53,9 @@ pub struct OrbitCase {
     reference: OnceCell<Vec<DVec3>>,
 }
 
-/// One flight of a case.
+/// A case propagated by one method.
 #[derive(Clone, Debug)]
-struct Flight {
+struct PropagatedRun {
     states: Vec<OrbitState>,
     evaluations: u64,
 }
@@ -99,7 +99,8 @@ impl OrbitCase {
     }
 
     fn epochs(&self) -> impl Iterator<Item = Epoch> + '_ {
-        (1..=PLACES).map(|k| self.start.epoch + self.span * (f64::from(k) / f64::from(PLACES)))
+        (1..=SAMPLED_INSTANTS)
+            .map(|k| self.start.epoch + self.span * (f64::from(k) / f64::from(SAMPLED_INSTANTS)))
     }
 
     fn reference(&self) -> &[DVec3] {
@@ -118,8 +119,8 @@ impl OrbitCase {
         })
     }
 
-    /// One way, all of it: from the state to the places. `None` where it fails.
-    fn fly(&self, solver: Option<Solver>, relative_tolerance: f64) -> Option<Flight> {
+    /// From the state to the sampled instants by one method; `None` where it fails.
+    fn propagate(&self, solver: Option<Solver>, relative_tolerance: f64) -> Option<PropagatedRun> {
         let (first, last) = (self.start.epoch, self.start.epoch + self.span);
         let states = |feed: &dyn Feed| -> Option<Vec<OrbitState>> {
             self.epochs().map(|at| feed.state_at(at).ok()).collect()
@@ -133,7 +134,7 @@ impl OrbitCase {
             let feed =
                 KeplerFeed::from_state("", &self.start, KeplerOptions { drift, first, last })
                     .ok()?;
-            return Some(Flight {
+            return Some(PropagatedRun {
                 states: states(&feed)?,
                 evaluations: 0,
             });
@@ -153,24 +154,24 @@ impl OrbitCase {
         };
         let feed =
             NumericalFeed::new("", &self.start, &model, &Spacecraft::default(), &options).ok()?;
-        Some(Flight {
+        Some(PropagatedRun {
             states: states(&feed)?,
             evaluations: feed.counts().evaluations,
         })
     }
 
-    /// Largest distance from the reference, metres; infinite without a flight.
-    fn error_m(&self, flight: Option<&Flight>) -> f64 {
-        let Some(flight) = flight else {
+    /// Largest distance from the reference, metres; infinite without one.
+    fn error_m(&self, run: Option<&PropagatedRun>) -> f64 {
+        let Some(run) = run else {
             return f64::INFINITY;
         };
-        let off = flight.states.iter().zip(self.reference());
+        let off = run.states.iter().zip(self.reference());
         off.map(|(state, exact)| (state.position_m - *exact).length())
             .fold(0.0, f64::max)
     }
 
-    /// Energy, m²/s², and angular momentum about z, m²/s: what flattening keeps.
-    fn kept(&self, state: &OrbitState) -> (f64, f64) {
+    /// Energy, m²/s², and angular momentum about z, m²/s: what flattening conserves.
+    fn conserved(&self, state: &OrbitState) -> (f64, f64) {
         let (r, v) = (state.position_m, state.velocity_m_s);
         let distance = r.length();
         let mut potential = EARTH_GM_M3_S2 / distance;
@@ -183,18 +184,15 @@ impl OrbitCase {
     }
 
     /// How far energy and momentum drift, relative to what they were.
-    fn drifts(&self, flight: &Flight) -> (f64, f64) {
-        let (energy, momentum) = self.kept(&self.start);
-        flight
-            .states
-            .iter()
-            .fold((0.0_f64, 0.0_f64), |(e, m), state| {
-                let now = self.kept(state);
-                (
-                    e.max((now.0 / energy - 1.0).abs()),
-                    m.max((now.1 / momentum - 1.0).abs()),
-                )
-            })
+    fn drifts(&self, run: &PropagatedRun) -> (f64, f64) {
+        let (energy, momentum) = self.conserved(&self.start);
+        run.states.iter().fold((0.0_f64, 0.0_f64), |(e, m), state| {
+            let now = self.conserved(state);
+            (
+                e.max((now.0 / energy - 1.0).abs()),
+                m.max((now.1 / momentum - 1.0).abs()),
+            )
+        })
     }
 }
 
@@ -207,11 +205,8 @@ impl Method for OrbitCase {
         "m"
     }
 
-    fn variants(&self) -> Vec<String> {
-        VARIANTS
-            .iter()
-            .map(|(name, _)| (*name).to_owned())
-            .collect()
+    fn variants(&self) -> Vec<&str> {
+        VARIANTS.map(|(name, _)| name).into()
     }
 
     fn sweep(&self) -> Sweep {
@@ -223,7 +218,7 @@ impl Method for OrbitCase {
 
     fn error(&self, variant: usize, at: f64) -> f64 {
         let solver = VARIANTS.get(variant).and_then(|(_, solver)| *solver);
-        self.error_m(self.fly(solver, at).as_ref())
+        self.error_m(self.propagate(solver, at).as_ref())
     }
 
     fn work(&self, variant: usize, at: f64) -> Work<'_> {
@@ -231,7 +226,7 @@ impl Method for OrbitCase {
         Work::Timed {
             calls: 1,
             run: Box::new(move || {
-                black_box(self.fly(solver, at));
+                black_box(self.propagate(solver, at));
             }),
         }
     }

@@ -12,7 +12,7 @@ use crate::orbit::numerical::{
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 
-/// The ways down.
+/// The integrators that are compared.
 const VARIANTS: [(&str, Solver); 3] = [
     ("DOP853", Solver::Explicit),
     ("Radau IIA", Solver::Implicit),
@@ -21,8 +21,14 @@ const VARIANTS: [(&str, Solver); 3] = [
 /// Tolerance of the fall that the others are held against; its impact moves by less than a millisecond from 1e-10 on.
 const REFERENCE_TOLERANCE: f64 = 1e-12;
 
-/// Seconds to the impact, and evaluations of the force.
-type Fall = (f64, u64);
+/// A fall to its end.
+#[derive(Clone, Copy, Debug)]
+struct Fall {
+    /// From the start to the impact, seconds.
+    impact_s: f64,
+    /// Evaluations of the force.
+    evaluations: u64,
+}
 
 /// A sphere of 30 cm that weighs a gram, from a circle at 120 km to the ground through the US Standard Atmosphere 1976.
 ///
@@ -45,8 +51,8 @@ impl StiffFall {
         }
     }
 
-    /// `None` where it fails.
-    fn fly(solver: Solver, relative_tolerance: f64) -> Option<Fall> {
+    /// The fall by one integrator; `None` where it fails.
+    fn propagate(solver: Solver, relative_tolerance: f64) -> Option<Fall> {
         let epoch = Epoch::from_gregorian_tai_at_noon(2018, 1, 15);
         let elements = KeplerElements {
             size: OrbitSize::Periapsis(6_378_137.0 + 120e3),
@@ -81,7 +87,10 @@ impl StiffFall {
         };
         let feed = NumericalFeed::new("", &state, &model, &craft, &options).ok()?;
         let impact = feed.impact()?;
-        Some(((impact - epoch).to_seconds(), feed.counts().evaluations))
+        Some(Fall {
+            impact_s: (impact - epoch).to_seconds(),
+            evaluations: feed.counts().evaluations,
+        })
     }
 
     fn fall(&self, variant: usize, tolerance: f64) -> Option<Fall> {
@@ -89,7 +98,7 @@ impl StiffFall {
         let key = (variant, tolerance.to_bits());
         let known = self.falls.borrow().get(&key).copied();
         known.unwrap_or_else(|| {
-            let fall = Self::fly(solver, tolerance);
+            let fall = Self::propagate(solver, tolerance);
             self.falls.borrow_mut().insert(key, fall);
             fall
         })
@@ -97,8 +106,8 @@ impl StiffFall {
 
     fn reference_s(&self) -> f64 {
         *self.reference.get_or_init(|| {
-            let fall = Self::fly(Solver::Automatic, REFERENCE_TOLERANCE);
-            fall.map_or(f64::NAN, |(impact_s, _)| impact_s)
+            let fall = Self::propagate(Solver::Automatic, REFERENCE_TOLERANCE);
+            fall.map_or(f64::NAN, |fall| fall.impact_s)
         })
     }
 }
@@ -116,11 +125,8 @@ impl Method for StiffFall {
         "evaluations"
     }
 
-    fn variants(&self) -> Vec<String> {
-        VARIANTS
-            .iter()
-            .map(|(name, _)| (*name).to_owned())
-            .collect()
+    fn variants(&self) -> Vec<&str> {
+        VARIANTS.map(|(name, _)| name).into()
     }
 
     fn sweep(&self) -> Sweep {
@@ -131,15 +137,14 @@ impl Method for StiffFall {
     }
 
     fn error(&self, variant: usize, at: f64) -> f64 {
-        self.fall(variant, at)
-            .map_or(f64::INFINITY, |(impact_s, _)| {
-                (impact_s - self.reference_s()).abs()
-            })
+        self.fall(variant, at).map_or(f64::INFINITY, |fall| {
+            (fall.impact_s - self.reference_s()).abs()
+        })
     }
 
     fn work(&self, variant: usize, at: f64) -> Work<'_> {
         let fall = self.fall(variant, at);
-        Work::Counted(fall.map_or(f64::INFINITY, |(_, evaluations)| evaluations as f64))
+        Work::Counted(fall.map_or(f64::INFINITY, |fall| fall.evaluations as f64))
     }
 }
 

@@ -1,11 +1,11 @@
 //! The comparison as a table.
 
 use super::{OrbitCase, VARIANTS, methods};
-use crate::measure::numeric::Quartiles;
+use crate::measure::Quartiles;
 use std::fmt::Write as _;
 use std::time::Instant;
 
-/// One way with one tolerance in one case.
+/// One method with one tolerance in one case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OrbitRow {
     /// The orbit, the forces and the span.
@@ -43,26 +43,26 @@ fn case_rows(case: &OrbitCase, repeats: u32) -> Vec<OrbitRow> {
         };
         for &tolerance in tolerances {
             let mut times = Vec::new();
-            let mut flight = None;
+            let mut run = None;
             for round in 0..=repeats {
                 let start = Instant::now();
-                flight = case.fly(solver, tolerance);
+                run = case.propagate(solver, tolerance);
                 if round > 0 {
                     times.push(start.elapsed().as_secs_f64() * 1e3);
                 }
             }
-            let (energy_drift, momentum_drift) = flight
+            let (energy_drift, momentum_drift) = run
                 .as_ref()
                 .map_or((f64::INFINITY, f64::INFINITY), |f| case.drifts(f));
             rows.push(OrbitRow {
                 case: case.name.clone(),
                 method,
                 relative_tolerance: solver.map(|_| tolerance),
-                error_m: case.error_m(flight.as_ref()),
+                error_m: case.error_m(run.as_ref()),
                 energy_drift,
                 momentum_drift,
-                evaluations: flight.map_or(0, |f| f.evaluations),
-                milliseconds: Quartiles::of(&mut times),
+                evaluations: run.map_or(0, |f| f.evaluations),
+                milliseconds: Quartiles::of(times),
             });
         }
     }

@@ -8,17 +8,17 @@
 //! What depends on two coordinates alone is kept in tables with cubic interpolation: the optical depth towards the Sun
 //! by height and Sun cosine, and the light of higher orders. `air_tests.rs` measures both against direct quadrature.
 
-use super::geometry::Line;
-use super::grid::{Curve, Gauss, Sheet};
-use super::path::{Path, Place, SHELLS_M};
+use super::geometry::ScaledRay;
+use super::grid::{Gauss, Table1d, Table2d};
+use super::path::{Path, PathPoint, SHELLS_M};
 use crate::air::{AirModel, EARTH_AIR};
 use glam::DVec3;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
-/// Numbers of nodes and table sizes.
+/// Numbers of nodes and sizes of tables.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Effort {
+pub(super) struct Resolution {
     /// Nodes in each piece of a ray of sight.
     pub sight: usize,
     /// Nodes in each piece of a ray to the Sun.
@@ -31,7 +31,7 @@ pub(super) struct Effort {
     pub directions: (usize, usize, usize),
 }
 
-impl Effort {
+impl Resolution {
     /// What pictures are made with.
     pub const PICTURE: Self = Self {
         sight: 4,
@@ -50,17 +50,17 @@ pub(super) struct Air {
     pub top: f64,
     shells: Vec<f64>,
     sight: Gauss,
-    depths: Sheet,
-    higher: Option<Sheet>,
+    depths: Table2d,
+    higher: Option<Table2d>,
 }
 
 /// What a ray of sight gathers and loses.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sight {
+pub(super) struct RayScattering {
     /// Light scattered into it, per unit irradiance of the Sun and steradian.
     pub light: DVec3,
     /// Fraction of light that passes all of it.
-    pub through: DVec3,
+    pub transmittance: DVec3,
 }
 
 /// Coefficients at one place, per equatorial radius.
@@ -74,17 +74,17 @@ impl Air {
     /// The Earth's air. Made once per process.
     pub fn earth() -> &'static Self {
         static AIR: OnceLock<Air> = OnceLock::new();
-        AIR.get_or_init(|| Self::new(EARTH_AIR, Effort::PICTURE))
+        AIR.get_or_init(|| Self::new(EARTH_AIR, Resolution::PICTURE))
     }
 
     /// Makes any air ready, on all cores.
-    pub fn new(model: AirModel, effort: Effort) -> Self {
+    pub fn new(model: AirModel, effort: Resolution) -> Self {
         let top = 1.0 + model.thickness_m / model.radius_m;
         let to_sun = Gauss::new(effort.to_sun);
         let (columns, rows) = effort.depths;
         let shells = Self::shells(&model);
         let medium = |height: f64| medium(&model, height).extinction;
-        let depths = Sheet::fill(columns, rows, |x, y| {
+        let depths = Table2d::fill(columns, rows, |x, y| {
             let height = (top - 1.0) * y * y;
             let horizon = horizon_cosine(height);
             let mu = horizon + (1.0 - horizon) * x * x;
@@ -108,8 +108,8 @@ impl Air {
         let [up, down] = [effort.directions.0, effort.directions.1].map(Gauss::new);
         let height = |y: f64| (top - 1.0) * y * y;
         let around = effort.directions.2;
-        let series = Curve::fill(rows, |y| air.series(height(y), &up, &down));
-        let higher = Sheet::fill(columns, rows, |x, y| {
+        let series = Table1d::fill(rows, |y| air.series(height(y), &up, &down));
+        let higher = Table2d::fill(columns, rows, |x, y| {
             air.second_order(height(y), spread(x), &up, &down, around) * series.at(y)
         });
         air.higher = Some(higher);
@@ -167,7 +167,7 @@ impl Air {
     pub fn higher(&self, height: f64, mu: f64) -> DVec3 {
         match &self.higher {
             // A cubic through the first nights and the last twilight may swing below nothing.
-            Some(sheet) => sheet
+            Some(table) => table
                 .at(gather(mu), self.height_coordinate(height))
                 .max(DVec3::ZERO),
             None => DVec3::ZERO,
@@ -175,7 +175,7 @@ impl Air {
     }
 
     /// Light and transmittance along a line of sight; `None` if it meets no air. `sun` is a unit vector of scaled space.
-    pub fn sight(&self, line: &Line, sun: DVec3) -> Option<Sight> {
+    pub fn sight(&self, line: &ScaledRay, sun: DVec3) -> Option<RayScattering> {
         let path = Path::new(line, self.top)?;
         let cos = path.direction().dot(sun);
         let (molecules, aerosol) = (molecule_phase(cos), self.aerosol_phase(cos));
@@ -192,15 +192,15 @@ impl Air {
         &self,
         path: &Path,
         sun: Option<DVec3>,
-        source: impl Fn(&Place, &Medium) -> DVec3,
-    ) -> Sight {
+        source: impl Fn(&PathPoint, &Medium) -> DVec3,
+    ) -> RayScattering {
         let rule = &self.sight;
         let count = rule.nodes.len();
         let mut light = DVec3::ZERO;
         let mut before = DVec3::ZERO;
-        let borders = path.borders(&self.shells, self.model.radius_m, sun);
-        let mut found = [(DVec3::ZERO, DVec3::ZERO); MOST_NODES];
-        for (from, to) in borders.pieces() {
+        let breakpoints = path.breakpoints(&self.shells, self.model.radius_m, sun);
+        let mut found = [(DVec3::ZERO, DVec3::ZERO); MAX_NODES];
+        for (from, to) in breakpoints.pieces() {
             let length = to - from;
             for (found, (at, _)) in found.iter_mut().zip(rule.on(from, to)) {
                 let place = path.place(at);
@@ -222,9 +222,9 @@ impl Air {
             }
             before += sum(&rule.weights);
         }
-        Sight {
+        RayScattering {
             light,
-            through: exp(-before),
+            transmittance: exp(-before),
         }
     }
 
@@ -248,7 +248,7 @@ impl Air {
                 if path.meets_ground {
                     let mu = path.end().normalize().dot(sun);
                     let bounced = self.sunlight(0.0, mu) * mu.max(0.0);
-                    found += sight.through * bounced * (self.model.ground_albedo / PI);
+                    found += sight.transmittance * bounced * (self.model.ground_albedo / PI);
                 }
                 light += found * (weight / around as f64);
             }
@@ -272,7 +272,7 @@ impl Air {
         let start = DVec3::new(0.0, 0.0, 1.0 + height);
         let flat = (1.0 - cos * cos).max(0.0).sqrt();
         let direction = DVec3::new(flat * turn.cos(), flat * turn.sin(), cos);
-        Path::new(&Line::new(start, direction), self.top)
+        Path::new(&ScaledRay::new(start, direction), self.top)
     }
 
     /// Irradiance of level ground by the sky alone where the Sun stands at zenith cosine `mu`, as a fraction of the Sun's
@@ -287,7 +287,7 @@ impl Air {
                 let turn = PI * (turn as f64 + 0.5) / around as f64;
                 let flat = (1.0 - cos * cos).max(0.0).sqrt();
                 let direction = DVec3::new(flat * turn.cos(), flat * turn.sin(), cos);
-                if let Some(sight) = self.sight(&Line::new(DVec3::Z, direction), sun) {
+                if let Some(sight) = self.sight(&ScaledRay::new(DVec3::Z, direction), sun) {
                     light += sight.light * (2.0 * PI * cos * weight / around as f64);
                 }
             }
@@ -304,7 +304,7 @@ impl Air {
 }
 
 /// Most nodes in a piece of a ray of sight.
-const MOST_NODES: usize = 16;
+const MAX_NODES: usize = 16;
 
 /// Zenith cosines and weights of directions evenly round a place, sum 1. Those above and below the horizon stand apart,
 /// both crowded towards it: there the light changes most, and jumps.
@@ -352,8 +352,8 @@ fn depth(
     rule: &Gauss,
     extinction: impl Fn(f64) -> DVec3,
 ) -> DVec3 {
-    let borders = path.borders(shells, radius_m, None);
-    borders
+    let breakpoints = path.breakpoints(shells, radius_m, None);
+    breakpoints
         .nodes(rule)
         .map(|(at, weight)| extinction(path.place(at).height) * weight)
         .sum()

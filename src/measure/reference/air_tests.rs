@@ -1,7 +1,7 @@
 //! The air's quadrature against closed forms, against itself refined, and its tables against quadrature.
 
-use super::air::{Air, Effort};
-use super::geometry::Line;
+use super::air::{Air, Resolution};
+use super::geometry::ScaledRay;
 use super::grid::Gauss;
 use super::light::GroundLight;
 use crate::air::EARTH_AIR;
@@ -37,11 +37,11 @@ fn the_horizontal_column_is_chapmans() {
     model.ozone_absorption_per_m = DVec3::ZERO;
     let air = Air::new(
         model,
-        Effort {
+        Resolution {
             depths: (16, 16),
             higher: (4, 4),
             directions: (2, 2, 2),
-            ..Effort::PICTURE
+            ..Resolution::PICTURE
         },
     );
     let h = model.molecules.scale_height_m;
@@ -84,7 +84,7 @@ fn the_table_of_depths_is_the_quadrature() {
 
 /// Lines of sight of all kinds: down, along the limb at several heights, up from the ground, from inside the air; and
 /// Suns from noon to twilight.
-fn cases() -> Vec<(Line, DVec3)> {
+fn cases() -> Vec<(ScaledRay, DVec3)> {
     let mut cases = Vec::new();
     for (eye, direction) in [
         ((0.0, 0.0, 1.1), (0.0, 0.0, -1.0)),
@@ -100,7 +100,7 @@ fn cases() -> Vec<(Line, DVec3)> {
     ] {
         for elevation_deg in [80.0, 30.0, 5.0, 0.0, -3.0, -7.0] {
             let (sin, cos) = f64::to_radians(elevation_deg).sin_cos();
-            let line = Line::new(DVec3::from(eye), DVec3::from(direction).normalize());
+            let line = ScaledRay::new(DVec3::from(eye), DVec3::from(direction).normalize());
             cases.push((line, DVec3::new(0.8 * cos, 0.6 * cos, sin)));
         }
     }
@@ -115,23 +115,24 @@ fn light_along_rays_converges() {
     let mut before = f64::INFINITY;
     for count in [2, 3, 4, 6] {
         let coarse = nodes(count);
-        let (mut worst, mut worst_through) = (0.0_f64, 0.0_f64);
+        let (mut worst, mut worst_transmittance) = (0.0_f64, 0.0_f64);
         for (line, sun) in cases() {
             let (a, b) = (coarse.sight(&line, sun), exact.sight(&line, sun));
             let (a, b) = (a.expect("air"), b.expect("air"));
             // As light on a display of exposure 1.4.
             worst = worst.max((a.light - b.light).abs().max_element() * 1.4 * std::f64::consts::PI);
-            worst_through = worst_through.max((a.through - b.through).abs().max_element());
+            worst_transmittance =
+                worst_transmittance.max((a.transmittance - b.transmittance).abs().max_element());
         }
         println!(
-            "{count} nodes a piece: light off by {worst:.1e}, transmittance by {worst_through:.1e}"
+            "{count} nodes a piece: light off by {worst:.1e}, transmittance by {worst_transmittance:.1e}"
         );
         assert!(worst < before, "{count}: {worst} {before}");
         before = worst;
-        if count == Effort::PICTURE.sight {
+        if count == Resolution::PICTURE.sight {
             assert!(
-                worst < 1e-4 && worst_through < 3e-5,
-                "{worst} {worst_through}"
+                worst < 1e-4 && worst_transmittance < 3e-5,
+                "{worst} {worst_transmittance}"
             );
         }
     }
@@ -142,11 +143,11 @@ fn higher_orders_and_skylight_converge() {
     let air = Air::earth();
     let fine = Air::new(
         EARTH_AIR,
-        Effort {
+        Resolution {
             sight: 6,
             higher: (128, 40),
             directions: (20, 16, 16),
-            ..Effort::PICTURE
+            ..Resolution::PICTURE
         },
     );
     let (mut worst, mut largest) = (0.0_f64, 0.0_f64);

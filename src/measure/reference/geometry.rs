@@ -20,7 +20,7 @@ pub fn ground_point(
     let rays = Rays::new(view, size)?;
     let scale = figure.itrf_from_scaled();
     let direction = rays.at(at.x, at.y);
-    let line = Line::new(rays.eye_m / scale, (direction / scale).try_normalize()?);
+    let line = ScaledRay::new(rays.eye_m / scale, (direction / scale).try_normalize()?);
     let distance = line.ground()?;
     Some(line.point(distance) * scale)
 }
@@ -97,9 +97,9 @@ impl Rays {
     }
 }
 
-/// A straight line through scaled space by its point nearest to the centre.
+/// A ray in scaled space, with its point nearest to the centre.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
+pub(super) struct ScaledRay {
     start: DVec3,
     /// Unit vector along it.
     pub direction: DVec3,
@@ -109,7 +109,7 @@ pub(super) struct Line {
     pub along: f64,
 }
 
-impl Line {
+impl ScaledRay {
     /// From a point along a unit vector.
     pub fn new(start: DVec3, direction: DVec3) -> Self {
         Self {

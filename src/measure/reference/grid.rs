@@ -85,11 +85,11 @@ fn stencil(at: f64, count: usize) -> (usize, [f64; 4]) {
 
 /// Colours at equally spaced places 0…1, between them a cubic through the four nearest.
 #[derive(Clone, Debug)]
-pub(super) struct Curve {
+pub(super) struct Table1d {
     values: Vec<DVec3>,
 }
 
-impl Curve {
+impl Table1d {
     /// Computes `count` ≥ 4 values on all cores.
     pub fn fill(count: usize, value: impl Fn(f64) -> DVec3 + Sync) -> Self {
         let at = |i: usize| i as f64 / (count - 1) as f64;
@@ -106,15 +106,15 @@ impl Curve {
     }
 }
 
-/// The same over two coordinates.
+/// Colours at equally spaced places of two coordinates 0…1, between them a bicubic through the sixteen nearest.
 #[derive(Clone, Debug)]
-pub(super) struct Sheet {
+pub(super) struct Table2d {
     width: usize,
     height: usize,
     values: Vec<DVec3>,
 }
 
-impl Sheet {
+impl Table2d {
     /// Computes `width` × `height` values, both at least 4, on all cores.
     pub fn fill(width: usize, height: usize, value: impl Fn(f64, f64) -> DVec3 + Sync) -> Self {
         let at = |i: usize, count: usize| i as f64 / (count - 1) as f64;
@@ -176,15 +176,15 @@ mod tests {
     #[test]
     fn cubics_are_interpolated_exactly_up_to_the_ends() {
         let cubic = |x: f64| 2.0 - x + 3.0 * x * x - 5.0 * x * x * x;
-        let curve = Curve::fill(7, |x| DVec3::splat(cubic(x)));
-        let sheet = Sheet::fill(5, 9, |x, y| DVec3::splat(cubic(x) * cubic(y)));
+        let line = Table1d::fill(7, |x| DVec3::splat(cubic(x)));
+        let plane = Table2d::fill(5, 9, |x, y| DVec3::splat(cubic(x) * cubic(y)));
         for i in 0..=50 {
             let x = f64::from(i) / 50.0;
             let y = (1.7 * x) % 1.0;
-            assert!((curve.at(x).x - cubic(x)).abs() < 1e-13);
-            assert!((sheet.at(x, y).y - cubic(x) * cubic(y)).abs() < 1e-13);
+            assert!((line.at(x).x - cubic(x)).abs() < 1e-13);
+            assert!((plane.at(x, y).y - cubic(x) * cubic(y)).abs() < 1e-13);
         }
-        assert_eq!(curve.at(-3.0), curve.at(0.0));
-        assert_eq!(sheet.at(9.0, 0.5), sheet.at(1.0, 0.5));
+        assert_eq!(line.at(-3.0), line.at(0.0));
+        assert_eq!(plane.at(9.0, 0.5), plane.at(1.0, 0.5));
     }
 }

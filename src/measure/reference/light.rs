@@ -1,7 +1,7 @@
 //! What falls on the ground: the Sun, and the sky.
 
 use super::air::{Air, gather, spread};
-use super::grid::{Curve, Gauss};
+use super::grid::{Gauss, Table1d};
 use glam::DVec3;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
@@ -21,8 +21,8 @@ pub(super) struct Light {
 /// Light on the ground under the air against the Sun's zenith cosine.
 #[derive(Debug)]
 pub(super) struct GroundLight {
-    sun: Curve,
-    sky: Curve,
+    sun: Table1d,
+    sky: Table1d,
 }
 
 /// How much finer the Sun's cosines are divided at the terminator, as the parameter of a sinh: there 5e-5 apart.
@@ -35,17 +35,17 @@ impl GroundLight {
         LIGHT.get_or_init(|| Self::new(Air::earth(), 2048, 128, 16))
     }
 
-    /// Computes both curves with so many values; the sky from `2 · around²` directions.
+    /// Computes both tables with so many values; the sky from `2 · around²` directions.
     pub fn new(air: &Air, sun: usize, sky: usize, around: usize) -> Self {
         let up = Gauss::new(around);
         Self {
-            sun: Curve::fill(sun, |x| {
+            sun: Table1d::fill(sun, |x| {
                 disc(
                     (SUN_SPREAD * (2.0 * x - 1.0)).sinh() / SUN_SPREAD.sinh(),
                     air,
                 )
             }),
-            sky: Curve::fill(sky, |x| air.skylight(spread(x), &up, around)),
+            sky: Table1d::fill(sky, |x| air.skylight(spread(x), &up, around)),
         }
     }
 

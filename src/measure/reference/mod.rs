@@ -7,7 +7,7 @@
 //!   and the air is that over the ground above the eye. Near and far plane cut nothing off.
 //! - **Maps** are piecewise bilinear functions of their full-resolution texels, without mip levels. A pixel is its box
 //!   average: N × N rays, and where a ray's part of the pixel covers more than half a texel, taps no farther apart than half a
-//!   texel, up to [`MOST_TAPS`] a side. The whole light model is evaluated at each tap and its light averaged, not its inputs: the
+//!   texel, up to [`MAX_TAPS`] a side. The whole light model is evaluated at each tap and its light averaged, not its inputs: the
 //!   mean of what is there, not what is there in the mean.
 //! - **Light.** Sunlight and skylight at each tap, red, green and blue apart; the air once a ray.
 //! - **Air** by quadrature along each ray, in scaled space as the drawables' air is ([`crate::air`]). What is behind it
@@ -44,11 +44,11 @@ mod still;
 pub(super) use geometry::Rays;
 pub use geometry::{ground_point, limb_angle_rad};
 pub use maps::{FullMap, FullMaps};
-pub use pack::MOST_MAP_BYTES;
+pub use pack::MAX_MAP_BYTES;
 pub(super) use pack::whole_maps;
 pub use picture::ReferencePicture;
 pub use relief::{TrueRelief, relief_distance_m};
-pub use render::MOST_TAPS;
+pub use render::MAX_TAPS;
 pub use still::{ReferenceRequest, ReferenceStats, StillError, write_reference_still};
 
 use crate::globe::Figure;
@@ -58,8 +58,8 @@ use air::Air;
 use glam::DVec3;
 use light::GroundLight;
 use rayon::prelude::*;
-use render::{Cell, Frame};
-use shading::Ground;
+use render::{CastEarth, PixelPart, RayCaster};
+use shading::GroundShader;
 use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -138,7 +138,7 @@ pub enum ReferenceError {
 #[derive(Debug)]
 pub struct Reference {
     options: ReferenceOptions,
-    ground: Ground,
+    ground: GroundShader,
     air: Option<&'static Air>,
 }
 
@@ -152,7 +152,7 @@ impl Reference {
         Self::with_maps(FullMaps::copied(layers)?, options)
     }
 
-    /// The same, with maps that are taken and not copied.
+    /// As [`Self::new`], with maps that are taken and not copied.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -173,7 +173,7 @@ impl Reference {
         };
         Ok(Self {
             options,
-            ground: Ground::new(maps, options.shading, light),
+            ground: GroundShader::new(maps, options.shading, light),
             air,
         })
     }
@@ -195,7 +195,7 @@ impl Reference {
         picture.unwrap_or_else(|| black(size))
     }
 
-    /// The same, calling `row_done` after each row from any thread; `None` soon after `stop` becomes true.
+    /// As [`Self::render`], calling `row_done` after each row from any thread; `None` soon after `stop` becomes true.
     pub fn render_with(
         &self,
         view: &EyeView,
@@ -208,7 +208,7 @@ impl Reference {
         self.render_unless(view, sky, size, row_done, &is_stopped)
     }
 
-    /// The same with a question in place of the flag, asked at every pixel.
+    /// As [`Self::render_with`], with a question in place of the flag, asked at every pixel.
     pub fn render_unless(
         &self,
         view: &EyeView,
@@ -218,10 +218,13 @@ impl Reference {
         is_stopped: &(dyn Fn() -> bool + Sync),
     ) -> Option<ReferencePicture> {
         let mut picture = black(size);
-        let scale = self.options.figure.ellipsoid().itrf_from_scaled();
-        let exposure = self.options.exposure;
-        let seen = (view, sky);
-        let Some(frame) = Frame::new(&self.ground, self.air, exposure, scale, seen, size) else {
+        let earth = CastEarth {
+            ground: &self.ground,
+            air: self.air,
+            exposure: self.options.exposure,
+            scale: self.options.figure.ellipsoid().itrf_from_scaled(),
+        };
+        let Some(caster) = RayCaster::new(&earth, view, sky, size) else {
             return Some(picture);
         };
         let width = size.0.max(1) as usize;
@@ -232,7 +235,7 @@ impl Reference {
                 if is_stopped() {
                     return None;
                 }
-                (*linear, *ground) = self.pixel(&frame, x, y);
+                (*linear, *ground) = self.pixel(&caster, x, y);
             }
             row_done();
             Some(())
@@ -240,13 +243,13 @@ impl Reference {
         Some(picture)
     }
 
-    fn pixel(&self, frame: &Frame<'_>, x: usize, y: usize) -> ([f32; 3], f32) {
+    fn pixel(&self, caster: &RayCaster<'_>, x: usize, y: usize) -> ([f32; 3], f32) {
         let samples = self.options.samples;
         let side = 1.0 / f64::from(samples);
         let (mut light, mut ground) = (DVec3::ZERO, 0_u32);
         for j in 0..samples {
             for i in 0..samples {
-                let sample = frame.sample(&Cell {
+                let sample = caster.sample(&PixelPart {
                     x: x as f64 + f64::from(i) * side,
                     y: y as f64 + f64::from(j) * side,
                     side,

@@ -1,7 +1,6 @@
 //! Whole maps of a pack's finest levels, as far as memory allows.
 
 use super::maps::{FullMap, FullMaps};
-use super::still::StillError;
 use crate::imagery::TexelFormat;
 use crate::imagery::tile::{
     BlockSet, LayerLayout, LevelLayout, TILE_BORDER, Tile, TileError, TileFormat, TileKey,
@@ -11,7 +10,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Most bytes of the maps that are made of a pack's tiles.
-pub const MOST_MAP_BYTES: u64 = 1 << 30;
+pub const MAX_MAP_BYTES: u64 = 1 << 30;
 
 /// Maps of a pack, and where they are coarser than the pack is.
 pub(in crate::measure) struct PackMaps {
@@ -24,12 +23,12 @@ pub(in crate::measure) struct PackMaps {
 /// has no tile of a block, the next coarser one is enlarged, bilinearly in stored values.
 ///
 /// # Errors
-/// A tile that cannot be read: a true picture has no stand-ins. [`StillError::Interrupted`] after `cancelled`.
+/// A tile that cannot be read: a true picture has no stand-ins. [`TileError::Cancelled`] after `cancelled`.
 pub(in crate::measure) fn whole_maps(
     source: &dyn TileSource,
     limit: u64,
     cancelled: &(dyn Fn() -> bool + Sync),
-) -> Result<PackMaps, StillError> {
+) -> Result<PackMaps, TileError> {
     let layouts = source.layers();
     let levels = chosen_levels(layouts, limit);
     let mut found = PackMaps {
@@ -72,7 +71,7 @@ fn whole_map(
     layout: &LayerLayout,
     level: usize,
     cancelled: &(dyn Fn() -> bool + Sync),
-) -> Result<FullMap, StillError> {
+) -> Result<FullMap, TileError> {
     let shape = layout.levels[level].shape;
     let format = match layout.format.decoded() {
         TileFormat::Rgba8Srgb => TexelFormat::Rgba8Srgb,
@@ -86,30 +85,25 @@ fn whole_map(
     let failed = AtomicBool::new(false);
     // One strip of blocks after another to a thread: no two write to the same row.
     let strips = texels.par_chunks_mut(row_bytes * pixels).enumerate();
-    strips
-        .try_for_each(|(row, strip)| {
-            for column in 0..crate::globe::COLUMNS as usize {
-                let stop = || cancelled() || failed.load(Ordering::Relaxed);
-                let block = (row * crate::globe::COLUMNS as usize + column) as u8;
-                let tile = read(source, layout, level, block, &stop).inspect_err(|_| {
-                    failed.store(true, Ordering::Relaxed);
-                })?;
-                let own = pixels * format.texel_bytes();
-                for (y, line) in strip.chunks_exact_mut(row_bytes).enumerate() {
-                    copy_row(
-                        &tile,
-                        y,
-                        pixels,
-                        &mut line[column * own..(column + 1) * own],
-                    );
-                }
+    strips.try_for_each(|(row, strip)| {
+        for column in 0..crate::globe::COLUMNS as usize {
+            let stop = || cancelled() || failed.load(Ordering::Relaxed);
+            let block = (row * crate::globe::COLUMNS as usize + column) as u8;
+            let tile = read(source, layout, level, block, &stop).inspect_err(|_| {
+                failed.store(true, Ordering::Relaxed);
+            })?;
+            let own = pixels * format.texel_bytes();
+            for (y, line) in strip.chunks_exact_mut(row_bytes).enumerate() {
+                copy_row(
+                    &tile,
+                    y,
+                    pixels,
+                    &mut line[column * own..(column + 1) * own],
+                );
             }
-            Ok(())
-        })
-        .map_err(|error| match error {
-            TileError::Cancelled => StillError::Interrupted,
-            error => StillError::Tile(error),
-        })?;
+        }
+        Ok(())
+    })?;
     Ok(FullMap {
         width,
         height,
@@ -309,6 +303,6 @@ mod tests {
     #[test]
     fn reading_can_be_stopped() {
         let stopped = whole_maps(&Made::new(), u64::MAX, &|| true);
-        assert!(matches!(stopped, Err(StillError::Interrupted)));
+        assert!(matches!(stopped, Err(TileError::Cancelled)));
     }
 }

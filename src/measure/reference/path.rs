@@ -1,6 +1,6 @@
 //! A ray's way through the air, cut where the air changes its law.
 
-use super::geometry::{Line, half_chord};
+use super::geometry::{ScaledRay, half_chord};
 use super::grid::Gauss;
 use glam::DVec3;
 
@@ -14,9 +14,9 @@ pub(super) const SHELLS_M: [f64; 11] = [
 /// Heights at which sunlight that grazes the Earth passes over it, metres: between them its colour changes steeply.
 const GRAZING_M: [f64; 4] = [0.0, 4_000.0, 12_000.0, 30_000.0];
 
-/// Ends and inner borders of the pieces: two of each shell, three of which may be added for another ozone layer, and two
+/// Ends and inner breakpoints of the pieces: two of each shell, three of which may be added for another ozone layer, and two
 /// of each grazing cylinder.
-const MOST_BORDERS: usize = 2 + 2 * (SHELLS_M.len() + 3 + GRAZING_M.len());
+const MAX_BREAKPOINTS: usize = 2 + 2 * (SHELLS_M.len() + 3 + GRAZING_M.len());
 
 /// The part of a ray that lies in the air. Lengths are equatorial radii of scaled space.
 #[derive(Clone, Copy, Debug)]
@@ -34,9 +34,9 @@ pub(super) struct Path {
     pub meets_ground: bool,
 }
 
-/// A place on a path.
+/// A point of a path.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct PathPoint {
     /// From the centre, of length 1 + `height`.
     pub point: DVec3,
     /// Above the ground, equatorial radii.
@@ -46,7 +46,7 @@ pub(super) struct Place {
 impl Path {
     /// The way of a ray from its start to the ground or out of the air, whose upper boundary is at radius `top`; `None`
     /// if it meets no air.
-    pub fn new(line: &Line, top: f64) -> Option<Self> {
+    pub fn new(line: &ScaledRay, top: f64) -> Option<Self> {
         let nearest = line.nearest;
         let half = half_chord(top, nearest);
         if nearest >= top || half <= -line.along {
@@ -94,24 +94,24 @@ impl Path {
     }
 
     /// A place by its distance from the foot.
-    pub fn place(&self, at: f64) -> Place {
+    pub fn place(&self, at: f64) -> PathPoint {
         let above = self.foot_above + at * at;
-        Place {
+        PathPoint {
             point: self.foot + self.direction * at,
             // r − 1 = (r² − 1)/(r + 1).
             height: (above / (1.0 + (1.0 + above).max(0.0).sqrt())).max(0.0),
         }
     }
 
-    /// The borders of its pieces in rising order, both ends among them. `shells` are radii; with a `sun` the pieces also
+    /// The breakpoints of its pieces in rising order, both ends among them. `shells` are radii; with a `sun` the pieces also
     /// end where the ray enters or leaves the Earth's shadow and the steepest part of twilight.
-    pub fn borders(&self, shells: &[f64], radius_m: f64, sun: Option<DVec3>) -> Borders {
-        let mut borders = Borders::default();
-        borders.push(self.from);
-        borders.push(self.to);
+    pub fn breakpoints(&self, shells: &[f64], radius_m: f64, sun: Option<DVec3>) -> Breakpoints {
+        let mut breakpoints = Breakpoints::default();
+        breakpoints.push(self.from);
+        breakpoints.push(self.to);
         let mut cut = |at: f64| {
             if at > self.from && at < self.to {
-                borders.push(at);
+                breakpoints.push(at);
             }
         };
         for shell in shells {
@@ -124,7 +124,7 @@ impl Path {
         if let Some(sun) = sun {
             self.grazing(sun, radius_m, &mut cut);
         }
-        borders.sorted()
+        breakpoints.sorted()
     }
 
     /// Where the ray passes, on the night side, through a cylinder about the axis to the Sun.
@@ -147,23 +147,23 @@ impl Path {
     }
 }
 
-/// Borders of a path's pieces.
+/// The ends of the pieces that a path is integrated in.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Borders {
-    at: [f64; MOST_BORDERS],
+pub(super) struct Breakpoints {
+    at: [f64; MAX_BREAKPOINTS],
     count: usize,
 }
 
-impl Default for Borders {
+impl Default for Breakpoints {
     fn default() -> Self {
         Self {
-            at: [0.0; MOST_BORDERS],
+            at: [0.0; MAX_BREAKPOINTS],
             count: 0,
         }
     }
 }
 
-impl Borders {
+impl Breakpoints {
     fn push(&mut self, at: f64) {
         if let Some(place) = self.at.get_mut(self.count) {
             *place = at;

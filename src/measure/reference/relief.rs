@@ -53,9 +53,9 @@ impl TrueRelief {
 /// A part of the finest sample that a ray goes at a time where it is near the ground.
 const PART_OF_SAMPLE: f64 = 0.5;
 /// Farthest that it goes at a time there, radians at the Earth's centre.
-const FARTHEST_RAD: f64 = 1e-3;
+const MAX_STEP_RAD: f64 = 1e-3;
 /// Least that it goes at a time, metres.
-const LEAST_M: f64 = 0.5;
+const MIN_STEP_M: f64 = 0.5;
 
 /// Where a ray first meets the ground at its finest, metres along the unit vector `direction` (ITRF). `None` where it meets
 /// none, and from below the ground.
@@ -76,9 +76,9 @@ pub fn relief_distance_m(
         Some((into_m, _)) if into_m > 0.0 => into_m.min(to_m),
         _ => to_m,
     };
-    let at = |along_m: f64| Station::new(figure, eye_itrf_m, direction, along_m);
+    let at = |along_m: f64| RayPoint::new(figure, eye_itrf_m, direction, along_m);
     let above_m =
-        |s: &Station| s.place.height_m - ground.height_m(s.place.lat_rad, s.place.lon_rad, 0.0);
+        |s: &RayPoint| s.place.height_m - ground.height_m(s.place.lat_rad, s.place.lon_rad, 0.0);
     let mut here = at(from_m.max(0.0));
     if above_m(&here) < 0.0 {
         return None;
@@ -94,7 +94,7 @@ pub fn relief_distance_m(
             continue;
         }
         let finest = ground.finest_spacing_rad(here.place.lat_rad, here.place.lon_rad);
-        let fine_m = (PART_OF_SAMPLE * finest.min(FARTHEST_RAD) * radius_m).max(LEAST_M);
+        let fine_m = (PART_OF_SAMPLE * finest.min(MAX_STEP_RAD) * radius_m).max(MIN_STEP_M);
         if step_m > fine_m {
             step_m = (0.5 * step_m).max(fine_m);
             continue;
@@ -116,15 +116,15 @@ pub fn relief_distance_m(
     None
 }
 
-/// A place on a ray.
-struct Station {
+/// A point of a ray, by its place on the ellipsoid.
+struct RayPoint {
     along_m: f64,
     place: Geodetic,
     /// Rise of the ray over the ellipsoid, metres per metre.
     climb: f64,
 }
 
-impl Station {
+impl RayPoint {
     fn new(figure: &Ellipsoid, eye_m: DVec3, direction: DVec3, along_m: f64) -> Self {
         let place = figure.geodetic_from_itrf(eye_m + direction * along_m);
         Self {
@@ -148,7 +148,7 @@ impl Station {
 }
 
 /// Bounds of the ground below a ray between two places, wider by half its length.
-fn bounds_between(a: &Station, b: &Station, radius_m: f64) -> Bounds {
+fn bounds_between(a: &RayPoint, b: &RayPoint, radius_m: f64) -> Bounds {
     let reach = 0.5 * (b.along_m - a.along_m) / radius_m + 1e-9;
     let south_rad = (a.place.lat_rad.min(b.place.lat_rad) - reach).max(-FRAC_PI_2);
     let north_rad = (a.place.lat_rad.max(b.place.lat_rad) + reach).min(FRAC_PI_2);

@@ -1,25 +1,25 @@
 //! One picture of a reference: rays, and how finely each looks at the maps.
 
 use super::air::Air;
-use super::geometry::{Line, Rays};
-use super::shading::{Ground, Seen};
+use super::geometry::{Rays, ScaledRay};
+use super::shading::{GroundShader, ShadingPoint};
 use crate::{EyeView, Sky};
 use glam::DVec3;
 use std::f64::consts::PI;
 
 /// Most taps along each side of a ray's part of the pixel.
-pub const MOST_TAPS: u32 = 512;
+pub const MAX_TAPS: u32 = 512;
 
 /// Taps for each texel that a ray's part of the pixel is long: at one, a map of stripes of a texel would beat with them.
 const TAPS_PER_TEXEL: f64 = 2.0;
 
 /// Texels are counted as narrow as here where they are narrower, cosine of the latitude (84°): at the pole itself all
 /// columns of a map meet, and none of them means anything.
-const NARROWEST: f64 = 0.1;
+const MIN_COS_LATITUDE: f64 = 0.1;
 
-/// What a picture is made of.
-pub(super) struct Frame<'r> {
-    ground: &'r Ground,
+/// The rays of one picture, and what they are cast at.
+pub(super) struct RayCaster<'r> {
+    ground: &'r GroundShader,
     air: Option<&'static Air>,
     exposure: f64,
     rays: Rays,
@@ -34,9 +34,20 @@ pub(super) struct Frame<'r> {
     texels_per_rad: (f64, f64),
 }
 
+/// What rays are cast at.
+#[derive(Clone, Copy)]
+pub(super) struct CastEarth<'r> {
+    pub ground: &'r GroundShader,
+    pub air: Option<&'static Air>,
+    /// As [`super::ReferenceOptions::exposure`].
+    pub exposure: f64,
+    /// The figure's diagonal (a, a, b), metres.
+    pub scale: DVec3,
+}
+
 /// The light of one ray.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sample {
+pub(super) struct RaySample {
     /// Linear light, clamped to 0…1.
     pub light: DVec3,
     /// Whether it met the ground.
@@ -45,7 +56,7 @@ pub(super) struct Sample {
 
 /// A part of the picture, pixels.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cell {
+pub(super) struct PixelPart {
     /// Upper left corner.
     pub x: f64,
     /// Upper left corner.
@@ -54,16 +65,15 @@ pub(super) struct Cell {
     pub side: f64,
 }
 
-impl<'r> Frame<'r> {
+impl<'r> RayCaster<'r> {
     /// `None` if view or sky are not finite: such a picture is black.
-    pub fn new(
-        ground: &'r Ground,
-        air: Option<&'static Air>,
-        exposure: f64,
-        scale: DVec3,
-        (view, sky): (&EyeView, &Sky),
-        size: (u32, u32),
-    ) -> Option<Self> {
+    pub fn new(earth: &CastEarth<'r>, view: &EyeView, sky: &Sky, size: (u32, u32)) -> Option<Self> {
+        let CastEarth {
+            ground,
+            air,
+            exposure,
+            scale,
+        } = *earth;
         let rays = Rays::new(view, size)?;
         let sun_scaled = (sky.sun_itrf / scale).try_normalize()?;
         let eye = rays.eye_m / scale;
@@ -87,52 +97,58 @@ impl<'r> Frame<'r> {
         })
     }
 
-    /// The light of a cell: the air along the ray through its middle, and the mean light of the ground in it, if that
+    /// The light of a part: the air along the ray through its middle, and the mean light of the ground in it, if that
     /// ray meets the ground.
-    pub fn sample(&self, cell: &Cell) -> Sample {
-        let half = 0.5 * cell.side;
-        let direction = self.rays.at(cell.x + half, cell.y + half);
+    pub fn sample(&self, part: &PixelPart) -> RaySample {
+        let half = 0.5 * part.side;
+        let direction = self.rays.at(part.x + half, part.y + half);
         let Some(scaled) = (direction / self.scale).try_normalize() else {
-            return Sample::default();
+            return RaySample::default();
         };
-        let line = Line::new(self.eye, scaled);
+        let line = ScaledRay::new(self.eye, scaled);
         let ground = line.ground();
         let mut light = match ground {
-            Some(distance) => self.ground_light(cell, direction, &line, distance),
+            Some(distance) => self.ground_light(part, direction, &line, distance),
             None => DVec3::ZERO,
         };
         if let Some(air) = self.air {
-            let line = Line::new(self.eye_in_air, scaled);
+            let line = ScaledRay::new(self.eye_in_air, scaled);
             if let Some(sight) = air.sight(&line, self.sun_scaled) {
                 // A white sheet that faces the Sun is L = E/π.
-                light = light * sight.through + sight.light * (PI * self.exposure);
+                light = light * sight.transmittance + sight.light * (PI * self.exposure);
             }
         }
-        Sample {
+        RaySample {
             light: light.clamp(DVec3::ZERO, DVec3::ONE),
             is_ground: ground.is_some(),
         }
     }
 
-    /// Mean light of the ground in a cell. `line` is the ray through its middle, which meets the ground at `distance`.
+    /// Mean light of the ground in a part. `line` is the ray through its middle, which meets the ground at `distance`.
     ///
-    /// The cell is divided into so many equal parts that the rays through their middles, the taps, are no farther apart
-    /// on the ground than half a texel of the finest map, as far as [`MOST_TAPS`] allows. The spacing is that about the
-    /// cell's middle: in a cell that the limb runs through it is wider beyond.
-    fn ground_light(&self, cell: &Cell, direction: DVec3, line: &Line, distance: f64) -> DVec3 {
+    /// The part is divided into so many equal parts that the rays through their middles, the taps, are no farther apart
+    /// on the ground than half a texel of the finest map, as far as [`MAX_TAPS`] allows. The spacing is that about the
+    /// part's middle: in a part that the limb runs through it is wider beyond.
+    fn ground_light(
+        &self,
+        part: &PixelPart,
+        direction: DVec3,
+        line: &ScaledRay,
+        distance: f64,
+    ) -> DVec3 {
         let point = line.point(distance);
-        let (across, down) = self.taps(cell, direction, point, distance);
+        let (across, down) = self.taps(part, direction, point, distance);
         if across == 1 && down == 1 {
             return self.shade(point, direction);
         }
-        let (step_x, step_y) = (cell.side / f64::from(across), cell.side / f64::from(down));
+        let (step_x, step_y) = (part.side / f64::from(across), part.side / f64::from(down));
         let (mut sum, mut count) = (DVec3::ZERO, 0_u32);
         for j in 0..down {
-            let y = cell.y + step_y * (f64::from(j) + 0.5);
+            let y = part.y + step_y * (f64::from(j) + 0.5);
             for i in 0..across {
-                let x = cell.x + step_x * (f64::from(i) + 0.5);
+                let x = part.x + step_x * (f64::from(i) + 0.5);
                 let direction = self.rays.at(x, y);
-                let line = Line::new(self.eye, (direction / self.scale).normalize_or_zero());
+                let line = ScaledRay::new(self.eye, (direction / self.scale).normalize_or_zero());
                 if let Some(distance) = line.ground() {
                     sum += self.shade(line.point(distance), direction);
                     count += 1;
@@ -146,7 +162,7 @@ impl<'r> Frame<'r> {
     }
 
     /// Number of taps across and down.
-    fn taps(&self, cell: &Cell, direction: DVec3, point: DVec3, distance: f64) -> (u32, u32) {
+    fn taps(&self, part: &PixelPart, direction: DVec3, point: DVec3, distance: f64) -> (u32, u32) {
         let up = point / self.scale;
         let length = up.length();
         let up = up / length;
@@ -160,22 +176,22 @@ impl<'r> Frame<'r> {
         let radius = self.scale.z;
         let (per_lon, per_lat) = self.texels_per_rad;
         let count = |step: DVec3| {
-            // The neighbour's ray on the tangent plane, for a step of the whole cell.
-            let moved = (step - direction * (up.dot(step) / facing)) * (reach * cell.side);
-            let u = moved.dot(east).abs() / (radius * across.max(NARROWEST)) * per_lon;
+            // The neighbour's ray on the tangent plane, for a step of the whole part.
+            let moved = (step - direction * (up.dot(step) / facing)) * (reach * part.side);
+            let u = moved.dot(east).abs() / (radius * across.max(MIN_COS_LATITUDE)) * per_lon;
             let v = moved.dot(north).abs() / radius * per_lat;
-            ((TAPS_PER_TEXEL * u.max(v)).ceil() as u32).clamp(1, MOST_TAPS)
+            ((TAPS_PER_TEXEL * u.max(v)).ceil() as u32).clamp(1, MAX_TAPS)
         };
         (count(self.rays.right), count(self.rays.down))
     }
 
     /// Light of a place in scaled space, the exposure in it.
     fn shade(&self, point: DVec3, direction: DVec3) -> DVec3 {
-        let seen = Seen {
+        let place = ShadingPoint {
             up: (point / self.scale).normalize(),
             to_eye: -direction.normalize(),
         };
-        let light = self.ground.shade(&seen, self.sun);
+        let light = self.ground.shade(&place, self.sun);
         light * self.ground.exposure(self.exposure)
     }
 }

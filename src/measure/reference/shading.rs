@@ -21,18 +21,18 @@ const WAVE_SLOPE_SQUARED: f64 = 0.003 + 0.005_12 * 7.0;
 /// Index of refraction of sea water.
 const WATER_INDEX: f64 = 1.33;
 
-/// A place on the ground, seen.
+/// A place on the ground and where it is seen from.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seen {
+pub(super) struct ShadingPoint {
     /// Outward normal of the ellipsoid, a unit vector in ITRF axes.
     pub up: DVec3,
     /// Towards the eye, a unit vector.
     pub to_eye: DVec3,
 }
 
-/// Everything that the ground's light depends on but the place.
+/// The ground's light model with all that it depends on but the place.
 #[derive(Debug)]
-pub(super) struct Ground {
+pub(super) struct GroundShader {
     pub maps: FullMaps,
     decode: Decode,
     shading: Shading,
@@ -40,7 +40,7 @@ pub(super) struct Ground {
     light: Option<&'static GroundLight>,
 }
 
-impl Ground {
+impl GroundShader {
     pub fn new(maps: FullMaps, shading: Shading, light: Option<&'static GroundLight>) -> Self {
         Self {
             maps,
@@ -60,8 +60,8 @@ impl Ground {
 
     /// Linear light of a place: with [`Shading::Sunlit`] a white sheet that faces the Sun in space is 1, with
     /// [`Shading::Paper`] 1 is the display's white.
-    pub fn shade(&self, seen: &Seen, sun: DVec3) -> DVec3 {
-        let up = seen.up;
+    pub fn shade(&self, point: &ShadingPoint, sun: DVec3) -> DVec3 {
+        let up = point.up;
         let across = up.x.hypot(up.y);
         let east = if across > 0.0 {
             DVec3::new(-up.y, up.x, 0.0) / across
@@ -101,7 +101,7 @@ impl Ground {
         };
         let mut color = day(&self.decode.srgb) * (light.sun * normal.dot(sun).max(0.0) + light.sky);
         if let Some(sea) = one(MapLayer::Water) {
-            color += glint(seen, sun, mu, &light) * sea;
+            color += glint(point, sun, mu, &light) * sea;
         }
         if let Some(glow) = one(MapLayer::NightLights) {
             // Lamps go on at dusk, the brightest stand out.
@@ -132,15 +132,15 @@ fn paper(earth: DVec3, cloud: f64, cos: f64) -> DVec3 {
 ///   L/E = ρ(ω) p(β) / (4 cos θ cos⁴β),  p = exp(−tan²β/σ²)/(πσ²)
 /// where β tilts a wave so that it mirrors the Sun into the eye, and ρ is Schlick's approximation of Fresnel's law. cos θ
 /// is kept from 0, where waves hide each other, and the glint fades with the last sunlight.
-fn glint(seen: &Seen, sun: DVec3, mu: f64, light: &Light) -> DVec3 {
-    let half_way = (seen.to_eye + sun).normalize_or_zero();
-    let cos_squared = half_way.dot(seen.up).max(1e-3).powi(2);
+fn glint(point: &ShadingPoint, sun: DVec3, mu: f64, light: &Light) -> DVec3 {
+    let half_way = (point.to_eye + sun).normalize_or_zero();
+    let cos_squared = half_way.dot(point.up).max(1e-3).powi(2);
     let tan_squared = (1.0 - cos_squared) / cos_squared;
     let slopes = (-tan_squared / WAVE_SLOPE_SQUARED).exp() / (PI * WAVE_SLOPE_SQUARED);
     let head_on = ((WATER_INDEX - 1.0) / (WATER_INDEX + 1.0)).powi(2);
-    let miss = 1.0 - half_way.dot(seen.to_eye).clamp(0.0, 1.0);
+    let miss = 1.0 - half_way.dot(point.to_eye).clamp(0.0, 1.0);
     let fresnel = head_on + (1.0 - head_on) * miss.powi(5);
-    let seen_cos = seen.to_eye.dot(seen.up).max(0.15);
+    let seen_cos = point.to_eye.dot(point.up).max(0.15);
     // A white sheet that faces the Sun is L = E/π.
     let mirrored = PI * fresnel * slopes / (4.0 * seen_cos * cos_squared * cos_squared);
     light.sun * (mirrored * smooth_step(-0.01, 0.05, mu))

@@ -1,7 +1,7 @@
 //! One true picture of a scene, and its numbers.
 
 use super::maps::FullMaps;
-use super::pack::{MOST_MAP_BYTES, whole_maps};
+use super::pack::{MAX_MAP_BYTES, whole_maps};
 use super::{Reference, ReferenceError, ReferenceOptions};
 use crate::Atmosphere;
 use crate::frames::{Epoch, rfc3339};
@@ -14,7 +14,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Most memory that the picture itself may take, MiB.
-const MOST_PICTURE_MIB: u64 = 4096;
+const MAX_PICTURE_MIB: u64 = 4096;
 
 /// What a true picture is.
 #[derive(Clone, Debug)]
@@ -66,6 +66,15 @@ pub enum StillError {
     Interrupted,
 }
 
+impl From<TileError> for StillError {
+    fn from(error: TileError) -> Self {
+        match error {
+            TileError::Cancelled => Self::Interrupted,
+            error => Self::Tile(error),
+        }
+    }
+}
+
 /// The numbers of a true picture.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -98,7 +107,7 @@ pub struct ReferenceStats {
 
 /// Computes and writes one picture. Nothing is left behind where that fails or is stopped.
 ///
-/// The spacecraft of the chase camera is not drawn. Of a pack the finest levels that fit into [`MOST_MAP_BYTES`] are
+/// The spacecraft of the chase camera is not drawn. Of a pack the finest levels that fit into [`MAX_MAP_BYTES`] are
 /// taken, whatever the scene says of levels and memory. Both are warned of.
 pub fn write_reference_still(
     flight: &Flight,
@@ -162,11 +171,11 @@ fn load(flight: &Flight, samples: u32, progress: &dyn Progress) -> Result<Refere
         None => FullMaps::taken(earth.layers)?,
         Some(tiles) => {
             let cancelled = || progress.cancelled();
-            let found = whole_maps(tiles.source.as_ref(), MOST_MAP_BYTES, &cancelled)?;
+            let found = whole_maps(tiles.source.as_ref(), MAX_MAP_BYTES, &cancelled)?;
             for (layer, width) in found.coarser {
                 tracing::warn!(
                     "the finest {layer} maps of the pack do not fit into {} MiB; {width} texels round the Earth are taken",
-                    MOST_MAP_BYTES >> 20
+                    MAX_MAP_BYTES >> 20
                 );
             }
             found.maps
@@ -181,14 +190,14 @@ fn load(flight: &Flight, samples: u32, progress: &dyn Progress) -> Result<Refere
 /// 16 bytes a pixel of the picture and four of its encoding, and three for the file's.
 fn check_memory((width, height): (u32, u32)) -> Result<(), StillError> {
     let mib = (u64::from(width) * u64::from(height) * (16 + 4 + 3)) >> 20;
-    if mib <= MOST_PICTURE_MIB {
+    if mib <= MAX_PICTURE_MIB {
         return Ok(());
     }
     Err(StillError::TooMuchMemory {
         width,
         height,
         mib,
-        limit_mib: MOST_PICTURE_MIB,
+        limit_mib: MAX_PICTURE_MIB,
     })
 }
 

@@ -1,13 +1,13 @@
-//! What is swept: one setting of a scene at a time.
+//! What a report sweeps: one setting of a scene at a time.
 
 use crate::gpu::{FrameTargets, GpuContext};
 use crate::imagery::{EarthLayers, LayerImage};
-use crate::measure::STATIONS;
+use crate::measure::EYE_HEIGHTS;
 use crate::{Atmosphere, EarthOptions, LevelRule, Shading, Subdivision, TileOptions, Visibility};
 
 /// One setting that differs from the scene's.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Change {
+pub enum SettingChange {
     /// None: the scene as it is.
     Scene,
     /// Cells per block edge.
@@ -45,7 +45,7 @@ pub(super) const PARAMETERS: [&str; 9] = [
     "picture_size",
 ];
 
-impl Change {
+impl SettingChange {
     /// The setting's name in tables.
     pub fn parameter(&self) -> &'static str {
         match self {
@@ -151,7 +151,7 @@ fn reduced(layers: &EarthLayers, levels: u32) -> EarthLayers {
 
 /// A sweep that the adapter or the scene does not allow.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Unavailable {
+pub struct UnavailableSweep {
     /// The setting.
     pub parameter: &'static str,
     /// Why.
@@ -160,21 +160,21 @@ pub struct Unavailable {
 
 /// What is measured.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub struct SweepPlan {
     /// Heights of the eye, kilometres.
     pub heights_km: Vec<f64>,
     /// Those of them that pictures larger than the scene's are drawn from.
-    pub dear_km: Vec<f64>,
+    pub large_picture_km: Vec<f64>,
     /// Settings, the scene's own first.
-    pub changes: Vec<Change>,
+    pub changes: Vec<SettingChange>,
     /// What is left out.
-    pub unavailable: Vec<Unavailable>,
+    pub unavailable: Vec<UnavailableSweep>,
 }
 
 /// Heights of a quick report, and of the largest pictures of a full one, kilometres.
 const QUICK_KM: [f64; 3] = [200.0, 2_000.0, 20_000.0];
 
-impl Plan {
+impl SweepPlan {
     /// What an adapter allows of a scene's sweeps. `size` is that of the pictures.
     pub fn new(
         gpu: &GpuContext,
@@ -184,44 +184,45 @@ impl Plan {
         heights_km: Option<&[f64]>,
     ) -> Self {
         let mut unavailable = Vec::new();
-        let mut changes = vec![Change::Scene];
+        let mut changes = vec![SettingChange::Scene];
         let subdivisions: &[u32] = match quick {
             true => &[1, 3, 6, 12, 16, 24, 48],
             false => &[1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48],
         };
-        changes.push(Change::Subdivision(Subdivision::Auto));
+        changes.push(SettingChange::Subdivision(Subdivision::Auto));
         let cells = subdivisions.iter().map(|n| Subdivision::Cells(*n));
-        changes.extend(cells.map(Change::Subdivision));
-        changes.extend([Visibility::Conservative, Visibility::Paper].map(Change::Visibility));
+        changes.extend(cells.map(SettingChange::Subdivision));
+        changes
+            .extend([Visibility::Conservative, Visibility::Paper].map(SettingChange::Visibility));
         match options.tiles {
             Some(_) => {
-                changes.extend([0.5, 1.0, 2.0, 4.0].map(Change::TexelPx));
-                changes.push(Change::Levels(LevelRule::Paper));
+                changes.extend([0.5, 1.0, 2.0, 4.0].map(SettingChange::TexelPx));
+                changes.push(SettingChange::Levels(LevelRule::Paper));
             }
             None => {
                 let levels: &[u32] = if quick { &[0, 1, 3] } else { &[0, 1, 2, 3, 4] };
-                changes.extend(levels.iter().map(|n| Change::TextureLevel(*n)));
+                changes.extend(levels.iter().map(|n| SettingChange::TextureLevel(*n)));
             }
         }
         if gpu.is_software() {
-            unavailable.push(Unavailable {
+            unavailable.push(UnavailableSweep {
                 parameter: "anisotropy",
                 why: "not available on this adapter: a software adapter always filters trilinearly"
                     .into(),
             });
         } else {
-            changes.extend([1, 2, 4, 8, 16].map(Change::Anisotropy));
+            changes.extend([1, 2, 4, 8, 16].map(SettingChange::Anisotropy));
         }
         if does_samples(gpu, 4) {
-            changes.extend([1, 4].map(Change::Samples));
+            changes.extend([1, 4].map(SettingChange::Samples));
         } else {
-            unavailable.push(Unavailable {
+            unavailable.push(UnavailableSweep {
                 parameter: "samples",
                 why: "not available on this adapter: it draws one sample a pixel only".into(),
             });
         }
-        changes.extend([Atmosphere::Billboard, Atmosphere::None].map(Change::Atmosphere));
-        changes.extend([Shading::Sunlit, Shading::Paper].map(Change::Shading));
+        changes.extend([Atmosphere::Billboard, Atmosphere::None].map(SettingChange::Atmosphere));
+        changes.extend([Shading::Sunlit, Shading::Paper].map(SettingChange::Shading));
         let sizes: &[(u32, u32)] = match quick {
             true => &[(1, 2), (1, 1)],
             false => &[(1, 4), (1, 2), (1, 1), (2, 1)],
@@ -233,25 +234,25 @@ impl Plan {
                 .iter()
                 .map(|part| (scaled(size.0, *part), scaled(size.1, *part)))
                 .filter(|(width, height)| *width.max(height) <= limit)
-                .map(Change::Size),
+                .map(SettingChange::Size),
         );
-        let stations = || STATIONS.iter().map(|station| station.height_km).collect();
+        let all = || EYE_HEIGHTS.iter().map(|height| height.height_km).collect();
         Self {
             heights_km: match (heights_km, quick) {
                 (Some(heights_km), _) => heights_km.to_vec(),
                 (None, true) => QUICK_KM.to_vec(),
-                (None, false) => stations(),
+                (None, false) => all(),
             },
-            dear_km: heights_km.unwrap_or(&QUICK_KM).to_vec(),
+            large_picture_km: heights_km.unwrap_or(&QUICK_KM).to_vec(),
             changes,
             unavailable,
         }
     }
 
-    /// Heights that a change is measured from: pictures larger than the scene's are dear, and drawn from few.
-    pub fn heights_of(&self, change: &Change, scene: (u32, u32)) -> Vec<f64> {
-        let is_dear = change.size(scene).1 > scene.1;
-        let wanted = |km: &&f64| !is_dear || self.dear_km.contains(km);
+    /// Heights that a change is measured from: pictures larger than the scene's take long, and are drawn from few.
+    pub fn heights_of(&self, change: &SettingChange, scene: (u32, u32)) -> Vec<f64> {
+        let is_large = change.size(scene).1 > scene.1;
+        let wanted = |km: &&f64| !is_large || self.large_picture_km.contains(km);
         self.heights_km.iter().filter(wanted).copied().collect()
     }
 }
@@ -280,25 +281,28 @@ mod tests {
             night_lights: None,
             water: None,
         });
-        let with = |change: Change| change.apply(&options);
+        let with = |change: SettingChange| change.apply(&options);
         assert_eq!(
-            with(Change::Subdivision(Subdivision::Cells(24))).subdivision,
+            with(SettingChange::Subdivision(Subdivision::Cells(24))).subdivision,
             Subdivision::Cells(24)
         );
-        assert_eq!(with(Change::Samples(4)).samples, 4);
-        assert_eq!(with(Change::Samples(4)).subdivision, options.subdivision);
-        let halved = with(Change::TextureLevel(2)).layers.day;
+        assert_eq!(with(SettingChange::Samples(4)).samples, 4);
+        assert_eq!(
+            with(SettingChange::Samples(4)).subdivision,
+            options.subdivision
+        );
+        let halved = with(SettingChange::TextureLevel(2)).layers.day;
         assert_eq!((halved.width, halved.height), (16, 8));
         halved.check().expect("all its levels are there");
         // More levels than there are: the last one stays.
-        let least = with(Change::TextureLevel(40)).layers.day;
+        let least = with(SettingChange::TextureLevel(40)).layers.day;
         least.check().expect("one level");
         assert_eq!((least.width, least.height), (1, 1));
         for change in [
-            Change::Subdivision(Subdivision::Cells(1)),
-            Change::Size((4, 5)),
-            Change::Levels(LevelRule::Paper),
-            Change::Shading(Shading::Paper),
+            SettingChange::Subdivision(Subdivision::Cells(1)),
+            SettingChange::Size((4, 5)),
+            SettingChange::Levels(LevelRule::Paper),
+            SettingChange::Shading(Shading::Paper),
         ] {
             assert!(PARAMETERS.contains(&change.parameter()));
             assert!(!change.value().contains([',', '"']));

@@ -1,36 +1,46 @@
 //! Error against run time: what each setting of a scene costs and what it buys.
 //!
-//! The scene is seen from the heights of the stations, each setting changed by itself, and every picture is held against
-//! the true one. Every setting but the swept one is the scene's. From this come a table, charts, and a page.
+//! The scene is seen from several heights, each setting changed by itself, and every picture is held against the true
+//! one. Every setting but the swept one is the scene's. From this come a table, charts, and a page.
 //!
 //! | file | what |
 //! |---|---|
 //! | `change.rs` | what is swept |
 //! | `run.rs` | drawing, timing and comparing |
+//! | `truth.rs` | the true pictures |
+//! | `geometry.rs` | errors of limb and places |
 //! | `rows.rs` | what is found, as tables |
-//! | `numbers.rs` | formulas, propagators and extreme views, which need no scene |
-//! | `plots.rs` | as charts |
-//! | `page.rs`, `words.rs` | as a page |
+//! | `standalone.rs` | formulas, propagators and extreme views, which need no scene |
+//! | `plots.rs`, `method_plots.rs` | as charts |
+//! | `page.rs`, `page_standalone.rs` and their templates | as a page |
+//! | `text.rs`, `format.rs` | as sentences; numbers as text |
 
 mod change;
-mod numbers;
+mod format;
+mod geometry;
+mod method_plots;
 mod page;
+mod page_standalone;
 mod plots;
 mod rows;
 mod run;
-mod words;
+mod standalone;
+mod text;
+mod truth;
 
-pub use change::{Change, Plan, Unavailable};
-pub use numbers::{Numbers, method_plots};
-pub(in crate::measure) use page::STYLE;
+pub use change::{SettingChange, SweepPlan, UnavailableSweep};
+pub use method_plots::method_plots;
 pub use plots::{Plot, plots};
-pub use rows::{CSV_HEADER, GEOLOCATION_MOST_PX, Row, SILHOUETTE_MOST_PX, csv, spread_csv};
-pub(in crate::measure) use words::escaped;
+pub use rows::{CSV_COLUMNS, MAX_GEOLOCATION_PX, MAX_SILHOUETTE_PX, SweepRow, csv, spread_csv};
+pub use standalone::StandaloneStudy;
 
 use crate::Subdivision;
+use crate::imagery::tile::TileError;
 use crate::measure::ChartError;
-use crate::measure::reference::{ReferenceError, StillError};
-use crate::play::{Flight, OutputError, PendingFile, PlayError, Progress};
+use crate::measure::html::PageError;
+use crate::measure::output::OutputFolder;
+use crate::measure::reference::ReferenceError;
+use crate::play::{Flight, OutputError, PlayError, Progress};
 use std::path::{Path, PathBuf};
 
 /// How a report is wanted.
@@ -46,7 +56,7 @@ pub struct ReportRequest<'r> {
     pub repeats: u32,
     /// N: the true picture has N × N rays a pixel.
     pub samples: u32,
-    /// Heights of the eye, kilometres; `None` takes the stations'.
+    /// Heights of the eye, kilometres; `None` takes [`EYE_HEIGHTS`](crate::measure::EYE_HEIGHTS).
     pub heights_km: Option<Vec<f64>>,
     /// Part of the adapter's name; `None` takes the best.
     pub adapter: Option<&'r str>,
@@ -64,13 +74,16 @@ pub enum ReportError {
     Reference(#[from] ReferenceError),
     /// The maps of the true picture, from a pack.
     #[error(transparent)]
-    Maps(#[from] StillError),
+    Maps(#[from] TileError),
     /// Writing.
     #[error(transparent)]
     Output(#[from] OutputError),
     /// A chart.
     #[error(transparent)]
     Chart(#[from] ChartError),
+    /// The page.
+    #[error(transparent)]
+    Page(#[from] PageError),
     /// A height is below the ground or is no number.
     #[error("a height of {0} km cannot be looked from; heights are from 1 to 1000000 km")]
     Height(f64),
@@ -107,19 +120,19 @@ pub struct Study {
     /// Heights, kilometres.
     pub heights_km: Vec<f64>,
     /// What was found.
-    pub rows: Vec<Row>,
+    pub rows: Vec<SweepRow>,
     /// Rows that were wanted; more than there are if it was stopped.
     pub wanted: usize,
     /// Whether it was stopped before the end.
     pub is_stopped: bool,
     /// What could not be swept here.
-    pub unavailable: Vec<Unavailable>,
+    pub unavailable: Vec<UnavailableSweep>,
     /// What the reader must know besides, a sentence each.
     pub notes: Vec<String>,
     /// Heights of which the folder `pictures` holds the view, the true picture and their difference.
     pub pictured_km: Vec<f64>,
     /// What needs no scene.
-    pub numbers: Numbers,
+    pub standalone: StandaloneStudy,
 }
 
 /// Beyond, the Earth is a dot, kilometres.
@@ -132,8 +145,10 @@ impl Study {
     }
 
     /// The rows of the scene as it is, one for each height.
-    pub fn scene_rows(&self) -> impl Iterator<Item = &Row> {
-        self.rows.iter().filter(|row| row.change == Change::Scene)
+    pub fn scene_rows(&self) -> impl Iterator<Item = &SweepRow> {
+        self.rows
+            .iter()
+            .filter(|row| row.change == SettingChange::Scene)
     }
 
     /// The values that a parameter was swept over, in order.
@@ -149,7 +164,7 @@ impl Study {
     }
 
     /// A row by parameter, value and height.
-    pub fn row(&self, parameter: &str, value: &str, height_km: f64) -> Option<&Row> {
+    pub fn row(&self, parameter: &str, value: &str, height_km: f64) -> Option<&SweepRow> {
         self.rows.iter().find(|row| {
             row.change.parameter() == parameter
                 && row.height_km == height_km
@@ -174,18 +189,18 @@ impl Study {
     }
 
     /// What other meshes are held against: the scene's own mesh, measured in the sweep beside them where it is there.
-    fn scene_mesh(&self, height_km: f64) -> Option<&Row> {
+    fn scene_mesh(&self, height_km: f64) -> Option<&SweepRow> {
         self.row("subdivision", &self.subdivision.to_string(), height_km)
             .or_else(|| self.row("scene", "as it is", height_km))
     }
 
     /// The tables as text for a terminal: a line for each height.
     pub fn summary(&self) -> String {
-        words::summary(self)
+        text::summary(self)
     }
 }
 
-/// Measures a scene and writes the report. `tell` is given lines for the user as they come.
+/// Measures a scene and writes the report. `print_line` is given text for the user as it comes.
 ///
 /// # Errors
 /// A folder that cannot be written to, before anything is drawn; all that drawing can meet. After an interrupt what was
@@ -194,22 +209,22 @@ pub fn report(
     flight: &Flight,
     request: &ReportRequest<'_>,
     progress: &dyn Progress,
-    tell: &dyn Fn(&str),
+    print_line: &dyn Fn(&str),
 ) -> Result<Study, ReportError> {
-    let folder = Folder::open(request.folder)?;
-    let study = run::run(flight, request, &folder, progress, tell)?;
-    folder.write_tables(&study)?;
-    let numbers = &study.numbers;
-    folder.write("methods.csv", numbers.methods_csv().as_bytes())?;
-    folder.write("stability.csv", numbers.stability_csv().as_bytes())?;
+    let folder = OutputFolder::open(request.folder)?;
+    let study = run::run(flight, request, &folder, progress, print_line)?;
+    write_tables(&folder, &study.rows)?;
+    let standalone = &study.standalone;
+    folder.write("methods.csv", standalone.methods_csv().as_bytes())?;
+    folder.write("stability.csv", standalone.stability_csv().as_bytes())?;
     let mut plots = plots(&study)?;
-    plots.extend(method_plots(&numbers.measurements)?);
+    plots.extend(method_plots(&standalone.measurements)?);
     for plot in &plots {
         folder.write(&format!("plots/{}.svg", plot.name), plot.svg.as_bytes())?;
     }
-    folder.write("index.html", page::page(&study, &plots).as_bytes())?;
+    folder.write("index.html", page::page(&study, &plots)?.as_bytes())?;
     if !study.is_complete() {
-        tell(&study.summary());
+        print_line(&study.summary());
         return Err(ReportError::Interrupted {
             done: study.rows.len(),
             wanted: study.wanted,
@@ -219,59 +234,8 @@ pub fn report(
     Ok(study)
 }
 
-/// Where a report goes.
-pub(in crate::measure) struct Folder {
-    path: PathBuf,
-}
-
-impl Folder {
-    /// Makes the folders and sees whether files can be made in each.
-    pub fn open(path: &Path) -> Result<Self, OutputError> {
-        for folder in [
-            path.to_path_buf(),
-            path.join("plots"),
-            path.join("pictures"),
-        ] {
-            if folder.exists() && !folder.is_dir() {
-                return Err(OutputError::InTheWay {
-                    path: folder,
-                    found: "a file",
-                });
-            }
-            std::fs::create_dir_all(&folder).map_err(|source| OutputError::Write {
-                path: folder.clone(),
-                source,
-            })?;
-        }
-        let opened = Self { path: path.into() };
-        for name in [
-            "index.html",
-            "measurements.csv",
-            "plots/try.svg",
-            "pictures/try.png",
-        ] {
-            opened.pending(name)?;
-        }
-        Ok(opened)
-    }
-
-    /// Begins a file; its extension is whatever its name says.
-    fn pending(&self, name: &str) -> Result<PendingFile, OutputError> {
-        let (what, extension) = match name.rsplit_once('.') {
-            Some((_, "csv")) => ("tables", "csv"),
-            Some((_, "svg")) => ("charts", "svg"),
-            Some((_, "png")) => ("pictures", "png"),
-            _ => ("pages", "html"),
-        };
-        PendingFile::create(&self.path.join(name), what, extension)
-    }
-
-    pub fn write(&self, name: &str, contents: &[u8]) -> Result<(), OutputError> {
-        self.pending(name)?.write_whole(contents)
-    }
-
-    fn write_tables(&self, study: &Study) -> Result<(), OutputError> {
-        self.write("measurements.csv", csv(&study.rows).as_bytes())?;
-        self.write("spread.csv", spread_csv(&study.rows).as_bytes())
-    }
+/// Writes the tables of rows.
+fn write_tables(folder: &OutputFolder, rows: &[SweepRow]) -> Result<(), OutputError> {
+    folder.write("measurements.csv", csv(rows).as_bytes())?;
+    folder.write("spread.csv", spread_csv(rows).as_bytes())
 }

@@ -1,325 +1,254 @@
 //! What is found, as one page that needs nothing from elsewhere but the pictures beside it.
 
+use super::Study;
 use super::change::PARAMETERS;
+use super::format::{QuartilesText, digits, number};
+use super::method_plots::METHODS;
+use super::page_standalone;
 use super::plots::Plot;
-use super::rows::{GEOLOCATION_MOST_PX, Row, SILHOUETTE_MOST_PX, number};
+use super::rows::{MAX_GEOLOCATION_PX, MAX_SILHOUETTE_PX, SweepRow};
 use super::run::picture_name;
-use super::words::{escaped, subdivision_advice, verdict};
-use super::{Study, numbers};
-use crate::measure::Spread;
-use std::fmt::Write;
+use super::text::{subdivision_advice, verdict};
+use crate::measure::html::{self, ChartFigure, Marked, PageError, STYLE};
+use serde::Serialize;
 
-pub(in crate::measure) const STYLE: &str = include_str!("page.css");
 /// Heights whose pictures are shown at once; the others are folded away.
 const SHOWN_PICTURES: usize = 3;
 
-/// The page. Writing to a string does not fail, so its results are not looked at.
-pub(super) fn page(study: &Study, plots: &[Plot]) -> String {
-    let mut out = String::new();
-    let title = escaped(&format!("Error against run time: {}", study.scene));
-    let _ = write!(
-        out,
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
-         content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n"
-    );
-    let _ = writeln!(out, "<h1>{title}</h1>");
-    let _ = writeln!(
-        out,
-        "<p class=\"with\">{} · {} × {} pixels · every frame timed {} times, medians with quartiles · true pictures with \
-         {n} × {n} rays a pixel · terrella {}</p>",
-        escaped(&study.adapter),
-        study.size.0,
-        study.size.1,
-        study.repeats,
-        env!("CARGO_PKG_VERSION"),
-        n = study.samples,
-    );
-    if !study.is_complete() {
-        let (done, wanted) = (study.rows.len(), study.wanted);
-        let _ = writeln!(
-            out,
-            "<p class=\"partial\">Partial: the run was stopped after {done} of {wanted} measurements. What is here is \
-             complete in itself.</p>"
-        );
-    }
-    for note in &study.notes {
-        let _ = writeln!(out, "<p>{}</p>", escaped(note));
-    }
-    verdict_table(&mut out, study);
-    pictures(&mut out, study);
-    charts(&mut out, study, plots);
-    subdivision_table(&mut out, study);
-    sweeps(&mut out, study, plots);
-    numbers::section(&mut out, study, plots, chart);
-    definitions(&mut out);
-    out.push_str("</body>\n</html>\n");
-    out
+/// What `page.html` is filled with: numbers are text already, parts of which nothing was measured are empty.
+#[derive(Serialize)]
+struct Values<'s> {
+    style: &'static str,
+    version: &'static str,
+    title: String,
+    adapter: &'s str,
+    size: (u32, u32),
+    repeats: u32,
+    samples: u32,
+    partial: Option<Partial>,
+    notes: &'s [String],
+    verdict: String,
+    max_silhouette_px: String,
+    max_geolocation_px: String,
+    scene_rows: Vec<RowText>,
+    has_pictures: bool,
+    shown_pictures: Vec<View>,
+    folded_pictures: Vec<View>,
+    has_rows: bool,
+    main_charts: Vec<ChartFigure<'s>>,
+    heights_km: Vec<String>,
+    subdivisions: Vec<SubdivisionRow>,
+    advice: Option<String>,
+    sweeps: Vec<Sweep<'s>>,
+    /// HTML.
+    standalone: String,
 }
 
-fn verdict_table(out: &mut String, study: &Study) {
-    if study.scene_rows().next().is_none() {
-        return;
-    }
-    let _ = writeln!(out, "<p class=\"verdict\">{}</p>", escaped(&verdict(study)));
-    let _ = writeln!(
-        out,
-        "<div class=\"scroll\"><table>\n<tr><th>height<br>km</th><th>frame<br>ms</th><th>over<br>floor</th>\
-         <th>FLIP<br>mean</th><th>FLIP<br>99 %</th><th>RMSE<br>linear</th>\
-         <th>limb, px<br>≤ {SILHOUETTE_MOST_PX}</th><th>place, px<br>≤ {GEOLOCATION_MOST_PX}</th>\
-         <th>place, m<br>median</th><th>place, m<br>largest</th><th>texels<br>per px</th></tr>"
-    );
-    for row in study.scene_rows() {
-        let _ = writeln!(
-            out,
-            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
-             <td>{}</td><td>{}</td></tr>",
-            number(row.height_km),
-            spread(&row.frame_ms, 2),
-            spread(&row.floor_ratio, 2),
-            digits(row.flip_mean, 3),
-            digits(row.flip_p99, 3),
-            digits(row.rmse_linear, 3),
-            marked_limb(row.silhouette.max_px),
-            marked(row.geolocation.max_px, GEOLOCATION_MOST_PX, 2),
-            digits(row.geolocation.median_m, 2),
-            digits(row.geolocation.max_m, 2),
-            digits(row.texels_per_px, 3),
-        );
-    }
-    out.push_str("</table></div>\n");
+/// How much of a run that was stopped is there.
+#[derive(Serialize)]
+struct Partial {
+    done: usize,
+    wanted: usize,
 }
 
-/// A number with as many significant digits.
-fn digits(value: f64, significant: i32) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return value.to_string();
-    }
-    let magnitude = value.abs().log10().floor() as i32;
-    if magnitude < -4 {
-        return format!("{value:.0$e}", (significant - 1) as usize);
-    }
-    format!("{value:.0$}", (significant - 1 - magnitude).max(0) as usize)
+/// A row of the study.
+#[derive(Serialize)]
+struct RowText {
+    value: String,
+    height_km: String,
+    frame_ms: QuartilesText,
+    floor_ratio: QuartilesText,
+    flip_mean: String,
+    flip_p99: String,
+    rmse_linear: String,
+    limb_px: Marked,
+    limb_max_px: String,
+    place_px: Marked,
+    place_max_px: String,
+    place_median_m: String,
+    place_max_m: String,
+    place_max_m_rounded: String,
+    texels_per_px: String,
 }
 
-fn spread(spread: &Spread, decimals: usize) -> String {
-    format!(
-        "{:.decimals$} <span class=\"spread\">{:.decimals$}…{:.decimals$}</span>",
-        spread.median, spread.low, spread.high
-    )
+/// The pictures from one height.
+#[derive(Serialize)]
+struct View {
+    height_km: String,
+    pictures: [Picture; 3],
 }
 
-/// A number with a mark that says whether it is at most `most`.
-fn marked(value: f64, most: f64, significant: i32) -> String {
-    let (class, mark) = match value <= most {
-        true => ("good", "✓"),
-        false => ("bad", "✗"),
+#[derive(Serialize)]
+struct Picture {
+    file: String,
+    caption: String,
+}
+
+/// What a mesh does to the limb and to the time: what a default is chosen by.
+#[derive(Serialize)]
+struct SubdivisionRow {
+    value: String,
+    /// One for each height; empty where nothing was measured.
+    cells: Vec<Option<SubdivisionCell>>,
+}
+
+#[derive(Serialize)]
+struct SubdivisionCell {
+    limb_px: Marked,
+    times_scene: String,
+}
+
+/// One sweep with all its numbers and the charts that are not above, or why it could not be done.
+#[derive(Serialize)]
+struct Sweep<'s> {
+    name: String,
+    unavailable: Option<&'s str>,
+    rows: Vec<RowText>,
+    charts: Vec<ChartFigure<'s>>,
+}
+
+/// The page.
+///
+/// # Errors
+/// As [`html::page`].
+pub(super) fn page(study: &Study, plots: &[Plot]) -> Result<String, PageError> {
+    let charts = |wanted: &dyn Fn(&Plot) -> bool| -> Vec<_> {
+        let plots = plots.iter().filter(|plot| wanted(plot));
+        plots.map(Plot::figure).collect()
     };
-    format!(
-        "<span class=\"{class}\">{} {mark}</span>",
-        digits(value, significant)
-    )
+    let shown_km = study.some_heights(SHOWN_PICTURES);
+    let folded_km = study.pictured_km.iter().filter(|km| !shown_km.contains(km));
+    let view = |height_km: &f64| View::new(study, *height_km);
+    let values = Values {
+        style: STYLE,
+        version: env!("CARGO_PKG_VERSION"),
+        title: format!("Error against run time: {}", study.scene),
+        adapter: &study.adapter,
+        size: study.size,
+        repeats: study.repeats,
+        samples: study.samples,
+        partial: (!study.is_complete()).then_some(Partial {
+            done: study.rows.len(),
+            wanted: study.wanted,
+        }),
+        notes: &study.notes,
+        verdict: verdict(study),
+        max_silhouette_px: MAX_SILHOUETTE_PX.to_string(),
+        max_geolocation_px: MAX_GEOLOCATION_PX.to_string(),
+        scene_rows: study.scene_rows().map(RowText::from).collect(),
+        has_pictures: !study.pictured_km.is_empty(),
+        shown_pictures: shown_km.iter().map(view).collect(),
+        folded_pictures: folded_km.map(view).collect(),
+        has_rows: !study.rows.is_empty(),
+        main_charts: charts(&|plot| plot.is_main && plot.about != METHODS),
+        heights_km: study.heights_km.iter().map(f64::to_string).collect(),
+        subdivisions: SubdivisionRow::all(study),
+        advice: subdivision_advice(study),
+        sweeps: PARAMETERS
+            .into_iter()
+            .filter_map(|parameter| {
+                let sweep = Sweep::new(study, parameter)?;
+                Some(Sweep {
+                    charts: charts(&|plot| plot.about == parameter && !plot.is_main),
+                    ..sweep
+                })
+            })
+            .collect(),
+        standalone: page_standalone::section(&study.standalone, plots)?,
+    };
+    html::page("page.html", include_str!("page.html"), &values)
 }
 
-/// A limb's error, which is told to 1/64 pixel.
-fn marked_limb(value: f64) -> String {
-    if value < 1.0 / 64.0 {
-        return "<span class=\"good\">&lt; 1/64 ✓</span>".into();
-    }
-    marked(value, SILHOUETTE_MOST_PX, 2)
-}
-
-fn pictures(out: &mut String, study: &Study) {
-    if study.pictured_km.is_empty() {
-        return;
-    }
-    out.push_str("<h2>Drawn, true, and the difference</h2>\n");
-    let shown = study.some_heights(SHOWN_PICTURES);
-    for height_km in &shown {
-        shots(out, study, *height_km);
-    }
-    let rest = study.pictured_km.iter().filter(|km| !shown.contains(km));
-    let rest: Vec<f64> = rest.copied().collect();
-    if !rest.is_empty() {
-        out.push_str("<details><summary>The other heights</summary>\n");
-        for height_km in rest {
-            shots(out, study, height_km);
+impl From<&SweepRow> for RowText {
+    fn from(row: &SweepRow) -> Self {
+        let (limb, place) = (&row.silhouette, &row.geolocation);
+        Self {
+            value: row.change.value(),
+            height_km: number(row.height_km),
+            frame_ms: (&row.frame_ms).into(),
+            floor_ratio: (&row.floor_ratio).into(),
+            flip_mean: digits(row.flip_mean, 3),
+            flip_p99: digits(row.flip_p99, 3),
+            rmse_linear: digits(row.rmse_linear, 3),
+            limb_px: marked_limb(limb.max_px),
+            limb_max_px: digits(limb.max_px, 3),
+            place_px: Marked::new(digits(place.max_px, 2), place.max_px <= MAX_GEOLOCATION_PX),
+            place_max_px: digits(place.max_px, 3),
+            place_median_m: digits(place.median_m, 2),
+            place_max_m: digits(place.max_m, 3),
+            place_max_m_rounded: digits(place.max_m, 2),
+            texels_per_px: digits(row.texels_per_px, 3),
         }
-        out.push_str("</details>\n");
     }
 }
 
-fn shots(out: &mut String, study: &Study, height_km: f64) {
-    let row = study.scene_rows().find(|row| row.height_km == height_km);
-    let flip = row.map_or(f64::NAN, |row| row.flip_mean);
-    let _ = writeln!(out, "<h3>{height_km} km</h3>\n<div class=\"shots\">");
-    for (what, words) in [
-        ("drawn", "drawn".to_owned()),
-        ("true", "true: exact rays".to_owned()),
-        (
-            "flip",
-            format!(
-                "FLIP, mean {}: black for none, yellow for most",
-                digits(flip, 3)
-            ),
-        ),
-    ] {
-        let _ = writeln!(
-            out,
-            "<figure><img src=\"{}\" width=\"{}\" height=\"{}\" loading=\"lazy\" alt=\"{} from {height_km} km\">\
-             <figcaption>{}</figcaption></figure>",
-            picture_name(height_km, what),
-            study.size.0,
-            study.size.1,
-            escaped(&words),
-            escaped(&words),
-        );
+/// A limb's error, which is measured to 1/64 pixel.
+fn marked_limb(error_px: f64) -> Marked {
+    if error_px < 1.0 / 64.0 {
+        return Marked::new("< 1/64".into(), true);
     }
-    out.push_str("</div>\n");
+    Marked::new(digits(error_px, 2), error_px <= MAX_SILHOUETTE_PX)
 }
 
-fn charts(out: &mut String, study: &Study, plots: &[Plot]) {
-    if study.rows.is_empty() {
-        return;
-    }
-    out.push_str(
-        "<h2>What each setting costs and buys</h2>\n<p>To the left is faster, further down is nearer to the truth. Bars \
-         are quartiles of the frame time. A ring marks the Pareto front: nothing else on the chart, or in its line, is \
-         both faster and better. Sweeps are drawn for some of the heights; the tables have all.</p>\n<div class=\"charts\">\n",
-    );
-    for plot in plots.iter().filter(|p| p.is_main && p.about != "methods") {
-        chart(out, plot);
-    }
-    out.push_str("</div>\n");
-}
-
-fn chart(out: &mut String, plot: &Plot) {
-    let svg = plot.svg.replacen(
-        "<svg ",
-        &format!("<svg role=\"img\" aria-label=\"{}\" ", escaped(&plot.words)),
-        1,
-    );
-    let _ = writeln!(out, "<figure id=\"{}\">{svg}</figure>", escaped(&plot.name));
-}
-
-/// What a finer mesh does to the limb and to the time: what a default is chosen by.
-fn subdivision_table(out: &mut String, study: &Study) {
-    let values = study.values_of("subdivision");
-    if values.is_empty() {
-        return;
-    }
-    let _ = writeln!(
-        out,
-        "<h2>How fine the mesh should be</h2>\n<p>Largest error of the limb in pixels, and the frame time over that of the \
-         scene's own mesh, both by their floors, from each height.</p>\n<div class=\"scroll\"><table>\n<tr><th>cells per<br>block \
-         edge</th>{}</tr>",
-        study
-            .heights_km
-            .iter()
-            .map(|km| format!("<th>{km} km</th>"))
-            .collect::<String>()
-    );
-    for value in values {
-        let _ = write!(out, "<tr><td>{value}</td>");
-        for height_km in &study.heights_km {
-            let row = study.row("subdivision", &value, *height_km);
-            let scene = study.scene_mesh(*height_km);
-            let cell = row.zip(scene).map(|(row, scene)| {
-                format!(
-                    "{} <span class=\"spread\">× {:.2}</span>",
-                    marked_limb(row.silhouette.max_px),
-                    row.floor_ratio.median / scene.floor_ratio.median
-                )
-            });
-            let _ = write!(out, "<td>{}</td>", cell.unwrap_or_default());
+impl View {
+    fn new(study: &Study, height_km: f64) -> Self {
+        let row = study.scene_rows().find(|row| row.height_km == height_km);
+        let flip = digits(row.map_or(f64::NAN, |row| row.flip_mean), 3);
+        let picture = |what: &str, caption: String| Picture {
+            file: picture_name(height_km, what),
+            caption,
+        };
+        Self {
+            height_km: height_km.to_string(),
+            pictures: [
+                picture("drawn", "drawn".into()),
+                picture("true", "true: exact rays".into()),
+                picture(
+                    "flip",
+                    format!("FLIP, mean {flip}: black for none, yellow for most"),
+                ),
+            ],
         }
-        out.push_str("</tr>\n");
-    }
-    out.push_str("</table></div>\n");
-    if let Some(advice) = subdivision_advice(study) {
-        let _ = writeln!(out, "<p>{}</p>", escaped(&advice));
     }
 }
 
-/// Each sweep with all its numbers and the charts that are not above.
-fn sweeps(out: &mut String, study: &Study, plots: &[Plot]) {
-    out.push_str("<h2>Every sweep</h2>\n");
-    for parameter in PARAMETERS {
-        let name = parameter.replace('_', " ");
-        if let Some(missing) = study.unavailable.iter().find(|m| m.parameter == parameter) {
-            let _ = writeln!(out, "<p><b>{name}</b>: {}.</p>", escaped(&missing.why));
-            continue;
-        }
-        let is_of_it = |row: &&Row| row.change.parameter() == parameter;
-        let rows: Vec<&Row> = study.rows.iter().filter(is_of_it).collect();
-        if rows.is_empty() {
-            continue;
-        }
-        let _ = writeln!(
-            out,
-            "<details><summary>{name}</summary>\n<div class=\"scroll\"><table>\n<tr><th>{name}</th><th>height, km</th>\
-             <th>frame, ms</th><th>over floor</th><th>FLIP mean</th><th>FLIP 99 %</th><th>RMSE</th><th>limb, px</th>\
-             <th>place, m</th><th>place, px</th><th>texels per px</th></tr>"
-        );
-        for row in rows {
-            let _ = writeln!(
-                out,
-                "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
-                 <td>{}</td><td>{}</td></tr>",
-                escaped(&row.change.value()),
-                number(row.height_km),
-                spread(&row.frame_ms, 2),
-                spread(&row.floor_ratio, 2),
-                digits(row.flip_mean, 3),
-                digits(row.flip_p99, 3),
-                digits(row.rmse_linear, 3),
-                digits(row.silhouette.max_px, 3),
-                digits(row.geolocation.max_m, 3),
-                digits(row.geolocation.max_px, 3),
-                digits(row.texels_per_px, 3),
-            );
-        }
-        out.push_str("</table></div>\n<div class=\"charts\">\n");
-        let details = plots.iter().filter(|p| p.about == parameter && !p.is_main);
-        for plot in details {
-            chart(out, plot);
-        }
-        out.push_str("</div></details>\n");
+impl SubdivisionRow {
+    fn all(study: &Study) -> Vec<Self> {
+        let values = study.values_of("subdivision").into_iter();
+        let rows = values.map(|value| Self {
+            cells: study
+                .heights_km
+                .iter()
+                .map(|height_km| {
+                    let row = study.row("subdivision", &value, *height_km)?;
+                    let scene = study.scene_mesh(*height_km)?;
+                    let times = row.floor_ratio.median / scene.floor_ratio.median;
+                    Some(SubdivisionCell {
+                        limb_px: marked_limb(row.silhouette.max_px),
+                        times_scene: format!("{times:.2}"),
+                    })
+                })
+                .collect(),
+            value,
+        });
+        rows.collect()
     }
 }
 
-fn definitions(out: &mut String) {
-    out.push_str("<h2>What the numbers mean</h2>\n<dl>\n");
-    for (name, words) in [
-        (
-            "frame, ms",
-            "Wall time of one frame: choosing blocks, writing, drawing, waiting for the device.",
-        ),
-        (
-            "over floor",
-            "Frame time over that of a pass with the same pixels and texture samples that computes nothing, taken in the same moment.",
-        ),
-        (
-            "FLIP",
-            "Difference that an eye sees between the drawn and the true picture at 67 pixels a degree (Andersson and others 2020): 0 for none, 1 at most. The true picture has the same maps, figure, shading and air, by exact rays in 64-bit numbers.",
-        ),
-        (
-            "RMSE",
-            "Root mean square error over pixels and channels in linear light; the display's white is 1.",
-        ),
-        (
-            "limb",
-            "Silhouette error: how far the drawn edge of the ground is from the analytic limb, across it, at up to 64 places of the limb in the picture, each looked at 64 times as finely; the largest. Where the picture shows no limb, of the whole horizon.",
-        ),
-        (
-            "place",
-            "Geolocation error: how far the place whose texels a pixel shows is from the place that the exact ray through the pixel's middle meets; in metres on the ground, and in pixels as seen from the eye. At the limb the ground is seen edge on, and a hundredth of a thousandth of a pixel is many metres.",
-        ),
-        (
-            "texels per px",
-            "Texels of the day map per pixel, seen face on, where there are fewest. Below 1 the map is what limits sharpness.",
-        ),
-    ] {
-        let _ = writeln!(out, "<dt>{name}</dt><dd>{words}</dd>");
+impl<'s> Sweep<'s> {
+    /// Without its charts; `None` where nothing was measured and nothing hindered it.
+    fn new(study: &'s Study, parameter: &str) -> Option<Self> {
+        let missing = study.unavailable.iter().find(|m| m.parameter == parameter);
+        let rows = study.rows.iter();
+        let rows: Vec<_> = rows
+            .filter(|row| missing.is_none() && row.change.parameter() == parameter)
+            .map(RowText::from)
+            .collect();
+        (missing.is_some() || !rows.is_empty()).then(|| Self {
+            name: parameter.replace('_', " "),
+            unavailable: missing.map(|missing| missing.why.as_str()),
+            rows,
+            charts: Vec::new(),
+        })
     }
-    out.push_str("</dl>\n<p>All numbers: <a href=\"measurements.csv\">measurements.csv</a>, <a href=\"spread.csv\">spread.csv</a>. Charts as files: <code>plots/</code>.</p>\n");
 }

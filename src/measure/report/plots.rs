@@ -1,8 +1,9 @@
 //! What is found, as charts.
 
-use super::change::{Change, PARAMETERS};
-use super::{ReportError, Row, Study};
-use crate::measure::{Chart, ChartError, Point, Series, Spread, pareto_front};
+use super::change::{PARAMETERS, SettingChange};
+use super::{ReportError, Study, SweepRow};
+use crate::measure::html::ChartFigure;
+use crate::measure::{Chart, ChartError, Point, Quartiles, Series, pareto_front};
 
 /// A chart of the report.
 #[derive(Clone, Debug)]
@@ -12,37 +13,44 @@ pub struct Plot {
     /// What it is about: `overview`, `height`, `methods`, `orbits`, or a parameter's name.
     pub about: &'static str,
     /// What is seen in it, for those who do not see it.
-    pub words: String,
+    pub alt_text: String,
     /// Whether it stands on the page itself and not among the details.
     pub is_main: bool,
     /// The SVG document.
     pub svg: String,
 }
 
+impl Plot {
+    /// For the page.
+    pub(super) fn figure(&self) -> ChartFigure<'_> {
+        ChartFigure::new(&self.name, &self.alt_text, &self.svg)
+    }
+}
+
 /// An error that is drawn against time.
 struct Metric {
     name: &'static str,
     axis: &'static str,
-    of: fn(&Row) -> f64,
+    of: fn(&SweepRow) -> f64,
 }
 
 /// What an error is drawn against.
 struct Cost {
     suffix: &'static str,
-    words: &'static str,
+    name: &'static str,
     axis: &'static str,
-    of: fn(&Row) -> Spread,
+    of: fn(&SweepRow) -> Quartiles,
 }
 
 const FRAME_TIME: Cost = Cost {
     suffix: "",
-    words: "frame time",
+    name: "frame time",
     axis: "frame, ms (quartiles as bars)",
     of: |row| row.frame_ms,
 };
 const FLOOR_RATIO: Cost = Cost {
     suffix: "_floor",
-    words: "frame over floor",
+    name: "frame over floor",
     axis: "frame over floor (quartiles as bars)",
     of: |row| row.floor_ratio,
 };
@@ -95,7 +103,7 @@ const LINES: usize = 4;
 
 /// Charts of errors that hardly change over a sweep are not drawn: the largest by less than this factor over the
 /// smallest, at every height.
-const LEAST_CHANGE: f64 = 1.05;
+const MIN_CHANGE: f64 = 1.05;
 
 /// All charts of a study.
 ///
@@ -107,12 +115,12 @@ pub fn plots(study: &Study) -> Result<Vec<Plot>, ReportError> {
         let name = format!("all_{height_km}km");
         let title = format!("All settings from {height_km} km: mean FLIP against frame time");
         let chart = overview(study, height_km, title);
-        let words = "Each point is one value of one setting. Ringed: no other setting is both faster and nearer to the truth.";
-        push(&mut plots, name, "overview", words.into(), true, &chart)?;
+        let alt_text = "Each point is one value of one setting. Ringed: no other setting is both faster and nearer to the truth.";
+        push(&mut plots, name, "overview", alt_text.into(), true, &chart)?;
     }
     for (name, chart) in by_height(study) {
-        let words = chart.title.clone();
-        push(&mut plots, name.into(), "height", words, true, &chart)?;
+        let alt_text = chart.title.clone();
+        push(&mut plots, name.into(), "height", alt_text, true, &chart)?;
     }
     for parameter in PARAMETERS {
         for (metric, cost) in METRICS
@@ -124,9 +132,9 @@ pub fn plots(study: &Study) -> Result<Vec<Plot>, ReportError> {
             };
             let is_limb = parameter == "subdivision" && metric.name == "silhouette_px";
             let is_main = cost.suffix.is_empty() && (metric.name == "flip_mean" || is_limb);
-            let words = format!("{}. Ringed: the Pareto front of each height.", chart.title);
+            let alt_text = format!("{}. Ringed: the Pareto front of each height.", chart.title);
             let name = format!("{parameter}_{}{}", metric.name, cost.suffix);
-            push(&mut plots, name, parameter, words, is_main, &chart)?;
+            push(&mut plots, name, parameter, alt_text, is_main, &chart)?;
         }
     }
     Ok(plots)
@@ -136,7 +144,7 @@ pub(super) fn push(
     plots: &mut Vec<Plot>,
     name: String,
     about: &'static str,
-    words: String,
+    alt_text: String,
     is_main: bool,
     chart: &Chart,
 ) -> Result<(), ReportError> {
@@ -144,7 +152,7 @@ pub(super) fn push(
         Ok(svg) => plots.push(Plot {
             name,
             about,
-            words,
+            alt_text,
             is_main,
             svg,
         }),
@@ -156,8 +164,8 @@ pub(super) fn push(
 
 /// Settings whose pictures show the same, by mean FLIP and frame time.
 fn overview(study: &Study, height_km: f64, title: String) -> Chart {
-    let here = |row: &&Row| row.height_km == height_km && row.change.shows_the_same();
-    let rows: Vec<&Row> = study.rows.iter().filter(here).collect();
+    let here = |row: &&SweepRow| row.height_km == height_km && row.change.shows_the_same();
+    let rows: Vec<&SweepRow> = study.rows.iter().filter(here).collect();
     let times: Vec<_> = rows
         .iter()
         .map(|r| (r.frame_ms.median, r.flip_mean))
@@ -188,16 +196,16 @@ fn overview(study: &Study, height_km: f64, title: String) -> Chart {
     }
 }
 
-fn label_of(row: &Row) -> String {
+fn label_of(row: &SweepRow) -> String {
     match row.change {
-        Change::Scene => "scene".into(),
+        SettingChange::Scene => "scene".into(),
         _ => row.change.value(),
     }
 }
 
-fn point(cost: Spread, error: f64, on_front: bool, label: String) -> Point {
+fn point(cost: Quartiles, error: f64, on_front: bool, label: String) -> Point {
     Point {
-        x_spread: Some((cost.low, cost.high)),
+        x_error_bar: Some((cost.lower, cost.upper)),
         on_front,
         label,
         ..Point::new(cost.median, error)
@@ -239,7 +247,7 @@ fn declutter(series: &mut [Series]) {
 
 /// The scene as it is, from every height.
 fn by_height(study: &Study) -> Vec<(&'static str, Chart)> {
-    let rows: Vec<&Row> = study.scene_rows().collect();
+    let rows: Vec<&SweepRow> = study.scene_rows().collect();
     if rows.len() < 2 {
         return Vec::new();
     }
@@ -292,7 +300,7 @@ fn sweep(study: &Study, parameter: &str, metric: &Metric, cost: &Cost) -> Option
     let mut series = Vec::new();
     let mut changes = metric.name == "flip_mean";
     for height_km in &study.some_heights(LINES) {
-        let mut rows: Vec<&Row> = study
+        let mut rows: Vec<&SweepRow> = study
             .rows
             .iter()
             .filter(|row| row.change.parameter() == parameter && row.height_km == *height_km)
@@ -307,7 +315,7 @@ fn sweep(study: &Study, parameter: &str, metric: &Metric, cost: &Cost) -> Option
         let errors: Vec<f64> = rows.iter().map(|row| (metric.of)(row)).collect();
         let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
         let most = errors.iter().copied().fold(0.0, f64::max);
-        changes |= most > LEAST_CHANGE * least;
+        changes |= most > MIN_CHANGE * least;
         let times: Vec<_> = rows
             .iter()
             .zip(&errors)
@@ -331,7 +339,7 @@ fn sweep(study: &Study, parameter: &str, metric: &Metric, cost: &Cost) -> Option
             "{}: {} against {}",
             parameter.replace('_', " "),
             metric.axis.split(" (").next().unwrap_or_default(),
-            cost.words
+            cost.name
         ),
         x_name: cost.axis.into(),
         y_name: metric.axis.into(),

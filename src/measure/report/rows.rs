@@ -1,28 +1,29 @@
 //! What is found, and its tables.
 
-use super::change::Change;
-use crate::measure::Spread;
-use crate::measure::errors::{Geolocation, Silhouette};
-use std::fmt::Write;
+use super::change::SettingChange;
+use super::format::number;
+use crate::measure::Quartiles;
+use crate::measure::errors::{GeolocationErrors, SilhouetteErrors};
+use crate::measure::output::csv_text;
 
 /// How far the drawn limb may be from the analytic one, pixels.
-pub const SILHOUETTE_MOST_PX: f64 = 0.5;
+pub const MAX_SILHOUETTE_PX: f64 = 0.5;
 /// How far from its exact place a pixel may look, pixels.
-pub const GEOLOCATION_MOST_PX: f64 = 1.0;
+pub const MAX_GEOLOCATION_PX: f64 = 1.0;
 
 /// One setting from one height.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct SweepRow {
     /// What is not as in the scene.
-    pub change: Change,
+    pub change: SettingChange,
     /// Height of the eye, kilometres.
     pub height_km: f64,
     /// Time of a frame, milliseconds.
-    pub frame_ms: Spread,
+    pub frame_ms: Quartiles,
     /// Time of its floor, milliseconds.
-    pub floor_ms: Spread,
+    pub floor_ms: Quartiles,
     /// Frame over floor, each taken in the same moment.
-    pub floor_ratio: Spread,
+    pub floor_ratio: Quartiles,
     /// Time of `prepare`, milliseconds.
     pub prepare_ms: f64,
     /// Mean of FLIP.
@@ -32,32 +33,68 @@ pub struct Row {
     /// Error in linear light.
     pub rmse_linear: f64,
     /// The limb.
-    pub silhouette: Silhouette,
+    pub silhouette: SilhouetteErrors,
     /// The places.
-    pub geolocation: Geolocation,
+    pub geolocation: GeolocationErrors,
     /// Texels of the day map per pixel, where there are fewest.
     pub texels_per_px: f64,
     /// Triangles drawn.
     pub triangles: u32,
 }
 
-impl Row {
+impl SweepRow {
     /// Whether limb and places are as exact as is asked of a default.
     pub fn is_exact(&self) -> bool {
-        self.silhouette.max_px <= SILHOUETTE_MOST_PX
-            && self.geolocation.max_px <= GEOLOCATION_MOST_PX
+        self.silhouette.max_px <= MAX_SILHOUETTE_PX && self.geolocation.max_px <= MAX_GEOLOCATION_PX
     }
 }
 
-/// First line of the table.
-pub const CSV_HEADER: &str = "method,parameter,value,height_km,frame_ms_median,floor_ratio,flip_mean,flip_p99,\
-                              rmse_linear,silhouette_px,geolocation_m,geolocation_px,texels_per_px";
+/// The columns of the table of medians and errors.
+pub const CSV_COLUMNS: [&str; 13] = [
+    "method",
+    "parameter",
+    "value",
+    "height_km",
+    "frame_ms_median",
+    "floor_ratio",
+    "flip_mean",
+    "flip_p99",
+    "rmse_linear",
+    "silhouette_px",
+    "geolocation_m",
+    "geolocation_px",
+    "texels_per_px",
+];
+
+/// The columns of the table of spreads.
+const SPREAD_COLUMNS: [&str; 21] = [
+    "method",
+    "parameter",
+    "value",
+    "height_km",
+    "frame_ms_q1",
+    "frame_ms_median",
+    "frame_ms_q3",
+    "floor_ms_q1",
+    "floor_ms_median",
+    "floor_ms_q3",
+    "floor_ratio_q1",
+    "floor_ratio_median",
+    "floor_ratio_q3",
+    "prepare_ms_median",
+    "triangles",
+    "silhouette_px_median",
+    "silhouette_places",
+    "geolocation_pixels",
+    "geolocation_m_median",
+    "geolocation_m_p99",
+    "geolocation_px_p99",
+];
 
 /// The table of medians and errors. Silhouette and geolocation are the largest found.
-pub fn csv(rows: &[Row]) -> String {
-    let mut text = format!("{CSV_HEADER}\n");
-    for row in rows {
-        let numbers = [
+pub fn csv(rows: &[SweepRow]) -> String {
+    table(&CSV_COLUMNS, rows, |row| {
+        [
             row.height_km,
             row.frame_ms.median,
             row.floor_ratio.median,
@@ -68,26 +105,25 @@ pub fn csv(rows: &[Row]) -> String {
             row.geolocation.max_m,
             row.geolocation.max_px,
             row.texels_per_px,
-        ];
-        line(&mut text, row, &numbers);
-    }
-    text
+        ]
+    })
 }
 
 /// The table of spreads: quartiles of times, and what lies below the largest errors.
-pub fn spread_csv(rows: &[Row]) -> String {
-    let mut text = "method,parameter,value,height_km,frame_ms_q1,frame_ms_median,frame_ms_q3,floor_ms_q1,floor_ms_median,\
-                    floor_ms_q3,floor_ratio_q1,floor_ratio_median,floor_ratio_q3,prepare_ms_median,triangles,\
-                    silhouette_px_median,silhouette_places,geolocation_pixels,geolocation_m_median,geolocation_m_p99,\
-                    geolocation_px_p99\n"
-        .to_owned();
-    for row in rows {
-        let of = |spread: &Spread| [spread.low, spread.median, spread.high];
-        let mut numbers = vec![row.height_km];
-        for spread in [&row.frame_ms, &row.floor_ms, &row.floor_ratio] {
-            numbers.extend(of(spread));
-        }
-        numbers.extend([
+pub fn spread_csv(rows: &[SweepRow]) -> String {
+    table(&SPREAD_COLUMNS, rows, |row| {
+        let (frame, floor, ratio) = (&row.frame_ms, &row.floor_ms, &row.floor_ratio);
+        [
+            row.height_km,
+            frame.lower,
+            frame.median,
+            frame.upper,
+            floor.lower,
+            floor.median,
+            floor.upper,
+            ratio.lower,
+            ratio.median,
+            ratio.upper,
             row.prepare_ms,
             f64::from(row.triangles),
             row.silhouette.median_px,
@@ -96,37 +132,27 @@ pub fn spread_csv(rows: &[Row]) -> String {
             row.geolocation.median_m,
             row.geolocation.p99_m,
             row.geolocation.p99_px,
-        ]);
-        line(&mut text, row, &numbers);
-    }
-    text
+        ]
+    })
 }
 
-fn line(text: &mut String, row: &Row, numbers: &[f64]) {
-    let (parameter, value) = (row.change.parameter(), row.change.value());
-    // Writing to a string does not fail.
-    let _ = write!(text, "earth,{parameter},{value}");
-    for value in numbers {
-        let _ = write!(text, ",{}", number(*value));
-    }
-    text.push('\n');
-}
-
-/// Six significant digits without an exponent where that is short.
-pub(super) fn number(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return value.to_string();
-    }
-    let magnitude = value.abs().log10().floor();
-    if !(-6.0..9.0).contains(&magnitude) {
-        return format!("{value:.5e}");
-    }
-    let digits = (5.0 - magnitude).max(0.0) as usize;
-    let text = format!("{value:.digits$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
+/// A table whose lines begin with what was set to which value, and go on with numbers.
+fn table<const NUMBERS: usize>(
+    columns: &[&str],
+    rows: &[SweepRow],
+    numbers: fn(&SweepRow) -> [f64; NUMBERS],
+) -> String {
+    let head: Vec<String> = columns.iter().map(|name| (*name).to_owned()).collect();
+    let lines = rows.iter().map(|row| {
+        let setting = [
+            "earth".to_owned(),
+            row.change.parameter().to_owned(),
+            row.change.value(),
+        ];
+        let numbers = numbers(row).map(number);
+        setting.into_iter().chain(numbers).collect::<Vec<_>>()
+    });
+    csv_text(std::iter::once(head).chain(lines))
 }
 
 #[cfg(test)]
@@ -135,28 +161,28 @@ pub(super) mod tests {
     use crate::Subdivision;
 
     /// A row of no particular numbers.
-    pub fn row(change: Change, height_km: f64, frame_ms: f64, error: f64) -> Row {
-        Row {
+    pub fn row(change: SettingChange, height_km: f64, frame_ms: f64, error: f64) -> SweepRow {
+        SweepRow {
             change,
             height_km,
-            frame_ms: Spread {
-                low: 0.9 * frame_ms,
+            frame_ms: Quartiles {
+                lower: 0.9 * frame_ms,
                 median: frame_ms,
-                high: 1.2 * frame_ms,
+                upper: 1.2 * frame_ms,
             },
-            floor_ms: Spread::exact(4.0),
-            floor_ratio: Spread::exact(frame_ms / 4.0),
+            floor_ms: Quartiles::exact(4.0),
+            floor_ratio: Quartiles::exact(frame_ms / 4.0),
             prepare_ms: 0.1,
             flip_mean: error,
             flip_p99: 3.0 * error,
             rmse_linear: 0.1 * error,
-            silhouette: Silhouette {
+            silhouette: SilhouetteErrors {
                 max_px: 20.0 * error,
                 median_px: 10.0 * error,
                 places: 64,
                 in_view: true,
             },
-            geolocation: Geolocation {
+            geolocation: GeolocationErrors {
                 pixels: 1000,
                 median_m: 1.0,
                 p99_m: 5.0,
@@ -172,11 +198,11 @@ pub(super) mod tests {
     #[test]
     fn the_table_has_the_columns_of_the_contract() {
         assert_eq!(
-            CSV_HEADER,
+            CSV_COLUMNS.join(","),
             "method,parameter,value,height_km,frame_ms_median,floor_ratio,flip_mean,flip_p99,rmse_linear,silhouette_px,geolocation_m,geolocation_px,texels_per_px"
         );
         let rows = [row(
-            Change::Subdivision(Subdivision::Cells(6)),
+            SettingChange::Subdivision(Subdivision::Cells(6)),
             200.0,
             10.0,
             0.01,
@@ -194,23 +220,5 @@ pub(super) mod tests {
         };
         assert_eq!(count(&spread)[0], count(&spread)[1]);
         assert_eq!(count(&table), [13, 13]);
-    }
-
-    #[test]
-    fn numbers_have_six_digits() {
-        let values = [0.0, 1234567.0, 0.123456789, 1e-9, 1e12, 3.0, f64::INFINITY];
-        let texts = values.map(number);
-        assert_eq!(
-            texts,
-            [
-                "0",
-                "1234567",
-                "0.123457",
-                "1.00000e-9",
-                "1.00000e12",
-                "3",
-                "inf"
-            ]
-        );
     }
 }

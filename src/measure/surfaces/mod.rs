@@ -3,32 +3,36 @@
 //! | file | what |
 //! |---|---|
 //! | `paths.rs` | four flights |
-//! | `grounds.rs` | what is flown over |
-//! | `trials.rs` | which surfaces, with which settings |
+//! | `test_grounds.rs` | what is flown over |
+//! | `candidates.rs` | which surfaces, with which settings |
 //! | `run.rs` | flying, timing and comparing |
-//! | `rows.rs` | what is found, as a table |
-//! | `page.rs` | as charts and a page |
+//! | `study.rs` | what is found, and which surface to choose |
+//! | `rows.rs`, `plots.rs`, `page.rs` | as a table, charts, and a page |
 
-mod grounds;
+mod candidates;
 mod page;
 mod paths;
+mod plots;
 mod rows;
 mod run;
-mod trials;
+mod study;
+mod test_grounds;
 
-pub use grounds::{Ground, grounds};
+pub use candidates::{Candidate, candidates};
 pub use paths::SurfacePath;
-pub use rows::{SURFACES_CSV_HEADER, Setting, SurfaceRow, surfaces_csv};
-pub use trials::{Trial, trials};
+pub use rows::{SURFACES_CSV_COLUMNS, Setting, SurfaceRow, surfaces_csv};
+pub use study::SurfaceStudy;
+pub use test_grounds::{TestGround, test_grounds};
 
 use super::ChartError;
-use super::report::Folder;
+use super::html::PageError;
+use super::output::OutputFolder;
 use crate::Sky;
 use crate::elevation::GridError;
 use crate::globe::SurfaceKind;
 use crate::gpu::GpuContext;
 use crate::play::{Flight, OutputError, PlayError, Progress};
-use run::Stand;
+use run::FlightMeter;
 use std::path::Path;
 
 /// How a comparison is wanted.
@@ -64,23 +68,9 @@ pub enum SurfacesError {
     /// A chart.
     #[error(transparent)]
     Chart(#[from] ChartError),
-}
-
-/// What was found, and with what.
-#[derive(Clone, Debug)]
-pub struct SurfaceStudy {
-    /// The adapter's name and backend.
-    pub adapter: String,
-    /// Of the frames that were timed, pixels.
-    pub size: (u32, u32),
-    /// Of the pictures that were held against the data, pixels.
-    pub compared_size: (u32, u32),
-    /// Places of each flight.
-    pub places: u32,
-    /// What was found.
-    pub rows: Vec<SurfaceRow>,
-    /// Rows that were wanted; more than there are if it was stopped.
-    pub wanted: usize,
+    /// The page.
+    #[error(transparent)]
+    Page(#[from] PageError),
 }
 
 /// Width of the pictures that are held against the data, pixels.
@@ -95,18 +85,18 @@ pub fn compare_surfaces(
     request: &SurfacesRequest<'_>,
     progress: &dyn Progress,
 ) -> Result<SurfaceStudy, SurfacesError> {
-    let folder = Folder::open(request.folder)?;
+    let folder = OutputFolder::open(request.folder)?;
     let gpu = pollster::block_on(GpuContext::open(request.adapter)).map_err(PlayError::from)?;
     progress.begin("loading maps and heights", None);
     let options = flight.earth_options(gpu.bc_support())?;
-    let grounds = grounds(flight.scene())?;
+    let grounds = test_grounds(flight.scene())?;
     progress.end();
-    let trials = trials(request.only, request.quick);
+    let candidates = candidates(request.only, request.quick);
     let (width, height) = request.size;
     let compared_width = width.min(COMPARED_WIDTH);
     let compared_height =
         (u64::from(compared_width) * u64::from(height) / u64::from(width.max(1))).max(1);
-    let stand = Stand {
+    let meter = FlightMeter {
         gpu: &gpu,
         options: &options,
         sky: Sky::at(flight.scene().time.start),
@@ -119,17 +109,17 @@ pub fn compare_surfaces(
     let mut study = SurfaceStudy {
         adapter: format!("{} ({})", info.name, info.backend),
         size: request.size,
-        compared_size: stand.compared_size,
-        places: stand.places,
+        compared_size: meter.compared_size,
+        places: meter.places,
         rows: Vec::new(),
-        wanted: grounds.len() * SurfacePath::ALL.len() * trials.len(),
+        wanted: grounds.len() * SurfacePath::ALL.len() * candidates.len(),
     };
     progress.begin("flights", Some(study.wanted as u64));
     'all: for ground in &grounds {
         for path in SurfacePath::ALL {
-            let exact = stand.exact(ground, path);
-            for trial in &trials {
-                let Some(row) = stand.fly(ground, path, trial, &exact)? else {
+            let exact = meter.exact(ground, path);
+            for candidate in &candidates {
+                let Some(row) = meter.fly(ground, path, candidate, &exact)? else {
                     break 'all;
                 };
                 study.rows.push(row);
@@ -140,10 +130,10 @@ pub fn compare_surfaces(
         }
     }
     progress.end();
-    let plots = page::plots(&study)?;
+    let plots = plots::plots(&study)?;
     for plot in &plots {
         folder.write(&format!("plots/{}.svg", plot.name), plot.svg.as_bytes())?;
     }
-    folder.write("surfaces.html", page::page(&study, &plots).as_bytes())?;
+    folder.write("surfaces.html", page::page(&study, &plots)?.as_bytes())?;
     Ok(study)
 }

@@ -1,12 +1,12 @@
 //! Flying, timing and comparing.
 
 use super::rows::SurfaceRow;
-use super::{Ground, SurfacePath, SurfacesError, Trial};
+use super::{Candidate, SurfacePath, SurfacesError, TestGround};
 use crate::frames::Ellipsoid;
 use crate::gpu::GpuContext;
-use crate::measure::errors::{GroundErrors, GroundPicture, PlacesEarth};
+use crate::measure::errors::{GeolocationRenderer, GroundErrors, GroundPicture};
 use crate::measure::reference::TrueRelief;
-use crate::measure::{Rig, Spread};
+use crate::measure::{FrameTimer, FrameTimes, Quartiles};
 use crate::play::Progress;
 use crate::{EarthOptions, GroundOptions, Sky};
 use std::time::Duration;
@@ -18,8 +18,8 @@ const FRAMES_BEFORE: u32 = 8;
 /// How long it waits at most.
 const SETTLE: Duration = Duration::from_secs(5);
 
-/// What all trials share.
-pub(super) struct Stand<'s> {
+/// What the measurements of all candidates share.
+pub(super) struct FlightMeter<'s> {
     pub gpu: &'s GpuContext,
     pub options: &'s EarthOptions,
     pub sky: Sky,
@@ -31,9 +31,9 @@ pub(super) struct Stand<'s> {
     pub progress: &'s dyn Progress,
 }
 
-impl Stand<'_> {
+impl FlightMeter<'_> {
     /// The true pictures of a path's places; fewer if that was stopped.
-    pub fn exact(&self, ground: &Ground, path: SurfacePath) -> Vec<TrueRelief> {
+    pub fn exact(&self, ground: &TestGround, path: SurfacePath) -> Vec<TrueRelief> {
         let figure = self.options.figure.ellipsoid();
         let elevation = ground.elevation.as_ref();
         let size = self.compared_size;
@@ -51,16 +51,16 @@ impl Stand<'_> {
     /// Flies one path with one setting, its places held against the [`Self::exact`] ones; `None` if that was stopped.
     pub fn fly(
         &self,
-        ground: &Ground,
+        ground: &TestGround,
         path: SurfacePath,
-        trial: &Trial,
+        candidate: &Candidate,
         exact: &[TrueRelief],
     ) -> Result<Option<SurfaceRow>, SurfacesError> {
         let figure = self.options.figure.ellipsoid();
         let relief = GroundOptions {
             elevation: ground.elevation.clone(),
-            surface: trial.surface,
-            tolerance_px: trial.tolerance_px,
+            surface: candidate.surface,
+            tolerance_px: candidate.tolerance_px,
         };
         let options = EarthOptions {
             ground: Some(relief.clone()),
@@ -69,12 +69,12 @@ impl Stand<'_> {
         let mut row = SurfaceRow {
             data: ground.name,
             path,
-            setting: trial.setting.clone(),
+            setting: candidate.setting.clone(),
             places: self.places,
-            frame_ms: Spread::default(),
-            floor_ratio: Spread::default(),
-            prepare_ms: Spread::default(),
-            prepare_most_ms: 0.0,
+            frame_ms: Quartiles::NONE,
+            floor_ratio: Quartiles::NONE,
+            prepare_ms: Quartiles::NONE,
+            max_prepare_ms: 0.0,
             vertices: 0,
             triangles: 0,
             resident_bytes: 0,
@@ -101,13 +101,13 @@ impl Stand<'_> {
     fn time(
         &self,
         row: &mut SurfaceRow,
-        ground: &Ground,
+        ground: &TestGround,
         figure: &Ellipsoid,
         options: &EarthOptions,
     ) -> Result<bool, SurfacesError> {
-        let mut rig = Rig::new(self.gpu, options, self.size)?;
+        let mut timer = FrameTimer::new(self.gpu, options, self.size)?;
         let aspect = f64::from(self.size.0) / f64::from(self.size.1);
-        let mut samples = Vec::new();
+        let mut times = Vec::new();
         for time_s in self.times_s(row.path) {
             if self.progress.cancelled() {
                 return Ok(false);
@@ -118,22 +118,20 @@ impl Stand<'_> {
                     .view(time_s, ground.site, figure, elevation, aspect)
             };
             let first_s = time_s - f64::from(FRAMES_BEFORE) * FRAME_S;
-            rig.settle(&view(first_s), &self.sky, SETTLE);
+            timer.wait_for_ground(&view(first_s), &self.sky, SETTLE);
             for before in (1..FRAMES_BEFORE).rev() {
-                rig.frame(&view(time_s - f64::from(before) * FRAME_S), &self.sky)?;
+                timer.time_frame(&view(time_s - f64::from(before) * FRAME_S), &self.sky)?;
             }
-            samples.push(rig.sample(&view(time_s), &self.sky)?);
+            times.push(timer.time_frame_and_floor(&view(time_s), &self.sky)?);
         }
-        let spread = |of: &dyn Fn(&crate::measure::Sample) -> f64| {
-            Spread::of(&samples.iter().map(of).collect::<Vec<_>>())
-        };
+        let spread = |of: &dyn Fn(&FrameTimes) -> f64| Quartiles::of(times.iter().map(of));
         row.frame_ms = spread(&|sample| sample.frame_ms);
         row.floor_ratio = spread(&|sample| sample.frame_ms / sample.floor_ms);
         row.prepare_ms = spread(&|sample| sample.prepare_ms);
         row.uploaded_bytes = spread(&|sample| sample.stats.uploaded_bytes as f64).median;
-        for sample in &samples {
+        for sample in &times {
             let (stats, ground) = (&sample.stats, &sample.stats.ground);
-            row.prepare_most_ms = row.prepare_most_ms.max(sample.prepare_ms);
+            row.max_prepare_ms = row.max_prepare_ms.max(sample.prepare_ms);
             row.vertices = row.vertices.max(ground.vertices);
             row.triangles = row.triangles.max(ground.triangles);
             row.resident_bytes = row.resident_bytes.max(ground.resident_bytes);
@@ -146,12 +144,12 @@ impl Stand<'_> {
     fn compare(
         &self,
         row: &mut SurfaceRow,
-        ground: &Ground,
+        ground: &TestGround,
         figure: &Ellipsoid,
         relief: &GroundOptions,
         exact: &[TrueRelief],
     ) -> Result<bool, SurfacesError> {
-        let mut earth = PlacesEarth::with_ground(self.gpu, relief)?;
+        let mut earth = GeolocationRenderer::with_ground(self.gpu, relief)?;
         let size = self.compared_size;
         let aspect = f64::from(size.0) / f64::from(size.1);
         let elevation = ground.elevation.as_ref();
@@ -182,7 +180,7 @@ impl Stand<'_> {
                 };
                 row.popping_px = row.popping_px.max(now.popping_px(before));
                 let errors = now.errors(figure, elevation, Some(exact));
-                row.errors = row.errors.with(&errors);
+                row.errors = row.errors.combined(&errors);
             }
         }
         Ok(true)

@@ -31,7 +31,7 @@ pub use deserialize::DeserializeError;
 pub use field::SyntheticGround;
 pub use table::Table;
 
-use super::report::Folder;
+use super::output::OutputFolder;
 use crate::elevation::HeightFileError;
 use crate::gpu::{ContextError, GpuContext};
 use crate::play::{OutputError, PendingFile, PlayError, Progress};
@@ -148,7 +148,7 @@ pub fn measure_terrain(
     progress: &dyn Progress,
     report: &mut dyn FnMut(&Table),
 ) -> Result<Vec<Table>, TerrainError> {
-    let folder = request.output.map(Folder::open).transpose()?;
+    let folder = request.output.map(OutputFolder::open).transpose()?;
     let trees = CachedTrees {
         cache: Cache::open(request.cache, request.memory_bytes)?,
         memory_bytes: request.memory_bytes,

@@ -1,5 +1,7 @@
 //! Tables, as text and as CSV.
 
+use crate::measure::output::csv_text;
+
 /// A table of words and numbers that are written already.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Table {
@@ -49,19 +51,7 @@ impl Table {
 
     /// The table as CSV, its head first.
     pub fn to_csv(&self) -> String {
-        let quoted = |word: &String| {
-            if word.contains([',', '"', '\n', '\r']) {
-                format!("\"{}\"", word.replace('"', "\"\""))
-            } else {
-                word.clone()
-            }
-        };
-        let mut text = String::new();
-        for line in std::iter::once(&self.head).chain(&self.rows) {
-            text += &line.iter().map(quoted).collect::<Vec<_>>().join(",");
-            text.push('\n');
-        }
-        text
+        csv_text(std::iter::once(&self.head).chain(&self.rows))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Which surfaces are compared, with which settings.
 
-use super::Setting;
+use super::rows::Setting;
 use crate::Subdivision;
 use crate::globe::clipmap::{ClipmapOptions, Trim};
 use crate::globe::contours::PageOptions;
@@ -11,8 +11,8 @@ use crate::scene::DEFAULT_TOLERANCE_PX;
 
 /// A surface to be compared.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Trial {
-    /// How it is told.
+pub struct Candidate {
+    /// How tables name it.
     pub setting: Setting,
     /// What draws.
     pub surface: SurfaceSettings,
@@ -21,18 +21,18 @@ pub struct Trial {
 }
 
 /// These surfaces, or all if there are none, over their settings; `quick` each at its default alone.
-pub fn trials(only: &[SurfaceKind], quick: bool) -> Vec<Trial> {
+pub fn candidates(only: &[SurfaceKind], quick: bool) -> Vec<Candidate> {
     let kinds = match only {
         [] => SurfaceKind::ALL,
         only => only,
     };
-    let mut trials: Vec<_> = kinds.iter().flat_map(|kind| of_kind(*kind)).collect();
-    trials.retain(|trial| !quick || trial.setting.is_default);
-    trials
+    let mut candidates: Vec<_> = kinds.iter().flat_map(|kind| of_kind(*kind)).collect();
+    candidates.retain(|candidate| !quick || candidate.setting.is_default);
+    candidates
 }
 
-fn of_kind(kind: SurfaceKind) -> Vec<Trial> {
-    let trial = |parameter, value: String, is_default, surface, tolerance_px| Trial {
+fn of_kind(kind: SurfaceKind) -> Vec<Candidate> {
+    let candidate = |parameter, value: String, is_default, surface, tolerance_px| Candidate {
         setting: Setting {
             surface: kind.name(),
             parameter,
@@ -44,14 +44,14 @@ fn of_kind(kind: SurfaceKind) -> Vec<Trial> {
     };
     let blocks = |cells| {
         let surface = kind.settings(Subdivision::Cells(cells));
-        trial("cells", cells.to_string(), cells == 48, surface, 1.0)
+        candidate("cells", cells.to_string(), cells == 48, surface, 1.0)
     };
     // Of surfaces that look at it, over the tolerance; at the default of scenes they are what a scene gets.
     let tolerances = || {
         [4.0, 2.0, 1.0, 0.5].map(|px| {
             let is_default = px == DEFAULT_TOLERANCE_PX;
             let surface = kind.settings(Subdivision::Auto);
-            trial("tolerance px", px.to_string(), is_default, surface, px)
+            candidate("tolerance px", px.to_string(), is_default, surface, px)
         })
     };
     let grid = |side, on_gpu| {
@@ -65,14 +65,14 @@ fn of_kind(kind: SurfaceKind) -> Vec<Trial> {
             true => side.to_string(),
             false => format!("{side} made on the CPU"),
         };
-        trial("samples", value, is_default, surface, 1.0)
+        candidate("samples", value, is_default, surface, 1.0)
     };
     let lambda = |lambda: f64| {
         let surface = SurfaceSettings::Quadtree(QuadtreeOptions {
             refine: Refine::Paper { lambda },
             ..QuadtreeOptions::default()
         });
-        trial("lambda", lambda.to_string(), false, surface, 1.0)
+        candidate("lambda", lambda.to_string(), false, surface, 1.0)
     };
     let clipmap = |samples, levels, trim| {
         let surface = SurfaceSettings::Clipmap(ClipmapOptions {
@@ -86,7 +86,7 @@ fn of_kind(kind: SurfaceKind) -> Vec<Trial> {
             Trim::Diamond => format!("{samples} of {levels} levels"),
             Trim::Hexagon => format!("{samples} of {levels} levels in hexagons"),
         };
-        trial("samples", value, is_default, surface, 1.0)
+        candidate("samples", value, is_default, surface, 1.0)
     };
     match kind {
         SurfaceKind::Blocks => [12, 24, 48].map(blocks).into(),
@@ -97,7 +97,7 @@ fn of_kind(kind: SurfaceKind) -> Vec<Trial> {
         SurfaceKind::Contours => {
             let cast = [2.0, 1.0, 0.5].map(|px| {
                 let surface = SurfaceSettings::CastContours(PageOptions::default());
-                trial("cast at tolerance px", px.to_string(), false, surface, px)
+                candidate("cast at tolerance px", px.to_string(), false, surface, px)
             });
             tolerances().into_iter().chain(cast).collect()
         }
@@ -119,22 +119,24 @@ mod tests {
 
     #[test]
     fn every_surface_has_one_default() {
-        let all = trials(&[], false);
+        let all = candidates(&[], false);
         for kind in SurfaceKind::ALL {
             let of_kind = all
                 .iter()
-                .filter(|trial| trial.setting.surface == kind.name());
-            let defaults = of_kind.clone().filter(|trial| trial.setting.is_default);
+                .filter(|candidate| candidate.setting.surface == kind.name());
+            let defaults = of_kind
+                .clone()
+                .filter(|candidate| candidate.setting.is_default);
             assert_eq!(
                 (defaults.count(), of_kind.count() > 2),
                 (1, true),
                 "{kind:?}"
             );
         }
-        assert_eq!(trials(&[], true).len(), SurfaceKind::ALL.len());
+        assert_eq!(candidates(&[], true).len(), SurfaceKind::ALL.len());
         // A comma would be a column more in the table.
-        let has_comma = |trial: &Trial| {
-            (trial.setting.parameter.to_owned() + &trial.setting.value).contains(',')
+        let has_comma = |candidate: &Candidate| {
+            (candidate.setting.parameter.to_owned() + &candidate.setting.value).contains(',')
         };
         assert!(!all.iter().any(has_comma));
     }

@@ -8,32 +8,32 @@ use std::f64::consts::TAU;
 
 /// A height at which frames are measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Station {
+pub struct EyeHeight {
     /// Height of the eye above the ellipsoid, kilometres.
     pub height_km: f64,
     /// The paper's frames per second there (Table 2, GeForce 6800, 2011), where it gives any.
     pub paper_frames_per_s: Option<f64>,
 }
 
-const fn station(height_km: f64, paper_frames_per_s: Option<f64>) -> Station {
-    Station {
+const fn eye_height(height_km: f64, paper_frames_per_s: Option<f64>) -> EyeHeight {
+    EyeHeight {
         height_km,
         paper_frames_per_s,
     }
 }
 
 /// The eight heights of Table 2, the geostationary orbit, and the Moon's mean distance (384 400 km from the centre).
-pub const STATIONS: [Station; 10] = [
-    station(100.0, Some(57.0)),
-    station(200.0, Some(49.0)),
-    station(600.0, Some(45.0)),
-    station(1_000.0, Some(47.0)),
-    station(2_000.0, Some(51.0)),
-    station(7_000.0, Some(62.0)),
-    station(10_000.0, Some(75.0)),
-    station(20_000.0, Some(78.0)),
-    station(35_786.0, None),
-    station(378_022.0, None),
+pub const EYE_HEIGHTS: [EyeHeight; 10] = [
+    eye_height(100.0, Some(57.0)),
+    eye_height(200.0, Some(49.0)),
+    eye_height(600.0, Some(45.0)),
+    eye_height(1_000.0, Some(47.0)),
+    eye_height(2_000.0, Some(51.0)),
+    eye_height(7_000.0, Some(62.0)),
+    eye_height(10_000.0, Some(75.0)),
+    eye_height(20_000.0, Some(78.0)),
+    eye_height(35_786.0, None),
+    eye_height(378_022.0, None),
 ];
 
 /// A great circle over the ground that an eye flies along. The Earth does not turn meanwhile.

@@ -1,9 +1,10 @@
 //! Where each pixel of the drawn Earth looks, by its own account, against the exact ray.
 
-use super::{nearest_rank, pixel_of};
+use super::pixel_of;
 use crate::frames::Ellipsoid;
 use crate::gpu::{Attachments, GpuContext, color_texture, read_floats};
 use crate::imagery::{EarthLayers, LayerImage};
+use crate::measure::SortedSample;
 use crate::measure::reference::ground_point;
 use crate::play::PlayError;
 use crate::{
@@ -14,8 +15,8 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::time::Duration;
 
-/// An Earth that draws places instead of colours, on the same mesh.
-pub struct PlacesEarth {
+/// Draws an Earth's geolocation buffer: places instead of colours, on the same mesh.
+pub struct GeolocationRenderer {
     gpu: GpuContext,
     earth: Earth,
     targets: Option<Targets>,
@@ -28,16 +29,16 @@ struct Targets {
     attachments: Attachments,
 }
 
-/// A picture of places.
+/// Where each pixel of a picture looks.
 #[derive(Clone, Debug)]
-pub struct Places {
+pub struct GeolocationBuffer {
     /// Width and height, pixels.
     pub size: (u32, u32),
     /// Row by row: texture coordinates from the block's centre, and the centre's; all 0 where space is drawn.
     texels: Vec<[f32; 4]>,
 }
 
-impl PlacesEarth {
+impl GeolocationRenderer {
     /// Makes it with a figure, so many cells per block edge and a visibility rule. One sample a pixel, its middle.
     ///
     /// # Errors
@@ -104,7 +105,11 @@ impl PlacesEarth {
     ///
     /// # Errors
     /// A lost device.
-    pub fn draw(&mut self, view: &EyeView, size: (u32, u32)) -> Result<Places, PlayError> {
+    pub fn draw(
+        &mut self,
+        view: &EyeView,
+        size: (u32, u32),
+    ) -> Result<GeolocationBuffer, PlayError> {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         // Nothing is lit.
         let sky = Sky { sun_itrf: DVec3::X };
@@ -114,7 +119,7 @@ impl PlacesEarth {
             _ => Targets::new(&self.gpu, size),
         };
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
-            label: Some("terrella places"),
+            label: Some("terrella geolocation"),
         });
         let mut pass = targets.attachments.begin_pass(&mut encoder, &targets.view);
         self.earth.render(&mut pass);
@@ -122,7 +127,7 @@ impl PlacesEarth {
         queue.submit([encoder.finish()]);
         let texels = read_floats(device, queue, &targets.texture)?;
         self.targets = Some(targets);
-        Ok(Places { size, texels })
+        Ok(GeolocationBuffer { size, texels })
     }
 }
 
@@ -130,10 +135,10 @@ impl Targets {
     fn new(gpu: &GpuContext, size: (u32, u32)) -> Self {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
         let format = SurfaceOutput::GEOLOCATION;
-        let texture = color_texture(&gpu.device, "terrella places", size, format, 1, usage);
+        let texture = color_texture(&gpu.device, "terrella geolocation", size, format, 1, usage);
         Self {
             view: texture.create_view(&wgpu::TextureViewDescriptor {
-                label: Some("terrella places"),
+                label: Some("terrella geolocation"),
                 ..Default::default()
             }),
             texture,
@@ -142,7 +147,7 @@ impl Targets {
     }
 }
 
-impl Places {
+impl GeolocationBuffer {
     /// Whether the ground is drawn at a pixel.
     pub fn is_ground(&self, x: u32, y: u32) -> bool {
         self.texel(x, y)[2] != 0.0
@@ -158,7 +163,7 @@ impl Places {
         })
     }
 
-    /// The same as a point of the ground, ITRF metres.
+    /// The point of the ground that maps are read at for a pixel, ITRF metres; `None` in space.
     pub fn point_itrf_m(&self, x: u32, y: u32, figure: &Ellipsoid) -> Option<DVec3> {
         let (lat_rad, lon_rad) = self.lat_lon_rad(x, y)?;
         Some(figure.surface_point(Ellipsoid::normal(lat_rad, lon_rad)))
@@ -183,7 +188,7 @@ impl Places {
 /// limb, where the ground is seen edge on, an angle of nothing is a long way on the ground; so they are given in pixels
 /// of the picture too: how far from the pixel's middle the place by its account appears.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Geolocation {
+pub struct GeolocationErrors {
     /// Pixels compared.
     pub pixels: usize,
     /// Median, metres.
@@ -199,7 +204,11 @@ pub struct Geolocation {
 }
 
 /// Compares drawn places with those of a view's exact rays.
-pub fn geolocation(places: &Places, view: &EyeView, figure: &Ellipsoid) -> Geolocation {
+pub fn geolocation(
+    places: &GeolocationBuffer,
+    view: &EyeView,
+    figure: &Ellipsoid,
+) -> GeolocationErrors {
     let (eye_itrf_m, _) = view.to_itrf();
     let (width, height) = places.size;
     let (mut metres, mut pixels) = (Vec::new(), Vec::new());
@@ -217,14 +226,13 @@ pub fn geolocation(places: &Places, view: &EyeView, figure: &Ellipsoid) -> Geolo
             pixels.push(shown.map_or(f64::INFINITY, |shown| shown.distance(middle)));
         }
     }
-    metres.sort_by(f64::total_cmp);
-    pixels.sort_by(f64::total_cmp);
-    Geolocation {
+    let (metres, pixels) = (SortedSample::new(metres), SortedSample::new(pixels));
+    GeolocationErrors {
         pixels: pixels.len(),
-        median_m: nearest_rank(&metres, 0.5),
-        p99_m: nearest_rank(&metres, 0.99),
-        max_m: nearest_rank(&metres, 1.0),
-        p99_px: nearest_rank(&pixels, 0.99),
-        max_px: nearest_rank(&pixels, 1.0),
+        median_m: metres.median(),
+        p99_m: metres.quantile(0.99),
+        max_m: metres.max(),
+        p99_px: pixels.quantile(0.99),
+        max_px: pixels.max(),
     }
 }

@@ -1,4 +1,4 @@
-//! An Earth on a test stand: frames, their floor and a bare clear, timed turn about on the same textures.
+//! Times frames of an Earth beside their floor and a bare clear, turn about on the same textures.
 
 use super::floor::Floor;
 use crate::frames::Epoch;
@@ -11,14 +11,14 @@ use std::time::Duration;
 /// An Earth, textures of one size, and what its frames are compared with.
 ///
 /// Absolute times on a shared machine say little; the ratio of a frame to its floor, taken in the same moment, does.
-pub struct Rig {
+pub struct FrameTimer {
     picture: Picture,
     floor: Floor,
 }
 
-/// Times of one instant.
+/// Times of one frame and its floor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub struct FrameTimes {
     /// What was drawn.
     pub stats: FrameStats,
     /// `prepare` alone, milliseconds.
@@ -29,7 +29,7 @@ pub struct Sample {
     pub floor_ms: f64,
 }
 
-impl Rig {
+impl FrameTimer {
     /// Uploads the maps and makes both passes.
     ///
     /// # Errors
@@ -50,12 +50,12 @@ impl Rig {
         })
     }
 
-    /// The picture that is drawn.
+    /// What draws the frames.
     pub fn picture(&self) -> &Picture {
         &self.picture
     }
 
-    /// The same, to draw with.
+    /// What draws the frames, to draw others with.
     pub fn picture_mut(&mut self) -> &mut Picture {
         &mut self.picture
     }
@@ -76,7 +76,7 @@ impl Rig {
 
     /// Draws a view when its tiles have come, or `wait` is over; answers how many are missing. Without tiles it does
     /// nothing.
-    pub fn complete(&mut self, view: &EyeView, sky: &Sky, wait: Duration) -> usize {
+    pub fn wait_for_tiles(&mut self, view: &EyeView, sky: &Sky, wait: Duration) -> usize {
         if !self.picture.earth().has_tiles() {
             return 0;
         }
@@ -84,7 +84,7 @@ impl Rig {
     }
 
     /// Draws a view when ground with relief is as fine as it will be, or `wait` is over.
-    pub fn settle(&mut self, view: &EyeView, sky: &Sky, wait: Duration) {
+    pub fn wait_for_ground(&mut self, view: &EyeView, sky: &Sky, wait: Duration) {
         self.picture.draw_complete(&moment(view, sky), wait);
     }
 
@@ -92,7 +92,7 @@ impl Rig {
     ///
     /// # Errors
     /// A lost device.
-    pub fn passes(
+    pub fn time_passes(
         &mut self,
         view: &EyeView,
         sky: &Sky,
@@ -105,12 +105,16 @@ impl Rig {
     ///
     /// # Errors
     /// A lost device.
-    pub fn sample(&mut self, view: &EyeView, sky: &Sky) -> Result<Sample, PlayError> {
-        let measured = self.frame(view, sky)?;
+    pub fn time_frame_and_floor(
+        &mut self,
+        view: &EyeView,
+        sky: &Sky,
+    ) -> Result<FrameTimes, PlayError> {
+        let measured = self.time_frame(view, sky)?;
         let gpu = self.picture.gpu();
         self.floor.prepare(&gpu.queue, view, self.picture.size());
         let floor = self.picture.time_other(|pass| self.floor.render(pass))?;
-        Ok(Sample {
+        Ok(FrameTimes {
             stats: measured.stats,
             prepare_ms: milliseconds(measured.prepare),
             frame_ms: milliseconds(measured.frame),
@@ -122,7 +126,7 @@ impl Rig {
     ///
     /// # Errors
     /// A lost device.
-    pub fn frame(&mut self, view: &EyeView, sky: &Sky) -> Result<Measured, PlayError> {
+    pub fn time_frame(&mut self, view: &EyeView, sky: &Sky) -> Result<Measured, PlayError> {
         self.picture.time(&moment(view, sky))
     }
 
@@ -135,7 +139,8 @@ impl Rig {
     }
 }
 
-pub(super) fn moment(view: &EyeView, sky: &Sky) -> Moment {
+/// A view without a craft as an instant of a flight.
+fn moment(view: &EyeView, sky: &Sky) -> Moment {
     Moment {
         // Nothing that is drawn without a craft asks for it.
         epoch: Epoch::from_gregorian_utc(2000, 1, 1, 12, 0, 0, 0),
@@ -146,6 +151,7 @@ pub(super) fn moment(view: &EyeView, sky: &Sky) -> Moment {
     }
 }
 
+/// A time in milliseconds.
 pub(super) fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }

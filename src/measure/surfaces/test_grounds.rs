@@ -2,7 +2,7 @@
 
 use super::SurfacesError;
 use crate::elevation::{
-    Bounds, Elevation, Georeference, GridLimits, Ground as Heights, HeightGrid, Registration,
+    Bounds, Elevation, Georeference, GridLimits, Ground, HeightGrid, Registration,
 };
 use crate::frames::Geodetic;
 use crate::play::read_ground;
@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// Ground to fly over.
 #[derive(Clone)]
-pub struct Ground {
+pub struct TestGround {
     /// As in tables.
     pub name: &'static str,
     /// Its heights.
@@ -27,7 +27,7 @@ pub struct Ground {
 ///
 /// # Errors
 /// Files that cannot be read.
-pub fn grounds(scene: &Scene) -> Result<Vec<Ground>, SurfacesError> {
+pub fn test_grounds(scene: &Scene) -> Result<Vec<TestGround>, SurfacesError> {
     let alps = Geodetic::from_degrees(46.5, 8.0, 0.0);
     let globe = read_ground(&[], false, false)?;
     let mut grounds = vec![of("globe", globe.clone(), alps)];
@@ -40,13 +40,13 @@ pub fn grounds(scene: &Scene) -> Result<Vec<Ground>, SurfacesError> {
     }
     let (worst, site) = worst_case()?;
     let grids = globe.grids().iter().cloned().chain([Arc::new(worst)]);
-    let heights = Heights::new(grids).with_sea_surface();
+    let heights = Ground::new(grids).with_sea_surface();
     grounds.push(of("worst case", heights, site));
     Ok(grounds)
 }
 
-fn of(name: &'static str, heights: Heights, site: Geodetic) -> Ground {
-    Ground {
+fn of(name: &'static str, heights: Ground, site: Geodetic) -> TestGround {
+    TestGround {
         name,
         site,
         bytes: heights.bytes(),
@@ -115,7 +115,7 @@ mod tests {
         let (grid, site) = worst_case().expect("sound");
         let range = grid.stats().range;
         assert_eq!((range.low_m, range.high_m), (-11_000.0, 9000.0));
-        let heights = Heights::new([Arc::new(grid)]);
+        let heights = Ground::new([Arc::new(grid)]);
         let step = 1_f64.to_radians() / f64::from(SIDE - 1);
         let at = |south: f64, east: f64| {
             let (lat, lon) = (site.lat_rad - south * step, site.lon_rad + east * step);

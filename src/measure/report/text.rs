@@ -1,9 +1,9 @@
-//! What is found, in words and lines.
+//! What is found, as text for a terminal and as sentences for the page.
 
-use super::rows::number;
-use super::{GEOLOCATION_MOST_PX, SILHOUETTE_MOST_PX, Study};
+use super::format::number;
+use super::{MAX_GEOLOCATION_PX, MAX_SILHOUETTE_PX, Study};
 use crate::Subdivision;
-use crate::measure::Spread;
+use crate::measure::Quartiles;
 use std::fmt::Write;
 
 /// The heights of the paper's Table 2 end here, kilometres.
@@ -14,8 +14,8 @@ pub(super) fn verdict(study: &Study) -> String {
     let rows: Vec<_> = study.scene_rows().collect();
     let exact = rows.iter().filter(|row| row.is_exact()).count();
     let mut text = format!(
-        "From {exact} of {} heights the scene's settings draw the limb to {SILHOUETTE_MOST_PX} px and places to \
-         {GEOLOCATION_MOST_PX} px.",
+        "From {exact} of {} heights the scene's settings draw the limb to {MAX_SILHOUETTE_PX} px and places to \
+         {MAX_GEOLOCATION_PX} px.",
         rows.len()
     );
     let mut missed = rows
@@ -51,22 +51,22 @@ pub(super) fn subdivision_advice(study: &Study) -> Option<String> {
         let found = of(value)?;
         let keeps = found
             .iter()
-            .all(|(limb_px, _)| *limb_px <= SILHOUETTE_MOST_PX);
+            .all(|(limb_px, _)| *limb_px <= MAX_SILHOUETTE_PX);
         (keeps && !found.is_empty()).then_some((value, found))
     });
     let text = match found {
         Some((value, found)) => {
-            let times = Spread::of(&found.iter().map(|(_, times)| *times).collect::<Vec<_>>());
+            let times = Quartiles::of(found.iter().map(|(_, times)| *times));
             let most = found.iter().map(|(_, times)| *times).fold(0.0, f64::max);
             format!(
-                "{value} cells is the coarsest mesh of the sweep that draws the limb to {SILHOUETTE_MOST_PX} px from every \
+                "{value} cells is the coarsest mesh of the sweep that draws the limb to {MAX_SILHOUETTE_PX} px from every \
                  height; a frame then takes {:.2} times as long as the scene's (median of the heights; {most:.2} at most).",
                 times.median
             )
         }
         None if values.is_empty() => return None,
         None => format!(
-            "No mesh of the sweep draws the limb to {SILHOUETTE_MOST_PX} px from every height."
+            "No mesh of the sweep draws the limb to {MAX_SILHOUETTE_PX} px from every height."
         ),
     };
     Some(text)
@@ -101,9 +101,9 @@ pub(super) fn summary(study: &Study) -> String {
             row.flip_p99,
             row.rmse_linear,
             limb,
-            mark(limb <= SILHOUETTE_MOST_PX),
+            mark(limb <= MAX_SILHOUETTE_PX),
             row.geolocation.max_px,
-            mark(row.geolocation.max_px <= GEOLOCATION_MOST_PX),
+            mark(row.geolocation.max_px <= MAX_GEOLOCATION_PX),
         );
     }
     let _ = writeln!(text, "{}", verdict(study));
@@ -114,19 +114,4 @@ pub(super) fn summary(study: &Study) -> String {
         let _ = writeln!(text, "{}: {}", missing.parameter, missing.why);
     }
     text
-}
-
-/// Text for HTML.
-pub(in crate::measure) fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            c => out.push(c),
-        }
-    }
-    out
 }
