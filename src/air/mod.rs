@@ -11,6 +11,7 @@ mod tables;
 pub use billboard::{Billboard, HorizonSquare, Screen, horizon_square};
 pub use model::{AirModel, EARTH_AIR, Species};
 pub use tables::{AirTables, MULTIPLE, SCATTERING, SUNLIGHT, TRANSMITTANCE, TableSize};
+pub(crate) use tables::{LOWEST_SUN, LUMINANCE};
 
 /// How the air is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]

@@ -2,7 +2,7 @@
 
 use super::Earth;
 use crate::globe::{BlockGrid, GroundForm, Surface};
-use crate::gpu::{FramePlan, SurfaceOutput};
+use crate::gpu::{FramePlan, ShaderVariant, SurfaceOutput};
 use glam::{DVec3, Vec3};
 
 /// What an Earth draws that is to be examined. The default is the picture.
@@ -52,7 +52,7 @@ impl Earth {
     }
 
     fn features(&self, on: bool) -> Vec<&'static str> {
-        let shader = &self.surface.variant().features;
+        let shader = self.surface.variant().conditions_met();
         // Water and tiles come with packs; an Earth without one has nothing to switch off.
         let of_packs: &[&str] = match self.planner.tiles {
             Some(_) => &["water", "tiles"],

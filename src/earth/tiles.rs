@@ -6,7 +6,7 @@ use crate::globe::{
     BLOCK_COUNT, Block, BlockGrid, LevelRule, Visibility, paper_level, screen_level, select_blocks,
     texels_per_pixel,
 };
-use crate::gpu::BlockTiles;
+use crate::gpu::{BlockTiles, GLINT_ENDS_SIN, LAMPS_OUT_SIN};
 use crate::imagery::EarthLayers;
 use crate::imagery::stream::{Pool, StreamCounters, StreamOptions, TileStream, Upload, Want};
 use crate::imagery::tile::{MAP_LAYERS, MAX_LEVELS, MapLayer, TileKey, TileSource};
@@ -22,9 +22,10 @@ const MAX_EXPECTED: usize = 4;
 /// paper's shading ends at −0.3.
 const DARK: f64 = -0.32;
 
-/// Above this one city lights are out, and below 0 the sea mirrors no Sun; both with room for the ellipsoid.
-const LIGHTS_OUT: f64 = 0.03;
-const NO_GLINT: f64 = -0.02;
+/// Above this one city lights are out, and below the other the sea mirrors no Sun; both with room for the ellipsoid.
+const LIGHTS_OUT: f64 = LAMPS_OUT_SIN + ROOM_SIN;
+const NO_GLINT: f64 = GLINT_ENDS_SIN - ROOM_SIN;
+const ROOM_SIN: f64 = 0.01;
 
 /// Cells per block edge that an Earth with tiles should have.
 ///

@@ -80,7 +80,7 @@ pub struct SurfaceStats {
     pub error_px: Option<f64>,
 }
 
-/// A grid whose vertices the GPU makes itself, by `shaders/common/projected_grid.wgsl`.
+/// A grid whose vertices the GPU makes itself, by `shaders/earth/vertex/projected_grid.wgsl`.
 #[derive(Clone, Copy, Debug)]
 pub struct GridDraw<'a> {
     /// The grid of the last view; `None` where nothing shows.

@@ -8,6 +8,7 @@ mod ground;
 mod lattice;
 mod layers;
 mod maps;
+mod mesh;
 mod pipeline;
 mod plan;
 mod read_back;
@@ -21,7 +22,9 @@ mod uniforms;
 
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
 pub use shader::{
-    AIR_SHADER, EARTH_SHADER, PROJECTED_GRID_SHADER, ShaderError, ShaderVariant, TRACKS_SHADER,
+    AirDepth, AirVariant, EarthOutput, EarthVariant, PaperLayers, PatchTiles, SHADER_FILES,
+    ShaderCapability, ShaderError, ShaderText, ShaderVariant, ShadingVariant, SunlitLayers,
+    TargetColor, TrackKind, TracksVariant, VertexForm,
 };
 pub use targets::{
     Attachments, FrameTargets, PassPart, PictureError, color_texture, read_floats, read_texture,
@@ -37,11 +40,12 @@ use layers::GpuLayer;
 pub(crate) use pipeline::PipelineDescription;
 pub(crate) use plan::{AirPlan, BlockTiles, FramePlan};
 pub(crate) use read_back::read_rows;
-pub(crate) use surface::{SurfaceDrawable, SurfaceLook};
-pub(crate) use tracks::{
-    FROM_PREVIOUS as TRACK_FROM_PREVIOUS, Fill, LinePoint, Mark, ON_GROUND as TRACK_ON_GROUND,
-    TrackKinds, TracksDrawable,
+pub(crate) use shader::{
+    FROM_PREVIOUS as TRACK_FROM_PREVIOUS, GLINT_ENDS_SIN, LAMPS_OUT_SIN,
+    ON_GROUND as TRACK_ON_GROUND,
 };
+pub(crate) use surface::{SurfaceDrawable, SurfaceLook};
+pub(crate) use tracks::{Fill, LinePoint, Mark, TrackKinds, TracksDrawable};
 
 /// The depth buffer of the pass that the Earth is drawn in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,14 +103,14 @@ impl PassFormat {
         })
     }
 
-    /// True if the target stores display values itself, so that shaders must encode them.
-    fn stores_display_values(&self) -> bool {
+    /// What shaders must give the colour target.
+    fn target_color(&self) -> TargetColor {
         use wgpu::TextureFormat as F;
-        !self.color.is_srgb()
-            && !matches!(
-                self.color,
-                F::Rgba16Float | F::Rgba32Float | F::Rg11b10Ufloat
-            )
+        match self.color {
+            F::Rgba16Float | F::Rgba32Float | F::Rg11b10Ufloat => TargetColor::Linear,
+            color if color.is_srgb() => TargetColor::Linear,
+            _ => TargetColor::Display,
+        }
     }
 
     fn multisample(&self) -> wgpu::MultisampleState {

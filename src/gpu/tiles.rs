@@ -2,6 +2,7 @@
 
 use super::BlockTiles;
 use super::maps::Maps;
+use super::shader::{PER_BLOCK_TILES, WHOLE_MAP};
 use crate::globe::{BLOCK_COUNT, Block, BlockSet, COLUMNS, Part, ROWS, runs};
 use crate::imagery::stream::{Pool, Upload};
 use crate::imagery::tile::{MAP_LAYERS, TILE_BORDER, TILE_MIPS, TileFormat, TileShape};
@@ -11,12 +12,7 @@ use std::ops::Range;
 type Placements = [[Vec4; MAP_LAYERS]; BLOCK_COUNT as usize];
 const PLACEMENTS_BYTES: usize = size_of::<Placements>();
 
-/// As `WHOLE` and `CROSSING` of `shaders/earth.wgsl`: with whole maps; and, with a block's index added, as much of what lies
-/// in several blocks as lies in that one.
-pub(super) const WHOLE: u32 = 2 * BLOCK_COUNT;
-const CROSSING: u32 = BLOCK_COUNT;
-
-/// Bytes of `tiles` of `shaders/earth.wgsl`: placements, and the set of blocks that have tiles.
+/// Bytes of `Tiles` of `shaders/earth/maps/tile_placements.wgsl`: placements, and the set of blocks that have tiles.
 pub(super) const TILES_BYTES: usize = PLACEMENTS_BYTES + size_of::<BlockSet>();
 
 struct PoolTextures {
@@ -203,11 +199,13 @@ pub(super) fn draws_of(
         let index = left.trailing_zeros();
         let block = Block::of_index(index);
         runs(parts, BlockSet(1 << index), |range| {
-            draw(CROSSING + index, Some(block), range);
+            draw(PER_BLOCK_TILES + index, Some(block), range);
         });
         left &= left - 1;
     }
-    runs(parts, BlockSet(!tiled.0), |range| draw(WHOLE, None, range));
+    runs(parts, BlockSet(!tiled.0), |range| {
+        draw(WHOLE_MAP, None, range)
+    });
 }
 
 fn bind(

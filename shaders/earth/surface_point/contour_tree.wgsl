@@ -1,6 +1,8 @@
-// Casting rays at contours: the walk of `cast_flat` in src/globe/contours/flat.rs. Whoever imports this declares
-//   var<storage, read> contour_nodes: array<ContourNode>;
-// with one tree after another. Positions are metres from the origin of a tree.
+// Casting rays at trees of contours: the walk of `contour_cast` in src/globe/contours/gpu_layout.rs, with its names.
+// Positions are metres from the origin of a tree.
+import rust::CONTOUR_STACK;
+
+const NO_NODE: u32 = 0xffffffffu;
 
 struct ContourNode {
     normal: vec3f,
@@ -38,11 +40,9 @@ struct ContourRay {
 struct ContourHit {
     // Along the ray, metres.
     t: f32,
-    // 0xffffffff if it meets nothing.
+    // NO_NODE if it meets nothing.
     node: u32,
 }
-
-const CONTOUR_STACK: u32 = 24u;
 
 // The stretch of a ray inside a node's column; x > y if there is none.
 fn contour_column(node: u32, ray: ContourRay) -> vec2f {
@@ -65,7 +65,7 @@ fn contour_column(node: u32, ray: ContourRay) -> vec2f {
 
 // Where a ray first meets the ground of the tree at `root`.
 fn contour_cast(ray: ContourRay, root: u32) -> ContourHit {
-    let nothing = ContourHit(ray.most, 0xffffffffu);
+    let nothing = ContourHit(ray.most, NO_NODE);
     let whole = contour_column(root, ray);
     let top = contour_nodes[root].normal;
     let above = dot(top, ray.start - contour_nodes[root].at) + dot(top, ray.towards) * whole.x;

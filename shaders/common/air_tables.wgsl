@@ -1,5 +1,5 @@
 // Coordinates of the air's tables: the mapping of src/air/tables.rs, whose tables end on texel centres.
-const LOWEST_SUN: f32 = -0.36;
+import rust::LOWEST_SUN;
 
 fn table_coordinate(at: f32, texels: f32) -> f32 {
     return (clamp(at, 0.0, 1.0) * (texels - 1.0) + 0.5) / texels;

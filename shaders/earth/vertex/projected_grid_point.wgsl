@@ -1,67 +1,11 @@
-// The projected grid on the GPU: no vertex buffer. A vertex' number is a grid point; its ray is cast on the base, the place is
-// raised by its height from the resident tiles. Formulas and names are those of src/globe/projected_grid/cast.rs.
+// A vertex of the projected grid: its number is a grid point; its ray is cast on the base, the place is raised by its height
+// from the resident tiles. Formulas and names are those of src/globe/projected_grid/cast.rs.
 //
 // Single precision holds because nothing here is a difference of large numbers. Angles from the limb come as their sines
 // and cosines; the place is kept as its offset from the place under the eye, Δm, whose relative error is a few 1e-7 at every
 // distance; what joins eye and ground there, `to_base_m`, is as small as the eye's height over the base and computed in
 // f64. So a vertex is off by a few 1e-7 of its distance from the eye, plus half an ulp of its height (0.25 mm at 5 km).
-//
-// | group | binding | what                                                             |
-// |-------|---------|------------------------------------------------------------------|
-// | 0     | 4       | grid                                                             |
-// | 0     | 5       | heights: slots of 65 × 65 texels, 16 to a row, from the south-west |
-
-const HALF_TURN: f32 = 3.14159265;
-const LEVELS: u32 = 22u;
-const TILE_CELLS: f32 = 64.0;
-const TILE_TEXELS: u32 = 65u;
-const SLOTS_IN_ROW: u32 = 16u;
-const NO_SLOT: u32 = 0xffffffffu;
-// See src/globe/projected_grid/tiles.rs.
-const SHARPER: f32 = 0.7;
-
-struct GridLevel {
-    eye_cells: vec2f,
-    per_radian: f32,
-    period: f32,
-    size: vec2u,
-    padding: vec2u,
-}
-
-// Mirrored by `GridUniforms` in src/globe/projected_grid/uniforms.rs, where members are explained.
-struct GridUniforms {
-    forward: vec3f,
-    corner: f32,
-    middle: vec3f,
-    corner_rad: f32,
-    right: vec3f,
-    cell_area: f32,
-    screen_up: vec3f,
-    longer: f32,
-    eye_up: vec3f,
-    limb_rad: f32,
-    eye_normal: vec3f,
-    sin_limb: f32,
-    to_base_m: vec3f,
-    cos_limb: f32,
-    radii_m: vec3f,
-    base_m: f32,
-    eye_lon: vec2f,
-    low: vec2f,
-    step: vec2f,
-    samples: vec2u,
-    near_rad: f32,
-    far_rad: f32,
-    spread_rad: f32,
-    eye_lat: f32,
-    center_lat: vec2f,
-    center_uv: vec2f,
-    levels: array<GridLevel, 22>,
-    slots: array<array<vec4u, 16>, 22>,
-}
-
-@group(0) @binding(4) var<uniform> grid: GridUniforms;
-@group(0) @binding(5) var height_tiles: texture_2d<f32>;
+import rust::{ATLAS_COLUMNS, GRID_LEVELS, GRID_SHARPER, GRID_TILE_CELLS, GRID_TILE_TEXELS, GRID_WINDOW_TILES, NO_SLOT, PI};
 
 // The direction of a place on the grid's plane, and the angle of a grid cell there.
 struct GridRay {
@@ -76,8 +20,8 @@ fn ray_at(at: vec2f) -> GridRay {
         let part = pow(1.0 + q * q, -1.5);
         return GridRay(grid.forward + aside, sqrt(grid.cell_area * part));
     }
-    let angle = min(grid.corner_rad + q - grid.corner, HALF_TURN);
-    let part = select(1.0, sin(angle), angle < 0.5 * HALF_TURN) / q;
+    let angle = min(grid.corner_rad + q - grid.corner, PI);
+    let part = select(1.0, sin(angle), angle < 0.5 * PI) / q;
     return GridRay(cos(angle) * grid.forward + aside * (sin(angle) / q), sqrt(grid.cell_area * part));
 }
 
@@ -186,23 +130,23 @@ fn level_height(level: u32, at: GridPlace) -> vec2f {
     let here = grid.levels[level];
     var cell = here.eye_cells + vec2f(at.east_rad, at.north_rad) * here.per_radian;
     cell.x -= here.period * floor(cell.x / here.period);
-    cell.y = min(cell.y, f32(here.size.y) * TILE_CELLS - 1e-3);
-    let tile = floor(cell / TILE_CELLS);
+    cell.y = min(cell.y, f32(here.size.y) * f32(GRID_TILE_CELLS) - 1e-3);
+    let tile = floor(cell / f32(GRID_TILE_CELLS));
     if cell.y < 0.0 || tile.x >= f32(here.size.x) {
         return vec2f(0.0);
     }
     let tile_at = u32(tile.y) * here.size.x + u32(tile.x);
-    if tile_at >= 64u {
+    if tile_at >= GRID_WINDOW_TILES {
         return vec2f(0.0);
     }
-    let slot = grid.slots[level][tile_at / 4u][tile_at % 4u];
+    let slot = grid.slots[(level * GRID_WINDOW_TILES + tile_at) / 4u][tile_at % 4u];
     if slot == NO_SLOT {
         return vec2f(0.0);
     }
-    let within = clamp(cell - tile * TILE_CELLS, vec2f(0.0), vec2f(TILE_CELLS - 1e-4));
+    let within = clamp(cell - tile * f32(GRID_TILE_CELLS), vec2f(0.0), vec2f(f32(GRID_TILE_CELLS) - 1e-4));
     let whole = floor(within);
     let part = within - whole;
-    let corner = vec2u(slot % SLOTS_IN_ROW, slot / SLOTS_IN_ROW) * TILE_TEXELS + vec2u(whole);
+    let corner = vec2u(slot % ATLAS_COLUMNS, slot / ATLAS_COLUMNS) * GRID_TILE_TEXELS + vec2u(whole);
     let south = mix(texel(corner, vec2u(0u, 0u)), texel(corner, vec2u(1u, 0u)), part.x);
     let north = mix(texel(corner, vec2u(0u, 1u)), texel(corner, vec2u(1u, 1u)), part.x);
     return vec2f(mix(south, north, part.y), 1.0);
@@ -210,7 +154,7 @@ fn level_height(level: u32, at: GridPlace) -> vec2f {
 
 // The finest height that is there, from a level (counted from 0) to coarser ones.
 fn height_from(level: u32, at: GridPlace) -> f32 {
-    for (var k = i32(min(level, LEVELS - 1u)); k >= 0; k--) {
+    for (var k = i32(min(level, GRID_LEVELS - 1u)); k >= 0; k--) {
         let found = level_height(u32(k), at);
         if found.y > 0.0 {
             return found.x;
@@ -221,7 +165,7 @@ fn height_from(level: u32, at: GridPlace) -> f32 {
 
 // Averaged over about `spacing` radians to each side: between the two levels that are averaged over less and over more.
 fn height_at(at: GridPlace, spacing: f32) -> f32 {
-    let level = clamp(log2(HALF_TURN / TILE_CELLS / max(2.0 * SHARPER * spacing, 1e-12)), 0.0, f32(LEVELS - 1u));
+    let level = clamp(log2(PI / f32(GRID_TILE_CELLS) / max(2.0 * GRID_SHARPER * spacing, 1e-12)), 0.0, f32(GRID_LEVELS - 1u));
     let coarse = u32(level);
     let height = height_from(coarse, at);
     let part = level - floor(level);
@@ -232,7 +176,7 @@ fn height_at(at: GridPlace, spacing: f32) -> f32 {
 }
 
 // A vertex: where it stands from the eye, ITRF metres, its outward normal and what it was made from.
-struct GroundPoint {
+struct GridPoint {
     from_eye_m: vec3f,
     height_m: f32,
     normal: vec3f,
@@ -244,7 +188,7 @@ struct GroundPoint {
     east_rad: f32,
 }
 
-fn ground_point(index: u32) -> GroundPoint {
+fn grid_point(index: u32) -> GridPoint {
     let at = grid.low + grid.step * vec2f(f32(index % grid.samples.x), f32(index / grid.samples.x));
     let ray = ray_at(at);
     let foot = foot_of(ray.direction);
@@ -252,7 +196,7 @@ fn ground_point(index: u32) -> GroundPoint {
     let spacing = min(ray.cell_rad * mix(mean, max(foot.stretch.x, foot.stretch.y), grid.longer), 1.0);
     let place = grid_place(foot.offset);
     let height = height_at(place, spacing);
-    var out: GroundPoint;
+    var out: GridPoint;
     // D Δm + h Δn + (h − h_base) n_e + (h_base n_e + D (û − e)).
     out.from_eye_m = grid.radii_m * foot.offset + height * place.normal_offset
         + ((height - grid.base_m) * grid.eye_normal + grid.to_base_m);
