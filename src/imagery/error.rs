@@ -1,7 +1,6 @@
 //! What can be wrong with a map, said with its path, its cause and what to do.
 
-use super::layer::TexelFormat;
-use super::load::{MAX_HEIGHT, MIN_HEIGHT};
+use super::texel::{MAX_HEIGHT, MIN_HEIGHT, TexelFormat};
 use std::path::PathBuf;
 
 /// What can be wrong with a map.
