@@ -17,6 +17,7 @@ mod record;
 
 use arguments::{Arguments, Course};
 use glam::{DQuat, DVec3};
+use image::RgbaImage;
 use record::Record;
 use std::time::{Duration, Instant};
 use terrella::frames::{Ellipsoid, Epoch};
@@ -175,7 +176,9 @@ fn fly(rig: &mut Rig, course: Course, flight: &Flight, arguments: &Arguments) ->
         record.add(begin.elapsed(), prepare, &stats);
         if record.keeps_frames() {
             let read = rig.targets.read_back(&rig.gpu.device, &rig.gpu.queue);
-            record.keep(read.expect("a picture"));
+            let (width, height) = rig.size;
+            let picture = RgbaImage::from_raw(width, height, read.expect("a picture"));
+            record.keep(picture.expect("of that size"));
         }
     }
 }

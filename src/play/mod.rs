@@ -62,6 +62,7 @@ pub use export::{ExportRequest, export};
 pub use flight::{Flight, Moment, Satellite, ViewRequest};
 pub use maps::earth_options;
 pub use pass_table::{PassRequest, PassTable};
+pub(crate) use picture::rgba_image;
 pub use picture::{Measured, Picture, target_bytes};
 pub use progress::Progress;
 pub use relief::read_ground;

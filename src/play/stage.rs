@@ -10,7 +10,7 @@ use super::flight::{Flight, Moment};
 use super::keys::Action;
 use super::overlay::{Overlay, Response};
 use super::panel::{self, PanelData};
-use super::picture::render_in_order;
+use super::picture::{render_in_order, rgba_image};
 use super::progress::Progress;
 use super::surface::WindowSurface;
 use super::tracks::{Effort, TracksLayer};
@@ -308,7 +308,8 @@ impl Stage {
         let mut encoder = self.encoder();
         self.draw_earth(&moment, &mut encoder, &view);
         self.gpu.queue.submit([encoder.finish()]);
-        file.write_png(&read_texture(&self.gpu.device, &self.gpu.queue, &texture)?)?;
+        let texels = read_texture(&self.gpu.device, &self.gpu.queue, &texture)?;
+        file.write_png(&rgba_image(texture.width(), texture.height(), texels)?)?;
         tracing::info!("saved {}", path.display());
         Ok(path)
     }
