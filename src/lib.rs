@@ -131,11 +131,16 @@ pub mod gpu;
 pub mod imagery;
 #[cfg(feature = "command")]
 pub mod measure;
+#[cfg(feature = "orbit")]
 pub mod orbit;
 #[cfg(feature = "command")]
 pub mod play;
+#[cfg(feature = "scene")]
 pub mod scene;
+#[cfg(feature = "tracks")]
 pub mod tracks;
+
+pub use {glam, wgpu};
 
 pub use air::Atmosphere;
 pub use earth::{

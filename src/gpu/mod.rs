@@ -17,6 +17,7 @@ mod surface;
 mod targets;
 mod tiles;
 mod timer;
+#[cfg(feature = "tracks")]
 mod tracks;
 mod uniforms;
 
@@ -30,6 +31,7 @@ pub use targets::{
     Attachments, FrameTargets, PassPart, PictureError, color_texture, read_floats, read_texture,
 };
 pub use timer::{GpuTimer, TimerError};
+#[cfg(feature = "tracks")]
 pub use tracks::TrackUniforms;
 pub use uniforms::{AirUniforms, FrameUniforms};
 
@@ -40,11 +42,14 @@ use layers::GpuLayer;
 pub(crate) use pipeline::PipelineDescription;
 pub(crate) use plan::{AirPlan, BlockTiles, FramePlan};
 pub(crate) use read_back::read_rows;
+pub(crate) use shader::{GLINT_ENDS_SIN, LAMPS_OUT_SIN};
+#[cfg(feature = "tracks")]
 pub(crate) use shader::{
-    FROM_PREVIOUS as TRACK_FROM_PREVIOUS, GLINT_ENDS_SIN, LAMPS_OUT_SIN,
+    FROM_PREVIOUS as TRACK_FROM_PREVIOUS,
     ON_GROUND as TRACK_ON_GROUND,
 };
 pub(crate) use surface::{SurfaceDrawable, SurfaceLook};
+#[cfg(feature = "tracks")]
 pub(crate) use tracks::{Fill, LinePoint, Mark, TrackKinds, TracksDrawable};
 
 /// The depth buffer of the pass that the Earth is drawn in.

@@ -23,6 +23,7 @@ mod find;
 mod layer;
 mod load;
 mod mips;
+#[cfg(feature = "packs")]
 pub mod pack;
 mod slopes;
 mod srgb;

@@ -8,6 +8,7 @@ mod ephemeris;
 mod error;
 mod file;
 pub mod kepler;
+#[cfg(feature = "live")]
 pub mod live;
 pub mod numerical;
 mod oem;
