@@ -2,6 +2,7 @@
 //!
 //! What clippy can hold, clippy holds (`[workspace.lints]`); here is what it cannot.
 
+mod licences;
 mod repository;
 mod rooms;
 mod rules;
@@ -110,4 +111,14 @@ fn tracked_files_are_small() {
         return;
     };
     none(rules::too_large(&sizes));
+}
+
+#[test]
+fn terms_of_dependencies_are_told() {
+    let repository = Repository::open();
+    none(licences::faults(
+        &repository.text("deny.toml"),
+        &repository.text("Cargo.lock"),
+        &repository.text("THIRD-PARTY.md"),
+    ));
 }

@@ -3,11 +3,9 @@
 mod big_pack;
 mod cargo;
 mod demo;
-mod licences;
 mod machine;
 mod prepare;
 mod process;
-mod single;
 mod starter_pack;
 mod test;
 mod vulkan;
@@ -47,8 +45,6 @@ enum Command {
         #[command(flatten)]
         install: Install,
     },
-    /// Check the licences of all dependencies and that the large ones occur once.
-    Licences,
     /// Make an imagery pack of 21 600 texels round the equator for tests and benchmarks, from smaller maps enlarged.
     BigPack {
         /// Folder with the source data.
@@ -97,7 +93,6 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Demo { install, no_window } => demo::run(install.policy(), !no_window),
         Command::Test { install, arguments } => test::run(install.policy(), &arguments),
         Command::Prepare { install } => prepare::run(install.policy(), prepare::Window::IfDisplay),
-        Command::Licences => licences::run(),
         Command::BigPack {
             data,
             out,
