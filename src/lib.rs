@@ -124,6 +124,7 @@
 
 pub mod air;
 pub mod earth;
+#[cfg(feature = "terrain")]
 pub mod elevation;
 pub mod frames;
 pub mod globe;

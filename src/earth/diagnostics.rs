@@ -1,7 +1,7 @@
 //! For measuring and for looking at how an Earth is drawn. Pictures need none of it.
 
 use super::Earth;
-use crate::globe::{BlockGrid, GroundForm, Surface};
+use crate::globe::BlockGrid;
 use crate::gpu::{FramePlan, ShaderVariant, SurfaceOutput};
 use glam::{DVec3, Vec3};
 
@@ -58,16 +58,10 @@ impl Earth {
             Some(_) => &["water", "tiles"],
             None => &[],
         };
-        let of_ground: &[&str] = match self.planner.ground().map(Surface::form) {
-            Some(GroundForm::Grid(_)) => &["relief", "grid"],
-            Some(GroundForm::Pages(_)) => &["relief", "cast"],
-            Some(GroundForm::Patches) => &["relief"],
-            None => &[],
-        };
         ["clouds", "normals", "night_lights"]
             .iter()
             .chain(of_packs)
-            .chain(of_ground)
+            .chain(self.planner.ground_features())
             .copied()
             .map(|name| (name, shader.contains(&name)))
             .chain([("atmosphere", self.air.is_some())])

@@ -8,27 +8,28 @@
 //! | `look.rs` | how the surface is drawn with a quality |
 //! | `view.rs` | the eye and the target |
 //! | `stats.rs` | what a frame drew |
-//! | `ground.rs` | ground with relief, where there is any |
-//! | `tiles.rs` | which tiles of a pack a frame wants and is drawn with |
+//! | `ground.rs` | ground with relief, where there is any; `no_ground.rs` without the feature `terrain` |
+//! | `tiles.rs` | which tiles of a pack a frame wants and is drawn with; `no_tiles.rs` without the feature `packs` |
 //! | `quality.rs` | what can be given up to draw faster, and in what order |
 //! | `governor.rs` | when it is given up, to hold a frame time |
 //! | `diagnostics.rs` | what is not for pictures: where pixels look, edges of triangles, what the shaders hold |
 
 mod diagnostics;
 mod governor;
+#[cfg_attr(not(feature = "terrain"), path = "no_ground.rs")]
 mod ground;
 mod look;
 mod options;
 mod plan;
 mod quality;
 mod stats;
+#[cfg_attr(not(feature = "packs"), path = "no_tiles.rs")]
 mod tiles;
 mod view;
 
 use crate::air::Atmosphere;
 use crate::frames::{Epoch, Orientation, sun_direction_itrf_oriented};
 pub use crate::globe::Shading;
-use crate::globe::{GroundForm, Surface};
 use crate::gpu::{AirDrawable, FramePlan, PassFormat, SurfaceDrawable};
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::tile::TileKey;
@@ -39,11 +40,11 @@ pub use ground::GroundOptions;
 use look::{Style, look};
 pub use options::{EarthError, EarthOptions};
 use plan::Planner;
-pub use quality::{GiveUp, Quality, Rung};
+pub use quality::{GiveUp, Quality, Rung, TILED_SUBDIVISION};
 pub use stats::FrameStats;
 use std::time::{Duration, Instant};
 use tiles::TileDriver;
-pub use tiles::{TILED_SUBDIVISION, TileOptions};
+pub use tiles::TileOptions;
 pub use view::{EyeView, Viewport, infinite_reversed_z};
 
 /// What lights the Earth.
@@ -117,8 +118,7 @@ impl Earth {
             quality.atmosphere = Atmosphere::None;
         }
         let planner = Planner::new(options, &quality, &device.limits())?;
-        let is_cast = |ground: &dyn Surface| matches!(ground.form(), GroundForm::Pages(_));
-        if options.diagnostics.wireframe && planner.ground().is_some_and(is_cast) {
+        if options.diagnostics.wireframe && !planner.has_edges() {
             return Err(EarthError::NoEdges);
         }
         let format = PassFormat {

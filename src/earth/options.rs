@@ -2,9 +2,9 @@
 
 use super::{DiagnosticOptions, GroundOptions, TileOptions};
 use crate::air::Atmosphere;
-use crate::globe::{Figure, Shading, Subdivision, SubdivisionError, SurfaceError, Visibility};
+use crate::globe::{Figure, Shading, Subdivision, SubdivisionError, Visibility};
 use crate::gpu::{DepthBuffer, ShaderError};
-use crate::imagery::tile::{LayerLayout, MapLayer};
+use crate::imagery::tile::MapLayer;
 use crate::imagery::{EarthLayers, ImageryError};
 
 /// What is fixed when an Earth is made.
@@ -91,18 +91,10 @@ impl EarthOptions {
             }
         }
         match &self.tiles {
-            Some(tiles) if !reads(device, tiles) => Err(EarthError::NoBc),
+            Some(tiles) if !tiles.can_be_read_by(device) => Err(EarthError::NoBc),
             _ => Ok(()),
         }
     }
-}
-
-/// Whether the device reads the tiles' formats.
-fn reads(device: &wgpu::Device, tiles: &TileOptions) -> bool {
-    let is_plain = |layer: &LayerLayout| layer.format.unit_side() == 1;
-    let has_bc = device.features();
-    tiles.source.layers().iter().all(is_plain)
-        || has_bc.contains(wgpu::Features::TEXTURE_COMPRESSION_BC)
 }
 
 /// What can be wrong with the options.
@@ -113,8 +105,9 @@ pub enum EarthError {
     #[error(transparent)]
     Subdivision(#[from] SubdivisionError),
     /// Settings of ground with relief.
+    #[cfg(feature = "terrain")]
     #[error(transparent)]
-    Surface(#[from] SurfaceError),
+    Surface(#[from] crate::globe::SurfaceError),
     /// Exposure below 0 or not finite.
     #[error("exposure is {0}; it must be a finite number, 0 or more")]
     Exposure(f32),

@@ -2,9 +2,10 @@
 //! handed to the GPU, and nothing comes back.
 
 use super::ground::GroundDriver;
-use super::tiles::{TileDriver, TileView};
+use super::quality::TILED_SUBDIVISION;
+use super::tiles::TileDriver;
 use super::view::ItrfView;
-use super::{EarthError, EarthOptions, FrameStats, Quality, Sky, TILED_SUBDIVISION};
+use super::{EarthError, EarthOptions, FrameStats, Quality, Sky};
 use crate::air::{Atmosphere, Billboard, EARTH_AIR};
 use crate::frames::Ellipsoid;
 use crate::globe::{
@@ -12,6 +13,8 @@ use crate::globe::{
     select_blocks, texels_per_pixel,
 };
 use crate::gpu::{AirPlan, FramePlan, FrameUniforms};
+use crate::imagery::tile::MAX_LEVELS;
+use glam::DVec3;
 
 /// Turns views into plans.
 pub(super) struct Planner {
@@ -75,6 +78,16 @@ impl Planner {
     /// The ground with relief, if there is any.
     pub fn ground(&self) -> Option<&dyn Surface> {
         self.ground.as_ref().map(GroundDriver::surface)
+    }
+
+    /// Whether what is drawn has triangles, whose edges could be drawn.
+    pub fn has_edges(&self) -> bool {
+        self.ground.as_ref().is_none_or(GroundDriver::has_edges)
+    }
+
+    /// Names of the features that the ground's form turns on.
+    pub fn ground_features(&self) -> &'static [&'static str] {
+        self.ground.as_ref().map_or(&[], GroundDriver::features)
     }
 
     /// Whether a view that does not move would be given the ground that it has now.
@@ -187,6 +200,24 @@ impl Planner {
                 texels_per_pixel(self.whole_day_pixels, radius_m, nearest_m, pixel_rad);
         }
     }
+}
+
+/// What a frame's choice depends on beside the blocks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TileView {
+    pub eye_itrf_m: DVec3,
+    pub sun_itrf: DVec3,
+    /// Angle of a screen pixel.
+    pub pixel_rad: f64,
+}
+
+/// How fine the maps are that a frame is drawn with.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TileDetail {
+    /// As [`super::FrameStats::texels_per_pixel`].
+    pub texels_per_pixel: f64,
+    /// As [`super::FrameStats::day_levels`].
+    pub day_levels: [u32; MAX_LEVELS],
 }
 
 /// The meshes of a subdivision, for an Earth with tiles or without.

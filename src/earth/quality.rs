@@ -1,10 +1,20 @@
 //! How well an Earth is drawn, and in what order that is given up where time is short.
 
-use super::{EarthOptions, TILED_SUBDIVISION};
+use super::{EarthOptions, TileOptions};
 use crate::air::Atmosphere;
 use crate::globe::Subdivision;
 use crate::imagery::tile::{MAP_LAYERS, MapLayer};
 use std::fmt;
+
+/// Cells per block edge that an Earth with tiles should have.
+///
+/// A pixel shows what its ray meets on the exact ellipsoid, and its block is that of the facet before it. Near an edge
+/// the ray may meet the next block's ground, of which a tile has a border of [`TILE_BORDER`] texels. Facets lie up to
+/// R(1 − cos(11.25°/n)) below the ellipsoid: 3.4 km for n = 6 and 0.21 km for n = 24, which even at 6° above the ground
+/// is little more than a texel of 1.9 km, the paper's finest.
+///
+/// [`TILE_BORDER`]: crate::imagery::tile::TILE_BORDER
+pub const TILED_SUBDIVISION: u32 = 24;
 
 /// How well an Earth is drawn: what [`super::Earth::set_quality`] changes while maps and tiles stay where they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +42,7 @@ impl Quality {
             subdivision: options.subdivision,
             anisotropy: options.anisotropy,
             samples: options.samples,
-            texel_px: options.tiles.as_ref().map_or(1.0, |tiles| tiles.most_px),
+            texel_px: options.tiles.as_ref().map_or(1.0, TileOptions::texel_px),
             maps: MapLayer::ALL.map(|layer| options.layers.get(layer).is_some()),
             atmosphere: options.atmosphere,
         }

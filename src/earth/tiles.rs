@@ -1,5 +1,6 @@
 //! Which tiles of a pack a frame wants, and which it is drawn with.
 
+use super::plan::{TileDetail, TileView};
 use super::quality::Quality;
 use super::{EarthError, EyeView};
 use crate::globe::{
@@ -8,7 +9,8 @@ use crate::globe::{
 };
 use crate::gpu::{BlockTiles, GLINT_ENDS_SIN, LAMPS_OUT_SIN};
 use crate::imagery::EarthLayers;
-use crate::imagery::stream::{Pool, StreamCounters, StreamOptions, TileStream, Upload, Want};
+use crate::imagery::residency::{Pool, StreamCounters, Upload};
+use crate::imagery::stream::{StreamOptions, TileStream, Want};
 use crate::imagery::tile::{MAP_LAYERS, MAX_LEVELS, MapLayer, TileKey, TileSource};
 use glam::DVec3;
 use std::fmt;
@@ -26,16 +28,6 @@ const DARK: f64 = -0.32;
 const LIGHTS_OUT: f64 = LAMPS_OUT_SIN + ROOM_SIN;
 const NO_GLINT: f64 = GLINT_ENDS_SIN - ROOM_SIN;
 const ROOM_SIN: f64 = 0.01;
-
-/// Cells per block edge that an Earth with tiles should have.
-///
-/// A pixel shows what its ray meets on the exact ellipsoid, and its block is that of the facet before it. Near an edge
-/// the ray may meet the next block's ground, of which a tile has a border of [`TILE_BORDER`] texels. Facets lie up to
-/// R(1 − cos(11.25°/n)) below the ellipsoid: 3.4 km for n = 6 and 0.21 km for n = 24, which even at 6° above the ground
-/// is little more than a texel of 1.9 km, the paper's finest.
-///
-/// [`TILE_BORDER`]: crate::imagery::tile::TILE_BORDER
-pub const TILED_SUBDIVISION: u32 = 24;
 
 /// How tiles are chosen, loaded and held.
 ///
@@ -88,6 +80,19 @@ impl TileOptions {
             threads: None,
         }
     }
+
+    /// Most screen pixels that a texel may cover.
+    pub(super) fn texel_px(&self) -> f64 {
+        self.most_px
+    }
+
+    /// Whether the device reads the tiles' formats.
+    pub(super) fn can_be_read_by(&self, device: &wgpu::Device) -> bool {
+        let is_plain = |layer: &LayerLayout| layer.format.unit_side() == 1;
+        let has_bc = device.features();
+        self.source.layers().iter().all(is_plain)
+            || has_bc.contains(wgpu::Features::TEXTURE_COMPRESSION_BC)
+    }
 }
 
 impl fmt::Debug for TileOptions {
@@ -101,24 +106,6 @@ impl fmt::Debug for TileOptions {
             .field("threads", &self.threads)
             .finish()
     }
-}
-
-/// What a frame's choice depends on beside the blocks.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TileView {
-    pub eye_itrf_m: DVec3,
-    pub sun_itrf: DVec3,
-    /// Angle of a screen pixel.
-    pub pixel_rad: f64,
-}
-
-/// How fine the maps are that a frame is drawn with.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TileDetail {
-    /// As [`super::FrameStats::texels_per_pixel`].
-    pub texels_per_pixel: f64,
-    /// As [`super::FrameStats::day_levels`].
-    pub day_levels: [u32; MAX_LEVELS],
 }
 
 /// Level of a block that was not wanted in the frame before.

@@ -16,7 +16,7 @@ use super::{
 };
 use crate::globe::{BlockGrid, GroundForm, Shading, Surface};
 use crate::imagery::EarthLayers;
-use crate::imagery::stream::{Pool, Upload};
+use crate::imagery::residency::{Pool, Upload};
 use crate::imagery::tile::{MAP_LAYERS, MapLayer};
 
 pub(crate) struct SurfaceDrawable {

@@ -4,7 +4,7 @@ use super::BlockTiles;
 use super::maps::Maps;
 use super::shader::{PER_BLOCK_TILES, WHOLE_MAP};
 use crate::globe::{BLOCK_COUNT, Block, BlockSet, COLUMNS, Part, ROWS, runs};
-use crate::imagery::stream::{Pool, Upload};
+use crate::imagery::residency::{Pool, Upload};
 use crate::imagery::tile::{MAP_LAYERS, TILE_BORDER, TILE_MIPS, TileFormat, TileShape};
 use glam::Vec4;
 use std::ops::Range;

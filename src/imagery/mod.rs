@@ -10,8 +10,9 @@
 //! | `slopes.rs` | terrain slopes from elevations |
 //! | `mips.rs`, `srgb.rs` | smaller levels, averaged in linear light |
 //! | `tile.rs` | tiles of a pack: names, sizes, formats |
-//! | `pack/` | packs on disk |
-//! | `stream/` | tiles streamed into memory: what is wanted, loaded, resident and drawn |
+//! | `residency.rs` | what streaming hands to drawing |
+//! | `pack/` | packs on disk, with the feature `packs` |
+//! | `stream/` | tiles streamed into memory: what is wanted, loaded, resident and drawn; with that feature too |
 //! | `build/` | packs built from large maps, with the feature `pack-build` |
 //! | `error.rs` | what can be wrong |
 
@@ -25,8 +26,10 @@ mod load;
 mod mips;
 #[cfg(feature = "packs")]
 pub mod pack;
+pub mod residency;
 mod slopes;
 mod srgb;
+#[cfg(feature = "packs")]
 pub mod stream;
 mod texel;
 pub mod tile;

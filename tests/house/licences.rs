@@ -32,8 +32,7 @@ mod tests {
 
     const DENY: &str =
         "exceptions = [{ crate = \"a\", allow = [] }]\n[bans]\ndeny = [{ crate = \"b\" }]";
-    const LOCK: &str =
-        "name = \"a\"\nname = \"b\"\nname = \"sofars\"\nname = \"openh264-sys2\"";
+    const LOCK: &str = "name = \"a\"\nname = \"b\"\nname = \"sofars\"\nname = \"openh264-sys2\"";
     const NOTES: &str = "`a` `sofars` `openh264-sys2`";
 
     #[test]

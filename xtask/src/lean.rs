@@ -14,8 +14,7 @@ pub fn run(features: &str) -> anyhow::Result<()> {
     let root = repository_root();
     let host = root.join("target/lean");
     if host.exists() {
-        fs::remove_dir_all(&host)
-            .with_context(|| format!("cannot remove {}", host.display()))?;
+        fs::remove_dir_all(&host).with_context(|| format!("cannot remove {}", host.display()))?;
     }
     write_host(&root, &host, features)
         .with_context(|| format!("cannot write the program into {}", host.display()))?;
@@ -71,10 +70,7 @@ fn write_host(root: &Path, host: &Path, features: &str) -> std::io::Result<()> {
     fs::create_dir_all(host.join("src"))?;
     fs::write(host.join("Cargo.toml"), manifest(root, features))?;
     fs::copy(root.join("Cargo.lock"), host.join("Cargo.lock"))?;
-    fs::copy(
-        root.join("examples/minimal.rs"),
-        host.join("src/main.rs"),
-    )?;
+    fs::copy(root.join("examples/minimal.rs"), host.join("src/main.rs"))?;
     Ok(())
 }
 
@@ -116,7 +112,9 @@ mod tests {
     #[test]
     fn the_program_asks_for_these_features_alone() {
         let text = manifest(Path::new("/a b"), "vulkan,packs");
-        assert!(text.contains(r#"path = "/a b", default-features = false, features = ["vulkan", "packs"]"#));
+        assert!(text.contains(
+            r#"path = "/a b", default-features = false, features = ["vulkan", "packs"]"#
+        ));
         assert!(manifest(Path::new("/a"), "").contains("features = []"));
     }
 }
