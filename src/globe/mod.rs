@@ -46,8 +46,7 @@ pub use parts::{PART_TRIANGLES, Part, blocks_near, parts_of, runs};
 pub use select::{Selection, select_blocks, select_blocks_between};
 #[cfg(feature = "terrain")]
 pub use surface::{GridDraw, GroundVertex, GroundView, Indices, Patch};
-pub use surface::{GroundForm, Surface};
-pub use surface_stats::SurfaceStats;
+pub use surface::{GroundForm, Surface, SurfaceStats};
 
 /// Which blocks are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

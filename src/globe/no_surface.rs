@@ -1,5 +1,6 @@
 //! In place of `surface.rs` where the feature `terrain` is off: there is no ground with relief to draw.
 
+pub use super::surface_stats::SurfaceStats;
 use std::convert::Infallible;
 use std::marker::PhantomData;
 

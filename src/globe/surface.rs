@@ -1,9 +1,9 @@
 //! What every surface with relief answers: patches of ground, ready for the GPU. No GPU here.
 
-use super::SurfaceStats;
 use super::blocks::Block;
 use super::contours::PagesDraw;
 use super::projected_grid::{Frame, HeightTiles};
+pub use super::surface_stats::SurfaceStats;
 use crate::elevation::Elevation;
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3, Vec2, Vec3};
