@@ -149,6 +149,6 @@ pub use earth::{
     FrameStats, GiveUp, Governor, GroundOptions, Quality, Rung, Sky, SurfaceOutput,
     TILED_SUBDIVISION, TileOptions, Viewport,
 };
-pub use globe::{
-    Figure, LevelRule, Shading, Subdivision, SurfaceKind, SurfaceSettings, Visibility,
-};
+pub use globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
+#[cfg(feature = "terrain")]
+pub use globe::{SurfaceKind, SurfaceSettings};

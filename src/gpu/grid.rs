@@ -2,9 +2,9 @@
 //! them.
 
 use super::FramePlan;
+use super::crossing::draws_of;
 use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
 use super::shader::{ATLAS_COLUMNS, VertexForm};
-use super::tiles::draws_of;
 use crate::globe::projected_grid::{Frame, GridUniforms, TILE_SAMPLES, grid_parts};
 use crate::globe::{Block, BlockGrid, BlockSet, GridDraw, GroundForm, Part, Surface};
 use std::ops::Range;

@@ -2,8 +2,13 @@
 
 mod air;
 mod context;
+#[cfg(feature = "terrain")]
 mod contours;
+#[cfg(feature = "terrain")]
+mod crossing;
+#[cfg(feature = "terrain")]
 mod grid;
+#[cfg(feature = "terrain")]
 mod ground;
 mod lattice;
 mod layers;
@@ -12,6 +17,8 @@ mod mesh;
 mod pipeline;
 mod plan;
 mod read_back;
+#[cfg_attr(not(feature = "terrain"), path = "no_relief.rs")]
+mod relief;
 mod shader;
 mod surface;
 mod targets;
@@ -36,18 +43,18 @@ pub use tracks::TrackUniforms;
 pub use uniforms::{AirUniforms, FrameUniforms};
 
 pub(crate) use air::AirDrawable;
+#[cfg(feature = "terrain")]
 pub(crate) use contours::PageMesh;
+#[cfg(feature = "terrain")]
 pub(crate) use grid::GridMesh;
 use layers::GpuLayer;
 pub(crate) use pipeline::PipelineDescription;
 pub(crate) use plan::{AirPlan, BlockTiles, FramePlan};
 pub(crate) use read_back::read_rows;
-pub(crate) use shader::{GLINT_ENDS_SIN, LAMPS_OUT_SIN};
 #[cfg(feature = "tracks")]
-pub(crate) use shader::{
-    FROM_PREVIOUS as TRACK_FROM_PREVIOUS,
-    ON_GROUND as TRACK_ON_GROUND,
-};
+pub(crate) use shader::{FROM_PREVIOUS as TRACK_FROM_PREVIOUS, ON_GROUND as TRACK_ON_GROUND};
+#[cfg(feature = "packs")]
+pub(crate) use shader::{GLINT_ENDS_SIN, LAMPS_OUT_SIN};
 pub(crate) use surface::{SurfaceDrawable, SurfaceLook};
 #[cfg(feature = "tracks")]
 pub(crate) use tracks::{Fill, LinePoint, Mark, TrackKinds, TracksDrawable};

@@ -1,12 +1,10 @@
 //! The drawable of the surface: blocks of a lattice, patches of ground with relief, a grid, or pages that rays are cast at, one
 //! indexed draw each.
 
-use super::contours::PageMesh;
-use super::grid::GridMesh;
-use super::ground::GroundMesh;
 use super::lattice::Lattice;
 use super::maps::Maps;
 use super::mesh::{DrawCosts, SurfaceMesh};
+use super::relief;
 use super::shader::{
     EarthOutput, EarthVariant, PaperLayers, ShaderModule, ShadingVariant, SunlitLayers,
 };
@@ -102,11 +100,7 @@ impl SurfaceDrawable {
         let frame = super::uniform_buffer::<FrameUniforms>(device, "terrella frame");
         let mesh: Box<dyn SurfaceMesh + Send + Sync> = match &look.ground {
             None => Box::new(Lattice::new(device, grids)),
-            Some(GroundForm::Patches) => Box::new(GroundMesh::new(device, look.crossing)),
-            Some(GroundForm::Grid(grid)) => Box::new(GridMesh::new(device, grid)),
-            Some(GroundForm::Pages(pages)) => {
-                Box::new(PageMesh::new(device, pages, look.format.depth))
-            }
+            Some(form) => relief::mesh(device, form, look),
         };
         let assembled = assemble(device, &maps, &imagery, &frame, mesh.as_ref(), look)?;
         Ok(Self {

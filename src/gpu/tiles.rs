@@ -2,12 +2,10 @@
 
 use super::BlockTiles;
 use super::maps::Maps;
-use super::shader::{PER_BLOCK_TILES, WHOLE_MAP};
-use crate::globe::{BLOCK_COUNT, Block, BlockSet, COLUMNS, Part, ROWS, runs};
+use crate::globe::{BLOCK_COUNT, Block, BlockSet, COLUMNS, ROWS};
 use crate::imagery::residency::{Pool, Upload};
 use crate::imagery::tile::{MAP_LAYERS, TILE_BORDER, TILE_MIPS, TileFormat, TileShape};
 use glam::Vec4;
-use std::ops::Range;
 
 type Placements = [[Vec4; MAP_LAYERS]; BLOCK_COUNT as usize];
 const PLACEMENTS_BYTES: usize = size_of::<Placements>();
@@ -184,28 +182,6 @@ impl TileTextures {
         queue.write_buffer(&self.buffer, PLACEMENTS_BYTES as u64, &tiled);
         TILES_BYTES as u64
     }
-}
-
-/// How triangles that lie in several blocks are drawn where some of these have tiles: each range of them as what, and with the
-/// tiles of which block.
-pub(super) fn draws_of(
-    parts: &[Part],
-    tiled: BlockSet,
-    mut draw: impl FnMut(u32, Option<Block>, Range<u32>),
-) {
-    let all = parts.iter().fold(0, |all, part| all | part.blocks.0);
-    let mut left = all & tiled.0;
-    while left != 0 {
-        let index = left.trailing_zeros();
-        let block = Block::of_index(index);
-        runs(parts, BlockSet(1 << index), |range| {
-            draw(PER_BLOCK_TILES + index, Some(block), range);
-        });
-        left &= left - 1;
-    }
-    runs(parts, BlockSet(!tiled.0), |range| {
-        draw(WHOLE_MAP, None, range)
-    });
 }
 
 fn bind(

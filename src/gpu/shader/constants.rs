@@ -1,9 +1,9 @@
 //! Constants that shaders and Rust both know: shaders import them from here by name.
 
+#[cfg(feature = "terrain")]
+use super::relief_constants::RELIEF;
 use crate::air::{self, EARTH_AIR};
 use crate::frames::SUN_RADIUS_RAD;
-use crate::globe::contours::STACK;
-use crate::globe::projected_grid as grid;
 use crate::globe::{BLOCK_COUNT, COLUMNS, ROWS};
 use crate::imagery::tile::{MAP_LAYERS, MapLayer};
 use glam::DVec3;
@@ -13,9 +13,6 @@ use std::f64::consts::PI;
 pub(crate) const WHOLE_MAP: u32 = 2 * BLOCK_COUNT;
 /// With a block's index added: as much of what lies in several blocks as lies in that one, drawn with its tiles.
 pub(crate) const PER_BLOCK_TILES: u32 = BLOCK_COUNT;
-
-/// Slots in a row of the atlas of height tiles.
-pub(crate) const ATLAS_COLUMNS: u32 = 16;
 
 /// Flag of a point of a track to which a segment comes from the one before.
 pub(crate) const FROM_PREVIOUS: u32 = 1;
@@ -56,11 +53,15 @@ impl Value {
 
 /// A constant and its name.
 pub(super) fn shared(name: &str) -> Option<(&'static str, &'static Value)> {
-    let (name, value) = SHARED.iter().find(|(known, _)| *known == name)?;
+    let mut all = SHARED.iter().chain(RELIEF);
+    let (name, value) = all.find(|(known, _)| *known == name)?;
     Some((name, value))
 }
 
-/// All of them by name.
+#[cfg(not(feature = "terrain"))]
+const RELIEF: &[(&str, Value)] = &[];
+
+/// All but those of relief, by name.
 const SHARED: &[(&str, Value)] = &[
     ("PI", F32(PI)),
     // Blocks, and maps in the order of their bindings.
@@ -75,16 +76,6 @@ const SHARED: &[(&str, Value)] = &[
     ("WATER", U32(MapLayer::Water as u32)),
     ("WHOLE_MAP", U32(WHOLE_MAP)),
     ("PER_BLOCK_TILES", U32(PER_BLOCK_TILES)),
-    // The projected grid's windows of height tiles.
-    ("GRID_LEVELS", U32(grid::LEVELS as u32)),
-    ("GRID_WINDOW_TILES", U32(grid::WINDOW_TILES as u32)),
-    ("GRID_TILE_CELLS", U32(grid::TILE_CELLS)),
-    ("GRID_TILE_TEXELS", U32(grid::TILE_SAMPLES)),
-    ("GRID_SHARPER", F32(grid::SHARPER)),
-    ("ATLAS_COLUMNS", U32(ATLAS_COLUMNS)),
-    ("NO_SLOT", U32(grid::NO_SLOT)),
-    // Contours that rays are cast at.
-    ("CONTOUR_STACK", U32(STACK as u32)),
     // Light.
     ("SUN_RADIUS_RAD", F32(SUN_RADIUS_RAD)),
     ("LUMINANCE", Vec3(air::LUMINANCE)),

@@ -29,6 +29,8 @@ mod capability;
 mod constants;
 mod earth;
 mod files;
+#[cfg(feature = "terrain")]
+mod relief_constants;
 mod tracks;
 mod variant;
 
@@ -44,7 +46,11 @@ pub use variant::{ShaderVariant, TargetColor};
 
 pub(super) use variant::ShaderModule;
 
-pub(crate) use constants::{
-    ATLAS_COLUMNS, FROM_PREVIOUS, GLINT_ENDS_SIN, LAMPS_OUT_SIN, ON_GROUND, PER_BLOCK_TILES,
-    WHOLE_MAP,
-};
+#[cfg(feature = "tracks")]
+pub(crate) use constants::{FROM_PREVIOUS, ON_GROUND};
+#[cfg(feature = "packs")]
+pub(crate) use constants::{GLINT_ENDS_SIN, LAMPS_OUT_SIN};
+#[cfg(feature = "terrain")]
+pub(crate) use constants::{PER_BLOCK_TILES, WHOLE_MAP};
+#[cfg(feature = "terrain")]
+pub(crate) use relief_constants::ATLAS_COLUMNS;
