@@ -46,7 +46,7 @@ pub enum ImageryError {
     FileTooLarge {
         /// The file.
         path: PathBuf,
-        /// Its size.
+        /// Its length.
         bytes: u64,
         /// The largest size taken.
         limit: u64,
@@ -56,7 +56,7 @@ pub enum ImageryError {
     NotAnImage {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// What speaks against it.
         cause: String,
     },
     /// Not an equirectangular map of the whole Earth, or too small or large.

@@ -157,7 +157,9 @@ impl Job<'_> {
     ) -> Result<u64, BuildError> {
         let opened = source::open_source(self.path, self.limits)?;
         if opened.info() != self.info {
-            return Err(source::Blame::new(self.path).damaged("it has changed while it was read"));
+            return Err(
+                source::FileContext::new(self.path).damaged("it has changed while it was read")
+            );
         }
         let mut rows = ValueRows::new(opened, self.meaning, self.path)?;
         let (width, height) = (self.info.width, self.info.height);
