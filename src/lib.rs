@@ -117,10 +117,11 @@
 //!
 //! # Features
 //!
-//! `pack-build` makes packs from maps (reading and drawing packs needs no feature). `terrain` reads heights of the
-//! ground from files ([`elevation`]; heights in memory need no feature). `command` (default) is both and the window, the
-//! video writer and the command line. A host that only embeds the Earth says
-//! `default-features = false`.
+//! A host pays for what it draws. `default-features = false` is the Earth and its air from maps held whole, and no more;
+//! `orbit`, `tracks`, `live`, `packs`, `pack-build`, `terrain` and `scene` add their rooms, `command` (default) is all of them, the
+//! window, the video writer and the command line. Without `terrain` there is no value of [`GroundOptions`], without `packs` none of
+//! [`TileOptions`], and the compiler drops all that would use one. The host chooses wgpu's backends, by the features `vulkan`,
+//! `gles`, `metal` and `dx12` or by its own dependency on wgpu, which is also [`wgpu`] here.
 
 pub mod air;
 pub mod earth;
