@@ -25,7 +25,7 @@ pub struct Quality {
     pub anisotropy: u16,
     /// Sample count of the pass. The host's pass must have as many.
     pub samples: u32,
-    /// Most screen pixels that a texel of a tile may cover, as in [`super::TileOptions::most_px`]; without tiles it
+    /// Most screen pixels that a texel of a tile may cover, as in [`super::TileOptions::max_texel_px`]; without tiles it
     /// changes nothing.
     pub texel_px: f64,
     /// Which maps are drawn, by [`MapLayer::index`]. One that the Earth was made without is never drawn; the day map

@@ -12,7 +12,7 @@
 //! | `tile.rs` | tiles of a pack: names, sizes, formats |
 //! | `residency.rs` | what streaming hands to drawing |
 //! | `pack/` | packs on disk, with the feature `packs` |
-//! | `stream/` | tiles streamed into memory: what is wanted, loaded, resident and drawn; with that feature too |
+//! | `stream/` | tiles streamed into memory: what is requested, loaded, resident and drawn; with that feature too |
 //! | `build/` | packs built from large maps, with the feature `pack-build` |
 //! | `error.rs` | what can be wrong |
 

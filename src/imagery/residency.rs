@@ -64,8 +64,8 @@ pub struct Upload<'a> {
 /// What a stream is doing. Per level counts run over all maps; the coarsest level is never counted, it is always there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StreamCounters {
-    /// Tiles wanted in this frame at the level that is asked for, drawn or expected soon, each once.
-    pub wanted: [u32; MAX_LEVELS],
+    /// Tiles requested in this frame at the level that is asked for, drawn or expected soon, each once.
+    pub requested: [u32; MAX_LEVELS],
     /// Tiles that can be drawn.
     pub resident: [u32; MAX_LEVELS],
     /// Tiles that no thread has taken yet.
@@ -82,7 +82,7 @@ pub struct StreamCounters {
     pub uploaded_bytes: u64,
     /// Resident tiles that made room for another, since the start.
     pub evictions: u64,
-    /// Draws in this frame at the level asked for after fitting to the pools, or finer. What no pool could have held
+    /// Draws in this frame at the level asked for after allocation, or finer. What no pool could have held
     /// and what the source does not have is no miss; a tile that cannot be read is.
     pub hits: u32,
     /// Draws in this frame of something coarser than that.
@@ -91,7 +91,7 @@ pub struct StreamCounters {
     pub loads: u64,
     /// Loads that ended with a resident tile, since the start.
     pub completed: u64,
-    /// Loads that ended because the tile was no longer wanted, since the start.
+    /// Loads that ended because the tile was no longer requested, since the start.
     pub cancelled: u64,
     /// Loads that failed, since the start.
     pub failures: u64,

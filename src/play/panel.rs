@@ -174,7 +174,7 @@ fn tile_rows(stats: &FrameStats) -> [(&'static str, String); 4] {
             "tiles",
             format!(
                 "{} wanted, {} held, finest first",
-                by_level(&tiles.wanted),
+                by_level(&tiles.requested),
                 by_level(&tiles.resident)
             ),
         ),

@@ -49,7 +49,7 @@ fn made_so(options: &EarthOptions, quality: &Quality) -> EarthOptions {
     options.samples = quality.samples;
     options.atmosphere = quality.atmosphere;
     if let Some(tiles) = &mut options.tiles {
-        tiles.most_px = quality.texel_px;
+        tiles.max_texel_px = quality.texel_px;
     }
     let shown = |layer: MapLayer| quality.maps[layer.index()];
     let layers = &mut options.layers;

@@ -33,7 +33,7 @@ fn options(tiles: Arc<FunctionTiles<Map>>) -> EarthOptions {
     let mut options = bare(layers);
     options.tiles = Some(TileOptions {
         // The finest level that there is.
-        most_px: 1e-9,
+        max_texel_px: 1e-9,
         texture_bytes: 64_000_000,
         ..TileOptions::new(tiles as Arc<dyn TileSource>)
     });

@@ -3,22 +3,22 @@
 //! | file | what |
 //! |---|---|
 //! | `pools.rs` | the budget of texture memory, split into pools of slots |
-//! | `cache/` | what is wanted, loaded, resident and drawn: a state machine without threads or a clock |
+//! | `cache/` | what is requested, loaded, resident and drawn: a state machine without threads or a clock |
 //! | `loader.rs` | decoder threads and what they share with the frame |
 //!
 //! # A tile's way
 //!
 //! ```text
-//! wanted ─► queued ─► loading ─► decoded ─► in parts into a slot ─► resident ─► evicted
-//!                     (thread)   (waits)    (upload budget)         (drawn)
+//! requested ─► queued ─► loading ─► decoded ─► in parts into a slot ─► resident ─► evicted
+//!                        (thread)   (waits)    (upload budget)         (drawn)
 //! ```
 //!
 //! A slot is taken only when the first part of a decoded tile is written, so that what it held before is drawn until
-//! then. A tile that is no longer wanted leaves this way wherever it is.
+//! then. A tile that is no longer requested leaves this way wherever it is.
 //!
 //! # Why nothing waits for ever
 //!
-//! Wants are fitted to the pools: a pool never promises more slots than it has. So a tile that lacks a slot can only be
+//! Slots are allocated to requests, and a pool never promises more slots than it has. So a tile that lacks a slot can only be
 //! kept out by tiles that nobody asked for and that are drawn as stand-ins. A stand-in that is coarser than its block's
 //! own tile waits for a finer pool than the one it is in, and in the finest pool there is none: the waiting ends there,
 //! and from there in each coarser pool. A stand-in that is finer than its block's own tile gives way as soon as its slot
@@ -30,7 +30,7 @@ mod loader;
 mod pools;
 
 pub use super::residency::{Pool, ResidentTile, StreamCounters, TileSlot, Upload};
-pub use cache::{Flight, LoadError, Ticket, TileCache};
+pub use cache::{LoadError, LoadId, PendingLoad, TileCache};
 pub use pools::plan_pools;
 
 use super::tile::{MapLayer, TileKey, TileSource};
@@ -44,7 +44,7 @@ pub struct StreamOptions {
     /// Bytes of all pools: texture memory. 512 MiB by default.
     pub texture_bytes: u64,
     /// Bytes of tiles that are being decoded or wait for upload; one tile is always allowed. 64 MiB by default. More
-    /// keeps the threads busy when much is wanted at once, less keeps the process small.
+    /// keeps the threads busy when much is requested at once, less keeps the process small.
     pub decoded_bytes: u64,
     /// Decoder threads, 1…16. By default 1 on a machine of one or two cores, else half of the cores and at most 4.
     pub threads: usize,
@@ -63,7 +63,7 @@ impl Default for StreamOptions {
 
 /// A tile that is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Want {
+pub struct TileRequest {
     /// The tile; its level is the one that the eye asks for.
     pub key: TileKey,
     /// It is in this frame's picture. Otherwise it is expected to be soon.
@@ -100,21 +100,22 @@ impl TileStream {
         self.cache.pools()
     }
 
-    /// Begins a frame: what is wanted, most urgent first; of several drawn wants for the same map and block the first
-    /// counts. Takes finished loads, re-orders the queue and cancels what is no longer wanted. Never waits.
-    pub fn update(&mut self, now: Instant, wants: &[Want]) {
+    /// Begins a frame: what is requested, most urgent first; of several drawn requests for the same map and block the first
+    /// counts. Takes finished loads, re-orders the queue and cancels what is no longer requested. Never waits.
+    pub fn update(&mut self, now: Instant, requests: &[TileRequest]) {
         self.now = now;
         let warnings = &mut self.warnings;
-        let tell = |key, error| warnings.add(now, key, &error);
-        self.loader.collect(&mut self.cache, now, tell);
-        self.cache.fit(now, wants, self.loader.reserved_bytes());
+        let warn = |key, error| warnings.add(now, key, &error);
+        self.loader.collect(&mut self.cache, now, warn);
+        self.cache
+            .allocate(now, requests, self.loader.reserved_bytes());
         self.loader.hand_over(&mut self.cache);
     }
 
     /// The tile to draw a block of a map with; `None` is the whole coarsest map. Marks the slot as
-    /// drawn in this frame. A block without a drawn want in this frame has `None`.
+    /// drawn in this frame. A block without a drawn request in this frame has `None`.
     ///
-    /// That is the tile fitted to the pools if it is resident, else the next coarser one, else a finer one whose slot
+    /// That is the tile that a slot is allocated to if it is resident, else the next coarser one, else a finer one whose slot
     /// nobody waits for.
     pub fn draw(&mut self, layer: MapLayer, block: u8) -> Option<ResidentTile> {
         self.cache.draw(layer, block)
@@ -131,7 +132,7 @@ impl TileStream {
         self.cache.counters()
     }
 
-    /// Drawn wants of this frame that are not resident at the level asked for after fitting to the pools, though they
+    /// Drawn requests of this frame that are not resident at the level asked for after allocation, though they
     /// could be. For export.
     pub fn missing(&self) -> impl Iterator<Item = TileKey> + '_ {
         self.cache.missing()
@@ -145,8 +146,8 @@ impl TileStream {
     /// Blocks until a load ends or the time is over; whether one ended. For export only.
     pub fn wait(&mut self, timeout: Duration) -> bool {
         let (now, warnings) = (self.now, &mut self.warnings);
-        let tell = |key, error| warnings.add(now, key, &error);
-        self.loader.wait(&mut self.cache, timeout, now, tell)
+        let warn = |key, error| warnings.add(now, key, &error);
+        self.loader.wait(&mut self.cache, timeout, now, warn)
     }
 }
 
@@ -167,7 +168,7 @@ impl Warnings {
         }
         let others = self.silent;
         tracing::warn!(
-            "{key} is drawn coarser: {error} ({others} other tiles since the last word)"
+            "{key} is drawn coarser: {error} ({others} other tiles since the last warning)"
         );
         (self.last, self.silent) = (Some(now), 0);
     }

@@ -136,7 +136,7 @@ fn slot_bytes(pool: &Pool) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::imagery::tile::{BlockSet, Storage};
+    use crate::imagery::tile::{BlockSet, MapLayer, Storage, TileShape};
 
     fn paper(storage: Storage) -> Vec<LayerLayout> {
         let layout = |layer: MapLayer| LayerLayout {
