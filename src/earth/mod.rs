@@ -4,17 +4,20 @@
 //! |---|---|
 //! | `mod.rs` | the three verbs |
 //! | `options.rs` | what is fixed when an Earth is made |
+//! | `error.rs` | what can be wrong with it |
 //! | `plan.rs` | what a frame draws, chosen without a GPU |
 //! | `look.rs` | how the surface is drawn with a quality |
 //! | `view.rs` | the eye and the target |
 //! | `stats.rs` | what a frame drew |
 //! | `ground.rs` | ground with relief, where there is any; `no_ground.rs` without the feature `terrain` |
 //! | `tiles.rs` | which tiles of a pack a frame wants and is drawn with; `no_tiles.rs` without the feature `packs` |
+//! | `tile_view.rs` | what tiles are chosen by, and how fine they came out |
 //! | `quality.rs` | what can be given up to draw faster, and in what order |
 //! | `governor.rs` | when it is given up, to hold a frame time |
 //! | `diagnostics.rs` | what is not for pictures: where pixels look, edges of triangles, what the shaders hold |
 
 mod diagnostics;
+mod error;
 mod governor;
 #[cfg_attr(not(feature = "terrain"), path = "no_ground.rs")]
 mod ground;
@@ -23,6 +26,7 @@ mod options;
 mod plan;
 mod quality;
 mod stats;
+mod tile_view;
 #[cfg_attr(not(feature = "packs"), path = "no_tiles.rs")]
 mod tiles;
 mod view;
@@ -34,11 +38,12 @@ use crate::gpu::{AirDrawable, FramePlan, PassFormat, SurfaceDrawable};
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::tile::TileKey;
 pub use diagnostics::{DiagnosticOptions, Diagnostics};
+pub use error::EarthError;
 use glam::DVec3;
 pub use governor::{Change, Governor};
 pub use ground::GroundOptions;
 use look::{Style, look};
-pub use options::{EarthError, EarthOptions};
+pub use options::EarthOptions;
 use plan::Planner;
 pub use quality::{GiveUp, Quality, Rung, TILED_SUBDIVISION};
 pub use stats::FrameStats;

@@ -1,7 +1,7 @@
 //! In place of `tiles.rs` where the feature `packs` is off: types without a value, so that nothing of tiles is compiled in.
 
-use super::plan::{TileDetail, TileView};
 use super::quality::Quality;
+use super::tile_view::{TileDetail, TileView};
 use super::{EarthError, EyeView};
 use crate::globe::{Block, BlockGrid, Visibility};
 use crate::gpu::BlockTiles;

@@ -3,6 +3,7 @@
 
 use super::ground::GroundDriver;
 use super::quality::TILED_SUBDIVISION;
+use super::tile_view::TileView;
 use super::tiles::TileDriver;
 use super::view::ItrfView;
 use super::{EarthError, EarthOptions, FrameStats, Quality, Sky};
@@ -13,8 +14,6 @@ use crate::globe::{
     select_blocks, texels_per_pixel,
 };
 use crate::gpu::{AirPlan, FramePlan, FrameUniforms};
-use crate::imagery::tile::MAX_LEVELS;
-use glam::DVec3;
 
 /// Turns views into plans.
 pub(super) struct Planner {
@@ -200,24 +199,6 @@ impl Planner {
                 texels_per_pixel(self.whole_day_pixels, radius_m, nearest_m, pixel_rad);
         }
     }
-}
-
-/// What a frame's choice depends on beside the blocks.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TileView {
-    pub eye_itrf_m: DVec3,
-    pub sun_itrf: DVec3,
-    /// Angle of a screen pixel.
-    pub pixel_rad: f64,
-}
-
-/// How fine the maps are that a frame is drawn with.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TileDetail {
-    /// As [`super::FrameStats::texels_per_pixel`].
-    pub texels_per_pixel: f64,
-    /// As [`super::FrameStats::day_levels`].
-    pub day_levels: [u32; MAX_LEVELS],
 }
 
 /// The meshes of a subdivision, for an Earth with tiles or without.

@@ -1,6 +1,5 @@
 //! How well an Earth is drawn, and in what order that is given up where time is short.
 
-use super::{EarthOptions, TileOptions};
 use crate::air::Atmosphere;
 use crate::globe::Subdivision;
 use crate::imagery::tile::{MAP_LAYERS, MapLayer};
@@ -21,7 +20,7 @@ pub const TILED_SUBDIVISION: u32 = 24;
 pub struct Quality {
     /// Cells per block edge.
     pub subdivision: Subdivision,
-    /// Most samples that a map is filtered with at a grazing view, as in [`EarthOptions::anisotropy`].
+    /// Most samples that a map is filtered with at a grazing view, as in [`super::EarthOptions::anisotropy`].
     pub anisotropy: u16,
     /// Sample count of the pass. The host's pass must have as many.
     pub samples: u32,
@@ -36,18 +35,6 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// The quality of an Earth that is made with these options.
-    pub fn of(options: &EarthOptions) -> Self {
-        Self {
-            subdivision: options.subdivision,
-            anisotropy: options.anisotropy,
-            samples: options.samples,
-            texel_px: options.tiles.as_ref().map_or(1.0, TileOptions::texel_px),
-            maps: MapLayer::ALL.map(|layer| options.layers.get(layer).is_some()),
-            atmosphere: options.atmosphere,
-        }
-    }
-
     /// What may be given up, the cheapest loss for the time it saves first: each rung gives up one thing more than the
     /// one before. Rungs that would change nothing on this Earth are left out, so that each saves something.
     ///

@@ -1,7 +1,7 @@
 //! Which tiles of a pack a frame requests, and which it is drawn with.
 
-use super::plan::{TileDetail, TileView};
 use super::quality::Quality;
+use super::tile_view::{TileDetail, TileView};
 use super::{EarthError, EyeView};
 use crate::globe::{
     BLOCK_COUNT, Block, BlockGrid, LevelRule, Visibility, paper_level, screen_level, select_blocks,

@@ -34,9 +34,7 @@ pub use shader::{
     ShaderCapability, ShaderError, ShaderText, ShaderVariant, ShadingVariant, SunlitLayers,
     TargetColor, TrackKind, TracksVariant, VertexForm,
 };
-pub use targets::{
-    Attachments, FrameTargets, PassPart, PictureError, color_texture, read_floats, read_texture,
-};
+pub use targets::{Attachments, FrameTargets, PassPart, color_texture, read_floats, read_texture};
 pub use timer::{GpuTimer, TimerError};
 #[cfg(feature = "tracks")]
 pub use tracks::TrackUniforms;
@@ -50,6 +48,7 @@ pub(crate) use grid::GridMesh;
 use layers::GpuLayer;
 pub(crate) use pipeline::PipelineDescription;
 pub(crate) use plan::{AirPlan, BlockTiles, FramePlan};
+pub use read_back::PictureError;
 pub(crate) use read_back::read_rows;
 #[cfg(feature = "tracks")]
 pub(crate) use shader::{FROM_PREVIOUS as TRACK_FROM_PREVIOUS, ON_GROUND as TRACK_ON_GROUND};

@@ -1,15 +1,7 @@
 //! Colour and depth textures for programs that have none, and reading a picture back.
 
-use super::{DepthBuffer, read_rows};
-
-/// Why a picture could not be read back.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum PictureError {
-    /// The device was lost or the copy failed.
-    #[error("the picture could not be read back from the device: {0}")]
-    ReadBack(String),
-}
+use super::DepthBuffer;
+use super::read_back::{PictureError, read_rows};
 
 /// A colour texture (`Rgba8UnormSrgb`, multisampled if asked) and a reversed-Z depth buffer of one size.
 pub struct FrameTargets {

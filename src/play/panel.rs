@@ -3,6 +3,7 @@
 use super::controls::Controls;
 use super::flight::Moment;
 use super::keys::{Action, BINDINGS, MOUSE};
+use super::place_text::place_text;
 use super::timeline;
 use crate::frames::rfc3339;
 use crate::scene::CameraMode;
@@ -248,25 +249,12 @@ fn quality_text(governor: &Governor) -> String {
     }
 }
 
-pub(super) fn place_text(lat_rad: f64, lon_rad: f64) -> String {
-    let (lat, lon) = (lat_rad.to_degrees(), lon_rad.to_degrees());
-    format!(
-        "{:.3}° {}, {:.3}° {}",
-        lat.abs(),
-        if lat < 0.0 { "S" } else { "N" },
-        lon.abs(),
-        if lon < 0.0 { "W" } else { "E" }
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn places_and_speeds_read_well() {
-        let text = place_text((-33.5_f64).to_radians(), (-70.25_f64).to_radians());
-        assert_eq!(text, "33.500° S, 70.250° W");
+    fn speeds_read_well() {
         assert_eq!(speed_text(-64.0, false), "-64 × real time");
         assert_eq!(speed_text(0.25, true), "0.25 × real time, paused");
         assert!(frame_text(Some(20.0), 3.0).contains("50 per second"));

@@ -201,7 +201,9 @@ impl Picture {
     }
 
     fn prepare_others(&mut self, moment: &Moment, stats: &mut FrameStats) {
-        self.craft.prepare(&self.gpu, moment, stats);
+        let craft = moment.craft.as_ref();
+        self.craft
+            .prepare(&self.gpu, craft, &moment.view, &moment.sky, stats);
         let size = self.size();
         if let Some(tracks) = &mut self.tracks {
             tracks.prepare(&self.gpu, moment, size, Effort::Kept, stats);

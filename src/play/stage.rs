@@ -5,7 +5,7 @@ use super::cost::FrameCosts;
 use super::craft::CraftLayer;
 use super::destination::PendingFile;
 use super::egui_pass::Canvas;
-use super::error::PlayError;
+use super::error::{PlayError, WindowError};
 use super::flight::{Flight, Moment};
 use super::keys::Action;
 use super::overlay::{Overlay, Response};
@@ -14,7 +14,6 @@ use super::picture::{render_in_order, rgba_image};
 use super::progress::Progress;
 use super::surface::WindowSurface;
 use super::tracks::{Effort, TracksLayer};
-use super::window::WindowError;
 use crate::frames::rfc3339;
 use crate::gpu::{GpuContext, read_texture};
 use crate::scene::limits::EDGE_SAMPLES;
@@ -387,7 +386,9 @@ impl Stage {
         let mut stats = self
             .earth
             .prepare(&self.gpu.queue, &moment.view, &moment.sky, size);
-        self.craft.prepare(&self.gpu, moment, &mut stats);
+        let craft = moment.craft.as_ref();
+        self.craft
+            .prepare(&self.gpu, craft, &moment.view, &moment.sky, &mut stats);
         if let Some(tracks) = &mut self.tracks {
             tracks.prepare(&self.gpu, moment, size, Effort::Live, &mut stats);
         }

@@ -6,7 +6,6 @@
 mod mesh;
 
 use super::camera::Motion;
-use super::flight::Moment;
 use crate::frames::{Ellipsoid, SUN_RADIUS_RAD};
 use crate::gpu::{FrameTargets, GpuContext, PassFormat, PipelineDescription};
 use crate::{EarthOptions, EyeView, FrameStats, Sky};
@@ -152,14 +151,21 @@ impl CraftLayer {
         }
     }
 
-    /// Writes the moment's craft, if it has one, and counts it.
-    pub fn prepare(&mut self, gpu: &GpuContext, moment: &Moment, stats: &mut FrameStats) {
-        self.is_shown = moment.craft.is_some();
-        let Some(pose) = &moment.craft else { return };
+    /// Writes the craft of a picture, if it has one, and counts it.
+    pub fn prepare(
+        &mut self,
+        gpu: &GpuContext,
+        pose: Option<&CraftPose>,
+        view: &EyeView,
+        sky: &Sky,
+        stats: &mut FrameStats,
+    ) {
+        self.is_shown = pose.is_some();
+        let Some(pose) = pose else { return };
         let drawable = self
             .drawable
             .get_or_insert_with(|| CraftDrawable::new(gpu, self.color_format, self.samples));
-        let frame = pose.frame(&moment.view, &moment.sky, self.exposure);
+        let frame = pose.frame(view, sky, self.exposure);
         gpu.queue
             .write_buffer(&drawable.frame, 0, bytemuck::bytes_of(&frame));
         stats.triangles += drawable.vertex_count / 3;
