@@ -66,9 +66,9 @@
 //! - **The coarsest level is a whole map**, drawn as the maps of a scene without a pack are, and resident from the first
 //!   frame. It is the last stand-in of everything, so that there is never a hole.
 //! - **Levels.** [`globe::screen_level`] takes the coarsest level whose texels are small enough on screen, by each block's
-//!   own distance and with hysteresis; [`globe::paper_level`] is the paper's Table 1. Blocks in the dark want no day
+//!   own distance and with hysteresis; [`globe::paper_level`] is the paper's Table 1. Blocks in the dark request no day
 //!   tiles, blocks in daylight no city lights.
-//! - **Streaming** ([`imagery::stream`]) knows no GPU: wants are fitted to fixed pools of slots, decoder threads of low
+//! - **Streaming** ([`imagery::stream`]) knows no GPU: slots of fixed pools are allocated to requests, decoder threads of low
 //!   priority take the most urgent first, finished tiles are handed out in parts within a budget per frame, and what
 //!   was drawn in a frame is never overwritten in it. The cache is a state machine without threads or a clock, which
 //!   property tests drive.
@@ -94,8 +94,8 @@
 //!
 //! # Quality against time
 //!
-//! [`Quality`] is what can be changed while the Earth is drawn ([`Earth::set_quality`]); its ladder is the order in which
-//! things are given up, the cheapest loss for the time it saves first. [`Governor`] goes down and up the ladder by what
+//! [`Quality`] is what can be changed while the Earth is drawn ([`Earth::set_quality`]); its levels ([`Quality::levels`])
+//! give up one thing after the other, the cheapest loss for the time it saves first. [`AdaptiveQuality`] goes down and up by what
 //! frames cost: a state machine without a clock, with hysteresis. The window does so where a scene has
 //! `[quality] target_ms`; pictures that are kept are always drawn in full.
 //!
@@ -146,9 +146,9 @@ pub use {glam, wgpu};
 
 pub use air::Atmosphere;
 pub use earth::{
-    Change, DepthBuffer, DiagnosticOptions, Diagnostics, Earth, EarthError, EarthOptions, EyeView,
-    FrameStats, GiveUp, Governor, GroundOptions, Quality, Rung, Sky, SurfaceOutput,
-    TILED_SUBDIVISION, TileOptions, Viewport,
+    AdaptiveQuality, DepthBuffer, DiagnosticOptions, Diagnostics, Earth, EarthError, EarthOptions,
+    EyeView, FrameStats, GroundOptions, Quality, QualityChange, QualityLevel, QualityReduction,
+    Sky, SurfaceOutput, TILED_SUBDIVISION, TileOptions, Viewport,
 };
 pub use globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
 #[cfg(feature = "terrain")]

@@ -8,23 +8,25 @@
 //! | `plan.rs` | what a frame draws, chosen without a GPU |
 //! | `look.rs` | how the surface is drawn with a quality |
 //! | `view.rs` | the eye and the target |
+//! | `sky.rs` | what lights it |
 //! | `stats.rs` | what a frame drew |
 //! | `ground.rs` | ground with relief, where there is any; `no_ground.rs` without the feature `terrain` |
-//! | `tiles.rs` | which tiles of a pack a frame wants and is drawn with; `no_tiles.rs` without the feature `packs` |
+//! | `tiles.rs` | which tiles of a pack a frame requests and is drawn with; `no_tiles.rs` without the feature `packs` |
 //! | `tile_view.rs` | what tiles are chosen by, and how fine they came out |
-//! | `quality.rs` | what can be given up to draw faster, and in what order |
-//! | `governor.rs` | when it is given up, to hold a frame time |
+//! | `quality.rs` | levels of quality: what is reduced to draw faster, and in what order |
+//! | `adaptive_quality.rs` | when quality is reduced, to hold a frame time |
 //! | `diagnostics.rs` | what is not for pictures: where pixels look, edges of triangles, what the shaders hold |
 
+mod adaptive_quality;
 mod diagnostics;
 mod error;
-mod governor;
 #[cfg_attr(not(feature = "terrain"), path = "no_ground.rs")]
 mod ground;
 mod look;
 mod options;
 mod plan;
 mod quality;
+mod sky;
 mod stats;
 mod tile_view;
 #[cfg_attr(not(feature = "packs"), path = "no_tiles.rs")]
@@ -32,59 +34,24 @@ mod tiles;
 mod view;
 
 use crate::air::Atmosphere;
-use crate::frames::{Epoch, Orientation, sun_direction_itrf_oriented};
 pub use crate::globe::Shading;
 use crate::gpu::{AirDrawable, FramePlan, PassFormat, SurfaceDrawable};
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::tile::TileKey;
+pub use adaptive_quality::{AdaptiveQuality, QualityChange};
 pub use diagnostics::{DiagnosticOptions, Diagnostics};
 pub use error::EarthError;
-use glam::DVec3;
-pub use governor::{Change, Governor};
 pub use ground::GroundOptions;
 use look::{Style, look};
 pub use options::EarthOptions;
 use plan::Planner;
-pub use quality::{GiveUp, Quality, Rung, TILED_SUBDIVISION};
+pub use quality::{Quality, QualityLevel, QualityReduction, TILED_SUBDIVISION};
+pub use sky::Sky;
 pub use stats::FrameStats;
 use std::time::{Duration, Instant};
 use tiles::TileDriver;
 pub use tiles::TileOptions;
 pub use view::{EyeView, Viewport, infinite_reversed_z};
-
-/// What lights the Earth.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sky {
-    /// Vector to the Sun in ITRF axes, of length 1; of any other finite length it is made a unit vector.
-    pub sun_itrf: DVec3,
-}
-
-impl Sky {
-    /// The sky of a date, UT1 taken as UTC and polar motion left out: the Sun is up to 13.5″ off.
-    pub fn at(epoch: Epoch) -> Self {
-        Self::with_orientation(epoch, &Orientation::default())
-    }
-
-    /// The sky of a date over an Earth of that orientation.
-    pub fn with_orientation(epoch: Epoch, orientation: &Orientation) -> Self {
-        Self {
-            sun_itrf: sun_direction_itrf_oriented(epoch, orientation),
-        }
-    }
-
-    /// The same with a Sun of length 1; `None` where that has no direction or is not finite.
-    fn with_unit_sun(self) -> Option<Self> {
-        let sun = self.sun_itrf;
-        if (sun.length_squared() - 1.0).abs() < 1e-6 {
-            return Some(self);
-        }
-        // By the largest component first: squares of very long vectors are infinite, of very short ones 0.
-        let largest = sun.abs().max_element();
-        (sun.is_finite() && largest > 0.0).then(|| Self {
-            sun_itrf: (sun / largest).normalize(),
-        })
-    }
-}
 
 /// Bytes of tiles uploaded at once where a picture waits for them.
 const WAITING_UPLOAD_BYTES: u64 = 64_000_000;
@@ -192,7 +159,7 @@ impl Earth {
         self.prepare_within(queue, view, sky, target.into(), None)
     }
 
-    /// As [`Self::prepare`], but waits until every tile that the view wants is on the GPU, and ground with relief is as fine
+    /// As [`Self::prepare`], but waits until every tile that the view requests is on the GPU, and ground with relief is as fine
     /// as it will be, at most `timeout`: for
     /// pictures that are kept. Answers what is missing; such blocks are drawn with something coarser. A tile that cannot
     /// be read is not waited for.

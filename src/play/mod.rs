@@ -23,7 +23,7 @@
 //! | `egui_pass` | panel and names, drawn over pictures |
 //! | `place_text` | places as a person reads them |
 //! | `timeline/` | the time line along the bottom: scrubbing, real time, passes |
-//! | `cost` | what its frames cost, for the governor of quality |
+//! | `cost` | what its frames cost, for adaptive quality |
 
 pub mod camera;
 pub mod clock;

@@ -7,7 +7,7 @@ use super::place_text::place_text;
 use super::timeline;
 use crate::frames::rfc3339;
 use crate::scene::CameraMode;
-use crate::{FrameStats, Governor};
+use crate::{AdaptiveQuality, FrameStats};
 use egui::{Align2, Color32, Context, Grid, RichText, Ui, Vec2};
 
 /// Longer notices take several lines, points.
@@ -24,7 +24,7 @@ pub struct PanelData<'p> {
     /// Whether the tiles of a pack are drawn.
     pub has_tiles: bool,
     /// What governs the quality, if a frame time is to be held.
-    pub governor: Option<&'p Governor>,
+    pub adaptive: Option<&'p AdaptiveQuality>,
     /// Milliseconds between frames, smoothed; `None` before there are two.
     pub interval_ms: Option<f64>,
     /// Milliseconds of this program's own work on a frame, smoothed.
@@ -129,8 +129,8 @@ fn panel(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut V
                 row(name, value);
             }
         }
-        if let Some(governor) = data.governor {
-            row("quality", quality_text(governor));
+        if let Some(adaptive) = data.adaptive {
+            row("quality", quality_text(adaptive));
         }
         row("adapter", data.adapter.to_owned());
     });
@@ -241,11 +241,11 @@ fn frame_text(interval_ms: Option<f64>, work_ms: f64) -> String {
     }
 }
 
-fn quality_text(governor: &Governor) -> String {
-    let given_up: Vec<_> = governor.given_up().map(|what| what.to_string()).collect();
-    match given_up.is_empty() {
-        true => format!("full, held to {} ms", governor.target_ms()),
-        false => format!("without {}", given_up.join(", ")),
+fn quality_text(adaptive: &AdaptiveQuality) -> String {
+    let reductions: Vec<_> = adaptive.reductions().map(|what| what.to_string()).collect();
+    match reductions.is_empty() {
+        true => format!("full, held to {} ms", adaptive.target_ms()),
+        false => format!("without {}", reductions.join(", ")),
     }
 }
 

@@ -1,6 +1,6 @@
-//! Holds a frame time by giving up quality: a state machine without a clock.
+//! Holds a frame time by reducing quality: a state machine without a clock.
 
-use super::quality::Rung;
+use super::quality::QualityLevel;
 
 /// Frames that are looked at before anything is changed.
 const WINDOW: usize = 15;
@@ -15,11 +15,11 @@ const TRUSTED_HOLDS: f64 = 8.0;
 /// The most that failed steps up can lengthen it to: some minutes.
 const LONGEST_HOLD: u32 = 1 << 14;
 
-/// Chooses the rung of a [`super::Quality::ladder`] by what frames cost.
+/// Chooses among [`super::Quality::levels`] by what frames cost.
 ///
-/// - **Down** one rung as soon as the median cost of the last 15 frames exceeds the target.
-/// - **Up** one rung when the rung above is expected to need at most 0.85 of the target, and at least 60 frames have
-///   passed since the last change. It is expected to cost what this rung cost at the worst of that time, and more by the
+/// - **Down** one level as soon as the median cost of the last 15 frames exceeds the target.
+/// - **Up** one level when the level above is expected to need at most 0.85 of the target, and at least 60 frames have
+///   passed since the last change. It is expected to cost what this level cost at the worst of that time, and more by the
 ///   ratio that was seen when it was left.
 ///   The load may have changed at that moment, so the ratio is trusted for eight times the wait, and then less the
 ///   longer ago it is: after n times that its nth root is taken.
@@ -28,10 +28,10 @@ const LONGEST_HOLD: u32 = 1 << 14;
 ///
 /// It keeps no clock: the same costs give the same steps.
 #[derive(Clone, Debug)]
-pub struct Governor {
+pub struct AdaptiveQuality {
     target_ms: f64,
-    ladder: Vec<Rung>,
-    rung: usize,
+    levels: Vec<QualityLevel>,
+    level: usize,
     recent: Vec<f64>,
     next: usize,
     since_change: u32,
@@ -41,29 +41,29 @@ pub struct Governor {
     peak_age: u32,
     /// Whether the last change was a step up.
     climbed: bool,
-    /// For each rung, its cost over that of the rung below, as it was at the last step between the two.
+    /// For each level, its cost over that of the level below, as it was at the last step between the two.
     ratio_to_next: Vec<Option<f64>>,
     /// Cost before the last change, for the ratio.
     cost_before: Option<f64>,
 }
 
-/// A change of rung.
+/// A change of level.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Change {
-    /// The rung to draw from now on, 0 the full quality.
-    pub rung: usize,
+pub struct QualityChange {
+    /// The level to draw from now on, 0 the full quality.
+    pub level: usize,
     /// Median cost of the last frames, milliseconds.
     pub cost_ms: f64,
 }
 
-impl Governor {
-    /// Holds frames to `target_ms` milliseconds with a ladder of at least one rung. Begins on the first.
-    pub fn new(target_ms: f64, ladder: Vec<Rung>) -> Self {
+impl AdaptiveQuality {
+    /// Holds frames to `target_ms` milliseconds with at least one level. Begins on the first.
+    pub fn new(target_ms: f64, levels: Vec<QualityLevel>) -> Self {
         Self {
             target_ms,
-            ratio_to_next: vec![None; ladder.len()],
-            ladder,
-            rung: 0,
+            ratio_to_next: vec![None; levels.len()],
+            levels,
+            level: 0,
             recent: Vec::with_capacity(WINDOW),
             next: 0,
             since_change: 0,
@@ -80,25 +80,25 @@ impl Governor {
         self.target_ms
     }
 
-    /// The rung that is drawn.
-    pub fn rung(&self) -> usize {
-        self.rung
+    /// The level that is drawn.
+    pub fn level(&self) -> usize {
+        self.level
     }
 
-    /// All rungs, the full quality first.
-    pub fn ladder(&self) -> &[Rung] {
-        &self.ladder
+    /// All levels, the full quality first.
+    pub fn levels(&self) -> &[QualityLevel] {
+        &self.levels
     }
 
     /// What is given up now, in the order in which it was; empty at full quality.
-    pub fn given_up(&self) -> impl Iterator<Item = super::GiveUp> + '_ {
-        let rungs = self.ladder.iter().skip(1).take(self.rung);
-        rungs.map(|rung| rung.gives_up)
+    pub fn reductions(&self) -> impl Iterator<Item = super::QualityReduction> + '_ {
+        let levels = self.levels.iter().skip(1).take(self.level);
+        levels.map(|level| level.reduction)
     }
 
     /// Takes note of what a frame cost, milliseconds; answers the change to make before the next, if any. A cost that
     /// is no number is passed over.
-    pub fn observe(&mut self, cost_ms: f64) -> Option<Change> {
+    pub fn observe(&mut self, cost_ms: f64) -> Option<QualityChange> {
         if !cost_ms.is_finite() {
             return None;
         }
@@ -121,13 +121,13 @@ impl Governor {
         if self.climbed && self.since_change >= LONGEST_HOLD {
             self.hold = SHORTEST_HOLD;
         }
-        if cost > self.target_ms && self.rung + 1 < self.ladder.len() {
+        if cost > self.target_ms && self.level + 1 < self.levels.len() {
             if self.climbed && self.since_change < LONGEST_HOLD {
                 self.hold = (2 * self.hold).min(LONGEST_HOLD);
             }
-            return Some(self.change(self.rung + 1, cost));
+            return Some(self.change(self.level + 1, cost));
         }
-        let above = self.rung.checked_sub(1)?;
+        let above = self.level.checked_sub(1)?;
         let rested = self.since_change >= self.hold;
         let trust = TRUSTED_HOLDS * f64::from(self.hold) / f64::from(self.since_change);
         let ratio = self.ratio_to_next[above].unwrap_or(1.0);
@@ -136,16 +136,16 @@ impl Governor {
         (rested && expected <= HEADROOM * self.target_ms).then(|| self.change(above, cost))
     }
 
-    fn change(&mut self, rung: usize, cost_ms: f64) -> Change {
-        self.climbed = rung < self.rung;
-        self.rung = rung;
+    fn change(&mut self, level: usize, cost_ms: f64) -> QualityChange {
+        self.climbed = level < self.level;
+        self.level = level;
         self.cost_before = Some(cost_ms);
         self.since_change = 0;
         self.peaks = [0.0; 2];
         self.peak_age = 0;
         self.recent.clear();
         self.next = 0;
-        Change { rung, cost_ms }
+        QualityChange { level, cost_ms }
     }
 
     fn keep_peak(&mut self, cost: f64) {
@@ -163,11 +163,11 @@ impl Governor {
             return;
         };
         let (upper, ratio) = match self.climbed {
-            true => (self.rung, cost / before),
-            false => (self.rung - 1, before / cost),
+            true => (self.level, cost / before),
+            false => (self.level - 1, before / cost),
         };
         if ratio.is_finite() {
-            // Noise may make a rung look dearer than the one above.
+            // Noise may make a level look dearer than the one above.
             self.ratio_to_next[upper] = Some(ratio.max(1.0));
         }
     }
@@ -182,7 +182,7 @@ impl Governor {
 
 #[cfg(test)]
 mod tests {
-    use super::super::quality::{GiveUp, Quality, Rung};
+    use super::super::quality::{Quality, QualityLevel, QualityReduction};
     use super::*;
     use crate::air::Atmosphere;
 
@@ -195,79 +195,83 @@ mod tests {
         atmosphere: Atmosphere::Billboard,
     };
 
-    /// Five rungs that cost 30, 24, 16, 10 and 6 ms at a load of 1.
+    /// Five levels that cost 30, 24, 16, 10 and 6 ms at a load of 1.
     const COSTS: [f64; 5] = [30.0, 24.0, 16.0, 10.0, 6.0];
 
-    fn governor(target_ms: f64) -> Governor {
-        let rung = Rung {
-            gives_up: GiveUp::Relief,
+    fn adaptive(target_ms: f64) -> AdaptiveQuality {
+        let level = QualityLevel {
+            reduction: QualityReduction::Relief,
             quality: FULL,
         };
-        Governor::new(target_ms, vec![rung; COSTS.len()])
+        AdaptiveQuality::new(target_ms, vec![level; COSTS.len()])
     }
 
-    /// Draws frames of this load and answers the rungs that were changed to.
-    fn draw(governor: &mut Governor, frames: usize, load: impl Fn(usize) -> f64) -> Vec<usize> {
+    /// Draws frames of this load and answers the levels that were changed to.
+    fn draw(
+        adaptive: &mut AdaptiveQuality,
+        frames: usize,
+        load: impl Fn(usize) -> f64,
+    ) -> Vec<usize> {
         (0..frames)
             .filter_map(|frame| {
-                let cost = COSTS[governor.rung()] * load(frame);
-                governor.observe(cost).map(|change| change.rung)
+                let cost = COSTS[adaptive.level()] * load(frame);
+                adaptive.observe(cost).map(|change| change.level)
             })
             .collect()
     }
 
     #[test]
     fn it_goes_down_until_the_target_is_held_and_no_farther() {
-        let mut governor = governor(17.0);
-        assert_eq!(draw(&mut governor, 100, |_| 1.0), [1, 2]);
-        assert_eq!(draw(&mut governor, 10_000, |_| 1.0), [0_usize; 0]);
-        assert_eq!(governor.given_up().count(), 2);
+        let mut adaptive = adaptive(17.0);
+        assert_eq!(draw(&mut adaptive, 100, |_| 1.0), [1, 2]);
+        assert_eq!(draw(&mut adaptive, 10_000, |_| 1.0), [0_usize; 0]);
+        assert_eq!(adaptive.reductions().count(), 2);
     }
 
     #[test]
     fn a_target_that_is_held_changes_nothing_and_one_out_of_reach_ends_at_the_last_rung() {
-        let mut easy = governor(31.0);
+        let mut easy = adaptive(31.0);
         assert_eq!(draw(&mut easy, 1_000, |_| 1.0), [0_usize; 0]);
-        let mut hopeless = governor(1.0);
+        let mut hopeless = adaptive(1.0);
         assert_eq!(draw(&mut hopeless, 1_000, |_| 1.0), [1, 2, 3, 4]);
     }
 
     #[test]
     fn it_comes_back_when_the_load_falls() {
-        let mut governor = governor(17.0);
-        draw(&mut governor, 100, |_| 1.0);
+        let mut adaptive = adaptive(17.0);
+        draw(&mut adaptive, 100, |_| 1.0);
         // Twice as fast: full quality costs 15 ms, and 0.85 × 17 ms is 14.45.
-        assert_eq!(draw(&mut governor, 400, |_| 0.5), [1]);
-        assert_eq!(draw(&mut governor, 400, |_| 0.4), [0]);
+        assert_eq!(draw(&mut adaptive, 400, |_| 0.5), [1]);
+        assert_eq!(draw(&mut adaptive, 400, |_| 0.4), [0]);
     }
 
     #[test]
     fn single_long_frames_change_nothing() {
-        let mut governor = governor(17.0);
-        draw(&mut governor, 100, |_| 1.0);
+        let mut adaptive = adaptive(17.0);
+        draw(&mut adaptive, 100, |_| 1.0);
         let spikes = |frame: usize| if frame.is_multiple_of(4) { 5.0 } else { 1.0 };
-        assert_eq!(draw(&mut governor, 1_000, spikes), [0_usize; 0]);
-        assert_eq!(governor.observe(f64::NAN), None);
+        assert_eq!(draw(&mut adaptive, 1_000, spikes), [0_usize; 0]);
+        assert_eq!(adaptive.observe(f64::NAN), None);
     }
 
     #[test]
     fn a_load_that_hovers_does_not_toggle() {
-        // 17 ms lies within the swing of the second rung; the load swings a hundred times.
-        let mut governor = governor(17.0);
+        // 17 ms lies within the swing of the second level; the load swings a hundred times.
+        let mut adaptive = adaptive(17.0);
         let swing = |frame: usize| 1.0 + 0.1 * (frame as f64 / 32.0).sin();
-        let changes = draw(&mut governor, 20_000, swing);
+        let changes = draw(&mut adaptive, 20_000, swing);
         assert!(changes.len() <= 12, "{changes:?}");
     }
 
     #[test]
     fn a_load_that_falls_with_a_step_down_does_not_hold_it_down() {
-        let mut governor = governor(17.0);
+        let mut adaptive = adaptive(17.0);
         let mut frames = 0;
         // From the first step on all is ten times as fast: the step seems to be worth ten times what it is.
-        while frames < 2_000 && (frames < 40 || governor.rung() > 0) {
-            let load = if governor.rung() == 0 { 1.0 } else { 0.1 };
+        while frames < 2_000 && (frames < 40 || adaptive.level() > 0) {
+            let load = if adaptive.level() == 0 { 1.0 } else { 0.1 };
             let load = if frames < 40 { load } else { 0.1 };
-            governor.observe(COSTS[governor.rung()] * load);
+            adaptive.observe(COSTS[adaptive.level()] * load);
             frames += 1;
         }
         assert!(frames < 1_000, "{frames}");
@@ -275,12 +279,12 @@ mod tests {
 
     #[test]
     fn steps_up_that_fail_become_rare() {
-        // The learned ratio is wrong each time: the load falls only while the lower rung is drawn.
-        let mut governor = governor(17.0);
+        // The learned ratio is wrong each time: the load falls only while the lower level is drawn.
+        let mut adaptive = adaptive(17.0);
         let mut changes = 0;
         for _ in 0..100_000 {
-            let load = if governor.rung() >= 2 { 0.4 } else { 1.0 };
-            changes += usize::from(governor.observe(COSTS[governor.rung()] * load).is_some());
+            let load = if adaptive.level() >= 2 { 0.4 } else { 1.0 };
+            changes += usize::from(adaptive.observe(COSTS[adaptive.level()] * load).is_some());
         }
         assert!((4..40).contains(&changes), "{changes}");
     }
