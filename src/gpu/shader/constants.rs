@@ -2,11 +2,11 @@
 
 #[cfg(feature = "terrain")]
 use super::relief_constants::RELIEF;
+use super::value::Value::{self, F32, U32, Vec3};
 use crate::air::{self, EARTH_AIR};
 use crate::frames::SUN_RADIUS_RAD;
 use crate::globe::{BLOCK_COUNT, COLUMNS, ROWS};
 use crate::imagery::tile::{MAP_LAYERS, MapLayer};
-use glam::DVec3;
 use std::f64::consts::PI;
 
 /// In place of a block's index: drawn with whole maps.
@@ -27,29 +27,6 @@ const LAMPS_FULL_SIN: f64 = -0.12;
 pub(crate) const GLINT_ENDS_SIN: f64 = -0.01;
 /// Sine of the Sun's elevation above which the glint is whole.
 const GLINT_FULL_SIN: f64 = 0.05;
-
-/// A constant's value in single precision.
-pub(super) enum Value {
-    U32(u32),
-    F32(f64),
-    Vec3(DVec3),
-}
-use Value::{F32, U32, Vec3};
-
-impl Value {
-    /// The line that declares it.
-    pub fn declaration(&self, name: &str) -> String {
-        match self {
-            // `{:?}` has a decimal point or an exponent always, and digits enough to come back to the bit.
-            U32(value) => format!("const {name}: u32 = {value}u;"),
-            F32(value) => format!("const {name}: f32 = {:?};", *value as f32),
-            Vec3(value) => {
-                let [x, y, z] = value.as_vec3().to_array();
-                format!("const {name}: vec3f = vec3f({x:?}, {y:?}, {z:?});")
-            }
-        }
-    }
-}
 
 /// A constant and its name.
 pub(super) fn shared(name: &str) -> Option<(&'static str, &'static Value)> {

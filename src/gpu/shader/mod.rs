@@ -32,6 +32,7 @@ mod files;
 #[cfg(feature = "terrain")]
 mod relief_constants;
 mod tracks;
+mod value;
 mod variant;
 
 pub use air::{AirDepth, AirVariant};

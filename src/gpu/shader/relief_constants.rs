@@ -1,6 +1,6 @@
 //! Constants that only shaders of ground with relief and Rust both know.
 
-use super::constants::Value::{self, F32, U32};
+use super::value::Value::{self, F32, U32};
 use crate::globe::contours::STACK;
 use crate::globe::projected_grid as grid;
 
