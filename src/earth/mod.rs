@@ -6,7 +6,7 @@
 //! | `options.rs` | what is fixed when an Earth is made |
 //! | `error.rs` | what can be wrong with it |
 //! | `plan.rs` | what a frame draws, chosen without a GPU |
-//! | `look.rs` | how the surface is drawn with a quality |
+//! | `surface_config.rs` | how the surface is drawn with a quality |
 //! | `view.rs` | the eye and the target |
 //! | `sky.rs` | what lights it |
 //! | `stats.rs` | what a frame drew |
@@ -22,12 +22,12 @@ mod diagnostics;
 mod error;
 #[cfg_attr(not(feature = "terrain"), path = "no_ground.rs")]
 mod ground;
-mod look;
 mod options;
 mod plan;
 mod quality;
 mod sky;
 mod stats;
+mod surface_config;
 mod tile_view;
 #[cfg_attr(not(feature = "packs"), path = "no_tiles.rs")]
 mod tiles;
@@ -42,13 +42,13 @@ pub use adaptive_quality::{AdaptiveQuality, QualityChange};
 pub use diagnostics::{DiagnosticOptions, Diagnostics};
 pub use error::EarthError;
 pub use ground::GroundOptions;
-use look::{Style, look};
 pub use options::EarthOptions;
 use plan::Planner;
 pub use quality::{Quality, QualityLevel, QualityReduction, TILED_SUBDIVISION};
 pub use sky::Sky;
 pub use stats::FrameStats;
 use std::time::{Duration, Instant};
+use surface_config::{SurfaceStyle, surface_config};
 use tiles::TileDriver;
 pub use tiles::TileOptions;
 pub use view::{EyeView, Viewport, infinite_reversed_z};
@@ -67,7 +67,7 @@ pub struct Earth {
     surface: SurfaceDrawable,
     air: Option<AirDrawable>,
     device: wgpu::Device,
-    style: Style,
+    style: SurfaceStyle,
     format: PassFormat,
     quality: Quality,
     /// Bytes of tiles uploaded by the last `prepare`.
@@ -104,20 +104,15 @@ impl Earth {
             Atmosphere::Billboard => Some(AirDrawable::new(device, queue, format)?),
             Atmosphere::None => None,
         };
-        let style = Style {
+        let style = SurfaceStyle {
             shading: options.shading,
             diagnostics: options.diagnostics,
         };
-        let look = look(
-            device,
-            style,
-            format,
-            &quality,
-            (air.as_ref(), planner.ground()),
-        );
+        let ground = planner.ground();
+        let config = surface_config(device, style, format, &quality, air.as_ref(), ground);
         let pools = planner.tiles.as_ref().map(TileDriver::pools);
         let grids = planner.meshes().grids();
-        let surface = SurfaceDrawable::new(device, queue, grids, &options.layers, pools, &look)?;
+        let surface = SurfaceDrawable::new(device, queue, grids, &options.layers, pools, &config)?;
         let refused = resolved(scope.pop());
         let full = resolved(memory.pop());
         if let Some(error) = full {
@@ -246,9 +241,9 @@ impl Earth {
             (Atmosphere::Billboard, Some(air)) => Some(air),
             (Atmosphere::Billboard, None) => Some(AirDrawable::new(&device, queue, format)?),
         };
-        let with = (air.as_ref(), self.planner.ground());
-        let look = look(&device, self.style, format, &quality, with);
-        self.surface.set_look(&device, meshes.grids(), &look)?;
+        let (air_drawn, ground) = (air.as_ref(), self.planner.ground());
+        let config = surface_config(&device, self.style, format, &quality, air_drawn, ground);
+        self.surface.set_config(&device, meshes.grids(), &config)?;
         (self.air, self.format, self.quality) = (air, format, quality);
         self.planner.set_quality(&quality, meshes);
         self.plan = self.planner.empty_plan();

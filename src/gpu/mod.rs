@@ -21,6 +21,7 @@ mod read_back;
 mod relief;
 mod shader;
 mod surface;
+mod surface_config;
 mod targets;
 mod tiles;
 mod timer;
@@ -54,7 +55,8 @@ pub(crate) use read_back::read_rows;
 pub(crate) use shader::{FROM_PREVIOUS as TRACK_FROM_PREVIOUS, ON_GROUND as TRACK_ON_GROUND};
 #[cfg(feature = "packs")]
 pub(crate) use shader::{GLINT_ENDS_SIN, LAMPS_OUT_SIN};
-pub(crate) use surface::{SurfaceDrawable, SurfaceLook};
+pub(crate) use surface::SurfaceDrawable;
+pub(crate) use surface_config::SurfaceConfig;
 #[cfg(feature = "tracks")]
 pub(crate) use tracks::{Fill, LinePoint, Mark, TrackKinds, TracksDrawable};
 

@@ -8,14 +8,13 @@ use super::relief;
 use super::shader::{
     EarthOutput, EarthVariant, PaperLayers, ShaderModule, ShadingVariant, SunlitLayers,
 };
+use super::surface_config::SurfaceConfig;
 use super::tiles::{TILES_BYTES, TileTextures};
-use super::{
-    FramePlan, FrameUniforms, GpuLayer, PassFormat, PipelineDescription, ShaderError, SurfaceOutput,
-};
-use crate::globe::{BlockGrid, GroundForm, Shading, Surface};
+use super::{FramePlan, FrameUniforms, PipelineDescription, ShaderError, SurfaceOutput};
+use crate::globe::{BlockGrid, Shading, Surface};
 use crate::imagery::EarthLayers;
 use crate::imagery::residency::{Pool, Upload};
-use crate::imagery::tile::{MAP_LAYERS, MapLayer};
+use crate::imagery::tile::MapLayer;
 
 pub(crate) struct SurfaceDrawable {
     assembled: Assembled,
@@ -28,7 +27,7 @@ pub(crate) struct SurfaceDrawable {
     pub texture_bytes: u64,
 }
 
-/// What follows from a look.
+/// What follows from a configuration.
 struct Assembled {
     variant: EarthVariant,
     pipeline: wgpu::RenderPipeline,
@@ -48,24 +47,6 @@ enum Imagery {
     },
 }
 
-/// How the surface is drawn: what can change while the maps stay.
-pub(crate) struct SurfaceLook<'a> {
-    pub shading: Shading,
-    /// Which maps are used, of those that there are.
-    pub shown: [bool; MAP_LAYERS],
-    pub output: SurfaceOutput,
-    pub anisotropy: u16,
-    pub format: PassFormat,
-    /// The air's sunlight table, if there is air and the shading uses it.
-    pub sunlight: Option<&'a GpuLayer>,
-    /// In what form ground with relief is drawn, if it is and not the block sphere. The variant does not change.
-    pub ground: Option<GroundForm<'a>>,
-    /// Whether that has triangles that lie in several blocks. Nor does that.
-    pub crossing: bool,
-    /// Whether edges of triangles are drawn alone.
-    pub wireframe: bool,
-}
-
 impl SurfaceDrawable {
     /// Uploads the maps. `pools` are those of tiles, if blocks are drawn with tiles.
     pub fn new(
@@ -74,16 +55,16 @@ impl SurfaceDrawable {
         grids: &[BlockGrid],
         layers: &EarthLayers,
         pools: Option<&[Pool]>,
-        look: &SurfaceLook<'_>,
+        config: &SurfaceConfig<'_>,
     ) -> Result<Self, ShaderError> {
-        let display_values = look.shading == Shading::Paper;
+        let display_values = config.shading == Shading::Paper;
         let maps = Maps::upload(
             device,
             queue,
             layers,
             display_values,
-            look.shown,
-            look.anisotropy,
+            config.shown,
+            config.anisotropy,
         );
         let imagery = match pools {
             Some(pools) => Imagery::Tiles {
@@ -98,32 +79,32 @@ impl SurfaceDrawable {
         };
         let texture_bytes = maps.bytes() + tile_bytes;
         let frame = super::uniform_buffer::<FrameUniforms>(device, "terrella frame");
-        let mesh: Box<dyn SurfaceMesh + Send + Sync> = match &look.ground {
+        let mesh: Box<dyn SurfaceMesh + Send + Sync> = match &config.ground {
             None => Box::new(Lattice::new(device, grids)),
-            Some(form) => relief::mesh(device, form, look),
+            Some(form) => relief::mesh(device, form, config),
         };
-        let assembled = assemble(device, &maps, &imagery, &frame, mesh.as_ref(), look)?;
+        let assembled = assemble(device, &maps, &imagery, &frame, mesh.as_ref(), config)?;
         Ok(Self {
             assembled,
             mesh,
             maps,
             imagery,
             frame,
-            crossing: look.crossing && pools.is_some(),
+            crossing: config.crosses_blocks && pools.is_some(),
             texture_bytes,
         })
     }
 
-    /// Draws from now on with this look and these grids. Maps and tiles stay where they are.
+    /// Draws from now on with this configuration and these grids. Maps and tiles stay where they are.
     ///
     /// Nothing may be drawn until the next frame is written.
-    pub fn set_look(
+    pub fn set_config(
         &mut self,
         device: &wgpu::Device,
         grids: &[BlockGrid],
-        look: &SurfaceLook<'_>,
+        config: &SurfaceConfig<'_>,
     ) -> Result<(), ShaderError> {
-        self.maps.arrange(device, look.shown, look.anisotropy);
+        self.maps.arrange(device, config.shown, config.anisotropy);
         match &mut self.imagery {
             Imagery::Tiles { tiles, whole } => {
                 tiles.bind_again(device, &self.maps);
@@ -137,7 +118,7 @@ impl SurfaceDrawable {
             &self.imagery,
             &self.frame,
             self.mesh.as_ref(),
-            look,
+            config,
         )?;
         self.mesh.reset(device, grids);
         Ok(())
@@ -207,20 +188,20 @@ impl SurfaceDrawable {
     }
 }
 
-/// Makes what a look needs.
+/// Makes what a configuration needs.
 fn assemble(
     device: &wgpu::Device,
     maps: &Maps,
     imagery: &Imagery,
     frame: &wgpu::Buffer,
     mesh: &dyn SurfaceMesh,
-    look: &SurfaceLook<'_>,
+    config: &SurfaceConfig<'_>,
 ) -> Result<Assembled, ShaderError> {
-    let format = look.format;
+    let format = config.format;
     let has_tiles = matches!(imagery, Imagery::Tiles { .. });
     let variant = EarthVariant {
         form: mesh.vertex_form(has_tiles),
-        output: output(maps, look),
+        output: output(maps, config),
     };
     let shader = ShaderModule::new(device, &variant)?;
     let table_sampler = table_sampler(device);
@@ -230,7 +211,7 @@ fn assemble(
         binding: 0,
         resource: frame.as_entire_binding(),
     }];
-    if let Some(sunlight) = look.sunlight {
+    if let Some(sunlight) = config.sunlight {
         layout.push(super::texture_entry(1, wgpu::TextureViewDimension::D2));
         layout.push(super::sampler_entry(2));
         entries.push(wgpu::BindGroupEntry {
@@ -271,7 +252,7 @@ fn assemble(
         primitive: wgpu::PrimitiveState {
             front_face: wgpu::FrontFace::Ccw,
             cull_mode: Some(mesh.culled()),
-            polygon_mode: match look.wireframe {
+            polygon_mode: match config.wireframe {
                 false => wgpu::PolygonMode::Fill,
                 true => wgpu::PolygonMode::Line,
             },
@@ -290,22 +271,22 @@ fn assemble(
     })
 }
 
-/// What a look's pixels get.
-fn output(maps: &Maps, look: &SurfaceLook<'_>) -> EarthOutput {
+/// What the pixels of a configuration get.
+fn output(maps: &Maps, config: &SurfaceConfig<'_>) -> EarthOutput {
     let clouds = maps.has(MapLayer::Clouds);
     let normals = maps.has(MapLayer::Normals);
-    let shading = match look.shading {
+    let shading = match config.shading {
         Shading::Paper => ShadingVariant::Paper(PaperLayers { clouds, normals }),
         Shading::Sunlit => ShadingVariant::Sunlit(SunlitLayers {
             clouds,
             normals,
             night_lights: maps.has(MapLayer::NightLights),
             water: maps.has(MapLayer::Water),
-            air: look.sunlight.is_some(),
+            air: config.sunlight.is_some(),
         }),
     };
-    match look.output {
-        SurfaceOutput::Color => EarthOutput::Picture(shading, look.format.target_color()),
+    match config.output {
+        SurfaceOutput::Color => EarthOutput::Picture(shading, config.format.target_color()),
         SurfaceOutput::Geolocation => EarthOutput::Geolocation,
     }
 }
