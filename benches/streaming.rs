@@ -17,6 +17,7 @@ mod record;
 
 use arguments::{Arguments, Course};
 use glam::{DQuat, DVec3};
+use image::RgbaImage;
 use record::Record;
 use std::time::{Duration, Instant};
 use terrella::frames::{Ellipsoid, Epoch};
@@ -187,7 +188,9 @@ fn fly(
             let read = renderer
                 .targets
                 .read_back(&renderer.gpu.device, &renderer.gpu.queue);
-            record.keep(read.expect("a picture"));
+            let (width, height) = renderer.size;
+            let picture = RgbaImage::from_raw(width, height, read.expect("a picture"));
+            record.keep(picture.expect("of that size"));
         }
     }
 }

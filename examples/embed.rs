@@ -21,6 +21,11 @@ const FAR_KM: f64 = 20_000.0;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let frames: u32 = std::env::args().nth(1).map_or(Ok(1), |text| text.parse())?;
+    draw(frames, Path::new("out"))
+}
+
+/// Writes `frames` pictures of a turn into a folder, which is made.
+pub fn draw(frames: u32, folder: &Path) -> Result<(), Box<dyn Error>> {
     let (device, queue) = pollster::block_on(open_device())?;
     let host = Host::new(&device);
 
@@ -38,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     )?;
     let sky = Sky::at(Epoch::from_gregorian_utc(2018, 6, 21, 9, 0, 0, 0));
 
-    std::fs::create_dir_all("out")?;
+    std::fs::create_dir_all(folder)?;
     for frame in 0..frames {
         let scene = Flight::at(frame, frames);
         let stats = earth.prepare(&queue, &scene.view, &sky, SIZE);
@@ -54,15 +59,16 @@ fn main() -> Result<(), Box<dyn Error>> {
             earth.render(&mut pass);
         }
         queue.submit([encoder.finish()]);
-        let path = if frames == 1 {
-            "out/embed.png".into()
-        } else {
-            format!("out/embed_{frame:03}.png")
-        };
-        host.save(&device, &queue, Path::new(&path))?;
+        let path = folder.join(match frames {
+            1 => "embed.png".into(),
+            _ => format!("embed_{frame:03}.png"),
+        });
+        host.save(&device, &queue, &path)?;
         println!(
-            "{path}: {} of 128 blocks, {} triangles",
-            stats.blocks_drawn, stats.triangles
+            "{}: {} of 128 blocks, {} triangles",
+            path.display(),
+            stats.blocks_drawn,
+            stats.triangles
         );
     }
     Ok(())

@@ -22,13 +22,7 @@ struct CraftFrame {
     padding: f32,
 }
 
-// Materials, as in src/play/craft/mesh.rs.
-const FOIL = 0u;
-const PAINT = 1u;
-const CELLS = 2u;
-const WING = 3u;
-const METAL = 4u;
-const DISH = 5u;
+// Materials are numbered by `Material` of src/play/craft/mesh.rs, which declares FOIL, PAINT, CELLS, WING, METAL and DISH.
 
 // Light from everywhere else, so that an eclipsed craft is a dark thing and not a hole; the Sun's is 1.
 const DARK_LIGHT: f32 = 0.004;

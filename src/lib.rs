@@ -66,9 +66,9 @@
 //! - **The coarsest level is a whole map**, drawn as the maps of a scene without a pack are, and resident from the first
 //!   frame. It is the last stand-in of everything, so that there is never a hole.
 //! - **Levels.** [`globe::screen_level`] takes the coarsest level whose texels are small enough on screen, by each block's
-//!   own distance and with hysteresis; [`globe::paper_level`] is the paper's Table 1. Blocks in the dark want no day
+//!   own distance and with hysteresis; [`globe::paper_level`] is the paper's Table 1. Blocks in the dark request no day
 //!   tiles, blocks in daylight no city lights.
-//! - **Streaming** ([`imagery::stream`]) knows no GPU: wants are fitted to fixed pools of slots, decoder threads of low
+//! - **Streaming** ([`imagery::stream`]) knows no GPU: slots of fixed pools are allocated to requests, decoder threads of low
 //!   priority take the most urgent first, finished tiles are handed out in parts within a budget per frame, and what
 //!   was drawn in a frame is never overwritten in it. The cache is a state machine without threads or a clock, which
 //!   property tests drive.
@@ -94,8 +94,8 @@
 //!
 //! # Quality against time
 //!
-//! [`Quality`] is what can be changed while the Earth is drawn ([`Earth::set_quality`]); its ladder is the order in which
-//! things are given up, the cheapest loss for the time it saves first. [`Governor`] goes down and up the ladder by what
+//! [`Quality`] is what can be changed while the Earth is drawn ([`Earth::set_quality`]); its levels ([`Quality::levels`])
+//! give up one thing after the other, the cheapest loss for the time it saves first. [`AdaptiveQuality`] goes down and up by what
 //! frames cost: a state machine without a clock, with hysteresis. The window does so where a scene has
 //! `[quality] target_ms`; pictures that are kept are always drawn in full.
 //!
@@ -117,13 +117,15 @@
 //!
 //! # Features
 //!
-//! `pack-build` makes packs from maps (reading and drawing packs needs no feature). `terrain` reads heights of the
-//! ground from files ([`elevation`]; heights in memory need no feature). `command` (default) is both and the window, the
-//! video writer and the command line. A host that only embeds the Earth says
-//! `default-features = false`.
+//! A host pays for what it draws. `default-features = false` is the Earth and its air from maps held whole, and no more;
+//! `orbit`, `tracks`, `live`, `packs`, `pack-build`, `terrain` and `scene` add their rooms, `command` (default) is all of them, the
+//! window, the video writer and the command line. Without `terrain` there is no value of [`GroundOptions`], without `packs` none of
+//! [`TileOptions`], and the compiler drops all that would use one. The host chooses wgpu's backends, by the features `vulkan`,
+//! `gles`, `metal` and `dx12` or by its own dependency on wgpu, which is also [`wgpu`] here.
 
 pub mod air;
 pub mod earth;
+#[cfg(feature = "terrain")]
 pub mod elevation;
 pub mod frames;
 pub mod globe;
@@ -131,18 +133,23 @@ pub mod gpu;
 pub mod imagery;
 #[cfg(feature = "command")]
 pub mod measure;
+#[cfg(feature = "orbit")]
 pub mod orbit;
 #[cfg(feature = "command")]
 pub mod play;
+#[cfg(feature = "scene")]
 pub mod scene;
+#[cfg(feature = "tracks")]
 pub mod tracks;
+
+pub use {glam, wgpu};
 
 pub use air::Atmosphere;
 pub use earth::{
-    Change, DepthBuffer, DiagnosticOptions, Diagnostics, Earth, EarthError, EarthOptions, EyeView,
-    FrameStats, GiveUp, Governor, GroundOptions, Quality, Rung, Sky, SurfaceOutput,
-    TILED_SUBDIVISION, TileOptions, Viewport,
+    AdaptiveQuality, DepthBuffer, DiagnosticOptions, Diagnostics, Earth, EarthError, EarthOptions,
+    EyeView, FrameStats, GroundOptions, Quality, QualityChange, QualityLevel, QualityReduction,
+    Sky, SurfaceOutput, TILED_SUBDIVISION, TileOptions, Viewport,
 };
-pub use globe::{
-    Figure, LevelRule, Shading, Subdivision, SurfaceKind, SurfaceSettings, Visibility,
-};
+pub use globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
+#[cfg(feature = "terrain")]
+pub use globe::{SurfaceKind, SurfaceSettings};

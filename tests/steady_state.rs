@@ -241,7 +241,7 @@ fn choosing_and_staging_allocate_nothing_at_all() {
 fn streaming_what_is_there_allocates_nothing_at_all() {
     use std::sync::Arc;
     use std::time::{Duration, Instant};
-    use terrella::imagery::stream::{StreamOptions, TileStream, Want};
+    use terrella::imagery::stream::{StreamOptions, TileRequest, TileStream};
     use terrella::imagery::tile::{
         BlockSet, LayerLayout, LevelLayout, MapLayer, Storage, Tile, TileError, TileKey, TileShape,
         TileSource,
@@ -274,9 +274,9 @@ fn streaming_what_is_there_allocates_nothing_at_all() {
     let source = Arc::new(Grey(MapLayer::ALL.map(layout).to_vec()));
     let mut stream = TileStream::new(source, &StreamOptions::default());
     // The most there is: every block of every map.
-    let wants: Vec<_> = (0..128)
+    let requests: Vec<_> = (0..128)
         .flat_map(|block| {
-            MapLayer::ALL.map(|layer| Want {
+            MapLayer::ALL.map(|layer| TileRequest {
                 key: TileKey {
                     layer,
                     level: block % 2,
@@ -288,9 +288,9 @@ fn streaming_what_is_there_allocates_nothing_at_all() {
         .collect();
     let start = Instant::now();
     while stream.counters().hits < 640 {
-        stream.update(Instant::now(), &wants);
-        for want in &wants {
-            stream.draw(want.key.layer, want.key.block);
+        stream.update(Instant::now(), &requests);
+        for request in &requests {
+            stream.draw(request.key.layer, request.key.block);
         }
         stream.upload(u64::MAX, &mut |_| {});
         stream.wait(Duration::from_millis(1));
@@ -304,9 +304,9 @@ fn streaming_what_is_there_allocates_nothing_at_all() {
     let count = allocations(|| {
         for _ in 0..100 {
             let start = Instant::now();
-            stream.update(start, &wants);
-            for want in &wants {
-                std::hint::black_box(stream.draw(want.key.layer, want.key.block));
+            stream.update(start, &requests);
+            for request in &requests {
+                std::hint::black_box(stream.draw(request.key.layer, request.key.block));
             }
             stream.upload(8 << 20, &mut |_| {});
             assert_eq!(std::hint::black_box(stream.counters()).hits, 640);
@@ -314,7 +314,7 @@ fn streaming_what_is_there_allocates_nothing_at_all() {
             best = best.min(start.elapsed());
         }
     });
-    println!("{best:?} for a frame of {} wants", wants.len());
+    println!("{best:?} for a frame of {} requests", requests.len());
     assert_eq!(count, 0);
     assert!(best < Duration::from_millis(1), "{best:?}");
 }

@@ -1,5 +1,5 @@
-// One frame's values, shared by all drawables. Mirrored by `Frame` in src/gpu/uniforms.rs; a test compares the offsets.
-struct Frame {
+// One frame's values, shared by all drawables. Mirrored by `FrameUniforms` in src/gpu/uniforms.rs; a test compares the offsets.
+struct FrameUniforms {
     // Takes eye-relative ITRF metres to clip space.
     clip_from_eye: mat4x4f,
     // The eye in scaled space, (x/a, y/a, z/b), and |eye|² − 1, computed without cancellation.

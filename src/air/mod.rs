@@ -11,10 +11,12 @@ mod tables;
 pub use billboard::{Billboard, HorizonSquare, Screen, horizon_square};
 pub use model::{AirModel, EARTH_AIR, Species};
 pub use tables::{AirTables, MULTIPLE, SCATTERING, SUNLIGHT, TRANSMITTANCE, TableSize};
+pub(crate) use tables::{LOWEST_SUN, LUMINANCE};
 
 /// How the air is drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "scene", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "scene", serde(rename_all = "lowercase"))]
 pub enum Atmosphere {
     /// The paper's camera-facing square of side 2√(L1·L2), enlarged for the thickness of the air.
     #[default]

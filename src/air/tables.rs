@@ -12,6 +12,7 @@
 //! Light is relative to the Sun's irradiance at the top, times π, so that a white sheet facing the Sun in space is 1.
 
 use super::model::{AirModel, EARTH_AIR};
+use crate::frames::SUN_RADIUS_RAD;
 use glam::{DVec3, Vec4};
 use std::f64::consts::PI;
 use std::sync::OnceLock;
@@ -48,7 +49,7 @@ pub const SCATTERING: TableSize = TableSize::new(96, 64, 16);
 pub const SUNLIGHT: TableSize = TableSize::new(256, 2, 1);
 
 /// Lowest Sun cosine that the scattering and sunlight tables hold; below it the night is black.
-pub(super) const LOWEST_SUN: f64 = -0.36;
+pub(crate) const LOWEST_SUN: f64 = -0.36;
 
 /// All tables, texels in x, y, z order.
 pub struct AirTables {
@@ -353,14 +354,13 @@ impl Builder<'_> {
     /// Transmittance of the Sun's light to the ground.
     fn sunlight(&self, mu_s: f64) -> DVec3 {
         // The Sun is a disc of 0.27° radius: average over it, so that it sets gradually.
-        const HALF_DISC: f64 = 0.004_65;
         const CHORDS: u32 = 9;
         let mut direct = DVec3::ZERO;
         let mut area = 0.0;
         for i in 0..CHORDS {
             let x = -1.0 + 2.0 * (f64::from(i) + 0.5) / f64::from(CHORDS);
             let weight = (1.0 - x * x).sqrt();
-            direct += self.to_sun(1.0, (mu_s + x * HALF_DISC).clamp(-1.0, 1.0)) * weight;
+            direct += self.to_sun(1.0, (mu_s + x * SUN_RADIUS_RAD).clamp(-1.0, 1.0)) * weight;
             area += weight;
         }
         direct / area
@@ -395,9 +395,11 @@ fn exp(v: DVec3) -> DVec3 {
     DVec3::new(v.x.exp(), v.y.exp(), v.z.exp())
 }
 
-/// Rec. 709 luminance.
+/// Luminance of linear red, green and blue (Rec. 709).
+pub(crate) const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
+
 fn luminance(v: DVec3) -> f64 {
-    v.dot(DVec3::new(0.2126, 0.7152, 0.0722))
+    v.dot(LUMINANCE)
 }
 
 fn bilinear(table: &[DVec3], size: TableSize, x: f64, y: f64) -> DVec3 {

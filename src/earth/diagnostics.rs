@@ -1,8 +1,8 @@
 //! For measuring and for looking at how an Earth is drawn. Pictures need none of it.
 
 use super::Earth;
-use crate::globe::{BlockGrid, GroundForm, Surface};
-use crate::gpu::{FramePlan, SurfaceOutput};
+use crate::globe::BlockGrid;
+use crate::gpu::{FramePlan, ShaderVariant, SurfaceOutput};
 use glam::{DVec3, Vec3};
 
 /// What an Earth draws that is to be examined. The default is the picture.
@@ -52,22 +52,16 @@ impl Earth {
     }
 
     fn features(&self, on: bool) -> Vec<&'static str> {
-        let shader = &self.surface.variant().features;
+        let shader = self.surface.variant().conditions_met();
         // Water and tiles come with packs; an Earth without one has nothing to switch off.
         let of_packs: &[&str] = match self.planner.tiles {
             Some(_) => &["water", "tiles"],
             None => &[],
         };
-        let of_ground: &[&str] = match self.planner.ground().map(Surface::form) {
-            Some(GroundForm::Grid(_)) => &["relief", "grid"],
-            Some(GroundForm::Pages(_)) => &["relief", "cast"],
-            Some(GroundForm::Patches) => &["relief"],
-            None => &[],
-        };
         ["clouds", "normals", "night_lights"]
             .iter()
             .chain(of_packs)
-            .chain(of_ground)
+            .chain(self.planner.ground_features())
             .copied()
             .map(|name| (name, shader.contains(&name)))
             .chain([("atmosphere", self.air.is_some())])

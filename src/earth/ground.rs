@@ -5,8 +5,8 @@ use crate::elevation::{Bounds, Elevation};
 use crate::globe::contours::ContourOptions;
 use crate::globe::projected_grid::GPU_TILES;
 use crate::globe::{
-    Block, BlockGrid, Figure, GroundView, Surface, SurfaceError, SurfaceSettings, SurfaceStats,
-    select_blocks_between,
+    Block, BlockGrid, Figure, GroundForm, GroundView, Surface, SurfaceError, SurfaceSettings,
+    SurfaceStats, select_blocks_between,
 };
 use crate::gpu::{GridMesh, PageMesh};
 use std::fmt;
@@ -111,5 +111,19 @@ impl GroundDriver {
 
     pub fn surface(&self) -> &dyn Surface {
         self.surface.as_ref()
+    }
+
+    /// Whether it is drawn as triangles, whose edges could be drawn.
+    pub fn has_edges(&self) -> bool {
+        !matches!(self.surface.form(), GroundForm::Pages(_))
+    }
+
+    /// Names of the features that its form turns on.
+    pub fn features(&self) -> &'static [&'static str] {
+        match self.surface.form() {
+            GroundForm::Grid(_) => &["relief", "grid"],
+            GroundForm::Pages(_) => &["relief", "cast"],
+            GroundForm::Patches => &["relief"],
+        }
     }
 }

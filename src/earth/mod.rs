@@ -4,81 +4,54 @@
 //! |---|---|
 //! | `mod.rs` | the three verbs |
 //! | `options.rs` | what is fixed when an Earth is made |
+//! | `error.rs` | what can be wrong with it |
 //! | `plan.rs` | what a frame draws, chosen without a GPU |
-//! | `look.rs` | how the surface is drawn with a quality |
+//! | `surface_config.rs` | how the surface is drawn with a quality |
 //! | `view.rs` | the eye and the target |
+//! | `sky.rs` | what lights it |
 //! | `stats.rs` | what a frame drew |
-//! | `ground.rs` | ground with relief, where there is any |
-//! | `tiles.rs` | which tiles of a pack a frame wants and is drawn with |
-//! | `quality.rs` | what can be given up to draw faster, and in what order |
-//! | `governor.rs` | when it is given up, to hold a frame time |
+//! | `ground.rs` | ground with relief, where there is any; `no_ground.rs` without the feature `terrain` |
+//! | `tiles.rs` | which tiles of a pack a frame requests and is drawn with; `no_tiles.rs` without the feature `packs` |
+//! | `tile_view.rs` | what tiles are chosen by, and how fine they came out |
+//! | `quality.rs` | levels of quality: what is reduced to draw faster, and in what order |
+//! | `adaptive_quality.rs` | when quality is reduced, to hold a frame time |
 //! | `diagnostics.rs` | what is not for pictures: where pixels look, edges of triangles, what the shaders hold |
 
+mod adaptive_quality;
 mod diagnostics;
-mod governor;
+mod error;
+#[cfg_attr(not(feature = "terrain"), path = "no_ground.rs")]
 mod ground;
-mod look;
 mod options;
 mod plan;
 mod quality;
+mod sky;
 mod stats;
+mod surface_config;
+mod tile_view;
+#[cfg_attr(not(feature = "packs"), path = "no_tiles.rs")]
 mod tiles;
 mod view;
 
 use crate::air::Atmosphere;
-use crate::frames::{Epoch, Orientation, sun_direction_itrf_oriented};
 pub use crate::globe::Shading;
-use crate::globe::{GroundForm, Surface};
 use crate::gpu::{AirDrawable, FramePlan, PassFormat, SurfaceDrawable};
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::tile::TileKey;
+pub use adaptive_quality::{AdaptiveQuality, QualityChange};
 pub use diagnostics::{DiagnosticOptions, Diagnostics};
-use glam::DVec3;
-pub use governor::{Change, Governor};
+pub use error::EarthError;
 pub use ground::GroundOptions;
-use look::{Style, look};
-pub use options::{EarthError, EarthOptions};
+pub use options::EarthOptions;
 use plan::Planner;
-pub use quality::{GiveUp, Quality, Rung};
+pub use quality::{Quality, QualityLevel, QualityReduction, TILED_SUBDIVISION};
+pub use sky::Sky;
 pub use stats::FrameStats;
 use std::time::{Duration, Instant};
+use surface_config::{SurfaceStyle, surface_config};
 use tiles::TileDriver;
-pub use tiles::{TILED_SUBDIVISION, TileOptions};
+pub use tiles::TileOptions;
 pub use view::{EyeView, Viewport, infinite_reversed_z};
-
-/// What lights the Earth.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sky {
-    /// Vector to the Sun in ITRF axes, of length 1; of any other finite length it is made a unit vector.
-    pub sun_itrf: DVec3,
-}
-
-impl Sky {
-    /// The sky of a date, UT1 taken as UTC and polar motion left out: the Sun is up to 13.5″ off.
-    pub fn at(epoch: Epoch) -> Self {
-        Self::with_orientation(epoch, &Orientation::default())
-    }
-
-    /// The sky of a date over an Earth of that orientation.
-    pub fn with_orientation(epoch: Epoch, orientation: &Orientation) -> Self {
-        Self {
-            sun_itrf: sun_direction_itrf_oriented(epoch, orientation),
-        }
-    }
-
-    /// The same with a Sun of length 1; `None` where that has no direction or is not finite.
-    fn with_unit_sun(self) -> Option<Self> {
-        let sun = self.sun_itrf;
-        if (sun.length_squared() - 1.0).abs() < 1e-6 {
-            return Some(self);
-        }
-        // By the largest component first: squares of very long vectors are infinite, of very short ones 0.
-        let largest = sun.abs().max_element();
-        (sun.is_finite() && largest > 0.0).then(|| Self {
-            sun_itrf: (sun / largest).normalize(),
-        })
-    }
-}
 
 /// Bytes of tiles uploaded at once where a picture waits for them.
 const WAITING_UPLOAD_BYTES: u64 = 64_000_000;
@@ -94,7 +67,7 @@ pub struct Earth {
     surface: SurfaceDrawable,
     air: Option<AirDrawable>,
     device: wgpu::Device,
-    style: Style,
+    style: SurfaceStyle,
     format: PassFormat,
     quality: Quality,
     /// Bytes of tiles uploaded by the last `prepare`.
@@ -117,8 +90,7 @@ impl Earth {
             quality.atmosphere = Atmosphere::None;
         }
         let planner = Planner::new(options, &quality, &device.limits())?;
-        let is_cast = |ground: &dyn Surface| matches!(ground.form(), GroundForm::Pages(_));
-        if options.diagnostics.wireframe && planner.ground().is_some_and(is_cast) {
+        if options.diagnostics.wireframe && !planner.has_edges() {
             return Err(EarthError::NoEdges);
         }
         let format = PassFormat {
@@ -132,20 +104,15 @@ impl Earth {
             Atmosphere::Billboard => Some(AirDrawable::new(device, queue, format)?),
             Atmosphere::None => None,
         };
-        let style = Style {
+        let style = SurfaceStyle {
             shading: options.shading,
             diagnostics: options.diagnostics,
         };
-        let look = look(
-            device,
-            style,
-            format,
-            &quality,
-            (air.as_ref(), planner.ground()),
-        );
+        let ground = planner.ground();
+        let config = surface_config(device, style, format, &quality, air.as_ref(), ground);
         let pools = planner.tiles.as_ref().map(TileDriver::pools);
         let grids = planner.meshes().grids();
-        let surface = SurfaceDrawable::new(device, queue, grids, &options.layers, pools, &look)?;
+        let surface = SurfaceDrawable::new(device, queue, grids, &options.layers, pools, &config)?;
         let refused = resolved(scope.pop());
         let full = resolved(memory.pop());
         if let Some(error) = full {
@@ -187,7 +154,7 @@ impl Earth {
         self.prepare_within(queue, view, sky, target.into(), None)
     }
 
-    /// As [`Self::prepare`], but waits until every tile that the view wants is on the GPU, and ground with relief is as fine
+    /// As [`Self::prepare`], but waits until every tile that the view requests is on the GPU, and ground with relief is as fine
     /// as it will be, at most `timeout`: for
     /// pictures that are kept. Answers what is missing; such blocks are drawn with something coarser. A tile that cannot
     /// be read is not waited for.
@@ -274,9 +241,9 @@ impl Earth {
             (Atmosphere::Billboard, Some(air)) => Some(air),
             (Atmosphere::Billboard, None) => Some(AirDrawable::new(&device, queue, format)?),
         };
-        let with = (air.as_ref(), self.planner.ground());
-        let look = look(&device, self.style, format, &quality, with);
-        self.surface.set_look(&device, meshes.grids(), &look)?;
+        let (air_drawn, ground) = (air.as_ref(), self.planner.ground());
+        let config = surface_config(&device, self.style, format, &quality, air_drawn, ground);
+        self.surface.set_config(&device, meshes.grids(), &config)?;
         (self.air, self.format, self.quality) = (air, format, quality);
         self.planner.set_quality(&quality, meshes);
         self.plan = self.planner.empty_plan();

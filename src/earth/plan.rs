@@ -2,9 +2,11 @@
 //! handed to the GPU, and nothing comes back.
 
 use super::ground::GroundDriver;
-use super::tiles::{TileDriver, TileView};
+use super::quality::TILED_SUBDIVISION;
+use super::tile_view::TileView;
+use super::tiles::TileDriver;
 use super::view::ItrfView;
-use super::{EarthError, EarthOptions, FrameStats, Quality, Sky, TILED_SUBDIVISION};
+use super::{EarthError, EarthOptions, FrameStats, Quality, Sky};
 use crate::air::{Atmosphere, Billboard, EARTH_AIR};
 use crate::frames::Ellipsoid;
 use crate::globe::{
@@ -75,6 +77,16 @@ impl Planner {
     /// The ground with relief, if there is any.
     pub fn ground(&self) -> Option<&dyn Surface> {
         self.ground.as_ref().map(GroundDriver::surface)
+    }
+
+    /// Whether what is drawn has triangles, whose edges could be drawn.
+    pub fn has_edges(&self) -> bool {
+        self.ground.as_ref().is_none_or(GroundDriver::has_edges)
+    }
+
+    /// Names of the features that the ground's form turns on.
+    pub fn ground_features(&self) -> &'static [&'static str] {
+        self.ground.as_ref().map_or(&[], GroundDriver::features)
     }
 
     /// Whether a view that does not move would be given the ground that it has now.
@@ -197,4 +209,72 @@ fn meshes(
 ) -> Result<Meshes, SubdivisionError> {
     let least = if has_tiles { TILED_SUBDIVISION } else { 1 };
     Meshes::new(ellipsoid, subdivision, least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::earth::{EyeView, Viewport};
+    use crate::frames::Geodetic;
+    use crate::imagery::{EarthLayers, LayerImage};
+    use glam::DVec3;
+
+    const SKY: Sky = Sky { sun_itrf: DVec3::X };
+
+    fn planner() -> Planner {
+        let options = EarthOptions::new(EarthLayers {
+            day: LayerImage::from_rgba8(1, 1, vec![0; 4]).expect("a map"),
+            clouds: None,
+            normals: None,
+            night_lights: None,
+            water: None,
+        });
+        let quality = Quality::of(&options);
+        Planner::new(&options, &quality, &wgpu::Limits::default()).expect("good options")
+    }
+
+    fn nadir(lat_deg: f64, lon_deg: f64, height_m: f64) -> ItrfView {
+        let place = Geodetic::from_degrees(lat_deg, lon_deg, height_m);
+        let eye = Ellipsoid::WGS84.itrf_from_geodetic(place);
+        let view = EyeView::itrf(eye, -eye, DVec3::Z, 0.8, 1.6);
+        view.in_itrf(Viewport::from((640, 400))).expect("a picture")
+    }
+
+    #[test]
+    fn a_plan_holds_what_is_drawn_and_no_gpu_was_asked() {
+        let mut planner = planner();
+        let mut plan = planner.empty_plan();
+        let view = nadir(10.0, 20.0, 4e5);
+        let stats = planner.plan(&view, &SKY, &mut plan);
+        let grid = planner.meshes().grid();
+        assert!(!plan.blocks.is_empty());
+        assert_eq!(stats.blocks_drawn as usize, plan.blocks.len());
+        assert_eq!(
+            planner.meshes().grids()[plan.mesh].subdivision(),
+            stats.subdivision
+        );
+        let per_block = grid.vertices_per_block() as usize;
+        assert_eq!(plan.vertices.len(), plan.blocks.len() * per_block);
+        for (n, block) in plan.blocks.iter().enumerate() {
+            let first = grid.vertex_row(*block, 0)[0] - view.eye_itrf_m;
+            assert_eq!(plan.vertices[n * per_block], first.as_vec3());
+        }
+        assert!(plan.tiles.is_empty() && plan.air.is_some());
+        assert_eq!(plan.uniforms.sun_itrf, SKY.sun_itrf.as_vec3());
+        plan.clear();
+        assert!(plan.blocks.is_empty() && plan.vertices.is_empty() && plan.air.is_none());
+    }
+
+    #[test]
+    fn a_plan_has_room_for_every_view_from_the_start() {
+        let mut planner = planner();
+        let mut plan = planner.empty_plan();
+        let room = (plan.blocks.capacity(), plan.vertices.capacity());
+        for height_m in [1.0, 1e3, 1e5, 1e7, 1e9] {
+            for lon_deg in [-180.0, -70.0, 0.0, 99.0] {
+                planner.plan(&nadir(lon_deg / 2.0, lon_deg, height_m), &SKY, &mut plan);
+            }
+        }
+        assert_eq!((plan.blocks.capacity(), plan.vertices.capacity()), room);
+    }
 }

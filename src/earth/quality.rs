@@ -1,21 +1,30 @@
-//! How well an Earth is drawn, and in what order that is given up where time is short.
+//! How well an Earth is drawn, and in what order quality is reduced where time is short.
 
-use super::{EarthOptions, TILED_SUBDIVISION};
 use crate::air::Atmosphere;
 use crate::globe::Subdivision;
 use crate::imagery::tile::{MAP_LAYERS, MapLayer};
 use std::fmt;
+
+/// Cells per block edge that an Earth with tiles should have.
+///
+/// A pixel shows what its ray meets on the exact ellipsoid, and its block is that of the facet before it. Near an edge
+/// the ray may meet the next block's ground, of which a tile has a border of [`TILE_BORDER`] texels. Facets lie up to
+/// R(1 − cos(11.25°/n)) below the ellipsoid: 3.4 km for n = 6 and 0.21 km for n = 24, which even at 6° above the ground
+/// is little more than a texel of 1.9 km, the paper's finest.
+///
+/// [`TILE_BORDER`]: crate::imagery::tile::TILE_BORDER
+pub const TILED_SUBDIVISION: u32 = 24;
 
 /// How well an Earth is drawn: what [`super::Earth::set_quality`] changes while maps and tiles stay where they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
     /// Cells per block edge.
     pub subdivision: Subdivision,
-    /// Most samples that a map is filtered with at a grazing view, as in [`EarthOptions::anisotropy`].
+    /// Most samples that a map is filtered with at a grazing view, as in [`super::EarthOptions::anisotropy`].
     pub anisotropy: u16,
     /// Sample count of the pass. The host's pass must have as many.
     pub samples: u32,
-    /// Most screen pixels that a texel of a tile may cover, as in [`super::TileOptions::most_px`]; without tiles it
+    /// Most screen pixels that a texel of a tile may cover, as in [`super::TileOptions::max_texel_px`]; without tiles it
     /// changes nothing.
     pub texel_px: f64,
     /// Which maps are drawn, by [`MapLayer::index`]. One that the Earth was made without is never drawn; the day map
@@ -26,54 +35,42 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// The quality of an Earth that is made with these options.
-    pub fn of(options: &EarthOptions) -> Self {
-        Self {
-            subdivision: options.subdivision,
-            anisotropy: options.anisotropy,
-            samples: options.samples,
-            texel_px: options.tiles.as_ref().map_or(1.0, |tiles| tiles.most_px),
-            maps: MapLayer::ALL.map(|layer| options.layers.get(layer).is_some()),
-            atmosphere: options.atmosphere,
-        }
-    }
-
-    /// What may be given up, the cheapest loss for the time it saves first: each rung gives up one thing more than the
-    /// one before. Rungs that would change nothing on this Earth are left out, so that each saves something.
+    /// This quality and lower ones, the cheapest loss for the time it saves first: each level gives up one thing more than
+    /// the one before. Levels that would change nothing on this Earth are left out, so that each saves something.
     ///
     /// The order is that of the measured front of error against time, `docs/accuracy.md`.
-    pub fn ladder(self, has_tiles: bool, is_software: bool) -> Vec<Rung> {
-        let mut rungs = vec![Rung {
-            gives_up: GiveUp::Nothing,
+    pub fn levels(self, has_tiles: bool, is_software: bool) -> Vec<QualityLevel> {
+        let mut levels = vec![QualityLevel {
+            reduction: QualityReduction::None,
             quality: self,
         }];
-        for gives_up in GiveUp::ORDER {
-            let filtered_once = is_software && gives_up == GiveUp::Anisotropy;
-            let without_tiles = !has_tiles && gives_up == GiveUp::Detail;
-            let last = rungs.last().map_or(self, |rung| rung.quality);
-            let quality = gives_up.apply(last, has_tiles);
+        for reduction in QualityReduction::ORDER {
+            let filtered_once = is_software && reduction == QualityReduction::Anisotropy;
+            let without_tiles = !has_tiles && reduction == QualityReduction::Detail;
+            let last = levels.last().map_or(self, |level| level.quality);
+            let quality = reduction.apply(last, has_tiles);
             if quality != last && !filtered_once && !without_tiles {
-                rungs.push(Rung { gives_up, quality });
+                levels.push(QualityLevel { reduction, quality });
             }
         }
-        rungs
+        levels
     }
 }
 
-/// A step of [`Quality::ladder`].
+/// A step of [`Quality::levels`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rung {
+pub struct QualityLevel {
     /// What it gives up that the one above has.
-    pub gives_up: GiveUp,
+    pub reduction: QualityReduction,
     /// What is left.
     pub quality: Quality,
 }
 
-/// A thing that can be given up to draw faster.
+/// What can be given up to draw faster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GiveUp {
+pub enum QualityReduction {
     /// All is drawn.
-    Nothing,
+    None,
     /// Maps are filtered with two samples at grazing views.
     Anisotropy,
     /// Texels of tiles may cover twice as many pixels.
@@ -92,7 +89,7 @@ pub enum GiveUp {
     Air,
 }
 
-impl GiveUp {
+impl QualityReduction {
     /// What saves most for the least error first. Of a frame on a software adapter, with the FLIP error that is added:
     /// four samples 46 % and 0.000 (the air hides the limb's edge), the air 26 %, each of relief, lights and clouds 3 %.
     const ORDER: [Self; 8] = [
@@ -116,7 +113,7 @@ impl GiveUp {
             Quality { maps, ..from }
         };
         match self {
-            Self::Nothing => from,
+            Self::None => from,
             Self::Anisotropy => Quality {
                 anisotropy: from.anisotropy.min(2),
                 ..from
@@ -144,10 +141,10 @@ impl GiveUp {
     }
 }
 
-impl fmt::Display for GiveUp {
+impl fmt::Display for QualityReduction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Nothing => "nothing",
+            Self::None => "nothing",
             Self::Anisotropy => "anisotropy",
             Self::Detail => "fine tiles",
             Self::Relief => "relief",
@@ -181,19 +178,19 @@ mod tests {
             subdivision: Subdivision::Cells(48),
             ..full()
         };
-        let ladder = full().ladder(true, false);
-        assert_eq!(ladder.len(), 1 + GiveUp::ORDER.len());
-        assert_eq!(ladder[0].quality, full());
-        for pair in ladder.windows(2) {
+        let levels = full().levels(true, false);
+        assert_eq!(levels.len(), 1 + QualityReduction::ORDER.len());
+        assert_eq!(levels[0].quality, full());
+        for pair in levels.windows(2) {
             assert_eq!(
-                pair[1].gives_up.apply(pair[0].quality, true),
+                pair[1].reduction.apply(pair[0].quality, true),
                 pair[1].quality,
                 "{}",
-                pair[1].gives_up
+                pair[1].reduction
             );
             assert_ne!(pair[0].quality, pair[1].quality);
         }
-        let last = ladder[ladder.len() - 1].quality;
+        let last = levels[levels.len() - 1].quality;
         assert_eq!(
             (last.samples, last.subdivision),
             (1, Subdivision::Cells(TILED_SUBDIVISION))
@@ -203,9 +200,17 @@ mod tests {
 
     #[test]
     fn what_changes_nothing_is_no_rung() {
-        let names = |rungs: Vec<Rung>| rungs.iter().map(|rung| rung.gives_up).collect::<Vec<_>>();
-        let software = names(full().ladder(false, true));
-        assert!(!software.contains(&GiveUp::Anisotropy) && !software.contains(&GiveUp::Detail));
+        let names = |levels: Vec<QualityLevel>| {
+            levels
+                .iter()
+                .map(|level| level.reduction)
+                .collect::<Vec<_>>()
+        };
+        let software = names(full().levels(false, true));
+        assert!(
+            !software.contains(&QualityReduction::Anisotropy)
+                && !software.contains(&QualityReduction::Detail)
+        );
         let mut bare = Quality {
             subdivision: Subdivision::Cells(6),
             anisotropy: 1,
@@ -214,6 +219,6 @@ mod tests {
             ..full()
         };
         bare.maps = [true, false, false, false, false];
-        assert_eq!(names(bare.ladder(false, false)), [GiveUp::Nothing]);
+        assert_eq!(names(bare.levels(false, false)), [QualityReduction::None]);
     }
 }

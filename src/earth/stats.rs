@@ -2,7 +2,7 @@
 
 use crate::frames::Geodetic;
 use crate::globe::SurfaceStats;
-use crate::imagery::stream::StreamCounters;
+use crate::imagery::residency::StreamCounters;
 use crate::imagery::tile::MAX_LEVELS;
 use std::time::Duration;
 

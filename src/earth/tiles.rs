@@ -1,15 +1,17 @@
-//! Which tiles of a pack a frame wants, and which it is drawn with.
+//! Which tiles of a pack a frame requests, and which it is drawn with.
 
 use super::quality::Quality;
+use super::tile_view::{TileDetail, TileView};
 use super::{EarthError, EyeView};
 use crate::globe::{
     BLOCK_COUNT, Block, BlockGrid, LevelRule, Visibility, paper_level, screen_level, select_blocks,
     texels_per_pixel,
 };
-use crate::gpu::BlockTiles;
+use crate::gpu::{BlockTiles, GLINT_ENDS_SIN, LAMPS_OUT_SIN};
 use crate::imagery::EarthLayers;
-use crate::imagery::stream::{Pool, StreamCounters, StreamOptions, TileStream, Upload, Want};
-use crate::imagery::tile::{MAP_LAYERS, MAX_LEVELS, MapLayer, TileKey, TileSource};
+use crate::imagery::residency::{Pool, StreamCounters, Upload};
+use crate::imagery::stream::{StreamOptions, TileRequest, TileStream};
+use crate::imagery::tile::{LayerLayout, MAP_LAYERS, MAX_LEVELS, MapLayer, TileKey, TileSource};
 use glam::DVec3;
 use std::fmt;
 use std::sync::Arc;
@@ -22,19 +24,10 @@ const MAX_EXPECTED: usize = 4;
 /// paper's shading ends at −0.3.
 const DARK: f64 = -0.32;
 
-/// Above this one city lights are out, and below 0 the sea mirrors no Sun; both with room for the ellipsoid.
-const LIGHTS_OUT: f64 = 0.03;
-const NO_GLINT: f64 = -0.02;
-
-/// Cells per block edge that an Earth with tiles should have.
-///
-/// A pixel shows what its ray meets on the exact ellipsoid, and its block is that of the facet before it. Near an edge
-/// the ray may meet the next block's ground, of which a tile has a border of [`TILE_BORDER`] texels. Facets lie up to
-/// R(1 − cos(11.25°/n)) below the ellipsoid: 3.4 km for n = 6 and 0.21 km for n = 24, which even at 6° above the ground
-/// is little more than a texel of 1.9 km, the paper's finest.
-///
-/// [`TILE_BORDER`]: crate::imagery::tile::TILE_BORDER
-pub const TILED_SUBDIVISION: u32 = 24;
+/// Above this one city lights are out, and below the other the sea mirrors no Sun; both with room for the ellipsoid.
+const LIGHTS_OUT: f64 = LAMPS_OUT_SIN + ROOM_SIN;
+const NO_GLINT: f64 = GLINT_ENDS_SIN - ROOM_SIN;
+const ROOM_SIN: f64 = 0.01;
 
 /// How tiles are chosen, loaded and held.
 ///
@@ -66,7 +59,7 @@ pub struct TileOptions {
     /// How levels are chosen.
     pub rule: LevelRule,
     /// [`LevelRule::Screen`]: most screen pixels that a texel may cover.
-    pub most_px: f64,
+    pub max_texel_px: f64,
     /// Bytes for the textures of tiles and whole maps together; the whole maps are held even where they alone are more.
     pub texture_bytes: u64,
     /// Bytes of tiles that one [`super::Earth::prepare`] may upload.
@@ -81,11 +74,24 @@ impl TileOptions {
         Self {
             source,
             rule: LevelRule::default(),
-            most_px: 1.0,
+            max_texel_px: 1.0,
             texture_bytes: 512_000_000,
             upload_bytes: 8_000_000,
             threads: None,
         }
+    }
+
+    /// Most screen pixels that a texel may cover.
+    pub(super) fn texel_px(&self) -> f64 {
+        self.max_texel_px
+    }
+
+    /// Whether the device reads the tiles' formats.
+    pub(super) fn can_be_read_by(&self, device: &wgpu::Device) -> bool {
+        let is_plain = |layer: &LayerLayout| layer.format.unit_side() == 1;
+        let has_bc = device.features();
+        self.source.layers().iter().all(is_plain)
+            || has_bc.contains(wgpu::Features::TEXTURE_COMPRESSION_BC)
     }
 }
 
@@ -94,7 +100,7 @@ impl fmt::Debug for TileOptions {
         f.debug_struct("TileOptions")
             .field("layers", &self.source.layers())
             .field("rule", &self.rule)
-            .field("most_px", &self.most_px)
+            .field("max_texel_px", &self.max_texel_px)
             .field("texture_bytes", &self.texture_bytes)
             .field("upload_bytes", &self.upload_bytes)
             .field("threads", &self.threads)
@@ -102,31 +108,13 @@ impl fmt::Debug for TileOptions {
     }
 }
 
-/// What a frame's choice depends on beside the blocks.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TileView {
-    pub eye_itrf_m: DVec3,
-    pub sun_itrf: DVec3,
-    /// Angle of a screen pixel.
-    pub pixel_rad: f64,
-}
-
-/// How fine the maps are that a frame is drawn with.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TileDetail {
-    /// As [`super::FrameStats::texels_per_pixel`].
-    pub texels_per_pixel: f64,
-    /// As [`super::FrameStats::day_levels`].
-    pub day_levels: [u32; MAX_LEVELS],
-}
-
-/// Level of a block that was not wanted in the frame before.
+/// Level of a block that was not requested in the frame before.
 const NONE: u8 = u8::MAX;
 
 pub(super) struct TileDriver {
     stream: TileStream,
     rule: LevelRule,
-    most_px: f64,
+    max_texel_px: f64,
     /// Which maps are drawn, by [`MapLayer::index`].
     shown: [bool; MAP_LAYERS],
     upload_bytes: u64,
@@ -139,7 +127,7 @@ pub(super) struct TileDriver {
     // Kept to allocate nothing in steady state.
     near: Vec<(f64, Block)>,
     expected_blocks: Vec<Block>,
-    wants: Vec<Want>,
+    requests: Vec<TileRequest>,
 }
 
 impl TileDriver {
@@ -169,7 +157,7 @@ impl TileDriver {
         Ok(Self {
             stream: TileStream::new(options.source.clone(), &stream),
             rule: options.rule,
-            most_px: options.most_px,
+            max_texel_px: options.max_texel_px,
             shown: [true; MAP_LAYERS],
             upload_bytes: options.upload_bytes,
             visibility,
@@ -178,13 +166,13 @@ impl TileDriver {
             expected: Vec::with_capacity(MAX_EXPECTED),
             near: Vec::with_capacity(2 * BLOCK_COUNT as usize),
             expected_blocks: Vec::with_capacity(BLOCK_COUNT as usize),
-            wants: Vec::with_capacity((1 + MAX_EXPECTED) * MAP_LAYERS * BLOCK_COUNT as usize),
+            requests: Vec::with_capacity((1 + MAX_EXPECTED) * MAP_LAYERS * BLOCK_COUNT as usize),
         })
     }
 
-    /// Wants from now on what this quality needs. Tiles that are there stay until others need their place.
+    /// Requests from now on what this quality needs. Tiles that are there stay until others need their place.
     pub fn set_quality(&mut self, quality: &Quality) {
-        self.most_px = quality.texel_px;
+        self.max_texel_px = quality.texel_px;
         self.shown = quality.maps;
         self.shown[MapLayer::Day.index()] = true;
         // What is chosen now does not depend on what was chosen before.
@@ -210,16 +198,16 @@ impl TileDriver {
         blocks: &[Block],
         tiles: &mut Vec<(Block, BlockTiles)>,
     ) -> TileDetail {
-        self.wants.clear();
+        self.requests.clear();
         let mut levels = [[NONE; BLOCK_COUNT as usize]; MAP_LAYERS];
         sort_by_distance(&mut self.near, grid, view.eye_itrf_m, blocks);
         for place in 0..self.near.len() {
             let (distance_m, block) = self.near[place];
-            self.want(grid, view, distance_m, block, Some(&mut levels));
+            self.request(grid, view, distance_m, block, Some(&mut levels));
         }
         self.levels = levels;
-        self.want_expected(grid, view);
-        self.stream.update(Instant::now(), &self.wants);
+        self.request_expected(grid, view);
+        self.stream.update(Instant::now(), &self.requests);
 
         let mut fewest = f64::INFINITY;
         let mut day_levels = [0; MAX_LEVELS];
@@ -280,9 +268,9 @@ impl TileDriver {
         self.stream.wait(timeout);
     }
 
-    /// Wants a block's tiles. `levels` is given for a block of the picture: there the levels chosen are kept for the
+    /// Requests a block's tiles. `levels` is given for a block of the picture: there the levels chosen are kept for the
     /// next frame's hysteresis.
-    fn want(
+    fn request(
         &mut self,
         grid: &BlockGrid,
         view: &TileView,
@@ -305,14 +293,14 @@ impl TileDriver {
                     grid.ellipsoid().equatorial_radius_m,
                     distance_m,
                     view.pixel_rad,
-                    self.most_px,
+                    self.max_texel_px,
                     (before != NONE).then_some(before.into()),
                 ),
             } as u8;
             if let Some(levels) = &mut levels {
                 levels[layer.index()][index] = level;
             }
-            self.wants.push(Want {
+            self.requests.push(TileRequest {
                 key: TileKey {
                     layer,
                     level,
@@ -323,7 +311,7 @@ impl TileDriver {
         }
     }
 
-    fn want_expected(&mut self, grid: &BlockGrid, view: &TileView) {
+    fn request_expected(&mut self, grid: &BlockGrid, view: &TileView) {
         for place in 0..self.expected.len() {
             let (itrf_m, clip_from_eye) = self.expected[place].to_itrf();
             if !itrf_m.is_finite() || !clip_from_eye.is_finite() {
@@ -341,7 +329,7 @@ impl TileDriver {
             );
             near[own..].sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
             for (distance_m, block) in &near[own..] {
-                self.want(grid, view, *distance_m, *block, None);
+                self.request(grid, view, *distance_m, *block, None);
             }
             near.truncate(own);
             self.near = near;

@@ -4,15 +4,13 @@
 //! within 107 m of WGS84, and no surface here tells the two apart.
 //!
 //! [`Ground`] is what scenes use: any number of [`HeightGrid`]s over a sea at height 0. Grids are made from heights in
-//! memory or, with the feature `terrain`, read from files (GeoTIFF, PNG with a sidecar, NetCDF classic).
+//! memory or read from files (GeoTIFF, PNG with a sidecar, NetCDF classic).
 
 mod denoise;
 mod fractal;
-#[cfg(any(feature = "terrain", feature = "pack-build"))]
 pub(crate) mod geo_tags;
 mod grid;
 mod ground;
-#[cfg(feature = "terrain")]
 pub mod read;
 
 pub use denoise::{Denoise, Denoised};
@@ -22,7 +20,6 @@ pub use grid::{
     LOWEST_M, MAX_SIDE, Registration,
 };
 pub use ground::Ground;
-#[cfg(feature = "terrain")]
 pub use read::{HeightFile, HeightFileError, open_heights, open_heights_denoised};
 
 use crate::frames::Ellipsoid;

@@ -118,7 +118,7 @@ impl Ellipsoid {
             .normalize_or(DVec2::new(1.0, 0.0));
         let mut phi = beta;
         // Two rounds do near and above the surface, thirty at a tenth of its radius.
-        for _ in 0..Self::MOST_ROUNDS {
+        for _ in 0..Self::MAX_ITERATIONS {
             // tan φ = (z + e'² b sin³ β)/(ρ − e² a cos³ β); the denominator is negative only inside the evolute.
             phi = DVec2::new(
                 (rho - e2 * a * beta.x * beta.x * beta.x).max(0.0),
@@ -141,5 +141,5 @@ impl Ellipsoid {
     }
 
     /// Bound on the iteration of [`Self::geodetic_from_itrf`], reached only close to the centre.
-    const MOST_ROUNDS: usize = 100;
+    const MAX_ITERATIONS: usize = 100;
 }

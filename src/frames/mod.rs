@@ -16,6 +16,7 @@ pub use bodies::{
     ASTRONOMICAL_UNIT_M, earth_rotation_angle_rad, intermediate_from_gcrf, moon_position_gcrf_m,
     sun_position_gcrf_m,
 };
+#[cfg(feature = "orbit")]
 pub(crate) use calendar::Calendar;
 pub use ccsds::{TimeScale, ccsds_time, epoch_from_ccsds};
 pub use earth_orientation::{EarthOrientation, EarthOrientationError};
@@ -26,6 +27,7 @@ pub use rotation::{
     EARTH_ROTATION_RATE_RAD_S, gcrf_from_eme2000, itrf_from_gcrf, itrf_from_gcrf_oriented,
     itrf_from_gcrf_with_ut1, itrf_from_pef, itrf_from_teme, itrf_from_teme_with_ut1, pef_from_teme,
 };
-pub use sun::{subsolar_point, sun_direction_itrf, sun_direction_itrf_oriented};
+pub use sun::{SUN_RADIUS_RAD, subsolar_point, sun_direction_itrf, sun_direction_itrf_oriented};
 pub use time::{TimeError, rfc3339, utc_from_rfc3339};
+#[cfg(feature = "orbit")]
 pub(crate) use time::{tai_from_utc_day, utc_day};

@@ -5,6 +5,9 @@ use super::time::JulianDate;
 use super::{Epoch, Geodetic, Orientation};
 use glam::DVec3;
 
+/// Mean angular radius of the Sun's disc, radians.
+pub const SUN_RADIUS_RAD: f64 = 0.004_65;
+
 /// Unit vector from the Earth's centre to the Sun in ITRF axes: the apparent direction, where its light comes from.
 ///
 /// From 1900 to 2100 by the Earth ephemeris VSOP2000 (simplified, 11 km at worst, 0.02″) with annual aberration (20.5″)

@@ -7,8 +7,9 @@ use super::COLUMNS;
 use std::f64::consts::TAU;
 
 /// How the level of a block is chosen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "scene", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "scene", serde(rename_all = "lowercase"))]
 pub enum LevelRule {
     /// The coarsest level whose texels are small enough on screen: [`screen_level`].
     #[default]

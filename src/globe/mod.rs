@@ -5,39 +5,53 @@
 //! how fine a map it needs there, [`Meshes`] how fine a lattice.
 //!
 //! Ground with relief is drawn by a [`Surface`], which turns a view and heights into patches of triangles:
-//! [`DisplacedBlocks`], [`projected_grid`], [`quadtree`], [`contours`] or [`clipmap`]; [`SurfaceKind`] names them.
+//! `DisplacedBlocks`, `projected_grid`, `quadtree`, `contours` or `clipmap`; `SurfaceKind` names them. They need the feature
+//! `terrain`.
 
 mod blocks;
+#[cfg(feature = "terrain")]
 pub mod clipmap;
+#[cfg(feature = "terrain")]
 pub mod contours;
+#[cfg(feature = "terrain")]
 mod displaced;
+#[cfg(feature = "terrain")]
 mod kinds;
 mod levels;
 mod meshes;
+#[cfg(feature = "terrain")]
 mod parts;
+#[cfg(feature = "terrain")]
 pub mod projected_grid;
+#[cfg(feature = "terrain")]
 pub mod quadtree;
 mod select;
+#[cfg_attr(not(feature = "terrain"), path = "no_surface.rs")]
 mod surface;
+mod surface_stats;
 
 pub use blocks::{
     BLOCK_COUNT, Block, BlockGrid, BlockRow, BlockSet, COLUMNS, ROWS, SubdivisionError,
 };
+#[cfg(feature = "terrain")]
 pub use displaced::DisplacedBlocks;
+#[cfg(feature = "terrain")]
 pub use kinds::{ContourDrawing, SurfaceError, SurfaceKind, SurfaceSettings};
 pub use levels::{
     HYSTERESIS, LevelRule, PAPER_BANDS_M, paper_level, screen_level, texels_per_pixel,
 };
 pub use meshes::{LIMB_PX, Meshes, Subdivision, limb_error_px};
+#[cfg(feature = "terrain")]
 pub use parts::{PART_TRIANGLES, Part, blocks_near, parts_of, runs};
 pub use select::{Selection, select_blocks, select_blocks_between};
-pub use surface::{
-    GridDraw, GroundForm, GroundVertex, GroundView, Indices, Patch, Surface, SurfaceStats,
-};
+#[cfg(feature = "terrain")]
+pub use surface::{GridDraw, GroundVertex, GroundView, Indices, Patch};
+pub use surface::{GroundForm, Surface, SurfaceStats};
 
 /// Which blocks are drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "scene", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "scene", serde(rename_all = "lowercase"))]
 pub enum Visibility {
     /// Never loses a block of which anything can be seen.
     #[default]
@@ -47,8 +61,9 @@ pub enum Visibility {
 }
 
 /// The figure of the Earth.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "scene", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "scene", serde(rename_all = "lowercase"))]
 pub enum Figure {
     /// The WGS84 ellipsoid.
     #[default]
@@ -68,8 +83,9 @@ impl Figure {
 }
 
 /// How the surface is shaded.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "scene", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "scene", serde(rename_all = "lowercase"))]
 pub enum Shading {
     /// Linear light, the Sun of the date, dark night side with a soft terminator.
     #[default]

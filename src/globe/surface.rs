@@ -3,6 +3,7 @@
 use super::blocks::Block;
 use super::contours::PagesDraw;
 use super::projected_grid::{Frame, HeightTiles};
+pub use super::surface_stats::SurfaceStats;
 use crate::elevation::Elevation;
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3, Vec2, Vec3};
@@ -61,26 +62,7 @@ pub struct Patch {
     pub block: Option<Block>,
 }
 
-/// What a surface did for a view.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SurfaceStats {
-    /// Patches to draw.
-    pub patches: u32,
-    /// Vertices of those.
-    pub vertices: u32,
-    /// Triangles of those, those without area included.
-    pub triangles: u32,
-    /// Places whose height was read anew.
-    pub samples_read: u64,
-    /// Bytes of vertices, indices, trees and tables held in memory.
-    pub resident_bytes: u64,
-    /// Largest vertical distance between what is drawn and the data, metres, where the surface knows a bound.
-    pub error_m: Option<f64>,
-    /// The same in pixels.
-    pub error_px: Option<f64>,
-}
-
-/// A grid whose vertices the GPU makes itself, by `shaders/common/projected_grid.wgsl`.
+/// A grid whose vertices the GPU makes itself, by `shaders/earth/vertex/projected_grid.wgsl`.
 #[derive(Clone, Copy, Debug)]
 pub struct GridDraw<'a> {
     /// The grid of the last view; `None` where nothing shows.

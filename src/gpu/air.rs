@@ -1,8 +1,9 @@
 //! The drawable of the air: one square that faces the eye.
 
+use super::shader::ShaderModule;
 use super::{
-    AirPlan, AirUniforms, DepthBuffer, GpuLayer, PassFormat, PipelineDescription, ShaderError,
-    ShaderVariant,
+    AirDepth, AirPlan, AirUniforms, AirVariant, DepthBuffer, GpuLayer, PassFormat,
+    PipelineDescription, ShaderError,
 };
 use crate::air::{self, AirTables, EARTH_AIR};
 use bytemuck::{Pod, Zeroable};
@@ -146,19 +147,16 @@ impl Variant {
         inside: bool,
         textures: &[(u32, wgpu::TextureViewDimension, &GpuLayer)],
     ) -> Result<Self, ShaderError> {
-        let shader = ShaderVariant::new(
-            super::AIR_SHADER,
-            &[
-                ("inside", inside),
-                ("depth", format.depth != DepthBuffer::None),
-                (
-                    "standard_z",
-                    matches!(format.depth, DepthBuffer::StandardZ(_)),
-                ),
-                ("encode", format.stores_display_values()),
-            ],
-        );
-        let (module, shader_bytes) = shader.module(device)?;
+        let variant = AirVariant {
+            is_inside: inside,
+            depth: match format.depth {
+                DepthBuffer::None => AirDepth::None,
+                DepthBuffer::ReversedZ(_) => AirDepth::ReversedZ,
+                DepthBuffer::StandardZ(_) => AirDepth::StandardZ,
+            },
+            target: format.target_color(),
+        };
+        let shader = ShaderModule::new(device, &variant)?;
         let sampler = super::surface::table_sampler(device);
         let mut layout = vec![
             super::uniform_entry(0, wgpu::ShaderStages::FRAGMENT, size_of::<AirUniforms>()),
@@ -198,7 +196,7 @@ impl Variant {
         let pipeline = PipelineDescription {
             label,
             bind_groups: Some(&[Some(&layout)]),
-            module: &module,
+            module: &shader.module,
             buffers: &[Some(wgpu::VertexBufferLayout {
                 array_stride: size_of::<AirVertex>() as u64,
                 step_mode: wgpu::VertexStepMode::Vertex,
@@ -216,7 +214,7 @@ impl Variant {
         Ok(Self {
             pipeline,
             bind_group,
-            shader_bytes,
+            shader_bytes: shader.bytes,
         })
     }
 }

@@ -1,5 +1,8 @@
 //! An adapter and device for programs that have none of their own. A host that has a device does not need this.
 
+use super::{GridMesh, ShaderCapability};
+use crate::globe::projected_grid::GPU_TILES;
+
 /// Why no device could be opened.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -275,6 +278,20 @@ fn report(adapter: &wgpu::Adapter) -> AdapterReport {
         true if software => dropped.push("compressed tiles: a software adapter unpacks every texel anew; packs are read as plain texels".into()),
         true => can.push("compressed tiles (BC7, BC5, BC4)".into()),
         false => dropped.push("compressed tiles: not supported; packs are read as plain texels".into()),
+    }
+    for capability in ShaderCapability::ALL {
+        let (serves, name) = (capability.serves(), capability.name());
+        match capability.is_met(&limits) {
+            true => can.push(format!("{serves} ({name})")),
+            false => dropped.push(format!("{serves}: no {name}; {}", capability.fallback())),
+        }
+    }
+    match GridMesh::fits(&limits, GPU_TILES) {
+        true => can.push("projected grid with vertices made on the GPU".into()),
+        false => dropped.push(
+            "projected grid on the GPU: textures or uniforms are too small; its vertices are made on the CPU"
+                .into(),
+        ),
     }
     match adapter.features().contains(super::GpuTimer::FEATURES) {
         true => can.push("times of its own passes (terrella bench)".into()),

@@ -1,12 +1,14 @@
 //! Pages of contours on the GPU: one buffer of nodes with a slot a page, and the prisms of those that are in sight, behind
 //! whose faces the shader casts each pixel's ray at a page's tree.
 
-use super::DepthBuffer;
 use super::lattice::BlockInstance;
-use crate::globe::Block;
+use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
+use super::shader::{ShaderCapability, VertexForm};
+use super::{DepthBuffer, FramePlan};
 use crate::globe::contours::{ContourNode, MAX_NODES, PageOptions, PagesDraw, slack_m};
+use crate::globe::{Block, BlockGrid, BlockSet, GroundForm, Surface};
 use bytemuck::{Pod, Zeroable};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use wgpu::util::DeviceExt;
 
 /// The binding of the nodes.
@@ -32,8 +34,8 @@ const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 7] = wgpu::vertex_attr_array!
     1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Uint32, 5 => Float32x3, 6 => Uint32, 7 => Float32x3
 ];
 
-/// The vertex buffers of `shaders/earth.wgsl` where rays are cast.
-pub(super) const BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
+/// The vertex buffers of `shaders/earth/vertex/contour_prisms.wgsl`.
+const BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
     Some(wgpu::VertexBufferLayout {
         array_stride: size_of::<Vec3>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,
@@ -75,7 +77,7 @@ impl PageMesh {
     /// Whether a device of these limits can cast rays at so many pages.
     pub fn fits(limits: &wgpu::Limits, options: &PageOptions) -> bool {
         let bytes = options.node_bytes();
-        limits.max_storage_buffers_per_shader_stage > 0
+        ShaderCapability::StorageBuffers.is_met(limits)
             && bytes <= limits.max_storage_buffer_binding_size
             && bytes <= limits.max_buffer_size
             && limits.max_bindings_per_bind_group > BINDING
@@ -114,29 +116,69 @@ impl PageMesh {
             far_first: depth == DepthBuffer::None,
         }
     }
+}
 
-    /// Nothing is drawn until pages are written again.
-    pub fn clear(&mut self) {
+impl SurfaceMesh for PageMesh {
+    fn vertex_form(&self, tiles: bool) -> VertexForm {
+        VertexForm::ContourPrisms {
+            tiles,
+            writes_depth: !self.far_first,
+        }
+    }
+
+    fn buffers(&self) -> &'static [Option<wgpu::VertexBufferLayout<'static>>] {
+        &BUFFERS
+    }
+
+    /// The near sides of prisms: of the far ones an eye inside sees its page.
+    fn culled(&self) -> wgpu::Face {
+        wgpu::Face::Front
+    }
+
+    fn bindings(&self) -> Vec<(wgpu::BindGroupLayoutEntry, wgpu::BindGroupEntry<'_>)> {
+        let layout = wgpu::BindGroupLayoutEntry {
+            binding: BINDING,
+            visibility: wgpu::ShaderStages::FRAGMENT,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Storage { read_only: true },
+                has_dynamic_offset: false,
+                min_binding_size: wgpu::BufferSize::new(size_of::<ContourNode>() as u64),
+            },
+            count: None,
+        };
+        let entry = wgpu::BindGroupEntry {
+            binding: BINDING,
+            resource: self.nodes.as_entire_binding(),
+        };
+        vec![(layout, entry)]
+    }
+
+    fn reset(&mut self, _: &wgpu::Device, _: &[BlockGrid]) {
         self.blocks.clear();
     }
 
-    /// Draw calls of the frame that was written last.
-    pub fn draw_calls(&self) -> u32 {
-        self.blocks.len() as u32
+    /// Triangles are the faces of prisms; bytes those of nodes, and of prisms in sight at most.
+    fn ground_costs(&self) -> Option<DrawCosts> {
+        let draw_calls = self.blocks.len() as u32;
+        Some(DrawCosts {
+            draw_calls,
+            triangles: draw_calls * (FACES.len() as u32 / 3),
+            bytes: self.nodes.size() + self.corners.size() + self.instances.size(),
+        })
     }
 
-    /// Triangles of those: the faces of prisms.
-    pub fn triangles(&self) -> u32 {
-        self.draw_calls() * (FACES.len() as u32 / 3)
-    }
-
-    /// Bytes of nodes, and of prisms in sight at most.
-    pub fn bytes(&self) -> u64 {
-        self.nodes.size() + self.corners.size() + self.instances.size()
-    }
-
-    /// Writes the pages in sight, and the nodes of those that are not there. Returns the bytes written.
-    pub fn write(&mut self, queue: &wgpu::Queue, draw: &PagesDraw<'_>, eye_itrf_m: DVec3) -> u64 {
+    /// Writes the prisms of pages in sight, and the nodes of those that are not there.
+    fn write(
+        &mut self,
+        queue: &wgpu::Queue,
+        plan: &FramePlan,
+        ground: Option<&dyn Surface>,
+        _: Option<BlockSet>,
+    ) -> u64 {
+        let Some(GroundForm::Pages(draw)) = ground.map(Surface::form) else {
+            return 0;
+        };
+        let eye_itrf_m = plan.eye_itrf_m;
         self.corner_staging.clear();
         self.instance_staging.clear();
         self.blocks.clear();
@@ -188,41 +230,14 @@ impl PageMesh {
         written
     }
 
-    /// Its binding of group 0.
-    pub fn layout(&self) -> wgpu::BindGroupLayoutEntry {
-        wgpu::BindGroupLayoutEntry {
-            binding: BINDING,
-            visibility: wgpu::ShaderStages::FRAGMENT,
-            ty: wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Storage { read_only: true },
-                has_dynamic_offset: false,
-                min_binding_size: wgpu::BufferSize::new(size_of::<ContourNode>() as u64),
-            },
-            count: None,
-        }
-    }
-
-    /// What is bound there.
-    pub fn entry(&self) -> wgpu::BindGroupEntry<'_> {
-        wgpu::BindGroupEntry {
-            binding: BINDING,
-            resource: self.nodes.as_entire_binding(),
-        }
-    }
-
-    /// Draws the pages; `bind` makes the maps those of a block.
-    pub fn render(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        mut bind: impl FnMut(&mut wgpu::RenderPass<'_>, Block),
-    ) {
+    fn render(&self, pass: &mut wgpu::RenderPass<'_>, _: &FramePlan, bind_maps: &mut BindMaps<'_>) {
         pass.set_vertex_buffer(0, self.corners.slice(..));
         pass.set_vertex_buffer(1, self.instances.slice(..));
         pass.set_index_buffer(self.faces.slice(..), wgpu::IndexFormat::Uint16);
         let count = self.blocks.len();
         for n in 0..count {
             let k = if self.far_first { count - 1 - n } else { n };
-            bind(pass, self.blocks[k]);
+            bind_maps(pass, Some(self.blocks[k]));
             let place = k as u32;
             pass.draw_indexed(0..FACES.len() as u32, 8 * place as i32, place..place + 1);
         }

@@ -1,14 +1,15 @@
 //! The projected grid on the GPU: a uniform a frame, an atlas of height tiles, and triangles. No vertices: the shader makes
 //! them.
 
-use super::tiles::draws_of;
+use super::FramePlan;
+use super::crossing::draws_of;
+use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
+use super::shader::{ATLAS_COLUMNS, VertexForm};
 use crate::globe::projected_grid::{Frame, GridUniforms, TILE_SAMPLES, grid_parts};
-use crate::globe::{Block, BlockSet, GridDraw, Part};
+use crate::globe::{Block, BlockGrid, BlockSet, GridDraw, GroundForm, Part, Surface};
 use std::ops::Range;
 use wgpu::util::DeviceExt;
 
-/// Slots in a row of the atlas; `SLOTS_IN_ROW` of the shader.
-const SLOTS_IN_ROW: u32 = 16;
 const BINDINGS: [u32; 2] = [4, 5];
 
 /// What a grid is drawn from.
@@ -65,37 +66,28 @@ impl GridMesh {
             parted: None,
         }
     }
+}
 
-    /// Nothing is drawn until it is written again.
-    pub fn clear(&mut self) {
-        self.draws.clear();
+impl SurfaceMesh for GridMesh {
+    fn vertex_form(&self, tiles: bool) -> VertexForm {
+        VertexForm::ProjectedGrid { tiles }
     }
 
-    /// Draw calls of the frame that was written last.
-    pub fn draw_calls(&self) -> u32 {
-        self.draws.len() as u32
+    fn buffers(&self) -> &'static [Option<wgpu::VertexBufferLayout<'static>>] {
+        &[]
     }
 
-    /// Triangles of those calls.
-    pub fn triangles(&self) -> u32 {
-        let ranges = self.draws.iter().map(|(range, ..)| range.len() as u32 / 3);
-        ranges.sum()
-    }
-
-    /// Bytes of triangles and heights held.
-    pub fn bytes(&self) -> u64 {
-        let size = self.atlas.size();
-        self.indices.size() + 4 * u64::from(size.width) * u64::from(size.height)
-    }
-
-    /// Writes the frame, and those tiles that are not there. Returns the bytes written. `tiled` are the blocks that have tiles
-    /// of maps, where they may have some.
-    pub fn write(
+    /// Writes the uniforms of the grid's frame, and those tiles of heights that are not there.
+    fn write(
         &mut self,
         queue: &wgpu::Queue,
-        grid: &GridDraw<'_>,
+        _: &FramePlan,
+        ground: Option<&dyn Surface>,
         tiled: Option<BlockSet>,
     ) -> u64 {
+        let Some(GroundForm::Grid(grid)) = ground.map(Surface::form) else {
+            return 0;
+        };
         self.draws.clear();
         let Some(frame) = grid.frame else {
             return 0;
@@ -123,47 +115,54 @@ impl GridMesh {
         written + size_of::<GridUniforms>() as u64
     }
 
-    /// Its bindings of group 0.
-    pub fn layout(&self) -> [wgpu::BindGroupLayoutEntry; 2] {
+    fn bindings(&self) -> Vec<(wgpu::BindGroupLayoutEntry, wgpu::BindGroupEntry<'_>)> {
         let vertex = wgpu::ShaderStages::VERTEX;
-        [
-            super::uniform_entry(BINDINGS[0], vertex, size_of::<GridUniforms>()),
-            wgpu::BindGroupLayoutEntry {
-                binding: BINDINGS[1],
-                visibility: vertex,
-                ty: wgpu::BindingType::Texture {
-                    sample_type: wgpu::TextureSampleType::Float { filterable: false },
-                    view_dimension: wgpu::TextureViewDimension::D2,
-                    multisampled: false,
+        let [uniforms, heights] = BINDINGS;
+        vec![
+            (
+                super::uniform_entry(uniforms, vertex, size_of::<GridUniforms>()),
+                wgpu::BindGroupEntry {
+                    binding: uniforms,
+                    resource: self.uniform.as_entire_binding(),
                 },
-                count: None,
-            },
+            ),
+            (
+                wgpu::BindGroupLayoutEntry {
+                    binding: heights,
+                    visibility: vertex,
+                    ty: wgpu::BindingType::Texture {
+                        sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                        view_dimension: wgpu::TextureViewDimension::D2,
+                        multisampled: false,
+                    },
+                    count: None,
+                },
+                wgpu::BindGroupEntry {
+                    binding: heights,
+                    resource: wgpu::BindingResource::TextureView(&self.atlas_view),
+                },
+            ),
         ]
     }
 
-    /// What is bound there.
-    pub fn entries(&self) -> [wgpu::BindGroupEntry<'_>; 2] {
-        [
-            wgpu::BindGroupEntry {
-                binding: BINDINGS[0],
-                resource: self.uniform.as_entire_binding(),
-            },
-            wgpu::BindGroupEntry {
-                binding: BINDINGS[1],
-                resource: wgpu::BindingResource::TextureView(&self.atlas_view),
-            },
-        ]
+    fn reset(&mut self, _: &wgpu::Device, _: &[BlockGrid]) {
+        self.draws.clear();
     }
 
-    /// Draws the grid; `bind` makes the maps those of a block, or the whole maps.
-    pub fn render(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        mut bind: impl FnMut(&mut wgpu::RenderPass<'_>, Option<Block>),
-    ) {
+    fn ground_costs(&self) -> Option<DrawCosts> {
+        let triangles = self.draws.iter().map(|(range, ..)| range.len() as u32 / 3);
+        let size = self.atlas.size();
+        Some(DrawCosts {
+            draw_calls: self.draws.len() as u32,
+            triangles: triangles.sum(),
+            bytes: self.indices.size() + 4 * u64::from(size.width) * u64::from(size.height),
+        })
+    }
+
+    fn render(&self, pass: &mut wgpu::RenderPass<'_>, _: &FramePlan, bind_maps: &mut BindMaps<'_>) {
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
         for (range, drawn_as, block) in &self.draws {
-            bind(pass, *block);
+            bind_maps(pass, *block);
             pass.draw_indexed(range.clone(), 0, *drawn_as..*drawn_as + 1);
         }
     }
@@ -171,8 +170,8 @@ impl GridMesh {
 
 fn atlas_size(slots: u32) -> wgpu::Extent3d {
     wgpu::Extent3d {
-        width: SLOTS_IN_ROW * TILE_SAMPLES,
-        height: slots.div_ceil(SLOTS_IN_ROW) * TILE_SAMPLES,
+        width: ATLAS_COLUMNS * TILE_SAMPLES,
+        height: slots.div_ceil(ATLAS_COLUMNS) * TILE_SAMPLES,
         depth_or_array_layers: 1,
     }
 }
@@ -183,8 +182,8 @@ fn write_slot(queue: &wgpu::Queue, atlas: &wgpu::Texture, slot: u32, heights: &[
             texture: atlas,
             mip_level: 0,
             origin: wgpu::Origin3d {
-                x: slot % SLOTS_IN_ROW * TILE_SAMPLES,
-                y: slot / SLOTS_IN_ROW * TILE_SAMPLES,
+                x: slot % ATLAS_COLUMNS * TILE_SAMPLES,
+                y: slot / ATLAS_COLUMNS * TILE_SAMPLES,
                 z: 0,
             },
             aspect: wgpu::TextureAspect::All,

@@ -1,11 +1,16 @@
 //! Patches of ground with relief on the GPU: kept from frame to frame, written where they change.
 
+use super::FramePlan;
+use super::crossing::draws_of;
 use super::lattice::BlockInstance;
-use super::tiles::{WHOLE, draws_of};
+use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
+use super::shader::{PatchTiles, VertexForm, WHOLE_MAP};
 use crate::frames::Ellipsoid;
-use crate::globe::{Block, BlockSet, GroundVertex, Indices, Part, Patch, Surface, parts_of};
+use crate::globe::{
+    Block, BlockGrid, BlockSet, GroundVertex, Indices, Part, Patch, Surface, parts_of,
+};
 use bytemuck::{Pod, Zeroable};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
@@ -37,8 +42,8 @@ const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array!
     1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Uint32, 7 => Float32x3, 8 => Float32x3
 ];
 
-/// The vertex buffers of `shaders/earth.wgsl` with relief.
-pub(super) const BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
+/// The vertex buffers of `shaders/earth/vertex/relief_patches.wgsl`.
+const BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
     Some(wgpu::VertexBufferLayout {
         array_stride: size_of::<GroundVertex>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,
@@ -61,6 +66,8 @@ pub(crate) struct GroundMesh {
     staging: Vec<PatchInstance>,
     draws: Vec<Draw>,
     frame: u64,
+    /// Whether patches lie in several blocks.
+    crosses_blocks: bool,
 }
 
 struct Held {
@@ -89,7 +96,7 @@ struct Draw {
 }
 
 impl GroundMesh {
-    pub fn new(device: &wgpu::Device) -> Self {
+    pub fn new(device: &wgpu::Device, crosses_blocks: bool) -> Self {
         Self {
             device: device.clone(),
             held: HashMap::new(),
@@ -98,63 +105,8 @@ impl GroundMesh {
             staging: Vec::new(),
             draws: Vec::new(),
             frame: 0,
+            crosses_blocks,
         }
-    }
-
-    /// Nothing is drawn until patches are written again.
-    pub fn clear(&mut self) {
-        self.draws.clear();
-    }
-
-    /// Draw calls of the frame that was written last.
-    pub fn draw_calls(&self) -> u32 {
-        self.draws.len() as u32
-    }
-
-    /// Triangles of those calls.
-    pub fn triangles(&self) -> u32 {
-        let triangles = self.draws.iter().map(|draw| draw.range.len() as u32 / 3);
-        triangles.sum()
-    }
-
-    /// Bytes of vertices and triangles held.
-    pub fn bytes(&self) -> u64 {
-        let vertices = self.held.values().map(|held| held.vertices.size());
-        let triangles = self.triangles.values().map(|list| list.buffer.size());
-        vertices.chain(triangles).sum()
-    }
-
-    /// Writes what the surface draws, as far as it is not there. Returns the bytes written. `tiled` are the blocks that have
-    /// tiles, where patches lie in several blocks.
-    pub fn write(
-        &mut self,
-        queue: &wgpu::Queue,
-        surface: &dyn Surface,
-        (ellipsoid, eye_itrf_m): (&Ellipsoid, DVec3),
-        tiled: Option<BlockSet>,
-    ) -> u64 {
-        self.frame += 1;
-        self.draws.clear();
-        self.staging.clear();
-        let mut written = 0;
-        surface.visit(&mut |patch| {
-            if !patch.vertices.is_empty() && !patch.indices.triangles.is_empty() {
-                written += self.write_patch(queue, patch, ellipsoid);
-                self.draw_patch(patch, (ellipsoid, eye_itrf_m), tiled);
-            }
-        });
-        let bytes: &[u8] = bytemuck::cast_slice(&self.staging);
-        if bytes.len() as u64 > self.instances.size() {
-            let places = self.staging.len().next_power_of_two();
-            self.instances = instance_buffer(&self.device, places);
-        }
-        if !bytes.is_empty() {
-            queue.write_buffer(&self.instances, 0, bytes);
-        }
-        let oldest = self.frame.saturating_sub(KEPT_FRAMES);
-        self.held.retain(|_, held| held.used >= oldest);
-        self.triangles.retain(|_, list| list.used >= oldest);
-        written + bytes.len() as u64
     }
 
     fn write_patch(&mut self, queue: &wgpu::Queue, patch: &Patch, ellipsoid: &Ellipsoid) -> u64 {
@@ -221,15 +173,11 @@ impl GroundMesh {
 
     /// Has a patch drawn that was written: once, or once for each block that it lies in and that has tiles, and for the others
     /// together.
-    fn draw_patch(
-        &mut self,
-        patch: &Patch,
-        (ellipsoid, eye_itrf_m): (&Ellipsoid, DVec3),
-        tiled: Option<BlockSet>,
-    ) {
+    fn draw_patch(&mut self, patch: &Patch, plan: &FramePlan, tiled: Option<BlockSet>) {
         let Some(held) = self.held.get_mut(&patch.key) else {
             return;
         };
+        let eye_itrf_m = plan.eye_itrf_m;
         let anchor_itrf_m = (eye_itrf_m / ANCHOR_STEP_M).round() * ANCHOR_STEP_M;
         let instance = PatchInstance {
             reference: held.reference,
@@ -252,7 +200,7 @@ impl GroundMesh {
         let parted = Some((held.revision, triangles));
         if held.parted != parted {
             held.parted = parted;
-            parts_of(patch, ellipsoid, &mut held.parts);
+            parts_of(patch, &plan.ellipsoid, &mut held.parts);
         }
         draws_of(&held.parts, tiled, |drawn_as, block, range| {
             draws.push(Draw {
@@ -268,13 +216,71 @@ impl GroundMesh {
             });
         });
     }
+}
 
-    /// Draws the patches; `bind` makes the maps those of a block, or the whole maps.
-    pub fn render(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        mut bind: impl FnMut(&mut wgpu::RenderPass<'_>, Option<Block>),
-    ) {
+impl SurfaceMesh for GroundMesh {
+    fn vertex_form(&self, has_tiles: bool) -> VertexForm {
+        VertexForm::ReliefPatches(match (has_tiles, self.crosses_blocks) {
+            (false, _) => PatchTiles::None,
+            (true, false) => PatchTiles::OfOneBlock,
+            (true, true) => PatchTiles::OfSeveralBlocks,
+        })
+    }
+
+    fn buffers(&self) -> &'static [Option<wgpu::VertexBufferLayout<'static>>] {
+        &BUFFERS
+    }
+
+    fn reset(&mut self, _: &wgpu::Device, _: &[BlockGrid]) {
+        self.draws.clear();
+    }
+
+    fn write(
+        &mut self,
+        queue: &wgpu::Queue,
+        plan: &FramePlan,
+        ground: Option<&dyn Surface>,
+        tiled: Option<BlockSet>,
+    ) -> u64 {
+        let Some(surface) = ground else {
+            return 0;
+        };
+        self.frame += 1;
+        self.draws.clear();
+        self.staging.clear();
+        let mut written = 0;
+        surface.visit(&mut |patch| {
+            if !patch.vertices.is_empty() && !patch.indices.triangles.is_empty() {
+                written += self.write_patch(queue, patch, &plan.ellipsoid);
+                self.draw_patch(patch, plan, tiled);
+            }
+        });
+        let bytes: &[u8] = bytemuck::cast_slice(&self.staging);
+        if bytes.len() as u64 > self.instances.size() {
+            let places = self.staging.len().next_power_of_two();
+            self.instances = instance_buffer(&self.device, places);
+        }
+        if !bytes.is_empty() {
+            queue.write_buffer(&self.instances, 0, bytes);
+        }
+        let oldest = self.frame.saturating_sub(KEPT_FRAMES);
+        self.held.retain(|_, held| held.used >= oldest);
+        self.triangles.retain(|_, list| list.used >= oldest);
+        written + bytes.len() as u64
+    }
+
+    fn ground_costs(&self) -> Option<DrawCosts> {
+        let triangles = self.draws.iter().map(|draw| draw.range.len() as u32 / 3);
+        let vertex_bytes = self.held.values().map(|held| held.vertices.size());
+        let index_bytes = self.triangles.values().map(|list| list.buffer.size());
+        Some(DrawCosts {
+            draw_calls: self.draws.len() as u32,
+            triangles: triangles.sum(),
+            bytes: vertex_bytes.chain(index_bytes).sum(),
+        })
+    }
+
+    fn render(&self, pass: &mut wgpu::RenderPass<'_>, _: &FramePlan, bind_maps: &mut BindMaps<'_>) {
         if self.draws.is_empty() {
             return;
         }
@@ -286,7 +292,7 @@ impl GroundMesh {
             ) else {
                 continue;
             };
-            bind(pass, draw.block);
+            bind_maps(pass, draw.block);
             pass.set_vertex_buffer(0, held.vertices.slice(..));
             pass.set_index_buffer(list.buffer.slice(..), wgpu::IndexFormat::Uint32);
             pass.draw_indexed(draw.range.clone(), 0, draw.instance..draw.instance + 1);
@@ -302,7 +308,12 @@ fn reference(patch: &Patch, ellipsoid: &Ellipsoid) -> BlockInstance {
             let place = ellipsoid.geodetic_from_itrf(patch.origin_itrf_m);
             let u = place.lon_rad / TAU + 0.5;
             let v = 0.5 - place.lat_rad / PI;
-            BlockInstance::new(place.lon_rad, place.lat_rad, [u as f32, v as f32], WHOLE)
+            BlockInstance::new(
+                place.lon_rad,
+                place.lat_rad,
+                [u as f32, v as f32],
+                WHOLE_MAP,
+            )
         }
     }
 }

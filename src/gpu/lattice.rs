@@ -1,6 +1,9 @@
 //! The lattice of a block on the GPU: eye-relative vertices, what is the same for a whole block, and indices.
 
-use crate::globe::{BLOCK_COUNT, Block, BlockGrid, BlockRow};
+use super::FramePlan;
+use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
+use super::shader::VertexForm;
+use crate::globe::{BLOCK_COUNT, Block, BlockGrid, BlockRow, BlockSet, Surface};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use wgpu::util::DeviceExt;
@@ -48,8 +51,8 @@ const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0
 const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 4] =
     wgpu::vertex_attr_array![1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Uint32];
 
-/// The vertex buffers of `shaders/earth.wgsl`.
-pub(super) const BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
+/// The vertex buffers of `shaders/earth/vertex/block_lattice.wgsl`.
+const BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
     Some(wgpu::VertexBufferLayout {
         array_stride: size_of::<Vec3>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,
@@ -97,33 +100,54 @@ impl Lattice {
             cells: grids.iter().map(|grid| Cells::new(device, grid)).collect(),
         }
     }
+}
 
-    /// Writes the vertices of the blocks that are drawn, eye-relative ITRF metres. Returns the bytes written.
-    pub fn write(&self, queue: &wgpu::Queue, vertices: &[Vec3]) -> u64 {
-        let bytes: &[u8] = bytemuck::cast_slice(vertices);
+impl SurfaceMesh for Lattice {
+    fn vertex_form(&self, tiles: bool) -> VertexForm {
+        VertexForm::BlockLattice { tiles }
+    }
+
+    fn buffers(&self) -> &'static [Option<wgpu::VertexBufferLayout<'static>>] {
+        &BUFFERS
+    }
+
+    fn reset(&mut self, device: &wgpu::Device, grids: &[BlockGrid]) {
+        *self = Self::new(device, grids);
+    }
+
+    fn write(
+        &mut self,
+        queue: &wgpu::Queue,
+        plan: &FramePlan,
+        _: Option<&dyn Surface>,
+        _: Option<BlockSet>,
+    ) -> u64 {
+        let bytes: &[u8] = bytemuck::cast_slice(&plan.vertices);
         if !bytes.is_empty() {
             queue.write_buffer(&self.vertices, 0, bytes);
         }
         bytes.len() as u64
     }
 
-    /// Draws blocks, whose vertices were written in this order, as the grid at this place divides them; `bind` makes the maps
-    /// those of a block.
-    pub fn render(
+    fn ground_costs(&self) -> Option<DrawCosts> {
+        None
+    }
+
+    /// Draws the plan's blocks, whose vertices were written in their order, as the plan's mesh divides them.
+    fn render(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
-        grid: usize,
-        blocks: &[Block],
-        mut bind: impl FnMut(&mut wgpu::RenderPass<'_>, Block),
+        plan: &FramePlan,
+        bind_maps: &mut BindMaps<'_>,
     ) {
-        let Some(cells) = self.cells.get(grid) else {
+        let Some(cells) = self.cells.get(plan.mesh) else {
             return;
         };
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_vertex_buffer(1, self.instances.slice(..));
         pass.set_index_buffer(cells.indices.slice(..), wgpu::IndexFormat::Uint16);
-        for (place, block) in (0u32..).zip(blocks) {
-            bind(pass, *block);
+        for (place, block) in (0u32..).zip(&plan.blocks) {
+            bind_maps(pass, Some(*block));
             let range = match block.kind() {
                 BlockRow::North => &cells.ranges[0],
                 BlockRow::Middle => &cells.ranges[1],

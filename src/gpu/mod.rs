@@ -2,46 +2,63 @@
 
 mod air;
 mod context;
+#[cfg(feature = "terrain")]
 mod contours;
+#[cfg(feature = "terrain")]
+mod crossing;
+#[cfg(feature = "terrain")]
 mod grid;
+#[cfg(feature = "terrain")]
 mod ground;
 mod lattice;
 mod layers;
 mod maps;
+mod mesh;
 mod pipeline;
 mod plan;
 mod read_back;
+#[cfg_attr(not(feature = "terrain"), path = "no_relief.rs")]
+mod relief;
 mod shader;
 mod surface;
+mod surface_config;
 mod targets;
 mod tiles;
 mod timer;
+#[cfg(feature = "tracks")]
 mod tracks;
 mod uniforms;
 
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
 pub use shader::{
-    AIR_SHADER, EARTH_SHADER, PROJECTED_GRID_SHADER, ShaderError, ShaderVariant, TRACKS_SHADER,
+    AirDepth, AirVariant, EarthOutput, EarthVariant, PaperLayers, PatchTiles, SHADER_FILES,
+    ShaderCapability, ShaderError, ShaderText, ShaderVariant, ShadingVariant, SunlitLayers,
+    TargetColor, TrackKind, TracksVariant, VertexForm,
 };
-pub use targets::{
-    Attachments, FrameTargets, PassPart, PictureError, color_texture, read_floats, read_texture,
-};
+pub use targets::{Attachments, FrameTargets, PassPart, color_texture, read_floats, read_texture};
 pub use timer::{GpuTimer, TimerError};
+#[cfg(feature = "tracks")]
 pub use tracks::TrackUniforms;
 pub use uniforms::{AirUniforms, FrameUniforms};
 
 pub(crate) use air::AirDrawable;
+#[cfg(feature = "terrain")]
 pub(crate) use contours::PageMesh;
+#[cfg(feature = "terrain")]
 pub(crate) use grid::GridMesh;
 pub(crate) use layers::GpuLayer;
 pub(crate) use pipeline::PipelineDescription;
 pub(crate) use plan::{AirPlan, BlockTiles, FramePlan};
+pub use read_back::PictureError;
 pub(crate) use read_back::read_rows;
-pub(crate) use surface::{SurfaceDrawable, SurfaceLook};
-pub(crate) use tracks::{
-    FROM_PREVIOUS as TRACK_FROM_PREVIOUS, Fill, LinePoint, Mark, ON_GROUND as TRACK_ON_GROUND,
-    TrackKinds, TracksDrawable,
-};
+#[cfg(feature = "tracks")]
+pub(crate) use shader::{FROM_PREVIOUS as TRACK_FROM_PREVIOUS, ON_GROUND as TRACK_ON_GROUND};
+#[cfg(feature = "packs")]
+pub(crate) use shader::{GLINT_ENDS_SIN, LAMPS_OUT_SIN};
+pub(crate) use surface::SurfaceDrawable;
+pub(crate) use surface_config::SurfaceConfig;
+#[cfg(feature = "tracks")]
+pub(crate) use tracks::{Fill, LinePoint, Mark, TrackKinds, TracksDrawable};
 
 /// The depth buffer of the pass that the Earth is drawn in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,14 +116,14 @@ impl PassFormat {
         })
     }
 
-    /// True if the target stores display values itself, so that shaders must encode them.
-    fn stores_display_values(&self) -> bool {
+    /// What shaders must give the colour target.
+    fn target_color(&self) -> TargetColor {
         use wgpu::TextureFormat as F;
-        !self.color.is_srgb()
-            && !matches!(
-                self.color,
-                F::Rgba16Float | F::Rgba32Float | F::Rg11b10Ufloat
-            )
+        match self.color {
+            F::Rgba16Float | F::Rgba32Float | F::Rg11b10Ufloat => TargetColor::Linear,
+            color if color.is_srgb() => TargetColor::Linear,
+            _ => TargetColor::Display,
+        }
     }
 
     fn multisample(&self) -> wgpu::MultisampleState {

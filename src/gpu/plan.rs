@@ -5,7 +5,7 @@ use super::FrameUniforms;
 use crate::air::Billboard;
 use crate::frames::Ellipsoid;
 use crate::globe::{BLOCK_COUNT, Block, BlockGrid};
-use crate::imagery::stream::ResidentTile;
+use crate::imagery::residency::ResidentTile;
 use crate::imagery::tile::MAP_LAYERS;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};

@@ -1,8 +1,16 @@
 //! Reading back what the device has written.
 
-use super::PictureError;
 use std::time::Duration;
 use wgpu::{MapMode, PollType, SubmissionIndex};
+
+/// Why a picture could not be read back.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PictureError {
+    /// The device was lost or the copy failed.
+    #[error("the picture could not be read back from the device: {0}")]
+    ReadBack(String),
+}
 
 /// The texels of a texture (usage `COPY_SRC`), rows without padding. Waits for the device, no longer than `patience`.
 pub(crate) fn read_rows(

@@ -1,24 +1,24 @@
 //! The drawable of the surface: blocks of a lattice, patches of ground with relief, a grid, or pages that rays are cast at, one
 //! indexed draw each.
 
-use super::contours::{self, PageMesh};
-use super::grid::GridMesh;
-use super::ground::{self, GroundMesh};
-use super::lattice::{self, Lattice};
+use super::lattice::Lattice;
 use super::maps::Maps;
-use super::tiles::{TILES_BYTES, TileTextures};
-use super::{
-    DepthBuffer, FramePlan, FrameUniforms, GpuLayer, PassFormat, PipelineDescription, ShaderError,
-    ShaderVariant, SurfaceOutput,
+use super::mesh::{DrawCosts, SurfaceMesh};
+use super::relief;
+use super::shader::{
+    EarthOutput, EarthVariant, PaperLayers, ShaderModule, ShadingVariant, SunlitLayers,
 };
-use crate::globe::{Block, BlockGrid, GroundForm, Shading, Surface};
+use super::surface_config::SurfaceConfig;
+use super::tiles::{TILES_BYTES, TileTextures};
+use super::{FramePlan, FrameUniforms, PipelineDescription, ShaderError, SurfaceOutput};
+use crate::globe::{BlockGrid, Shading, Surface};
 use crate::imagery::EarthLayers;
-use crate::imagery::stream::{Pool, Upload};
-use crate::imagery::tile::{MAP_LAYERS, MapLayer};
+use crate::imagery::residency::{Pool, Upload};
+use crate::imagery::tile::MapLayer;
 
 pub(crate) struct SurfaceDrawable {
     assembled: Assembled,
-    geometry: Geometry,
+    mesh: Box<dyn SurfaceMesh + Send + Sync>,
     maps: Maps,
     imagery: Imagery,
     frame: wgpu::Buffer,
@@ -27,54 +27,9 @@ pub(crate) struct SurfaceDrawable {
     pub texture_bytes: u64,
 }
 
-/// What is drawn.
-enum Geometry {
-    /// The block sphere on the ellipsoid.
-    Blocks(Lattice),
-    /// Ground with relief.
-    Ground {
-        mesh: GroundMesh,
-        /// All maps whole, for what lies in several blocks or in one without tiles; made where blocks have tiles.
-        whole: Option<wgpu::BindGroup>,
-    },
-    /// The same, its vertices made on the GPU.
-    Grid {
-        mesh: Box<GridMesh>,
-        /// As above.
-        whole: Option<wgpu::BindGroup>,
-    },
-    /// The same as pages of contours. Each lies in one block.
-    Pages(PageMesh),
-}
-
-impl Geometry {
-    fn grid(&self) -> Option<&GridMesh> {
-        match self {
-            Self::Grid { mesh, .. } => Some(mesh.as_ref()),
-            _ => None,
-        }
-    }
-
-    fn pages(&self) -> Option<&PageMesh> {
-        match self {
-            Self::Pages(mesh) => Some(mesh),
-            _ => None,
-        }
-    }
-}
-
-/// What drawing costs.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct DrawCosts {
-    pub draw_calls: u32,
-    pub triangles: u32,
-    /// Bytes of vertices, triangles and heights held.
-    pub bytes: u64,
-}
-
-/// What follows from a look.
+/// What follows from a configuration.
 struct Assembled {
-    variant: ShaderVariant,
+    variant: EarthVariant,
     pipeline: wgpu::RenderPipeline,
     bind_group: wgpu::BindGroup,
     shader_bytes: u64,
@@ -85,25 +40,11 @@ enum Imagery {
     /// All with the whole maps.
     Whole(wgpu::BindGroup),
     /// Each with tiles of its own.
-    Tiles(TileTextures),
-}
-
-/// How the surface is drawn: what can change while the maps stay.
-pub(crate) struct SurfaceLook<'a> {
-    pub shading: Shading,
-    /// Which maps are used, of those that there are.
-    pub shown: [bool; MAP_LAYERS],
-    pub output: SurfaceOutput,
-    pub anisotropy: u16,
-    pub format: PassFormat,
-    /// The air's sunlight table, if there is air and the shading uses it.
-    pub sunlight: Option<&'a GpuLayer>,
-    /// In what form ground with relief is drawn, if it is and not the block sphere. The variant does not change.
-    pub ground: Option<GroundForm<'a>>,
-    /// Whether that has triangles that lie in several blocks. Nor does that.
-    pub crossing: bool,
-    /// Whether edges of triangles are drawn alone.
-    pub wireframe: bool,
+    Tiles {
+        tiles: TileTextures,
+        /// All maps whole, for what lies in several blocks or in one without tiles.
+        whole: wgpu::BindGroup,
+    },
 }
 
 impl SurfaceDrawable {
@@ -114,88 +55,78 @@ impl SurfaceDrawable {
         grids: &[BlockGrid],
         layers: &EarthLayers,
         pools: Option<&[Pool]>,
-        look: &SurfaceLook<'_>,
+        config: &SurfaceConfig<'_>,
     ) -> Result<Self, ShaderError> {
-        let display_values = look.shading == Shading::Paper;
+        let display_values = config.shading == Shading::Paper;
         let maps = Maps::upload(
             device,
             queue,
             layers,
             display_values,
-            look.shown,
-            look.anisotropy,
+            config.shown,
+            config.anisotropy,
         );
         let imagery = match pools {
-            Some(pools) => Imagery::Tiles(TileTextures::new(device, &maps, pools, display_values)),
+            Some(pools) => Imagery::Tiles {
+                tiles: TileTextures::new(device, &maps, pools, display_values),
+                whole: maps.bind_whole(device),
+            },
             None => Imagery::Whole(maps.bind_whole(device)),
         };
         let tile_bytes = match &imagery {
-            Imagery::Tiles(tiles) => tiles.bytes,
+            Imagery::Tiles { tiles, .. } => tiles.bytes,
             Imagery::Whole(_) => 0,
         };
         let texture_bytes = maps.bytes() + tile_bytes;
         let frame = super::uniform_buffer::<FrameUniforms>(device, "terrella frame");
-        let whole = || pools.is_some().then(|| maps.bind_whole(device));
-        let geometry = match &look.ground {
-            None => Geometry::Blocks(Lattice::new(device, grids)),
-            Some(GroundForm::Patches) => Geometry::Ground {
-                mesh: GroundMesh::new(device),
-                whole: whole(),
-            },
-            Some(GroundForm::Grid(grid)) => Geometry::Grid {
-                mesh: Box::new(GridMesh::new(device, grid)),
-                whole: whole(),
-            },
-            Some(GroundForm::Pages(pages)) => {
-                Geometry::Pages(PageMesh::new(device, pages, look.format.depth))
-            }
+        let mesh: Box<dyn SurfaceMesh + Send + Sync> = match &config.ground {
+            None => Box::new(Lattice::new(device, grids)),
+            Some(form) => relief::mesh(device, form, config),
         };
-        let assembled = assemble(device, &maps, &imagery, &frame, &geometry, look)?;
+        let assembled = assemble(device, &maps, &imagery, &frame, mesh.as_ref(), config)?;
         Ok(Self {
             assembled,
-            geometry,
+            mesh,
             maps,
             imagery,
             frame,
-            crossing: look.crossing && pools.is_some(),
+            crossing: config.crosses_blocks && pools.is_some(),
             texture_bytes,
         })
     }
 
-    /// Draws from now on with this look and these grids. Maps and tiles stay where they are.
+    /// Draws from now on with this configuration and these grids. Maps and tiles stay where they are.
     ///
     /// Nothing may be drawn until the next frame is written.
-    pub fn set_look(
+    pub fn set_config(
         &mut self,
         device: &wgpu::Device,
         grids: &[BlockGrid],
-        look: &SurfaceLook<'_>,
+        config: &SurfaceConfig<'_>,
     ) -> Result<(), ShaderError> {
-        self.maps.arrange(device, look.shown, look.anisotropy);
+        self.maps.arrange(device, config.shown, config.anisotropy);
         match &mut self.imagery {
-            Imagery::Tiles(tiles) => tiles.bind_again(device, &self.maps),
+            Imagery::Tiles { tiles, whole } => {
+                tiles.bind_again(device, &self.maps);
+                *whole = self.maps.bind_whole(device);
+            }
             Imagery::Whole(bind_group) => *bind_group = self.maps.bind_whole(device),
         }
-        let with = (&self.maps, &self.imagery, &self.frame);
-        self.assembled = assemble(device, with.0, with.1, with.2, &self.geometry, look)?;
-        match &mut self.geometry {
-            Geometry::Blocks(lattice) => *lattice = Lattice::new(device, grids),
-            Geometry::Ground { mesh, whole } => {
-                mesh.clear();
-                *whole = whole.take().map(|_| self.maps.bind_whole(device));
-            }
-            Geometry::Grid { mesh, whole } => {
-                mesh.clear();
-                *whole = whole.take().map(|_| self.maps.bind_whole(device));
-            }
-            Geometry::Pages(mesh) => mesh.clear(),
-        }
+        self.assembled = assemble(
+            device,
+            &self.maps,
+            &self.imagery,
+            &self.frame,
+            self.mesh.as_ref(),
+            config,
+        )?;
+        self.mesh.reset(device, grids);
         Ok(())
     }
 
     /// The shader that is drawn with.
-    pub fn variant(&self) -> &ShaderVariant {
-        &self.assembled.variant
+    pub fn variant(&self) -> EarthVariant {
+        self.assembled.variant
     }
 
     /// Bytes of its text as the driver gets it.
@@ -205,7 +136,7 @@ impl SurfaceDrawable {
 
     /// Writes a part of a tile; does nothing where whole maps are drawn.
     pub fn write_tile(&self, queue: &wgpu::Queue, part: &Upload<'_>) {
-        if let Imagery::Tiles(tiles) = &self.imagery {
+        if let Imagery::Tiles { tiles, .. } = &self.imagery {
             tiles.write(queue, part);
         }
     }
@@ -222,7 +153,7 @@ impl SurfaceDrawable {
         queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&plan.uniforms));
         let mut written = size_of::<FrameUniforms>() as u64;
         let mut tiled = None;
-        if let Imagery::Tiles(tiles) = &mut self.imagery {
+        if let Imagery::Tiles { tiles, .. } = &mut self.imagery {
             for (block, chosen) in &plan.tiles {
                 tiles.choose(device, &self.maps, *block, *chosen);
             }
@@ -232,93 +163,47 @@ impl SurfaceDrawable {
             }
             written += tiles.flush(queue);
         }
-        written
-            + match (
-                &mut self.geometry,
-                ground.map(|ground| (ground, ground.form())),
-            ) {
-                (Geometry::Blocks(lattice), _) => lattice.write(queue, &plan.vertices),
-                (Geometry::Ground { mesh, .. }, Some((ground, GroundForm::Patches))) => {
-                    mesh.write(queue, ground, (&plan.ellipsoid, plan.eye_itrf_m), tiled)
-                }
-                (Geometry::Grid { mesh, .. }, Some((_, GroundForm::Grid(grid)))) => {
-                    mesh.write(queue, &grid, tiled)
-                }
-                (Geometry::Pages(mesh), Some((_, GroundForm::Pages(pages)))) => {
-                    mesh.write(queue, &pages, plan.eye_itrf_m)
-                }
-                // A surface keeps its form all its life.
-                (Geometry::Ground { .. } | Geometry::Grid { .. } | Geometry::Pages(_), _) => 0,
-            }
+        written + self.mesh.write(queue, plan, ground, tiled)
     }
 
     /// What the frame that was written last costs, of ground with relief; `None` of blocks.
     pub fn ground_costs(&self) -> Option<DrawCosts> {
-        let (draw_calls, triangles, bytes) = match &self.geometry {
-            Geometry::Blocks(_) => return None,
-            Geometry::Ground { mesh, .. } => (mesh.draw_calls(), mesh.triangles(), mesh.bytes()),
-            Geometry::Grid { mesh, .. } => (mesh.draw_calls(), mesh.triangles(), mesh.bytes()),
-            Geometry::Pages(mesh) => (mesh.draw_calls(), mesh.triangles(), mesh.bytes()),
-        };
-        Some(DrawCosts {
-            draw_calls,
-            triangles,
-            bytes,
-        })
+        self.mesh.ground_costs()
     }
 
     /// Draws the plan that was written last.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>, plan: &FramePlan) {
         pass.set_pipeline(&self.assembled.pipeline);
         pass.set_bind_group(0, &self.assembled.bind_group, &[]);
-        if let Imagery::Whole(maps) = &self.imagery {
-            pass.set_bind_group(1, maps, &[]);
-        }
-        let bind_tiles = |pass: &mut wgpu::RenderPass<'_>, block: Block| {
-            if let Imagery::Tiles(tiles) = &self.imagery {
-                pass.set_bind_group(1, tiles.bind_group(block), &[]);
+        match &self.imagery {
+            Imagery::Whole(maps) => {
+                pass.set_bind_group(1, maps, &[]);
+                self.mesh.render(pass, plan, &mut |_, _| ());
             }
-        };
-        let bind = |pass: &mut wgpu::RenderPass<'_>, block: Option<Block>, whole: &_| match block {
-            Some(block) => bind_tiles(pass, block),
-            None => {
-                if let Imagery::Tiles(_) = &self.imagery {
-                    pass.set_bind_group(1, Option::as_ref(whole), &[]);
-                }
-            }
-        };
-        match &self.geometry {
-            Geometry::Blocks(lattice) => {
-                lattice.render(pass, plan.mesh, &plan.blocks, bind_tiles);
-            }
-            Geometry::Ground { mesh, whole } => {
-                mesh.render(pass, |pass, block| bind(pass, block, whole));
-            }
-            Geometry::Grid { mesh, whole } => {
-                mesh.render(pass, |pass, block| bind(pass, block, whole));
-            }
-            Geometry::Pages(mesh) => mesh.render(pass, bind_tiles),
+            Imagery::Tiles { tiles, whole } => self.mesh.render(pass, plan, &mut |pass, block| {
+                let maps = block.map_or(whole, |block| tiles.bind_group(block));
+                pass.set_bind_group(1, maps, &[]);
+            }),
         }
     }
 }
 
-/// Makes what a look needs.
+/// Makes what a configuration needs.
 fn assemble(
     device: &wgpu::Device,
     maps: &Maps,
     imagery: &Imagery,
     frame: &wgpu::Buffer,
-    geometry: &Geometry,
-    look: &SurfaceLook<'_>,
+    mesh: &dyn SurfaceMesh,
+    config: &SurfaceConfig<'_>,
 ) -> Result<Assembled, ShaderError> {
-    let format = look.format;
-    let (grid, pages) = (geometry.grid(), geometry.pages());
-    let has_tiles = matches!(imagery, Imagery::Tiles(_));
-    let shader = match look.output {
-        SurfaceOutput::Color => color_variant(maps, look, has_tiles),
-        SurfaceOutput::Geolocation => variant(look, has_tiles, &[("places", true)]),
+    let format = config.format;
+    let has_tiles = matches!(imagery, Imagery::Tiles { .. });
+    let variant = EarthVariant {
+        form: mesh.vertex_form(has_tiles),
+        output: output(maps, config),
     };
-    let (module, shader_bytes) = shader.module(device)?;
+    let shader = ShaderModule::new(device, &variant)?;
     let table_sampler = table_sampler(device);
     let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
     let mut layout = vec![super::uniform_entry(0, both, size_of::<FrameUniforms>())];
@@ -326,7 +211,7 @@ fn assemble(
         binding: 0,
         resource: frame.as_entire_binding(),
     }];
-    if let Some(sunlight) = look.sunlight {
+    if let Some(sunlight) = config.sunlight {
         layout.push(super::texture_entry(1, wgpu::TextureViewDimension::D2));
         layout.push(super::sampler_entry(2));
         entries.push(wgpu::BindGroupEntry {
@@ -338,7 +223,7 @@ fn assemble(
             resource: wgpu::BindingResource::Sampler(&table_sampler),
         });
     }
-    if let Imagery::Tiles(tiles) = imagery {
+    if let Imagery::Tiles { tiles, .. } = imagery {
         let fragment = wgpu::ShaderStages::FRAGMENT;
         layout.push(super::uniform_entry(3, fragment, TILES_BYTES));
         entries.push(wgpu::BindGroupEntry {
@@ -346,13 +231,9 @@ fn assemble(
             resource: tiles.placements().as_entire_binding(),
         });
     }
-    if let Some(grid) = grid {
-        layout.extend(grid.layout());
-        entries.extend(grid.entries());
-    }
-    if let Some(pages) = pages {
-        layout.push(pages.layout());
-        entries.push(pages.entry());
+    for (of_layout, entry) in mesh.bindings() {
+        layout.push(of_layout);
+        entries.push(entry);
     }
     let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("terrella earth"),
@@ -366,21 +247,12 @@ fn assemble(
     let pipeline = PipelineDescription {
         label: "terrella earth",
         bind_groups: Some(&[Some(&layout), Some(maps.layout())]),
-        module: &module,
-        buffers: match geometry {
-            Geometry::Blocks(_) => &lattice::BUFFERS,
-            Geometry::Ground { .. } => &ground::BUFFERS,
-            Geometry::Grid { .. } => &[],
-            Geometry::Pages(_) => &contours::BUFFERS,
-        },
+        module: &shader.module,
+        buffers: mesh.buffers(),
         primitive: wgpu::PrimitiveState {
             front_face: wgpu::FrontFace::Ccw,
-            // Of a prism the far sides are drawn, so that an eye inside sees its page.
-            cull_mode: Some(match pages {
-                None => wgpu::Face::Back,
-                Some(_) => wgpu::Face::Front,
-            }),
-            polygon_mode: match look.wireframe {
+            cull_mode: Some(mesh.culled()),
+            polygon_mode: match config.wireframe {
                 false => wgpu::PolygonMode::Fill,
                 true => wgpu::PolygonMode::Line,
             },
@@ -392,51 +264,31 @@ fn assemble(
     }
     .create(device);
     Ok(Assembled {
-        variant: shader,
+        variant,
         pipeline,
         bind_group,
-        shader_bytes,
+        shader_bytes: shader.bytes,
     })
 }
 
-/// The shader with what follows from the form of the ground.
-fn variant(
-    look: &SurfaceLook<'_>,
-    has_tiles: bool,
-    others: &[(&'static str, bool)],
-) -> ShaderVariant {
-    let is_cast = matches!(look.ground, Some(GroundForm::Pages(_)));
-    let of_ground = [
-        ("tiles", has_tiles),
-        ("relief", look.ground.is_some()),
-        ("crossing", has_tiles && look.crossing),
-        ("grid", matches!(look.ground, Some(GroundForm::Grid(_)))),
-        ("cast", is_cast),
-        // Where rays are cast, the shader says itself how deep a pixel lies.
-        ("depth", is_cast && look.format.depth != DepthBuffer::None),
-    ];
-    ShaderVariant::new(super::EARTH_SHADER, &[&of_ground, others].concat())
-}
-
-/// The shader that draws pictures.
-fn color_variant(maps: &Maps, look: &SurfaceLook<'_>, has_tiles: bool) -> ShaderVariant {
-    let paper = look.shading == Shading::Paper;
-    let stores_display_values = look.format.stores_display_values();
-    variant(
-        look,
-        has_tiles,
-        &[
-            ("paper", paper),
-            ("clouds", maps.has(MapLayer::Clouds)),
-            ("normals", maps.has(MapLayer::Normals)),
-            ("night_lights", maps.has(MapLayer::NightLights)),
-            // The paper's shading has no glint.
-            ("water", !paper && maps.has(MapLayer::Water)),
-            ("air", look.sunlight.is_some()),
-            ("encode", !paper && stores_display_values),
-            ("decode", paper && !stores_display_values),
-        ],
-    )
+/// What the pixels of a configuration get.
+fn output(maps: &Maps, config: &SurfaceConfig<'_>) -> EarthOutput {
+    let clouds = maps.has(MapLayer::Clouds);
+    let normals = maps.has(MapLayer::Normals);
+    let shading = match config.shading {
+        Shading::Paper => ShadingVariant::Paper(PaperLayers { clouds, normals }),
+        Shading::Sunlit => ShadingVariant::Sunlit(SunlitLayers {
+            clouds,
+            normals,
+            night_lights: maps.has(MapLayer::NightLights),
+            water: maps.has(MapLayer::Water),
+            air: config.sunlight.is_some(),
+        }),
+    };
+    match config.output {
+        SurfaceOutput::Color => EarthOutput::Picture(shading, config.format.target_color()),
+        SurfaceOutput::Geolocation => EarthOutput::Geolocation,
+    }
 }
 
 /// Linear, clamped: for tables that end on texel centres.

@@ -1,16 +1,7 @@
 //! Colour and depth textures for programs that have none, and reading a picture back.
 
-use super::{DepthBuffer, read_rows};
-use image::RgbaImage;
-
-/// Why a picture could not be read back.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum PictureError {
-    /// The device was lost or the copy failed.
-    #[error("the picture could not be read back from the device: {0}")]
-    ReadBack(String),
-}
+use super::DepthBuffer;
+use super::read_back::{PictureError, read_rows};
 
 /// A colour texture (`Rgba8UnormSrgb`, multisampled if asked) and a reversed-Z depth buffer of one size.
 pub struct FrameTargets {
@@ -65,12 +56,12 @@ impl FrameTargets {
             .begin_part(encoder, &self.view, part, times)
     }
 
-    /// Reads the picture back, sRGB RGBA8 rows without padding. Waits for the device.
+    /// Reads the picture back: sRGB, four bytes a pixel (RGBA), rows without padding. Waits for the device.
     pub fn read_back(
         &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-    ) -> Result<RgbaImage, PictureError> {
+    ) -> Result<Vec<u8>, PictureError> {
         read_texture(device, queue, &self.picture)
     }
 }
@@ -197,12 +188,12 @@ pub fn color_texture(
     })
 }
 
-/// Reads an 8-bit RGBA or BGRA texture (usage `COPY_SRC`) as RGBA rows without padding. Waits for the device.
+/// Reads an 8-bit RGBA or BGRA texture (usage `COPY_SRC`) as rows of RGBA without padding. Waits for the device.
 pub fn read_texture(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     texture: &wgpu::Texture,
-) -> Result<RgbaImage, PictureError> {
+) -> Result<Vec<u8>, PictureError> {
     let mut pixels = read_rows(device, queue, texture, 4, None)?;
     if matches!(
         texture.format(),
@@ -212,8 +203,7 @@ pub fn read_texture(
             pixel.swap(0, 2);
         }
     }
-    RgbaImage::from_raw(texture.width(), texture.height(), pixels)
-        .ok_or_else(|| PictureError::ReadBack("short read".into()))
+    Ok(pixels)
 }
 
 /// Reads an `Rgba32Float` texture (usage `COPY_SRC`), rows one after another. Waits for the device.

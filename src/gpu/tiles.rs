@@ -2,21 +2,15 @@
 
 use super::BlockTiles;
 use super::maps::Maps;
-use crate::globe::{BLOCK_COUNT, Block, BlockSet, COLUMNS, Part, ROWS, runs};
-use crate::imagery::stream::{Pool, Upload};
+use crate::globe::{BLOCK_COUNT, Block, BlockSet, COLUMNS, ROWS};
+use crate::imagery::residency::{Pool, Upload};
 use crate::imagery::tile::{MAP_LAYERS, TILE_BORDER, TILE_MIPS, TileFormat, TileShape};
 use glam::Vec4;
-use std::ops::Range;
 
 type Placements = [[Vec4; MAP_LAYERS]; BLOCK_COUNT as usize];
 const PLACEMENTS_BYTES: usize = size_of::<Placements>();
 
-/// As `WHOLE` and `CROSSING` of `shaders/earth.wgsl`: with whole maps; and, with a block's index added, as much of what lies
-/// in several blocks as lies in that one.
-pub(super) const WHOLE: u32 = 2 * BLOCK_COUNT;
-const CROSSING: u32 = BLOCK_COUNT;
-
-/// Bytes of `tiles` of `shaders/earth.wgsl`: placements, and the set of blocks that have tiles.
+/// Bytes of `Tiles` of `shaders/earth/maps/tile_placements.wgsl`: placements, and the set of blocks that have tiles.
 pub(super) const TILES_BYTES: usize = PLACEMENTS_BYTES + size_of::<BlockSet>();
 
 struct PoolTextures {
@@ -188,26 +182,6 @@ impl TileTextures {
         queue.write_buffer(&self.buffer, PLACEMENTS_BYTES as u64, &tiled);
         TILES_BYTES as u64
     }
-}
-
-/// How triangles that lie in several blocks are drawn where some of these have tiles: each range of them as what, and with the
-/// tiles of which block.
-pub(super) fn draws_of(
-    parts: &[Part],
-    tiled: BlockSet,
-    mut draw: impl FnMut(u32, Option<Block>, Range<u32>),
-) {
-    let all = parts.iter().fold(0, |all, part| all | part.blocks.0);
-    let mut left = all & tiled.0;
-    while left != 0 {
-        let index = left.trailing_zeros();
-        let block = Block::of_index(index);
-        runs(parts, BlockSet(1 << index), |range| {
-            draw(CROSSING + index, Some(block), range);
-        });
-        left &= left - 1;
-    }
-    runs(parts, BlockSet(!tiled.0), |range| draw(WHOLE, None, range));
 }
 
 fn bind(

@@ -20,7 +20,7 @@ pub struct GpuTimer {
 }
 
 /// Most passes that are timed together.
-const MOST_PASSES: u32 = 3;
+const MAX_PASSES: u32 = 3;
 const TICK_BYTES: u64 = wgpu::QUERY_SIZE as u64;
 
 impl GpuTimer {
@@ -36,7 +36,7 @@ impl GpuTimer {
         let buffer = |label, usage| {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
-                size: u64::from(MOST_PASSES + 1) * TICK_BYTES,
+                size: u64::from(MAX_PASSES + 1) * TICK_BYTES,
                 usage,
                 mapped_at_creation: false,
             })
@@ -46,7 +46,7 @@ impl GpuTimer {
             queries: device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some("terrella times"),
                 ty: wgpu::QueryType::Timestamp,
-                count: MOST_PASSES + 1,
+                count: MAX_PASSES + 1,
             }),
             resolved: buffer("terrella times", Use::QUERY_RESOLVE | Use::COPY_SRC),
             read_back: buffer("terrella times read back", Use::COPY_DST | Use::MAP_READ),
@@ -59,14 +59,14 @@ impl GpuTimer {
         wgpu::RenderPassTimestampWrites {
             query_set: &self.queries,
             beginning_of_pass_write_index: (n == 0).then_some(0),
-            end_of_pass_write_index: Some((n + 1).min(MOST_PASSES)),
+            end_of_pass_write_index: Some((n + 1).min(MAX_PASSES)),
         }
     }
 
     /// Has the times of the first `passes` passes copied; to be called after the last of them.
     pub fn resolve(&self, encoder: &mut wgpu::CommandEncoder, passes: u32) {
         // A query that was not written must not be waited for.
-        let written = passes.min(MOST_PASSES) + 1;
+        let written = passes.min(MAX_PASSES) + 1;
         let bytes = u64::from(written) * TICK_BYTES;
         encoder.resolve_query_set(&self.queries, 0..written, &self.resolved, 0);
         encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.read_back, 0, bytes);
@@ -78,7 +78,7 @@ impl GpuTimer {
         let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&mapped);
         drop(mapped);
         self.read_back.unmap();
-        let passes = ticks.windows(2).take(passes.min(MOST_PASSES) as usize);
+        let passes = ticks.windows(2).take(passes.min(MAX_PASSES) as usize);
         // A counter that wrapped tells nothing.
         let span = |pair: &[u64]| pair[1].saturating_sub(pair[0]) as f64 * self.tick_ms;
         Ok(passes.map(span).collect())

@@ -1,11 +1,12 @@
 //! The drawable of satellites' tracks: lines, marks and fills of plain values. `crate::tracks` makes them of satellites.
 
+use super::shader::ShaderModule;
 use super::{
-    FrameUniforms, PassFormat, PipelineDescription, ShaderError, ShaderVariant, TRACKS_SHADER,
+    FrameUniforms, PassFormat, PipelineDescription, ShaderError, TrackKind, TracksVariant,
 };
 use bytemuck::{Pod, Zeroable};
 
-/// `TrackFrame` of `shaders/tracks.wgsl`.
+/// `TrackUniforms` of `shaders/tracks.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct TrackUniforms {
@@ -25,7 +26,7 @@ pub struct TrackUniforms {
 pub(crate) struct LinePoint {
     /// From the eye, ITRF metres.
     pub from_eye_m: [f32; 3],
-    /// [`FROM_PREVIOUS`] where a segment comes to it from the point before, [`ON_GROUND`] where it lies there.
+    /// [`FROM_PREVIOUS`](super::TRACK_FROM_PREVIOUS) where a segment comes to it from the point before, [`ON_GROUND`](super::TRACK_ON_GROUND) where it lies there.
     pub flags: u32,
     /// Display values and opacity.
     pub color: [u8; 4],
@@ -33,13 +34,13 @@ pub(crate) struct LinePoint {
     pub half_width_px: f32,
 }
 
-/// A dot, or with [`ON_GROUND`] a ring.
+/// A dot, or with [`ON_GROUND`](super::TRACK_ON_GROUND) a ring.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct Mark {
     /// From the eye, ITRF metres.
     pub from_eye_m: [f32; 3],
-    /// [`ON_GROUND`] or 0.
+    /// [`ON_GROUND`](super::TRACK_ON_GROUND) or 0.
     pub flags: u32,
     /// Display values and opacity.
     pub color: [u8; 4],
@@ -64,11 +65,6 @@ pub(crate) struct Fill {
     /// Display values and opacity.
     pub color: [u8; 4],
 }
-
-/// Flag of a point to which a segment comes from the one before.
-pub(crate) const FROM_PREVIOUS: u32 = 1;
-/// Flag of what lies on the ground.
-pub(crate) const ON_GROUND: u32 = 2;
 
 const LINE_BEFORE: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float32x3];
 const LINE_A: [wgpu::VertexAttribute; 3] =
@@ -137,37 +133,34 @@ impl TracksDrawable {
             })
         });
         let mut shader_bytes = 0;
-        let mut batch =
-            |is_wanted: bool, feature: &'static str, label: &'static str, buffers: &[_]| {
-                if !is_wanted {
-                    return Ok::<_, ShaderError>(None);
-                }
-                let encode = format.stores_display_values();
-                let features = [(feature, feature != LINES), ("encode", encode)];
-                let (module, bytes) =
-                    ShaderVariant::new(TRACKS_SHADER, &features).module(device)?;
-                shader_bytes += bytes;
-                Ok(Some(Batch {
-                    pipeline: PipelineDescription {
-                        label,
-                        bind_groups: Some(&[Some(&layout)]),
-                        module: &module,
-                        buffers,
-                        primitive: wgpu::PrimitiveState {
-                            topology: wgpu::PrimitiveTopology::TriangleStrip,
-                            ..Default::default()
-                        },
-                        format,
-                        // What is drawn before the Earth hides tracks, tracks hide nothing.
-                        writes_depth: false,
-                        blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-                    }
-                    .create(device),
-                    buffer: None,
+        let mut batch = |is_wanted: bool, kind: TrackKind, label: &'static str, buffers: &[_]| {
+            if !is_wanted {
+                return Ok::<_, ShaderError>(None);
+            }
+            let target = format.target_color();
+            let shader = ShaderModule::new(device, &TracksVariant { kind, target })?;
+            shader_bytes += shader.bytes;
+            Ok(Some(Batch {
+                pipeline: PipelineDescription {
                     label,
-                    count: 0,
-                }))
-            };
+                    bind_groups: Some(&[Some(&layout)]),
+                    module: &shader.module,
+                    buffers,
+                    primitive: wgpu::PrimitiveState {
+                        topology: wgpu::PrimitiveTopology::TriangleStrip,
+                        ..Default::default()
+                    },
+                    format,
+                    // What is drawn before the Earth hides tracks, tracks hide nothing.
+                    writes_depth: false,
+                    blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                }
+                .create(device),
+                buffer: None,
+                label,
+                count: 0,
+            }))
+        };
         let point = size_of::<LinePoint>();
         let lines = [
             instances(point, &LINE_BEFORE),
@@ -178,9 +171,24 @@ impl TracksDrawable {
         let marks = [instances(size_of::<Mark>(), &MARK)];
         let fills = [instances(size_of::<Fill>(), &FILL)];
         Ok(Self {
-            lines: batch(kinds.lines, LINES, "terrella track lines", &lines)?,
-            marks: batch(kinds.marks, "marks", "terrella track marks", &marks)?,
-            fills: batch(kinds.fills, "fill", "terrella track fills", &fills)?,
+            lines: batch(
+                kinds.lines,
+                TrackKind::Lines,
+                "terrella track lines",
+                &lines,
+            )?,
+            marks: batch(
+                kinds.marks,
+                TrackKind::Marks,
+                "terrella track marks",
+                &marks,
+            )?,
+            fills: batch(
+                kinds.fills,
+                TrackKind::Fills,
+                "terrella track fills",
+                &fills,
+            )?,
             frames,
             bind_groups,
             shader_bytes,
@@ -267,9 +275,6 @@ impl TracksDrawable {
         })
     }
 }
-
-/// No feature: lines are what the shader draws where it is told nothing else.
-const LINES: &str = "lines";
 
 impl Batch {
     /// Writes things of which `count` are drawn.

@@ -1,9 +1,9 @@
-//! The uniform structs of the shaders. `tests/model/shaders.rs` compares every offset with the one naga reflects.
+//! The uniform structs of the shaders. `tests/model/shaders` compares every offset with the one naga reflects.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
-/// `Frame` of `shaders/common/frame.wgsl`.
+/// `FrameUniforms` of `shaders/common/frame.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct FrameUniforms {
@@ -31,7 +31,7 @@ pub struct FrameUniforms {
     pub air_below: f32,
 }
 
-/// `AirFrame` of `shaders/air.wgsl`.
+/// `AirUniforms` of `shaders/air.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct AirUniforms {

@@ -1,7 +1,6 @@
 //! What can be wrong with a map, said with its path, its cause and what to do.
 
-use super::layer::TexelFormat;
-use super::load::{MAX_HEIGHT, MIN_HEIGHT};
+use super::texel::{MAX_HEIGHT, MIN_HEIGHT, TexelFormat};
 use std::path::PathBuf;
 
 /// What can be wrong with a map.
@@ -47,7 +46,7 @@ pub enum ImageryError {
     FileTooLarge {
         /// The file.
         path: PathBuf,
-        /// Its size.
+        /// Its length.
         bytes: u64,
         /// The largest size taken.
         limit: u64,
@@ -57,7 +56,7 @@ pub enum ImageryError {
     NotAnImage {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// What speaks against it.
         cause: String,
     },
     /// Not an equirectangular map of the whole Earth, or too small or large.

@@ -1,30 +1,9 @@
-//! A map in memory with its mip levels.
+//! A map in memory with its mip levels, and the set of maps that an Earth is drawn with.
 
 use super::error::ImageryError;
-use super::load::MAX_HEIGHT;
 use super::mips;
-
-/// How a texel is stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TexelFormat {
-    /// Four bytes, colour in sRGB encoding, alpha unused (255).
-    Rgba8Srgb,
-    /// One byte, 0…1: cloud cover, light intensity.
-    R8Unorm,
-    /// Two signed bytes, −1…1: slope east and slope north.
-    Rg8Snorm,
-}
-
-impl TexelFormat {
-    /// Bytes of one texel.
-    pub fn texel_bytes(self) -> usize {
-        match self {
-            Self::Rgba8Srgb => 4,
-            Self::R8Unorm => 1,
-            Self::Rg8Snorm => 2,
-        }
-    }
-}
+use super::texel::{MAX_HEIGHT, TexelFormat};
+use super::tile::MapLayer;
 
 /// One equirectangular map with its mip levels: north row first, left edge at 180° W.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -126,6 +105,43 @@ impl LayerImage {
             }
         }
         Ok(())
+    }
+}
+
+/// The maps that an Earth is drawn with. A layer that is `None` is not loaded, uploaded, bound or in the shader.
+#[derive(Clone, Debug)]
+pub struct EarthLayers {
+    /// Surface colour by day, `Rgba8Srgb`.
+    pub day: LayerImage,
+    /// Cloud cover, `R8Unorm`.
+    pub clouds: Option<LayerImage>,
+    /// Terrain slopes (dh/d east, dh/d north), exaggerated as its maker states, `Rg8Snorm`.
+    pub normals: Option<LayerImage>,
+    /// City lights, `R8Unorm`.
+    pub night_lights: Option<LayerImage>,
+    /// Open water, `R8Unorm`: where the sea glints in sunlight.
+    pub water: Option<LayerImage>,
+}
+
+impl EarthLayers {
+    /// A map by its kind.
+    pub fn get(&self, layer: MapLayer) -> Option<&LayerImage> {
+        match layer {
+            MapLayer::Day => Some(&self.day),
+            MapLayer::Clouds => self.clouds.as_ref(),
+            MapLayer::Normals => self.normals.as_ref(),
+            MapLayer::NightLights => self.night_lights.as_ref(),
+            MapLayer::Water => self.water.as_ref(),
+        }
+    }
+
+    /// Bytes of all texels of all layers, mip levels included.
+    pub fn texture_bytes(&self) -> u64 {
+        MapLayer::ALL
+            .into_iter()
+            .filter_map(|layer| self.get(layer))
+            .map(LayerImage::bytes)
+            .sum()
     }
 }
 

@@ -1,21 +1,15 @@
 //! A folder of maps, read from disk.
 
-use super::EarthLayers;
+use super::decode::{FileKind, Picture, TexelKind, jpeg_ends, png_size};
 use super::error::ImageryError;
-use super::layer::LayerImage;
+use super::layer::{EarthLayers, LayerImage};
 use super::slopes::{SLOPE_EXAGGERATION, slopes_from_elevation};
-use image::{ColorType, ImageDecoder, ImageError, ImageFormat, ImageReader};
-use std::io::{Cursor, Read};
+use super::texel::{MAX_HEIGHT, MIN_HEIGHT};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Smallest height of a map file, texels.
-pub const MIN_HEIGHT: u32 = 2;
-/// Largest height of a map file, texels; its width is twice that.
-pub const MAX_HEIGHT: u32 = 16_384;
 /// Largest map file, bytes.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
-/// Largest decoded map, bytes: 32 768 × 16 384 texels of four bytes.
-const MAX_DECODED_BYTES: u64 = 1 << 31;
 
 /// Names of the day map, first come first taken.
 pub(super) const DAY_NAMES: [&str; 2] = ["day.jpg", "day.png"];
@@ -89,15 +83,12 @@ fn load_day(dir: &Path) -> Result<LayerImage, ImageryError> {
     let names = DAY_NAMES.map(|name| dir.join(name));
     let path = names.iter().find(|path| path.exists()).unwrap_or(&names[0]);
     let file = MapFile::read(path, "day", "8-bit colour (sRGB)", |texels| {
-        matches!(
-            texels,
-            ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8
-        )
+        texels.bits == 8
     })?;
-    let texels = match file.texel_kind {
-        ColorType::Rgba8 => file.bytes,
-        ColorType::Rgb8 => to_rgba(&file.bytes, |rgb: &[u8; 3]| *rgb),
-        ColorType::La8 => to_rgba(&file.bytes, |la: &[u8; 2]| [la[0]; 3]),
+    let texels = match file.texel_kind.channels {
+        4 => file.bytes,
+        3 => to_rgba(&file.bytes, |rgb: &[u8; 3]| *rgb),
+        2 => to_rgba(&file.bytes, |la: &[u8; 2]| [la[0]; 3]),
         _ => to_rgba(&file.bytes, |grey: &[u8; 1]| [grey[0]; 3]),
     };
     LayerImage::from_rgba8(file.width, file.height, texels)
@@ -122,7 +113,9 @@ fn load_night_lights(dir: &Path) -> Result<LayerImage, ImageryError> {
 }
 
 fn load_grey(path: &Path, layer: &'static str) -> Result<LayerImage, ImageryError> {
-    let file = MapFile::read(path, layer, "8-bit grey", |texels| texels == ColorType::L8)?;
+    let file = MapFile::read(path, layer, "8-bit grey", |texels| {
+        texels == TexelKind::grey(8)
+    })?;
     LayerImage::from_r8(file.width, file.height, file.bytes)
 }
 
@@ -132,10 +125,10 @@ fn load_normals(dir: &Path) -> Result<LayerImage, ImageryError> {
         &path,
         "elevation",
         "16-bit grey (metres + 11000)",
-        |texels| texels == ColorType::L16,
+        |texels| texels == TexelKind::grey(16),
     )?;
     let (pairs, _) = file.bytes.as_chunks::<2>();
-    let elevation: Vec<u16> = pairs.iter().map(|pair| u16::from_ne_bytes(*pair)).collect();
+    let elevation: Vec<u16> = pairs.iter().map(|pair| u16::from_be_bytes(*pair)).collect();
     drop(file.bytes);
     let slopes = slopes_from_elevation(file.width, file.height, &elevation, SLOPE_EXAGGERATION)?;
     tracing::debug!(
@@ -150,8 +143,8 @@ fn load_normals(dir: &Path) -> Result<LayerImage, ImageryError> {
 struct MapFile {
     width: u32,
     height: u32,
-    texel_kind: ColorType,
-    /// Row-major texels as the decoder gives them; 16-bit ones in the machine's byte order.
+    texel_kind: TexelKind,
+    /// Row-major texels; 16-bit ones with the high byte first.
     bytes: Vec<u8>,
 }
 
@@ -161,7 +154,7 @@ impl MapFile {
         path: &Path,
         layer: &'static str,
         needed: &'static str,
-        takes: impl Fn(ColorType) -> bool,
+        takes: impl Fn(TexelKind) -> bool,
     ) -> Result<Self, ImageryError> {
         let contents = read_file(path, layer)?;
         let not_an_image = |cause: String| ImageryError::NotAnImage {
@@ -175,47 +168,31 @@ impl MapFile {
         if contents.is_empty() {
             return Err(not_an_image("the file is empty".into()));
         }
-        let mut reader = ImageReader::new(Cursor::new(contents.as_slice()))
-            .with_guessed_format()
-            .map_err(|error| not_an_image(error.to_string()))?;
-        let format = match reader.format() {
-            Some(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
-            Some(other) => return Err(not_an_image(format!("it holds {other:?} data"))),
-            None => {
-                return Err(not_an_image(
-                    "its first bytes are of no known format".into(),
-                ));
-            }
+        let Some(kind) = FileKind::of(&contents) else {
+            return Err(not_an_image(
+                "its first bytes are neither PNG's nor JPEG's".into(),
+            ));
         };
-        if format == ImageFormat::Jpeg && !jpeg_ends(&contents) {
+        if kind == FileKind::Jpeg && !jpeg_ends(&contents) {
             // The decoder would fill what is missing with grey and say nothing.
             return Err(damaged("the JPEG data has no end marker".into()));
         }
         if let Some((width, height)) = png_size(&contents) {
             check_map_size(path, width, height)?;
         }
-        let mut limits = image::Limits::no_limits();
-        limits.max_alloc = Some(MAX_DECODED_BYTES);
-        reader.limits(limits);
-        let decoder = reader
-            .into_decoder()
-            .map_err(|error| damaged(words_of(&error)))?;
-        let (width, height) = decoder.dimensions();
+        let picture = Picture::open(kind, &contents).map_err(damaged)?;
+        let (width, height) = picture.size();
         check_map_size(path, width, height)?;
-        let texel_kind = decoder.color_type();
+        let texel_kind = picture.texel_kind();
         if !takes(texel_kind) {
             return Err(ImageryError::TexelKind {
                 path: path.into(),
                 layer,
-                found: describe(texel_kind),
+                found: texel_kind.to_string(),
                 needed,
             });
         }
-        // The size check leaves at most 2^31 bytes of the kinds taken.
-        let mut bytes = vec![0; decoder.total_bytes() as usize];
-        decoder
-            .read_image(&mut bytes)
-            .map_err(|error| damaged(words_of(&error)))?;
+        let bytes = picture.texels().map_err(damaged)?;
         Ok(Self {
             width,
             height,
@@ -235,16 +212,6 @@ fn check_map_size(path: &Path, width: u32, height: u32) -> Result<(), ImageryErr
         width,
         height,
     })
-}
-
-/// The size that a PNG declares, looked up in its header (always the first chunk) because the decoder's own answer to
-/// one that is too large does not tell the size.
-fn png_size(contents: &[u8]) -> Option<(u32, u32)> {
-    let rest = contents.strip_prefix(b"\x89PNG\r\n\x1a\n")?;
-    let header = rest.get(4..)?.strip_prefix(b"IHDR")?;
-    let width = u32::from_be_bytes(*header.first_chunk()?);
-    let height = u32::from_be_bytes(*header.get(4..)?.first_chunk()?);
-    Some((width, height))
 }
 
 /// The whole file, if it is one and not too large.
@@ -286,46 +253,4 @@ fn read_file(path: &Path, layer: &'static str) -> Result<Vec<u8>, ImageryError> 
         return Err(too_large(contents.len() as u64));
     }
     Ok(contents)
-}
-
-/// Whether JPEG data comes to an end-of-image marker after its first scan.
-///
-/// Segments before the scan are stepped over by their lengths, because a preview in one of them has an end marker of
-/// its own. Inside a scan a byte FF is always followed by 00 or a restart marker, so FF D9 can only be the end.
-fn jpeg_ends(contents: &[u8]) -> bool {
-    const START_OF_SCAN: u8 = 0xDA;
-    let mut rest = contents.get(2..).unwrap_or_default();
-    while let [0xFF, marker, after @ ..] = rest {
-        if *marker == 0xFF {
-            // Fill byte.
-            rest = &rest[1..];
-            continue;
-        }
-        if *marker == START_OF_SCAN {
-            return after.windows(2).any(|pair| pair == [0xFF, 0xD9]);
-        }
-        let [high, low, ..] = after else {
-            return false;
-        };
-        let length = usize::from(u16::from_be_bytes([*high, *low]));
-        rest = after.get(length.max(2)..).unwrap_or_default();
-    }
-    false
-}
-
-/// The decoder's words without the names of its types.
-fn words_of(error: &ImageError) -> String {
-    let text = error.to_string();
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
-fn describe(texels: ColorType) -> String {
-    let channels = match texels.channel_count() {
-        1 => "grey",
-        2 => "grey and alpha",
-        3 => "colour",
-        _ => "colour and alpha",
-    };
-    let bits = u16::from(texels.bytes_per_pixel()) * 8 / u16::from(texels.channel_count());
-    format!("{bits}-bit {channels}")
 }

@@ -4,8 +4,8 @@
 //! level above it, so that rounding does not build up over twelve levels. The whole image is one period in longitude;
 //! with even widths no box reaches over the left or right edge.
 
-use super::layer::TexelFormat;
 use super::srgb::{LINEAR_FROM_SRGB, SrgbEncoder};
+use super::texel::TexelFormat;
 
 /// Number of levels down to 1 × 1.
 pub(super) fn level_count(width: u32, height: u32) -> usize {

@@ -1,7 +1,8 @@
 //! Terrain slopes from elevations.
 
 use super::error::ImageryError;
-use super::layer::{LayerImage, TexelFormat, check_dimensions};
+use super::layer::{LayerImage, check_dimensions};
+use super::texel::TexelFormat;
 
 /// What the stored elevations have added to them, so that the sea floor is not negative, metres.
 pub const ELEVATION_OFFSET_M: u16 = 11_000;

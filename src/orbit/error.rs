@@ -141,6 +141,7 @@ pub enum OrbitError {
     #[error(transparent)]
     Numerical(#[from] super::numerical::NumericalError),
     /// A live feed has no state for the epoch.
+    #[cfg(feature = "live")]
     #[error(transparent)]
     Live(#[from] super::live::LiveError),
     /// The epoch is outside the feed's validity interval.

@@ -24,6 +24,7 @@ mod error;
 mod file;
 pub mod interpolated;
 pub mod kepler;
+#[cfg(feature = "live")]
 pub mod live;
 mod mean_elements;
 pub mod numerical;

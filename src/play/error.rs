@@ -1,8 +1,6 @@
 //! What can go wrong between a scene and a picture.
 
 use super::destination::OutputError;
-use super::video::VideoError;
-use super::window::WindowError;
 use crate::EarthError;
 use crate::elevation::HeightFileError;
 use crate::frames::EarthOrientationError;
@@ -14,7 +12,7 @@ use crate::scene::SceneError;
 use crate::tracks::TracksError;
 use std::path::PathBuf;
 
-/// What can go wrong between a scene and a picture. The messages are those of the rooms they come from.
+/// What can go wrong between a scene and a picture. The messages are those of the modules they come from.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlayError {
@@ -208,7 +206,7 @@ pub enum PlayError {
     /// The device stopped answering.
     #[error("the graphics device stopped answering: {0}")]
     DeviceLost(String),
-    /// A thread that writes frames ended without a word.
+    /// A thread that writes frames ended without a message.
     #[error(
         "the thread that writes the frames broke down; this is a fault of the program, please report it"
     )]
@@ -235,4 +233,103 @@ impl PlayError {
                 )
         )
     }
+}
+
+/// Why there is no window.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WindowError {
+    /// No display, or none that answers.
+    #[error(
+        "no window can be opened: {0}; without a display, write a film with --video FILE.mp4 or --frames FOLDER, or \
+         one picture with `terrella frame`"
+    )]
+    NoDisplay(String),
+    /// The thread that times frames cannot be started.
+    #[error("frames cannot be timed: {0}; leave target_ms out of the scene's [quality]")]
+    NoThread(std::io::Error),
+    /// The thread that looks for passes cannot be started.
+    #[error("the thread that looks for passes cannot be started: {0}")]
+    NoPasses(std::io::Error),
+    /// The window's surface takes no 8-bit sRGB colour.
+    #[error(
+        "the window's surface offers no 8-bit sRGB colour, only {present:?}; choose another adapter with --adapter, or \
+         write --video or --frames"
+    )]
+    NoFormat {
+        /// What it offers.
+        present: Vec<wgpu::TextureFormat>,
+    },
+}
+
+/// Why a video could not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum VideoError {
+    /// An odd width or height.
+    #[error(
+        "a video of {width} × {height} pixels is not possible: H.264 video needs an even width and height; \
+         take {even_width} × {even_height}, or write --frames"
+    )]
+    OddSize {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+        /// An even width near it.
+        even_width: u32,
+        /// An even height near it.
+        even_height: u32,
+    },
+    /// Larger than the built-in encoder takes.
+    #[error(
+        "the built-in encoder writes videos from 16 × 16 to 3840 × 2160 pixels (or upright), not {width} × {height}; \
+         install ffmpeg, or write --frames"
+    )]
+    BuiltinSize {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+    },
+    /// More data than the built-in MP4 writer takes.
+    #[error(
+        "{}: the video has grown over {limit_mib} MiB, the most that the built-in encoder writes; install ffmpeg, or \
+         make the film shorter or smaller", path.display()
+    )]
+    BuiltinLength {
+        /// The file.
+        path: PathBuf,
+        /// The limit, MiB.
+        limit_mib: u64,
+    },
+    /// The built-in encoder failed.
+    #[error("{}: the built-in encoder failed: {cause}", path.display())]
+    Builtin {
+        /// The file.
+        path: PathBuf,
+        /// Its words.
+        cause: String,
+    },
+    /// `ffmpeg` was asked for and is not there.
+    #[error(
+        "ffmpeg was not found on the search path; install it (on Debian and Ubuntu `apt-get install ffmpeg`), or \
+         choose --encoder builtin"
+    )]
+    NoFfmpeg,
+    /// `ffmpeg` is there without an encoder for H.264.
+    #[error(
+        "the installed ffmpeg has no libx264; install one that has, or choose --encoder builtin"
+    )]
+    NoX264,
+    /// `ffmpeg` stopped.
+    #[error("{}: ffmpeg failed ({status}): {words}", path.display())]
+    Ffmpeg {
+        /// The file.
+        path: PathBuf,
+        /// How it ended.
+        status: String,
+        /// What it said last.
+        words: String,
+    },
 }

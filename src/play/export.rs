@@ -6,7 +6,7 @@ use super::error::PlayError;
 use super::flight::Flight;
 use super::picture::Picture;
 use super::progress::Progress;
-use super::video::{EncoderChoice, VideoFormat, check_size, open_video};
+use super::video::{EncoderChoice, FrameSink, VideoFormat, check_size, open_video};
 use crate::gpu::GpuContext;
 use crate::imagery::tile::TileKey;
 use crate::orbit::live::Pacing;
@@ -17,15 +17,6 @@ use std::sync::mpsc::sync_channel;
 
 /// Frames that may wait to be written: one in the writer's hands, this many more drawn ahead of it.
 const FRAMES_AHEAD: usize = 2;
-
-/// Takes frames in their order.
-pub trait FrameSink: Send {
-    /// Takes the next frame.
-    fn push(&mut self, frame: &RgbaImage) -> Result<(), PlayError>;
-    /// All frames were given: completes what is written and gives it its name. A sink that is dropped without it
-    /// leaves no incomplete file under a final name.
-    fn finish(self: Box<Self>) -> Result<(), PlayError>;
-}
 
 /// What a flight is written to.
 #[derive(Clone, Debug, Default)]

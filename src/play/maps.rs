@@ -92,7 +92,7 @@ fn pack_options(
     let bytes = |mb: f64| (mb * 1e6) as u64;
     options.tiles = Some(TileOptions {
         rule: table.levels,
-        most_px: table.texel_px,
+        max_texel_px: table.texel_px,
         texture_bytes: bytes(table.texture_mb),
         upload_bytes: bytes(table.upload_mb),
         ..TileOptions::new(Arc::new(tiles))

@@ -21,8 +21,9 @@
 //! | `destination` | files that are whole or not there |
 //! | `window`, `stage`, `surface`, `overlay`, `panel`, `controls`, `keys` | the window |
 //! | `egui_pass` | panel and names, drawn over pictures |
+//! | `place_text` | places as a person reads them |
 //! | `timeline/` | the time line along the bottom: scrubbing, real time, passes |
-//! | `cost` | what its frames cost, for the governor of quality |
+//! | `cost` | what its frames cost, for adaptive quality |
 
 pub mod camera;
 pub mod clock;
@@ -42,6 +43,7 @@ mod overlay;
 mod panel;
 mod pass_table;
 mod picture;
+mod place_text;
 mod progress;
 mod relief;
 mod satellites;
@@ -57,16 +59,17 @@ mod window;
 pub use craft::CraftPose;
 pub use destination::{OutputError, PendingFile};
 pub use ephemeris::{Axes, Ephemeris, EphemerisRequest, Layout, Span, omm};
-pub use error::PlayError;
+pub use error::{PlayError, VideoError, WindowError};
 pub use export::{ExportRequest, export};
 pub use flight::{Flight, Moment, Satellite, ViewRequest};
 pub use maps::earth_options;
 pub use pass_table::{PassRequest, PassTable};
+pub(crate) use picture::rgba_image;
 pub use picture::{Measured, Picture, target_bytes};
 pub use progress::Progress;
 pub use relief::read_ground;
 pub use satellites::Tracked;
 pub use stats::{Eye, Stats, SubsolarPoint};
 pub use still::{StillRequest, write_still};
-pub use video::{EncoderChoice, VideoError};
-pub use window::{WindowError, WindowRequest, play_in_window};
+pub use video::EncoderChoice;
+pub use window::{WindowRequest, play_in_window};

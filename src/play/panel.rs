@@ -3,10 +3,11 @@
 use super::controls::Controls;
 use super::flight::Moment;
 use super::keys::{Action, BINDINGS, MOUSE};
+use super::place_text::place_text;
 use super::timeline;
 use crate::frames::rfc3339;
 use crate::scene::CameraMode;
-use crate::{FrameStats, Governor};
+use crate::{AdaptiveQuality, FrameStats};
 use egui::{Align2, Color32, Context, Grid, RichText, Ui, Vec2};
 
 /// Longer notices take several lines, points.
@@ -23,7 +24,7 @@ pub struct PanelData<'p> {
     /// Whether the tiles of a pack are drawn.
     pub has_tiles: bool,
     /// What governs the quality, if a frame time is to be held.
-    pub governor: Option<&'p Governor>,
+    pub adaptive: Option<&'p AdaptiveQuality>,
     /// Milliseconds between frames, smoothed; `None` before there are two.
     pub interval_ms: Option<f64>,
     /// Milliseconds of this program's own work on a frame, smoothed.
@@ -128,8 +129,8 @@ fn panel(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut V
                 row(name, value);
             }
         }
-        if let Some(governor) = data.governor {
-            row("quality", quality_text(governor));
+        if let Some(adaptive) = data.adaptive {
+            row("quality", quality_text(adaptive));
         }
         row("adapter", data.adapter.to_owned());
     });
@@ -174,7 +175,7 @@ fn tile_rows(stats: &FrameStats) -> [(&'static str, String); 4] {
             "tiles",
             format!(
                 "{} wanted, {} held, finest first",
-                by_level(&tiles.wanted),
+                by_level(&tiles.requested),
                 by_level(&tiles.resident)
             ),
         ),
@@ -240,23 +241,12 @@ fn frame_text(interval_ms: Option<f64>, work_ms: f64) -> String {
     }
 }
 
-fn quality_text(governor: &Governor) -> String {
-    let given_up: Vec<_> = governor.given_up().map(|what| what.to_string()).collect();
-    match given_up.is_empty() {
-        true => format!("full, held to {} ms", governor.target_ms()),
-        false => format!("without {}", given_up.join(", ")),
+fn quality_text(adaptive: &AdaptiveQuality) -> String {
+    let reductions: Vec<_> = adaptive.reductions().map(|what| what.to_string()).collect();
+    match reductions.is_empty() {
+        true => format!("full, held to {} ms", adaptive.target_ms()),
+        false => format!("without {}", reductions.join(", ")),
     }
-}
-
-pub(super) fn place_text(lat_rad: f64, lon_rad: f64) -> String {
-    let (lat, lon) = (lat_rad.to_degrees(), lon_rad.to_degrees());
-    format!(
-        "{:.3}° {}, {:.3}° {}",
-        lat.abs(),
-        if lat < 0.0 { "S" } else { "N" },
-        lon.abs(),
-        if lon < 0.0 { "W" } else { "E" }
-    )
 }
 
 #[cfg(test)]
@@ -264,9 +254,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_and_speeds_read_well() {
-        let text = place_text((-33.5_f64).to_radians(), (-70.25_f64).to_radians());
-        assert_eq!(text, "33.500° S, 70.250° W");
+    fn speeds_read_well() {
         assert_eq!(speed_text(-64.0, false), "-64 × real time");
         assert_eq!(speed_text(0.25, true), "0.25 × real time, paused");
         assert!(frame_text(Some(20.0), 3.0).contains("50 per second"));

@@ -4,7 +4,7 @@ use super::craft::CraftLayer;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
 use super::tracks::{Effort, TracksLayer};
-use crate::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart};
+use crate::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart, PictureError};
 use crate::imagery::tile::TileKey;
 use crate::tracks::TracksOptions;
 use crate::{Earth, EarthOptions, EyeView, FrameStats};
@@ -124,7 +124,9 @@ impl Picture {
 
     /// Reads back what was drawn last. Waits for the device.
     pub fn read(&self) -> Result<RgbaImage, PlayError> {
-        Ok(self.targets.read_back(&self.gpu.device, &self.gpu.queue)?)
+        let texels = self.targets.read_back(&self.gpu.device, &self.gpu.queue)?;
+        let (width, height) = self.targets.size();
+        Ok(rgba_image(width, height, texels)?)
     }
 
     /// Draws an instant twice and times the second time: the first fills caches and compiles what drivers compile late.
@@ -199,7 +201,9 @@ impl Picture {
     }
 
     fn prepare_others(&mut self, moment: &Moment, stats: &mut FrameStats) {
-        self.craft.prepare(&self.gpu, moment, stats);
+        let craft = moment.craft.as_ref();
+        self.craft
+            .prepare(&self.gpu, craft, &moment.view, &moment.sky, stats);
         let size = self.size();
         if let Some(tracks) = &mut self.tracks {
             tracks.prepare(&self.gpu, moment, size, Effort::Kept, stats);
@@ -346,6 +350,16 @@ fn new_targets(
             cause: cause.to_string(),
         }),
     }
+}
+
+/// Texels that were read back, as encoders and comparisons take them.
+pub(crate) fn rgba_image(
+    width: u32,
+    height: u32,
+    texels: Vec<u8>,
+) -> Result<RgbaImage, PictureError> {
+    RgbaImage::from_raw(width, height, texels)
+        .ok_or_else(|| PictureError::ReadBack("short read".into()))
 }
 
 #[cfg(test)]

@@ -5,21 +5,20 @@ use super::cost::FrameCosts;
 use super::craft::CraftLayer;
 use super::destination::PendingFile;
 use super::egui_pass::Canvas;
-use super::error::PlayError;
+use super::error::{PlayError, WindowError};
 use super::flight::{Flight, Moment};
 use super::keys::Action;
 use super::overlay::{Overlay, Response};
 use super::panel::{self, PanelData};
-use super::picture::render_in_order;
+use super::picture::{render_in_order, rgba_image};
 use super::progress::Progress;
 use super::surface::WindowSurface;
 use super::tracks::{Effort, TracksLayer};
-use super::window::WindowError;
 use crate::frames::rfc3339;
 use crate::gpu::{GpuContext, read_texture};
 use crate::scene::EDGE_SAMPLES;
 use crate::tracks::TracksOptions;
-use crate::{Earth, EyeView, FrameStats, Governor, Quality};
+use crate::{AdaptiveQuality, Earth, EyeView, FrameStats, Quality};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -62,7 +61,7 @@ struct SamplesByView {
 
 /// Quality that gives way to a frame time.
 struct Governed {
-    governor: Governor,
+    adaptive: AdaptiveQuality,
     costs: FrameCosts,
 }
 
@@ -121,9 +120,9 @@ impl Stage {
         let earth = Earth::new(&gpu.device, &gpu.queue, &options)?;
         let governed = match flight.scene().quality {
             Some(quality) => {
-                let ladder = earth.quality().ladder(earth.has_tiles(), gpu.is_software());
+                let levels = earth.quality().levels(earth.has_tiles(), gpu.is_software());
                 Some(Governed {
-                    governor: Governor::new(quality.target_ms, ladder),
+                    adaptive: AdaptiveQuality::new(quality.target_ms, levels),
                     costs: FrameCosts::new(&gpu.device).map_err(WindowError::NoThread)?,
                 })
             }
@@ -308,7 +307,8 @@ impl Stage {
         let mut encoder = self.encoder();
         self.draw_earth(&moment, &mut encoder, &view);
         self.gpu.queue.submit([encoder.finish()]);
-        file.write_png(&read_texture(&self.gpu.device, &self.gpu.queue, &texture)?)?;
+        let texels = read_texture(&self.gpu.device, &self.gpu.queue, &texture)?;
+        file.write_png(&rgba_image(texture.width(), texture.height(), texels)?)?;
         tracing::info!("saved {}", path.display());
         Ok(path)
     }
@@ -344,24 +344,24 @@ impl Stage {
 
     /// Gives up quality, or takes it back, as the last frames' costs ask for.
     fn govern(&mut self) {
-        let Some(Governed { governor, costs }) = &mut self.governed else {
+        let Some(Governed { adaptive, costs }) = &mut self.governed else {
             return;
         };
         // All that has come since counts; of several changes the last is made.
         let change = costs
             .completed_ms()
-            .filter_map(|cost_ms| governor.observe(cost_ms))
+            .filter_map(|cost_ms| adaptive.observe(cost_ms))
             .last();
         let Some(change) = change else { return };
-        let quality = governor.ladder()[change.rung].quality;
-        let given_up: Vec<_> = governor.given_up().map(|what| what.to_string()).collect();
+        let quality = adaptive.levels()[change.level].quality;
+        let reductions: Vec<_> = adaptive.reductions().map(|what| what.to_string()).collect();
         tracing::info!(
             "frames cost {:.1} ms, {:.1} ms are allowed; given up: {}",
             change.cost_ms,
-            governor.target_ms(),
-            match given_up.is_empty() {
+            adaptive.target_ms(),
+            match reductions.is_empty() {
                 true => "nothing".to_owned(),
-                false => given_up.join(", "),
+                false => reductions.join(", "),
             }
         );
         if !self.set_quality(&quality) {
@@ -386,7 +386,9 @@ impl Stage {
         let mut stats = self
             .earth
             .prepare(&self.gpu.queue, &moment.view, &moment.sky, size);
-        self.craft.prepare(&self.gpu, moment, &mut stats);
+        let craft = moment.craft.as_ref();
+        self.craft
+            .prepare(&self.gpu, craft, &moment.view, &moment.sky, &mut stats);
         if let Some(tracks) = &mut self.tracks {
             tracks.prepare(&self.gpu, moment, size, Effort::Live, &mut stats);
         }
@@ -410,7 +412,7 @@ impl Stage {
             moment,
             stats,
             has_tiles: self.has_tiles,
-            governor: self.governed.as_ref().map(|governed| &governed.governor),
+            adaptive: self.governed.as_ref().map(|governed| &governed.adaptive),
             interval_ms: self.interval_ms,
             work_ms: self.work_ms,
             adapter: &self.adapter,

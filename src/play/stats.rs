@@ -78,7 +78,7 @@ impl Tiles {
         let counters = &stats.tiles;
         Self {
             texels_per_pixel: stats.texels_per_pixel,
-            wanted: counters.wanted.to_vec(),
+            wanted: counters.requested.to_vec(),
             resident: counters.resident.to_vec(),
             hits: counters.hits,
             fallbacks: counters.fallbacks,

@@ -1,7 +1,7 @@
 //! The window's surface: colour in sRGB, its samples and depth.
 
+use super::error::WindowError;
 use super::picture::supported_samples;
-use super::window::WindowError;
 use crate::gpu::{Attachments, GpuContext, color_texture};
 use wgpu::TextureFormat::{Bgra8Unorm, Bgra8UnormSrgb, Rgba8Unorm, Rgba8UnormSrgb};
 

@@ -1,7 +1,7 @@
 //! The window: winit's events in, pictures out.
 
 use super::controls::{Controls, WindowTask};
-use super::error::PlayError;
+use super::error::{PlayError, WindowError};
 use super::flight::Flight;
 use super::keys::{Action, action_of};
 use super::live::LivePlay;
@@ -29,33 +29,6 @@ const ZOOM_PER_NOTCH: f64 = 0.25;
 const EXPECTED_S: [f64; 3] = [0.5, 1.5, 4.0];
 /// How long a message stays.
 const MESSAGE_TIME: Duration = Duration::from_secs(4);
-
-/// Why there is no window.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum WindowError {
-    /// No display, or none that answers.
-    #[error(
-        "no window can be opened: {0}; without a display, write a film with --video FILE.mp4 or --frames FOLDER, or \
-         one picture with `terrella frame`"
-    )]
-    NoDisplay(String),
-    /// The thread that times frames cannot be started.
-    #[error("frames cannot be timed: {0}; leave target_ms out of the scene's [quality]")]
-    NoThread(std::io::Error),
-    /// The thread that looks for passes cannot be started.
-    #[error("the thread that looks for passes cannot be started: {0}")]
-    NoPasses(std::io::Error),
-    /// The window's surface takes no 8-bit sRGB colour.
-    #[error(
-        "the window's surface offers no 8-bit sRGB colour, only {present:?}; choose another adapter with --adapter, or \
-         write --video or --frames"
-    )]
-    NoFormat {
-        /// What it offers.
-        present: Vec<wgpu::TextureFormat>,
-    },
-}
 
 /// How the window is opened.
 #[derive(Clone, Debug, Default)]

@@ -160,7 +160,7 @@ fn options(surface: SurfaceSettings, with_tiles: bool) -> EarthOptions {
     options.anisotropy = 1;
     options.ground = Some(ground(surface));
     options.tiles = with_tiles.then(|| TileOptions {
-        most_px: 1e-9,
+        max_texel_px: 1e-9,
         texture_bytes: 64_000_000,
         ..TileOptions::new(Arc::new(Coloured::new()) as Arc<dyn TileSource>)
     });
@@ -306,7 +306,7 @@ fn tiles_lie_where_the_whole_map_says() {
             options.layers.day = source.whole(level);
             let pack: Arc<dyn TileSource> = source.clone();
             options.tiles = with_tiles.then(|| TileOptions {
-                most_px: 1e-9,
+                max_texel_px: 1e-9,
                 ..TileOptions::new(pack)
             });
             Rig::new(&options, SIZE)

@@ -111,9 +111,9 @@ impl Rig {
         self.earth
             .render(&mut self.targets.begin_pass(&mut encoder));
         gpu.queue.submit([encoder.finish()]);
-        self.targets
-            .read_back(&gpu.device, &gpu.queue)
-            .expect("a picture")
+        let texels = self.targets.read_back(&gpu.device, &gpu.queue);
+        let (width, height) = self.size;
+        RgbaImage::from_raw(width, height, texels.expect("a picture")).expect("of that size")
     }
 }
 

@@ -2,8 +2,10 @@
 //!
 //! What clippy can hold, clippy holds (`[workspace.lints]`); here is what it cannot.
 
+mod circles;
+mod licences;
+mod modules;
 mod repository;
-mod rooms;
 mod rules;
 mod source;
 
@@ -30,21 +32,41 @@ fn holds_in_src(rule: Rule) {
 }
 
 #[test]
-fn rooms_use_only_rooms_before_them() {
+fn modules_use_only_modules_before_them() {
     let repository = Repository::open();
-    let exports = rooms::exports(&repository.rust_file("src/lib.rs"));
+    let exports = modules::exports(&repository.rust_file("src/lib.rs"));
     assert!(!exports.is_empty(), "src/lib.rs exports nothing");
     let files = repository.rust_files("src");
     none(
         files
             .iter()
-            .flat_map(|file| rooms::violations(file, &exports))
+            .flat_map(|file| modules::violations(file, &exports))
             .collect(),
     );
 }
 
 #[test]
-fn rooms_without_a_gpu_do_not_name_it() {
+fn modules_are_allowed_only_what_they_use() {
+    let repository = Repository::open();
+    let exports = modules::exports(&repository.rust_file("src/lib.rs"));
+    none(modules::unused(&repository.rust_files("src"), &exports));
+}
+
+#[test]
+fn the_printed_table_of_modules_is_the_enforced_one() {
+    let repository = Repository::open();
+    let pages = ["src/lib.rs", "docs/architecture.md"];
+    let pages = pages.map(|path| (path, repository.text_if_there(path).unwrap_or_default()));
+    none(modules::unlike_the_table(&pages));
+}
+
+#[test]
+fn no_files_use_each_other_in_a_circle() {
+    none(circles::violations(&Repository::open().rust_files("src")));
+}
+
+#[test]
+fn modules_without_a_gpu_do_not_name_it() {
     holds_in_src(rules::names_no_gpu);
 }
 
@@ -110,4 +132,14 @@ fn tracked_files_are_small() {
         return;
     };
     none(rules::too_large(&sizes));
+}
+
+#[test]
+fn terms_of_dependencies_are_told() {
+    let repository = Repository::open();
+    none(licences::faults(
+        &repository.text("deny.toml"),
+        &repository.text("Cargo.lock"),
+        &repository.text("THIRD-PARTY.md"),
+    ));
 }

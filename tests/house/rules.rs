@@ -29,19 +29,19 @@ fn all(file: &File, words: &[&str], message: &str) -> Vec<String> {
     found.map(|i| file.at(&file.tokens[i], message)).collect()
 }
 
-/// No `wgpu` in a room that must do without.
+/// No `wgpu` in a module that must do without.
 pub fn names_no_gpu(file: &File) -> Vec<String> {
-    let is_without = WITHOUT_GPU.iter().any(|room| {
+    let is_without = WITHOUT_GPU.iter().any(|module| {
         let rest = file
             .path
             .strip_prefix("src/")
-            .and_then(|path| path.strip_prefix(room));
+            .and_then(|path| path.strip_prefix(module));
         rest.is_some_and(|rest| rest.starts_with('/') || rest == ".rs")
     });
     if !is_without {
         return Vec::new();
     }
-    all(file, &["wgpu"], "this room must not know wgpu")
+    all(file, &["wgpu"], "this module must not know wgpu")
 }
 
 /// Descriptors that have no label.

@@ -9,7 +9,6 @@ mod contour_cache;
 mod earth_orientation;
 #[path = "../../fuzz/bodies/ephemeris.rs"]
 mod ephemeris;
-#[cfg(feature = "terrain")]
 #[path = "../../fuzz/bodies/heights.rs"]
 mod heights;
 #[path = "../../fuzz/bodies/live.rs"]
@@ -26,10 +25,8 @@ mod patch_cache;
 mod quadtree_cache;
 #[path = "../../fuzz/bodies/scene.rs"]
 mod scene;
-#[cfg(feature = "terrain")]
 #[path = "../../fuzz/bodies/sidecar.rs"]
 mod sidecar;
-#[cfg(feature = "pack-build")]
 #[path = "../../fuzz/bodies/source.rs"]
 mod source;
 #[path = "../../fuzz/bodies/tile.rs"]
@@ -70,11 +67,8 @@ const TARGETS: &[Target] = &[
     ),
     #[cfg(feature = "command")]
     ("patch_cache", patch_cache::seeds, patch_cache::run, 30_000),
-    #[cfg(feature = "pack-build")]
     ("source", source::seeds, source::run, 30_000),
-    #[cfg(feature = "terrain")]
     ("heights", heights::seeds, heights::run, 30_000),
-    #[cfg(feature = "terrain")]
     ("sidecar", sidecar::seeds, sidecar::run, 30_000),
 ];
 
@@ -168,19 +162,16 @@ fn scenes() {
 }
 
 #[test]
-#[cfg(feature = "pack-build")]
 fn maps() {
     run("source");
 }
 
 #[test]
-#[cfg(feature = "terrain")]
 fn files_of_heights() {
     run("heights");
 }
 
 #[test]
-#[cfg(feature = "terrain")]
 fn sidecars_of_heights() {
     run("sidecar");
 }
@@ -236,7 +227,6 @@ fn seeds_are_good() {
     let path = Path::new("seed");
     let good = |seed: &&Vec<u8>| Manifest::from_toml(&text(seed), path).is_ok();
     assert_eq!(manifest::seeds().iter().filter(good).count(), 2);
-    #[cfg(feature = "pack-build")]
     {
         use terrella::imagery::build::source::{SourceLimits, read_source};
         let limits = SourceLimits {
@@ -248,7 +238,6 @@ fn seeds_are_good() {
         // All but the one of separate planes.
         assert_eq!(source::seeds().iter().filter(good).count(), 8);
     }
-    #[cfg(feature = "terrain")]
     {
         use terrella::elevation::{GridLimits, read};
         let sidecars = sidecar::seeds().into_iter().map(|seed| text(&seed));

@@ -115,7 +115,6 @@ fn binary_frames_are_answered_in_binary_over_udp() {
 }
 
 #[test]
-#[cfg(feature = "live")]
 fn frames_are_answered_over_websocket() {
     use tungstenite::Message;
     let (feed, address) = open(lockstep(LiveOptions::new(Transport::WebSocket(loopback()))));

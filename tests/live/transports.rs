@@ -90,7 +90,6 @@ fn states_come_from_a_stream_and_its_end_is_not_the_feeds() {
 }
 
 #[test]
-#[cfg(feature = "live")]
 fn states_come_over_websocket_and_web_pages_are_refused() {
     use tungstenite::Message;
     use tungstenite::client::IntoClientRequest;
@@ -132,13 +131,6 @@ fn states_come_over_websocket_and_web_pages_are_refused() {
         .send(Message::text(packet(4, 4.0).to_json()))
         .unwrap();
     until("4 states", || feed.counters().taken == 4);
-}
-
-#[test]
-#[cfg(not(feature = "live"))]
-fn websocket_needs_its_feature() {
-    let error = LiveFeed::open(LiveOptions::new(Transport::WebSocket(loopback()))).unwrap_err();
-    assert!(matches!(error, LiveError::NoWebSocket), "{error}");
 }
 
 #[test]

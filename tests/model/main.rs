@@ -3,4 +3,5 @@
 mod air;
 mod frames;
 mod globe;
+#[cfg(all(feature = "terrain", feature = "tracks"))]
 mod shaders;

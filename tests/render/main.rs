@@ -5,8 +5,13 @@ mod common;
 mod embedding;
 mod picture;
 mod precision;
+#[cfg(feature = "terrain")]
 mod projected_grid;
+#[cfg(feature = "packs")]
 mod quality;
+#[cfg(feature = "terrain")]
 mod relief;
+#[cfg(feature = "packs")]
 mod tiles;
+#[cfg(feature = "tracks")]
 mod tracks;

@@ -9,7 +9,7 @@ use terrella::globe::GroundView;
 use terrella::globe::projected_grid::{
     Frame, GridOptions, GridUniforms, HeightTiles, ProjectedGrid, TILE_SAMPLES, eye_place,
 };
-use terrella::gpu::{PROJECTED_GRID_SHADER, ShaderVariant};
+use terrella::gpu::{EarthOutput, EarthVariant, ShaderVariant, VertexForm};
 
 const ENTRY: &str = "
 struct Found { at: vec4f, place: vec4f, normal: vec4f }
@@ -18,7 +18,7 @@ struct Found { at: vec4f, place: vec4f, normal: vec4f }
 @compute @workgroup_size(64)
 fn run_grid(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= grid.samples.x * grid.samples.y { return; }
-    let point = ground_point(id.x);
+    let point = grid_point(id.x);
     found[id.x].at = vec4f(point.from_eye_m, point.height_m);
     found[id.x].place = vec4f(point.north_rad, point.east_rad, point.spacing_rad, 0.0);
     found[id.x].normal = vec4f(point.normal, 0.0);
@@ -69,9 +69,11 @@ struct Found {
 fn on_the_adapter(frame: &Frame, tiles: &HeightTiles, edit: (&str, &str)) -> Vec<Found> {
     let (device, queue) = (&gpu().device, &gpu().queue);
     let label = Some("terrella projected grid");
-    let text = ShaderVariant::new(PROJECTED_GRID_SHADER, &[])
-        .source()
-        .unwrap();
+    let variant = EarthVariant {
+        form: VertexForm::ProjectedGrid { tiles: false },
+        output: EarthOutput::Geolocation,
+    };
+    let text = variant.source().unwrap().text;
     assert!(text.contains(edit.0), "{} is not in the shader", edit.0);
     let text = if edit.0.is_empty() {
         text

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use terrella::frames::Geodetic;
 use terrella::imagery::tile::{MapLayer, TileSource};
 use terrella::imagery::{EarthLayers, LayerImage};
-use terrella::{EarthOptions, EyeView, GiveUp, Quality, TileOptions};
+use terrella::{EarthOptions, EyeView, Quality, QualityReduction, TileOptions};
 
 const SIZE: (u32, u32) = (192, 108);
 
@@ -49,7 +49,7 @@ fn made_so(options: &EarthOptions, quality: &Quality) -> EarthOptions {
     options.samples = quality.samples;
     options.atmosphere = quality.atmosphere;
     if let Some(tiles) = &mut options.tiles {
-        tiles.most_px = quality.texel_px;
+        tiles.max_texel_px = quality.texel_px;
     }
     let shown = |layer: MapLayer| quality.maps[layer.index()];
     let layers = &mut options.layers;
@@ -62,42 +62,42 @@ fn made_so(options: &EarthOptions, quality: &Quality) -> EarthOptions {
     options
 }
 
-/// Goes down the ladder and back up.
-fn follows_the_ladder(options: &EarthOptions, rungs: usize) {
+/// Goes down the levels and back up.
+fn follows_the_levels(options: &EarthOptions, count: usize) {
     let (view, sun) = (view(), sun());
     let mut changed = Rig::new(options, SIZE);
-    let ladder = changed
+    let levels = changed
         .earth
         .quality()
-        .ladder(options.tiles.is_some(), false);
-    assert_eq!(ladder.len(), rungs);
+        .levels(options.tiles.is_some(), false);
+    assert_eq!(levels.len(), count);
     let mut pictures = Vec::new();
-    for rung in &ladder {
-        changed.set_quality(&rung.quality);
+    for level in &levels {
+        changed.set_quality(&level.quality);
         let (picture, stats, missing) = changed.draw_complete(&view, sun);
-        let options = made_so(options, &rung.quality);
+        let options = made_so(options, &level.quality);
         let mut made = Rig::new(&options, SIZE);
         let (expected, expected_stats, _) = made.draw_complete(&view, sun);
-        assert!(missing.is_empty(), "{}: {missing:?}", rung.gives_up);
-        assert!(picture == expected, "{}", rung.gives_up);
+        assert!(missing.is_empty(), "{}: {missing:?}", level.reduction);
+        assert!(picture == expected, "{}", level.reduction);
         assert_eq!(stats.triangles, expected_stats.triangles);
         assert_eq!(
             changed.earth.diagnostics().features_on,
             made.earth.diagnostics().features_on
         );
-        assert_eq!(changed.earth.quality(), &rung.quality);
+        assert_eq!(changed.earth.quality(), &level.quality);
         pictures.push(picture);
     }
-    for (rung, pair) in ladder.iter().skip(1).zip(pictures.windows(2)) {
+    for (level, pair) in levels.iter().skip(1).zip(pictures.windows(2)) {
         // A software adapter filters once anyway.
         let is_seen = pair[0] != pair[1];
         assert!(
-            is_seen || rung.gives_up == GiveUp::Anisotropy,
+            is_seen || level.reduction == QualityReduction::Anisotropy,
             "{}",
-            rung.gives_up
+            level.reduction
         );
     }
-    changed.set_quality(&ladder[0].quality);
+    changed.set_quality(&levels[0].quality);
     assert!(
         changed.draw_complete(&view, sun).0 == pictures[0],
         "back at the top"
@@ -105,16 +105,16 @@ fn follows_the_ladder(options: &EarthOptions, rungs: usize) {
 }
 
 #[test]
-fn whole_maps_follow_the_ladder() {
+fn whole_maps_follow_the_levels() {
     let mut options = EarthOptions::new(layers(map(256, hills)));
     options.samples = 4;
     options.subdivision = terrella::Subdivision::Cells(24);
     // No tiles, so detail cannot be given up.
-    follows_the_ladder(&options, 8);
+    follows_the_levels(&options, 8);
 }
 
 #[test]
-fn tiles_follow_the_ladder() {
+fn tiles_follow_the_levels() {
     let tiles = Arc::new(FunctionTiles::new(&[256, 128, 64, 32], hills));
     let mut options = EarthOptions::new(layers(tiles.whole(3)));
     options.samples = 4;
@@ -123,7 +123,7 @@ fn tiles_follow_the_ladder() {
         texture_bytes: 64_000_000,
         ..TileOptions::new(tiles as Arc<dyn TileSource>)
     });
-    follows_the_ladder(&options, 9);
+    follows_the_levels(&options, 9);
 }
 
 #[test]

@@ -33,7 +33,7 @@ fn options(tiles: Arc<FunctionTiles<Map>>) -> EarthOptions {
     let mut options = bare(layers);
     options.tiles = Some(TileOptions {
         // The finest level that there is.
-        most_px: 1e-9,
+        max_texel_px: 1e-9,
         texture_bytes: 64_000_000,
         ..TileOptions::new(tiles as Arc<dyn TileSource>)
     });
@@ -339,9 +339,9 @@ fn a_dark_side_wants_no_day_tiles() {
     let mut rig = Rig::new(&options(Arc::new(source(waves))), SIZE);
     let view = down(Geodetic::from_degrees(0.0, 0.0, 1e6), 50.0, rig.aspect());
     let (_, stats, _) = rig.draw_complete(&view, DVec3::NEG_X);
-    assert_eq!(stats.tiles.wanted.iter().sum::<u32>(), 0);
+    assert_eq!(stats.tiles.requested.iter().sum::<u32>(), 0);
     let (_, stats, _) = rig.draw_complete(&view, DVec3::X);
-    assert!(stats.tiles.wanted.iter().sum::<u32>() > 0);
+    assert!(stats.tiles.requested.iter().sum::<u32>() > 0);
 }
 
 #[test]
@@ -385,7 +385,7 @@ fn the_papers_rule_gives_levels_by_distance() {
         let place = Geodetic::from_degrees(11.0, 11.0, height_m);
         let view = down(place, 2.0, rig.aspect());
         let (_, stats, _) = rig.draw_complete(&view, view.eye_world.normalize());
-        for (n, wanted) in stats.tiles.wanted.iter().enumerate() {
+        for (n, wanted) in stats.tiles.requested.iter().enumerate() {
             assert_eq!(*wanted > 0, level == Some(n), "{height_m} m, level {n}");
         }
     }

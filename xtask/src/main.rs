@@ -3,11 +3,10 @@
 mod big_pack;
 mod cargo;
 mod demo;
-mod licences;
+mod lean;
 mod machine;
 mod prepare;
 mod process;
-mod single;
 mod starter_pack;
 mod test;
 mod vulkan;
@@ -47,8 +46,12 @@ enum Command {
         #[command(flatten)]
         install: Install,
     },
-    /// Check the licences of all dependencies and that the large ones occur once.
-    Licences,
+    /// Build the smallest host from nothing; say how many crates, seconds and bytes that takes.
+    Lean {
+        /// Features of the library that it asks for, with commas between them.
+        #[arg(long, default_value = "vulkan", value_name = "LIST")]
+        features: String,
+    },
     /// Make an imagery pack of 21 600 texels round the equator for tests and benchmarks, from smaller maps enlarged.
     BigPack {
         /// Folder with the source data.
@@ -97,7 +100,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Demo { install, no_window } => demo::run(install.policy(), !no_window),
         Command::Test { install, arguments } => test::run(install.policy(), &arguments),
         Command::Prepare { install } => prepare::run(install.policy(), prepare::Window::IfDisplay),
-        Command::Licences => licences::run(),
+        Command::Lean { features } => lean::run(&features),
         Command::BigPack {
             data,
             out,

@@ -23,6 +23,7 @@ mod surface;
 pub(crate) mod tests;
 pub(crate) mod tree;
 
+pub(crate) use gpu_layout::STACK;
 pub use gpu_layout::{ContourNode, ContourRay, contour_cast};
 pub(crate) use pages::slack_m;
 pub use pages::{ContourPages, DrawnPage, MAX_NODES, Page, PageOptions, PagesDraw};

@@ -33,6 +33,7 @@ pub use cast::{Cast, Caster, Foot, cast};
 pub use parts::grid_parts;
 pub use relief::{RINGS, Relief, Ring, can_show, far_angle, highest_radius, lowest_radius};
 pub use screen::Screen;
+pub(crate) use tiles::SHARPER;
 pub use tiles::{
     HeightTiles, LEVELS, NO_SLOT, TILE_CELLS, TILE_SAMPLES, Tile, TileCounts, WINDOW_SAMPLES,
     WINDOW_TILES, Window, eye_place, first_density, level_of, level_spacing_rad, pyramid_level,

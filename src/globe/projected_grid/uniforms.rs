@@ -1,4 +1,4 @@
-//! What the GPU form is given each frame: `shaders/common/projected_grid.wgsl`'s uniform, from a [`Frame`] in f64.
+//! What the GPU form is given each frame: the uniform of `shaders/earth/vertex/projected_grid_uniforms.wgsl`, from a [`Frame`] in f64.
 
 use super::tiles::{HeightTiles, LEVELS, TILE_CELLS, WINDOW_TILES, eye_place, level_spacing_rad};
 use super::{Footprint, Frame};

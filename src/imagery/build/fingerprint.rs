@@ -1,7 +1,7 @@
 //! What tells one build from another: all that decides what is written, and the maps by size, time and their ends.
 
 use super::error::BuildError;
-use super::source::Blame;
+use super::source::FileContext;
 use super::{BuildOptions, Map};
 use std::fmt::Write;
 use std::fs::File;
@@ -55,5 +55,5 @@ fn of_file(path: &Path) -> Result<String, BuildError> {
             hasher.finalize().to_hex()
         ))
     };
-    read().map_err(|error| Blame::new(path).unreadable(error))
+    read().map_err(|error| FileContext::new(path).unreadable(error))
 }

@@ -2,9 +2,8 @@
 
 use super::error::BuildError;
 use super::journal::{JOURNAL_FILE, Journal};
-use crate::globe::Block;
-use crate::imagery::pack::{MANIFEST_FILE, Manifest, TileFile, tile_path};
-use crate::imagery::tile::{MapLayer, Storage, TileShape};
+use super::tile_name::TileName;
+use crate::imagery::pack::{MANIFEST_FILE, Manifest, TileFile};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
@@ -47,29 +46,6 @@ impl Writer for Disk {
             let _ = fs::remove_file(&part);
         }
         written
-    }
-}
-
-/// A tile's file, by what its path is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct TileName {
-    pub storage: Storage,
-    pub layer: MapLayer,
-    /// Texels per block.
-    pub pixels: u32,
-    /// Index of the block.
-    pub block: u8,
-}
-
-impl TileName {
-    fn path(self) -> Option<PathBuf> {
-        let shape = TileShape::new(self.pixels)?;
-        let block = u32::from(self.block);
-        let block = Block {
-            column: block % crate::globe::COLUMNS,
-            row: block / crate::globe::COLUMNS,
-        };
-        Some(tile_path(self.storage, self.layer, shape, block))
     }
 }
 

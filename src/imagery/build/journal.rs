@@ -9,7 +9,7 @@
 //! A line that has no end, or is not understood, was cut off: it and all after it do not count.
 
 use super::error::BuildError;
-use super::folder::TileName;
+use super::tile_name::TileName;
 use crate::globe::BLOCK_COUNT;
 use crate::imagery::pack::TileFile;
 use crate::imagery::tile::{MapLayer, Storage};

@@ -31,6 +31,7 @@ mod run;
 pub mod source;
 #[cfg(test)]
 mod tests;
+mod tile_name;
 mod values;
 
 pub use error::BuildError;
@@ -38,11 +39,12 @@ pub use error::BuildError;
 use super::pack::{LayerEntry, LevelEntry, Manifest, TileFile};
 use super::tile::{MapLayer, Storage, TileShape};
 use crate::globe::BLOCK_COUNT;
-use folder::{BuildFolder, Disk, TileName, Writer};
+use folder::{BuildFolder, Disk, Writer};
 use plan::{Means, Plan};
 use run::Job;
 use source::{SourceInfo, SourceLimits};
 use std::path::{Path, PathBuf};
+use tile_name::TileName;
 use values::{Meaning, ValueRows};
 
 /// Memory that a build takes unless told otherwise, bytes.

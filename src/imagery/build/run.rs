@@ -4,10 +4,11 @@ use super::bands::{Band, Bands, first_texel, polar_rows, row_texels};
 use super::bc;
 use super::cut::cut;
 use super::error::BuildError;
-use super::folder::{BuildFolder, TileName};
+use super::folder::BuildFolder;
 use super::memory::Pool;
 use super::plan::Plan;
 use super::resample::{Resampler, Sizes};
+use super::tile_name::TileName;
 use super::values::{Meaning, ValueRows};
 use super::{BuildProgress, source};
 use crate::globe::{BLOCK_COUNT, COLUMNS, ROWS};
@@ -157,7 +158,9 @@ impl Job<'_> {
     ) -> Result<u64, BuildError> {
         let opened = source::open_source(self.path, self.limits)?;
         if opened.info() != self.info {
-            return Err(source::Blame::new(self.path).damaged("it has changed while it was read"));
+            return Err(
+                source::FileContext::new(self.path).damaged("it has changed while it was read")
+            );
         }
         let mut rows = ValueRows::new(opened, self.meaning, self.path)?;
         let (width, height) = (self.info.width, self.info.height);

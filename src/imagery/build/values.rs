@@ -1,7 +1,7 @@
 //! A map's texels as numbers that may be averaged: linear light, cover, slopes.
 
 use super::error::BuildError;
-use super::source::{Blame, FileKind, RowSource, SampleKind, SourceInfo};
+use super::source::{FileContext, FileKind, RowSource, SampleKind, SourceInfo};
 use crate::imagery::slopes::{ELEVATION_OFFSET_M, SlopeRows, pole_fade};
 use crate::imagery::srgb::linear_from_encoded;
 use std::path::Path;
@@ -38,7 +38,7 @@ impl Meaning {
     }
 
     /// Refuses texels that cannot mean this.
-    fn check(self, info: &SourceInfo, blame: &Blame) -> Result<(), BuildError> {
+    fn check(self, info: &SourceInfo, context: &FileContext) -> Result<(), BuildError> {
         use SampleKind::{F32, I16, U8, U16};
         let (fits, needed) = match self {
             Self::Colour => (
@@ -62,7 +62,7 @@ impl Meaning {
             return Ok(());
         }
         let colour = if info.channels >= 3 { "colour" } else { "grey" };
-        Err(blame.refused(
+        Err(context.refused(
             format!("holds {} {colour} texels", info.sample),
             format!("{needed}: convert it"),
         ))
@@ -105,7 +105,7 @@ impl ValueRows {
         path: &Path,
     ) -> Result<Self, BuildError> {
         let info = source.info();
-        meaning.check(&info, &Blame::new(path))?;
+        meaning.check(&info, &FileContext::new(path))?;
         let convert = match meaning {
             Meaning::Colour => {
                 let codes = 1u32 << (8 * info.sample.bytes());

@@ -97,6 +97,7 @@ mod decode;
 mod error;
 mod manifest;
 mod open;
+#[cfg(feature = "pack-build")]
 mod preview;
 mod tiles;
 mod verify;
@@ -109,6 +110,7 @@ pub use manifest::{
     MAX_TEXT_CHARS, Manifest, TileFile, tile_path,
 };
 pub use open::{JOURNAL_FILE, Pack};
+#[cfg(feature = "pack-build")]
 pub use preview::preview;
 pub use tiles::PackTiles;
 pub use verify::{BadTile, VerifyReport, verify};

@@ -4,7 +4,7 @@
 //! frame only tries it: where a thread of low priority was put to sleep inside, the frame goes on and comes back the
 //! next time.
 
-use super::cache::{LoadError, Ticket, TileCache, check};
+use super::cache::{LoadError, LoadId, TileCache, check};
 use super::pools::usable;
 use crate::imagery::tile::{LayerLayout, Tile, TileFormat, TileKey, TileShape, TileSource};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -18,7 +18,7 @@ use thread_priority::{ThreadPriority, ThreadPriorityValue};
 const PRIORITY: u8 = 25;
 
 /// How long a dropped stream waits for its threads. One that is stuck in a read is left to itself then.
-const FAREWELL: Duration = Duration::from_secs(2);
+const JOIN_TIMEOUT: Duration = Duration::from_secs(2);
 
 pub(super) struct Loader {
     shared: Arc<Shared>,
@@ -26,7 +26,7 @@ pub(super) struct Loader {
     /// What the last look under the mutex found.
     reserved_bytes: u64,
     /// Lists that change places with the shared ones, so that nothing is allocated under the mutex.
-    started: Vec<(TileKey, Ticket)>,
+    started: Vec<(TileKey, LoadId)>,
     finished: Vec<(TileKey, Result<Tile, LoadError>)>,
 }
 
@@ -50,10 +50,10 @@ struct Work {
     queue: Vec<TileKey>,
     next: usize,
     /// Taken since the frame last looked.
-    started: Vec<(TileKey, Ticket)>,
+    started: Vec<(TileKey, LoadId)>,
     finished: Vec<(TileKey, Result<Tile, LoadError>)>,
-    /// Tiles that have done their work, to be freed by a thread: giving back much memory takes time.
-    spent: Vec<Tile>,
+    /// Tiles that are done with, to be freed by a thread: giving back much memory takes time.
+    retired: Vec<Tile>,
     /// Bytes of all tiles from the moment that a thread takes them to the moment that they are freed.
     reserved_bytes: u64,
     /// Number of loads taken so far.
@@ -102,25 +102,25 @@ impl Loader {
         self.reserved_bytes
     }
 
-    /// Tells the cache which loads were taken and which have ended. Never waits.
+    /// Reports to the cache which loads were taken and which have ended. Never waits.
     pub fn collect(
         &mut self,
         cache: &mut TileCache,
         now: Instant,
-        tell: impl FnMut(TileKey, LoadError),
+        report_error: impl FnMut(TileKey, LoadError),
     ) {
         let shared = Arc::clone(&self.shared);
         if let Some(mut work) = shared.try_lock() {
             self.exchange(&mut work);
         }
-        self.report(cache, now, tell);
+        self.report(cache, now, report_error);
     }
 
-    /// Hands the threads the new queue and what is to be freed, and cancels what is no longer wanted. Never waits.
+    /// Hands the threads the new queue and what is to be freed, and cancels what is no longer requested. Never waits.
     pub fn hand_over(&mut self, cache: &mut TileCache) {
-        for flight in cache.flights() {
-            let Ticket { worker, number } = flight.ticket;
-            let number = if flight.cancel { number } else { 0 };
+        for load in cache.pending_loads() {
+            let LoadId { worker, number } = load.id;
+            let number = if load.cancel { number } else { 0 };
             self.shared.cancelled[worker].store(number, Ordering::Relaxed);
         }
         if let Some(mut work) = self.shared.try_lock() {
@@ -134,7 +134,7 @@ impl Loader {
         cache: &mut TileCache,
         timeout: Duration,
         now: Instant,
-        tell: impl FnMut(TileKey, LoadError),
+        report_error: impl FnMut(TileKey, LoadError),
     ) -> bool {
         let shared = Arc::clone(&self.shared);
         let mut work = shared.lock();
@@ -146,7 +146,7 @@ impl Loader {
         let has_ended = !work.finished.is_empty();
         self.exchange(&mut work);
         drop(work);
-        self.report(cache, now, tell);
+        self.report(cache, now, report_error);
         has_ended
     }
 
@@ -160,14 +160,14 @@ impl Loader {
         &mut self,
         cache: &mut TileCache,
         now: Instant,
-        mut tell: impl FnMut(TileKey, LoadError),
+        mut report_error: impl FnMut(TileKey, LoadError),
     ) {
-        for (key, ticket) in self.started.drain(..) {
-            cache.begin(key, ticket);
+        for (key, id) in self.started.drain(..) {
+            cache.begin(key, id);
         }
         for (key, result) in self.finished.drain(..) {
             if let Some(error) = cache.finish(key, now, result) {
-                tell(key, error);
+                report_error(key, error);
             }
         }
     }
@@ -181,7 +181,7 @@ impl Drop for Loader {
         shared.to_do.notify_all();
         let waited = shared
             .ended
-            .wait_timeout_while(work, FAREWELL, |work| work.threads > 0);
+            .wait_timeout_while(work, JOIN_TIMEOUT, |work| work.threads > 0);
         let left = waited.unwrap_or_else(PoisonError::into_inner).0.threads;
         if left > 0 {
             tracing::warn!("{left} decoder threads are stuck in a read and are left behind");
@@ -209,16 +209,16 @@ impl Shared {
     }
 
     fn hand_over(&self, work: &mut Work, cache: &mut TileCache) {
-        let spent = cache.spent();
-        let has_spent = spent.len() > 0;
-        work.spent.extend(spent);
+        let retired = cache.retired();
+        let has_retired = retired.len() > 0;
+        work.retired.extend(retired);
         let Work { queue, started, .. } = work;
         queue.clear();
-        // The cache does not know yet of what was taken since it was last told.
+        // The cache does not know yet of what was taken since it last heard.
         let is_taken = |key: &TileKey| started.iter().any(|(taken, _)| taken == key);
         queue.extend(cache.queue().iter().filter(|key| !is_taken(key)));
         work.next = 0;
-        if has_spent || !work.queue.is_empty() {
+        if has_retired || !work.queue.is_empty() {
             self.to_do.notify_all();
         }
     }
@@ -253,14 +253,14 @@ impl Shared {
         self.ended.notify_all();
     }
 
-    /// Waits for a tile to load and takes it; frees spent tiles meanwhile. `None` when it is time to stop.
+    /// Waits for a tile to load and takes it; frees retired tiles meanwhile. `None` when it is time to stop.
     fn take(&self, worker: usize) -> Option<(TileKey, u64)> {
         let mut work = self.lock();
         loop {
             if self.stop.load(Ordering::Relaxed) {
                 return None;
             }
-            if let Some(tile) = work.spent.pop() {
+            if let Some(tile) = work.retired.pop() {
                 drop(work);
                 let bytes = tile.texels.len() as u64;
                 drop(tile);
@@ -276,7 +276,7 @@ impl Shared {
                     work.loads += 1;
                     work.reserved_bytes += bytes;
                     let number = work.loads;
-                    work.started.push((key, Ticket { worker, number }));
+                    work.started.push((key, LoadId { worker, number }));
                     return Some((key, number));
                 }
             }
@@ -296,7 +296,7 @@ impl Shared {
         let read = catch_unwind(AssertUnwindSafe(|| self.source.read(key, &is_cancelled)));
         let tile = match read {
             Ok(tile) => tile?,
-            Err(panic) => return Err(LoadError::Panicked(words_of(panic.as_ref()))),
+            Err(panic) => return Err(LoadError::Panicked(panic_text(panic.as_ref()))),
         };
         match self.expected(key) {
             Some((format, shape)) => check(tile, format, shape),
@@ -305,16 +305,16 @@ impl Shared {
     }
 }
 
-fn words_of(panic: &(dyn std::any::Any + Send)) -> String {
+fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned())
-        .unwrap_or_else(|| "without a word".to_owned())
+        .unwrap_or_else(|| "without a message".to_owned())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::imagery::stream::{Want, plan_pools};
+    use crate::imagery::stream::{TileRequest, plan_pools};
     use crate::imagery::tile::{BlockSet, LevelLayout, MapLayer, TileError};
 
     /// Waits in each read until it may go on.
@@ -352,11 +352,11 @@ mod tests {
             level: 0,
             block,
         };
-        let wants = [1, 2].map(|block| Want {
+        let requests = [1, 2].map(|block| TileRequest {
             key: key(block),
             drawn: true,
         });
-        cache.fit(Instant::now(), &wants, 0);
+        cache.allocate(Instant::now(), &requests, 0);
         let shared = Arc::clone(&loader.shared);
         shared.hand_over(&mut shared.lock(), &mut cache);
         while shared.lock().started.is_empty() {

@@ -3,22 +3,22 @@
 //! | file | what |
 //! |---|---|
 //! | `pools.rs` | the budget of texture memory, split into pools of slots |
-//! | `cache/` | what is wanted, loaded, resident and drawn: a state machine without threads or a clock |
+//! | `cache/` | what is requested, loaded, resident and drawn: a state machine without threads or a clock |
 //! | `loader.rs` | decoder threads and what they share with the frame |
 //!
 //! # A tile's way
 //!
 //! ```text
-//! wanted ─► queued ─► loading ─► decoded ─► in parts into a slot ─► resident ─► evicted
-//!                     (thread)   (waits)    (upload budget)         (drawn)
+//! requested ─► queued ─► loading ─► decoded ─► in parts into a slot ─► resident ─► evicted
+//!                        (thread)   (waits)    (upload budget)         (drawn)
 //! ```
 //!
 //! A slot is taken only when the first part of a decoded tile is written, so that what it held before is drawn until
-//! then. A tile that is no longer wanted leaves this way wherever it is.
+//! then. A tile that is no longer requested leaves this way wherever it is.
 //!
 //! # Why nothing waits for ever
 //!
-//! Wants are fitted to the pools: a pool never promises more slots than it has. So a tile that lacks a slot can only be
+//! Slots are allocated to requests, and a pool never promises more slots than it has. So a tile that lacks a slot can only be
 //! kept out by tiles that nobody asked for and that are drawn as stand-ins. A stand-in that is coarser than its block's
 //! own tile waits for a finer pool than the one it is in, and in the finest pool there is none: the waiting ends there,
 //! and from there in each coarser pool. A stand-in that is finer than its block's own tile gives way as soon as its slot
@@ -29,10 +29,11 @@ mod cache;
 mod loader;
 mod pools;
 
-pub use cache::{Flight, LoadError, Ticket, TileCache};
-pub use pools::{Pool, plan_pools};
+pub use super::residency::{Pool, ResidentTile, StreamCounters, TileSlot, Upload};
+pub use cache::{LoadError, LoadId, PendingLoad, TileCache};
+pub use pools::plan_pools;
 
-use super::tile::{MAX_LEVELS, MapLayer, TileKey, TileSource};
+use super::tile::{MapLayer, TileKey, TileSource};
 use loader::Loader;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -43,7 +44,7 @@ pub struct StreamOptions {
     /// Bytes of all pools: texture memory. 512 MiB by default.
     pub texture_bytes: u64,
     /// Bytes of tiles that are being decoded or wait for upload; one tile is always allowed. 64 MiB by default. More
-    /// keeps the threads busy when much is wanted at once, less keeps the process small.
+    /// keeps the threads busy when much is requested at once, less keeps the process small.
     pub decoded_bytes: u64,
     /// Decoder threads, 1…16. By default 1 on a machine of one or two cores, else half of the cores and at most 4.
     pub threads: usize,
@@ -60,86 +61,13 @@ impl Default for StreamOptions {
     }
 }
 
-/// Place of a tile in the pools.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct TileSlot {
-    /// Index into [`TileStream::pools`].
-    pub pool: u16,
-    /// 0…[`Pool::slots`] − 1.
-    pub index: u16,
-}
-
-/// A tile that can be drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ResidentTile {
-    /// Its level, 0 the finest.
-    pub level: u8,
-    /// Where its texels are.
-    pub slot: TileSlot,
-}
-
 /// A tile that is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Want {
+pub struct TileRequest {
     /// The tile; its level is the one that the eye asks for.
     pub key: TileKey,
     /// It is in this frame's picture. Otherwise it is expected to be soon.
     pub drawn: bool,
-}
-
-/// A part of a tile on its way into a slot: whole rows of one mip level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Upload<'a> {
-    /// Where it goes.
-    pub slot: TileSlot,
-    /// The tile.
-    pub key: TileKey,
-    /// Mip level, 0 the base.
-    pub mip: u32,
-    /// First row, counted in units of the format: see [`TileFormat::rows`](super::tile::TileFormat::rows).
-    pub first_row: u32,
-    /// Number of rows of units.
-    pub rows: u32,
-    /// Bytes of each.
-    pub row_bytes: u32,
-    /// `rows` × `row_bytes` bytes.
-    pub texels: &'a [u8],
-}
-
-/// What a stream is doing. Per level counts run over all maps; the coarsest level is never counted, it is always there.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct StreamCounters {
-    /// Tiles wanted in this frame at the level that is asked for, drawn or expected soon, each once.
-    pub wanted: [u32; MAX_LEVELS],
-    /// Tiles that can be drawn.
-    pub resident: [u32; MAX_LEVELS],
-    /// Tiles that no thread has taken yet.
-    pub queued: u32,
-    /// Tiles that threads are working on.
-    pub loading: u32,
-    /// Decoded tiles that are not wholly uploaded.
-    pub waiting_upload: u32,
-    /// Bytes of those.
-    pub waiting_bytes: u64,
-    /// Bytes decoded since the start.
-    pub decoded_bytes: u64,
-    /// Bytes given to `write` since the start.
-    pub uploaded_bytes: u64,
-    /// Resident tiles that made room for another, since the start.
-    pub evictions: u64,
-    /// Draws in this frame at the level asked for after fitting to the pools, or finer. What no pool could have held
-    /// and what the source does not have is no miss; a tile that cannot be read is.
-    pub hits: u32,
-    /// Draws in this frame of something coarser than that.
-    pub fallbacks: u32,
-    /// Loads that threads have taken, since the start. Each ends in one of the next three.
-    pub loads: u64,
-    /// Loads that ended with a resident tile, since the start.
-    pub completed: u64,
-    /// Loads that ended because the tile was no longer wanted, since the start.
-    pub cancelled: u64,
-    /// Loads that failed, since the start.
-    pub failures: u64,
 }
 
 /// Tiles of a source, streamed into pools.
@@ -172,21 +100,22 @@ impl TileStream {
         self.cache.pools()
     }
 
-    /// Begins a frame: what is wanted, most urgent first; of several drawn wants for the same map and block the first
-    /// counts. Takes finished loads, re-orders the queue and cancels what is no longer wanted. Never waits.
-    pub fn update(&mut self, now: Instant, wants: &[Want]) {
+    /// Begins a frame: what is requested, most urgent first; of several drawn requests for the same map and block the first
+    /// counts. Takes finished loads, re-orders the queue and cancels what is no longer requested. Never waits.
+    pub fn update(&mut self, now: Instant, requests: &[TileRequest]) {
         self.now = now;
         let warnings = &mut self.warnings;
-        let tell = |key, error| warnings.add(now, key, &error);
-        self.loader.collect(&mut self.cache, now, tell);
-        self.cache.fit(now, wants, self.loader.reserved_bytes());
+        let warn = |key, error| warnings.add(now, key, &error);
+        self.loader.collect(&mut self.cache, now, warn);
+        self.cache
+            .allocate(now, requests, self.loader.reserved_bytes());
         self.loader.hand_over(&mut self.cache);
     }
 
     /// The tile to draw a block of a map with; `None` is the whole coarsest map. Marks the slot as
-    /// drawn in this frame. A block without a drawn want in this frame has `None`.
+    /// drawn in this frame. A block without a drawn request in this frame has `None`.
     ///
-    /// That is the tile fitted to the pools if it is resident, else the next coarser one, else a finer one whose slot
+    /// That is the tile that a slot is allocated to if it is resident, else the next coarser one, else a finer one whose slot
     /// nobody waits for.
     pub fn draw(&mut self, layer: MapLayer, block: u8) -> Option<ResidentTile> {
         self.cache.draw(layer, block)
@@ -203,7 +132,7 @@ impl TileStream {
         self.cache.counters()
     }
 
-    /// Drawn wants of this frame that are not resident at the level asked for after fitting to the pools, though they
+    /// Drawn requests of this frame that are not resident at the level asked for after allocation, though they
     /// could be. For export.
     pub fn missing(&self) -> impl Iterator<Item = TileKey> + '_ {
         self.cache.missing()
@@ -217,8 +146,8 @@ impl TileStream {
     /// Blocks until a load ends or the time is over; whether one ended. For export only.
     pub fn wait(&mut self, timeout: Duration) -> bool {
         let (now, warnings) = (self.now, &mut self.warnings);
-        let tell = |key, error| warnings.add(now, key, &error);
-        self.loader.wait(&mut self.cache, timeout, now, tell)
+        let warn = |key, error| warnings.add(now, key, &error);
+        self.loader.wait(&mut self.cache, timeout, now, warn)
     }
 }
 
@@ -239,7 +168,7 @@ impl Warnings {
         }
         let others = self.silent;
         tracing::warn!(
-            "{key} is drawn coarser: {error} ({others} other tiles since the last word)"
+            "{key} is drawn coarser: {error} ({others} other tiles since the last warning)"
         );
         (self.last, self.silent) = (Some(now), 0);
     }

@@ -1,28 +1,7 @@
 //! How a budget of texture memory is split into pools of tile-sized slots.
 
-use crate::imagery::tile::{LayerLayout, LevelLayout, MAX_LEVELS, MapLayer, TileFormat, TileShape};
-
-/// A fixed number of slots for tiles of one level of one map: a texture array.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Pool {
-    /// The map.
-    pub layer: MapLayer,
-    /// The level, 0 the finest; never the coarsest, which is held as a whole.
-    pub level: u8,
-    /// How texels are stored.
-    pub format: TileFormat,
-    /// Size of its tiles.
-    pub shape: TileShape,
-    /// Number of slots, 1…128.
-    pub slots: u32,
-}
-
-impl Pool {
-    /// Bytes of all slots.
-    pub fn bytes(&self) -> u64 {
-        u64::from(self.slots) * self.shape.bytes(self.format) as u64
-    }
-}
+use crate::imagery::residency::Pool;
+use crate::imagery::tile::{LayerLayout, LevelLayout, MAX_LEVELS};
 
 /// Blocks of one level that a view commonly needs: those about the eye to its horizon, or a row round a pole.
 const BLOCKS_OF_A_VIEW: u32 = 24;
@@ -157,7 +136,7 @@ fn slot_bytes(pool: &Pool) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::imagery::tile::{BlockSet, Storage};
+    use crate::imagery::tile::{BlockSet, MapLayer, Storage, TileShape};
 
     fn paper(storage: Storage) -> Vec<LayerLayout> {
         let layout = |layer: MapLayer| LayerLayout {

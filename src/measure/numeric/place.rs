@@ -1,4 +1,5 @@
-//! Where a pixel lies on the ground, in f32: `place` of `shaders/earth.wgsl`, line for line.
+//! Where a pixel lies on the ground, in f32: `surface_point` of `shaders/earth/surface_point/ray_on_ellipsoid.wgsl`, line for
+//! line.
 //!
 //! `tests/accuracy/extreme` runs the shader's own text on the adapter and compares, so that this cannot become another formula.
 
@@ -107,7 +108,7 @@ fn atan_near(y: f32, x: f32) -> f32 {
     t * (1.0 + s * (-0.333_333_33 + s * (0.2 + s * (-0.142_857_14 + s * 0.111_111_11))))
 }
 
-/// The shader's `place`.
+/// The shader's `surface_point`.
 pub fn place(input: &ShaderInput) -> Placed {
     let to_scaled = Vec3::new(1.0, 1.0, input.polar_stretch);
     let scaled = input.ray * to_scaled;

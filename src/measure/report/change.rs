@@ -91,7 +91,7 @@ impl SettingChange {
             Self::Visibility(rule) => options.visibility = rule,
             Self::TextureLevel(n) => options.layers = reduced(&options.layers, n),
             Self::TexelPx(px) => alter(&mut options.tiles, |tiles| {
-                (tiles.rule, tiles.most_px) = (LevelRule::Screen, px);
+                (tiles.rule, tiles.max_texel_px) = (LevelRule::Screen, px);
             }),
             Self::Levels(rule) => alter(&mut options.tiles, |tiles| tiles.rule = rule),
             Self::Anisotropy(n) => options.anisotropy = n,

@@ -2,7 +2,7 @@
 
 use super::quadtree::GridQuadtree;
 use crate::gpu::{FrameTargets, GpuContext, PassFormat, PipelineDescription};
-use crate::play::PlayError;
+use crate::play::{PlayError, rgba_image};
 use glam::{DMat4, DVec3, Mat4, Vec3};
 use image::RgbaImage;
 
@@ -161,7 +161,8 @@ impl Canvas {
     /// What was drawn last.
     pub fn picture(&self) -> Result<RgbaImage, PlayError> {
         let GpuContext { device, queue, .. } = &self.gpu;
-        Ok(self.targets.read_back(device, queue)?)
+        let texels = self.targets.read_back(device, queue)?;
+        Ok(rgba_image(SIZE.0, SIZE.1, texels)?)
     }
 }
 

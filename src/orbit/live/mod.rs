@@ -70,7 +70,6 @@ mod reply;
 mod serve;
 mod shared;
 mod split;
-#[cfg(feature = "live")]
 mod websocket;
 
 pub use lockstep::FrameRequest;
@@ -117,10 +116,7 @@ impl LiveFeed {
             }
             Transport::Tcp(address) => serve::listen(address, serve::tcp, &shared)?,
             Transport::Udp(address) => serve::udp(address, &shared)?,
-            #[cfg(feature = "live")]
             Transport::WebSocket(address) => serve::listen(address, websocket::serve, &shared)?,
-            #[cfg(not(feature = "live"))]
-            Transport::WebSocket(_) => return Err(LiveError::NoWebSocket),
         };
         Ok(Self::of(shared, Some(address), Some(thread)))
     }

@@ -15,7 +15,7 @@ pub enum Transport {
     Tcp(SocketAddr),
     /// A UDP port: a datagram is one binary packet, or one or more lines.
     Udp(SocketAddr),
-    /// A WebSocket port: a message is as a datagram. Needs the feature `live`.
+    /// A WebSocket port: a message is as a datagram.
     WebSocket(SocketAddr),
 }
 
@@ -270,11 +270,6 @@ pub enum LiveError {
         /// The cause.
         source: std::io::Error,
     },
-    /// WebSocket is not compiled in.
-    #[error(
-        "this program is built without WebSocket; build it with the feature `live`, or take TCP or UDP"
-    )]
-    NoWebSocket,
     /// No state has come yet.
     #[error("{name}: no state has come yet on {from}; start the simulator and have it send there")]
     NoState {

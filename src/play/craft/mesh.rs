@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec2, Vec3};
 use std::f32::consts::TAU;
 
-/// What a surface is made of; the numbers stand in `shaders/craft.wgsl` too.
+/// What a surface is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Material {
     /// Golden multi-layer insulation.
@@ -22,6 +22,17 @@ pub enum Material {
     Metal = 4,
     /// A thin white sheet that is seen from both sides.
     Dish = 5,
+}
+
+/// Declares the materials' numbers for `shaders/craft.wgsl`.
+pub fn material_constants() -> String {
+    use Material::{Cells, Dish, Foil, Metal, Paint, Wing};
+    [Foil, Paint, Cells, Wing, Metal, Dish]
+        .map(|material| {
+            let name = format!("{material:?}").to_uppercase();
+            format!("const {name}: u32 = {}u;\n", material as u32)
+        })
+        .concat()
 }
 
 /// `CraftVertex` of `shaders/craft.wgsl`.

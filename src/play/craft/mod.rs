@@ -6,18 +6,18 @@
 mod mesh;
 
 use super::camera::Motion;
-use super::flight::Moment;
-use crate::frames::Ellipsoid;
+use crate::frames::{Ellipsoid, SUN_RADIUS_RAD};
 use crate::gpu::{FrameTargets, GpuContext, PassFormat, PipelineDescription};
 use crate::{EarthOptions, EyeView, FrameStats, Sky};
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DMat4, DVec3, Mat4, Vec2, Vec3};
 use mesh::CraftVertex;
 
-const SHADER: &str = include_str!("../../../shaders/craft.wgsl");
+/// The shader's text: the materials' numbers are ours.
+fn shader() -> String {
+    mesh::material_constants() + include_str!("../../../shaders/craft.wgsl")
+}
 
-/// Angular radius of the Sun, radians.
-const SUN_RADIUS_RAD: f64 = 0.004_65;
 /// Part of the sunlight that the Earth throws back (Bond albedo).
 const EARTH_ALBEDO: f64 = 0.3;
 
@@ -151,14 +151,21 @@ impl CraftLayer {
         }
     }
 
-    /// Writes the moment's craft, if it has one, and counts it.
-    pub fn prepare(&mut self, gpu: &GpuContext, moment: &Moment, stats: &mut FrameStats) {
-        self.is_shown = moment.craft.is_some();
-        let Some(pose) = &moment.craft else { return };
+    /// Writes the craft of a picture, if it has one, and counts it.
+    pub fn prepare(
+        &mut self,
+        gpu: &GpuContext,
+        pose: Option<&CraftPose>,
+        view: &EyeView,
+        sky: &Sky,
+        stats: &mut FrameStats,
+    ) {
+        self.is_shown = pose.is_some();
+        let Some(pose) = pose else { return };
         let drawable = self
             .drawable
             .get_or_insert_with(|| CraftDrawable::new(gpu, self.color_format, self.samples));
-        let frame = pose.frame(&moment.view, &moment.sky, self.exposure);
+        let frame = pose.frame(view, sky, self.exposure);
         gpu.queue
             .write_buffer(&drawable.frame, 0, bytemuck::bytes_of(&frame));
         stats.triangles += drawable.vertex_count / 3;
@@ -187,7 +194,7 @@ impl CraftDrawable {
         let device = &gpu.device;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("terrella craft"),
-            source: wgpu::ShaderSource::Wgsl(SHADER.into()),
+            source: wgpu::ShaderSource::Wgsl(shader().into()),
         });
         let mesh = mesh::vertices();
         let vertices = device.create_buffer(&wgpu::BufferDescriptor {

@@ -2,7 +2,7 @@
 
 use super::super::clock::{AtEnd, Clock};
 use super::super::keys::Action;
-use super::super::panel::place_text;
+use super::super::place_text::place_text;
 use super::ticks::ticks;
 use super::{TimeLine, seconds};
 use crate::orbit::Pass;

@@ -15,7 +15,7 @@ pub use finder::{Answer, Finder, Order};
 
 use super::clock::Clock;
 use super::flight::Flight;
-use super::panel::place_text;
+use super::place_text::place_text;
 use crate::frames::{Duration, Epoch, Geodetic, rfc3339};
 use crate::orbit::Pass;
 use crate::scene::CameraMode;

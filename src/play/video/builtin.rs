@@ -4,10 +4,9 @@
 //! a few megabytes a minute, and bounded here.
 
 use super::yuv::Planes;
-use super::{VideoError, VideoFormat, write_error};
+use super::{FrameSink, VideoFormat, write_error};
 use crate::play::destination::PendingFile;
-use crate::play::error::PlayError;
-use crate::play::export::FrameSink;
+use crate::play::error::{PlayError, VideoError};
 use image::RgbaImage;
 use muxide::api::{Muxer, MuxerBuilder, VideoCodec};
 use openh264::OpenH264API;

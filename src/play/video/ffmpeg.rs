@@ -1,9 +1,8 @@
 //! The `ffmpeg` program, fed with raw frames through a pipe.
 
-use super::{VideoError, VideoFormat, write_error};
+use super::{FrameSink, VideoFormat, write_error};
 use crate::play::destination::PendingFile;
-use crate::play::error::PlayError;
-use crate::play::export::FrameSink;
+use crate::play::error::{PlayError, VideoError};
 use image::RgbaImage;
 use std::io::{Read, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};

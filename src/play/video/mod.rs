@@ -8,9 +8,17 @@ mod ffmpeg;
 mod yuv;
 
 use super::destination::{OutputError, PendingFile};
-use super::error::PlayError;
-use super::export::FrameSink;
-use std::path::PathBuf;
+use super::error::{PlayError, VideoError};
+use image::RgbaImage;
+
+/// Takes frames in their order.
+pub trait FrameSink: Send {
+    /// Takes the next frame.
+    fn push(&mut self, frame: &RgbaImage) -> Result<(), PlayError>;
+    /// All frames were given: completes what is written and gives it its name. A sink that is dropped without it
+    /// leaves no incomplete file under a final name.
+    fn finish(self: Box<Self>) -> Result<(), PlayError>;
+}
 
 /// What encodes a video.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,78 +39,6 @@ pub struct VideoFormat {
     pub size: (u32, u32),
     /// Frames per second.
     pub frame_rate_hz: f64,
-}
-
-/// Why a video could not be written.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum VideoError {
-    /// An odd width or height.
-    #[error(
-        "a video of {width} × {height} pixels is not possible: H.264 video needs an even width and height; \
-         take {even_width} × {even_height}, or write --frames"
-    )]
-    OddSize {
-        /// Width asked for.
-        width: u32,
-        /// Height asked for.
-        height: u32,
-        /// An even width near it.
-        even_width: u32,
-        /// An even height near it.
-        even_height: u32,
-    },
-    /// Larger than the built-in encoder takes.
-    #[error(
-        "the built-in encoder writes videos from 16 × 16 to 3840 × 2160 pixels (or upright), not {width} × {height}; \
-         install ffmpeg, or write --frames"
-    )]
-    BuiltinSize {
-        /// Width asked for.
-        width: u32,
-        /// Height asked for.
-        height: u32,
-    },
-    /// More data than the built-in MP4 writer takes.
-    #[error(
-        "{}: the video has grown over {limit_mib} MiB, the most that the built-in encoder writes; install ffmpeg, or \
-         make the film shorter or smaller", path.display()
-    )]
-    BuiltinLength {
-        /// The file.
-        path: PathBuf,
-        /// The limit, MiB.
-        limit_mib: u64,
-    },
-    /// The built-in encoder failed.
-    #[error("{}: the built-in encoder failed: {cause}", path.display())]
-    Builtin {
-        /// The file.
-        path: PathBuf,
-        /// Its words.
-        cause: String,
-    },
-    /// `ffmpeg` was asked for and is not there.
-    #[error(
-        "ffmpeg was not found on the search path; install it (on Debian and Ubuntu `apt-get install ffmpeg`), or \
-         choose --encoder builtin"
-    )]
-    NoFfmpeg,
-    /// `ffmpeg` is there without an encoder for H.264.
-    #[error(
-        "the installed ffmpeg has no libx264; install one that has, or choose --encoder builtin"
-    )]
-    NoX264,
-    /// `ffmpeg` stopped.
-    #[error("{}: ffmpeg failed ({status}): {words}", path.display())]
-    Ffmpeg {
-        /// The file.
-        path: PathBuf,
-        /// How it ended.
-        status: String,
-        /// What it said last.
-        words: String,
-    },
 }
 
 /// Refuses sizes that no video can have.

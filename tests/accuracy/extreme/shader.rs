@@ -1,9 +1,9 @@
-//! `place` of the shader, as the adapter runs it, against its copy that the formulas are measured with.
+//! `surface_point` of the shader, as the adapter runs it, against its copy that the formulas are measured with.
 
 use crate::common::gpu;
 use glam::{DVec3, Mat4, Vec3};
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::gpu::{EARTH_SHADER, FrameUniforms, ShaderVariant};
+use terrella::gpu::{EarthOutput, EarthVariant, FrameUniforms, ShaderVariant, VertexForm};
 use terrella::measure::numeric::{PixelRay, Placed, place};
 
 const ENTRY: &str = "
@@ -16,7 +16,7 @@ fn run_place() {
     in.clip = vec4f(0.0);
     in.center_lon = frame.clip_from_eye[0].xy;
     in.center_lat = frame.clip_from_eye[0].zw;
-    let out = place(in);
+    let out = surface_point(in);
     found[at] = vec4f(out.up, 0.0);
     found[at + 1u] = vec4f(out.east, 0.0);
     found[at + 2u] = vec4f(out.uv, 0.0, 0.0);
@@ -26,7 +26,14 @@ fn run_place() {
 /// The shader's answers, one for each pixel.
 fn on_the_adapter(pixels: &[PixelRay]) -> Vec<Placed> {
     let (device, queue) = (&gpu().device, &gpu().queue);
-    let text = ShaderVariant::new(EARTH_SHADER, &[]).source().unwrap() + ENTRY;
+    let text = EarthVariant {
+        form: VertexForm::BlockLattice { tiles: false },
+        output: EarthOutput::Geolocation,
+    }
+    .source()
+    .unwrap()
+    .text
+        + ENTRY;
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("terrella place"),
         source: wgpu::ShaderSource::Wgsl(text.into()),

@@ -172,7 +172,7 @@ fn starts_and_forces_are_read_in_their_units() {
         panic!("{:?}", zonal.orbits);
     };
     assert_eq!((forces.gravity_degree, forces.gravity_order), (6, 0));
-    assert_eq!(forces.drag, Some(Atmosphere::Exponential));
+    assert_eq!(forces.drag, Some(AtmosphereModel::Exponential));
 }
 
 #[rustfmt::skip]

@@ -4,7 +4,7 @@ use super::source::{scramble, tile};
 use std::collections::{HashMap, HashSet};
 use std::time::{Duration, Instant};
 use terrella::imagery::stream::{
-    LoadError, Pool, ResidentTile, StreamCounters, Ticket, TileCache, TileSlot, Upload, Want,
+    LoadError, LoadId, Pool, ResidentTile, StreamCounters, TileCache, TileRequest, TileSlot, Upload,
 };
 use terrella::imagery::tile::{
     LayerLayout, MAX_LEVELS, MapLayer, TILE_MIPS, Tile, TileError, TileKey, TileShape,
@@ -25,7 +25,7 @@ pub struct Loading {
 
 struct Load {
     key: TileKey,
-    ticket: Ticket,
+    id: LoadId,
     frames_left: u64,
 }
 
@@ -51,7 +51,7 @@ pub struct Host {
     reserved: u64,
     /// Tiles that the cache has and has not given back.
     decoded: HashSet<TileKey>,
-    tickets: u64,
+    loads_begun: u64,
     uploaded: u64,
     evictions: u64,
     truth: Truth,
@@ -90,7 +90,7 @@ impl Host {
             loads: Vec::new(),
             reserved: 0,
             decoded: HashSet::new(),
-            tickets: 0,
+            loads_begun: 0,
             uploaded: 0,
             evictions: 0,
             truth: Truth {
@@ -128,20 +128,20 @@ impl Host {
     /// One frame. Returns the level that each map of each block was drawn with.
     pub fn frame(
         &mut self,
-        wants: &[Want],
+        requests: &[TileRequest],
         draws: bool,
         budget: u64,
     ) -> HashMap<(MapLayer, u8), Option<u8>> {
         self.now += Duration::from_millis(16);
         self.end_loads();
-        self.cache.fit(self.now, wants, self.reserved);
+        self.cache.allocate(self.now, requests, self.reserved);
         self.free();
         self.begin_loads();
         let mut drawn = HashMap::new();
         let mut pictures = Vec::new();
         if draws {
-            for want in wants.iter().filter(|want| want.drawn) {
-                let TileKey { layer, block, .. } = want.key;
+            for request in requests.iter().filter(|request| request.drawn) {
+                let TileKey { layer, block, .. } = request.key;
                 let has_layer = self.truth.layers.iter().any(|l| l.layer == layer);
                 if !has_layer || block > 127 {
                     assert_eq!(self.cache.draw(layer, block), None);
@@ -155,7 +155,10 @@ impl Host {
                 let Some(ResidentTile { level, slot }) = got else {
                     continue;
                 };
-                let key = TileKey { level, ..want.key };
+                let key = TileKey {
+                    level,
+                    ..request.key
+                };
                 self.check_slot(slot, key);
                 pictures.push((slot, key));
             }
@@ -168,7 +171,7 @@ impl Host {
         for (slot, key) in pictures {
             self.check_slot(slot, key);
         }
-        self.check_counters(wants);
+        self.check_counters(requests);
         drawn
     }
 
@@ -188,22 +191,22 @@ impl Host {
 
     fn end_loads(&mut self) {
         for place in (0..self.loads.len()).rev() {
-            let Load { key, ticket, .. } = self.loads[place];
-            let mut flights = self.cache.flights().iter().filter(|f| f.key == key);
-            let flight = flights.next().copied().expect("the load is known");
-            assert!(flights.next().is_none(), "{key} is loaded twice");
-            assert_eq!(flight.ticket, ticket);
-            let gives_up = flight.cancel && self.random(2) == 0;
-            if self.stuck.contains(&key) && !gives_up {
+            let Load { key, id, .. } = self.loads[place];
+            let mut loads = self.cache.pending_loads().iter().filter(|f| f.key == key);
+            let load = loads.next().copied().expect("the load is known");
+            assert!(loads.next().is_none(), "{key} is loaded twice");
+            assert_eq!(load.id, id);
+            let is_given_up = load.cancel && self.random(2) == 0;
+            if self.stuck.contains(&key) && !is_given_up {
                 continue;
             }
-            if self.loads[place].frames_left > 0 && !gives_up {
+            if self.loads[place].frames_left > 0 && !is_given_up {
                 self.loads[place].frames_left -= 1;
                 continue;
             }
             self.loads.swap_remove(place);
             let fails = self.random(256) < self.loading.failing || self.bad == Some(key);
-            let result = if gives_up {
+            let result = if is_given_up {
                 Err(LoadError::Source(TileError::Cancelled))
             } else if fails {
                 self.failure(key)
@@ -217,7 +220,7 @@ impl Host {
             }
             self.cache.finish(key, self.now, result);
         }
-        assert_eq!(self.cache.flights().len(), self.loads.len());
+        assert_eq!(self.cache.pending_loads().len(), self.loads.len());
         self.free();
     }
 
@@ -247,25 +250,25 @@ impl Host {
             }
             assert!(!self.decoded.contains(&key), "{key} is decoded already");
             assert!(!self.is_resident(key), "{key} is resident already");
-            self.tickets += 1;
-            let ticket = Ticket {
+            self.loads_begun += 1;
+            let id = LoadId {
                 worker: 0,
-                number: self.tickets,
+                number: self.loads_begun,
             };
-            assert!(self.cache.begin(key, ticket));
-            assert!(!self.cache.begin(key, ticket), "begun twice");
+            assert!(self.cache.begin(key, id));
+            assert!(!self.cache.begin(key, id), "begun twice");
             self.reserved += bytes;
             let frames_left = self.random(self.loading.slowest + 1);
             self.loads.push(Load {
                 key,
-                ticket,
+                id,
                 frames_left,
             });
         }
     }
 
     fn free(&mut self) {
-        for tile in self.cache.spent() {
+        for tile in self.cache.retired() {
             self.reserved -= tile.texels.len() as u64;
             assert!(self.decoded.remove(&self.truth.name(&tile)));
         }
@@ -310,7 +313,7 @@ impl Host {
     }
 
     /// Compares the counters with these books.
-    fn check_counters(&mut self, wants: &[Want]) {
+    fn check_counters(&mut self, requests: &[TileRequest]) {
         let counters = self.cache.counters();
         let mut resident = [0; MAX_LEVELS];
         for held in self.slots.values().filter(|held| held.is_whole) {
@@ -319,7 +322,7 @@ impl Host {
         assert_eq!(counters.resident, resident);
         assert_eq!(counters.uploaded_bytes, self.uploaded);
         assert_eq!(counters.evictions, self.evictions);
-        assert_eq!(counters.loads, self.tickets);
+        assert_eq!(counters.loads, self.loads_begun);
         assert_eq!(counters.loading as usize, self.loads.len());
         assert_eq!(counters.waiting_upload as usize, self.decoded.len());
         let ended = counters.completed + counters.cancelled + counters.failures;
@@ -331,7 +334,7 @@ impl Host {
         assert!(self.reserved <= self.loading.limit || open == 1);
         let queue: HashSet<_> = self.cache.queue().iter().collect();
         assert_eq!(queue.len(), self.cache.queue().len(), "queued twice");
-        let distinct: HashSet<_> = wants.iter().map(|want| want.key).collect();
-        assert!(counters.wanted.iter().sum::<u32>() as usize <= distinct.len());
+        let distinct: HashSet<_> = requests.iter().map(|request| request.key).collect();
+        assert!(counters.requested.iter().sum::<u32>() as usize <= distinct.len());
     }
 }

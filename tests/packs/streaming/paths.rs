@@ -4,7 +4,7 @@ use super::host::{Host, Loading};
 use super::source::{layout, scramble};
 use proptest::prelude::*;
 use std::collections::HashMap;
-use terrella::imagery::stream::{Pool, Want, plan_pools};
+use terrella::imagery::stream::{Pool, TileRequest, plan_pools};
 use terrella::imagery::tile::{BlockSet, LayerLayout, MapLayer, Storage, TileKey};
 
 /// One frame of an eye path.
@@ -32,13 +32,13 @@ fn distance(one: u8, other: u8) -> u32 {
     u32::from(columns.min(16 - columns).max(rows))
 }
 
-/// What an eye wants: nearest blocks first and finest, then what is expected beyond.
-fn wants(layers: &[LayerLayout], step: &Step) -> Vec<Want> {
+/// What an eye requests: nearest blocks first and finest, then what is expected beyond.
+fn requests(layers: &[LayerLayout], step: &Step) -> Vec<TileRequest> {
     let mut blocks: Vec<u8> = (0..128)
         .filter(|block| distance(*block, step.eye) <= step.reach + 1)
         .collect();
     blocks.sort_by_key(|block| (distance(*block, step.eye), *block));
-    let mut wants = Vec::new();
+    let mut requests = Vec::new();
     for block in blocks {
         let away = distance(block, step.eye);
         for layer in layers {
@@ -49,12 +49,12 @@ fn wants(layers: &[LayerLayout], step: &Step) -> Vec<Want> {
                 block,
             };
             let drawn = away <= step.reach;
-            wants.push(Want { key, drawn });
+            requests.push(TileRequest { key, drawn });
             if noise % 5 == 1 {
                 // The same block is soon to be asked for finer.
                 let level = key.level.saturating_sub(1);
                 let key = TileKey { level, ..key };
-                wants.push(Want { key, drawn: false });
+                requests.push(TileRequest { key, drawn: false });
             }
         }
     }
@@ -65,21 +65,25 @@ fn wants(layers: &[LayerLayout], step: &Step) -> Vec<Want> {
             level: 255,
             block: 255,
         };
-        wants.push(Want { key, drawn: true });
-        wants.extend_from_within(..wants.len() / 2);
-        let turn = (step.noise >> 8) as usize % wants.len();
-        wants.rotate_left(turn);
+        requests.push(TileRequest { key, drawn: true });
+        requests.extend_from_within(..requests.len() / 2);
+        let turn = (step.noise >> 8) as usize % requests.len();
+        requests.rotate_left(turn);
     }
-    wants
+    requests
 }
 
-/// What the rules say that each map of each block is fitted to when every tile can be read: the oracle.
-fn fitted(layers: &[LayerLayout], pools: &[Pool], wants: &[Want]) -> HashMap<TileKey, bool> {
+/// What the rules say that each map of each block is allocated to when every tile can be read: the oracle.
+fn allocated(
+    layers: &[LayerLayout],
+    pools: &[Pool],
+    requests: &[TileRequest],
+) -> HashMap<TileKey, bool> {
     let mut promised: HashMap<TileKey, bool> = HashMap::new();
     let mut seen = Vec::new();
     for drawn in [true, false] {
-        for want in wants.iter().filter(|want| want.drawn == drawn) {
-            let TileKey { layer, block, .. } = want.key;
+        for request in requests.iter().filter(|request| request.drawn == drawn) {
+            let TileKey { layer, block, .. } = request.key;
             let Some(layout) = layers.iter().find(|layout| layout.layer == layer) else {
                 continue;
             };
@@ -90,8 +94,11 @@ fn fitted(layers: &[LayerLayout], pools: &[Pool], wants: &[Want]) -> HashMap<Til
                 seen.push((layer, block));
             }
             let coarsest = layout.levels.len() as u8 - 1;
-            for level in want.key.level.min(coarsest)..coarsest {
-                let key = TileKey { level, ..want.key };
+            for level in request.key.level.min(coarsest)..coarsest {
+                let key = TileKey {
+                    level,
+                    ..request.key
+                };
                 let pool = pools.iter().find(|p| (p.layer, p.level) == (layer, level));
                 let full = promised
                     .keys()
@@ -204,15 +211,15 @@ proptest! {
         let pools = pools(&maps, seed);
         let mut host = Host::new(&maps, &pools, loading);
         for step in &steps {
-            let wants = wants(&maps, step);
+            let requests = requests(&maps, step);
             for _ in 0..step.frames {
-                host.frame(&wants, step.draws, step.budget);
+                host.frame(&requests, step.draws, step.budget);
             }
         }
         // The disk is mended and the eye stands still: in the end everything that fits is there.
-        let still = wants(&maps, steps.last().expect("one at least"));
+        let still = requests(&maps, steps.last().expect("one at least"));
         host.heal();
-        let promised = fitted(&maps, &pools, &still);
+        let promised = allocated(&maps, &pools, &still);
         let is_done = |host: &Host| {
             let counters = host.counters();
             counters.queued + counters.loading + counters.waiting_upload == 0

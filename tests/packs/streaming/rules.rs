@@ -3,7 +3,7 @@
 use super::host::{Host, Loading};
 use super::source::layout;
 use std::time::Duration;
-use terrella::imagery::stream::{Want, plan_pools};
+use terrella::imagery::stream::{TileRequest, plan_pools};
 use terrella::imagery::tile::{MapLayer, Storage, TileKey};
 
 const QUICK: Loading = Loading {
@@ -29,15 +29,15 @@ fn key(level: u8, block: u8) -> TileKey {
     }
 }
 
-fn want(level: u8, block: u8) -> Want {
-    Want {
+fn request(level: u8, block: u8) -> TileRequest {
+    TileRequest {
         key: key(level, block),
         drawn: true,
     }
 }
 
-fn expect(level: u8, block: u8) -> Want {
-    Want {
+fn expect(level: u8, block: u8) -> TileRequest {
+    TileRequest {
         key: key(level, block),
         drawn: false,
     }
@@ -51,9 +51,9 @@ fn host(fine: u32, middle: u32, loading: Loading) -> Host {
     Host::new(&maps, &pools, loading)
 }
 
-fn frames(host: &mut Host, count: u32, wants: &[Want]) {
+fn frames(host: &mut Host, count: u32, requests: &[TileRequest]) {
     for _ in 0..count {
-        host.frame(wants, true, u64::MAX);
+        host.frame(requests, true, u64::MAX);
     }
 }
 
@@ -62,10 +62,10 @@ fn frames(host: &mut Host, count: u32, wants: &[Want]) {
 fn stand_ins_in_two_pools_do_not_block_each_other() {
     for loading in [QUICK, ONE_BY_ONE] {
         let mut host = host(1, 1, loading);
-        frames(&mut host, 20, &[want(0, 1), want(1, 2)]);
+        frames(&mut host, 20, &[request(0, 1), request(1, 2)]);
         assert!(host.is_resident(key(0, 1)) && host.is_resident(key(1, 2)));
         // Block 1 has its finer tile as a stand-in, block 2 its coarser one.
-        frames(&mut host, 20, &[want(1, 1), want(0, 2)]);
+        frames(&mut host, 20, &[request(1, 1), request(0, 2)]);
         assert_eq!(host.missing(), 0);
         assert!(host.is_resident(key(1, 1)) && host.is_resident(key(0, 2)));
     }
@@ -75,12 +75,12 @@ fn stand_ins_in_two_pools_do_not_block_each_other() {
 #[test]
 fn a_finer_stand_in_is_better_than_none() {
     let mut host = host(1, 1, QUICK);
-    frames(&mut host, 10, &[want(0, 1)]);
+    frames(&mut host, 10, &[request(0, 1)]);
     host.stuck = vec![key(1, 1)];
-    let drawn = host.frame(&[want(1, 1)], true, u64::MAX);
+    let drawn = host.frame(&[request(1, 1)], true, u64::MAX);
     assert_eq!(drawn[&(MapLayer::Day, 1)], Some(0));
     assert_eq!((host.counters().hits, host.missing()), (1, 1));
-    let drawn = host.frame(&[want(1, 1), want(0, 2)], true, u64::MAX);
+    let drawn = host.frame(&[request(1, 1), request(0, 2)], true, u64::MAX);
     assert_eq!(drawn[&(MapLayer::Day, 1)], None);
 }
 
@@ -88,26 +88,26 @@ fn a_finer_stand_in_is_better_than_none() {
 #[test]
 fn a_decoded_tile_without_a_slot_does_not_stop_the_rest() {
     let mut host = host(1, 1, ONE_BY_ONE);
-    frames(&mut host, 20, &[want(1, 1)]);
+    frames(&mut host, 20, &[request(1, 1)]);
     // Block 2 takes the only place for decoded tiles; block 1 is drawn with the tile whose slot block 2 waits for.
-    let wants = [want(1, 2), want(0, 1)];
-    frames(&mut host, 20, &wants);
+    let requests = [request(1, 2), request(0, 1)];
+    frames(&mut host, 20, &requests);
     assert_eq!(host.missing(), 0);
-    assert!(wants.iter().all(|want| host.is_resident(want.key)));
+    assert!(requests.iter().all(|request| host.is_resident(request.key)));
 }
 
 /// The same with a tile that is only expected: it is dropped and comes back when there is room.
 #[test]
 fn a_decoded_tile_that_is_only_expected_makes_room() {
     let mut host = host(1, 1, ONE_BY_ONE);
-    frames(&mut host, 20, &[want(1, 1)]);
+    frames(&mut host, 20, &[request(1, 1)]);
     for _ in 0..10 {
         host.frame(&[expect(1, 2)], true, 0);
     }
     assert_eq!(host.counters().waiting_upload, 1);
-    let wants = [want(0, 1), expect(1, 2)];
-    frames(&mut host, 20, &wants);
-    assert!(wants.iter().all(|want| host.is_resident(want.key)));
+    let requests = [request(0, 1), expect(1, 2)];
+    frames(&mut host, 20, &requests);
+    assert!(requests.iter().all(|request| host.is_resident(request.key)));
     assert_eq!(host.counters().cancelled, 1);
 }
 
@@ -115,12 +115,12 @@ fn a_decoded_tile_that_is_only_expected_makes_room() {
 #[test]
 fn what_is_expected_evicts_nothing_that_is_drawn() {
     let mut host = host(2, 1, QUICK);
-    frames(&mut host, 20, &[want(0, 1), want(0, 2)]);
-    let wants = [expect(0, 3), expect(0, 4), want(0, 1), want(0, 2)];
-    frames(&mut host, 20, &wants);
+    frames(&mut host, 20, &[request(0, 1), request(0, 2)]);
+    let requests = [expect(0, 3), expect(0, 4), request(0, 1), request(0, 2)];
+    frames(&mut host, 20, &requests);
     assert!(host.is_resident(key(0, 1)) && host.is_resident(key(0, 2)));
     assert_eq!(host.counters().evictions, 0);
-    frames(&mut host, 20, &[expect(0, 3), want(0, 1)]);
+    frames(&mut host, 20, &[expect(0, 3), request(0, 1)]);
     assert!(host.is_resident(key(0, 1)) && host.is_resident(key(0, 3)));
     assert_eq!(host.counters().evictions, 1);
 }
@@ -129,29 +129,29 @@ fn what_is_expected_evicts_nothing_that_is_drawn() {
 #[test]
 fn what_is_expected_waits_for_the_picture() {
     let mut host = host(1, 2, QUICK);
-    frames(&mut host, 10, &[want(1, 1)]);
+    frames(&mut host, 10, &[request(1, 1)]);
     // One of the two slots holds block 1's stand-in; block 2 is to have the other.
     host.stuck = vec![key(0, 1), key(1, 2)];
-    let wants = [want(0, 1), want(1, 2), expect(1, 3)];
-    frames(&mut host, 10, &wants);
+    let requests = [request(0, 1), request(1, 2), expect(1, 3)];
+    frames(&mut host, 10, &requests);
     assert_eq!(host.counters().waiting_upload, 1);
     host.stuck.pop();
-    frames(&mut host, 10, &wants);
+    frames(&mut host, 10, &requests);
     assert!(host.is_resident(key(1, 2)) && !host.is_resident(key(1, 3)));
     host.stuck.pop();
-    frames(&mut host, 10, &wants);
-    assert!(wants.iter().all(|want| host.is_resident(want.key)));
+    frames(&mut host, 10, &requests);
+    assert!(requests.iter().all(|request| host.is_resident(request.key)));
 }
 
 #[test]
 fn the_tile_used_longest_ago_goes() {
     let mut host = host(3, 1, QUICK);
     for block in [1, 2, 3, 1] {
-        frames(&mut host, 5, &[want(0, block)]);
+        frames(&mut host, 5, &[request(0, block)]);
     }
-    frames(&mut host, 5, &[want(0, 4)]);
+    frames(&mut host, 5, &[request(0, 4)]);
     assert!(!host.is_resident(key(0, 2)));
-    frames(&mut host, 5, &[want(0, 5)]);
+    frames(&mut host, 5, &[request(0, 5)]);
     assert!(!host.is_resident(key(0, 3)));
     assert!(
         [1, 4, 5]
@@ -160,17 +160,17 @@ fn the_tile_used_longest_ago_goes() {
     );
 }
 
-/// Uploads follow the order of the wants, once a tile that is begun is done.
+/// Uploads follow the order of the requests, once a tile that is begun is done.
 #[test]
 fn the_most_urgent_is_uploaded_first() {
     let mut host = host(4, 1, QUICK);
     let bytes = host.bytes(key(0, 1));
     for _ in 0..5 {
-        host.frame(&[want(0, 1), want(0, 2), want(0, 3)], true, 0);
+        host.frame(&[request(0, 1), request(0, 2), request(0, 3)], true, 0);
     }
-    let begun = [want(0, 1), want(0, 2), want(0, 3)];
+    let begun = [request(0, 1), request(0, 2), request(0, 3)];
     host.frame(&begun, true, bytes / 2);
-    let turned = [want(0, 3), want(0, 2), want(0, 1)];
+    let turned = [request(0, 3), request(0, 2), request(0, 1)];
     let mut order = Vec::new();
     for _ in 0..3 {
         host.frame(&turned, true, bytes);
@@ -187,13 +187,13 @@ fn failures_are_tried_again_more_and_more_seldom() {
     host.bad = Some(key(0, 9));
     // The stand-in takes longer than the first pauses.
     host.stuck = vec![key(1, 9)];
-    let wants = [want(0, 9)];
+    let requests = [request(0, 9)];
     let start = host.now;
     let mut failed_at = Vec::new();
     while host.now - start < Duration::from_secs(260) {
         host.now += Duration::from_millis(40);
         let failures = host.counters().failures;
-        let drawn = host.frame(&wants, true, u64::MAX);
+        let drawn = host.frame(&requests, true, u64::MAX);
         let since = host.now - start;
         if host.counters().failures > failures {
             failed_at.push(since.as_secs_f64());
@@ -216,7 +216,7 @@ fn failures_are_tried_again_more_and_more_seldom() {
     }
     host.bad = None;
     host.now += Duration::from_secs(60);
-    frames(&mut host, 10, &wants);
+    frames(&mut host, 10, &requests);
     assert!(host.is_resident(key(0, 9)));
     assert_eq!((host.counters().hits, host.missing()), (1, 0));
 }

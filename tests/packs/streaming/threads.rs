@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
-use terrella::imagery::stream::{ResidentTile, StreamOptions, TileSlot, TileStream, Want};
+use terrella::imagery::stream::{ResidentTile, StreamOptions, TileRequest, TileSlot, TileStream};
 use terrella::imagery::tile::{
     LayerLayout, MapLayer, Storage, Tile, TileError, TileKey, TileSource,
 };
@@ -74,24 +74,24 @@ fn options() -> StreamOptions {
     }
 }
 
-fn want(layer: MapLayer, level: u8, block: u8) -> Want {
+fn request(layer: MapLayer, level: u8, block: u8) -> TileRequest {
     let key = TileKey {
         layer,
         level,
         block,
     };
-    Want { key, drawn: true }
+    TileRequest { key, drawn: true }
 }
 
-fn day(block: u8) -> Want {
-    want(MapLayer::Day, 0, block)
+fn day(block: u8) -> TileRequest {
+    request(MapLayer::Day, 0, block)
 }
 
 /// Frames without drawing until the stream has nothing to do, or `time` is over.
-fn settle(stream: &mut TileStream, wants: &[Want], time: Duration) {
+fn settle(stream: &mut TileStream, requests: &[TileRequest], time: Duration) {
     let start = Instant::now();
     loop {
-        stream.update(Instant::now(), wants);
+        stream.update(Instant::now(), requests);
         stream.upload(u64::MAX, &mut |_| {});
         let counters = stream.counters();
         let open = counters.queued + counters.loading + counters.waiting_upload;
@@ -129,18 +129,25 @@ fn a_slow_failing_and_panicking_source_gives_what_it_can() {
         // Every simulated frame is a tenth of a second: failures fall due without sleeping.
         now += Duration::from_millis(100);
         let eye = (frame / 150 % 4 * 20) as u8;
-        let wants: Vec<_> = (eye..eye + 8)
-            .flat_map(|block| [want(MapLayer::Clouds, 0, block), day(block)])
+        let requests: Vec<_> = (eye..eye + 8)
+            .flat_map(|block| [request(MapLayer::Clouds, 0, block), day(block)])
             .collect();
-        stream.update(now, &wants);
+        stream.update(now, &requests);
         let mut pictures = Vec::new();
-        for want in &wants {
-            let TileKey { layer, block, .. } = want.key;
+        for request in &requests {
+            let TileKey { layer, block, .. } = request.key;
             let Some(ResidentTile { level, slot }) = stream.draw(layer, block) else {
                 continue;
             };
             assert!(block % 8 != 2, "block {block} cannot be read");
-            let texels = tile(&maps(), TileKey { level, ..want.key }).texels;
+            let texels = tile(
+                &maps(),
+                TileKey {
+                    level,
+                    ..request.key
+                },
+            )
+            .texels;
             assert!(slots[&slot] == texels);
             pictures.push((slot, texels));
             drawn_fine += u32::from(level == 0);
@@ -225,12 +232,12 @@ fn wrong_tiles_are_failures() {
         read: Box::new(read),
     };
     let mut stream = TileStream::new(Arc::new(source), &options());
-    let clouds = |block| want(MapLayer::Clouds, 0, block);
-    let wants: Vec<_> = (1..7).map(clouds).collect();
+    let clouds = |block| request(MapLayer::Clouds, 0, block);
+    let requests: Vec<_> = (1..7).map(clouds).collect();
     let start = Instant::now();
     while stream.counters().completed + stream.counters().failures < 6 {
         // The clock stands still: nothing is tried again.
-        stream.update(start, &wants);
+        stream.update(start, &requests);
         stream.upload(u64::MAX, &mut |part| assert_eq!(part.key.block, 6));
         stream.wait(Duration::from_millis(20));
         assert!(start.elapsed() < LONG);
@@ -250,15 +257,15 @@ fn decoded_tiles_are_bounded() {
         threads: 2,
     };
     let mut stream = TileStream::new(source.clone(), &options);
-    let wants: Vec<_> = (0..40).map(day).collect();
+    let requests: Vec<_> = (0..40).map(day).collect();
     for _ in 0..60 {
-        stream.update(Instant::now(), &wants);
+        stream.update(Instant::now(), &requests);
         std::thread::sleep(Duration::from_millis(1));
     }
     // Nothing is uploaded: three are decoded and no thread takes another.
     assert_eq!(source.reads.load(Ordering::Relaxed), 3);
     assert_eq!(stream.counters().waiting_bytes, 3 * bytes);
-    settle(&mut stream, &wants, LONG);
+    settle(&mut stream, &requests, LONG);
     assert_eq!(stream.counters().resident[0], 40);
     assert_eq!(source.reads.load(Ordering::Relaxed), 40);
 }
@@ -274,10 +281,10 @@ fn a_stream_can_be_dropped_while_it_loads() {
     });
     for _ in 0..20 {
         let mut stream = TileStream::new(source.clone(), &options());
-        let wants: Vec<_> = (0..40).map(day).collect();
+        let requests: Vec<_> = (0..40).map(day).collect();
         let (reads, start) = (source.reads.load(Ordering::Relaxed), Instant::now());
         while source.reads.load(Ordering::Relaxed) == reads {
-            stream.update(Instant::now(), &wants);
+            stream.update(Instant::now(), &requests);
             assert!(start.elapsed() < LONG);
         }
         let start = Instant::now();
@@ -318,18 +325,18 @@ fn a_busy_queue_doubles_and_loses_nothing() {
     let start = Instant::now();
     for frame in 0_u32.. {
         let eye = frame / 3 % 100;
-        let wants: Vec<_> = (eye..eye + 20).map(|block| day(block as u8)).collect();
-        stream.update(Instant::now(), &wants);
+        let requests: Vec<_> = (eye..eye + 20).map(|block| day(block as u8)).collect();
+        stream.update(Instant::now(), &requests);
         stream.upload(u64::MAX, &mut |_| {});
         if start.elapsed() > Duration::from_millis(1_500) {
             break;
         }
     }
-    let wants: Vec<_> = (0..4).map(day).collect();
-    settle(&mut stream, &wants, LONG);
+    let requests: Vec<_> = (0..4).map(day).collect();
+    settle(&mut stream, &requests, LONG);
     // Threads may still be about to tell of loads that were not wanted any more.
     for _ in 0..100 {
-        stream.update(Instant::now(), &wants);
+        stream.update(Instant::now(), &requests);
         std::thread::sleep(Duration::from_millis(1));
     }
     let counters = stream.counters();

@@ -119,7 +119,8 @@ impl Rig {
         }
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
-        read_texture(&gpu.device, &gpu.queue, &texture).expect("a picture")
+        let texels = read_texture(&gpu.device, &gpu.queue, &texture).expect("a picture");
+        RgbaImage::from_raw(texture.width(), texture.height(), texels).expect("of that size")
     }
 }
 

@@ -6,7 +6,7 @@
 //! last row. Wrong bits that still decode cannot be told from a picture.
 
 use super::sof::{Header, read_header};
-use super::{Blame, FileKind, RowSource, SampleKind, SourceInfo, SourceLimits, check_size};
+use super::{FileContext, FileKind, RowSource, SampleKind, SourceInfo, SourceLimits, check_size};
 use crate::imagery::build::error::BuildError;
 use mozjpeg::Decompress;
 use mozjpeg::decompress::DecompressStarted;
@@ -21,7 +21,7 @@ pub(super) struct JpegRows<R: BufRead> {
     decoder: Option<DecompressStarted<ScanReader<R>>>,
     state: Rc<ScanState>,
     info: SourceInfo,
-    blame: Blame,
+    context: FileContext,
     given: u32,
     /// The decoder may ask for the end of the scan so many rows before the last.
     early_rows: u32,
@@ -30,14 +30,14 @@ pub(super) struct JpegRows<R: BufRead> {
 impl<R: BufRead + Seek> JpegRows<R> {
     pub(super) fn open(
         mut reader: R,
-        blame: Blame,
+        context: FileContext,
         limits: SourceLimits,
     ) -> Result<Self, BuildError> {
-        let header = read_header(&mut reader, &blame)?;
-        check_size(&blame, header.width, header.height)?;
+        let header = read_header(&mut reader, &context)?;
+        check_size(&context, header.width, header.height)?;
         let coefficients = header.coefficient_bytes();
         if !header.in_strips && coefficients > limits.buffer_bytes {
-            return Err(blame.too_large(
+            return Err(context.too_large(
                 "a progressive JPEG (or one of several scans) cannot be read in strips: it",
                 coefficients,
                 limits,
@@ -46,11 +46,11 @@ impl<R: BufRead + Seek> JpegRows<R> {
         }
         reader
             .seek(SeekFrom::Start(0))
-            .map_err(|error| blame.unreadable(error))?;
+            .map_err(|error| context.unreadable(error))?;
         let state = Rc::new(ScanState::default());
         let reader = ScanReader::new(reader, Rc::clone(&state), &header);
         let channels = header.sampling.len();
-        let started = guard(&blame, &state, || {
+        let started = guard(&context, &state, || {
             let decoder = Decompress::new_reader(reader)?;
             if channels == 1 {
                 decoder.grayscale()
@@ -59,7 +59,7 @@ impl<R: BufRead + Seek> JpegRows<R> {
             }
         })?;
         if (started.width(), started.height()) != (header.width as usize, header.height as usize) {
-            return Err(blame.damaged("two headers of different sizes"));
+            return Err(context.damaged("two headers of different sizes"));
         }
         // The decoder holds two rows of coding units for smooth chroma and looks eight bytes ahead, in which at most
         // 32 units lie.
@@ -84,7 +84,7 @@ impl<R: BufRead + Seek> JpegRows<R> {
                 sample: SampleKind::U8,
                 buffer_bytes: held,
             },
-            blame,
+            context,
             given: 0,
             early_rows,
         })
@@ -98,10 +98,10 @@ impl<R: BufRead> RowSource for JpegRows<R> {
 
     fn next_row(&mut self, row: &mut [u8]) -> Result<(), BuildError> {
         let Some(mut decoder) = self.decoder.take() else {
-            return Err(self.blame.damaged("read on after an error"));
+            return Err(self.context.damaged("read on after an error"));
         };
         let is_last = self.given + 1 == self.info.height;
-        let decoder = guard(&self.blame, &self.state, || {
+        let decoder = guard(&self.context, &self.state, || {
             decoder.read_scanlines_into(row)?;
             if is_last {
                 decoder.finish()?;
@@ -110,7 +110,7 @@ impl<R: BufRead> RowSource for JpegRows<R> {
             Ok(Some(decoder))
         })?;
         if self.state.end_seen.get() && self.given + self.early_rows < self.info.height {
-            return Err(self.blame.damaged(format!(
+            return Err(self.context.damaged(format!(
                 "the picture's data end at row {} of {}",
                 self.given, self.info.height
             )));
@@ -123,22 +123,22 @@ impl<R: BufRead> RowSource for JpegRows<R> {
 
 /// Runs a step of the decoder, which tells errors by unwinding.
 fn guard<T>(
-    blame: &Blame,
+    context: &FileContext,
     state: &ScanState,
     step: impl FnOnce() -> std::io::Result<T>,
 ) -> Result<T, BuildError> {
     // What the step held is dropped in it or given up by the caller.
     let done = catch_unwind(AssertUnwindSafe(step));
     if let Some(error) = state.error.take() {
-        return Err(blame.unreadable(error));
+        return Err(context.unreadable(error));
     }
     if state.ran_out.get() {
-        return Err(blame.damaged("the file ends too early"));
+        return Err(context.damaged("the file ends too early"));
     }
     match done {
         Ok(Ok(value)) => Ok(value),
-        Ok(Err(error)) => Err(blame.damaged(error)),
-        Err(panic) => Err(blame.damaged(match panic.downcast::<String>() {
+        Ok(Err(error)) => Err(context.damaged(error)),
+        Err(panic) => Err(context.damaged(match panic.downcast::<String>() {
             Ok(message) => *message,
             Err(_) => "the decoder gave up".to_string(),
         })),

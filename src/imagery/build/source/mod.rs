@@ -107,11 +107,11 @@ pub struct SourceLimits {
     pub buffer_bytes: u64,
 }
 
-/// Errors about one file.
+/// Names the file in errors of its reader.
 #[derive(Clone, Debug)]
-pub(super) struct Blame(PathBuf);
+pub(super) struct FileContext(PathBuf);
 
-impl Blame {
+impl FileContext {
     pub(super) fn new(path: &Path) -> Self {
         Self(path.to_path_buf())
     }
@@ -167,11 +167,11 @@ impl Blame {
 /// # Errors
 /// [`BuildError`] with the file and what to do, before anything large is allocated.
 pub fn open_source(path: &Path, limits: SourceLimits) -> Result<Box<dyn RowSource>, BuildError> {
-    let blame = Blame::new(path);
-    let file = File::open(path).map_err(|error| blame.unreadable(error))?;
-    let metadata = file.metadata().map_err(|error| blame.unreadable(error))?;
+    let context = FileContext::new(path);
+    let file = File::open(path).map_err(|error| context.unreadable(error))?;
+    let metadata = file.metadata().map_err(|error| context.unreadable(error))?;
     if !metadata.is_file() {
-        return Err(blame.refused("is no file", "give a PNG, JPEG or TIFF file"));
+        return Err(context.refused("is no file", "give a PNG, JPEG or TIFF file"));
     }
     read_source(BufReader::with_capacity(1 << 16, file), path, limits)
 }
@@ -185,23 +185,23 @@ pub fn read_source<R: BufRead + Seek + 'static>(
     path: &Path,
     limits: SourceLimits,
 ) -> Result<Box<dyn RowSource>, BuildError> {
-    let blame = Blame::new(path);
+    let context = FileContext::new(path);
     let mut magic = Vec::with_capacity(8);
     (&mut reader)
         .take(8)
         .read_to_end(&mut magic)
         .and_then(|_| reader.seek(SeekFrom::Start(0)))
-        .map_err(|error| blame.unreadable(error))?;
+        .map_err(|error| context.unreadable(error))?;
     let source: Box<dyn RowSource> = match magic.as_slice() {
         [0x89, b'P', b'N', b'G', ..] => {
-            Box::new(png::PngRows::open(reader, blame.clone(), limits)?)
+            Box::new(png::PngRows::open(reader, context.clone(), limits)?)
         }
-        [0xFF, 0xD8, ..] => Box::new(jpeg::JpegRows::open(reader, blame.clone(), limits)?),
+        [0xFF, 0xD8, ..] => Box::new(jpeg::JpegRows::open(reader, context.clone(), limits)?),
         [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => {
-            Box::new(tiff::TiffRows::open(reader, blame.clone(), limits)?)
+            Box::new(tiff::TiffRows::open(reader, context.clone(), limits)?)
         }
         _ => {
-            return Err(blame.refused(
+            return Err(context.refused(
                 "is neither PNG nor JPEG nor TIFF",
                 "convert it to one of these",
             ));
@@ -211,11 +211,11 @@ pub fn read_source<R: BufRead + Seek + 'static>(
 }
 
 /// Refuses what is no map of the whole Earth. Readers call it with the sizes of the header, before they allocate.
-fn check_size(blame: &Blame, width: u32, height: u32) -> Result<(), BuildError> {
+fn check_size(context: &FileContext, width: u32, height: u32) -> Result<(), BuildError> {
     if !(MIN_SOURCE_HEIGHT..=MAX_SOURCE_HEIGHT).contains(&height)
         || width.abs_diff(height.saturating_mul(2)) > 1
     {
-        return Err(blame.refused(
+        return Err(context.refused(
             format!("is {width} x {height} texels"),
             format!(
                 "give an equirectangular map of the whole Earth, twice as wide as high, from {MIN_SOURCE_HEIGHT} to \

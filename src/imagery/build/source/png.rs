@@ -1,6 +1,6 @@
 //! PNG maps: grey, palette and colour of 8 or 16 bits.
 
-use super::{Blame, FileKind, RowSource, SampleKind, SourceInfo, SourceLimits, check_size};
+use super::{FileContext, FileKind, RowSource, SampleKind, SourceInfo, SourceLimits, check_size};
 use crate::imagery::build::error::BuildError;
 use png::{BitDepth, DecodingError, Limits, Reader, Transformations};
 use std::io::{BufRead, Seek};
@@ -12,7 +12,7 @@ const DECODER_BYTES: usize = 64 << 20;
 pub(super) struct PngRows<R: BufRead + Seek> {
     reader: Reader<R>,
     info: SourceInfo,
-    blame: Blame,
+    context: FileContext,
     /// Rows given so far.
     given: u32,
     /// All texels of an interlaced map.
@@ -20,8 +20,12 @@ pub(super) struct PngRows<R: BufRead + Seek> {
 }
 
 impl<R: BufRead + Seek> PngRows<R> {
-    pub(super) fn open(reader: R, blame: Blame, limits: SourceLimits) -> Result<Self, BuildError> {
-        let told = |error| tell(&blame, error);
+    pub(super) fn open(
+        reader: R,
+        context: FileContext,
+        limits: SourceLimits,
+    ) -> Result<Self, BuildError> {
+        let with_file = |error| decode_error(&context, error);
         let mut decoder = png::Decoder::new_with_limits(
             reader,
             Limits {
@@ -32,11 +36,11 @@ impl<R: BufRead + Seek> PngRows<R> {
         decoder.set_transformations(Transformations::EXPAND);
         decoder.set_ignore_text_chunk(true);
         decoder.set_ignore_iccp_chunk(true);
-        let (width, height) = decoder.read_header_info().map_err(told)?.size();
-        check_size(&blame, width, height)?;
-        let mut reader = decoder.read_info().map_err(told)?;
+        let (width, height) = decoder.read_header_info().map_err(with_file)?.size();
+        check_size(&context, width, height)?;
+        let mut reader = decoder.read_info().map_err(with_file)?;
         if reader.info().is_animated() {
-            return Err(blame.refused("is an animation", "give a PNG with one picture"));
+            return Err(context.refused("is an animation", "give a PNG with one picture"));
         }
         let (colour, depth) = reader.output_color_type();
         let sample = if depth == BitDepth::Sixteen {
@@ -57,7 +61,7 @@ impl<R: BufRead + Seek> PngRows<R> {
             // The first pass alone has texels of the whole map.
             let bytes = info.row_bytes() as u64 * u64::from(height);
             if bytes > limits.buffer_bytes {
-                return Err(blame.too_large(
+                return Err(context.too_large(
                     "an interlaced PNG cannot be read in strips: it",
                     bytes,
                     limits,
@@ -67,13 +71,13 @@ impl<R: BufRead + Seek> PngRows<R> {
             info.buffer_bytes = bytes;
             // At most `limits.buffer_bytes`.
             let mut texels = vec![0; bytes as usize];
-            reader.next_frame(&mut texels).map_err(told)?;
+            reader.next_frame(&mut texels).map_err(with_file)?;
             whole = Some(texels);
         }
         Ok(Self {
             reader,
             info,
-            blame,
+            context,
             given: 0,
             whole,
         })
@@ -89,11 +93,14 @@ impl<R: BufRead + Seek> RowSource for PngRows<R> {
         if let Some(whole) = &self.whole {
             let start = self.given as usize * row.len();
             let texels = whole.get(start..start + row.len());
-            row.copy_from_slice(texels.ok_or_else(|| self.blame.damaged("too few rows"))?);
+            row.copy_from_slice(texels.ok_or_else(|| self.context.damaged("too few rows"))?);
         } else {
             let read = self.reader.read_row(row);
-            if read.map_err(|error| tell(&self.blame, error))?.is_none() {
-                return Err(self.blame.damaged("too few rows"));
+            if read
+                .map_err(|error| decode_error(&self.context, error))?
+                .is_none()
+            {
+                return Err(self.context.damaged("too few rows"));
             }
         }
         self.given += 1;
@@ -101,7 +108,7 @@ impl<R: BufRead + Seek> RowSource for PngRows<R> {
             // What is left must be whole too: checksums and the end chunk.
             self.reader
                 .finish()
-                .map_err(|error| tell(&self.blame, error))?;
+                .map_err(|error| decode_error(&self.context, error))?;
         }
         if self.info.sample == SampleKind::U16 {
             let (pairs, _) = row.as_chunks_mut::<2>();
@@ -113,16 +120,16 @@ impl<R: BufRead + Seek> RowSource for PngRows<R> {
     }
 }
 
-fn tell(blame: &Blame, error: DecodingError) -> BuildError {
+fn decode_error(context: &FileContext, error: DecodingError) -> BuildError {
     match error {
         DecodingError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
-            blame.damaged("the file ends too early")
+            context.damaged("the file ends too early")
         }
-        DecodingError::IoError(error) => blame.unreadable(error),
-        DecodingError::LimitsExceeded => blame.refused(
+        DecodingError::IoError(error) => context.unreadable(error),
+        DecodingError::LimitsExceeded => context.refused(
             "has chunks beyond all measure",
             "strip it of everything but the picture",
         ),
-        other => blame.damaged(other),
+        other => context.damaged(other),
     }
 }

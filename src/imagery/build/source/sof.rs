@@ -1,6 +1,6 @@
 //! The header of a JPEG file up to its first scan: enough to know whether it can be read in strips.
 
-use super::Blame;
+use super::FileContext;
 use crate::imagery::build::error::BuildError;
 use std::io::{BufRead, ErrorKind, Seek, SeekFrom};
 
@@ -36,67 +36,67 @@ impl Header {
 /// Reads it; the reader stands anywhere afterwards.
 pub(super) fn read_header<R: BufRead + Seek>(
     reader: &mut R,
-    blame: &Blame,
+    context: &FileContext,
 ) -> Result<Header, BuildError> {
     // Two bytes of start-of-image are known to be there.
     reader
         .seek(SeekFrom::Start(2))
-        .map_err(|error| blame.unreadable(error))?;
+        .map_err(|error| context.unreadable(error))?;
     let mut header: Option<Header> = None;
     let mut is_progressive = false;
     loop {
-        let marker = next_marker(reader, blame)?;
+        let marker = next_marker(reader, context)?;
         if matches!(marker, 0x01 | 0xD0..=0xD8) {
             continue;
         }
         if marker == 0xD9 {
-            return Err(blame.damaged("it ends before any picture"));
+            return Err(context.damaged("it ends before any picture"));
         }
-        let length = usize::from(u16::from_be_bytes(bytes(reader, blame)?));
+        let length = usize::from(u16::from_be_bytes(bytes(reader, context)?));
         let Some(length) = length.checked_sub(2) else {
-            return Err(blame.damaged("a segment of no length"));
+            return Err(context.damaged("a segment of no length"));
         };
         match marker {
             // Start of frame: Huffman or arithmetic, all kinds.
             0xC0..=0xC3 | 0xC5..=0xC7 | 0xC9..=0xCB | 0xCD..=0xCF => {
                 if !matches!(marker, 0xC0..=0xC2) {
-                    return Err(blame.refused(
+                    return Err(context.refused(
                         "is a lossless, hierarchical or arithmetic JPEG",
                         "save it as a baseline JPEG or a PNG",
                     ));
                 }
                 is_progressive = marker == 0xC2;
-                header = Some(frame(&segment(reader, length, blame)?, blame)?);
+                header = Some(frame(&segment(reader, length, context)?, context)?);
             }
             // Start of scan.
             0xDA => {
-                let scan = segment(reader, length, blame)?;
+                let scan = segment(reader, length, context)?;
                 let Some(mut header) = header else {
-                    return Err(blame.damaged("a scan before its frame"));
+                    return Err(context.damaged("a scan before its frame"));
                 };
                 let components = scan.first().copied().map_or(0, usize::from);
                 header.in_strips = !is_progressive && components == header.sampling.len();
                 header.scan_start = reader
                     .stream_position()
-                    .map_err(|error| blame.unreadable(error))?;
+                    .map_err(|error| context.unreadable(error))?;
                 return Ok(header);
             }
             _ => {
                 // At most 65 533 bytes.
                 reader
                     .seek_relative(length as i64)
-                    .map_err(|error| blame.unreadable(error))?;
+                    .map_err(|error| context.unreadable(error))?;
             }
         }
     }
 }
 
-fn frame(segment: &[u8], blame: &Blame) -> Result<Header, BuildError> {
+fn frame(segment: &[u8], context: &FileContext) -> Result<Header, BuildError> {
     let [precision, h0, h1, w0, w1, count, components @ ..] = segment else {
-        return Err(blame.damaged("a short frame header"));
+        return Err(context.damaged("a short frame header"));
     };
     if *precision != 8 {
-        return Err(blame.refused(
+        return Err(context.refused(
             format!("is a JPEG of {precision} bits"),
             "save it with 8 bits or as a PNG",
         ));
@@ -112,10 +112,10 @@ fn frame(segment: &[u8], blame: &Blame) -> Result<Header, BuildError> {
             .iter()
             .any(|(h, v)| !(1..=4).contains(h) || !(1..=4).contains(v))
     {
-        return Err(blame.damaged("a frame header of wrong components"));
+        return Err(context.damaged("a frame header of wrong components"));
     }
     if !matches!(sampling.len(), 1 | 3) {
-        return Err(blame.refused(
+        return Err(context.refused(
             format!("has {} components (CMYK?)", sampling.len()),
             "convert it to grey or sRGB",
         ));
@@ -130,11 +130,11 @@ fn frame(segment: &[u8], blame: &Blame) -> Result<Header, BuildError> {
 }
 
 /// The next marker's code; bytes between segments are passed over.
-fn next_marker<R: BufRead>(reader: &mut R, blame: &Blame) -> Result<u8, BuildError> {
+fn next_marker<R: BufRead>(reader: &mut R, context: &FileContext) -> Result<u8, BuildError> {
     loop {
-        let [mut byte] = bytes(reader, blame)?;
+        let [mut byte] = bytes(reader, context)?;
         while byte == 0xFF {
-            [byte] = bytes(reader, blame)?;
+            [byte] = bytes(reader, context)?;
             if !matches!(byte, 0x00 | 0xFF) {
                 return Ok(byte);
             }
@@ -145,25 +145,32 @@ fn next_marker<R: BufRead>(reader: &mut R, blame: &Blame) -> Result<u8, BuildErr
 fn segment<R: BufRead>(
     reader: &mut R,
     length: usize,
-    blame: &Blame,
+    context: &FileContext,
 ) -> Result<Vec<u8>, BuildError> {
     let mut segment = vec![0; length];
-    fill(reader, &mut segment, blame)?;
+    fill(reader, &mut segment, context)?;
     Ok(segment)
 }
 
-fn bytes<const N: usize, R: BufRead>(reader: &mut R, blame: &Blame) -> Result<[u8; N], BuildError> {
+fn bytes<const N: usize, R: BufRead>(
+    reader: &mut R,
+    context: &FileContext,
+) -> Result<[u8; N], BuildError> {
     let mut bytes = [0; N];
-    fill(reader, &mut bytes, blame)?;
+    fill(reader, &mut bytes, context)?;
     Ok(bytes)
 }
 
-fn fill<R: BufRead>(reader: &mut R, bytes: &mut [u8], blame: &Blame) -> Result<(), BuildError> {
+fn fill<R: BufRead>(
+    reader: &mut R,
+    bytes: &mut [u8],
+    context: &FileContext,
+) -> Result<(), BuildError> {
     reader.read_exact(bytes).map_err(|error| {
         if error.kind() == ErrorKind::UnexpectedEof {
-            blame.damaged("the file ends in its header")
+            context.damaged("the file ends in its header")
         } else {
-            blame.unreadable(error)
+            context.unreadable(error)
         }
     })
 }

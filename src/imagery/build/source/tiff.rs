@@ -1,6 +1,6 @@
 //! TIFF maps: strips or tiles, uncompressed, LZW, deflate or PackBits, also BigTIFF and GeoTIFF.
 
-use super::{Blame, FileKind, RowSource, SampleKind, SourceInfo, SourceLimits, check_size};
+use super::{FileContext, FileKind, RowSource, SampleKind, SourceInfo, SourceLimits, check_size};
 use crate::elevation::geo_tags::GeoTags;
 use crate::imagery::build::error::BuildError;
 use std::io::{BufRead, Seek};
@@ -12,7 +12,7 @@ use tiff::{ColorType, TiffError};
 pub(super) struct TiffRows<R: BufRead + Seek> {
     decoder: Decoder<R>,
     info: SourceInfo,
-    blame: Blame,
+    context: FileContext,
     given: u32,
     /// Texels of a strip or tile, and how many of them lie side by side.
     chunk_rows: u32,
@@ -23,12 +23,16 @@ pub(super) struct TiffRows<R: BufRead + Seek> {
 }
 
 impl<R: BufRead + Seek> TiffRows<R> {
-    pub(super) fn open(reader: R, blame: Blame, limits: SourceLimits) -> Result<Self, BuildError> {
-        let told = |error| tell(&blame, error);
-        let mut decoder = Decoder::new(reader).map_err(told)?;
-        let (width, height) = decoder.dimensions().map_err(told)?;
-        check_size(&blame, width, height)?;
-        let colour = decoder.colortype().map_err(told)?;
+    pub(super) fn open(
+        reader: R,
+        context: FileContext,
+        limits: SourceLimits,
+    ) -> Result<Self, BuildError> {
+        let with_file = |error| decode_error(&context, error);
+        let mut decoder = Decoder::new(reader).map_err(with_file)?;
+        let (width, height) = decoder.dimensions().map_err(with_file)?;
+        check_size(&context, width, height)?;
+        let colour = decoder.colortype().map_err(with_file)?;
         let (channels, bits) = match colour {
             ColorType::Gray(bits) => (1, bits),
             ColorType::GrayA(bits) => (2, bits),
@@ -38,20 +42,20 @@ impl<R: BufRead + Seek> TiffRows<R> {
                 bit_depth,
                 num_samples: 2,
             } => (2, bit_depth),
-            other => return Err(unfit(&blame, format!("holds {other:?} texels"))),
+            other => return Err(unfit(&context, format!("holds {other:?} texels"))),
         };
         let planar = decoder
             .find_tag_unsigned::<u16>(Tag::PlanarConfiguration)
-            .map_err(told)?;
+            .map_err(with_file)?;
         if channels > 1 && planar == Some(PlanarConfiguration::Planar.to_u16()) {
-            return Err(blame.refused(
+            return Err(context.refused(
                 "keeps its channels in separate planes",
                 "rewrite it (`gdal_translate -co INTERLEAVE=PIXEL` or `tiffcp -p contig`)",
             ));
         }
         let format = decoder
             .find_tag_unsigned_vec::<u16>(Tag::SampleFormat)
-            .map_err(told)?
+            .map_err(with_file)?
             .and_then(|formats| formats.first().copied())
             .unwrap_or(1);
         let sample = match (bits, format) {
@@ -61,13 +65,13 @@ impl<R: BufRead + Seek> TiffRows<R> {
             (32, 3) => SampleKind::F32,
             _ => {
                 return Err(unfit(
-                    &blame,
+                    &context,
                     format!("holds {bits}-bit samples of format {format}"),
                 ));
             }
         };
         if let Some(complaint) = GeoTags::read(&mut decoder).complaint(width, height) {
-            return Err(blame.refused(
+            return Err(context.refused(
                 complaint,
                 "warp it to the whole globe (`gdalwarp -t_srs EPSG:4326 -te -180 -90 180 90`)",
             ));
@@ -90,7 +94,7 @@ impl<R: BufRead + Seek> TiffRows<R> {
         let row_bytes = u64::from(width) * u64::from(chunk_rows.min(height)) * texel_bytes;
         let buffer_bytes = row_bytes.saturating_add(chunk_bytes.saturating_mul(2));
         if buffer_bytes > limits.buffer_bytes {
-            return Err(blame.too_large(
+            return Err(context.too_large(
                 "a row of its strips or tiles",
                 buffer_bytes,
                 limits,
@@ -112,7 +116,7 @@ impl<R: BufRead + Seek> TiffRows<R> {
                 sample,
                 buffer_bytes,
             },
-            blame,
+            context,
             given: 0,
             chunk_rows,
             chunk_columns,
@@ -129,7 +133,7 @@ impl<R: BufRead + Seek> TiffRows<R> {
         let first_chunk = first_row / self.chunk_rows * self.chunks_across;
         for place in 0..self.chunks_across {
             let chunk = self.decoder.read_chunk(first_chunk + place);
-            let chunk = chunk.map_err(|error| tell(&self.blame, error))?;
+            let chunk = chunk.map_err(|error| decode_error(&self.context, error))?;
             let bytes: &[u8] = match &chunk {
                 DecodingResult::U8(values) => values,
                 DecodingResult::U16(values) => bytemuck::cast_slice(values),
@@ -137,7 +141,7 @@ impl<R: BufRead + Seek> TiffRows<R> {
                 DecodingResult::F32(values) => bytemuck::cast_slice(values),
                 _ => {
                     return Err(self
-                        .blame
+                        .context
                         .damaged("texels of another kind than its header says"));
                 }
             };
@@ -146,7 +150,7 @@ impl<R: BufRead + Seek> TiffRows<R> {
             let run = columns as usize * texel_bytes;
             let start = place as usize * self.chunk_columns as usize * texel_bytes;
             if bytes.len() < run * rows || start + run > row_bytes || run == 0 {
-                return Err(self.blame.damaged("a strip or tile of the wrong size"));
+                return Err(self.context.damaged("a strip or tile of the wrong size"));
             }
             for (row, texels) in self
                 .rows
@@ -167,7 +171,7 @@ impl<R: BufRead + Seek> RowSource for TiffRows<R> {
 
     fn next_row(&mut self, row: &mut [u8]) -> Result<(), BuildError> {
         if self.given >= self.info.height {
-            return Err(self.blame.damaged("too few rows"));
+            return Err(self.context.damaged("too few rows"));
         }
         let inside = (self.given % self.chunk_rows) as usize;
         if inside == 0 {
@@ -179,17 +183,17 @@ impl<R: BufRead + Seek> RowSource for TiffRows<R> {
     }
 }
 
-fn unfit(blame: &Blame, cause: String) -> BuildError {
-    blame.refused(
+fn unfit(context: &FileContext, cause: String) -> BuildError {
+    context.refused(
         cause,
         "convert it to grey or RGB of 8 or 16 bits (elevations also signed 16-bit or 32-bit float)",
     )
 }
 
-fn tell(blame: &Blame, error: TiffError) -> BuildError {
+fn decode_error(context: &FileContext, error: TiffError) -> BuildError {
     match error {
         TiffError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
-            blame.damaged("the file ends too early")
+            context.damaged("the file ends too early")
         }
         // The decoders of compressed data tell damage this way.
         TiffError::IoError(error)
@@ -200,14 +204,14 @@ fn tell(blame: &Blame, error: TiffError) -> BuildError {
                     | std::io::ErrorKind::Other
             ) =>
         {
-            blame.damaged(error)
+            context.damaged(error)
         }
-        TiffError::IoError(error) => blame.unreadable(error),
-        TiffError::UnsupportedError(error) => unfit(blame, error.to_string()),
-        TiffError::LimitsExceeded => blame.refused(
+        TiffError::IoError(error) => context.unreadable(error),
+        TiffError::UnsupportedError(error) => unfit(context, error.to_string()),
+        TiffError::LimitsExceeded => context.refused(
             "has tags or strips beyond all measure",
             "rewrite it (`gdal_translate` or `tiffcp`)",
         ),
-        other => blame.damaged(other),
+        other => context.damaged(other),
     }
 }

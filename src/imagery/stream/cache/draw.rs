@@ -1,6 +1,6 @@
 //! What a block is drawn with.
 
-use super::{Stage, TileCache, place_of};
+use super::{TileCache, TileStage, table_index};
 use crate::globe::BLOCK_COUNT;
 use crate::imagery::stream::{ResidentTile, TileSlot};
 use crate::imagery::tile::{MapLayer, TileKey};
@@ -12,15 +12,16 @@ impl TileCache {
         if levels == 0 || u32::from(block) >= BLOCK_COUNT {
             return None;
         }
-        let fitted = self.fitted[layer.index() * BLOCK_COUNT as usize + usize::from(block)];
-        if fitted.frame != self.frame {
+        let allocation =
+            self.allocations[layer.index() * BLOCK_COUNT as usize + usize::from(block)];
+        if allocation.frame != self.frame {
             return None;
         }
         let coarsest = levels - 1;
-        let coarser = fitted.goal..coarsest;
+        let coarser = allocation.goal..coarsest;
         // A map that the eye asks for no finer is drawn as it is.
-        let finer = if fitted.goal < coarsest {
-            0..fitted.goal
+        let finer = if allocation.goal < coarsest {
+            0..allocation.goal
         } else {
             0..0
         };
@@ -30,11 +31,11 @@ impl TileCache {
                 level,
                 block,
             };
-            let slot = self.drawable(key, level < fitted.goal)?;
+            let slot = self.drawable(key, level < allocation.goal)?;
             Some(ResidentTile { level, slot })
         });
         let level = drawn.map_or(coarsest, |tile| tile.level);
-        if level <= fitted.target {
+        if level <= allocation.target {
             self.counters.hits += 1;
         } else {
             self.counters.fallbacks += 1;
@@ -45,21 +46,21 @@ impl TileCache {
     /// The slot of a tile that may be drawn; marks it.
     fn drawable(&mut self, key: TileKey, is_finer: bool) -> Option<TileSlot> {
         let pool = self.pool_of(key)?;
-        let state = &self.tiles[place_of(key)];
-        let Stage::Resident(index) = state.stage else {
+        let state = &self.tiles[table_index(key)];
+        let TileStage::Resident(index) = state.stage else {
             return None;
         };
-        let room = &mut self.rooms[pool];
-        let place = &mut room.places[usize::from(index)];
-        if !state.is_promised(self.frame) && place.drawn != self.frame {
+        let pool_state = &mut self.pool_states[pool];
+        let slot = &mut pool_state.slots[usize::from(index)];
+        if !state.is_promised(self.frame) && slot.drawn != self.frame {
             // Slots that those who wait can have without this one.
-            let is_spare = room.loose > room.promised - room.held;
-            if (is_finer || room.is_pressed) && !is_spare {
+            let is_spare = pool_state.available > pool_state.promised - pool_state.held;
+            if (is_finer || pool_state.is_starved) && !is_spare {
                 return None;
             }
-            room.loose -= 1;
+            pool_state.available -= 1;
         }
-        (place.drawn, place.used) = (self.frame, self.frame);
+        (slot.drawn, slot.used) = (self.frame, self.frame);
         let pool = pool as u16;
         Some(TileSlot { pool, index })
     }

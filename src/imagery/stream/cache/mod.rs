@@ -1,11 +1,11 @@
-//! What is wanted, loaded, resident and drawn: the state machine of streaming, without threads or a clock.
+//! What is requested, loaded, resident and drawn: the state machine of streaming, without threads or a clock.
 
+mod allocate;
 mod draw;
-mod fit;
 mod upload;
 
 use super::pools::usable;
-use super::{Pool, StreamCounters, Want};
+use super::{Pool, StreamCounters, TileRequest};
 use crate::globe::BLOCK_COUNT;
 use crate::imagery::tile::{
     BlockSet, LayerLayout, LevelLayout, MAP_LAYERS, MAX_LEVELS, Tile, TileError, TileFormat,
@@ -35,9 +35,9 @@ pub enum LoadError {
     Panicked(String),
 }
 
-/// Names a load: the thread that works on it, and a number that no other load has.
+/// Identifies a load: the thread that works on it, and a number that no other load has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Ticket {
+pub struct LoadId {
     /// The thread.
     pub worker: usize,
     /// The number, from 1.
@@ -46,32 +46,32 @@ pub struct Ticket {
 
 /// A load under way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Flight {
+pub struct PendingLoad {
     /// The tile.
     pub key: TileKey,
-    /// Its name.
-    pub ticket: Ticket,
-    /// It is wanted no longer, as of the last [`TileCache::fit`].
+    /// What it is known by.
+    pub id: LoadId,
+    /// It is requested no longer, as of the last [`TileCache::fit`].
     pub cancel: bool,
-    /// It has been unwanted at some time, so that it may end as cancelled.
+    /// It has not been requested at some time, so that it may end as cancelled.
     was_cancelled: bool,
 }
 
-/// Which tiles are wanted, under way, resident and drawn.
+/// Which tiles are requested, under way, resident and drawn.
 ///
 /// The host loads tiles itself: it takes keys from [`Self::queue`], says [`Self::begin`] for each that it has taken and
 /// [`Self::finish`] when it is there or has failed. [`super::TileStream`] does it with threads.
 pub struct TileCache {
-    maps: [Map; MAP_LAYERS],
+    maps: [MapLevels; MAP_LAYERS],
     pools: Vec<Pool>,
-    rooms: Vec<Room>,
+    pool_states: Vec<PoolState>,
     tiles: Vec<TileState>,
-    fitted: Vec<Fitted>,
+    allocations: Vec<Allocation>,
     queue: Vec<TileKey>,
     targets: Vec<TileKey>,
-    flights: Vec<Flight>,
-    waiting: Vec<Waiting>,
-    spent: Vec<Tile>,
+    pending_loads: Vec<PendingLoad>,
+    pending_uploads: Vec<PendingUpload>,
+    retired: Vec<Tile>,
     decoded_limit: u64,
     /// Number of the frame; [`Self::fit`] begins the next. Never 0, which marks what has not been yet.
     frame: u64,
@@ -82,7 +82,7 @@ pub struct TileCache {
 
 /// The levels of a map; none if the source does not have it.
 #[derive(Clone, Default)]
-struct Map {
+struct MapLevels {
     levels: Vec<Level>,
 }
 
@@ -101,25 +101,25 @@ impl Level {
     }
 }
 
-/// What goes on in a pool.
+/// How the slots of a pool are used.
 #[derive(Default)]
-struct Room {
-    places: Vec<Place>,
-    /// Slots promised to this frame's wants.
+struct PoolState {
+    slots: Vec<SlotState>,
+    /// Slots promised to this frame's requests.
     promised: u32,
     /// Slots that hold a promised tile, whole or in part.
     held: u32,
     /// Promised tiles without a slot that are in this frame's picture.
     lacking_drawn: u32,
     /// Slots that are empty, or whose tile is neither promised nor drawn in this frame.
-    loose: u32,
-    /// Stand-ins give way: see the module's words on waiting.
-    is_pressed: bool,
+    available: u32,
+    /// Stand-ins give way: see why nothing waits for ever in the module's documentation.
+    is_starved: bool,
 }
 
 /// A slot.
 #[derive(Clone, Copy, Default)]
-struct Place {
+struct SlotState {
     tile: Option<TileKey>,
     /// The last frame that it was drawn in.
     drawn: u64,
@@ -128,7 +128,7 @@ struct Place {
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Stage {
+enum TileStage {
     /// Nowhere: perhaps queued.
     #[default]
     Away,
@@ -143,7 +143,7 @@ enum Stage {
 
 #[derive(Clone, Copy, Default)]
 struct TileState {
-    stage: Stage,
+    stage: TileStage,
     /// The last frame that a slot was promised in.
     promised: u64,
     /// The last frame that it was asked for in.
@@ -156,23 +156,23 @@ struct TileState {
     failures: u32,
     /// After a failure: when to try again.
     retry_at: Option<Instant>,
-    /// Its failure was told.
-    is_told: bool,
+    /// Its failure was reported.
+    is_reported: bool,
 }
 
 /// What a block of a map is to be drawn with.
 #[derive(Clone, Copy, Default)]
-struct Fitted {
-    /// The last frame that it was wanted in.
+struct Allocation {
+    /// The last frame that it was requested in.
     frame: u64,
-    /// The level that the pools have room for.
+    /// The level that the pools have a slot for.
     target: u8,
     /// The same, or a coarser one if that tile cannot be read.
     goal: u8,
 }
 
 /// A decoded tile that is not wholly uploaded.
-struct Waiting {
+struct PendingUpload {
     key: TileKey,
     tile: Tile,
     /// Mip level and row of units to go on with.
@@ -190,14 +190,14 @@ impl TileState {
 
     fn slot(&self) -> Option<u16> {
         match self.stage {
-            Stage::Uploading(slot) | Stage::Resident(slot) => Some(slot),
-            Stage::Away | Stage::Loading | Stage::Decoded => None,
+            TileStage::Uploading(slot) | TileStage::Resident(slot) => Some(slot),
+            TileStage::Away | TileStage::Loading | TileStage::Decoded => None,
         }
     }
 }
 
-/// Place of a tile in the table of all tiles.
-fn place_of(key: TileKey) -> usize {
+/// Where a tile stands in the table of all tiles.
+fn table_index(key: TileKey) -> usize {
     (key.layer.index() * MAX_LEVELS + usize::from(key.level)) * BLOCK_COUNT as usize
         + usize::from(key.block)
 }
@@ -208,7 +208,7 @@ impl TileCache {
     /// For a source's maps and pools made by [`super::plan_pools`] from them. `decoded_bytes` is the limit that the host
     /// keeps for tiles under way or waiting.
     pub fn new(layers: &[LayerLayout], pools: Vec<Pool>, decoded_bytes: u64) -> Self {
-        let mut maps: [Map; MAP_LAYERS] = Default::default();
+        let mut maps: [MapLevels; MAP_LAYERS] = Default::default();
         for layout in usable(layers) {
             let level = |(place, level): (usize, &LevelLayout)| Level {
                 present: level.present,
@@ -223,22 +223,22 @@ impl TileCache {
                 layout.levels.iter().enumerate().map(level).collect();
         }
         let slots: u32 = pools.iter().map(|pool| pool.slots).sum();
-        let room = |pool: &Pool| Room {
-            places: vec![Place::default(); pool.slots as usize],
-            loose: pool.slots,
-            ..Room::default()
+        let pool_state = |pool: &Pool| PoolState {
+            slots: vec![SlotState::default(); pool.slots as usize],
+            available: pool.slots,
+            ..PoolState::default()
         };
         Self {
             maps,
-            rooms: pools.iter().map(room).collect(),
+            pool_states: pools.iter().map(pool_state).collect(),
             pools,
             tiles: vec![TileState::default(); ALL_TILES],
-            fitted: vec![Fitted::default(); MAP_LAYERS * BLOCK_COUNT as usize],
+            allocations: vec![Allocation::default(); MAP_LAYERS * BLOCK_COUNT as usize],
             queue: Vec::with_capacity(slots as usize),
             targets: Vec::with_capacity(MAP_LAYERS * BLOCK_COUNT as usize),
-            flights: Vec::with_capacity(64),
-            waiting: Vec::with_capacity(64),
-            spent: Vec::with_capacity(64),
+            pending_loads: Vec::with_capacity(64),
+            pending_uploads: Vec::with_capacity(64),
+            retired: Vec::with_capacity(64),
             decoded_limit: decoded_bytes,
             frame: 1,
             promises: 0,
@@ -257,35 +257,35 @@ impl TileCache {
     }
 
     /// Loads under way.
-    pub fn flights(&self) -> &[Flight] {
-        &self.flights
+    pub fn pending_loads(&self) -> &[PendingLoad] {
+        &self.pending_loads
     }
 
-    /// Decoded tiles that have done their work, for the host to drop where that does not disturb. Each was given by
+    /// Decoded tiles that are done with, for the host to drop where that does not disturb. Each was given by
     /// [`Self::finish`].
-    pub fn spent(&mut self) -> std::vec::Drain<'_, Tile> {
-        self.spent.drain(..)
+    pub fn retired(&mut self) -> std::vec::Drain<'_, Tile> {
+        self.retired.drain(..)
     }
 
     /// What it is doing.
     pub fn counters(&self) -> StreamCounters {
         StreamCounters {
             queued: self.queue.len() as u32,
-            loading: self.flights.len() as u32,
-            waiting_upload: self.waiting.len() as u32,
+            loading: self.pending_loads.len() as u32,
+            waiting_upload: self.pending_uploads.len() as u32,
             waiting_bytes: self
-                .waiting
+                .pending_uploads
                 .iter()
-                .map(|w| w.tile.texels.len() as u64)
+                .map(|pending| pending.tile.texels.len() as u64)
                 .sum(),
             ..self.counters
         }
     }
 
-    /// Drawn wants of this frame that are not resident at the level asked for after fitting, though they could be.
+    /// Drawn requests of this frame that are not resident at the level asked for after allocation, though they could be.
     pub fn missing(&self) -> impl Iterator<Item = TileKey> + '_ {
         let is_missing =
-            |key: &TileKey| !matches!(self.tiles[place_of(*key)].stage, Stage::Resident(_));
+            |key: &TileKey| !matches!(self.tiles[table_index(*key)].stage, TileStage::Resident(_));
         self.targets.iter().copied().filter(is_missing)
     }
 
@@ -293,29 +293,29 @@ impl TileCache {
     /// stands in for it is resident. A tile that failed once is tried again by and by and not waited for.
     pub fn is_settled(&self) -> bool {
         let is_resident =
-            |key: TileKey| matches!(self.tiles[place_of(key)].stage, Stage::Resident(_));
+            |key: TileKey| matches!(self.tiles[table_index(key)].stage, TileStage::Resident(_));
         self.targets.iter().all(|key| {
-            let fitted = key.layer.index() * BLOCK_COUNT as usize + usize::from(key.block);
-            let level = self.fitted[fitted].goal;
+            let allocation = key.layer.index() * BLOCK_COUNT as usize + usize::from(key.block);
+            let level = self.allocations[allocation].goal;
             let goal = TileKey { level, ..*key };
             is_resident(*key)
-                || self.tiles[place_of(*key)].retry_at.is_some()
+                || self.tiles[table_index(*key)].retry_at.is_some()
                     && (self.level(goal).is_none_or(|level| level.pool.is_none())
                         || is_resident(goal))
         })
     }
 
     /// A thread has taken a tile from the queue. False, and nothing else, if it is not there to be taken.
-    pub fn begin(&mut self, key: TileKey, ticket: Ticket) -> bool {
+    pub fn begin(&mut self, key: TileKey, id: LoadId) -> bool {
         let known = self.level(key).is_some();
-        if !known || self.tiles[place_of(key)].stage != Stage::Away {
+        if !known || self.tiles[table_index(key)].stage != TileStage::Away {
             return false;
         }
-        self.tiles[place_of(key)].stage = Stage::Loading;
+        self.tiles[table_index(key)].stage = TileStage::Loading;
         self.queue.retain(|queued| *queued != key);
-        self.flights.push(Flight {
+        self.pending_loads.push(PendingLoad {
             key,
-            ticket,
+            id,
             cancel: false,
             was_cancelled: false,
         });
@@ -323,7 +323,7 @@ impl TileCache {
         true
     }
 
-    /// A load has ended. The error comes back if it is the first of its tile, to be told. A tile that is not as its
+    /// A load has ended. The error comes back if it is the first of its tile, to be reported. A tile that is not as its
     /// layout says is a failure.
     pub fn finish(
         &mut self,
@@ -331,35 +331,35 @@ impl TileCache {
         now: Instant,
         result: Result<Tile, LoadError>,
     ) -> Option<LoadError> {
-        let flight = self.flights.iter().position(|flight| flight.key == key)?;
-        let flight = self.flights.swap_remove(flight);
+        let load = self.pending_loads.iter().position(|load| load.key == key)?;
+        let load = self.pending_loads.swap_remove(load);
         let result = match (result, self.level(key)) {
             (Ok(tile), Some(level)) => check(tile, level.format, level.shape),
             (result, _) => result,
         };
-        let state = &mut self.tiles[place_of(key)];
-        state.stage = Stage::Away;
+        let state = &mut self.tiles[table_index(key)];
+        state.stage = TileStage::Away;
         match result {
             Ok(tile) => {
                 self.counters.decoded_bytes += tile.texels.len() as u64;
                 (state.failures, state.retry_at) = (0, None);
                 if state.is_promised(self.frame) {
-                    state.stage = Stage::Decoded;
-                    self.waiting.push(Waiting {
+                    state.stage = TileStage::Decoded;
+                    self.pending_uploads.push(PendingUpload {
                         key,
                         tile,
                         mip: 0,
                         row: 0,
                         is_blocked: false,
                     });
-                    self.sort_waiting();
+                    self.sort_pending();
                 } else {
                     self.counters.cancelled += 1;
-                    self.spent.push(tile);
+                    self.retired.push(tile);
                 }
                 None
             }
-            Err(LoadError::Source(TileError::Cancelled)) if flight.was_cancelled => {
+            Err(LoadError::Source(TileError::Cancelled)) if load.was_cancelled => {
                 self.counters.cancelled += 1;
                 None
             }
@@ -367,7 +367,7 @@ impl TileCache {
                 self.counters.failures += 1;
                 state.retry_at = Some(now + retry_pause(state.failures));
                 state.failures = state.failures.saturating_add(1);
-                (!std::mem::replace(&mut state.is_told, true)).then_some(error)
+                (!std::mem::replace(&mut state.is_reported, true)).then_some(error)
             }
         }
     }
@@ -386,10 +386,10 @@ impl TileCache {
     }
 
     /// The tile begun first, then the most urgent: one that is half in its slot is of no use yet.
-    fn sort_waiting(&mut self) {
+    fn sort_pending(&mut self) {
         let tiles = &self.tiles;
-        self.waiting.sort_unstable_by_key(|waiting| {
-            let state = &tiles[place_of(waiting.key)];
+        self.pending_uploads.sort_unstable_by_key(|pending| {
+            let state = &tiles[table_index(pending.key)];
             (state.slot().is_none(), state.rank)
         });
     }
@@ -401,12 +401,12 @@ pub(super) fn check(tile: Tile, format: TileFormat, shape: TileShape) -> Result<
     if (tile.format, tile.shape, got) == (format, shape, due) {
         return Ok(tile);
     }
-    let words = |format, pixels, bytes| {
+    let describe = |format, pixels, bytes| {
         format!("a tile of {bytes} bytes, {format:?}, {pixels} texels a side")
     };
     Err(LoadError::Unexpected {
-        expected: words(format, shape.pixels, due),
-        got: words(tile.format, tile.shape.pixels, got),
+        expected: describe(format, shape.pixels, due),
+        got: describe(tile.format, tile.shape.pixels, got),
     })
 }
 

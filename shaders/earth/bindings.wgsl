@@ -1,0 +1,44 @@
+// All that the surface's shader is given.
+//
+// | group | binding | what                        | when             |
+// |-------|---------|-----------------------------|------------------|
+// | 0     | 0       | frame                       | always           |
+// | 0     | 1       | sunlight through the air    | air              |
+// | 0     | 2       | table sampler               | air              |
+// | 0     | 3       | where tiles lie             | tiles            |
+// | 0     | 4, 5    | the grid, its heights       | grid             |
+// | 0     | 6       | nodes of contours           | cast             |
+// | 1     | 0, 5    | day, its sampler            | unless measuring |
+// | 1     | 1, 6    | cloud cover                 | clouds           |
+// | 1     | 2, 7    | slopes east, north          | normals          |
+// | 1     | 3, 8    | city lights                 | night_lights     |
+// | 1     | 4, 9    | open water                  | water            |
+//
+// Group 1 is the whole Earth's, or with tiles each block's own: maps then are tiles of its block or whole maps.
+
+@group(0) @binding(0) var<uniform> frame: FrameUniforms;
+
+@if(air) @group(0) @binding(1) var sunlight_table: texture_2d<f32>;
+@if(air) @group(0) @binding(2) var table_sampler: sampler;
+
+@if(tiles) import earth/maps/tile_placements.wgsl;
+@if(tiles) @group(0) @binding(3) var<uniform> tiles: Tiles;
+
+@if(grid) import earth/vertex/projected_grid_uniforms.wgsl;
+@if(grid) @group(0) @binding(4) var<uniform> grid: GridUniforms;
+// Slots of GRID_TILE_TEXELS² heights, from the south-west, ATLAS_COLUMNS of them to a row.
+@if(grid) @group(0) @binding(5) var height_tiles: texture_2d<f32>;
+
+// One tree after another.
+@if(cast) @group(0) @binding(6) var<storage, read> contour_nodes: array<ContourNode>;
+
+@if(!geolocation) @group(1) @binding(0) var day_map: texture_2d<f32>;
+@if(!geolocation) @group(1) @binding(5) var day_sampler: sampler;
+@if(clouds) @group(1) @binding(1) var cloud_map: texture_2d<f32>;
+@if(clouds) @group(1) @binding(6) var cloud_sampler: sampler;
+@if(normals) @group(1) @binding(2) var slope_map: texture_2d<f32>;
+@if(normals) @group(1) @binding(7) var slope_sampler: sampler;
+@if(night_lights) @group(1) @binding(3) var light_map: texture_2d<f32>;
+@if(night_lights) @group(1) @binding(8) var light_sampler: sampler;
+@if(water) @group(1) @binding(4) var water_map: texture_2d<f32>;
+@if(water) @group(1) @binding(9) var water_sampler: sampler;

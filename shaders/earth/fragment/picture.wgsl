@@ -1,0 +1,14 @@
+// The picture: what the surface looks like there, as the target stores it.
+@if(encode) import common/color.wgsl;
+@if(decode) import common/color.wgsl;
+
+@fragment
+fn fragment(in: Varying) -> Drawn {
+    var at = surface_point(in);
+    @if(per_block_tiles) if drawn_block(at) != in.block { discard; }
+    @if(per_block_tiles) at = in_block(at);
+    var color = shade(at);
+    @if(encode) color = encode_srgb(color);
+    @if(decode) color = decode_srgb(color);
+    return drawn(vec4f(color, 1.0), at);
+}

@@ -1,0 +1,14 @@
+// Tiles of a block, or whole maps in their place.
+import rust::MAP_LAYERS;
+@if(relief) import rust::WHOLE_MAP;
+
+fn map_placement(layer: u32, at: SurfacePoint) -> vec4f {
+    @if(relief) if at.block >= WHOLE_MAP { return vec4f(at.center_uv, 1.0, 1.0); }
+    return tiles.placements[at.block * MAP_LAYERS + layer];
+}
+
+fn sample_map(map: texture_2d<f32>, filtering: sampler, layer: u32, at: SurfacePoint) -> vec4f {
+    let placement = map_placement(layer, at);
+    let uv = placement.xy + at.uv * placement.zw;
+    return textureSampleGrad(map, filtering, uv, at.uv_dx * placement.zw, at.uv_dy * placement.zw);
+}

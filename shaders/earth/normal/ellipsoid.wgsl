@@ -1,0 +1,3 @@
+fn surface_normal(at: SurfacePoint) -> vec3f {
+    return at.up;
+}

@@ -1,0 +1,25 @@
+// Linear light: a white sheet that faces the Sun in space is `exposure`.
+import rust::DAY;
+@if(!air) import earth/shading/light_without_air.wgsl;
+@if(air) import earth/shading/light_through_air.wgsl;
+@if(water) import earth/shading/sea_glint.wgsl;
+@if(night_lights) import earth/shading/night_lights.wgsl;
+@if(clouds) import earth/shading/clouds.wgsl;
+
+// Light that falls on the ground: the Sun's after the air, and the sky's.
+struct Light {
+    sun: vec3f,
+    sky: vec3f,
+}
+
+fn shade(at: SurfacePoint) -> vec3f {
+    let mu_s = dot(at.up, frame.sun_itrf);
+    let light = light_at(mu_s);
+    let facing = max(dot(surface_normal(at), frame.sun_itrf), 0.0);
+    var color = sample_map(day_map, day_sampler, DAY, at).rgb * (light.sun * facing + light.sky);
+    @if(water) color += sea_glint(at, light, mu_s);
+    @if(night_lights) color += city_light(at, mu_s);
+    @if(clouds) color = under_clouds(color, at, light, mu_s);
+    @if(air) color *= tint_of_air(at);
+    return color * frame.exposure;
+}

@@ -1,0 +1,56 @@
+// The point of the surface that a pixel looks at.
+//
+// The mesh says which pixels show the ground; what they show is found by the pixel's own ray. So nothing is interpolated:
+// facets seen edge on, where interpolation is ill-conditioned, cannot shake, and a coarse mesh shifts nothing. Each way to
+// find the point is a file of surface_point/ with
+//   fn surface_point(in: Varying) -> SurfacePoint
+import rust::PI;
+
+struct SurfacePoint {
+    // Towards the eye, of any length.
+    to_eye: vec3f,
+    // Outward normal of the ellipsoid, unit vectors east and north.
+    up: vec3f,
+    east: vec3f,
+    north: vec3f,
+    // Texture coordinates on the whole map, from the block's centre.
+    uv: vec2f,
+    // Change of uv to the next pixel right and down, u counted in ground distance as v is (× cos latitude), so that
+    // the mip level follows the pixel's footprint at the poles and has no seam at ±180°.
+    uv_dx: vec2f,
+    uv_dy: vec2f,
+    center_uv: vec2f,
+    @if(tiles) block: u32,
+    // Rise of the ground to the east and to the north.
+    @if(relief) slope: vec2f,
+    // The ground's distance in lengths of the pixel's ray.
+    @if(relief) along: f32,
+}
+
+// From the eye through a pixel, ITRF axes, to the plane one metre before the eye.
+fn pixel_ray(pixel: vec2f) -> vec3f {
+    return frame.corner_ray + pixel.x * frame.pixel_right + pixel.y * frame.pixel_down;
+}
+
+// What follows from a point's normal `up` and its distance, `radii` equatorial radii times the ray's length.
+fn point_on_ray(in: Varying, ray: vec3f, radii: f32, up: vec3f) -> SurfacePoint {
+    var out: SurfacePoint;
+    out.to_eye = -ray;
+    out.up = up;
+    let across = max(length(up.xy), 1e-7);
+    out.east = vec3f(-up.y, up.x, 0.0) / across;
+    out.north = cross(up, out.east);
+    let angles = longitude_latitude(in, up, across);
+    out.uv = vec2f(angles.x / (2.0 * PI), -angles.y / PI);
+    out.center_uv = in.center_uv;
+    @if(tiles) out.block = in.block;
+
+    // The neighbour pixel's ray on the tangent plane: r − ray·(up·r)/(up·ray), times the distance in radii.
+    let facing = min(dot(up, ray), -0.02 * length(ray));
+    let dx = radii * (frame.pixel_right - ray * (dot(up, frame.pixel_right) / facing));
+    let dy = radii * (frame.pixel_down - ray * (dot(up, frame.pixel_down) / facing));
+    let to_uv = vec2f(0.5, -1.0) / PI;
+    out.uv_dx = vec2f(dot(out.east, dx), dot(out.north, dx)) * to_uv;
+    out.uv_dy = vec2f(dot(out.east, dy), dot(out.north, dy)) * to_uv;
+    return out;
+}

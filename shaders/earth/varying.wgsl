@@ -1,0 +1,21 @@
+// What the vertex stage hands to each pixel.
+struct Varying {
+    @builtin(position) clip: vec4f,
+    // What texture coordinates are counted from: (cos, sin) of its longitude and of its latitude, and its own coordinates.
+    @location(0) @interpolate(flat) center_lon: vec2f,
+    @location(1) @interpolate(flat) center_lat: vec2f,
+    @location(2) @interpolate(flat) center_uv: vec2f,
+    // Whose tiles are drawn: a block's, PER_BLOCK_TILES + a block's, or nobody's, WHOLE_MAP.
+    @if(tiles) @location(3) @interpolate(flat) block: u32,
+    // The mesh's own place. Where blocks are told apart by it, that of a place within the triangle, so that its block is one
+    // that the triangle touches.
+    @if(relief && !cast && !per_block_tiles) @location(4) from_eye_m: vec3f,
+    @if(per_block_tiles) @location(4) @interpolate(perspective, centroid) from_eye_m: vec3f,
+    // Height above the ellipsoid, and rise of the ground to the east and to the north.
+    @if(relief && !cast) @location(5) height_m: f32,
+    @if(relief && !cast) @location(6) slope: vec2f,
+    // Of the page of contours behind the prism: see PagePrism.
+    @if(cast) @location(4) @interpolate(flat) eye_from_origin_m: vec3f,
+    @if(cast) @location(5) @interpolate(flat) root: u32,
+    @if(cast) @location(6) @interpolate(flat) ray: vec3f,
+}

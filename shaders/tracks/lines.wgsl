@@ -1,0 +1,119 @@
+// Lines of constant width on screen. `LinePoint` in src/gpu/tracks.rs.
+
+// One segment, from a to b, with the points before and after it.
+struct Segment {
+    @location(0) before_m: vec3f,
+    @location(1) a_m: vec3f,
+    @location(2) a_flags: u32,
+    @location(3) a_color: vec4f,
+    @location(4) b_m: vec3f,
+    @location(5) b_flags: u32,
+    @location(6) b_color: vec4f,
+    @location(7) half_width_px: f32,
+    @location(8) after_m: vec3f,
+    @location(9) after_flags: u32,
+}
+
+struct Varying {
+    @builtin(position) clip: vec4f,
+    // Everything is interpolated linearly on screen (w = 1, so that no backend needs to know how): places over w and 1/w.
+    @location(0) from_eye_over_w: vec3f,
+    @location(1) one_over_w: f32,
+    @location(2) color: vec4f,
+    @location(3) across_px: f32,
+    @location(4) @interpolate(flat) half_width_px: f32,
+    @location(5) @interpolate(flat) flags: u32,
+}
+
+fn clip_of(from_eye_m: vec3f) -> vec4f {
+    return track.frame.clip_from_eye * vec4f(from_eye_m, 1.0);
+}
+
+// Segments are cut at planes this often as far out as the viewport's edges: numbers stay small, and no cut is seen.
+const GUARD: f32 = 3.0;
+
+// Cuts `span`, the part of a segment that is kept, where `a` and `b`, the distances of its ends from a plane, change sign.
+fn cut(span: vec2f, a: f32, b: f32) -> vec2f {
+    if a < 0.0 && b < 0.0 {
+        return vec2f(1.0, 0.0);
+    }
+    let at = a / (a - b);
+    return vec2f(
+        select(span.x, max(span.x, at), a < 0.0),
+        select(span.y, min(span.y, at), b < 0.0),
+    );
+}
+
+// The part of a segment before the eye and near the viewport; empty where x ≥ y.
+fn visible_span(a: vec4f, b: vec4f) -> vec2f {
+    let near = 1e-6 * max(abs(a.w), abs(b.w));
+    var span = cut(vec2f(0.0, 1.0), a.w - near, b.w - near);
+    span = cut(span, GUARD * a.w - a.x, GUARD * b.w - b.x);
+    span = cut(span, GUARD * a.w + a.x, GUARD * b.w + b.x);
+    span = cut(span, GUARD * a.w - a.y, GUARD * b.w - b.y);
+    return cut(span, GUARD * a.w + a.y, GUARD * b.w + b.y);
+}
+
+// Unit direction on screen from a to b, where at least one of them lies before the eye: the change of x/w, times w².
+fn direction_px(a: vec4f, b: vec4f) -> vec2f {
+    let v = (b.xy * a.w - a.xy * b.w) * track.size_px;
+    let largest = max(abs(v.x), abs(v.y));
+    // By the largest component first: squares of these products can leave f32's range.
+    return select(vec2f(1.0, 0.0), normalize(v / max(largest, 1e-30)), largest > 0.0);
+}
+
+// The corner's way out from the line's middle, in half widths: along the bisector where the next segment goes on.
+fn way_out(along: vec2f, neighbour: vec2f, is_joined: bool) -> vec2f {
+    let normal = vec2f(-along.y, along.x);
+    let sum = normal + vec2f(-neighbour.y, neighbour.x);
+    let bisector = sum / max(length(sum), 1e-6);
+    let cosine = dot(bisector, normal);
+    return select(normal, bisector / max(cosine, 0.5), is_joined && cosine > 0.5);
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) index: u32, in: Segment) -> Varying {
+    let a = clip_of(in.a_m);
+    let b = clip_of(in.b_m);
+    let span = visible_span(a, b);
+    let along = direction_px(a, b);
+    let is_end = index >= 2u;
+    let side = f32(index & 1u) * 2.0 - 1.0;
+    let t = select(span.x, span.y, is_end);
+    let is_whole = select(t == 0.0, t == 1.0, is_end);
+    let flags = select(in.a_flags, in.after_flags, is_end);
+    let is_joined = is_whole && (flags & FROM_PREVIOUS) != 0u;
+    var neighbour = along;
+    if is_joined && is_end {
+        neighbour = direction_px(b, clip_of(in.after_m));
+    } else if is_joined {
+        neighbour = direction_px(clip_of(in.before_m), a);
+    }
+    var out: Varying;
+    out.half_width_px = in.half_width_px;
+    out.flags = in.b_flags;
+    out.across_px = side * (in.half_width_px + CASING_PX + 1.0);
+    let color = mix(in.a_color, in.b_color, t);
+    out.color = vec4f(target_color(color.rgb), color.a);
+    out.clip = NOWHERE;
+    if (in.b_flags & FROM_PREVIOUS) != 0u && span.x < span.y {
+        let at = mix(a, b, t);
+        let out_px = way_out(along, neighbour, is_joined) * out.across_px;
+        let from_eye_m = mix(in.a_m, in.b_m, t);
+        out.clip = vec4f(at.xy / at.w + 2.0 * out_px / track.size_px, depth_of(at, from_eye_m, in.b_flags), 1.0);
+        out.one_over_w = 1.0 / at.w;
+        out.from_eye_over_w = scaled(from_eye_m) / at.w;
+    }
+    return out;
+}
+
+@fragment
+fn fragment(in: Varying) -> @location(0) vec4f {
+    let ray = ray_of(in.clip.xy);
+    let from_eye = in.from_eye_over_w / in.one_over_w;
+    let seen = in_sight(ray, from_eye, in.flags);
+    if !is_on_side(ray, from_eye) {
+        discard;
+    }
+    return cased(in.color, in.half_width_px - abs(in.across_px), seen);
+}

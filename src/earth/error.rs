@@ -1,0 +1,78 @@
+//! What can be wrong with the options of an Earth.
+
+use crate::globe::SubdivisionError;
+use crate::gpu::ShaderError;
+use crate::imagery::ImageryError;
+
+/// Why an Earth cannot be drawn as its options say.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum EarthError {
+    /// Subdivision outside 1…48.
+    #[error(transparent)]
+    Subdivision(#[from] SubdivisionError),
+    /// Settings of ground with relief.
+    #[cfg(feature = "terrain")]
+    #[error(transparent)]
+    Surface(#[from] crate::globe::SurfaceError),
+    /// Exposure below 0 or not finite.
+    #[error("exposure is {0}; it must be a finite number, 0 or more")]
+    Exposure(f32),
+    /// A map is larger than the device takes.
+    #[error(
+        "the {layer} map is {width} × {height}; this device takes at most {limit} pixels a side"
+    )]
+    TooLarge {
+        /// Which map.
+        layer: &'static str,
+        /// Its width.
+        width: u32,
+        /// Its height.
+        height: u32,
+        /// The device's limit.
+        limit: u32,
+    },
+    /// A map does not hold what it says.
+    #[error(transparent)]
+    Layer(#[from] ImageryError),
+    /// A shader file is at fault.
+    #[error(transparent)]
+    Shader(#[from] ShaderError),
+    /// A source of tiles has a map that the Earth is not drawn with.
+    #[error(
+        "there are tiles of the {0} map but no whole map of it among the layers; add it or leave its tiles out"
+    )]
+    NoWholeMap(&'static str),
+    /// Tiles are compressed and the device does not read them.
+    #[error(
+        "the tiles are BC-compressed and the device was opened without TEXTURE_COMPRESSION_BC; \
+         open it with that feature, or have the tiles decoded (PackTiles::new with decode = true)"
+    )]
+    NoBc,
+    /// Triangles' edges are wanted and the device does not draw lines.
+    #[error(
+        "edges of triangles are wanted and the device was opened without POLYGON_MODE_LINE; \
+         open it with that feature, or on another adapter (terrella doctor lists them) if this one has it not"
+    )]
+    NoLines,
+    /// Edges of triangles are wanted of ground that has none.
+    #[error(
+        "contours that rays are cast at have no triangles whose edges could be drawn; leave out the wireframe, or draw \
+         contours as patches (drawn = \"patches\" under [earth.contours] in a scene)"
+    )]
+    NoEdges,
+    /// The textures do not fit into the device's memory.
+    #[error(
+        "the device has no room for {mib} MiB of maps and tiles: {cause}; \
+         give a smaller texture budget (texture_mb under [earth] in a scene)"
+    )]
+    NoRoom {
+        /// What was asked for.
+        mib: u64,
+        /// The device's words.
+        cause: String,
+    },
+    /// A shader or pipeline was refused by the device, for instance for a colour format it cannot draw to.
+    #[error("the device refused the Earth's pipelines: {0}")]
+    Refused(String),
+}

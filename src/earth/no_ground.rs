@@ -1,0 +1,38 @@
+//! In place of `ground.rs` where the feature `terrain` is off: types without a value, so that nothing of ground with relief is
+//! compiled in.
+
+use super::EarthError;
+use super::view::ItrfView;
+use crate::globe::{Block, BlockGrid, Figure, Surface, SurfaceStats};
+
+/// Ground with relief in place of the smooth ellipsoid. It needs the feature `terrain`; without, there is no value of this type.
+#[derive(Clone, Debug)]
+pub enum GroundOptions {}
+
+pub(super) enum GroundDriver {}
+
+impl GroundDriver {
+    pub fn new(options: &GroundOptions, _: Figure, _: &wgpu::Limits) -> Result<Self, EarthError> {
+        match *options {}
+    }
+
+    pub fn plan(&mut self, _: &BlockGrid, _: &ItrfView, _: &mut Vec<Block>) -> SurfaceStats {
+        match *self {}
+    }
+
+    pub fn is_settled(&self) -> bool {
+        match *self {}
+    }
+
+    pub fn surface(&self) -> &dyn Surface {
+        match *self {}
+    }
+
+    pub fn has_edges(&self) -> bool {
+        match *self {}
+    }
+
+    pub fn features(&self) -> &'static [&'static str] {
+        match *self {}
+    }
+}

@@ -1,0 +1,75 @@
+//! In place of `tiles.rs` where the feature `packs` is off: types without a value, so that nothing of tiles is compiled in.
+
+use super::quality::Quality;
+use super::tile_view::{TileDetail, TileView};
+use super::{EarthError, EyeView};
+use crate::globe::{Block, BlockGrid, Visibility};
+use crate::gpu::BlockTiles;
+use crate::imagery::EarthLayers;
+use crate::imagery::residency::{Pool, StreamCounters, Upload};
+use crate::imagery::tile::TileKey;
+use std::time::Duration;
+
+/// How tiles are chosen, loaded and held. It needs the feature `packs`; without, there is no value of this type.
+#[derive(Clone, Debug)]
+pub enum TileOptions {}
+
+impl TileOptions {
+    pub(super) fn texel_px(&self) -> f64 {
+        match *self {}
+    }
+
+    pub(super) fn can_be_read_by(&self, _: &wgpu::Device) -> bool {
+        match *self {}
+    }
+}
+
+pub(super) enum TileDriver {}
+
+impl TileDriver {
+    pub fn new(options: &TileOptions, _: &EarthLayers, _: Visibility) -> Result<Self, EarthError> {
+        match *options {}
+    }
+
+    pub fn set_quality(&mut self, _: &Quality) {
+        match *self {}
+    }
+
+    pub fn pools(&self) -> &[Pool] {
+        match *self {}
+    }
+
+    pub fn expect(&mut self, _: &[EyeView]) {
+        match *self {}
+    }
+
+    pub fn plan(
+        &mut self,
+        _: &BlockGrid,
+        _: &TileView,
+        _: &[Block],
+        _: &mut Vec<(Block, BlockTiles)>,
+    ) -> TileDetail {
+        match *self {}
+    }
+
+    pub fn upload(&mut self, _: Option<u64>, _: &mut dyn FnMut(Upload<'_>)) -> u64 {
+        match *self {}
+    }
+
+    pub fn counters(&self) -> StreamCounters {
+        match *self {}
+    }
+
+    pub fn missing(&self) -> std::iter::Empty<TileKey> {
+        match *self {}
+    }
+
+    pub fn is_settled(&self) -> bool {
+        match *self {}
+    }
+
+    pub fn wait(&mut self, _: Duration) {
+        match *self {}
+    }
+}

@@ -1,0 +1,40 @@
+//! How the surface is drawn.
+
+use super::{DiagnosticOptions, Quality};
+use crate::globe::{Shading, Surface};
+use crate::gpu::{AirDrawable, PassFormat, SurfaceConfig};
+use crate::imagery::tile::MapLayer;
+
+/// How the surface is drawn, whatever the quality.
+#[derive(Clone, Copy)]
+pub(super) struct SurfaceStyle {
+    pub shading: Shading,
+    pub diagnostics: DiagnosticOptions,
+}
+
+/// How the surface is drawn with a quality.
+pub(super) fn surface_config<'a>(
+    device: &wgpu::Device,
+    style: SurfaceStyle,
+    format: PassFormat,
+    quality: &Quality,
+    air: Option<&'a AirDrawable>,
+    ground: Option<&'a dyn Surface>,
+) -> SurfaceConfig<'a> {
+    let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+    let mut shown = quality.maps;
+    shown[MapLayer::Day.index()] = true;
+    SurfaceConfig {
+        shading: style.shading,
+        shown,
+        output: style.diagnostics.output,
+        ground: ground.map(Surface::form),
+        crosses_blocks: ground.is_some_and(Surface::crosses_blocks),
+        wireframe: style.diagnostics.wireframe,
+        anisotropy: if software { 1 } else { quality.anisotropy },
+        format,
+        sunlight: air
+            .filter(|_| style.shading == Shading::Sunlit)
+            .map(|air| &air.sunlight),
+    }
+}

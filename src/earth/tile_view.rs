@@ -1,0 +1,22 @@
+//! What tiles are chosen by, and how fine they came out.
+
+use crate::imagery::tile::MAX_LEVELS;
+use glam::DVec3;
+
+/// What a frame's choice depends on beside the blocks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TileView {
+    pub eye_itrf_m: DVec3,
+    pub sun_itrf: DVec3,
+    /// Angle of a screen pixel.
+    pub pixel_rad: f64,
+}
+
+/// How fine the maps are that a frame is drawn with.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TileDetail {
+    /// As [`super::FrameStats::texels_per_pixel`].
+    pub texels_per_pixel: f64,
+    /// As [`super::FrameStats::day_levels`].
+    pub day_levels: [u32; MAX_LEVELS],
+}

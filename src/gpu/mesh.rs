@@ -1,0 +1,60 @@
+//! The mesh of the surface on the GPU: what the four forms of it have in common.
+
+use super::FramePlan;
+use super::shader::VertexForm;
+use crate::globe::{Block, BlockGrid, BlockSet, Surface};
+
+/// What drawing costs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DrawCosts {
+    pub draw_calls: u32,
+    pub triangles: u32,
+    /// Bytes of vertices, triangles and heights held.
+    pub bytes: u64,
+}
+
+/// Makes the maps of the next draw those of a block, or whole maps.
+pub(super) type BindMaps<'a> = dyn FnMut(&mut wgpu::RenderPass<'_>, Option<Block>) + 'a;
+
+/// One form of the surface's mesh.
+pub(super) trait SurfaceMesh {
+    /// The vertex stage that it is drawn with, where blocks have tiles or have none.
+    fn vertex_form(&self, has_tiles: bool) -> VertexForm;
+
+    /// The vertex buffers that this stage reads.
+    fn buffers(&self) -> &'static [Option<wgpu::VertexBufferLayout<'static>>];
+
+    /// The sides of its triangles that are not drawn.
+    fn culled(&self) -> wgpu::Face {
+        wgpu::Face::Back
+    }
+
+    /// What it binds of group 0 besides what all do.
+    fn bindings(&self) -> Vec<(wgpu::BindGroupLayoutEntry, wgpu::BindGroupEntry<'_>)> {
+        Vec::new()
+    }
+
+    /// Draws nothing until it is written again; blocks from then on with these grids.
+    fn reset(&mut self, device: &wgpu::Device, grids: &[BlockGrid]);
+
+    /// Writes what a frame draws as far as it is not there: the plan's blocks, or what the surface of a ground with relief made.
+    /// `tiled` are the blocks that have tiles, where triangles may lie in several. Returns the bytes written.
+    fn write(
+        &mut self,
+        queue: &wgpu::Queue,
+        plan: &FramePlan,
+        ground: Option<&dyn Surface>,
+        tiled: Option<BlockSet>,
+    ) -> u64;
+
+    /// What the frame that was written last costs, of ground with relief; `None` of blocks.
+    fn ground_costs(&self) -> Option<DrawCosts>;
+
+    /// Draws what was written last.
+    fn render(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        plan: &FramePlan,
+        bind_maps: &mut BindMaps<'_>,
+    );
+}

@@ -1,0 +1,219 @@
+//! Variants of the surface's shader.
+
+use super::capability::ShaderCapability;
+use super::variant::{SWITCH, ShaderVariant, TargetColor};
+
+/// What the surface's shader is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct EarthVariant {
+    /// How its mesh is made, and with it how a pixel's point of the surface is found.
+    pub form: VertexForm,
+    /// What its pixels get.
+    pub output: EarthOutput,
+}
+
+/// How the surface's mesh is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum VertexForm {
+    /// The block sphere on the ellipsoid, each block with tiles of its own if `tiles`.
+    BlockLattice {
+        /// Whether blocks have tiles.
+        tiles: bool,
+    },
+    /// Patches of ground with relief.
+    ReliefPatches(PatchTiles),
+    /// A grid whose vertices the GPU makes; its triangles lie in several blocks.
+    ProjectedGrid {
+        /// Whether blocks have tiles.
+        tiles: bool,
+    },
+    /// Prisms behind which rays are cast at pages of contours. Each lies in one block.
+    ContourPrisms {
+        /// Whether blocks have tiles.
+        tiles: bool,
+        /// Whether the pass has a depth buffer: the shader says how deep a pixel lies.
+        writes_depth: bool,
+    },
+}
+
+/// What maps patches of relief are drawn with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum PatchTiles {
+    /// Whole maps.
+    None,
+    /// Tiles of the one block that each patch lies in.
+    OfOneBlock,
+    /// Tiles of each block that a patch lies in.
+    OfSeveralBlocks,
+}
+
+/// What the surface's pixels get.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum EarthOutput {
+    /// Where they look: no map is read.
+    Geolocation,
+    /// What that looks like.
+    Picture(ShadingVariant, TargetColor),
+}
+
+/// How a picture is shaded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ShadingVariant {
+    /// Real light.
+    Sunlit(SunlitLayers),
+    /// As the paper prints it, in display values.
+    Paper(PaperLayers),
+}
+
+/// What real light falls on and through, besides the day map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct SunlitLayers {
+    /// Cloud cover.
+    pub clouds: bool,
+    /// The normal map.
+    pub normals: bool,
+    /// City lights.
+    pub night_lights: bool,
+    /// Open water, which glints.
+    pub water: bool,
+    /// The air between the Sun, the ground and the eye.
+    pub air: bool,
+}
+
+/// The paper's layers besides the day map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct PaperLayers {
+    /// Cloud cover.
+    pub clouds: bool,
+    /// The normal map.
+    pub normals: bool,
+}
+
+impl VertexForm {
+    /// All of them.
+    pub fn all() -> Vec<Self> {
+        let mut all = Vec::new();
+        for tiles in SWITCH {
+            all.push(Self::BlockLattice { tiles });
+            all.push(Self::ProjectedGrid { tiles });
+            all.extend(SWITCH.map(|writes_depth| Self::ContourPrisms {
+                tiles,
+                writes_depth,
+            }));
+        }
+        use PatchTiles::{None, OfOneBlock, OfSeveralBlocks};
+        all.extend([None, OfOneBlock, OfSeveralBlocks].map(Self::ReliefPatches));
+        all
+    }
+
+    /// Whether blocks have tiles.
+    pub fn has_tiles(self) -> bool {
+        match self {
+            Self::BlockLattice { tiles } | Self::ProjectedGrid { tiles } => tiles,
+            Self::ContourPrisms { tiles, .. } => tiles,
+            Self::ReliefPatches(tiles) => tiles != PatchTiles::None,
+        }
+    }
+
+    /// Whether triangles that lie in several blocks are drawn with the tiles of each.
+    pub fn has_per_block_tiles(self) -> bool {
+        matches!(
+            self,
+            Self::ReliefPatches(PatchTiles::OfSeveralBlocks) | Self::ProjectedGrid { tiles: true }
+        )
+    }
+}
+
+impl EarthOutput {
+    /// All of them.
+    pub fn all() -> Vec<Self> {
+        let on = |bits: u32, bit: u32| bits >> bit & 1 == 1;
+        let sunlit = (0..32).map(|bits| {
+            ShadingVariant::Sunlit(SunlitLayers {
+                clouds: on(bits, 0),
+                normals: on(bits, 1),
+                night_lights: on(bits, 2),
+                water: on(bits, 3),
+                air: on(bits, 4),
+            })
+        });
+        let paper = (0..4).map(|bits| {
+            ShadingVariant::Paper(PaperLayers {
+                clouds: on(bits, 0),
+                normals: on(bits, 1),
+            })
+        });
+        let pictures = sunlit
+            .chain(paper)
+            .flat_map(|shading| TargetColor::ALL.map(|target| Self::Picture(shading, target)));
+        std::iter::once(Self::Geolocation).chain(pictures).collect()
+    }
+}
+
+impl ShaderVariant for EarthVariant {
+    const ENTRY: &'static str = "earth.wgsl";
+
+    fn all() -> Vec<Self> {
+        let outputs = EarthOutput::all();
+        let of_form = |form| outputs.iter().map(move |&output| Self { form, output });
+        VertexForm::all().into_iter().flat_map(of_form).collect()
+    }
+
+    fn needs(&self) -> Vec<ShaderCapability> {
+        match self.form {
+            VertexForm::ContourPrisms { .. } => vec![ShaderCapability::StorageBuffers],
+            _ => Vec::new(),
+        }
+    }
+
+    fn conditions(&self) -> Vec<(&'static str, bool)> {
+        use VertexForm as Form;
+        let form = self.form;
+        let (shading, target) = match self.output {
+            EarthOutput::Geolocation => (None, None),
+            EarthOutput::Picture(shading, target) => (Some(shading), Some(target)),
+        };
+        // The paper has no lamps, no water and no air.
+        let layers = match shading {
+            Some(ShadingVariant::Sunlit(layers)) => layers,
+            Some(ShadingVariant::Paper(PaperLayers { clouds, normals })) => SunlitLayers {
+                clouds,
+                normals,
+                ..Default::default()
+            },
+            None => SunlitLayers::default(),
+        };
+        let is_paper = matches!(shading, Some(ShadingVariant::Paper(_)));
+        let is_sunlit = matches!(shading, Some(ShadingVariant::Sunlit(_)));
+        vec![
+            ("blocks", matches!(form, Form::BlockLattice { .. })),
+            ("patches", matches!(form, Form::ReliefPatches(_))),
+            ("grid", matches!(form, Form::ProjectedGrid { .. })),
+            ("cast", matches!(form, Form::ContourPrisms { .. })),
+            ("relief", !matches!(form, Form::BlockLattice { .. })),
+            (
+                "depth",
+                matches!(
+                    form,
+                    Form::ContourPrisms {
+                        writes_depth: true,
+                        ..
+                    }
+                ),
+            ),
+            ("tiles", form.has_tiles()),
+            ("per_block_tiles", form.has_per_block_tiles()),
+            ("geolocation", self.output == EarthOutput::Geolocation),
+            ("sunlit", is_sunlit),
+            ("paper", is_paper),
+            ("clouds", layers.clouds),
+            ("normals", layers.normals),
+            ("night_lights", layers.night_lights),
+            ("water", layers.water),
+            ("air", layers.air),
+            // Light is encoded for a target of display values; the paper's display values are decoded for any other.
+            ("encode", is_sunlit && target == Some(TargetColor::Display)),
+            ("decode", is_paper && target == Some(TargetColor::Linear)),
+        ]
+    }
+}

@@ -1,0 +1,57 @@
+//! Shaders: WGSL files of one concern each, put together for a variant.
+//!
+//! A [`ShaderVariant`] is a value of enums: it expresses legal combinations only and enumerates all of them, for production
+//! and for tests alike. Its entry file lists the files that it is made of. Two things are not WGSL:
+//!
+//! - `import FILE.wgsl;` puts that file of `shaders/` here, once per shader, and `import rust::{A, B};` declares constants that
+//!   Rust knows (`constants`), so that no number is typed twice;
+//! - `@if(a && !b)` before a member, a statement, a declaration or an import keeps that one line where its conditions hold.
+//!   What is longer than a line is a file of its own, so that each function can be read from top to bottom.
+//!
+//! So what is off is not in the text that the driver sees. Set `TERRELLA_SHADER_DUMP` to a folder to have every shader written
+//! there as the driver gets it.
+//!
+//! # Why our own resolver
+//!
+//! `wesl` 0.4 (the last for this Rust) and `naga_oil` 0.23 were tried. The conditions are WESL's, so that its files read alike;
+//! the resolver is ours, 90 lines:
+//!
+//! - `wesl` parses all of WGSL: 48 crates more for a host of 121, a parser generator among them. It prints the text anew
+//!   (names mangled, numbers reformatted), and a condition that does not exist is false without a word.
+//! - `naga_oil` is 7 crates more and hands over naga's IR instead of text: nothing to dump, nothing to count bytes of. Its
+//!   `#ifdef` takes lines of its own, which is what made functions here unreadable.
+//! - Here a line of the driver's text is a line of a file, [`ShaderText::origins`] says which, unknown names are errors, and
+//!   constants come from Rust.
+
+mod air;
+mod assemble;
+mod capability;
+mod constants;
+mod earth;
+mod files;
+#[cfg(feature = "terrain")]
+mod relief_constants;
+mod tracks;
+mod value;
+mod variant;
+
+pub use air::{AirDepth, AirVariant};
+pub use assemble::{ShaderError, ShaderText};
+pub use capability::ShaderCapability;
+pub use earth::{
+    EarthOutput, EarthVariant, PaperLayers, PatchTiles, ShadingVariant, SunlitLayers, VertexForm,
+};
+pub use files::FILES as SHADER_FILES;
+pub use tracks::{TrackKind, TracksVariant};
+pub use variant::{ShaderVariant, TargetColor};
+
+pub(super) use variant::ShaderModule;
+
+#[cfg(feature = "tracks")]
+pub(crate) use constants::{FROM_PREVIOUS, ON_GROUND};
+#[cfg(feature = "packs")]
+pub(crate) use constants::{GLINT_ENDS_SIN, LAMPS_OUT_SIN};
+#[cfg(feature = "terrain")]
+pub(crate) use constants::{PER_BLOCK_TILES, WHOLE_MAP};
+#[cfg(feature = "terrain")]
+pub(crate) use relief_constants::ATLAS_COLUMNS;

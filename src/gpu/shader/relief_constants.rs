@@ -1,0 +1,22 @@
+//! Constants that only shaders of ground with relief and Rust both know.
+
+use super::value::Value::{self, F32, U32};
+use crate::globe::contours::STACK;
+use crate::globe::projected_grid as grid;
+
+/// Slots in a row of the atlas of height tiles.
+pub(crate) const ATLAS_COLUMNS: u32 = 16;
+
+/// All of them by name.
+pub(super) const RELIEF: &[(&str, Value)] = &[
+    // The projected grid's windows of height tiles.
+    ("GRID_LEVELS", U32(grid::LEVELS as u32)),
+    ("GRID_WINDOW_TILES", U32(grid::WINDOW_TILES as u32)),
+    ("GRID_TILE_CELLS", U32(grid::TILE_CELLS)),
+    ("GRID_TILE_TEXELS", U32(grid::TILE_SAMPLES)),
+    ("GRID_SHARPER", F32(grid::SHARPER)),
+    ("ATLAS_COLUMNS", U32(ATLAS_COLUMNS)),
+    ("NO_SLOT", U32(grid::NO_SLOT)),
+    // Contours that rays are cast at.
+    ("CONTOUR_STACK", U32(STACK as u32)),
+];

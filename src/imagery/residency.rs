@@ -1,0 +1,98 @@
+//! What streaming hands to drawing: pools of slots, the tiles in them, parts of tiles on their way there, and counts.
+
+use super::tile::{MAX_LEVELS, MapLayer, TileFormat, TileKey, TileShape};
+
+/// A fixed number of slots for tiles of one level of one map: a texture array.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pool {
+    /// The map.
+    pub layer: MapLayer,
+    /// The level, 0 the finest; never the coarsest, which is held as a whole.
+    pub level: u8,
+    /// How texels are stored.
+    pub format: TileFormat,
+    /// Size of its tiles.
+    pub shape: TileShape,
+    /// Number of slots, 1…128.
+    pub slots: u32,
+}
+
+impl Pool {
+    /// Bytes of all slots.
+    pub fn bytes(&self) -> u64 {
+        u64::from(self.slots) * self.shape.bytes(self.format) as u64
+    }
+}
+
+/// Place of a tile in the pools.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TileSlot {
+    /// Index into the stream's list of pools.
+    pub pool: u16,
+    /// 0…[`Pool::slots`] − 1.
+    pub index: u16,
+}
+
+/// A tile that can be drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ResidentTile {
+    /// Its level, 0 the finest.
+    pub level: u8,
+    /// Where its texels are.
+    pub slot: TileSlot,
+}
+
+/// A part of a tile on its way into a slot: whole rows of one mip level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Upload<'a> {
+    /// Where it goes.
+    pub slot: TileSlot,
+    /// The tile.
+    pub key: TileKey,
+    /// Mip level, 0 the base.
+    pub mip: u32,
+    /// First row, counted in units of the format: see [`TileFormat::rows`].
+    pub first_row: u32,
+    /// Number of rows of units.
+    pub rows: u32,
+    /// Bytes of each.
+    pub row_bytes: u32,
+    /// `rows` × `row_bytes` bytes.
+    pub texels: &'a [u8],
+}
+
+/// What a stream is doing. Per level counts run over all maps; the coarsest level is never counted, it is always there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StreamCounters {
+    /// Tiles requested in this frame at the level that is asked for, drawn or expected soon, each once.
+    pub requested: [u32; MAX_LEVELS],
+    /// Tiles that can be drawn.
+    pub resident: [u32; MAX_LEVELS],
+    /// Tiles that no thread has taken yet.
+    pub queued: u32,
+    /// Tiles that threads are working on.
+    pub loading: u32,
+    /// Decoded tiles that are not wholly uploaded.
+    pub waiting_upload: u32,
+    /// Bytes of those.
+    pub waiting_bytes: u64,
+    /// Bytes decoded since the start.
+    pub decoded_bytes: u64,
+    /// Bytes given to `write` since the start.
+    pub uploaded_bytes: u64,
+    /// Resident tiles that made room for another, since the start.
+    pub evictions: u64,
+    /// Draws in this frame at the level asked for after allocation, or finer. What no pool could have held
+    /// and what the source does not have is no miss; a tile that cannot be read is.
+    pub hits: u32,
+    /// Draws in this frame of something coarser than that.
+    pub fallbacks: u32,
+    /// Loads that threads have taken, since the start. Each ends in one of the next three.
+    pub loads: u64,
+    /// Loads that ended with a resident tile, since the start.
+    pub completed: u64,
+    /// Loads that ended because the tile was no longer requested, since the start.
+    pub cancelled: u64,
+    /// Loads that failed, since the start.
+    pub failures: u64,
+}

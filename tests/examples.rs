@@ -1,0 +1,39 @@
+//! The hosts of `examples/`, run: each opens a device of its own and draws the starter pack's Earth.
+
+#[allow(dead_code)]
+#[path = "../examples/embed.rs"]
+mod embed;
+#[allow(dead_code)]
+#[path = "../examples/minimal.rs"]
+mod minimal;
+
+use image::RgbaImage;
+
+/// Whether the picture's middle is lit ground and its corners are space.
+#[track_caller]
+fn shows_the_earth(picture: &RgbaImage) {
+    let (width, height) = picture.dimensions();
+    let brightest = |x, y| picture.get_pixel(x, y).0[..3].iter().max().copied();
+    assert!(brightest(width / 2, height / 2) > Some(40));
+    for (x, y) in [(0, 0), (width - 1, 0), (0, height - 1)] {
+        assert_eq!(brightest(x, y), Some(0), "({x}, {y})");
+    }
+}
+
+#[test]
+fn the_smallest_host_draws_the_earth() {
+    let rgba = pollster::block_on(minimal::draw()).expect("a picture");
+    let (width, height) = minimal::SIZE;
+    shows_the_earth(&RgbaImage::from_raw(width, height, rgba).expect("of that size"));
+}
+
+#[test]
+fn a_host_with_its_own_formats_units_and_axes_draws_the_earth() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    embed::draw(1, folder.path()).expect("a picture");
+    let picture = image::open(folder.path().join("embed.png")).expect("a PNG");
+    let picture = picture.into_rgb8();
+    let lit = picture.pixels().filter(|pixel| pixel[2] > 40).count();
+    // The limb with its air crosses the picture, below it lies ground in daylight.
+    assert!(lit > picture.pixels().len() / 10, "{lit} pixels are lit");
+}

@@ -1,0 +1,346 @@
+//! Shaders by naga: every legal variant compiles, for every backend and within its limits; structs and constants are Rust's;
+//! what is off is not in the text.
+
+mod backends;
+mod constants;
+mod limits;
+mod structs;
+
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use std::collections::BTreeSet;
+use std::path::Path;
+use terrella::gpu::{
+    AirVariant, EarthOutput, EarthVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability,
+    ShaderText, ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TracksVariant,
+    VertexForm,
+};
+
+/// A legal variant of any shader, validated.
+pub struct Shader {
+    pub name: String,
+    pub needs: Vec<ShaderCapability>,
+    pub text: ShaderText,
+    pub module: naga::Module,
+    pub info: ModuleInfo,
+}
+
+impl Shader {
+    fn new(variant: &impl ShaderVariant) -> Result<Self, String> {
+        let text = variant.source().map_err(|error| error.to_string())?;
+        let place = |location: Option<naga::SourceLocation>| match location {
+            Some(at) => {
+                let (file, line) = text.origins[at.line_number as usize - 1];
+                format!("shaders/{file}:{line}")
+            }
+            None => "somewhere".into(),
+        };
+        let module = naga::front::wgsl::parse_str(&text.text).map_err(|error| {
+            let at = place(error.location(&text.text));
+            format!("{at}:\n{}", error.emit_to_string(&text.text))
+        })?;
+        let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+            .validate(&module)
+            .map_err(|error| {
+                let at = place(error.location(&text.text));
+                format!("{at}:\n{}", error.emit_to_string(&text.text))
+            })?;
+        Ok(Self {
+            name: variant.name(),
+            needs: variant.needs(),
+            text,
+            module,
+            info,
+        })
+    }
+}
+
+fn built<V: ShaderVariant>() -> Vec<Result<Shader, String>> {
+    let build =
+        |variant: V| Shader::new(&variant).map_err(|error| format!("{}: {error}", variant.name()));
+    V::all().into_iter().map(build).collect()
+}
+
+/// All legal variants of all shaders.
+pub fn all_shaders() -> Vec<Result<Shader, String>> {
+    let mut all = built::<EarthVariant>();
+    all.extend(built::<AirVariant>());
+    all.extend(built::<TracksVariant>());
+    all
+}
+
+/// Fails with what is wrong, if anything is.
+pub fn hold(failures: &[String]) {
+    assert!(
+        failures.is_empty(),
+        "{} failures:\n{}",
+        failures.len(),
+        failures.join("\n")
+    );
+}
+
+#[test]
+fn every_variant_compiles() {
+    let all = all_shaders();
+    let failures: Vec<_> = all
+        .iter()
+        .filter_map(|shader| shader.as_ref().err())
+        .cloned()
+        .collect();
+    hold(&failures);
+    let names: BTreeSet<_> = all.iter().flatten().map(|shader| &shader.name).collect();
+    assert_eq!(
+        names.len(),
+        all.len(),
+        "each variant once, with a name of its own"
+    );
+    println!("{} variants compiled", all.len());
+}
+
+/// A file that is not listed would not be embedded; one that no variant has would be dead.
+#[test]
+fn every_file_is_in_some_variant() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    let mut on_disk = BTreeSet::new();
+    let mut folders = vec![folder.clone()];
+    while let Some(at) = folders.pop() {
+        for entry in std::fs::read_dir(at).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let name = path.strip_prefix(&folder).unwrap().to_str().unwrap();
+                on_disk.insert(name.replace('\\', "/"));
+            }
+        }
+    }
+    // The player's own, which has no variants.
+    assert!(on_disk.remove("craft.wgsl"));
+    let listed: BTreeSet<_> = SHADER_FILES
+        .iter()
+        .map(|(name, _)| name.to_string())
+        .collect();
+    assert_eq!(on_disk, listed);
+    let mut used: BTreeSet<String> = BTreeSet::new();
+    for shader in all_shaders().into_iter().flatten() {
+        used.extend(shader.text.origins.iter().map(|(file, _)| file.to_string()));
+    }
+    assert_eq!(used, listed);
+}
+
+const LAYERS: SunlitLayers = SunlitLayers {
+    clouds: true,
+    normals: true,
+    night_lights: true,
+    water: true,
+    air: true,
+};
+
+fn sunlit(form: VertexForm, layers: SunlitLayers) -> EarthVariant {
+    EarthVariant {
+        form,
+        output: EarthOutput::Picture(ShadingVariant::Sunlit(layers), TargetColor::Linear),
+    }
+}
+
+const BLOCKS: VertexForm = VertexForm::BlockLattice { tiles: false };
+const PATCHES: VertexForm = VertexForm::ReliefPatches(PatchTiles::None);
+
+/// The text without comments.
+fn code(variant: EarthVariant) -> String {
+    let source = variant.source().unwrap().text;
+    let lines = source
+        .lines()
+        .map(|line| line.split("//").next().unwrap_or_default());
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn a_layer_that_is_off_is_not_in_the_shader() {
+    let none = SunlitLayers::default();
+    let minimal = code(sunlit(BLOCKS, none));
+    let bindings = minimal.matches("@binding").count();
+    assert_eq!(bindings, 3, "frame, sampler and day map:\n{minimal}");
+    let everything = VertexForm::ReliefPatches(PatchTiles::OfOneBlock);
+    let tiles = VertexForm::BlockLattice { tiles: true };
+    let all = |without: SunlitLayers| sunlit(everything, without);
+    let cases = [
+        (
+            ["cloud", "CLOUD"],
+            sunlit(
+                BLOCKS,
+                SunlitLayers {
+                    clouds: true,
+                    ..none
+                },
+            ),
+            all(SunlitLayers {
+                clouds: false,
+                ..LAYERS
+            }),
+        ),
+        (
+            ["slope_map", "NORMALS"],
+            sunlit(
+                BLOCKS,
+                SunlitLayers {
+                    normals: true,
+                    ..none
+                },
+            ),
+            all(SunlitLayers {
+                normals: false,
+                ..LAYERS
+            }),
+        ),
+        (
+            ["light_map", "LAMP_COLOR"],
+            sunlit(
+                BLOCKS,
+                SunlitLayers {
+                    night_lights: true,
+                    ..none
+                },
+            ),
+            all(SunlitLayers {
+                night_lights: false,
+                ..LAYERS
+            }),
+        ),
+        (
+            ["water_map", "glint"],
+            sunlit(
+                BLOCKS,
+                SunlitLayers {
+                    water: true,
+                    ..none
+                },
+            ),
+            all(SunlitLayers {
+                water: false,
+                ..LAYERS
+            }),
+        ),
+        (
+            ["placements", "block"],
+            sunlit(tiles, none),
+            sunlit(PATCHES, LAYERS),
+        ),
+        (
+            ["sunlight", "table_"],
+            sunlit(BLOCKS, SunlitLayers { air: true, ..none }),
+            all(SunlitLayers {
+                air: false,
+                ..LAYERS
+            }),
+        ),
+        (
+            ["origin_from_anchor_m", "height_m"],
+            sunlit(PATCHES, none),
+            sunlit(tiles, LAYERS),
+        ),
+    ];
+    for (names, with, without) in cases {
+        let (with_name, without_name) = (with.name(), without.name());
+        let (with, without) = (code(with), code(without));
+        assert!(
+            with.contains(names[0]),
+            "{with_name} must have {}, or this test cannot fail",
+            names[0]
+        );
+        assert!(with.len() > minimal.len());
+        for name in names {
+            assert!(!without.contains(name), "{without_name} mentions {name}");
+            assert!(!minimal.contains(name), "the minimum mentions {name}");
+        }
+    }
+}
+
+#[test]
+fn ground_of_patches_has_nothing_of_the_grid() {
+    let none = SunlitLayers::default();
+    let with = code(sunlit(VertexForm::ProjectedGrid { tiles: true }, none));
+    let patches = PatchTiles::OfSeveralBlocks;
+    let without = code(sunlit(VertexForm::ReliefPatches(patches), none));
+    for name in ["grid_point", "height_tiles", "GridUniforms", "vertex_index"] {
+        assert!(with.contains(name) && !without.contains(name), "{name}");
+    }
+    for name in ["PatchVertex", "BlockInstance"] {
+        assert!(
+            !with.contains(name) && without.contains(name),
+            "no vertex buffer: {name}"
+        );
+    }
+    let bindings = |text: &str| text.matches("@binding(").count();
+    assert_eq!(bindings(&with), bindings(&without) + 2);
+}
+
+#[test]
+fn ground_of_patches_casts_no_rays() {
+    let cast = |writes_depth| {
+        let tiles = false;
+        let form = VertexForm::ContourPrisms {
+            tiles,
+            writes_depth,
+        };
+        code(sunlit(form, SunlitLayers::default()))
+    };
+    let (with, without) = (cast(true), code(sunlit(PATCHES, SunlitLayers::default())));
+    for name in ["contour_cast", "contour_nodes", "frag_depth", "discard"] {
+        assert!(with.contains(name) && !without.contains(name), "{name}");
+    }
+    assert!(!with.contains("PatchVertex") && without.contains("PatchVertex"));
+    assert!(!cast(false).contains("frag_depth"), "no depth buffer");
+}
+
+#[test]
+fn a_picture_s_shader_draws_no_geolocation() {
+    let geolocation = EarthVariant {
+        form: BLOCKS,
+        output: EarthOutput::Geolocation,
+    };
+    let written = "vec4f(at.uv, at.center_uv)";
+    assert!(code(geolocation).contains(written));
+    assert!(!code(geolocation).contains("day_map"), "no map is read");
+    assert!(!code(sunlit(BLOCKS, LAYERS)).contains(written));
+}
+
+#[test]
+fn the_paper_has_no_light_of_ours() {
+    let layers = PaperLayers {
+        clouds: true,
+        normals: true,
+    };
+    let paper = EarthVariant {
+        form: BLOCKS,
+        output: EarthOutput::Picture(ShadingVariant::Paper(layers), TargetColor::Display),
+    };
+    for name in [
+        "struct Light",
+        "exposure;",
+        "fresnel",
+        "encode_srgb",
+        "decode_srgb",
+    ] {
+        assert!(!code(paper).contains(name), "{name}");
+    }
+}
+
+/// Lines, marks and fills: each has its own text and nothing of the others.
+#[test]
+fn a_kind_of_track_brings_no_other() {
+    let structs = [
+        "struct Segment",
+        "struct MarkInstance",
+        "struct FillInstance",
+    ];
+    for variant in TracksVariant::all() {
+        let text = variant.source().unwrap().text;
+        let own = structs.iter().filter(|name| text.contains(*name));
+        assert_eq!(own.count(), 1, "{}", variant.name());
+        assert!(
+            text.contains(structs[variant.kind as usize]),
+            "{}",
+            variant.name()
+        );
+    }
+}

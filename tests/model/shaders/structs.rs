@@ -1,0 +1,105 @@
+//! Structs that Rust writes and shaders read: offsets and sizes as naga lays them out.
+
+use super::Shader;
+use naga::TypeInner;
+use std::mem::offset_of;
+use terrella::globe::contours::ContourNode;
+use terrella::globe::projected_grid::{GridLevel, GridUniforms};
+use terrella::gpu::{
+    AirUniforms, AirVariant, EarthVariant, FrameUniforms, ShaderVariant, TrackUniforms,
+    TracksVariant,
+};
+
+/// Member offsets and size of a struct of a shader that has it.
+fn reflected<V: ShaderVariant>(name: &str) -> (Vec<(String, usize)>, usize) {
+    for variant in V::all() {
+        let shader = Shader::new(&variant).unwrap();
+        let mut types = shader.module.types.iter().map(|(_, ty)| ty);
+        let ty = types.find(|ty| ty.name.as_deref() == Some(name));
+        if let Some(TypeInner::Struct { members, span }) = ty.map(|ty| &ty.inner) {
+            let members = members.iter();
+            let offset =
+                |m: &naga::StructMember| (m.name.clone().unwrap_or_default(), m.offset as usize);
+            return (members.map(offset).collect(), *span as usize);
+        }
+    }
+    panic!("no shader has a struct {name}")
+}
+
+#[test]
+fn structs_match_the_shaders() {
+    macro_rules! check {
+        ($variant:ty, $name:literal, $ty:ident, [$($member:ident),* $(,)?]) => {{
+            let (members, span) = reflected::<$variant>($name);
+            let ours = vec![$((stringify!($member).to_owned(), offset_of!($ty, $member))),*];
+            // Padding stands only on the Rust side or on both; every named member must agree.
+            let ours: Vec<_> = ours.into_iter().filter(|(name, _)| name != "padding").collect();
+            let members: Vec<_> = members.into_iter().filter(|(name, _)| name != "padding").collect();
+            assert_eq!(members, ours);
+            assert_eq!(span, size_of::<$ty>(), "size of {}", $name);
+        }};
+    }
+    check!(
+        EarthVariant,
+        "FrameUniforms",
+        FrameUniforms,
+        [
+            clip_from_eye,
+            eye_scaled,
+            above,
+            sun_itrf,
+            radius_m,
+            corner_ray,
+            polar_stretch,
+            pixel_right,
+            exposure,
+            pixel_down,
+            air_below
+        ]
+    );
+    check!(
+        TracksVariant,
+        "TrackUniforms",
+        TrackUniforms,
+        [frame, size_px, air_top, side]
+    );
+    check!(
+        AirVariant,
+        "AirUniforms",
+        AirUniforms,
+        [
+            clip_from_billboard,
+            sun,
+            eye_distance,
+            top,
+            eye_height,
+            exposure,
+            depth_rounding
+        ]
+    );
+    check!(
+        EarthVariant,
+        "GridLevel",
+        GridLevel,
+        [eye_cells, per_radian, period, size, padding]
+    );
+    check!(
+        EarthVariant,
+        "GridUniforms",
+        GridUniforms,
+        [
+            forward, corner, middle, corner_rad, right, cell_area, screen_up, longer, eye_up,
+            limb_rad, eye_normal, sin_limb, to_base_m, cos_limb, radii_m, base_m, eye_lon, low,
+            step, samples, near_rad, far_rad, spread_rad, eye_lat, center_lat, center_uv, levels,
+            slots
+        ]
+    );
+    check!(
+        EarthVariant,
+        "ContourNode",
+        ContourNode,
+        [
+            normal, ceiling, at, middle, walls, first, children, thickness, unused, slopes
+        ]
+    );
+}
