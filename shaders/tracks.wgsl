@@ -82,7 +82,8 @@ fn target_color(display: vec3f) -> vec3f {
 }
 
 // Bits of flags.
-import rust::{FROM_PREVIOUS, ON_GROUND};
+import rust::ON_GROUND;
+@if(lines) import rust::FROM_PREVIOUS;
 
 // What lies on the ground is tested against depths this part of its distance nearer, and at least so many metres, so that
 // the mesh, whose facets meet the ellipsoid at their corners, does not hide it, nor chords that lie below it, nor, where the
@@ -100,7 +101,7 @@ fn depth_of(clip: vec4f, from_eye_m: vec3f, flags: u32) -> f32 {
 }
 
 // Outside of every viewport: nothing is drawn.
-const NOWHERE: vec4f = vec4f(2.0, 2.0, 2.0, 1.0);
+@if(!fills) const NOWHERE: vec4f = vec4f(2.0, 2.0, 2.0, 1.0);
 // Width of the dark edge that sets a line off from bright ground, pixels, and its opacity.
 const CASING_PX: f32 = 1.0;
 const CASING: f32 = 0.5;

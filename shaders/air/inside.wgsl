@@ -13,7 +13,7 @@ fn scattered(pass_: Pass) -> vec4f {
         length_ = air.eye_height * (air.eye_distance + 1.0)
             / (pass_.along + sqrt((1.0 - pass_.q) * (1.0 + pass_.q)));
     }
-    const STEPS: i32 = 24;
+    const MARCH_STEPS: i32 = 24;
     let nu = dot(d, air.sun);
     let g = AEROSOL_ASYMMETRY;
     let phase_molecules = 3.0 / (16.0 * PI) * (1.0 + nu * nu);
@@ -22,8 +22,8 @@ fn scattered(pass_: Pass) -> vec4f {
     var light = vec3f(0.0);
     var through = vec3f(1.0);
     var begin = 0.0;
-    for (var i = 0; i < STEPS; i++) {
-        let s = f32(i + 1) / f32(STEPS);
+    for (var i = 0; i < MARCH_STEPS; i++) {
+        let s = f32(i + 1) / f32(MARCH_STEPS);
         let to = length_ * s * s;
         let step = to - begin;
         let t = 0.5 * (begin + to);

@@ -105,11 +105,11 @@ fn glsl(shader: &Shader, version: glsl::Version) -> Result<(), String> {
 
 #[test]
 fn every_backend_takes_every_variant_that_it_can() {
-    let shaders: Vec<_> = all_shaders().into_iter().map(Result::unwrap).collect();
+    let shaders = all_shaders();
     let mut failures = Vec::new();
     for backend in BACKENDS {
         let (mut taken, mut refused) = (0, 0);
-        for shader in &shaders {
+        for shader in shaders {
             let is_lacking = shader
                 .needs
                 .iter()

@@ -139,7 +139,7 @@ fn no_number_of_a_shader_stands_in_rust_too() {
 /// Constants that are imported are used, and so are those of a shader's own.
 #[test]
 fn every_constant_is_used_where_it_is_declared() {
-    for shader in all_shaders().into_iter().flatten() {
+    for shader in all_shaders() {
         for name in constants(&shader.text.text) {
             let words = shader
                 .text

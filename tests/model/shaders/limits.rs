@@ -146,11 +146,11 @@ fn beyond(shader: &Shader, limits: &Limits) -> Vec<String> {
 
 #[test]
 fn every_variant_keeps_to_the_limits_or_names_what_it_needs() {
-    let shaders: Vec<_> = all_shaders().into_iter().map(Result::unwrap).collect();
+    let shaders = all_shaders();
     let mut failures = Vec::new();
     for (device, limits) in &DEVICES {
         let (mut within, mut lacking) = (0, 0);
-        for shader in &shaders {
+        for shader in shaders {
             let beyond = beyond(shader, limits);
             let missing: Vec<_> = shader
                 .needs
@@ -174,7 +174,7 @@ fn every_variant_keeps_to_the_limits_or_names_what_it_needs() {
 /// What a device must do beyond the limits of WebGL 2 is named, each need by some variant.
 #[test]
 fn every_capability_is_needed() {
-    let shaders: Vec<_> = all_shaders().into_iter().map(Result::unwrap).collect();
+    let shaders = all_shaders();
     for capability in ShaderCapability::ALL {
         assert!(
             shaders

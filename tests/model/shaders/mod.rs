@@ -9,6 +9,7 @@ mod structs;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use std::collections::BTreeSet;
 use std::path::Path;
+use std::sync::LazyLock;
 use terrella::gpu::{
     AirVariant, EarthOutput, EarthVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability,
     ShaderText, ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TracksVariant,
@@ -60,12 +61,25 @@ fn built<V: ShaderVariant>() -> Vec<Result<Shader, String>> {
     V::all().into_iter().map(build).collect()
 }
 
-/// All legal variants of all shaders.
-pub fn all_shaders() -> Vec<Result<Shader, String>> {
+/// All legal variants of all shaders, and what is wrong with those that are.
+static ALL: LazyLock<(Vec<Shader>, Vec<String>)> = LazyLock::new(|| {
     let mut all = built::<EarthVariant>();
     all.extend(built::<AirVariant>());
     all.extend(built::<TracksVariant>());
-    all
+    let (mut shaders, mut failures) = (Vec::new(), Vec::new());
+    for shader in all {
+        match shader {
+            Ok(shader) => shaders.push(shader),
+            Err(failure) => failures.push(failure),
+        }
+    }
+    (shaders, failures)
+});
+
+/// All legal variants of all shaders.
+pub fn all_shaders() -> &'static [Shader] {
+    hold(&ALL.1);
+    &ALL.0
 }
 
 /// Fails with what is wrong, if anything is.
@@ -81,13 +95,7 @@ pub fn hold(failures: &[String]) {
 #[test]
 fn every_variant_compiles() {
     let all = all_shaders();
-    let failures: Vec<_> = all
-        .iter()
-        .filter_map(|shader| shader.as_ref().err())
-        .cloned()
-        .collect();
-    hold(&failures);
-    let names: BTreeSet<_> = all.iter().flatten().map(|shader| &shader.name).collect();
+    let names: BTreeSet<_> = all.iter().map(|shader| &shader.name).collect();
     assert_eq!(
         names.len(),
         all.len(),
@@ -121,7 +129,7 @@ fn every_file_is_in_some_variant() {
         .collect();
     assert_eq!(on_disk, listed);
     let mut used: BTreeSet<String> = BTreeSet::new();
-    for shader in all_shaders().into_iter().flatten() {
+    for shader in all_shaders() {
         used.extend(shader.text.origins.iter().map(|(file, _)| file.to_string()));
     }
     assert_eq!(used, listed);
