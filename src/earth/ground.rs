@@ -89,8 +89,7 @@ impl GroundDriver {
     ) -> SurfaceStats {
         let (eye_itrf_m, clip_from_eye) = (view.eye_itrf_m, view.clip_from_eye);
         let range = self.elevation.range_m(&Bounds::GLOBE);
-        let heights = (range.low_m, range.high_m);
-        select_blocks_between(grid, heights, eye_itrf_m, &clip_from_eye, blocks);
+        select_blocks_between(grid, range, eye_itrf_m, &clip_from_eye, blocks);
         let view = GroundView {
             eye_itrf_m,
             clip_from_eye,

@@ -108,7 +108,7 @@ impl Surface for DisplacedBlocks {
         let mut blocks = std::mem::take(&mut self.blocks);
         select_blocks_between(
             &self.grid,
-            (range.low_m, range.high_m),
+            range,
             view.eye_itrf_m,
             &view.clip_from_eye,
             &mut blocks,

@@ -10,6 +10,7 @@
 mod blocks;
 pub mod clipmap;
 pub mod contours;
+pub(crate) mod culling;
 mod displaced;
 mod kinds;
 mod levels;

@@ -17,7 +17,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("gpu", &["frames", "elevation", "globe", "air", "imagery", "scene"]),
     ("earth", &["frames", "orbit", "elevation", "globe", "air", "imagery", "scene", "gpu"]),
     // Drawn with the Earth, for any feed: knows no scene.
-    ("tracks", &["frames", "orbit", "air", "gpu", "earth"]),
+    ("tracks", &["frames", "orbit", "globe", "air", "gpu", "earth"]),
     ("play", &["frames", "orbit", "elevation", "globe", "air", "imagery", "scene", "gpu", "earth", "tracks"]),
     ("measure", &["frames", "orbit", "elevation", "globe", "air", "imagery", "scene", "gpu", "earth", "tracks", "play"]),
     ("cli", &["frames", "orbit", "elevation", "globe", "air", "imagery", "scene", "gpu", "earth", "tracks", "play", "measure"]),

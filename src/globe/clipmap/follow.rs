@@ -4,8 +4,9 @@ use super::lattice::{Icosahedron, Spot};
 use super::level::{Level, Source};
 use super::reach::Reach;
 use super::{ClipmapCounts, ClipmapOptions, Trim, level};
-use crate::elevation::{Bounds, Elevation};
+use crate::elevation::{Bounds, Elevation, HeightRange};
 use crate::frames::Ellipsoid;
+use crate::globe::culling::{Frustum, GroundShell, Horizon};
 use crate::globe::surface::GroundView;
 use glam::DVec3;
 
@@ -36,8 +37,11 @@ const LOOK: f64 = 1.0 / 32.0;
 /// A level stays until it is needed by less than this part of what brought it.
 const STAY: f64 = 0.75;
 
-/// Highest ground and lowest, metres, for what lies behind the horizon.
-const RELIEF_M: f64 = 12_000.0;
+/// From the middle of a diamond of the icosahedron to its sharp corners, radians: atan of the golden ratio.
+const SHARP_CORNER_RAD: f64 = 1.017_221_967_897_851_4;
+
+/// Origins of sheets are rounded, metres.
+const ROUNDED_M: f64 = 4.0;
 
 /// The point below the eye, and what it needs.
 pub struct EyePlace {
@@ -255,21 +259,33 @@ fn lies_in(coarse: &Level, reach: &Reach) -> bool {
 }
 
 /// Whether something of a diamond of level 0 can be in the picture; `middle_m` is the diamond's middle, ITRF metres.
-pub fn base_is_seen(middle_m: DVec3, view: &GroundView) -> bool {
-    // The sharp corners are 58.3° away.
-    let (half_rad, chord_m) = (58.5_f64.to_radians(), 6.26e6 + RELIEF_M);
-    let eye = view.eye_itrf_m;
-    let least_m = Ellipsoid::WGS84.polar_radius_m - RELIEF_M;
-    let dip = |radius_m: f64| (least_m / radius_m).min(1.0).acos();
-    let horizon_rad = dip(eye.length()) + dip(Ellipsoid::WGS84.equatorial_radius_m + RELIEF_M);
-    let away_rad = eye.angle_between(middle_m);
-    if away_rad > half_rad + horizon_rad {
+pub fn is_base_visible(
+    middle_m: DVec3,
+    view: &GroundView,
+    ellipsoid: &Ellipsoid,
+    range: HeightRange,
+    cell_rad: f64,
+) -> bool {
+    let (a, b) = (ellipsoid.equatorial_radius_m, ellipsoid.polar_radius_m);
+    // Triangles reach below their corners by up to 1 − cos r of the Earth's radius, with r = e/√3 about their middle; sides are
+    // up to 1.2 times as long as the mean.
+    let sag_m = a.max(b) * 0.25 * cell_rad * cell_rad;
+    let drawn = HeightRange {
+        low_m: range.low_m - sag_m,
+        ..range
+    };
+    let horizon = Horizon::new(
+        ellipsoid,
+        view.eye_itrf_m,
+        GroundShell::new(ellipsoid, drawn),
+    );
+    // The lattice is one of normals: angles between feet in scaled space are as much larger at most as the axes differ.
+    let half_rad = SHARP_CORNER_RAD * a.max(b) / a.min(b);
+    let axis = (middle_m * ellipsoid.scaled_from_itrf()).normalize();
+    if horizon.hides_cap(axis, half_rad) {
         return false;
     }
-    let row = |k| view.clip_from_eye.row(k);
-    let (x, y, z, w) = (row(0), row(1), row(2), row(3));
-    let toward = (middle_m - eye).extend(1.0);
-    ![w + x, w - x, w + y, w - y, z, w - z]
-        .iter()
-        .any(|plane| plane.dot(toward) < -chord_m * plane.truncate().length())
+    let relief_m = drawn.low_m.abs().max(drawn.high_m.abs());
+    let radius_m = 2.0 * (0.5 * half_rad).sin() * a.max(b) + relief_m + ROUNDED_M;
+    !Frustum::new(&view.clip_from_eye).excludes_ball(middle_m - view.eye_itrf_m, radius_m)
 }

@@ -47,9 +47,9 @@ pub use lattice::{Corner, DIAMONDS, Icosahedron, Place, Spot, Triangle, virtual_
 pub use reach::{Box2, InDiamond, Reach};
 
 use super::surface::{GroundView, Patch, Surface, SurfaceStats};
-use crate::elevation::Elevation;
+use crate::elevation::{Bounds, Elevation};
 use crate::frames::Ellipsoid;
-use follow::{EyePlace, Found, base_is_seen};
+use follow::{EyePlace, Found, is_base_visible};
 use level::{Level, Source};
 
 /// The outline of a level.
@@ -231,12 +231,16 @@ impl Surface for Clipmap {
                 sheet.publish();
             }
         }
+        let range = ground.range_m(&Bounds::GLOBE);
+        let cell_rad = level::EDGE_RAD / radius as f64;
         let finest = self.counts.finest as usize;
         for (number, level) in self.levels.iter().enumerate().take(finest + 1).rev() {
             for (at, sheet) in level.sheets.iter().enumerate() {
                 let patch = &sheet.patch;
                 let empty = patch.indices.triangles.is_empty();
-                if empty || (number == 0 && !base_is_seen(patch.origin_itrf_m, view)) {
+                let is_hidden = number == 0
+                    && !is_base_visible(patch.origin_itrf_m, view, &ellipsoid, range, cell_rad);
+                if empty || is_hidden {
                     continue;
                 }
                 self.drawn.push((number, at));

@@ -117,7 +117,6 @@ impl Finder {
         relief: &Relief,
     ) -> Option<Rect> {
         let view = View {
-            ellipsoid,
             eye_itrf_m,
             screen,
             caster,
@@ -201,7 +200,6 @@ impl Finder {
 }
 
 struct View<'a> {
-    ellipsoid: &'a Ellipsoid,
     eye_itrf_m: DVec3,
     screen: &'a Screen,
     caster: &'a Caster,
@@ -244,9 +242,8 @@ impl View<'_> {
     /// Whether any point of the cell, between its heights, may lie in the picture and before the horizon.
     fn shows(&self, cell: &Cell) -> bool {
         let ring = &self.relief.rings[cell.ring];
-        let low_m = ring
-            .low_m
-            .max(self.relief.lowest_seen_m(self.ellipsoid, cell.theta.0));
+        let visible_m = self.relief.horizon.lowest_visible_m(cell.theta.0);
+        let low_m = ring.low_m.max(visible_m);
         if low_m > ring.high_m {
             return false;
         }

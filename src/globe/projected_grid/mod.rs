@@ -31,7 +31,7 @@ mod uniforms;
 pub use bounds::{Finder, Rect};
 pub use cast::{Cast, Caster, Foot, cast};
 pub use parts::grid_parts;
-pub use relief::{RINGS, Relief, Ring, can_show, far_angle, highest_radius, lowest_radius};
+pub use relief::{RINGS, Relief, Ring};
 pub use screen::Screen;
 pub use tiles::{
     HeightTiles, LEVELS, NO_SLOT, TILE_CELLS, TILE_SAMPLES, Tile, TileCounts, WINDOW_SAMPLES,
@@ -288,10 +288,10 @@ impl ProjectedGrid {
             return None;
         }
         let screen = Screen::new(&view.clip_from_eye)?;
-        let relief = Relief::new(&ellipsoid, eye, ground);
+        let relief = Relief::new(&ellipsoid, eye_itrf_m, ground);
         let clearance_m = clearance(&ellipsoid, eye_itrf_m, ground);
         let mut caster = Caster::new(&ellipsoid, eye_itrf_m, clearance_m);
-        caster.far_rad = relief.far_rad.max(caster.near_rad);
+        caster.far_rad = relief.horizon.far_rad().max(caster.near_rad);
         let limb_m = caster.cos_limb * eye_itrf_m.length();
         if caster.far_rad > caster.near_rad {
             let least_rad = LIMB_CELLS * self.cell_rad(&screen, &caster);

@@ -10,10 +10,10 @@
 //!
 //! Near a pole a window of all longitudes is many tiles, and is cut: a coarser level serves the rest of the turn.
 
-use super::relief::can_show;
 use super::{Caster, Frame};
 use crate::elevation::Elevation;
 use crate::frames::Ellipsoid;
+use crate::globe::culling::is_within_angle;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -420,5 +420,5 @@ fn may_show(tile: &Tile, frame: &Frame) -> bool {
     let center = place(column + 0.5, row + 0.5);
     // The farthest of a rectangle of latitude and longitude is no farther than half its sides together.
     let reach = 1.01 * side;
-    can_show(center, frame.caster.up, frame.caster.far_rad + reach)
+    is_within_angle(center, frame.caster.up, frame.caster.far_rad + reach)
 }

@@ -1,7 +1,7 @@
 //! Which squares are patches: neither too many nor too large.
 
-use super::eye::Eye;
 use super::forest::{BLOCKS, Forest, Slot};
+use super::lod::LodView;
 use super::node::{Cut, Node};
 use super::patch::{Built, MOST_PATCH_LEVEL};
 use super::surface::Quadtree;
@@ -16,7 +16,7 @@ const MOST_BALLS: f64 = 6.0;
 
 impl Quadtree {
     /// Divides patches that are too large, and joins those that are small.
-    pub(super) fn rearrange(&mut self, forest: &mut Forest, eye: &Eye) {
+    pub(super) fn rearrange(&mut self, forest: &mut Forest, lod: &LodView) {
         let mut index = 0;
         while index < self.patches.len() {
             let built = &self.patches[index];
@@ -31,7 +31,7 @@ impl Quadtree {
                 // May take half as much again as the work of a frame, so that it is never put off for ever.
                 if is_large && self.spent / 3 < self.options.work / 2 {
                     self.changes += 1;
-                    self.divide(forest, eye, node, slot);
+                    self.divide(forest, lod, node, slot);
                     // The last patch now has this place.
                     index -= 1;
                 }
@@ -40,26 +40,26 @@ impl Quadtree {
                 }
             }
             if node.x & 1 == 0 && node.y & 1 == 0 && self.spent < self.options.work {
-                self.join(forest, eye, node);
+                self.join(forest, lod, node);
             }
         }
     }
 
     /// Makes a patch of each quarter of a patch.
-    fn divide(&mut self, forest: &mut Forest, eye: &Eye, node: Node, slot: Slot) {
+    fn divide(&mut self, forest: &mut Forest, lod: &LodView, node: Node, slot: Slot) {
         let old_step_m = self.remove(node);
         forest.set_patch(slot, false);
         for k in 0..4 {
             if let Some(slot) = forest.child(node, slot, k) {
                 forest.set_patch(slot, true);
-                self.add(forest, eye, node.child(k), slot);
+                self.add(forest, lod, node.child(k), slot);
             }
         }
         self.steps_changed(node, old_step_m);
     }
 
     /// Makes one patch of four, if there are four beside each other and they are small.
-    fn join(&mut self, forest: &mut Forest, eye: &Eye, first: Node) {
+    fn join(&mut self, forest: &mut Forest, lod: &LodView, first: Node) {
         let Some(parent) = first.parent() else {
             return;
         };
@@ -74,7 +74,7 @@ impl Quadtree {
             return;
         };
         let info = forest.info(slot);
-        let is_near = f64::from(info.radius_m) > 0.5 * MOST_BALLS * eye.distance_m(info);
+        let is_near = f64::from(info.radius_m) > 0.5 * MOST_BALLS * lod.distance_m(info);
         if leaves >= LEAST_PATCH_LEAVES || is_near {
             return;
         }
@@ -86,7 +86,7 @@ impl Quadtree {
             }
         }
         forest.set_patch(slot, true);
-        let index = self.add(forest, eye, parent, slot);
+        let index = self.add(forest, lod, parent, slot);
         let step_m = self.patches[index].step_m;
         self.steps_changed(parent, step_m);
     }
@@ -101,7 +101,7 @@ impl Quadtree {
         }
     }
 
-    fn add(&mut self, forest: &Forest, eye: &Eye, node: Node, slot: Slot) -> usize {
+    fn add(&mut self, forest: &Forest, lod: &LodView, node: Node, slot: Slot) -> usize {
         // Above all that any patch of this node had before.
         self.revision += 2;
         let mut built = match self.spare.pop() {
@@ -112,7 +112,7 @@ impl Quadtree {
             None => Built::new(node, slot, forest, self.revision),
         };
         let info = forest.info(slot);
-        built.distance_m = eye.distance_m(info);
+        built.distance_m = lod.distance_m(info);
         built.leaves = count_leaves(forest, node, slot);
         self.spent = self.spent.saturating_add(8 * built.leaves);
         let index = self.patches.len();

@@ -13,8 +13,8 @@
 
 mod arrange;
 mod bound;
-mod eye;
 mod forest;
+mod lod;
 mod node;
 mod page;
 mod patch;
@@ -24,7 +24,7 @@ mod tests;
 
 #[cfg(feature = "command")]
 pub(crate) use bound::leaf_error;
-pub use eye::Refine;
+pub use lod::SplitRule;
 #[cfg(feature = "command")]
 pub(crate) use node::{Cut, Domain, Node, Point, among, child_among, ring};
 pub use surface::{Quadtree, QuadtreeOptions};

@@ -6,6 +6,7 @@ use super::page::{DEPTH, lat_lon_rad, side_rad};
 use crate::elevation::Elevation;
 use crate::frames::Geodetic;
 use crate::globe::blocks::Block;
+use crate::globe::culling::NormalCone;
 use crate::globe::surface::{GroundVertex, Indices, Patch};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -63,8 +64,8 @@ pub struct Built {
     pub error: (f64, f64),
     /// It has leaves that could be merged.
     pub has_merges: bool,
-    /// All its faces lie within `cone.1` radians of the direction `cone.0`.
-    pub cone: (DVec3, f64),
+    /// The normals of all its faces.
+    pub normals: NormalCone,
     /// The patches that touched it at the last build.
     beside: Vec<(Node, f64)>,
     has_new_steps: bool,
@@ -130,7 +131,7 @@ impl Built {
             urgency: 0.0,
             error: (0.0, 0.0),
             has_merges: false,
-            cone: (DVec3::ZERO, std::f64::consts::PI),
+            normals: NormalCone::ALL,
             beside: Vec::new(),
             has_new_steps: true,
             places: Places::default(),
@@ -343,9 +344,9 @@ impl Built {
             self.patch.indices = Arc::new(Indices {
                 triangles: scratch.triangles.clone(),
             });
-            self.cone = cone(&self.patch);
+            self.normals = normal_cone(&self.patch);
         } else if !scratch.changed.is_empty() {
-            self.cone = cone(&self.patch);
+            self.normals = normal_cone(&self.patch);
         }
         self.patch.changed.clear();
         scratch.changed.sort_unstable();
@@ -361,8 +362,8 @@ impl Built {
     }
 }
 
-/// A cone about the normals of all faces of a patch: its axis and its half-angle.
-fn cone(patch: &Patch) -> (DVec3, f64) {
+/// The normals of all faces of a patch.
+fn normal_cone(patch: &Patch) -> NormalCone {
     let at = |place: u32| patch.vertices[place as usize].from_origin_m.as_dvec3();
     let normals = || {
         let triangles = patch.indices.triangles.as_chunks::<3>().0;
@@ -372,11 +373,14 @@ fn cone(patch: &Patch) -> (DVec3, f64) {
         })
     };
     let Some(axis) = normals().sum::<DVec3>().try_normalize() else {
-        return (DVec3::ZERO, std::f64::consts::PI);
+        return NormalCone::ALL;
     };
     let least = normals()
         .filter_map(DVec3::try_normalize)
         .map(|normal| normal.dot(axis))
         .fold(1.0, f64::min);
-    (axis, least.clamp(-1.0, 1.0).acos() + 1e-6)
+    NormalCone {
+        axis,
+        half_angle_rad: least.clamp(-1.0, 1.0).acos() + 1e-6,
+    }
 }

@@ -1,13 +1,14 @@
 //! The Earth as a forest of unfull quadtrees.
 
 use super::arrange::touches;
-use super::eye::{Eye, Refine, Sight};
 use super::forest::{BLOCKS, Forest, Slot, root_slot};
+use super::lod::{LodView, SplitRule};
 use super::node::{Cut, Node, Side};
 use super::page::side_rad;
 use super::patch::{Built, Scratch};
-use crate::elevation::Elevation;
+use crate::elevation::{Elevation, HeightRange};
 use crate::frames::Ellipsoid;
+use crate::globe::culling::BoundVisibility;
 use crate::globe::surface::{GroundView, Patch, Surface, SurfaceStats};
 use std::collections::HashMap;
 
@@ -17,7 +18,7 @@ pub struct QuadtreeOptions {
     /// The figure.
     pub ellipsoid: Ellipsoid,
     /// When a leaf is divided.
-    pub refine: Refine,
+    pub split_rule: SplitRule,
     /// Most leaves at once, drawn or not: about five triangles and up to 1 kB each. Where the tolerance asks for more, it is
     /// eased, and the error that is reported tells. At least 512.
     pub most_leaves: u32,
@@ -42,7 +43,7 @@ impl Default for QuadtreeOptions {
     fn default() -> Self {
         Self {
             ellipsoid: Ellipsoid::WGS84,
-            refine: Refine::Tolerance,
+            split_rule: SplitRule::Tolerance,
             most_leaves: 24_000,
             most_pages: 16_384,
             most_level: 24,
@@ -78,7 +79,7 @@ pub struct Quadtree {
     pub(super) spent: u32,
     pub(super) order: Vec<u32>,
     pub(super) drawn: Vec<u32>,
-    pub(super) stack: Vec<(Node, Slot, Sight)>,
+    pub(super) stack: Vec<(Node, Slot, BoundVisibility)>,
     pub(super) bins: Vec<u32>,
     /// Work that leaves above a ratio would take.
     pub(super) wanted: Vec<u64>,
@@ -167,13 +168,13 @@ impl Quadtree {
 
     /// Looks at patches, or only at those that have changed: are they seen, do they need work, how far are they off. Answers
     /// the largest error of what is seen, metres.
-    fn look(&mut self, forest: &Forest, eye: &Eye, is_all: bool) -> f64 {
+    fn look(&mut self, forest: &Forest, lod: &LodView, is_all: bool) -> f64 {
         self.bins.fill(0);
         self.wanted.fill(0);
         let (mut error_m, mut error_px) = (0.0_f64, 0.0_f64);
         for index in 0..self.patches.len() {
             if is_all || self.patches[index].is_dirty {
-                self.look_at(index, forest, eye);
+                self.look_at(index, forest, lod);
             }
             let (patch_m, patch_px) = self.patches[index].error;
             (error_m, error_px) = (error_m.max(patch_m), error_px.max(patch_px));
@@ -182,28 +183,28 @@ impl Quadtree {
         error_m
     }
 
-    fn look_at(&mut self, index: usize, forest: &Forest, eye: &Eye) {
+    fn look_at(&mut self, index: usize, forest: &Forest, lod: &LodView) {
         let built = &mut self.patches[index];
         let Some(slot) = forest.slot(built.node) else {
             return;
         };
         let info = forest.info(slot);
-        built.distance_m = eye.distance_m(info);
-        let sight = eye.sight(info);
-        built.is_drawn = eye.draws(info, built.cone);
+        built.distance_m = lod.distance_m(info);
+        let visibility = lod.visibility(info);
+        built.is_drawn = lod.draws(info, &built.normals);
         (built.urgency, built.has_merges, built.leaves) = (0.0, false, 0);
         built.error = (0.0, 0.0);
         self.stack.clear();
-        self.stack.push((built.node, slot, sight));
+        self.stack.push((built.node, slot, visibility));
         while let Some((node, slot, above)) = self.stack.pop() {
             let info = forest.info(slot);
-            let sight = if above == Sight::Part {
-                eye.sight(info)
+            let visibility = if above == BoundVisibility::Intersecting {
+                lod.visibility(info)
             } else {
                 above
             };
             let side_m = side_m(&self.options.ellipsoid, node);
-            let ratio = eye.ratio(info, side_m, sight);
+            let ratio = lod.split_ratio(info, side_m, visibility);
             let bin = (ratio.max(1.0).log2() * BINS_PER_DOUBLING) as usize;
             let bin = bin.min(BINS - 1);
             self.bins[bin] += u32::from(ratio > 1.0);
@@ -211,7 +212,7 @@ impl Quadtree {
                 built.has_merges |= ratio < HYSTERESIS * self.relax;
                 for k in 0..4 {
                     if let Some(slot) = forest.child(node, slot, k) {
-                        self.stack.push((node.child(k), slot, sight));
+                        self.stack.push((node.child(k), slot, visibility));
                     }
                 }
                 continue;
@@ -223,32 +224,35 @@ impl Quadtree {
                 let work = if is_known { 0 } else { PAGE_WORK } + 2 * SPLIT_WORK;
                 self.wanted[bin] += u64::from(work);
             }
-            if matches!(sight, Sight::Whole | Sight::Part) {
+            if visibility.is_visible() {
                 let (error_m, error_px) = built.error;
-                let leaf_px = eye.error_px(info);
+                let leaf_px = lod.error_px(info);
                 built.error = (error_m.max(f64::from(info.error_m)), error_px.max(leaf_px));
             }
         }
     }
 
     /// Looks with a horizon below all that is drawn: what is drawn too low must not be taken to hide what is behind.
-    fn look_over(&mut self, forest: &Forest, view: &GroundView) -> Option<Eye> {
+    fn look_over(&mut self, forest: &Forest, view: &GroundView) -> Option<LodView> {
         let options = self.options;
-        let lowest_m = forest.range_m().0;
+        let (low_m, high_m) = forest.range_m();
         loop {
-            let below_m = lowest_m - self.deepest_m;
-            let eye = Eye::new(
+            let drawn = HeightRange {
+                low_m: low_m - self.deepest_m,
+                high_m,
+            };
+            let lod = LodView::new(
                 view,
-                options.refine,
+                options.split_rule,
                 &options.ellipsoid,
-                below_m,
+                drawn,
                 options.is_culled,
             )?;
-            let error_m = self.look(forest, &eye, true);
+            let error_m = self.look(forest, &lod, true);
             if error_m <= self.deepest_m {
                 // Half as much again, so that the next looks need not be repeated.
                 self.deepest_m = self.deepest_m.min(1.5 * error_m);
-                return Some(eye);
+                return Some(lod);
             }
             self.deepest_m = 1.5 * error_m;
         }
@@ -283,14 +287,14 @@ impl Quadtree {
     fn refine(
         &mut self,
         forest: &mut Forest,
-        eye: &Eye,
+        lod: &LodView,
         ground: &dyn Elevation,
         (node, slot): (Node, Slot),
         most_work: u32,
     ) -> bool {
         let info = *forest.info(slot);
         let side_m = side_m(&self.options.ellipsoid, node);
-        let ratio = eye.ratio(&info, side_m, eye.sight(&info));
+        let ratio = lod.split_ratio(&info, side_m, lod.visibility(&info));
         let was_split = forest.is_split(slot);
         if !was_split {
             let is_wanted = ratio > self.floor
@@ -306,7 +310,7 @@ impl Quadtree {
                     return false;
                 }
                 // Seen closer it may do as it is.
-                if eye.ratio(forest.info(slot), side_m, eye.sight(&info)) <= self.floor {
+                if lod.split_ratio(forest.info(slot), side_m, lod.visibility(&info)) <= self.floor {
                     return false;
                 }
             }
@@ -318,7 +322,7 @@ impl Quadtree {
         for k in 0..4 {
             if let Some(slot) = forest.child(node, slot, k) {
                 let child = (node.child(k), slot);
-                is_deeper |= self.refine(forest, eye, ground, child, most_work);
+                is_deeper |= self.refine(forest, lod, ground, child, most_work);
             }
         }
         let is_spare = was_split && !is_deeper && ratio < HYSTERESIS * self.relax;
@@ -360,7 +364,7 @@ impl Quadtree {
     }
 
     /// Divides and merges leaves, the worst patches first, while there is work left.
-    fn improve(&mut self, forest: &mut Forest, eye: &Eye, ground: &dyn Elevation) {
+    fn improve(&mut self, forest: &mut Forest, lod: &LodView, ground: &dyn Elevation) {
         let floor = self.floor;
         let mut order = std::mem::take(&mut self.order);
         order.clear();
@@ -386,14 +390,14 @@ impl Quadtree {
             }
             let node = built.node;
             if let Some(slot) = forest.slot(node) {
-                self.refine(forest, eye, ground, (node, slot), most_work);
+                self.refine(forest, lod, ground, (node, slot), most_work);
             }
         }
         self.order = order;
     }
 
     /// Builds every patch that a change touched: all in one frame, so that no edge is open between two.
-    fn build(&mut self, forest: &Forest, eye: &Eye, ground: &dyn Elevation) {
+    fn build(&mut self, forest: &Forest, lod: &LodView, ground: &dyn Elevation) {
         self.rebuilt = 0;
         self.scratch.new_vertices = 0;
         for index in 0..self.patches.len() {
@@ -414,7 +418,7 @@ impl Quadtree {
             self.scratch.beside.sort_unstable_by_key(|(node, _)| *node);
             let built = &mut self.patches[index];
             built.build(forest, slot, ground, &mut self.scratch);
-            built.is_drawn = eye.draws(forest.info(slot), built.cone);
+            built.is_drawn = lod.draws(forest.info(slot), &built.normals);
             self.rebuilt += 1;
         }
     }
@@ -457,20 +461,20 @@ impl Surface for Quadtree {
         let Some(mut forest) = self.forest.take() else {
             return self.stats;
         };
-        if let Some(mut eye) = self.look_over(&forest, view) {
+        if let Some(mut lod) = self.look_over(&forest, view) {
             forest.start_frame();
             (self.spent, self.changes) = (0, 0);
             self.ease();
-            self.improve(&mut forest, &eye, ground);
+            self.improve(&mut forest, &lod, ground);
             // Leaves, and what is seen of them, have changed; very rarely for the worse.
             if self.changes > 0
-                && self.look(&forest, &eye, false) > self.deepest_m
+                && self.look(&forest, &lod, false) > self.deepest_m
                 && let Some(again) = self.look_over(&forest, view)
             {
-                eye = again;
+                lod = again;
             }
-            self.rearrange(&mut forest, &eye);
-            self.build(&forest, &eye, ground);
+            self.rearrange(&mut forest, &lod);
+            self.build(&forest, &lod, ground);
             self.count(&forest);
         }
         self.forest = Some(forest);

@@ -2,7 +2,7 @@
 
 use super::{Posts, for_each_triangle, view, whole};
 use crate::elevation::Elevation;
-use crate::globe::quadtree::{Quadtree, QuadtreeOptions, Refine};
+use crate::globe::quadtree::{Quadtree, QuadtreeOptions, SplitRule};
 use crate::globe::surface::{GroundView, Surface};
 use glam::{DMat4, DVec3};
 use std::f64::consts::PI;
@@ -154,7 +154,7 @@ fn memory_stays_within_the_budget() {
     let options = QuadtreeOptions {
         most_leaves: 4_000,
         most_pages: 300,
-        refine: Refine::Paper { lambda: 1e4 },
+        split_rule: SplitRule::Paper { lambda: 1e4 },
         ..QuadtreeOptions::default()
     };
     let mut surface = Quadtree::new(options);
