@@ -10,6 +10,8 @@
 mod frustum;
 mod horizon;
 mod rect;
+#[cfg(test)]
+mod tests;
 
 pub use frustum::{Containment, Frustum};
 pub use horizon::{GroundShell, Horizon, is_within_angle};
