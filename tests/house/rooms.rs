@@ -9,7 +9,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("frames", &[]),
     ("orbit", &["frames"]),
     ("elevation", &["frames"]),
-    ("globe", &["frames", "orbit", "elevation"]),
+    ("globe", &["frames", "elevation"]),
     ("air", &["frames", "orbit"]),
     // Maps and drawables know nothing of satellites.
     ("imagery", &["frames", "elevation", "globe", "air"]),
