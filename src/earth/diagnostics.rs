@@ -1,7 +1,7 @@
 //! For measuring and for looking at how an Earth is drawn. Pictures need none of it.
 
 use super::Earth;
-use crate::globe::{BlockGrid, GroundForm, Surface};
+use crate::globe::{BlockGrid, DrawKind, Surface};
 use crate::gpu::{FramePlan, SurfaceOutput};
 use glam::{DVec3, Vec3};
 
@@ -58,10 +58,10 @@ impl Earth {
             Some(_) => &["water", "tiles"],
             None => &[],
         };
-        let of_ground: &[&str] = match self.planner.ground().map(Surface::form) {
-            Some(GroundForm::Grid(_)) => &["relief", "grid"],
-            Some(GroundForm::Pages(_)) => &["relief", "cast"],
-            Some(GroundForm::Patches) => &["relief"],
+        let of_ground: &[&str] = match self.planner.ground().map(Surface::draw_kind) {
+            Some(DrawKind::Grid(_)) => &["relief", "grid"],
+            Some(DrawKind::ContourPages(_)) => &["relief", "cast"],
+            Some(DrawKind::Patches) => &["relief"],
             None => &[],
         };
         ["clouds", "normals", "night_lights"]

@@ -28,7 +28,7 @@ mod view;
 use crate::air::Atmosphere;
 use crate::frames::{Epoch, Orientation, sun_direction_itrf_oriented};
 pub use crate::globe::Shading;
-use crate::globe::{GroundForm, Surface};
+use crate::globe::{DrawKind, Surface};
 use crate::gpu::{AirDrawable, FramePlan, PassFormat, SurfaceDrawable};
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::tile::TileKey;
@@ -117,7 +117,8 @@ impl Earth {
             quality.atmosphere = Atmosphere::None;
         }
         let planner = Planner::new(options, &quality, &device.limits())?;
-        let is_cast = |ground: &dyn Surface| matches!(ground.form(), GroundForm::Pages(_));
+        let is_cast =
+            |ground: &dyn Surface| matches!(ground.draw_kind(), DrawKind::ContourPages(_));
         if options.diagnostics.wireframe && planner.ground().is_some_and(is_cast) {
             return Err(EarthError::NoEdges);
         }

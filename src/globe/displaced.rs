@@ -5,7 +5,7 @@
 
 use super::blocks::{Block, BlockGrid, BlockRow, SubdivisionError};
 use super::select::select_blocks_between;
-use super::surface::{GroundVertex, GroundView, Indices, Patch, Surface, SurfaceStats};
+use super::surface::{GroundVertex, GroundView, Patch, Surface, SurfaceStats, TriangleList};
 use crate::elevation::{Bounds, Elevation};
 use crate::frames::Ellipsoid;
 use glam::{DVec3, Vec2};
@@ -25,7 +25,7 @@ struct Lifted {
 /// Memory: 40 bytes a vertex of each block seen so far and 24 of each drawn, 20 MB at most with 48 cells to a block.
 pub struct DisplacedBlocks {
     grid: BlockGrid,
-    indices: [Arc<Indices>; 3],
+    indices: [Arc<TriangleList>; 3],
     /// By block, made when first seen.
     lifted: Vec<Option<Vec<Lifted>>>,
     patches: Vec<Patch>,
@@ -49,7 +49,7 @@ impl DisplacedBlocks {
 
     fn of(grid: BlockGrid) -> Self {
         let indices = [BlockRow::North, BlockRow::Middle, BlockRow::South].map(|row| {
-            Arc::new(Indices {
+            Arc::new(TriangleList {
                 triangles: grid.indices(row).into_iter().map(u32::from).collect(),
             })
         });
@@ -171,7 +171,7 @@ impl Surface for DisplacedBlocks {
         stats
     }
 
-    fn visit(&self, draw: &mut dyn FnMut(&Patch)) {
+    fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch)) {
         for patch in &self.patches[..self.drawn] {
             draw(patch);
         }

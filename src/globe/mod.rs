@@ -6,16 +6,18 @@
 //!
 //! Ground with relief is drawn by a [`Surface`], which turns a view and heights into patches of triangles:
 //! [`DisplacedBlocks`], [`projected_grid`], [`quadtree`], [`contours`] or [`clipmap`]; [`SurfaceKind`] names them.
+//!
+//! What lies outside the view frustum or behind the horizon is left out by `culling`, whoever draws it.
 
 mod blocks;
 pub mod clipmap;
 pub mod contours;
 pub(crate) mod culling;
 mod displaced;
+mod index_ranges;
 mod kinds;
 mod levels;
 mod meshes;
-mod parts;
 pub mod projected_grid;
 pub mod quadtree;
 mod select;
@@ -25,15 +27,16 @@ pub use blocks::{
     BLOCK_COUNT, Block, BlockGrid, BlockRow, BlockSet, COLUMNS, ROWS, SubdivisionError,
 };
 pub use displaced::DisplacedBlocks;
+pub use index_ranges::{RANGE_TRIANGLES, blocks_near, patch_ranges};
 pub use kinds::{ContourDrawing, SurfaceError, SurfaceKind, SurfaceSettings};
 pub use levels::{
     HYSTERESIS, LevelRule, PAPER_BANDS_M, paper_level, screen_level, texels_per_pixel,
 };
 pub use meshes::{LIMB_PX, Meshes, Subdivision, limb_error_px};
-pub use parts::{PART_TRIANGLES, Part, blocks_near, parts_of, runs};
 pub use select::{Selection, select_blocks, select_blocks_between};
 pub use surface::{
-    GridDraw, GroundForm, GroundVertex, GroundView, Indices, Patch, Surface, SurfaceStats,
+    ContourPage, ContourPageSet, DrawKind, GridDraw, GroundVertex, GroundView, IndexRange, Patch,
+    Surface, SurfaceStats, TriangleList, merged_ranges,
 };
 
 /// Which blocks are drawn.

@@ -2,8 +2,8 @@
 //! them.
 
 use super::tiles::draws_of;
-use crate::globe::projected_grid::{Frame, GridUniforms, TILE_SAMPLES, grid_parts};
-use crate::globe::{Block, BlockSet, GridDraw, Part};
+use crate::globe::projected_grid::{GridUniforms, TILE_SAMPLES};
+use crate::globe::{Block, BlockSet, GridDraw, IndexRange, Surface};
 use std::ops::Range;
 use wgpu::util::DeviceExt;
 
@@ -22,9 +22,9 @@ pub(crate) struct GridMesh {
     held: Vec<u64>,
     /// Triangles, the number of the instance that says what they are drawn as, and whose tiles they are drawn with.
     draws: Vec<(Range<u32>, u32, Option<Block>)>,
-    /// Where blocks have tiles; and the frame that they were found for.
-    parts: Vec<Part>,
-    parted: Option<Frame>,
+    /// Where blocks have tiles; and the revision that they were found for.
+    ranges: Vec<IndexRange>,
+    ranges_of: Option<u64>,
 }
 
 impl GridMesh {
@@ -40,7 +40,7 @@ impl GridMesh {
     pub fn new(device: &wgpu::Device, grid: &GridDraw<'_>) -> Self {
         let atlas = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("terrella height tiles"),
-            size: atlas_size(grid.tiles.slot_count()),
+            size: atlas_size(grid.written.len() as u32),
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -59,10 +59,10 @@ impl GridMesh {
                 usage: wgpu::BufferUsages::INDEX,
             }),
             index_count: triangles.len() as u32,
-            held: vec![0; grid.tiles.slot_count() as usize],
+            held: vec![0; grid.written.len()],
             draws: Vec::new(),
-            parts: Vec::new(),
-            parted: None,
+            ranges: Vec::new(),
+            ranges_of: None,
         }
     }
 
@@ -93,33 +93,33 @@ impl GridMesh {
     pub fn write(
         &mut self,
         queue: &wgpu::Queue,
+        surface: &dyn Surface,
         grid: &GridDraw<'_>,
         tiled: Option<BlockSet>,
     ) -> u64 {
         self.draws.clear();
-        let Some(frame) = grid.frame else {
+        let Some(uniforms) = grid.uniforms else {
             return 0;
         };
         match tiled {
             None => self.draws.push((0..self.index_count, 0, None)),
             Some(tiled) => {
-                if self.parted.as_ref() != Some(frame) {
-                    self.parted = Some(*frame);
-                    grid_parts(frame, &mut self.parts);
+                if self.ranges_of != Some(grid.revision) {
+                    self.ranges_of = Some(grid.revision);
+                    surface.grid_ranges(&mut self.ranges);
                 }
-                draws_of(&self.parts, tiled, |drawn_as, block, range| {
+                draws_of(&self.ranges, tiled, |drawn_as, block, range| {
                     self.draws.push((range, drawn_as, block));
                 });
             }
         }
         let mut written = 0;
-        let slots = (0..).zip(self.held.iter_mut().zip(grid.tiles.written()));
-        for (slot, (held, now)) in slots.filter(|(_, (held, now))| **held != *now) {
-            *held = now;
-            written += write_slot(queue, &self.atlas, slot, grid.tiles.slot(slot));
+        let slots = (0..).zip(self.held.iter_mut().zip(grid.written));
+        for (slot, (held, now)) in slots.filter(|(_, (held, now))| **held != **now) {
+            *held = *now;
+            written += write_slot(queue, &self.atlas, slot, grid.slot(slot));
         }
-        let uniforms = GridUniforms::new(frame, grid.tiles);
-        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniforms));
+        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(uniforms));
         written + size_of::<GridUniforms>() as u64
     }
 

@@ -3,7 +3,9 @@
 use super::lattice::BlockInstance;
 use super::tiles::{WHOLE, draws_of};
 use crate::frames::Ellipsoid;
-use crate::globe::{Block, BlockSet, GroundVertex, Indices, Part, Patch, Surface, parts_of};
+use crate::globe::{
+    Block, BlockSet, GroundVertex, IndexRange, Patch, Surface, TriangleList, patch_ranges,
+};
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
@@ -68,13 +70,13 @@ struct Held {
     revision: u64,
     reference: BlockInstance,
     /// Of a patch that lies in several blocks which have tiles; and the revision and triangles that they were found for.
-    parts: Vec<Part>,
-    parted: Option<(u64, usize)>,
+    ranges: Vec<IndexRange>,
+    ranges_of: Option<(u64, usize)>,
     used: u64,
 }
 
 struct Triangles {
-    _source: Arc<Indices>,
+    _source: Arc<TriangleList>,
     buffer: wgpu::Buffer,
     used: u64,
 }
@@ -137,7 +139,7 @@ impl GroundMesh {
         self.draws.clear();
         self.staging.clear();
         let mut written = 0;
-        surface.visit(&mut |patch| {
+        surface.for_each_patch(&mut |patch| {
             if !patch.vertices.is_empty() && !patch.indices.triangles.is_empty() {
                 written += self.write_patch(queue, patch, ellipsoid);
                 self.draw_patch(patch, (ellipsoid, eye_itrf_m), tiled);
@@ -186,8 +188,8 @@ impl GroundMesh {
                     vertices: buffer(&self.device, "terrella ground", bytes.len(), usage),
                     revision: 0,
                     reference: reference(patch, ellipsoid),
-                    parts: Vec::new(),
-                    parted: None,
+                    ranges: Vec::new(),
+                    ranges_of: None,
                     used: 0,
                 },
             );
@@ -249,12 +251,12 @@ impl GroundMesh {
             staging.push(instance);
             return;
         };
-        let parted = Some((held.revision, triangles));
-        if held.parted != parted {
-            held.parted = parted;
-            parts_of(patch, ellipsoid, &mut held.parts);
+        let ranges_of = Some((held.revision, triangles));
+        if held.ranges_of != ranges_of {
+            held.ranges_of = ranges_of;
+            patch_ranges(patch, ellipsoid, &mut held.ranges);
         }
-        draws_of(&held.parts, tiled, |drawn_as, block, range| {
+        draws_of(&held.ranges, tiled, |drawn_as, block, range| {
             draws.push(Draw {
                 patch: patch.key,
                 triangles,

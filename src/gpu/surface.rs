@@ -11,7 +11,7 @@ use super::{
     DepthBuffer, FramePlan, FrameUniforms, GpuLayer, PassFormat, PipelineDescription, ShaderError,
     ShaderVariant, SurfaceOutput,
 };
-use crate::globe::{Block, BlockGrid, GroundForm, Shading, Surface};
+use crate::globe::{Block, BlockGrid, DrawKind, Shading, Surface};
 use crate::imagery::EarthLayers;
 use crate::imagery::stream::{Pool, Upload};
 use crate::imagery::tile::{MAP_LAYERS, MapLayer};
@@ -99,7 +99,7 @@ pub(crate) struct SurfaceLook<'a> {
     /// The air's sunlight table, if there is air and the shading uses it.
     pub sunlight: Option<&'a GpuLayer>,
     /// In what form ground with relief is drawn, if it is and not the block sphere. The variant does not change.
-    pub ground: Option<GroundForm<'a>>,
+    pub ground: Option<DrawKind<'a>>,
     /// Whether that has triangles that lie in several blocks. Nor does that.
     pub crossing: bool,
     /// Whether edges of triangles are drawn alone.
@@ -138,15 +138,15 @@ impl SurfaceDrawable {
         let whole = || pools.is_some().then(|| maps.bind_whole(device));
         let geometry = match &look.ground {
             None => Geometry::Blocks(Lattice::new(device, grids)),
-            Some(GroundForm::Patches) => Geometry::Ground {
+            Some(DrawKind::Patches) => Geometry::Ground {
                 mesh: GroundMesh::new(device),
                 whole: whole(),
             },
-            Some(GroundForm::Grid(grid)) => Geometry::Grid {
+            Some(DrawKind::Grid(grid)) => Geometry::Grid {
                 mesh: Box::new(GridMesh::new(device, grid)),
                 whole: whole(),
             },
-            Some(GroundForm::Pages(pages)) => {
+            Some(DrawKind::ContourPages(pages)) => {
                 Geometry::Pages(PageMesh::new(device, pages, look.format.depth))
             }
         };
@@ -235,19 +235,19 @@ impl SurfaceDrawable {
         written
             + match (
                 &mut self.geometry,
-                ground.map(|ground| (ground, ground.form())),
+                ground.map(|ground| (ground, ground.draw_kind())),
             ) {
                 (Geometry::Blocks(lattice), _) => lattice.write(queue, &plan.vertices),
-                (Geometry::Ground { mesh, .. }, Some((ground, GroundForm::Patches))) => {
+                (Geometry::Ground { mesh, .. }, Some((ground, DrawKind::Patches))) => {
                     mesh.write(queue, ground, (&plan.ellipsoid, plan.eye_itrf_m), tiled)
                 }
-                (Geometry::Grid { mesh, .. }, Some((_, GroundForm::Grid(grid)))) => {
-                    mesh.write(queue, &grid, tiled)
+                (Geometry::Grid { mesh, .. }, Some((ground, DrawKind::Grid(grid)))) => {
+                    mesh.write(queue, ground, &grid, tiled)
                 }
-                (Geometry::Pages(mesh), Some((_, GroundForm::Pages(pages)))) => {
-                    mesh.write(queue, &pages, plan.eye_itrf_m)
+                (Geometry::Pages(mesh), Some((ground, DrawKind::ContourPages(pages)))) => {
+                    mesh.write(queue, ground, &pages, plan.eye_itrf_m)
                 }
-                // A surface keeps its form all its life.
+                // A surface is drawn in one way all its life.
                 (Geometry::Ground { .. } | Geometry::Grid { .. } | Geometry::Pages(_), _) => 0,
             }
     }
@@ -405,12 +405,12 @@ fn variant(
     has_tiles: bool,
     others: &[(&'static str, bool)],
 ) -> ShaderVariant {
-    let is_cast = matches!(look.ground, Some(GroundForm::Pages(_)));
+    let is_cast = matches!(look.ground, Some(DrawKind::ContourPages(_)));
     let of_ground = [
         ("tiles", has_tiles),
         ("relief", look.ground.is_some()),
         ("crossing", has_tiles && look.crossing),
-        ("grid", matches!(look.ground, Some(GroundForm::Grid(_)))),
+        ("grid", matches!(look.ground, Some(DrawKind::Grid(_)))),
         ("cast", is_cast),
         // Where rays are cast, the shader says itself how deep a pixel lies.
         ("depth", is_cast && look.format.depth != DepthBuffer::None),

@@ -2,7 +2,7 @@
 
 use super::BlockTiles;
 use super::maps::Maps;
-use crate::globe::{BLOCK_COUNT, Block, BlockSet, COLUMNS, Part, ROWS, runs};
+use crate::globe::{BLOCK_COUNT, Block, BlockSet, COLUMNS, IndexRange, ROWS, merged_ranges};
 use crate::imagery::stream::{Pool, Upload};
 use crate::imagery::tile::{MAP_LAYERS, TILE_BORDER, TILE_MIPS, TileFormat, TileShape};
 use glam::Vec4;
@@ -193,21 +193,23 @@ impl TileTextures {
 /// How triangles that lie in several blocks are drawn where some of these have tiles: each range of them as what, and with the
 /// tiles of which block.
 pub(super) fn draws_of(
-    parts: &[Part],
+    ranges: &[IndexRange],
     tiled: BlockSet,
     mut draw: impl FnMut(u32, Option<Block>, Range<u32>),
 ) {
-    let all = parts.iter().fold(0, |all, part| all | part.blocks.0);
+    let all = ranges.iter().fold(0, |all, near| all | near.blocks.0);
     let mut left = all & tiled.0;
     while left != 0 {
         let index = left.trailing_zeros();
         let block = Block::of_index(index);
-        runs(parts, BlockSet(1 << index), |range| {
+        merged_ranges(ranges, BlockSet(1 << index), |range| {
             draw(CROSSING + index, Some(block), range);
         });
         left &= left - 1;
     }
-    runs(parts, BlockSet(!tiled.0), |range| draw(WHOLE, None, range));
+    merged_ranges(ranges, BlockSet(!tiled.0), |range| {
+        draw(WHOLE, None, range);
+    });
 }
 
 fn bind(

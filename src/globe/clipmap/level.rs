@@ -6,7 +6,7 @@ use super::sheet::{Sheet, Slots};
 use super::{Trim, triangles};
 use crate::elevation::Elevation;
 use crate::frames::Ellipsoid;
-use crate::globe::surface::{GroundVertex, Indices};
+use crate::globe::surface::{GroundVertex, TriangleList};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -320,7 +320,7 @@ impl Level {
                 None => triangles::full(self.n, diamond, hole.as_ref(), slot, &mut triangles),
             }
             if triangles != sheet.patch.indices.triangles {
-                sheet.patch.indices = Arc::new(Indices { triangles });
+                sheet.patch.indices = Arc::new(TriangleList { triangles });
                 sheet.is_dirty = true;
             }
         }

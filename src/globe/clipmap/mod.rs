@@ -257,7 +257,7 @@ impl Surface for Clipmap {
         true
     }
 
-    fn visit(&self, draw: &mut dyn FnMut(&Patch)) {
+    fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch)) {
         for (level, sheet) in &self.drawn {
             draw(&self.levels[*level].sheets[*sheet].patch);
         }

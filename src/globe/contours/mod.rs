@@ -24,6 +24,5 @@ pub(crate) mod tests;
 pub(crate) mod tree;
 
 pub use gpu_layout::{ContourNode, ContourRay, contour_cast};
-pub(crate) use pages::slack_m;
 pub use pages::{ContourPages, DrawnPage, MAX_NODES, Page, PageOptions, PagesDraw};
 pub use surface::{ContourOptions, ContourSurface};

@@ -20,31 +20,34 @@
 
 mod bounds;
 mod cast;
-mod parts;
 mod relief;
 mod screen;
 #[cfg(test)]
 mod tests;
 mod tiles;
+mod triangles;
 mod uniforms;
 
 pub use bounds::{Finder, Rect};
 pub use cast::{Cast, Caster, Foot, cast};
-pub use parts::grid_parts;
 pub use relief::{RINGS, Relief, Ring};
 pub use screen::Screen;
 pub use tiles::{
-    HeightTiles, LEVELS, NO_SLOT, TILE_CELLS, TILE_SAMPLES, Tile, TileCounts, WINDOW_SAMPLES,
-    WINDOW_TILES, Window, eye_place, first_density, level_of, level_spacing_rad, pyramid_level,
+    HeightTiles, Tile, TileCounts, WINDOW_SAMPLES, Window, eye_place, first_density, level_of,
+    level_spacing_rad, pyramid_level,
 };
-pub use uniforms::{GridLevel, GridUniforms};
 
-use super::{Figure, GridDraw, GroundForm, GroundVertex, GroundView, Patch, Surface, SurfaceStats};
+pub use super::surface::{
+    GridLevel, GridUniforms, LEVELS, NO_SLOT, TILE_CELLS, TILE_SAMPLES, WINDOW_TILES,
+};
+use super::{
+    DrawKind, Figure, GridDraw, GroundVertex, GroundView, IndexRange, Patch, Surface, SurfaceStats,
+};
 use crate::elevation::Elevation;
 use crate::frames::{Ellipsoid, Geodetic};
 use glam::{DMat4, DVec2, DVec3, UVec2, Vec2};
-use parts::indices;
 use std::sync::Arc;
+use triangles::indices;
 
 /// Over how much ground a sample's height is averaged.
 ///
@@ -206,6 +209,10 @@ pub struct ProjectedGrid {
     options: GridOptions,
     finder: Finder,
     frame: Option<Frame>,
+    /// Grows with each change of the frame.
+    revision: u64,
+    /// What the GPU is given of it.
+    uniforms: Option<Box<GridUniforms>>,
     /// Heights for the GPU, which then makes the vertices: there are none here.
     tiles: Option<HeightTiles>,
     /// The frame that the patch holds.
@@ -254,6 +261,8 @@ impl ProjectedGrid {
             },
             finder: Finder::new(),
             frame: None,
+            revision: 0,
+            uniforms: None,
             tiles: options.on_gpu.then(|| HeightTiles::new(GPU_TILES)),
             raised: None,
             samples: vec![Placed::default(); count],
@@ -457,9 +466,11 @@ impl Surface for ProjectedGrid {
             resident_bytes: resident_bytes as u64,
             ..SurfaceStats::default()
         };
+        let before = self.frame;
         let Some(frame) = self.aim(view, ground) else {
             return stats;
         };
+        self.revision += u64::from(before != Some(frame));
         stats.patches = 1;
         stats.vertices = columns * rows;
         stats.triangles = (self.patch.indices.triangles.len() / 3) as u32;
@@ -470,6 +481,11 @@ impl Surface for ProjectedGrid {
                 loaded += tiles.update(&frame, ground, GPU_FIRST_LOADS).loaded;
             }
             stats.samples_read = u64::from(loaded * TILE_SAMPLES * TILE_SAMPLES);
+            let uniforms = GridUniforms::new(&frame, tiles);
+            match &mut self.uniforms {
+                Some(held) => **held = uniforms,
+                None => self.uniforms = Some(Box::new(uniforms)),
+            }
         } else if self.raised != Some(frame) {
             self.raise(&frame, ground);
             self.raised = Some(frame);
@@ -486,20 +502,29 @@ impl Surface for ProjectedGrid {
         true
     }
 
-    fn visit(&self, draw: &mut dyn FnMut(&Patch)) {
+    fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch)) {
         if self.frame.is_some() && self.tiles.is_none() {
             draw(&self.patch);
         }
     }
 
-    fn form(&self) -> GroundForm<'_> {
+    fn grid_ranges(&self, ranges: &mut Vec<IndexRange>) {
+        match &self.frame {
+            Some(frame) => triangles::grid_ranges(frame, ranges),
+            None => ranges.clear(),
+        }
+    }
+
+    fn draw_kind(&self) -> DrawKind<'_> {
         match &self.tiles {
-            Some(tiles) => GroundForm::Grid(GridDraw {
-                frame: self.frame.as_ref(),
-                tiles,
+            Some(tiles) => DrawKind::Grid(GridDraw {
+                uniforms: self.frame.and(self.uniforms.as_deref()),
+                revision: self.revision,
+                heights_m: tiles.heights_m(),
+                written: tiles.written(),
                 indices: &self.patch.indices,
             }),
-            None => GroundForm::Patches,
+            None => DrawKind::Patches,
         }
     }
 }

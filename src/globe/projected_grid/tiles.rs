@@ -14,21 +14,12 @@ use super::{Caster, Frame};
 use crate::elevation::Elevation;
 use crate::frames::Ellipsoid;
 use crate::globe::culling::is_within_angle;
+use crate::globe::surface::{LEVELS, NO_SLOT, TILE_CELLS, TILE_SAMPLES, WINDOW_TILES};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Cells along a tile's side.
-pub const TILE_CELLS: u32 = 64;
-/// Samples along a tile's side.
-pub const TILE_SAMPLES: u32 = TILE_CELLS + 1;
-/// Levels of the pyramid; the finest has a sample every 2.3 m.
-pub const LEVELS: usize = 22;
-/// Tiles that a window can hold.
-pub const WINDOW_TILES: usize = 64;
 /// m of the paper: samples that a window may need.
 pub const WINDOW_SAMPLES: f64 = 36.0 * (TILE_CELLS * TILE_CELLS) as f64;
-/// No tile: what a window's table holds for tiles that are not loaded.
-pub const NO_SLOT: u32 = u32::MAX;
 
 /// Angle between samples of a level (from 1), radians.
 pub fn level_spacing_rad(level: u32) -> f64 {
@@ -94,14 +85,14 @@ pub struct TileCounts {
 struct Slot {
     tile: Option<Tile>,
     used: u64,
-    /// The update that loaded the tile.
-    loaded: u64,
 }
 
 /// Height tiles in a bounded number of slots.
 #[derive(Debug)]
 pub struct HeightTiles {
     slots: Vec<Slot>,
+    /// By slot, the update that loaded the tile.
+    written: Vec<u64>,
     heights: Vec<f32>,
     windows: [Window; LEVELS],
     changed: Vec<u32>,
@@ -133,10 +124,10 @@ impl HeightTiles {
                 Slot {
                     tile: None,
                     used: 0,
-                    loaded: 0,
                 };
                 slots
             ],
+            written: vec![0; slots],
             heights: vec![0.0; slots * (TILE_SAMPLES * TILE_SAMPLES) as usize],
             windows: [Window::NONE; LEVELS],
             changed: Vec::with_capacity(slots),
@@ -148,6 +139,7 @@ impl HeightTiles {
     pub fn resident_bytes(&self) -> usize {
         size_of_val(self.heights.as_slice())
             + size_of_val(self.slots.as_slice())
+            + size_of_val(self.written.as_slice())
             + self.changed.capacity() * 4
             + size_of::<Self>()
     }
@@ -162,10 +154,14 @@ impl HeightTiles {
         &self.changed
     }
 
-    /// The number of the update that wrote each slot last, 0 for none: who keeps copies knows by it which are old, also
-    /// after updates that it did not see.
-    pub fn written(&self) -> impl ExactSizeIterator<Item = u64> {
-        self.slots.iter().map(|slot| slot.loaded)
+    /// The number of the update that wrote each slot last, 0 for none.
+    pub fn written(&self) -> &[u64] {
+        &self.written
+    }
+
+    /// Heights of all slots, metres.
+    pub fn heights_m(&self) -> &[f32] {
+        &self.heights
     }
 
     /// Heights of a slot, metres: 65 rows from the south, each from the west.
@@ -232,8 +228,8 @@ impl HeightTiles {
         self.slots[slot] = Slot {
             tile: Some(tile),
             used: self.update,
-            loaded: self.update,
         };
+        self.written[slot] = self.update;
         self.changed.push(slot as u32);
         let step = level_spacing_rad(tile.level);
         let size = TILE_SAMPLES as usize;

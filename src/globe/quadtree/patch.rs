@@ -7,7 +7,7 @@ use crate::elevation::Elevation;
 use crate::frames::Geodetic;
 use crate::globe::blocks::Block;
 use crate::globe::culling::NormalCone;
-use crate::globe::surface::{GroundVertex, Indices, Patch};
+use crate::globe::surface::{GroundVertex, Patch, TriangleList};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -341,7 +341,7 @@ impl Built {
         let is_new = self.patch.indices.triangles != scratch.triangles;
         if is_new {
             // Never in place: who keeps the old list knows it by its address.
-            self.patch.indices = Arc::new(Indices {
+            self.patch.indices = Arc::new(TriangleList {
                 triangles: scratch.triangles.clone(),
             });
             self.normals = normal_cone(&self.patch);

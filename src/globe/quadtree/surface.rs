@@ -1,6 +1,5 @@
 //! The Earth as a forest of unfull quadtrees.
 
-use super::arrange::touches;
 use super::forest::{BLOCKS, Forest, Slot, root_slot};
 use super::lod::{LodView, SplitRule};
 use super::node::{Cut, Node, Side};
@@ -411,7 +410,7 @@ impl Quadtree {
             };
             self.scratch.beside.clear();
             let all = self.patches.iter();
-            let beside = all.filter(|other| touches(other.node, node));
+            let beside = all.filter(|other| BLOCKS.is_adjacent(other.node, node));
             let beside = beside.map(|other| (other.node, other.step_m));
             self.scratch.beside.extend(beside);
             // In an order of their own, so that the same ones are known again.
@@ -473,7 +472,7 @@ impl Surface for Quadtree {
             {
                 lod = again;
             }
-            self.rearrange(&mut forest, &lod);
+            self.repartition(&mut forest, &lod);
             self.build(&forest, &lod, ground);
             self.count(&forest);
         }
@@ -481,7 +480,7 @@ impl Surface for Quadtree {
         self.stats
     }
 
-    fn visit(&self, draw: &mut dyn FnMut(&Patch)) {
+    fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch)) {
         for index in &self.drawn {
             draw(&self.patches[*index as usize].patch);
         }

@@ -204,7 +204,7 @@ fn who_takes_only_what_changed_has_all_of_it() {
             ),
         };
         map.prepare(&view, &HILLS);
-        map.visit(&mut |patch| {
+        map.for_each_patch(&mut |patch| {
             let (revision, copy) = copies.entry(patch.key).or_default();
             if *revision + 1 == patch.revision {
                 for range in &patch.changed {
@@ -235,7 +235,7 @@ fn an_eye_at_rest_changes_nothing() {
     settle(&mut map, &view, &HILLS);
     let state = |map: &Clipmap| {
         let mut all = Vec::new();
-        map.visit(&mut |patch| {
+        map.for_each_patch(&mut |patch| {
             all.push((
                 patch.key,
                 patch.revision,

@@ -150,7 +150,7 @@ fn extreme_grounds_and_eyes_are_drawn_closed() {
                 };
                 let stats = map.prepare(&view, ground);
                 assert!(stats.resident_bytes <= map.most_bytes());
-                map.visit(&mut |patch| {
+                map.for_each_patch(&mut |patch| {
                     for vertex in &patch.vertices {
                         assert!(vertex.from_origin_m.is_finite() && vertex.slope.is_finite());
                     }
@@ -322,7 +322,7 @@ fn the_far_side_of_the_globe_is_not_handed_over() {
         &HILLS,
     );
     let mut handed = HashSet::new();
-    map.visit(&mut |patch| {
+    map.for_each_patch(&mut |patch| {
         handed.insert(patch.key);
     });
     assert_eq!(handed.len(), stats.patches as usize);

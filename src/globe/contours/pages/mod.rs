@@ -25,7 +25,9 @@ use super::surface::tables::Keys;
 use crate::elevation::{Bounds, Elevation, HeightRange};
 use crate::frames::Ellipsoid;
 use crate::globe::culling::{CullingContext, GroundBound};
-use crate::globe::{GroundForm, GroundView, Patch, Surface, SurfaceStats};
+use crate::globe::{
+    ContourPage, ContourPageSet, DrawKind, GroundView, Patch, Surface, SurfaceStats,
+};
 use glam::DVec3;
 use page::{CELLS, DEEPEST};
 pub use page::{MAX_NODES, Page};
@@ -103,7 +105,7 @@ pub struct PagesDraw<'a> {
 }
 
 /// How much wider columns are for an eye at this place, metres; see [`ContourRay::slack`].
-pub fn slack_m(page: &Page, eye_itrf_m: DVec3) -> f64 {
+fn slack_m(page: &Page, eye_itrf_m: DVec3) -> f64 {
     let away_m = page.origin_itrf_m.distance(eye_itrf_m) + page.radius_m;
     away_m * 2f64.powi(-20)
 }
@@ -127,6 +129,8 @@ pub struct ContourPages {
     /// Cells to build, and by how many pixels what is drawn in their place is wrong.
     wanted: Vec<(f64, Cell)>,
     drawn: Vec<DrawnPage>,
+    /// The eye of the last view.
+    eye_itrf_m: DVec3,
     pixel_rad: f64,
     cone: f64,
 }
@@ -146,6 +150,7 @@ impl ContourPages {
             queue: Vec::with_capacity(4 * most),
             wanted: Vec::with_capacity(4 * most),
             drawn: Vec::with_capacity(most),
+            eye_itrf_m: DVec3::ZERO,
             pixel_rad: 0.0,
             cone: 0.0,
         }
@@ -409,6 +414,7 @@ impl Surface for ContourPages {
             drawn.skirt_m = 1.5 * (page.border_m + border_px * pixel_rad * away_m) + 1.0;
         }
         (stats.error_m, stats.error_px) = (Some(error_m), Some(error_px));
+        self.eye_itrf_m = view.eye_itrf_m;
         self.pixel_rad = pixel_rad;
         self.cone = 2.0 * of_nodes_px * pixel_rad;
         let nodes: usize = self.pages.iter().map(|page| page.nodes.capacity()).sum();
@@ -419,10 +425,31 @@ impl Surface for ContourPages {
         stats
     }
 
-    fn visit(&self, _: &mut dyn FnMut(&Patch)) {}
+    fn for_each_patch(&self, _: &mut dyn FnMut(&Patch)) {}
 
-    fn form(&self) -> GroundForm<'_> {
-        GroundForm::Pages(self.draw())
+    fn for_each_contour_page(&self, draw: &mut dyn FnMut(&ContourPage<'_>)) {
+        for drawn in &self.drawn {
+            let page = &self.pages[drawn.page as usize];
+            draw(&ContourPage {
+                slot: drawn.page,
+                revision: page.revision,
+                block: page.block(),
+                origin_itrf_m: page.origin_itrf_m,
+                nodes: bytemuck::cast_slice(&page.nodes),
+                corners_m: page.corners_m,
+                axes: page.axes,
+                skirt_m: drawn.skirt_m,
+                slack_m: slack_m(page, self.eye_itrf_m),
+            });
+        }
+    }
+
+    fn draw_kind(&self) -> DrawKind<'_> {
+        DrawKind::ContourPages(ContourPageSet {
+            max_pages: self.options.most_pages,
+            pixel_rad: self.pixel_rad,
+            cone: self.cone,
+        })
     }
 }
 

@@ -28,7 +28,7 @@ mod tests;
 use crate::elevation::{Bounds, Elevation, HeightRange};
 use crate::frames::Ellipsoid;
 use crate::globe::culling::CullingContext;
-use crate::globe::{GroundView, Indices, Patch, Surface, SurfaceStats};
+use crate::globe::{GroundView, Patch, Surface, SurfaceStats, TriangleList};
 use choose::{Measure, Wanted};
 use glam::DVec3;
 use knots::{Joins, Knots};
@@ -90,7 +90,7 @@ pub struct ContourSurface {
     slots: Vec<Slot>,
     by_key: Keys,
     drawn: Vec<u32>,
-    indices: [Arc<Indices>; 16],
+    indices: [Arc<TriangleList>; 16],
     samples: u64,
     #[cfg(test)]
     cull: bool,
@@ -264,7 +264,7 @@ impl Surface for ContourSurface {
         stats
     }
 
-    fn visit(&self, draw: &mut dyn FnMut(&Patch)) {
+    fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch)) {
         for slot in &self.drawn {
             draw(&self.slots[*slot as usize].patch);
         }

@@ -27,7 +27,7 @@ impl Elevation for Cliff {
 fn prepared(grid: &mut ProjectedGrid, view: &GroundView, ground: &dyn Elevation) -> usize {
     let stats = grid.prepare(view, ground);
     let mut vertices = 0;
-    grid.visit(&mut |patch| {
+    grid.for_each_patch(&mut |patch| {
         vertices += patch.vertices.len();
         assert!(patch.origin_itrf_m.is_finite());
         for vertex in &patch.vertices {
@@ -232,7 +232,7 @@ fn triangles_face_up() {
         let mut grid = ProjectedGrid::new(&GridOptions::on_cpu());
         grid.prepare(&view, &ground);
         let mut faces = 0;
-        grid.visit(&mut |patch| {
+        grid.for_each_patch(&mut |patch| {
             for triangle in patch.indices.triangles.chunks_exact(3) {
                 let [a, b, c] = [0, 1, 2].map(|k| {
                     patch.vertices[triangle[k] as usize]

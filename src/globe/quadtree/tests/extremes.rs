@@ -15,7 +15,7 @@ fn assert_sound(surface: &Quadtree) {
             assert!(length > 6.3e6 && length < 6.4e6, "{corner}");
         }
     });
-    surface.visit(&mut |patch| {
+    surface.for_each_patch(&mut |patch| {
         for vertex in &patch.vertices {
             assert!(vertex.height_m.is_finite() && vertex.slope.is_finite());
         }
@@ -108,7 +108,7 @@ fn a_steady_eye_changes_nothing_and_reads_nothing() {
     }
     let state = |surface: &Quadtree| {
         let mut all = Vec::new();
-        surface.visit(&mut |patch| {
+        surface.for_each_patch(&mut |patch| {
             all.push((patch.key, patch.revision, patch.indices.triangles.as_ptr()))
         });
         all
@@ -129,7 +129,7 @@ fn changes_are_told_so_that_a_copy_can_follow() {
     for frame in 0..60 {
         let view = view(20.0 + f64::from(frame) * 0.05, 30.0, 2e5, 0.6);
         surface.prepare(&view, &ground);
-        surface.visit(&mut |patch| {
+        surface.for_each_patch(&mut |patch| {
             let copy = copies.entry(patch.key).or_default();
             if copy.0 + 1 == patch.revision {
                 copy.1.resize(patch.vertices.len(), Default::default());

@@ -150,7 +150,7 @@ pub fn placed(patch: &Patch, place: u32) -> DVec3 {
 
 /// Calls for each triangle that is drawn.
 pub fn for_each_triangle(surface: &Quadtree, mut call: impl FnMut([DVec3; 3])) {
-    surface.visit(&mut |patch| {
+    surface.for_each_patch(&mut |patch| {
         for corners in patch.indices.triangles.as_chunks::<3>().0 {
             call(corners.map(|place| placed(patch, place)));
         }

@@ -16,7 +16,7 @@ const MOST_BALLS: f64 = 6.0;
 
 impl Quadtree {
     /// Divides patches that are too large, and joins those that are small.
-    pub(super) fn rearrange(&mut self, forest: &mut Forest, lod: &LodView) {
+    pub(super) fn repartition(&mut self, forest: &mut Forest, lod: &LodView) {
         let mut index = 0;
         while index < self.patches.len() {
             let built = &self.patches[index];
@@ -91,10 +91,10 @@ impl Quadtree {
         self.steps_changed(parent, step_m);
     }
 
-    /// Patches that touch a node and stand on finer steps than there are or were must be built anew.
+    /// Patches adjacent to a node and stand on finer steps than there are or were must be built anew.
     fn steps_changed(&mut self, node: Node, step_m: f64) {
         for built in &mut self.patches {
-            if !built.is_dirty && built.step_m < step_m && touches(built.node, node) {
+            if !built.is_dirty && built.step_m < step_m && BLOCKS.is_adjacent(built.node, node) {
                 built.is_dirty = true;
                 self.spent = self.spent.saturating_add(built.leaves);
             }
@@ -147,18 +147,4 @@ fn count_leaves(forest: &Forest, node: Node, slot: Slot) -> u32 {
     children
         .map(|(child, slot)| count_leaves(forest, child, slot))
         .sum()
-}
-
-/// Whether two squares have a point in common, across the date line and at the poles too.
-pub(super) fn touches(a: Node, b: Node) -> bool {
-    let depth = a.level.max(b.level);
-    let (a, b) = (a.square(depth), b.square(depth));
-    let (columns, rows) = (BLOCKS.columns << depth, BLOCKS.rows << depth);
-    let is_near = |a: u64, a_size: u64, b: u64, b_size: u64| a <= b + b_size && b <= a + a_size;
-    let at_pole = |y: u64, size: u64| (y == 0, y + size == rows);
-    let (a_pole, b_pole) = (at_pole(a.y, a.size), at_pole(b.y, b.size));
-    let across = is_near(a.x, a.size, b.x, b.size)
-        || is_near(a.x + columns, a.size, b.x, b.size)
-        || is_near(a.x, a.size, b.x + columns, b.size);
-    is_near(a.y, a.size, b.y, b.size) && across || a_pole.0 && b_pole.0 || a_pole.1 && b_pole.1
 }
