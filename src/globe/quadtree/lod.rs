@@ -1,6 +1,6 @@
 //! Level of detail: how finely a view asks for a square of ground to be drawn.
 
-use super::page::Info;
+use super::page::SquareInfo;
 use crate::elevation::HeightRange;
 use crate::frames::Ellipsoid;
 use crate::globe::culling::{BoundVisibility, CullingContext, GroundBound, NormalCone};
@@ -75,12 +75,12 @@ impl LodView {
     }
 
     /// From the eye to what is drawn of a square, metres; at least a millimetre.
-    pub fn distance_m(&self, info: &Info) -> f64 {
+    pub fn distance_m(&self, info: &SquareInfo) -> f64 {
         self.culling.distance_m(&info.bound()).max(MIN_DISTANCE_M)
     }
 
     /// How far a leaf is from being fine enough: it is to be divided above 1. `side_m` is the side of its square.
-    pub fn split_ratio(&self, info: &Info, side_m: f64, visibility: BoundVisibility) -> f64 {
+    pub fn split_ratio(&self, info: &SquareInfo, side_m: f64, visibility: BoundVisibility) -> f64 {
         let distance_m = self.distance_m(info);
         let mut ratio = f64::from(info.error_m) / distance_m * self.factor;
         if let Some(k) = self.full {
@@ -94,12 +94,12 @@ impl LodView {
     }
 
     /// A leaf's error as it appears, pixels.
-    pub fn error_px(&self, info: &Info) -> f64 {
+    pub fn error_px(&self, info: &SquareInfo) -> f64 {
         f64::from(info.error_m) / (self.distance_m(info) * self.culling.pixel_rad)
     }
 
     /// What is seen of a square.
-    pub fn visibility(&self, info: &Info) -> BoundVisibility {
+    pub fn visibility(&self, info: &SquareInfo) -> BoundVisibility {
         match self.is_culled {
             true => self.culling.visibility(&info.bound()),
             false => BoundVisibility::Inside,
@@ -107,13 +107,13 @@ impl LodView {
     }
 
     /// Whether a patch is drawn: its ball may be seen, and one of its faces may face the eye.
-    pub fn draws(&self, info: &Info, normals: &NormalCone) -> bool {
+    pub fn draws(&self, info: &SquareInfo, normals: &NormalCone) -> bool {
         let is_backfacing = self.is_culled && self.culling.is_backfacing(&info.bound(), normals);
         self.visibility(info).is_visible() && !is_backfacing
     }
 }
 
-impl Info {
+impl SquareInfo {
     fn bound(&self) -> GroundBound {
         GroundBound {
             center_itrf_m: self.center_itrf_m,

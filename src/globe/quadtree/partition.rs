@@ -3,16 +3,16 @@
 use super::forest::{BLOCKS, Forest, Slot};
 use super::lod::LodView;
 use super::node::{Cut, Node};
-use super::patch::{Built, MOST_PATCH_LEVEL};
+use super::patch::{BuiltPatch, MAX_PATCH_LEVEL};
 use super::surface::Quadtree;
 
 /// A patch with more leaves is divided into four.
-const MOST_PATCH_LEAVES: u32 = 256;
+const MAX_PATCH_LEAVES: u32 = 256;
 /// Four patches with fewer become one.
-const LEAST_PATCH_LEAVES: u32 = 80;
+const MIN_PATCH_LEAVES: u32 = 80;
 /// A patch is divided where the ball about it is larger than so many distances: single precision then holds its vertices
 /// to a thousandth of a pixel.
-const MOST_BALLS: f64 = 6.0;
+const MAX_BALLS: f64 = 6.0;
 
 impl Quadtree {
     /// Divides patches that are too large, and joins those that are small.
@@ -26,20 +26,20 @@ impl Quadtree {
                 continue;
             };
             let ball_m = f64::from(forest.info(slot).radius_m);
-            if forest.is_split(slot) && node.level < MOST_PATCH_LEVEL {
-                let is_large = leaves > MOST_PATCH_LEAVES || ball_m > MOST_BALLS * distance_m;
+            if forest.is_split(slot) && node.level < MAX_PATCH_LEVEL {
+                let is_large = leaves > MAX_PATCH_LEAVES || ball_m > MAX_BALLS * distance_m;
                 // May take half as much again as the work of a frame, so that it is never put off for ever.
-                if is_large && self.spent / 3 < self.options.work / 2 {
+                if is_large && self.work_done / 3 < self.options.work / 2 {
                     self.changes += 1;
                     self.divide(forest, lod, node, slot);
                     // The last patch now has this place.
                     index -= 1;
                 }
-                if leaves > LEAST_PATCH_LEAVES {
+                if leaves > MIN_PATCH_LEAVES {
                     continue;
                 }
             }
-            if node.x & 1 == 0 && node.y & 1 == 0 && self.spent < self.options.work {
+            if node.x & 1 == 0 && node.y & 1 == 0 && self.work_done < self.options.work {
                 self.join(forest, lod, node);
             }
         }
@@ -74,8 +74,8 @@ impl Quadtree {
             return;
         };
         let info = forest.info(slot);
-        let is_near = f64::from(info.radius_m) > 0.5 * MOST_BALLS * lod.distance_m(info);
-        if leaves >= LEAST_PATCH_LEAVES || is_near {
+        let is_near = f64::from(info.radius_m) > 0.5 * MAX_BALLS * lod.distance_m(info);
+        if leaves >= MIN_PATCH_LEAVES || is_near {
             return;
         }
         self.changes += 1;
@@ -96,7 +96,7 @@ impl Quadtree {
         for built in &mut self.patches {
             if !built.is_dirty && built.step_m < step_m && BLOCKS.is_adjacent(built.node, node) {
                 built.is_dirty = true;
-                self.spent = self.spent.saturating_add(built.leaves);
+                self.work_done = self.work_done.saturating_add(built.leaves);
             }
         }
     }
@@ -109,12 +109,12 @@ impl Quadtree {
                 built.reset(node, slot, forest, self.revision);
                 built
             }
-            None => Built::new(node, slot, forest, self.revision),
+            None => BuiltPatch::new(node, slot, forest, self.revision),
         };
         let info = forest.info(slot);
         built.distance_m = lod.distance_m(info);
         built.leaves = count_leaves(forest, node, slot);
-        self.spent = self.spent.saturating_add(8 * built.leaves);
+        self.work_done = self.work_done.saturating_add(8 * built.leaves);
         let index = self.patches.len();
         self.by_node.insert(node, index as u32);
         self.patches.push(built);

@@ -14,7 +14,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
 
 /// Finest level of a patch, 15 cm: below it a patch only has more leaves.
-pub const MOST_PATCH_LEVEL: u8 = 24;
+pub const MAX_PATCH_LEVEL: u8 = 24;
 /// Steps of all origins, metres: a multiple of the steps of all vertices.
 const ORIGIN_STEP_M: f64 = 0.25;
 
@@ -43,7 +43,7 @@ impl Hasher for PointHasher {
 type Places = HashMap<Point, u32, BuildHasherDefault<PointHasher>>;
 
 /// A patch and what is needed to build it anew.
-pub struct Built {
+pub struct BuiltPatch {
     /// The node that it covers.
     pub node: Node,
     /// What is handed over.
@@ -103,7 +103,7 @@ fn key(node: Node) -> u64 {
     u64::from(node.level) << 58 | node.x << 29 | node.y
 }
 
-impl Built {
+impl BuiltPatch {
     /// A patch of a node, not built yet. `revision` is above all that a patch of this node ever had.
     pub fn new(node: Node, slot: Slot, forest: &Forest, revision: u64) -> Self {
         let info = forest.info(slot);

@@ -65,7 +65,7 @@ proptest! {
     ) {
         let ground = Posts::rough(256, 9e3, seed);
         let mut surface = Quadtree::new(QuadtreeOptions {
-            most_leaves: 3_000,
+            max_leaves: 3_000,
             is_culled: false,
             work,
             split_rule: if full { SplitRule::Full { k: 0.1 } } else { SplitRule::Tolerance },

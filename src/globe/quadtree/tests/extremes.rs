@@ -43,8 +43,8 @@ fn any_view_of_any_ground() {
         ] {
             for tolerance_px in [0.0, 1.0, 1e9, f64::INFINITY] {
                 let mut surface = Quadtree::new(QuadtreeOptions {
-                    most_leaves: 1_000,
-                    most_level: 200,
+                    max_leaves: 1_000,
+                    max_level: 200,
                     ..QuadtreeOptions::default()
                 });
                 let ground_m = ground.height_m(f64::to_radians(lat), f64::to_radians(lon), 0.0);
@@ -152,8 +152,8 @@ fn changes_are_told_so_that_a_copy_can_follow() {
 fn memory_stays_within_the_budget() {
     let ground = Posts::rough(512, 5e3, 8);
     let options = QuadtreeOptions {
-        most_leaves: 4_000,
-        most_pages: 300,
+        max_leaves: 4_000,
+        max_pages: 300,
         split_rule: SplitRule::Paper { lambda: 1e4 },
         ..QuadtreeOptions::default()
     };

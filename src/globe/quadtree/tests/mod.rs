@@ -135,9 +135,9 @@ pub fn view(lat_deg: f64, lon_deg: f64, height_m: f64, tilt_rad: f64) -> GroundV
 }
 
 /// A surface of few leaves, nothing left out.
-pub fn whole(most_leaves: u32) -> Quadtree {
+pub fn whole(max_leaves: u32) -> Quadtree {
     Quadtree::new(QuadtreeOptions {
-        most_leaves,
+        max_leaves,
         is_culled: false,
         ..QuadtreeOptions::default()
     })
