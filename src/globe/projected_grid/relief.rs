@@ -22,7 +22,7 @@ pub struct Ring {
 
 /// The heights about an eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Relief {
+pub struct ReliefRings {
     /// From the inside outwards.
     pub rings: [Ring; RINGS],
     /// What ground about the eye can show.
@@ -31,7 +31,7 @@ pub struct Relief {
     pub span_m: f64,
 }
 
-impl Relief {
+impl ReliefRings {
     /// The ground about an eye. Asks the source for a range once a ring.
     pub fn new(ellipsoid: &Ellipsoid, eye_itrf_m: DVec3, ground: &dyn Elevation) -> Self {
         let eye = eye_itrf_m * ellipsoid.scaled_from_itrf();

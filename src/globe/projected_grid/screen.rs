@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 /// the eye, but ground there may stand up into it. So outside the circle about the picture's corners a step turns the
 /// ray by as much as it does in the middle, up to straight back.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Screen {
+pub struct ScreenPlane {
     /// Unit vector along which w grows, ITRF axes.
     pub forward: DVec3,
     /// Ray through (0, 0), one ahead.
@@ -32,7 +32,7 @@ pub struct Screen {
     frustum: Frustum,
 }
 
-impl Screen {
+impl ScreenPlane {
     /// Of the matrix from eye-relative ITRF metres to clip space; `None` where it has no centre or is not finite.
     ///
     /// Depth plays no part: the ray of (x, y) lies in the planes x_clip = x w and y_clip = y w, whose normals are

@@ -1,6 +1,6 @@
 //! The grid's triangles, in an order in which neighbours stand together, and which blocks they may touch.
 
-use super::Frame;
+use super::GridFrame;
 use crate::globe::{IndexRange, TriangleList, blocks_near};
 use glam::DVec3;
 use std::ops::Range;
@@ -38,7 +38,7 @@ pub fn indices((columns, rows): (u32, u32)) -> TriangleList {
 ///
 /// Of each square 5 × 5 places are looked at. What lies between them is in the box about them, or beyond it by less than half of
 /// what lies between two that are next to each other.
-pub fn grid_ranges(frame: &Frame, out: &mut Vec<IndexRange>) {
+pub fn grid_ranges(frame: &GridFrame, out: &mut Vec<IndexRange>) {
     out.clear();
     let (columns, rows) = frame.samples;
     let radii_m = frame.caster.radii_m;

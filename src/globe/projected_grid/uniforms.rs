@@ -1,14 +1,14 @@
-//! What the GPU form is given each frame: `shaders/common/projected_grid.wgsl`'s uniform, from a [`Frame`] in f64.
+//! What the GPU form is given each frame: `shaders/common/projected_grid.wgsl`'s uniform, from a [`GridFrame`] in f64.
 
 use super::tiles::{HeightTiles, eye_place, level_spacing_rad};
-use super::{Footprint, Frame};
+use super::{Footprint, GridFrame};
 use crate::globe::surface::{GridLevel, GridUniforms, LEVELS, TILE_CELLS, WINDOW_TILES};
 use glam::{DVec2, UVec2, UVec4, Vec2};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 impl GridUniforms {
     /// Of a frame and the tiles that are there. All differences of large numbers are taken here, in f64.
-    pub fn new(frame: &Frame, tiles: &HeightTiles) -> Self {
+    pub fn new(frame: &GridFrame, tiles: &HeightTiles) -> Self {
         let (screen, caster) = (&frame.screen, &frame.caster);
         let (columns, rows) = frame.samples;
         let mut step = frame.step;

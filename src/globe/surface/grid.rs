@@ -62,19 +62,19 @@ pub struct GridLevel {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct GridUniforms {
-    /// [`Screen::forward`](crate::globe::projected_grid::Screen::forward).
+    /// [`ScreenPlane::forward`](crate::globe::projected_grid::ScreenPlane::forward).
     pub forward: Vec3,
-    /// [`Screen::corner`](crate::globe::projected_grid::Screen::corner).
+    /// [`ScreenPlane::corner`](crate::globe::projected_grid::ScreenPlane::corner).
     pub corner: f32,
-    /// [`Screen::middle`](crate::globe::projected_grid::Screen::middle) less forward.
+    /// [`ScreenPlane::middle`](crate::globe::projected_grid::ScreenPlane::middle) less forward.
     pub middle: Vec3,
-    /// [`Screen::corner_rad`](crate::globe::projected_grid::Screen::corner_rad).
+    /// [`ScreenPlane::corner_rad`](crate::globe::projected_grid::ScreenPlane::corner_rad).
     pub corner_rad: f32,
-    /// [`Screen::right`](crate::globe::projected_grid::Screen::right).
+    /// [`ScreenPlane::right`](crate::globe::projected_grid::ScreenPlane::right).
     pub right: Vec3,
     /// Area of a grid cell straight ahead, steradians.
     pub cell_area: f32,
-    /// [`Screen::up`](crate::globe::projected_grid::Screen::up).
+    /// [`ScreenPlane::up`](crate::globe::projected_grid::ScreenPlane::up).
     pub screen_up: Vec3,
     /// 1 if heights are averaged over the longer of along and across, 0 for the mean.
     pub longer: f32,
