@@ -75,7 +75,7 @@
 //! - **Drawing.** Each block has a bind group of its own tiles or whole maps, made anew only when one of them changes. The
 //!   same shader draws both: a placement (centre and scale of texture coordinates) is all that differs. Triangles that lie in
 //!   several blocks, the projected grid's and the clipmap's, are drawn once for each block in sight that has tiles and once for
-//!   the others; a pixel is kept by the draw of its own block. Of their lists only parts near a block ([`globe::Part`]) are
+//!   the others; a pixel is kept by the draw of its own block. Of their lists only ranges near a block ([`globe::IndexRange`]) are
 //!   drawn for it.
 //! - **Live and kept pictures.** [`Earth::prepare`] never waits. [`Earth::prepare_complete`] waits up to a time-out and
 //!   answers what is missing. [`Earth::expect`] says where the eye will be soon.
@@ -83,7 +83,7 @@
 //! # Ground with relief
 //!
 //! Where heights are given ([`elevation`]: grids over one another, filtered to any spacing, bounded), a [`globe::Surface`]
-//! turns each view into patches of triangles ([`globe::Patch`]) about local origins: the lifted blocks, a projected grid, an
+//! turns each view into patches of triangles ([`globe::Patch`]) about local origins: the displaced blocks, a projected grid, an
 //! unfull quadtree, q-Bézier patches or a clipmap ([`SurfaceKind`]). Surfaces are pure code: no GPU, no files. One drawable
 //! keeps their patches on the GPU, writes what changed, and draws them with the Earth's own shader, which then takes the
 //! place of a pixel from the mesh, moved onto the pixel's ray. The projected grid's vertices are made on the GPU; contours can be

@@ -381,7 +381,7 @@ fn a_projected_grid_allocates_nothing() {
                 tolerance_px: 1.0,
             };
             grid.prepare(&view, &Waves);
-            grid.visit(&mut |patch| drawn += patch.vertices.len());
+            grid.for_each_patch(&mut |patch| drawn += patch.vertices.len());
             if let Some(frame) = grid.aim(&view, &Waves) {
                 tiles.update(&frame, &Waves, 4);
                 std::hint::black_box(GridUniforms::new(&frame, &tiles));

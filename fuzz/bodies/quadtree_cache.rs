@@ -1,7 +1,7 @@
 //! Serialized quadtrees.
 
 use glam::DVec3;
-use terrella::globe::quadtree::Refine;
+use terrella::globe::quadtree::SplitRule;
 use terrella::measure::terrain::quadtree::{
     ErrorMetric, GridQuadtree, Order, Posts, SelectedLeaves, TreeOptions, TreeView,
 };
@@ -33,7 +33,7 @@ fn draw(tree: &GridQuadtree) {
     for lambda in [0.0, 30.0, f64::INFINITY] {
         let view = TreeView {
             eye_m: DVec3::new(10.0, -10.0, 500.0),
-            refine: Refine::Paper { lambda },
+            split_rule: SplitRule::Paper { lambda },
             pixel_rad: 1e-3,
             tolerance_px: 1.0,
             metric: ErrorMetric::Bound,

@@ -5,7 +5,7 @@ use crate::elevation::{Bounds, Elevation};
 use crate::globe::contours::ContourOptions;
 use crate::globe::projected_grid::GPU_TILES;
 use crate::globe::{
-    Block, BlockGrid, Figure, GroundForm, GroundView, Surface, SurfaceError, SurfaceSettings,
+    Block, BlockGrid, DrawKind, Figure, GroundView, Surface, SurfaceError, SurfaceSettings,
     SurfaceStats, select_blocks_between,
 };
 use crate::gpu::{GridMesh, PageMesh};
@@ -89,8 +89,7 @@ impl GroundDriver {
     ) -> SurfaceStats {
         let (eye_itrf_m, clip_from_eye) = (view.eye_itrf_m, view.clip_from_eye);
         let range = self.elevation.range_m(&Bounds::GLOBE);
-        let heights = (range.low_m, range.high_m);
-        select_blocks_between(grid, heights, eye_itrf_m, &clip_from_eye, blocks);
+        select_blocks_between(grid, range, eye_itrf_m, &clip_from_eye, blocks);
         let view = GroundView {
             eye_itrf_m,
             clip_from_eye,
@@ -115,15 +114,15 @@ impl GroundDriver {
 
     /// Whether it is drawn as triangles, whose edges could be drawn.
     pub fn has_edges(&self) -> bool {
-        !matches!(self.surface.form(), GroundForm::Pages(_))
+        !matches!(self.surface.draw_kind(), DrawKind::ContourPages(_))
     }
 
     /// Names of the features that its form turns on.
     pub fn features(&self) -> &'static [&'static str] {
-        match self.surface.form() {
-            GroundForm::Grid(_) => &["relief", "grid"],
-            GroundForm::Pages(_) => &["relief", "cast"],
-            GroundForm::Patches => &["relief"],
+        match self.surface.draw_kind() {
+            DrawKind::Grid(_) => &["relief", "grid"],
+            DrawKind::ContourPages(_) => &["relief", "cast"],
+            DrawKind::Patches => &["relief"],
         }
     }
 }

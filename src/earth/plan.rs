@@ -152,7 +152,7 @@ impl Planner {
 
     /// Chooses the mesh and the blocks of the smooth ellipsoid.
     fn plan_blocks(&mut self, view: &ItrfView, plan: &mut FramePlan, stats: &mut FrameStats) {
-        plan.mesh = self.meshes.choose(stats.eye.height_m, view.pixel_rad());
+        plan.mesh = self.meshes.select_lod(stats.eye.height_m, view.pixel_rad());
         let grid = self.meshes.grid();
         let selection = select_blocks(
             grid,

@@ -28,7 +28,7 @@ pub(super) fn surface_config<'a>(
         shading: style.shading,
         shown,
         output: style.diagnostics.output,
-        ground: ground.map(Surface::form),
+        ground: ground.map(Surface::draw_kind),
         crosses_blocks: ground.is_some_and(Surface::crosses_blocks),
         wireframe: style.diagnostics.wireframe,
         anisotropy: if software { 1 } else { quality.anisotropy },

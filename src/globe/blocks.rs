@@ -1,5 +1,6 @@
 //! The lattice of 16 × 8 blocks, each of n × n cells.
 
+use super::culling::ScaledRect;
 use crate::frames::Ellipsoid;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_8, PI};
@@ -129,17 +130,6 @@ pub(super) struct FacetBand {
     pub d: f64,
 }
 
-/// A block's extent on the unit sphere of scaled space, as sines and cosines.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Extent {
-    /// (cos, sin) of the centre's longitude.
-    pub lon: DVec2,
-    /// (cos, sin) of the northern edge's parametric latitude.
-    pub north: DVec2,
-    /// (cos, sin) of the southern edge's parametric latitude.
-    pub south: DVec2,
-}
-
 /// The lattice in f64 with everything that choosing and drawing blocks needs.
 ///
 /// Latitudes are geodetic, so that a cell's corners meet the texels of an equirectangular map; the paper's sphere is
@@ -149,7 +139,8 @@ pub struct BlockGrid {
     subdivision: u32,
     /// (8n + 1) rows of (16n + 1) positions, ITRF metres, north row first, the last column a copy of the first.
     lattice_itrf_m: Vec<DVec3>,
-    pub(super) extents: Vec<Extent>,
+    /// By block.
+    pub(super) rects: Vec<ScaledRect>,
     pub(super) bands: Vec<FacetBand>,
 }
 
@@ -209,11 +200,12 @@ impl BlockGrid {
             })
             .collect();
         let row_edge = |row: u32| parametric[(row * subdivision) as usize];
-        let extents = Block::all()
+        let rects = Block::all()
             .map(|block| {
                 let (sin, cos) = block.center_lon_rad().sin_cos();
-                Extent {
+                ScaledRect {
                     lon: DVec2::new(cos, sin),
+                    half_width_rad: 0.5 * SPAN_RAD,
                     north: row_edge(block.row),
                     south: row_edge(block.row + 1),
                 }
@@ -236,7 +228,7 @@ impl BlockGrid {
             ellipsoid,
             subdivision,
             lattice_itrf_m,
-            extents,
+            rects,
             bands,
         }
     }

@@ -1,20 +1,20 @@
-//! The block sphere with relief: the vertices of each block are lifted to the ground's height.
+//! The block sphere with relief: the vertices of each block are displaced to the ground's height.
 //!
 //! Every block has the same number of cells, so neighbours share their edges' vertices and there are no cracks. It is the
 //! simplest surface with relief, and the coarsest: a cell of 48 to a block is 52 km wide.
 
 use super::blocks::{Block, BlockGrid, BlockRow, SubdivisionError};
 use super::select::select_blocks_between;
-use super::surface::{GroundVertex, GroundView, Indices, Patch, Surface, SurfaceStats};
+use super::surface::{GroundVertex, GroundView, Patch, Surface, SurfaceStats, TriangleList};
 use crate::elevation::{Bounds, Elevation};
 use crate::frames::Ellipsoid;
 use glam::{DVec3, Vec2};
 use std::f64::consts::{FRAC_PI_8, PI};
 use std::sync::Arc;
 
-/// A lifted vertex.
+/// A displaced vertex.
 #[derive(Clone, Copy)]
-struct Lifted {
+struct DisplacedVertex {
     position_itrf_m: DVec3,
     height_m: f32,
     slope: Vec2,
@@ -25,9 +25,9 @@ struct Lifted {
 /// Memory: 40 bytes a vertex of each block seen so far and 24 of each drawn, 20 MB at most with 48 cells to a block.
 pub struct DisplacedBlocks {
     grid: BlockGrid,
-    indices: [Arc<Indices>; 3],
+    indices: [Arc<TriangleList>; 3],
     /// By block, made when first seen.
-    lifted: Vec<Option<Vec<Lifted>>>,
+    displaced: Vec<Option<Vec<DisplacedVertex>>>,
     patches: Vec<Patch>,
     drawn: usize,
     blocks: Vec<Block>,
@@ -49,14 +49,14 @@ impl DisplacedBlocks {
 
     fn of(grid: BlockGrid) -> Self {
         let indices = [BlockRow::North, BlockRow::Middle, BlockRow::South].map(|row| {
-            Arc::new(Indices {
+            Arc::new(TriangleList {
                 triangles: grid.indices(row).into_iter().map(u32::from).collect(),
             })
         });
         Self {
             grid,
             indices,
-            lifted: Block::all().map(|_| None).collect(),
+            displaced: Block::all().map(|_| None).collect(),
             patches: Vec::new(),
             drawn: 0,
             blocks: Vec::new(),
@@ -68,10 +68,10 @@ impl DisplacedBlocks {
     }
 
     /// Reads a block's heights.
-    fn lift(&self, block: Block, ground: &dyn Elevation) -> Vec<Lifted> {
+    fn displace(&self, block: Block, ground: &dyn Elevation) -> Vec<DisplacedVertex> {
         let n = self.grid.subdivision();
         let ellipsoid = self.grid.ellipsoid();
-        let mut lifted = Vec::with_capacity(self.grid.vertices_per_block() as usize);
+        let mut displaced = Vec::with_capacity(self.grid.vertices_per_block() as usize);
         for j in 0..=n {
             for (i, foot_itrf_m) in (0..).zip(self.grid.vertex_row(block, j)) {
                 let (lat, lon) = self.grid.vertex_lat_lon_rad(block, i, j);
@@ -87,14 +87,14 @@ impl DisplacedBlocks {
                 // From the lattice's own point, whose bits neighbours share, and its normal by the gradient.
                 let scale = ellipsoid.scaled_from_itrf();
                 let normal = (*foot_itrf_m * scale * scale).normalize();
-                lifted.push(Lifted {
+                displaced.push(DisplacedVertex {
                     position_itrf_m: *foot_itrf_m + normal * height_m,
                     height_m: height_m as f32,
                     slope: slope.as_vec2(),
                 });
             }
         }
-        lifted
+        displaced
     }
 }
 
@@ -108,7 +108,7 @@ impl Surface for DisplacedBlocks {
         let mut blocks = std::mem::take(&mut self.blocks);
         select_blocks_between(
             &self.grid,
-            (range.low_m, range.high_m),
+            range,
             view.eye_itrf_m,
             &view.clip_from_eye,
             &mut blocks,
@@ -117,10 +117,10 @@ impl Surface for DisplacedBlocks {
         self.drawn = blocks.len();
         for (place, block) in blocks.iter().enumerate() {
             let index = block.index() as usize;
-            if self.lifted[index].is_none() {
-                let lifted = self.lift(*block, ground);
-                stats.samples_read += 5 * lifted.len() as u64;
-                self.lifted[index] = Some(lifted);
+            if self.displaced[index].is_none() {
+                let displaced = self.displace(*block, ground);
+                stats.samples_read += 5 * displaced.len() as u64;
+                self.displaced[index] = Some(displaced);
             }
             if place == self.patches.len() {
                 self.patches.push(Patch {
@@ -133,7 +133,8 @@ impl Surface for DisplacedBlocks {
                     block: None,
                 });
             }
-            let (Some(lifted), Some(patch)) = (&self.lifted[index], self.patches.get_mut(place))
+            let (Some(displaced), Some(patch)) =
+                (&self.displaced[index], self.patches.get_mut(place))
             else {
                 continue;
             };
@@ -152,7 +153,7 @@ impl Surface for DisplacedBlocks {
             patch.vertices.clear();
             patch
                 .vertices
-                .extend(lifted.iter().map(|vertex| GroundVertex {
+                .extend(displaced.iter().map(|vertex| GroundVertex {
                     from_origin_m: (vertex.position_itrf_m - view.eye_itrf_m).as_vec3(),
                     height_m: vertex.height_m,
                     slope: vertex.slope,
@@ -162,16 +163,16 @@ impl Surface for DisplacedBlocks {
         }
         self.blocks = blocks;
         stats.patches = self.drawn as u32;
-        let held: usize = self.lifted.iter().flatten().map(Vec::len).sum();
+        let held: usize = self.displaced.iter().flatten().map(Vec::len).sum();
         let staged: usize = self.patches.iter().map(|p| p.vertices.capacity()).sum();
         let triangles: usize = self.indices.iter().map(|i| i.triangles.len()).sum();
-        stats.resident_bytes = (held * size_of::<Lifted>()
+        stats.resident_bytes = (held * size_of::<DisplacedVertex>()
             + staged * size_of::<GroundVertex>()
             + triangles * size_of::<u32>()) as u64;
         stats
     }
 
-    fn visit(&self, draw: &mut dyn FnMut(&Patch)) {
+    fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch)) {
         for patch in &self.patches[..self.drawn] {
             draw(patch);
         }
@@ -219,12 +220,12 @@ mod tests {
     #[test]
     fn neighbours_share_their_edges() {
         let mut surface = DisplacedBlocks::new(Ellipsoid::WGS84, 4).expect("sound");
-        let lifted: Vec<_> = Block::all().map(|b| surface.lift(b, &Hills)).collect();
+        let displaced: Vec<_> = Block::all().map(|b| surface.displace(b, &Hills)).collect();
         let mut edges: HashMap<[[u64; 3]; 2], u32> = HashMap::new();
         for block in Block::all() {
-            let lifted = &lifted[block.index() as usize];
+            let displaced = &displaced[block.index() as usize];
             let bits = |k: u32| {
-                let p = lifted[k as usize].position_itrf_m + DVec3::ZERO;
+                let p = displaced[k as usize].position_itrf_m + DVec3::ZERO;
                 p.to_array().map(f64::to_bits)
             };
             let row = match block.kind() {
@@ -253,7 +254,7 @@ mod tests {
     #[test]
     fn no_block_with_a_vertex_in_sight_is_left_out() {
         let mut surface = DisplacedBlocks::new(Ellipsoid::WGS84, 8).expect("sound");
-        let lifted: Vec<_> = Block::all().map(|b| surface.lift(b, &Hills)).collect();
+        let displaced: Vec<_> = Block::all().map(|b| surface.displace(b, &Hills)).collect();
         let scale = Ellipsoid::WGS84.scaled_from_itrf();
         let mut seen = 0;
         for k in 0..200_u32 {
@@ -263,7 +264,7 @@ mod tests {
             let eye = Ellipsoid::WGS84.surface_point(direction) + direction * height_m;
             surface.prepare(&view(eye), &Hills);
             for block in Block::all() {
-                let visible = lifted[block.index() as usize].iter().any(|vertex| {
+                let visible = displaced[block.index() as usize].iter().any(|vertex| {
                     // Hidden by a sphere of scaled space below all ground.
                     let (a, b) = (eye * scale, vertex.position_itrf_m * scale);
                     let r = 1.0 - 1.2e4 / 6.356e6;

@@ -10,16 +10,16 @@ use super::{DisplacedBlocks, Figure, Subdivision, SubdivisionError, Surface};
 /// for cost nothing.
 const SCENE_LEVELS: u32 = 12;
 
-/// What draws ground with relief.
+/// What draws ground with relief: by default what docs/surfaces.md finds best near the ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SurfaceKind {
-    /// The blocks of the 2011 paper, their vertices lifted.
-    #[default]
+    /// The blocks of the 2011 paper, their vertices displaced.
     Blocks,
     /// A grid on the screen, cast on the ground (2009).
     ProjectedGrid,
     /// Squares of the ground, divided where it is rough and near (2005).
+    #[default]
     Quadtree,
     /// Contours (2017): q-Bézier patches between them, or rays cast at them, see [`ContourDrawing`].
     Contours,

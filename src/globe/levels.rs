@@ -34,30 +34,30 @@ pub fn paper_level(distance_m: f64, levels: usize) -> usize {
     (band + levels).saturating_sub(PAPER_BANDS_M.len() + 1)
 }
 
-/// The coarsest level whose texel, seen face on at this distance, covers at most `most_px` screen pixels; the finest
+/// The coarsest level whose texel, seen face on at this distance, covers at most `max_px` screen pixels; the finest
 /// where none does.
 ///
 /// `pixels` are texels per block side, the finest level first; `radius_m` the Earth's; `pixel_rad` the angle of a screen
 /// pixel. With `current`, the level that the block had in the frame before, a coarser one is taken only once it covers
-/// [`HYSTERESIS`] × `most_px`, so that an eye that hovers about a limit does not toggle.
+/// [`HYSTERESIS`] × `max_px`, so that an eye that hovers about a limit does not toggle.
 pub fn screen_level(
     pixels: &[u32],
     radius_m: f64,
     distance_m: f64,
     pixel_rad: f64,
-    most_px: f64,
+    max_px: f64,
     current: Option<usize>,
 ) -> usize {
-    let coarsest_within = |most_px: f64| {
+    let coarsest_within = |max_px: f64| {
         pixels
             .iter()
-            .rposition(|n| texels_per_pixel(*n, radius_m, distance_m, pixel_rad) * most_px >= 1.0)
+            .rposition(|n| texels_per_pixel(*n, radius_m, distance_m, pixel_rad) * max_px >= 1.0)
             .unwrap_or(0)
     };
-    let target = coarsest_within(most_px);
+    let target = coarsest_within(max_px);
     match current {
         Some(current) if target > current => {
-            coarsest_within(most_px * HYSTERESIS).clamp(current, target)
+            coarsest_within(max_px * HYSTERESIS).clamp(current, target)
         }
         _ => target,
     }

@@ -78,7 +78,7 @@ impl Meshes {
     }
 
     /// Takes the coarsest grid that keeps the limb, else the finest. Answers its place among [`Self::grids`].
-    pub fn choose(&mut self, height_m: f64, pixel_rad: f64) -> usize {
+    pub fn select_lod(&mut self, height_m: f64, pixel_rad: f64) -> usize {
         let keeps_limb = |grid: &BlockGrid| {
             let radius_m = grid.ellipsoid().equatorial_radius_m;
             limb_error_px(grid.subdivision(), radius_m, height_m, pixel_rad) <= LIMB_PX
@@ -125,7 +125,7 @@ mod tests {
     fn the_mesh_is_finer_near_the_ground_and_in_narrow_views() {
         let mut meshes = Meshes::new(Ellipsoid::WGS84, Subdivision::Auto, 6).expect("sound");
         let mut cells = |height_m, pixel_rad| {
-            meshes.choose(height_m, pixel_rad);
+            meshes.select_lod(height_m, pixel_rad);
             meshes.grid().subdivision()
         };
         let pixel_rad = 1.6e-3;

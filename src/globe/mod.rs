@@ -7,20 +7,23 @@
 //! Ground with relief is drawn by a [`Surface`], which turns a view and heights into patches of triangles:
 //! `DisplacedBlocks`, `projected_grid`, `quadtree`, `contours` or `clipmap`; `SurfaceKind` names them. They need the feature
 //! `terrain`.
+//!
+//! What lies outside the view frustum or behind the horizon is left out by `culling`, whoever draws it.
 
 mod blocks;
 #[cfg(feature = "terrain")]
 pub mod clipmap;
 #[cfg(feature = "terrain")]
 pub mod contours;
+pub(crate) mod culling;
 #[cfg(feature = "terrain")]
 mod displaced;
+#[cfg(feature = "terrain")]
+mod index_ranges;
 #[cfg(feature = "terrain")]
 mod kinds;
 mod levels;
 mod meshes;
-#[cfg(feature = "terrain")]
-mod parts;
 #[cfg(feature = "terrain")]
 pub mod projected_grid;
 #[cfg(feature = "terrain")]
@@ -36,17 +39,20 @@ pub use blocks::{
 #[cfg(feature = "terrain")]
 pub use displaced::DisplacedBlocks;
 #[cfg(feature = "terrain")]
+pub use index_ranges::{RANGE_TRIANGLES, blocks_near, patch_ranges};
+#[cfg(feature = "terrain")]
 pub use kinds::{ContourDrawing, SurfaceError, SurfaceKind, SurfaceSettings};
 pub use levels::{
     HYSTERESIS, LevelRule, PAPER_BANDS_M, paper_level, screen_level, texels_per_pixel,
 };
 pub use meshes::{LIMB_PX, Meshes, Subdivision, limb_error_px};
-#[cfg(feature = "terrain")]
-pub use parts::{PART_TRIANGLES, Part, blocks_near, parts_of, runs};
 pub use select::{Selection, select_blocks, select_blocks_between};
 #[cfg(feature = "terrain")]
-pub use surface::{GridDraw, GroundVertex, GroundView, Indices, Patch};
-pub use surface::{GroundForm, Surface, SurfaceStats};
+pub use surface::{
+    ContourPage, ContourPageSet, GridDraw, GroundVertex, GroundView, IndexRange, Patch,
+    TriangleList, merged_ranges,
+};
+pub use surface::{DrawKind, Surface, SurfaceStats};
 
 /// Which blocks are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

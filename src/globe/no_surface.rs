@@ -1,4 +1,4 @@
-//! In place of `surface.rs` where the feature `terrain` is off: there is no ground with relief to draw.
+//! In place of `surface/` where the feature `terrain` is off: there is no ground with relief to draw.
 
 pub use super::surface_stats::SurfaceStats;
 use std::convert::Infallible;
@@ -6,13 +6,13 @@ use std::marker::PhantomData;
 
 /// A way to draw ground that has relief. Nothing implements it without the feature `terrain`.
 pub trait Surface: Send {
-    /// In what form it is drawn.
-    fn form(&self) -> GroundForm<'_>;
+    /// How it is drawn.
+    fn draw_kind(&self) -> DrawKind<'_>;
 
     /// Whether it has patches that lie in several blocks.
     fn crosses_blocks(&self) -> bool;
 }
 
-/// In what form a surface hands over what is drawn: without the feature `terrain` in none.
+/// How a surface is drawn, and what with: without the feature `terrain` in no way.
 #[derive(Clone, Copy, Debug)]
-pub struct GroundForm<'a>(pub Infallible, PhantomData<&'a ()>);
+pub struct DrawKind<'a>(pub Infallible, PhantomData<&'a ()>);

@@ -5,8 +5,8 @@ use super::lattice::BlockInstance;
 use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
 use super::shader::{ShaderCapability, VertexForm};
 use super::{DepthBuffer, FramePlan};
-use crate::globe::contours::{ContourNode, MAX_NODES, PageOptions, PagesDraw, slack_m};
-use crate::globe::{Block, BlockGrid, BlockSet, GroundForm, Surface};
+use crate::globe::contours::{ContourNode, MAX_NODES, PageOptions};
+use crate::globe::{Block, BlockGrid, BlockSet, ContourPageSet, DrawKind, Surface};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use wgpu::util::DeviceExt;
@@ -83,8 +83,8 @@ impl PageMesh {
             && limits.max_bindings_per_bind_group > BINDING
     }
 
-    pub fn new(device: &wgpu::Device, pages: &PagesDraw<'_>, depth: DepthBuffer) -> Self {
-        let most = pages.most_pages as usize;
+    pub fn new(device: &wgpu::Device, pages: &ContourPageSet, depth: DepthBuffer) -> Self {
+        let most = pages.max_pages as usize;
         let buffer = |label: &'static str, bytes: usize, usage: wgpu::BufferUsages| {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -175,7 +175,10 @@ impl SurfaceMesh for PageMesh {
         ground: Option<&dyn Surface>,
         _: Option<BlockSet>,
     ) -> u64 {
-        let Some(GroundForm::Pages(draw)) = ground.map(Surface::form) else {
+        let Some(surface) = ground else {
+            return 0;
+        };
+        let DrawKind::ContourPages(pages) = surface.draw_kind() else {
             return 0;
         };
         let eye_itrf_m = plan.eye_itrf_m;
@@ -183,42 +186,38 @@ impl SurfaceMesh for PageMesh {
         self.instance_staging.clear();
         self.blocks.clear();
         let mut written = 0;
-        for drawn in draw.drawn {
-            let slot = drawn.page as usize;
-            let (Some(page), Some(held)) = (draw.pages.get(slot), self.held.get_mut(slot)) else {
-                continue;
+        surface.for_each_contour_page(&mut |page| {
+            let Some(held) = self.held.get_mut(page.slot as usize) else {
+                return;
             };
-            let root = drawn.page * MAX_NODES;
+            let root = page.slot * MAX_NODES;
             if *held != page.revision {
                 *held = page.revision;
-                let bytes: &[u8] = bytemuck::cast_slice(&page.nodes);
                 let at = u64::from(root) * size_of::<ContourNode>() as u64;
-                queue.write_buffer(&self.nodes, at, bytes);
-                written += bytes.len() as u64;
+                queue.write_buffer(&self.nodes, at, page.nodes);
+                written += page.nodes.len() as u64;
             }
             let origin_from_eye_m = page.origin_itrf_m - eye_itrf_m;
-            let slack_m = slack_m(page, eye_itrf_m);
             let [east, north, up] = page.axes;
             for (k, corner) in (0..).zip(page.corners_m) {
                 let sign = |bit: u32| if k & bit == 0 { -1.0 } else { 1.0 };
                 let outward = east * sign(1) + north * sign(2) + up * sign(4);
                 let from_eye_m = origin_from_eye_m + corner;
-                let more_m = MARGIN_PX * draw.pixel_rad * from_eye_m.length() + slack_m;
-                let down_m = if k < 4 { drawn.skirt_m } else { 0.0 };
+                let more_m = MARGIN_PX * pages.pixel_rad * from_eye_m.length() + page.slack_m;
+                let down_m = if k < 4 { page.skirt_m } else { 0.0 };
                 let moved_m = from_eye_m + outward * more_m - up * down_m;
                 self.corner_staging.push(moved_m.as_vec3());
             }
-            let block = page.block();
             self.instance_staging.push(PageInstance {
-                reference: BlockInstance::of_block(block),
+                reference: BlockInstance::of_block(page.block),
                 eye_from_origin_m: (-origin_from_eye_m).as_vec3(),
                 root,
-                slack_m: slack_m as f32,
-                cone: draw.cone as f32,
-                step_m: drawn.skirt_m as f32,
+                slack_m: page.slack_m as f32,
+                cone: pages.cone as f32,
+                step_m: page.skirt_m as f32,
             });
-            self.blocks.push(block);
-        }
+            self.blocks.push(page.block);
+        });
         let corners: &[u8] = bytemuck::cast_slice(&self.corner_staging);
         let instances: &[u8] = bytemuck::cast_slice(&self.instance_staging);
         for (buffer, bytes) in [(&self.corners, corners), (&self.instances, instances)] {

@@ -5,8 +5,8 @@ use super::FramePlan;
 use super::crossing::draws_of;
 use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
 use super::shader::{ATLAS_COLUMNS, VertexForm};
-use crate::globe::projected_grid::{Frame, GridUniforms, TILE_SAMPLES, grid_parts};
-use crate::globe::{Block, BlockGrid, BlockSet, GridDraw, GroundForm, Part, Surface};
+use crate::globe::projected_grid::{GridUniforms, TILE_SAMPLES};
+use crate::globe::{Block, BlockGrid, BlockSet, DrawKind, GridDraw, IndexRange, Surface};
 use std::ops::Range;
 use wgpu::util::DeviceExt;
 
@@ -23,9 +23,9 @@ pub(crate) struct GridMesh {
     held: Vec<u64>,
     /// Triangles, the number of the instance that says what they are drawn as, and whose tiles they are drawn with.
     draws: Vec<(Range<u32>, u32, Option<Block>)>,
-    /// Where blocks have tiles; and the frame that they were found for.
-    parts: Vec<Part>,
-    parted: Option<Frame>,
+    /// Where blocks have tiles; and the revision that they were found for.
+    ranges: Vec<IndexRange>,
+    ranges_of: Option<u64>,
 }
 
 impl GridMesh {
@@ -41,7 +41,7 @@ impl GridMesh {
     pub fn new(device: &wgpu::Device, grid: &GridDraw<'_>) -> Self {
         let atlas = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("terrella height tiles"),
-            size: atlas_size(grid.tiles.slot_count()),
+            size: atlas_size(grid.written.len() as u32),
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -60,10 +60,10 @@ impl GridMesh {
                 usage: wgpu::BufferUsages::INDEX,
             }),
             index_count: triangles.len() as u32,
-            held: vec![0; grid.tiles.slot_count() as usize],
+            held: vec![0; grid.written.len()],
             draws: Vec::new(),
-            parts: Vec::new(),
-            parted: None,
+            ranges: Vec::new(),
+            ranges_of: None,
         }
     }
 }
@@ -85,33 +85,35 @@ impl SurfaceMesh for GridMesh {
         ground: Option<&dyn Surface>,
         tiled: Option<BlockSet>,
     ) -> u64 {
-        let Some(GroundForm::Grid(grid)) = ground.map(Surface::form) else {
+        let Some(surface) = ground else {
+            return 0;
+        };
+        let DrawKind::Grid(grid) = surface.draw_kind() else {
             return 0;
         };
         self.draws.clear();
-        let Some(frame) = grid.frame else {
+        let Some(uniforms) = grid.uniforms else {
             return 0;
         };
         match tiled {
             None => self.draws.push((0..self.index_count, 0, None)),
             Some(tiled) => {
-                if self.parted.as_ref() != Some(frame) {
-                    self.parted = Some(*frame);
-                    grid_parts(frame, &mut self.parts);
+                if self.ranges_of != Some(grid.revision) {
+                    self.ranges_of = Some(grid.revision);
+                    surface.grid_ranges(&mut self.ranges);
                 }
-                draws_of(&self.parts, tiled, |drawn_as, block, range| {
+                draws_of(&self.ranges, tiled, |drawn_as, block, range| {
                     self.draws.push((range, drawn_as, block));
                 });
             }
         }
         let mut written = 0;
-        let slots = (0..).zip(self.held.iter_mut().zip(grid.tiles.written()));
-        for (slot, (held, now)) in slots.filter(|(_, (held, now))| **held != *now) {
-            *held = now;
-            written += write_slot(queue, &self.atlas, slot, grid.tiles.slot(slot));
+        let slots = (0..).zip(self.held.iter_mut().zip(grid.written));
+        for (slot, (held, now)) in slots.filter(|(_, (held, now))| **held != **now) {
+            *held = *now;
+            written += write_slot(queue, &self.atlas, slot, grid.slot(slot));
         }
-        let uniforms = GridUniforms::new(frame, grid.tiles);
-        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniforms));
+        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(uniforms));
         written + size_of::<GridUniforms>() as u64
     }
 

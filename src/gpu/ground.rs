@@ -7,7 +7,8 @@ use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
 use super::shader::{PatchTiles, VertexForm, WHOLE_MAP};
 use crate::frames::Ellipsoid;
 use crate::globe::{
-    Block, BlockGrid, BlockSet, GroundVertex, Indices, Part, Patch, Surface, parts_of,
+    Block, BlockGrid, BlockSet, GroundVertex, IndexRange, Patch, Surface, TriangleList,
+    patch_ranges,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -75,13 +76,13 @@ struct Held {
     revision: u64,
     reference: BlockInstance,
     /// Of a patch that lies in several blocks which have tiles; and the revision and triangles that they were found for.
-    parts: Vec<Part>,
-    parted: Option<(u64, usize)>,
+    ranges: Vec<IndexRange>,
+    ranges_of: Option<(u64, usize)>,
     used: u64,
 }
 
 struct Triangles {
-    _source: Arc<Indices>,
+    _source: Arc<TriangleList>,
     buffer: wgpu::Buffer,
     used: u64,
 }
@@ -138,8 +139,8 @@ impl GroundMesh {
                     vertices: buffer(&self.device, "terrella ground", bytes.len(), usage),
                     revision: 0,
                     reference: reference(patch, ellipsoid),
-                    parts: Vec::new(),
-                    parted: None,
+                    ranges: Vec::new(),
+                    ranges_of: None,
                     used: 0,
                 },
             );
@@ -197,12 +198,12 @@ impl GroundMesh {
             staging.push(instance);
             return;
         };
-        let parted = Some((held.revision, triangles));
-        if held.parted != parted {
-            held.parted = parted;
-            parts_of(patch, &plan.ellipsoid, &mut held.parts);
+        let ranges_of = Some((held.revision, triangles));
+        if held.ranges_of != ranges_of {
+            held.ranges_of = ranges_of;
+            patch_ranges(patch, &plan.ellipsoid, &mut held.ranges);
         }
-        draws_of(&held.parts, tiled, |drawn_as, block, range| {
+        draws_of(&held.ranges, tiled, |drawn_as, block, range| {
             draws.push(Draw {
                 patch: patch.key,
                 triangles,
@@ -249,7 +250,7 @@ impl SurfaceMesh for GroundMesh {
         self.draws.clear();
         self.staging.clear();
         let mut written = 0;
-        surface.visit(&mut |patch| {
+        surface.for_each_patch(&mut |patch| {
             if !patch.vertices.is_empty() && !patch.indices.triangles.is_empty() {
                 written += self.write_patch(queue, patch, &plan.ellipsoid);
                 self.draw_patch(patch, plan, tiled);

@@ -5,17 +5,19 @@ use super::grid::GridMesh;
 use super::ground::GroundMesh;
 use super::mesh::SurfaceMesh;
 use super::surface_config::SurfaceConfig;
-use crate::globe::GroundForm;
+use crate::globe::DrawKind;
 
-/// The mesh of ground in a form.
+/// The mesh of ground that is drawn so.
 pub(super) fn mesh(
     device: &wgpu::Device,
-    form: &GroundForm<'_>,
+    kind: &DrawKind<'_>,
     config: &SurfaceConfig<'_>,
 ) -> Box<dyn SurfaceMesh + Send + Sync> {
-    match form {
-        GroundForm::Patches => Box::new(GroundMesh::new(device, config.crosses_blocks)),
-        GroundForm::Grid(grid) => Box::new(GridMesh::new(device, grid)),
-        GroundForm::Pages(pages) => Box::new(PageMesh::new(device, pages, config.format.depth)),
+    match kind {
+        DrawKind::Patches => Box::new(GroundMesh::new(device, config.crosses_blocks)),
+        DrawKind::Grid(grid) => Box::new(GridMesh::new(device, grid)),
+        DrawKind::ContourPages(pages) => {
+            Box::new(PageMesh::new(device, pages, config.format.depth))
+        }
     }
 }

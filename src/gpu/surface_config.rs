@@ -1,7 +1,7 @@
 //! How the surface is drawn.
 
 use super::{GpuLayer, PassFormat, SurfaceOutput};
-use crate::globe::{GroundForm, Shading};
+use crate::globe::{DrawKind, Shading};
 use crate::imagery::tile::MAP_LAYERS;
 
 /// How the surface is drawn: what can change while the maps stay.
@@ -15,7 +15,7 @@ pub(crate) struct SurfaceConfig<'a> {
     /// The air's sunlight table, if there is air and the shading uses it.
     pub sunlight: Option<&'a GpuLayer>,
     /// In what form ground with relief is drawn, if it is and not the block sphere. The variant does not change.
-    pub ground: Option<GroundForm<'a>>,
+    pub ground: Option<DrawKind<'a>>,
     /// Whether that has triangles that lie in several blocks. Nor does that.
     pub crosses_blocks: bool,
     /// Whether edges of triangles are drawn alone.

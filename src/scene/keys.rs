@@ -42,8 +42,7 @@ pub(super) const SPAN_MIN: RangeInclusive<f64> = 0.0..=10_080.0;
 /// `samples` of `[earth.clipmap]`: along an edge of a level.
 pub(super) const CLIPMAP_SAMPLES: [i64; 3] = [65, 129, 257];
 /// `levels` of `[earth.clipmap]`, besides the globe's.
-pub(super) const CLIPMAP_LEVELS: RangeInclusive<i64> =
-    0..=crate::globe::clipmap::MOST_LEVELS as i64;
+pub(super) const CLIPMAP_LEVELS: RangeInclusive<i64> = 0..=crate::globe::clipmap::MAX_LEVELS as i64;
 /// `samples` of `[earth.projected_grid]`, across and down.
 pub(super) const GRID_SAMPLES: RangeInclusive<i64> = 2..=1025;
 

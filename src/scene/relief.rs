@@ -29,9 +29,9 @@ impl SceneText<'_> {
     /// Relief is drawn where a scene names heights, or a surface other than the blocks, which need none.
     pub(super) fn relief(&self, earth: &RawEarth) -> Result<Option<ReliefTable>, SceneError> {
         let elevation_field = earth.elevation();
-        // What docs/surfaces.md finds best near the ground.
+        // A smooth Earth is drawn as blocks.
         let usual = match elevation_field.is_given() {
-            true => SurfaceKind::Quadtree,
+            true => SurfaceKind::default(),
             false => SurfaceKind::Blocks,
         };
         let surface = self.choice(&earth.surface(), usual)?;

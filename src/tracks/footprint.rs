@@ -1,6 +1,7 @@
 //! The ground that a sensor sees, and whether the globe hides a place: on the exact ellipsoid, in scaled space.
 
 use crate::frames::Ellipsoid;
+use crate::globe::culling::{GroundShell, Horizon};
 use glam::DVec3;
 
 /// Points of a footprint's outline; the first is not repeated.
@@ -73,13 +74,7 @@ pub fn footprint_outline(
 /// Whether the globe hides `point` from `eye`, both ITRF metres and neither below the ground: the CPU's twin of `in_sight` in
 /// `shaders/tracks.wgsl`.
 pub fn is_hidden(eye_itrf_m: DVec3, point_itrf_m: DVec3, ellipsoid: &Ellipsoid) -> bool {
-    let scale = ellipsoid.scaled_from_itrf();
-    let (e, p) = (scale * eye_itrf_m, scale * point_itrf_m);
-    let Some(d) = (p - e).try_normalize() else {
-        return false;
-    };
-    // The globe lies before the eye, and the point beyond the middle of the ray's chord.
-    e.cross(d).length() < 1.0 && e.dot(d) < 0.0 && p.dot(d) > 0.0
+    Horizon::new(ellipsoid, eye_itrf_m, GroundShell::SMOOTH).hides_point(point_itrf_m)
 }
 
 /// Whether a point lies beyond the near boundary of the air as seen from `eye`, so that the air is drawn over it: the twin of

@@ -17,7 +17,7 @@ const MODULES: &[(&str, &[&str])] = &[
     ("gpu", &["frames", "globe", "air", "imagery"]),
     ("earth", &["frames", "elevation", "globe", "air", "imagery", "gpu"]),
     // Drawn with the Earth, for any feed: knows no scene.
-    ("tracks", &["frames", "orbit", "air", "gpu", "earth"]),
+    ("tracks", &["frames", "orbit", "globe", "air", "gpu", "earth"]),
     ("play", &["frames", "orbit", "elevation", "imagery", "scene", "gpu", "earth", "tracks"]),
     ("measure", &["frames", "orbit", "elevation", "globe", "air", "imagery", "scene", "gpu", "earth", "play"]),
     ("cli", &["frames", "orbit", "globe", "imagery", "scene", "gpu", "play", "measure"]),

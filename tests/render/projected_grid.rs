@@ -7,7 +7,7 @@ use terrella::elevation::{Bounds, Elevation, HeightRange};
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::globe::GroundView;
 use terrella::globe::projected_grid::{
-    Frame, GridOptions, GridUniforms, HeightTiles, ProjectedGrid, TILE_SAMPLES, eye_place,
+    GridFrame, GridOptions, GridUniforms, HeightTiles, ProjectedGrid, TILE_SAMPLES, eye_place,
 };
 use terrella::gpu::{EarthOutput, EarthVariant, ShaderVariant, VertexForm};
 
@@ -66,7 +66,7 @@ struct Found {
     normal: [f32; 4],
 }
 
-fn on_the_adapter(frame: &Frame, tiles: &HeightTiles, edit: (&str, &str)) -> Vec<Found> {
+fn on_the_adapter(frame: &GridFrame, tiles: &HeightTiles, edit: (&str, &str)) -> Vec<Found> {
     let (device, queue) = (&gpu().device, &gpu().queue);
     let label = Some("terrella projected grid");
     let variant = EarthVariant {

@@ -12,7 +12,7 @@ pub const DIAMONDS: u8 = 10;
 
 /// A point of a lattice. Points of an edge have a name in each diamond that has the edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Spot {
+pub struct LatticeIndex {
     /// 0…9.
     pub diamond: u8,
     /// From A towards B, 0…n.
@@ -21,7 +21,7 @@ pub struct Spot {
     pub j: i64,
 }
 
-impl Spot {
+impl LatticeIndex {
     /// The same point in a lattice `factor` times as fine.
     pub fn scaled(self, factor: i64) -> Self {
         Self {
@@ -46,16 +46,16 @@ impl Spot {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Triangle {
     /// The cell's corner of least numbers.
-    pub cell: Spot,
+    pub cell: LatticeIndex,
     /// Whether it is the one by the (i + 1, j + 1) corner.
     pub far: bool,
 }
 
 impl Triangle {
     /// Its corners, counter-clockwise seen from above; the first is the one that lies off the cell's diagonal.
-    pub fn corners(self) -> [Spot; 3] {
-        let Spot { diamond, i, j } = self.cell;
-        let at = |i, j| Spot { diamond, i, j };
+    pub fn corners(self) -> [LatticeIndex; 3] {
+        let LatticeIndex { diamond, i, j } = self.cell;
+        let at = |i, j| LatticeIndex { diamond, i, j };
         if self.far {
             [at(i + 1, j + 1), at(i, j + 1), at(i + 1, j)]
         } else {
@@ -65,10 +65,10 @@ impl Triangle {
 
     /// The triangles across its edges, from corner 0 to 1, 1 to 2 and 2 to 0, in a lattice of `n` cells.
     pub fn neighbours(self, n: i64) -> [Self; 3] {
-        let Spot { diamond, i, j } = self.cell;
+        let LatticeIndex { diamond, i, j } = self.cell;
         let across = |i, j| {
-            cell_across(Spot { diamond, i, j }, n).unwrap_or(Self {
-                cell: Spot { diamond, i, j },
+            cell_across(LatticeIndex { diamond, i, j }, n).unwrap_or(Self {
+                cell: LatticeIndex { diamond, i, j },
                 far: !self.far,
             })
         };
@@ -86,15 +86,15 @@ impl Triangle {
 
 /// The triangle that a cell one step outside its diamond (−1 or n in one of the numbers) shows to that diamond; `None` for
 /// a cell inside. The paper's rules modulo five.
-fn cell_across(cell: Spot, n: i64) -> Option<Triangle> {
-    let Spot { diamond, i, j } = cell;
+fn cell_across(cell: LatticeIndex, n: i64) -> Option<Triangle> {
+    let LatticeIndex { diamond, i, j } = cell;
     let upper = |k: u8| k % 5;
     let lower = |m: u8| 5 + m % 5;
     let m = diamond % 5;
     let last = n - 1;
     let at = |diamond, i, j, far| {
         Some(Triangle {
-            cell: Spot { diamond, i, j },
+            cell: LatticeIndex { diamond, i, j },
             far,
         })
     };
@@ -117,24 +117,24 @@ fn cell_across(cell: Spot, n: i64) -> Option<Triangle> {
 /// A corner of a diamond, with the directions along its two edges: from the first to the second it is a turn to the left
 /// through the diamond.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Corner {
+pub struct DiamondCorner {
     /// 0…9.
     pub diamond: u8,
     /// A, B, D, C as 0…3: counter-clockwise.
     pub corner: u8,
 }
 
-impl Corner {
+impl DiamondCorner {
     /// The diamond's corner nearest to a point, the lower one of two as near.
-    pub fn nearest(spot: Spot, n: i64) -> Self {
-        let corner = match (2 * spot.i > n, 2 * spot.j > n) {
+    pub fn nearest(index: LatticeIndex, n: i64) -> Self {
+        let corner = match (2 * index.i > n, 2 * index.j > n) {
             (false, false) => 0,
             (true, false) => 1,
             (true, true) => 2,
             (false, true) => 3,
         };
         Self {
-            diamond: spot.diamond,
+            diamond: index.diamond,
             corner,
         }
     }
@@ -179,14 +179,14 @@ impl Corner {
     }
 
     /// The point so many steps along the first and the second edge: the inverse of [`Self::steps`].
-    pub fn spot(self, p: i64, q: i64, n: i64) -> Spot {
+    pub fn index(self, p: i64, q: i64, n: i64) -> LatticeIndex {
         let (i, j) = match self.corner {
             0 => (p, q),
             1 => (n - q, p),
             2 => (n - p, n - q),
             _ => (q, n - p),
         };
-        Spot {
+        LatticeIndex {
             diamond: self.diamond,
             i,
             j,
@@ -212,7 +212,7 @@ pub enum Place {
 /// change of home changes names only.
 pub fn virtual_diamond(home: u8) -> [[Place; 3]; 3] {
     let across = |i, j| {
-        let cell = Spot {
+        let cell = LatticeIndex {
             diamond: home,
             i,
             j,
@@ -221,7 +221,7 @@ pub fn virtual_diamond(home: u8) -> [[Place; 3]; 3] {
         cell_across(cell, 1).map_or(Place::Home, |triangle| Place::Across(triangle.cell.diamond))
     };
     let beyond = |corner| {
-        let corner = Corner {
+        let corner = DiamondCorner {
             diamond: home,
             corner,
         };
@@ -290,8 +290,8 @@ impl Icosahedron {
     /// The paper's OE = OA + y(OB − OA), OF = OA + y(OC − OA), OG = OE + x(OF − OE), y = (i + j)/n, x = j/(i + j), is
     /// OG = (1 − (i + j)/n)·OA + (i/n)·OB + (j/n)·OC, and from D likewise for i + j > n. Points of an edge come out the
     /// same to the last bit in each diamond: the corners are summed in the order of their numbers.
-    pub fn direction(&self, spot: Spot, n: i64) -> DVec3 {
-        let Spot { diamond, i, j } = spot;
+    pub fn direction(&self, index: LatticeIndex, n: i64) -> DVec3 {
+        let LatticeIndex { diamond, i, j } = index;
         let [a, b, c, d] = corner_numbers(diamond);
         let mut parts = if i + j <= n {
             [(a, n - i - j), (b, i), (c, j)]

@@ -1,12 +1,12 @@
 //! One level: its samples about a middle, how they follow the eye, and how they give way to the coarser level's surface.
 
-use super::lattice::{Icosahedron, Spot};
-use super::reach::Reach;
-use super::sheet::{Sheet, Slots};
+use super::lattice::{Icosahedron, LatticeIndex};
+use super::level_extent::LevelExtent;
+use super::toroidal::{Slots, ToroidalBuffer};
 use super::{Trim, triangles};
 use crate::elevation::Elevation;
 use crate::frames::Ellipsoid;
-use crate::globe::surface::{GroundVertex, Indices};
+use crate::globe::surface::{GroundVertex, TriangleList};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -14,19 +14,19 @@ use std::sync::Arc;
 pub const EDGE_RAD: f64 = 1.107_148_717_794_090_4;
 
 /// Where samples come from.
-pub struct Source<'a> {
+pub struct HeightSource<'a> {
     pub ellipsoid: &'a Ellipsoid,
     pub icosahedron: &'a Icosahedron,
     pub ground: &'a dyn Elevation,
 }
 
-impl Source<'_> {
+impl HeightSource<'_> {
     /// The point of the ground at a lattice point, ITRF metres, with height and slope, averaged over half a cell to each
     /// side.
     ///
     /// The direction on the icosahedron's sphere is the ellipsoid's outward normal: latitudes are geodetic.
-    fn sample(&self, spot: Spot, n: i64) -> (DVec3, GroundVertex) {
-        let normal = self.icosahedron.direction(spot, n);
+    fn sample(&self, index: LatticeIndex, n: i64) -> (DVec3, GroundVertex) {
+        let normal = self.icosahedron.direction(index, n);
         let lat_rad = normal.z.atan2(normal.x.hypot(normal.y));
         let lon_rad = normal.y.atan2(normal.x);
         let half_cell_rad = 0.5 * EDGE_RAD / n as f64;
@@ -48,24 +48,24 @@ impl Source<'_> {
 
 /// A level of the clipmap.
 pub struct Level {
-    /// 0 for the globe in ten sheets, 1 for the coarsest that follows the eye.
+    /// 0 for the globe in ten buffers, 1 for the coarsest that follows the eye.
     pub number: u32,
     /// Cells of a diamond's edge.
     pub n: i64,
     /// Cells from the middle to the border.
     pub radius: i64,
     trim: Trim,
-    /// What is drawn: complete, and drawn as far as the sheets' vertices say.
-    pub reach: Option<Reach>,
+    /// What is drawn: complete, and drawn as far as the buffers' vertices say.
+    pub extent: Option<LevelExtent>,
     /// What is being filled while nothing is drawn.
-    pending: Option<Reach>,
-    pub sheets: Vec<Sheet>,
-    /// Where all sheets measure from, and the middle that this was chosen for.
-    origin: Option<(DVec3, Spot)>,
+    pending: Option<LevelExtent>,
+    pub buffers: Vec<ToroidalBuffer>,
+    /// Where all buffers measure from, and the middle that this was chosen for.
+    origin: Option<(DVec3, LatticeIndex)>,
     /// How far the whole level is drawn as the coarser one: 0 not at all, 1 altogether.
     pub fade: f64,
     /// What the indices were made for: middles of this level and of the finer one.
-    shape: Option<(Spot, Option<Spot>)>,
+    shape: Option<(LatticeIndex, Option<LatticeIndex>)>,
 }
 
 impl Level {
@@ -75,9 +75,9 @@ impl Level {
             n: radius << number,
             radius,
             trim,
-            reach: None,
+            extent: None,
             pending: None,
-            sheets: Vec::new(),
+            buffers: Vec::new(),
             origin: None,
             fade: 0.0,
             shape: None,
@@ -102,30 +102,30 @@ impl Level {
     }
 
     /// A reach of this level's size about an even point.
-    pub fn reach_about(&self, middle: Spot) -> Reach {
-        Reach::new(middle, self.n, self.radius, self.trim)
+    pub fn extent_about(&self, middle: LatticeIndex) -> LevelExtent {
+        LevelExtent::new(middle, self.n, self.radius, self.trim)
     }
 
-    fn sheet(&self, diamond: u8) -> Option<&Sheet> {
-        self.sheets.iter().find(|sheet| sheet.diamond == diamond)
+    fn buffer(&self, diamond: u8) -> Option<&ToroidalBuffer> {
+        self.buffers.iter().find(|buffer| buffer.diamond == diamond)
     }
 
-    /// Slots of a row of a sheet.
+    /// Slots of a row of a buffer.
     fn side(&self) -> u32 {
         2 * self.radius as u32 + 1
     }
 
     /// How many samples a reach needs that are not held.
-    pub fn missing(&self, reach: &Reach) -> u64 {
+    pub fn missing(&self, extent: &LevelExtent) -> u64 {
         let mut missing = 0;
-        for (diamond, span) in reach.boxes() {
-            let sheet = self.sheet(diamond);
-            let part = reach.in_diamond(diamond).expect("it has a box there");
+        for (diamond, span) in extent.boxes() {
+            let buffer = self.buffer(diamond);
+            let part = extent.in_diamond(diamond).expect("it has a box there");
             let slots = Slots::new(span.least, self.side());
             for i in span.least.0..=span.most.0 {
                 for j in span.least.1..=span.most.1 {
-                    let held = sheet.is_some_and(|sheet| sheet.has(slots.of(i, j), i, j));
-                    if !held && part.distance(i, j) <= reach.radius {
+                    let held = buffer.is_some_and(|buffer| buffer.has(slots.of(i, j), i, j));
+                    if !held && part.distance(i, j) <= extent.radius {
                         missing += 1;
                     }
                 }
@@ -138,108 +138,109 @@ impl Level {
     /// reach does not need may be lost.
     pub fn fill(
         &mut self,
-        reach: &Reach,
-        source: &Source<'_>,
+        extent: &LevelExtent,
+        source: &HeightSource<'_>,
         budget: &mut u64,
         clock: &mut u64,
     ) -> bool {
-        self.settle(reach, source, clock);
+        self.settle(extent, source, clock);
         let quantum_m = Self::quantum_m(self.number);
-        for (diamond, span) in reach.boxes() {
-            let part = reach.in_diamond(diamond).expect("it has a box there");
-            let sheet = self.sheets.iter_mut().find(|s| s.diamond == diamond);
-            let sheet = sheet.expect("settled");
-            let slots = Slots::new(span.least, sheet.side());
+        for (diamond, span) in extent.boxes() {
+            let part = extent.in_diamond(diamond).expect("it has a box there");
+            let buffer = self.buffers.iter_mut().find(|s| s.diamond == diamond);
+            let buffer = buffer.expect("settled");
+            let slots = Slots::new(span.least, buffer.side());
             for i in span.least.0..=span.most.0 {
                 for j in span.least.1..=span.most.1 {
-                    if sheet.has(slots.of(i, j), i, j) || part.distance(i, j) > reach.radius {
+                    if buffer.has(slots.of(i, j), i, j) || part.distance(i, j) > extent.radius {
                         continue;
                     }
                     if *budget == 0 {
                         return false;
                     }
                     *budget -= 1;
-                    let spot = Spot { diamond, i, j };
-                    let (point_m, mut vertex) = source.sample(spot, self.n);
+                    let index = LatticeIndex { diamond, i, j };
+                    let (point_m, mut vertex) = source.sample(index, self.n);
                     let point_m = (point_m / quantum_m).round() * quantum_m;
-                    vertex.from_origin_m = (point_m - sheet.patch.origin_itrf_m).as_vec3();
-                    sheet.put(spot, vertex);
+                    vertex.from_origin_m = (point_m - buffer.patch.origin_itrf_m).as_vec3();
+                    buffer.put(index, vertex);
                 }
             }
         }
         true
     }
 
-    /// Sees to it that each diamond within reach has a sheet, and that the origin is near.
-    fn settle(&mut self, reach: &Reach, source: &Source<'_>, clock: &mut u64) {
-        let near = |spot: &Spot| {
-            let steps = reach.distance(*spot);
+    /// Sees to it that each diamond within reach has a buffer, and that the origin is near.
+    fn settle(&mut self, extent: &LevelExtent, source: &HeightSource<'_>, clock: &mut u64) {
+        let near = |index: &LatticeIndex| {
+            let steps = extent.distance(*index);
             steps.is_some_and(|steps| steps <= self.radius / 2)
         };
         let origin_m = match self.origin {
             Some((origin_m, middle)) if near(&middle) => origin_m,
             _ => {
-                let normal = source.icosahedron.direction(reach.middle, self.n);
+                let normal = source.icosahedron.direction(extent.middle, self.n);
                 // A multiple of every level's quantum.
                 let origin_m = (source.ellipsoid.surface_point(normal) / 2.0).round() * 2.0;
-                for sheet in &mut self.sheets {
-                    sheet.rebase(origin_m, Self::most_m(self.number));
+                for buffer in &mut self.buffers {
+                    buffer.rebase(origin_m, Self::most_m(self.number));
                 }
-                self.origin = Some((origin_m, reach.middle));
+                self.origin = Some((origin_m, extent.middle));
                 origin_m
             }
         };
         let side = self.side();
-        for (diamond, _) in reach.boxes() {
-            if self.sheet(diamond).is_some() {
+        for (diamond, _) in extent.boxes() {
+            if self.buffer(diamond).is_some() {
                 continue;
             }
             let key = u64::from(self.number) * 16 + u64::from(diamond);
-            let unused = |sheet: &&mut Sheet| reach.boxes().all(|(d, _)| d != sheet.diamond);
-            if let Some(sheet) = self.sheets.iter_mut().find(unused) {
+            let unused =
+                |buffer: &&mut ToroidalBuffer| extent.boxes().all(|(d, _)| d != buffer.diamond);
+            if let Some(buffer) = self.buffers.iter_mut().find(unused) {
                 *clock += 1 << 32;
-                sheet.retake(diamond, key, *clock);
+                buffer.retake(diamond, key, *clock);
             } else {
-                let mut sheet = Sheet::new(side, diamond, key, origin_m);
+                let mut buffer = ToroidalBuffer::new(side, diamond, key, origin_m);
                 *clock += 1 << 32;
-                sheet.retake(diamond, key, *clock);
-                self.sheets.push(sheet);
+                buffer.retake(diamond, key, *clock);
+                self.buffers.push(buffer);
             }
         }
     }
 
     /// Fills towards a reach that is not drawn yet; true once it can be.
-    pub fn await_reach(
+    pub fn await_extent(
         &mut self,
-        reach: Reach,
-        source: &Source<'_>,
+        extent: LevelExtent,
+        source: &HeightSource<'_>,
         budget: &mut u64,
         clock: &mut u64,
     ) -> bool {
-        self.reach = None;
-        let full = self.fill(&reach, source, budget, clock);
+        self.extent = None;
+        let full = self.fill(&extent, source, budget, clock);
         if full {
             self.pending = None;
-            self.reach = Some(reach);
+            self.extent = Some(extent);
         } else {
-            self.pending = Some(reach);
+            self.pending = Some(extent);
         }
         full
     }
 
     /// What is being filled.
-    pub fn pending(&self) -> Option<&Reach> {
+    pub fn pending(&self) -> Option<&LevelExtent> {
         self.pending.as_ref()
     }
 
     /// Keeps a reach that is complete for when it may be drawn.
     pub fn hold(&mut self) {
-        self.pending = self.reach.take();
+        self.pending = self.extent.take();
     }
 
     /// Draws nothing from now on; samples stay.
     pub fn suspend(&mut self) {
-        self.reach = None;
+        self.extent = None;
         self.pending = None;
         self.fade = 0.0;
     }
@@ -247,39 +248,39 @@ impl Level {
     /// Sets all vertices within reach as they are to be drawn: as they are, or as far as [`Self::weight`] says as points of
     /// the coarser level's surface.
     pub fn blend_into(&mut self, coarser: Option<&Level>) {
-        let Some(reach) = self.reach.take() else {
+        let Some(extent) = self.extent.take() else {
             return;
         };
         let quantum_m = Self::quantum_m(self.number);
         let (blend, fade) = (self.blend(), self.fade);
-        for (diamond, span) in reach.boxes() {
-            let part = reach.in_diamond(diamond).expect("it has a box there");
-            let sheet = self.sheets.iter_mut().find(|s| s.diamond == diamond);
-            let sheet = sheet.expect("filled");
-            let below = coarser.and_then(|coarser| coarser.sheet(diamond));
-            let slots = Slots::new(span.least, sheet.side());
+        for (diamond, span) in extent.boxes() {
+            let part = extent.in_diamond(diamond).expect("it has a box there");
+            let buffer = self.buffers.iter_mut().find(|s| s.diamond == diamond);
+            let buffer = buffer.expect("filled");
+            let below = coarser.and_then(|coarser| coarser.buffer(diamond));
+            let slots = Slots::new(span.least, buffer.side());
             for i in span.least.0..=span.most.0 {
                 for j in span.least.1..=span.most.1 {
                     let steps = part.distance(i, j);
-                    if steps > reach.radius {
+                    if steps > extent.radius {
                         continue;
                     }
                     let slot = slots.of(i, j);
-                    debug_assert!(sheet.has(slot, i, j));
-                    let own = *sheet.own_in(slot);
-                    let weight = Self::weight(steps, reach.radius, blend).max(fade);
+                    debug_assert!(buffer.has(slot, i, j));
+                    let own = *buffer.own_in(slot);
+                    let weight = Self::weight(steps, extent.radius, blend).max(fade);
                     let drawn = match below {
                         Some(below) if weight > 0.0 => {
-                            let origin_m = sheet.patch.origin_itrf_m;
+                            let origin_m = buffer.patch.origin_itrf_m;
                             mixed(&own, origin_m, below, (i, j), weight, quantum_m)
                         }
                         _ => own,
                     };
-                    sheet.draw(slot, drawn);
+                    buffer.draw(slot, drawn);
                 }
             }
         }
-        self.reach = Some(reach);
+        self.extent = Some(extent);
     }
 
     /// How far a vertex so many steps from the middle is drawn as the coarser level: 0 up to `radius − blend` steps, 1 at
@@ -291,10 +292,10 @@ impl Level {
     /// Makes the triangles anew if the reach of this level or of the finer one has changed.
     pub fn cut(&mut self, finer: Option<&Level>) {
         let hole = finer
-            .and_then(|finer| finer.reach.as_ref())
-            .map(Reach::halved);
-        let middle = self.reach.as_ref().map(|reach| reach.middle);
-        let Some(middle) = middle.or((self.number == 0).then_some(Spot {
+            .and_then(|finer| finer.extent.as_ref())
+            .map(LevelExtent::halved);
+        let middle = self.extent.as_ref().map(|extent| extent.middle);
+        let Some(middle) = middle.or((self.number == 0).then_some(LatticeIndex {
             diamond: 0,
             i: 0,
             j: 0,
@@ -307,62 +308,68 @@ impl Level {
             return;
         }
         self.shape = shape;
-        let reach = self.reach.as_ref().map(Reach::halved);
-        for sheet in &mut self.sheets {
-            let mut triangles = Vec::with_capacity(sheet.patch.indices.triangles.len() * 9 / 8);
-            let diamond = sheet.diamond;
-            let span = self.reach.as_ref().and_then(|reach| reach.box_in(diamond));
+        let extent = self.extent.as_ref().map(LevelExtent::halved);
+        for buffer in &mut self.buffers {
+            let mut triangles = Vec::with_capacity(buffer.patch.indices.triangles.len() * 9 / 8);
+            let diamond = buffer.diamond;
+            let span = self
+                .extent
+                .as_ref()
+                .and_then(|extent| extent.box_in(diamond));
             let least = span.map_or((0, 0), |span| span.least);
-            let slots = Slots::new(least, sheet.side());
+            let slots = Slots::new(least, buffer.side());
             let slot = |i, j| slots.of(i, j) as u32;
-            match &reach {
-                Some(reach) => triangles::ring(reach, diamond, hole.as_ref(), slot, &mut triangles),
+            match &extent {
+                Some(extent) => {
+                    triangles::ring(extent, diamond, hole.as_ref(), slot, &mut triangles)
+                }
                 None => triangles::full(self.n, diamond, hole.as_ref(), slot, &mut triangles),
             }
-            if triangles != sheet.patch.indices.triangles {
-                sheet.patch.indices = Arc::new(Indices { triangles });
-                sheet.is_dirty = true;
+            if triangles != buffer.patch.indices.triangles {
+                buffer.patch.indices = Arc::new(TriangleList { triangles });
+                buffer.is_dirty = true;
             }
         }
     }
 
     /// Fills all ten diamonds, for the level that never moves.
-    pub fn fill_globe(&mut self, source: &Source<'_>, clock: &mut u64) -> u64 {
+    pub fn fill_globe(&mut self, source: &HeightSource<'_>, clock: &mut u64) -> u64 {
         let quantum_m = Self::quantum_m(self.number);
         let mut read = 0;
         for diamond in 0..super::lattice::DIAMONDS {
             let half = self.n / 2;
-            let middle = Spot {
+            let middle = LatticeIndex {
                 diamond,
                 i: half,
                 j: half,
             };
             let normal = source.icosahedron.direction(middle, self.n);
             let origin_m = (source.ellipsoid.surface_point(normal) / 2.0).round() * 2.0;
-            let mut sheet = Sheet::new(self.n as u32 + 1, diamond, u64::from(diamond), origin_m);
+            let mut buffer =
+                ToroidalBuffer::new(self.n as u32 + 1, diamond, u64::from(diamond), origin_m);
             *clock += 1 << 32;
-            sheet.retake(diamond, u64::from(diamond), *clock);
+            buffer.retake(diamond, u64::from(diamond), *clock);
             for i in 0..=self.n {
                 for j in 0..=self.n {
-                    let spot = Spot { diamond, i, j };
-                    let (point_m, mut vertex) = source.sample(spot, self.n);
+                    let index = LatticeIndex { diamond, i, j };
+                    let (point_m, mut vertex) = source.sample(index, self.n);
                     let point_m = (point_m / quantum_m).round() * quantum_m;
                     vertex.from_origin_m = (point_m - origin_m).as_vec3();
-                    sheet.put(spot, vertex);
-                    sheet.draw(sheet.slot(i, j), vertex);
+                    buffer.put(index, vertex);
+                    buffer.draw(buffer.slot(i, j), vertex);
                     read += 1;
                 }
             }
-            self.sheets.push(sheet);
+            self.buffers.push(buffer);
         }
         read
     }
 
     pub fn bytes(&self) -> usize {
-        self.sheets
+        self.buffers
             .iter()
-            .map(|sheet| {
-                sheet.bytes() + sheet.patch.indices.triangles.capacity() * size_of::<u32>()
+            .map(|buffer| {
+                buffer.bytes() + buffer.patch.indices.triangles.capacity() * size_of::<u32>()
             })
             .sum()
     }
@@ -373,7 +380,7 @@ impl Level {
 fn mixed(
     own: &GroundVertex,
     origin_m: DVec3,
-    below: &Sheet,
+    below: &ToroidalBuffer,
     (i, j): (i64, i64),
     weight: f64,
     quantum_m: f64,

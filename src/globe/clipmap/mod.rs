@@ -34,23 +34,25 @@
 //! the data's ground bends. The tolerance is no bound of the error: the paper's cells are as wide as a 32nd of their distance,
 //! whatever the ground.
 
-mod follow;
 mod lattice;
 mod level;
-mod reach;
-mod sheet;
+mod level_extent;
+mod level_update;
 #[cfg(test)]
 mod tests;
+mod toroidal;
 mod triangles;
 
-pub use lattice::{Corner, DIAMONDS, Icosahedron, Place, Spot, Triangle, virtual_diamond};
-pub use reach::{Box2, InDiamond, Reach};
+pub use lattice::{
+    DIAMONDS, DiamondCorner, Icosahedron, LatticeIndex, Place, Triangle, virtual_diamond,
+};
+pub use level_extent::{DiamondExtent, IndexBox, LevelExtent};
 
 use super::surface::{GroundView, Patch, Surface, SurfaceStats};
-use crate::elevation::Elevation;
+use crate::elevation::{Bounds, Elevation};
 use crate::frames::Ellipsoid;
-use follow::{EyePlace, Found, base_is_seen};
-use level::{Level, Source};
+use level::{HeightSource, Level};
+use level_update::{FinestData, SubEyePoint, is_base_visible};
 
 /// The outline of a level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
@@ -68,7 +70,7 @@ pub enum Trim {
 pub struct ClipmapOptions {
     /// Samples along an edge of a level: 65, 129 or 257.
     pub samples: u32,
-    /// Most levels besides the globe's, 0…[`MOST_LEVELS`]; more are taken as that many.
+    /// Most levels besides the globe's, 0…[`MAX_LEVELS`]; more are taken as that many.
     pub levels: u32,
     /// Most samples that one [`Surface::prepare`] reads, besides the globe's that the first one reads. A level that is not
     /// drawn yet takes several of them; `u64::MAX` brings all levels at once.
@@ -96,7 +98,7 @@ impl Default for ClipmapOptions {
 }
 
 /// Finest level there can be: cells of 7 mm at 129 samples, as fine as numbers of points go.
-pub const MOST_LEVELS: u32 = 24;
+pub const MAX_LEVELS: u32 = 24;
 
 /// The number of samples of a level is not one of those there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -122,10 +124,10 @@ pub struct Clipmap {
     icosahedron: Icosahedron,
     levels: Vec<Level>,
     /// By the number of a level, the finest data within its reach.
-    found: Vec<Option<Found>>,
-    /// Numbers of level and sheet of what is drawn, near ones first.
+    found: Vec<Option<FinestData>>,
+    /// Numbers of level and buffer of what is drawn, near ones first.
     drawn: Vec<(usize, usize)>,
-    /// Where revisions of the next new sheet begin.
+    /// Where revisions of the next new buffer begin.
     clock: u64,
     counts: ClipmapCounts,
     stats: SurfaceStats,
@@ -140,7 +142,7 @@ impl Clipmap {
         if ![65, 129, 257].contains(&options.samples) {
             return Err(SamplesError(options.samples));
         }
-        let levels = options.levels.min(MOST_LEVELS);
+        let levels = options.levels.min(MAX_LEVELS);
         Ok(Self {
             options: ClipmapOptions { levels, ..options },
             icosahedron: Icosahedron::default(),
@@ -172,8 +174,8 @@ impl Clipmap {
         level::EDGE_RAD / n * self.options.ellipsoid.equatorial_radius_m
     }
 
-    /// Bytes of samples, vertices and indices that the options can lead to: five sheets a level, and the globe.
-    pub fn most_bytes(&self) -> u64 {
+    /// Bytes of samples, vertices and indices that the options can lead to: five buffers a level, and the globe.
+    pub fn max_bytes(&self) -> u64 {
         let samples = u64::from(self.options.samples);
         let half = samples / 2 + 1;
         // Two vertices and a tag a slot; two triangles a cell.
@@ -190,11 +192,11 @@ impl Surface for Clipmap {
     fn prepare(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats {
         self.stats.samples_read = 0;
         let ellipsoid = self.options.ellipsoid;
-        let Some(eye) = EyePlace::new(&self.icosahedron, &ellipsoid, view, ground) else {
+        let Some(eye) = SubEyePoint::new(&self.icosahedron, &ellipsoid, view, ground) else {
             return self.stats;
         };
         self.counts = ClipmapCounts::default();
-        let source = Source {
+        let source = HeightSource {
             ellipsoid: &ellipsoid,
             icosahedron: &self.icosahedron,
             ground,
@@ -206,7 +208,7 @@ impl Surface for Clipmap {
             read += globe.fill_globe(&source, &mut self.clock);
             self.levels.push(globe);
         }
-        follow::follow(
+        level_update::update_levels(
             &mut self.levels,
             &mut self.found,
             &self.options,
@@ -227,16 +229,20 @@ impl Surface for Clipmap {
             let level = &mut coarse[number];
             level.cut(fine.first());
             stats.resident_bytes += level.bytes() as u64;
-            for sheet in &mut level.sheets {
-                sheet.publish();
+            for buffer in &mut level.buffers {
+                buffer.publish();
             }
         }
+        let range = ground.range_m(&Bounds::GLOBE);
+        let cell_rad = level::EDGE_RAD / radius as f64;
         let finest = self.counts.finest as usize;
         for (number, level) in self.levels.iter().enumerate().take(finest + 1).rev() {
-            for (at, sheet) in level.sheets.iter().enumerate() {
-                let patch = &sheet.patch;
+            for (at, buffer) in level.buffers.iter().enumerate() {
+                let patch = &buffer.patch;
                 let empty = patch.indices.triangles.is_empty();
-                if empty || (number == 0 && !base_is_seen(patch.origin_itrf_m, view)) {
+                let is_hidden = number == 0
+                    && !is_base_visible(patch.origin_itrf_m, view, &ellipsoid, range, cell_rad);
+                if empty || is_hidden {
                     continue;
                 }
                 self.drawn.push((number, at));
@@ -253,9 +259,9 @@ impl Surface for Clipmap {
         true
     }
 
-    fn visit(&self, draw: &mut dyn FnMut(&Patch)) {
-        for (level, sheet) in &self.drawn {
-            draw(&self.levels[*level].sheets[*sheet].patch);
+    fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch)) {
+        for (level, buffer) in &self.drawn {
+            draw(&self.levels[*level].buffers[*buffer].patch);
         }
     }
 }

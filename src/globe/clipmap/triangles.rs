@@ -1,7 +1,7 @@
 //! Which triangles a level draws: its reach less that of the finer one, with an outer border of half the rate.
 
-use super::lattice::{Spot, Triangle};
-use super::reach::{InDiamond, Reach};
+use super::lattice::{LatticeIndex, Triangle};
+use super::level_extent::{DiamondExtent, LevelExtent};
 use std::ops::Range;
 
 /// Appends the triangles of a level in one diamond, three numbers each, square by square.
@@ -13,20 +13,20 @@ use std::ops::Range;
 /// * `hole` – the finer level's reach in the lattice of this level.
 /// * `slot` – number of the vertex at (i, j).
 pub fn ring(
-    reach: &Reach,
+    extent: &LevelExtent,
     diamond: u8,
-    hole: Option<&Reach>,
+    hole: Option<&LevelExtent>,
     slot: impl Fn(i64, i64) -> u32,
     out: &mut Vec<u32>,
 ) {
-    let Some(span) = reach.box_in(diamond) else {
+    let Some(span) = extent.box_in(diamond) else {
         return;
     };
-    let Some(coarse) = reach.in_diamond(diamond) else {
+    let Some(coarse) = extent.in_diamond(diamond) else {
         return;
     };
     let hole = hole.and_then(|hole| hole.in_diamond(diamond));
-    let r = reach.radius;
+    let r = extent.radius;
     for (rows, columns) in squares(span.least, span.most, SQUARE / 2) {
         for (i, j) in rows.flat_map(|i| columns.clone().map(move |j| (i, j))) {
             let at = hole
@@ -39,16 +39,16 @@ pub fn ring(
             let inside = coarse.distance(i, j) <= r - 3;
             for far in [false, true] {
                 let triangle = Triangle {
-                    cell: Spot { diamond, i, j },
+                    cell: LatticeIndex { diamond, i, j },
                     far,
                 };
                 let mut whole = [false; 3];
                 if !inside {
-                    if !reach.holds(triangle) {
+                    if !extent.holds(triangle) {
                         continue;
                     }
-                    let across = triangle.neighbours(reach.n);
-                    whole = across.map(|across| !reach.holds(across));
+                    let across = triangle.neighbours(extent.n);
+                    whole = across.map(|across| !extent.holds(across));
                 }
                 let corners = triangle.corners().map(|c| (2 * c.i, 2 * c.j));
                 let kept = |t: &[(i64, i64); 3]| match (&hole, at) {
@@ -76,7 +76,7 @@ pub fn ring(
 pub fn full(
     n: i64,
     diamond: u8,
-    hole: Option<&Reach>,
+    hole: Option<&LevelExtent>,
     slot: impl Fn(i64, i64) -> u32,
     out: &mut Vec<u32>,
 ) {
@@ -84,7 +84,7 @@ pub fn full(
     for (rows, columns) in squares((0, 0), (n, n), SQUARE) {
         for (i, j) in rows.flat_map(|i| columns.clone().map(move |j| (i, j))) {
             for far in [false, true] {
-                let cell = Spot { diamond, i, j };
+                let cell = LatticeIndex { diamond, i, j };
                 let corners = Triangle { cell, far }.corners();
                 let held = hole.as_ref().is_some_and(|hole| hole.holds(i, j, far));
                 if !held {
@@ -121,7 +121,7 @@ enum Hole {
 }
 
 /// Of the cells from (i, j) to (i + size, j + size). A step of a king is two of a hexagon's at most.
-fn hole_at(hole: &InDiamond<'_>, i: i64, j: i64, size: i64) -> Hole {
+fn hole_at(hole: &DiamondExtent<'_>, i: i64, j: i64, size: i64) -> Hole {
     let beyond = hole.distance(i, j) - hole.radius();
     if beyond > 2 * size {
         Hole::Off

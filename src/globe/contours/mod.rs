@@ -25,6 +25,5 @@ pub(crate) mod tree;
 
 pub(crate) use gpu_layout::STACK;
 pub use gpu_layout::{ContourNode, ContourRay, contour_cast};
-pub(crate) use pages::slack_m;
 pub use pages::{ContourPages, DrawnPage, MAX_NODES, Page, PageOptions, PagesDraw};
 pub use surface::{ContourOptions, ContourSurface};

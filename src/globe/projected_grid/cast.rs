@@ -12,7 +12,7 @@
 //! where θ is the angle at the centre between eye and place. It is the root t = c/(−e·d + √(s² − |e × d|²)) of c = L² − s²
 //! with s² − L² sin²η = L² sin(η_b − η) sin(η_b + η): nothing cancels, at no height and not at the limb.
 
-use super::screen::Screen;
+use super::screen::ScreenPlane;
 use crate::frames::Ellipsoid;
 use glam::DVec3;
 
@@ -227,7 +227,7 @@ impl Caster {
     }
 
     /// Where on the grid's plane the place at `theta` towards `aside` is drawn from.
-    pub fn on_screen(&self, screen: &Screen, theta: f64, aside: DVec3) -> glam::DVec2 {
+    pub fn on_screen(&self, screen: &ScreenPlane, theta: f64, aside: DVec3) -> glam::DVec2 {
         screen.place_of(self.direction(theta, aside))
     }
 }

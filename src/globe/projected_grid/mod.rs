@@ -2,10 +2,10 @@
 //!
 //! The number of vertices never changes; where they stand does, each frame. So the view's tolerance is not asked: what the
 //! picture is off by follows from the number of samples, and no bound of it is known. A frame:
-//! 1. [`Relief`]: between which heights the ground lies, ring by ring about the eye, and how far of it can show;
+//! 1. [`ReliefRings`]: between which heights the ground lies, ring by ring about the eye, and how far of it can show;
 //! 2. the *base* that rays are cast on: the ellipsoid raised to the ground under the eye, so that samples are spaced by the
 //!    ground's distance and not by the ellipsoid's;
-//! 3. [`Finder`]: the rectangle of the screen's plane ([`Screen`]) whose ground may stand in the picture;
+//! 3. [`CoverageFinder`]: the rectangle of the screen's plane ([`ScreenPlane`]) whose ground may stand in the picture;
 //! 4. m × n samples over it, evenly in x and y, each cast to a place of the ground ([`Caster`]);
 //! 5. each place raised along the ellipsoid's normal by its height, averaged over the sample's spacing.
 //!
@@ -18,34 +18,37 @@
 //! the eye moves; heights at fixed places then change by as much as the average leaves of ground finer than the grid. See
 //! [`Footprint`] and [`Anchor`] for what was measured.
 
-mod bounds;
 mod cast;
-mod parts;
+mod coverage;
 mod relief;
 mod screen;
 #[cfg(test)]
 mod tests;
 mod tiles;
+mod triangles;
 mod uniforms;
 
-pub use bounds::{Finder, Rect};
 pub use cast::{Cast, Caster, Foot, cast};
-pub use parts::grid_parts;
-pub use relief::{RINGS, Relief, Ring, can_show, far_angle, highest_radius, lowest_radius};
-pub use screen::Screen;
+pub use coverage::{CoverageFinder, Rect};
+pub use relief::{RINGS, ReliefRings, Ring};
+pub use screen::ScreenPlane;
 pub(crate) use tiles::SHARPER;
 pub use tiles::{
-    HeightTiles, LEVELS, NO_SLOT, TILE_CELLS, TILE_SAMPLES, Tile, TileCounts, WINDOW_SAMPLES,
-    WINDOW_TILES, Window, eye_place, first_density, level_of, level_spacing_rad, pyramid_level,
+    HeightTile, HeightTiles, TileCounts, TileWindow, WINDOW_SAMPLES, eye_place, first_density,
+    level_of, level_spacing_rad, pyramid_level,
 };
-pub use uniforms::{GridLevel, GridUniforms};
 
-use super::{Figure, GridDraw, GroundForm, GroundVertex, GroundView, Patch, Surface, SurfaceStats};
+pub use super::surface::{
+    GridLevel, GridUniforms, LEVELS, NO_SLOT, TILE_CELLS, TILE_SAMPLES, WINDOW_TILES,
+};
+use super::{
+    DrawKind, Figure, GridDraw, GroundVertex, GroundView, IndexRange, Patch, Surface, SurfaceStats,
+};
 use crate::elevation::Elevation;
 use crate::frames::{Ellipsoid, Geodetic};
 use glam::{DMat4, DVec2, DVec3, UVec2, Vec2};
-use parts::indices;
 use std::sync::Arc;
+use triangles::indices;
 
 /// Over how much ground a sample's height is averaged.
 ///
@@ -128,11 +131,11 @@ impl Default for GridOptions {
 }
 
 /// Least distance between the eye and the base, metres. An eye in the ground is taken to be so much above it.
-pub const LEAST_CLEARANCE_M: f64 = 0.5;
+pub const MIN_CLEARANCE_M: f64 = 0.5;
 /// Farthest eye that ground is drawn for, metres.
 const FARTHEST_M: f64 = 1e24;
 /// Most of the grid's angle that is given to the limb (κ of [`Caster`]), radians.
-const MOST_SPREAD_RAD: f64 = 0.15;
+const MAX_SPREAD_RAD: f64 = 0.15;
 /// Least of it where ground behind the limb can show, cells: from far away all relief at the limb is smaller than a cell,
 /// and ground that ends with the last ray that hits would leave part of a pixel of its outline out.
 const LIMB_CELLS: f64 = 2.0;
@@ -145,7 +148,7 @@ const KEPT: f64 = 0.9;
 
 /// One frame's grid, in f64: all that a vertex is computed from.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame {
+pub struct GridFrame {
     /// The ellipsoid.
     pub ellipsoid: Ellipsoid,
     /// The eye, ITRF metres.
@@ -153,7 +156,7 @@ pub struct Frame {
     /// Takes eye-relative ITRF metres to clip space.
     pub clip_from_eye: DMat4,
     /// Rays.
-    pub screen: Screen,
+    pub screen: ScreenPlane,
     /// What they meet.
     pub caster: Caster,
     /// The part of the plane that the grid lies over.
@@ -168,16 +171,16 @@ pub struct Frame {
 
 /// A grid point before it is raised.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sample {
+pub struct GridSample {
     /// Where it stands on the unit sphere of scaled space.
     pub place: DVec3,
     /// Half of the ground's width that its height is averaged over, radians.
     pub spacing_rad: f64,
 }
 
-impl Frame {
+impl GridFrame {
     /// The sample of a column, from the left, and a row, from the bottom.
-    pub fn sample(&self, column: u32, row: u32) -> Sample {
+    pub fn sample(&self, column: u32, row: u32) -> GridSample {
         // A mirrored picture is ruled from right to left, so that triangles stay counter-clockwise from above.
         let column = if self.screen.mirrored {
             self.samples.0 - 1 - column
@@ -193,7 +196,7 @@ impl Frame {
             Footprint::Longer => along.max(across).powi(2),
         };
         let area = area * self.step.x * self.step.y;
-        Sample {
+        GridSample {
             place: foot.place,
             spacing_rad: (area * square).sqrt().min(1.0),
         }
@@ -205,19 +208,23 @@ impl Frame {
 #[derive(Debug)]
 pub struct ProjectedGrid {
     options: GridOptions,
-    finder: Finder,
-    frame: Option<Frame>,
+    finder: CoverageFinder,
+    frame: Option<GridFrame>,
+    /// Grows with each change of the frame.
+    revision: u64,
+    /// What the GPU is given of it.
+    uniforms: Option<Box<GridUniforms>>,
     /// Heights for the GPU, which then makes the vertices: there are none here.
     tiles: Option<HeightTiles>,
     /// The frame that the patch holds.
-    raised: Option<Frame>,
-    samples: Vec<Placed>,
+    raised: Option<GridFrame>,
+    samples: Vec<RaisedPoint>,
     patch: Patch,
 }
 
 /// A grid point that has its height.
 #[derive(Clone, Copy, Debug, Default)]
-struct Placed {
+struct RaisedPoint {
     /// The foot on the ellipsoid, eye-relative ITRF metres.
     foot_m: DVec3,
     /// Outward normal.
@@ -225,8 +232,8 @@ struct Placed {
     height_m: f64,
 }
 
-impl Placed {
-    fn of(frame: &Frame, sample: &Sample, ground: &dyn Elevation) -> Self {
+impl RaisedPoint {
+    fn of(frame: &GridFrame, sample: &GridSample, ground: &dyn Elevation) -> Self {
         let radii_m = frame.caster.radii_m;
         let normal = (sample.place * frame.caster.per_radius).normalize();
         let lat_rad = normal.z.atan2(normal.truncate().length());
@@ -253,11 +260,13 @@ impl ProjectedGrid {
                 samples,
                 ..*options
             },
-            finder: Finder::new(),
+            finder: CoverageFinder::new(),
             frame: None,
+            revision: 0,
+            uniforms: None,
             tiles: options.on_gpu.then(|| HeightTiles::new(GPU_TILES)),
             raised: None,
-            samples: vec![Placed::default(); count],
+            samples: vec![RaisedPoint::default(); count],
             patch: Patch {
                 key: 0,
                 revision: 0,
@@ -271,12 +280,12 @@ impl ProjectedGrid {
     }
 
     /// The grid of the last view, `None` where nothing shows.
-    pub fn frame(&self) -> Option<&Frame> {
+    pub fn frame(&self) -> Option<&GridFrame> {
         self.frame.as_ref()
     }
 
     /// Chooses the grid for a view without reading the heights of its samples: what the GPU form needs.
-    pub fn aim(&mut self, view: &GroundView, ground: &dyn Elevation) -> Option<Frame> {
+    pub fn aim(&mut self, view: &GroundView, ground: &dyn Elevation) -> Option<GridFrame> {
         let last = self.frame.take();
         let eye_itrf_m = view.eye_itrf_m;
         // Comparing with a number that is none is false.
@@ -288,24 +297,24 @@ impl ProjectedGrid {
         if eye.length() < 0.5 {
             return None;
         }
-        let screen = Screen::new(&view.clip_from_eye)?;
-        let relief = Relief::new(&ellipsoid, eye, ground);
+        let screen = ScreenPlane::new(&view.clip_from_eye)?;
+        let relief = ReliefRings::new(&ellipsoid, eye_itrf_m, ground);
         let clearance_m = clearance(&ellipsoid, eye_itrf_m, ground);
         let mut caster = Caster::new(&ellipsoid, eye_itrf_m, clearance_m);
-        caster.far_rad = relief.far_rad.max(caster.near_rad);
+        caster.far_rad = relief.horizon.far_rad().max(caster.near_rad);
         let limb_m = caster.cos_limb * eye_itrf_m.length();
         if caster.far_rad > caster.near_rad {
             let least_rad = LIMB_CELLS * self.cell_rad(&screen, &caster);
             caster.spread_rad = (relief.span_m / limb_m.max(1.0))
                 .max(least_rad)
-                .min(MOST_SPREAD_RAD);
+                .min(MAX_SPREAD_RAD);
         }
         let needed = self
             .finder
             .find(&ellipsoid, eye_itrf_m, &screen, &caster, &relief)?;
         let rect = self.place_rect(&needed, last.as_ref(), &screen);
         let (columns, rows) = self.options.samples;
-        self.frame = Some(Frame {
+        self.frame = Some(GridFrame {
             ellipsoid,
             eye_itrf_m,
             clip_from_eye: view.clip_from_eye,
@@ -320,7 +329,7 @@ impl ProjectedGrid {
     }
 
     /// About how large a cell is seen, radians: of a picture full of ground, or of the whole disc in it.
-    fn cell_rad(&self, screen: &Screen, caster: &Caster) -> f64 {
+    fn cell_rad(&self, screen: &ScreenPlane, caster: &Caster) -> f64 {
         let (columns, rows) = self.options.samples;
         let across = screen.right.length().min(caster.limb_rad) / f64::from(columns - 1);
         let down = screen.up.length().min(caster.limb_rad) / f64::from(rows - 1);
@@ -329,7 +338,7 @@ impl ProjectedGrid {
 
     /// The rectangle that the grid is laid over: what is needed and a margin. Its size is kept from the frame before while it
     /// will do. With [`Anchor::Direction`] it is shifted by less than half a cell each way.
-    fn place_rect(&self, needed: &Rect, last: Option<&Frame>, screen: &Screen) -> Rect {
+    fn place_rect(&self, needed: &Rect, last: Option<&GridFrame>, screen: &ScreenPlane) -> Rect {
         let (columns, rows) = self.options.samples;
         let cells = DVec2::new(f64::from(columns - 1), f64::from(rows - 1));
         let least = needed.grown(needed.size() * MARGIN_CELLS / cells);
@@ -363,13 +372,13 @@ impl ProjectedGrid {
         }
     }
 
-    fn raise(&mut self, frame: &Frame, ground: &dyn Elevation) {
+    fn raise(&mut self, frame: &GridFrame, ground: &dyn Elevation) {
         let (columns, rows) = frame.samples;
         let mut index = 0;
         for row in 0..rows {
             for column in 0..columns {
                 let sample = frame.sample(column, row);
-                self.samples[index] = Placed::of(frame, &sample, ground);
+                self.samples[index] = RaisedPoint::of(frame, &sample, ground);
                 index += 1;
             }
         }
@@ -411,7 +420,7 @@ fn clearance(ellipsoid: &Ellipsoid, eye_itrf_m: DVec3, ground: &dyn Elevation) -
         height_m - ground.height_m(lat_rad, lon_rad, spacing_rad)
     };
     let first = over(height_m.abs());
-    over(first.abs()).max(LEAST_CLEARANCE_M)
+    over(first.abs()).max(MIN_CLEARANCE_M)
 }
 
 /// Rise to the east and to the north from two neighbours' differences of foot and height. 0 where they span no ground.
@@ -450,7 +459,8 @@ impl Surface for ProjectedGrid {
 
     fn prepare(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats {
         let (columns, rows) = self.options.samples;
-        let resident_bytes = self.samples.len() * (size_of::<Placed>() + size_of::<GroundVertex>())
+        let resident_bytes = self.samples.len()
+            * (size_of::<RaisedPoint>() + size_of::<GroundVertex>())
             + size_of_val(self.patch.indices.triangles.as_slice())
             + self.finder.resident_bytes()
             + self.tiles.as_ref().map_or(0, HeightTiles::resident_bytes);
@@ -458,9 +468,11 @@ impl Surface for ProjectedGrid {
             resident_bytes: resident_bytes as u64,
             ..SurfaceStats::default()
         };
+        let before = self.frame;
         let Some(frame) = self.aim(view, ground) else {
             return stats;
         };
+        self.revision += u64::from(before != Some(frame));
         stats.patches = 1;
         stats.vertices = columns * rows;
         stats.triangles = (self.patch.indices.triangles.len() / 3) as u32;
@@ -471,6 +483,11 @@ impl Surface for ProjectedGrid {
                 loaded += tiles.update(&frame, ground, GPU_FIRST_LOADS).loaded;
             }
             stats.samples_read = u64::from(loaded * TILE_SAMPLES * TILE_SAMPLES);
+            let uniforms = GridUniforms::new(&frame, tiles);
+            match &mut self.uniforms {
+                Some(held) => **held = uniforms,
+                None => self.uniforms = Some(Box::new(uniforms)),
+            }
         } else if self.raised != Some(frame) {
             self.raise(&frame, ground);
             self.raised = Some(frame);
@@ -487,20 +504,29 @@ impl Surface for ProjectedGrid {
         true
     }
 
-    fn visit(&self, draw: &mut dyn FnMut(&Patch)) {
+    fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch)) {
         if self.frame.is_some() && self.tiles.is_none() {
             draw(&self.patch);
         }
     }
 
-    fn form(&self) -> GroundForm<'_> {
+    fn grid_ranges(&self, ranges: &mut Vec<IndexRange>) {
+        match &self.frame {
+            Some(frame) => triangles::grid_ranges(frame, ranges),
+            None => ranges.clear(),
+        }
+    }
+
+    fn draw_kind(&self) -> DrawKind<'_> {
         match &self.tiles {
-            Some(tiles) => GroundForm::Grid(GridDraw {
-                frame: self.frame.as_ref(),
-                tiles,
+            Some(tiles) => DrawKind::Grid(GridDraw {
+                uniforms: self.frame.and(self.uniforms.as_deref()),
+                revision: self.revision,
+                heights_m: tiles.heights_m(),
+                written: tiles.written(),
                 indices: &self.patch.indices,
             }),
-            None => GroundForm::Patches,
+            None => DrawKind::Patches,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The plane that the grid is ruled on: the picture, continued on all sides as far as behind the eye.
 
+use crate::globe::culling::Frustum;
 use glam::{DMat4, DVec2, DVec3};
 use std::f64::consts::PI;
 
@@ -9,7 +10,7 @@ use std::f64::consts::PI;
 /// the eye, but ground there may stand up into it. So outside the circle about the picture's corners a step turns the
 /// ray by as much as it does in the middle, up to straight back.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Screen {
+pub struct ScreenPlane {
     /// Unit vector along which w grows, ITRF axes.
     pub forward: DVec3,
     /// Ray through (0, 0), one ahead.
@@ -26,11 +27,12 @@ pub struct Screen {
     pub area: f64,
     /// Whether the picture is mirrored.
     pub mirrored: bool,
-    /// (w, x, y) of clip space from a ray one ahead.
-    rows: [DVec3; 3],
+    /// (x, y) of clip space from a ray one ahead.
+    rows: [DVec3; 2],
+    frustum: Frustum,
 }
 
-impl Screen {
+impl ScreenPlane {
     /// Of the matrix from eye-relative ITRF metres to clip space; `None` where it has no centre or is not finite.
     ///
     /// Depth plays no part: the ray of (x, y) lies in the planes x_clip = x w and y_clip = y w, whose normals are
@@ -65,7 +67,8 @@ impl Screen {
             corner_rad: corner.atan(),
             // x to the right, y upwards and w ahead are left-handed.
             mirrored: determinant > 0.0,
-            rows: [w, x, y].map(|row| row / slope),
+            rows: [x, y].map(|row| row / slope),
+            frustum: Frustum::new(clip_from_eye).without_depth(),
         })
     }
 
@@ -107,7 +110,7 @@ impl Screen {
         } else {
             self.right.normalize()
         };
-        let [_, x, y] = self.rows;
+        let [x, y] = self.rows;
         let ray = self.forward + aside * q;
         DVec2::new(x.dot(ray), y.dot(ray))
     }
@@ -115,7 +118,7 @@ impl Screen {
     /// Inward unit normals of planes through the eye that bound what the picture shows: its four sides, and the one
     /// across the view, which the sides of a narrow picture tell hardly.
     pub fn sides(&self) -> [DVec3; 5] {
-        let [w, x, y] = self.rows;
-        [w, w - x, w + x, w - y, w + y].map(DVec3::normalize_or_zero)
+        let [left, right, bottom, top] = self.frustum.side_normals();
+        [self.forward, right, left, top, bottom]
     }
 }

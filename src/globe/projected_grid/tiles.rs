@@ -10,25 +10,16 @@
 //!
 //! Near a pole a window of all longitudes is many tiles, and is cut: a coarser level serves the rest of the turn.
 
-use super::relief::can_show;
-use super::{Caster, Frame};
+use super::{Caster, GridFrame};
 use crate::elevation::Elevation;
 use crate::frames::Ellipsoid;
+use crate::globe::culling::is_within_angle;
+use crate::globe::surface::{LEVELS, NO_SLOT, TILE_CELLS, TILE_SAMPLES, WINDOW_TILES};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Cells along a tile's side.
-pub const TILE_CELLS: u32 = 64;
-/// Samples along a tile's side.
-pub const TILE_SAMPLES: u32 = TILE_CELLS + 1;
-/// Levels of the pyramid; the finest has a sample every 2.3 m.
-pub const LEVELS: usize = 22;
-/// Tiles that a window can hold.
-pub const WINDOW_TILES: usize = 64;
 /// m of the paper: samples that a window may need.
 pub const WINDOW_SAMPLES: f64 = 36.0 * (TILE_CELLS * TILE_CELLS) as f64;
-/// No tile: what a window's table holds for tiles that are not loaded.
-pub const NO_SLOT: u32 = u32::MAX;
 
 /// Angle between samples of a level (from 1), radians.
 pub fn level_spacing_rad(level: u32) -> f64 {
@@ -49,7 +40,7 @@ pub fn pyramid_level(samples: f64, first_density: f64, area: f64, finest: u32) -
 
 /// A tile of the pyramid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Tile {
+pub struct HeightTile {
     /// From 1.
     pub level: u32,
     /// From 180° W eastwards.
@@ -60,7 +51,7 @@ pub struct Tile {
 
 /// The part of a level that is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Window {
+pub struct TileWindow {
     /// Its first column, 0…2^l − 1, and row.
     pub first: (u32, u32),
     /// Columns and rows; columns go on over the date line.
@@ -69,7 +60,7 @@ pub struct Window {
     pub slots: [u32; WINDOW_TILES],
 }
 
-impl Window {
+impl TileWindow {
     const NONE: Self = Self {
         first: (0, 0),
         size: (0, 0),
@@ -92,18 +83,18 @@ pub struct TileCounts {
 
 #[derive(Clone, Copy, Debug)]
 struct Slot {
-    tile: Option<Tile>,
+    tile: Option<HeightTile>,
     used: u64,
-    /// The update that loaded the tile.
-    loaded: u64,
 }
 
 /// Height tiles in a bounded number of slots.
 #[derive(Debug)]
 pub struct HeightTiles {
     slots: Vec<Slot>,
+    /// By slot, the update that loaded the tile.
+    written: Vec<u64>,
     heights: Vec<f32>,
-    windows: [Window; LEVELS],
+    windows: [TileWindow; LEVELS],
     changed: Vec<u32>,
     update: u64,
 }
@@ -133,12 +124,12 @@ impl HeightTiles {
                 Slot {
                     tile: None,
                     used: 0,
-                    loaded: 0,
                 };
                 slots
             ],
+            written: vec![0; slots],
             heights: vec![0.0; slots * (TILE_SAMPLES * TILE_SAMPLES) as usize],
-            windows: [Window::NONE; LEVELS],
+            windows: [TileWindow::NONE; LEVELS],
             changed: Vec::with_capacity(slots),
             update: 0,
         }
@@ -148,6 +139,7 @@ impl HeightTiles {
     pub fn resident_bytes(&self) -> usize {
         size_of_val(self.heights.as_slice())
             + size_of_val(self.slots.as_slice())
+            + size_of_val(self.written.as_slice())
             + self.changed.capacity() * 4
             + size_of::<Self>()
     }
@@ -162,10 +154,14 @@ impl HeightTiles {
         &self.changed
     }
 
-    /// The number of the update that wrote each slot last, 0 for none: who keeps copies knows by it which are old, also
-    /// after updates that it did not see.
-    pub fn written(&self) -> impl ExactSizeIterator<Item = u64> {
-        self.slots.iter().map(|slot| slot.loaded)
+    /// The number of the update that wrote each slot last, 0 for none.
+    pub fn written(&self) -> &[u64] {
+        &self.written
+    }
+
+    /// Heights of all slots, metres.
+    pub fn heights_m(&self) -> &[f32] {
+        &self.heights
     }
 
     /// Heights of a slot, metres: 65 rows from the south, each from the west.
@@ -175,21 +171,26 @@ impl HeightTiles {
     }
 
     /// The window of each level, the coarsest first.
-    pub fn windows(&self) -> &[Window; LEVELS] {
+    pub fn windows(&self) -> &[TileWindow; LEVELS] {
         &self.windows
     }
 
-    /// Finds the tiles that a frame needs and loads those that are not there, the coarsest first, at most `most_loads`.
-    pub fn update(&mut self, frame: &Frame, ground: &dyn Elevation, most_loads: u32) -> TileCounts {
+    /// Finds the tiles that a frame needs and loads those that are not there, the coarsest first, at most `max_loads`.
+    pub fn update(
+        &mut self,
+        frame: &GridFrame,
+        ground: &dyn Elevation,
+        max_loads: u32,
+    ) -> TileCounts {
         self.update += 1;
         self.changed.clear();
         self.choose_windows(frame, ground);
         let mut counts = TileCounts::default();
         for level in 1..=LEVELS as u32 {
             let index = level as usize - 1;
-            let Window { first, size, .. } = self.windows[index];
+            let TileWindow { first, size, .. } = self.windows[index];
             for k in 0..size.0 * size.1 {
-                let tile = Tile {
+                let tile = HeightTile {
                     level,
                     column: (first.0 + k % size.0) % (1 << level),
                     row: first.1 + k / size.0,
@@ -198,7 +199,7 @@ impl HeightTiles {
                     continue;
                 }
                 counts.wanted += 1;
-                let may_load = counts.loaded < most_loads;
+                let may_load = counts.loaded < max_loads;
                 self.windows[index].slots[k as usize] =
                     self.find_or_load(tile, ground, may_load, &mut counts);
             }
@@ -208,7 +209,7 @@ impl HeightTiles {
 
     fn find_or_load(
         &mut self,
-        tile: Tile,
+        tile: HeightTile,
         ground: &dyn Elevation,
         may_load: bool,
         counts: &mut TileCounts,
@@ -232,8 +233,8 @@ impl HeightTiles {
         self.slots[slot] = Slot {
             tile: Some(tile),
             used: self.update,
-            loaded: self.update,
         };
+        self.written[slot] = self.update;
         self.changed.push(slot as u32);
         let step = level_spacing_rad(tile.level);
         let size = TILE_SAMPLES as usize;
@@ -247,8 +248,8 @@ impl HeightTiles {
         slot as u32
     }
 
-    fn choose_windows(&mut self, frame: &Frame, ground: &dyn Elevation) {
-        self.windows = [Window::NONE; LEVELS];
+    fn choose_windows(&mut self, frame: &GridFrame, ground: &dyn Elevation) {
+        self.windows = [TileWindow::NONE; LEVELS];
         let (_, lon_eye) = eye_place(&frame.caster);
         // Tiles' samples are not the data's, which need not go straight between their own: at eight times as many, a
         // sixty-fourth of what they bend is lost.
@@ -306,7 +307,7 @@ impl HeightTiles {
             self.windows[index] = window(level, from, to, lon_eye);
         }
         // Level 1 is the whole Earth, so that nothing is without a height.
-        self.windows[0] = Window {
+        self.windows[0] = TileWindow {
             first: (0, 0),
             size: (2, 1),
             slots: [NO_SLOT; WINDOW_TILES],
@@ -374,7 +375,7 @@ pub fn eye_place(caster: &Caster) -> (f64, f64) {
 }
 
 /// The tiles of a level over a rectangle of (longitude from the eye's, latitude), at most [`WINDOW_TILES`].
-fn window(level: u32, from: DVec2, to: DVec2, lon_eye: f64) -> Window {
+fn window(level: u32, from: DVec2, to: DVec2, lon_eye: f64) -> TileWindow {
     let side = level_spacing_rad(level) * f64::from(TILE_CELLS);
     let columns_in_all = 1_u32 << level;
     let rows_in_all = 1_u32 << (level - 1);
@@ -399,7 +400,7 @@ fn window(level: u32, from: DVec2, to: DVec2, lon_eye: f64) -> Window {
             rows -= 1;
         }
     }
-    Window {
+    TileWindow {
         first: (
             first_column.rem_euclid(f64::from(columns_in_all)) as u32,
             first_row,
@@ -410,7 +411,7 @@ fn window(level: u32, from: DVec2, to: DVec2, lon_eye: f64) -> Window {
 }
 
 /// Whether any ground of a tile can show: the visible region's test for a cap about the tile.
-fn may_show(tile: &Tile, frame: &Frame) -> bool {
+fn may_show(tile: &HeightTile, frame: &GridFrame) -> bool {
     let side = level_spacing_rad(tile.level) * f64::from(TILE_CELLS);
     let place = |column: f64, row: f64| -> DVec3 {
         let normal = Ellipsoid::normal(row * side - FRAC_PI_2, column * side - PI);
@@ -420,5 +421,5 @@ fn may_show(tile: &Tile, frame: &Frame) -> bool {
     let center = place(column + 0.5, row + 0.5);
     // The farthest of a rectangle of latitude and longitude is no farther than half its sides together.
     let reach = 1.01 * side;
-    can_show(center, frame.caster.up, frame.caster.far_rad + reach)
+    is_within_angle(center, frame.caster.up, frame.caster.far_rad + reach)
 }

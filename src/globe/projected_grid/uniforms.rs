@@ -1,92 +1,14 @@
-//! What the GPU form is given each frame: the uniform of `shaders/earth/vertex/projected_grid_uniforms.wgsl`, from a [`Frame`] in f64.
+//! What the GPU form is given each frame: the uniform of `shaders/earth/vertex/projected_grid_uniforms.wgsl`, from a [`GridFrame`] in f64.
 
-use super::tiles::{HeightTiles, LEVELS, TILE_CELLS, WINDOW_TILES, eye_place, level_spacing_rad};
-use super::{Footprint, Frame};
-use bytemuck::{Pod, Zeroable};
-use glam::{DVec2, UVec2, UVec4, Vec2, Vec3};
+use super::tiles::{HeightTiles, eye_place, level_spacing_rad};
+use super::{Footprint, GridFrame};
+use crate::globe::surface::{GridLevel, GridUniforms, LEVELS, TILE_CELLS, WINDOW_TILES};
+use glam::{DVec2, UVec2, UVec4, Vec2};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-
-/// One level's window, as the shader reads it.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GridLevel {
-    /// Cells of the level from the window's south-western corner to the place under the eye, east and north.
-    pub eye_cells: Vec2,
-    /// Cells a radian.
-    pub per_radian: f32,
-    /// Cells around the Earth.
-    pub period: f32,
-    /// Columns and rows of tiles; none where the level is not there.
-    pub size: UVec2,
-    /// Zero.
-    pub padding: UVec2,
-}
-
-/// The uniform of the GPU form. A test compares the offsets with the shader's.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct GridUniforms {
-    /// [`super::Screen::forward`].
-    pub forward: Vec3,
-    /// [`super::Screen::corner`].
-    pub corner: f32,
-    /// [`super::Screen::middle`] less forward.
-    pub middle: Vec3,
-    /// [`super::Screen::corner_rad`].
-    pub corner_rad: f32,
-    /// [`super::Screen::right`].
-    pub right: Vec3,
-    /// Area of a grid cell straight ahead, steradians.
-    pub cell_area: f32,
-    /// [`super::Screen::up`].
-    pub screen_up: Vec3,
-    /// 1 if heights are averaged over the longer of along and across, 0 for the mean.
-    pub longer: f32,
-    /// The eye's direction in scaled space.
-    pub eye_up: Vec3,
-    /// [`super::Caster::limb_rad`].
-    pub limb_rad: f32,
-    /// Outward normal of the ellipsoid on the eye's radius.
-    pub eye_normal: Vec3,
-    /// [`super::Caster::sin_limb`].
-    pub sin_limb: f32,
-    /// From the eye to the ground on its radius at `base_m`, ITRF metres.
-    pub to_base_m: Vec3,
-    /// [`super::Caster::cos_limb`].
-    pub cos_limb: f32,
-    /// Semi-axes, metres.
-    pub radii_m: Vec3,
-    /// Height of the base, metres.
-    pub base_m: f32,
-    /// Cosine and sine of the eye's longitude.
-    pub eye_lon: Vec2,
-    /// Plane coordinates of the first sample.
-    pub low: Vec2,
-    /// Their change to the next column and row; negative across in a mirrored picture.
-    pub step: Vec2,
-    /// Samples across and down.
-    pub samples: UVec2,
-    /// [`super::Caster::near_rad`].
-    pub near_rad: f32,
-    /// [`super::Caster::far_rad`].
-    pub far_rad: f32,
-    /// [`super::Caster::spread_rad`].
-    pub spread_rad: f32,
-    /// Latitude of the place under the eye, radians.
-    pub eye_lat: f32,
-    /// Cosine and sine of it.
-    pub center_lat: Vec2,
-    /// Texture coordinates of that place on a whole map, u east from 180° W, v south from the north pole.
-    pub center_uv: Vec2,
-    /// The windows, the coarsest first.
-    pub levels: [GridLevel; LEVELS],
-    /// Slots of the windows' tiles, [`WINDOW_TILES`] a level, row by row from the south-west.
-    pub slots: [[UVec4; WINDOW_TILES / 4]; LEVELS],
-}
 
 impl GridUniforms {
     /// Of a frame and the tiles that are there. All differences of large numbers are taken here, in f64.
-    pub fn new(frame: &Frame, tiles: &HeightTiles) -> Self {
+    pub fn new(frame: &GridFrame, tiles: &HeightTiles) -> Self {
         let (screen, caster) = (&frame.screen, &frame.caster);
         let (columns, rows) = frame.samples;
         let mut step = frame.step;

@@ -1,7 +1,7 @@
 //! The forest over the Earth: one tree to each of the 16 × 8 blocks, in pages that are read when the eye comes near.
 
 use super::node::{Cut, Domain, Node};
-use super::page::{Info, PAGE_NODES, Reader, quarter};
+use super::page::{PAGE_NODES, PageReader, SquareInfo, quarter};
 use crate::elevation::Elevation;
 use crate::frames::Ellipsoid;
 use crate::globe::blocks::{BLOCK_COUNT, COLUMNS, ROWS};
@@ -19,7 +19,7 @@ pub const BLOCKS: Domain = Domain {
 /// The quarters of a node.
 struct Page {
     node: Node,
-    infos: [Info; PAGE_NODES],
+    infos: [SquareInfo; PAGE_NODES],
     /// Pages of the quarters.
     below: [u32; PAGE_NODES],
     pages_below: u32,
@@ -32,7 +32,7 @@ struct Page {
 }
 
 struct Root {
-    info: Info,
+    info: SquareInfo,
     page: u32,
     is_split: bool,
     is_patch: bool,
@@ -52,9 +52,9 @@ pub struct Forest {
     pages: Vec<Page>,
     /// Where the search for a page to give up goes on.
     hand: usize,
-    most_pages: usize,
+    max_pages: usize,
     frame: u64,
-    reader: Reader,
+    reader: PageReader,
 }
 
 impl Cut for Forest {
@@ -86,20 +86,20 @@ impl Forest {
     /// The 128 blocks, each with its first page: all undivided, and each a patch.
     pub fn new(
         ellipsoid: Ellipsoid,
-        most_pages: usize,
+        max_pages: usize,
         is_certain: bool,
         ground: &dyn Elevation,
     ) -> Self {
-        let most_pages = most_pages.max(2 * BLOCK_COUNT as usize);
+        let max_pages = max_pages.max(2 * BLOCK_COUNT as usize);
         let mut forest = Self {
             ellipsoid,
             roots: Vec::with_capacity(BLOCK_COUNT as usize),
             // Never moved: that would take longer than a frame has.
-            pages: Vec::with_capacity(most_pages),
+            pages: Vec::with_capacity(max_pages),
             hand: 0,
-            most_pages,
+            max_pages,
             frame: 0,
-            reader: Reader::new(is_certain),
+            reader: PageReader::new(is_certain),
         };
         for index in 0..BLOCK_COUNT {
             let node = Node {
@@ -119,7 +119,7 @@ impl Forest {
         forest
     }
 
-    fn read(&mut self, node: Node, ground: &dyn Elevation) -> (Info, Page) {
+    fn read(&mut self, node: Node, ground: &dyn Elevation) -> (SquareInfo, Page) {
         let (own, infos) = self.reader.read(node, &self.ellipsoid, ground);
         let page = Page {
             node,
@@ -182,7 +182,7 @@ impl Forest {
     }
 
     /// What is known of a node.
-    pub fn info(&self, slot: Slot) -> &Info {
+    pub fn info(&self, slot: Slot) -> &SquareInfo {
         match slot.page {
             NONE => &self.roots[slot.place as usize].info,
             page => &self.pages[page as usize].infos[slot.place as usize],
@@ -284,7 +284,7 @@ impl Forest {
 
     /// A place for a page: a new one, or that of a page that nothing needs and that was not asked for lately.
     fn room(&mut self) -> Option<u32> {
-        if self.pages.len() < self.most_pages {
+        if self.pages.len() < self.max_pages {
             return Some(self.pages.len() as u32);
         }
         // Twice around: what was asked for in this frame or the last is left alone.

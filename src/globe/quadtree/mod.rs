@@ -11,12 +11,12 @@
 //! read is forgotten again within a budget. A frame changes as many leaves as its own budget allows, and then builds
 //! every patch that a change touches: what is drawn is whole at all times, and at most late.
 
-mod arrange;
 mod bound;
-mod eye;
 mod forest;
+mod lod;
 mod node;
 mod page;
+mod partition;
 mod patch;
 mod surface;
 #[cfg(test)]
@@ -24,7 +24,7 @@ mod tests;
 
 #[cfg(feature = "command")]
 pub(crate) use bound::leaf_error;
-pub use eye::Refine;
+pub use lod::SplitRule;
 #[cfg(feature = "command")]
 pub(crate) use node::{Cut, Domain, Node, Point, among, child_among, ring};
 pub use surface::{Quadtree, QuadtreeOptions};

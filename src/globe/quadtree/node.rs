@@ -126,6 +126,25 @@ pub struct Domain {
 }
 
 impl Domain {
+    /// Whether two squares have a point in common, across the date line and at the poles too.
+    pub fn is_adjacent(&self, a: Node, b: Node) -> bool {
+        let depth = a.level.max(b.level);
+        let (a, b) = (a.square(depth), b.square(depth));
+        let (columns, rows) = (self.columns << depth, self.rows << depth);
+        let is_near = |a: u64, a_size: u64, b: u64, b_size: u64| a <= b + b_size && b <= a + a_size;
+        let is_beside = is_near(a.x, a.size, b.x, b.size)
+            || self.is_globe && is_near(a.x + columns, a.size, b.x, b.size)
+            || self.is_globe && is_near(a.x, a.size, b.x + columns, b.size);
+        if is_near(a.y, a.size, b.y, b.size) && is_beside {
+            return true;
+        }
+        let is_northernmost = |square: Square| square.y == 0;
+        let is_southernmost = |square: Square| square.y + square.size == rows;
+        self.is_globe
+            && (is_northernmost(a) && is_northernmost(b)
+                || is_southernmost(a) && is_southernmost(b))
+    }
+
     /// The square of the same level across a side; `None` at the end of the grid and at a pole.
     pub fn neighbour(&self, node: Node, side: Side) -> Option<Node> {
         let (columns, rows) = (self.columns << node.level, self.rows << node.level);

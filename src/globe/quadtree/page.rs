@@ -28,7 +28,7 @@ pub fn quarter(node: Node) -> u32 {
 
 /// What is known of a square of ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Info {
+pub struct SquareInfo {
     /// Middle of a ball about the ground and about all that can be drawn of it, ITRF metres.
     pub center_itrf_m: DVec3,
     /// Radius of that ball.
@@ -70,7 +70,7 @@ fn rounded_up(value: f64) -> f32 {
 }
 
 /// Heights of a page's posts and what is made of them; kept, so that making a page allocates nothing.
-pub struct Reader {
+pub struct PageReader {
     heights_m: Vec<f64>,
     /// By smallest square: what lies between the posts may differ so much from the finest leaves.
     unseen_m: Vec<f64>,
@@ -84,7 +84,7 @@ pub struct Reader {
     pub samples_read: u64,
 }
 
-impl Reader {
+impl PageReader {
     /// Ready.
     pub fn new(is_certain: bool) -> Self {
         Self {
@@ -109,7 +109,7 @@ impl Reader {
         node: Node,
         ellipsoid: &Ellipsoid,
         ground: &dyn Elevation,
-    ) -> (Info, [Info; PAGE_NODES]) {
+    ) -> (SquareInfo, [SquareInfo; PAGE_NODES]) {
         let square = node.square(DEPTH);
         let step = square.size / STEPS as u64;
         let mut finest_rad = f64::INFINITY;
@@ -125,7 +125,7 @@ impl Reader {
         }
         self.samples_read += (POSTS * POSTS) as u64;
         self.find_unseen(square, step, finest_rad, ground);
-        let mut infos = [Info {
+        let mut infos = [SquareInfo {
             center_itrf_m: DVec3::ZERO,
             radius_m: 0.0,
             error_m: 0.0,
@@ -265,12 +265,12 @@ impl Reader {
         ellipsoid: &Ellipsoid,
         range: &HeightRange,
         below_m: f64,
-    ) -> Info {
+    ) -> SquareInfo {
         let HeightRange { low_m, high_m } = *range;
         let shape = ball(node, ellipsoid, low_m, high_m);
         // Nothing differs from the data by more than the data differ.
         let rise_m = self.rise_m(x, y, steps).min((high_m - low_m).max(0.0));
-        Info {
+        SquareInfo {
             center_itrf_m: shape.center_itrf_m,
             radius_m: rounded_up(shape.radius_m),
             error_m: rounded_up((rise_m + shape.bend_m).max(below_m)),

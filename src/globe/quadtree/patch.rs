@@ -6,14 +6,15 @@ use super::page::{DEPTH, lat_lon_rad, side_rad};
 use crate::elevation::Elevation;
 use crate::frames::Geodetic;
 use crate::globe::blocks::Block;
-use crate::globe::surface::{GroundVertex, Indices, Patch};
+use crate::globe::culling::NormalCone;
+use crate::globe::surface::{GroundVertex, Patch, TriangleList};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
 
 /// Finest level of a patch, 15 cm: below it a patch only has more leaves.
-pub const MOST_PATCH_LEVEL: u8 = 24;
+pub const MAX_PATCH_LEVEL: u8 = 24;
 /// Steps of all origins, metres: a multiple of the steps of all vertices.
 const ORIGIN_STEP_M: f64 = 0.25;
 
@@ -42,7 +43,7 @@ impl Hasher for PointHasher {
 type Places = HashMap<Point, u32, BuildHasherDefault<PointHasher>>;
 
 /// A patch and what is needed to build it anew.
-pub struct Built {
+pub struct BuiltPatch {
     /// The node that it covers.
     pub node: Node,
     /// What is handed over.
@@ -63,8 +64,8 @@ pub struct Built {
     pub error: (f64, f64),
     /// It has leaves that could be merged.
     pub has_merges: bool,
-    /// All its faces lie within `cone.1` radians of the direction `cone.0`.
-    pub cone: (DVec3, f64),
+    /// The normals of all its faces.
+    pub normals: NormalCone,
     /// The patches that touched it at the last build.
     beside: Vec<(Node, f64)>,
     has_new_steps: bool,
@@ -102,7 +103,7 @@ fn key(node: Node) -> u64 {
     u64::from(node.level) << 58 | node.x << 29 | node.y
 }
 
-impl Built {
+impl BuiltPatch {
     /// A patch of a node, not built yet. `revision` is above all that a patch of this node ever had.
     pub fn new(node: Node, slot: Slot, forest: &Forest, revision: u64) -> Self {
         let info = forest.info(slot);
@@ -130,7 +131,7 @@ impl Built {
             urgency: 0.0,
             error: (0.0, 0.0),
             has_merges: false,
-            cone: (DVec3::ZERO, std::f64::consts::PI),
+            normals: NormalCone::ALL,
             beside: Vec::new(),
             has_new_steps: true,
             places: Places::default(),
@@ -340,12 +341,12 @@ impl Built {
         let is_new = self.patch.indices.triangles != scratch.triangles;
         if is_new {
             // Never in place: who keeps the old list knows it by its address.
-            self.patch.indices = Arc::new(Indices {
+            self.patch.indices = Arc::new(TriangleList {
                 triangles: scratch.triangles.clone(),
             });
-            self.cone = cone(&self.patch);
+            self.normals = normal_cone(&self.patch);
         } else if !scratch.changed.is_empty() {
-            self.cone = cone(&self.patch);
+            self.normals = normal_cone(&self.patch);
         }
         self.patch.changed.clear();
         scratch.changed.sort_unstable();
@@ -361,8 +362,8 @@ impl Built {
     }
 }
 
-/// A cone about the normals of all faces of a patch: its axis and its half-angle.
-fn cone(patch: &Patch) -> (DVec3, f64) {
+/// The normals of all faces of a patch.
+fn normal_cone(patch: &Patch) -> NormalCone {
     let at = |place: u32| patch.vertices[place as usize].from_origin_m.as_dvec3();
     let normals = || {
         let triangles = patch.indices.triangles.as_chunks::<3>().0;
@@ -372,11 +373,14 @@ fn cone(patch: &Patch) -> (DVec3, f64) {
         })
     };
     let Some(axis) = normals().sum::<DVec3>().try_normalize() else {
-        return (DVec3::ZERO, std::f64::consts::PI);
+        return NormalCone::ALL;
     };
     let least = normals()
         .filter_map(DVec3::try_normalize)
         .map(|normal| normal.dot(axis))
         .fold(1.0, f64::min);
-    (axis, least.clamp(-1.0, 1.0).acos() + 1e-6)
+    NormalCone {
+        axis,
+        half_angle_rad: least.clamp(-1.0, 1.0).acos() + 1e-6,
+    }
 }

@@ -1,13 +1,13 @@
 //! The Earth as a forest of unfull quadtrees.
 
-use super::arrange::touches;
-use super::eye::{Eye, Refine, Sight};
 use super::forest::{BLOCKS, Forest, Slot, root_slot};
+use super::lod::{LodView, SplitRule};
 use super::node::{Cut, Node, Side};
 use super::page::side_rad;
-use super::patch::{Built, Scratch};
-use crate::elevation::Elevation;
+use super::patch::{BuiltPatch, Scratch};
+use crate::elevation::{Elevation, HeightRange};
 use crate::frames::Ellipsoid;
+use crate::globe::culling::BoundVisibility;
 use crate::globe::surface::{GroundView, Patch, Surface, SurfaceStats};
 use std::collections::HashMap;
 
@@ -17,14 +17,14 @@ pub struct QuadtreeOptions {
     /// The figure.
     pub ellipsoid: Ellipsoid,
     /// When a leaf is divided.
-    pub refine: Refine,
+    pub split_rule: SplitRule,
     /// Most leaves at once, drawn or not: about five triangles and up to 1 kB each. Where the tolerance asks for more, it is
     /// eased, and the error that is reported tells. At least 512.
-    pub most_leaves: u32,
+    pub max_leaves: u32,
     /// Most pages: the quarters of a square each, 300 bytes. At least 256.
-    pub most_pages: u32,
+    pub max_pages: u32,
     /// Finest level: 0 are the blocks of 22.5°, 24 is 15 cm. At most 32.
-    pub most_level: u8,
+    pub max_level: u8,
     /// Work in a frame: a leaf built anew counts as 1, a new vertex as 4, a page read as [`PAGE_WORK`].
     pub work: u32,
     /// Leave out patches that lie outside the picture, beyond the horizon, or face away with every face.
@@ -42,10 +42,10 @@ impl Default for QuadtreeOptions {
     fn default() -> Self {
         Self {
             ellipsoid: Ellipsoid::WGS84,
-            refine: Refine::Tolerance,
-            most_leaves: 24_000,
-            most_pages: 16_384,
-            most_level: 24,
+            split_rule: SplitRule::Tolerance,
+            max_leaves: 24_000,
+            max_pages: 16_384,
+            max_level: 24,
             work: 3_200,
             is_culled: true,
             is_certain: false,
@@ -65,25 +65,25 @@ const BINS: usize = 256;
 pub struct Quadtree {
     pub(super) options: QuadtreeOptions,
     pub(super) forest: Option<Forest>,
-    pub(super) patches: Vec<Built>,
+    pub(super) patches: Vec<BuiltPatch>,
     /// Patches that are no more; their memory serves the next.
-    pub(super) spare: Vec<Built>,
+    pub(super) spare: Vec<BuiltPatch>,
     pub(super) by_node: HashMap<Node, u32>,
     pub(super) leaves: u32,
     /// Ratios above this are divided: 1, or more where there would be too many leaves.
-    pub(super) relax: f64,
+    pub(super) error_threshold: f64,
     /// Most that anything drawn is off by, metres: the Earth hides ground only below that.
     pub(super) deepest_m: f64,
     pub(super) revision: u64,
-    pub(super) spent: u32,
+    pub(super) work_done: u32,
     pub(super) order: Vec<u32>,
     pub(super) drawn: Vec<u32>,
-    pub(super) stack: Vec<(Node, Slot, Sight)>,
+    pub(super) stack: Vec<(Node, Slot, BoundVisibility)>,
     pub(super) bins: Vec<u32>,
     /// Work that leaves above a ratio would take.
     pub(super) wanted: Vec<u64>,
     /// Ratios above this are divided in this frame: the worst leaves first, wherever they are.
-    pub(super) floor: f64,
+    pub(super) frame_threshold: f64,
     pub(super) scratch: Scratch,
     pub(super) stats: SurfaceStats,
     pub(super) rebuilt: u32,
@@ -94,8 +94,8 @@ impl Quadtree {
     /// A surface that has read nothing yet. The first view reads the 128 first pages, about 10 000 heights.
     pub fn new(options: QuadtreeOptions) -> Self {
         let options = QuadtreeOptions {
-            most_leaves: options.most_leaves.max(512),
-            most_level: options.most_level.min(32),
+            max_leaves: options.max_leaves.max(512),
+            max_level: options.max_level.min(32),
             ..options
         };
         Self {
@@ -105,16 +105,16 @@ impl Quadtree {
             spare: Vec::new(),
             by_node: HashMap::new(),
             leaves: 0,
-            relax: 1.0,
+            error_threshold: 1.0,
             deepest_m: f64::INFINITY,
             revision: 1,
-            spent: 0,
+            work_done: 0,
             order: Vec::new(),
             drawn: Vec::new(),
             stack: Vec::new(),
             bins: vec![0; BINS],
             wanted: vec![0; BINS],
-            floor: 1.0,
+            frame_threshold: 1.0,
             scratch: Scratch::default(),
             stats: SurfaceStats::default(),
             rebuilt: 0,
@@ -149,7 +149,7 @@ impl Quadtree {
     fn start(&mut self, ground: &dyn Elevation) {
         let forest = Forest::new(
             self.options.ellipsoid,
-            self.options.most_pages as usize,
+            self.options.max_pages as usize,
             self.options.is_certain,
             ground,
         );
@@ -157,7 +157,7 @@ impl Quadtree {
             for x in 0..BLOCKS.columns {
                 let node = Node { level: 0, x, y };
                 self.by_node.insert(node, self.patches.len() as u32);
-                let patch = Built::new(node, root_slot(node), &forest, self.revision);
+                let patch = BuiltPatch::new(node, root_slot(node), &forest, self.revision);
                 self.patches.push(patch);
             }
         }
@@ -167,13 +167,13 @@ impl Quadtree {
 
     /// Looks at patches, or only at those that have changed: are they seen, do they need work, how far are they off. Answers
     /// the largest error of what is seen, metres.
-    fn look(&mut self, forest: &Forest, eye: &Eye, is_all: bool) -> f64 {
+    fn evaluate_errors(&mut self, forest: &Forest, lod: &LodView, is_all: bool) -> f64 {
         self.bins.fill(0);
         self.wanted.fill(0);
         let (mut error_m, mut error_px) = (0.0_f64, 0.0_f64);
         for index in 0..self.patches.len() {
             if is_all || self.patches[index].is_dirty {
-                self.look_at(index, forest, eye);
+                self.evaluate_patch(index, forest, lod);
             }
             let (patch_m, patch_px) = self.patches[index].error;
             (error_m, error_px) = (error_m.max(patch_m), error_px.max(patch_px));
@@ -182,73 +182,76 @@ impl Quadtree {
         error_m
     }
 
-    fn look_at(&mut self, index: usize, forest: &Forest, eye: &Eye) {
+    fn evaluate_patch(&mut self, index: usize, forest: &Forest, lod: &LodView) {
         let built = &mut self.patches[index];
         let Some(slot) = forest.slot(built.node) else {
             return;
         };
         let info = forest.info(slot);
-        built.distance_m = eye.distance_m(info);
-        let sight = eye.sight(info);
-        built.is_drawn = eye.draws(info, built.cone);
+        built.distance_m = lod.distance_m(info);
+        let visibility = lod.visibility(info);
+        built.is_drawn = lod.draws(info, &built.normals);
         (built.urgency, built.has_merges, built.leaves) = (0.0, false, 0);
         built.error = (0.0, 0.0);
         self.stack.clear();
-        self.stack.push((built.node, slot, sight));
+        self.stack.push((built.node, slot, visibility));
         while let Some((node, slot, above)) = self.stack.pop() {
             let info = forest.info(slot);
-            let sight = if above == Sight::Part {
-                eye.sight(info)
+            let visibility = if above == BoundVisibility::Intersecting {
+                lod.visibility(info)
             } else {
                 above
             };
             let side_m = side_m(&self.options.ellipsoid, node);
-            let ratio = eye.ratio(info, side_m, sight);
+            let ratio = lod.split_ratio(info, side_m, visibility);
             let bin = (ratio.max(1.0).log2() * BINS_PER_DOUBLING) as usize;
             let bin = bin.min(BINS - 1);
             self.bins[bin] += u32::from(ratio > 1.0);
             if forest.is_split(slot) {
-                built.has_merges |= ratio < HYSTERESIS * self.relax;
+                built.has_merges |= ratio < HYSTERESIS * self.error_threshold;
                 for k in 0..4 {
                     if let Some(slot) = forest.child(node, slot, k) {
-                        self.stack.push((node.child(k), slot, sight));
+                        self.stack.push((node.child(k), slot, visibility));
                     }
                 }
                 continue;
             }
             built.leaves += 1;
-            if ratio > self.relax && node.level < self.options.most_level {
+            if ratio > self.error_threshold && node.level < self.options.max_level {
                 built.urgency = built.urgency.max(ratio);
                 let is_known = forest.has_children(slot);
                 let work = if is_known { 0 } else { PAGE_WORK } + 2 * SPLIT_WORK;
                 self.wanted[bin] += u64::from(work);
             }
-            if matches!(sight, Sight::Whole | Sight::Part) {
+            if visibility.is_visible() {
                 let (error_m, error_px) = built.error;
-                let leaf_px = eye.error_px(info);
+                let leaf_px = lod.error_px(info);
                 built.error = (error_m.max(f64::from(info.error_m)), error_px.max(leaf_px));
             }
         }
     }
 
     /// Looks with a horizon below all that is drawn: what is drawn too low must not be taken to hide what is behind.
-    fn look_over(&mut self, forest: &Forest, view: &GroundView) -> Option<Eye> {
+    fn evaluate_view(&mut self, forest: &Forest, view: &GroundView) -> Option<LodView> {
         let options = self.options;
-        let lowest_m = forest.range_m().0;
+        let (low_m, high_m) = forest.range_m();
         loop {
-            let below_m = lowest_m - self.deepest_m;
-            let eye = Eye::new(
+            let drawn = HeightRange {
+                low_m: low_m - self.deepest_m,
+                high_m,
+            };
+            let lod = LodView::new(
                 view,
-                options.refine,
+                options.split_rule,
                 &options.ellipsoid,
-                below_m,
+                drawn,
                 options.is_culled,
             )?;
-            let error_m = self.look(forest, &eye, true);
+            let error_m = self.evaluate_errors(forest, &lod, true);
             if error_m <= self.deepest_m {
                 // Half as much again, so that the next looks need not be repeated.
                 self.deepest_m = self.deepest_m.min(1.5 * error_m);
-                return Some(eye);
+                return Some(lod);
             }
             self.deepest_m = 1.5 * error_m;
         }
@@ -256,19 +259,19 @@ impl Quadtree {
 
     /// Eases the tolerance as far as the leaves that it would take are too many, and finds which can be divided in one
     /// frame.
-    fn ease(&mut self) {
+    fn set_thresholds(&mut self) {
         let roots = BLOCKS.columns * BLOCKS.rows;
-        let most = u64::from(self.options.most_leaves).saturating_sub(roots) / 3;
-        let (mut count, mut relax) = (0, 1.0);
+        let most = u64::from(self.options.max_leaves).saturating_sub(roots) / 3;
+        let (mut count, mut threshold) = (0, 1.0);
         for bin in (0..BINS).rev() {
             count += u64::from(self.bins[bin]);
             if count > most {
-                relax = ((bin + 1) as f64 / BINS_PER_DOUBLING).exp2();
+                threshold = ((bin + 1) as f64 / BINS_PER_DOUBLING).exp2();
                 break;
             }
         }
-        self.relax = relax;
-        let (mut wanted, mut floor) = (0, relax);
+        self.error_threshold = threshold;
+        let (mut wanted, mut floor) = (0, threshold);
         for bin in (0..BINS).rev() {
             wanted += self.wanted[bin];
             if wanted >= u64::from(self.options.work) {
@@ -276,37 +279,39 @@ impl Quadtree {
                 break;
             }
         }
-        self.floor = floor.max(relax);
+        self.frame_threshold = floor.max(threshold);
     }
 
     /// Divides and merges below a node. Answers whether it is divided.
     fn refine(
         &mut self,
         forest: &mut Forest,
-        eye: &Eye,
+        lod: &LodView,
         ground: &dyn Elevation,
         (node, slot): (Node, Slot),
-        most_work: u32,
+        max_work: u32,
     ) -> bool {
         let info = *forest.info(slot);
         let side_m = side_m(&self.options.ellipsoid, node);
-        let ratio = eye.ratio(&info, side_m, eye.sight(&info));
+        let ratio = lod.split_ratio(&info, side_m, lod.visibility(&info));
         let was_split = forest.is_split(slot);
         if !was_split {
-            let is_wanted = ratio > self.floor
-                && node.level < self.options.most_level
-                && self.leaves + 3 <= self.options.most_leaves
-                && self.spent < most_work;
+            let is_wanted = ratio > self.frame_threshold
+                && node.level < self.options.max_level
+                && self.leaves + 3 <= self.options.max_leaves
+                && self.work_done < max_work;
             if !is_wanted {
                 return false;
             }
             if !forest.has_children(slot) {
-                self.spent = self.spent.saturating_add(PAGE_WORK);
+                self.work_done = self.work_done.saturating_add(PAGE_WORK);
                 if !forest.read_children(node, slot, ground) {
                     return false;
                 }
                 // Seen closer it may do as it is.
-                if eye.ratio(forest.info(slot), side_m, eye.sight(&info)) <= self.floor {
+                if lod.split_ratio(forest.info(slot), side_m, lod.visibility(&info))
+                    <= self.frame_threshold
+                {
                     return false;
                 }
             }
@@ -318,11 +323,11 @@ impl Quadtree {
         for k in 0..4 {
             if let Some(slot) = forest.child(node, slot, k) {
                 let child = (node.child(k), slot);
-                is_deeper |= self.refine(forest, eye, ground, child, most_work);
+                is_deeper |= self.refine(forest, lod, ground, child, max_work);
             }
         }
-        let is_spare = was_split && !is_deeper && ratio < HYSTERESIS * self.relax;
-        if is_spare && self.spent < most_work {
+        let is_spare = was_split && !is_deeper && ratio < HYSTERESIS * self.error_threshold;
+        if is_spare && self.work_done < max_work {
             forest.set_split(slot, false);
             forest.touch(slot);
             self.leaves -= 3;
@@ -335,7 +340,7 @@ impl Quadtree {
     /// Notes that a node was divided or merged: its patch is built anew, and those of leaves beside that share points.
     fn changed(&mut self, forest: &Forest, node: Node) {
         self.changes += 1;
-        self.spent = self.spent.saturating_add(SPLIT_WORK);
+        self.work_done = self.work_done.saturating_add(SPLIT_WORK);
         self.must_build(forest, node);
         for side in Side::ALL {
             if let Some(beside) = BLOCKS.neighbour(node, side)
@@ -354,14 +359,14 @@ impl Quadtree {
             let built = &mut self.patches[*index as usize];
             if !built.is_dirty {
                 built.is_dirty = true;
-                self.spent = self.spent.saturating_add(built.leaves);
+                self.work_done = self.work_done.saturating_add(built.leaves);
             }
         }
     }
 
     /// Divides and merges leaves, the worst patches first, while there is work left.
-    fn improve(&mut self, forest: &mut Forest, eye: &Eye, ground: &dyn Elevation) {
-        let floor = self.floor;
+    fn improve(&mut self, forest: &mut Forest, lod: &LodView, ground: &dyn Elevation) {
+        let floor = self.frame_threshold;
         let mut order = std::mem::take(&mut self.order);
         order.clear();
         order.extend(0..self.patches.len() as u32);
@@ -376,24 +381,24 @@ impl Quadtree {
         for index in &order {
             let built = &self.patches[*index as usize];
             // A part of the work is kept for merging.
-            let most_work = if built.urgency > floor {
+            let max_work = if built.urgency > floor {
                 self.options.work - self.options.work / 4
             } else {
                 self.options.work
             };
-            if self.spent >= most_work {
+            if self.work_done >= max_work {
                 continue;
             }
             let node = built.node;
             if let Some(slot) = forest.slot(node) {
-                self.refine(forest, eye, ground, (node, slot), most_work);
+                self.refine(forest, lod, ground, (node, slot), max_work);
             }
         }
         self.order = order;
     }
 
     /// Builds every patch that a change touched: all in one frame, so that no edge is open between two.
-    fn build(&mut self, forest: &Forest, eye: &Eye, ground: &dyn Elevation) {
+    fn build(&mut self, forest: &Forest, lod: &LodView, ground: &dyn Elevation) {
         self.rebuilt = 0;
         self.scratch.new_vertices = 0;
         for index in 0..self.patches.len() {
@@ -407,14 +412,14 @@ impl Quadtree {
             };
             self.scratch.beside.clear();
             let all = self.patches.iter();
-            let beside = all.filter(|other| touches(other.node, node));
+            let beside = all.filter(|other| BLOCKS.is_adjacent(other.node, node));
             let beside = beside.map(|other| (other.node, other.step_m));
             self.scratch.beside.extend(beside);
             // In an order of their own, so that the same ones are known again.
             self.scratch.beside.sort_unstable_by_key(|(node, _)| *node);
             let built = &mut self.patches[index];
             built.build(forest, slot, ground, &mut self.scratch);
-            built.is_drawn = eye.draws(forest.info(slot), built.cone);
+            built.is_drawn = lod.draws(forest.info(slot), &built.normals);
             self.rebuilt += 1;
         }
     }
@@ -436,7 +441,11 @@ impl Quadtree {
             let by_distance = a.distance_m.total_cmp(&b.distance_m);
             by_distance.then(a.node.cmp(&b.node))
         });
-        bytes += self.spare.iter().map(Built::resident_bytes).sum::<usize>();
+        bytes += self
+            .spare
+            .iter()
+            .map(BuiltPatch::resident_bytes)
+            .sum::<usize>();
         // A vertex is read once for its height and four times for its slope.
         self.stats.samples_read = forest.samples_read() + 5 * self.scratch.new_vertices;
         self.stats.patches = self.drawn.len() as u32;
@@ -457,27 +466,27 @@ impl Surface for Quadtree {
         let Some(mut forest) = self.forest.take() else {
             return self.stats;
         };
-        if let Some(mut eye) = self.look_over(&forest, view) {
+        if let Some(mut lod) = self.evaluate_view(&forest, view) {
             forest.start_frame();
-            (self.spent, self.changes) = (0, 0);
-            self.ease();
-            self.improve(&mut forest, &eye, ground);
+            (self.work_done, self.changes) = (0, 0);
+            self.set_thresholds();
+            self.improve(&mut forest, &lod, ground);
             // Leaves, and what is seen of them, have changed; very rarely for the worse.
             if self.changes > 0
-                && self.look(&forest, &eye, false) > self.deepest_m
-                && let Some(again) = self.look_over(&forest, view)
+                && self.evaluate_errors(&forest, &lod, false) > self.deepest_m
+                && let Some(again) = self.evaluate_view(&forest, view)
             {
-                eye = again;
+                lod = again;
             }
-            self.rearrange(&mut forest, &eye);
-            self.build(&forest, &eye, ground);
+            self.repartition(&mut forest, &lod);
+            self.build(&forest, &lod, ground);
             self.count(&forest);
         }
         self.forest = Some(forest);
         self.stats
     }
 
-    fn visit(&self, draw: &mut dyn FnMut(&Patch)) {
+    fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch)) {
         for index in &self.drawn {
             draw(&self.patches[*index as usize].patch);
         }

@@ -5,7 +5,7 @@ use crate::Subdivision;
 use crate::globe::clipmap::{ClipmapOptions, Trim};
 use crate::globe::contours::PageOptions;
 use crate::globe::projected_grid::GridOptions;
-use crate::globe::quadtree::{QuadtreeOptions, Refine};
+use crate::globe::quadtree::{QuadtreeOptions, SplitRule};
 use crate::globe::{SurfaceKind, SurfaceSettings};
 use crate::scene::DEFAULT_TOLERANCE_PX;
 
@@ -69,7 +69,7 @@ fn of_kind(kind: SurfaceKind) -> Vec<Candidate> {
     };
     let lambda = |lambda: f64| {
         let surface = SurfaceSettings::Quadtree(QuadtreeOptions {
-            refine: Refine::Paper { lambda },
+            split_rule: SplitRule::Paper { lambda },
             ..QuadtreeOptions::default()
         });
         candidate("lambda", lambda.to_string(), false, surface, 1.0)

@@ -10,7 +10,7 @@ use super::quadtree::{ErrorMetric, GridQuadtree, Order, SelectedLeaves, TreeView
 use super::storage::Storage;
 use super::table::Table;
 use super::trees::{CachedTrees, quadtree_options};
-use crate::globe::quadtree::Refine;
+use crate::globe::quadtree::SplitRule;
 use crate::measure::Quantiles;
 use glam::DVec3;
 use std::time::Instant;
@@ -41,12 +41,12 @@ fn median_and_least_ms(count: usize, mut work: impl FnMut()) -> (f64, f64) {
 }
 
 /// Over the middle of the southern edge, looking north.
-fn view(tree: &GridQuadtree, refine: Refine, is_culled: bool) -> TreeView {
+fn view(tree: &GridQuadtree, split_rule: SplitRule, is_culled: bool) -> TreeView {
     let (columns, rows) = tree.size();
     let post = (rows - 1) * columns + columns / 2;
     TreeView {
         eye_m: tree.post_m(post as u32) + EYE_M * DVec3::Z,
-        refine,
+        split_rule,
         pixel_rad: 1.0 / f64::from(SIZE.1),
         tolerance_px: 1.0,
         metric: ErrorMetric::Midpoints,
@@ -90,8 +90,8 @@ pub(super) fn rate(
 ) -> Result<(Vec<String>, Option<image::RgbaImage>), TerrainError> {
     let tree = trees.quadtree(field)?;
     trees.check_cancelled()?;
-    let lambda = Refine::Paper { lambda: LAMBDA };
-    let everything = Refine::Paper {
+    let lambda = SplitRule::Paper { lambda: LAMBDA };
+    let everything = SplitRule::Paper {
         lambda: f64::INFINITY,
     };
     let views = [
@@ -358,7 +358,7 @@ pub(super) fn ordered(
         let mut selected = SelectedLeaves::default();
         let mut row = vec![field.name.clone(), field.size(), name.to_owned()];
         for lambda in [f64::INFINITY, LAMBDA] {
-            let view = view(&tree, Refine::Paper { lambda }, false);
+            let view = view(&tree, SplitRule::Paper { lambda }, false);
             tree.select(&view, &mut selected);
             let (median_ms, least_ms) =
                 median_and_least_ms(CHOICES, || tree.select(&view, &mut selected));

@@ -25,14 +25,14 @@ impl Globe {
             cells: Vec::new(),
         };
         for cell in cells(n) {
-            let Spot { diamond, i, j } = cell;
+            let LatticeIndex { diamond, i, j } = cell;
             let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| {
-                let spot = Spot {
+                let index = LatticeIndex {
                     diamond,
                     i: i + x,
                     j: j + y,
                 };
-                globe.number_of(spot)
+                globe.number_of(index)
             });
             for (x, a) in corners.into_iter().enumerate() {
                 for (y, b) in corners.into_iter().enumerate() {
@@ -48,8 +48,8 @@ impl Globe {
         globe
     }
 
-    fn number_of(&mut self, spot: Spot) -> usize {
-        let direction = self.icosahedron.direction(spot, self.n);
+    fn number_of(&mut self, index: LatticeIndex) -> usize {
+        let direction = self.icosahedron.direction(index, self.n);
         let next = self.directions.len();
         let number = *self.number.entry(bits(direction)).or_insert(next);
         if number == next {
@@ -60,8 +60,8 @@ impl Globe {
         number
     }
 
-    fn at(&self, spot: Spot) -> usize {
-        self.number[&bits(self.icosahedron.direction(spot, self.n))]
+    fn at(&self, index: LatticeIndex) -> usize {
+        self.number[&bits(self.icosahedron.direction(index, self.n))]
     }
 
     /// Steps from a point to all.
@@ -81,9 +81,9 @@ impl Globe {
     }
 }
 
-fn cells(n: i64) -> impl Iterator<Item = Spot> {
+fn cells(n: i64) -> impl Iterator<Item = LatticeIndex> {
     (0..DIAMONDS).flat_map(move |diamond| {
-        (0..n * n).map(move |cell| Spot {
+        (0..n * n).map(move |cell| LatticeIndex {
             diamond,
             i: cell / n,
             j: cell % n,
@@ -91,9 +91,9 @@ fn cells(n: i64) -> impl Iterator<Item = Spot> {
     })
 }
 
-fn points(n: i64) -> impl Iterator<Item = Spot> {
+fn points(n: i64) -> impl Iterator<Item = LatticeIndex> {
     (0..DIAMONDS).flat_map(move |diamond| {
-        (0..(n + 1) * (n + 1)).map(move |point| Spot {
+        (0..(n + 1) * (n + 1)).map(move |point| LatticeIndex {
             diamond,
             i: point / (n + 1),
             j: point % (n + 1),
@@ -185,18 +185,18 @@ fn the_virtual_diamond_holds_the_true_surroundings_of_all_homes() {
             Place::Across(diamond) => diamond,
             other => panic!("{other:?} across an edge of {home}"),
         };
-        let spot = |i, j| {
-            globe.at(Spot {
+        let index = |i, j| {
+            globe.at(LatticeIndex {
                 diamond: home,
                 i,
                 j,
             })
         };
         for (row, column, edge) in [
-            (0, 1, (0..=n).map(|t| spot(0, t)).collect::<HashSet<_>>()),
-            (1, 0, (0..=n).map(|t| spot(t, 0)).collect()),
-            (2, 1, (0..=n).map(|t| spot(n, t)).collect()),
-            (1, 2, (0..=n).map(|t| spot(t, n)).collect()),
+            (0, 1, (0..=n).map(|t| index(0, t)).collect::<HashSet<_>>()),
+            (1, 0, (0..=n).map(|t| index(t, 0)).collect()),
+            (2, 1, (0..=n).map(|t| index(n, t)).collect()),
+            (1, 2, (0..=n).map(|t| index(t, n)).collect()),
         ] {
             let there = points_of(across(row, column));
             assert_eq!(
@@ -206,10 +206,10 @@ fn the_virtual_diamond_holds_the_true_surroundings_of_all_homes() {
             places += 1;
         }
         for (row, column, corner) in [
-            (0, 0, spot(0, 0)),
-            (0, 2, spot(0, n)),
-            (2, 0, spot(n, 0)),
-            (2, 2, spot(n, n)),
+            (0, 0, index(0, 0)),
+            (0, 2, index(0, n)),
+            (2, 0, index(n, 0)),
+            (2, 2, index(n, n)),
         ] {
             // All diamonds that have the corner are the home, the two across its edges, and what the place says.
             let mut said: HashSet<u8> = [home, across(row, 1), across(1, column)].into();
@@ -237,17 +237,17 @@ fn corners_are_walked_to_the_left_along_shared_edges() {
     let globe = Globe::new(n);
     for diamond in 0..DIAMONDS {
         for corner in 0..4 {
-            let corner = Corner { diamond, corner };
+            let corner = DiamondCorner { diamond, corner };
             let left = corner.left();
             for t in 0..=n {
-                let (mine, theirs) = (corner.spot(0, t, n), left.spot(t, 0, n));
+                let (mine, theirs) = (corner.index(0, t, n), left.index(t, 0, n));
                 assert_eq!(globe.at(mine), globe.at(theirs), "{corner:?} {t}");
                 assert_eq!(corner.steps(mine.i, mine.j, n), (0, t));
             }
             let round = (0..corner.valence()).fold(corner, |c, _| c.left());
             assert_eq!(round, corner);
             // Left is left: from the first edge to the second, seen from above.
-            let at = |p, q| globe.icosahedron.direction(corner.spot(p, q, n), n);
+            let at = |p, q| globe.icosahedron.direction(corner.index(p, q, n), n);
             assert!(at(0, 0).dot(at(1, 0).cross(at(0, 1))) > 0.0);
         }
     }
@@ -257,25 +257,25 @@ fn corners_are_walked_to_the_left_along_shared_edges() {
 fn distances_are_those_of_a_walk_over_the_globe() {
     for n in [8, 12] {
         let globe = Globe::new(n);
-        let all: Vec<(Spot, usize)> = points(n).map(|p| (p, globe.at(p))).collect();
+        let all: Vec<(LatticeIndex, usize)> = points(n).map(|p| (p, globe.at(p))).collect();
         for (trim, links) in [(Trim::Diamond, &globe.cells), (Trim::Hexagon, &globe.edges)] {
             for (middle, number) in &all {
                 let steps = globe.steps(*number, links);
-                let reach = Reach::new(*middle, n, n / 2, trim);
+                let extent = LevelExtent::new(*middle, n, n / 2, trim);
                 let mut within = HashSet::new();
-                for (spot, there) in &all {
-                    let counted = reach.distance(*spot).unwrap_or(i64::MAX);
+                for (index, there) in &all {
+                    let counted = extent.distance(*index).unwrap_or(i64::MAX);
                     if counted <= n / 2 {
                         assert_eq!(
                             counted, steps[*there],
-                            "{trim:?} {n}: {middle:?} to {spot:?}"
+                            "{trim:?} {n}: {middle:?} to {index:?}"
                         );
                         within.insert(*there);
                     } else {
                         let alone = counted == i64::MAX;
                         assert!(
                             alone || steps[*there] > n / 2,
-                            "{trim:?}: {middle:?} to {spot:?}"
+                            "{trim:?}: {middle:?} to {index:?}"
                         );
                     }
                 }
@@ -286,8 +286,8 @@ fn distances_are_those_of_a_walk_over_the_globe() {
                         cell,
                         far: cell.i % 2 == 0,
                     };
-                    if reach.holds(triangle) {
-                        let boxed = reach.boxes().find(|(d, _)| *d == cell.diamond);
+                    if extent.holds(triangle) {
+                        let boxed = extent.boxes().find(|(d, _)| *d == cell.diamond);
                         let (_, span) = boxed.expect("a box");
                         for corner in triangle.corners() {
                             assert!(span.least.0 <= corner.i && corner.i <= span.most.0);
@@ -308,9 +308,9 @@ fn a_point_reaches_the_same_triangles_from_each_of_its_homes() {
         let mut held: HashMap<usize, HashSet<Triangle>> = HashMap::new();
         let mut again = 0;
         for middle in points(n) {
-            let reach = Reach::new(middle, n, n / 2, trim);
+            let extent = LevelExtent::new(middle, n, n / 2, trim);
             let all = cells(n).flat_map(|cell| [false, true].map(|far| Triangle { cell, far }));
-            let mine: HashSet<Triangle> = all.filter(|triangle| reach.holds(*triangle)).collect();
+            let mine: HashSet<Triangle> = all.filter(|triangle| extent.holds(*triangle)).collect();
             if let Some(other) = held.insert(globe.at(middle), mine.clone()) {
                 assert_eq!(other, mine, "{trim:?} {middle:?}");
                 again += 1;
@@ -324,15 +324,15 @@ fn a_point_reaches_the_same_triangles_from_each_of_its_homes() {
 fn directions_are_found_again_and_faces_lie_where_the_paper_says() {
     let icosahedron = Icosahedron::default();
     let n = 1 << 20;
-    for (k, spot) in points(7).enumerate() {
-        let fine = Spot {
-            i: spot.i * (n / 7),
-            j: spot.j * (n / 7),
-            ..spot
+    for (k, index) in points(7).enumerate() {
+        let fine = LatticeIndex {
+            i: index.i * (n / 7),
+            j: index.j * (n / 7),
+            ..index
         };
         let direction = icosahedron.direction(fine, n);
         let (diamond, x, y) = icosahedron.locate(direction);
-        let found = Spot {
+        let found = LatticeIndex {
             diamond,
             i: (x * n as f64).round() as i64,
             j: (y * n as f64).round() as i64,
@@ -349,7 +349,7 @@ fn directions_are_found_again_and_faces_lie_where_the_paper_says() {
         (5, 1, -10.812, 72.0),
         (5, 2, -52.623, 72.0),
     ] {
-        let normal = icosahedron.direction(Spot { diamond, i, j: i }, 3);
+        let normal = icosahedron.direction(LatticeIndex { diamond, i, j: i }, 3);
         assert!((normal.z.asin().to_degrees() - lat_deg).abs() < 1e-3);
         assert!((normal.y.atan2(normal.x).to_degrees() - lon_deg).abs() < 1e-3);
     }
@@ -361,16 +361,16 @@ fn what_is_held_lies_in_boxes_and_ends_where_the_reach_ends() {
     for trim in [Trim::Diamond, Trim::Hexagon] {
         for radius in 1..=n / 2 {
             for middle in points(n) {
-                let reach = Reach::new(middle, n, radius, trim);
+                let extent = LevelExtent::new(middle, n, radius, trim);
                 let mut held = 0;
                 for triangle in
                     cells(n).flat_map(|cell| [false, true].map(|far| Triangle { cell, far }))
                 {
-                    if !reach.holds(triangle) {
+                    if !extent.holds(triangle) {
                         continue;
                     }
                     held += 1;
-                    let span = reach.box_in(triangle.cell.diamond).expect("a box");
+                    let span = extent.box_in(triangle.cell.diamond).expect("a box");
                     for corner in triangle.corners() {
                         assert!(span.least.0 <= corner.i && corner.i <= span.most.0);
                         assert!(span.least.1 <= corner.j && corner.j <= span.most.1);
@@ -378,8 +378,8 @@ fn what_is_held_lies_in_boxes_and_ends_where_the_reach_ends() {
                     // Only vertices that are drawn as the coarser level's may be on the border.
                     let ends = triangle.corners();
                     for (k, beyond) in triangle.neighbours(n).into_iter().enumerate() {
-                        if !reach.holds(beyond) {
-                            let at = |k: usize| reach.distance(ends[k % 3]);
+                        if !extent.holds(beyond) {
+                            let at = |k: usize| extent.distance(ends[k % 3]);
                             assert_eq!((at(k), at(k + 1)), (Some(radius), Some(radius)));
                         }
                     }

@@ -128,8 +128,8 @@ pub fn triangles(map: &Clipmap) -> Vec<[Point; 3]> {
     let finest = map.counts.finest as usize;
     let mut all = Vec::new();
     for level in &map.levels[..=finest] {
-        for sheet in &level.sheets {
-            let patch = &sheet.patch;
+        for buffer in &level.buffers {
+            let patch = &buffer.patch;
             let at = |index: u32| {
                 let offset = patch.vertices[index as usize].from_origin_m.as_dvec3();
                 bits(patch.origin_itrf_m + offset)

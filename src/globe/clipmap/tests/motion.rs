@@ -4,8 +4,8 @@ use super::*;
 use crate::globe::surface::GroundVertex;
 use proptest::prelude::*;
 
-fn source<'a>(icosahedron: &'a Icosahedron, ground: &'a Rule) -> Source<'a> {
-    Source {
+fn source<'a>(icosahedron: &'a Icosahedron, ground: &'a Rule) -> HeightSource<'a> {
+    HeightSource {
         ellipsoid: &Ellipsoid::WGS84,
         icosahedron,
         ground,
@@ -13,10 +13,10 @@ fn source<'a>(icosahedron: &'a Icosahedron, ground: &'a Rule) -> Source<'a> {
 }
 
 /// A level of 65 samples, filled about a middle.
-fn filled(number: u32, middle: Spot, source: &Source<'_>) -> Level {
+fn filled(number: u32, middle: LatticeIndex, source: &HeightSource<'_>) -> Level {
     let mut level = Level::new(number, 32, Trim::Diamond);
-    let reach = level.reach_about(middle);
-    assert!(level.await_reach(reach, source, &mut u64::MAX.clone(), &mut 0));
+    let extent = level.extent_about(middle);
+    assert!(level.await_extent(extent, source, &mut u64::MAX.clone(), &mut 0));
     level
 }
 
@@ -24,7 +24,7 @@ fn filled(number: u32, middle: Spot, source: &Source<'_>) -> Level {
 fn a_move_by_a_cell_reads_its_l_and_nothing_else() {
     let icosahedron = Icosahedron::default();
     let source = source(&icosahedron, &HILLS);
-    let middle = Spot {
+    let middle = LatticeIndex {
         diamond: 3,
         i: 200,
         j: 180,
@@ -37,7 +37,7 @@ fn a_move_by_a_cell_reads_its_l_and_nothing_else() {
         (0, 0, 0),
     ] {
         let mut level = filled(4, middle, &source);
-        let target = level.reach_about(Spot {
+        let target = level.extent_about(LatticeIndex {
             i: middle.i + di,
             j: middle.j + dj,
             ..middle
@@ -49,41 +49,41 @@ fn a_move_by_a_cell_reads_its_l_and_nothing_else() {
         assert_eq!(level.missing(&target), 0);
     }
     // Across a border too: points of the border have a place in both diamonds, and no more is read.
-    let border = Spot {
+    let border = LatticeIndex {
         diamond: 3,
         i: 200,
         j: 0,
     };
     let mut level = filled(4, border, &source);
-    let target = level.reach_about(Spot { j: 2, ..border });
+    let target = level.extent_about(LatticeIndex { j: 2, ..border });
     assert_eq!(level.missing(&target), 2 * 65);
     level.fill(&target, &source, &mut 10_000, &mut 0);
     // As the neighbour calls it, nothing is new.
-    let corner = Corner {
+    let corner = DiamondCorner {
         diamond: 3,
         corner: 1,
     };
     let named = corner.left();
     let (p, q) = corner.steps(200, 0, 512);
     assert_eq!(p, 0);
-    let renamed = named.spot(q, 0, 512);
+    let renamed = named.index(q, 0, 512);
     let mut level = filled(4, border, &source);
-    let target = level.reach_about(renamed);
+    let target = level.extent_about(renamed);
     assert_ne!(renamed.diamond, border.diamond);
     assert_eq!(level.missing(&target), 0);
     assert!(level.fill(&target, &source, &mut 0, &mut 0));
 }
 
-type Drawn = HashMap<(u32, Spot), (DVec3, GroundVertex)>;
+type Drawn = HashMap<(u32, LatticeIndex), (DVec3, GroundVertex)>;
 
 /// Where the drawn surface is at a point of a level's lattice: at a vertex, or halfway along a coarser edge.
-fn drawn_at(all: &Drawn, (level, spot): (u32, Spot)) -> Option<DVec3> {
-    if let Some((point, _)) = all.get(&(level, spot)) {
+fn drawn_at(all: &Drawn, (level, index): (u32, LatticeIndex)) -> Option<DVec3> {
+    if let Some((point, _)) = all.get(&(level, index)) {
         return Some(*point);
     }
     let coarser = level.checked_sub(1)?;
-    let Spot { diamond, i, j } = spot;
-    let at = |i, j| drawn_at(all, (coarser, Spot { diamond, i, j }));
+    let LatticeIndex { diamond, i, j } = index;
+    let at = |i, j| drawn_at(all, (coarser, LatticeIndex { diamond, i, j }));
     let (x, y) = (at((i + 1) / 2, j / 2)?, at(i / 2, (j + 1) / 2)?);
     Some(0.5 * (x + y))
 }
@@ -93,27 +93,27 @@ fn drawn(map: &Clipmap) -> Drawn {
     let mut all = HashMap::new();
     for level in &map.levels[..=map.counts.finest as usize] {
         let whole = level.n;
-        for sheet in &level.sheets {
-            let used: HashSet<u32> = sheet.patch.indices.triangles.iter().copied().collect();
-            let spans = match &level.reach {
-                Some(reach) => reach
+        for buffer in &level.buffers {
+            let used: HashSet<u32> = buffer.patch.indices.triangles.iter().copied().collect();
+            let spans = match &level.extent {
+                Some(extent) => extent
                     .boxes()
-                    .find(|(d, _)| *d == sheet.diamond)
+                    .find(|(d, _)| *d == buffer.diamond)
                     .map(|(_, s)| (s.least, s.most)),
                 None => Some(((0, 0), (whole, whole))),
             };
             let Some((least, most)) = spans else { continue };
             for i in least.0..=most.0 {
                 for j in least.1..=most.1 {
-                    let slot = sheet.slot(i, j);
+                    let slot = buffer.slot(i, j);
                     if used.contains(&(slot as u32)) {
-                        let vertex = sheet.patch.vertices[slot];
-                        let point = sheet.patch.origin_itrf_m + vertex.from_origin_m.as_dvec3();
+                        let vertex = buffer.patch.vertices[slot];
+                        let point = buffer.patch.origin_itrf_m + vertex.from_origin_m.as_dvec3();
                         all.insert(
                             (
                                 level.number,
-                                Spot {
-                                    diamond: sheet.diamond,
+                                LatticeIndex {
+                                    diamond: buffer.diamond,
                                     i,
                                     j,
                                 },
@@ -155,22 +155,22 @@ proptest! {
         let source = source(&icosahedron, &HILLS);
         for at in 1..=map.counts.finest as usize {
             let level = &map.levels[at];
-            let reach = level.reach.clone().expect("drawn");
+            let extent = level.extent.clone().expect("drawn");
             let mut fresh = Level::new(level.number, level.radius, trim);
-            prop_assert!(fresh.await_reach(reach.clone(), &source, &mut u64::MAX.clone(), &mut 0));
+            prop_assert!(fresh.await_extent(extent.clone(), &source, &mut u64::MAX.clone(), &mut 0));
             fresh.blend_into(Some(&map.levels[at - 1]));
-            let reach = fresh.reach.as_ref().expect("filled");
-            for (diamond, span) in reach.boxes() {
-                let part = reach.in_diamond(diamond).expect("a box");
-                let find = |level: &Level| level.sheets.iter().position(|s| s.diamond == diamond).expect("a sheet");
-                let (old, new) = (&level.sheets[find(level)], &fresh.sheets[find(&fresh)]);
+            let extent = fresh.extent.as_ref().expect("filled");
+            for (diamond, span) in extent.boxes() {
+                let part = extent.in_diamond(diamond).expect("a box");
+                let find = |level: &Level| level.buffers.iter().position(|s| s.diamond == diamond).expect("a buffer");
+                let (old, new) = (&level.buffers[find(level)], &fresh.buffers[find(&fresh)]);
                 for i in span.least.0..=span.most.0 {
                     for j in span.least.1..=span.most.1 {
-                        if part.distance(i, j) <= reach.radius {
+                        if part.distance(i, j) <= extent.radius {
                             let slot = old.slot(i, j);
-                            let vertices = [old, new].map(|sheet| {
-                                let vertex = sheet.patch.vertices[slot];
-                                let point = sheet.patch.origin_itrf_m + vertex.from_origin_m.as_dvec3();
+                            let vertices = [old, new].map(|buffer| {
+                                let vertex = buffer.patch.vertices[slot];
+                                let point = buffer.patch.origin_itrf_m + vertex.from_origin_m.as_dvec3();
                                 (bits(point), vertex.height_m.to_bits(), vertex.slope.to_array().map(f32::to_bits))
                             });
                             prop_assert_eq!(vertices[0], vertices[1]);
@@ -204,7 +204,7 @@ fn who_takes_only_what_changed_has_all_of_it() {
             ),
         };
         map.prepare(&view, &HILLS);
-        map.visit(&mut |patch| {
+        map.for_each_patch(&mut |patch| {
             let (revision, copy) = copies.entry(patch.key).or_default();
             if *revision + 1 == patch.revision {
                 for range in &patch.changed {
@@ -235,7 +235,7 @@ fn an_eye_at_rest_changes_nothing() {
     settle(&mut map, &view, &HILLS);
     let state = |map: &Clipmap| {
         let mut all = Vec::new();
-        map.visit(&mut |patch| {
+        map.for_each_patch(&mut |patch| {
             all.push((
                 patch.key,
                 patch.revision,
@@ -258,9 +258,9 @@ fn a_change_of_home_changes_nothing() {
         for part in [0.0, 1e-4, 0.03, 0.5, 0.97] {
             let t = (part * n as f64) as i64;
             for (i, j) in [(0, t), (t, 0), (n, t), (t, n)] {
-                let on = icosahedron.direction(Spot { diamond, i, j }, n);
+                let on = icosahedron.direction(LatticeIndex { diamond, i, j }, n);
                 let (i, j) = (i.clamp(1, n - 1), j.clamp(1, n - 1));
-                let inside = icosahedron.direction(Spot { diamond, i, j }, n);
+                let inside = icosahedron.direction(LatticeIndex { diamond, i, j }, n);
                 let eye = |nudge: f64| {
                     let up = (on + (inside - on).normalize_or_zero() * nudge).normalize();
                     view_from(Ellipsoid::WGS84.surface_point(up) + up * 3000.0)
@@ -351,12 +351,12 @@ fn levels_come_and_go_as_the_surface_below_them() {
     map.prepare(&view, &HILLS);
     assert_eq!(map.counts.finest, 1);
     let mut most = 0.0_f64;
-    for ((level, spot), (point, _)) in drawn(&map) {
-        if level == 1 && spot.i % 2 == 0 && spot.j % 2 == 0 {
-            let half = spot.halved();
-            let sheet = &map.levels[0].sheets[half.diamond as usize];
+    for ((level, index), (point, _)) in drawn(&map) {
+        if level == 1 && index.i % 2 == 0 && index.j % 2 == 0 {
+            let half = index.halved();
+            let buffer = &map.levels[0].buffers[half.diamond as usize];
             let coarse =
-                sheet.patch.origin_itrf_m + sheet.own(half.i, half.j).from_origin_m.as_dvec3();
+                buffer.patch.origin_itrf_m + buffer.own(half.i, half.j).from_origin_m.as_dvec3();
             most = most.max(coarse.distance(point));
         }
     }

@@ -28,7 +28,7 @@ fn a_border_through_a_corner_of_three_diamonds_is_closed() {
             (3, 32, n - 8),
             (7, 6, 32),
         ] {
-            let up = icosahedron.direction(Spot { diamond, i, j }, n);
+            let up = icosahedron.direction(LatticeIndex { diamond, i, j }, n);
             let mut map = clipmap(at_once(5, trim));
             map.prepare(
                 &view_from(Ellipsoid::WGS84.surface_point(up) + up * 3000.0),
@@ -47,14 +47,14 @@ fn the_default_has_the_papers_vertices() {
     settle(&mut map, &view, &HILLS);
     assert_eq!(map.counts().finest, 6);
     let vertices: usize = (1..=6)
-        .flat_map(|level| &map.levels[level].sheets)
-        .filter(|sheet| !sheet.patch.indices.triangles.is_empty())
-        .map(|sheet| sheet.patch.vertices.len())
+        .flat_map(|level| &map.levels[level].buffers)
+        .filter(|buffer| !buffer.patch.indices.triangles.is_empty())
+        .map(|buffer| buffer.patch.vertices.len())
         .sum();
-    assert_eq!(vertices, 99_846 + 129 * 129 * (sheets(&map) - 6));
+    assert_eq!(vertices, 99_846 + 129 * 129 * (buffers(&map) - 6));
     assert_closed(&map, "default");
     // Each point within reach once: six squares, and a few points of diamond borders twice.
-    let bound = map.most_bytes();
+    let bound = map.max_bytes();
     assert!(
         map.stats.resident_bytes < bound,
         "{} of {bound}",
@@ -62,8 +62,11 @@ fn the_default_has_the_papers_vertices() {
     );
 }
 
-fn sheets(map: &Clipmap) -> usize {
-    map.levels[1..].iter().map(|level| level.sheets.len()).sum()
+fn buffers(map: &Clipmap) -> usize {
+    map.levels[1..]
+        .iter()
+        .map(|level| level.buffers.len())
+        .sum()
 }
 
 #[test]
@@ -73,9 +76,9 @@ fn positions_are_exact_sums_in_single_precision() {
         map.prepare(&over(lat_deg, lon_deg, 300.0), &CLIFFS);
         for level in &map.levels {
             let quantum_m = Level::quantum_m(level.number);
-            for sheet in &level.sheets {
-                for t in &sheet.patch.indices.triangles {
-                    let offset = sheet.patch.vertices[*t as usize].from_origin_m.as_dvec3();
+            for buffer in &level.buffers {
+                for t in &buffer.patch.indices.triangles {
+                    let offset = buffer.patch.vertices[*t as usize].from_origin_m.as_dvec3();
                     assert!(offset.abs().max_element() <= Level::most_m(level.number));
                     assert_eq!((offset / quantum_m).round() * quantum_m, offset);
                 }
@@ -103,8 +106,8 @@ fn each_level_follows_the_ground_as_its_cells_allow() {
             // up to 1.3 times the mean.
             let spacing_m = map.spacing_m(level.number.saturating_sub(1)) * 1.3;
             let bound_m = spacing_m * spacing_m * curvature / 6.0 + Level::quantum_m(level.number);
-            for sheet in &level.sheets {
-                let patch = &sheet.patch;
+            for buffer in &level.buffers {
+                let patch = &buffer.patch;
                 for t in patch.indices.triangles.chunks_exact(3) {
                     let at = |x: usize| {
                         patch.origin_itrf_m + patch.vertices[t[x] as usize].from_origin_m.as_dvec3()
@@ -141,7 +144,7 @@ fn extreme_grounds_and_eyes_are_drawn_closed() {
         (&HILLS, "hills"),
     ] {
         let mut map = clipmap(at_once(32, Trim::Diamond));
-        assert_eq!(map.options.levels, MOST_LEVELS);
+        assert_eq!(map.options.levels, MAX_LEVELS);
         for (k, view) in eyes.iter().enumerate() {
             for tolerance_px in [0.0, 1.0, 1e30, f64::NAN] {
                 let view = GroundView {
@@ -149,8 +152,8 @@ fn extreme_grounds_and_eyes_are_drawn_closed() {
                     ..*view
                 };
                 let stats = map.prepare(&view, ground);
-                assert!(stats.resident_bytes <= map.most_bytes());
-                map.visit(&mut |patch| {
+                assert!(stats.resident_bytes <= map.max_bytes());
+                map.for_each_patch(&mut |patch| {
                     for vertex in &patch.vertices {
                         assert!(vertex.from_origin_m.is_finite() && vertex.slope.is_finite());
                     }
@@ -322,12 +325,12 @@ fn the_far_side_of_the_globe_is_not_handed_over() {
         &HILLS,
     );
     let mut handed = HashSet::new();
-    map.visit(&mut |patch| {
+    map.for_each_patch(&mut |patch| {
         handed.insert(patch.key);
     });
     assert_eq!(handed.len(), stats.patches as usize);
     let of_globe: Vec<u64> = (0..16).filter(|key| handed.contains(key)).collect();
-    // Level 1 is drawn about the pole in five sheets.
+    // Level 1 is drawn about the pole in five buffers.
     assert!((16..21).all(|key| handed.contains(&key)));
     assert!(
         of_globe.len() < 10 && of_globe.iter().all(|key| *key < 10),
@@ -347,8 +350,8 @@ fn patches_meet_in_single_precision_too() {
             map.prepare(&view, &HILLS);
             let mut seen: HashMap<Point, DVec3> = HashMap::new();
             for level in &map.levels[8..] {
-                for sheet in &level.sheets {
-                    let patch = &sheet.patch;
+                for buffer in &level.buffers {
+                    let patch = &buffer.patch;
                     let origin = (patch.origin_itrf_m - view.eye_itrf_m).as_vec3();
                     for t in &patch.indices.triangles {
                         let offset = patch.vertices[*t as usize].from_origin_m;

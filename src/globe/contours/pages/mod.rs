@@ -18,18 +18,20 @@
 //! [`Dem::reaching`]: super::dem::Dem::reaching
 
 mod page;
-mod seen;
 
 use super::gpu_layout::{ContourRay, contour_cast};
-use super::surface::lattice::{Cell, ball};
+use super::surface::lattice::{Cell, ball, chord_m};
 use super::surface::tables::Keys;
 use crate::elevation::{Bounds, Elevation, HeightRange};
 use crate::frames::Ellipsoid;
-use crate::globe::{GroundForm, GroundView, Patch, Surface, SurfaceStats};
+use crate::globe::culling::{CullingContext, GroundBound};
+use crate::globe::{
+    ContourPage, ContourPageSet, DrawKind, GroundView, Patch, Surface, SurfaceStats,
+};
 use glam::DVec3;
 use page::{CELLS, DEEPEST};
 pub use page::{MAX_NODES, Page};
-use seen::Seen;
+use std::f64::consts::FRAC_PI_8;
 
 /// How much the surface may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,7 +105,7 @@ pub struct PagesDraw<'a> {
 }
 
 /// How much wider columns are for an eye at this place, metres; see [`ContourRay::slack`].
-pub fn slack_m(page: &Page, eye_itrf_m: DVec3) -> f64 {
+fn slack_m(page: &Page, eye_itrf_m: DVec3) -> f64 {
     let away_m = page.origin_itrf_m.distance(eye_itrf_m) + page.radius_m;
     away_m * 2f64.powi(-20)
 }
@@ -127,6 +129,8 @@ pub struct ContourPages {
     /// Cells to build, and by how many pixels what is drawn in their place is wrong.
     wanted: Vec<(f64, Cell)>,
     drawn: Vec<DrawnPage>,
+    /// The eye of the last view.
+    eye_itrf_m: DVec3,
     pixel_rad: f64,
     cone: f64,
 }
@@ -146,6 +150,7 @@ impl ContourPages {
             queue: Vec::with_capacity(4 * most),
             wanted: Vec::with_capacity(4 * most),
             drawn: Vec::with_capacity(most),
+            eye_itrf_m: DVec3::ZERO,
             pixel_rad: 0.0,
             cone: 0.0,
         }
@@ -194,7 +199,13 @@ impl ContourPages {
     }
 
     /// Whether all quarters that can be seen are there; asks for those that are not.
-    fn has_quarters(&mut self, cell: Cell, k: usize, pixels: f64, seen: &Seen) -> bool {
+    fn has_quarters(
+        &mut self,
+        cell: Cell,
+        k: usize,
+        pixels: f64,
+        culling: &CullingContext,
+    ) -> bool {
         let (low_m, high_m) = (self.pages[k].low_m, self.pages[k].high_m);
         let more_m = self.pages[k].error_m + 1.0;
         let mut is_complete = true;
@@ -204,12 +215,12 @@ impl ContourPages {
                 self.slots[slot].used = self.now;
                 continue;
             }
-            let ellipsoid = &self.options.ellipsoid;
-            let (center_m, radius_m) = ball(ellipsoid, quarter, low_m - more_m, high_m + more_m);
-            if seen
-                .distance_m(center_m, radius_m, high_m + more_m)
-                .is_some()
-            {
+            let range = HeightRange {
+                low_m: low_m - more_m,
+                high_m: high_m + more_m,
+            };
+            let bound = bound_of(&self.options.ellipsoid, quarter, range);
+            if visible_distance_m(culling, &bound).is_some() {
                 is_complete = false;
                 self.wanted.push((pixels, quarter));
             }
@@ -218,24 +229,28 @@ impl ContourPages {
     }
 
     /// Chooses the pages of a view.
-    fn choose(&mut self, seen: &Seen, tolerance_px: f64) {
+    fn choose(&mut self, culling: &CullingContext, tolerance_px: f64) {
         while let Some(cell) = self.queue.pop() {
             let Some(k) = self.find(cell) else {
                 continue;
             };
             self.slots[k].used = self.now;
             let page = &self.pages[k];
-            let highest_m = page.high_m + page.error_m;
-            let Some(distance_m) = seen.distance_m(page.center_m, page.radius_m, highest_m) else {
+            let bound = GroundBound {
+                center_itrf_m: page.center_m,
+                radius_m: page.radius_m,
+                high_m: page.high_m + page.error_m,
+            };
+            let Some(distance_m) = visible_distance_m(culling, &bound) else {
                 continue;
             };
-            let pixels = page.error_m / (distance_m * seen.pixel_rad);
+            let pixels = page.error_m / (distance_m * culling.pixel_rad);
             let most_px = match self.slots[k].is_cut {
                 true => HYSTERESIS * tolerance_px,
                 false => tolerance_px,
             };
             let is_coarse = pixels > most_px && !page.is_last && cell.level < DEEPEST;
-            self.slots[k].is_cut = is_coarse && self.has_quarters(cell, k, pixels, seen);
+            self.slots[k].is_cut = is_coarse && self.has_quarters(cell, k, pixels, culling);
             if self.slots[k].is_cut {
                 self.queue.extend(cell.children());
             } else if !self.pages[k].nodes.is_empty() {
@@ -270,6 +285,22 @@ impl ContourPages {
             }
         }
         (most < f32::MAX).then_some(f64::from(most))
+    }
+}
+
+/// Distance to the nearest of a bound, at least 1 m; none if it is certainly not seen.
+fn visible_distance_m(culling: &CullingContext, bound: &GroundBound) -> Option<f64> {
+    let is_visible = culling.visibility(bound).is_visible();
+    is_visible.then(|| culling.distance_m(bound).max(1.0))
+}
+
+/// The ground of a cell between two heights.
+fn bound_of(ellipsoid: &Ellipsoid, cell: Cell, range: HeightRange) -> GroundBound {
+    let (center_itrf_m, radius_m) = ball(ellipsoid, cell, range.low_m, range.high_m);
+    GroundBound {
+        center_itrf_m,
+        radius_m,
+        high_m: range.high_m,
     }
 }
 
@@ -319,12 +350,18 @@ impl Surface for ContourPages {
         self.wanted.clear();
         self.queue.clear();
         let reach = ground.range_m(&Bounds::GLOBE);
-        let seen = Seen::new(view, &self.options.ellipsoid, reach);
+        let pixel_rad = view.pixel_rad.max(1e-9);
+        let drawn = HeightRange {
+            low_m: reach.low_m - chord_m(&self.options.ellipsoid, FRAC_PI_8 / f64::from(CELLS)),
+            ..reach
+        };
+        let view = GroundView { pixel_rad, ..*view };
+        // Rays are cast at prisms, which depth does not clip.
+        let culling = CullingContext::new(&view, &self.options.ellipsoid, drawn).without_depth();
         let mut built = 0;
         for root in Cell::roots() {
-            let ellipsoid = &self.options.ellipsoid;
-            let (center_m, radius_m) = ball(ellipsoid, root, reach.low_m, reach.high_m);
-            if seen.distance_m(center_m, radius_m, reach.high_m).is_none() {
+            let bound = bound_of(&self.options.ellipsoid, root, reach);
+            if visible_distance_m(&culling, &bound).is_none() {
                 continue;
             }
             if self.find(root).is_none() && self.build(root, ground, reach) {
@@ -336,7 +373,7 @@ impl Surface for ContourPages {
             self.index();
         }
         let tolerance_px = view.tolerance_px.max(0.0);
-        self.choose(&seen, PART_OF_PAGES * tolerance_px);
+        self.choose(&culling, PART_OF_PAGES * tolerance_px);
         self.wanted
             .sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.key().cmp(&b.1.key())));
         for k in 0..self.wanted.len().min(self.options.built_per_frame as usize) {
@@ -364,7 +401,7 @@ impl Surface for ContourPages {
         let (mut error_m, mut error_px, mut border_px) = (0.0f64, 0.0f64, 0.0f64);
         for drawn in &self.drawn {
             let page = &self.pages[drawn.page as usize];
-            let px_per_m = 1.0 / (drawn.distance_m * seen.pixel_rad);
+            let px_per_m = 1.0 / (drawn.distance_m * pixel_rad);
             error_m = error_m.max(page.error_m);
             error_px = error_px.max(page.error_m * px_per_m + of_nodes_px);
             border_px = border_px.max(page.border_m * px_per_m + of_nodes_px);
@@ -374,11 +411,12 @@ impl Surface for ContourPages {
             // there: of the two one lies lower by no more than both are wrong. And a half more, as borders are probed.
             let page = &self.pages[drawn.page as usize];
             let away_m = drawn.distance_m + 2.0 * page.radius_m;
-            drawn.skirt_m = 1.5 * (page.border_m + border_px * seen.pixel_rad * away_m) + 1.0;
+            drawn.skirt_m = 1.5 * (page.border_m + border_px * pixel_rad * away_m) + 1.0;
         }
         (stats.error_m, stats.error_px) = (Some(error_m), Some(error_px));
-        self.pixel_rad = seen.pixel_rad;
-        self.cone = 2.0 * of_nodes_px * seen.pixel_rad;
+        self.eye_itrf_m = view.eye_itrf_m;
+        self.pixel_rad = pixel_rad;
+        self.cone = 2.0 * of_nodes_px * pixel_rad;
         let nodes: usize = self.pages.iter().map(|page| page.nodes.capacity()).sum();
         stats.resident_bytes = (nodes * size_of::<super::ContourNode>()
             + self.pages.len() * (size_of::<Page>() + size_of::<Slot>()))
@@ -387,10 +425,31 @@ impl Surface for ContourPages {
         stats
     }
 
-    fn visit(&self, _: &mut dyn FnMut(&Patch)) {}
+    fn for_each_patch(&self, _: &mut dyn FnMut(&Patch)) {}
 
-    fn form(&self) -> GroundForm<'_> {
-        GroundForm::Pages(self.draw())
+    fn for_each_contour_page(&self, draw: &mut dyn FnMut(&ContourPage<'_>)) {
+        for drawn in &self.drawn {
+            let page = &self.pages[drawn.page as usize];
+            draw(&ContourPage {
+                slot: drawn.page,
+                revision: page.revision,
+                block: page.block(),
+                origin_itrf_m: page.origin_itrf_m,
+                nodes: bytemuck::cast_slice(&page.nodes),
+                corners_m: page.corners_m,
+                axes: page.axes,
+                skirt_m: drawn.skirt_m,
+                slack_m: slack_m(page, self.eye_itrf_m),
+            });
+        }
+    }
+
+    fn draw_kind(&self) -> DrawKind<'_> {
+        DrawKind::ContourPages(ContourPageSet {
+            max_pages: self.options.most_pages,
+            pixel_rad: self.pixel_rad,
+            cone: self.cone,
+        })
     }
 }
 

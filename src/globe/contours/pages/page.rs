@@ -4,7 +4,9 @@ use super::super::cast::Ray;
 use super::super::dem::{Dem, DemFrame};
 use super::super::gpu_layout::ContourNode;
 use super::super::plane::{Contour, Support};
-use super::super::surface::lattice::{AROUND, Cell, STEP_RAD, TALL, ball, lat_rad, lon_rad};
+use super::super::surface::lattice::{
+    AROUND, Cell, STEP_RAD, TALL, ball, chord_m, lat_rad, lon_rad,
+};
 use super::super::tree::{ContourTree, Node, corners_m};
 use crate::elevation::{Bounds, Elevation, HeightRange};
 use crate::frames::Ellipsoid;
@@ -152,7 +154,7 @@ fn missed_m(
     }
     // The chord of a square below the arc, both ways.
     let arc = posts.spacing_rad;
-    most_m += 0.25 * arc * arc * ellipsoid.equatorial_radius_m;
+    most_m += chord_m(ellipsoid, arc);
     // What the probes have missed, a single summit, say. Only from a source whose ranges become narrower with the bounds.
     let range = ground.range_up_to_m(&cell.bounds(), 0.0);
     let is_telling = cell

@@ -2,10 +2,10 @@
 
 use super::ContourSurface;
 use super::knots::{DIAGONALS, SIDES};
-use super::lattice::{AROUND, Cell, PIECES, SEGMENTS, STEP_RAD, ball};
+use super::lattice::{AROUND, Cell, PIECES, SEGMENTS, STEP_RAD, ball, chord_m};
 use super::mesh::vertices;
-use super::seen::Seen;
 use crate::elevation::{Bounds, Elevation, HeightRange};
+use crate::globe::culling::{CullingContext, GroundBound};
 use glam::DVec3;
 use std::cmp::Ordering;
 
@@ -92,7 +92,7 @@ impl ContourSurface {
         let size_rad = f64::from(cell.steps()) * STEP_RAD;
         // The chord of a segment below the arc, both ways.
         let arc = size_rad / f64::from(SEGMENTS);
-        error_m += 0.25 * arc * arc * self.options.ellipsoid.equatorial_radius_m;
+        error_m += chord_m(&self.options.ellipsoid, arc);
         let bounds = cell.bounds();
         // Of the data at their finest: at any spacing the mean of the whole Earth would count too.
         let range = ground.range_up_to_m(&bounds, 0.0);
@@ -149,6 +149,23 @@ impl ContourSurface {
         }
     }
 
+    /// Distance to the nearest of a cell, at least 1 m; none if it is certainly not seen.
+    pub(super) fn visible_distance_m(
+        &self,
+        culling: &CullingContext,
+        measure: &Measure,
+    ) -> Option<f64> {
+        let bound = GroundBound {
+            center_itrf_m: measure.center_m,
+            radius_m: measure.radius_m,
+            high_m: f64::from(measure.high_m),
+        };
+        let is_visible = culling.visibility(&bound).is_visible();
+        #[cfg(test)]
+        let is_visible = is_visible || !self.cull;
+        is_visible.then(|| culling.distance_m(&bound).max(1.0))
+    }
+
     pub(super) fn is_cut(&self, cell: Cell) -> bool {
         self.inner.get(cell.key()).is_some()
     }
@@ -180,7 +197,12 @@ impl ContourSurface {
 
     /// Chooses the cells to cut, those of the largest errors in pixels first. New cells are measured, and cells cut that
     /// were not, within the budgets of a frame.
-    pub(super) fn choose(&mut self, view: &Seen, ground: &dyn Elevation) {
+    pub(super) fn choose(
+        &mut self,
+        culling: &CullingContext,
+        tolerance_px: f64,
+        ground: &dyn Elevation,
+    ) {
         std::mem::swap(&mut self.inner, &mut self.before);
         self.inner.clear();
         self.wanted.clear();
@@ -189,7 +211,7 @@ impl ContourSurface {
         for root in Cell::roots() {
             // Blocks are known from the first frame on.
             to_measure += u32::from(self.measures.get(root.key(), self.now).is_none());
-            self.want(view, ground, root, &mut to_measure);
+            self.want(culling, tolerance_px, ground, root, &mut to_measure);
         }
         while let Some(Wanted { cell, .. }) = self.wanted.pop() {
             if !self.is_cut(cell) {
@@ -207,30 +229,37 @@ impl ContourSurface {
                 to_cut = to_cut.saturating_sub(fresh);
             }
             for child in cell.children() {
-                self.want(view, ground, child, &mut to_measure);
+                self.want(culling, tolerance_px, ground, child, &mut to_measure);
             }
         }
     }
 
     /// Puts a cell among those to cut if its error shows.
-    fn want(&mut self, view: &Seen, ground: &dyn Elevation, cell: Cell, to_measure: &mut u32) {
+    fn want(
+        &mut self,
+        culling: &CullingContext,
+        tolerance_px: f64,
+        ground: &dyn Elevation,
+        cell: Cell,
+        to_measure: &mut u32,
+    ) {
         let measure = match self.measures.get(cell.key(), self.now) {
             Some(measure) => measure,
             None => {
                 // Not seen with what is known from above: not worth measuring.
                 let above = self.known(cell);
-                if *to_measure == 0 || view.distance_m(self, &above).is_none() {
+                if *to_measure == 0 || self.visible_distance_m(culling, &above).is_none() {
                     return;
                 }
                 *to_measure -= 1;
                 self.measure(ground, cell)
             }
         };
-        let Some(distance_m) = view.distance_m(self, &measure) else {
+        let Some(distance_m) = self.visible_distance_m(culling, &measure) else {
             return;
         };
-        let pixels = f64::from(measure.error_m) / (distance_m * view.pixel_rad);
-        if pixels > view.tolerance_px && u32::from(cell.level) < self.options.deepest {
+        let pixels = f64::from(measure.error_m) / (distance_m * culling.pixel_rad);
+        if pixels > tolerance_px && u32::from(cell.level) < self.options.deepest {
             self.wanted.push(Wanted { pixels, cell });
         }
     }

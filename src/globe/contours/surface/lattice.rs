@@ -156,6 +156,12 @@ pub fn cos_sin_lat(y: u32) -> (f64, f64) {
     }
 }
 
+/// How far the middle of a square lies below its corners for the Earth's curvature alone, metres: the chord of each side below
+/// its arc, both ways.
+pub fn chord_m(ellipsoid: &Ellipsoid, arc_rad: f64) -> f64 {
+    0.25 * arc_rad * arc_rad * ellipsoid.equatorial_radius_m
+}
+
 /// A cell as a ball, for culling and distances.
 pub fn ball(ellipsoid: &Ellipsoid, cell: Cell, low_m: f64, high_m: f64) -> (DVec3, f64) {
     let half = SEGMENTS / 2;

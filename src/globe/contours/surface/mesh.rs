@@ -8,7 +8,7 @@ use super::lattice::{
 };
 use crate::elevation::Elevation;
 use crate::frames::Ellipsoid;
-use crate::globe::{GroundVertex, Indices, Patch};
+use crate::globe::{GroundVertex, Patch, TriangleList};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
@@ -45,7 +45,7 @@ pub fn vertices(cell: Cell, knots: &Knots) -> Vertices {
 }
 
 /// Sixteen index lists: on sides of the mask (west, east, south, north) only every other vertex is used.
-pub fn indices() -> [Arc<Indices>; 16] {
+pub fn indices() -> [Arc<TriangleList>; 16] {
     std::array::from_fn(|mask| {
         let n = SEGMENTS;
         let at = |i: u32, j: u32| {
@@ -70,7 +70,7 @@ pub fn indices() -> [Arc<Indices>; 16] {
                 }
             }
         }
-        Arc::new(Indices { triangles })
+        Arc::new(TriangleList { triangles })
     })
 }
 

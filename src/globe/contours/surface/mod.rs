@@ -21,20 +21,20 @@ mod choose;
 mod knots;
 pub(super) mod lattice;
 mod mesh;
-mod seen;
 pub(super) mod tables;
 #[cfg(test)]
 mod tests;
 
-use crate::elevation::Elevation;
+use crate::elevation::{Bounds, Elevation, HeightRange};
 use crate::frames::Ellipsoid;
-use crate::globe::{GroundView, Indices, Patch, Surface, SurfaceStats};
+use crate::globe::culling::CullingContext;
+use crate::globe::{GroundView, Patch, Surface, SurfaceStats, TriangleList};
 use choose::{Measure, Wanted};
 use glam::DVec3;
 use knots::{Joins, Knots};
-use lattice::{Cell, LEVELS};
-use seen::Seen;
+use lattice::{Cell, LEVELS, SEGMENTS, chord_m};
 use std::collections::BinaryHeap;
+use std::f64::consts::FRAC_PI_8;
 use std::sync::Arc;
 use tables::{Cache, Keys};
 
@@ -90,7 +90,7 @@ pub struct ContourSurface {
     slots: Vec<Slot>,
     by_key: Keys,
     drawn: Vec<u32>,
-    indices: [Arc<Indices>; 16],
+    indices: [Arc<TriangleList>; 16],
     samples: u64,
     #[cfg(test)]
     cull: bool,
@@ -165,6 +165,10 @@ impl ContourSurface {
     }
 }
 
+/// A bicubic patch leaves the range of the heights that it is made from by this part of it at most: the weights of a cubic
+/// halfway between four values come to 5/4 in size, those of two ways to 25/16.
+const OVERSHOOT: f64 = 9.0 / 32.0;
+
 /// Slots kept beyond those drawn.
 const RESERVE: usize = 256;
 
@@ -176,8 +180,17 @@ impl Surface for ContourSurface {
     fn prepare(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats {
         self.now += 1;
         self.samples = 0;
-        let seen = Seen::new(view, self.options.ellipsoid);
-        self.choose(&seen, ground);
+        let range = ground.range_m(&Bounds::GLOBE);
+        let overshoot_m = OVERSHOOT * (range.high_m - range.low_m);
+        let arc_rad = FRAC_PI_8 / f64::from(SEGMENTS);
+        let drawn = HeightRange {
+            low_m: range.low_m - overshoot_m - chord_m(&self.options.ellipsoid, arc_rad),
+            ..range
+        };
+        let pixel_rad = view.pixel_rad.max(1e-9);
+        let view = GroundView { pixel_rad, ..*view };
+        let culling = CullingContext::new(&view, &self.options.ellipsoid, drawn).without_depth();
+        self.choose(&culling, view.tolerance_px.max(0.0), ground);
         self.leaves.clear();
         self.queue.clear();
         self.queue.extend(Cell::roots());
@@ -185,7 +198,7 @@ impl Surface for ContourSurface {
         let (mut error_m, mut error_px) = (0.0f64, 0.0f64);
         while let Some(cell) = self.queue.pop() {
             let measure = self.known(cell);
-            let Some(distance_m) = seen.distance_m(self, &measure) else {
+            let Some(distance_m) = self.visible_distance_m(&culling, &measure) else {
                 continue;
             };
             if self.is_cut(cell) {
@@ -194,7 +207,7 @@ impl Surface for ContourSurface {
             }
             self.leaves.push((distance_m, cell));
             error_m = error_m.max(f64::from(measure.error_m));
-            error_px = error_px.max(f64::from(measure.error_m) / (distance_m * seen.pixel_rad));
+            error_px = error_px.max(f64::from(measure.error_m) / (distance_m * pixel_rad));
         }
         self.leaves
             .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.key().cmp(&b.1.key())));
@@ -251,7 +264,7 @@ impl Surface for ContourSurface {
         stats
     }
 
-    fn visit(&self, draw: &mut dyn FnMut(&Patch)) {
+    fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch)) {
         for slot in &self.drawn {
             draw(&self.slots[*slot as usize].patch);
         }

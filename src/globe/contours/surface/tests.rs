@@ -130,7 +130,7 @@ fn open_edges(surface: &ContourSurface) -> (usize, usize) {
     let bits = |p: DVec3| (p + DVec3::ZERO).to_array().map(f64::to_bits);
     let mut edges: HashMap<([u64; 3], [u64; 3]), i32> = HashMap::new();
     let mut triangles = 0;
-    surface.visit(&mut |patch| {
+    surface.for_each_patch(&mut |patch| {
         for corner in patch.indices.triangles.chunks_exact(3) {
             let at = [0, 1, 2].map(|k| bits(place(patch, corner[k])));
             if at[0] == at[1] || at[1] == at[2] || at[2] == at[0] {
@@ -202,7 +202,7 @@ fn vertices_at_one_place_have_one_slope() {
         settle(&mut surface, &view(lat, 8.1, 20_000.0, None, 0.5), &ground);
         let mut at: HashMap<[u64; 3], (Vec3, u64)> = HashMap::new();
         let (mut shared, mut worst) = (0, 0.0f32);
-        surface.visit(&mut |patch| {
+        surface.for_each_patch(&mut |patch| {
             let mut used = vec![false; patch.vertices.len()];
             patch
                 .indices
@@ -240,7 +240,7 @@ fn what_is_drawn_is_as_near_to_the_data_as_it_says() {
             // Edges may be those of coarser cells out of sight.
             let inner =
                 (0..81u32).filter(|k| (1..8).contains(&(k % 9)) && (1..8).contains(&(k / 9)));
-            surface.visit(&mut |patch| {
+            surface.for_each_patch(&mut |patch| {
                 for k in inner.clone() {
                     let at = Ellipsoid::WGS84.geodetic_from_itrf(place(patch, k));
                     let data = ground.height_m(at.lat_rad, at.lon_rad, 0.0);
@@ -287,7 +287,7 @@ fn odd_views_are_answered() {
                         assert!(stats.resident_bytes < 40_000_000);
                     }
                     let mut patches = 0;
-                    surface.visit(&mut |patch| {
+                    surface.for_each_patch(&mut |patch| {
                         patches += 1;
                         assert!(patch.origin_itrf_m.is_finite());
                         for vertex in &patch.vertices {
@@ -317,10 +317,10 @@ fn a_view_that_rests_reads_and_writes_nothing() {
     let view = view(46.5, 8.0, 20_000.0, None, 1.0);
     settle(&mut surface, &view, &ground);
     let mut revisions = Vec::new();
-    surface.visit(&mut |patch| revisions.push((patch.key, patch.revision)));
+    surface.for_each_patch(&mut |patch| revisions.push((patch.key, patch.revision)));
     let stats = surface.prepare(&view, &ground);
     let mut again = Vec::new();
-    surface.visit(&mut |patch| again.push((patch.key, patch.revision)));
+    surface.for_each_patch(&mut |patch| again.push((patch.key, patch.revision)));
     assert_eq!(stats.samples_read, 0);
     assert_eq!(revisions, again);
     let mut keys: Vec<_> = again.iter().map(|p| p.0).collect();
@@ -362,7 +362,7 @@ fn a_single_summit_between_the_probes_is_found() {
         stats = surface.prepare(&view, &Summit);
     }
     let mut highest = 0.0f32;
-    surface.visit(&mut |patch| {
+    surface.for_each_patch(&mut |patch| {
         let top = patch
             .vertices
             .iter()
@@ -445,7 +445,7 @@ fn slopes_near_the_poles_are_those_of_the_ground() {
         let mut surface = ContourSurface::new(options(200));
         settle(&mut surface, &view(lat, lon, height_m, None, 1.0), &ground);
         let (mut polar, mut at_pole, mut worst, mut worst_at_pole) = (0, 0, 0.0f64, 0.0f64);
-        surface.visit(&mut |patch| {
+        surface.for_each_patch(&mut |patch| {
             // Larger cells take their slopes over more than the hill.
             if patch.key >> 56 < 3 {
                 return;

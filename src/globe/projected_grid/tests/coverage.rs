@@ -86,7 +86,7 @@ fn check(look: &Look, ground: &Ground, grid: &mut ProjectedGrid) -> (u32, u32, u
     let view = look.view(ground);
     let stats = grid.prepare(&view, ground);
     let mut drawn = vec![false; (SIZE * SIZE) as usize];
-    grid.visit(&mut |patch| {
+    grid.for_each_patch(&mut |patch| {
         assert_eq!(patch.vertices.len(), 129 * 129, "{look:?}");
         assert!(
             patch.vertices.iter().all(|v| v.from_origin_m.is_finite()
@@ -96,7 +96,7 @@ fn check(look: &Look, ground: &Ground, grid: &mut ProjectedGrid) -> (u32, u32, u
         drawn = covered(patch, &view);
     });
     assert!(stats.patches <= 1);
-    let screen = Screen::new(&view.clip_from_eye).unwrap();
+    let screen = ScreenPlane::new(&view.clip_from_eye).unwrap();
     let high_m = ground.range_m(&Bounds::GLOBE).high_m;
     let width = SIZE + 2 * EDGE;
     let truth: Vec<bool> = (0..width * width)

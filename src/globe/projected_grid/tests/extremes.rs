@@ -27,7 +27,7 @@ impl Elevation for Cliff {
 fn prepared(grid: &mut ProjectedGrid, view: &GroundView, ground: &dyn Elevation) -> usize {
     let stats = grid.prepare(view, ground);
     let mut vertices = 0;
-    grid.visit(&mut |patch| {
+    grid.for_each_patch(&mut |patch| {
         vertices += patch.vertices.len();
         assert!(patch.origin_itrf_m.is_finite());
         for vertex in &patch.vertices {
@@ -165,11 +165,11 @@ fn depth_plays_no_part_in_the_rays() {
         ..LOOK
     }
     .view(&Ground::Flat(0.0));
-    let infinite = Screen::new(&view.clip_from_eye).unwrap();
+    let infinite = ScreenPlane::new(&view.clip_from_eye).unwrap();
     // Standard depth from 1 m to 1000 km: z = (far − near/depth …), any third row will do.
     let mut rows = view.clip_from_eye.transpose();
     rows.z_axis = rows.w_axis * 1.000_001 + DVec4::new(0.0, 0.0, 0.0, -1.000_001);
-    let finite = Screen::new(&rows.transpose()).unwrap();
+    let finite = ScreenPlane::new(&rows.transpose()).unwrap();
     assert_eq!(infinite, finite);
     // And the rays are those of the inverse matrix, from two depths.
     let inverse = view.clip_from_eye.inverse();
@@ -232,7 +232,7 @@ fn triangles_face_up() {
         let mut grid = ProjectedGrid::new(&GridOptions::on_cpu());
         grid.prepare(&view, &ground);
         let mut faces = 0;
-        grid.visit(&mut |patch| {
+        grid.for_each_patch(&mut |patch| {
             for triangle in patch.indices.triangles.chunks_exact(3) {
                 let [a, b, c] = [0, 1, 2].map(|k| {
                     patch.vertices[triangle[k] as usize]

@@ -1,7 +1,7 @@
 //! Every edge has the same two ends on both sides, to the last bit, over the whole Earth.
 
 use super::{Posts, for_each_triangle, view, whole};
-use crate::globe::quadtree::{Quadtree, QuadtreeOptions, Refine};
+use crate::globe::quadtree::{Quadtree, QuadtreeOptions, SplitRule};
 use crate::globe::surface::{GroundView, Surface};
 use proptest::prelude::*;
 use std::collections::{HashMap, HashSet};
@@ -65,10 +65,10 @@ proptest! {
     ) {
         let ground = Posts::rough(256, 9e3, seed);
         let mut surface = Quadtree::new(QuadtreeOptions {
-            most_leaves: 3_000,
+            max_leaves: 3_000,
             is_culled: false,
             work,
-            refine: if full { Refine::Full { k: 0.1 } } else { Refine::Tolerance },
+            split_rule: if full { SplitRule::Full { k: 0.1 } } else { SplitRule::Tolerance },
             ..QuadtreeOptions::default()
         });
         for view in views {

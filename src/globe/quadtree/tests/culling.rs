@@ -1,15 +1,15 @@
 //! What is left out cannot be seen: held against every face, and every ray to it.
 
 use super::{Posts, placed, view};
-use crate::globe::quadtree::patch::Built;
+use crate::globe::quadtree::patch::BuiltPatch;
 use crate::globe::quadtree::{Quadtree, QuadtreeOptions};
 use crate::globe::surface::{GroundView, Surface};
 use glam::{DVec3, DVec4};
 use std::f64::consts::FRAC_PI_2;
 
-fn culled(most_leaves: u32) -> Quadtree {
+fn culled(max_leaves: u32) -> Quadtree {
     Quadtree::new(QuadtreeOptions {
-        most_leaves,
+        max_leaves,
         ..QuadtreeOptions::default()
     })
 }
@@ -38,7 +38,7 @@ fn lost(surface: &Quadtree, view: &GroundView) -> (usize, usize) {
             .patches
             .iter()
             .filter(move |b| b.is_drawn == is_drawn);
-        patches.flat_map(|built: &Built| {
+        patches.flat_map(|built: &BuiltPatch| {
             let triangles = built.patch.indices.triangles.as_chunks::<3>().0;
             triangles
                 .iter()

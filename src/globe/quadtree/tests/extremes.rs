@@ -2,7 +2,7 @@
 
 use super::{Posts, for_each_triangle, view, whole};
 use crate::elevation::Elevation;
-use crate::globe::quadtree::{Quadtree, QuadtreeOptions, Refine};
+use crate::globe::quadtree::{Quadtree, QuadtreeOptions, SplitRule};
 use crate::globe::surface::{GroundView, Surface};
 use glam::{DMat4, DVec3};
 use std::f64::consts::PI;
@@ -15,7 +15,7 @@ fn assert_sound(surface: &Quadtree) {
             assert!(length > 6.3e6 && length < 6.4e6, "{corner}");
         }
     });
-    surface.visit(&mut |patch| {
+    surface.for_each_patch(&mut |patch| {
         for vertex in &patch.vertices {
             assert!(vertex.height_m.is_finite() && vertex.slope.is_finite());
         }
@@ -43,8 +43,8 @@ fn any_view_of_any_ground() {
         ] {
             for tolerance_px in [0.0, 1.0, 1e9, f64::INFINITY] {
                 let mut surface = Quadtree::new(QuadtreeOptions {
-                    most_leaves: 1_000,
-                    most_level: 200,
+                    max_leaves: 1_000,
+                    max_level: 200,
                     ..QuadtreeOptions::default()
                 });
                 let ground_m = ground.height_m(f64::to_radians(lat), f64::to_radians(lon), 0.0);
@@ -108,7 +108,7 @@ fn a_steady_eye_changes_nothing_and_reads_nothing() {
     }
     let state = |surface: &Quadtree| {
         let mut all = Vec::new();
-        surface.visit(&mut |patch| {
+        surface.for_each_patch(&mut |patch| {
             all.push((patch.key, patch.revision, patch.indices.triangles.as_ptr()))
         });
         all
@@ -129,7 +129,7 @@ fn changes_are_told_so_that_a_copy_can_follow() {
     for frame in 0..60 {
         let view = view(20.0 + f64::from(frame) * 0.05, 30.0, 2e5, 0.6);
         surface.prepare(&view, &ground);
-        surface.visit(&mut |patch| {
+        surface.for_each_patch(&mut |patch| {
             let copy = copies.entry(patch.key).or_default();
             if copy.0 + 1 == patch.revision {
                 copy.1.resize(patch.vertices.len(), Default::default());
@@ -152,9 +152,9 @@ fn changes_are_told_so_that_a_copy_can_follow() {
 fn memory_stays_within_the_budget() {
     let ground = Posts::rough(512, 5e3, 8);
     let options = QuadtreeOptions {
-        most_leaves: 4_000,
-        most_pages: 300,
-        refine: Refine::Paper { lambda: 1e4 },
+        max_leaves: 4_000,
+        max_pages: 300,
+        split_rule: SplitRule::Paper { lambda: 1e4 },
         ..QuadtreeOptions::default()
     };
     let mut surface = Quadtree::new(options);

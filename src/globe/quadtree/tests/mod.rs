@@ -135,9 +135,9 @@ pub fn view(lat_deg: f64, lon_deg: f64, height_m: f64, tilt_rad: f64) -> GroundV
 }
 
 /// A surface of few leaves, nothing left out.
-pub fn whole(most_leaves: u32) -> Quadtree {
+pub fn whole(max_leaves: u32) -> Quadtree {
     Quadtree::new(QuadtreeOptions {
-        most_leaves,
+        max_leaves,
         is_culled: false,
         ..QuadtreeOptions::default()
     })
@@ -150,7 +150,7 @@ pub fn placed(patch: &Patch, place: u32) -> DVec3 {
 
 /// Calls for each triangle that is drawn.
 pub fn for_each_triangle(surface: &Quadtree, mut call: impl FnMut([DVec3; 3])) {
-    surface.visit(&mut |patch| {
+    surface.for_each_patch(&mut |patch| {
         for corners in patch.indices.triangles.as_chunks::<3>().0 {
             call(corners.map(|place| placed(patch, place)));
         }

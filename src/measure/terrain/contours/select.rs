@@ -1,6 +1,7 @@
 //! The nodes of a tree that a view is drawn with.
 
 use crate::globe::contours::tree::ContourTree;
+use crate::globe::culling::Frustum;
 use glam::{DMat4, DVec3};
 
 /// World error that shows as `pixels` at a depth: ε = τ·2 P_z tan(θ/2)/h. Depths below 1 mm count as 1 mm.
@@ -31,13 +32,7 @@ impl ContourTree {
         out: &mut Vec<u32>,
     ) {
         out.clear();
-        let rows = clip_from_local.transpose();
-        let sides = [
-            rows.w_axis + rows.x_axis,
-            rows.w_axis - rows.x_axis,
-            rows.w_axis + rows.y_axis,
-            rows.w_axis - rows.y_axis,
-        ];
+        let frustum = Frustum::new(clip_from_local).without_depth();
         let mut stack = [0u32; 128];
         let mut height = 1;
         while height > 0 {
@@ -45,11 +40,7 @@ impl ContourTree {
             let index = stack[height];
             let node = &self.nodes[index as usize];
             let at = node.contour.at_m;
-            let outside = sides.iter().any(|side| {
-                let n = side.truncate();
-                n.dot(at) + side.w < -node.radius_m * n.length()
-            });
-            if outside {
+            if frustum.excludes_ball(at, node.radius_m) {
                 continue;
             }
             let nearest = (at.distance(eye_m) - node.radius_m).max(0.0);

@@ -1,7 +1,7 @@
 //! Which leaves of a tree a view is drawn with, and their triangles.
 
 use super::tree::{ABSENT, CELLS, GridQuadtree, LEAF, TreeNode};
-use crate::globe::quadtree::{Cut, Domain, Node, Point, Refine, among, child_among, ring};
+use crate::globe::quadtree::{Cut, Domain, Node, Point, SplitRule, among, child_among, ring};
 use glam::DVec3;
 
 /// Which error of a node a view looks at.
@@ -19,8 +19,8 @@ pub enum ErrorMetric {
 pub struct TreeView {
     /// The eye, metres: east and north of the north-western post (so north is negative over the grid), and up.
     pub eye_m: DVec3,
-    /// When a leaf is divided. [`Refine::Tolerance`] and [`Refine::Full`] look at the next two.
-    pub refine: Refine,
+    /// When a leaf is divided. [`SplitRule::Tolerance`] and [`SplitRule::Full`] look at the next two.
+    pub split_rule: SplitRule,
     /// Angle of a pixel, radians.
     pub pixel_rad: f64,
     /// Pixels by which the drawn ground may differ from its data.
@@ -276,12 +276,12 @@ impl TreeView {
     /// Whether a node is to be divided.
     fn is_exceeded(&self, error_m: f64, distance_m: f64, side_m: f64) -> bool {
         let per_px = 1.0 / (self.pixel_rad * self.tolerance_px);
-        match self.refine {
+        match self.split_rule {
             // (1) e_max·λ > d
-            Refine::Tolerance => error_m * per_px > distance_m,
-            Refine::Paper { lambda } => error_m * lambda > distance_m,
+            SplitRule::Tolerance => error_m * per_px > distance_m,
+            SplitRule::Paper { lambda } => error_m * lambda > distance_m,
             // (2) k·l·L·λ·e_max / (2 tan(α/2)·d·ε) > 1
-            Refine::Full { k } => {
+            SplitRule::Full { k } => {
                 let side_px = side_m / (distance_m * self.pixel_rad);
                 error_m > 0.0 && k * side_px * error_m * per_px > distance_m
             }

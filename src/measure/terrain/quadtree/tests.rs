@@ -1,7 +1,7 @@
 //! The tree over one grid.
 
 use super::*;
-use crate::globe::quadtree::{Node, Refine};
+use crate::globe::quadtree::{Node, SplitRule};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use std::collections::{HashMap, HashSet};
@@ -58,7 +58,7 @@ fn tree(columns: usize, rows: usize, seed: u64, merge: Merge, order: Order) -> G
 fn paper_view(eye_m: DVec3, lambda: f64) -> TreeView {
     TreeView {
         eye_m,
-        refine: Refine::Paper { lambda },
+        split_rule: SplitRule::Paper { lambda },
         pixel_rad: 1e-3,
         tolerance_px: 1.0,
         metric: ErrorMetric::Bound,
@@ -217,7 +217,7 @@ proptest! {
         let lambda = 10_f64.powf(log_lambda);
         let mut view = paper_view(DVec3::from(eye), lambda);
         if is_full {
-            view.refine = Refine::Full { k: 1.0 / lambda };
+            view.split_rule = SplitRule::Full { k: 1.0 / lambda };
         }
         if is_paper {
             view.metric = ErrorMetric::Midpoints;

@@ -1,11 +1,12 @@
 //! How levels follow the eye: which are wanted, which move, which wait for samples.
 
-use super::lattice::{Icosahedron, Spot};
-use super::level::{Level, Source};
-use super::reach::Reach;
+use super::lattice::{Icosahedron, LatticeIndex};
+use super::level::{HeightSource, Level};
+use super::level_extent::LevelExtent;
 use super::{ClipmapCounts, ClipmapOptions, Trim, level};
-use crate::elevation::{Bounds, Elevation};
+use crate::elevation::{Bounds, Elevation, HeightRange};
 use crate::frames::Ellipsoid;
+use crate::globe::culling::{Frustum, GroundShell, Horizon};
 use crate::globe::surface::GroundView;
 use glam::DVec3;
 
@@ -14,7 +15,7 @@ use glam::DVec3;
 const REST: i64 = 6;
 
 /// Most levels that move in one go; the others lag by a few cells meanwhile.
-const MOST_MOVES: u32 = 2;
+const MAX_MOVES: u32 = 2;
 
 /// The rise of the ground between neighbouring samples is taken to be this part of their distance.
 const RISE: f64 = 1.0 / 16.0;
@@ -36,11 +37,14 @@ const LOOK: f64 = 1.0 / 32.0;
 /// A level stays until it is needed by less than this part of what brought it.
 const STAY: f64 = 0.75;
 
-/// Highest ground and lowest, metres, for what lies behind the horizon.
-const RELIEF_M: f64 = 12_000.0;
+/// From the middle of a diamond of the icosahedron to its sharp corners, radians: atan of the golden ratio.
+const SHARP_CORNER_RAD: f64 = 1.017_221_967_897_851_4;
+
+/// Origins of buffers are rounded, metres.
+const ROUNDED_M: f64 = 4.0;
 
 /// The point below the eye, and what it needs.
-pub struct EyePlace {
+pub struct SubEyePoint {
     diamond: u8,
     /// Parts of the diamond's edges, 0…1.
     x: f64,
@@ -53,13 +57,13 @@ pub struct EyePlace {
 }
 
 /// The finest data that were found about a place.
-pub struct Found {
+pub struct FinestData {
     normal: DVec3,
     lingers: bool,
     finest_m: f64,
 }
 
-impl EyePlace {
+impl SubEyePoint {
     /// `None` if the eye is nowhere.
     pub fn new(
         icosahedron: &Icosahedron,
@@ -91,8 +95,8 @@ impl EyePlace {
     }
 
     /// The nearest point of a lattice of `n` cells.
-    fn nearest(&self, n: i64) -> Spot {
-        Spot {
+    fn nearest(&self, n: i64) -> LatticeIndex {
+        LatticeIndex {
             diamond: self.diamond,
             i: (self.x * n as f64).round() as i64,
             j: (self.y * n as f64).round() as i64,
@@ -100,8 +104,8 @@ impl EyePlace {
     }
 
     /// Quarters of a cell from a point of a lattice of `n` cells to the eye; far too many if it is out of reach.
-    fn lag(&self, middle: Spot, n: i64) -> i64 {
-        let from = Reach::new(middle.scaled(4), 4 * n, 2 * n, Trim::Diamond);
+    fn lag(&self, middle: LatticeIndex, n: i64) -> i64 {
+        let from = LevelExtent::new(middle.scaled(4), 4 * n, 2 * n, Trim::Diamond);
         from.distance(self.nearest(4 * n)).unwrap_or(i64::MAX)
     }
 
@@ -111,7 +115,7 @@ impl EyePlace {
         &self,
         number: u32,
         lingers: bool,
-        found: &mut Option<Found>,
+        found: &mut Option<FinestData>,
         ground: &dyn Elevation,
     ) -> f64 {
         let reach_rad = FARTHEST * level::EDGE_RAD * 0.5_f64.powi(number as i32);
@@ -126,7 +130,7 @@ impl EyePlace {
         let angle_rad = (linger + LOOK) * reach_rad;
         let bounds = Bounds::around(self.lat_rad, self.lon_rad, angle_rad);
         let finest_m = ground.finest_spacing_in(&bounds) * self.radius_m;
-        *found = Some(Found {
+        *found = Some(FinestData {
             normal,
             lingers,
             finest_m,
@@ -145,12 +149,12 @@ impl EyePlace {
 }
 
 /// Moves, fills, begins and ends levels for an eye.
-pub fn follow(
+pub fn update_levels(
     levels: &mut Vec<Level>,
-    found: &mut [Option<Found>],
+    found: &mut [Option<FinestData>],
     options: &ClipmapOptions,
-    eye: &EyePlace,
-    source: &Source<'_>,
+    eye: &SubEyePoint,
+    source: &HeightSource<'_>,
     clock: &mut u64,
     counts: &mut ClipmapCounts,
 ) {
@@ -162,7 +166,7 @@ pub fn follow(
     for number in 1..=options.levels {
         let at = number as usize;
         let spacing_m = level::EDGE_RAD / (radius << (number - 1)) as f64 * eye.radius_m;
-        let there = levels.get(at).is_some_and(|level| level.reach.is_some());
+        let there = levels.get(at).is_some_and(|level| level.extent.is_some());
         let finest_m = eye.finest_m(number, there, &mut found[at], source.ground);
         let wanted = eye.needs_finer(spacing_m, finest_m, if there { STAY } else { 1.0 });
         counts.wanted += u32::from(wanted);
@@ -174,19 +178,19 @@ pub fn follow(
         }
         let finer = levels
             .get(at + 1)
-            .is_some_and(|finer| finer.reach.is_some());
+            .is_some_and(|finer| finer.extent.is_some());
         let (coarse, fine) = levels.split_at_mut(at);
         let (coarse, level) = (&coarse[at - 1], &mut fine[0]);
 
         let mut turned = false;
-        if let Some(reach) = level.reach.clone() {
-            let lag = eye.lag(reach.middle, level.n);
-            let mut settled = lag <= 4 * most_lag(radius) && lies_in(coarse, &reach);
-            if open && lag > REST && counts.moved < MOST_MOVES {
+        if let Some(extent) = level.extent.clone() {
+            let lag = eye.lag(extent.middle, level.n);
+            let mut settled = lag <= 4 * most_lag(radius) && lies_in(coarse, &extent);
+            if open && lag > REST && counts.moved < MAX_MOVES {
                 let target = target(level, eye);
                 if lies_in(coarse, &target) && level.missing(&target) <= budget {
                     level.fill(&target, source, &mut budget, clock);
-                    level.reach = Some(target);
+                    level.extent = Some(target);
                     counts.moved += 1;
                     (settled, turned) = (true, true);
                 }
@@ -195,12 +199,12 @@ pub fn follow(
                 level.suspend();
             }
         }
-        if level.reach.is_none() && wanted {
-            let near = |aim: &&Reach| eye.lag(aim.middle, level.n) <= 4 * most_lag(radius);
+        if level.extent.is_none() && wanted {
+            let near = |aim: &&LevelExtent| eye.lag(aim.middle, level.n) <= 4 * most_lag(radius);
             let aim = level.pending().filter(near).cloned();
             let aim = aim.unwrap_or_else(|| target(level, eye));
             let ready = open && lies_in(coarse, &aim);
-            if level.await_reach(aim, source, &mut budget, clock) {
+            if level.await_extent(aim, source, &mut budget, clock) {
                 if ready {
                     level.fade = if options.fade_prepares > 0 { 1.0 } else { 0.0 };
                     turned = true;
@@ -209,10 +213,10 @@ pub fn follow(
                 }
             }
         }
-        if level.reach.is_none() && !wanted {
+        if level.extent.is_none() && !wanted {
             level.suspend();
         }
-        if level.reach.is_some() {
+        if level.extent.is_some() {
             let before = level.fade;
             if wanted {
                 level.fade = (level.fade - fade_step).max(0.0);
@@ -225,17 +229,17 @@ pub fn follow(
                 level.blend_into(Some(coarse));
             }
         }
-        if level.reach.is_some() {
+        if level.extent.is_some() {
             counts.finest = number;
         }
-        open = level.reach.is_some() && level.fade == 0.0;
+        open = level.extent.is_some() && level.fade == 0.0;
     }
     counts.samples = options.samples_per_prepare - budget;
 }
 
 /// The reach that a level is to have.
-fn target(level: &Level, eye: &EyePlace) -> Reach {
-    level.reach_about(eye.nearest(level.n / 2).scaled(2))
+fn target(level: &Level, eye: &SubEyePoint) -> LevelExtent {
+    level.extent_about(eye.nearest(level.n / 2).scaled(2))
 }
 
 /// Cells that the eye may be from the middle of a level that is drawn.
@@ -245,31 +249,43 @@ fn most_lag(radius: i64) -> i64 {
 
 /// Whether a level of this reach lies where the coarser one is drawn as it is: not in the zone where that turns into the
 /// next one.
-fn lies_in(coarse: &Level, reach: &Reach) -> bool {
-    match &coarse.reach {
+fn lies_in(coarse: &Level, extent: &LevelExtent) -> bool {
+    match &coarse.extent {
         Some(around) => around
-            .distance(reach.middle.halved())
-            .is_some_and(|steps| steps + reach.radius / 2 <= around.radius - coarse.blend()),
+            .distance(extent.middle.halved())
+            .is_some_and(|steps| steps + extent.radius / 2 <= around.radius - coarse.blend()),
         None => coarse.number == 0,
     }
 }
 
 /// Whether something of a diamond of level 0 can be in the picture; `middle_m` is the diamond's middle, ITRF metres.
-pub fn base_is_seen(middle_m: DVec3, view: &GroundView) -> bool {
-    // The sharp corners are 58.3° away.
-    let (half_rad, chord_m) = (58.5_f64.to_radians(), 6.26e6 + RELIEF_M);
-    let eye = view.eye_itrf_m;
-    let least_m = Ellipsoid::WGS84.polar_radius_m - RELIEF_M;
-    let dip = |radius_m: f64| (least_m / radius_m).min(1.0).acos();
-    let horizon_rad = dip(eye.length()) + dip(Ellipsoid::WGS84.equatorial_radius_m + RELIEF_M);
-    let away_rad = eye.angle_between(middle_m);
-    if away_rad > half_rad + horizon_rad {
+pub fn is_base_visible(
+    middle_m: DVec3,
+    view: &GroundView,
+    ellipsoid: &Ellipsoid,
+    range: HeightRange,
+    cell_rad: f64,
+) -> bool {
+    let (a, b) = (ellipsoid.equatorial_radius_m, ellipsoid.polar_radius_m);
+    // Triangles reach below their corners by up to 1 − cos r of the Earth's radius, with r = e/√3 about their middle; sides are
+    // up to 1.2 times as long as the mean.
+    let sag_m = a.max(b) * 0.25 * cell_rad * cell_rad;
+    let drawn = HeightRange {
+        low_m: range.low_m - sag_m,
+        ..range
+    };
+    let horizon = Horizon::new(
+        ellipsoid,
+        view.eye_itrf_m,
+        GroundShell::new(ellipsoid, drawn),
+    );
+    // The lattice is one of normals: angles between feet in scaled space are as much larger at most as the axes differ.
+    let half_rad = SHARP_CORNER_RAD * a.max(b) / a.min(b);
+    let axis = (middle_m * ellipsoid.scaled_from_itrf()).normalize();
+    if horizon.hides_cap(axis, half_rad) {
         return false;
     }
-    let row = |k| view.clip_from_eye.row(k);
-    let (x, y, z, w) = (row(0), row(1), row(2), row(3));
-    let toward = (middle_m - eye).extend(1.0);
-    ![w + x, w - x, w + y, w - y, z, w - z]
-        .iter()
-        .any(|plane| plane.dot(toward) < -chord_m * plane.truncate().length())
+    let relief_m = drawn.low_m.abs().max(drawn.high_m.abs());
+    let radius_m = 2.0 * (0.5 * half_rad).sin() * a.max(b) + relief_m + ROUNDED_M;
+    !Frustum::new(&view.clip_from_eye).excludes_ball(middle_m - view.eye_itrf_m, radius_m)
 }

@@ -1,7 +1,7 @@
 //! The grid's triangles, in an order in which neighbours stand together, and which blocks they may touch.
 
-use super::Frame;
-use crate::globe::{Indices, Part, blocks_near};
+use super::GridFrame;
+use crate::globe::{IndexRange, TriangleList, blocks_near};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ fn spans(samples: u32) -> impl Iterator<Item = Range<u32>> + Clone {
 }
 
 /// Two triangles a cell, counter-clockwise with x to the right and y upwards; square by square.
-pub fn indices((columns, rows): (u32, u32)) -> Indices {
+pub fn indices((columns, rows): (u32, u32)) -> TriangleList {
     let mut triangles = Vec::with_capacity(6 * (columns as usize - 1) * (rows as usize - 1));
     for down in spans(rows) {
         for across in spans(columns) {
@@ -31,14 +31,14 @@ pub fn indices((columns, rows): (u32, u32)) -> Indices {
             }
         }
     }
-    Indices { triangles }
+    TriangleList { triangles }
 }
 
 /// The squares of a frame's triangles, and the blocks that they may touch, whatever their heights.
 ///
 /// Of each square 5 × 5 places are looked at. What lies between them is in the box about them, or beyond it by less than half of
 /// what lies between two that are next to each other.
-pub fn grid_parts(frame: &Frame, out: &mut Vec<Part>) {
+pub fn grid_ranges(frame: &GridFrame, out: &mut Vec<IndexRange>) {
     out.clear();
     let (columns, rows) = frame.samples;
     let radii_m = frame.caster.radii_m;
@@ -65,7 +65,7 @@ pub fn grid_parts(frame: &Frame, out: &mut Vec<Part>) {
             let radius_m = 0.5 * low.distance(high) + 0.5 * gap_m;
             let cells = (down.end - down.start) * (across.end - across.start);
             let end = start + 6 * cells;
-            out.push(Part {
+            out.push(IndexRange {
                 indices: start..end,
                 blocks: blocks_near(&frame.ellipsoid, 0.5 * (low + high), radius_m),
             });

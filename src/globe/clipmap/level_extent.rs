@@ -4,14 +4,14 @@
 //! so that a change of home changes nothing. A level reaches half a diamond's edge at most, hence over one corner at most.
 
 use super::Trim;
-use super::lattice::{Corner, Spot, Triangle};
+use super::lattice::{DiamondCorner, LatticeIndex, Triangle};
 
 /// Most diamonds within reach of a point: those about a pole.
 const MOST: usize = 5;
 
 /// From the first number to the second, both ends with it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Box2 {
+pub struct IndexBox {
     /// Least i and j.
     pub least: (i64, i64),
     /// Greatest i and j.
@@ -25,26 +25,26 @@ pub struct Box2 {
 /// [`Trim::Hexagon`]: a step goes along an edge of a triangle. The points are a hexagon; about the icosahedron's corners a
 /// pentagon.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Reach {
+pub struct LevelExtent {
     /// The middle.
-    pub middle: Spot,
+    pub middle: LatticeIndex,
     /// Cells of a diamond's edge.
     pub n: i64,
     /// How many steps, n/2 at most.
     pub radius: i64,
     trim: Trim,
     /// The home's corner nearest to the middle, and on to the left, as many as diamonds meet there.
-    sectors: [Corner; MOST],
+    sectors: [DiamondCorner; MOST],
     valence: usize,
     /// The middle's steps from that corner along the home's first and second edge.
     a: i64,
     b: i64,
 }
 
-impl Reach {
+impl LevelExtent {
     /// All points within `radius` steps of `middle`, in a lattice of `n` cells.
-    pub fn new(middle: Spot, n: i64, radius: i64, trim: Trim) -> Self {
-        let home = Corner::nearest(middle, n);
+    pub fn new(middle: LatticeIndex, n: i64, radius: i64, trim: Trim) -> Self {
+        let home = DiamondCorner::nearest(middle, n);
         let (a, b) = home.steps(middle.i, middle.j, n);
         let mut sectors = [home; MOST];
         for s in 1..MOST {
@@ -69,8 +69,8 @@ impl Reach {
 
     /// Steps from the middle to a point; `None` if it lies in a diamond that is out of reach from here. Right for points
     /// within n/2 steps, never less than that beyond.
-    pub fn distance(&self, spot: Spot) -> Option<i64> {
-        Some(self.in_diamond(spot.diamond)?.distance(spot.i, spot.j))
+    pub fn distance(&self, index: LatticeIndex) -> Option<i64> {
+        Some(self.in_diamond(index.diamond)?.distance(index.i, index.j))
     }
 
     /// Moves of a king from the middle to (p, q) of sector `s`. It can go round the corner either way, and over it.
@@ -130,14 +130,14 @@ impl Reach {
     }
 
     /// The diamonds that it reaches into with more than an edge, and the box of (i, j) that holds all it reaches there.
-    pub fn boxes(&self) -> impl Iterator<Item = (u8, Box2)> + '_ {
+    pub fn boxes(&self) -> impl Iterator<Item = (u8, IndexBox)> + '_ {
         (0..self.valence).filter_map(move |s| {
             let ((p0, p1), (q0, q1)) = self.spans(s)?;
             let corner = self.sectors[s];
-            let (x, y) = (corner.spot(p0, q0, self.n), corner.spot(p1, q1, self.n));
+            let (x, y) = (corner.index(p0, q0, self.n), corner.index(p1, q1, self.n));
             Some((
                 corner.diamond,
-                Box2 {
+                IndexBox {
                     least: (x.i.min(y.i), x.j.min(y.j)),
                     most: (x.i.max(y.i), x.j.max(y.j)),
                 },
@@ -146,7 +146,7 @@ impl Reach {
     }
 
     /// The box of a diamond among [`Self::boxes`].
-    pub fn box_in(&self, diamond: u8) -> Option<Box2> {
+    pub fn box_in(&self, diamond: u8) -> Option<IndexBox> {
         let mut boxes = self.boxes();
         boxes.find(|(d, _)| *d == diamond).map(|(_, span)| span)
     }
@@ -172,11 +172,11 @@ impl Reach {
     }
 
     /// Its part in one diamond; `None` if that is out of reach.
-    pub fn in_diamond(&self, diamond: u8) -> Option<InDiamond<'_>> {
+    pub fn in_diamond(&self, diamond: u8) -> Option<DiamondExtent<'_>> {
         let sectors = &self.sectors[..self.valence];
         let sector = sectors.iter().position(|c| c.diamond == diamond)?;
-        Some(InDiamond {
-            reach: self,
+        Some(DiamondExtent {
+            extent: self,
             sector,
         })
     }
@@ -186,32 +186,32 @@ impl Reach {
     /// Three corners would not do for a king: where the border runs through a corner of three diamonds, the one beyond shows
     /// it a single triangle between two borders.
     pub fn holds(&self, triangle: Triangle) -> bool {
-        let Spot { diamond, i, j } = triangle.cell;
+        let LatticeIndex { diamond, i, j } = triangle.cell;
         let part = self.in_diamond(diamond);
         part.is_some_and(|part| part.holds(i, j, triangle.far))
     }
 }
 
 /// A reach as one diamond sees it.
-pub struct InDiamond<'a> {
-    reach: &'a Reach,
+pub struct DiamondExtent<'a> {
+    extent: &'a LevelExtent,
     sector: usize,
 }
 
-impl InDiamond<'_> {
+impl DiamondExtent<'_> {
     /// Steps from the middle to (i, j).
     pub fn distance(&self, i: i64, j: i64) -> i64 {
-        let (p, q) = self.reach.sectors[self.sector].steps(i, j, self.reach.n);
-        match self.reach.trim {
-            Trim::Diamond => self.reach.king(self.sector, p, q),
-            Trim::Hexagon => self.reach.hex(self.sector, p, q),
+        let (p, q) = self.extent.sectors[self.sector].steps(i, j, self.extent.n);
+        match self.extent.trim {
+            Trim::Diamond => self.extent.king(self.sector, p, q),
+            Trim::Hexagon => self.extent.hex(self.sector, p, q),
         }
     }
 
-    /// [`Reach::holds`] of the triangle of cell (i, j).
+    /// [`LevelExtent::holds`] of the triangle of cell (i, j).
     pub fn holds(&self, i: i64, j: i64, far: bool) -> bool {
-        let within = |i, j| self.distance(i, j) <= self.reach.radius;
-        let whole = self.reach.trim == Trim::Diamond;
+        let within = |i, j| self.distance(i, j) <= self.extent.radius;
+        let whole = self.extent.trim == Trim::Diamond;
         within(i + 1, j)
             && within(i, j + 1)
             && (far && !whole || within(i, j))
@@ -220,6 +220,6 @@ impl InDiamond<'_> {
 
     /// Steps that are within reach.
     pub fn radius(&self) -> i64 {
-        self.reach.radius
+        self.extent.radius
     }
 }

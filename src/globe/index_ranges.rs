@@ -1,47 +1,18 @@
-//! Lists of triangles in parts, each with the blocks that it may touch: what lies in several blocks is drawn with the tiles of
-//! each of them, and that should not take all triangles each time.
+//! Which blocks ground may touch, and so with whose tiles a range of its triangles is drawn.
 
 use super::blocks::{BlockSet, COLUMNS, ROWS};
-use super::surface::Patch;
+use super::surface::{IndexRange, Patch};
 use crate::frames::Ellipsoid;
 use glam::{DVec3, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use std::ops::Range;
 
-/// Most triangles of a part: those of a square of 16 × 16 cells.
-pub const PART_TRIANGLES: usize = 512;
+/// Most triangles of a range: those of a square of 16 × 16 cells.
+pub const RANGE_TRIANGLES: usize = 512;
 
 /// A geocentric angle is this much less than the change of the geodetic latitude along it, at most.
 const GEODETIC: f64 = 1.01;
 /// What places on the GPU may be off by, radians (6 m).
 const ROUNDED_RAD: f64 = 1e-6;
-
-/// Neighbouring triangles of a list.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Part {
-    /// Where their numbers stand in the list.
-    pub indices: Range<u32>,
-    /// Blocks that they may touch: perhaps too many, never too few.
-    pub blocks: BlockSet,
-}
-
-/// Hands over the parts that may touch any of some blocks; what is next to each other comes as one.
-pub fn runs(parts: &[Part], blocks: BlockSet, mut draw: impl FnMut(Range<u32>)) {
-    let mut open: Option<Range<u32>> = None;
-    for part in parts.iter().filter(|part| part.blocks.0 & blocks.0 != 0) {
-        match &mut open {
-            Some(range) if range.end == part.indices.start => range.end = part.indices.end,
-            _ => {
-                if let Some(range) = open.replace(part.indices.clone()) {
-                    draw(range);
-                }
-            }
-        }
-    }
-    if let Some(range) = open {
-        draw(range);
-    }
-}
 
 /// The blocks that places up to `radius_m` from a point may lie in.
 pub fn blocks_near(ellipsoid: &Ellipsoid, middle_itrf_m: DVec3, radius_m: f64) -> BlockSet {
@@ -79,11 +50,11 @@ pub fn blocks_near(ellipsoid: &Ellipsoid, middle_itrf_m: DVec3, radius_m: f64) -
     blocks
 }
 
-/// The parts of a patch, by the boxes about their vertices.
-pub fn parts_of(patch: &Patch, ellipsoid: &Ellipsoid, out: &mut Vec<Part>) {
+/// The ranges of a patch's triangles, by the boxes about their vertices.
+pub fn patch_ranges(patch: &Patch, ellipsoid: &Ellipsoid, out: &mut Vec<IndexRange>) {
     out.clear();
     let mut start = 0;
-    for list in patch.indices.triangles.chunks(3 * PART_TRIANGLES) {
+    for list in patch.indices.triangles.chunks(3 * RANGE_TRIANGLES) {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for vertex in list {
             if let Some(vertex) = patch.vertices.get(*vertex as usize) {
@@ -94,7 +65,7 @@ pub fn parts_of(patch: &Patch, ellipsoid: &Ellipsoid, out: &mut Vec<Part>) {
         let middle_m = patch.origin_itrf_m + 0.5 * (low.as_dvec3() + high.as_dvec3());
         let radius_m = 0.5 * f64::from(low.distance(high));
         let end = start + list.len() as u32;
-        out.push(Part {
+        out.push(IndexRange {
             indices: start..end,
             blocks: blocks_near(ellipsoid, middle_m, radius_m),
         });
@@ -161,23 +132,5 @@ mod tests {
         for (middle, radius_m) in [(DVec3::ZERO, 1.0), (DVec3::X, f64::NAN), (DVec3::NAN, 1.0)] {
             assert_eq!(blocks_near(&wgs84, middle, radius_m), BlockSet::ALL);
         }
-    }
-
-    #[test]
-    fn runs_join_neighbours() {
-        let part = |start: u32, blocks| Part {
-            indices: start..start + 3,
-            blocks: BlockSet(blocks),
-        };
-        let parts = [part(0, 1), part(3, 3), part(6, 2), part(9, 1), part(12, 4)];
-        let of = |blocks| {
-            let mut found = Vec::new();
-            runs(&parts, BlockSet(blocks), |range| found.push(range));
-            found
-        };
-        assert_eq!(of(1), [0..6, 9..12]);
-        assert_eq!(of(2), std::iter::once(3..9).collect::<Vec<_>>());
-        assert_eq!(of(5), [0..6, 9..15]);
-        assert_eq!(of(8), []);
     }
 }

@@ -1,6 +1,6 @@
 //! A level's samples in one diamond: a square of slots that wraps round, as in the papers of 2004 and 2014.
 
-use super::lattice::Spot;
+use super::lattice::LatticeIndex;
 use crate::globe::surface::{GroundVertex, Patch};
 use glam::DVec3;
 use std::ops::Range;
@@ -22,7 +22,7 @@ pub struct Slots {
 const MOST_SIDE: usize = 257;
 
 impl Slots {
-    /// Those of the box from (i, j), as wide as a sheet at most, in sheets with rows of `side` slots.
+    /// Those of the box from (i, j), as wide as a buffer at most, in buffers with rows of `side` slots.
     pub fn new(least: (i64, i64), side: u32) -> Self {
         let (mut rows, mut columns) = ([0; MOST_SIDE], [0; MOST_SIDE]);
         for k in 0..side {
@@ -45,7 +45,7 @@ impl Slots {
 
 /// The samples of a level that lie in one diamond. Point (i, j) lives in slot (i mod side, j mod side): what stays within
 /// reach stays where it is.
-pub struct Sheet {
+pub struct ToroidalBuffer {
     pub diamond: u8,
     side: u32,
     /// Whose sample each slot holds.
@@ -58,7 +58,7 @@ pub struct Sheet {
     pub is_dirty: bool,
 }
 
-impl Sheet {
+impl ToroidalBuffer {
     pub fn new(side: u32, diamond: u8, key: u64, origin_itrf_m: DVec3) -> Self {
         let slots = (side * side) as usize;
         Self {
@@ -80,7 +80,7 @@ impl Sheet {
         }
     }
 
-    /// Takes the sheet for another diamond; all it held is gone. `revision` must be later than any that went out.
+    /// Takes the buffer for another diamond; all it held is gone. `revision` must be later than any that went out.
     pub fn retake(&mut self, diamond: u8, key: u64, revision: u64) {
         self.diamond = diamond;
         self.tags.fill(NOTHING);
@@ -119,9 +119,9 @@ impl Sheet {
         &self.own[slot]
     }
 
-    pub fn put(&mut self, spot: Spot, vertex: GroundVertex) {
-        let slot = self.slot(spot.i, spot.j);
-        self.tags[slot] = [spot.i as u32, spot.j as u32];
+    pub fn put(&mut self, index: LatticeIndex, vertex: GroundVertex) {
+        let slot = self.slot(index.i, index.j);
+        self.tags[slot] = [index.i as u32, index.j as u32];
         self.own[slot] = vertex;
     }
 
@@ -171,7 +171,7 @@ impl Sheet {
         }
         let slots = self.patch.vertices.len() as u32;
         self.patch.changed.extend(open);
-        // Retaken sheets set bits beyond the last slot.
+        // Retaken buffers set bits beyond the last slot.
         if let Some(last) = self.patch.changed.last_mut() {
             last.end = last.end.min(slots);
         }

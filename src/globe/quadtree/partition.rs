@@ -1,22 +1,22 @@
 //! Which squares are patches: neither too many nor too large.
 
-use super::eye::Eye;
 use super::forest::{BLOCKS, Forest, Slot};
+use super::lod::LodView;
 use super::node::{Cut, Node};
-use super::patch::{Built, MOST_PATCH_LEVEL};
+use super::patch::{BuiltPatch, MAX_PATCH_LEVEL};
 use super::surface::Quadtree;
 
 /// A patch with more leaves is divided into four.
-const MOST_PATCH_LEAVES: u32 = 256;
+const MAX_PATCH_LEAVES: u32 = 256;
 /// Four patches with fewer become one.
-const LEAST_PATCH_LEAVES: u32 = 80;
+const MIN_PATCH_LEAVES: u32 = 80;
 /// A patch is divided where the ball about it is larger than so many distances: single precision then holds its vertices
 /// to a thousandth of a pixel.
-const MOST_BALLS: f64 = 6.0;
+const MAX_BALLS: f64 = 6.0;
 
 impl Quadtree {
     /// Divides patches that are too large, and joins those that are small.
-    pub(super) fn rearrange(&mut self, forest: &mut Forest, eye: &Eye) {
+    pub(super) fn repartition(&mut self, forest: &mut Forest, lod: &LodView) {
         let mut index = 0;
         while index < self.patches.len() {
             let built = &self.patches[index];
@@ -26,40 +26,40 @@ impl Quadtree {
                 continue;
             };
             let ball_m = f64::from(forest.info(slot).radius_m);
-            if forest.is_split(slot) && node.level < MOST_PATCH_LEVEL {
-                let is_large = leaves > MOST_PATCH_LEAVES || ball_m > MOST_BALLS * distance_m;
+            if forest.is_split(slot) && node.level < MAX_PATCH_LEVEL {
+                let is_large = leaves > MAX_PATCH_LEAVES || ball_m > MAX_BALLS * distance_m;
                 // May take half as much again as the work of a frame, so that it is never put off for ever.
-                if is_large && self.spent / 3 < self.options.work / 2 {
+                if is_large && self.work_done / 3 < self.options.work / 2 {
                     self.changes += 1;
-                    self.divide(forest, eye, node, slot);
+                    self.divide(forest, lod, node, slot);
                     // The last patch now has this place.
                     index -= 1;
                 }
-                if leaves > LEAST_PATCH_LEAVES {
+                if leaves > MIN_PATCH_LEAVES {
                     continue;
                 }
             }
-            if node.x & 1 == 0 && node.y & 1 == 0 && self.spent < self.options.work {
-                self.join(forest, eye, node);
+            if node.x & 1 == 0 && node.y & 1 == 0 && self.work_done < self.options.work {
+                self.join(forest, lod, node);
             }
         }
     }
 
     /// Makes a patch of each quarter of a patch.
-    fn divide(&mut self, forest: &mut Forest, eye: &Eye, node: Node, slot: Slot) {
+    fn divide(&mut self, forest: &mut Forest, lod: &LodView, node: Node, slot: Slot) {
         let old_step_m = self.remove(node);
         forest.set_patch(slot, false);
         for k in 0..4 {
             if let Some(slot) = forest.child(node, slot, k) {
                 forest.set_patch(slot, true);
-                self.add(forest, eye, node.child(k), slot);
+                self.add(forest, lod, node.child(k), slot);
             }
         }
         self.steps_changed(node, old_step_m);
     }
 
     /// Makes one patch of four, if there are four beside each other and they are small.
-    fn join(&mut self, forest: &mut Forest, eye: &Eye, first: Node) {
+    fn join(&mut self, forest: &mut Forest, lod: &LodView, first: Node) {
         let Some(parent) = first.parent() else {
             return;
         };
@@ -74,8 +74,8 @@ impl Quadtree {
             return;
         };
         let info = forest.info(slot);
-        let is_near = f64::from(info.radius_m) > 0.5 * MOST_BALLS * eye.distance_m(info);
-        if leaves >= LEAST_PATCH_LEAVES || is_near {
+        let is_near = f64::from(info.radius_m) > 0.5 * MAX_BALLS * lod.distance_m(info);
+        if leaves >= MIN_PATCH_LEAVES || is_near {
             return;
         }
         self.changes += 1;
@@ -86,22 +86,22 @@ impl Quadtree {
             }
         }
         forest.set_patch(slot, true);
-        let index = self.add(forest, eye, parent, slot);
+        let index = self.add(forest, lod, parent, slot);
         let step_m = self.patches[index].step_m;
         self.steps_changed(parent, step_m);
     }
 
-    /// Patches that touch a node and stand on finer steps than there are or were must be built anew.
+    /// Patches adjacent to a node and stand on finer steps than there are or were must be built anew.
     fn steps_changed(&mut self, node: Node, step_m: f64) {
         for built in &mut self.patches {
-            if !built.is_dirty && built.step_m < step_m && touches(built.node, node) {
+            if !built.is_dirty && built.step_m < step_m && BLOCKS.is_adjacent(built.node, node) {
                 built.is_dirty = true;
-                self.spent = self.spent.saturating_add(built.leaves);
+                self.work_done = self.work_done.saturating_add(built.leaves);
             }
         }
     }
 
-    fn add(&mut self, forest: &Forest, eye: &Eye, node: Node, slot: Slot) -> usize {
+    fn add(&mut self, forest: &Forest, lod: &LodView, node: Node, slot: Slot) -> usize {
         // Above all that any patch of this node had before.
         self.revision += 2;
         let mut built = match self.spare.pop() {
@@ -109,12 +109,12 @@ impl Quadtree {
                 built.reset(node, slot, forest, self.revision);
                 built
             }
-            None => Built::new(node, slot, forest, self.revision),
+            None => BuiltPatch::new(node, slot, forest, self.revision),
         };
         let info = forest.info(slot);
-        built.distance_m = eye.distance_m(info);
+        built.distance_m = lod.distance_m(info);
         built.leaves = count_leaves(forest, node, slot);
-        self.spent = self.spent.saturating_add(8 * built.leaves);
+        self.work_done = self.work_done.saturating_add(8 * built.leaves);
         let index = self.patches.len();
         self.by_node.insert(node, index as u32);
         self.patches.push(built);
@@ -147,18 +147,4 @@ fn count_leaves(forest: &Forest, node: Node, slot: Slot) -> u32 {
     children
         .map(|(child, slot)| count_leaves(forest, child, slot))
         .sum()
-}
-
-/// Whether two squares have a point in common, across the date line and at the poles too.
-pub(super) fn touches(a: Node, b: Node) -> bool {
-    let depth = a.level.max(b.level);
-    let (a, b) = (a.square(depth), b.square(depth));
-    let (columns, rows) = (BLOCKS.columns << depth, BLOCKS.rows << depth);
-    let is_near = |a: u64, a_size: u64, b: u64, b_size: u64| a <= b + b_size && b <= a + a_size;
-    let at_pole = |y: u64, size: u64| (y == 0, y + size == rows);
-    let (a_pole, b_pole) = (at_pole(a.y, a.size), at_pole(b.y, b.size));
-    let across = is_near(a.x, a.size, b.x, b.size)
-        || is_near(a.x + columns, a.size, b.x, b.size)
-        || is_near(a.x, a.size, b.x + columns, b.size);
-    is_near(a.y, a.size, b.y, b.size) && across || a_pole.0 && b_pole.0 || a_pole.1 && b_pole.1
 }

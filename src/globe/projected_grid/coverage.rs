@@ -6,8 +6,8 @@
 //! in two. So the rectangle holds every place that any heights inside the source's ranges could show, at any pitch.
 
 use super::cast::Caster;
-use super::relief::{RINGS, Relief};
-use super::screen::Screen;
+use super::relief::{RINGS, ReliefRings};
+use super::screen::ScreenPlane;
 use crate::frames::Ellipsoid;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
@@ -77,7 +77,7 @@ struct Cell {
 /// Azimuths that each ring is cut into at first.
 const SECTORS: u32 = 12;
 /// Cells that a search looks at; those left over then are taken as they are.
-const MOST_CELLS: usize = 5_000;
+const MAX_CELLS: usize = 5_000;
 /// A cell is small when it is this part of the rectangle: at first, and in the end.
 const ROUGH: f64 = 1.0 / 8.0;
 const SMALL: f64 = 1.0 / 48.0;
@@ -87,17 +87,17 @@ const FLAT: f64 = 0.35;
 
 /// Finds the rectangle. Holds its list of cells from frame to frame.
 #[derive(Debug, Default)]
-pub struct Finder {
+pub struct CoverageFinder {
     cells: Vec<Cell>,
     /// Cells that the last search looked at.
     pub looked_at: usize,
 }
 
-impl Finder {
+impl CoverageFinder {
     /// With room for all cells that can wait at once.
     pub fn new() -> Self {
         Self {
-            cells: Vec::with_capacity(RINGS * SECTORS as usize + MOST_CELLS),
+            cells: Vec::with_capacity(RINGS * SECTORS as usize + MAX_CELLS),
             looked_at: 0,
         }
     }
@@ -112,12 +112,11 @@ impl Finder {
         &mut self,
         ellipsoid: &Ellipsoid,
         eye_itrf_m: DVec3,
-        screen: &Screen,
+        screen: &ScreenPlane,
         caster: &Caster,
-        relief: &Relief,
+        relief: &ReliefRings,
     ) -> Option<Rect> {
         let view = View {
-            ellipsoid,
             eye_itrf_m,
             screen,
             caster,
@@ -137,7 +136,7 @@ impl Finder {
         let small = rough.size().max_element() * SMALL;
         let (fine, fine_cells) = self.search(&view, seed, Some(small));
         self.looked_at = rough_cells + fine_cells;
-        let is_whole = fine_cells < MOST_CELLS && !fine.is_empty();
+        let is_whole = fine_cells < MAX_CELLS && !fine.is_empty();
         Some(if is_whole { fine } else { rough })
     }
 
@@ -177,7 +176,7 @@ impl Finder {
                 };
                 size * ROUGH
             });
-            if outline.size().max_element() <= small || looked_at >= MOST_CELLS {
+            if outline.size().max_element() <= small || looked_at >= MAX_CELLS {
                 rect.add(&outline);
                 continue;
             }
@@ -201,11 +200,10 @@ impl Finder {
 }
 
 struct View<'a> {
-    ellipsoid: &'a Ellipsoid,
     eye_itrf_m: DVec3,
-    screen: &'a Screen,
+    screen: &'a ScreenPlane,
     caster: &'a Caster,
-    relief: &'a Relief,
+    relief: &'a ReliefRings,
     axes: (DVec3, DVec3),
     sides: [DVec3; 5],
     widest_m: f64,
@@ -244,9 +242,8 @@ impl View<'_> {
     /// Whether any point of the cell, between its heights, may lie in the picture and before the horizon.
     fn shows(&self, cell: &Cell) -> bool {
         let ring = &self.relief.rings[cell.ring];
-        let low_m = ring
-            .low_m
-            .max(self.relief.lowest_seen_m(self.ellipsoid, cell.theta.0));
+        let visible_m = self.relief.horizon.lowest_visible_m(cell.theta.0);
+        let low_m = ring.low_m.max(visible_m);
         if low_m > ring.high_m {
             return false;
         }

@@ -1,0 +1,109 @@
+//! The view frustum as clip planes.
+
+use super::horizon::GroundShell;
+use super::rect::ScaledRect;
+use crate::frames::Ellipsoid;
+use glam::{DMat4, DVec3, DVec4};
+
+/// How much of a bound lies in a volume.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Containment {
+    /// All of it.
+    Inside,
+    /// Perhaps a part.
+    Intersecting,
+    /// Nothing.
+    Outside,
+}
+
+/// The view frustum: six planes (normal, offset) in the axes and from the origin that the matrix takes points from, with
+/// unit normals; inside where n·x + w ≥ 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frustum {
+    /// Left, right, bottom, top, then the two of depth.
+    planes: [DVec4; 6],
+}
+
+/// A plane at infinity: everything is inside.
+const AT_INFINITY: DVec4 = DVec4::W;
+
+impl Frustum {
+    /// Of clip space −w ≤ x, y ≤ w, 0 ≤ z ≤ w: sums and differences of the matrix' rows (Gribb and Hartmann 2001).
+    ///
+    /// A plane at infinity, as one of depth is in most projections, cuts nothing off, and neither does one that is not of
+    /// numbers.
+    pub fn new(clip_from_source: &DMat4) -> Self {
+        let [x, y, z, w] = [0, 1, 2, 3].map(|i| clip_from_source.row(i));
+        let planes = [w + x, w - x, w + y, w - y, z, w - z].map(|plane| {
+            let length = plane.truncate().length();
+            let unit = plane / length;
+            match length > 0.0 && unit.is_finite() {
+                true => unit,
+                false => AT_INFINITY,
+            }
+        });
+        Self { planes }
+    }
+
+    /// The four sides alone, for what is not clipped by depth.
+    pub fn without_depth(self) -> Self {
+        let [left, right, bottom, top, ..] = self.planes;
+        Self {
+            planes: [left, right, bottom, top, AT_INFINITY, AT_INFINITY],
+        }
+    }
+
+    /// Inward unit normals of the left, right, bottom and top side; zero for a side at infinity.
+    pub fn side_normals(&self) -> [DVec3; 4] {
+        let [left, right, bottom, top, ..] = self.planes;
+        [left, right, bottom, top].map(DVec4::truncate)
+    }
+
+    /// How much of a ball lies inside. Never [`Containment::Outside`] where a point of it does.
+    pub fn classify_ball(&self, center: DVec3, radius: f64) -> Containment {
+        let mut containment = Containment::Inside;
+        for plane in &self.planes {
+            let inside = plane.truncate().dot(center) + plane.w;
+            if inside < -radius {
+                return Containment::Outside;
+            }
+            if inside < radius {
+                containment = Containment::Intersecting;
+            }
+        }
+        containment
+    }
+
+    /// Whether a ball lies wholly outside one of the planes.
+    pub fn excludes_ball(&self, center: DVec3, radius: f64) -> bool {
+        self.classify_ball(center, radius) == Containment::Outside
+    }
+
+    /// The planes of a frustum that measures from the eye, in scaled space from the Earth's centre.
+    pub fn scaled(&self, ellipsoid: &Ellipsoid, eye_itrf_m: DVec3) -> ScaledFrustum {
+        let itrf_from_scaled = ellipsoid.itrf_from_scaled();
+        ScaledFrustum {
+            planes: self.planes.map(|plane| {
+                let normal = plane.truncate();
+                (normal * itrf_from_scaled).extend(plane.w - normal.dot(eye_itrf_m))
+            }),
+        }
+    }
+}
+
+/// A [`Frustum`] in scaled space, from the Earth's centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScaledFrustum {
+    planes: [DVec4; 6],
+}
+
+impl ScaledFrustum {
+    /// Whether all ground of a shell with its feet in the rectangle lies outside one of the planes.
+    pub fn excludes_rect(&self, rect: &ScaledRect, shell: &GroundShell) -> bool {
+        self.planes.iter().any(|plane| {
+            let normal = plane.truncate();
+            let most = rect.max_dot(normal) + shell.lean * normal.length();
+            (shell.lowest * most).max(shell.highest * most) + plane.w < 0.0
+        })
+    }
+}

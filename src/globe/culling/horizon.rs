@@ -1,0 +1,244 @@
+//! What the Earth itself hides: the horizon of ground between two heights, for any ellipsoid of revolution.
+//!
+//! All of it is done in *scaled space*, (x/a, y/a, z/b): there the ellipsoid is the unit sphere, straight lines stay straight
+//! and tangents stay tangents. With L the eye's distance from the centre, ρ the radius of a sphere that lies under all
+//! ground (the *occluder*) and R of one over it, ground shows only as far from the eye's radius as
+//!
+//! ```text
+//! θ ≤ acos(ρ/L) + acos(ρ/R)
+//! ```
+//!
+//! where a line of sight that grazes the occluder leaves the highest ground behind it. For ground without relief (ρ = R = 1)
+//! that is the plane of the limb, P·e ≥ 1.
+
+use super::rect::ScaledRect;
+use crate::elevation::HeightRange;
+use crate::frames::Ellipsoid;
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Rounding of radii in scaled space, with much to spare: 0.6 mm.
+const ROUNDING: f64 = 1e-10;
+
+/// Ground between two heights, as a shell of scaled space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GroundShell {
+    /// Radius that no ground comes below.
+    pub lowest: f64,
+    /// Radius that no ground goes beyond.
+    pub highest: f64,
+    /// Largest distance, on the unit sphere, between the direction of a point from the centre and its foot on the ellipsoid:
+    /// heights stand on the ellipsoid's normal.
+    pub lean: f64,
+}
+
+impl GroundShell {
+    /// The ellipsoid itself.
+    pub const SMOOTH: Self = Self {
+        lowest: 1.0,
+        highest: 1.0,
+        lean: 0.0,
+    };
+
+    /// All points at these heights.
+    pub fn new(ellipsoid: &Ellipsoid, range: HeightRange) -> Self {
+        let lowest = lowest_radius(ellipsoid, range.low_m).max(0.0);
+        let most_m = range.low_m.abs().max(range.high_m.abs());
+        Self {
+            lowest,
+            highest: highest_radius(ellipsoid, range.high_m).max(lowest),
+            // A chord is less than its arc, and that less than its tangent. Two points are never farther apart than 2.
+            lean: (sideways(ellipsoid, most_m) / lowest).min(2.0),
+        }
+    }
+}
+
+/// Most that a point at a height (either sign) is moved across its foot's direction.
+///
+/// The foot p of scaled space has the normal n ∝ D⁻¹p, so that a height h moves it by h D⁻²p/|D⁻¹p|, and across p by
+/// h |sin β cos β| |1/b² − 1/a²| / |D⁻¹p|.
+fn sideways(ellipsoid: &Ellipsoid, height_m: f64) -> f64 {
+    let (a, b) = (ellipsoid.equatorial_radius_m, ellipsoid.polar_radius_m);
+    let apart = (a - b).abs() * (a + b) / (a * b).powi(2);
+    0.5 * height_m.abs() * apart * a.max(b)
+}
+
+/// Radius in scaled space that no point at this height comes below.
+///
+/// With p a unit vector of scaled space and n the ellipsoid's normal there, |p + h D⁻¹n| is at least |1 + h p·D⁻¹n|, and
+/// p·D⁻¹n = |D⁻¹p| is 1/a…1/b.
+pub fn lowest_radius(ellipsoid: &Ellipsoid, height_m: f64) -> f64 {
+    let (a, b) = (ellipsoid.equatorial_radius_m, ellipsoid.polar_radius_m);
+    1.0 + height_m / if height_m < 0.0 { b.min(a) } else { a.max(b) } - ROUNDING
+}
+
+/// Radius in scaled space that no point at this height goes beyond.
+///
+/// |p + h D⁻¹n| is at most 1 + |h D⁻¹n| with |D⁻¹n| in 1/a…1/b; downwards, the root of what is left along p and of what the
+/// point is moved across.
+pub fn highest_radius(ellipsoid: &Ellipsoid, height_m: f64) -> f64 {
+    let (a, b) = (ellipsoid.equatorial_radius_m, ellipsoid.polar_radius_m);
+    if height_m < 0.0 {
+        return (1.0 + height_m / a.max(b)).hypot(sideways(ellipsoid, height_m)) + ROUNDING;
+    }
+    1.0 + height_m / b.min(a) + ROUNDING
+}
+
+/// acos(radius/length) without cancellation: how far from a point's radius its tangents touch a sphere. 0 for a point inside.
+pub fn tangent_angle_rad(length: f64, radius: f64) -> f64 {
+    let above = (length - radius).max(0.0) * (length + radius);
+    above.sqrt().atan2(radius)
+}
+
+/// Whether two unit vectors are no further apart than an angle: by the chord 2 sin(θ/2), which is exact for small ones too.
+pub fn is_within_angle(a: DVec3, b: DVec3, angle_rad: f64) -> bool {
+    a.distance(b) <= 2.0 * (0.5 * angle_rad.min(PI)).sin()
+}
+
+/// The horizon of an eye over ground between two heights.
+///
+/// An eye under the occluder has none: nothing is hidden from it for certain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Horizon {
+    ellipsoid: Ellipsoid,
+    shell: GroundShell,
+    /// The eye in scaled space.
+    eye: DVec3,
+    /// L.
+    distance: f64,
+    /// ρ/L: sine of the occluder's angular radius, and cosine of the angle at the centre where tangents touch it.
+    sin_radius: f64,
+    /// √(L² − ρ²)/L: the other way round.
+    cos_radius: f64,
+}
+
+impl Horizon {
+    /// For an eye, ITRF metres.
+    pub fn new(ellipsoid: &Ellipsoid, eye_itrf_m: DVec3, shell: GroundShell) -> Self {
+        let eye = eye_itrf_m * ellipsoid.scaled_from_itrf();
+        let distance = eye.length();
+        let above = (distance - shell.lowest).max(0.0) * (distance + shell.lowest);
+        Self {
+            ellipsoid: *ellipsoid,
+            shell,
+            eye,
+            distance,
+            sin_radius: shell.lowest / distance,
+            cos_radius: above.sqrt() / distance,
+        }
+    }
+
+    /// The eye in scaled space.
+    pub fn eye_scaled(&self) -> DVec3 {
+        self.eye
+    }
+
+    /// Whether the eye stands on the occluder or over it: else nothing is hidden.
+    pub fn is_eye_above(&self) -> bool {
+        self.distance >= self.shell.lowest
+    }
+
+    /// θ at which the occluder's limb lies, radians of scaled space.
+    pub fn limb_rad(&self) -> f64 {
+        tangent_angle_rad(self.distance, self.shell.lowest)
+    }
+
+    /// θ of the farthest ground that can show; for an eye under the occluder as from its surface.
+    pub fn far_rad(&self) -> f64 {
+        self.limb_rad() + tangent_angle_rad(self.shell.highest, self.shell.lowest)
+    }
+
+    /// Least height that can show at an angle from the eye's radius, metres, at most a millimetre too low: what is lower lies
+    /// behind the occluder.
+    pub fn lowest_visible_m(&self, theta_rad: f64) -> f64 {
+        let beyond = theta_rad - self.limb_rad();
+        if beyond <= 0.0 {
+            return f64::NEG_INFINITY;
+        }
+        if beyond >= FRAC_PI_2 {
+            return f64::INFINITY;
+        }
+        let over = self.shell.lowest / beyond.cos() - 1.0;
+        let (a, b) = (
+            self.ellipsoid.equatorial_radius_m,
+            self.ellipsoid.polar_radius_m,
+        );
+        over * if over > 0.0 { b.min(a) } else { a.max(b) } - 1e-3
+    }
+
+    /// Whether the occluder lies between the eye and a point, ITRF metres. Exact, for eyes and points that are not inside it;
+    /// from inside, what lies beyond the middle of the ray's chord is hidden.
+    pub fn hides_point(&self, point_itrf_m: DVec3) -> bool {
+        let point = point_itrf_m * self.ellipsoid.scaled_from_itrf();
+        let Some(direction) = (point - self.eye).try_normalize() else {
+            return false;
+        };
+        // The sphere lies before the eye, and the point beyond the middle of the ray's chord.
+        self.eye.cross(direction).length() < self.shell.lowest
+            && self.eye.dot(direction) < 0.0
+            && point.dot(direction) > 0.0
+    }
+
+    /// Whether all ground of the shell with its feet in a rectangle is hidden.
+    pub fn hides_rect(&self, rect: &ScaledRect) -> bool {
+        // P·e < L cos(acos(ρ/L) + acos(ρ/R)); without relief the right-hand side is 1 to the last bit.
+        let (sin, cos) = self.behind_limb(self.shell.highest);
+        let least = self.shell.lowest * cos - self.distance * self.cos_radius * sin;
+        self.is_eye_above() && rect.max_dot(self.eye) + self.shell.lean * self.distance < least
+    }
+
+    /// Whether all ground of the shell with its feet in a cap is hidden: up to `half_angle_rad` about `axis`, a unit vector of
+    /// scaled space.
+    pub fn hides_cap(&self, axis: DVec3, half_angle_rad: f64) -> bool {
+        let lean_rad = 2.0 * (0.5 * self.shell.lean).asin();
+        let up = self.eye / self.distance;
+        self.is_eye_above()
+            && !is_within_angle(axis, up, half_angle_rad + lean_rad + self.far_rad())
+    }
+
+    /// Whether all ground in a ball is hidden that is nowhere higher than `high_m`. Ground inside the ball may be as low as the
+    /// shell is; what is drawn of it may be lower.
+    ///
+    /// It is if the whole ball lies in the occluder's shadow, or behind the cone about the eye's radius beyond which no ground
+    /// of that height shows. The first is closer for small balls, the second for large ones, which bulge out of the ground.
+    pub fn hides_ball(&self, center_itrf_m: DVec3, radius_m: f64, high_m: f64) -> bool {
+        if !self.is_eye_above() {
+            return false;
+        }
+        let scale = self.ellipsoid.scaled_from_itrf();
+        // A ball becomes an ellipsoid within a ball.
+        let (center, radius) = (center_itrf_m * scale, radius_m * scale.max_element());
+        let up = self.eye / self.distance;
+        let along = center.dot(up);
+        let aside = (center - up * along).length();
+        // The shadow begins at the plane of the limb, √(L² − ρ²) cos α from the eye, and is the inside of a cone from there on.
+        let inwards = self.distance - along;
+        let to_limb_plane = self.distance * self.cos_radius * self.cos_radius;
+        let is_in_shadow = inwards - radius > to_limb_plane
+            && inwards * self.sin_radius - aside * self.cos_radius > radius;
+        if is_in_shadow {
+            return true;
+        }
+        let highest = highest_radius(&self.ellipsoid, high_m).max(self.shell.lowest);
+        let (sin, cos) = self.behind_limb(highest);
+        let (cos_far, sin_far) = (
+            self.sin_radius * cos - self.cos_radius * sin,
+            self.cos_radius * cos + self.sin_radius * sin,
+        );
+        // |center| sin(θ − far) and |center| cos(θ − far): the ball's middle lies so far outside the cone, and over the apex
+        // so far from that.
+        let (across, ahead) = (
+            aside * cos_far - along * sin_far,
+            aside * sin_far + along * cos_far,
+        );
+        let to_cone = if ahead > 0.0 { across } else { center.length() };
+        across > 0.0 && to_cone > radius
+    }
+
+    /// Sine and cosine of acos(ρ/R): how far behind the limb ground that reaches up to R shows.
+    fn behind_limb(&self, highest: f64) -> (f64, f64) {
+        let lowest = self.shell.lowest;
+        let above = (highest - lowest).max(0.0) * (highest + lowest);
+        (above.sqrt() / highest, lowest / highest)
+    }
+}
