@@ -58,7 +58,7 @@ impl EarthOptions {
             atmosphere: Atmosphere::default(),
             color_format: crate::gpu::FrameTargets::COLOR,
             samples: 1,
-            depth: DepthBuffer::ReversedZ(crate::gpu::FrameTargets::DEPTH),
+            depth: crate::gpu::FrameTargets::REVERSED_DEPTH,
             anisotropy: 8,
             exposure: 1.4,
             diagnostics: DiagnosticOptions::default(),

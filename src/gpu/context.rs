@@ -1,7 +1,6 @@
 //! An adapter and device for programs that have none of their own. A host that has a device does not need this.
 
-use super::{GridMesh, ShaderCapability};
-use crate::globe::projected_grid::GPU_TILES;
+use super::{ShaderCapability, relief};
 
 /// Why no device could be opened.
 #[derive(Debug, thiserror::Error)]
@@ -286,13 +285,7 @@ fn report(adapter: &wgpu::Adapter) -> AdapterReport {
             false => dropped.push(format!("{serves}: no {name}; {}", capability.fallback())),
         }
     }
-    match GridMesh::fits(&limits, GPU_TILES) {
-        true => can.push("projected grid with vertices made on the GPU".into()),
-        false => dropped.push(
-            "projected grid on the GPU: textures or uniforms are too small; its vertices are made on the CPU"
-                .into(),
-        ),
-    }
+    relief::report(&limits, &mut can, &mut dropped);
     match adapter.features().contains(super::GpuTimer::FEATURES) {
         true => can.push("times of its own passes (terrella bench)".into()),
         false => dropped.push("times of its own passes: terrella bench leaves gpu_ms empty".into()),

@@ -211,10 +211,9 @@ impl GroundMesh {
                 instance: staging.len() as u32,
                 block,
             });
-            staging.push(PatchInstance {
-                reference: instance.reference.drawn_as(drawn_as),
-                ..instance
-            });
+            let mut drawn = instance;
+            drawn.reference.block = drawn_as;
+            staging.push(drawn);
         });
     }
 }

@@ -15,7 +15,8 @@ pub(super) struct BlockInstance {
     center_lon: Vec2,
     center_lat: Vec2,
     center_uv: Vec2,
-    block: u32,
+    /// A block by its index, or [`super::shader::WHOLE_MAP`]: whose tiles it is drawn with.
+    pub block: u32,
 }
 
 impl BlockInstance {
@@ -28,11 +29,6 @@ impl BlockInstance {
             uv,
             block.index(),
         )
-    }
-
-    /// The same, drawn as another block.
-    pub fn drawn_as(self, block: u32) -> Self {
-        Self { block, ..self }
     }
 
     /// About any place; `block` says whose tiles are drawn.

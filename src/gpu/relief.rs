@@ -6,6 +6,7 @@ use super::ground::GroundMesh;
 use super::mesh::SurfaceMesh;
 use super::surface_config::SurfaceConfig;
 use crate::globe::DrawKind;
+use crate::globe::projected_grid::GPU_TILES;
 
 /// The mesh of ground that is drawn so.
 pub(super) fn mesh(
@@ -19,5 +20,16 @@ pub(super) fn mesh(
         DrawKind::ContourPages(pages) => {
             Box::new(PageMesh::new(device, pages, config.format.depth))
         }
+    }
+}
+
+/// What an adapter with these limits can draw of it, and what is dropped and why, each a line.
+pub(super) fn report(limits: &wgpu::Limits, can: &mut Vec<String>, dropped: &mut Vec<String>) {
+    match GridMesh::fits(limits, GPU_TILES) {
+        true => can.push("projected grid with vertices made on the GPU".into()),
+        false => dropped.push(
+            "projected grid on the GPU: textures or uniforms are too small; its vertices are made on the CPU"
+                .into(),
+        ),
     }
 }
