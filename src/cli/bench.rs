@@ -55,7 +55,7 @@ const DEFAULT_TOLERANCE: f64 = 0.35;
 
 /// Benchmarks the scene, prints the tables and fails where a row is slower than the baseline.
 pub fn run(args: &BenchArgs, common: &Common) -> anyhow::Result<()> {
-    let flight = Flight::open_deaf(Scene::load(&args.scene)?)?;
+    let flight = Flight::open_without_listening(Scene::load(&args.scene)?)?;
     flight.refuse_live(
         "frames are timed at instants of the scene",
         "take a scene of another source",

@@ -16,7 +16,7 @@ pub struct CheckArgs {
 
 /// Loads the scene with all that it names and prints a summary.
 pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
-    let flight = Flight::open_deaf(Scene::load(&args.scene)?)?;
+    let flight = Flight::open_without_listening(Scene::load(&args.scene)?)?;
     if common.quiet {
         return Ok(());
     }

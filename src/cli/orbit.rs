@@ -90,7 +90,7 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
     // Before anything is computed: a file that cannot be written is found at once.
     let oem_file = pending(args.oem.as_ref(), "ephemeris messages", "oem")?;
     let omm_file = pending(args.omm.as_ref(), "element messages", "omm")?;
-    let flight = Flight::open_deaf(Scene::load(&args.scene)?)?;
+    let flight = Flight::open_without_listening(Scene::load(&args.scene)?)?;
     let layout = match (args.csv, args.json) {
         (true, _) => Layout::Csv,
         (_, true) => Layout::Json,
@@ -99,7 +99,7 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
     if let Some(place) = args.passes {
         let request = PassRequest {
             place,
-            least_elevation_rad: args.min_elevation.to_radians(),
+            min_elevation_rad: args.min_elevation.to_radians(),
             length: args.days.map(Duration::from_days),
             satellite: args.satellite.as_deref(),
         };

@@ -3,7 +3,7 @@
 use super::floor::Floor;
 use crate::frames::Epoch;
 use crate::gpu::{GpuContext, GpuTimer};
-use crate::play::{Measured, Moment, Picture, PlayError};
+use crate::play::{Moment, OffscreenRenderer, PlayError, TimedFrame};
 use crate::{EarthOptions, EyeView, FrameStats, Sky};
 use image::RgbaImage;
 use std::time::Duration;
@@ -12,7 +12,7 @@ use std::time::Duration;
 ///
 /// Absolute times on a shared machine say little; the ratio of a frame to its floor, taken in the same moment, does.
 pub struct FrameTimer {
-    picture: Picture,
+    picture: OffscreenRenderer,
     floor: Floor,
 }
 
@@ -33,13 +33,13 @@ impl FrameTimer {
     /// Uploads the maps and makes both passes.
     ///
     /// # Errors
-    /// As [`Picture::open`].
+    /// As [`OffscreenRenderer::open`].
     pub fn new(
         gpu: &GpuContext,
         options: &EarthOptions,
         size: (u32, u32),
     ) -> Result<Self, PlayError> {
-        let picture = Picture::open(gpu.clone(), options.clone(), size)?;
+        let picture = OffscreenRenderer::open(gpu.clone(), options.clone(), size)?;
         let options = EarthOptions {
             samples: picture.samples(),
             ..options.clone()
@@ -51,12 +51,12 @@ impl FrameTimer {
     }
 
     /// What draws the frames.
-    pub fn picture(&self) -> &Picture {
+    pub fn picture(&self) -> &OffscreenRenderer {
         &self.picture
     }
 
     /// What draws the frames, to draw others with.
-    pub fn picture_mut(&mut self) -> &mut Picture {
+    pub fn picture_mut(&mut self) -> &mut OffscreenRenderer {
         &mut self.picture
     }
 
@@ -88,7 +88,7 @@ impl FrameTimer {
         self.picture.draw_complete(&moment(view, sky), wait);
     }
 
-    /// Times the parts of a view on the device: as [`Picture::time_passes`].
+    /// Times the parts of a view on the device: as [`OffscreenRenderer::time_passes`].
     ///
     /// # Errors
     /// A lost device.
@@ -126,7 +126,7 @@ impl FrameTimer {
     ///
     /// # Errors
     /// A lost device.
-    pub fn time_frame(&mut self, view: &EyeView, sky: &Sky) -> Result<Measured, PlayError> {
+    pub fn time_frame(&mut self, view: &EyeView, sky: &Sky) -> Result<TimedFrame, PlayError> {
         self.picture.time(&moment(view, sky))
     }
 

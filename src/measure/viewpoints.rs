@@ -2,7 +2,7 @@
 
 use crate::EyeView;
 use crate::frames::{Ellipsoid, Geodetic};
-use crate::play::camera::{Motion, Pose};
+use crate::play::camera::{OrbitalMotion, Pose};
 use crate::scene::{CameraMode, CameraUp};
 use std::f64::consts::TAU;
 
@@ -68,7 +68,7 @@ impl GroundPath {
 
     /// Place and direction of flight after a part (0…1) of one turn. Heights are geodetic; the speed is one radian of
     /// the path a second.
-    pub fn motion(self, ellipsoid: &Ellipsoid, height_m: f64, part: f64) -> Motion {
+    pub fn motion(self, ellipsoid: &Ellipsoid, height_m: f64, part: f64) -> OrbitalMotion {
         let (sin_i, cos_i) = self.inclination_deg().to_radians().sin_cos();
         let (sin, cos) = (TAU * part).sin_cos();
         // The normal of the ellipsoid goes round a great circle.
@@ -79,7 +79,7 @@ impl GroundPath {
             height_m,
         };
         let position_itrf_m = ellipsoid.itrf_from_geodetic(place);
-        Motion {
+        OrbitalMotion {
             position_itrf_m,
             velocity_m_s: glam::DVec3::new(-sin, cos * cos_i, cos * sin_i)
                 * position_itrf_m.length(),

@@ -21,7 +21,7 @@ pub const WIDEST_RAD: f64 = 150.0 * std::f64::consts::PI / 180.0;
 
 /// Where a satellite is and where it flies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct OrbitalMotion {
     /// Position, ITRF, metres.
     pub position_itrf_m: DVec3,
     /// Velocity seen from the stars, components along ITRF axes, metres per second. Only its direction counts.
@@ -86,7 +86,7 @@ fn north_of(place: Geodetic) -> DVec3 {
     DVec3::new(-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat)
 }
 
-impl Motion {
+impl OrbitalMotion {
     fn place(&self, ellipsoid: &Ellipsoid) -> Geodetic {
         ellipsoid.geodetic_from_itrf(self.position_itrf_m)
     }
@@ -114,7 +114,7 @@ impl Motion {
 
 impl Pose {
     /// At the satellite, straight down, the direction of flight or north upwards on screen.
-    pub fn nadir(motion: &Motion, up: CameraUp, ellipsoid: &Ellipsoid) -> Self {
+    pub fn nadir(motion: &OrbitalMotion, up: CameraUp, ellipsoid: &Ellipsoid) -> Self {
         let place = motion.place(ellipsoid);
         Self {
             eye_itrf_m: motion.position_itrf_m,
@@ -127,7 +127,7 @@ impl Pose {
     }
 
     /// At the satellite, forwards along its track, pitched so that the limb ahead lies [`LIMB_FROM_TOP`] from the top.
-    pub fn horizon(motion: &Motion, ellipsoid: &Ellipsoid, fov_rad: f64) -> Self {
+    pub fn horizon(motion: &OrbitalMotion, ellipsoid: &Ellipsoid, fov_rad: f64) -> Self {
         let place = motion.place(ellipsoid);
         let vertical = Ellipsoid::normal(place.lat_rad, place.lon_rad);
         let ahead = motion.ahead(place);
@@ -144,7 +144,7 @@ impl Pose {
     }
 
     /// [`CHASE_DISTANCE_M`] behind the satellite, [`CHASE_ELEVATION_RAD`] above it, looking at it, the Earth below.
-    pub fn chase(motion: &Motion, ellipsoid: &Ellipsoid) -> Self {
+    pub fn chase(motion: &OrbitalMotion, ellipsoid: &Ellipsoid) -> Self {
         let place = motion.place(ellipsoid);
         let vertical = Ellipsoid::normal(place.lat_rad, place.lon_rad);
         let ahead = motion.ahead(place);

@@ -14,19 +14,19 @@ fn screen(view: &EyeView, point_itrf_m: DVec3) -> Option<DVec2> {
 }
 
 /// A satellite above a place that flies level on a bearing (degrees clockwise from north).
-fn over(lat_deg: f64, lon_deg: f64, height_m: f64, bearing_deg: f64) -> Motion {
+fn over(lat_deg: f64, lon_deg: f64, height_m: f64, bearing_deg: f64) -> OrbitalMotion {
     let place = Geodetic::from_degrees(lat_deg, lon_deg, height_m);
     let north = north_of(place);
     let east = north.cross(Ellipsoid::normal(place.lat_rad, place.lon_rad));
     let (sin, cos) = bearing_deg.to_radians().sin_cos();
-    Motion {
+    OrbitalMotion {
         position_itrf_m: WGS84.itrf_from_geodetic(place),
         velocity_m_s: 7_700.0 * (cos * north + sin * east),
     }
 }
 
 /// The ground below, a few kilometres on in a direction.
-fn ground_towards(motion: &Motion, direction: DVec3) -> DVec3 {
+fn ground_towards(motion: &OrbitalMotion, direction: DVec3) -> DVec3 {
     let foot = Geodetic {
         height_m: 0.0,
         ..motion.place(&WGS84)
@@ -154,7 +154,7 @@ fn geodetic_at_the_poles_is_the_limit_of_its_meridian() {
 
 /// The limb ahead, found by brute force: the lowest direction in the vertical plane of flight that misses the
 /// ellipsoid, by bisection.
-fn limb_direction(motion: &Motion) -> DVec3 {
+fn limb_direction(motion: &OrbitalMotion) -> DVec3 {
     let place = motion.place(&WGS84);
     let vertical = Ellipsoid::normal(place.lat_rad, place.lon_rad);
     let ahead = motion.ahead(place);
@@ -219,16 +219,16 @@ fn chase_has_the_satellite_in_the_middle_and_the_earth_below() {
 
 #[test]
 fn a_motion_without_direction_looks_north() {
-    let still = Motion {
+    let still = OrbitalMotion {
         velocity_m_s: DVec3::ZERO,
         ..over(20.0, 30.0, 400_000.0, 0.0)
     };
     let place = still.place(&WGS84);
-    let radial = Motion {
+    let radial = OrbitalMotion {
         velocity_m_s: 7_000.0 * Ellipsoid::normal(place.lat_rad, place.lon_rad),
         ..still
     };
-    let centre = Motion {
+    let centre = OrbitalMotion {
         position_itrf_m: DVec3::ZERO,
         velocity_m_s: DVec3::ZERO,
     };

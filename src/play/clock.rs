@@ -17,8 +17,8 @@ pub fn frame_epoch(time: &Time, index: u64) -> Epoch {
     time.start + (index as f64 * time.speed / time.frame_rate_hz) * Unit::Second
 }
 
-/// Shortest part that is played by itself, as a part of the span.
-const SHORTEST_PART: f64 = 1e-3;
+/// Shortest range that is played by itself, as a fraction of the span.
+const MIN_RANGE_FRACTION: f64 = 1e-3;
 
 /// What the clock does at the end of what it plays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +29,7 @@ pub enum AtEnd {
     Stop,
 }
 
-/// A clock that can be paused, sped up, reversed and set; it never leaves its span, at first the scene's flight.
+/// A clock that can be paused, sped up, reversed and set; it never leaves its span, at first the scene's own.
 #[derive(Clone, Debug)]
 pub struct Clock {
     /// The earliest instant of the span.
@@ -42,10 +42,10 @@ pub struct Clock {
     speed: f64,
     paused: bool,
     at_end: AtEnd,
-    /// The part that is played again and again, seconds since the earliest instant; `None` is the span's own end.
-    part_s: (Option<f64>, Option<f64>),
-    /// Earliest instant and length of the scene's flight.
-    flight: (Epoch, f64),
+    /// The range that is played again and again, seconds since the earliest instant; `None` is the span's own end.
+    range_s: (Option<f64>, Option<f64>),
+    /// Earliest instant and length of the scene's own span.
+    scene_span: (Epoch, f64),
 }
 
 impl Clock {
@@ -64,8 +64,8 @@ impl Clock {
             speed: time.speed,
             paused: false,
             at_end,
-            part_s: (None, None),
-            flight: (first, time.duration_s),
+            range_s: (None, None),
+            scene_span: (first, time.duration_s),
         }
     }
 
@@ -116,78 +116,84 @@ impl Clock {
         if duration_s > 0.0 {
             let now = self.now();
             (self.first, self.duration_s) = (first, duration_s);
-            self.part_s = (None, None);
+            self.range_s = (None, None);
             self.seek_to(now);
         }
     }
 
-    /// Whether its span is the scene's flight.
-    pub fn is_on_flight(&self) -> bool {
-        (self.first, self.duration_s) == self.flight
+    /// Whether its span is the scene's own.
+    pub fn is_on_scene_span(&self) -> bool {
+        (self.first, self.duration_s) == self.scene_span
     }
 
-    /// Back to the span of the scene's flight, and to its beginning.
-    pub fn return_to_flight(&mut self) {
-        (self.first, self.duration_s) = self.flight;
-        self.part_s = (None, None);
+    /// Back to the scene's own span, and to its beginning.
+    pub fn return_to_scene_span(&mut self) {
+        (self.first, self.duration_s) = self.scene_span;
+        self.range_s = (None, None);
         self.seek(if self.speed < 0.0 { 1.0 } else { 0.0 });
     }
 
-    /// The part of the span that is played, from and to, 0…1.
-    pub fn part(&self) -> (f64, f64) {
-        let (from_s, to_s) = self.part_ends_s();
+    /// The range of the span that is played, from and to, 0…1.
+    pub fn range(&self) -> (f64, f64) {
+        let (from_s, to_s) = self.range_ends_s();
         (from_s / self.duration_s, to_s / self.duration_s)
     }
 
-    fn part_ends_s(&self) -> (f64, f64) {
-        let (from_s, to_s) = self.part_s;
+    fn range_ends_s(&self) -> (f64, f64) {
+        let (from_s, to_s) = self.range_s;
         (from_s.unwrap_or(0.0), to_s.unwrap_or(self.duration_s))
     }
 
-    /// The played part begins at `progress`, 0…1. One that ended before it ends with the span.
-    pub fn begin_part(&mut self, progress: f64) {
-        if let Some(at_s) = self.part_s_of(progress) {
-            let to_s = self.part_s.1.filter(|to_s| self.is_part(at_s, *to_s));
-            if self.is_part(at_s, to_s.unwrap_or(self.duration_s)) {
-                self.part_s = (Some(at_s).filter(|at_s| *at_s > 0.0), to_s);
+    /// The played range begins at `progress`, 0…1. One that ended before it ends with the span.
+    pub fn set_range_start(&mut self, progress: f64) {
+        if let Some(at_s) = self.offset_s(progress) {
+            let to_s = self
+                .range_s
+                .1
+                .filter(|to_s| self.is_long_enough(at_s, *to_s));
+            if self.is_long_enough(at_s, to_s.unwrap_or(self.duration_s)) {
+                self.range_s = (Some(at_s).filter(|at_s| *at_s > 0.0), to_s);
             }
         }
     }
 
-    /// The played part ends at `progress`. One that began after it begins with the span.
-    pub fn end_part(&mut self, progress: f64) {
-        if let Some(at_s) = self.part_s_of(progress) {
-            let from_s = self.part_s.0.filter(|from_s| self.is_part(*from_s, at_s));
-            if self.is_part(from_s.unwrap_or(0.0), at_s) {
-                self.part_s = (from_s, Some(at_s).filter(|at_s| *at_s < self.duration_s));
+    /// The played range ends at `progress`. One that began after it begins with the span.
+    pub fn set_range_end(&mut self, progress: f64) {
+        if let Some(at_s) = self.offset_s(progress) {
+            let from_s = self
+                .range_s
+                .0
+                .filter(|from_s| self.is_long_enough(*from_s, at_s));
+            if self.is_long_enough(from_s.unwrap_or(0.0), at_s) {
+                self.range_s = (from_s, Some(at_s).filter(|at_s| *at_s < self.duration_s));
             }
         }
     }
 
     /// All of the span is played.
-    pub fn play_all(&mut self) {
-        self.part_s = (None, None);
+    pub fn clear_range(&mut self) {
+        self.range_s = (None, None);
     }
 
-    fn part_s_of(&self, progress: f64) -> Option<f64> {
+    fn offset_s(&self, progress: f64) -> Option<f64> {
         let is_number = progress.is_finite();
         is_number.then(|| progress.clamp(0.0, 1.0) * self.duration_s)
     }
 
     /// Whether from one to the other is long enough to be played: a thousandth of the span.
-    fn is_part(&self, from_s: f64, to_s: f64) -> bool {
-        to_s - from_s > SHORTEST_PART * self.duration_s
+    fn is_long_enough(&self, from_s: f64, to_s: f64) -> bool {
+        to_s - from_s > MIN_RANGE_FRACTION * self.duration_s
     }
 
     /// Lets `wall_dt_s` seconds of the wall clock pass. A step that is negative or not finite is no step.
     ///
-    /// It ends, or begins anew, with the played part; set outside of it, it first runs into it or to the end of the span.
+    /// It ends, or begins anew, with the played range; set outside of it, it first runs into it or to the end of the span.
     pub fn advance(&mut self, wall_dt_s: f64) {
         if self.paused || !wall_dt_s.is_finite() || wall_dt_s <= 0.0 {
             return;
         }
         let next_s = self.now_s + wall_dt_s * self.speed;
-        let (from_s, to_s) = self.part_ends_s();
+        let (from_s, to_s) = self.range_ends_s();
         let end_s = self.end_ahead_s();
         let beyond_s = (next_s - end_s) * self.speed.signum();
         if beyond_s <= 0.0 {
@@ -211,7 +217,7 @@ impl Clock {
 
     /// Where it ends if it goes on.
     fn end_ahead_s(&self) -> f64 {
-        let (from_s, to_s) = self.part_ends_s();
+        let (from_s, to_s) = self.range_ends_s();
         match self.speed < 0.0 {
             true if self.now_s < from_s => 0.0,
             true => from_s,
@@ -226,7 +232,7 @@ impl Clock {
     pub fn set_paused(&mut self, paused: bool) {
         self.paused = paused;
         if !paused && self.at_end == AtEnd::Stop && self.now_s == self.end_ahead_s() {
-            let (from_s, to_s) = self.part_ends_s();
+            let (from_s, to_s) = self.range_ends_s();
             self.now_s = if self.speed < 0.0 { to_s } else { from_s };
         }
     }
@@ -257,7 +263,7 @@ impl Clock {
         self.speed = -self.speed;
     }
 
-    /// Sets the clock to a part of the span, 0 (earliest) to 1 (latest); anything else is brought into it.
+    /// Sets the clock to a fraction of the span, 0 (earliest) to 1 (latest); anything else is brought into it.
     pub fn seek(&mut self, progress: f64) {
         if progress.is_finite() {
             self.now_s = progress.clamp(0.0, 1.0) * self.duration_s;
@@ -351,9 +357,9 @@ mod tests {
     #[test]
     fn a_part_is_played_again_and_again() {
         let mut clock = Clock::new(&time(10.0), AtEnd::Loop);
-        clock.begin_part(0.2);
-        clock.end_part(0.5);
-        assert_eq!(clock.part(), (0.2, 0.5));
+        clock.set_range_start(0.2);
+        clock.set_range_end(0.5);
+        assert_eq!(clock.range(), (0.2, 0.5));
         // From before the part into it, then round in it.
         clock.advance(4.0);
         assert!((seconds(&clock) - 40.0).abs() < 1e-9);
@@ -374,22 +380,22 @@ mod tests {
         clock.advance(1.5);
         assert!((seconds(&clock) - 25.0).abs() < 1e-9);
         // An end before the beginning takes the beginning away.
-        clock.end_part(0.1);
-        assert_eq!(clock.part(), (0.0, 0.1));
-        clock.begin_part(0.7);
-        assert_eq!(clock.part(), (0.7, 1.0));
-        clock.begin_part(f64::NAN);
-        clock.end_part(1.0);
-        clock.begin_part(1.0);
-        assert_eq!(clock.part(), (0.7, 1.0));
-        clock.play_all();
-        assert_eq!(clock.part(), (0.0, 1.0));
+        clock.set_range_end(0.1);
+        assert_eq!(clock.range(), (0.0, 0.1));
+        clock.set_range_start(0.7);
+        assert_eq!(clock.range(), (0.7, 1.0));
+        clock.set_range_start(f64::NAN);
+        clock.set_range_end(1.0);
+        clock.set_range_start(1.0);
+        assert_eq!(clock.range(), (0.7, 1.0));
+        clock.clear_range();
+        assert_eq!(clock.range(), (0.0, 1.0));
     }
 
     #[test]
     fn a_stopped_clock_goes_on_from_the_other_end() {
         let mut clock = Clock::new(&time(60.0), AtEnd::Stop);
-        clock.begin_part(0.25);
+        clock.set_range_start(0.25);
         clock.advance(5.0);
         assert!(clock.is_paused() && seconds(&clock) == 100.0);
         clock.set_paused(false);
@@ -411,18 +417,18 @@ mod tests {
         let mut clock = Clock::new(&time(-10.0), AtEnd::Loop);
         let (first, last) = clock.span();
         assert_eq!(last, time(1.0).start);
-        clock.end_part(0.5);
+        clock.set_range_end(0.5);
         clock.set_span(last + 50.0 * Unit::Second, last + 250.0 * Unit::Second);
-        assert!(!clock.is_on_flight());
-        assert_eq!((seconds(&clock), clock.part()), (50.0, (0.0, 1.0)));
+        assert!(!clock.is_on_scene_span());
+        assert_eq!((seconds(&clock), clock.range()), (50.0, (0.0, 1.0)));
         clock.seek_to(last + 99.5 * Unit::Second);
         assert_eq!(seconds(&clock), 99.5);
         // Turned round, or of no length, it is no span.
         clock.set_span(last, first);
         clock.set_span(first, first);
         assert_eq!(clock.span().0, last + 50.0 * Unit::Second);
-        clock.return_to_flight();
-        assert!(clock.is_on_flight());
+        clock.return_to_scene_span();
+        assert!(clock.is_on_scene_span());
         assert_eq!((clock.span(), clock.now()), ((first, last), last));
     }
 

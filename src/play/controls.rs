@@ -9,19 +9,19 @@ use super::timeline::TimeLine;
 use crate::frames::Geodetic;
 use crate::scene::CameraMode;
 
-/// Most that one event magnifies, as a power of two: more is a device gone mad.
-const MAX_STEP: f64 = 8.0;
-/// How far up and down the head turns, radians (89°).
+/// Most that one event magnifies, as a power of two: more comes from a faulty device.
+const MAX_ZOOM_STEP: f64 = 8.0;
+/// How far up and down the view turns, radians (89°).
 const MAX_PITCH_RAD: f64 = 89.0 * std::f64::consts::PI / 180.0;
 /// Longest step of the wall clock that counts, seconds: a window that was hidden or held goes on where it stood.
-const LONGEST_STEP_S: f64 = 0.25;
+const MAX_STEP_S: f64 = 0.25;
 
 /// What the user has set.
 #[derive(Clone, Debug)]
 pub struct Controls {
     /// Simulated time.
     pub clock: Clock,
-    /// Zoom and the head's turn.
+    /// Zoom and direction of view.
     pub look: Look,
     /// The camera.
     pub mode: CameraMode,
@@ -31,7 +31,7 @@ pub struct Controls {
     pub help: bool,
     /// The time line.
     pub line: TimeLine,
-    /// The last thing worth telling.
+    /// The message on screen.
     pub message: Option<String>,
     /// How the simulators are whose states are drawn, where there are any.
     pub live: Option<LiveStatus>,
@@ -88,7 +88,7 @@ impl Controls {
 
     /// Lets time pass.
     pub fn advance(&mut self, wall_dt_s: f64) {
-        self.clock.advance(wall_dt_s.min(LONGEST_STEP_S));
+        self.clock.advance(wall_dt_s.min(MAX_STEP_S));
     }
 
     /// Whether the time line is on screen.
@@ -121,14 +121,18 @@ impl Controls {
                 AtEnd::Loop => AtEnd::Stop,
                 AtEnd::Stop => AtEnd::Loop,
             }),
-            Action::PartBegin(at) => self.clock.begin_part(at.unwrap_or(self.clock.progress())),
-            Action::PartEnd(at) => self.clock.end_part(at.unwrap_or(self.clock.progress())),
-            Action::PartAll => self.clock.play_all(),
-            Action::SceneFlight => self.clock.return_to_flight(),
+            Action::RangeStart(at) => self
+                .clock
+                .set_range_start(at.unwrap_or(self.clock.progress())),
+            Action::RangeEnd(at) => self
+                .clock
+                .set_range_end(at.unwrap_or(self.clock.progress())),
+            Action::RangeAll => self.clock.clear_range(),
+            Action::SceneSpan => self.clock.return_to_scene_span(),
             Action::Place(lat_deg, lon_deg) => {
                 self.line.place = Some(Geodetic::from_degrees(lat_deg, lon_deg, 0.0));
             }
-            Action::LeastElevation(degrees) => self.line.least_elevation_deg = degrees,
+            Action::MinElevation(degrees) => self.line.min_elevation_deg = degrees,
             // A second time it is left; the clock goes on by itself.
             Action::RealTime if self.line.is_real_time() => self.line.leave_real_time(),
             Action::RealTime => return Some(WindowTask::RealTime),
@@ -154,7 +158,7 @@ impl Controls {
         if !steps.is_finite() {
             return;
         }
-        let steps = steps.clamp(-MAX_STEP, MAX_STEP);
+        let steps = steps.clamp(-MAX_ZOOM_STEP, MAX_ZOOM_STEP);
         let zoom = (self.look.zoom.log2() + steps).exp2();
         let fov_rad = Look { zoom, ..self.look }.fov_rad(self.scene_fov_rad);
         // What the view's limits left of it: steps must not pile up behind them.
@@ -183,7 +187,7 @@ fn sets_clock(action: Action) -> bool {
             | Action::Reverse
             | Action::Seek(_)
             | Action::Skip(_)
-            | Action::SceneFlight
+            | Action::SceneSpan
     )
 }
 
@@ -286,9 +290,9 @@ mod tests {
             assert!(controls.line.is_real_time());
             controls.apply(action, 720.0);
             assert!(!controls.line.is_real_time(), "{action:?}");
-            assert!(!controls.clock.is_on_flight());
-            controls.apply(Action::SceneFlight, 720.0);
-            assert!(controls.clock.is_on_flight());
+            assert!(!controls.clock.is_on_scene_span());
+            controls.apply(Action::SceneSpan, 720.0);
+            assert!(controls.clock.is_on_scene_span());
         }
     }
 
@@ -296,11 +300,11 @@ mod tests {
     fn the_part_begins_and_ends_where_the_clock_stands() {
         let mut controls = controls(PLACE);
         controls.apply(Action::Seek(0.25), 720.0);
-        controls.apply(Action::PartBegin(None), 720.0);
-        controls.apply(Action::PartEnd(Some(0.75)), 720.0);
-        assert_eq!(controls.clock.part(), (0.25, 0.75));
-        controls.apply(Action::PartAll, 720.0);
-        assert_eq!(controls.clock.part(), (0.0, 1.0));
+        controls.apply(Action::RangeStart(None), 720.0);
+        controls.apply(Action::RangeEnd(Some(0.75)), 720.0);
+        assert_eq!(controls.clock.range(), (0.25, 0.75));
+        controls.apply(Action::RangeAll, 720.0);
+        assert_eq!(controls.clock.range(), (0.0, 1.0));
         controls.apply(Action::Loop, 720.0);
         assert_eq!(controls.clock.at_end(), AtEnd::Stop);
     }

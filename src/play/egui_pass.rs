@@ -2,8 +2,8 @@
 
 use egui_wgpu::{Renderer, ScreenDescriptor as Screen};
 
-/// A picture to draw over.
-pub struct Canvas<'c> {
+/// The picture that egui draws over, and how commands are recorded.
+pub struct EguiTarget<'c> {
     /// The device of all that follows.
     pub device: &'c wgpu::Device,
     /// Its queue.
@@ -16,20 +16,20 @@ pub struct Canvas<'c> {
     pub size: (u32, u32),
 }
 
-/// Draws it. Answers what must be submitted before the encoder's commands.
+/// Draws egui's output. Answers the commands that must be submitted before the encoder's.
 pub fn draw(
     renderer: &mut Renderer,
     context: &egui::Context,
     mut output: egui::FullOutput,
-    canvas: Canvas<'_>,
+    target: EguiTarget<'_>,
 ) -> Vec<wgpu::CommandBuffer> {
-    let Canvas {
+    let EguiTarget {
         device,
         queue,
         encoder,
         view,
         size,
-    } = canvas;
+    } = target;
     for (id, deltas) in output.textures_delta.set.drain() {
         for delta in deltas {
             renderer.update_texture(device, queue, id, &delta);

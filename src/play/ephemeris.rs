@@ -1,6 +1,6 @@
 //! Where a scene's satellites are: tables for people and programs, and messages for other programs.
 
-use super::{Flight, PlayError, Tracked};
+use super::{Flight, PlayError, Satellite};
 use crate::frames::{Duration, Epoch, Geodetic, TimeScale, ccsds_time};
 use crate::orbit::interpolated::{
     EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
@@ -12,7 +12,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 /// Most rows of one ephemeris.
-const MOST_ROWS: u64 = 1_000_000;
+const MAX_ROWS: u64 = 1_000_000;
 
 /// Instants to print.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +23,7 @@ pub enum Span {
     Every(Duration),
 }
 
-/// What places are told in.
+/// The axes of the states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axes {
     /// Position and velocity in a frame.
@@ -67,7 +67,7 @@ pub struct EphemerisRequest<'n> {
 /// The states of one satellite.
 pub struct Ephemeris<'f> {
     flight: &'f Flight,
-    satellite: &'f Tracked,
+    satellite: &'f Satellite,
     axes: Axes,
     states: Vec<OrbitState>,
 }
@@ -109,7 +109,7 @@ impl<'f> Ephemeris<'f> {
         &self.states
     }
 
-    /// All of it in words.
+    /// The whole ephemeris as text, in one of the layouts.
     pub fn print(&self, layout: Layout) -> String {
         match layout {
             Layout::Text => self.text(),
@@ -275,12 +275,12 @@ fn utc(epoch: Epoch) -> String {
 pub(super) fn satellite<'f>(
     flight: &'f Flight,
     name: Option<&str>,
-) -> Result<&'f Tracked, PlayError> {
+) -> Result<&'f Satellite, PlayError> {
     let satellites = flight.satellites();
     let index = match name {
         None => flight.followed(),
         Some(wanted) => {
-            let names: Vec<_> = satellites.iter().map(Tracked::name).collect();
+            let names: Vec<_> = satellites.iter().map(Satellite::name).collect();
             let scene = flight.scene();
             scene
                 .satellite(wanted, &names)
@@ -308,10 +308,10 @@ fn epochs(flight: &Flight, span: Span) -> Result<Vec<Epoch>, PlayError> {
     );
     let steps = length_ns / step_ns;
     let rows = u64::try_from(steps).unwrap_or(u64::MAX).saturating_add(2);
-    if rows > MOST_ROWS {
+    if rows > MAX_ROWS {
         return Err(PlayError::TooManyRows {
             rows,
-            limit: MOST_ROWS,
+            limit: MAX_ROWS,
         });
     }
     let mut epochs: Vec<_> = (0..=steps)

@@ -1,6 +1,6 @@
 //! What can go wrong between a scene and a picture.
 
-use super::destination::OutputError;
+use super::output::OutputError;
 use crate::EarthError;
 use crate::elevation::HeightFileError;
 use crate::frames::EarthOrientationError;

@@ -1,10 +1,10 @@
 //! A flight as numbered pictures and as video. While one frame is written the next one is drawn.
 
 use super::clock::frame_epoch;
-use super::destination::{FrameFolder, PendingFile};
 use super::error::PlayError;
 use super::flight::Flight;
-use super::picture::Picture;
+use super::offscreen::OffscreenRenderer;
+use super::output::{FrameFolder, PendingFile};
 use super::progress::Progress;
 use super::video::{EncoderChoice, FrameSink, VideoFormat, check_size, open_video};
 use crate::gpu::GpuContext;
@@ -67,7 +67,7 @@ pub fn export(
         sinks.push(open_video(file, format, request.encoder)?);
     }
     if let Some(folder) = request.frames {
-        sinks.push(Box::new(Frames {
+        sinks.push(Box::new(PngSequence {
             folder: FrameFolder::open(folder, frame_count, request.overwrite)?,
             next: 0,
         }));
@@ -78,22 +78,22 @@ pub fn export(
     let options = flight.earth_options(gpu.bc_support())?;
     let has_tiles = options.tiles.is_some();
     progress.end();
-    let mut picture = Picture::open(gpu, options, size)?;
-    picture.show_tracks(flight)?;
+    let mut renderer = OffscreenRenderer::open(gpu, options, size)?;
+    renderer.show_tracks(flight)?;
     tracing::info!(
         "{frame_count} frames of {} × {} on {}",
         size.0,
         size.1,
-        picture.adapter_info().name
+        renderer.adapter_info().name
     );
     progress.begin("frames", Some(frame_count));
-    let aspect = picture.aspect();
+    let aspect = renderer.aspect();
     let wait = scene.output.wait();
-    let mut lacking = Lacking::default();
+    let mut missing_tiles = MissingTiles::default();
     if is_lockstep {
-        return export_lockstep(flight, sinks, &mut picture, frame_count, progress);
+        return export_lockstep(flight, sinks, &mut renderer, frame_count, progress);
     }
-    pump(sinks, |give| {
+    write_while_drawing(sinks, |push| {
         for index in 0..frame_count {
             if progress.cancelled() {
                 return Err(PlayError::Interrupted {
@@ -105,14 +105,14 @@ pub fn export(
             if has_tiles {
                 // The next frame's tiles are read while this one is drawn and written.
                 let next = flight.at(frame_epoch(&scene.time, index + 1), aspect);
-                picture.expect(
+                renderer.expect(
                     next.as_ref()
                         .map_or(&[], |next| std::slice::from_ref(&next.view)),
                 );
             }
-            let (_, missing) = picture.draw_complete(&moment, wait);
-            lacking.add(index, &missing);
-            if !give(picture.read()?) {
+            let (_, missing) = renderer.draw_complete(&moment, wait);
+            missing_tiles.add(index, &missing);
+            if !push(renderer.read()?) {
                 break;
             }
             progress.step();
@@ -120,7 +120,7 @@ pub fn export(
         Ok(())
     })?;
     progress.end();
-    lacking.tell();
+    missing_tiles.warn();
     Ok(())
 }
 
@@ -129,15 +129,15 @@ pub fn export(
 fn export_lockstep(
     flight: &Flight,
     sinks: Vec<Box<dyn FrameSink>>,
-    picture: &mut Picture,
+    renderer: &mut OffscreenRenderer,
     frame_count: u64,
     progress: &dyn Progress,
 ) -> Result<(), PlayError> {
-    let aspect = picture.aspect();
+    let aspect = renderer.aspect();
     let wait = flight.scene().output.wait();
-    let mut lacking = Lacking::default();
+    let mut missing_tiles = MissingTiles::default();
     let mut done = 0;
-    pump(sinks, |give| {
+    write_while_drawing(sinks, |push| {
         while done < frame_count {
             let awaited = flight.await_moment(aspect, &|| progress.cancelled());
             if progress.cancelled() {
@@ -150,22 +150,22 @@ fn export_lockstep(
                 Ok((moment, Some(asked))) => (moment, asked),
                 Err(error @ PlayError::Silent { .. }) if done == 0 => return Err(error),
                 Ok((_, None)) | Err(PlayError::Silent { .. }) => break,
-                // The simulator was told; the next frame may be a good one.
+                // The simulator has the refusal; the next frame may be a good one.
                 Err(error) => {
                     tracing::warn!("a frame was refused: {error}");
                     continue;
                 }
             };
-            let (_, missing) = picture.draw_complete(&moment, wait);
-            let frame = picture.read()?;
+            let (_, missing) = renderer.draw_complete(&moment, wait);
+            let frame = renderer.read()?;
             if !asked.drawn() {
                 tracing::warn!(
                     "a frame came too late for the simulator and is left out of the film"
                 );
                 continue;
             }
-            lacking.add(done, &missing);
-            if !give(frame) {
+            missing_tiles.add(done, &missing);
+            if !push(frame) {
                 break;
             }
             done += 1;
@@ -175,26 +175,26 @@ fn export_lockstep(
     })?;
     progress.end();
     tracing::info!("{done} frames, as many as the simulator asked for");
-    lacking.tell();
+    missing_tiles.warn();
     Ok(())
 }
 
 /// Frames that lack tiles.
 #[derive(Default)]
-struct Lacking {
+struct MissingTiles {
     frames: u64,
     first: Option<(u64, TileKey)>,
     tiles: BTreeSet<TileKey>,
 }
 
-impl Lacking {
+impl MissingTiles {
     fn add(&mut self, frame: u64, missing: &[TileKey]) {
         self.frames += u64::from(!missing.is_empty());
         self.first = self.first.or(missing.first().map(|key| (frame, *key)));
         self.tiles.extend(missing);
     }
 
-    fn tell(&self) {
+    fn warn(&self) {
         let Some((frame, key)) = self.first else {
             return;
         };
@@ -208,9 +208,9 @@ impl Lacking {
     }
 }
 
-/// Runs `produce` here and the sinks on a thread of their own. `produce` is given a function that takes frames and
+/// Runs `produce` on this thread and the sinks on one of their own. `produce` is given a function that takes frames and
 /// answers whether more are wanted. The sinks are finished only if both sides were without error.
-fn pump(
+fn write_while_drawing(
     mut sinks: Vec<Box<dyn FrameSink>>,
     produce: impl FnOnce(&mut dyn FnMut(RgbaImage) -> bool) -> Result<(), PlayError>,
 ) -> Result<(), PlayError> {
@@ -233,12 +233,12 @@ fn pump(
 }
 
 /// PNG files in a folder, each complete when it appears.
-struct Frames {
+struct PngSequence {
     folder: FrameFolder,
     next: u64,
 }
 
-impl FrameSink for Frames {
+impl FrameSink for PngSequence {
     fn push(&mut self, frame: &RgbaImage) -> Result<(), PlayError> {
         self.folder.pending(self.next)?.write_png(frame)?;
         self.next += 1;
@@ -289,10 +289,10 @@ mod tests {
             fail_at,
         };
         let mut drawn = 0_usize;
-        let result = pump(vec![Box::new(probe)], |give| {
+        let result = write_while_drawing(vec![Box::new(probe)], |push| {
             for index in 0..20 {
                 drawn += 1;
-                if !give(RgbaImage::from_pixel(1, 1, image::Rgba([index; 4]))) {
+                if !push(RgbaImage::from_pixel(1, 1, image::Rgba([index; 4]))) {
                     break;
                 }
             }

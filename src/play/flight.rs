@@ -1,10 +1,10 @@
 //! A scene made ready to be played: where the eye is and what lights it at any instant.
 
-use super::camera::{Look, Motion, Pose};
+use super::camera::{Look, OrbitalMotion, Pose};
 use super::craft::CraftPose;
 use super::error::PlayError;
 use super::maps::{check_pack, earth_options};
-use super::satellites::{self, Listener, Tracked, orientation_at};
+use super::satellites::{self, Listener, Satellite, orientation_at};
 use crate::frames::{EarthOrientation, Ellipsoid, Epoch, Geodetic, Orientation};
 use crate::gpu::BcSupport;
 use crate::orbit::{Feed, OrbitError, OrbitState};
@@ -14,7 +14,7 @@ use crate::{EarthOptions, EyeView, Sky};
 /// A scene with its satellites opened and its dates checked.
 pub struct Flight {
     scene: Scene,
-    satellites: Vec<Tracked>,
+    satellites: Vec<Satellite>,
     /// The one of `satellites` that cameras fly with.
     followed: usize,
     orientation: Option<EarthOrientation>,
@@ -42,14 +42,14 @@ pub struct Moment {
     /// What lights the Earth.
     pub sky: Sky,
     /// Where the satellite is, if there is one.
-    pub satellite: Option<Satellite>,
+    pub satellite: Option<SatelliteState>,
     /// The spacecraft to draw, if the camera looks at it.
     pub craft: Option<CraftPose>,
 }
 
 /// A satellite at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Satellite {
+pub struct SatelliteState {
     /// Its place above the scene's figure.
     pub place: Geodetic,
     /// Its speed seen from the stars, metres per second.
@@ -61,15 +61,15 @@ impl Flight {
     /// and that its pack, if it has one, holds what it asks for. Live satellites begin to listen; where there are any,
     /// their simulators give the time and the scene's dates are not checked.
     pub fn open(scene: Scene) -> Result<Self, PlayError> {
-        Self::with_listener(scene, Listener::Open)
+        Self::open_with(scene, Listener::Open)
     }
 
     /// The same without listening: live satellites are never known. For looking at a scene.
-    pub fn open_deaf(scene: Scene) -> Result<Self, PlayError> {
-        Self::with_listener(scene, Listener::Closed)
+    pub fn open_without_listening(scene: Scene) -> Result<Self, PlayError> {
+        Self::open_with(scene, Listener::Closed)
     }
 
-    fn with_listener(scene: Scene, listener: Listener) -> Result<Self, PlayError> {
+    fn open_with(scene: Scene, listener: Listener) -> Result<Self, PlayError> {
         check_pack(&scene)?;
         let orientation = match &scene.time.orientation {
             Some(file) => Some(EarthOrientation::from_file(file)?),
@@ -86,7 +86,7 @@ impl Flight {
                 satellites::open(&scene, index, orbit, orientation.as_ref(), listener)
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let names: Vec<_> = satellites.iter().map(Tracked::name).collect();
+        let names: Vec<_> = satellites.iter().map(Satellite::name).collect();
         let followed = scene.followed(&names)?;
         if let Some(satellite) = satellites.get(followed)
             && !scene.is_live()
@@ -109,11 +109,11 @@ impl Flight {
 
     /// The motion of the satellite that cameras fly with.
     pub fn feed(&self) -> Option<&dyn Feed> {
-        self.satellites.get(self.followed).map(Tracked::feed)
+        self.satellites.get(self.followed).map(Satellite::feed)
     }
 
     /// All satellites, in the scene's order.
-    pub fn satellites(&self) -> &[Tracked] {
+    pub fn satellites(&self) -> &[Satellite] {
         &self.satellites
     }
 
@@ -211,7 +211,7 @@ impl Flight {
         epoch: Epoch,
         request: &ViewRequest,
         pose: Pose,
-        state: Option<Motion>,
+        state: Option<OrbitalMotion>,
     ) -> Moment {
         let fov_rad = request.look.fov_rad(self.scene.camera.fov_deg.to_radians());
         let sky = self.sky_at(epoch);
@@ -224,7 +224,7 @@ impl Flight {
             view: pose.turned(&request.look).view(fov_rad, request.aspect),
             sky,
             craft,
-            satellite: state.map(|state| Satellite {
+            satellite: state.map(|state| SatelliteState {
                 place: self.ellipsoid.geodetic_from_itrf(state.position_itrf_m),
                 speed_m_s: state.velocity_m_s.length(),
             }),
@@ -238,9 +238,9 @@ impl Flight {
     }
 }
 
-fn motion(state: &OrbitState, orientation: &Orientation) -> Motion {
+fn motion(state: &OrbitState, orientation: &Orientation) -> OrbitalMotion {
     let (position_itrf_m, velocity_m_s) = state.inertial_in_itrf_axes(orientation);
-    Motion {
+    OrbitalMotion {
         position_itrf_m,
         velocity_m_s,
     }

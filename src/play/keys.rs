@@ -13,7 +13,7 @@ pub enum Action {
     Slower,
     /// Turns time round.
     Reverse,
-    /// Sets the clock to a part of the flight, 0…1.
+    /// Sets the clock to a fraction of the span, 0…1.
     Seek(f64),
     /// Moves the clock by seconds of playback at the present speed.
     Skip(f64),
@@ -37,22 +37,22 @@ pub enum Action {
     TimeLine,
     /// Begins anew at the end, or stops there.
     Loop,
-    /// The played part begins at a part of the span, 0…1; `None` is where the clock stands.
-    PartBegin(Option<f64>),
-    /// The played part ends there.
-    PartEnd(Option<f64>),
+    /// The played range begins at a fraction of the span, 0…1; `None` is where the clock stands.
+    RangeStart(Option<f64>),
+    /// The played range ends there.
+    RangeEnd(Option<f64>),
     /// Plays all of the span.
-    PartAll,
+    RangeAll,
     /// Follows the clock on the wall, or no more.
     RealTime,
     /// Back to the scene's flight, from real time or from a pass.
-    SceneFlight,
+    SceneSpan,
     /// To the next pass of the satellite over the place.
     NextPass,
     /// The place of passes: latitude and longitude, degrees.
     Place(f64, f64),
-    /// How high the satellite must stand for a pass, degrees.
-    LeastElevation(f64),
+    /// Minimum elevation of a pass, degrees.
+    MinElevation(f64),
     /// Closes the window.
     Quit,
 }
@@ -63,155 +63,155 @@ pub struct Binding {
     pub keys: &'static str,
     /// What they do.
     pub does: &'static str,
-    on: &'static [On],
+    patterns: &'static [KeyPattern],
     action: Action,
 }
 
-enum On {
+enum KeyPattern {
     Named(NamedKey),
     Char(&'static str),
 }
 
-use On::{Char, Named};
+use KeyPattern::{Char, Named};
 
 /// All keys.
 pub const BINDINGS: &[Binding] = &[
     Binding {
         keys: "Space",
         does: "pause",
-        on: &[Named(NamedKey::Space)],
+        patterns: &[Named(NamedKey::Space)],
         action: Action::Pause,
     },
     Binding {
         keys: ". or +",
         does: "faster",
-        on: &[Char("."), Char("+"), Char("="), Char(">")],
+        patterns: &[Char("."), Char("+"), Char("="), Char(">")],
         action: Action::Faster,
     },
     Binding {
         keys: ", or -",
         does: "slower",
-        on: &[Char(","), Char("-"), Char("<"), Char("_")],
+        patterns: &[Char(","), Char("-"), Char("<"), Char("_")],
         action: Action::Slower,
     },
     Binding {
         keys: "R",
         does: "reverse time",
-        on: &[Char("r")],
+        patterns: &[Char("r")],
         action: Action::Reverse,
     },
     Binding {
         keys: "Right",
         does: "five seconds of playback on",
-        on: &[Named(NamedKey::ArrowRight)],
+        patterns: &[Named(NamedKey::ArrowRight)],
         action: Action::Skip(5.0),
     },
     Binding {
         keys: "Left",
         does: "five seconds of playback back",
-        on: &[Named(NamedKey::ArrowLeft)],
+        patterns: &[Named(NamedKey::ArrowLeft)],
         action: Action::Skip(-5.0),
     },
     Binding {
         keys: "C",
         does: "next camera",
-        on: &[Char("c")],
+        patterns: &[Char("c")],
         action: Action::NextCamera,
     },
     Binding {
         keys: "Up",
         does: "magnify",
-        on: &[Named(NamedKey::ArrowUp), Named(NamedKey::PageUp)],
+        patterns: &[Named(NamedKey::ArrowUp), Named(NamedKey::PageUp)],
         action: Action::Zoom(0.25),
     },
     Binding {
         keys: "Down",
         does: "widen the view",
-        on: &[Named(NamedKey::ArrowDown), Named(NamedKey::PageDown)],
+        patterns: &[Named(NamedKey::ArrowDown), Named(NamedKey::PageDown)],
         action: Action::Zoom(-0.25),
     },
     Binding {
         keys: "Home",
         does: "the scene's own view",
-        on: &[Named(NamedKey::Home)],
+        patterns: &[Named(NamedKey::Home)],
         action: Action::ResetView,
     },
     Binding {
         keys: "S or F12",
         does: "save a picture in the working folder",
-        on: &[Char("s"), Named(NamedKey::F12)],
+        patterns: &[Char("s"), Named(NamedKey::F12)],
         action: Action::Screenshot,
     },
     Binding {
         keys: "F or F11",
         does: "full screen",
-        on: &[Char("f"), Named(NamedKey::F11)],
+        patterns: &[Char("f"), Named(NamedKey::F11)],
         action: Action::FullScreen,
     },
     Binding {
         keys: "P",
         does: "hide or show the panel",
-        on: &[Char("p")],
+        patterns: &[Char("p")],
         action: Action::Panel,
     },
     Binding {
         keys: "T",
         does: "hide or show the time line",
-        on: &[Char("t")],
+        patterns: &[Char("t")],
         action: Action::TimeLine,
     },
     Binding {
         keys: "L",
         does: "at the end begin anew, or stop",
-        on: &[Char("l")],
+        patterns: &[Char("l")],
         action: Action::Loop,
     },
     Binding {
         keys: "I",
         does: "play from here",
-        on: &[Char("i")],
-        action: Action::PartBegin(None),
+        patterns: &[Char("i")],
+        action: Action::RangeStart(None),
     },
     Binding {
         keys: "O",
         does: "play to here",
-        on: &[Char("o")],
-        action: Action::PartEnd(None),
+        patterns: &[Char("o")],
+        action: Action::RangeEnd(None),
     },
     Binding {
         keys: "A",
         does: "play all",
-        on: &[Char("a")],
-        action: Action::PartAll,
+        patterns: &[Char("a")],
+        action: Action::RangeAll,
     },
     Binding {
         keys: "W",
         does: "real time: follow the clock on the wall",
-        on: &[Char("w")],
+        patterns: &[Char("w")],
         action: Action::RealTime,
     },
     Binding {
         keys: "N",
         does: "next pass over the place of the time line",
-        on: &[Char("n")],
+        patterns: &[Char("n")],
         action: Action::NextPass,
     },
     Binding {
         keys: "B",
         does: "back to the scene's flight",
-        on: &[Char("b")],
-        action: Action::SceneFlight,
+        patterns: &[Char("b")],
+        action: Action::SceneSpan,
     },
     Binding {
         keys: "H or F1",
         does: "this help",
-        on: &[Char("h"), Char("?"), Named(NamedKey::F1)],
+        patterns: &[Char("h"), Char("?"), Named(NamedKey::F1)],
         action: Action::Help,
     },
     Binding {
         keys: "Q or Esc",
         does: "close",
-        on: &[Char("q"), Named(NamedKey::Escape)],
+        patterns: &[Char("q"), Named(NamedKey::Escape)],
         action: Action::Quit,
     },
 ];
@@ -224,12 +224,14 @@ pub const MOUSE: &[(&str, &str)] = &[
 
 /// What a key does, letter case aside.
 pub fn action_of(key: &Key) -> Option<Action> {
-    let means = |on: &On| match (on, key) {
+    let means = |pattern: &KeyPattern| match (pattern, key) {
         (Named(wanted), Key::Named(pressed)) => wanted == pressed,
         (Char(wanted), Key::Character(pressed)) => pressed.eq_ignore_ascii_case(wanted),
         _ => false,
     };
-    let binding = BINDINGS.iter().find(|binding| binding.on.iter().any(means));
+    let binding = BINDINGS
+        .iter()
+        .find(|binding| binding.patterns.iter().any(means));
     binding.map(|binding| binding.action)
 }
 
@@ -255,8 +257,8 @@ mod tests {
     #[test]
     fn no_key_does_two_things() {
         for binding in BINDINGS {
-            for on in binding.on {
-                let key = match on {
+            for pattern in binding.patterns {
+                let key = match pattern {
                     Named(name) => Key::Named(*name),
                     Char(text) => Key::Character((*text).into()),
                 };

@@ -1,4 +1,4 @@
-//! Scenes whose time a simulator gives: which instant a picture shows, who is answered, and what the window tells.
+//! Scenes whose time a simulator gives: which instant a picture shows, who is answered, and what the window reports.
 
 use super::error::PlayError;
 use super::flight::{Flight, Moment, ViewRequest};
@@ -9,12 +9,12 @@ use crate::orbit::{Feed, Freshness};
 use crate::scene::CameraMode;
 use std::time::{Duration, Instant};
 
-/// How often a window without a picture to draw asks for a simulator's next frame.
-pub(super) const ASK: Duration = Duration::from_millis(4);
-/// How often a window that stands still looks how old its states are.
-const LOOK: Duration = Duration::from_millis(250);
+/// How often a window without a picture to draw polls for a simulator's next frame.
+pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(4);
+/// How often a window that stands still checks the age of its states.
+const AGE_CHECK_INTERVAL: Duration = Duration::from_millis(250);
 
-/// What the window tells of simulators.
+/// What the window reports of simulators.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LiveStatus {
     /// The satellite whose simulator gives the time.
@@ -39,7 +39,7 @@ pub(super) struct LivePlay<'f> {
     held: Option<Epoch>,
     /// Why the last picture that was asked for could not be drawn.
     fault: Option<String>,
-    looked: Instant,
+    age_checked: Instant,
 }
 
 impl<'f> LivePlay<'f> {
@@ -52,7 +52,7 @@ impl<'f> LivePlay<'f> {
             last: None,
             held: None,
             fault: None,
-            looked: Instant::now(),
+            age_checked: Instant::now(),
         })
     }
 
@@ -60,7 +60,7 @@ impl<'f> LivePlay<'f> {
         self.feed.options().pacing == Pacing::Lockstep
     }
 
-    /// Whether a new picture is due. Where it is hidden, whoever waits for one is told so.
+    /// Whether a new picture is due. Where it is hidden, whoever waits for one is refused.
     pub fn is_due(&mut self, is_hidden: bool, is_paused: bool) -> bool {
         if !self.is_lockstep() && !is_paused {
             return !is_hidden;
@@ -74,9 +74,9 @@ impl<'f> LivePlay<'f> {
             return false;
         }
         self.request = self.request.or_else(|| self.feed.next_request());
-        let is_time = self.looked.elapsed() > LOOK;
+        let is_time = self.age_checked.elapsed() > AGE_CHECK_INTERVAL;
         if is_time {
-            self.looked = Instant::now();
+            self.age_checked = Instant::now();
         }
         self.request.is_some() || is_time
     }
@@ -84,8 +84,8 @@ impl<'f> LivePlay<'f> {
     /// How long the window may sleep before it asks again; `None` draws on and on.
     pub fn pause(&self, is_paused: bool) -> Option<Duration> {
         match (self.is_lockstep(), is_paused) {
-            (true, _) => Some(ASK),
-            (false, true) => Some(LOOK),
+            (true, _) => Some(POLL_INTERVAL),
+            (false, true) => Some(AGE_CHECK_INTERVAL),
             (false, false) => None,
         }
     }
@@ -134,7 +134,7 @@ impl<'f> LivePlay<'f> {
 
     /// The picture is on its way to the screen.
     pub fn drawn(&mut self) {
-        self.looked = Instant::now();
+        self.age_checked = Instant::now();
         if let Some(request) = self.request.take() {
             self.feed.acknowledge(&request);
         }
@@ -146,17 +146,17 @@ impl<'f> LivePlay<'f> {
         }
     }
 
-    /// What is told to a user who asks for something that only the simulator can do; `None` where it can be done.
+    /// The message for a user who asks for something that only the simulator can do; `None` where it can be done.
     pub fn denial(&self, action: Action) -> Option<String> {
         let what = match action {
             Action::Pause if self.is_lockstep() => "stopped",
             Action::Faster | Action::Slower => "made faster or slower",
             Action::Reverse => "turned round",
             Action::Seek(_) | Action::Skip(_) | Action::NextPass => "moved",
-            Action::Loop | Action::PartBegin(_) | Action::PartEnd(_) | Action::PartAll => {
+            Action::Loop | Action::RangeStart(_) | Action::RangeEnd(_) | Action::RangeAll => {
                 "played in parts"
             }
-            Action::RealTime | Action::SceneFlight | Action::TimeLine => "set by another clock",
+            Action::RealTime | Action::SceneSpan | Action::TimeLine => "set by another clock",
             _ => return None,
         };
         let listens_on = self.feed.listens_on();
@@ -165,7 +165,7 @@ impl<'f> LivePlay<'f> {
         ))
     }
 
-    /// What the window tells.
+    /// The state of the simulators, for the panel.
     pub fn status(&self, is_paused: bool) -> LiveStatus {
         let feeds = || self.flight.satellites().iter().filter_map(|one| one.live());
         let several = feeds().nth(1).is_some();
@@ -292,16 +292,18 @@ impl Flight {
     /// a state has come. At most as long as the scene says.
     ///
     /// # Errors
-    /// If nothing comes, or the satellite is not known at the instant; a simulator that asked is told.
+    /// If nothing comes, or the satellite is not known at the instant; a simulator that asked is refused.
     pub(super) fn await_moment(
         &self,
         aspect: f64,
         is_cancelled: &dyn Fn() -> bool,
-    ) -> Result<(Moment, Option<Asked<'_>>), PlayError> {
+    ) -> Result<(Moment, Option<AwaitedFrame<'_>>), PlayError> {
         let feed = self.live_clock().ok_or(PlayError::NoSatellite)?;
-        let (epoch, asked) = match self.hear(feed, is_cancelled) {
-            Some(Heard::Frame(request)) => (request.state.epoch, Some(Asked { feed, request })),
-            Some(Heard::Time(epoch)) => (epoch, None),
+        let (epoch, asked) = match self.wait_for_input(feed, is_cancelled) {
+            Some(LiveInput::Frame(request)) => {
+                (request.state.epoch, Some(AwaitedFrame { feed, request }))
+            }
+            Some(LiveInput::Time(epoch)) => (epoch, None),
             None => {
                 return Err(PlayError::Silent {
                     listens_on: feed.listens_on().to_string(),
@@ -324,21 +326,25 @@ impl Flight {
     }
 
     /// What comes next; `None` where nothing comes in time, or ever.
-    fn hear(&self, feed: &LiveFeed, is_cancelled: &dyn Fn() -> bool) -> Option<Heard> {
+    fn wait_for_input(
+        &self,
+        feed: &LiveFeed,
+        is_cancelled: &dyn Fn() -> bool,
+    ) -> Option<LiveInput> {
         let wait = self.scene().output.wait();
         let begun = Instant::now();
         loop {
             match feed.options().pacing {
                 Pacing::Lockstep => {
-                    if let Some(request) = feed.wait_request(ASK) {
-                        return Some(Heard::Frame(request));
+                    if let Some(request) = feed.wait_request(POLL_INTERVAL) {
+                        return Some(LiveInput::Frame(request));
                     }
                 }
                 Pacing::Broadcast => {
                     if let Some(epoch) = feed.playback_epoch() {
-                        return Some(Heard::Time(epoch));
+                        return Some(LiveInput::Time(epoch));
                     }
-                    std::thread::sleep(ASK);
+                    std::thread::sleep(POLL_INTERVAL);
                 }
             }
             // A stream ends when all that it asked for is answered.
@@ -349,8 +355,8 @@ impl Flight {
     }
 }
 
-/// What comes from a simulator.
-enum Heard {
+/// What a simulator sends that gives a picture its instant.
+enum LiveInput {
     /// It waits for this picture.
     Frame(FrameRequest),
     /// Its time.
@@ -358,12 +364,12 @@ enum Heard {
 }
 
 /// A picture that a simulator waits for.
-pub(super) struct Asked<'f> {
+pub(super) struct AwaitedFrame<'f> {
     feed: &'f LiveFeed,
     request: FrameRequest,
 }
 
-impl Asked<'_> {
+impl AwaitedFrame<'_> {
     /// It is drawn. `false` where nobody waits for it any more.
     pub fn drawn(&self) -> bool {
         self.feed.acknowledge(&self.request)

@@ -429,7 +429,7 @@ fn a_scene_that_is_only_looked_at_listens_to_nobody() {
     let port = taken.local_addr().expect("a port").port();
     let text = format!("[orbit]\nsource = \"live\"\nlisten = \"tcp://127.0.0.1:{port}\"\n");
     let scene = || Scene::from_toml(&text, Path::new("scene.toml")).expect("a good scene");
-    let deaf = Flight::open_deaf(scene()).expect("opens");
+    let deaf = Flight::open_without_listening(scene()).expect("opens");
     assert!(deaf.live_clock().is_some());
     let refusal = Flight::open(scene())
         .err()

@@ -1,7 +1,7 @@
 //! Playing a scene: clock, cameras, window, stills and video.
 //!
 //! [`Flight`] is a scene made ready; at any instant it gives a [`Moment`]: where the eye is and what lights the Earth.
-//! A [`Picture`] draws moments without a display. Three ways lead out: [`write_still`], [`export()`] (frames and video)
+//! An [`OffscreenRenderer`] draws moments without a display. Three ways lead out: [`write_still`], [`export()`] (frames and video)
 //! and [`play_in_window`].
 //!
 //! | file | what |
@@ -17,37 +17,37 @@
 //! | `relief` | its heights |
 //! | `craft/` | the spacecraft that the chase camera follows |
 //! | `tracks/` | trails, ground tracks, footprints and names of its satellites |
-//! | `picture`, `still`, `stats`, `export`, `video/` | pictures, their numbers, films |
-//! | `destination` | files that are whole or not there |
-//! | `window`, `stage`, `surface`, `overlay`, `panel`, `controls`, `keys` | the window |
+//! | `offscreen`, `still`, `stats`, `export`, `video/` | the offscreen renderer; pictures, their numbers, films |
+//! | `output` | files that are complete or not there |
+//! | `window`, `window_renderer`, `surface` | the window: its events, its renderer, its surface |
+//! | `controls`, `keys`, `panel`, `overlay` | what the user has set, by which keys; the panel, and egui under it |
 //! | `egui_pass` | panel and names, drawn over pictures |
 //! | `place_text` | places as a person reads them |
 //! | `timeline/` | the time line along the bottom: scrubbing, real time, passes |
-//! | `cost` | what its frames cost, for adaptive quality |
+//! | `frame_cost` | what its frames cost, for adaptive quality |
 
 pub mod camera;
 pub mod clock;
 mod controls;
-mod cost;
 mod craft;
-mod destination;
 mod egui_pass;
 mod ephemeris;
 mod error;
 mod export;
 mod flight;
+mod frame_cost;
 mod keys;
 mod live;
 mod maps;
+mod offscreen;
+mod output;
 mod overlay;
 mod panel;
 mod pass_table;
-mod picture;
 mod place_text;
 mod progress;
 mod relief;
 mod satellites;
-mod stage;
 mod stats;
 mod still;
 mod surface;
@@ -55,21 +55,22 @@ mod timeline;
 mod tracks;
 mod video;
 mod window;
+mod window_renderer;
 
 pub use craft::CraftPose;
-pub use destination::{OutputError, PendingFile};
 pub use ephemeris::{Axes, Ephemeris, EphemerisRequest, Layout, Span, omm};
 pub use error::{PlayError, VideoError, WindowError};
 pub use export::{ExportRequest, export};
-pub use flight::{Flight, Moment, Satellite, ViewRequest};
+pub use flight::{Flight, Moment, SatelliteState, ViewRequest};
 pub use maps::earth_options;
+pub(crate) use offscreen::rgba_image;
+pub use offscreen::{OffscreenRenderer, TimedFrame, target_bytes};
+pub use output::{OutputError, PendingFile};
 pub use pass_table::{PassRequest, PassTable};
-pub(crate) use picture::rgba_image;
-pub use picture::{Measured, Picture, target_bytes};
 pub use progress::Progress;
 pub use relief::read_ground;
-pub use satellites::Tracked;
-pub use stats::{Eye, Stats, SubsolarPoint};
+pub use satellites::Satellite;
+pub use stats::{EyePosition, PictureStats, SubsolarPoint};
 pub use still::{StillRequest, write_still};
 pub use video::EncoderChoice;
 pub use window::{WindowRequest, play_in_window};

@@ -1,6 +1,6 @@
 //! egui on the window's surface.
 
-use super::egui_pass::{self, Canvas};
+use super::egui_pass::{self, EguiTarget};
 use egui_wgpu::{Renderer, RendererOptions};
 use std::time::Duration;
 use winit::event::WindowEvent;
@@ -13,8 +13,8 @@ pub struct Overlay {
     output: Option<egui::FullOutput>,
 }
 
-/// What egui makes of an event.
-pub struct Response {
+/// Whether egui has taken an event.
+pub struct EventResponse {
     /// egui wants it for itself.
     pub consumed: bool,
     /// The picture is to be drawn anew.
@@ -44,9 +44,9 @@ impl Overlay {
     }
 
     /// Offers an event to egui.
-    pub fn on_event(&mut self, window: &Window, event: &WindowEvent) -> Response {
+    pub fn on_event(&mut self, window: &Window, event: &WindowEvent) -> EventResponse {
         let response = self.state.on_window_event(window, event);
-        Response {
+        EventResponse {
             consumed: response.consumed,
             repaint: response.repaint,
         }
@@ -80,12 +80,12 @@ impl Overlay {
     }
 
     /// Draws what was laid out over a picture.
-    pub fn draw(&mut self, canvas: Canvas<'_>) -> Vec<wgpu::CommandBuffer> {
+    pub fn draw(&mut self, target: EguiTarget<'_>) -> Vec<wgpu::CommandBuffer> {
         let Some(output) = self.output.take() else {
             return Vec::new();
         };
         let context = self.state.egui_ctx();
-        egui_pass::draw(&mut self.renderer, context, output, canvas)
+        egui_pass::draw(&mut self.renderer, context, output, target)
     }
 }
 

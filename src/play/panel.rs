@@ -153,7 +153,7 @@ fn panel(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut V
     });
 }
 
-/// What the panel tells of tiles.
+/// The panel's lines about tiles.
 fn tile_rows(stats: &FrameStats) -> [(&'static str, String); 4] {
     let tiles = &stats.tiles;
     let by_level = |counts: &[u32]| {

@@ -1,21 +1,21 @@
 //! When a scene's satellite passes over a place: tables for people and programs.
 
 use super::ephemeris::{Layout, satellite};
-use super::{Flight, PlayError, Tracked};
+use super::{Flight, PlayError, Satellite};
 use crate::frames::{Duration, Epoch, Geodetic, rfc3339};
 use crate::orbit::{LookAngles, Observer, Pass, passes};
 use std::fmt::Write;
 
 /// Most passes of one table.
-const MOST_PASSES: usize = 100_000;
+const MAX_PASSES: usize = 100_000;
 
 /// Which passes are wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassRequest<'n> {
     /// Over which place, above the scene's figure.
     pub place: Geodetic,
-    /// How high the satellite must stand, radians, 0…π/2.
-    pub least_elevation_rad: f64,
+    /// Minimum elevation of a pass, radians, 0…π/2.
+    pub min_elevation_rad: f64,
     /// For how long from the scene's first instant on; `None` is to its last.
     pub length: Option<Duration>,
     /// Which satellite, by name; `None` is the one that cameras follow.
@@ -24,9 +24,9 @@ pub struct PassRequest<'n> {
 
 /// The passes of one satellite.
 pub struct PassTable<'f> {
-    satellite: &'f Tracked,
+    satellite: &'f Satellite,
     place: Geodetic,
-    least_elevation_rad: f64,
+    min_elevation_rad: f64,
     span: (Epoch, Epoch),
     rows: Vec<(Pass, [LookAngles; 3])>,
 }
@@ -52,13 +52,18 @@ impl<'f> PassTable<'f> {
             satellite.feed().state_at(first)?;
         }
         let orientation = |epoch| flight.orientation_at(epoch);
-        let least_rad = request.least_elevation_rad;
-        let observer = Observer::new(request.place, flight.ellipsoid(), least_rad, &orientation);
+        let min_elevation_rad = request.min_elevation_rad;
+        let observer = Observer::new(
+            request.place,
+            flight.ellipsoid(),
+            min_elevation_rad,
+            &orientation,
+        );
         let bearing = |epoch| -> Result<_, PlayError> {
             Ok(observer.look_angles(&satellite.feed().state_at(epoch)?))
         };
         let rows = passes(satellite.feed(), &observer, span.0, span.1)
-            .take(MOST_PASSES)
+            .take(MAX_PASSES)
             .map(|pass| {
                 let pass = pass?;
                 let at = [pass.begin, pass.highest, pass.end];
@@ -69,7 +74,7 @@ impl<'f> PassTable<'f> {
         Ok(Self {
             satellite,
             place: request.place,
-            least_elevation_rad: least_rad,
+            min_elevation_rad,
             span,
             rows,
         })
@@ -80,7 +85,7 @@ impl<'f> PassTable<'f> {
         self.rows.iter().map(|(pass, _)| pass)
     }
 
-    /// All of it in words.
+    /// The whole table as text, in one of the layouts.
     pub fn print(&self, layout: Layout) -> String {
         match layout {
             Layout::Text => self.text(),
@@ -96,7 +101,7 @@ impl<'f> PassTable<'f> {
             self.satellite.name(),
             self.place.lat_rad.to_degrees(),
             self.place.lon_rad.to_degrees(),
-            rounded(self.least_elevation_rad.to_degrees()),
+            rounded(self.min_elevation_rad.to_degrees()),
             rfc3339(self.span.0),
             rfc3339(self.span.1)
         );
@@ -175,7 +180,7 @@ impl<'f> PassTable<'f> {
             "lat_deg": self.place.lat_rad.to_degrees(),
             "lon_deg": self.place.lon_rad.to_degrees(),
             "height_m": self.place.height_m,
-            "least_elevation_deg": self.least_elevation_rad.to_degrees(),
+            "least_elevation_deg": self.min_elevation_rad.to_degrees(),
             "first_utc": rfc3339(self.span.0),
             "last_utc": rfc3339(self.span.1),
             "passes": rows.collect::<Vec<_>>(),

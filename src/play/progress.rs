@@ -1,6 +1,6 @@
-//! How long work tells how far it is.
+//! Progress of long work, and the wish to stop it.
 
-/// Told how far work is, and asked whether to go on. The command shows bars; `()` shows nothing and never stops.
+/// Receives the progress of long work, and says whether to go on. The command shows bars; `()` shows nothing and never stops.
 pub trait Progress: Sync {
     /// Work begins; `steps` is how many there will be, where that is known.
     fn begin(&self, what: &str, steps: Option<u64>);

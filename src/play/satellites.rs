@@ -17,7 +17,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// A satellite of a scene.
-pub struct Tracked {
+pub struct Satellite {
     feed: Arc<dyn Feed>,
     elements: Option<MeanElements>,
     live: Option<Arc<LiveFeed>>,
@@ -25,14 +25,14 @@ pub struct Tracked {
     faults_left_out: usize,
 }
 
-/// Whether live satellites listen.
+/// Whether live satellites listen for their simulators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Listener {
     Open,
     Closed,
 }
 
-impl Tracked {
+impl Satellite {
     fn of(feed: impl Feed + 'static) -> Self {
         Self {
             feed: Arc::new(feed),
@@ -68,7 +68,7 @@ impl Tracked {
         self.live.as_deref()
     }
 
-    /// What is wrong with other records of its file, each in words, and how many such words are left out.
+    /// The errors of other records of its file, and how many more there are that are not kept.
     pub fn faults(&self) -> (&[String], usize) {
         (&self.faults, self.faults_left_out)
     }
@@ -95,7 +95,7 @@ pub(super) fn open(
     orbit: &Orbit,
     table: Option<&EarthOrientation>,
     listener: Listener,
-) -> Result<Tracked, PlayError> {
+) -> Result<Satellite, PlayError> {
     let name = orbit.name.as_deref();
     if let Some(options) = &orbit.live {
         let listen = options.transport.to_string();
@@ -106,7 +106,7 @@ pub(super) fn open(
     }
     match (&orbit.motion, &orbit.file) {
         (Some(motion), _) => {
-            let (start, word) = match motion {
+            let (start, default_name) = match motion {
                 Motion::Kepler { start, .. } => (start, "Kepler"),
                 Motion::Numerical { start, .. } => (start, "Numerical"),
             };
@@ -114,7 +114,7 @@ pub(super) fn open(
                 let remedy = "the table of [time] orientation does not reach to this epoch; take one that does, or start later";
                 scene.refuse_orbit(index, "epoch", &crate::frames::rfc3339(start.epoch), remedy.to_owned())
             })?;
-            let name = name.unwrap_or(word);
+            let name = name.unwrap_or(default_name);
             let opened = match motion {
                 Motion::Kepler { start, j2 } => kepler(name, start, *j2, &orientation),
                 Motion::Numerical { start, forces } => {
@@ -123,24 +123,24 @@ pub(super) fn open(
             };
             // The numbers are the scene's: so are the file and the line.
             opened.map_err(|error| {
-                let word = word.to_lowercase();
+                let source = default_name.to_lowercase();
                 scene
-                    .refuse_orbit(index, "source", &word, error.to_string())
+                    .refuse_orbit(index, "source", &source, error.to_string())
                     .into()
             })
         }
         (None, Some(file)) => from_file(scene, index, orbit, file),
         (None, None) => {
             let feed = Sgp4Feed::built_in_iss()?;
-            Ok(Tracked {
+            Ok(Satellite {
                 elements: Some(feed.elements().clone()),
-                ..Tracked::of(feed)
+                ..Satellite::of(feed)
             })
         }
     }
 }
 
-fn live(options: &LiveOptions, listener: Listener) -> Result<Tracked, LiveError> {
+fn live(options: &LiveOptions, listener: Listener) -> Result<Satellite, LiveError> {
     let feed = match listener {
         Listener::Open => LiveFeed::open(options.clone())?,
         Listener::Closed => LiveFeed::unconnected(options.clone())?,
@@ -149,9 +149,9 @@ fn live(options: &LiveOptions, listener: Listener) -> Result<Tracked, LiveError>
         tracing::info!("{} is waited for on {}", options.name, feed.listens_on());
     }
     let feed = Arc::new(feed);
-    Ok(Tracked {
+    Ok(Satellite {
         live: Some(Arc::clone(&feed)),
-        ..Tracked::of(feed)
+        ..Satellite::of(feed)
     })
 }
 
@@ -160,19 +160,19 @@ fn from_file(
     index: usize,
     orbit: &Orbit,
     file: &Path,
-) -> Result<Tracked, PlayError> {
+) -> Result<Satellite, PlayError> {
     let name = orbit.name.as_deref();
     // Without a name the only satellite is meant, and which is the only one a spoilt record leaves open.
     let is_strict = orbit.strict || name.is_none();
     let check = |format| match source_of(format) {
         source if source == orbit.source => Ok(()),
         source => {
-            let given = word(orbit.source);
+            let given = source_key(orbit.source);
             let remedy = format!(
                 "{} holds {}; write source = \"{}\"",
                 file.display(),
-                says(format),
-                word(source)
+                format_name(format),
+                source_key(source)
             );
             Err(scene.refuse_orbit(index, "source", given, remedy))
         }
@@ -187,9 +187,9 @@ fn from_file(
             let feed = catalogue.into_one(file, name)?;
             let elements = Some(feed.elements().clone());
             (
-                Tracked {
+                Satellite {
                     elements,
-                    ..Tracked::of(feed)
+                    ..Satellite::of(feed)
                 },
                 faults,
                 left_out,
@@ -201,7 +201,7 @@ fn from_file(
             let left_out = ephemerides.faults_left_out;
             let faults = std::mem::take(&mut ephemerides.faults);
             (
-                Tracked::of(ephemerides.into_one(file, name)?),
+                Satellite::of(ephemerides.into_one(file, name)?),
                 faults,
                 left_out,
             )
@@ -214,7 +214,7 @@ fn from_file(
             more => tracing::warn!("passed over: {first}; and {more} more of that file"),
         }
     }
-    Ok(Tracked {
+    Ok(Satellite {
         faults,
         faults_left_out,
         ..tracked
@@ -231,7 +231,7 @@ fn source_of(format: FileFormat) -> OrbitSource {
     }
 }
 
-fn word(source: OrbitSource) -> &'static str {
+fn source_key(source: OrbitSource) -> &'static str {
     match source {
         OrbitSource::Tle => "tle",
         OrbitSource::Omm => "omm",
@@ -244,7 +244,7 @@ fn word(source: OrbitSource) -> &'static str {
     }
 }
 
-fn says(format: FileFormat) -> &'static str {
+fn format_name(format: FileFormat) -> &'static str {
     match format {
         FileFormat::Tle => "two-line elements",
         FileFormat::Omm => "an orbit mean-elements message",
@@ -259,7 +259,7 @@ fn kepler(
     start: &InitialState,
     j2: bool,
     orientation: &Orientation,
-) -> Result<Tracked, OrbitError> {
+) -> Result<Satellite, OrbitError> {
     let year =
         |year: i32, day: &str| utc_from_rfc3339(&format!("{year}-{day}")).unwrap_or(start.epoch);
     let options = KeplerOptions {
@@ -267,7 +267,7 @@ fn kepler(
         first: year(*YEARS.start(), "01-01T00:00:00Z"),
         last: year(*YEARS.end(), "12-31T23:59:59Z"),
     };
-    Ok(Tracked::of(match start.parameters {
+    Ok(Satellite::of(match start.parameters {
         OrbitParameters::Elements(elements) => {
             KeplerFeed::from_elements(name, start.frame, start.epoch, &elements, options)?
         }
@@ -306,7 +306,7 @@ fn numerical(
     start: &InitialState,
     forces: &ForceOptions,
     orientation: &Orientation,
-) -> Result<Tracked, OrbitError> {
+) -> Result<Satellite, OrbitError> {
     let degree = forces.gravity_degree as usize;
     let model = ForceModel {
         gravity: match degree {
@@ -334,5 +334,5 @@ fn numerical(
     };
     let state = state(start)?;
     let feed = NumericalFeed::new(name, &state, &model, &forces.craft, &options)?;
-    Ok(Tracked::of(feed))
+    Ok(Satellite::of(feed))
 }

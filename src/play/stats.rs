@@ -1,7 +1,7 @@
 //! The numbers of one picture, as `terrella frame --stats` writes them.
 
 use super::flight::Moment;
-use super::picture::{Measured, Picture};
+use super::offscreen::{OffscreenRenderer, TimedFrame};
 use crate::FrameStats;
 use crate::frames::{Geodetic, rfc3339};
 use crate::imagery::tile::TileKey;
@@ -11,7 +11,7 @@ use std::time::Duration;
 /// The numbers of one picture. Every key is always there, but `tiles` only where a pack is drawn.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Stats {
+pub struct PictureStats {
     /// Name of the adapter.
     pub adapter: String,
     /// vulkan, gl, metal or dx12.
@@ -34,13 +34,13 @@ pub struct Stats {
     pub texture_bytes: u64,
     /// The tiles of the pack; left out where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tiles: Option<Tiles>,
+    pub tiles: Option<TileStats>,
     /// Features that are drawn.
     pub features_on: Vec<String>,
     /// Features that are off and cost nothing.
     pub features_off: Vec<String>,
     /// Where the eye is.
-    pub eye: Eye,
+    pub eye: EyePosition,
     /// Where the Sun stands in the zenith.
     pub sun: SubsolarPoint,
     /// The instant, UTC, RFC 3339.
@@ -50,7 +50,7 @@ pub struct Stats {
 /// How the picture's tiles stand. Lists are by level, the finest first.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Tiles {
+pub struct TileStats {
     /// Texels of the day map per pixel, where there are fewest; 1 and more is sharp.
     pub texels_per_pixel: f64,
     /// Tiles that the picture asks for.
@@ -73,7 +73,7 @@ pub struct Tiles {
     pub missing: Vec<String>,
 }
 
-impl Tiles {
+impl TileStats {
     fn new(stats: &FrameStats, missing: &[TileKey]) -> Self {
         let counters = &stats.tiles;
         Self {
@@ -94,7 +94,7 @@ impl Tiles {
 /// Where the eye is, above the scene's figure.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Eye {
+pub struct EyePosition {
     /// Geodetic latitude, degrees.
     pub lat_deg: f64,
     /// Longitude east, degrees, −180…180.
@@ -113,18 +113,18 @@ pub struct SubsolarPoint {
     pub lon_deg: f64,
 }
 
-impl Stats {
+impl PictureStats {
     /// The numbers of a picture of `moment` that was measured, and the tiles that it lacks.
     pub fn new(
-        picture: &Picture,
+        renderer: &OffscreenRenderer,
         moment: &Moment,
-        measured: &Measured,
+        measured: &TimedFrame,
         missing: &[TileKey],
     ) -> Self {
-        let info = picture.adapter_info();
-        let (width, height) = picture.size();
+        let info = renderer.adapter_info();
+        let (width, height) = renderer.size();
         let counts = &measured.stats;
-        let diagnostics = picture.earth().diagnostics();
+        let diagnostics = renderer.earth().diagnostics();
         let names = |names: Vec<&str>| names.into_iter().map(str::to_owned).collect();
         Self {
             adapter: info.name,
@@ -137,13 +137,13 @@ impl Stats {
             triangles: counts.triangles,
             draw_calls: counts.draw_calls,
             texture_bytes: counts.texture_bytes,
-            tiles: picture
+            tiles: renderer
                 .earth()
                 .has_tiles()
-                .then(|| Tiles::new(counts, missing)),
+                .then(|| TileStats::new(counts, missing)),
             features_on: names(diagnostics.features_on),
             features_off: names(diagnostics.features_off),
-            eye: Eye::new(counts.eye),
+            eye: EyePosition::new(counts.eye),
             sun: SubsolarPoint::new(moment.sky.sun_itrf),
             epoch: rfc3339(moment.epoch),
         }
@@ -158,7 +158,7 @@ impl Stats {
     }
 }
 
-impl Eye {
+impl EyePosition {
     fn new(place: Geodetic) -> Self {
         Self {
             lat_deg: place.lat_rad.to_degrees(),

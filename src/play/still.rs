@@ -1,17 +1,17 @@
 //! One picture, and its numbers.
 
-use super::destination::PendingFile;
 use super::error::PlayError;
 use super::flight::Flight;
-use super::picture::Picture;
+use super::offscreen::OffscreenRenderer;
+use super::output::PendingFile;
 use super::progress::Progress;
-use super::stats::Stats;
+use super::stats::PictureStats;
 use crate::frames::Epoch;
 use crate::gpu::GpuContext;
 use crate::imagery::tile::TileKey;
 use std::path::Path;
 
-/// What a still is.
+/// Which picture is wanted, and where it goes.
 #[derive(Clone, Debug)]
 pub struct StillRequest<'r> {
     /// The instant; `None` is the scene's start.
@@ -61,8 +61,8 @@ pub fn write_still(
     let mut options = flight.earth_options(gpu.bc_support())?;
     options.diagnostics.wireframe = request.wireframe;
     progress.end();
-    let mut picture = Picture::open(gpu, options, size)?;
-    picture.show_tracks(flight)?;
+    let mut renderer = OffscreenRenderer::open(gpu, options, size)?;
+    renderer.show_tracks(flight)?;
     let (moment, asked) = match known {
         Some(moment) => (moment, None),
         // Only now: a simulator that waits does not wait for the maps as well.
@@ -74,16 +74,16 @@ pub fn write_still(
         }
     };
     progress.begin("drawing", None);
-    let (_, missing) = picture.draw_complete(&moment, scene.output.wait());
-    tell_missing(&missing);
+    let (_, missing) = renderer.draw_complete(&moment, scene.output.wait());
+    warn_of_missing(&missing);
     let numbers = match &stats {
         Some(_) => {
-            let measured = picture.measure(&moment)?;
-            Some(Stats::new(&picture, &moment, &measured, &missing))
+            let measured = renderer.measure(&moment)?;
+            Some(PictureStats::new(&renderer, &moment, &measured, &missing))
         }
         None => None,
     };
-    output.write_png(&picture.read()?)?;
+    output.write_png(&renderer.read()?)?;
     if let Some(asked) = asked {
         asked.drawn();
     }
@@ -95,15 +95,19 @@ pub fn write_still(
 }
 
 /// Most missing tiles that are named.
-const NAMED: usize = 8;
+const MAX_NAMED: usize = 8;
 
 /// Warns of tiles that a picture lacks.
-fn tell_missing(missing: &[TileKey]) {
+fn warn_of_missing(missing: &[TileKey]) {
     if missing.is_empty() {
         return;
     }
-    let names: Vec<_> = missing.iter().take(NAMED).map(TileKey::to_string).collect();
-    let more = match missing.len().saturating_sub(NAMED) {
+    let names: Vec<_> = missing
+        .iter()
+        .take(MAX_NAMED)
+        .map(TileKey::to_string)
+        .collect();
+    let more = match missing.len().saturating_sub(MAX_NAMED) {
         0 => String::new(),
         more => format!(" and {more} more"),
     };

@@ -1,7 +1,7 @@
 //! The window's surface: colour in sRGB, its samples and depth.
 
 use super::error::WindowError;
-use super::picture::supported_samples;
+use super::offscreen::supported_samples;
 use crate::gpu::{Attachments, GpuContext, color_texture};
 use wgpu::TextureFormat::{Bgra8Unorm, Bgra8UnormSrgb, Rgba8Unorm, Rgba8UnormSrgb};
 
@@ -63,7 +63,7 @@ impl WindowSurface {
     }
 
     /// `wanted` samples a pixel if the adapter does so many, else 1.
-    pub fn most_samples(&self, gpu: &GpuContext, wanted: u32) -> u32 {
+    pub fn supported_samples(&self, gpu: &GpuContext, wanted: u32) -> u32 {
         supported_samples(&gpu.adapter, self.format, wanted)
     }
 

@@ -6,8 +6,8 @@ use super::flight::Flight;
 use super::keys::{Action, action_of};
 use super::live::LivePlay;
 use super::progress::Progress;
-use super::stage::{Shown, Stage};
-use super::timeline::{Finder, Known};
+use super::timeline::{Coverage, PassSearch};
+use super::window_renderer::{Presented, WindowRenderer};
 use crate::EyeView;
 use crate::frames::Epoch;
 use hifitime::Unit;
@@ -56,15 +56,15 @@ pub fn play_in_window(
         let wake = move || {
             let _ = proxy.send_event(());
         };
-        let finder = Finder::start(scope, flight, wake).map_err(WindowError::NoPasses)?;
+        let pass_search = PassSearch::start(scope, flight, wake).map_err(WindowError::NoPasses)?;
         let mut app = App {
-            finder,
+            pass_search,
             controls: Controls::new(flight),
             live: LivePlay::of(flight),
             flight,
             request,
             progress,
-            stage: None,
+            renderer: None,
             failure: None,
             closes_at: None,
             last_frame: None,
@@ -86,7 +86,7 @@ pub fn play_in_window(
     })
 }
 
-/// winit's words without the place in its source that they begin with: `os error at FILE:LINE: reason.`
+/// winit's reason without the place in its source that its message begins with: `os error at FILE:LINE: reason.`
 fn no_display(error: &winit::error::EventLoopError) -> String {
     let text = error.to_string();
     let reason = match text.strip_prefix("os error at ") {
@@ -100,12 +100,11 @@ struct App<'a> {
     flight: &'a Flight,
     /// Where a simulator gives the time.
     live: Option<LivePlay<'a>>,
-    /// Looks for passes.
-    finder: Finder,
+    pass_search: PassSearch,
     request: &'a WindowRequest<'a>,
     controls: Controls,
     progress: &'a dyn Progress,
-    stage: Option<Stage>,
+    renderer: Option<WindowRenderer>,
     failure: Option<PlayError>,
     closes_at: Option<Instant>,
     /// When the last frame began; `None` after a time without frames.
@@ -133,17 +132,17 @@ impl ApplicationHandler for App<'_> {
     }
 
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
-        // Desktop systems resume once; on others the stage of the first time is kept.
-        if self.stage.is_some() {
+        // Desktop systems resume once; on others the renderer of the first time is kept.
+        if self.renderer.is_some() {
             return;
         }
         let [width, height] = self.flight.scene().output.size;
         let (width, height) = self.request.size.unwrap_or((width, height));
         let size = PhysicalSize::new(width, height);
         let adapter = self.request.adapter;
-        match Stage::open(event_loop, size, self.flight, adapter, self.progress) {
-            Ok(stage) => {
-                self.stage = Some(stage);
+        match WindowRenderer::open(event_loop, size, self.flight, adapter, self.progress) {
+            Ok(renderer) => {
+                self.renderer = Some(renderer);
                 let time = self.request.for_seconds;
                 let time = time.and_then(|time| Duration::try_from_secs_f64(time).ok());
                 self.closes_at = time.and_then(|time| Instant::now().checked_add(time));
@@ -153,31 +152,31 @@ impl ApplicationHandler for App<'_> {
         }
     }
 
-    /// The finder has an answer.
+    /// The search has an answer.
     fn user_event(&mut self, _event_loop: &ActiveEventLoop, (): ()) {
-        while let Some(answer) = self.finder.answer() {
-            let known = self.known();
+        while let Some(answer) = self.pass_search.answer() {
+            let coverage = self.coverage();
             let controls = &mut self.controls;
-            if let Some(words) = controls.line.take(&mut controls.clock, answer, known) {
-                self.tell(words);
+            if let Some(message) = controls.line.receive(&mut controls.clock, answer, coverage) {
+                self.show_message(message);
             }
         }
         self.redraw();
     }
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _id: WindowId, event: WindowEvent) {
-        let Some(stage) = &mut self.stage else {
+        let Some(renderer) = &mut self.renderer else {
             return;
         };
-        let response = stage.offer(&event);
+        let response = renderer.offer(&event);
         if response.repaint && !matches!(event, WindowEvent::RedrawRequested) {
-            stage.window().request_redraw();
+            renderer.window().request_redraw();
         }
         match event {
             WindowEvent::CloseRequested => event_loop.exit(),
             WindowEvent::Resized(size) => {
                 self.hidden = size.width == 0 || size.height == 0;
-                stage.resize((size.width, size.height));
+                renderer.resize((size.width, size.height));
                 self.redraw();
             }
             WindowEvent::Occluded(occluded) => {
@@ -204,7 +203,7 @@ impl ApplicationHandler for App<'_> {
             WindowEvent::CursorMoved { position, .. } => {
                 let before = self.pointer.replace((position.x, position.y));
                 // A press that comes right after the pointer is known to be the panel's one layout later.
-                self.dragging &= !stage.wants_pointer();
+                self.dragging &= !renderer.wants_pointer();
                 if let (true, Some((x, y))) = (self.dragging, before) {
                     self.act(event_loop, Action::Drag(position.x - x, position.y - y));
                 }
@@ -230,7 +229,11 @@ impl ApplicationHandler for App<'_> {
             event_loop.exit();
             return;
         }
-        if self.stage.as_ref().is_some_and(Stage::is_device_lost) {
+        if self
+            .renderer
+            .as_ref()
+            .is_some_and(WindowRenderer::is_device_lost)
+        {
             let error = PlayError::DeviceLost("the driver reset or removed it".into());
             self.fail(event_loop, error);
             return;
@@ -240,11 +243,11 @@ impl ApplicationHandler for App<'_> {
             self.redraw();
         }
         let is_paused = self.controls.clock.is_paused();
-        let mut ask_at = None;
+        let mut poll_at = None;
         let due = match &mut self.live {
             None => !is_paused && !self.hidden && self.repaint_at.is_none(),
             Some(live) => {
-                ask_at = live.pause(is_paused).map(|pause| now + pause);
+                poll_at = live.pause(is_paused).map(|pause| now + pause);
                 let is_due = live.is_due(self.hidden, is_paused);
                 let is_past = |time: Instant| time <= now;
                 (is_due || self.repaint_at.is_some_and(is_past))
@@ -254,7 +257,7 @@ impl ApplicationHandler for App<'_> {
         if due {
             self.redraw();
         }
-        let wake = [self.closes_at, self.message_ends, self.repaint_at, ask_at];
+        let wake = [self.closes_at, self.message_ends, self.repaint_at, poll_at];
         event_loop.set_control_flow(match wake.into_iter().flatten().min() {
             Some(time) => ControlFlow::WaitUntil(time),
             None => ControlFlow::Wait,
@@ -264,8 +267,8 @@ impl ApplicationHandler for App<'_> {
 
 impl<'a> App<'a> {
     fn redraw(&self) {
-        if let (Some(stage), false) = (&self.stage, self.hidden) {
-            stage.window().request_redraw();
+        if let (Some(renderer), false) = (&self.renderer, self.hidden) {
+            renderer.window().request_redraw();
         }
     }
 
@@ -274,18 +277,18 @@ impl<'a> App<'a> {
         event_loop.exit();
     }
 
-    fn tell(&mut self, message: String) {
+    fn show_message(&mut self, message: String) {
         self.controls.message = Some(message);
         self.message_ends = Some(Instant::now() + MESSAGE_TIME);
     }
 
     fn act(&mut self, event_loop: &ActiveEventLoop, action: Action) {
-        let Some(stage) = &mut self.stage else {
+        let Some(renderer) = &mut self.renderer else {
             return;
         };
-        let height_px = f64::from(stage.size().1);
+        let height_px = f64::from(renderer.size().1);
         if let Some(denial) = self.live.as_ref().and_then(|live| live.denial(action)) {
-            self.tell(denial);
+            self.show_message(denial);
             self.redraw();
             return;
         }
@@ -293,46 +296,45 @@ impl<'a> App<'a> {
             None => {}
             Some(WindowTask::Quit) => event_loop.exit(),
             Some(WindowTask::RealTime) => {
-                let known = self.known();
+                let coverage = self.coverage();
                 let controls = &mut self.controls;
-                let words = match Epoch::now() {
+                let message = match Epoch::now() {
                     Ok(now) => controls
                         .line
-                        .begin_real_time(&mut controls.clock, now, known),
+                        .begin_real_time(&mut controls.clock, now, coverage),
                     Err(error) => format!("the clock on the wall cannot be read: {error}"),
                 };
-                self.tell(words);
+                self.show_message(message);
             }
             Some(WindowTask::NextPass) => {
                 match self
                     .controls
                     .line
-                    .next_order(&self.controls.clock, self.known())
+                    .next_pass_query(&self.controls.clock, self.coverage())
                 {
-                    Ok(order) => self.finder.ask(order),
-                    Err(words) => self.tell(words),
+                    Ok(query) => self.pass_search.ask(query),
+                    Err(message) => self.show_message(message),
                 }
             }
             Some(WindowTask::FullScreen) => {
-                let window = stage.window();
+                let window = renderer.window();
                 let next = match window.fullscreen() {
                     Some(_) => None,
                     None => Some(Fullscreen::Borderless(None)),
                 };
                 window.set_fullscreen(next);
             }
-            Some(WindowTask::Screenshot) => match stage.screenshot(PathBuf::new()) {
-                Ok(path) => self.tell(format!("saved {}", path.display())),
-                Err(error) => self.tell(error.to_string()),
+            Some(WindowTask::Screenshot) => match renderer.screenshot(PathBuf::new()) {
+                Ok(path) => self.show_message(format!("saved {}", path.display())),
+                Err(error) => self.show_message(error.to_string()),
             },
         }
         self.redraw();
     }
 
-    /// The name of the satellite that cameras fly with, and when it is known.
-    fn known(&self) -> Option<Known<'a>> {
-        let feed = self.flight.feed();
-        feed.map(|feed| (feed.name(), feed.validity()))
+    /// The satellite that cameras fly with, and when it is known.
+    fn coverage(&self) -> Option<Coverage<'a>> {
+        self.flight.feed().map(Coverage::of)
     }
 
     /// Lets time pass, or sets the clock by the one on the wall.
@@ -341,21 +343,21 @@ impl<'a> App<'a> {
             // Time comes from the simulator.
             return;
         }
-        let known = self.known();
+        let coverage = self.coverage();
         let controls = &mut self.controls;
         let now = controls.line.is_real_time().then(Epoch::now);
-        let told = match now {
-            Some(Ok(now)) => controls.line.follow(&mut controls.clock, now, known),
+        let message = match now {
+            Some(Ok(now)) => controls.line.follow(&mut controls.clock, now, coverage),
             _ => {
                 controls.advance(wall.as_secs_f64());
                 None
             }
         };
-        if let Some(words) = told {
-            self.tell(words);
+        if let Some(message) = message {
+            self.show_message(message);
         }
-        if let Some(order) = self.controls.line.wanted_marks(&self.controls.clock) {
-            self.finder.ask(order);
+        if let Some(query) = self.controls.line.passes_query(&self.controls.clock) {
+            self.pass_search.ask(query);
         }
     }
 
@@ -363,17 +365,17 @@ impl<'a> App<'a> {
         let now = Instant::now();
         let interval = self.last_frame.map(|last| now - last);
         self.advance(interval.unwrap_or_default());
-        let Some(stage) = &mut self.stage else {
+        let Some(renderer) = &mut self.renderer else {
             return;
         };
-        let request = self.controls.request(stage.aspect());
+        let request = self.controls.request(renderer.aspect());
         let is_paused = self.controls.clock.is_paused();
         let moment = match &mut self.live {
             Some(live) => Ok(live.moment(&request, is_paused)),
             None => self.flight.view_at(self.controls.clock.now(), &request),
         };
         self.controls.live = self.live.as_ref().map(|live| live.status(is_paused));
-        let moment = match (moment, stage.last_moment()) {
+        let moment = match (moment, renderer.last_moment()) {
             (Ok(moment), _) => moment,
             // The satellite cannot be followed any further: the last picture stays, with the reason.
             (Err(error), Some(last)) => {
@@ -386,7 +388,7 @@ impl<'a> App<'a> {
                 return;
             }
         };
-        // Only frames that follow each other tell the frame rate.
+        // Only consecutive frames give a frame rate.
         let stands = self
             .live
             .as_ref()
@@ -394,7 +396,7 @@ impl<'a> App<'a> {
         let moving = !is_paused && !stands;
         self.last_frame = moving.then_some(now);
         self.expected.clear();
-        if moving && stage.has_tiles() {
+        if moving && renderer.has_tiles() {
             let speed = match &self.live {
                 Some(live) => live.rate(),
                 None => Some(self.controls.clock.speed()),
@@ -407,17 +409,17 @@ impl<'a> App<'a> {
                 Some(self.flight.view_at(epoch, &request).ok()?.view)
             }));
         }
-        stage.expect(&self.expected);
-        let (shown, actions) = stage.draw(&moment, &self.controls, interval);
-        if let (Some(live), Shown::Until(_)) = (&mut self.live, shown) {
+        renderer.expect(&self.expected);
+        let (presented, actions) = renderer.draw(&moment, &self.controls, interval);
+        if let (Some(live), Presented::Until(_)) = (&mut self.live, presented) {
             live.drawn();
         }
-        self.repaint_at = match shown {
-            Shown::Until(_) if stage.is_loading() => Some(now),
-            Shown::Until(delay) => now.checked_add(delay).filter(|_| !moving),
-            Shown::Not => Some(now + RETRY),
+        self.repaint_at = match presented {
+            Presented::Until(_) if renderer.is_loading() => Some(now),
+            Presented::Until(delay) => now.checked_add(delay).filter(|_| !moving),
+            Presented::Skipped => Some(now + RETRY),
         };
-        self.retry_at = self.repaint_at.filter(|_| shown == Shown::Not);
+        self.retry_at = self.repaint_at.filter(|_| presented == Presented::Skipped);
         for action in actions {
             self.act(event_loop, action);
         }

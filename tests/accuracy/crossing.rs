@@ -2,9 +2,10 @@
 
 use crate::common::tiles::FunctionTiles;
 use crate::common::{Rig, gpu, looks_at, map, plain, ray, tilted};
+use crate::hills::Hills;
 use image::RgbaImage;
 use std::sync::Arc;
-use terrella::elevation::{Bounds, Elevation, HeightRange};
+use terrella::elevation::Elevation;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::globe::clipmap::ClipmapOptions;
 use terrella::globe::projected_grid::GridOptions;
@@ -22,31 +23,10 @@ use terrella::{
 const SIZE: (u32, u32) = (320, 180);
 
 /// Hills of 3 km and 300 m.
-struct Hills;
-
-const WAVES: [(f64, f64); 2] = [(1500.0, 400.0), (200.0, 8e3)];
-
-impl Elevation for Hills {
-    fn height_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64 {
-        let p = Ellipsoid::normal(lat_rad, lon_rad);
-        let wave = |(height_m, k): (f64, f64)| {
-            let fades = (-(0.5 * k * spacing_rad).powi(2)).exp();
-            height_m * fades * (k * p.x).sin() * (k * p.y).cos() * (k * p.z).cos()
-        };
-        WAVES.into_iter().map(wave).sum()
-    }
-
-    fn range_m(&self, _: &Bounds) -> HeightRange {
-        HeightRange {
-            low_m: -1700.0,
-            high_m: 1700.0,
-        }
-    }
-
-    fn finest_spacing_rad(&self, _: f64, _: f64) -> f64 {
-        1e-5
-    }
-}
+const HILLS: Hills = Hills {
+    waves: &[(1500.0, 400.0), (200.0, 8e3)],
+    finest_spacing_rad: 1e-5,
+};
 
 /// Tiles of one colour each, which tells block and level. Two levels and the whole map, which is grey.
 struct Coloured(Vec<LayerLayout>);
@@ -145,7 +125,7 @@ fn surfaces() -> [(&'static str, SurfaceSettings); 3] {
 
 fn ground(surface: SurfaceSettings) -> GroundOptions {
     GroundOptions {
-        elevation: Arc::new(Hills),
+        elevation: Arc::new(HILLS),
         surface,
         tolerance_px: 0.5,
     }
@@ -169,7 +149,7 @@ fn options(surface: SurfaceSettings, with_tiles: bool) -> EarthOptions {
 
 fn over(lat: f64, lon: f64, height_m: f64, pitch_deg: f64) -> EyeView {
     let place = Geodetic::from_degrees(lat, lon, 0.0);
-    let ground_m = Hills.height_m(place.lat_rad, place.lon_rad, 0.0);
+    let ground_m = HILLS.height_m(place.lat_rad, place.lon_rad, 0.0);
     let place = Geodetic {
         height_m: height_m + ground_m,
         ..place

@@ -1,9 +1,10 @@
 //! The projected grid drawn from vertices of the GPU's making, against the same grid made on the CPU.
 
 use crate::common::{Rig, gpu, map, plain, ray, tilted};
+use crate::hills::Hills;
 use glam::DVec3;
 use std::sync::Arc;
-use terrella::elevation::{Bounds, Elevation, HeightRange};
+use terrella::elevation::Elevation;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::globe::projected_grid::{
     GPU_FIRST_LOADS, GPU_LOADS, GridOptions, GridUniforms, TILE_SAMPLES,
@@ -16,37 +17,14 @@ use terrella::{Atmosphere, EarthOptions, EyeView, GroundOptions, Shading, Surfac
 const SIZE: (u32, u32) = (320, 180);
 
 /// Hills of four sizes, from 600 km to 300 m.
-struct Hills;
-
-/// Height and wave number, about 1/radian.
-const WAVES: [(f64, f64); 4] = [(2500.0, 60.0), (1500.0, 251.0), (300.0, 2e3), (20.0, 1.2e5)];
-
-impl Elevation for Hills {
-    fn height_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64 {
-        let p = Ellipsoid::normal(lat_rad, lon_rad);
-        let wave = |(height_m, k): (f64, f64)| {
-            let fades = (-(0.5 * k * spacing_rad).powi(2)).exp();
-            height_m * fades * (k * p.x).sin() * (k * p.y).cos() * (k * p.z).cos()
-        };
-        WAVES.into_iter().map(wave).sum()
-    }
-
-    fn range_m(&self, _: &Bounds) -> HeightRange {
-        let most: f64 = WAVES.iter().map(|(height_m, _)| height_m).sum();
-        HeightRange {
-            low_m: -most,
-            high_m: most,
-        }
-    }
-
-    fn finest_spacing_rad(&self, _: f64, _: f64) -> f64 {
-        5e-7
-    }
-}
+const HILLS: Hills = Hills {
+    waves: &[(2500.0, 60.0), (1500.0, 251.0), (300.0, 2e3), (20.0, 1.2e5)],
+    finest_spacing_rad: 5e-7,
+};
 
 fn ground(on_gpu: bool) -> GroundOptions {
     GroundOptions {
-        elevation: Arc::new(Hills),
+        elevation: Arc::new(HILLS),
         surface: SurfaceSettings::ProjectedGrid(GridOptions {
             on_gpu,
             ..GridOptions::default()
@@ -78,7 +56,7 @@ fn position_layers() -> EarthLayers {
 fn over(lat: f64, lon: f64, height_m: f64, pitch_deg: f64, fov_deg: f64) -> EyeView {
     let place = Geodetic::from_degrees(lat, lon, 0.0);
     let place = Geodetic {
-        height_m: height_m + Hills.height_m(place.lat_rad, place.lon_rad, 0.0),
+        height_m: height_m + HILLS.height_m(place.lat_rad, place.lon_rad, 0.0),
         ..place
     };
     let aspect = f64::from(SIZE.0) / f64::from(SIZE.1);
@@ -148,8 +126,8 @@ fn both_forms_draw_the_same_ground() {
         apart.sort_by(f64::total_cmp);
         let (median, p99) = (apart[apart.len() / 2], apart[apart.len() * 99 / 100]);
         let [cpu, on_gpu] = [cpu, on_gpu].map(|places| {
-            let picture = GroundPicture::new(&places, &view, &wgs84, &Hills).expect("pixels");
-            picture.errors(&wgs84, &Hills, None)
+            let picture = GroundPicture::new(&places, &view, &wgs84, &HILLS).expect("pixels");
+            picture.errors(&wgs84, &HILLS, None)
         });
         println!(
             "{name:>20}: {median:.4}, {p99:.4}; {one_only} of {} | {:.3}, {:.3} | {}, {}",

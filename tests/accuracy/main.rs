@@ -7,6 +7,7 @@ mod contour_cast;
 mod crossing;
 mod extreme;
 mod grid_forms;
+mod hills;
 mod reference;
 mod reference_gpu;
 mod relief_extremes;

@@ -1,6 +1,6 @@
 //! The reference renderer against closed forms: limb, light, filters, places. No GPU, but for the last test.
 
-use crate::common::{down, map, plain, tilted};
+use crate::common::{day_only, down, map, plain, tilted};
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -351,20 +351,10 @@ fn checkered(width: u32) -> LayerImage {
     LayerImage::from_rgba8(width, width / 2, texels.collect()).expect("a map")
 }
 
-fn of_day(day: LayerImage) -> EarthLayers {
-    EarthLayers {
-        day,
-        clouds: None,
-        normals: None,
-        night_lights: None,
-        water: None,
-    }
-}
-
 #[test]
 fn far_away_a_map_is_its_mean_in_linear_light() {
     let options = ReferenceOptions { samples: 1, ..BARE };
-    let checkered = reference(&of_day(checkered(1024)), options);
+    let checkered = reference(&day_only(checkered(1024)), options);
     let white = reference(&plain([255; 3]), options);
     for (distance_m, side) in [(5e8, 4_u32), (3e8, 16), (3e7, 48)] {
         let view = centered(
@@ -387,7 +377,7 @@ fn far_away_a_map_is_its_mean_in_linear_light() {
     }
     // Halves of the Earth: each counts by the area that is seen of it.
     let halves = reference(
-        &of_day(map(512, |lat, _| if lat > 0.0 { [255; 3] } else { [0; 3] })),
+        &day_only(map(512, |lat, _| if lat > 0.0 { [255; 3] } else { [0; 3] })),
         options,
     );
     let view = centered(DVec3::X * 5e8, 2.4 * RADIUS_M / 5e8, 1.0);
@@ -413,7 +403,7 @@ fn a_near_map_is_bilinear_and_has_no_seam() {
         samples: 1,
         ..BARE
     };
-    let reference = reference(&of_day(day), options);
+    let reference = reference(&day_only(day), options);
     let size = (48, 40);
     for (name, lat, lon) in [
         ("Africa", 10.0, 20.0),
@@ -467,7 +457,7 @@ fn a_near_map_is_bilinear_and_has_no_seam() {
 
 #[test]
 fn a_pixel_is_the_mean_of_its_parts() {
-    let layers = of_day(checkered(256));
+    let layers = day_only(checkered(256));
     let options = |samples| ReferenceOptions {
         atmosphere: Atmosphere::Billboard,
         samples,

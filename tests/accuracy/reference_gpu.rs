@@ -6,7 +6,7 @@ use std::path::Path;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::gpu::{ContextError, GpuContext};
 use terrella::measure::reference::{Reference, ReferenceOptions};
-use terrella::play::{Flight, Moment, Picture};
+use terrella::play::{Flight, Moment, OffscreenRenderer};
 use terrella::scene::Scene;
 use terrella::{EarthOptions, Sky};
 
@@ -99,7 +99,7 @@ fn what_is_drawn_is_near_the_reference() {
         let reference = reference.expect("sound options");
         let exact = reference.render(&moment.view, &moment.sky, SIZE).to_rgba8();
         let gpu = adapter().expect("as before");
-        let mut picture = Picture::open(gpu, options, SIZE).expect("a picture");
+        let mut picture = OffscreenRenderer::open(gpu, options, SIZE).expect("a picture");
         picture.draw(&moment);
         let drawn = picture.read().expect("reads");
         let rgb = |picture| image::DynamicImage::ImageRgba8(picture).to_rgb8();

@@ -4,7 +4,7 @@ use crate::{Place, png_size, words};
 use image::{Rgb, RgbImage};
 use std::path::PathBuf;
 use terrella::measure::bench::{BenchReport, BenchRow};
-use terrella::play::Stats;
+use terrella::play::PictureStats;
 
 /// A place with a pack of a map with coasts and waves, in both storages.
 pub fn with_pack() -> Place {
@@ -47,7 +47,7 @@ fn scene(place: &Place, name: &str, earth: &str) {
     place.scene(name, &text);
 }
 
-fn stats(place: &Place, name: &str) -> Stats {
+fn stats(place: &Place, name: &str) -> PictureStats {
     let text = std::fs::read_to_string(place.path(name)).expect("numbers");
     serde_json::from_str(&text).expect("the numbers of a picture")
 }

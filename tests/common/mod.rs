@@ -43,15 +43,20 @@ pub fn map(width: u32, f: impl Fn(f64, f64) -> [u8; 3]) -> LayerImage {
     LayerImage::from_rgba8(width, height, texels).expect("a sound map")
 }
 
-/// Maps of one plain colour and nothing else.
-pub fn plain(color: [u8; 3]) -> EarthLayers {
+/// A day map and nothing else.
+pub fn day_only(day: LayerImage) -> EarthLayers {
     EarthLayers {
-        day: map(64, |_, _| color),
+        day,
         clouds: None,
         normals: None,
         night_lights: None,
         water: None,
     }
+}
+
+/// Maps of one plain colour and nothing else.
+pub fn plain(color: [u8; 3]) -> EarthLayers {
+    day_only(map(64, |_, _| color))
 }
 
 /// An Earth with its own targets.

@@ -5,6 +5,7 @@
 mod circles;
 mod licences;
 mod modules;
+mod pages;
 mod repository;
 mod rules;
 mod source;
@@ -142,4 +143,34 @@ fn terms_of_dependencies_are_told() {
         &repository.text("Cargo.lock"),
         &repository.text("THIRD-PARTY.md"),
     ));
+}
+
+#[test]
+fn what_pages_name_is_there() {
+    let repository = Repository::open();
+    let pages = repository.pages();
+    // The list of changes tells of what is gone.
+    let pages = pages.iter().filter(|page| page.path != "CHANGELOG.md");
+    none(
+        pages
+            .flat_map(|page| pages::missing_paths(page, &repository))
+            .collect(),
+    );
+}
+
+#[test]
+fn code_in_the_readme_is_that_of_an_example() {
+    let repository = Repository::open();
+    let examples: Vec<_> = repository
+        .file_names("examples", "rs")
+        .iter()
+        .map(|name| repository.text(&format!("examples/{name}")))
+        .collect();
+    let pages = repository.pages();
+    let readme = pages.iter().filter(|page| page.path == "README.md");
+    none(
+        readme
+            .flat_map(|page| pages::lines_of_no_example(page, &examples))
+            .collect(),
+    );
 }

@@ -86,20 +86,21 @@ impl Repository {
         names
     }
 
-    /// The pages at the top and those of the folders that have one.
+    /// The pages at the top, those of `docs/`, and those of the folders that have one.
     pub fn pages(&self) -> Vec<Page> {
         let top = self.file_names(".", "md");
-        let below = [
+        let docs = self.file_names("docs", "md");
+        let docs = docs.into_iter().map(|name| format!("docs/{name}"));
+        let folders = [
             "config/README.md",
+            "fuzz/README.md",
             "textures/SOURCES.md",
             "tests/goldens/README.md",
-            "docs/accuracy.md",
-            "docs/orbits.md",
-            "docs/surfaces.md",
         ];
-        let below = below.iter().map(|path| (*path).to_string());
+        let folders = folders.iter().map(|path| (*path).to_string());
         top.into_iter()
-            .chain(below.filter(|path| self.exists(path)))
+            .chain(docs)
+            .chain(folders.filter(|path| self.exists(path)))
             .map(|path| Page {
                 text: self.text(&path),
                 path,

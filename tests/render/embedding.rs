@@ -1,6 +1,6 @@
 //! The Earth in a host's pass: the host's formats, depth, viewport, unit and axes.
 
-use crate::common::{Rig, down, gpu, map, tilted};
+use crate::common::{Rig, day_only, down, gpu, map, tilted};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use image::RgbaImage;
 use terrella::frames::Geodetic;
@@ -22,13 +22,7 @@ fn layers() -> EarthLayers {
             },
         ]
     });
-    EarthLayers {
-        day,
-        clouds: None,
-        normals: None,
-        night_lights: None,
-        water: None,
-    }
+    day_only(day)
 }
 
 fn view() -> EyeView {

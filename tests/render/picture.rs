@@ -1,6 +1,6 @@
 //! What the picture shows against the exact ray: right place, right way up, no seams, no holes, halo joined to limb.
 
-use crate::common::{Rig, down, looks_at, map, plain, ray, tilted};
+use crate::common::{Rig, day_only, down, looks_at, map, plain, ray, tilted};
 use glam::DVec3;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::imagery::{EarthLayers, LayerImage};
@@ -19,13 +19,7 @@ fn position_layers() -> EarthLayers {
     let day = map(1024, |lat, lon| {
         waves(lat.to_radians(), lon.to_radians()).map(|v| v.round() as u8)
     });
-    EarthLayers {
-        day,
-        clouds: None,
-        normals: None,
-        night_lights: None,
-        water: None,
-    }
+    day_only(day)
 }
 
 /// Views that between them hold both poles, the date line, Greenwich and the limb.

@@ -1,7 +1,7 @@
 //! Blocks drawn with tiles: in the right place, without seams between levels, like the whole map; never a hole.
 
 use crate::common::tiles::FunctionTiles;
-use crate::common::{self, Rig, down, looks_at, ray, tilted};
+use crate::common::{self, Rig, day_only, down, looks_at, ray, tilted};
 use glam::DVec3;
 use image::RgbaImage;
 use std::sync::Arc;
@@ -23,13 +23,7 @@ fn source(map: Map) -> FunctionTiles<Map> {
 
 /// Display values as they are in the map, with the Sun behind the eye.
 fn options(tiles: Arc<FunctionTiles<Map>>) -> EarthOptions {
-    let layers = EarthLayers {
-        day: tiles.whole(LADDER.len() - 1),
-        clouds: None,
-        normals: None,
-        night_lights: None,
-        water: None,
-    };
+    let layers = day_only(tiles.whole(LADDER.len() - 1));
     let mut options = bare(layers);
     options.tiles = Some(TileOptions {
         // The finest level that there is.

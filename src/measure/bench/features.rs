@@ -8,7 +8,7 @@ use crate::measure::frame_timer::milliseconds;
 use crate::measure::{FrameTimer, median};
 use crate::play::clock::frame_epoch;
 use crate::play::{
-    Flight, Measured, Moment, Picture, PlayError, Progress, earth_options, target_bytes,
+    Flight, Moment, OffscreenRenderer, PlayError, Progress, TimedFrame, earth_options, target_bytes,
 };
 use crate::scene::Scene;
 use crate::{Atmosphere, EarthOptions};
@@ -115,7 +115,7 @@ pub(super) fn measure(
     let size = timer.picture().size();
     let less = kind.options_without(scene, options, gpu.bc_support())?;
     let less_samples = less.samples;
-    let mut less = Picture::open(gpu, less, size)?;
+    let mut less = OffscreenRenderer::open(gpu, less, size)?;
     let aspect = less.aspect();
     let flight_frames = scene.time.frame_count();
     let moment = |n: u32| {
@@ -164,7 +164,11 @@ pub(super) fn measure(
     }))
 }
 
-fn timed(picture: &mut Picture, moment: &Moment, scene: &Scene) -> Result<Measured, PlayError> {
+fn timed(
+    picture: &mut OffscreenRenderer,
+    moment: &Moment,
+    scene: &Scene,
+) -> Result<TimedFrame, PlayError> {
     if picture.earth().has_tiles() {
         picture.draw_complete(moment, scene.output.wait());
     }

@@ -8,7 +8,7 @@ use crate::frames::{Epoch, rfc3339};
 use crate::gpu::BcSupport;
 use crate::imagery::tile::{MapLayer, TileError};
 use crate::play::{
-    Eye, Flight, Moment, OutputError, PendingFile, PlayError, Progress, SubsolarPoint,
+    EyePosition, Flight, Moment, OutputError, PendingFile, PlayError, Progress, SubsolarPoint,
 };
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -98,7 +98,7 @@ pub struct ReferenceStats {
     /// Features that are off.
     pub features_off: Vec<String>,
     /// Where the eye is.
-    pub eye: Eye,
+    pub eye: EyePosition,
     /// Where the Sun stands in the zenith.
     pub sun: SubsolarPoint,
     /// The instant, UTC, RFC 3339.
@@ -247,7 +247,7 @@ impl ReferenceStats {
             ground,
             features_on: named(true),
             features_off: named(false),
-            eye: Eye {
+            eye: EyePosition {
                 lat_deg: place.lat_rad.to_degrees(),
                 lon_deg: place.lon_rad.to_degrees(),
                 height_km: place.height_m / 1000.0,

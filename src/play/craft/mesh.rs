@@ -105,11 +105,11 @@ struct Mesh {
     vertices: Vec<CraftVertex>,
 }
 
-/// A corner: position and normal.
-type Corner = (Vec3, Vec3);
+/// Position and normal.
+type MeshCorner = (Vec3, Vec3);
 
 impl Mesh {
-    fn quad(&mut self, corners: [Corner; 4], along_m: [Vec2; 4], material: Material) {
+    fn quad(&mut self, corners: [MeshCorner; 4], along_m: [Vec2; 4], material: Material) {
         for k in [0, 1, 2, 0, 2, 3] {
             let (position_m, normal) = corners[k];
             self.vertices.push(CraftVertex {

@@ -5,7 +5,7 @@
 
 mod mesh;
 
-use super::camera::Motion;
+use super::camera::OrbitalMotion;
 use crate::frames::{Ellipsoid, SUN_RADIUS_RAD};
 use crate::gpu::{FrameTargets, GpuContext, PassFormat, PipelineDescription};
 use crate::{EarthOptions, EyeView, FrameStats, Sky};
@@ -36,7 +36,7 @@ pub struct CraftPose {
 
 impl CraftPose {
     /// The craft at a satellite's place.
-    pub fn new(motion: &Motion, ellipsoid: &Ellipsoid, sky: &Sky) -> Self {
+    pub fn new(motion: &OrbitalMotion, ellipsoid: &Ellipsoid, sky: &Sky) -> Self {
         let position_itrf_m = motion.position_itrf_m;
         Self {
             position_itrf_m,

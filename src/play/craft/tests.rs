@@ -10,8 +10,8 @@ use std::mem::offset_of;
 const WGS84: Ellipsoid = Ellipsoid::WGS84;
 
 /// A satellite over the equator at 0° E that flies east.
-fn over_the_equator(height_m: f64) -> Motion {
-    Motion {
+fn over_the_equator(height_m: f64) -> OrbitalMotion {
+    OrbitalMotion {
         position_itrf_m: WGS84.itrf_from_geodetic(Geodetic::from_degrees(0.0, 0.0, height_m)),
         velocity_m_s: DVec3::Y * 7_600.0,
     }

@@ -14,18 +14,18 @@ use egui::{
 /// How much of the window's bottom it takes, points.
 pub const HEIGHT: f32 = 96.0;
 /// Height of the bar itself, points.
-const BAR: f32 = 22.0;
-/// Room for a tick's words, points.
-const TICK_ROOM: f32 = 76.0;
+const BAR_HEIGHT: f32 = 22.0;
+/// Room for a tick's label, points.
+const TICK_WIDTH: f32 = 76.0;
 /// Half the width of the handles of the played part, points.
-const HANDLE: f32 = 5.0;
+const HANDLE_HALF_WIDTH: f32 = 5.0;
 
 const PLAYED: Color32 = Color32::from_rgb(58, 74, 96);
 const LEFT_OUT: Color32 = Color32::from_rgb(34, 36, 42);
 const PASS: Color32 = Color32::from_rgb(86, 176, 110);
 const NOW: Color32 = Color32::from_rgb(240, 200, 90);
 
-/// Lays it out and adds what the user does to `actions`.
+/// Lays out the time line and adds what the user does to `actions`.
 pub fn show(context: &Context, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action>) {
     let width = context.content_rect().width() - 16.0;
     egui::Window::new("time line")
@@ -44,7 +44,7 @@ pub fn show(context: &Context, line: &TimeLine, clock: &Clock, actions: &mut Vec
 fn ends(ui: &mut Ui, clock: &Clock) {
     let (first, last) = clock.span();
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 14.0), Sense::hover());
-    let words = [
+    let labels = [
         (rect.left_center(), Align2::LEFT_CENTER, seconds(first)),
         (
             rect.center(),
@@ -53,7 +53,7 @@ fn ends(ui: &mut Ui, clock: &Clock) {
         ),
         (rect.right_center(), Align2::RIGHT_CENTER, seconds(last)),
     ];
-    for (at, align, text) in words {
+    for (at, align, text) in labels {
         let colour = ui.visuals().text_color();
         ui.painter()
             .text(at, align, text, FontId::monospace(12.0), colour);
@@ -61,28 +61,28 @@ fn ends(ui: &mut Ui, clock: &Clock) {
 }
 
 fn bar(ui: &mut Ui, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action>) {
-    let size = vec2(ui.available_width(), BAR + 18.0);
+    let size = vec2(ui.available_width(), BAR_HEIGHT + 18.0);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
-    let bar = Rect::from_min_size(rect.min, vec2(rect.width(), BAR));
+    let bar = Rect::from_min_size(rect.min, vec2(rect.width(), BAR_HEIGHT));
     let x_of = |part: f64| bar.left() + part.clamp(0.0, 1.0) as f32 * bar.width();
-    let part_of = |at: Pos2| f64::from((at.x - bar.left()) / bar.width());
-    let (from, to) = clock.part();
+    let fraction_at = |at: Pos2| f64::from((at.x - bar.left()) / bar.width());
+    let (from, to) = clock.range();
     let painter = ui.painter();
     painter.rect_filled(bar, CornerRadius::same(3), LEFT_OUT);
     let played = Rect::from_x_y_ranges(x_of(from)..=x_of(to), bar.y_range());
     painter.rect_filled(played, CornerRadius::same(3), PLAYED);
     let span_s = clock.duration_s();
-    let part_at = |epoch: crate::frames::Epoch| (epoch - clock.span().0).to_seconds() / span_s;
+    let fraction_of = |epoch: crate::frames::Epoch| (epoch - clock.span().0).to_seconds() / span_s;
     for pass in &line.passes {
         // At least two points wide, so that a pass of minutes is seen in a month.
-        let x = x_of(part_at(pass.begin));
-        let end = x_of(part_at(pass.end)).max(x + 2.0);
+        let x = x_of(fraction_of(pass.begin));
+        let end = x_of(fraction_of(pass.end)).max(x + 2.0);
         let mark = Rect::from_x_y_ranges(x..=end, bar.bottom() - 8.0..=bar.bottom());
         painter.rect_filled(mark, CornerRadius::ZERO, PASS);
     }
     let faint = ui.visuals().weak_text_color();
-    for tick in ticks(clock.span(), (bar.width() / TICK_ROOM) as usize) {
-        let x = x_of(tick.part);
+    for tick in ticks(clock.span(), (bar.width() / TICK_WIDTH) as usize) {
+        let x = x_of(tick.fraction);
         painter.vline(x, bar.top()..=bar.bottom() + 3.0, Stroke::new(1.0, faint));
         let at = Pos2::new(x, bar.bottom() + 10.0);
         painter.text(
@@ -105,32 +105,37 @@ fn bar(ui: &mut Ui, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action>) {
         (
             "part begin",
             from,
-            Action::PartBegin as fn(Option<f64>) -> Action,
+            Action::RangeStart as fn(Option<f64>) -> Action,
         ),
-        ("part end", to, Action::PartEnd),
+        ("part end", to, Action::RangeEnd),
     ] {
         let at = Pos2::new(x_of(part), bar.top());
-        let area = Rect::from_center_size(at + vec2(0.0, 4.0), Vec2::splat(2.0 * HANDLE));
+        let area =
+            Rect::from_center_size(at + vec2(0.0, 4.0), Vec2::splat(2.0 * HANDLE_HALF_WIDTH));
         let handle = ui.interact(area, ui.id().with(name), Sense::drag());
         let colour = match handle.hovered() || handle.dragged() {
             true => NOW,
             false => ui.visuals().text_color(),
         };
-        let corners = [vec2(-HANDLE, -3.0), vec2(HANDLE, -3.0), vec2(0.0, 6.0)];
+        let corners = [
+            vec2(-HANDLE_HALF_WIDTH, -3.0),
+            vec2(HANDLE_HALF_WIDTH, -3.0),
+            vec2(0.0, 6.0),
+        ];
         let corners = corners.map(|corner| at + corner).to_vec();
         ui.painter()
             .add(egui::Shape::convex_polygon(corners, colour, Stroke::NONE));
         if let Some(pointer) = handle.interact_pointer_pos().filter(|_| handle.dragged()) {
-            actions.push(action(Some(part_of(pointer))));
+            actions.push(action(Some(fraction_at(pointer))));
         }
         held |= handle.dragged() || handle.hovered();
         handle.on_hover_text(format!("{name}: drag it"));
     }
     if !held {
-        scrub(&response, part_of, actions);
+        scrub(&response, fraction_at, actions);
     }
     if let Some(at) = response.hover_pos() {
-        let here = part_of(at).clamp(0.0, 1.0);
+        let here = fraction_at(at).clamp(0.0, 1.0);
         let epoch = clock.span().0 + hifitime::Unit::Second * (here * span_s);
         let pass = line
             .passes
@@ -152,10 +157,10 @@ fn hover_text(epoch: crate::frames::Epoch, pass: Option<&Pass>) -> String {
 }
 
 /// The clock stands where the pointer is for as long as it is held.
-fn scrub(response: &Response, part_of: impl Fn(Pos2) -> f64, actions: &mut Vec<Action>) {
+fn scrub(response: &Response, fraction_at: impl Fn(Pos2) -> f64, actions: &mut Vec<Action>) {
     let is_held = response.is_pointer_button_down_on() || response.clicked() || response.dragged();
     if let Some(at) = response.interact_pointer_pos().filter(|_| is_held) {
-        actions.push(Action::Seek(part_of(at)));
+        actions.push(Action::Seek(fraction_at(at)));
     }
 }
 
@@ -163,16 +168,16 @@ fn buttons(ui: &mut Ui, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action
     ui.horizontal(|ui| {
         let pause = if clock.is_paused() { "play" } else { "pause" };
         let loops = clock.at_end() == AtEnd::Loop;
-        let is_part = clock.part() != (0.0, 1.0);
-        let flight = !clock.is_on_flight();
+        let is_long_enough = clock.range() != (0.0, 1.0);
+        let is_elsewhere = !clock.is_on_scene_span();
         let buttons = [
             (pause, false, true, Action::Pause),
             ("loop", loops, true, Action::Loop),
-            ("from here", false, true, Action::PartBegin(None)),
-            ("to here", false, true, Action::PartEnd(None)),
-            ("all", false, is_part, Action::PartAll),
+            ("from here", false, true, Action::RangeStart(None)),
+            ("to here", false, true, Action::RangeEnd(None)),
+            ("all", false, is_long_enough, Action::RangeAll),
             ("real time", line.is_real_time(), true, Action::RealTime),
-            ("scene", false, flight, Action::SceneFlight),
+            ("scene", false, is_elsewhere, Action::SceneSpan),
         ];
         for (text, is_on, is_enabled, action) in buttons {
             let button = egui::Button::new(text).selected(is_on);
@@ -183,8 +188,8 @@ fn buttons(ui: &mut Ui, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action
         ui.separator();
         ui.label("over");
         place(ui, line, actions);
-        let mut least_deg = line.least_elevation_deg;
-        let value = DragValue::new(&mut least_deg)
+        let mut min_elevation_deg = line.min_elevation_deg;
+        let value = DragValue::new(&mut min_elevation_deg)
             .range(0.0..=89.0)
             .speed(0.2)
             .suffix("°");
@@ -194,7 +199,7 @@ fn buttons(ui: &mut Ui, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action
             .on_hover_text("least elevation of a pass")
             .changed()
         {
-            actions.push(Action::LeastElevation(least_deg));
+            actions.push(Action::MinElevation(min_elevation_deg));
         }
         if ui.button("next pass").clicked() {
             actions.push(Action::NextPass);
@@ -228,11 +233,11 @@ fn place(ui: &mut Ui, line: &TimeLine, actions: &mut Vec<Action>) {
         }
         ui.data_mut(|data| data.remove_temp::<String>(id));
     }
-    let words = match line.place {
+    let hint = match line.place {
         Some(place) => format!("passes over {}", place_text(place.lat_rad, place.lon_rad)),
         None => "a place: latitude and longitude, south and west negative".to_owned(),
     };
-    response.on_hover_text(RichText::new(words));
+    response.on_hover_text(RichText::new(hint));
 }
 
 fn text_is_empty(ui: &Ui, id: Id) -> bool {

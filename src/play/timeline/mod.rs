@@ -4,37 +4,61 @@
 //! |---|---|
 //! | `ticks.rs` | marks at round times |
 //! | `bar.rs` | what is drawn, and what the pointer does on it |
-//! | `finder.rs` | passes, on a thread of their own |
+//! | `pass_search.rs` | passes, on a thread of their own |
 
 mod bar;
-mod finder;
+mod pass_search;
 mod ticks;
 
 pub use bar::{HEIGHT, show};
-pub use finder::{Answer, Finder, Order};
+pub use pass_search::{PassQuery, PassResult, PassSearch};
 
 use super::clock::Clock;
 use super::flight::Flight;
 use super::place_text::place_text;
 use crate::frames::{Duration, Epoch, Geodetic, rfc3339};
-use crate::orbit::Pass;
+use crate::orbit::{Feed, Pass};
 use crate::scene::CameraMode;
-use finder::{Lookout, Next};
 use hifitime::{TimeScale, Unit};
+use pass_search::{PassSite, Upcoming};
 
-/// How high a satellite must stand for a pass where nothing else is said, degrees.
-const LEAST_ELEVATION_DEG: f64 = 10.0;
+/// Minimum elevation of a pass where nothing else is said, degrees.
+const DEFAULT_MIN_ELEVATION_DEG: f64 = 10.0;
 /// How far ahead the next pass is looked for, days.
-const REACH_DAYS: f64 = 60.0;
+const NEXT_PASS_SEARCH_DAYS: f64 = 60.0;
 /// Shortest span around the present in real time, seconds.
 const REAL_TIME_SPAN_S: f64 = 5400.0;
 /// How much of the span may lie behind before real time moves it on.
-const REAL_TIME_PART: f64 = 0.75;
+const REAL_TIME_MAX_FRACTION: f64 = 0.75;
 /// How much of a span that is moved to a pass lies before it.
-const BEFORE_PASS: f64 = 0.05;
+const PASS_LEAD_FRACTION: f64 = 0.05;
 
-/// The name of the satellite that cameras fly with, and the first and last instant at which it is known.
-pub type Known<'f> = (&'f str, (Epoch, Epoch));
+/// The satellite that cameras fly with, and when it is known.
+#[derive(Clone, Copy, Debug)]
+pub struct Coverage<'f> {
+    /// The satellite.
+    pub name: &'f str,
+    /// The first instant at which it is known.
+    pub first: Epoch,
+    /// The last one.
+    pub last: Epoch,
+}
+
+impl<'f> Coverage<'f> {
+    /// That of a feed.
+    pub fn of(feed: &'f dyn Feed) -> Self {
+        let (first, last) = feed.validity();
+        Self {
+            name: feed.name(),
+            first,
+            last,
+        }
+    }
+
+    fn contains(&self, epoch: Epoch) -> bool {
+        (self.first..=self.last).contains(&epoch)
+    }
+}
 
 /// What the time line knows beside the clock.
 #[derive(Clone, Debug)]
@@ -43,14 +67,14 @@ pub struct TimeLine {
     pub shown: bool,
     /// The place that passes are over.
     pub place: Option<Geodetic>,
-    /// How high the satellite must stand there, degrees.
-    pub least_elevation_deg: f64,
+    /// Minimum elevation of a pass over it, degrees.
+    pub min_elevation_deg: f64,
     /// Passes of the span.
     pub passes: Vec<Pass>,
     /// Whether the clock follows the one on the wall.
     real_time: bool,
-    /// What the passes were asked for.
-    asked: Option<(Lookout, (Epoch, Epoch))>,
+    /// What the present passes were searched for.
+    asked: Option<(PassSite, (Epoch, Epoch))>,
 }
 
 impl TimeLine {
@@ -65,7 +89,7 @@ impl TimeLine {
             shown: true,
             place: (has_place && flight.feed().is_some())
                 .then(|| Geodetic::from_degrees(camera.lat_deg, camera.lon_deg, 0.0)),
-            least_elevation_deg: LEAST_ELEVATION_DEG,
+            min_elevation_deg: DEFAULT_MIN_ELEVATION_DEG,
             passes: Vec::new(),
             real_time: false,
             asked: None,
@@ -82,145 +106,157 @@ impl TimeLine {
         self.real_time = false;
     }
 
-    /// Begins to follow the clock on the wall, which reads `now`. `known` is the satellite's name and when it is known, if
-    /// there is one. Answers what to tell, also where that is why not.
+    /// Begins to follow the clock on the wall, which reads `now`. `coverage` is the satellite's, if
+    /// there is one. Answers the message to show, also where it cannot.
     pub fn begin_real_time(
         &mut self,
         clock: &mut Clock,
         now: Epoch,
-        known: Option<Known<'_>>,
+        coverage: Option<Coverage<'_>>,
     ) -> String {
         let now = now.to_time_scale(TimeScale::TAI);
-        if let Some((name, (first, last))) = known.filter(|(_, (a, b))| now < *a || now > *b) {
+        if let Some(outside) = coverage.filter(|coverage| !coverage.contains(now)) {
             return format!(
-                "no real time: {name} is known from {} to {}, and it is {}; take elements of today",
-                seconds(first),
-                seconds(last),
+                "no real time: {} is known from {} to {}, and it is {}; take elements of today",
+                outside.name,
+                seconds(outside.first),
+                seconds(outside.last),
                 seconds(now)
             );
         }
         self.real_time = true;
         clock.set_real_time();
         clock.set_paused(false);
-        surround(clock, now, known.map(|(_, span)| span));
+        center_span_on(clock, now, coverage);
         format!("real time: it is {}", seconds(now))
     }
 
-    /// Sets the clock to the present, `now`, where it is followed. Answers what to tell, if it cannot be any further.
+    /// Sets the clock to the present, `now`, where it is followed. Answers the message to show if it cannot be any further.
     pub fn follow(
         &mut self,
         clock: &mut Clock,
         now: Epoch,
-        known: Option<Known<'_>>,
+        coverage: Option<Coverage<'_>>,
     ) -> Option<String> {
         let now = now.to_time_scale(TimeScale::TAI);
-        if let Some((name, (first, last))) = known.filter(|(_, (a, b))| now < *a || now > *b) {
+        if let Some(outside) = coverage.filter(|coverage| !coverage.contains(now)) {
             self.real_time = false;
             clock.set_paused(true);
             return Some(format!(
-                "real time ends: {name} is known from {} to {}",
-                seconds(first),
-                seconds(last)
+                "real time ends: {} is known from {} to {}",
+                outside.name,
+                seconds(outside.first),
+                seconds(outside.last)
             ));
         }
         let (first, last) = clock.span();
-        let part = (now - first).to_seconds() / (last - first).to_seconds();
-        if !(0.0..=REAL_TIME_PART).contains(&part) {
-            surround(clock, now, known.map(|(_, span)| span));
+        let elapsed_fraction = (now - first).to_seconds() / (last - first).to_seconds();
+        if !(0.0..=REAL_TIME_MAX_FRACTION).contains(&elapsed_fraction) {
+            center_span_on(clock, now, coverage);
         }
         clock.seek_to(now);
         None
     }
 
-    fn lookout(&self) -> Option<Lookout> {
-        self.place.map(|place| Lookout {
+    fn site(&self) -> Option<PassSite> {
+        self.place.map(|place| PassSite {
             place,
-            least_elevation_rad: self.least_elevation_deg.to_radians(),
+            min_elevation_rad: self.min_elevation_deg.to_radians(),
         })
     }
 
-    /// Asks for the passes of the span, if that or the place is another than last time.
-    pub fn wanted_marks(&mut self, clock: &Clock) -> Option<Order> {
-        let wanted = self.lookout().map(|lookout| (lookout, clock.span()));
+    /// The query for the passes of the span, if that or the place is another than last time.
+    pub fn passes_query(&mut self, clock: &Clock) -> Option<PassQuery> {
+        let wanted = self.site().map(|site| (site, clock.span()));
         if !self.shown || wanted == self.asked {
             return None;
         }
         self.asked = wanted;
         // Those of before are of another place, or drawn at another one.
         self.passes.clear();
-        wanted.map(|(lookout, span)| Order::Marks(lookout, span))
+        wanted.map(|(site, span)| PassQuery::InSpan(site, span))
     }
 
-    /// What to ask for the next pass after the clock's instant.
+    /// The query for the next pass after the clock's instant.
     ///
     /// # Errors
-    /// What to tell where there is no place or no satellite.
-    pub fn next_order(&self, clock: &Clock, known: Option<Known<'_>>) -> Result<Order, String> {
-        let Some((_, (_, last))) = known else {
+    /// The message to show where there is no place or no satellite.
+    pub fn next_pass_query(
+        &self,
+        clock: &Clock,
+        coverage: Option<Coverage<'_>>,
+    ) -> Result<PassQuery, String> {
+        let Some(coverage) = coverage else {
             return Err("the scene has no satellite, so none passes".into());
         };
-        let Some(lookout) = self.lookout() else {
+        let Some(site) = self.site() else {
             return Err("over which place? Write latitude and longitude into the time line".into());
         };
         let now = clock.now();
-        let until = last.min(now + Duration::from_days(REACH_DAYS));
-        Ok(Order::Next(lookout, (now, until)))
+        let until = coverage
+            .last
+            .min(now + Duration::from_days(NEXT_PASS_SEARCH_DAYS));
+        Ok(PassQuery::Next(site, (now, until)))
     }
 
-    /// Takes what was found. Answers what to tell.
-    pub fn take(
+    /// Takes what a search has found. Answers the message to show.
+    pub fn receive(
         &mut self,
         clock: &mut Clock,
-        answer: Answer,
-        known: Option<Known<'_>>,
+        found: PassResult,
+        coverage: Option<Coverage<'_>>,
     ) -> Option<String> {
-        let next = match answer {
-            Answer::Marks(passes) => {
+        let next = match found {
+            PassResult::InSpan(passes) => {
                 self.passes = passes;
                 return None;
             }
-            Answer::Next(next) => next,
+            PassResult::Next(next) => next,
         };
-        let (name, validity) = known?;
+        let coverage = coverage?;
+        let name = coverage.name;
         let place = self
             .place
             .map(|at| place_text(at.lat_rad, at.lon_rad))
             .unwrap_or_default();
-        let least_deg = self.least_elevation_deg;
+        let min_elevation_deg = self.min_elevation_deg;
         Some(match next {
-            Next::Pass(pass) => {
+            Upcoming::Pass(pass) => {
                 self.real_time = false;
                 let (first, last) = clock.span();
                 if pass.begin < first || pass.end > last {
                     let length = last - first;
-                    let begin = (pass.begin - length * BEFORE_PASS).max(validity.0);
-                    clock.set_span(begin, (begin + length).min(validity.1));
+                    let begin = (pass.begin - length * PASS_LEAD_FRACTION).max(coverage.first);
+                    clock.set_span(begin, (begin + length).min(coverage.last));
                 }
                 clock.seek_to(pass.begin);
                 pass_text(name, &place, &pass)
             }
-            Next::Always => {
-                format!("{name} always stands more than {least_deg}° above {place}")
+            Upcoming::AlwaysAbove => {
+                format!("{name} always stands more than {min_elevation_deg}° above {place}")
             }
-            Next::Never => {
-                let until = validity
-                    .1
-                    .min(clock.now() + Duration::from_days(REACH_DAYS));
+            Upcoming::NoneFound => {
+                let until = coverage
+                    .last
+                    .min(clock.now() + Duration::from_days(NEXT_PASS_SEARCH_DAYS));
                 format!(
-                    "{name} does not rise {least_deg}° above {place} until {}",
+                    "{name} does not rise {min_elevation_deg}° above {place} until {}",
                     seconds(until)
                 )
             }
-            Next::Refused(words) => words,
+            Upcoming::Failed(message) => message,
         })
     }
 }
 
-/// A span as long as the present one around an instant, as far as a satellite is known.
-fn surround(clock: &mut Clock, now: Epoch, known: Option<(Epoch, Epoch)>) {
+/// Sets a span as long as the present one around an instant, as far as the satellite is known.
+fn center_span_on(clock: &mut Clock, now: Epoch, coverage: Option<Coverage<'_>>) {
     let half = clock.duration_s().max(REAL_TIME_SPAN_S) * 0.5 * Unit::Second;
-    let (first, last) = known.unwrap_or((now - half, now + half));
-    clock.set_span((now - half).max(first), (now + half).min(last));
+    let (mut first, mut last) = (now - half, now + half);
+    if let Some(coverage) = coverage {
+        (first, last) = (first.max(coverage.first), last.min(coverage.last));
+    }
+    clock.set_span(first, last);
     clock.seek_to(now);
 }
 

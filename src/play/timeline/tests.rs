@@ -21,8 +21,8 @@ fn opened(scene: &str) -> (TimeLine, Clock, Flight) {
 const SCENE: &str =
     "[time]\nstart = \"2018-01-15T12:00:00Z\"\nduration_s = 5400\n[camera]\nmode = \"nadir\"\n";
 
-fn known(flight: &Flight) -> Option<(&str, (Epoch, Epoch))> {
-    flight.feed().map(|feed| (feed.name(), feed.validity()))
+fn coverage(flight: &Flight) -> Option<Coverage<'_>> {
+    flight.feed().map(Coverage::of)
 }
 
 #[test]
@@ -40,19 +40,23 @@ fn places_are_read_as_people_write_them() {
 fn real_time_needs_a_satellite_that_is_known_now() {
     let (mut line, mut clock, flight) = opened(SCENE);
     let before = clock.span();
-    let told = line.begin_real_time(&mut clock, instant("2026-03-01T08:00:00Z"), known(&flight));
-    assert!(
-        told.contains("ISS (ZARYA) is known from 2017-12-21T"),
-        "{told}"
+    let message = line.begin_real_time(
+        &mut clock,
+        instant("2026-03-01T08:00:00Z"),
+        coverage(&flight),
     );
-    assert!(told.contains("2026-03-01T08:00:00Z"), "{told}");
+    assert!(
+        message.contains("ISS (ZARYA) is known from 2017-12-21T"),
+        "{message}"
+    );
+    assert!(message.contains("2026-03-01T08:00:00Z"), "{message}");
     assert!(!line.is_real_time() && clock.span() == before);
 
     // Thirty days after its elements' epoch the satellite is lost: the span ends there.
     let now = instant("2018-02-19T21:00:00Z");
     clock.reverse();
     clock.set_paused(true);
-    line.begin_real_time(&mut clock, now, known(&flight));
+    line.begin_real_time(&mut clock, now, coverage(&flight));
     assert!(line.is_real_time() && clock.speed() == 1.0 && !clock.is_paused());
     assert!((clock.now() - now).to_seconds().abs() < 1e-6);
     let (first, last) = clock.span();
@@ -60,13 +64,13 @@ fn real_time_needs_a_satellite_that_is_known_now() {
     assert_eq!(Some(last), flight.feed().map(|feed| feed.validity().1));
     // It is followed until then, and no further.
     let later = now + Duration::from_seconds(10.0);
-    assert_eq!(line.follow(&mut clock, later, known(&flight)), None);
+    assert_eq!(line.follow(&mut clock, later, coverage(&flight)), None);
     assert!((clock.now() - later).to_seconds().abs() < 1e-6);
     let too_late = now + Duration::from_days(1.0);
-    let told = line
-        .follow(&mut clock, too_late, known(&flight))
-        .expect("told");
-    assert!(told.contains("real time ends"), "{told}");
+    let message = line
+        .follow(&mut clock, too_late, coverage(&flight))
+        .expect("a message");
+    assert!(message.contains("real time ends"), "{message}");
     assert!(!line.is_real_time() && clock.is_paused());
 }
 
@@ -90,15 +94,15 @@ fn real_time_moves_its_span_on() {
 fn a_pass_beyond_the_flight_takes_the_span_there() {
     let (mut line, mut clock, flight) = opened(SCENE);
     assert!(
-        line.next_order(&clock, known(&flight))
-            .is_err_and(|words| words.contains("place"))
+        line.next_pass_query(&clock, coverage(&flight))
+            .is_err_and(|message| message.contains("place"))
     );
     line.place = Some(Geodetic::from_degrees(48.2, 16.4, 0.0));
     assert!(
-        line.next_order(&clock, None)
-            .is_err_and(|words| words.contains("satellite"))
+        line.next_pass_query(&clock, None)
+            .is_err_and(|message| message.contains("satellite"))
     );
-    assert!(line.next_order(&clock, known(&flight)).is_ok());
+    assert!(line.next_pass_query(&clock, coverage(&flight)).is_ok());
     let begin = instant("2018-01-16T02:00:00Z");
     let pass = Pass {
         begin,
@@ -108,18 +112,22 @@ fn a_pass_beyond_the_flight_takes_the_span_there() {
         end: begin + Duration::from_seconds(400.0),
         sets: true,
     };
-    let told = line.take(&mut clock, Answer::Next(Next::Pass(pass)), known(&flight));
+    let message = line.receive(
+        &mut clock,
+        PassResult::Next(Upcoming::Pass(pass)),
+        coverage(&flight),
+    );
     assert_eq!(
-        told.as_deref(),
+        message.as_deref(),
         Some(
             "ISS (ZARYA) over 48.200° N, 16.400° E: 2018-01-16T02:00:00Z to 02:06:40Z, 40° high at 02:03:20Z"
         )
     );
     assert_eq!(clock.now(), begin);
-    assert!(!clock.is_on_flight() && (clock.duration_s() - 5400.0).abs() < 1e-6);
-    assert!((clock.progress() - BEFORE_PASS).abs() < 1e-9);
+    assert!(!clock.is_on_scene_span() && (clock.duration_s() - 5400.0).abs() < 1e-6);
+    assert!((clock.progress() - PASS_LEAD_FRACTION).abs() < 1e-9);
     // One in the flight leaves the span as it is.
-    clock.return_to_flight();
+    clock.return_to_scene_span();
     let near = clock.now() + Duration::from_seconds(600.0);
     let pass = Pass {
         begin: near,
@@ -127,31 +135,42 @@ fn a_pass_beyond_the_flight_takes_the_span_there() {
         end: near + Duration::from_seconds(9.0),
         ..pass
     };
-    line.take(&mut clock, Answer::Next(Next::Pass(pass)), known(&flight));
-    assert!(clock.is_on_flight() && clock.now() == near);
-    let told = line
-        .take(&mut clock, Answer::Next(Next::Never), known(&flight))
-        .expect("told");
-    assert!(told.contains("does not rise 10° above 48.200° N"), "{told}");
+    line.receive(
+        &mut clock,
+        PassResult::Next(Upcoming::Pass(pass)),
+        coverage(&flight),
+    );
+    assert!(clock.is_on_scene_span() && clock.now() == near);
+    let message = line
+        .receive(
+            &mut clock,
+            PassResult::Next(Upcoming::NoneFound),
+            coverage(&flight),
+        )
+        .expect("a message");
+    assert!(
+        message.contains("does not rise 10° above 48.200° N"),
+        "{message}"
+    );
     assert_eq!(clock.now(), near);
 }
 
 #[test]
 fn passes_are_asked_for_once() {
     let (mut line, mut clock, _flight) = opened(SCENE);
-    assert_eq!(line.wanted_marks(&clock), None);
+    assert_eq!(line.passes_query(&clock), None);
     line.place = Some(Geodetic::from_degrees(48.2, 16.4, 0.0));
     assert!(
-        matches!(line.wanted_marks(&clock), Some(Order::Marks(_, span)) if span == clock.span())
+        matches!(line.passes_query(&clock), Some(PassQuery::InSpan(_, span)) if span == clock.span())
     );
-    assert_eq!(line.wanted_marks(&clock), None);
-    line.least_elevation_deg = 20.0;
-    assert!(line.wanted_marks(&clock).is_some());
+    assert_eq!(line.passes_query(&clock), None);
+    line.min_elevation_deg = 20.0;
+    assert!(line.passes_query(&clock).is_some());
     clock.set_span(clock.span().0, clock.now() + Duration::from_days(2.0));
     line.shown = false;
-    assert_eq!(line.wanted_marks(&clock), None);
+    assert_eq!(line.passes_query(&clock), None);
     line.shown = true;
-    assert!(line.wanted_marks(&clock).is_some());
+    assert!(line.passes_query(&clock).is_some());
 }
 
 #[test]

@@ -43,16 +43,16 @@ const STEPS_S: [i64; 30] = [
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
     /// Where on the line, 0…1.
-    pub part: f64,
+    pub fraction: f64,
     /// What it says: the time of day, or the date at midnight.
     pub label: String,
 }
 
-/// At most `most` ticks of the span, at a round step of UTC. None where even a second is too long or the longest step too
+/// At most `max_count` ticks of the span, at a round step of UTC. None where even a second is too long or the longest step too
 /// short.
-pub fn ticks((first, last): (Epoch, Epoch), most: usize) -> Vec<Tick> {
+pub fn ticks((first, last): (Epoch, Epoch), max_count: usize) -> Vec<Tick> {
     let length_s = (last - first).to_seconds();
-    let fits = |step: &&i64| length_s / **step as f64 <= most as f64;
+    let fits = |step: &&i64| length_s / **step as f64 <= max_count as f64;
     let Some(step_s) = STEPS_S.iter().find(fits).copied() else {
         return Vec::new();
     };
@@ -61,14 +61,14 @@ pub fn ticks((first, last): (Epoch, Epoch), most: usize) -> Vec<Tick> {
     let begin_s = mjd * DAY_S + (ns.div_euclid(NS)).min(DAY_S - 1);
     let aligned = begin_s.div_euclid(step_s);
     (aligned..)
-        .take(most + 2)
+        .take(max_count + 2)
         .filter_map(|k| {
             let at_s = k * step_s;
             let (mjd, second) = (at_s.div_euclid(DAY_S), at_s.rem_euclid(DAY_S));
-            let part = (tai_from_utc_day(mjd, second * NS) - first).to_seconds() / length_s;
+            let fraction = (tai_from_utc_day(mjd, second * NS) - first).to_seconds() / length_s;
             let label = || label(mjd, second, step_s);
-            (0.0..=1.0).contains(&part).then(|| Tick {
-                part,
+            (0.0..=1.0).contains(&fraction).then(|| Tick {
+                fraction,
                 label: label(),
             })
         })
@@ -92,11 +92,15 @@ mod tests {
     use super::*;
     use crate::frames::utc_from_rfc3339;
 
-    fn labels(first: &str, last: &str, most: usize) -> Vec<String> {
+    fn labels(first: &str, last: &str, max_count: usize) -> Vec<String> {
         let at = |text| utc_from_rfc3339(text).expect("a date");
-        let ticks = ticks((at(first), at(last)), most);
-        assert!(ticks.len() <= most + 1);
-        assert!(ticks.windows(2).all(|pair| pair[0].part < pair[1].part));
+        let ticks = ticks((at(first), at(last)), max_count);
+        assert!(ticks.len() <= max_count + 1);
+        assert!(
+            ticks
+                .windows(2)
+                .all(|pair| pair[0].fraction < pair[1].fraction)
+        );
         ticks.into_iter().map(|tick| tick.label).collect()
     }
 
@@ -135,7 +139,7 @@ mod tests {
             .find(|tick| tick.label == "2017-01-01")
             .expect("there");
         // 31 of the span's 60 seconds.
-        assert!((midnight.part - 31.0 / 60.0).abs() < 1e-9, "{ticks:?}");
+        assert!((midnight.fraction - 31.0 / 60.0).abs() < 1e-9, "{ticks:?}");
         let inside = labels("2016-12-31T23:59:60.5Z", "2017-01-01T00:00:10Z", 12);
         assert_eq!(inside[0], "2017-01-01");
     }

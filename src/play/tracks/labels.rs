@@ -1,17 +1,18 @@
 //! Names beside markers, in egui's fonts, on the finished picture.
 
-use crate::play::egui_pass::{self, Canvas};
+use crate::play::egui_pass::{self, EguiTarget};
 use crate::tracks::TrackLabel;
 use egui::{Align2, Color32, FontId, LayerId, Pos2, RawInput, Rect, Vec2};
 use egui_wgpu::{Renderer, RendererOptions};
 
-/// Height of letters as a part of the picture's, and its bounds, pixels.
-const SIZE: f32 = 0.02;
-const SIZES_PX: std::ops::RangeInclusive<f32> = 12.0..=48.0;
+/// Height of letters as a fraction of the picture's.
+const LETTER_FRACTION: f32 = 0.02;
+/// Bounds of the height of letters, pixels.
+const LETTER_PX: std::ops::RangeInclusive<f32> = 12.0..=48.0;
 /// Distance of a name from its marker's middle, in heights of letters.
-const AWAY: f32 = 0.7;
-/// Longest name that is written, characters.
-const LONGEST: usize = 48;
+const MARKER_DISTANCE: f32 = 0.7;
+/// Characters after which a name is cut.
+const MAX_NAME_CHARS: usize = 48;
 
 /// egui's fonts and the pipeline that draws them.
 pub struct Labels {
@@ -32,14 +33,14 @@ impl Labels {
     /// Writes names over a picture.
     pub fn write<'n>(
         &mut self,
-        canvas: Canvas<'_>,
+        target: EguiTarget<'_>,
         names: impl Iterator<Item = (TrackLabel, &'n str)>,
     ) {
         let names: Vec<_> = names.map(|(label, name)| (label, one_line(name))).collect();
         if names.is_empty() {
             return;
         }
-        let (width, height) = canvas.size;
+        let (width, height) = target.size;
         let screen = Rect::from_min_size(Pos2::ZERO, Vec2::new(width as f32, height as f32));
         let input = RawInput {
             screen_rect: Some(screen),
@@ -50,7 +51,7 @@ impl Labels {
             paint(&painter, screen, &names);
         });
         let renderer = &mut self.renderer;
-        let callbacks = egui_pass::draw(renderer, &self.context, output, canvas);
+        let callbacks = egui_pass::draw(renderer, &self.context, output, target);
         // Command buffers come of paint callbacks alone; there are none.
         debug_assert!(callbacks.is_empty());
     }
@@ -59,16 +60,21 @@ impl Labels {
 /// A feed's name as it can be written: control characters are blanks, and it ends somewhere.
 fn one_line(name: &str) -> String {
     let blank = |c: char| if c.is_control() { ' ' } else { c };
-    let text: String = name.trim().chars().take(LONGEST).map(blank).collect();
+    let text: String = name
+        .trim()
+        .chars()
+        .take(MAX_NAME_CHARS)
+        .map(blank)
+        .collect();
     let mut text = text.trim().to_owned();
-    if name.trim().chars().nth(LONGEST).is_some() {
+    if name.trim().chars().nth(MAX_NAME_CHARS).is_some() {
         text.push('…');
     }
     text
 }
 
 fn paint(painter: &egui::Painter, screen: Rect, names: &[(TrackLabel, String)]) {
-    let letter = (SIZE * screen.height()).clamp(*SIZES_PX.start(), *SIZES_PX.end());
+    let letter = (LETTER_FRACTION * screen.height()).clamp(*LETTER_PX.start(), *LETTER_PX.end());
     let font = FontId::proportional(letter);
     let mut taken: Vec<Rect> = Vec::with_capacity(names.len());
     for (label, name) in names {
@@ -76,7 +82,7 @@ fn paint(painter: &egui::Painter, screen: Rect, names: &[(TrackLabel, String)]) 
         let color = Color32::from_rgb(red, green, blue);
         let galley = painter.layout_no_wrap(name.clone(), font.clone(), color);
         let at = Pos2::from(label.at_px);
-        let place = place(at, galley.size(), AWAY * letter, screen, &taken);
+        let place = place(at, galley.size(), MARKER_DISTANCE * letter, screen, &taken);
         taken.push(place);
         // A dark edge, for names over clouds.
         let edge = 0.06 * letter;
@@ -113,8 +119,8 @@ fn place(at: Pos2, size: Vec2, away: f32, screen: Rect, taken: &[Rect]) -> Rect 
         screen.contains_rect(**rect) && !taken.iter().any(|other| other.intersects(**rect))
     };
     let chosen = *beside.iter().find(fits).unwrap_or(&beside[0]);
-    let most = (screen.max - size).max(screen.min);
-    Rect::from_min_size(chosen.min.clamp(screen.min, most), size)
+    let max_corner = (screen.max - size).max(screen.min);
+    Rect::from_min_size(chosen.min.clamp(screen.min, max_corner), size)
 }
 
 #[cfg(test)]
@@ -162,6 +168,6 @@ mod tests {
         assert_eq!(one_line(" A\nB\u{7}\t "), "A B");
         assert_eq!(one_line("天宫 🚀 \u{202e}x"), "天宫 🚀 \u{202e}x");
         let long = one_line(&"ü".repeat(500));
-        assert_eq!(long.chars().count(), LONGEST + 1);
+        assert_eq!(long.chars().count(), MAX_NAME_CHARS + 1);
     }
 }

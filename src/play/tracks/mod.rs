@@ -5,7 +5,7 @@
 
 mod labels;
 
-use super::egui_pass::Canvas;
+use super::egui_pass::EguiTarget;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
 use super::satellites::orientation_at;
@@ -13,7 +13,7 @@ use crate::FrameStats;
 use crate::frames::EarthOrientation;
 use crate::gpu::GpuContext;
 use crate::orbit::Feed;
-use crate::scene::{Orbit, TrackSpan as SceneSpan};
+use crate::scene::{Orbit, TrackSpan as SceneTrackSpan};
 use crate::tracks::{
     Footprint, TrackMoment, TrackSpan, TrackStats, TrackStyle, Tracks, TracksOptions,
 };
@@ -29,13 +29,13 @@ pub struct TracksLayer {
     is_complete: bool,
 }
 
-/// How a frame is wanted.
+/// How much of a curve is computed within a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Effort {
-    /// Now, and longer curves in the frames to come.
+pub enum TrackDetail {
+    /// What the frame's time allows; the rest in the frames to come.
     Live,
-    /// Whole.
-    Kept,
+    /// All of it: for pictures that are kept.
+    Complete,
 }
 
 impl TracksLayer {
@@ -78,7 +78,7 @@ impl TracksLayer {
         gpu: &GpuContext,
         moment: &Moment,
         size: (u32, u32),
-        effort: Effort,
+        detail: TrackDetail,
         stats: &mut FrameStats,
     ) -> TrackStats {
         let orientation = orientation_at(self.orientation.as_ref(), moment.epoch);
@@ -89,9 +89,9 @@ impl TracksLayer {
             target: size.into(),
         };
         let feeds = self.feeds.iter().map(Arc::as_ref);
-        let own = match effort {
-            Effort::Live => self.tracks.prepare(&gpu.queue, &when, feeds),
-            Effort::Kept => self.tracks.prepare_complete(&gpu.queue, &when, feeds),
+        let own = match detail {
+            TrackDetail::Live => self.tracks.prepare(&gpu.queue, &when, feeds),
+            TrackDetail::Complete => self.tracks.prepare_complete(&gpu.queue, &when, feeds),
         };
         self.is_complete = own.is_complete;
         stats.triangles += own.triangles;
@@ -128,26 +128,26 @@ impl TracksLayer {
                 let feed = self.feeds.get(label.satellite)?;
                 Some((*label, feed.name()))
             });
-            let canvas = Canvas {
+            let target = EguiTarget {
                 device: &gpu.device,
                 queue: &gpu.queue,
                 encoder,
                 view,
                 size,
             };
-            labels.write(canvas, names);
+            labels.write(target, names);
         }
     }
 }
 
-/// A scene's words in the units of the drawable.
+/// The style of a satellite's track, from the scene's units to the drawable's.
 fn style(index: usize, orbit: &Orbit, width_px: f32) -> TrackStyle {
     let track = &orbit.track;
-    let usual = TrackStyle::new(index);
-    let span = |span: Option<SceneSpan>, usual| {
+    let defaults = TrackStyle::new(index);
+    let span = |span: Option<SceneTrackSpan>, defaults| {
         span.map(|span| match span {
-            SceneSpan::Usual => usual,
-            SceneSpan::Minutes {
+            SceneTrackSpan::Usual => defaults,
+            SceneTrackSpan::Minutes {
                 before_min,
                 after_min,
             } => TrackSpan::Seconds {
@@ -157,7 +157,7 @@ fn style(index: usize, orbit: &Orbit, width_px: f32) -> TrackStyle {
         })
     };
     TrackStyle {
-        color: track.color.unwrap_or(usual.color),
+        color: track.color.unwrap_or(defaults.color),
         width_px,
         trail: span(track.trail, TrackSpan::TRAIL),
         ground_track: span(track.ground_track, TrackSpan::GROUND_TRACK),

@@ -3,10 +3,10 @@
 //! The MP4 writer keeps the encoded stream in memory until the end, because the index comes first in the file; that is
 //! a few megabytes a minute, and bounded here.
 
-use super::yuv::Planes;
+use super::yuv::YuvPlanes;
 use super::{FrameSink, VideoFormat, write_error};
-use crate::play::destination::PendingFile;
 use crate::play::error::{PlayError, VideoError};
+use crate::play::output::PendingFile;
 use image::RgbaImage;
 use muxide::api::{Muxer, MuxerBuilder, VideoCodec};
 use openh264::OpenH264API;
@@ -25,10 +25,10 @@ const BITS_PER_PIXEL: f64 = 0.15;
 const KEY_FRAME_S: f64 = 2.0;
 
 /// A video that is being encoded by this program.
-pub struct Builtin {
+pub struct BuiltinEncoder {
     encoder: Encoder,
     muxer: Muxer<BufWriter<File>>,
-    planes: Planes,
+    planes: YuvPlanes,
     file: PendingFile,
     frame_rate_hz: f64,
     frames: u64,
@@ -36,7 +36,7 @@ pub struct Builtin {
     packet: Vec<u8>,
 }
 
-impl Builtin {
+impl BuiltinEncoder {
     /// Starts the encoder.
     pub fn start(file: PendingFile, format: VideoFormat) -> Result<Self, PlayError> {
         let (width, height) = format.size;
@@ -76,7 +76,7 @@ impl Builtin {
         Ok(Self {
             encoder,
             muxer,
-            planes: Planes::new(width, height),
+            planes: YuvPlanes::new(width, height),
             file,
             frame_rate_hz: rate,
             frames: 0,
@@ -93,7 +93,7 @@ impl Builtin {
     }
 }
 
-impl FrameSink for Builtin {
+impl FrameSink for BuiltinEncoder {
     fn push(&mut self, frame: &RgbaImage) -> Result<(), PlayError> {
         self.planes.fill(frame);
         self.packet.clear();

@@ -1,29 +1,29 @@
 //! The `ffmpeg` program, fed with raw frames through a pipe.
 
 use super::{FrameSink, VideoFormat, write_error};
-use crate::play::destination::PendingFile;
 use crate::play::error::{PlayError, VideoError};
+use crate::play::output::PendingFile;
 use image::RgbaImage;
 use std::io::{Read, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::thread::JoinHandle;
 
-/// Most of what ffmpeg says that is kept for a message, bytes.
-const KEPT_WORDS: usize = 2_000;
+/// Bytes of ffmpeg's standard error that are kept for a message.
+const MAX_STDERR_BYTES: usize = 2_000;
 
-/// What is on the search path.
+/// The ffmpeg on the search path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Found {
+pub enum FfmpegInstalled {
     /// An ffmpeg that encodes H.264 with libx264.
     WithX264,
     /// An ffmpeg that does not.
     WithoutX264,
     /// None.
-    Nothing,
+    No,
 }
 
 /// Looks for ffmpeg and asks it what it can.
-pub fn find() -> Found {
+pub fn find() -> FfmpegInstalled {
     let answer = Command::new("ffmpeg")
         .args(["-hide_banner", "-loglevel", "error", "-encoders"])
         .stdin(Stdio::null())
@@ -35,12 +35,12 @@ pub fn find() -> Found {
                 .lines()
                 .any(|line| line.split_whitespace().nth(1) == Some("libx264"))
             {
-                Found::WithX264
+                FfmpegInstalled::WithX264
             } else {
-                Found::WithoutX264
+                FfmpegInstalled::WithoutX264
             }
         }
-        _ => Found::Nothing,
+        _ => FfmpegInstalled::No,
     }
 }
 
@@ -56,7 +56,7 @@ struct Process {
     /// `None` once all frames are given.
     input: Option<ChildStdin>,
     /// Collects what ffmpeg says, so that its pipe never fills up.
-    words: Option<JoinHandle<String>>,
+    stderr_text: Option<JoinHandle<String>>,
 }
 
 impl Ffmpeg {
@@ -88,14 +88,14 @@ impl Ffmpeg {
                 status: "did not start".into(),
                 words: source.to_string(),
             })?;
-        let words = child
+        let stderr_text = child
             .stderr
             .take()
-            .map(|stderr| std::thread::spawn(move || last_words(stderr)));
+            .map(|stderr| std::thread::spawn(move || last_lines(stderr)));
         let process = Process {
             input: child.stdin.take(),
             child,
-            words,
+            stderr_text,
         };
         Ok(Self { process, file })
     }
@@ -109,15 +109,18 @@ impl Ffmpeg {
             .child
             .wait()
             .map_err(|source| write_error(&self.file, source))?;
-        let words = process.words.take().and_then(|thread| thread.join().ok());
+        let stderr_text = process
+            .stderr_text
+            .take()
+            .and_then(|thread| thread.join().ok());
         if status.success() {
             return Ok(());
         }
-        let words = words.filter(|words| !words.is_empty());
+        let stderr_text = stderr_text.filter(|text| !text.is_empty());
         Err(PlayError::Video(VideoError::Ffmpeg {
             path: self.file.target().into(),
             status: status.to_string(),
-            words: words.unwrap_or_else(|| "it said nothing".into()),
+            words: stderr_text.unwrap_or_else(|| "it said nothing".into()),
         }))
     }
 }
@@ -154,12 +157,12 @@ impl Drop for Process {
 }
 
 /// The end of what a program says, on one line.
-fn last_words(mut source: impl Read) -> String {
+fn last_lines(mut source: impl Read) -> String {
     let mut kept = Vec::new();
     let mut buffer = [0; 1024];
     while let Ok(count @ 1..) = source.read(&mut buffer) {
         kept.extend_from_slice(&buffer[..count]);
-        let excess = kept.len().saturating_sub(KEPT_WORDS);
+        let excess = kept.len().saturating_sub(MAX_STDERR_BYTES);
         kept.drain(..excess);
     }
     let text = String::from_utf8_lossy(&kept);
@@ -176,9 +179,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_the_last_words_are_kept() {
-        assert_eq!(last_words(&b"one\n\n two \n"[..]), "one; two");
+    fn only_the_last_lines_are_kept() {
+        assert_eq!(last_lines(&b"one\n\n two \n"[..]), "one; two");
         let long = vec![b'x'; 100_000];
-        assert_eq!(last_words(long.as_slice()).len(), KEPT_WORDS);
+        assert_eq!(last_lines(long.as_slice()).len(), MAX_STDERR_BYTES);
     }
 }

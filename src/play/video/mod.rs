@@ -7,8 +7,8 @@ mod builtin;
 mod ffmpeg;
 mod yuv;
 
-use super::destination::{OutputError, PendingFile};
 use super::error::{PlayError, VideoError};
+use super::output::{OutputError, PendingFile};
 use image::RgbaImage;
 
 /// Takes frames in their order.
@@ -32,7 +32,7 @@ pub enum EncoderChoice {
     Builtin,
 }
 
-/// What a video is like.
+/// Size and rate of a video.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VideoFormat {
     /// Width and height, pixels, both even.
@@ -63,19 +63,21 @@ pub fn open_video(
 ) -> Result<Box<dyn FrameSink>, PlayError> {
     check_size(format.size)?;
     let found = match choice {
-        EncoderChoice::Builtin => ffmpeg::Found::Nothing,
+        EncoderChoice::Builtin => ffmpeg::FfmpegInstalled::No,
         EncoderChoice::Auto | EncoderChoice::Ffmpeg => ffmpeg::find(),
     };
     match (choice, found) {
-        (EncoderChoice::Ffmpeg | EncoderChoice::Auto, ffmpeg::Found::WithX264) => {
+        (EncoderChoice::Ffmpeg | EncoderChoice::Auto, ffmpeg::FfmpegInstalled::WithX264) => {
             tracing::info!("encoding with ffmpeg, libx264");
             Ok(Box::new(ffmpeg::Ffmpeg::start(file, format)?))
         }
-        (EncoderChoice::Ffmpeg, ffmpeg::Found::WithoutX264) => Err(VideoError::NoX264.into()),
-        (EncoderChoice::Ffmpeg, ffmpeg::Found::Nothing) => Err(VideoError::NoFfmpeg.into()),
+        (EncoderChoice::Ffmpeg, ffmpeg::FfmpegInstalled::WithoutX264) => {
+            Err(VideoError::NoX264.into())
+        }
+        (EncoderChoice::Ffmpeg, ffmpeg::FfmpegInstalled::No) => Err(VideoError::NoFfmpeg.into()),
         (EncoderChoice::Auto | EncoderChoice::Builtin, _) => {
             tracing::info!("encoding with the built-in encoder, OpenH264");
-            Ok(Box::new(builtin::Builtin::start(file, format)?))
+            Ok(Box::new(builtin::BuiltinEncoder::start(file, format)?))
         }
     }
 }

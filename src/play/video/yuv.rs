@@ -3,7 +3,7 @@
 use image::RgbaImage;
 
 /// Planes of 8-bit 4:2:0, one after another: Y, then Cb and Cr of half width and height.
-pub struct Planes {
+pub struct YuvPlanes {
     /// Width of the picture, pixels, even.
     pub width: usize,
     /// Height of the picture, pixels, even.
@@ -45,7 +45,7 @@ fn apply(row: [i32; 3], rgb: [i32; 3], offset: i32) -> i32 {
     (row[0] * rgb[0] + row[1] * rgb[1] + row[2] * rgb[2] + (offset << 16) + (1 << 15)) >> 16
 }
 
-impl Planes {
+impl YuvPlanes {
     /// Black planes of an even size.
     pub fn new(width: u32, height: u32) -> Self {
         let (width, height) = (width as usize, height as usize);
@@ -93,7 +93,7 @@ fn rgb(pixel: &[u8; 4]) -> [i32; 3] {
     [pixel[0].into(), pixel[1].into(), pixel[2].into()]
 }
 
-impl openh264::formats::YUVSource for Planes {
+impl openh264::formats::YUVSource for YuvPlanes {
     fn dimensions(&self) -> (usize, usize) {
         (self.width, self.height)
     }
@@ -123,7 +123,7 @@ mod tests {
     use openh264::formats::YUVSource;
 
     fn of(rgb: [u8; 3]) -> [u8; 3] {
-        let mut planes = Planes::new(4, 2);
+        let mut planes = YuvPlanes::new(4, 2);
         planes.fill(&RgbaImage::from_pixel(
             4,
             2,
@@ -149,7 +149,7 @@ mod tests {
         let mut picture = RgbaImage::from_pixel(4, 4, Rgba([0, 0, 0, 255]));
         picture.put_pixel(2, 1, Rgba([255, 255, 255, 255]));
         picture.put_pixel(0, 2, Rgba([0, 0, 255, 255]));
-        let mut planes = Planes::new(4, 4);
+        let mut planes = YuvPlanes::new(4, 4);
         planes.fill(&picture);
         assert_eq!(planes.y()[4 + 2], 235);
         assert_eq!(planes.y().iter().filter(|y| **y == 16).count(), 14);

@@ -1,19 +1,21 @@
-//! What stands behind the window: adapter, Earth, surface, panel.
+//! The renderer of the window: adapter, surface, Earth, craft, tracks and panel.
 
 use super::controls::Controls;
-use super::cost::FrameCosts;
 use super::craft::CraftLayer;
-use super::destination::PendingFile;
-use super::egui_pass::Canvas;
+use super::egui_pass::EguiTarget;
 use super::error::{PlayError, WindowError};
 use super::flight::{Flight, Moment};
+use super::frame_cost::FrameCosts;
 use super::keys::Action;
-use super::overlay::{Overlay, Response};
+use super::offscreen::render_in_order;
+use super::offscreen::{render_in_order, rgba_image};
+use super::output::PendingFile;
+use super::output::PendingFile;
+use super::overlay::{EventResponse, Overlay};
 use super::panel::{self, PanelData};
-use super::picture::{render_in_order, rgba_image};
 use super::progress::Progress;
 use super::surface::WindowSurface;
-use super::tracks::{Effort, TracksLayer};
+use super::tracks::{TrackDetail, TracksLayer};
 use crate::frames::rfc3339;
 use crate::gpu::{GpuContext, read_texture};
 use crate::scene::EDGE_SAMPLES;
@@ -32,8 +34,8 @@ use winit::window::Window;
 /// Weight of the newest frame in the times that the panel shows.
 const SMOOTHING: f64 = 0.1;
 
-/// A window with everything that draws in it.
-pub struct Stage {
+/// A window and everything that draws in it.
+pub struct WindowRenderer {
     overlay: Overlay,
     surface: WindowSurface,
     earth: Earth,
@@ -65,16 +67,16 @@ struct Governed {
     costs: FrameCosts,
 }
 
-/// What became of a frame.
+/// Whether a frame reached the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shown {
+pub enum Presented {
     /// It is on screen and may stand this long.
     Until(Duration),
-    /// The surface had no texture for it; try again later.
-    Not,
+    /// The surface had no texture for it; draw again later.
+    Skipped,
 }
 
-impl Stage {
+impl WindowRenderer {
     /// Opens the window, the adapter that presents to it, and the Earth.
     pub fn open(
         event_loop: &ActiveEventLoop,
@@ -102,10 +104,10 @@ impl Stage {
         ))?;
         let device_lost = Arc::new(AtomicBool::new(false));
         let flag = device_lost.clone();
-        gpu.device.set_device_lost_callback(move |reason, words| {
+        gpu.device.set_device_lost_callback(move |reason, message| {
             // Also called when the device is dropped in good order.
             if reason != wgpu::DeviceLostReason::Destroyed {
-                tracing::error!("the graphics device was lost: {words}");
+                tracing::error!("the graphics device was lost: {message}");
                 flag.store(true, Ordering::Relaxed);
             }
         });
@@ -131,7 +133,7 @@ impl Stage {
         let samples = SamplesByView {
             with_craft: match flight.scene().line("output", "samples") {
                 Some(_) => surface.samples(),
-                None => surface.most_samples(&gpu, EDGE_SAMPLES),
+                None => surface.supported_samples(&gpu, EDGE_SAMPLES),
             },
             without: surface.samples(),
         };
@@ -211,12 +213,12 @@ impl Stage {
     }
 
     /// Offers an event to the panel.
-    pub fn offer(&mut self, event: &WindowEvent) -> Response {
+    pub fn offer(&mut self, event: &WindowEvent) -> EventResponse {
         // Before egui sees the key that ends it.
         let is_typing = self.overlay.is_typing();
         let response = self.overlay.on_event(&self.window, event);
         if matches!(event, WindowEvent::KeyboardInput { .. }) {
-            return Response {
+            return EventResponse {
                 consumed: is_typing,
                 ..response
             };
@@ -225,7 +227,7 @@ impl Stage {
             event,
             WindowEvent::MouseInput { .. } | WindowEvent::MouseWheel { .. }
         );
-        Response {
+        EventResponse {
             consumed: response.consumed || (is_pointer && self.overlay.wants_pointer()),
             ..response
         }
@@ -242,7 +244,7 @@ impl Stage {
         moment: &Moment,
         controls: &Controls,
         interval: Option<Duration>,
-    ) -> (Shown, Vec<Action>) {
+    ) -> (Presented, Vec<Action>) {
         if let Some(interval) = interval {
             let milliseconds = interval.as_secs_f64() * 1e3;
             self.interval_ms = Some(smooth(self.interval_ms, milliseconds));
@@ -253,15 +255,15 @@ impl Stage {
             }
             CurrentSurfaceTexture::Outdated => {
                 self.surface.configure(&self.gpu.device);
-                return (Shown::Not, Vec::new());
+                return (Presented::Skipped, Vec::new());
             }
             CurrentSurfaceTexture::Lost => {
                 self.replace_surface();
-                return (Shown::Not, Vec::new());
+                return (Presented::Skipped, Vec::new());
             }
             CurrentSurfaceTexture::Timeout
             | CurrentSurfaceTexture::Occluded
-            | CurrentSurfaceTexture::Validation => return (Shown::Not, Vec::new()),
+            | CurrentSurfaceTexture::Validation => return (Presented::Skipped, Vec::new()),
         };
         let begin = Instant::now();
         match self.governed {
@@ -272,7 +274,7 @@ impl Stage {
         let mut encoder = self.encoder();
         let stats = self.draw_earth(moment, &mut encoder, &view);
         let (delay, actions) = self.lay_out_panel(moment, controls, stats);
-        let panel = self.overlay.draw(Canvas {
+        let panel = self.overlay.draw(EguiTarget {
             device: &self.gpu.device,
             queue: &self.gpu.queue,
             encoder: &mut encoder,
@@ -291,7 +293,7 @@ impl Stage {
         let work = begin.elapsed().as_secs_f64() * 1e3;
         self.work_ms = smooth((self.work_ms > 0.0).then_some(self.work_ms), work);
         self.last = Some((*moment, stats));
-        (Shown::Until(delay), actions)
+        (Presented::Until(delay), actions)
     }
 
     /// Writes the last picture, without the panel, into a folder. Answers the file.
@@ -390,7 +392,7 @@ impl Stage {
         self.craft
             .prepare(&self.gpu, craft, &moment.view, &moment.sky, &mut stats);
         if let Some(tracks) = &mut self.tracks {
-            tracks.prepare(&self.gpu, moment, size, Effort::Live, &mut stats);
+            tracks.prepare(&self.gpu, moment, size, TrackDetail::Live, &mut stats);
         }
         let mut pass = self.surface.begin_pass(encoder, view);
         render_in_order(&mut pass, &self.craft, &self.earth, self.tracks.as_ref());

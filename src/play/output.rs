@@ -1,4 +1,4 @@
-//! Files that are whole or not there.
+//! Output files: complete, or not there.
 //!
 //! A file is written under a temporary name in its own folder and renamed when it is complete, so that its final name
 //! never holds half of it, whatever stops the program. The temporary file is made before anything is drawn: a folder

@@ -1,9 +1,9 @@
-//! The renderer of stills, frames and video: an adapter of its own, an Earth, and textures to draw into.
+//! The offscreen renderer, of stills, frames and video: an adapter of its own, an Earth, and textures to draw into.
 
 use super::craft::CraftLayer;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
-use super::tracks::{Effort, TracksLayer};
+use super::tracks::{TrackDetail, TracksLayer};
 use crate::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart, PictureError};
 use crate::imagery::tile::TileKey;
 use crate::tracks::TracksOptions;
@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 pub const MAX_PICTURE_MIB: u64 = 4096;
 
 /// An Earth with textures to draw it into.
-pub struct Picture {
+pub struct OffscreenRenderer {
     gpu: GpuContext,
     earth: Earth,
     craft: CraftLayer,
@@ -27,7 +27,7 @@ pub struct Picture {
 
 /// A frame and how long it took.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measured {
+pub struct TimedFrame {
     /// What was drawn.
     pub stats: FrameStats,
     /// Time of [`Earth::prepare`], and of the craft's where there is one.
@@ -36,7 +36,7 @@ pub struct Measured {
     pub frame: Duration,
 }
 
-impl Picture {
+impl OffscreenRenderer {
     /// Uploads the maps to an adapter.
     ///
     /// Where the adapter cannot do the samples asked for, one sample a pixel is drawn, with a warning.
@@ -130,19 +130,19 @@ impl Picture {
     }
 
     /// Draws an instant twice and times the second time: the first fills caches and compiles what drivers compile late.
-    pub fn measure(&mut self, moment: &Moment) -> Result<Measured, PlayError> {
+    pub fn measure(&mut self, moment: &Moment) -> Result<TimedFrame, PlayError> {
         self.time(moment)?;
         self.time(moment)
     }
 
     /// Draws an instant and times it, the device waited for.
-    pub fn time(&mut self, moment: &Moment) -> Result<Measured, PlayError> {
+    pub fn time(&mut self, moment: &Moment) -> Result<TimedFrame, PlayError> {
         let begin = Instant::now();
         let stats = self.prepare(moment);
         let prepare = begin.elapsed();
         self.submit();
         self.wait()?;
-        Ok(Measured {
+        Ok(TimedFrame {
             stats,
             prepare,
             frame: begin.elapsed(),
@@ -206,7 +206,7 @@ impl Picture {
             .prepare(&self.gpu, craft, &moment.view, &moment.sky, stats);
         let size = self.size();
         if let Some(tracks) = &mut self.tracks {
-            tracks.prepare(&self.gpu, moment, size, Effort::Kept, stats);
+            tracks.prepare(&self.gpu, moment, size, TrackDetail::Complete, stats);
         }
     }
 

@@ -4,8 +4,8 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// Longest wait for a frame before it is asked again whether anybody still wants to know.
-const PATIENCE: Duration = Duration::from_secs(1);
+/// Longest wait for one frame: a device that hangs must not hang this thread.
+const POLL_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Times frames to their completion on the device.
 ///
@@ -21,11 +21,11 @@ impl FrameCosts {
     /// Starts the thread.
     pub fn new(device: &wgpu::Device) -> std::io::Result<Self> {
         let (frames, to_time) = channel();
-        let (to_tell, costs_ms) = channel();
+        let (to_caller, costs_ms) = channel();
         let device = device.clone();
         let thread = Builder::new()
             .name("terrella frame costs".into())
-            .spawn(move || time_frames(&device, &to_time, &to_tell))?;
+            .spawn(move || time_frames(&device, &to_time, &to_caller))?;
         Ok(Self {
             frames: Some(frames),
             costs_ms,
@@ -66,12 +66,12 @@ fn time_frames(
     for (begin, submission) in frames {
         let waited = device.poll(wgpu::PollType::Wait {
             submission_index: Some(submission),
-            timeout: Some(PATIENCE),
+            timeout: Some(POLL_TIMEOUT),
         });
         let done = Instant::now();
         let from = last_done.map_or(begin, |last: Instant| begin.max(last));
         last_done = Some(done);
-        // A frame that takes longer than our patience is told too: as that.
+        // A frame that takes longer than the time-out is reported too, with the time-out.
         let is_timed = matches!(waited, Ok(_) | Err(wgpu::PollError::Timeout));
         let cost = done.saturating_duration_since(from);
         if !is_timed || costs_ms.send(cost.as_secs_f64() * 1e3).is_err() {
