@@ -13,12 +13,7 @@ const KNOWN: &[&[&str]] = &[
     &["src/globe/contours/pages/mod.rs", "src/globe/contours/pages/seen.rs", "src/globe/parts.rs", "src/globe/projected_grid/mod.rs", "src/globe/projected_grid/parts.rs", "src/globe/surface.rs"],
     &["src/globe/contours/surface/choose.rs", "src/globe/contours/surface/seen.rs"],
     &["src/globe/quadtree/arrange.rs", "src/globe/quadtree/surface.rs"],
-    &["src/measure/bench/run.rs", "src/measure/bench/table.rs"],
-    &["src/measure/extreme/cases.rs", "src/measure/extreme/places.rs", "src/measure/extreme/settings.rs"],
-    &["src/measure/reference/pack.rs", "src/measure/reference/still.rs"],
     &["src/orbit/catalogue.rs", "src/orbit/omm/mod.rs", "src/orbit/sgp4_feed.rs"],
-    &["src/orbit/error.rs", "src/orbit/record.rs", "src/orbit/sampled/feed.rs"],
-    &["src/scene/live.rs", "src/scene/motion.rs", "src/scene/orbit_summary.rs", "src/scene/orbits.rs", "src/scene/tracks.rs"],
 ];
 
 /// A path of names, or of modules from the crate's root.

@@ -5,14 +5,16 @@
 mod basis;
 mod feed;
 mod interpolation_error;
+mod segment_error;
 
 use super::{Frame, OrbitState};
 use crate::frames::{Epoch, rfc3339};
 use basis::{Basis, MAX_NODES};
 use glam::DVec3;
 
-pub use feed::{EphemerisFeed, EphemerisSegment, SegmentError};
+pub use feed::{EphemerisFeed, EphemerisSegment};
 pub use interpolation_error::{KeplerOrbit, WorstDifference, interpolation_error};
+pub use segment_error::SegmentError;
 
 /// How a state between samples is found. CCSDS 502.0 and CZML use the same names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
