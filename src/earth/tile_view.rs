@@ -5,6 +5,7 @@ use glam::DVec3;
 
 /// What a frame's choice depends on beside the blocks.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(not(feature = "packs"), allow(dead_code))]
 pub(super) struct TileView {
     pub eye_itrf_m: DVec3,
     pub sun_itrf: DVec3,

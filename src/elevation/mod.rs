@@ -23,6 +23,7 @@ pub use ground::Ground;
 pub use read::{HeightFile, HeightFileError, open_heights, open_heights_denoised};
 
 use crate::frames::Ellipsoid;
+pub use crate::frames::HeightRange;
 use glam::DVec2;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -70,15 +71,6 @@ impl Bounds {
         (self.south_rad..=self.north_rad).contains(&lat_rad)
             && (lon_rad - self.west_rad).rem_euclid(TAU) <= self.width_rad
     }
-}
-
-/// Lowest and highest of some heights, metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HeightRange {
-    /// Lowest.
-    pub low_m: f64,
-    /// Highest.
-    pub high_m: f64,
 }
 
 /// A source of heights. Every answer is finite: where there are no data, a source says what it takes in their place.

@@ -7,6 +7,7 @@ mod calendar;
 mod ccsds;
 mod earth_orientation;
 mod ellipsoid;
+mod height_range;
 mod orientation;
 mod rotation;
 mod sun;
@@ -21,6 +22,7 @@ pub(crate) use calendar::Calendar;
 pub use ccsds::{TimeScale, ccsds_time, epoch_from_ccsds};
 pub use earth_orientation::{EarthOrientation, EarthOrientationError};
 pub use ellipsoid::{Ellipsoid, Geodetic};
+pub use height_range::HeightRange;
 pub use hifitime::{Duration, Epoch};
 pub use orientation::Orientation;
 pub use rotation::{

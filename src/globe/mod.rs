@@ -15,6 +15,8 @@ mod blocks;
 pub mod clipmap;
 #[cfg(feature = "terrain")]
 pub mod contours;
+// Surfaces with relief and tracks ask it for more than blocks do.
+#[cfg_attr(not(feature = "command"), allow(dead_code, unused_imports))]
 pub(crate) mod culling;
 #[cfg(feature = "terrain")]
 mod displaced;

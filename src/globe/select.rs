@@ -4,7 +4,7 @@
 use super::Visibility;
 use super::blocks::{Block, BlockGrid, COLUMNS};
 use super::culling::{Frustum, GroundShell, Horizon, max_toward};
-use crate::elevation::HeightRange;
+use crate::frames::HeightRange;
 use glam::{DMat4, DVec3};
 use std::f64::consts::PI;
 

@@ -50,6 +50,7 @@ pub(crate) use layers::GpuLayer;
 pub(crate) use pipeline::PipelineDescription;
 pub(crate) use plan::{AirPlan, BlockTiles, FramePlan};
 pub use read_back::PictureError;
+#[cfg(feature = "command")]
 pub(crate) use read_back::read_rows;
 #[cfg(feature = "tracks")]
 pub(crate) use shader::{FROM_PREVIOUS as TRACK_FROM_PREVIOUS, ON_GROUND as TRACK_ON_GROUND};

@@ -1,15 +1,15 @@
-//! In place of `relief.rs` where the feature `terrain` is off: there is no form of ground, and so no mesh of it.
+//! In place of `relief.rs` where the feature `terrain` is off: ground with relief is drawn in no way.
 
 use super::mesh::SurfaceMesh;
 use super::surface_config::SurfaceConfig;
-use crate::globe::GroundForm;
+use crate::globe::DrawKind;
 
 pub(super) fn mesh(
     _: &wgpu::Device,
-    form: &GroundForm<'_>,
+    kind: &DrawKind<'_>,
     _: &SurfaceConfig<'_>,
 ) -> Box<dyn SurfaceMesh + Send + Sync> {
-    match form.0 {}
+    match kind.0 {}
 }
 
 /// There is nothing to tell of ground with relief.

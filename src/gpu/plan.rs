@@ -18,6 +18,7 @@ pub(crate) type BlockTiles = [Option<ResidentTile>; MAP_LAYERS];
 /// One plan serves all frames, so that its lists keep their memory.
 pub(crate) struct FramePlan {
     /// The figure of the Earth.
+    #[cfg_attr(not(feature = "terrain"), allow(dead_code))]
     pub ellipsoid: Ellipsoid,
     /// The eye, ITRF metres.
     pub eye_itrf_m: DVec3,

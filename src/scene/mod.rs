@@ -50,6 +50,7 @@ use text::SceneText;
 pub use camera::{Camera, CameraMode, CameraUp};
 pub use earth::{EarthTable, PackTable, StorageChoice};
 pub use error::{KeyLocation, SceneError};
+#[cfg(feature = "command")]
 pub(crate) use keys::{DEFAULT_TOLERANCE_PX, EDGE_SAMPLES, YEARS};
 pub use orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters, OrbitSource};
 pub use output::{Output, QualityTable};

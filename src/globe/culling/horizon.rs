@@ -12,8 +12,7 @@
 //! that is the plane of the limb, P·e ≥ 1.
 
 use super::rect::ScaledRect;
-use crate::elevation::HeightRange;
-use crate::frames::Ellipsoid;
+use crate::frames::{Ellipsoid, HeightRange};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 

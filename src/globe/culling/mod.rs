@@ -3,147 +3,20 @@
 //! All surfaces ask here. Every test is conservative: nothing is left out of which any point could be seen, whatever the
 //! ground is like between its lowest and its highest height.
 //!
-//! [`Frustum`] holds the clip planes, [`Horizon`] what the Earth hides; [`CullingContext`] is both for a view, with what a
-//! level of detail goes by: the distance to a bound. Bounds are balls ([`GroundBound`]), or rectangles of longitude and
+//! [`Frustum`] holds the clip planes, [`Horizon`] what the Earth hides; `CullingContext` is both for a view, with what a
+//! level of detail goes by: the distance to a bound. Bounds are balls (`GroundBound`), or rectangles of longitude and
 //! latitude ([`ScaledRect`]) where these are much closer.
 
+#[cfg(feature = "terrain")]
+mod context;
 mod frustum;
 mod horizon;
 mod rect;
-#[cfg(test)]
+#[cfg(all(test, feature = "terrain"))]
 mod tests;
 
+#[cfg(feature = "terrain")]
+pub use context::{BoundVisibility, CullingContext, GroundBound, NormalCone};
 pub use frustum::{Containment, Frustum};
 pub use horizon::{GroundShell, Horizon, is_within_angle};
 pub use rect::{ScaledRect, max_toward};
-
-use super::surface::GroundView;
-use crate::elevation::HeightRange;
-use crate::frames::Ellipsoid;
-use glam::DVec3;
-use std::f64::consts::{FRAC_PI_2, PI};
-
-/// A ball that holds a piece of ground and all that is drawn of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GroundBound {
-    /// Its middle, ITRF metres.
-    pub center_itrf_m: DVec3,
-    /// Its radius, metres.
-    pub radius_m: f64,
-    /// No ground in it is higher above the ellipsoid, metres.
-    pub high_m: f64,
-}
-
-/// A cone that holds the normals of all faces in a bound.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NormalCone {
-    /// A unit vector, or zero where the half-angle is π.
-    pub axis: DVec3,
-    /// Largest angle of a normal from the axis, radians.
-    pub half_angle_rad: f64,
-}
-
-impl NormalCone {
-    /// Of faces that may turn any way.
-    pub const ALL: Self = Self {
-        axis: DVec3::ZERO,
-        half_angle_rad: PI,
-    };
-}
-
-/// What a view sees of a bound.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BoundVisibility {
-    /// Lies in the frustum as a whole.
-    Inside,
-    /// Perhaps in part.
-    Intersecting,
-    /// Not at all, but the eye may turn to it.
-    OutsideFrustum,
-    /// Not at all, and it would not be seen if the eye turned.
-    BehindHorizon,
-}
-
-impl BoundVisibility {
-    /// Whether anything may be seen.
-    pub fn is_visible(self) -> bool {
-        matches!(self, Self::Inside | Self::Intersecting)
-    }
-}
-
-/// A view, as surfaces cull and choose levels of detail by it.
-#[derive(Clone, Copy, Debug)]
-pub struct CullingContext {
-    /// The eye, ITRF metres.
-    pub eye_itrf_m: DVec3,
-    /// Angle of a pixel in the middle of the picture, radians.
-    pub pixel_rad: f64,
-    /// Above the ellipsoid, metres.
-    eye_height_m: f64,
-    frustum: Frustum,
-    horizon: Horizon,
-}
-
-impl CullingContext {
-    /// For a view of ground between these heights: nothing that is drawn may lie lower, or the horizon would hide what shows
-    /// over it.
-    pub fn new(view: &GroundView, ellipsoid: &Ellipsoid, drawn: HeightRange) -> Self {
-        let shell = GroundShell::new(ellipsoid, drawn);
-        Self {
-            eye_itrf_m: view.eye_itrf_m,
-            pixel_rad: view.pixel_rad,
-            eye_height_m: ellipsoid.geodetic_from_itrf(view.eye_itrf_m).height_m,
-            frustum: Frustum::new(&view.clip_from_eye),
-            horizon: Horizon::new(ellipsoid, view.eye_itrf_m, shell),
-        }
-    }
-
-    /// The same for what is not clipped by depth: only the frustum's four sides count.
-    pub fn without_depth(self) -> Self {
-        Self {
-            frustum: self.frustum.without_depth(),
-            ..self
-        }
-    }
-
-    /// From the eye to the nearest of a bound, metres; negative or zero from inside. No nearer than its ball, nor than its
-    /// highest ground lies below the eye: a large ball may hold an eye that is kilometres above its ground.
-    pub fn distance_m(&self, bound: &GroundBound) -> f64 {
-        let center_m = bound.center_itrf_m.distance(self.eye_itrf_m);
-        (center_m - bound.radius_m).max(self.eye_height_m - bound.high_m)
-    }
-
-    /// What is seen of a bound.
-    pub fn visibility(&self, bound: &GroundBound) -> BoundVisibility {
-        let (center_itrf_m, radius_m) = (bound.center_itrf_m, bound.radius_m);
-        if self
-            .horizon
-            .hides_ball(center_itrf_m, radius_m, bound.high_m)
-        {
-            return BoundVisibility::BehindHorizon;
-        }
-        match self
-            .frustum
-            .classify_ball(center_itrf_m - self.eye_itrf_m, radius_m)
-        {
-            Containment::Inside => BoundVisibility::Inside,
-            Containment::Intersecting => BoundVisibility::Intersecting,
-            Containment::Outside => BoundVisibility::OutsideFrustum,
-        }
-    }
-
-    /// Whether every face in a bound turns its back to the eye.
-    pub fn is_backfacing(&self, bound: &GroundBound, normals: &NormalCone) -> bool {
-        let to_eye = self.eye_itrf_m - bound.center_itrf_m;
-        let distance_m = to_eye.length();
-        if distance_m <= bound.radius_m {
-            return false;
-        }
-        let angle = (to_eye.dot(normals.axis) / distance_m)
-            .clamp(-1.0, 1.0)
-            .acos();
-        // normal · (eye − point) < 0, for the least tilted normal and the point most in favour.
-        let slack = normals.half_angle_rad + (bound.radius_m / distance_m).asin();
-        angle - slack > FRAC_PI_2 + 1e-6
-    }
-}

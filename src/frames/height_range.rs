@@ -1,0 +1,10 @@
+//! A range of heights above the ellipsoid.
+
+/// Lowest and highest of some heights, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeightRange {
+    /// Lowest.
+    pub low_m: f64,
+    /// Highest.
+    pub high_m: f64,
+}
