@@ -3,9 +3,9 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::globe::{BlockGrid, Visibility, select_blocks};
-use terrella::gpu::GpuContext;
-use terrella::imagery::{EarthLayers, LayerImage};
+use terrella::internals::globe::{BlockGrid, Visibility, select_blocks};
+use terrella::internals::gpu::GpuContext;
+use terrella::internals::imagery::{EarthLayers, LayerImage};
 use terrella::{Earth, EarthOptions, EyeView, Sky};
 
 fn views() -> Vec<(&'static str, EyeView)> {

@@ -21,8 +21,8 @@ use image::RgbaImage;
 use record::Record;
 use std::time::{Duration, Instant};
 use terrella::frames::{Ellipsoid, Epoch};
-use terrella::gpu::{FrameTargets, GpuContext};
-use terrella::play::Flight;
+use terrella::internals::gpu::{FrameTargets, GpuContext};
+use terrella::internals::play::Flight;
 use terrella::scene::Scene;
 use terrella::{Earth, EyeView, Sky};
 

@@ -7,8 +7,9 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, Mat4, Vec3};
 use std::error::Error;
 use std::path::Path;
 use terrella::frames::{Ellipsoid, Epoch, Geodetic};
-use terrella::imagery::{LayerSelection, find_textures, load_layers};
-use terrella::{DepthBuffer, Earth, EarthOptions, EyeView, Sky};
+use terrella::{
+    DepthBuffer, Earth, EarthOptions, EyeView, LayerSelection, Sky, find_textures, load_layers,
+};
 
 const SIZE: (u32, u32) = (960, 540);
 /// The host's formats: linear HDR colour, four samples and an ordinary depth buffer, nearer is smaller.

@@ -5,9 +5,8 @@
 use std::error::Error;
 use terrella::frames::{Ellipsoid, Epoch, Geodetic};
 use terrella::glam::DVec3;
-use terrella::gpu::FrameTargets;
-use terrella::imagery::{LayerSelection, find_textures, load_layers};
-use terrella::{Earth, EarthOptions, EyeView, Sky, wgpu};
+use terrella::{Earth, EarthOptions, EyeView, FrameTargets, LayerSelection, Sky};
+use terrella::{find_textures, load_layers, wgpu};
 
 /// Width and height of the picture, pixels.
 pub const SIZE: (u32, u32) = (960, 540);

@@ -56,20 +56,12 @@
 //! [`TileOptions`], and the compiler drops all that would use one. The host chooses wgpu's backends, by the features `vulkan`,
 //! `gles`, `metal` and `dx12` or by its own dependency on wgpu, which is also [`wgpu`] here.
 
-pub mod air;
-pub mod earth;
 #[cfg(feature = "terrain")]
 pub mod elevation;
 pub mod frames;
-pub mod globe;
-pub mod gpu;
-pub mod imagery;
-#[cfg(feature = "command")]
-pub mod measure;
+pub mod internals;
 #[cfg(feature = "orbit")]
 pub mod orbit;
-#[cfg(feature = "command")]
-pub mod play;
 #[cfg(feature = "scene")]
 pub mod scene;
 #[cfg(feature = "tracks")]
@@ -77,12 +69,21 @@ pub mod tracks;
 
 pub use {glam, wgpu};
 
+pub(crate) use internals::{air, earth, globe, gpu, imagery};
+#[cfg(feature = "command")]
+pub(crate) use internals::{measure, play};
+
 pub use air::Atmosphere;
 pub use earth::{
     AdaptiveQuality, DepthBuffer, DiagnosticOptions, Diagnostics, Earth, EarthError, EarthOptions,
     EyeView, FrameStats, GroundOptions, Quality, QualityChange, QualityLevel, QualityReduction,
     Sky, SurfaceOutput, TILED_SUBDIVISION, TileOptions, Viewport,
 };
+pub use frames::Epoch;
 pub use globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
 #[cfg(feature = "terrain")]
 pub use globe::{SurfaceKind, SurfaceSettings};
+pub use gpu::FrameTargets;
+pub use imagery::{
+    EarthLayers, ImageryError, LayerImage, LayerSelection, find_textures, load_layers,
+};

@@ -213,7 +213,7 @@ fn tracks_allocate_nothing_of_their_own() {
 
 #[test]
 fn choosing_and_staging_allocate_nothing_at_all() {
-    use terrella::globe::{BlockGrid, Visibility, select_blocks};
+    use terrella::internals::globe::{BlockGrid, Visibility, select_blocks};
     let grid = BlockGrid::new(terrella::frames::Ellipsoid::WGS84, 6).unwrap();
     let mut drawn = Vec::with_capacity(128);
     let count = allocations(|| {
@@ -241,8 +241,8 @@ fn choosing_and_staging_allocate_nothing_at_all() {
 fn streaming_what_is_there_allocates_nothing_at_all() {
     use std::sync::Arc;
     use std::time::{Duration, Instant};
-    use terrella::imagery::stream::{StreamOptions, TileRequest, TileStream};
-    use terrella::imagery::tile::{
+    use terrella::internals::imagery::stream::{StreamOptions, TileRequest, TileStream};
+    use terrella::internals::imagery::tile::{
         BlockSet, LayerLayout, LevelLayout, MapLayer, Storage, Tile, TileError, TileKey, TileShape,
         TileSource,
     };
@@ -362,8 +362,10 @@ fn a_view_at_rest_with_all_its_tiles_allocates_nothing_of_its_own() {
 
 #[test]
 fn a_projected_grid_allocates_nothing() {
-    use terrella::globe::projected_grid::{GridOptions, GridUniforms, HeightTiles, ProjectedGrid};
-    use terrella::globe::{GroundView, Surface};
+    use terrella::internals::globe::projected_grid::{
+        GridOptions, GridUniforms, HeightTiles, ProjectedGrid,
+    };
+    use terrella::internals::globe::{GroundView, Surface};
 
     let mut grid = ProjectedGrid::new(&GridOptions::on_cpu());
     let mut tiles = HeightTiles::new(256);
@@ -393,7 +395,9 @@ fn a_projected_grid_allocates_nothing() {
 
 #[test]
 fn a_grid_of_the_gpu_allocates_nothing_of_its_own() {
-    use terrella::globe::projected_grid::{GPU_LOADS, GridOptions, GridUniforms, TILE_SAMPLES};
+    use terrella::internals::globe::projected_grid::{
+        GPU_LOADS, GridOptions, GridUniforms, TILE_SAMPLES,
+    };
 
     let gpu = common::gpu();
     let mut options = EarthOptions::new(common::plain([90, 90, 90]));
@@ -452,7 +456,7 @@ fn a_grid_of_the_gpu_allocates_nothing_of_its_own() {
         allocations(|| gpu.queue.write_buffer(&buffer, 0, &bytes))
     };
     let sizes = [
-        size_of::<terrella::gpu::FrameUniforms>(),
+        size_of::<terrella::internals::gpu::FrameUniforms>(),
         size_of::<GridUniforms>(),
     ];
     let uniforms: u64 = sizes
@@ -490,8 +494,8 @@ fn a_grid_of_the_gpu_allocates_nothing_of_its_own() {
 /// Where no page is built nothing is allocated; a view at rest builds none.
 #[test]
 fn pages_of_contours_allocate_nothing_once_they_are_built() {
-    use terrella::globe::contours::{ContourPages, PageOptions};
-    use terrella::globe::{GroundView, Surface};
+    use terrella::internals::globe::contours::{ContourPages, PageOptions};
+    use terrella::internals::globe::{GroundView, Surface};
 
     let view = |step: u32| {
         let place = Geodetic::from_degrees(47.0, 2e-4 * f64::from(step), 2e4);
@@ -507,7 +511,7 @@ fn pages_of_contours_allocate_nothing_once_they_are_built() {
             pixel_rad: 1e-3,
             tolerance_px: 1.0,
         };
-        let mut stats = terrella::globe::SurfaceStats::default();
+        let mut stats = terrella::internals::globe::SurfaceStats::default();
         let count = allocations(|| stats = pages.prepare(&view, &Waves));
         if stats.samples_read == 0 {
             assert_eq!(count, 0, "step {step}");
@@ -557,7 +561,7 @@ fn pages_of_contours_allocate_nothing_once_they_are_built() {
     };
     let pages = stats.ground.patches as usize;
     let most: u64 = [
-        size_of::<terrella::gpu::FrameUniforms>(),
+        size_of::<terrella::internals::gpu::FrameUniforms>(),
         96 * pages,
         56 * pages,
     ]

@@ -1,7 +1,7 @@
 //! Serialized contours.
 
 use glam::{DVec2, DVec3};
-use terrella::measure::terrain::contours::{ContourTree, Dem, DemFrame, Ray};
+use terrella::internals::measure::terrain::contours::{ContourTree, Dem, DemFrame, Ray};
 
 const BUDGET: u64 = 1 << 20;
 const TOLERANCES_M: [f64; 3] = [0.0, 30.0, 1e6];

@@ -1,8 +1,8 @@
 //! A pack's manifest.
 
 use std::path::Path;
-use terrella::imagery::pack::{LayerEntry, LevelEntry, Manifest, TileFile};
-use terrella::imagery::tile::{MapLayer, Storage, TileShape};
+use terrella::internals::imagery::pack::{LayerEntry, LevelEntry, Manifest, TileFile};
+use terrella::internals::imagery::tile::{MapLayer, Storage, TileShape};
 
 /// Reads any text; what is found good must be written and read back the same.
 pub fn run(data: &[u8]) {

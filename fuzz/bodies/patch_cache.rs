@@ -1,8 +1,8 @@
 //! Serialized q-Bézier patches.
 
 use glam::DVec2;
-use terrella::measure::terrain::contours::{Dem, DemFrame};
-use terrella::measure::terrain::patches::{PatchOptions, PatchTree};
+use terrella::internals::measure::terrain::contours::{Dem, DemFrame};
+use terrella::internals::measure::terrain::patches::{PatchOptions, PatchTree};
 
 const SOURCE: [u8; 32] = [3; 32];
 const BUDGET: u64 = 1 << 20;

@@ -1,8 +1,8 @@
 //! Serialized quadtrees.
 
 use glam::DVec3;
-use terrella::globe::quadtree::SplitRule;
-use terrella::measure::terrain::quadtree::{
+use terrella::internals::globe::quadtree::SplitRule;
+use terrella::internals::measure::terrain::quadtree::{
     ErrorMetric, GridQuadtree, Order, Posts, SelectedLeaves, TreeOptions, TreeView,
 };
 

@@ -6,8 +6,8 @@ use super::{Common, print};
 use clap::Args;
 use std::num::NonZeroU32;
 use std::path::PathBuf;
-use terrella::measure::bench::{BenchRequest, run_bench};
-use terrella::play::Flight;
+use terrella::internals::measure::bench::{BenchRequest, run_bench};
+use terrella::internals::play::Flight;
 use terrella::scene::Scene;
 
 /// Arguments of `terrella bench`.

@@ -4,7 +4,7 @@ use super::{Common, print};
 use clap::Args;
 use std::path::PathBuf;
 use terrella::frames::rfc3339;
-use terrella::play::Flight;
+use terrella::internals::play::Flight;
 use terrella::scene::Scene;
 
 /// Arguments of `terrella check`.

@@ -7,9 +7,9 @@ use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, ValueEnum};
 use std::path::PathBuf;
 use terrella::frames::Epoch;
-use terrella::gpu::ContextError;
-use terrella::measure::reference::{ReferenceRequest, SAMPLES, write_reference_still};
-use terrella::play::{Flight, PlayError, StillRequest, write_still};
+use terrella::internals::gpu::ContextError;
+use terrella::internals::measure::reference::{ReferenceRequest, SAMPLES, write_reference_still};
+use terrella::internals::play::{Flight, PlayError, StillRequest, write_still};
 use terrella::scene::Scene;
 
 /// Rays along each side of a pixel where none are asked for.

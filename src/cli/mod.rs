@@ -15,8 +15,8 @@ mod values;
 use clap::{Args, Parser, Subcommand};
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
-use terrella::measure::bench::BenchError;
-use terrella::play::PlayError;
+use terrella::internals::measure::bench::BenchError;
+use terrella::internals::play::PlayError;
 use terrella::scene::SceneError;
 
 /// Exit code of a bad scene, and of bad usage (clap's own).

@@ -4,11 +4,11 @@ use super::{Common, print, values};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use terrella::frames::{Duration, Epoch, Geodetic};
-use terrella::orbit::{Frame, Header};
-use terrella::play::{
+use terrella::internals::play::{
     Axes, Ephemeris, EphemerisRequest, Flight, Layout, OutputError, PassRequest, PassTable,
     PendingFile, Span, omm,
 };
+use terrella::orbit::{Frame, Header};
 use terrella::scene::Scene;
 
 /// Arguments of `terrella orbit`.

@@ -5,7 +5,9 @@ use super::progress::{Bars, stop_on_interrupt};
 use super::values;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use terrella::play::{EncoderChoice, ExportRequest, Flight, WindowRequest, export, play_in_window};
+use terrella::internals::play::{
+    EncoderChoice, ExportRequest, Flight, WindowRequest, export, play_in_window,
+};
 use terrella::scene::Scene;
 
 /// Arguments of `terrella play`.

@@ -4,7 +4,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use terrella::play::Progress;
+use terrella::internals::play::Progress;
 
 /// Set by Ctrl-C or a request to terminate.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);

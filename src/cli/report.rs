@@ -5,9 +5,9 @@ use super::{Common, print, values};
 use clap::Args;
 use std::path::PathBuf;
 use terrella::SurfaceKind;
-use terrella::measure::report::{ReportError, ReportRequest, report};
-use terrella::measure::surfaces::{SurfacesError, SurfacesRequest, compare_surfaces};
-use terrella::play::Flight;
+use terrella::internals::measure::report::{ReportError, ReportRequest, report};
+use terrella::internals::measure::surfaces::{SurfacesError, SurfacesRequest, compare_surfaces};
+use terrella::internals::play::Flight;
 use terrella::scene::Scene;
 
 /// Arguments of `terrella report`.

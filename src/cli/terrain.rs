@@ -4,7 +4,7 @@ use super::progress::{Bars, stop_on_interrupt};
 use super::{Common, print};
 use clap::Args;
 use std::path::PathBuf;
-use terrella::measure::terrain::{SyntheticGround, TerrainRequest, measure_terrain};
+use terrella::internals::measure::terrain::{SyntheticGround, TerrainRequest, measure_terrain};
 
 /// Arguments of `terrella terrain`.
 #[derive(Debug, Args)]

@@ -6,8 +6,10 @@ use glam::DVec3;
 use std::sync::Arc;
 use terrella::elevation::{Bounds, Elevation, HeightRange};
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::globe::contours::{ContourPages, ContourRay, MAX_NODES, PageOptions, contour_cast};
-use terrella::globe::{GroundView, Surface, SurfaceStats};
+use terrella::internals::globe::contours::{
+    ContourPages, ContourRay, MAX_NODES, PageOptions, contour_cast,
+};
+use terrella::internals::globe::{GroundView, Surface, SurfaceStats};
 use terrella::{EyeView, GroundOptions, SurfaceSettings};
 
 /// Width and height of the pictures, pixels.
@@ -343,7 +345,7 @@ fn whatever_is_asked_the_answer_is_finite_and_bounded() {
                 for drawn in draw.drawn {
                     let page = &draw.pages[drawn.page as usize];
                     assert!((1..=MAX_NODES as usize).contains(&page.nodes.len()));
-                    let is_finite = |node: &terrella::globe::contours::ContourNode| {
+                    let is_finite = |node: &terrella::internals::globe::contours::ContourNode| {
                         node.normal.is_finite()
                             && node.at.is_finite()
                             && node.walls.iter().all(|wall| wall.is_finite())
@@ -408,7 +410,7 @@ fn what_is_built_stays() {
 /// The device's own drawing against the same walk on the CPU, and against the data.
 #[test]
 fn the_gpu_answers_as_the_cpu_does() {
-    use terrella::measure::errors::{GeolocationRenderer, GroundPicture};
+    use terrella::internals::measure::errors::{GeolocationRenderer, GroundPicture};
     let mut wrong = Vec::new();
     for (place, view) in views() {
         let ground = Arc::new(hills());
@@ -463,12 +465,13 @@ fn the_gpu_answers_as_the_cpu_does() {
 #[test]
 fn trinidad_has_no_holes_in_descent_low_flight_and_horizon() {
     use std::time::Instant;
-    use terrella::globe::contours::ContourOptions;
-    use terrella::measure::errors::{GeolocationRenderer, GroundPicture};
-    use terrella::measure::surfaces::SurfacePath;
+    use terrella::internals::globe::contours::ContourOptions;
+    use terrella::internals::measure::errors::{GeolocationRenderer, GroundPicture};
+    use terrella::internals::measure::surfaces::SurfacePath;
     let files =
         ["textures/elevation.png", "textures/dem/trinidad.png"].map(std::path::PathBuf::from);
-    let ground = Arc::new(terrella::play::read_ground(&files, false, false).expect("heights"));
+    let ground =
+        Arc::new(terrella::internals::play::read_ground(&files, false, false).expect("heights"));
     let site = Geodetic::from_degrees(37.5, -105.5, 0.0);
     let size = (192, 108);
     let wait = std::time::Duration::from_secs(60);

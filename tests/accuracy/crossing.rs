@@ -7,14 +7,14 @@ use image::RgbaImage;
 use std::sync::Arc;
 use terrella::elevation::Elevation;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::globe::clipmap::ClipmapOptions;
-use terrella::globe::projected_grid::GridOptions;
-use terrella::imagery::EarthLayers;
-use terrella::imagery::tile::{
+use terrella::internals::globe::clipmap::ClipmapOptions;
+use terrella::internals::globe::projected_grid::GridOptions;
+use terrella::internals::imagery::EarthLayers;
+use terrella::internals::imagery::tile::{
     BlockSet, LayerLayout, LevelLayout, MapLayer, Tile, TileError, TileFormat, TileKey, TileShape,
     TileSource,
 };
-use terrella::measure::errors::{GeolocationBuffer, GeolocationRenderer};
+use terrella::internals::measure::errors::{GeolocationBuffer, GeolocationRenderer};
 use terrella::{
     Atmosphere, EarthOptions, EyeView, FrameStats, GroundOptions, Shading, SurfaceKind,
     SurfaceSettings, TileOptions,

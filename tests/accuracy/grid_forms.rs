@@ -6,12 +6,12 @@ use glam::DVec3;
 use std::sync::Arc;
 use terrella::elevation::Elevation;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::globe::projected_grid::{
+use terrella::internals::globe::projected_grid::{
     GPU_FIRST_LOADS, GPU_LOADS, GridOptions, GridUniforms, TILE_SAMPLES,
 };
-use terrella::gpu::FrameUniforms;
-use terrella::imagery::EarthLayers;
-use terrella::measure::errors::{GeolocationBuffer, GeolocationRenderer, GroundPicture};
+use terrella::internals::gpu::FrameUniforms;
+use terrella::internals::imagery::EarthLayers;
+use terrella::internals::measure::errors::{GeolocationBuffer, GeolocationRenderer, GroundPicture};
 use terrella::{Atmosphere, EarthOptions, EyeView, GroundOptions, Shading, SurfaceSettings};
 
 const SIZE: (u32, u32) = (320, 180);

@@ -1,4 +1,4 @@
-//! Formulas and pictures held against the instruments of `terrella::measure`: arithmetic of 320 bits, the reference renderer,
+//! Formulas and pictures held against the instruments of `terrella::internals::measure`: arithmetic of 320 bits, the reference renderer,
 //! the places that pixels show.
 
 #[path = "../common/mod.rs"]

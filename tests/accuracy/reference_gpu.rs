@@ -4,9 +4,9 @@ use crate::common::tilted;
 use image::RgbImage;
 use std::path::Path;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::gpu::{ContextError, GpuContext};
-use terrella::measure::reference::{Reference, ReferenceOptions};
-use terrella::play::{Flight, Moment, OffscreenRenderer};
+use terrella::internals::gpu::{ContextError, GpuContext};
+use terrella::internals::measure::reference::{Reference, ReferenceOptions};
+use terrella::internals::play::{Flight, Moment, OffscreenRenderer};
 use terrella::scene::Scene;
 use terrella::{EarthOptions, Sky};
 
@@ -59,7 +59,7 @@ fn scenes() -> Vec<(&'static str, EarthOptions, Moment)> {
     let of = |name: &'static str, text: &str| {
         let flight = flight(text);
         let options = flight
-            .earth_options(terrella::gpu::BcSupport::None)
+            .earth_options(terrella::internals::gpu::BcSupport::None)
             .expect("maps");
         let moment = flight
             .at(flight.scene().time.start, aspect)

@@ -8,10 +8,10 @@ use terrella::elevation::{
     Bounds, Elevation, Georeference, GridLimits, Ground, HeightGrid, HeightRange, Registration,
 };
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::globe::contours::PageOptions;
-use terrella::globe::projected_grid::GridOptions;
-use terrella::measure::errors::{GeolocationRenderer, GroundErrors, GroundPicture};
-use terrella::measure::reference::TrueRelief;
+use terrella::internals::globe::contours::PageOptions;
+use terrella::internals::globe::projected_grid::GridOptions;
+use terrella::internals::measure::errors::{GeolocationRenderer, GroundErrors, GroundPicture};
+use terrella::internals::measure::reference::TrueRelief;
 use terrella::{EyeView, GroundOptions, Subdivision, SurfaceKind, SurfaceSettings};
 
 const SIZE: (u32, u32) = (160, 90);

@@ -5,12 +5,12 @@ use crate::common::{down, gpu, map, tilted};
 use glam::DAffine3;
 use std::sync::OnceLock;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::imagery::{EarthLayers, LayerImage};
-use terrella::measure::FrameTimer;
-use terrella::measure::errors::{
+use terrella::internals::imagery::{EarthLayers, LayerImage};
+use terrella::internals::measure::FrameTimer;
+use terrella::internals::measure::errors::{
     Difference, GeolocationErrors, GeolocationRenderer, SilhouetteErrors, geolocation, silhouette,
 };
-use terrella::measure::reference::{Reference, ReferenceOptions, ReferencePicture};
+use terrella::internals::measure::reference::{Reference, ReferenceOptions, ReferencePicture};
 use terrella::{Atmosphere, EarthOptions, EyeView, Figure, Sky, Visibility};
 
 const SIZE: (u32, u32) = (160, 90);

@@ -97,7 +97,7 @@ fn picture(name: &str, to: &Path, backend: Option<&str>) -> Result<RgbImage, Str
 /// The name of a software adapter, or what `TERRELLA_TEST_ADAPTER` says.
 fn software_adapter() -> Option<String> {
     std::env::var("TERRELLA_TEST_ADAPTER").ok().or_else(|| {
-        let reports = pollster::block_on(terrella::gpu::adapter_reports());
+        let reports = pollster::block_on(terrella::internals::gpu::adapter_reports());
         reports
             .into_iter()
             .find(|report| report.kind == "software")
@@ -182,7 +182,7 @@ fn pictures_match_their_goldens() {
 /// OpenGL rounds depths more coarsely than the others; the air must not sink into the ground for that.
 #[test]
 fn opengl_draws_the_same_limb() {
-    let reports = pollster::block_on(terrella::gpu::adapter_reports());
+    let reports = pollster::block_on(terrella::internals::gpu::adapter_reports());
     if !reports.iter().any(|report| report.backend == "gl") {
         eprintln!("SKIPPED: opengl_draws_the_same_limb: no OpenGL adapter here");
         return;

@@ -3,8 +3,8 @@
 use crate::{Place, words};
 use std::path::{Path, PathBuf};
 use terrella::frames::{Duration, EarthOrientation, Ellipsoid, Orientation, utc_from_rfc3339};
+use terrella::internals::play::Flight;
 use terrella::orbit::{Catalogue, Ephemerides, EphemerisFeed, Feed, Frame, Sgp4Feed};
-use terrella::play::Flight;
 use terrella::scene::Scene;
 
 fn config(name: &str) -> PathBuf {

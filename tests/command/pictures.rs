@@ -3,7 +3,7 @@
 use crate::{Place, names, png_size};
 use std::path::Path;
 use terrella::frames::Duration;
-use terrella::play::{Flight, Moment, OffscreenRenderer};
+use terrella::internals::play::{Flight, Moment, OffscreenRenderer};
 use terrella::scene::Scene;
 
 #[test]
@@ -162,7 +162,8 @@ fn a_chase_picture_has_the_craft_in_its_middle_lit_from_the_right_side() {
     for samples in [1, 4] {
         let scene = Scene::from_toml(&station("chase", samples), Path::new("a.toml"));
         let flight = Flight::open(scene.expect("a scene")).expect("opens");
-        let gpu = pollster::block_on(terrella::gpu::GpuContext::open(None)).expect("an adapter");
+        let gpu = pollster::block_on(terrella::internals::gpu::GpuContext::open(None))
+            .expect("an adapter");
         let options = flight.earth_options(gpu.bc_support()).expect("maps");
         let mut picture = OffscreenRenderer::open(gpu, options, (96, 54)).expect("an adapter");
         // The same moment with and without the craft: where they differ is the craft.

@@ -8,9 +8,9 @@ use image::RgbaImage;
 use std::sync::OnceLock;
 use std::time::Duration;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::gpu::{FrameTargets, GpuContext};
-use terrella::imagery::tile::TileKey;
-use terrella::imagery::{EarthLayers, LayerImage};
+use terrella::internals::gpu::{FrameTargets, GpuContext};
+use terrella::internals::imagery::tile::TileKey;
+use terrella::internals::imagery::{EarthLayers, LayerImage};
 use terrella::{Earth, EarthOptions, EyeView, FrameStats, Quality, Sky};
 
 /// The device that all tests of a process draw with: a software adapter if there is one, for the same pictures

@@ -1,8 +1,8 @@
 //! Tiles of maps that are functions, made when they are asked for.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use terrella::imagery::LayerImage;
-use terrella::imagery::tile::{
+use terrella::internals::imagery::LayerImage;
+use terrella::internals::imagery::tile::{
     BlockSet, LayerLayout, LevelLayout, MapLayer, TILE_BORDER, TILE_MIPS, Tile, TileError,
     TileFormat, TileKey, TileShape, TileSource,
 };

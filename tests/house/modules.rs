@@ -38,11 +38,11 @@ pub fn exports(lib: &File) -> BTreeMap<String, String> {
     exports
 }
 
-/// The module of a source file; `None` for `lib.rs` and `main.rs`, which hold the modules together.
+/// The module of a source file; `None` for `lib.rs`, `internals.rs` and `main.rs`, which hold the modules together.
 fn module_of(path: &str) -> Option<&str> {
     let inside = path.strip_prefix("src/")?;
     let module = inside.split('/').next()?.trim_end_matches(".rs");
-    (!matches!(inside, "lib.rs" | "main.rs")).then_some(module)
+    (!matches!(inside, "lib.rs" | "internals.rs" | "main.rs")).then_some(module)
 }
 
 /// How many modules deep the file's own module is: `super` that often leads to the crate.
@@ -155,8 +155,12 @@ fn uses(file: &File) -> Vec<(&str, &Token)> {
         if follows_path {
             i += 1;
         } else if token.is_name("crate") || token.is_name("terrella") {
-            uses.extend(heads(tokens, i + 1));
-            i += 1;
+            // The modules that hosts do not see stand one name deeper, for all outside of the library.
+            let through_internals =
+                is_path(tokens, i + 1) && tokens.get(i + 3).is_some_and(|t| t.is_name("internals"));
+            let end = if through_internals { i + 4 } else { i + 1 };
+            uses.extend(heads(tokens, end));
+            i = end;
         } else if token.is_name("super") {
             let mut supers = 1;
             let mut end = i + 1;
@@ -250,7 +254,7 @@ mod tests {
                 "mod blocks; use crate::globe::blocks; use crate::Epoch;",
             ),
             ("src/lib.rs", "use crate::play::Clock;"),
-            ("src/main.rs", "use terrella::play;"),
+            ("src/main.rs", "use terrella::internals::play;"),
             (
                 "src/frames/sun.rs",
                 "// crate::earth\nmod tests { use super::*; use super::super::Epoch; }",
@@ -290,7 +294,7 @@ mod tests {
             ("src/earth.rs", "use crate::scene::Scene;"),
             ("src/air/mod.rs", "use crate::orbit::OrbitState;"),
             ("src/earth.rs", "use super::play::Clock;"),
-            ("src/earth.rs", "use terrella::play::Clock;"),
+            ("src/earth.rs", "use terrella::internals::play::Clock;"),
             ("src/air/mod.rs", "use crate::globe::Figure;"),
             ("src/new/mod.rs", "fn f() {}"),
             ("src/new.rs", "fn f() {}"),

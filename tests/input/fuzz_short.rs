@@ -222,13 +222,13 @@ fn kept_patches() {
 /// The seeds are good inputs: a fuzzer that starts from refused ones would look at little.
 #[test]
 fn seeds_are_good() {
-    use terrella::imagery::pack::Manifest;
+    use terrella::internals::imagery::pack::Manifest;
     let text = |seed: &Vec<u8>| String::from_utf8(seed.clone()).expect("text");
     let path = Path::new("seed");
     let good = |seed: &&Vec<u8>| Manifest::from_toml(&text(seed), path).is_ok();
     assert_eq!(manifest::seeds().iter().filter(good).count(), 2);
     {
-        use terrella::imagery::build::source::{SourceLimits, read_source};
+        use terrella::internals::imagery::build::source::{SourceLimits, read_source};
         let limits = SourceLimits {
             buffer_bytes: 256 << 10,
         };

@@ -1,10 +1,10 @@
 //! The air's numbers: the paper's square in its stable form, and tables that obey physics.
 
 use glam::{DMat4, DVec3, Vec4};
-use terrella::air::{
+use terrella::frames::Ellipsoid;
+use terrella::internals::air::{
     AirTables, Billboard, EARTH_AIR, SCATTERING, SUNLIGHT, Screen, TRANSMITTANCE, horizon_square,
 };
-use terrella::frames::Ellipsoid;
 
 const R: f64 = 6_378_164.0;
 
@@ -113,7 +113,13 @@ fn every_eye_has_a_billboard() {
     }
 }
 
-fn texel(table: &[Vec4], x: u32, y: u32, z: u32, size: terrella::air::TableSize) -> Vec4 {
+fn texel(
+    table: &[Vec4],
+    x: u32,
+    y: u32,
+    z: u32,
+    size: terrella::internals::air::TableSize,
+) -> Vec4 {
     table[((z * size.y + y) * size.x + x) as usize]
 }
 

@@ -4,8 +4,8 @@ use crate::common::{Rig, day_only, down, gpu, map, tilted};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use image::RgbaImage;
 use terrella::frames::Geodetic;
-use terrella::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart};
-use terrella::imagery::EarthLayers;
+use terrella::internals::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart};
+use terrella::internals::imagery::EarthLayers;
 use terrella::{Atmosphere, DepthBuffer, Earth, EarthOptions, EyeView, Shading, Sky, Viewport};
 
 const SIZE: (u32, u32) = (160, 120);
@@ -329,7 +329,11 @@ fn the_hosts_world_may_have_any_origin_axes_and_unit() {
     let moved = EyeView {
         eye_world: itrf_from_world.inverse().transform_point3(plain.eye_world),
         view_from_world: plain.view_from_world * turn,
-        clip_from_view: terrella::earth::infinite_reversed_z(60_f64.to_radians(), 4.0 / 3.0, 1e-4),
+        clip_from_view: terrella::internals::earth::infinite_reversed_z(
+            60_f64.to_radians(),
+            4.0 / 3.0,
+            1e-4,
+        ),
         itrf_from_world,
     };
     let (worst, mean) = difference(&expected, &rig.draw(&moved, SUN.normalize()).0);

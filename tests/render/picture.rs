@@ -3,7 +3,7 @@
 use crate::common::{Rig, day_only, down, looks_at, map, plain, ray, tilted};
 use glam::DVec3;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::imagery::{EarthLayers, LayerImage};
+use terrella::internals::imagery::{EarthLayers, LayerImage};
 use terrella::{Atmosphere, EarthOptions, EyeView, Shading, Visibility};
 
 const SIZE: (u32, u32) = (320, 180);

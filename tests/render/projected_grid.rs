@@ -5,11 +5,11 @@ use glam::{DVec3, Vec3};
 use terrella::EyeView;
 use terrella::elevation::{Bounds, Elevation, HeightRange};
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::globe::GroundView;
-use terrella::globe::projected_grid::{
+use terrella::internals::globe::GroundView;
+use terrella::internals::globe::projected_grid::{
     GridFrame, GridOptions, GridUniforms, HeightTiles, ProjectedGrid, TILE_SAMPLES, eye_place,
 };
-use terrella::gpu::{EarthOutput, EarthVariant, ShaderVariant, VertexForm};
+use terrella::internals::gpu::{EarthOutput, EarthVariant, ShaderVariant, VertexForm};
 
 const ENTRY: &str = "
 struct Found { at: vec4f, place: vec4f, normal: vec4f }

@@ -5,8 +5,8 @@ use crate::common::{self, Rig, map, tilted};
 use glam::DVec3;
 use std::sync::Arc;
 use terrella::frames::Geodetic;
-use terrella::imagery::tile::{MapLayer, TileSource};
-use terrella::imagery::{EarthLayers, LayerImage};
+use terrella::internals::imagery::tile::{MapLayer, TileSource};
+use terrella::internals::imagery::{EarthLayers, LayerImage};
 use terrella::{EarthOptions, EyeView, Quality, QualityReduction, TileOptions};
 
 const SIZE: (u32, u32) = (192, 108);

@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use terrella::elevation::{Bounds, Elevation, HeightRange};
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::globe::contours::PageOptions;
-use terrella::imagery::EarthLayers;
+use terrella::internals::globe::contours::PageOptions;
+use terrella::internals::imagery::EarthLayers;
 use terrella::{
     Atmosphere, EarthOptions, EyeView, GroundOptions, Shading, Subdivision, SurfaceKind,
     SurfaceSettings,

@@ -7,9 +7,9 @@ use image::RgbaImage;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::globe::LevelRule;
-use terrella::imagery::EarthLayers;
-use terrella::imagery::tile::{MapLayer, TileSource};
+use terrella::internals::globe::LevelRule;
+use terrella::internals::imagery::EarthLayers;
+use terrella::internals::imagery::tile::{MapLayer, TileSource};
 use terrella::{Atmosphere, Earth, EarthOptions, EyeView, Shading, TILED_SUBDIVISION, TileOptions};
 
 const SIZE: (u32, u32) = (320, 180);

@@ -4,10 +4,12 @@ use crate::cli::Common;
 use crate::cli::progress::{Bars, stop_on_interrupt};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use terrella::imagery::SLOPE_EXAGGERATION;
-use terrella::imagery::build::{BuildOptions, BuildProgress, DEFAULT_MEMORY_BYTES, Relief, build};
-use terrella::imagery::tile::{MapLayer, Storage};
-use terrella::play::Progress;
+use terrella::internals::imagery::SLOPE_EXAGGERATION;
+use terrella::internals::imagery::build::{
+    BuildOptions, BuildProgress, DEFAULT_MEMORY_BYTES, Relief, build,
+};
+use terrella::internals::imagery::tile::{MapLayer, Storage};
+use terrella::internals::play::Progress;
 
 /// Arguments of `terrella pack build`.
 #[derive(Debug, Args)]

@@ -4,7 +4,7 @@ use super::{bytes, print};
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
-use terrella::imagery::pack::{LayerEntry, Manifest, Pack};
+use terrella::internals::imagery::pack::{LayerEntry, Manifest, Pack};
 
 /// Arguments of `terrella pack info`.
 #[derive(Debug, Args)]

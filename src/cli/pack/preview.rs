@@ -3,9 +3,9 @@
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::sync::Arc;
-use terrella::imagery::pack::{Pack, preview};
-use terrella::imagery::tile::Storage;
-use terrella::play::PendingFile;
+use terrella::internals::imagery::pack::{Pack, preview};
+use terrella::internals::imagery::tile::Storage;
+use terrella::internals::play::PendingFile;
 
 /// Arguments of `terrella pack preview`.
 #[derive(Debug, Args)]

@@ -5,8 +5,8 @@ use crate::cli::progress::Bars;
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
-use terrella::imagery::pack::{VerifyReport, verify};
-use terrella::play::Progress;
+use terrella::internals::imagery::pack::{VerifyReport, verify};
+use terrella::internals::play::Progress;
 
 /// Most files that do not belong to the pack which are listed.
 const MAX_SHOWN_STRANGERS: usize = 20;

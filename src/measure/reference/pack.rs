@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub const MAX_MAP_BYTES: u64 = 1 << 30;
 
 /// Maps of a pack, and where they are coarser than the pack is.
-pub(in crate::measure) struct PackMaps {
+pub(in crate::internals::measure) struct PackMaps {
     pub maps: FullMaps,
     /// Names of the layers of which a finer level did not fit, and the width of what was taken, texels.
     pub coarser: Vec<(&'static str, u32)>,
@@ -24,7 +24,7 @@ pub(in crate::measure) struct PackMaps {
 ///
 /// # Errors
 /// A tile that cannot be read: a true picture has no stand-ins. [`TileError::Cancelled`] after `cancelled`.
-pub(in crate::measure) fn whole_maps(
+pub(in crate::internals::measure) fn whole_maps(
     source: &dyn TileSource,
     limit: u64,
     cancelled: &(dyn Fn() -> bool + Sync),

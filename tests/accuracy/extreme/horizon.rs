@@ -3,9 +3,9 @@
 use glam::{DMat4, DVec3, DVec4};
 use std::f64::consts::PI;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::globe::{Block, BlockGrid, Visibility, select_blocks};
-use terrella::measure::numeric::log_spaced;
-use terrella::measure::numeric::oracle::{Real, dot, real3};
+use terrella::internals::globe::{Block, BlockGrid, Visibility, select_blocks};
+use terrella::internals::measure::numeric::log_spaced;
+use terrella::internals::measure::numeric::oracle::{Real, dot, real3};
 
 const R: f64 = 6_378_164.0;
 

@@ -1,8 +1,8 @@
 //! The choice of a level, to the last bit of a distance.
 
 use proptest::prelude::*;
-use terrella::globe::{COLUMNS, HYSTERESIS, PAPER_BANDS_M, paper_level, screen_level};
-use terrella::measure::numeric::oracle::Real;
+use terrella::internals::globe::{COLUMNS, HYSTERESIS, PAPER_BANDS_M, paper_level, screen_level};
+use terrella::internals::measure::numeric::oracle::Real;
 
 const LADDER: [u32; 5] = [1350, 675, 450, 270, 135];
 const R: f64 = 6_378_137.0;

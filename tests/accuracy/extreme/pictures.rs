@@ -3,7 +3,7 @@
 use crate::common::{Rig, gpu, plain, tilted};
 use terrella::EarthOptions;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::measure::extreme::{cases, run};
+use terrella::internals::measure::extreme::{cases, run};
 
 #[test]
 fn every_extreme_case_gives_a_defined_picture_or_a_clear_error() {

@@ -3,8 +3,10 @@
 use crate::common::gpu;
 use glam::{DVec3, Mat4, Vec3};
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::gpu::{EarthOutput, EarthVariant, FrameUniforms, ShaderVariant, VertexForm};
-use terrella::measure::numeric::{PixelRay, Placed, place};
+use terrella::internals::gpu::{
+    EarthOutput, EarthVariant, FrameUniforms, ShaderVariant, VertexForm,
+};
+use terrella::internals::measure::numeric::{PixelRay, Placed, place};
 
 const ENTRY: &str = "
 @group(0) @binding(7) var<storage, read_write> found: array<vec4f>;

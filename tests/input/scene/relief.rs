@@ -1,8 +1,8 @@
 //! Ground with relief: when it is drawn, and by what.
 
 use super::Folder;
-use terrella::globe::clipmap::Trim;
-use terrella::globe::{SurfaceKind, SurfaceSettings};
+use terrella::internals::globe::clipmap::Trim;
+use terrella::internals::globe::{SurfaceKind, SurfaceSettings};
 
 #[test]
 fn relief_is_drawn_where_heights_or_its_surface_are_named() {

@@ -2,9 +2,9 @@
 
 use super::{scene, utc};
 use std::path::{Path, PathBuf};
-use terrella::air::Atmosphere;
-use terrella::earth::Shading;
-use terrella::globe::{Figure, Subdivision, Visibility};
+use terrella::internals::air::Atmosphere;
+use terrella::internals::earth::Shading;
+use terrella::internals::globe::{Figure, Subdivision, Visibility};
 use terrella::scene::Scene;
 
 #[test]

@@ -1,9 +1,9 @@
 //! What a scene comes to: defaults, and what follows from the keys that are given.
 
 use super::{Folder, scene, utc};
-use terrella::air::Atmosphere;
-use terrella::earth::Shading;
-use terrella::globe::{Figure, LevelRule, Subdivision, Visibility};
+use terrella::internals::air::Atmosphere;
+use terrella::internals::earth::Shading;
+use terrella::internals::globe::{Figure, LevelRule, Subdivision, Visibility};
 use terrella::scene::{CameraMode, Scene, StorageChoice};
 
 #[test]

@@ -3,7 +3,7 @@
 use super::{Shader, all_shaders, hold};
 use naga::back::{glsl, hlsl, msl, spv};
 use naga::proc::BoundsCheckPolicies;
-use terrella::gpu::ShaderCapability;
+use terrella::internals::gpu::ShaderCapability;
 
 /// A language that wgpu hands shaders over in.
 #[derive(Clone, Copy, Debug)]

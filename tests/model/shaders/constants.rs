@@ -3,7 +3,7 @@
 use super::all_shaders;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use terrella::gpu::SHADER_FILES;
+use terrella::internals::gpu::SHADER_FILES;
 
 fn rust_files(folder: &Path, out: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {

@@ -3,7 +3,7 @@
 use super::{Shader, all_shaders, hold};
 use naga::valid::GlobalUse;
 use naga::{AddressSpace, Binding, ShaderStage, TypeInner};
-use terrella::gpu::ShaderCapability;
+use terrella::internals::gpu::ShaderCapability;
 use wgpu::Limits;
 
 /// The kinds of device that wgpu has limits for.

@@ -10,7 +10,7 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::LazyLock;
-use terrella::gpu::{
+use terrella::internals::gpu::{
     AirVariant, EarthOutput, EarthVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability,
     ShaderText, ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TracksVariant,
     VertexForm,

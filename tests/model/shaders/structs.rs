@@ -3,9 +3,9 @@
 use super::all_shaders;
 use naga::TypeInner;
 use std::mem::offset_of;
-use terrella::globe::contours::ContourNode;
-use terrella::globe::projected_grid::{GridLevel, GridUniforms};
-use terrella::gpu::{AirUniforms, FrameUniforms, TrackUniforms};
+use terrella::internals::globe::contours::ContourNode;
+use terrella::internals::globe::projected_grid::{GridLevel, GridUniforms};
+use terrella::internals::gpu::{AirUniforms, FrameUniforms, TrackUniforms};
 
 /// Member offsets and size of a struct, of a shader that has it.
 fn reflected(name: &str) -> (Vec<(String, usize)>, usize) {

@@ -4,10 +4,12 @@ use super::maps::{f32_tiff, png, read};
 use image::ExtendedColorType;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use terrella::globe::Block;
-use terrella::imagery::build::{BuildOptions, Relief, build};
-use terrella::imagery::pack::{Pack, PackTiles};
-use terrella::imagery::tile::{MapLayer, Storage, TILE_BORDER, Tile, TileKey, TileSource};
+use terrella::internals::globe::Block;
+use terrella::internals::imagery::build::{BuildOptions, Relief, build};
+use terrella::internals::imagery::pack::{Pack, PackTiles};
+use terrella::internals::imagery::tile::{
+    MapLayer, Storage, TILE_BORDER, Tile, TileKey, TileSource,
+};
 
 /// A smooth field over the sphere, 0…1; x and y go on beyond the edges.
 fn field(x: f64, y: f64, width: f64) -> f64 {

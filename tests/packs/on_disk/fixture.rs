@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 use tempfile::TempDir;
-use terrella::globe::Block;
-use terrella::imagery::pack::{
+use terrella::internals::globe::Block;
+use terrella::internals::imagery::pack::{
     LayerEntry, LevelEntry, MANIFEST_FILE, Manifest, Pack, TileFile, tile_path, write_ktx2,
 };
-use terrella::imagery::tile::{
+use terrella::internals::imagery::tile::{
     MapLayer, Storage, TILE_BORDER, TILE_MIPS, Tile, TileFormat, TileKey, TileShape,
 };
 

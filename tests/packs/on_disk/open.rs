@@ -2,7 +2,9 @@
 
 use super::fixture::{Fixture, write};
 use std::path::Path;
-use terrella::imagery::pack::{JOURNAL_FILE, MANIFEST_FILE, MAX_MANIFEST_BYTES, Pack, PackError};
+use terrella::internals::imagery::pack::{
+    JOURNAL_FILE, MANIFEST_FILE, MAX_MANIFEST_BYTES, Pack, PackError,
+};
 
 fn refused(dir: &Path) -> PackError {
     Pack::open(dir).expect_err("no good pack")

@@ -3,9 +3,13 @@
 use super::fixture::{Fixture, key, tile, write};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use terrella::globe::Block;
-use terrella::imagery::pack::{MAX_OVERHEAD_BYTES, PackError, PackTiles, TileFile, decode_tile};
-use terrella::imagery::tile::{BlockSet, MapLayer, Storage, Tile, TileError, TileKey, TileSource};
+use terrella::internals::globe::Block;
+use terrella::internals::imagery::pack::{
+    MAX_OVERHEAD_BYTES, PackError, PackTiles, TileFile, decode_tile,
+};
+use terrella::internals::imagery::tile::{
+    BlockSet, MapLayer, Storage, Tile, TileError, TileKey, TileSource,
+};
 
 fn never() -> bool {
     false
@@ -50,7 +54,7 @@ fn every_tile_is_read_as_it_was_written() {
 #[test]
 fn compressed_texels_are_those_of_their_blocks() {
     for layer in MapLayer::ALL {
-        let shape = terrella::imagery::tile::TileShape::new(33).expect("in range");
+        let shape = terrella::internals::imagery::tile::TileShape::new(33).expect("in range");
         let block = Block { column: 15, row: 7 };
         let compressed = tile(Storage::Bc, layer, shape, block);
         let plain = tile(Storage::Plain, layer, shape, block);

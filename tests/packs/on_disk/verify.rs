@@ -2,8 +2,8 @@
 
 use super::fixture::{Fixture, key, write};
 use std::path::Path;
-use terrella::imagery::pack::{PackError, preview, verify};
-use terrella::imagery::tile::{MapLayer, Storage};
+use terrella::internals::imagery::pack::{PackError, preview, verify};
+use terrella::internals::imagery::tile::{MapLayer, Storage};
 
 #[test]
 fn a_good_pack_is_good() {

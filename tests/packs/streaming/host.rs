@@ -3,10 +3,10 @@
 use super::source::{scramble, tile};
 use std::collections::{HashMap, HashSet};
 use std::time::{Duration, Instant};
-use terrella::imagery::stream::{
+use terrella::internals::imagery::stream::{
     LoadError, LoadId, Pool, ResidentTile, StreamCounters, TileCache, TileRequest, TileSlot, Upload,
 };
-use terrella::imagery::tile::{
+use terrella::internals::imagery::tile::{
     LayerLayout, MAX_LEVELS, MapLayer, TILE_MIPS, Tile, TileError, TileKey, TileShape,
 };
 

@@ -4,8 +4,8 @@ use super::host::{Host, Loading};
 use super::source::{layout, scramble};
 use proptest::prelude::*;
 use std::collections::HashMap;
-use terrella::imagery::stream::{Pool, TileRequest, plan_pools};
-use terrella::imagery::tile::{BlockSet, LayerLayout, MapLayer, Storage, TileKey};
+use terrella::internals::imagery::stream::{Pool, TileRequest, plan_pools};
+use terrella::internals::imagery::tile::{BlockSet, LayerLayout, MapLayer, Storage, TileKey};
 
 /// One frame of an eye path.
 #[derive(Clone, Debug)]

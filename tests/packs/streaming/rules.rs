@@ -3,8 +3,8 @@
 use super::host::{Host, Loading};
 use super::source::layout;
 use std::time::Duration;
-use terrella::imagery::stream::{TileRequest, plan_pools};
-use terrella::imagery::tile::{MapLayer, Storage, TileKey};
+use terrella::internals::imagery::stream::{TileRequest, plan_pools};
+use terrella::internals::imagery::tile::{MapLayer, Storage, TileKey};
 
 const QUICK: Loading = Loading {
     threads: 4,

@@ -1,6 +1,6 @@
 //! Small maps whose every texel tells which tile it is of.
 
-use terrella::imagery::tile::{
+use terrella::internals::imagery::tile::{
     BlockSet, LayerLayout, LevelLayout, MapLayer, Storage, Tile, TileKey, TileShape,
 };
 

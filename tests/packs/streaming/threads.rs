@@ -5,8 +5,10 @@ use std::collections::{HashMap, HashSet};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
-use terrella::imagery::stream::{ResidentTile, StreamOptions, TileRequest, TileSlot, TileStream};
-use terrella::imagery::tile::{
+use terrella::internals::imagery::stream::{
+    ResidentTile, StreamOptions, TileRequest, TileSlot, TileStream,
+};
+use terrella::internals::imagery::tile::{
     LayerLayout, MapLayer, Storage, Tile, TileError, TileKey, TileSource,
 };
 

@@ -9,9 +9,9 @@ use rig::{
     Circle, MAGENTA, Rig, SIZE, WGS84, any_pixel, aspect, differs, from_segment, limb_px, now,
     options, pixel, q_of, style, views, whole,
 };
-use terrella::air::{Atmosphere, EARTH_AIR};
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::gpu::{DepthBuffer, FrameTargets};
+use terrella::internals::air::{Atmosphere, EARTH_AIR};
+use terrella::internals::gpu::{DepthBuffer, FrameTargets};
 use terrella::orbit::Feed;
 use terrella::tracks::{
     Footprint, TrackSpan, TrackStyle, Tracks, TracksOptions, footprint_outline, is_beyond_air,

@@ -3,9 +3,9 @@
 use crate::common;
 use glam::{DVec2, DVec3, DVec4};
 use image::RgbaImage;
-use terrella::air::Atmosphere;
 use terrella::frames::{Ellipsoid, Epoch, Geodetic, Orientation, utc_from_rfc3339};
-use terrella::gpu::{Attachments, DepthBuffer, color_texture, read_texture};
+use terrella::internals::air::Atmosphere;
+use terrella::internals::gpu::{Attachments, DepthBuffer, color_texture, read_texture};
 use terrella::orbit::constants::EARTH_GM_M3_S2;
 use terrella::orbit::{Feed, Frame, OrbitError, OrbitState};
 use terrella::tracks::{TrackMoment, TrackSpan, TrackStats, TrackStyle, Tracks, TracksOptions};

@@ -9,7 +9,11 @@ impl GeoTags {
     /// What is wrong if the map is not the whole globe with its left edge at 180° W, north up. Without tags nothing is.
     ///
     /// A texel of tolerance: maps whose texels stand on whole degrees (grid-registered, 21 601 × 10 801) are taken.
-    pub(in crate::imagery::build) fn complaint(&self, width: u32, height: u32) -> Option<String> {
+    pub(in crate::internals::imagery::build) fn complaint(
+        &self,
+        width: u32,
+        height: u32,
+    ) -> Option<String> {
         if let Some(model) = self.key(MODEL_TYPE)
             && model != MODEL_GEOGRAPHIC
         {

@@ -1,0 +1,19 @@
+//! What the Earth is made of, for the tests, benches, fuzz targets and the command of this repository. Hosts need none of it: it changes
+//! with any version. The table of modules in the crate's documentation says what each knows.
+
+#[path = "air/mod.rs"]
+pub mod air;
+#[path = "earth/mod.rs"]
+pub mod earth;
+#[path = "globe/mod.rs"]
+pub mod globe;
+#[path = "gpu/mod.rs"]
+pub mod gpu;
+#[path = "imagery/mod.rs"]
+pub mod imagery;
+#[cfg(feature = "command")]
+#[path = "measure/mod.rs"]
+pub mod measure;
+#[cfg(feature = "command")]
+#[path = "play/mod.rs"]
+pub mod play;
