@@ -311,11 +311,11 @@ fn whatever_is_asked_the_answer_is_finite_and_bounded() {
     let mut all = grounds();
     all.push(("wild", wild));
     let options = PageOptions {
-        most_pages: 0,
+        max_pages: 0,
         built_per_frame: 40,
         ..PageOptions::default()
     };
-    let most = options.within_limits().most_pages;
+    let most = options.within_limits().max_pages;
     for (name, ground) in &all {
         let mut surface = ContourPages::new(options);
         let up = tilted(

@@ -11,7 +11,7 @@
 //! page is bounded by a prism, which reaches down as far as a neighbour may lie lower.
 //!
 //! **Per frame.** Pages are built within a budget, those of the largest errors first, and their parents drawn until all four
-//! are there. Nothing waits, and where nothing is built nothing is allocated. At most [`PageOptions::most_pages`] are kept;
+//! are there. Nothing waits, and where nothing is built nothing is allocated. At most [`PageOptions::max_pages`] are kept;
 //! the one that was longest out of use makes way.
 //!
 //! [`ContourTree`]: super::tree::ContourTree
@@ -21,7 +21,7 @@ mod page;
 
 use super::gpu_layout::{ContourRay, contour_cast};
 use super::surface::lattice::{Cell, ball, chord_m};
-use super::surface::tables::Keys;
+use super::surface::lookup::KeyMap;
 use crate::elevation::{Bounds, Elevation, HeightRange};
 use crate::frames::Ellipsoid;
 use crate::globe::culling::{CullingContext, GroundBound};
@@ -29,7 +29,7 @@ use crate::globe::{
     ContourPage, ContourPageSet, DrawKind, GroundView, Patch, Surface, SurfaceStats,
 };
 use glam::DVec3;
-use page::{CELLS, DEEPEST};
+use page::{CELLS, MAX_LEVEL};
 pub use page::{MAX_NODES, Page};
 use std::f64::consts::FRAC_PI_8;
 
@@ -39,7 +39,7 @@ pub struct PageOptions {
     /// The figure.
     pub ellipsoid: Ellipsoid,
     /// Most pages that are kept, 144…2048. One takes up to 44 kB in memory and as much on the GPU.
-    pub most_pages: u32,
+    pub max_pages: u32,
     /// Pages that are built in a frame; 1 and more. Those of whole blocks, which every view needs, are built beyond it.
     pub built_per_frame: u32,
 }
@@ -48,7 +48,7 @@ impl Default for PageOptions {
     fn default() -> Self {
         Self {
             ellipsoid: Ellipsoid::WGS84,
-            most_pages: 768,
+            max_pages: 768,
             built_per_frame: 4,
         }
     }
@@ -58,7 +58,7 @@ impl PageOptions {
     /// As they are taken: in range.
     pub fn within_limits(self) -> Self {
         Self {
-            most_pages: self.most_pages.clamp(144, 2048),
+            max_pages: self.max_pages.clamp(144, 2048),
             built_per_frame: self.built_per_frame.max(1),
             ..self
         }
@@ -66,7 +66,7 @@ impl PageOptions {
 
     /// Bytes of all nodes on the GPU.
     pub fn node_bytes(&self) -> u64 {
-        let pages = u64::from(self.within_limits().most_pages);
+        let pages = u64::from(self.within_limits().max_pages);
         pages * u64::from(MAX_NODES) * size_of::<super::ContourNode>() as u64
     }
 }
@@ -97,7 +97,7 @@ pub struct PagesDraw<'a> {
     /// Those of the last view, near ones first.
     pub drawn: &'a [DrawnPage],
     /// Most pages that there will be.
-    pub most_pages: u32,
+    pub max_pages: u32,
     /// Angle of a pixel in the middle of the picture, radians.
     pub pixel_rad: f64,
     /// See [`ContourRay::cone`].
@@ -110,7 +110,7 @@ fn slack_m(page: &Page, eye_itrf_m: DVec3) -> f64 {
     away_m * 2f64.powi(-20)
 }
 
-struct Slot {
+struct PageSlot {
     used: u64,
     is_cut: bool,
     cell: Cell,
@@ -123,11 +123,11 @@ pub struct ContourPages {
     clock: u64,
     pages: Vec<Page>,
     /// As many as pages.
-    slots: Vec<Slot>,
-    by_key: Keys,
+    slots: Vec<PageSlot>,
+    by_key: KeyMap,
     queue: Vec<Cell>,
     /// Cells to build, and by how many pixels what is drawn in their place is wrong.
-    wanted: Vec<(f64, Cell)>,
+    requests: Vec<(f64, Cell)>,
     drawn: Vec<DrawnPage>,
     /// The eye of the last view.
     eye_itrf_m: DVec3,
@@ -139,16 +139,16 @@ impl ContourPages {
     /// An empty surface.
     pub fn new(options: PageOptions) -> Self {
         let options = options.within_limits();
-        let most = options.most_pages as usize;
+        let most = options.max_pages as usize;
         Self {
             options,
             now: 0,
             clock: 0,
             pages: Vec::with_capacity(most),
             slots: Vec::with_capacity(most),
-            by_key: Keys::new(13),
+            by_key: KeyMap::new(13),
             queue: Vec::with_capacity(4 * most),
-            wanted: Vec::with_capacity(4 * most),
+            requests: Vec::with_capacity(4 * most),
             drawn: Vec::with_capacity(most),
             eye_itrf_m: DVec3::ZERO,
             pixel_rad: 0.0,
@@ -162,9 +162,9 @@ impl ContourPages {
 
     /// Builds a page, in place of the one longest out of use if there is no more room; false if all are in use.
     fn build(&mut self, cell: Cell, ground: &dyn Elevation, reach: HeightRange) -> bool {
-        let slot = if self.slots.len() < self.options.most_pages as usize {
+        let slot = if self.slots.len() < self.options.max_pages as usize {
             self.pages.push(Page::default());
-            self.slots.push(Slot {
+            self.slots.push(PageSlot {
                 used: 0,
                 is_cut: false,
                 cell,
@@ -178,7 +178,7 @@ impl ContourPages {
             }
         };
         self.clock += 1;
-        self.slots[slot] = Slot {
+        self.slots[slot] = PageSlot {
             used: self.now,
             is_cut: false,
             cell,
@@ -199,7 +199,7 @@ impl ContourPages {
     }
 
     /// Whether all quarters that can be seen are there; asks for those that are not.
-    fn has_quarters(
+    fn has_children(
         &mut self,
         cell: Cell,
         k: usize,
@@ -222,14 +222,14 @@ impl ContourPages {
             let bound = bound_of(&self.options.ellipsoid, quarter, range);
             if visible_distance_m(culling, &bound).is_some() {
                 is_complete = false;
-                self.wanted.push((pixels, quarter));
+                self.requests.push((pixels, quarter));
             }
         }
         is_complete
     }
 
-    /// Chooses the pages of a view.
-    fn choose(&mut self, culling: &CullingContext, tolerance_px: f64) {
+    /// Selects the pages of a view.
+    fn select_lod(&mut self, culling: &CullingContext, tolerance_px: f64) {
         while let Some(cell) = self.queue.pop() {
             let Some(k) = self.find(cell) else {
                 continue;
@@ -249,8 +249,8 @@ impl ContourPages {
                 true => HYSTERESIS * tolerance_px,
                 false => tolerance_px,
             };
-            let is_coarse = pixels > most_px && !page.is_last && cell.level < DEEPEST;
-            self.slots[k].is_cut = is_coarse && self.has_quarters(cell, k, pixels, culling);
+            let is_coarse = pixels > most_px && !page.is_last && cell.level < MAX_LEVEL;
+            self.slots[k].is_cut = is_coarse && self.has_children(cell, k, pixels, culling);
             if self.slots[k].is_cut {
                 self.queue.extend(cell.children());
             } else if !self.pages[k].nodes.is_empty() {
@@ -332,7 +332,7 @@ impl ContourPages {
         PagesDraw {
             pages: &self.pages,
             drawn: &self.drawn,
-            most_pages: self.options.most_pages,
+            max_pages: self.options.max_pages,
             pixel_rad: self.pixel_rad,
             cone: self.cone,
         }
@@ -347,7 +347,7 @@ impl Surface for ContourPages {
     fn prepare(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats {
         self.now += 1;
         self.drawn.clear();
-        self.wanted.clear();
+        self.requests.clear();
         self.queue.clear();
         let reach = ground.range_m(&Bounds::GLOBE);
         let pixel_rad = view.pixel_rad.max(1e-9);
@@ -373,11 +373,15 @@ impl Surface for ContourPages {
             self.index();
         }
         let tolerance_px = view.tolerance_px.max(0.0);
-        self.choose(&culling, PART_OF_PAGES * tolerance_px);
-        self.wanted
+        self.select_lod(&culling, PART_OF_PAGES * tolerance_px);
+        self.requests
             .sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.key().cmp(&b.1.key())));
-        for k in 0..self.wanted.len().min(self.options.built_per_frame as usize) {
-            if !self.build(self.wanted[k].1, ground, reach) {
+        for k in 0..self
+            .requests
+            .len()
+            .min(self.options.built_per_frame as usize)
+        {
+            if !self.build(self.requests[k].1, ground, reach) {
                 break;
             }
             built += 1;
@@ -419,7 +423,7 @@ impl Surface for ContourPages {
         self.cone = 2.0 * of_nodes_px * pixel_rad;
         let nodes: usize = self.pages.iter().map(|page| page.nodes.capacity()).sum();
         stats.resident_bytes = (nodes * size_of::<super::ContourNode>()
-            + self.pages.len() * (size_of::<Page>() + size_of::<Slot>()))
+            + self.pages.len() * (size_of::<Page>() + size_of::<PageSlot>()))
             as u64
             + self.by_key.bytes();
         stats
@@ -446,7 +450,7 @@ impl Surface for ContourPages {
 
     fn draw_kind(&self) -> DrawKind<'_> {
         DrawKind::ContourPages(ContourPageSet {
-            max_pages: self.options.most_pages,
+            max_pages: self.options.max_pages,
             pixel_rad: self.pixel_rad,
             cone: self.cone,
         })

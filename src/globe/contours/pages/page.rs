@@ -18,7 +18,7 @@ pub const CELLS: u32 = 16;
 /// Most nodes of a page: 1 + 4 + 16 + 64 + 256.
 pub const MAX_NODES: u32 = (4 * CELLS * CELLS - 1) / 3;
 /// Deepest level: cells of 0.6 m.
-pub const DEEPEST: u8 = 18;
+pub const MAX_LEVEL: u8 = 18;
 /// Posts along an edge of a page, and those with one more at each end, for slopes.
 const POSTS: usize = CELLS as usize + 1;
 const READ: usize = POSTS + 2;

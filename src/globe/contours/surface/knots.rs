@@ -16,16 +16,16 @@ pub const SIDES: [(i32, i32); 4] = [(-1, 0), (1, 0), (0, -1), (0, 1)];
 /// South-west, south-east, north-west, north-east.
 pub const DIAGONALS: [(i32, i32); 4] = [(-1, -1), (1, -1), (-1, 1), (1, 1)];
 
-/// Where coarser cells touch a cell.
+/// Which neighbours of a cell are coarser.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Joins {
+pub struct CoarserNeighbours {
     /// A bit for each of [`SIDES`].
     pub sides: u8,
     /// A bit for each of [`DIAGONALS`]: the corner belongs to a coarser cell too, across a side or not.
     pub corners: u8,
 }
 
-impl Joins {
+impl CoarserNeighbours {
     /// A coarser cell lies beyond a side.
     pub fn side(self, k: usize) -> bool {
         self.sides >> k & 1 == 1
@@ -114,26 +114,31 @@ impl ContourSurface {
     }
 
     /// Where coarser cells touch a leaf.
-    pub(super) fn joins(&self, cell: Cell) -> Joins {
+    pub(super) fn coarser_neighbours(&self, cell: Cell) -> CoarserNeighbours {
         let is_coarser = |(dx, dy)| u8::from(self.is_coarser(cell.beside(dx, dy)));
-        let mut joins = Joins::default();
+        let mut coarser = CoarserNeighbours::default();
         for (k, side) in SIDES.into_iter().enumerate() {
-            joins.sides |= is_coarser(side) << k;
+            coarser.sides |= is_coarser(side) << k;
         }
         for (k, diagonal) in DIAGONALS.into_iter().enumerate() {
-            let sides = joins.sides >> (k & 1) | joins.sides >> (2 + (k >> 1));
-            joins.corners |= (sides & 1 | is_coarser(diagonal)) << k;
+            let sides = coarser.sides >> (k & 1) | coarser.sides >> (2 + (k >> 1));
+            coarser.corners |= (sides & 1 | is_coarser(diagonal)) << k;
         }
-        joins
+        coarser
     }
 
     /// The knots of a leaf: where a coarser cell has one too it is that one's, and half-way between two of those what the
     /// coarser edge says. Corners of a cell are knots of the coarser ones around, so nothing further away matters.
-    pub(super) fn joined(&mut self, ground: &dyn Elevation, cell: Cell, joins: Joins) -> Knots {
+    pub(super) fn stitched_knots(
+        &mut self,
+        ground: &dyn Elevation,
+        cell: Cell,
+        coarser: CoarserNeighbours,
+    ) -> Knots {
         let mut knots = self.knots(ground, cell);
         let two = 2 * SEGMENTS / PIECES;
         for (side, (dx, dy)) in SIDES.into_iter().enumerate() {
-            let Some(beside) = cell.beside(dx, dy).filter(|_| joins.side(side)) else {
+            let Some(beside) = cell.beside(dx, dy).filter(|_| coarser.side(side)) else {
                 continue;
             };
             let beside = beside.parent();
@@ -155,8 +160,8 @@ impl ContourSurface {
         }
         for (k, (dx, dy)) in DIAGONALS.into_iter().enumerate() {
             let beside = cell.beside(dx, dy);
-            let by_side = joins.side(k & 1) || joins.side(2 + (k >> 1));
-            if let Some(beside) = beside.filter(|_| joins.corner(k) && !by_side) {
+            let by_side = coarser.side(k & 1) || coarser.side(2 + (k >> 1));
+            if let Some(beside) = beside.filter(|_| coarser.corner(k) && !by_side) {
                 let theirs = self.knots(ground, beside.parent());
                 let last = KNOTS - 1;
                 knots[(k >> 1) * last][(k & 1) * last] =

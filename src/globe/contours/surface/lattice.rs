@@ -7,13 +7,13 @@ use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_8, PI};
 
 /// Deepest level: cells of 2.4 m.
-pub const LEVELS: u8 = 20;
+pub const MAX_LEVEL: u8 = 20;
 /// Segments along an edge of a cell.
 pub const SEGMENTS: u32 = 8;
 /// Bicubic patches along an edge of a cell: two segments each.
 pub const PIECES: u32 = 4;
 /// Lattice steps in a block: one for each vertex of the deepest cells.
-const BLOCK_STEPS: u32 = SEGMENTS << LEVELS;
+const BLOCK_STEPS: u32 = SEGMENTS << MAX_LEVEL;
 /// Lattice steps around the equator and from pole to pole.
 pub const AROUND: u32 = COLUMNS * BLOCK_STEPS;
 /// See [`AROUND`].

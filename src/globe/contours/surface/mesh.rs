@@ -1,7 +1,7 @@
 //! Triangles over one cell.
 
 use super::super::hermite::{Corner, restrict};
-use super::knots::{Joins, KNOTS, Knots};
+use super::knots::{CoarserNeighbours, KNOTS, Knots};
 use super::lattice::{
     Cell, ORIGIN_HEIGHT_M, ORIGIN_STEP_M, PIECES, SEGMENTS, STEP_RAD, TALL, cos_sin_lat, lat_rad,
     lon_rad,
@@ -81,11 +81,12 @@ pub fn indices() -> [Arc<TriangleList>; 16] {
 pub fn write(
     ellipsoid: &Ellipsoid,
     ground: &dyn Elevation,
-    (cell, joins): (Cell, Joins),
+    cell: Cell,
+    coarser: CoarserNeighbours,
     knots: &Knots,
     patch: &mut Patch,
 ) -> u64 {
-    let (own, coarser) = (cell.grain_m(), cell.parent().grain_m());
+    let (own_m, parents_m) = (cell.grain_m(), cell.parent().grain_m());
     let lons: [(f64, f64); SIDE] = std::array::from_fn(|i| {
         let (s, c) = lon_rad(cell.vertex(i as u32, 0)[0]).sin_cos();
         (c, s)
@@ -114,12 +115,12 @@ pub fn write(
         let north_m = ellipsoid.equatorial_radius_m * (1.0 - e2) / (w2 * w2.sqrt()) * STEP_RAD;
         let polar = ((POLAR.1 - c) / (POLAR.1 - POLAR.0)).clamp(0.0, 1.0);
         for (i, [height_m, zu, zv, _]) in row.iter().copied().enumerate() {
-            let shared = shared(joins, i, j);
+            let shared = shared(coarser, i, j);
             let position = if y == 0 || y == TALL {
                 let z = place((c, s), lons[i], height_m).z;
                 DVec3::new(0.0, 0.0, (z / POLE_GRAIN_M).round() * POLE_GRAIN_M)
             } else {
-                let grain = if shared { coarser } else { own };
+                let grain = if shared { parents_m } else { own_m };
                 snap(place((c, s), lons[i], height_m), grain)
             };
             let mut slope = DVec2::new(zu / east_m.max(1e-9), zv / north_m);
@@ -148,11 +149,11 @@ pub fn write(
 }
 
 /// Whether a coarser cell holds the vertex too.
-fn shared(joins: Joins, i: usize, j: usize) -> bool {
+fn shared(coarser: CoarserNeighbours, i: usize, j: usize) -> bool {
     let n = SIDE - 1;
     if (i == 0 || i == n) && (j == 0 || j == n) {
-        return joins.corner(usize::from(i == n) + 2 * usize::from(j == n));
+        return coarser.corner(usize::from(i == n) + 2 * usize::from(j == n));
     }
     let sides = [i == 0, i == n, j == 0, j == n];
-    (0..4).any(|k| sides[k] && joins.side(k))
+    (0..4).any(|k| sides[k] && coarser.side(k))
 }

@@ -17,11 +17,11 @@
 //! changed. The error that is reported is that of the cells drawn, each on its own: at the border of the picture an edge may
 //! be that of a coarser cell out of sight.
 
-mod choose;
 mod knots;
 pub(super) mod lattice;
+mod lod;
+pub(super) mod lookup;
 mod mesh;
-pub(super) mod tables;
 #[cfg(test)]
 mod tests;
 
@@ -29,14 +29,14 @@ use crate::elevation::{Bounds, Elevation, HeightRange};
 use crate::frames::Ellipsoid;
 use crate::globe::culling::CullingContext;
 use crate::globe::{GroundView, Patch, Surface, SurfaceStats, TriangleList};
-use choose::{Measure, Wanted};
 use glam::DVec3;
-use knots::{Joins, Knots};
-use lattice::{Cell, LEVELS, SEGMENTS, chord_m};
+use knots::{CoarserNeighbours, Knots};
+use lattice::{Cell, MAX_LEVEL, SEGMENTS, chord_m};
+use lod::{CellInfo, CutCandidate};
+use lookup::{KeyMap, SetCache};
 use std::collections::BinaryHeap;
 use std::f64::consts::FRAC_PI_8;
 use std::sync::Arc;
-use tables::{Cache, Keys};
 
 /// How much the surface may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,31 +44,31 @@ pub struct ContourOptions {
     /// The figure.
     pub ellipsoid: Ellipsoid,
     /// Most cells that are cut for a view; patches are up to three times as many, and balancing adds to them. 16…900.
-    pub most_cuts: u32,
+    pub max_cuts: u32,
     /// Cells that are measured anew in a frame.
     pub measured_per_frame: u32,
     /// Cells that are cut in a frame and were not in the last; what must be cut beside the last of them comes on top.
     pub cut_per_frame: u32,
     /// Deepest level, 0…20; more counts as 20, where cells are 2.4 m wide.
-    pub deepest: u32,
+    pub max_level: u32,
 }
 
 impl Default for ContourOptions {
     fn default() -> Self {
         Self {
             ellipsoid: Ellipsoid::WGS84,
-            most_cuts: 600,
+            max_cuts: 600,
             measured_per_frame: 24,
             cut_per_frame: 24,
-            deepest: u32::from(LEVELS),
+            max_level: u32::from(MAX_LEVEL),
         }
     }
 }
 
-struct Slot {
+struct PatchSlot {
     used: u64,
     /// What its vertices were written with; none before they are.
-    joins: Option<Joins>,
+    coarser: Option<CoarserNeighbours>,
     patch: Patch,
 }
 
@@ -77,18 +77,18 @@ pub struct ContourSurface {
     options: ContourOptions,
     now: u64,
     clock: u64,
-    measures: Cache<Measure>,
-    known_knots: Cache<Knots>,
+    cell_infos: SetCache<CellInfo>,
+    known_knots: SetCache<Knots>,
     /// Cells that are cut.
-    inner: Keys,
+    cut_cells: KeyMap,
     /// Cells that were cut in the last frame.
-    before: Keys,
+    cut_before: KeyMap,
     /// Cells still to be cut, largest errors first.
-    wanted: BinaryHeap<Wanted>,
+    candidates: BinaryHeap<CutCandidate>,
     queue: Vec<Cell>,
     leaves: Vec<(f64, Cell)>,
-    slots: Vec<Slot>,
-    by_key: Keys,
+    slots: Vec<PatchSlot>,
+    by_key: KeyMap,
     drawn: Vec<u32>,
     indices: [Arc<TriangleList>; 16],
     samples: u64,
@@ -101,23 +101,23 @@ impl ContourSurface {
     /// memory: 80 MB at most, 15 MB on a descent from 400 km to 2 km with the default options.
     pub fn new(options: ContourOptions) -> Self {
         let options = ContourOptions {
-            most_cuts: options.most_cuts.clamp(16, 900),
-            deepest: options.deepest.min(u32::from(LEVELS)),
+            max_cuts: options.max_cuts.clamp(16, 900),
+            max_level: options.max_level.min(u32::from(MAX_LEVEL)),
             ..options
         };
         Self {
             options,
             now: 0,
             clock: 0,
-            measures: Cache::new(14),
-            known_knots: Cache::new(13),
-            inner: Keys::new(14),
-            before: Keys::new(14),
-            wanted: BinaryHeap::new(),
+            cell_infos: SetCache::new(14),
+            known_knots: SetCache::new(13),
+            cut_cells: KeyMap::new(14),
+            cut_before: KeyMap::new(14),
+            candidates: BinaryHeap::new(),
             queue: Vec::new(),
             leaves: Vec::new(),
             slots: Vec::new(),
-            by_key: Keys::new(15),
+            by_key: KeyMap::new(15),
             drawn: Vec::new(),
             indices: mesh::indices(),
             samples: 0,
@@ -148,7 +148,7 @@ impl ContourSurface {
         if let Some(slot) = oldest {
             let vertices = std::mem::take(&mut self.slots[slot].patch.vertices);
             let changed = std::mem::take(&mut self.slots[slot].patch.changed);
-            self.slots[slot].joins = None;
+            self.slots[slot].coarser = None;
             self.slots[slot].patch = Patch {
                 vertices,
                 changed,
@@ -156,9 +156,9 @@ impl ContourSurface {
             };
             return slot;
         }
-        self.slots.push(Slot {
+        self.slots.push(PatchSlot {
             used: 0,
-            joins: None,
+            coarser: None,
             patch,
         });
         self.slots.len() - 1
@@ -190,15 +190,15 @@ impl Surface for ContourSurface {
         let pixel_rad = view.pixel_rad.max(1e-9);
         let view = GroundView { pixel_rad, ..*view };
         let culling = CullingContext::new(&view, &self.options.ellipsoid, drawn).without_depth();
-        self.choose(&culling, view.tolerance_px.max(0.0), ground);
+        self.select_lod(&culling, view.tolerance_px.max(0.0), ground);
         self.leaves.clear();
         self.queue.clear();
         self.queue.extend(Cell::roots());
         let mut stats = SurfaceStats::default();
         let (mut error_m, mut error_px) = (0.0f64, 0.0f64);
         while let Some(cell) = self.queue.pop() {
-            let measure = self.known(cell);
-            let Some(distance_m) = self.visible_distance_m(&culling, &measure) else {
+            let info = self.nearest_info(cell);
+            let Some(distance_m) = self.visible_distance_m(&culling, &info) else {
                 continue;
             };
             if self.is_cut(cell) {
@@ -206,8 +206,8 @@ impl Surface for ContourSurface {
                 continue;
             }
             self.leaves.push((distance_m, cell));
-            error_m = error_m.max(f64::from(measure.error_m));
-            error_px = error_px.max(f64::from(measure.error_m) / (distance_m * pixel_rad));
+            error_m = error_m.max(f64::from(info.error_m));
+            error_px = error_px.max(f64::from(info.error_m) / (distance_m * pixel_rad));
         }
         self.leaves
             .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.key().cmp(&b.1.key())));
@@ -220,20 +220,22 @@ impl Surface for ContourSurface {
         self.drawn.clear();
         for k in 0..self.leaves.len() {
             let cell = self.leaves[k].1;
-            let joins = self.joins(cell);
+            let coarser = self.coarser_neighbours(cell);
             let slot = self.slot(cell);
             self.slots[slot].used = self.now;
-            if self.slots[slot].joins != Some(joins) {
-                let knots = self.joined(ground, cell, joins);
+            if self.slots[slot].coarser != Some(coarser) {
+                let knots = self.stitched_knots(ground, cell, coarser);
                 self.clock += 1;
-                let Slot {
-                    joins: was, patch, ..
+                let PatchSlot {
+                    coarser: was,
+                    patch,
+                    ..
                 } = &mut self.slots[slot];
-                *was = Some(joins);
+                *was = Some(coarser);
                 patch.revision = self.clock;
-                patch.indices = self.indices[usize::from(joins.sides)].clone();
+                patch.indices = self.indices[usize::from(coarser.sides)].clone();
                 let figure = &self.options.ellipsoid;
-                self.samples += mesh::write(figure, ground, (cell, joins), &knots, patch);
+                self.samples += mesh::write(figure, ground, cell, coarser, &knots, patch);
             }
             let patch = &self.slots[slot].patch;
             stats.patches += 1;
@@ -247,11 +249,12 @@ impl Surface for ContourSurface {
             let _ = self.by_key.set(slot.patch.key, k as u32);
         }
         stats.samples_read = self.samples;
-        let a_slot = size_of::<Slot>() + mesh::VERTICES * size_of::<crate::globe::GroundVertex>();
-        stats.resident_bytes = self.measures.bytes()
+        let a_slot =
+            size_of::<PatchSlot>() + mesh::VERTICES * size_of::<crate::globe::GroundVertex>();
+        stats.resident_bytes = self.cell_infos.bytes()
             + self.known_knots.bytes()
-            + self.inner.bytes()
-            + self.before.bytes()
+            + self.cut_cells.bytes()
+            + self.cut_before.bytes()
             + self.by_key.bytes()
             + (self.slots.len() * a_slot) as u64
             + self

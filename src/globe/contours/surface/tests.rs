@@ -114,9 +114,9 @@ fn settle(surface: &mut ContourSurface, view: &GroundView, ground: &Formula) -> 
     stats
 }
 
-fn options(most_cuts: u32) -> ContourOptions {
+fn options(max_cuts: u32) -> ContourOptions {
     ContourOptions {
-        most_cuts,
+        max_cuts,
         ..ContourOptions::default()
     }
 }
@@ -179,11 +179,11 @@ fn the_whole_earth_is_watertight() {
                     assert_eq!(open, 0, "{name} from {lat} {lon} {height_m}: frame {k}");
                 }
             }
-            let deepest = surface.leaves.iter().map(|leaf| leaf.1.level).max();
+            let max_level = surface.leaves.iter().map(|leaf| leaf.1.level).max();
             let (open, triangles) = open_edges(&surface);
             assert_eq!(open, 0, "{name} from {lat} {lon} {height_m}");
             println!(
-                "{name}: {} patches, {triangles} triangles, level {deepest:?}, 0 open edges",
+                "{name}: {} patches, {triangles} triangles, level {max_level:?}, 0 open edges",
                 stats.patches
             );
         }
@@ -275,8 +275,8 @@ fn odd_views_are_answered() {
             for tolerance_px in [0.0, 1.0, 1e12] {
                 for towards in [None, up] {
                     let wild = ContourOptions {
-                        most_cuts: 40,
-                        deepest: 32,
+                        max_cuts: 40,
+                        max_level: 32,
                         ..ContourOptions::default()
                     };
                     let mut surface = ContourSurface::new(wild);

@@ -1,4 +1,4 @@
-//! Which cells are cut for a view.
+//! The level of detail of a view: which cells are cut.
 
 use super::ContourSurface;
 use super::knots::{DIAGONALS, SIDES};
@@ -9,9 +9,9 @@ use crate::globe::culling::{CullingContext, GroundBound};
 use glam::DVec3;
 use std::cmp::Ordering;
 
-/// What is known of a cell.
+/// What is known of a cell: its error and its bound.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Measure {
+pub(super) struct CellInfo {
     /// Largest vertical distance of what is drawn from the data, where probed.
     pub error_m: f32,
     /// Lowest and highest that the ground reaches.
@@ -26,38 +26,38 @@ pub(super) struct Measure {
 
 /// A cell that should be cut.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Wanted {
+pub(super) struct CutCandidate {
     pixels: f64,
     cell: Cell,
 }
 
-impl Ord for Wanted {
+impl Ord for CutCandidate {
     fn cmp(&self, other: &Self) -> Ordering {
         let by_key = || self.cell.key().cmp(&other.cell.key());
         self.pixels.total_cmp(&other.pixels).then_with(by_key)
     }
 }
 
-impl PartialOrd for Wanted {
+impl PartialOrd for CutCandidate {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Wanted {
+impl PartialEq for CutCandidate {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Wanted {}
+impl Eq for CutCandidate {}
 
 /// Squares along an edge of a cell whose data's range is looked at: one to each patch.
 const PARTS: usize = PIECES as usize;
 
 impl ContourSurface {
-    /// Reads a cell and holds what would be drawn against the data.
-    pub(super) fn measure(&mut self, ground: &dyn Elevation, cell: Cell) -> Measure {
+    /// Evaluates the error of a cell: reads it and compares what would be drawn with the data.
+    pub(super) fn evaluate_cell(&mut self, ground: &dyn Elevation, cell: Cell) -> CellInfo {
         let knots = self.knots(ground, cell);
         let drawn = vertices(cell, &knots);
         let [x, y] = cell.vertex(0, 0);
@@ -109,28 +109,28 @@ impl ContourSurface {
         let (low, high) = heights.fold((range.low_m, range.high_m), within);
         let (low_m, high_m) = (low as f32 - 1.0, high as f32 + 1.0);
         let (center_m, radius_m) = ball(&self.options.ellipsoid, cell, low_m.into(), high_m.into());
-        let measure = Measure {
+        let info = CellInfo {
             center_m,
             radius_m,
             error_m: error_m as f32,
             low_m,
             high_m,
         };
-        self.measures.put(cell.key(), self.now, measure);
-        measure
+        self.cell_infos.put(cell.key(), self.now, info);
+        info
     }
 
     /// What is known of a cell, or else of the nearest one above it, with its own ball.
-    pub(super) fn known(&mut self, cell: Cell) -> Measure {
+    pub(super) fn nearest_info(&mut self, cell: Cell) -> CellInfo {
         let mut above = cell;
-        let nothing = Measure {
+        let nothing = CellInfo {
             low_m: -12_000.0,
             high_m: 9_000.0,
-            ..Measure::default()
+            ..CellInfo::default()
         };
         let found = loop {
-            if let Some(measure) = self.measures.get(above.key(), self.now) {
-                break measure;
+            if let Some(info) = self.cell_infos.get(above.key(), self.now) {
+                break info;
             }
             if above.level == 0 {
                 break nothing;
@@ -142,7 +142,7 @@ impl ContourSurface {
         }
         let (low, high) = (f64::from(found.low_m), f64::from(found.high_m));
         let (center_m, radius_m) = ball(&self.options.ellipsoid, cell, low, high);
-        Measure {
+        CellInfo {
             center_m,
             radius_m,
             ..found
@@ -153,12 +153,12 @@ impl ContourSurface {
     pub(super) fn visible_distance_m(
         &self,
         culling: &CullingContext,
-        measure: &Measure,
+        info: &CellInfo,
     ) -> Option<f64> {
         let bound = GroundBound {
-            center_itrf_m: measure.center_m,
-            radius_m: measure.radius_m,
-            high_m: f64::from(measure.high_m),
+            center_itrf_m: info.center_m,
+            radius_m: info.radius_m,
+            high_m: f64::from(info.high_m),
         };
         let is_visible = culling.visibility(&bound).is_visible();
         #[cfg(test)]
@@ -167,7 +167,7 @@ impl ContourSurface {
     }
 
     pub(super) fn is_cut(&self, cell: Cell) -> bool {
-        self.inner.get(cell.key()).is_some()
+        self.cut_cells.get(cell.key()).is_some()
     }
 
     /// Marks a cell as cut, all above it, and what must be cut beside it so that neighbours differ by one level at most.
@@ -180,10 +180,10 @@ impl ContourSurface {
             if self.is_cut(cell) {
                 continue;
             }
-            if !self.inner.set(cell.key(), 0) {
+            if !self.cut_cells.set(cell.key(), 0) {
                 return None;
             }
-            fresh += u32::from(self.before.get(cell.key()).is_none());
+            fresh += u32::from(self.cut_before.get(cell.key()).is_none());
             if cell.level == 0 {
                 continue;
             }
@@ -195,72 +195,72 @@ impl ContourSurface {
         Some(fresh)
     }
 
-    /// Chooses the cells to cut, those of the largest errors in pixels first. New cells are measured, and cells cut that
+    /// Selects the cells to cut, those of the largest errors in pixels first. New cells are measured, and cells cut that
     /// were not, within the budgets of a frame.
-    pub(super) fn choose(
+    pub(super) fn select_lod(
         &mut self,
         culling: &CullingContext,
         tolerance_px: f64,
         ground: &dyn Elevation,
     ) {
-        std::mem::swap(&mut self.inner, &mut self.before);
-        self.inner.clear();
-        self.wanted.clear();
-        let mut to_measure = self.options.measured_per_frame;
+        std::mem::swap(&mut self.cut_cells, &mut self.cut_before);
+        self.cut_cells.clear();
+        self.candidates.clear();
+        let mut evaluations = self.options.measured_per_frame;
         let mut to_cut = self.options.cut_per_frame;
         for root in Cell::roots() {
             // Blocks are known from the first frame on.
-            to_measure += u32::from(self.measures.get(root.key(), self.now).is_none());
-            self.want(culling, tolerance_px, ground, root, &mut to_measure);
+            evaluations += u32::from(self.cell_infos.get(root.key(), self.now).is_none());
+            self.consider(culling, tolerance_px, ground, root, &mut evaluations);
         }
-        while let Some(Wanted { cell, .. }) = self.wanted.pop() {
+        while let Some(CutCandidate { cell, .. }) = self.candidates.pop() {
             if !self.is_cut(cell) {
-                if self.inner.len() >= self.options.most_cuts as usize {
+                if self.cut_cells.len() >= self.options.max_cuts as usize {
                     break;
                 }
-                if to_cut == 0 && self.before.get(cell.key()).is_none() {
+                if to_cut == 0 && self.cut_before.get(cell.key()).is_none() {
                     continue;
                 }
                 let Some(fresh) = self.cut(cell) else {
                     // Beyond what the tables hold: the blocks as they are, which is always whole.
-                    self.inner.clear();
+                    self.cut_cells.clear();
                     break;
                 };
                 to_cut = to_cut.saturating_sub(fresh);
             }
             for child in cell.children() {
-                self.want(culling, tolerance_px, ground, child, &mut to_measure);
+                self.consider(culling, tolerance_px, ground, child, &mut evaluations);
             }
         }
     }
 
-    /// Puts a cell among those to cut if its error shows.
-    fn want(
+    /// Puts a cell among the candidates if its error shows.
+    fn consider(
         &mut self,
         culling: &CullingContext,
         tolerance_px: f64,
         ground: &dyn Elevation,
         cell: Cell,
-        to_measure: &mut u32,
+        evaluations: &mut u32,
     ) {
-        let measure = match self.measures.get(cell.key(), self.now) {
-            Some(measure) => measure,
+        let info = match self.cell_infos.get(cell.key(), self.now) {
+            Some(info) => info,
             None => {
                 // Not seen with what is known from above: not worth measuring.
-                let above = self.known(cell);
-                if *to_measure == 0 || self.visible_distance_m(culling, &above).is_none() {
+                let above = self.nearest_info(cell);
+                if *evaluations == 0 || self.visible_distance_m(culling, &above).is_none() {
                     return;
                 }
-                *to_measure -= 1;
-                self.measure(ground, cell)
+                *evaluations -= 1;
+                self.evaluate_cell(ground, cell)
             }
         };
-        let Some(distance_m) = self.visible_distance_m(culling, &measure) else {
+        let Some(distance_m) = self.visible_distance_m(culling, &info) else {
             return;
         };
-        let pixels = f64::from(measure.error_m) / (distance_m * culling.pixel_rad);
-        if pixels > tolerance_px && u32::from(cell.level) < self.options.deepest {
-            self.wanted.push(Wanted { pixels, cell });
+        let pixels = f64::from(info.error_m) / (distance_m * culling.pixel_rad);
+        if pixels > tolerance_px && u32::from(cell.level) < self.options.max_level {
+            self.candidates.push(CutCandidate { pixels, cell });
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Tables of fixed size: what is looked up every frame allocates nothing and forgets the oldest.
+//! Lookup tables of fixed size: a set-associative cache and a hash map. Nothing is allocated in a frame.
 
 /// Ways of a set: an entry may lie in any of so many neighbouring places.
 const WAYS: usize = 8;
@@ -17,11 +17,11 @@ struct Entry<T> {
 }
 
 /// Remembers values by key; of eight entries that fall together, the one longest unused makes way.
-pub struct Cache<T> {
+pub struct SetCache<T> {
     entries: Vec<Entry<T>>,
 }
 
-impl<T: Copy + Default> Cache<T> {
+impl<T: Copy + Default> SetCache<T> {
     /// Room for 2^`bits` entries.
     pub fn new(bits: u32) -> Self {
         let empty = Entry {
@@ -67,14 +67,14 @@ impl<T: Copy + Default> Cache<T> {
     }
 }
 
-/// A map of keys to numbers that is emptied at once.
-pub struct Keys {
+/// A hash map of keys to numbers that is cleared at once.
+pub struct KeyMap {
     slots: Vec<(u64, u32, u32)>,
     round: u32,
     count: usize,
 }
 
-impl Keys {
+impl KeyMap {
     /// Room for 2^`bits` slots, of which half may be taken.
     pub fn new(bits: u32) -> Self {
         Self {
@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn keys_hold_what_was_set_until_cleared() {
-        let mut keys = Keys::new(10);
+        let mut keys = KeyMap::new(10);
         for round in 0..3u32 {
             for k in 0..512u64 {
                 assert!(keys.set(k << 33, k as u32 + round));
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn a_cache_forgets_the_longest_unused() {
-        let mut cache = Cache::<u64>::new(6);
+        let mut cache = SetCache::<u64>::new(6);
         for k in 0..1_000u64 {
             cache.put(k, k, 2 * k);
             assert_eq!(cache.get(k, k), Some(2 * k));
