@@ -1,10 +1,10 @@
 //! Many satellites from one file.
 
-use super::entry::Faults;
+use super::entry::{Faults, MAX_ENTRIES};
 use super::file::read_text;
 use super::omm;
 use super::tle_fields::catalogue_number;
-use super::tle_text::sets_and_faults;
+use super::tle_text::{element_sets, sets_and_faults};
 use super::{FileFormat, OrbitError, Sgp4Feed};
 use std::borrow::Cow;
 use std::path::Path;
@@ -28,7 +28,7 @@ impl Catalogue {
     pub const MAX_FILE_BYTES: u64 = 128 << 20;
 
     /// Most satellites read from a file.
-    pub const MAX_SATELLITES: usize = 1_000_000;
+    pub const MAX_SATELLITES: usize = MAX_ENTRIES;
 
     /// Reads every set of a file of two-line elements (with name lines or without) or of an OMM (CCSDS 502.0: KVN, XML,
     /// JSON, CSV). Which it is, the text itself says: XML begins with `<`, JSON with `[` or `{`, KVN with `CCSDS_OMM_VERS`,
@@ -106,6 +106,45 @@ impl Catalogue {
             .collect();
         let chosen = choose(&candidates, origin, name)?;
         Ok(self.feeds.swap_remove(chosen))
+    }
+}
+
+impl Sgp4Feed {
+    /// Reads a file of element sets and takes the one that `name` names: by its name, letter case aside, or by its
+    /// catalogue number. `None` takes the only set there is.
+    ///
+    /// The file holds two-line elements or an OMM in any of its forms ([`Catalogue`] says which). Two-line sets may have a
+    /// name line first, with or without a leading `0 `. Empty lines and lines that begin with `#` are passed over. Every
+    /// line is checked, also those of other satellites.
+    ///
+    /// # Errors
+    /// Says which file, line and column is wrong, how, and what to do.
+    pub fn from_file(path: &Path, name: Option<&str>) -> Result<Self, OrbitError> {
+        Self::from_text(&read_text(path, Self::MAX_FILE_BYTES)?, path, name)
+    }
+
+    /// As [`Self::from_file`], from text that is already in memory; `origin` is named in errors.
+    ///
+    /// # Errors
+    /// Says which line and column is wrong, how, and what to do.
+    pub fn from_text(text: &str, origin: &Path, name: Option<&str>) -> Result<Self, OrbitError> {
+        if omm::is_omm(text) {
+            return Catalogue::from_text(text, origin, true)?.into_one(origin, name);
+        }
+        let sets = element_sets(text, origin)?;
+        let candidates: Vec<_> = sets
+            .iter()
+            .map(|set| Candidate {
+                label: set.label().into(),
+                catalogue: set.catalogue().into(),
+                line: set.at1,
+            })
+            .collect();
+        let chosen = choose(&candidates, origin, name)?;
+        let set = sets.get(chosen).ok_or_else(|| OrbitError::NoElements {
+            path: origin.to_owned(),
+        })?;
+        Self::from_set(set, &Arc::from(origin))
     }
 }
 

@@ -6,6 +6,9 @@ use crate::frames::{Epoch, TimeError, TimeScale, epoch_from_ccsds};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
+/// Most entries read from a file.
+pub(super) const MAX_ENTRIES: usize = 1_000_000;
+
 /// A record of a file is wrong: where, how, and what to do.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}:{line}:{column}: {fault}", path.display())]

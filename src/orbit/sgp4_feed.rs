@@ -1,12 +1,10 @@
 //! Mean elements propagated by SGP4 (SDP4 for deep space).
 
-use super::catalogue::{Candidate, choose};
-use super::file::read_text;
 use super::mean_elements::MeanElements;
 use super::tle_fields::elements;
-use super::tle_text::{ElementSet, element_sets};
+use super::tle_text::ElementSet;
 use super::validity::Validity;
-use super::{Catalogue, Feed, Frame, OrbitError, OrbitState};
+use super::{Feed, Frame, OrbitError, OrbitState};
 use crate::frames::{Duration, Epoch, rfc3339};
 use glam::DVec3;
 use std::path::Path;
@@ -44,43 +42,6 @@ impl Sgp4Feed {
 
     /// Largest file read for one satellite, bytes: more than a hundred thousand two-line sets.
     pub const MAX_FILE_BYTES: u64 = 16 << 20;
-
-    /// Reads a file of element sets and takes the one that `name` names: by its name, letter case aside, or by its
-    /// catalogue number. `None` takes the only set there is.
-    ///
-    /// The file holds two-line elements or an OMM in any of its forms ([`Catalogue`] says which). Two-line sets may have a
-    /// name line first, with or without a leading `0 `. Empty lines and lines that begin with `#` are passed over. Every
-    /// line is checked, also those of other satellites.
-    ///
-    /// # Errors
-    /// Says which file, line and column is wrong, how, and what to do.
-    pub fn from_file(path: &Path, name: Option<&str>) -> Result<Self, OrbitError> {
-        Self::from_text(&read_text(path, Self::MAX_FILE_BYTES)?, path, name)
-    }
-
-    /// As [`Self::from_file`], from text that is already in memory; `origin` is named in errors.
-    ///
-    /// # Errors
-    /// Says which line and column is wrong, how, and what to do.
-    pub fn from_text(text: &str, origin: &Path, name: Option<&str>) -> Result<Self, OrbitError> {
-        if super::omm::is_omm(text) {
-            return Catalogue::from_text(text, origin, true)?.into_one(origin, name);
-        }
-        let sets = element_sets(text, origin)?;
-        let candidates: Vec<_> = sets
-            .iter()
-            .map(|set| Candidate {
-                label: set.label().into(),
-                catalogue: set.catalogue().into(),
-                line: set.at1,
-            })
-            .collect();
-        let chosen = choose(&candidates, origin, name)?;
-        let set = sets.get(chosen).ok_or_else(|| OrbitError::NoElements {
-            path: origin.to_owned(),
-        })?;
-        Self::from_set(set, &Arc::from(origin))
-    }
 
     /// From elements that the program has; `origin` and `line` are named in errors.
     ///

@@ -6,11 +6,11 @@
 mod fields;
 mod write;
 
-use super::entry::{Entry, RecordError, RecordFault, TextPosition, shortened};
+use super::entry::{Entry, MAX_ENTRIES, RecordError, RecordFault, TextPosition, shortened};
 use super::text::json::Document;
 use super::text::xml::XmlItem;
 use super::text::{csv, kvn, unmarked, xml};
-use super::{Catalogue, MeanElements, OrbitError};
+use super::{MeanElements, OrbitError};
 use fields::{ElementEntries, OmmSource};
 use std::borrow::Cow;
 use std::path::Path;
@@ -117,7 +117,7 @@ fn check_version(entry: &Entry<'_>, origin: &Path) -> Result<(), RecordError> {
 }
 
 fn check_count(count: usize, place: TextPosition, origin: &Path) -> Result<(), RecordError> {
-    let limit = Catalogue::MAX_SATELLITES;
+    let limit = MAX_ENTRIES;
     match count > limit {
         true => {
             let what = "satellites";
@@ -171,7 +171,7 @@ fn from_json(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), Orbit
         let line = record.place().line;
         Ok((record.elements(origin, OmmSource::Catalogue)?, line))
     };
-    document.each_object::<OrbitError>(Catalogue::MAX_SATELLITES, "satellites", &mut |value| {
+    document.each_object::<OrbitError>(MAX_ENTRIES, "satellites", &mut |value| {
         each(read(value).map_err(|error: RecordError| error.into()))
     })
 }
