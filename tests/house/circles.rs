@@ -42,7 +42,7 @@ enum Place {
 pub fn violations(files: &[File]) -> Vec<String> {
     let uses = Modules::new(files).uses();
     let found = circles(&uses);
-    let is_known = |circle: &Vec<&str>| KNOWN.iter().any(|known| *known == circle.as_slice());
+    let is_known = |circle: &Vec<&str>| KNOWN.contains(&circle.as_slice());
     let new = found
         .iter()
         .filter(|circle| !is_known(circle))

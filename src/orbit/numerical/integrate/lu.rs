@@ -104,7 +104,7 @@ mod tests {
             let mut left_complex = shift * complex[i];
             for j in 0..6 {
                 left -= matrix[i][j] * real[j];
-                left_complex = left_complex - Complex64::from(matrix[i][j]) * complex[j];
+                left_complex -= Complex64::from(matrix[i][j]) * complex[j];
             }
             assert!((left - b[i]).abs() < 1e-11, "{i}: {left}");
             assert!((left_complex - Complex64::from(b[i])).size() < 1e-11, "{i}");
