@@ -46,7 +46,7 @@
 //! | `measure` | harness, reference renderer, error against run time, stability | |
 //! | `cli` | arguments, progress, exit codes | mathematics |
 //!
-//! `docs/architecture.md` tells how each part works and why, and where to change what; `docs/glossary.md` the words that are ours.
+//! `docs/architecture.md` says how each part works and why, and where to change what; `docs/glossary.md` explains the words that are ours.
 //!
 //! # Features
 //!

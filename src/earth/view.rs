@@ -1,4 +1,4 @@
-//! The eye: where it is, what it sees, and on which part of the host's target.
+//! The eye: where it is, what it sees, and on which part of the host's target; the projection to reversed depth.
 
 use crate::frames::Ellipsoid;
 use crate::gpu::FrameUniforms;
@@ -182,7 +182,7 @@ impl ItrfView {
     }
 }
 
-/// Perspective projection to wgpu clip space with the near plane at depth 1 and infinity at 0.
+/// Perspective projection to wgpu clip space with reversed depth (reversed Z): the near plane at 1 and infinity at 0.
 pub fn infinite_reversed_z(fov_y_rad: f64, aspect: f64, near: f64) -> DMat4 {
     let f = 1.0 / (0.5 * fov_y_rad).tan();
     DMat4::from_cols(

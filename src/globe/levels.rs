@@ -1,4 +1,4 @@
-//! Which level of a map a block is drawn with. Free functions over plain data.
+//! Level of detail (LOD) of maps: which level of a map a block is drawn with. Free functions over plain data.
 //!
 //! Levels are counted from the finest, 0. Both rules look at the distance between the eye and the block's nearest point,
 //! so that far blocks of the same picture are drawn with less.

@@ -1,4 +1,4 @@
-//! How fine the mesh is: as fine as the limb needs it in this picture, and no finer.
+//! Level of detail (LOD) of the smooth globe's mesh: as fine as the limb needs it in this picture, and no finer.
 
 use super::blocks::{BlockGrid, SubdivisionError};
 use crate::frames::Ellipsoid;

@@ -1,4 +1,5 @@
-//! The block sphere of the 2011 paper: which blocks there are and which are seen; and surfaces with relief. No GPU here.
+//! The block sphere of the 2011 paper: which blocks there are, which are culled, at which level of detail (LOD) they
+//! are drawn; and surfaces with relief. No GPU here.
 //!
 //! The Earth is cut into 16 × 8 blocks of 22.5° each; a block is drawn as a lattice of n × n cells.
 //! [`BlockGrid`] holds the lattice in f64, [`select_blocks`] chooses what an eye needs, [`screen_level`] and [`paper_level`]

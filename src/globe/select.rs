@@ -1,5 +1,5 @@
-//! Which blocks an eye needs: horizon, then frustum. Free functions over plain data; the tests are those of
-//! [`culling`](super::culling).
+//! Culling of blocks: which an eye needs, by horizon, then frustum. Free functions over plain data; the tests are those
+//! of [`culling`](super::culling).
 
 use super::Visibility;
 use super::blocks::{Block, BlockGrid, COLUMNS};

@@ -66,7 +66,7 @@ pub(crate) use tracks::{Fill, LinePoint, Mark, TrackKinds, TracksDrawable};
 pub enum DepthBuffer {
     /// The pass has none: the Earth is drawn over what is there already.
     None,
-    /// Nearer is larger (clear to 0). The one to choose: it keeps precision to the horizon.
+    /// Reversed depth: nearer is larger (clear to 0). The one to choose: it keeps precision to the horizon.
     ReversedZ(wgpu::TextureFormat),
     /// Nearer is smaller (clear to 1).
     StandardZ(wgpu::TextureFormat),

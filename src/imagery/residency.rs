@@ -1,4 +1,4 @@
-//! What streaming hands to drawing: pools of slots, the tiles in them, parts of tiles on their way there, and counts.
+//! Residency of tiles as streaming hands it to drawing: pools of slots, the tiles in them, parts of tiles on their way there, and counts.
 
 use super::tile::{MAX_LEVELS, MapLayer, TileFormat, TileKey, TileShape};
 

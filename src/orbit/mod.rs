@@ -1,8 +1,8 @@
-//! Feeds: where a satellite is at an epoch, propagated, interpolated or sent.
+//! Orbits: where a satellite is at an epoch, propagated, interpolated or sent; whatever says so is a [`Feed`].
 //!
 //! | to | look in |
 //! |---|---|
-//! | propagate mean elements (TLE, OMM) by SGP4 | `sgp4_feed.rs`; read them: `tle_text.rs`, `tle_fields.rs`, `omm/`, `catalogue.rs` |
+//! | propagate an orbit from mean elements (TLE, OMM) by SGP4 | `sgp4_feed.rs`; read them: `tle_text.rs`, `tle_fields.rs`, `omm/`, `catalogue.rs` |
 //! | propagate Keplerian elements, with J2 or without | [`kepler`] |
 //! | integrate under forces; eclipses, nodes, apsides and impact on the way | [`numerical`] |
 //! | interpolate an ephemeris (Lagrange, Hermite) | [`interpolated`]; read one: `oem/`, `czml.rs`, `ephemeris_csv.rs`, `ephemerides.rs` |

@@ -1,4 +1,4 @@
-//! Every key of a scene, declared once: its name, the type of its value, the numbers that it may be, and what it is where a
+//! Declares the scene keys, each once: its name, the type of its value, the numbers that it may be, and what it is where a
 //! scene leaves it out. The declaration makes the key's field in the table as written and a method of the same name that
 //! hands its rule to the checks, so that neither can differ from what is written here.
 

@@ -16,8 +16,8 @@
 //!
 //! `text` is the file; `parse` makes the tables of `keys` of it, each value with its place, and turns the TOML reader's
 //! complaints into messages of our own; `check` goes through the tables by means of `field` (ranges, names, paths,
-//! defaults). Once the satellites are opened, [`Scene::check_dates`] and what else `satellites` has. `summary` tells what a scene comes
-//! to.
+//! defaults). Once the satellites are opened, [`Scene::check_dates`] and what else `satellites` has. `summary` says in text what a scene
+//! comes to.
 
 mod camera;
 mod check;

@@ -41,7 +41,7 @@
 //! **Lines.** One instance a segment, cut against the plane before the eye and against three times the picture, widened on
 //! screen, neighbours joined at their bisector, edges smoothed by distance. A dark edge sets them off from bright ground.
 //!
-//! **Hiding.** By the globe each pixel's ray tells ([`is_hidden`]), in scaled space, where the ellipsoid is the unit sphere: exact at
+//! **Hiding.** Whether the globe hides a point is decided by the ray to it ([`is_hidden`]), in scaled space, where the ellipsoid is the unit sphere: exact at
 //! the limb, whatever the mesh. What else the host has drawn hides by depth; what lies on the ground is tested a
 //! tenth of its distance nearer (marks half), 500 m at least, so that the inscribed mesh does not hide it. Depth is not written.
 //!

@@ -1,4 +1,4 @@
-//! Level of detail: how finely a view asks for a square of ground to be drawn.
+//! Level of detail (LOD) of the quadtree: how finely a view asks for a square of ground to be drawn.
 
 use super::page::SquareInfo;
 use crate::elevation::HeightRange;

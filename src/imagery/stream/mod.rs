@@ -1,4 +1,4 @@
-//! Streaming: which tiles are in memory, and the threads that bring them. Knows nothing of the GPU.
+//! Streaming and residency: which tiles are in memory, and the threads that bring them. Knows nothing of the GPU.
 //!
 //! | file | what |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! The level of detail of a view: which cells are cut.
+//! Level of detail (LOD) of q-Bézier patches: which cells a view cuts.
 
 use super::ContourSurface;
 use super::knots::{DIAGONALS, SIDES};

@@ -1,4 +1,4 @@
-//! Slots of the pools allocated to what is requested.
+//! Allocation of the pools' slots to requested tiles.
 
 use super::{Allocation, Level, PendingUpload, TileCache, TileRequest, TileStage, table_index};
 use crate::globe::BLOCK_COUNT;

@@ -1,4 +1,4 @@
-//! What is requested, loaded, resident and drawn: the state machine of streaming, without threads or a clock.
+//! Residency of tiles: what is requested, loaded, resident and drawn. The state machine of streaming, without threads or a clock.
 
 mod allocate;
 mod draw;

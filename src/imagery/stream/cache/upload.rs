@@ -1,4 +1,5 @@
-//! Decoded tiles on their way into slots.
+//! Upload of decoded tiles into slots, part by part, by eviction where no slot is empty; with the last part a tile becomes
+//! resident.
 
 use super::{PendingUpload, TileCache, TileStage, table_index};
 use crate::imagery::stream::{TileSlot, Upload};
