@@ -1,4 +1,4 @@
-//! InterpolatedStates states in all forms: OEM in KVN and XML, CZML, CSV.
+//! Ephemerides in all file formats: OEM in KVN and XML, CZML, CSV.
 
 use std::path::Path;
 use terrella::orbit::{Ephemerides, Feed, Header, write_oem};

@@ -36,8 +36,8 @@ const ROOM_SIN: f64 = 0.01;
 /// ```no_run
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// use std::sync::Arc;
-/// use terrella::imagery::pack::{Pack, PackTiles};
-/// use terrella::imagery::tile::{MapLayer, Storage};
+/// use terrella::internals::imagery::pack::{Pack, PackTiles};
+/// use terrella::internals::imagery::tile::{MapLayer, Storage};
 /// use terrella::{EarthOptions, TileOptions};
 ///
 /// let pack = Arc::new(Pack::open("earth".as_ref())?);
