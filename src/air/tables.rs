@@ -53,13 +53,13 @@ pub(crate) const LOWEST_SUN: f64 = -0.36;
 
 /// All tables, texels in x, y, z order.
 pub struct AirTables {
-    /// See the module's table.
+    /// Fraction of light that reaches the upper boundary; coordinates in the module's table.
     pub transmittance: Vec<Vec4>,
-    /// See the module's table.
+    /// Light scattered more than once; coordinates in the module's table.
     pub multiple: Vec<Vec4>,
-    /// See the module's table.
+    /// Light scattered into a ray that is seen from outside; coordinates in the module's table.
     pub scattering: Vec<Vec4>,
-    /// See the module's table.
+    /// Sunlight and mean skylight on the ground; coordinates in the module's table.
     pub sunlight: Vec<Vec4>,
 }
 

@@ -103,7 +103,7 @@ pub fn run() -> ExitCode {
     }
 }
 
-/// The error and its causes on one line; most messages name their cause already, and none is told twice.
+/// The error and its causes on one line; most messages name their cause already, and none is given twice.
 fn message(error: &anyhow::Error) -> String {
     let mut text = error.to_string();
     for cause in error.chain().skip(1) {

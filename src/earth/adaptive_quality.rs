@@ -157,7 +157,7 @@ impl AdaptiveQuality {
         self.peaks[0] = self.peaks[0].max(cost);
     }
 
-    /// The first full window after a change tells what the change was worth.
+    /// The first full window after a change shows what the change was worth.
     fn learn(&mut self, cost: f64) {
         let Some(before) = self.cost_before.take() else {
             return;

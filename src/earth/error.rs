@@ -67,7 +67,7 @@ pub enum EarthError {
          give a smaller texture budget (texture_mb under [earth] in a scene)"
     )]
     NoRoom {
-        /// What was asked for.
+        /// Texture memory that was asked for, MiB.
         mib: u64,
         /// The device's words.
         cause: String,

@@ -32,7 +32,7 @@ impl fmt::Debug for GroundOptions {
     }
 }
 
-/// Draws it.
+/// Prepares the surface for each frame, and says when it is settled.
 pub(super) struct GroundDriver {
     elevation: Arc<dyn Elevation>,
     surface: Box<dyn Surface>,

@@ -18,21 +18,21 @@ pub struct EarthOptions {
     pub tiles: Option<TileOptions>,
     /// Ground with relief; `None` draws the smooth ellipsoid and costs nothing.
     pub ground: Option<GroundOptions>,
-    /// The figure.
+    /// Figure of the Earth: WGS84 or the paper's sphere.
     pub figure: Figure,
-    /// Cells per block edge.
+    /// Cells per block edge; by default as many as the limb needs in each picture.
     pub subdivision: Subdivision,
-    /// Which blocks are drawn.
+    /// The rule by which blocks are culled.
     pub visibility: Visibility,
-    /// How they are shaded.
+    /// The light on the ground: real sunlight, or as printed in the paper.
     pub shading: Shading,
-    /// How the air is drawn.
+    /// The air, or none of it.
     pub atmosphere: Atmosphere,
-    /// Format of the colour target.
+    /// Texture format of the host's colour target.
     pub color_format: wgpu::TextureFormat,
-    /// Sample count of the pass.
+    /// Samples a pixel of the host's pass.
     pub samples: u32,
-    /// Depth buffer of the pass.
+    /// Depth buffer of the host's pass.
     pub depth: DepthBuffer,
     /// Most samples that a map is filtered with at a grazing view, 1…16; 1 is trilinear. A software adapter always
     /// filters trilinearly: each sample costs it time, and Mesa's returns wrong texels at the limb.

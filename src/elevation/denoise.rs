@@ -20,10 +20,10 @@ impl Default for Denoise {
     }
 }
 
-/// What was found.
+/// What was replaced and what was left.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Denoised {
-    /// HeightRows replaced.
+    /// Samples replaced.
     pub replaced: u64,
     /// Suspect samples left as they were, because two or more neighbours stand with them: cliffs, ridges, walls.
     pub kept: u64,
@@ -101,7 +101,7 @@ impl Denoise {
     /// Takes the outliers out of heights that stand row by row: a sample farther from the median of its eight neighbours
     /// than both limits, with at most one neighbour on its side, becomes that median. A straight or rounded cliff has at
     /// least two there and stays, as does a summit in ground that is rough all around. All decisions are made on the grid
-    /// as it was. HeightRows that are no numbers are left alone, and so are rows that are not whole.
+    /// as it was. Samples that are no numbers are left alone, and so are rows that are not whole.
     pub fn clean(&self, columns: usize, heights_m: &mut [f32]) -> Denoised {
         let mut found = Denoised::default();
         if columns == 0 || !heights_m.len().is_multiple_of(columns) {

@@ -1,7 +1,7 @@
 //! Heights of the ground: what surfaces with relief are made from.
 //!
 //! Heights are metres above the ellipsoid. Data that are given above mean sea level are taken as they are: the geoid lies
-//! within 107 m of WGS84, and no surface here tells the two apart.
+//! within 107 m of WGS84, and no surface here distinguishes the two.
 //!
 //! [`Ground`] is what scenes use: any number of [`HeightGrid`]s over a sea at height 0. Grids are made from heights in
 //! memory or read from files (GeoTIFF, PNG with a sidecar, NetCDF classic).

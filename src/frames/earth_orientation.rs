@@ -40,7 +40,7 @@ pub enum EarthOrientationError {
     Read {
         /// The file.
         path: PathBuf,
-        /// The cause.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The file is too large.

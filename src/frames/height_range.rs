@@ -3,8 +3,8 @@
 /// Lowest and highest of some heights, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightRange {
-    /// Lowest.
+    /// Lowest height, metres above the ellipsoid.
     pub low_m: f64,
-    /// Highest.
+    /// Highest height, metres above the ellipsoid.
     pub high_m: f64,
 }

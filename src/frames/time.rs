@@ -73,11 +73,11 @@ pub enum TimeError {
     /// One of its fields has a value that does not exist.
     #[error("{text:?} is not a UTC date: {field} {value} is not from {least} to {most}")]
     Field {
-        /// The text.
+        /// The text that was to be read as a date.
         text: String,
         /// Which field.
         field: &'static str,
-        /// Its value.
+        /// The value that the field has.
         value: i64,
         /// The least value it may have.
         least: i64,
@@ -89,7 +89,7 @@ pub enum TimeError {
         "{text:?} is not a UTC date: there was no leap second then; write 59 or the next minute"
     )]
     NoLeapSecond {
-        /// The text.
+        /// The text that was to be read as a date.
         text: String,
     },
 }

@@ -233,7 +233,7 @@ impl BlockGrid {
         }
     }
 
-    /// The figure.
+    /// Figure that the blocks lie on.
     pub fn ellipsoid(&self) -> Ellipsoid {
         self.ellipsoid
     }

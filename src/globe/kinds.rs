@@ -28,7 +28,7 @@ pub enum SurfaceKind {
 }
 
 impl SurfaceKind {
-    /// All of them.
+    /// Every surface.
     pub const ALL: &[Self] = &[
         Self::Blocks,
         Self::ProjectedGrid,

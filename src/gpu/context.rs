@@ -15,7 +15,7 @@ pub enum ContextError {
     /// Adapters, but none of that name.
     #[error("no graphics adapter's name contains \"{wanted}\"; there are: {}", present.join(", "))]
     NotNamed {
-        /// What was asked for.
+        /// Name of the adapter that was asked for.
         wanted: String,
         /// The adapters there are.
         present: Vec<String>,
@@ -25,7 +25,7 @@ pub enum ContextError {
     NoDevice {
         /// The adapter's name.
         adapter: String,
-        /// The cause.
+        /// Error of the driver.
         source: wgpu::RequestDeviceError,
     },
     /// No surface could be made for the window.

@@ -232,7 +232,7 @@ impl TileShape {
 /// One tile of a pack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct TileKey {
-    /// The map.
+    /// Map that the tile is cut from.
     pub layer: MapLayer,
     /// Place of its level in the layer's list, 0 the finest (the paper's level 1).
     pub level: u8,
@@ -241,7 +241,7 @@ pub struct TileKey {
 }
 
 impl TileKey {
-    /// The block.
+    /// Block of the globe that the tile covers.
     pub fn block(self) -> Block {
         let index = u32::from(self.block);
         Block {
@@ -335,7 +335,7 @@ pub enum TileError {
     Corrupt {
         /// The file.
         path: std::path::PathBuf,
-        /// What is wrong.
+        /// What the decoder found wrong.
         cause: String,
     },
     /// No longer wanted.

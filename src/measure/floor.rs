@@ -103,7 +103,7 @@ impl Floor {
         queue.write_buffer(&self.view, 0, bytemuck::cast_slice(&rays(view, size)));
     }
 
-    /// Draws it.
+    /// Draws the floor into a pass.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
         let [x, y, width, height] = self.part;
         if width == 0 || height == 0 {

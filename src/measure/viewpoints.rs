@@ -47,7 +47,7 @@ pub enum GroundPath {
 }
 
 impl GroundPath {
-    /// Both.
+    /// Both paths.
     pub const ALL: [Self; 2] = [Self::Equatorial, Self::Inclined];
 
     /// Inclination, degrees.

@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub struct Catalogue {
     /// What kind of file it was: [`FileFormat::Tle`] or [`FileFormat::Omm`].
     pub format: FileFormat,
-    /// Those that can be flown.
+    /// Satellites that can be propagated.
     pub feeds: Vec<Sgp4Feed>,
     /// What is wrong with the others: the first thousand faults.
     pub faults: Vec<OrbitError>,

@@ -40,7 +40,7 @@ pub enum RecordFault {
     Unexpected {
         /// What stands here.
         text: String,
-        /// What should stand there.
+        /// What is accepted there.
         expected: &'static str,
     },
     /// A value is not what it should be.

@@ -13,7 +13,7 @@ use std::path::Path;
 pub struct Ephemerides {
     /// What kind of file it was: [`FileFormat::Oem`], [`FileFormat::Czml`] or [`FileFormat::Csv`].
     pub format: FileFormat,
-    /// Those that can be flown.
+    /// Satellites that can be propagated.
     pub feeds: Vec<EphemerisFeed>,
     /// What is wrong with the others: the first thousand faults.
     pub faults: Vec<OrbitError>,

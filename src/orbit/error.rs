@@ -12,7 +12,7 @@ pub enum OrbitError {
     Read {
         /// The file.
         path: PathBuf,
-        /// The cause.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The file is too large for its kind.
@@ -46,7 +46,7 @@ pub enum OrbitError {
         line: usize,
         /// Column, from 1, where one is meant.
         column: Option<usize>,
-        /// What is wrong.
+        /// The fault, with its remedy.
         fault: LineFault,
     },
     /// No satellite of that name.
@@ -72,7 +72,7 @@ pub enum OrbitError {
         count: usize,
         /// The first of them, with catalogue number and line.
         names: Vec<String>,
-        /// What to do.
+        /// What the user can do about it.
         remedy: &'static str,
     },
     /// SGP4 cannot start from these elements or fails at an epoch.

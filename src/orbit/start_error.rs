@@ -7,17 +7,17 @@ pub enum StartError {
     /// NaN or an infinite number.
     #[error("{field} is not a finite number")]
     NotFinite {
-        /// Which number.
+        /// Name of the number that is not finite.
         field: &'static str,
     },
     /// A number outside its range.
     #[error("{field} is {value:e}; expected {expected}")]
     Range {
-        /// Which number.
+        /// Name of the number that is out of range.
         field: &'static str,
-        /// Its value.
+        /// The value that was given.
         value: f64,
-        /// What it should be.
+        /// The range that is accepted.
         expected: &'static str,
     },
     /// Under the ground at the epoch.

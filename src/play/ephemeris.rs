@@ -56,7 +56,7 @@ pub enum Layout {
 /// Which ephemeris is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EphemerisRequest<'n> {
-    /// When.
+    /// First and last epoch, and the step.
     pub span: Span,
     /// In which axes.
     pub axes: Axes,

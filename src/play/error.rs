@@ -47,7 +47,7 @@ pub enum PlayError {
         scene: PathBuf,
         /// Its line.
         line: usize,
-        /// The map.
+        /// Name of the map that is missing.
         layer: &'static str,
         /// The pack's folder.
         folder: PathBuf,
@@ -101,7 +101,7 @@ pub enum PlayError {
         scene: PathBuf,
         /// The name.
         wanted: String,
-        /// What to do.
+        /// What the user can do about it.
         remedy: String,
     },
     /// An ephemeris of so many rows.
@@ -111,7 +111,7 @@ pub enum PlayError {
     TooManyRows {
         /// How many it would have.
         rows: u64,
-        /// The limit.
+        /// Most rows that are written.
         limit: u64,
     },
     /// States that cannot be written as an ephemeris message.
@@ -141,7 +141,7 @@ pub enum PlayError {
         listens_on: String,
         /// What cannot be done.
         work: &'static str,
-        /// What to do.
+        /// What the user can do about it.
         remedy: &'static str,
     },
     /// A simulator sent nothing, or nothing more.

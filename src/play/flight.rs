@@ -35,7 +35,7 @@ pub struct ViewRequest {
 /// One instant of a flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// When.
+    /// Epoch of the picture.
     pub epoch: Epoch,
     /// Where the eye is and what it sees.
     pub view: EyeView,

@@ -37,7 +37,7 @@ pub enum OutputError {
     InTheWay {
         /// The path.
         path: PathBuf,
-        /// What it is.
+        /// What stands at the path instead of a file.
         found: &'static str,
     },
     /// A file of that name is write-protected.
@@ -49,7 +49,7 @@ pub enum OutputError {
     /// The folder for frames holds something already.
     #[error("{}: is not empty; choose another folder, or give --overwrite to replace frames in it", path.display())]
     NotEmpty {
-        /// The folder.
+        /// Folder that was to be written to.
         path: PathBuf,
     },
     /// The system refuses.
@@ -57,7 +57,7 @@ pub enum OutputError {
     Write {
         /// The file or folder.
         path: PathBuf,
-        /// The cause.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// A picture could not be encoded.
@@ -65,7 +65,7 @@ pub enum OutputError {
     Encode {
         /// The file.
         path: PathBuf,
-        /// The cause.
+        /// Error of the encoder.
         source: image::ImageError,
     },
 }

@@ -42,7 +42,7 @@ pub enum SceneError {
     Read {
         /// The scene file.
         path: PathBuf,
-        /// The cause.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The path is a folder.

@@ -268,7 +268,7 @@ table_with_tracks!(RawOrbit = "orbit" {
     playback_delay_s: f64 = "a number of seconds", in LiveOptions::PLAYBACK_DELAYS_S, default usual_live().playback_delay_s;
     /// How long a simulator waits for its picture.
     timeout_s: f64 = "a number of seconds", in LiveOptions::FRAME_TIMEOUTS_S, default usual_live().frame_timeout.as_secs_f64();
-    /// Age of the last state from which on the simulator is told to be silent.
+    /// Age of the last state from which on the simulator is reported as silent.
     stale_after_s: f64 = "a number of seconds", in LiveOptions::STALE_AGES_S, default usual_live().stale_after_s;
     /// How far a satellite goes on beyond its simulator's last state.
     extrapolate_s: f64 = "a number of simulated seconds", in LiveOptions::EXTRAPOLATION_LIMITS_S, default usual_live().extrapolation_limit_s;

@@ -18,7 +18,7 @@ pub struct Orbit {
     pub file: Option<PathBuf>,
     /// Which satellite of the file, where `None` is its only one; without a file, what it is called.
     pub name: Option<String>,
-    /// Whether one bad record refuses the file; else bad records of other satellites are passed over and told of.
+    /// Whether one bad record refuses the file; else bad records of other satellites are passed over and reported.
     pub strict: bool,
     /// The motion that the scene itself describes: for [`OrbitSource::Kepler`] and [`OrbitSource::Numerical`].
     pub motion: Option<Motion>,
@@ -91,7 +91,7 @@ pub enum Motion {
     Numerical {
         /// From where.
         start: InitialState,
-        /// Which.
+        /// Forces that are integrated.
         forces: ForceOptions,
     },
 }
@@ -99,7 +99,7 @@ pub enum Motion {
 /// Where a motion starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InitialState {
-    /// When.
+    /// Epoch of the state.
     pub epoch: Epoch,
     /// In which axes.
     pub frame: Frame,
@@ -121,7 +121,7 @@ pub enum OrbitParameters {
     },
 }
 
-/// ForceOptions of a numerical motion.
+/// Forces of a numerical motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceOptions {
     /// Degree of the Earth's gravity; 0 and 1 are a point.

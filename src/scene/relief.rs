@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// The keys of `[earth]` that say how ground with relief is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReliefTable {
-    /// What draws it.
+    /// The surface that draws the ground.
     pub surface: SurfaceKind,
     /// And how, as `[earth.clipmap]` and the like set it.
     pub settings: SurfaceSettings,

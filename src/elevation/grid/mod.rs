@@ -78,9 +78,9 @@ pub enum GridError {
          unit, scale, offset, no-data value or byte order"
     )]
     NotEarth {
-        /// Lowest.
+        /// Lowest height found, metres.
         low_m: f64,
-        /// Highest.
+        /// Highest height found, metres.
         high_m: f64,
     },
     /// No height at all.

@@ -31,9 +31,9 @@ pub enum HeightFileError {
         path: PathBuf,
         /// What the file is or lacks.
         cause: String,
-        /// What it should be.
+        /// What is accepted there.
         expected: String,
-        /// What to do.
+        /// What the user can do about it.
         remedy: String,
     },
     /// A grid that is not one of latitudes and longitudes of WGS84 or nearly that.
@@ -106,7 +106,7 @@ pub enum HeightFileError {
     Grid {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// Why its grid is refused.
         source: GridError,
     },
 }
@@ -135,7 +135,7 @@ impl FileContext {
     pub(super) fn reading(&self, source: std::io::Error) -> HeightFileError {
         match source.kind() {
             std::io::ErrorKind::UnexpectedEof => self.damaged("the file ends too early"),
-            // Decoders of compressed data tell damage this way.
+            // Decoders of compressed data report damage this way.
             std::io::ErrorKind::InvalidData
             | std::io::ErrorKind::InvalidInput
             | std::io::ErrorKind::Other => self.damaged(source),

@@ -35,7 +35,7 @@ pub fn ring(
             if at == Hole::All {
                 continue;
             }
-            // One distance tells of the four corners: they are within two steps of each other.
+            // One distance stands for the four corners: they are within two steps of each other.
             let inside = coarse.distance(i, j) <= r - 3;
             for far in [false, true] {
                 let triangle = Triangle {

@@ -55,14 +55,14 @@ pub enum DemFrame {
     },
     /// On the ellipsoid, heights along its normal. Positions are ITRF metres from [`Dem::origin_m`].
     Geodetic {
-        /// The figure.
+        /// Figure of the Earth that heights stand on.
         ellipsoid: Ellipsoid,
         /// From the first to the last sample each way.
         bounds: Bounds,
     },
 }
 
-/// HalfSpace of space: the points p with n·p ≥ d.
+/// Half of space: the points p with n·p ≥ d.
 pub type HalfSpace = (DVec3, f64);
 
 /// Samples `[west, east, south, north]`, the last ones included.
@@ -290,7 +290,7 @@ impl Dem {
         &self.heights_m
     }
 
-    /// Where it lies.
+    /// How columns, rows and heights become positions.
     pub fn frame(&self) -> DemFrame {
         self.frame
     }

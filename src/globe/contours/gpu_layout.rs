@@ -25,7 +25,7 @@ pub struct ContourNode {
     pub walls: [Vec4; 4],
     /// First child, counted from the root; 0 for a leaf.
     pub first: u32,
-    /// How many.
+    /// Number of children.
     pub children: u32,
     /// Of the slab, metres.
     pub thickness: f32,
@@ -47,7 +47,7 @@ fn pack_slope(slope: DVec2) -> u32 {
 pub const STACK: usize = 24;
 
 impl ContourTree {
-    /// All nodes, the root first, appended to `out`. `slope` tells the rise of the ground at a sample, to the east and to the
+    /// All nodes, the root first, appended to `out`. `slope` gives the rise of the ground at a sample, to the east and to the
     /// north.
     pub fn write_gpu_nodes(
         &self,

@@ -29,7 +29,7 @@ pub struct Node {
     pub span: Span,
     /// First of its children, which follow each other; 0 for a leaf.
     pub first: u32,
-    /// How many.
+    /// Number of children.
     pub children: u32,
     pub(crate) parent: u32,
 }
@@ -60,7 +60,7 @@ pub struct ContourTree {
     pub nodes: Vec<Node>,
     /// What its slabs were held against, metres.
     pub tolerance_m: f64,
-    /// What it holds.
+    /// Counts and bounds of its nodes.
     pub stats: TreeStats,
 }
 

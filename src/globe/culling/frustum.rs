@@ -8,7 +8,7 @@ use glam::{DMat4, DVec3, DVec4};
 /// How much of a bound lies in a volume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Containment {
-    /// All of it.
+    /// All of the bound.
     Inside,
     /// Perhaps a part.
     Intersecting,

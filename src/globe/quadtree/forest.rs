@@ -133,7 +133,7 @@ impl Forest {
         (own, page)
     }
 
-    /// The figure.
+    /// Figure of the Earth that heights stand on.
     pub fn ellipsoid(&self) -> &Ellipsoid {
         &self.ellipsoid
     }

@@ -37,7 +37,7 @@ pub struct SquareInfo {
     pub error_m: f32,
     /// Lowest of its heights, metres.
     pub low_m: f32,
-    /// Highest.
+    /// Highest height in the square, metres.
     pub high_m: f32,
 }
 

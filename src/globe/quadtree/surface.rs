@@ -14,12 +14,12 @@ use std::collections::HashMap;
 /// What a [`Quadtree`] may take, and by which rule it divides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuadtreeOptions {
-    /// The figure.
+    /// Figure of the Earth that heights stand on.
     pub ellipsoid: Ellipsoid,
     /// When a leaf is divided.
     pub split_rule: SplitRule,
     /// Most leaves at once, drawn or not: about five triangles and up to 1 kB each. Where the tolerance asks for more, it is
-    /// eased, and the error that is reported tells. At least 512.
+    /// eased, and the error that is reported says so. At least 512.
     pub max_leaves: u32,
     /// Most pages: the quarters of a square each, 300 bytes. At least 256.
     pub max_pages: u32,

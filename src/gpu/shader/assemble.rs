@@ -18,7 +18,7 @@ pub struct ShaderError {
 /// WGSL as the driver gets it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ShaderText {
-    /// The text.
+    /// The lines of the shader.
     pub text: String,
     /// For each of its lines the file below `shaders/` that it comes from, and its number there, from 1.
     pub origins: Vec<(&'static str, usize)>,

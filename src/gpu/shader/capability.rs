@@ -8,7 +8,7 @@ pub enum ShaderCapability {
 }
 
 impl ShaderCapability {
-    /// All of them.
+    /// Every capability.
     pub const ALL: [Self; 1] = [Self::StorageBuffers];
 
     /// Whether a device of these limits has it.

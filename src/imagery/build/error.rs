@@ -20,9 +20,9 @@ pub enum BuildError {
     Source {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// What was found wrong with the file.
         cause: String,
-        /// What to do.
+        /// What the user can do about it.
         advice: String,
     },
     /// A map began well and then broke.
@@ -36,9 +36,9 @@ pub enum BuildError {
     /// A ladder of levels that cannot be.
     #[error("--pixels {}={pixels}: {cause}", layer.name())]
     Pixels {
-        /// The map.
+        /// Map whose levels were asked for.
         layer: MapLayer,
-        /// What was asked for.
+        /// Levels that were asked for, as written.
         pixels: String,
         /// What is wrong and what is allowed.
         cause: String,
@@ -46,7 +46,7 @@ pub enum BuildError {
     /// An option that cannot be.
     #[error("{option}: {cause}")]
     Option {
-        /// Which.
+        /// Name of the option.
         option: &'static str,
         /// What is wrong and what is allowed.
         cause: String,
@@ -57,7 +57,7 @@ pub enum BuildError {
          with fewer pixels", layer.name()
     )]
     Memory {
-        /// The map.
+        /// Map that does not fit.
         layer: MapLayer,
         /// What is allowed, megabytes.
         allowed_mb: u64,
@@ -67,7 +67,7 @@ pub enum BuildError {
     /// The folder holds something that is not a pack.
     #[error("{}: holds {found}, which no pack has; give an empty folder or a new name", path.display())]
     NotEmpty {
-        /// The folder.
+        /// Folder that was to be written to.
         path: PathBuf,
         /// A name that was found there.
         found: String,

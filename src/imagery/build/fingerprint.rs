@@ -1,4 +1,4 @@
-//! What tells one build from another: all that decides what is written, and the maps by size, time and their ends.
+//! What distinguishes one build from another: all that decides what is written, and the maps by size, time and their ends.
 
 use super::error::BuildError;
 use super::source::FileContext;
@@ -40,7 +40,7 @@ fn of_file(path: &Path) -> Result<String, BuildError> {
     let read = || -> std::io::Result<String> {
         let mut file = File::open(path)?;
         let metadata = file.metadata()?;
-        // A file system without times is told by the rest.
+        // A file system without times is recognised by the rest.
         let modified = metadata
             .modified()
             .ok()

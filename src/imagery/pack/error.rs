@@ -62,7 +62,7 @@ pub enum PackError {
     Read {
         /// What could not be read.
         path: PathBuf,
-        /// The cause.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The manifest is larger than any needs to be.
@@ -135,9 +135,9 @@ pub enum PackError {
     Map {
         /// The pack's folder.
         path: PathBuf,
-        /// The map.
+        /// The map that is refused.
         layer: MapLayer,
-        /// What is wrong.
+        /// Why it is refused.
         source: ImageryError,
     },
 }

@@ -1,4 +1,4 @@
-//! A contact sheet of a pack: one look tells whether its maps are the right way round and its levels show one place.
+//! A contact sheet of a pack: one look shows whether its maps are the right way round and its levels show one place.
 
 use super::coarsest::inner_texels;
 use super::decode::decode_tile;

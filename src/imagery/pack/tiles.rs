@@ -162,7 +162,7 @@ pub(super) fn read_tile(
     }
     let opened = File::open(path).map_err(unreadable)?;
     unless(cancelled)?;
-    // The manifest's length is bounded by the tile's shape. One byte more tells that the file has grown.
+    // The manifest's length is bounded by the tile's shape. One byte more shows that the file has grown.
     let mut bytes = Vec::with_capacity(file.bytes as usize + 1);
     opened
         .take(file.bytes + 1)

@@ -44,7 +44,7 @@ impl VerifyReport {
 pub struct BadTile {
     /// Its file, relative to the pack's folder.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// What is wrong with the tile.
     pub cause: String,
 }
 

@@ -127,7 +127,7 @@ impl TileStream {
         self.cache.upload(budget, write)
     }
 
-    /// What it is doing.
+    /// Counts of requested, loaded and resident tiles, for statistics.
     pub fn counters(&self) -> StreamCounters {
         self.cache.counters()
     }

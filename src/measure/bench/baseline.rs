@@ -35,7 +35,7 @@ impl RowChange {
 pub struct Comparison {
     /// In the order of the rows.
     pub changes: Vec<RowChange>,
-    /// FeatureKind by which a row may be slower.
+    /// Part by which a row may be slower.
     pub tolerance: f64,
 }
 

@@ -22,7 +22,7 @@ pub enum BenchError {
     BaselineUnreadable {
         /// The file.
         path: PathBuf,
-        /// The cause.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The baseline is no report of a complete run.

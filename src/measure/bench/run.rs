@@ -23,7 +23,7 @@ pub struct BenchRequest<'r> {
     pub frames: NonZeroU32,
     /// Width and height, pixels; `None` is the scene's.
     pub size: Option<(u32, u32)>,
-    /// FeatureKind of the adapter's name; `None` takes the best.
+    /// Part of the adapter's name; `None` takes the best.
     pub adapter: Option<&'r str>,
     /// Where the report goes.
     pub json: Option<&'r Path>,
@@ -33,7 +33,7 @@ pub struct BenchRequest<'r> {
     pub plots: Option<&'r Path>,
     /// An earlier report to compare with.
     pub baseline: Option<&'r Path>,
-    /// FeatureKind by which a row's frame over floor may exceed the baseline's.
+    /// Part by which a row's frame over floor may exceed the baseline's.
     pub tolerance: f64,
 }
 

@@ -16,7 +16,7 @@ pub struct SilhouetteErrors {
     pub max_px: f64,
     /// Median of them.
     pub median_px: f64,
-    /// How many.
+    /// Number of places on the limb that were measured.
     pub places: usize,
     /// Whether they lie in the picture. Where it shows no limb they go round the whole horizon, with pixels as large as
     /// in the middle of the picture.

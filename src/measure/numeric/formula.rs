@@ -51,7 +51,7 @@ pub struct Form<I, O = f64> {
 ///
 /// `I` is what a form computes from, bits and all: the oracle starts from the same floats. `O` is what it answers.
 pub struct Formula<I, O = f64> {
-    /// What is computed.
+    /// Name of the computed quantity.
     pub name: &'static str,
     /// The range, as text.
     pub range: &'static str,

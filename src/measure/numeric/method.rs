@@ -62,7 +62,7 @@ pub struct Measurement {
     pub variant: String,
     /// Name of the parameter, with its unit.
     pub parameter: &'static str,
-    /// Its value.
+    /// Value of the parameter.
     pub value: f64,
     /// Error there.
     pub error: f64,

@@ -83,7 +83,7 @@ impl Path {
         }
     }
 
-    /// Where it ends.
+    /// The point where the path ends.
     pub fn end(&self) -> DVec3 {
         self.foot + self.direction * self.to
     }

@@ -107,7 +107,7 @@ struct Sweep<'s> {
     charts: Vec<ChartFigure<'s>>,
 }
 
-/// The page.
+/// The page as HTML.
 ///
 /// # Errors
 /// As [`html::page`].

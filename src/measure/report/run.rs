@@ -224,7 +224,7 @@ impl Viewpoints<'_> {
 struct RowMeter<'r> {
     viewpoints: &'r Viewpoints<'r>,
     request: &'r ReportRequest<'r>,
-    /// The scene's.
+    /// Options of the scene's Earth, before a setting is changed.
     options: &'r EarthOptions,
     geometry: GeometryMeter<'r>,
 }

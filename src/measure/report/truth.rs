@@ -48,7 +48,7 @@ impl TruthKey {
 
 /// Reference renderers of a scene and the pictures that they have made.
 pub(super) struct TruePictures<'r> {
-    /// The scene's.
+    /// Options of the scene's Earth, before a setting is changed.
     pub options: &'r EarthOptions,
     /// Rays along each side of a pixel.
     pub samples: u32,

@@ -57,7 +57,7 @@ struct Row<'s> {
     numbers: [String; 18],
 }
 
-/// The page.
+/// The page as HTML.
 ///
 /// # Errors
 /// As [`html::page`].

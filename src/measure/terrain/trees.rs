@@ -34,7 +34,7 @@ impl CachedTrees<'_> {
         Ok(tree)
     }
 
-    /// The same, built in any case.
+    /// Builds the quadtree without asking the cache.
     pub fn build_quadtree(
         &self,
         field: &HeightField,
@@ -68,7 +68,7 @@ impl CachedTrees<'_> {
         Ok(tree)
     }
 
-    /// The same, built in any case.
+    /// Builds the contours without asking the cache.
     pub fn build_contours(
         &self,
         field: &HeightField,

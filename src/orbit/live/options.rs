@@ -122,7 +122,7 @@ pub struct LiveOptions {
     pub transport: Transport,
     /// Who waits for whom.
     pub pacing: Pacing,
-    /// The satellite's name until a packet tells one.
+    /// The satellite's name until a packet gives one.
     pub name: String,
     /// Lets the port be bound to an address that other machines reach. Whoever reaches it can steer the picture.
     pub allow_remote: bool,
@@ -233,7 +233,7 @@ pub enum LiveError {
     Setting {
         /// Which setting.
         key: &'static str,
-        /// Its value.
+        /// The value that was given.
         value: f64,
         /// The least it may be.
         least: f64,
@@ -261,13 +261,13 @@ pub enum LiveError {
     Bind {
         /// The address.
         address: SocketAddr,
-        /// The cause.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// No thread to be had.
     #[error("cannot start a thread for the live feed: {source}")]
     Thread {
-        /// The cause.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// No state has come yet.

@@ -28,7 +28,7 @@ const TAI_NS: std::ops::Range<i128> = -TAI_1970_NS..47_482 * 86_400 * 1_000_000_
 /// What a packet is sent for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PacketKind {
-    /// Nothing: it tells a state.
+    /// Nothing: it only sends a state.
     State,
     /// A picture of this state, and word when it is drawn.
     Frame,

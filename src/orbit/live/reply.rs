@@ -19,7 +19,7 @@ pub enum Reply {
     Error {
         /// The packet's number, where it is known.
         seq: Option<u64>,
-        /// What is wrong.
+        /// The reason, as the simulator is to read it.
         reason: String,
     },
 }

@@ -48,7 +48,7 @@ pub enum NumericalError {
         satellite: String,
         /// How far it came, UTC.
         epoch: String,
-        /// The limit.
+        /// Most steps that an integration may take.
         limit: usize,
     },
 }

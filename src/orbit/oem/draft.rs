@@ -149,7 +149,7 @@ impl<'o> Draft<'o> {
         Ok(())
     }
 
-    /// A message tells of one object.
+    /// A message is of one object.
     fn check_object(&mut self, name: &Entry<'_>, id: &Entry<'_>) -> Result<(), RecordError> {
         match &self.object {
             Some((_, first)) if *first != id.value => Err(id.unsupported(

@@ -12,7 +12,7 @@ pub enum KvnLine<'t> {
     Other {
         /// Without blanks at either end, never empty.
         text: &'t str,
-        /// Where it begins.
+        /// Where in the file the line begins.
         place: TextPosition,
     },
 }

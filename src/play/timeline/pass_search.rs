@@ -29,7 +29,7 @@ pub enum PassQuery {
     Next(PassSite, (Epoch, Epoch)),
 }
 
-/// What was found.
+/// Result of a search for the next pass.
 #[derive(Debug)]
 pub enum PassResult {
     /// Passes in order of time; what the satellite's feed refuses ends them.

@@ -100,7 +100,7 @@ impl Ffmpeg {
         Ok(Self { process, file })
     }
 
-    /// Waits for ffmpeg to end, and tells how if that was not well.
+    /// Waits for ffmpeg to end, and reports how if that was not well.
     fn wait(&mut self) -> Result<(), PlayError> {
         let process = &mut self.process;
         // Ends its input.

@@ -36,7 +36,7 @@ use std::f64::consts::FRAC_PI_8;
 /// How much the surface may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PageOptions {
-    /// The figure.
+    /// Figure of the Earth that heights stand on.
     pub ellipsoid: Ellipsoid,
     /// Most pages that are kept, 144…2048. One takes up to 44 kB in memory and as much on the GPU.
     pub max_pages: u32,

@@ -56,7 +56,7 @@ pub struct Page {
     pub radius_m: f64,
     /// Lowest of the heights drawn, metres.
     pub low_m: f64,
-    /// Highest.
+    /// Highest height in the page, metres.
     pub high_m: f64,
     /// Finer shows nothing more.
     pub is_last: bool,

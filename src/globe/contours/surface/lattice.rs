@@ -95,7 +95,7 @@ impl Cell {
         self.vertex((k as u32 & 1) * SEGMENTS, (k as u32 >> 1) * SEGMENTS)
     }
 
-    /// Where it lies.
+    /// Rectangle of longitude and latitude that the cell covers.
     pub fn bounds(self) -> Bounds {
         let [x, y] = self.vertex(0, 0);
         let width_rad = f64::from(self.steps()) * STEP_RAD;

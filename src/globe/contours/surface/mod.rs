@@ -41,7 +41,7 @@ use std::sync::Arc;
 /// How much the surface may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourOptions {
-    /// The figure.
+    /// Figure of the Earth that heights stand on.
     pub ellipsoid: Ellipsoid,
     /// Most cells that are cut for a view; patches are up to three times as many, and balancing adds to them. 16…900.
     pub max_cuts: u32,

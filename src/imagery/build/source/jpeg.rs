@@ -121,7 +121,7 @@ impl<R: BufRead> RowSource for JpegRows<R> {
     }
 }
 
-/// Runs a step of the decoder, which tells errors by unwinding.
+/// Runs a step of the decoder, which reports errors by unwinding.
 fn guard<T>(
     context: &FileContext,
     state: &ScanState,
@@ -145,7 +145,7 @@ fn guard<T>(
     }
 }
 
-/// What the reader tells past the decoder.
+/// What the reader reports past the decoder.
 #[derive(Default)]
 struct ScanState {
     /// The decoder asked for the marker after the scan's data.

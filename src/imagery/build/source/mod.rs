@@ -71,7 +71,7 @@ pub struct SourceInfo {
     pub file: FileKind,
     /// Texels of a row.
     pub width: u32,
-    /// Rows.
+    /// Height, texels.
     pub height: u32,
     /// Samples of a texel: 1 grey, 2 grey and alpha, 3 colour, 4 colour and alpha.
     pub channels: usize,

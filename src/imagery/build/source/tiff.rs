@@ -195,7 +195,7 @@ fn decode_error(context: &FileContext, error: TiffError) -> BuildError {
         TiffError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
             context.damaged("the file ends too early")
         }
-        // The decoders of compressed data tell damage this way.
+        // The decoders of compressed data report damage this way.
         TiffError::IoError(error)
             if matches!(
                 error.kind(),

@@ -133,7 +133,7 @@ impl<'a> Value<'a> {
         }
     }
 
-    /// What is wrong with it.
+    /// The error that refuses this value, with its line.
     pub(super) fn refuse(&self, cause: impl Display) -> PackError {
         let span = self.value.span();
         let excerpt = printable(self.source.text.get(span.clone()).unwrap_or_default());

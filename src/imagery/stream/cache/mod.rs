@@ -267,7 +267,7 @@ impl TileCache {
         self.retired.drain(..)
     }
 
-    /// What it is doing.
+    /// Counts of requested, loaded and resident tiles, for statistics.
     pub fn counters(&self) -> StreamCounters {
         StreamCounters {
             queued: self.queue.len() as u32,

@@ -55,7 +55,7 @@ pub struct Counts {
 /// One step with its dense output.
 #[derive(Clone, Debug)]
 pub(crate) struct Step<const N: usize> {
-    /// Where it begins.
+    /// Time at which the step begins, seconds.
     pub t0: f64,
     /// Its length; below 0 backwards.
     pub h: f64,
@@ -81,7 +81,7 @@ pub(crate) enum Dense<const N: usize> {
 }
 
 impl<const N: usize> Step<N> {
-    /// Where it ends.
+    /// Time at which the step ends, seconds.
     pub fn t1(&self) -> f64 {
         self.t0 + self.h
     }
