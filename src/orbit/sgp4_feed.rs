@@ -1,4 +1,4 @@
-//! Mean elements propagated by SGP4 (SDP4 for deep space).
+//! Orbit propagation by SGP4 (SDP4 for deep space) from mean elements.
 
 use super::mean_elements::MeanElements;
 use super::tle_fields::elements;

@@ -1,4 +1,5 @@
-//! Culling: what an eye cannot see, because it lies outside the view frustum or behind the horizon, is left out.
+//! Culling of blocks and patches: what an eye cannot see, because it lies outside the view frustum or behind the horizon, is
+//! left out.
 //!
 //! All surfaces ask here. Every test is conservative: nothing is left out of which any point could be seen, whatever the
 //! ground is like between its lowest and its highest height.

@@ -1,4 +1,4 @@
-//! Keplerian propagation: motion on a conic, of two bodies, and where wanted the Earth's flattening as an average.
+//! Keplerian orbit propagation: motion on a conic, of two bodies, and where wanted the Earth's flattening as an average.
 //!
 //! | file | what |
 //! |---|---|

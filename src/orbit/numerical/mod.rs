@@ -1,4 +1,4 @@
-//! Numerical propagation: motion under forces, integrated.
+//! Numerical orbit propagation: motion under forces, integrated.
 //!
 //! | folder or file | what |
 //! |---|---|

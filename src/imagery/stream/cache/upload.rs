@@ -1,5 +1,5 @@
-//! Upload of decoded tiles into slots, part by part, by eviction where no slot is empty; with the last part a tile becomes
-//! resident.
+//! Where a decoded tile becomes resident: its upload into a slot, part by part; the tile used longest ago is evicted where
+//! no slot is empty.
 
 use super::{PendingUpload, TileCache, TileStage, table_index};
 use crate::imagery::stream::{TileSlot, Upload};
