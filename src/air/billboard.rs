@@ -49,7 +49,7 @@ pub enum Screen {
 /// The *billboard frame* has its origin at the eye and its third axis towards O; lengths are in scaled space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Billboard {
-    /// What it covers.
+    /// Part of the screen that the air covers.
     pub screen: Screen,
     /// Corners in clip space, triangle-strip order.
     pub clip: [DVec4; 4],

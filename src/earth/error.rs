@@ -25,9 +25,9 @@ pub enum EarthError {
     TooLarge {
         /// Which map.
         layer: &'static str,
-        /// Its width.
+        /// Width of the map, texels.
         width: u32,
-        /// Its height.
+        /// Height of the map, texels.
         height: u32,
         /// The device's limit.
         limit: u32,

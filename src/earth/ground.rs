@@ -17,7 +17,7 @@ use std::sync::Arc;
 pub struct GroundOptions {
     /// Where heights come from.
     pub elevation: Arc<dyn Elevation>,
-    /// What draws them.
+    /// The surface that draws the ground, with its settings.
     pub surface: SurfaceSettings,
     /// Most pixels by which the drawn ground may differ from its data, for surfaces that know; 0 asks for all there is.
     pub tolerance_px: f64,

@@ -62,7 +62,7 @@ impl Quality {
 pub struct QualityLevel {
     /// What it gives up that the one above has.
     pub reduction: QualityReduction,
-    /// What is left.
+    /// The quality that is left.
     pub quality: Quality,
 }
 

@@ -6,7 +6,7 @@ use crate::imagery::residency::StreamCounters;
 use crate::imagery::tile::MAX_LEVELS;
 use std::time::Duration;
 
-/// What one frame drew.
+/// Counts of what one frame drew.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameStats {
     /// Blocks left by the horizon test.

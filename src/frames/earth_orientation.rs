@@ -68,9 +68,9 @@ pub enum EarthOrientationError {
         column: usize,
         /// Name of the field.
         field: &'static str,
-        /// What stands there.
+        /// Text of the field.
         text: String,
-        /// What should.
+        /// What is accepted there.
         expected: &'static str,
     },
     /// A day is missing or comes twice.

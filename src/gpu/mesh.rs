@@ -4,7 +4,7 @@ use super::FramePlan;
 use super::shader::VertexForm;
 use crate::globe::{Block, BlockGrid, BlockSet, Surface};
 
-/// What drawing costs.
+/// Draw calls and triangles of a frame's meshes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DrawCosts {
     pub draw_calls: u32,

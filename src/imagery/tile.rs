@@ -115,7 +115,7 @@ pub enum Storage {
 }
 
 impl Storage {
-    /// Both.
+    /// Both storages.
     pub const ALL: [Self; 2] = [Self::Plain, Self::Bc];
 
     /// Name in manifests, folders and messages.

@@ -116,7 +116,7 @@ impl Floor {
     }
 }
 
-/// What is sampled.
+/// Textures that the floor samples.
 struct Textures {
     views: Vec<wgpu::TextureView>,
     /// How many of them are maps; tables follow.

@@ -29,7 +29,7 @@ pub enum StartError {
         satellite: String,
         /// How deep, metres.
         depth_m: f64,
-        /// What it is below.
+        /// The surface that it is below.
         surface: &'static str,
     },
 }

@@ -139,7 +139,7 @@ pub enum PlayError {
         scene: PathBuf,
         /// Where it is listened for.
         listens_on: String,
-        /// What cannot be done.
+        /// The work that cannot be done.
         work: &'static str,
         /// What the user can do about it.
         remedy: &'static str,
@@ -329,7 +329,7 @@ pub enum VideoError {
         path: PathBuf,
         /// How it ended.
         status: String,
-        /// What it said last.
+        /// The end of what it printed.
         words: String,
     },
 }

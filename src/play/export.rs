@@ -27,7 +27,7 @@ pub struct ExportRequest<'r> {
     pub overwrite: bool,
     /// The MP4 to write.
     pub video: Option<&'r Path>,
-    /// What encodes it.
+    /// Encoder of the video.
     pub encoder: EncoderChoice,
     /// Width and height, pixels; `None` is the scene's.
     pub size: Option<(u32, u32)>,

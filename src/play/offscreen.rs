@@ -88,7 +88,7 @@ impl OffscreenRenderer {
         &self.earth
     }
 
-    /// What it draws with.
+    /// Adapter, device and queue.
     pub fn gpu(&self) -> &GpuContext {
         &self.gpu
     }
@@ -149,8 +149,9 @@ impl OffscreenRenderer {
         })
     }
 
-    /// Draws an instant in two passes, "surface" (with the craft and what of tracks lies beyond the air, where there are any) and "air", and reads how long each
-    /// took on the device, milliseconds. Clearing counts to the first and resolving samples to the last.
+    /// Draws an instant in two passes, "surface" (with the craft and what of tracks lies beyond the air, where there are any)
+    /// and "air", and reads how long each took on the device, milliseconds. Clearing counts to the first and resolving
+    /// samples to the last.
     ///
     /// Two passes and the writing of times cost time themselves: not for frames whose whole time is wanted.
     pub fn time_passes(

@@ -17,9 +17,9 @@ const NOTICE_WIDTH: f32 = 420.0;
 pub struct PanelData<'p> {
     /// The satellite's name, if there is one.
     pub satellite: Option<&'p str>,
-    /// What is on screen.
+    /// The moment on screen.
     pub moment: &'p Moment,
-    /// What was drawn.
+    /// Counts of the frame on screen.
     pub stats: FrameStats,
     /// Whether the tiles of a pack are drawn.
     pub has_tiles: bool,

@@ -200,7 +200,7 @@ impl WindowRenderer {
         self.earth.expect(views);
     }
 
-    /// What was drawn last.
+    /// The moment that was drawn last.
     pub fn last_moment(&self) -> Option<Moment> {
         self.last.map(|(moment, _)| moment)
     }

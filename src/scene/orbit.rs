@@ -24,7 +24,7 @@ pub struct Orbit {
     pub motion: Option<Motion>,
     /// How states of a simulator are taken: for [`OrbitSource::Live`].
     pub live: Option<LiveOptions>,
-    /// What is drawn of it.
+    /// What is drawn of its path: trail, ground track, footprint, marker.
     pub track: Track,
 }
 

@@ -78,7 +78,7 @@ pub fn is_hidden(eye_itrf_m: DVec3, point_itrf_m: DVec3, ellipsoid: &Ellipsoid) 
 }
 
 /// Whether a point lies beyond the near boundary of the air as seen from `eye`, so that the air is drawn over it: the twin of
-/// `is_on_side`. `air_top` is the boundary's radius in scaled space.
+/// `is_on_side` in the shaders of tracks. `air_top` is the boundary's radius in scaled space.
 pub fn is_beyond_air(
     eye_itrf_m: DVec3,
     point_itrf_m: DVec3,

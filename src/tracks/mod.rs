@@ -41,8 +41,8 @@
 //! **Lines.** One instance a segment, cut against the plane before the eye and against three times the picture, widened on
 //! screen, neighbours joined at their bisector, edges smoothed by distance. A dark edge sets them off from bright ground.
 //!
-//! **Hiding.** Whether the globe hides a point is decided by the ray to it ([`is_hidden`]), in scaled space, where the ellipsoid is the unit sphere: exact at
-//! the limb, whatever the mesh. What else the host has drawn hides by depth; what lies on the ground is tested a
+//! **Hiding.** Whether the globe hides a point is decided by the ray to it ([`is_hidden`]), in scaled space, where the
+//! ellipsoid is the unit sphere: exact at the limb, whatever the mesh. What else the host has drawn hides by depth; what lies on the ground is tested a
 //! tenth of its distance nearer (marks half), 500 m at least, so that the inscribed mesh does not hide it. Depth is not written.
 //!
 //! **Air.** The air is one layer that blends over all that lies beyond its near boundary, as over the ground. So lines are drawn
@@ -101,7 +101,7 @@ impl TracksOptions {
     }
 }
 
-/// What a frame shows.
+/// The moment, the eye and the satellites that a frame shows.
 #[derive(Clone, Copy, Debug)]
 pub struct TrackMoment<'m> {
     /// The epoch that the frame shows.

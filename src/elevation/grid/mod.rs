@@ -88,7 +88,7 @@ pub enum GridError {
     Empty,
 }
 
-/// What a grid holds.
+/// Counts and range of a grid's heights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridStats {
     /// Samples without data, which were given heights.
@@ -426,7 +426,7 @@ impl HeightGrid {
         self.stats.range.low_m == self.stats.range.high_m
     }
 
-    /// What it holds.
+    /// Counts and range of the heights.
     pub fn stats(&self) -> GridStats {
         self.stats
     }

@@ -25,7 +25,7 @@ pub struct Node {
     pub ceiling_m: f64,
     /// Farthest sample from the centroid, metres.
     pub radius_m: f64,
-    /// Its samples.
+    /// Samples that the node covers.
     pub span: Span,
     /// First of its children, which follow each other; 0 for a leaf.
     pub first: u32,
@@ -34,7 +34,7 @@ pub struct Node {
     pub(crate) parent: u32,
 }
 
-/// What a tree holds.
+/// Counts of a tree's nodes, and what they come to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TreeStats {
     /// All nodes.

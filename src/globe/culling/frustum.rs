@@ -12,7 +12,7 @@ pub enum Containment {
     Inside,
     /// Perhaps a part.
     Intersecting,
-    /// Nothing.
+    /// Nothing of the bound.
     Outside,
 }
 

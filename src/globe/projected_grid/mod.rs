@@ -157,7 +157,7 @@ pub struct GridFrame {
     pub clip_from_eye: DMat4,
     /// Rays.
     pub screen: ScreenPlane,
-    /// What they meet.
+    /// Casts those rays at the ground.
     pub caster: Caster,
     /// The part of the plane that the grid lies over.
     pub rect: Rect,

@@ -46,7 +46,7 @@ type Places = HashMap<Point, u32, BuildHasherDefault<PointHasher>>;
 pub struct BuiltPatch {
     /// The node that it covers.
     pub node: Node,
-    /// What is handed over.
+    /// The patch that is handed to be drawn.
     pub patch: Patch,
     /// Its vertices stand on multiples of this, metres, so that they are exact in single precision.
     pub step_m: f64,

@@ -35,11 +35,11 @@ pub struct Patch {
     pub revision: u64,
     /// Where vertices are measured from, ITRF metres.
     pub origin_itrf_m: DVec3,
-    /// Its vertices.
+    /// Vertices about the patch's origin.
     pub vertices: Vec<GroundVertex>,
     /// The vertices that differ from the revision before. Who has that one needs no others.
     pub changed: Vec<Range<u32>>,
-    /// Its triangles.
+    /// Indices of its triangles.
     pub indices: Arc<TriangleList>,
     /// The block that it lies in, where it lies in one alone.
     pub block: Option<Block>,

@@ -25,7 +25,7 @@ impl ShaderCapability {
         }
     }
 
-    /// What is drawn by it.
+    /// What is drawn by it, as messages name it.
     pub fn serves(self) -> &'static str {
         match self {
             Self::StorageBuffers => "contours by casting rays",

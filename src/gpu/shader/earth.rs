@@ -8,7 +8,7 @@ use super::variant::{SWITCH, ShaderVariant, TargetColor};
 pub struct EarthVariant {
     /// How its mesh is made, and with it how a pixel's point of the surface is found.
     pub form: VertexForm,
-    /// What its pixels get.
+    /// What the fragment stage writes.
     pub output: EarthOutput,
 }
 

@@ -5,7 +5,7 @@ use super::variant::{ShaderVariant, TargetColor};
 /// What a shader of tracks is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct TracksVariant {
-    /// What it draws.
+    /// Lines, marks or fills.
     pub kind: TrackKind,
     /// What the target stores.
     pub target: TargetColor,

@@ -13,7 +13,7 @@ pub enum TargetColor {
 }
 
 impl TargetColor {
-    /// Both.
+    /// Both colour targets.
     pub const ALL: [Self; 2] = [Self::Linear, Self::Display];
 }
 

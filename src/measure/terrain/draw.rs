@@ -158,7 +158,7 @@ impl Canvas {
         }
     }
 
-    /// What was drawn last.
+    /// The picture that was drawn last, read back.
     pub fn picture(&self) -> Result<RgbaImage, PlayError> {
         let GpuContext { device, queue, .. } = &self.gpu;
         let texels = self.targets.read_back(device, queue)?;

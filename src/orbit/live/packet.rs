@@ -37,7 +37,7 @@ pub enum PacketKind {
 /// A state that a simulator sends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Packet {
-    /// What it asks for.
+    /// Whether it only brings a state or asks for a frame.
     pub kind: PacketKind,
     /// The simulator's count of its packets; a JSON line with a state may go without.
     pub seq: Option<u64>,

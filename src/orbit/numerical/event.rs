@@ -29,7 +29,7 @@ pub enum EventKind {
 pub struct Event {
     /// When: to a microsecond of the trajectory as integrated.
     pub epoch: Epoch,
-    /// What happens.
+    /// Kind of event.
     pub kind: EventKind,
 }
 

@@ -40,7 +40,7 @@ pub struct Page {
     pub revision: u64,
     /// Where positions are measured from, ITRF metres.
     pub origin_itrf_m: DVec3,
-    /// Its tree.
+    /// Nodes of the page's tree of contours.
     pub nodes: Vec<ContourNode>,
     /// The prism that holds what is drawn: SW, SE, NW, NE below, then above, metres from the origin.
     pub corners_m: [DVec3; 8],

@@ -33,7 +33,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// What it is known by.
+    /// Level and place as one number: the key of maps of cells.
     pub fn key(self) -> u64 {
         u64::from(self.level) << 56 | u64::from(self.y) << 28 | u64::from(self.x)
     }

@@ -49,9 +49,9 @@ pub struct LoadId {
 pub struct PendingLoad {
     /// The tile.
     pub key: TileKey,
-    /// What it is known by.
+    /// Thread and number of the load.
     pub id: LoadId,
-    /// It is requested no longer, as of the last [`TileCache::fit`].
+    /// It is requested no longer, as of the last [`TileCache::allocate`].
     pub cancel: bool,
     /// It has not been requested at some time, so that it may end as cancelled.
     was_cancelled: bool,
@@ -73,7 +73,7 @@ pub struct TileCache {
     pending_uploads: Vec<PendingUpload>,
     retired: Vec<Tile>,
     decoded_limit: u64,
-    /// Number of the frame; [`Self::fit`] begins the next. Never 0, which marks what has not been yet.
+    /// Number of the frame; [`Self::allocate`] begins the next. Never 0, which marks what has not been yet.
     frame: u64,
     /// Number of promises in this frame.
     promises: u32,
