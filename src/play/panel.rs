@@ -23,7 +23,7 @@ pub struct PanelData<'p> {
     pub stats: FrameStats,
     /// Whether the tiles of a pack are drawn.
     pub has_tiles: bool,
-    /// What governs the quality, if a frame time is to be held.
+    /// Adapts the quality, if a frame time is to be held.
     pub adaptive: Option<&'p AdaptiveQuality>,
     /// Milliseconds between frames, smoothed; `None` before there are two.
     pub interval_ms: Option<f64>,

@@ -45,7 +45,7 @@ pub struct WindowRenderer {
     adapter: String,
     satellite: Option<String>,
     has_tiles: bool,
-    governed: Option<Governed>,
+    quality_control: Option<QualityControl>,
     samples: SamplesByView,
     last: Option<(Moment, FrameStats)>,
     interval_ms: Option<f64>,
@@ -59,8 +59,8 @@ struct SamplesByView {
     without: u32,
 }
 
-/// Quality that gives way to a frame time.
-struct Governed {
+/// Quality that is adapted to hold a frame time.
+struct QualityControl {
     adaptive: AdaptiveQuality,
     costs: FrameCosts,
 }
@@ -118,10 +118,10 @@ impl WindowRenderer {
         options.color_format = surface.format();
         options.samples = surface.samples();
         let earth = Earth::new(&gpu.device, &gpu.queue, &options)?;
-        let governed = match flight.scene().quality {
+        let quality_control = match flight.scene().quality {
             Some(quality) => {
                 let levels = earth.quality().levels(earth.has_tiles(), gpu.is_software());
-                Some(Governed {
+                Some(QualityControl {
                     adaptive: AdaptiveQuality::new(quality.target_ms, levels),
                     costs: FrameCosts::new(&gpu.device).map_err(WindowError::NoThread)?,
                 })
@@ -150,7 +150,7 @@ impl WindowRenderer {
             adapter: format!("{} ({})", info.name, info.backend),
             satellite: flight.feed().map(|feed| feed.name().to_owned()),
             has_tiles: options.tiles.is_some(),
-            governed,
+            quality_control,
             samples,
             last: None,
             interval_ms: None,
@@ -264,7 +264,7 @@ impl WindowRenderer {
             | CurrentSurfaceTexture::Validation => return (Presented::Skipped, Vec::new()),
         };
         let begin = Instant::now();
-        match self.governed {
+        match self.quality_control {
             Some(_) => self.govern(),
             None => self.follow_craft(moment),
         }
@@ -283,8 +283,8 @@ impl WindowRenderer {
             .gpu
             .queue
             .submit(panel.into_iter().chain([encoder.finish()]));
-        if let Some(governed) = &self.governed {
-            governed.costs.time(begin, submission);
+        if let Some(quality_control) = &self.quality_control {
+            quality_control.costs.time(begin, submission);
         }
         self.window.pre_present_notify();
         self.gpu.queue.present(frame);
@@ -344,7 +344,7 @@ impl WindowRenderer {
 
     /// Gives up quality, or takes it back, as the last frames' costs ask for.
     fn govern(&mut self) {
-        let Some(Governed { adaptive, costs }) = &mut self.governed else {
+        let Some(QualityControl { adaptive, costs }) = &mut self.quality_control else {
             return;
         };
         // All that has come since counts; of several changes the last is made.
@@ -365,7 +365,7 @@ impl WindowRenderer {
             }
         );
         if !self.set_quality(&quality) {
-            self.governed = None;
+            self.quality_control = None;
         }
     }
 
@@ -412,7 +412,10 @@ impl WindowRenderer {
             moment,
             stats,
             has_tiles: self.has_tiles,
-            adaptive: self.governed.as_ref().map(|governed| &governed.adaptive),
+            adaptive: self
+                .quality_control
+                .as_ref()
+                .map(|quality_control| &quality_control.adaptive),
             interval_ms: self.interval_ms,
             work_ms: self.work_ms,
             adapter: &self.adapter,
