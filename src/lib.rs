@@ -18,7 +18,7 @@
 //! | [`Earth`] | the façade: `new`, `prepare`, `render` |
 //! | [`EarthOptions`] | what an Earth is made of: maps, air, shading, the host's formats |
 //! | [`EyeView`] | the camera, in the host's own axes and unit |
-//! | [`Sky`] | what lights the Earth at an [`Epoch`](frames::Epoch) |
+//! | [`Sky`] | what lights the Earth at an [`Epoch`] |
 //! | [`FrameStats`] | what was drawn, counted |
 //! | [`Atmosphere`], [`Shading`] | the air; the light on the ground |
 //! | [`Quality`] | what may be changed while the Earth is drawn |
@@ -82,8 +82,17 @@ pub use earth::{
 pub use frames::Epoch;
 pub use globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
 #[cfg(feature = "terrain")]
-pub use globe::{SurfaceKind, SurfaceSettings};
+pub use globe::{
+    SurfaceKind, SurfaceSettings, clipmap::ClipmapOptions, contours::ContourOptions,
+    contours::PageOptions, projected_grid::GridOptions, quadtree::QuadtreeOptions,
+};
 pub use gpu::FrameTargets;
 pub use imagery::{
     EarthLayers, ImageryError, LayerImage, LayerSelection, find_textures, load_layers,
+    tile::{MapLayer, TileKey},
+};
+#[cfg(feature = "packs")]
+pub use imagery::{
+    pack::{Pack, PackTiles},
+    tile::Storage,
 };

@@ -36,9 +36,7 @@ const ROOM_SIN: f64 = 0.01;
 /// ```no_run
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// use std::sync::Arc;
-/// use terrella::internals::imagery::pack::{Pack, PackTiles};
-/// use terrella::internals::imagery::tile::{MapLayer, Storage};
-/// use terrella::{EarthOptions, TileOptions};
+/// use terrella::{EarthOptions, MapLayer, Pack, PackTiles, Storage, TileOptions};
 ///
 /// let pack = Arc::new(Pack::open("earth".as_ref())?);
 /// let tiles = PackTiles::new(pack, Storage::Plain, false, &[MapLayer::Day, MapLayer::Clouds])?;

@@ -31,7 +31,7 @@ pub struct ContourNode {
     pub thickness: f32,
     /// 0.
     pub unused: f32,
-    /// For shading: where the ground's normal points at the corners SW, SE, NW, NE, packed by [`pack_slope`].
+    /// For shading: where the ground's normal points at the corners SW, SE, NW, NE, packed by `pack_slope`.
     pub slopes: [u32; 4],
 }
 

@@ -1,7 +1,7 @@
 //! Ground as an unfull quadtree (the 2005 paper): large leaves where the data are flat or far, small ones elsewhere.
 //!
-//! [`Quadtree`] draws the Earth. Its grid of squares ([`Node`]), the rule that keeps edges whole ([`ring`]) and the bound on
-//! what a leaf is off by ([`leaf_error`]) serve the tree over one grid of heights that `measure::terrain` measures too.
+//! [`Quadtree`] draws the Earth. Its grid of squares (`Node`), the rule that keeps edges whole (`ring`) and the bound on
+//! what a leaf is off by (`leaf_error`) serve the tree over one grid of heights that `measure::terrain` measures too.
 //!
 //! A leaf is drawn as a fan from its centre to its corners and to every point that finer leaves beside have on its edges. So
 //! leaves of any two levels may meet, every edge has the same points on both sides, and no point is ever moved.

@@ -25,7 +25,7 @@ pub struct QuadtreeOptions {
     pub max_pages: u32,
     /// Finest level: 0 are the blocks of 22.5°, 24 is 15 cm. At most 32.
     pub max_level: u8,
-    /// Work in a frame: a leaf built anew counts as 1, a new vertex as 4, a page read as [`PAGE_WORK`].
+    /// Work in a frame: a leaf built anew counts as 1, a new vertex as 4, a page read as `PAGE_WORK`.
     pub work: u32,
     /// Leave out patches that lie outside the picture, beyond the horizon, or face away with every face.
     pub is_culled: bool,

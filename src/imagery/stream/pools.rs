@@ -57,7 +57,7 @@ pub fn plan_pools(layers: &[LayerLayout], texture_bytes: u64) -> Vec<Pool> {
         .collect()
 }
 
-/// The maps that keep the contract: one for each [`MapLayer`], 1…[`MAX_LEVELS`] levels.
+/// The maps that keep the contract: one for each [`MapLayer`](crate::imagery::tile::MapLayer), 1…[`MAX_LEVELS`] levels.
 pub(super) fn usable(layers: &[LayerLayout]) -> Vec<&LayerLayout> {
     let mut kept: Vec<&LayerLayout> = Vec::new();
     for layer in layers {

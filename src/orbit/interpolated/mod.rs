@@ -38,7 +38,7 @@ impl Interpolation {
     /// The highest degree.
     pub const MAX_DEGREE: usize = MAX_NODES - 1;
 
-    /// For files with velocities that name none: four states. See [`interpolation_error`] for how good it is: in low orbit
+    /// For files with velocities that name none: four states. See [`interpolation_error()`] for how good it is: in low orbit
     /// 30 nm at one minute from state to state, 1 cm at five.
     pub const WITH_VELOCITIES: Self = Self::Hermite { degree: 7 };
 

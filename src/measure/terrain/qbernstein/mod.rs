@@ -6,7 +6,7 @@
 //! q = 1, and a factor 1 − qˢt is (1 − t) + t(1 − qˢ), whose two parts have one sign for q ≤ 1. At q = 1 that is 1 − t and
 //! everything is the Bernstein basis to the last bit. Entries of both conversion matrices are sums of one sign for every q
 //! (see [`QBasis::bernstein_from_q`]), so that each is exact to some roundings however ill-conditioned the matrix is. What
-//! is beyond an f64 is computed in [`ExtendedFloat`].
+//! is beyond an f64 is computed in `ExtendedFloat`.
 //!
 //! For q > 1 the basis changes sign and its terms can be far larger than their sum: that no formula mends, and
 //! [`QBasis::condition`] says how much it costs.
