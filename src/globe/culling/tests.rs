@@ -663,3 +663,33 @@ fn no_height_leaves_its_shell() {
         }
     }
 }
+
+#[test]
+fn planes_exclude_a_rectangle_but_not_what_leans_out_of_it() {
+    // Upright ground of a very flat figure does not stand along the ray from the centre.
+    let figure = FIGURES[2];
+    let range = HeightRange {
+        low_m: 0.0,
+        high_m: 1e5,
+    };
+    let shell = GroundShell::new(&figure, range);
+    let at = DVec2::from_angle(PI / 4.0);
+    let rect = ScaledRect {
+        lon: DVec2::X,
+        half_width_rad: 0.0,
+        north: at,
+        south: at,
+    };
+    let foot = DVec3::new(at.x, 0.0, at.y);
+    let up = (foot * figure.scaled_from_itrf()).normalize();
+    let point = foot * figure.itrf_from_scaled() + up * range.high_m;
+    let top = point * figure.scaled_from_itrf();
+    let across = (top - foot * top.dot(foot)).normalize();
+    let normal = (across * figure.scaled_from_itrf()).normalize();
+    let row = normal.extend(0.0);
+    let frustum = Frustum::new(&DMat4::from_cols(row, DVec4::ZERO, DVec4::ZERO, row).transpose());
+    for (beyond_m, is_excluded) in [(-1.0, false), (1e5, true)] {
+        let scaled = frustum.scaled(&figure, point + normal * beyond_m);
+        assert_eq!(scaled.excludes_rect(&rect, &shell), is_excluded);
+    }
+}
