@@ -24,8 +24,8 @@ pub struct Frustum {
     planes: [DVec4; 6],
 }
 
-/// A plane at infinity: everything is inside.
-const AT_INFINITY: DVec4 = DVec4::W;
+/// A plane at infinity: everything is inside, however large.
+const AT_INFINITY: DVec4 = DVec4::new(0.0, 0.0, 0.0, f64::INFINITY);
 
 impl Frustum {
     /// Of clip space −w ≤ x, y ≤ w, 0 ≤ z ≤ w: sums and differences of the matrix' rows (Gribb and Hartmann 2001).

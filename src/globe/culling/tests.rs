@@ -302,10 +302,19 @@ fn the_frustum_keeps_every_ball_with_a_point_inside() {
             Containment::Outside => assert_eq!(inside, 0, "{round}"),
         }
         counts[kind as usize] += 1;
-        // Without depth it holds no less.
-        assert!(
-            kind == Containment::Outside || !frustum.without_depth().excludes_ball(center, radius)
-        );
+        // Without depth it holds no less, and all that is before the eye between the four sides.
+        let sides = frustum.without_depth();
+        assert!(kind == Containment::Outside || !sides.excludes_ball(center, radius));
+        let clip: DVec4 = clip_from_eye * center.extend(1.0);
+        let is_beside = clip.x.abs() > clip.w || clip.y.abs() > clip.w;
+        assert_eq!(sides.excludes_ball(center, 0.0), is_beside, "{round}");
+        // A step inwards from a side's foot point, along its normal, is inside of it.
+        let [left, right, bottom, top] = sides.side_normals().map(|normal| {
+            let moved: DVec4 = clip_from_eye * (normal * 1e-3).extend(0.0);
+            moved
+        });
+        assert!(left.w + left.x > 0.0 && right.w - right.x > 0.0, "{round}");
+        assert!(bottom.w + bottom.y > 0.0 && top.w - top.y > 0.0, "{round}");
     }
     assert!(counts.iter().all(|count| *count > 100), "{counts:?}");
 }
@@ -321,7 +330,9 @@ fn planes_at_infinity_and_of_no_numbers_cut_nothing_off() {
     ] {
         let frustum = Frustum::new(&clip_from_eye);
         for center in [DVec3::ZERO, DVec3::splat(-1e12), DVec3::X] {
-            assert_eq!(frustum.classify_ball(center, 1.0), Containment::Inside);
+            for radius in [0.0, 1.0, 1e9] {
+                assert_eq!(frustum.classify_ball(center, radius), Containment::Inside);
+            }
         }
         let rect = ScaledRect {
             lon: DVec2::X,
@@ -416,6 +427,99 @@ fn a_context_keeps_all_that_is_in_the_picture_and_in_sight() {
     });
     println!("{seen} points seen; {kept} bounds kept, {outside} outside, {behind} behind");
     assert!(seen > 300 && kept > 300 && outside > 2_000 && behind > 3_000);
+}
+
+#[test]
+fn a_context_tells_all_that_is_inside_and_forgets_depth_alone() {
+    let figure = Ellipsoid::WGS84;
+    let eye = DVec3::X * 7e6;
+    let view_from_eye = rh::view::look_to_mat4(DVec3::ZERO, DVec3::NEG_X, DVec3::Z);
+    // The far plane cuts the ground off.
+    let view = GroundView {
+        eye_itrf_m: eye,
+        clip_from_eye: directx::perspective(1.0, 1.5, 1e3, 1e5) * view_from_eye,
+        pixel_rad: 1e-3,
+        tolerance_px: 1.0,
+    };
+    let range = HeightRange {
+        low_m: 0.0,
+        high_m: 9e3,
+    };
+    let context = CullingContext::new(&view, &figure, range);
+    let bound = |x: f64, y: f64, radius_m: f64| GroundBound {
+        center_itrf_m: DVec3::new(x, y, 0.0),
+        radius_m,
+        high_m: 9e3,
+    };
+    let (ground, near) = (bound(6.378e6, 0.0, 1e3), bound(6.95e6, 0.0, 1e3));
+    let (aside, huge) = (bound(6.378e6, 1.5e6, 1e3), bound(6.378e6, 0.0, 1e6));
+    assert_eq!(context.visibility(&near), BoundVisibility::Inside);
+    assert_eq!(context.visibility(&ground), BoundVisibility::OutsideFrustum);
+    assert_eq!(context.visibility(&huge), BoundVisibility::Intersecting);
+    let deep = context.without_depth();
+    assert_eq!(deep.visibility(&ground), BoundVisibility::Inside);
+    assert_eq!(deep.visibility(&aside), BoundVisibility::OutsideFrustum);
+    let behind = bound(-6.378e6, 0.0, 1e3);
+    assert_eq!(deep.visibility(&behind), BoundVisibility::BehindHorizon);
+    // The eye is in the ball, and far above its ground.
+    let above_m = 7e6 - figure.equatorial_radius_m - 9e3;
+    assert!((context.distance_m(&huge) - above_m).abs() < 1e-3);
+    assert_eq!((deep.eye_itrf_m, deep.pixel_rad), (eye, 1e-3));
+    assert_eq!(deep.distance_m(&huge), context.distance_m(&huge));
+}
+
+#[test]
+fn a_ball_is_hidden_by_shadow_or_by_horizon() {
+    let figure = Ellipsoid::WGS84;
+    let range = HeightRange {
+        low_m: 0.0,
+        high_m: 9e3,
+    };
+    let horizon = Horizon::new(&figure, DVec3::X * 7e6, GroundShell::new(&figure, range));
+    let at = |theta: f64, height_m: f64| {
+        DVec3::new(theta.cos(), theta.sin(), 0.0) * (figure.equatorial_radius_m + height_m)
+    };
+    // Beyond the limb by two degrees, deep in the shadow, but no horizon for ground of any height.
+    let theta = horizon.limb_rad() + 0.035;
+    assert!(horizon.hides_ball(at(theta, 0.0), 10.0, 1e6));
+    assert!(!horizon.hides_ball(at(theta, 0.0), 1e5, 1e6));
+    // A ball that bulges out of the shadow, but has low ground alone, and is farther than this shows.
+    let theta = horizon.limb_rad() + 0.3;
+    assert!(horizon.hides_ball(at(theta, 0.0), 1.2e6, 0.0));
+    assert!(!horizon.hides_ball(at(theta, 0.0), 1.2e6, 1e6));
+    // Ground that is told to be lower than all is as the lowest.
+    assert!(!horizon.hides_ball(at(horizon.limb_rad() - 1e-3, 0.0), 10.0, -1e5));
+}
+
+#[test]
+fn the_lowest_height_that_shows_is_where_sight_grazes() {
+    let mut random = Random(8);
+    for figure in FIGURES {
+        for (low_m, high_m) in RANGES {
+            let shell = GroundShell::new(&figure, HeightRange { low_m, high_m });
+            let eye = figure.surface_point(random.direction()) * 1.1;
+            let horizon = Horizon::new(&figure, eye, shell);
+            let up = horizon.eye_scaled().normalize();
+            let aside = up.any_orthonormal_vector();
+            let limb = horizon.limb_rad();
+            assert_eq!(horizon.lowest_visible_m(0.9 * limb), f64::NEG_INFINITY);
+            assert_eq!(horizon.lowest_visible_m(limb + 1.6), f64::INFINITY);
+            for beyond in [1e-4, 0.01, 0.1, 0.5] {
+                let told_m = horizon.lowest_visible_m(limb + beyond);
+                let foot = up * (limb + beyond).cos() + aside * (limb + beyond).sin();
+                // In scaled space a height is between its parts of the two radii.
+                let grazing = shell.lowest / beyond.cos() - 1.0;
+                let (a, b) = (figure.equatorial_radius_m, figure.polar_radius_m);
+                let least_m = (grazing * a).min(grazing * b);
+                assert!((told_m - least_m).abs() < 2e-3, "{told_m} {least_m}");
+                // What stands a little lower than sight grazes is hidden, and what is higher is not.
+                for (part, is_hidden) in [(1.0 - 1e-7, true), (1.0 + 1e-7, false)] {
+                    let point = foot * (1.0 + grazing) * part * figure.itrf_from_scaled();
+                    assert_eq!(horizon.hides_point(point), is_hidden, "{beyond} {part}");
+                }
+            }
+        }
+    }
 }
 
 #[test]
@@ -557,5 +661,35 @@ fn no_height_leaves_its_shell() {
                 lowest_radius(&e, height_m) <= radius && radius <= highest_radius(&e, height_m)
             );
         }
+    }
+}
+
+#[test]
+fn planes_exclude_a_rectangle_but_not_what_leans_out_of_it() {
+    // Upright ground of a very flat figure does not stand along the ray from the centre.
+    let figure = FIGURES[2];
+    let range = HeightRange {
+        low_m: 0.0,
+        high_m: 1e5,
+    };
+    let shell = GroundShell::new(&figure, range);
+    let at = DVec2::from_angle(PI / 4.0);
+    let rect = ScaledRect {
+        lon: DVec2::X,
+        half_width_rad: 0.0,
+        north: at,
+        south: at,
+    };
+    let foot = DVec3::new(at.x, 0.0, at.y);
+    let up = (foot * figure.scaled_from_itrf()).normalize();
+    let point = foot * figure.itrf_from_scaled() + up * range.high_m;
+    let top = point * figure.scaled_from_itrf();
+    let across = (top - foot * top.dot(foot)).normalize();
+    let normal = (across * figure.scaled_from_itrf()).normalize();
+    let row = normal.extend(0.0);
+    let frustum = Frustum::new(&DMat4::from_cols(row, DVec4::ZERO, DVec4::ZERO, row).transpose());
+    for (beyond_m, is_excluded) in [(-1.0, false), (1e5, true)] {
+        let scaled = frustum.scaled(&figure, point + normal * beyond_m);
+        assert_eq!(scaled.excludes_rect(&rect, &shell), is_excluded);
     }
 }

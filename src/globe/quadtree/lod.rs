@@ -106,6 +106,14 @@ impl LodView {
         }
     }
 
+    /// What is seen of a square within another of which `above` is seen: nothing, where nothing is seen of that.
+    pub fn visibility_within(&self, above: BoundVisibility, info: &SquareInfo) -> BoundVisibility {
+        match above.is_visible() {
+            true => self.visibility(info),
+            false => above,
+        }
+    }
+
     /// Whether a patch is drawn: its ball may be seen, and one of its faces may face the eye.
     pub fn draws(&self, info: &SquareInfo, normals: &NormalCone) -> bool {
         let is_backfacing = self.is_culled && self.culling.is_backfacing(&info.bound(), normals);

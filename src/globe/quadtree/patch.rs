@@ -176,6 +176,12 @@ impl BuiltPatch {
         places + vertices + 4 * (numbers + triangles) + size_of::<Self>()
     }
 
+    /// The names of its vertices, each once.
+    #[cfg(test)]
+    pub fn points(&self) -> impl Iterator<Item = Point> {
+        self.places.keys().copied()
+    }
+
     /// Builds vertices and triangles for the leaves of now. Answers how many leaves there are.
     pub fn build(
         &mut self,

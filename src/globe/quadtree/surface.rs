@@ -197,11 +197,7 @@ impl Quadtree {
         self.stack.push((built.node, slot, visibility));
         while let Some((node, slot, above)) = self.stack.pop() {
             let info = forest.info(slot);
-            let visibility = if above == BoundVisibility::Intersecting {
-                lod.visibility(info)
-            } else {
-                above
-            };
+            let visibility = lod.visibility_within(above, info);
             let side_m = side_m(&self.options.ellipsoid, node);
             let ratio = lod.split_ratio(info, side_m, visibility);
             let bin = (ratio.max(1.0).log2() * BINS_PER_DOUBLING) as usize;
@@ -288,12 +284,14 @@ impl Quadtree {
         forest: &mut Forest,
         lod: &LodView,
         ground: &dyn Elevation,
-        (node, slot): (Node, Slot),
+        (node, slot, above): (Node, Slot, BoundVisibility),
         max_work: u32,
     ) -> bool {
         let info = *forest.info(slot);
         let side_m = side_m(&self.options.ellipsoid, node);
-        let ratio = lod.split_ratio(&info, side_m, lod.visibility(&info));
+        // As `evaluate_patch` sees it: what that waits for must be divided here, or the rest would wait for ever.
+        let visibility = lod.visibility_within(above, &info);
+        let ratio = lod.split_ratio(&info, side_m, visibility);
         let was_split = forest.is_split(slot);
         if !was_split {
             let is_wanted = ratio > self.frame_threshold
@@ -309,9 +307,7 @@ impl Quadtree {
                     return false;
                 }
                 // Seen closer it may do as it is.
-                if lod.split_ratio(forest.info(slot), side_m, lod.visibility(&info))
-                    <= self.frame_threshold
-                {
+                if lod.split_ratio(forest.info(slot), side_m, visibility) <= self.frame_threshold {
                     return false;
                 }
             }
@@ -322,7 +318,7 @@ impl Quadtree {
         let mut is_deeper = false;
         for k in 0..4 {
             if let Some(slot) = forest.child(node, slot, k) {
-                let child = (node.child(k), slot);
+                let child = (node.child(k), slot, visibility);
                 is_deeper |= self.refine(forest, lod, ground, child, max_work);
             }
         }
@@ -391,7 +387,8 @@ impl Quadtree {
             }
             let node = built.node;
             if let Some(slot) = forest.slot(node) {
-                self.refine(forest, lod, ground, (node, slot), max_work);
+                let top = (node, slot, BoundVisibility::Intersecting);
+                self.refine(forest, lod, ground, top, max_work);
             }
         }
         self.order = order;

@@ -4,7 +4,7 @@ use super::{Posts, for_each_triangle, placed, view, whole};
 use crate::elevation::Elevation;
 use crate::frames::{Ellipsoid, Geodetic};
 use crate::globe::quadtree::{Quadtree, QuadtreeOptions};
-use crate::globe::surface::GroundView;
+use crate::globe::surface::{GroundView, Surface};
 use glam::DVec3;
 
 /// Largest distance, metres and pixels, between a drawn point and the point of the data with the same share of latitude and
@@ -101,6 +101,29 @@ fn the_tolerance_is_kept() {
                 said_px <= tolerance_px && error_px <= tolerance_px,
                 "{what}"
             );
+        }
+    }
+}
+
+#[test]
+fn frames_of_little_work_reach_the_tolerance_too() {
+    // Leaves outside the picture and behind the horizon must not hold up those in sight.
+    for (rows, seed) in [(512, 5), (1024, 6)] {
+        let ground = Posts::rough(rows, 9e3, seed);
+        for (work, frames) in [(3_200, 100), (1_000, 200)] {
+            for tilt in [0.0, 0.5] {
+                let mut surface = Quadtree::new(QuadtreeOptions {
+                    work,
+                    ..QuadtreeOptions::default()
+                });
+                let view = view(75.0, 31.0, 3e4, tilt);
+                let mut error_px = None;
+                for _ in 0..frames {
+                    error_px = surface.prepare(&view, &ground).error_px;
+                }
+                let what = format!("{rows} rows, {work} a frame, {tilt}: {error_px:?} px");
+                assert!(error_px.unwrap() <= 1.0, "{what}");
+            }
         }
     }
 }
