@@ -67,6 +67,8 @@ impl Place {
             .args(arguments)
             .current_dir(self.folder.path())
             .env_remove("RUST_LOG")
+            // Without one, graphics libraries complain on standard error, which tests read.
+            .env("XDG_RUNTIME_DIR", self.folder.path())
             .env_remove("DISPLAY")
             .env_remove("WAYLAND_DISPLAY")
             .env_remove("WAYLAND_SOCKET");
