@@ -1,8 +1,10 @@
 //! Errors of scenes. Every message says where (file, line, key), what is wrong, and what to do.
 
-use super::keys::MAX_FILE_BYTES;
 use std::fmt;
 use std::path::{Path, PathBuf};
+
+/// Largest scene file, bytes. A scene of every key with generous comments is a hundredth of it.
+pub(super) const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// Where a key stands in a scene file, or would stand.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -11,8 +11,6 @@ use serde::{Deserialize, Deserializer};
 use std::ops::{Range, RangeInclusive};
 use toml::Spanned;
 
-/// Largest scene file, bytes. A scene of every key with generous comments is a hundredth of it.
-pub(super) const MAX_FILE_BYTES: u64 = 1 << 20;
 /// First and last year (UTC) that a scene may reach: those of [`utc_from_rfc3339`](crate::frames::utc_from_rfc3339).
 pub(crate) const YEARS: RangeInclusive<i32> = 1900..=2099;
 /// Most frames in one playback (at 30 per second, almost four days).

@@ -40,7 +40,7 @@ mod text;
 mod time;
 mod tracks;
 
-use keys::MAX_FILE_BYTES;
+use error::MAX_FILE_BYTES;
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
