@@ -1,110 +1,180 @@
-//! What the air is made of: density, scattering and absorption against height.
+//! What the air is made of: scattering and absorption at the wavelengths that it is computed at.
+//!
+//! Tables are computed at the eight wavelengths of [`Spectrum`]. Where shaders multiply, three stand for red, green and blue
+//! ([`RGB_BANDS`]): fitted to daylight's spectra alone they leave 1 %, worst 4 %.
 
-use glam::DVec3;
+use super::profile::{self, AEROSOL_SCALE_HEIGHT_M, THICKNESS_M};
+use super::spectrum::Spectrum;
+use glam::{DVec3, Vec3};
+use std::f64::consts::PI;
 
-/// One kind of scatterer with an exponential profile.
+/// What of the air a scene may choose.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Species {
-    /// Scattering coefficient at sea level for red, green and blue, 1/m.
-    pub scattering_per_m: DVec3,
-    /// Extinction (scattering and absorption) at sea level, 1/m.
-    pub extinction_per_m: DVec3,
-    /// Scale height, metres.
-    pub scale_height_m: f64,
+pub struct AirOptions {
+    /// Vertical optical depth of the aerosol at 550 nm, 0 (clear air) to [`AirOptions::MAX_AEROSOL`]. It falls with height by
+    /// a scale of 1.5 km and with wavelength by its power −1.3, scatters 95 % of what it takes away and scatters forward
+    /// (Henyey–Greenstein, g = 0.7): continental haze, of which 0.1 is a clear day.
+    pub aerosol_optical_depth: f64,
 }
 
-/// A whole atmosphere.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AirModel {
-    /// Thickness above the surface, metres.
-    pub thickness_m: f64,
-    /// Radius of the surface, metres.
-    pub radius_m: f64,
-    /// Molecules (Rayleigh scattering).
-    pub molecules: Species,
-    /// Aerosol (Mie scattering).
-    pub aerosol: Species,
-    /// Asymmetry g of the aerosol's phase function.
-    pub aerosol_asymmetry: f64,
-    /// Ozone absorption at its densest, 1/m; a tent about `ozone_center_m` of half width `ozone_half_width_m`.
-    pub ozone_absorption_per_m: DVec3,
-    /// Height of the ozone layer's middle, metres.
-    pub ozone_center_m: f64,
-    /// Half width of the ozone layer, metres.
-    pub ozone_half_width_m: f64,
-    /// Mean reflectance of the ground under the air, for multiple scattering.
-    pub ground_albedo: f64,
+impl AirOptions {
+    /// The most aerosol that tables are good for.
+    pub const MAX_AEROSOL: f64 = 5.0;
 }
 
-/// The Earth's air, at the dominant wavelengths of the sRGB primaries: 611, 549 and 464 nm.
-///
-/// Molecules: 13.558e-6 /m at 550 nm (Bruneton and Neyret 2008) by the λ⁻⁴ law. Ozone: 1.881e-6 /m at 550 nm
-/// (Bruneton 2017) by the ratio of the cross sections of Serdyuchenko et al. 2014. Aerosol: Bruneton and Neyret 2008.
-/// The usual 680, 550 and 440 nm, taken as red, green and blue, would tint the limb violet.
-pub const EARTH_AIR: AirModel = AirModel {
-    thickness_m: 100_000.0,
-    radius_m: 6_378_137.0,
-    molecules: Species {
-        scattering_per_m: DVec3::new(8.90e-6, 13.66e-6, 26.77e-6),
-        extinction_per_m: DVec3::new(8.90e-6, 13.66e-6, 26.77e-6),
-        scale_height_m: 8_000.0,
-    },
-    aerosol: Species {
-        scattering_per_m: DVec3::splat(3.996e-6),
-        extinction_per_m: DVec3::splat(4.44e-6),
-        scale_height_m: 1_200.0,
-    },
-    aerosol_asymmetry: 0.8,
-    ozone_absorption_per_m: DVec3::new(2.28e-6, 1.86e-6, 0.225e-6),
-    ozone_center_m: 25_000.0,
-    ozone_half_width_m: 15_000.0,
-    ground_albedo: 0.3,
+impl Default for AirOptions {
+    fn default() -> Self {
+        Self {
+            aerosol_optical_depth: 0.1,
+        }
+    }
+}
+
+/// Optical depths of a vertical column at some wavelengths.
+#[derive(Clone, Copy, Debug)]
+struct Depths<V> {
+    /// Of molecules.
+    molecules: V,
+    /// Of 300 Dobson units of ozone.
+    ozone: V,
+    /// Of the aerosol, relative to that at 550 nm.
+    aerosol: V,
+}
+
+/// At the wavelengths of [`Spectrum`]. Molecules: Bodhaine et al. 1999 (J. Atmos. Oceanic Technol. 16, 1854), equation 31.
+/// Ozone: Serdyuchenko et al. 2014 (Atmos. Meas. Tech. 7, 625) at 233 K, means over 10 nm.
+const BANDS: Depths<Spectrum> = Depths {
+    molecules: Spectrum::new([
+        0.042_97, 0.055_12, 0.069_02, 0.087_60, 0.098_52, 0.131_12, 0.201_95, 0.282_79,
+    ]),
+    ozone: Spectrum::new([
+        0.012_79, 0.027_18, 0.038_66, 0.033_77, 0.025_90, 0.012_52, 0.002_41, 0.000_42,
+    ]),
+    aerosol: Spectrum::new([
+        0.770_7, 0.834_7, 0.896_9, 0.967_9, 1.004_7, 1.100_3, 1.261_5, 1.402_5,
+    ]),
 };
 
-/// Coefficients at one height, per equatorial radius.
+/// Depths that stand for red, green and blue, fitted to the same spectra.
+const RGB_BANDS: Depths<DVec3> = Depths {
+    molecules: DVec3::new(0.048_06, 0.101_24, 0.232_35),
+    ozone: DVec3::new(0.038_90, 0.023_90, 0.0),
+    aerosol: DVec3::new(0.8153, 1.0119, 1.3264),
+};
+
+/// Scattering as part of the aerosol's extinction.
+const AEROSOL_ALBEDO: f64 = 0.95;
+/// Asymmetry g of the aerosol's phase function.
+pub const AEROSOL_ASYMMETRY: f64 = 0.7;
+
+/// Rayleigh's phase function is a + b·cos², 1/sr: 3/(16π(1 + 2γ))·((1 + 3γ) + (1 − γ)cos²), with γ = 0.0141 for air whose
+/// scattered light is depolarised by 0.0279 (Young 1981; Bucholtz 1995, equation 12).
+pub const RAYLEIGH_PHASE: [f64; 2] = {
+    const GAMMA: f64 = 0.0141;
+    const SCALE: f64 = 3.0 / (16.0 * PI * (1.0 + 2.0 * GAMMA));
+    [SCALE * (1.0 + 3.0 * GAMMA), SCALE * (1.0 - GAMMA)]
+};
+
+/// Radius of the surface, metres: scaled space's unit.
+pub const RADIUS_M: f64 = 6_378_137.0;
+/// Upper boundary in scaled space, 1 + H/a.
+pub const TOP: f64 = 1.0 + THICKNESS_M / RADIUS_M;
+
+/// The air of a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AirModel {
+    molecules_per_radius: Spectrum,
+    ozone_per_radius: Spectrum,
+    aerosol_per_radius: Spectrum,
+    rgb: RgbCoefficients,
+}
+
+/// Coefficients for red, green and blue, 1/m: what shaders march with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RgbCoefficients {
+    /// Scattering by molecules at the ground.
+    pub molecules: DVec3,
+    /// Absorption by ozone where it is densest.
+    pub ozone: DVec3,
+    /// Scattering by aerosol at the ground.
+    pub aerosol_scattering: DVec3,
+    /// Scattering and absorption by aerosol at the ground.
+    pub aerosol_extinction: DVec3,
+}
+
+/// The air at one place, per equatorial radius.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Medium {
-    pub molecules: DVec3,
-    pub aerosol: DVec3,
-    pub extinction: DVec3,
+    /// Scattering by molecules.
+    pub molecules: Spectrum,
+    /// Scattering by aerosol.
+    pub aerosol: Spectrum,
+    /// All that light loses.
+    pub extinction: Spectrum,
+}
+
+impl Medium {
+    /// Scattering by both.
+    pub fn scattering(&self) -> Spectrum {
+        (self.molecules + self.aerosol).max(1e-12)
+    }
 }
 
 impl AirModel {
-    /// Upper boundary in scaled space, 1 + H/a.
-    pub fn top(&self) -> f64 {
-        1.0 + self.thickness_m / self.radius_m
+    /// The Earth's air with these options.
+    pub fn new(options: &AirOptions) -> Self {
+        let molecules_m = profile::column_m(profile::molecules);
+        let ozone_m = profile::column_m(profile::ozone);
+        let depth = options.aerosol_optical_depth;
+        let aerosol_extinction = RGB_BANDS.aerosol * (depth / AEROSOL_SCALE_HEIGHT_M);
+        Self {
+            molecules_per_radius: BANDS.molecules * (RADIUS_M / molecules_m) as f32,
+            ozone_per_radius: BANDS.ozone * (RADIUS_M / ozone_m) as f32,
+            aerosol_per_radius: BANDS.aerosol * (RADIUS_M * depth / AEROSOL_SCALE_HEIGHT_M) as f32,
+            rgb: RgbCoefficients {
+                molecules: RGB_BANDS.molecules / molecules_m,
+                ozone: RGB_BANDS.ozone / ozone_m,
+                aerosol_scattering: aerosol_extinction * AEROSOL_ALBEDO,
+                aerosol_extinction,
+            },
+        }
     }
 
-    /// Part of the molecules of a column that lies below a height, metres, 0…1.
-    pub fn part_below(&self, height_m: f64) -> f64 {
-        -(-height_m.max(0.0) / self.molecules.scale_height_m).exp_m1()
+    /// What shaders march with.
+    pub fn rgb(&self) -> &RgbCoefficients {
+        &self.rgb
+    }
+
+    /// Scattering by molecules and aerosol at radius `r` as shaders have it, per equatorial radius, RGB.
+    pub(super) fn scattering_rgb(&self, r: f64) -> Vec3 {
+        let h = ((r - 1.0) * RADIUS_M).max(0.0);
+        let molecules = self.rgb.molecules * profile::molecules(h);
+        let aerosol = self.rgb.aerosol_scattering * profile::aerosol(h);
+        ((molecules + aerosol) * RADIUS_M).as_vec3()
     }
 
     /// The air at radius `r` of scaled space.
     pub(super) fn medium(&self, r: f64) -> Medium {
-        let h = ((r - 1.0) * self.radius_m).max(0.0);
-        let molecules = (-h / self.molecules.scale_height_m).exp();
-        let aerosol = (-h / self.aerosol.scale_height_m).exp();
-        let ozone = (1.0 - (h - self.ozone_center_m).abs() / self.ozone_half_width_m).max(0.0);
+        let h = ((r - 1.0) * RADIUS_M).max(0.0);
+        let molecules = self.molecules_per_radius * profile::molecules(h) as f32;
+        let aerosol = self.aerosol_per_radius * profile::aerosol(h) as f32;
+        let ozone = self.ozone_per_radius * profile::ozone(h) as f32;
         Medium {
-            molecules: self.molecules.scattering_per_m * (molecules * self.radius_m),
-            aerosol: self.aerosol.scattering_per_m * (aerosol * self.radius_m),
-            extinction: (self.molecules.extinction_per_m * molecules
-                + self.aerosol.extinction_per_m * aerosol
-                + self.ozone_absorption_per_m * ozone)
-                * self.radius_m,
+            molecules,
+            aerosol: aerosol * AEROSOL_ALBEDO as f32,
+            extinction: molecules + aerosol + ozone,
         }
     }
+}
 
-    /// Rayleigh phase function, 1/sr: 3/(16π)(1 + cos²).
-    pub fn molecule_phase(cos: f64) -> f64 {
-        3.0 / (16.0 * std::f64::consts::PI) * (1.0 + cos * cos)
-    }
+/// Rayleigh phase function for air, 1/sr.
+pub fn molecule_phase(cos: f64) -> f64 {
+    let [a, b] = RAYLEIGH_PHASE;
+    a + b * cos * cos
+}
 
-    /// Cornette–Shanks phase function with asymmetry g, 1/sr.
-    pub fn aerosol_phase(&self, cos: f64) -> f64 {
-        let g = self.aerosol_asymmetry;
-        let k = 3.0 / (8.0 * std::f64::consts::PI) * (1.0 - g * g) / (2.0 + g * g);
-        k * (1.0 + cos * cos) / (1.0 + g * g - 2.0 * g * cos).max(1e-9).powf(1.5)
-    }
+/// Henyey–Greenstein phase function of the aerosol, 1/sr.
+pub fn aerosol_phase(cos: f64) -> f64 {
+    let g = AEROSOL_ASYMMETRY;
+    (1.0 - g * g) / (4.0 * PI * (1.0 + g * g - 2.0 * g * cos).max(1e-9).powf(1.5))
 }
