@@ -1,10 +1,13 @@
-//! The paper's square that faces the eye and carries the halo.
+//! The paper's square that faces the eye, and the ring in its place that carries the halo.
 //!
-//! It stands on the line from the eye to the Earth's centre O, at distance L1 from O, where the cone of tangents
-//! touches the sphere: L1 = R²/L, L2 = L − L1, side S = 2√(L1·L2). For the air it is enlarged to the tangent cone of
-//! the air's upper boundary.
+//! The square stands on the line from the eye to the Earth's centre O, at distance L1 from O, where the cone of tangents
+//! touches the sphere: L1 = R²/L, L2 = L − L1, side S = 2√(L1·L2). Its inscribed circle is the limb. Within it the ground is drawn
+//! with its own air, so of the enlarged square a ring is left: from just inside the limb to the tangent cone of the air's upper
+//! boundary. It is drawn where rays leave the air, so that all ground stands before it and what is behind the Earth stands behind.
+//! Of an eye in the air it is the whole sky.
 
 use glam::{DMat4, DVec3, DVec4};
+use std::f64::consts::{PI, TAU};
 
 /// The paper's three lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,45 +38,54 @@ pub fn horizon_square(radius: f64, height: f64) -> Option<HorizonSquare> {
     })
 }
 
-/// What part of the screen the air is drawn on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Screen {
-    /// The paper's square, enlarged.
-    Square,
-    /// The whole screen: the eye is so near the air, or in it, that the square would be seen almost edge on.
-    Whole,
-}
+/// Vertices on each circle of the ring.
+const AROUND: usize = 64;
+/// Circles of the ring about an eye in the air.
+const CIRCLES: usize = 7;
+/// How far above the limb they stand, but for the first and the last, radians.
+const SKY_RAD: [f64; CIRCLES - 2] = [0.03, 0.1, 0.25, 0.5, 1.0];
+/// Least distance from the eye that the ring is drawn at, radii: an eye at the top of the air leaves it at once.
+const NEAREST: f64 = 0.005;
 
-/// The square of one frame, ready for the GPU.
+/// The ring of one frame, ready for the GPU.
 ///
 /// The *billboard frame* has its origin at the eye and its third axis towards O; lengths are in scaled space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Billboard {
-    /// Part of the screen that the air covers.
-    pub screen: Screen,
-    /// Corners in clip space, triangle-strip order.
-    pub clip: [DVec4; 4],
-    /// The same corners as vectors from the eye, billboard frame. They vary linearly over the square.
-    pub ray: [DVec3; 4],
     /// Distance of the eye from O, scaled space, at least 1: an eye below the surface sees the air from the surface.
     pub eye_distance: f64,
     /// Billboard axes in scaled space: two across, one towards O.
     pub axes: [DVec3; 3],
     /// Takes billboard-frame vectors to clip space.
     pub clip_from_billboard: DMat4,
+    air_top: f64,
+    /// Angles at the eye between O and the ring's circles, the inner first.
+    circles_rad: [f64; CIRCLES],
+    circle_count: usize,
 }
 
-/// Beyond this half angle of the air's cone the square gives way to the whole screen: tan 80°.
-const WIDEST_TANGENT: f64 = 5.671;
+/// A corner of the ring's triangles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RingVertex {
+    /// In clip space.
+    pub clip: DVec4,
+    /// From the eye, billboard frame.
+    pub ray: DVec3,
+}
 
 impl Billboard {
-    /// The square for an eye in scaled space, `air_top` being the air's upper boundary there (1 + H/a).
+    /// Most vertices of a ring.
+    pub const MAX_VERTICES: usize = AROUND * CIRCLES;
+
+    /// The ring for an eye in scaled space, `air_top` being the air's upper boundary there (1 + H/a).
     ///
+    /// It begins where rays pass at 1 − `inside` from O: as far inside the limb as what draws the ground may end short of it.
     /// `clip_from_eye` takes eye-relative ITRF metres to clip space and `itrf_from_scaled` is diag(a, a, b). Defined for
     /// every eye: exactly at the centre the third axis is −x.
     pub fn new(
         eye_scaled: DVec3,
         air_top: f64,
+        inside: f64,
         clip_from_eye: &DMat4,
         itrf_from_scaled: DVec3,
     ) -> Self {
@@ -83,43 +95,81 @@ impl Billboard {
         let column = |axis: DVec3| (itrf_from_scaled * axis).extend(0.0);
         let itrf_from_billboard =
             DMat4::from_cols(column(axes[0]), column(axes[1]), column(axes[2]), DVec4::W);
-        let clip_from_billboard = *clip_from_eye * itrf_from_billboard;
-        let height = eye_scaled.length() - 1.0;
-        let eye_distance = 1.0 + height.max(0.0);
-        // Half side of the enlarged square: L2·tan α with sin α = R_top/L.
-        let square = horizon_square(1.0, height).and_then(|square| {
-            let above = eye_distance - air_top;
-            let tangent = air_top / (above * (eye_distance + air_top)).sqrt();
-            (above > 0.0 && tangent < WIDEST_TANGENT).then_some((square.l2, square.l2 * tangent))
-        });
-        let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
-        let (screen, clip, ray) = match square {
-            Some((l2, half)) => {
-                let ray = corners.map(|(x, y)| DVec3::new(x * half, y * half, l2));
-                (
-                    Screen::Square,
-                    ray.map(|r| clip_from_billboard * r.extend(1.0)),
-                    ray,
-                )
+        let eye_distance = 1.0 + (eye_scaled.length() - 1.0).max(0.0);
+        let inner = ((1.0 - inside) / eye_distance).asin();
+        let mut circles_rad = [inner; CIRCLES];
+        let circle_count = if eye_distance > air_top {
+            // Chords of the outer circle stay outside of the air.
+            let outer = (air_top / eye_distance).asin();
+            circles_rad[1] = (outer.tan() / (PI / AROUND as f64).cos()).atan();
+            2
+        } else {
+            let limb = (1.0 / eye_distance).asin();
+            for (circle, above) in circles_rad[1..].iter_mut().zip(SKY_RAD) {
+                *circle = limb + above;
             }
-            None => {
-                // Rays through the screen's corners, made equally deep so that they vary linearly over the screen.
-                let billboard_from_clip = clip_from_billboard.inverse();
-                let clip = corners.map(|(x, y)| DVec4::new(x, y, 0.5, 1.0));
-                let ray = clip.map(|c| {
-                    let at = billboard_from_clip * c;
-                    at.truncate() / at.w
-                });
-                (Screen::Whole, clip, ray)
-            }
+            circles_rad[CIRCLES - 1] = PI;
+            CIRCLES
         };
         Self {
-            screen,
-            clip,
-            ray,
             eye_distance,
             axes,
-            clip_from_billboard,
+            clip_from_billboard: *clip_from_eye * itrf_from_billboard,
+            air_top,
+            circles_rad,
+            circle_count,
         }
+    }
+
+    /// Whether the eye is in the air.
+    pub fn is_inside(&self) -> bool {
+        self.eye_distance <= self.air_top
+    }
+
+    /// Sine and cosine of the angle at the eye between O and the limb.
+    pub fn limb(&self) -> (f64, f64) {
+        // The square is L2 away and its half side the limb circle's radius; on the surface the limb is level.
+        let sine = 1.0 / self.eye_distance;
+        let square = horizon_square(1.0, self.eye_distance - 1.0);
+        (sine, square.map_or(0.0, |s| s.l2 / (0.5 * s.side) * sine))
+    }
+
+    /// Corners of the ring, circle by circle.
+    pub fn vertices(&self) -> impl Iterator<Item = RingVertex> + '_ {
+        self.circles_rad[..self.circle_count]
+            .iter()
+            .flat_map(move |angle| (0..AROUND).map(move |k| self.vertex(*angle, k)))
+    }
+
+    fn vertex(&self, angle_rad: f64, k: usize) -> RingVertex {
+        let (sin, cos) = angle_rad.sin_cos();
+        let (turn_sin, turn_cos) = (TAU * k as f64 / AROUND as f64).sin_cos();
+        // Where the ray leaves the air, or passes nearest if it meets none.
+        let (q, along) = (self.eye_distance * sin, self.eye_distance * cos);
+        let leaves = along + ((self.air_top - q) * (self.air_top + q)).max(0.0).sqrt();
+        let ray = DVec3::new(sin * turn_cos, sin * turn_sin, cos) * leaves.max(NEAREST);
+        let mut clip = self.clip_from_billboard * ray.extend(1.0);
+        // A far plane before it must not cut it off.
+        if clip.w > 0.0 {
+            clip.z = clip.z.clamp(0.0, clip.w);
+        }
+        RingVertex { clip, ray }
+    }
+
+    /// Triangles of the ring: the first of those that [`Self::indices`] lists.
+    pub fn triangles(&self) -> u32 {
+        (2 * AROUND * (self.circle_count - 1)) as u32
+    }
+
+    /// Corners of the triangles of the largest ring, the inner ones first.
+    pub fn indices() -> Vec<u16> {
+        let quad = |band: usize, k: usize| {
+            let next = (k + 1) % AROUND;
+            let [a, b] = [k, next].map(|k| band * AROUND + k);
+            [a, b, a + AROUND, a + AROUND, b, b + AROUND].map(|n| n as u16)
+        };
+        (0..CIRCLES - 1)
+            .flat_map(|band| (0..AROUND).flat_map(move |k| quad(band, k)))
+            .collect()
     }
 }

@@ -6,12 +6,21 @@
 
 mod billboard;
 mod model;
+pub mod profile;
+mod spectrum;
 mod tables;
 
-pub use billboard::{Billboard, HorizonSquare, Screen, horizon_square};
-pub use model::{AirModel, EARTH_AIR, Species};
-pub use tables::{AirTables, MULTIPLE, SCATTERING, SUNLIGHT, TRANSMITTANCE, TableSize};
-pub(crate) use tables::{LOWEST_SUN, LUMINANCE};
+pub use billboard::{Billboard, HorizonSquare, RingVertex, horizon_square};
+pub use model::{
+    AEROSOL_ASYMMETRY, AirModel, AirOptions, RADIUS_M, RAYLEIGH_PHASE, RgbCoefficients, TOP,
+    aerosol_phase, molecule_phase,
+};
+pub use profile::{AEROSOL_SCALE_HEIGHT_M, THICKNESS_M};
+pub use tables::{
+    AirTables, BOUNCE, MOLECULE_SCALE_HEIGHT_M, PROFILE, SCATTERING, SOURCES, SUNLIGHT, THROUGH,
+    TRANSMITTANCE, TableSize,
+};
+pub(crate) use tables::{LOWEST_SUN, LUMINANCE, SOURCE_BANDS, SUN_SPACING};
 
 /// How the air is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,0 +1,453 @@
+//! The tables that the air's shaders read, computed on the CPU.
+//!
+//! | table | coordinates | texel |
+//! |---|---|---|
+//! | scattering | ray, Sun cosine, azimuth | light scattered into a ray that comes from outside, over black ground, fourth root of RGB; 1 − the luminance of its transmittance, A |
+//! | bounce | ray, Sun cosine | the same of light that the ground sends up, for albedo 1 and one reflection, fourth root of RGB |
+//! | through | ray | transmittance of the ray, from space to the ground or right through, RGB |
+//! | sunlight | Sun cosine | first row: transmittance of the Sun's light to the ground, RGB; second: the sky's irradiance on black ground, RGB |
+//! | transmittance | cosine above the horizon, height | fraction of light that reaches the upper boundary, RGB |
+//! | sources | Sun cosine, 7 × height | source function of light scattered more than once, per scattering coefficient, RGB |
+//! | profile | height | molecules relative to the ground over e^(−h/8 km), R; ozone relative to its peak, G |
+//!
+//! A ray is told by its reference point, where it meets the ground or passes nearest to it: `Sun cosine` and `azimuth` are
+//! those of the Sun there, azimuth from the ray's horizontal direction. All light is relative to the Sun's irradiance at the
+//! top, times π: a white sheet that faces the Sun in space is 1. For ground of albedo A the sums are
+//! `scattering + A/(1 − A·s)·bounce` and, on the ground, `(direct·cos + sky)/(1 − A·s)`, with s = [`AirTables::sky_albedo`].
+//!
+//! Single scattering is integrated along each ray; higher orders by successive orders on the sphere, see `sources`.
+
+mod path;
+mod quadrature;
+mod source_table;
+mod sources;
+mod transmittance;
+
+use super::model::{AirModel, AirOptions, RADIUS_M, TOP};
+use super::profile;
+use super::spectrum::Spectrum;
+use crate::frames::SUN_RADIUS_RAD;
+use glam::{DVec3, Vec3, Vec4};
+use path::{Light, Path, Ray};
+use source_table::{COEFFICIENTS, HEIGHTS, SUNS, Source};
+use sources::Sources;
+use std::f64::consts::PI;
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+use transmittance::{TransmittanceTable, to_top};
+
+/// Texels along each axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TableSize {
+    /// First axis.
+    pub x: u32,
+    /// Second axis.
+    pub y: u32,
+    /// Third axis.
+    pub z: u32,
+}
+
+impl TableSize {
+    const fn new(x: u32, y: u32, z: u32) -> Self {
+        Self { x, y, z }
+    }
+
+    /// All texels.
+    pub const fn texels(self) -> usize {
+        (self.x * self.y * self.z) as usize
+    }
+}
+
+/// Size of the transmittance table.
+pub const TRANSMITTANCE: TableSize = TableSize::new(128, 64, 1);
+/// Size of the scattering table: along x 48 rays that meet the ground, then 48 that pass it.
+pub const SCATTERING: TableSize = TableSize::new(96, 64, 24);
+/// Size of the table of light that the ground sends up.
+pub const BOUNCE: TableSize = TableSize::new(SCATTERING.x, SCATTERING.y, 6);
+/// Size of the table of rays' transmittance.
+pub const THROUGH: TableSize = TableSize::new(SCATTERING.x, 1, 1);
+/// Size of the sunlight table: a row of transmittance and one of skylight.
+pub const SUNLIGHT: TableSize = TableSize::new(256, 2, 1);
+/// Size of the source table: six coefficients and the isotropic source of the ground's light, a band of heights each.
+pub const SOURCES: TableSize = TableSize::new(SUNS as u32, (SOURCE_BANDS * HEIGHTS) as u32, 1);
+/// Size of the profile.
+pub const PROFILE: TableSize = TableSize::new(128, 1, 1);
+/// Bands of the source table.
+pub(crate) const SOURCE_BANDS: usize = COEFFICIENTS + 1;
+
+/// Lowest Sun cosine that tables hold; below it the night is black.
+pub(crate) const LOWEST_SUN: f64 = -0.3;
+/// Sine of the Sun's elevation within which Sun cosines are spaced evenly; beyond they are spaced in proportion to it.
+pub(crate) const SUN_SPACING: f64 = 0.05;
+/// What the profile of molecules is told against, metres.
+pub const MOLECULE_SCALE_HEIGHT_M: f64 = 8_000.0;
+
+/// All tables, texels in x, y, z order.
+pub struct AirTables {
+    /// Light that the air scatters into a ray, over black ground.
+    pub scattering: Vec<Vec4>,
+    /// Light that the ground sends up and the air scatters into a ray.
+    pub bounce: Vec<Vec4>,
+    /// Transmittance of a ray.
+    pub through: Vec<Vec4>,
+    /// Sunlight and the sky's irradiance on the ground.
+    pub sunlight: Vec<Vec4>,
+    /// Transmittance from places in the air to the Sun.
+    pub transmittance: Vec<Vec4>,
+    /// Source functions.
+    pub sources: Vec<Vec4>,
+    /// Densities.
+    pub profile: Vec<Vec4>,
+    /// What the air sends back of light that the ground sends up, RGB.
+    pub sky_albedo: Vec3,
+}
+
+impl AirTables {
+    /// The tables for these options: computed where the process has not them yet, half a second on two cores, else free.
+    pub fn shared(options: &AirOptions) -> Arc<Self> {
+        /// Airs that are kept: a host with more makes some of them anew.
+        const KEPT: usize = 4;
+        static MADE: Mutex<Vec<(AirOptions, Arc<AirTables>)>> = Mutex::new(Vec::new());
+        let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, tables)) = made.iter().find(|(of, _)| of == options) {
+            return tables.clone();
+        }
+        let tables = Arc::new(Self::compute(options));
+        made.truncate(KEPT - 1);
+        made.insert(0, (*options, tables.clone()));
+        tables
+    }
+
+    /// Computes the tables; uses all cores.
+    pub fn compute(options: &AirOptions) -> Self {
+        let air = AirModel::new(options);
+        let transmittance = TransmittanceTable::compute(&air);
+        let sources = Sources::compute(&air, &transmittance);
+        let builder = Builder {
+            air: &air,
+            transmittance: &transmittance,
+            sources: &sources,
+        };
+        let (scattering, bounce, through) = builder.outside();
+        Self {
+            scattering,
+            bounce,
+            through,
+            sunlight: builder.sunlight(),
+            transmittance: transmittance.texels.iter().map(|t| texel(*t)).collect(),
+            sources: builder.sources(),
+            profile: fill(PROFILE, |x, _, _| {
+                let h = (height_radius(x) - 1.0) * RADIUS_M;
+                let exponential = (-h / MOLECULE_SCALE_HEIGHT_M).exp();
+                let molecules = (profile::molecules(h) / exponential) as f32;
+                Vec4::new(molecules, profile::ozone(h) as f32, 0.0, 1.0)
+            }),
+            sky_albedo: sources.sky_albedo.rgb(),
+        }
+    }
+
+    /// Transmittance of the Sun's light to the ground and the sky's irradiance on black ground, RGB, relative to the Sun's
+    /// irradiance, for the cosine of its zenith angle.
+    pub fn sunlight_at(&self, mu_s: f64) -> [Vec3; 2] {
+        let width = SUNLIGHT.x as usize;
+        let at = sun_coordinate(mu_s as f32) * (width - 1) as f32;
+        let low = (at as usize).min(width - 2);
+        [0, width].map(|row| {
+            let (a, b) = (self.sunlight[row + low], self.sunlight[row + low + 1]);
+            a.lerp(b, at - low as f32).truncate()
+        })
+    }
+}
+
+struct Builder<'a> {
+    air: &'a AirModel,
+    transmittance: &'a TransmittanceTable,
+    sources: &'a Sources,
+}
+
+impl Builder<'_> {
+    /// The tables of rays from outside.
+    fn outside(&self) -> (Vec<Vec4>, Vec<Vec4>, Vec<Vec4>) {
+        const STEPS: u32 = 32;
+        let (width, suns, azimuths) = (SCATTERING.x, SCATTERING.y, SCATTERING.z);
+        let all_light = Light {
+            sun: true,
+            sources: Some(&self.sources.black),
+        };
+        let of_ground = Light {
+            sun: false,
+            sources: Some(&self.sources.bounce),
+        };
+        let columns = parallel(width as usize, |x| {
+            let ray = outside_ray(x as u32);
+            let path = |light| Path::new(self.air, self.transmittance, ray, STEPS, light);
+            let (path, of_ground) = (path(all_light), path(of_ground));
+            let through = path.through.rgb();
+            let alpha = 1.0 - luminance(through.as_dvec3()) as f32;
+            let flat = (1.0 - ray.mu * ray.mu).max(0.0).sqrt();
+            let mut scattering = Vec::with_capacity((suns * azimuths) as usize);
+            let mut bounce = Vec::with_capacity((suns * BOUNCE.z) as usize);
+            for y in 0..suns {
+                let mu_s = sun_cosine(f64::from(y) / f64::from(suns - 1));
+                let sun_flat = (1.0 - mu_s * mu_s).max(0.0).sqrt();
+                let nu = |azimuth: f64| ray.mu * mu_s + flat * sun_flat * azimuth.cos();
+                for z in 0..azimuths {
+                    let root = f64::from(z) / f64::from(azimuths - 1);
+                    let light = path.radiance(mu_s as f32, nu(PI * root * root) as f32);
+                    scattering.push(fourth_root(radiance(light)).extend(alpha));
+                }
+                for z in 0..BOUNCE.z {
+                    let root = f64::from(z) / f64::from(BOUNCE.z - 1);
+                    let light = of_ground.radiance(mu_s as f32, nu(PI * root * root) as f32);
+                    bounce.push(fourth_root(radiance(light)).extend(1.0));
+                }
+            }
+            Column {
+                scattering,
+                bounce,
+                through: through.max(Vec3::ZERO).extend(1.0),
+            }
+        });
+        let texels = |size: TableSize, of: fn(&Column) -> &Vec<Vec4>| {
+            let mut texels = Vec::with_capacity(size.texels());
+            for z in 0..size.z {
+                for y in 0..size.y {
+                    let index = (y * size.z + z) as usize;
+                    texels.extend(columns.iter().map(|column| of(column)[index]));
+                }
+            }
+            texels
+        };
+        let scattering = texels(SCATTERING, |column| &column.scattering);
+        let bounce = texels(BOUNCE, |column| &column.bounce);
+        let through = columns.iter().map(|column| column.through);
+        (scattering, bounce, through.collect())
+    }
+
+    fn sunlight(&self) -> Vec<Vec4> {
+        let sky = self.sky_on_ground();
+        fill(SUNLIGHT, |x, y, _| {
+            texel(match y > 0.5 {
+                false => self.direct(sun_cosine(x)),
+                true => sky[(x * f64::from(SUNLIGHT.x - 1)).round() as usize],
+            })
+        })
+    }
+
+    /// Transmittance of the Sun's light to the ground. The Sun is a disc of 0.27° radius: average over it, so that it sets
+    /// gradually.
+    fn direct(&self, mu_s: f64) -> Spectrum {
+        const CHORDS: u32 = 9;
+        let row = self.transmittance.row(1.0, true);
+        let (mut direct, mut area) = (Spectrum::ZERO, 0.0);
+        for n in 0..CHORDS {
+            let x = -1.0 + 2.0 * (f64::from(n) + 0.5) / f64::from(CHORDS);
+            let weight = (1.0 - x * x).sqrt() as f32;
+            let mu = (mu_s + x * SUN_RADIUS_RAD).clamp(-1.0, 1.0) as f32;
+            direct += row.at(mu).unwrap_or(Spectrum::ZERO) * weight;
+            area += weight;
+        }
+        direct / area
+    }
+
+    /// The sky's irradiance on black ground for the Suns of the sunlight table.
+    fn sky_on_ground(&self) -> Vec<Spectrum> {
+        const AZIMUTHS: u32 = 8;
+        let light = Light {
+            sun: true,
+            sources: Some(&self.sources.black),
+        };
+        let looks = quadrature::gauss_legendre_10().map(|(x, w)| (0.5 + 0.5 * x, 0.5 * w));
+        let rows = parallel(looks.len(), |n| {
+            let (mu, weight) = looks[n];
+            let ray = Ray {
+                r: 1.0,
+                mu,
+                from: 0.0,
+                to: to_top(1.0, mu),
+                crowd: 0.0,
+            };
+            let path = Path::new(self.air, self.transmittance, ray, 40, light);
+            let flat = (1.0 - mu * mu).sqrt();
+            let weight = (weight * mu * 2.0 * PI / f64::from(AZIMUTHS)) as f32;
+            let of_sun = |x: u32| {
+                let mu_s = sun_cosine(f64::from(x) / f64::from(SUNLIGHT.x - 1));
+                let sun_flat = (1.0 - mu_s * mu_s).max(0.0).sqrt();
+                let turns = (0..AZIMUTHS).map(|turn| {
+                    let azimuth = PI * (f64::from(turn) + 0.5) / f64::from(AZIMUTHS);
+                    let nu = mu * mu_s + flat * sun_flat * azimuth.cos();
+                    path.radiance(mu_s as f32, nu as f32) * weight
+                });
+                turns.sum::<Spectrum>()
+            };
+            (0..SUNLIGHT.x).map(of_sun).collect::<Vec<_>>()
+        });
+        let sum = |x: usize| rows.iter().map(|row| row[x]).sum();
+        (0..SUNLIGHT.x as usize).map(sum).collect()
+    }
+
+    /// The source table in RGB: shaders multiply it by RGB coefficients, so it is divided by those of its height.
+    fn sources(&self) -> Vec<Vec4> {
+        let mut out = vec![Vec4::ZERO; SOURCES.texels()];
+        for height in 0..HEIGHTS {
+            let r = height_radius(height as f64 / (HEIGHTS - 1) as f64);
+            let scattering = self.air.medium(r).scattering();
+            let per = self.air.scattering_rgb(r);
+            for sun in 0..SUNS {
+                let at = height * SUNS + sun;
+                let colors = |source: &Source| source.0.map(|c| radiance(c * scattering) / per);
+                let black = colors(&self.sources.black.texels[at]);
+                // Of the ground's light the mean over all directions: that of a square of a component is a third.
+                let bounce = colors(&self.sources.bounce.texels[at]);
+                let mean = bounce[0] + (bounce[3] + bounce[4]) / 3.0;
+                for (band, color) in black.into_iter().chain([mean]).enumerate() {
+                    out[(band * HEIGHTS + height) * SUNS + sun] = color.extend(1.0);
+                }
+            }
+        }
+        out
+    }
+}
+
+/// What the tables from outside hold of one ray, Suns and azimuths one after another.
+struct Column {
+    scattering: Vec<Vec4>,
+    bounce: Vec<Vec4>,
+    through: Vec4,
+}
+
+/// The ray of a column of the tables from outside, by its reference point.
+fn outside_ray(x: u32) -> Ray {
+    let half = SCATTERING.x / 2;
+    let along = f64::from(x % half) / f64::from(half - 1);
+    let squared = along * along;
+    match x < half {
+        // Meets the ground at zenith cosine `squared`; it is followed from its entry, and the ground is its lowest point.
+        true => Ray {
+            r: 1.0,
+            mu: -squared,
+            from: -to_top(1.0, squared),
+            to: 0.0,
+            crowd: 0.0,
+        },
+        false => {
+            let r = 1.0 + (TOP - 1.0) * squared;
+            let reach = to_top(r, 0.0).max(1e-9);
+            Ray {
+                r,
+                mu: 0.0,
+                from: -reach,
+                to: reach,
+                crowd: 0.0,
+            }
+        }
+    }
+}
+
+/// Radiance per unit irradiance as a part of a white sheet's, RGB.
+fn radiance(light: Spectrum) -> Vec3 {
+    light.rgb() * std::f32::consts::PI
+}
+
+/// How light is stored that falls exponentially with height and with twilight: linear interpolation is good to 3 % over a
+/// factor of e, where it would be to 13 % for the light itself, and half floats hold it to the last.
+fn fourth_root(light: Vec3) -> Vec3 {
+    light.max(Vec3::ZERO).powf(0.25)
+}
+
+/// A colour that sRGB does not hold, as of the last red of a sunset, is cut off at what it holds.
+fn texel(spectrum: Spectrum) -> Vec4 {
+    spectrum.rgb().max(Vec3::ZERO).extend(1.0)
+}
+
+/// Sun cosine of a table coordinate 0…1: fine about the terminator, where light falls by powers of ten.
+pub(super) fn sun_cosine(coordinate: f64) -> f64 {
+    let [low, high] = [LOWEST_SUN, 1.0].map(|mu: f64| (mu / SUN_SPACING).asinh());
+    SUN_SPACING * (low + coordinate * (high - low)).sinh()
+}
+
+/// The inverse of [`sun_cosine`], 0…1.
+pub(super) fn sun_coordinate(mu_s: f32) -> f32 {
+    // Looked up, since it is asked for at every step of every ray: good to 1e-5.
+    const CELLS: usize = 2048;
+    static COORDINATES: LazyLock<Vec<f32>> = LazyLock::new(|| {
+        let coordinate = |n: usize| {
+            let mu = LOWEST_SUN + (1.0 - LOWEST_SUN) * n as f64 / CELLS as f64;
+            let [low, high, at] = [LOWEST_SUN, 1.0, mu].map(|mu: f64| (mu / SUN_SPACING).asinh());
+            ((at - low) / (high - low)) as f32
+        };
+        (0..=CELLS).map(coordinate).collect()
+    });
+    let low = LOWEST_SUN as f32;
+    let at = ((mu_s - low) * (CELLS as f32 / (1.0 - low))).clamp(0.0, CELLS as f32);
+    let cell = (at as usize).min(CELLS - 1);
+    let (a, b) = (COORDINATES[cell], COORDINATES[cell + 1]);
+    a + (b - a) * (at - cell as f32)
+}
+
+/// Radius of a height coordinate 0…1, finely divided near the ground.
+fn height_radius(y: f64) -> f64 {
+    1.0 + (TOP - 1.0) * y * y
+}
+
+fn height_coordinate(r: f64) -> f64 {
+    ((r - 1.0) / (TOP - 1.0)).clamp(0.0, 1.0).sqrt()
+}
+
+/// Luminance of linear red, green and blue (Rec. 709).
+pub(crate) const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
+
+fn luminance(v: DVec3) -> f64 {
+    v.dot(LUMINANCE)
+}
+
+/// The row of a table whose second axis is the height, at radius `r`.
+fn row_at(table: &[Spectrum], size: TableSize, r: f64) -> Vec<Spectrum> {
+    let at = height_coordinate(r) * f64::from(size.y - 1);
+    let low = (at as usize).min(size.y as usize - 2);
+    let part = (at - low as f64) as f32;
+    let width = size.x as usize;
+    let row = |n: usize| &table[n * width..(n + 1) * width];
+    let pairs = row(low).iter().zip(row(low + 1));
+    pairs.map(|(a, b)| a.lerp(*b, part)).collect()
+}
+
+/// Fills a table by coordinates 0…1, texel centres on both ends; rows are shared out over the cores.
+fn fill<T: Send>(size: TableSize, f: impl Fn(f64, f64, f64) -> T + Sync) -> Vec<T> {
+    let coordinate = |i: u32, n: u32| f64::from(i) / f64::from(n.max(2) - 1);
+    let rows = parallel((size.y * size.z) as usize, |row| {
+        let (y, z) = (row as u32 % size.y, row as u32 / size.y);
+        let (y, z) = (coordinate(y, size.y), coordinate(z, size.z));
+        let texels = (0..size.x).map(|x| f(coordinate(x, size.x), y, z));
+        texels.collect::<Vec<_>>()
+    });
+    rows.into_iter().flatten().collect()
+}
+
+/// What `f` makes of 0…`count`, in order, made by all cores: each takes what is next.
+fn parallel<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+    let next = std::sync::atomic::AtomicUsize::new(0);
+    let mut made: Vec<(usize, T)> = std::thread::scope(|scope| {
+        let work = || {
+            let mut made = Vec::new();
+            loop {
+                let n = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                if n >= count {
+                    return made;
+                }
+                made.push((n, f(n)));
+            }
+        };
+        let threads: Vec<_> = (0..threads.min(count)).map(|_| scope.spawn(work)).collect();
+        let parts = threads.into_iter().map(|thread| match thread.join() {
+            Ok(part) => part,
+            Err(panic) => std::panic::resume_unwind(panic),
+        });
+        parts.flatten().collect()
+    });
+    made.sort_by_key(|(n, _)| *n);
+    made.into_iter().map(|(_, value)| value).collect()
+}
+
+#[cfg(test)]
+mod tests;

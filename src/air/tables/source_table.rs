@@ -1,0 +1,63 @@
+//! Source functions of light that was scattered before, by height and Sun.
+
+use super::height_coordinate;
+use crate::air::spectrum::Spectrum;
+use std::ops::AddAssign;
+
+/// Coefficients of a source function.
+pub(super) const COEFFICIENTS: usize = 6;
+/// Sun cosines that sources are known at, by `sun_coordinate`.
+pub(super) const SUNS: usize = 48;
+/// Heights that they are known at, by `height_coordinate`.
+pub(super) const HEIGHTS: usize = 24;
+
+/// Coefficients a0, bx, bz, cxx, czz, cxz of a source function.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Source(pub [Spectrum; COEFFICIENTS]);
+
+impl Source {
+    pub fn scaled(&self, by: Spectrum) -> Self {
+        Self(self.0.map(|c| c * by))
+    }
+
+    fn lerp(&self, other: &Self, part: f32) -> Self {
+        let mut out = *self;
+        for (a, b) in out.0.iter_mut().zip(&other.0) {
+            *a += (*b - *a) * part;
+        }
+        out
+    }
+}
+
+impl AddAssign for Source {
+    fn add_assign(&mut self, other: Self) {
+        for (a, b) in self.0.iter_mut().zip(&other.0) {
+            *a += *b;
+        }
+    }
+}
+
+/// Source functions per scattering coefficient, by height and Sun cosine: so they are smooth where densities are not.
+#[derive(Clone)]
+pub(super) struct SourceTable {
+    /// Heights one after another.
+    pub texels: Vec<Source>,
+}
+
+impl SourceTable {
+    pub fn zero() -> Self {
+        Self {
+            texels: vec![Source::default(); HEIGHTS * SUNS],
+        }
+    }
+
+    /// All Suns' at radius `r`.
+    pub fn at(&self, r: f64) -> Vec<Source> {
+        let at = height_coordinate(r) * (HEIGHTS - 1) as f64;
+        let low = (at as usize).min(HEIGHTS - 2);
+        let part = (at - low as f64) as f32;
+        let row = |n: usize| &self.texels[n * SUNS..(n + 1) * SUNS];
+        let pairs = row(low).iter().zip(row(low + 1));
+        pairs.map(|(a, b)| a.lerp(b, part)).collect()
+    }
+}
