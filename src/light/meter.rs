@@ -1,0 +1,250 @@
+//! The exposure that a view asks for, by the processor alone: nothing is read back, so that the same frame always gets the
+//! same exposure.
+//!
+//! A grid of rays is cast at the ellipsoid. Where one meets the ground, its luminance is the albedo there, coarsely, times the
+//! light that falls on it, and about what the air before it scatters; where it passes through the air beside the ground, that of
+//! the sky over its lowest point. Rays into space do not count. The mean luminance of the brightest [`BRIGHTEST`] of what counts
+//! is shown as [`SHOWN`].
+
+use super::Exposure;
+use crate::air::{AirTables, LUMINANCE};
+use crate::frames::SUN_RADIUS_RAD;
+use glam::{DMat4, DVec3, Vec3, Vec4};
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+/// Rays across and down.
+const RAYS: [u32; 2] = [32, 18];
+/// Part of what is seen whose mean luminance is metered, the brightest.
+const BRIGHTEST: f64 = 0.1;
+/// Display light that it is shown with.
+const SHOWN: f64 = 0.7;
+/// Exposures that are answered, EV: snow in full sunlight still needs more than the least; the most shows twilight, and lights of
+/// cities, which are drawn for daylight's exposure, without burning them out.
+const RANGE_EV: [f64; 2] = [-4.0, 3.0];
+/// Columns and rows of the map of albedo: the whole Earth, north row first, left edge at 180° W, with the last column before the
+/// first and the first after the last.
+const METER_ALBEDO: [usize; 2] = [66, 32];
+/// Height in which the air beside the ground grows e times thinner, of the equatorial radius.
+const AIR_SCALE: f64 = 8e3 / 6.378e6;
+
+/// What it sees.
+pub(crate) struct MeterView<'a> {
+    /// The eye, scaled space.
+    pub eye_scaled: DVec3,
+    /// Diagonal of the ellipsoid: takes scaled space to metres.
+    pub itrf_from_scaled: DVec3,
+    /// Takes eye-relative ITRF metres to clip space.
+    pub clip_from_eye: &'a DMat4,
+    /// Unit vector to the Sun, ITRF.
+    pub sun_itrf: DVec3,
+}
+
+/// Meters views of an Earth.
+pub(crate) struct Meter {
+    /// Of the ground under its clouds, RGB, [`METER_ALBEDO`] texels.
+    albedo: Vec<Vec4>,
+    /// The air, if there is any.
+    air: Option<Arc<AirTables>>,
+}
+
+impl Meter {
+    /// `albedo` has [`METER_ALBEDO`] texels.
+    pub fn new(albedo: Vec<Vec4>, air: Option<Arc<AirTables>>) -> Self {
+        Self { albedo, air }
+    }
+
+    /// The exposure for a view, EV; the default where neither ground nor air is in sight. Allocates nothing.
+    pub fn ev(&self, view: &MeterView<'_>) -> f64 {
+        const COUNT: usize = (RAYS[0] * RAYS[1]) as usize;
+        let mut seen = [(0.0, 0.0); COUNT];
+        let eye_from_clip = view.clip_from_eye.inverse();
+        for (n, seen) in (0..).zip(&mut seen) {
+            let [x, y] = [n % RAYS[0], n / RAYS[0]];
+            let across = (f64::from(x) + 0.5) / f64::from(RAYS[0]) * 2.0 - 1.0;
+            let up = 1.0 - (f64::from(y) + 0.5) / f64::from(RAYS[1]) * 2.0;
+            // Any depth between the planes is before the eye.
+            let ray = eye_from_clip.project_point3(DVec3::new(across, up, 0.5));
+            *seen = self.luminance(view, ray / view.itrf_from_scaled);
+        }
+        let Some(luminance) = mean_of_brightest(&mut seen, BRIGHTEST) else {
+            return Exposure::DEFAULT_EV;
+        };
+        (SHOWN / luminance.max(1e-9))
+            .log2()
+            .clamp(RANGE_EV[0], RANGE_EV[1])
+    }
+
+    /// Luminance along a ray of scaled space, and how much it counts.
+    fn luminance(&self, view: &MeterView<'_>, ray: DVec3) -> (f64, f64) {
+        let Some(d) = ray.try_normalize() else {
+            return (0.0, 0.0);
+        };
+        let eye = view.eye_scaled;
+        let along = -eye.dot(d);
+        let q = eye.cross(d).length();
+        let above = (eye.length() - 1.0).max(0.0);
+        if along > 0.0 && q < 1.0 {
+            let root = ((1.0 - q) * (1.0 + q)).sqrt();
+            let ground = (eye + d * (along - root)).normalize_or_zero();
+            let up = self.up(view, ground);
+            let albedo = self.albedo_at(up);
+            let [falls, sky] = self.light(up.dot(view.sun_itrf), albedo);
+            // The air sends about as much up as down, and more where one looks along it.
+            let before = sky * (0.5 / root.max(0.25)) as f32;
+            return (luminance(albedo * falls + before), 1.0);
+        }
+        // Past the ground: the lowest point, which is the eye's own where the ray rises.
+        let (lowest, height) = match along > 0.0 {
+            true => (eye + d * along, q - 1.0),
+            false => (eye, above),
+        };
+        let up = self.up(view, lowest.normalize_or_zero());
+        let [_, sky] = self.light(up.dot(view.sun_itrf), Vec3::ZERO);
+        let part = match self.air {
+            Some(_) => (-height / AIR_SCALE).exp(),
+            None => 0.0,
+        };
+        (luminance(sky) * part, part)
+    }
+
+    /// Outward normal of the ellipsoid, ITRF axes, at a direction of scaled space.
+    fn up(&self, view: &MeterView<'_>, scaled: DVec3) -> DVec3 {
+        (scaled / view.itrf_from_scaled).normalize_or_zero()
+    }
+
+    /// The light of Sun and sky on level ground, RGB, and the sky's alone, which is as much as its light: a sheet that faces
+    /// the Sun in space has 1.
+    fn light(&self, mu_s: f64, albedo: Vec3) -> [Vec3; 2] {
+        let Some(air) = &self.air else {
+            let risen = ((mu_s + SUN_RADIUS_RAD) / (2.0 * SUN_RADIUS_RAD)).clamp(0.0, 1.0);
+            return [Vec3::splat((mu_s.max(0.0) * risen) as f32), Vec3::ZERO];
+        };
+        let [direct, sky] = air.sunlight_at(mu_s);
+        let falls = direct * mu_s.max(0.0) as f32 + sky;
+        // The air sends back a part of what the ground throws up.
+        [falls / (1.0 - albedo * air.sky_albedo), sky]
+    }
+
+    /// The albedo at a place, between the texels' middles.
+    fn albedo_at(&self, up: DVec3) -> Vec3 {
+        let [columns, rows] = METER_ALBEDO;
+        // The first column is the last one again.
+        let u = (up.y.atan2(up.x) / TAU + 0.5) * (columns - 2) as f64 + 0.5;
+        let v = (0.5 - up.z.clamp(-1.0, 1.0).asin() / PI) * rows as f64 - 0.5;
+        let texel = |column: f64, row: f64| {
+            let column = column.clamp(0.0, (columns - 1) as f64) as usize;
+            let row = row.clamp(0.0, (rows - 1) as f64) as usize;
+            let texel = self.albedo.get(row * columns + column).copied();
+            texel.unwrap_or_default().truncate()
+        };
+        let (left, top) = (u.floor(), v.floor());
+        let (across, down) = ((u - left) as f32, (v - top) as f32);
+        let line = |row| texel(left, row).lerp(texel(left + 1.0, row), across);
+        line(top).lerp(line(top + 1.0), down)
+    }
+}
+
+fn luminance(light: Vec3) -> f64 {
+    light.as_dvec3().dot(LUMINANCE)
+}
+
+/// Mean of the largest values that have `part` of the weight, so that it moves smoothly with values and weights. `None` without
+/// weight. Sorts.
+fn mean_of_brightest(values: &mut [(f64, f64)], part: f64) -> Option<f64> {
+    values.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+    let total: f64 = values.iter().map(|(_, weight)| weight).sum();
+    if total <= 1e-6 {
+        return None;
+    }
+    let wanted = part * total;
+    let (mut sum, mut left) = (0.0, wanted);
+    for (value, weight) in values.iter() {
+        let taken = weight.min(left);
+        sum += value * taken;
+        left -= taken;
+    }
+    Some(sum / wanted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frames::Ellipsoid;
+    use glam::dcamera;
+
+    const RADII: DVec3 = DVec3::new(6_378_137.0, 6_378_137.0, 6_356_752.314);
+
+    fn meter(albedo: f32) -> Meter {
+        Meter::new(
+            vec![Vec4::splat(albedo); METER_ALBEDO[0] * METER_ALBEDO[1]],
+            None,
+        )
+    }
+
+    /// From above longitude 0, straight down.
+    fn ev(meter: &Meter, height_m: f64, sun_itrf: DVec3) -> f64 {
+        let eye = DVec3::X * (RADII.x + height_m);
+        let view = dcamera::rh::view::look_at_mat4(DVec3::ZERO, -DVec3::X, DVec3::Z);
+        let clip_from_eye = dcamera::rh::proj::directx::perspective(0.8, 1.6, 1.0, 1e9) * view;
+        meter.ev(&MeterView {
+            eye_scaled: eye / Ellipsoid::WGS84.itrf_from_scaled(),
+            itrf_from_scaled: Ellipsoid::WGS84.itrf_from_scaled(),
+            clip_from_eye: &clip_from_eye,
+            sun_itrf,
+        })
+    }
+
+    #[test]
+    fn what_is_metered_is_shown_at_its_value() {
+        // Near the ground under the Sun every ray has the albedo.
+        let ev = ev(&meter(0.35), 1e5, DVec3::X);
+        assert!((ev - (0.7_f64 / 0.35).log2()).abs() < 0.01, "{ev}");
+    }
+
+    #[test]
+    fn a_darker_earth_is_shown_brighter_within_limits() {
+        let sun = DVec3::X;
+        assert!(ev(&meter(0.1), 4e5, sun) > ev(&meter(0.5), 4e5, sun) + 2.0);
+        assert_eq!(ev(&meter(0.5), 4e5, -sun), RANGE_EV[1]);
+        assert_eq!(ev(&meter(1000.0), 4e5, sun), RANGE_EV[0]);
+    }
+
+    #[test]
+    fn space_alone_gets_the_default() {
+        let meter = meter(0.3);
+        let view = dcamera::rh::view::look_at_mat4(DVec3::ZERO, DVec3::X, DVec3::Z);
+        let clip_from_eye = dcamera::rh::proj::directx::perspective(0.8, 1.6, 1.0, 1e9) * view;
+        let ev = meter.ev(&MeterView {
+            eye_scaled: DVec3::X * 3.0,
+            itrf_from_scaled: RADII,
+            clip_from_eye: &clip_from_eye,
+            sun_itrf: DVec3::Y,
+        });
+        assert_eq!(ev, Exposure::DEFAULT_EV);
+    }
+
+    #[test]
+    fn a_moving_eye_meters_without_jumps() {
+        let meter = meter(0.3);
+        let sun = DVec3::new(0.3, 0.9, 0.1).normalize();
+        let mut before = None;
+        for step in 0..2000 {
+            // From farther away so few rays meet the disc that one at its edge counts.
+            let height_m = 1e5 * (f64::from(step) / 2000.0 * 100_f64.ln()).exp();
+            let ev = ev(&meter, height_m, sun);
+            let jump = before.map_or(0.0, |before: f64| (ev - before).abs());
+            assert!(jump < 0.3, "{jump} EV at {height_m} m");
+            before = Some(ev);
+        }
+    }
+
+    #[test]
+    fn the_brightest_are_taken_by_weight() {
+        let mut values = [(3.0, 1.0), (1.0, 1.0), (9.0, 0.0), (2.0, 2.0)];
+        assert_eq!(mean_of_brightest(&mut values, 0.25), Some(3.0));
+        assert_eq!(mean_of_brightest(&mut values, 0.5), Some(2.5));
+        assert_eq!(mean_of_brightest(&mut values, 1.0), Some(2.0));
+        assert_eq!(mean_of_brightest(&mut [(1.0, 0.0)], 0.5), None);
+    }
+}

@@ -1,0 +1,20 @@
+//! From light to display values: how bright a picture is shown, and by which curve. Pure numbers, no GPU here.
+//!
+//! Light is scene-referred and linear from the maps to the colour target: a diffuse white sheet that faces the Sun in space
+//! is 1. What an 8-bit target shows of it is decided once and last: `shown = curve(light · 2^EV)`, dithered and encoded
+//! (`shaders/common/displayed.wgsl`). A float target gets the light itself.
+//!
+//! | file | what |
+//! |---|---|
+//! | `exposure.rs` | exposure values, fixed or metered, and how a metered one follows in time |
+//! | `meter.rs` | the exposure that a view asks for |
+//! | `tone.rs` | tone curves, the shaders' twins |
+
+mod exposure;
+mod meter;
+mod tone;
+
+pub use exposure::{Adaptation, Exposure, exposure_factor};
+pub(crate) use meter::{Meter, MeterView};
+pub use tone::Tone;
+pub(crate) use tone::{FILMIC, FILMIC_SCALE, NEUTRAL_DESATURATION, NEUTRAL_START};

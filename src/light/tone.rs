@@ -1,0 +1,110 @@
+//! Tone curves: how exposed light becomes display light, 0…1. The shaders' twins stand in `shaders/common/tone/`.
+
+use glam::DVec3;
+
+/// Where the neutral curve leaves the identity, and how fast highlights lose colour beyond.
+pub(crate) const NEUTRAL_START: f64 = 0.76;
+pub(crate) const NEUTRAL_DESATURATION: f64 = 0.15;
+
+/// The filmic curve's input is scaled by this; its coefficients a…e of x(ax + b)/(x(cx + d) + e).
+pub(crate) const FILMIC_SCALE: f64 = 0.6;
+pub(crate) const FILMIC: [f64; 5] = [2.51, 0.03, 2.43, 0.59, 0.14];
+
+/// Light beyond this is as this: its square leaves no range, and every curve is at its end.
+const BRIGHTEST: f64 = 1e9;
+
+/// By which curve light is shown on an 8-bit target.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "scene", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "scene", serde(rename_all = "lowercase"))]
+pub enum Tone {
+    /// The highlights of the Khronos PBR Neutral tone mapper (2024): light up to 0.76 is shown as it is, what is brighter is
+    /// compressed by its brightest channel, so that hue is kept, and fades to white far beyond. The mapper's toe is left out:
+    /// it takes 4 % off, the gloss of a varnish that the Earth has not.
+    #[default]
+    Neutral,
+    /// Light as it is, cut off at 1, channel by channel.
+    Linear,
+    /// A film's contrast, channel by channel: Narkowicz's fit (2016) of the ACES curve, with the scale of 0.6 that he gives for
+    /// it. Hues of highlights change.
+    Filmic,
+}
+
+impl Tone {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Neutral, Self::Linear, Self::Filmic];
+
+    /// Display light, 0…1 in each channel, of exposed light, which is not negative.
+    pub fn shown(self, light: DVec3) -> DVec3 {
+        let light = light.clamp(DVec3::ZERO, DVec3::splat(BRIGHTEST));
+        let shown = match self {
+            Self::Neutral => neutral(light),
+            Self::Linear => light,
+            Self::Filmic => {
+                let [a, b, c, d, e] = FILMIC;
+                let x = light * FILMIC_SCALE;
+                x * (a * x + b) / (x * (c * x + d) + e)
+            }
+        };
+        shown.min(DVec3::ONE)
+    }
+}
+
+fn neutral(light: DVec3) -> DVec3 {
+    let peak = light.max_element();
+    if peak <= NEUTRAL_START {
+        return light;
+    }
+    let room = 1.0 - NEUTRAL_START;
+    let shown_peak = 1.0 - room * room / (peak + room - NEUTRAL_START);
+    let white = 1.0 - 1.0 / (NEUTRAL_DESATURATION * (peak - shown_peak) + 1.0);
+    (light * (shown_peak / peak)).lerp(DVec3::splat(shown_peak), white)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Hue angle, radians, of the hexagon that HSV has.
+    fn hue(color: DVec3) -> f64 {
+        let across = 3.0_f64.sqrt() * (color.y - color.z);
+        across.atan2(2.0 * color.x - color.y - color.z)
+    }
+
+    #[test]
+    fn more_light_is_never_shown_darker() {
+        let tint = DVec3::new(1.0, 0.7, 0.3);
+        for tone in Tone::ALL {
+            let mut before = DVec3::ZERO;
+            for step in 0..=4000 {
+                let light = tint * (f64::from(step) * 0.01 - 20.0).exp2();
+                let shown = tone.shown(light);
+                assert!(shown.cmpge(before - 1e-12).all(), "{tone:?} {light}");
+                assert!(shown.cmple(DVec3::ONE).all() && shown.is_finite());
+                before = shown;
+            }
+            assert_eq!(tone.shown(DVec3::ZERO), DVec3::ZERO);
+            assert!(tone.shown(DVec3::splat(1e300)).is_finite(), "{tone:?}");
+        }
+    }
+
+    #[test]
+    fn the_neutral_curve_keeps_hue() {
+        let tint = DVec3::new(0.2, 0.5, 1.0);
+        for light in [0.1, 0.7, 0.77, 1.0, 3.0, 20.0, 1000.0] {
+            let shown = Tone::Neutral.shown(tint * light);
+            assert!((hue(shown) - hue(tint)).abs() < 1e-9, "{light}: {shown}");
+        }
+        // The clipped curve does not, or this test could not fail.
+        let clipped = Tone::Linear.shown(tint * 3.0);
+        assert!((hue(clipped) - hue(tint)).abs() > 0.1);
+    }
+
+    #[test]
+    fn the_neutral_curve_is_smooth_where_it_begins() {
+        let at = |light: f64| Tone::Neutral.shown(DVec3::splat(light)).x;
+        let slope = |light: f64| (at(light + 1e-6) - at(light)) / 1e-6;
+        assert_eq!(at(0.5), 0.5);
+        assert!((slope(NEUTRAL_START + 1e-9) - 1.0).abs() < 1e-3);
+    }
+}
