@@ -57,6 +57,7 @@ const DAY_ONLY: LayerSelection = LayerSelection {
     clouds: false,
     normals: false,
     night_lights: false,
+    water: false,
 };
 
 /// Loads a folder in which `name` was replaced, expects failure, and checks that the message names the file.

@@ -111,7 +111,8 @@ impl LayerImage {
 /// The maps that an Earth is drawn with. A layer that is `None` is not loaded, uploaded, bound or in the shader.
 #[derive(Clone, Debug)]
 pub struct EarthLayers {
-    /// Surface colour by day, `Rgba8Srgb`.
+    /// Surface colour by day, `Rgba8Srgb`. With a water map its alpha is the depth of the sea's floor, 0…1 meaning 0 to
+    /// [`FLOOR_SEEN_M`](super::FLOOR_SEEN_M), 1 where the floor is not seen; without one it means nothing.
     pub day: LayerImage,
     /// Cloud cover, `R8Unorm`.
     pub clouds: Option<LayerImage>,
@@ -119,7 +120,7 @@ pub struct EarthLayers {
     pub normals: Option<LayerImage>,
     /// City lights, `R8Unorm`.
     pub night_lights: Option<LayerImage>,
-    /// Open water, `R8Unorm`: where the sea glints in sunlight.
+    /// Open water, `R8Unorm`: 0…1, the coast where it is one half. There the colour is water's and not the day map's.
     pub water: Option<LayerImage>,
 }
 

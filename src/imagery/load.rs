@@ -3,8 +3,10 @@
 use super::decode::{FileKind, Picture, TexelKind, jpeg_ends, png_size};
 use super::error::ImageryError;
 use super::layer::{EarthLayers, LayerImage};
-use super::slopes::{SLOPE_EXAGGERATION, slopes_from_elevation};
+use super::sea::{SeaFloor, grow_land};
+use super::slopes::{ELEVATION_OFFSET_M, SLOPE_EXAGGERATION, slopes_from_elevation};
 use super::texel::{MAX_HEIGHT, MIN_HEIGHT};
+use super::tile::MapLayer;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -23,6 +25,52 @@ pub struct LayerSelection {
     pub normals: bool,
     /// City lights.
     pub night_lights: bool,
+    /// Open water, and with it the depth of the sea from the elevation map. A folder without it is none the worse: its sea
+    /// has the day map's colours.
+    pub water: bool,
+}
+
+/// Files of the maps that may be left out.
+const OPTIONAL_FILES: [(MapLayer, &str); 4] = [
+    (MapLayer::Clouds, "clouds.png"),
+    (MapLayer::Normals, "elevation.png"),
+    (MapLayer::NightLights, "night_lights.png"),
+    (MapLayer::Water, "water.png"),
+];
+
+impl LayerSelection {
+    /// Whether it has a map; the day map always.
+    pub fn has(self, layer: MapLayer) -> bool {
+        match layer {
+            MapLayer::Day => true,
+            MapLayer::Clouds => self.clouds,
+            MapLayer::Normals => self.normals,
+            MapLayer::NightLights => self.night_lights,
+            MapLayer::Water => self.water,
+        }
+    }
+
+    /// The maps of it whose files a folder has not, with the names of these files.
+    pub fn missing_in(self, dir: &Path) -> Vec<(MapLayer, &'static str)> {
+        let wanted = OPTIONAL_FILES.into_iter();
+        wanted
+            .filter(|(layer, file)| self.has(*layer) && !dir.join(file).exists())
+            .collect()
+    }
+
+    /// The same without some maps.
+    pub fn without(mut self, layers: &[(MapLayer, &'static str)]) -> Self {
+        for (layer, _) in layers {
+            match layer {
+                MapLayer::Clouds => self.clouds = false,
+                MapLayer::Normals => self.normals = false,
+                MapLayer::NightLights => self.night_lights = false,
+                MapLayer::Water => self.water = false,
+                MapLayer::Day => {}
+            }
+        }
+        self
+    }
 }
 
 impl Default for LayerSelection {
@@ -32,6 +80,7 @@ impl Default for LayerSelection {
             clouds: true,
             normals: true,
             night_lights: true,
+            water: true,
         }
     }
 }
@@ -44,10 +93,14 @@ impl Default for LayerSelection {
 /// | day | `day.jpg`, else `day.png` | 8-bit colour or grey, sRGB |
 /// | clouds | `clouds.png` | 8-bit grey, cover 0…1 |
 /// | night lights | `night_lights.png` | 8-bit grey, intensity 0…1 |
-/// | normals | `elevation.png` | 16-bit grey, metres + [`ELEVATION_OFFSET_M`](super::ELEVATION_OFFSET_M) |
+/// | normals | `elevation.png` | 16-bit grey, metres + [`ELEVATION_OFFSET_M`] |
+/// | water | `water.png`, which may be missing | 8-bit grey: open water 0…1, the coast where it is one half |
 ///
 /// All are equirectangular maps of the whole Earth, north row first, left edge at 180° W, [`MIN_HEIGHT`] to
-/// [`MAX_HEIGHT`] texels high and twice as wide. Slopes are exaggerated by [`SLOPE_EXAGGERATION`].
+/// [`MAX_HEIGHT`] texels high and twice as wide. Slopes are stored [`SLOPE_EXAGGERATION`] times too steep.
+///
+/// With a water map the day map's colours are the land's, carried some way over the coast, and its alpha is the depth of the
+/// sea's floor (see [`EarthLayers::day`]), from `elevation.png` where there is one.
 ///
 /// # Errors
 /// The first map that fails, in the order of the table, with its path, the cause and what to do.
@@ -57,41 +110,74 @@ pub fn load_layers(dir: &Path, selection: LayerSelection) -> Result<EarthLayers,
             wanted.then(|| scope.spawn(move || load(dir)))
         };
         let clouds = start(selection.clouds, load_clouds);
-        let normals = start(selection.normals, load_normals);
         let night_lights = start(selection.night_lights, load_night_lights);
+        let terrain = scope.spawn(move || load_terrain(dir, selection));
         // The largest map is read by the calling thread. Errors are looked at when all threads have ended.
-        let day = load_day(dir);
-        let [clouds, normals, night_lights] = [clouds, normals, night_lights].map(|thread| {
-            thread.map(|thread| {
-                thread
-                    .join()
-                    .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-            })
-        });
+        let day = read_day(dir);
+        let [clouds, night_lights] = [clouds, night_lights].map(|map| map.map(joined));
+        let terrain = joined(terrain);
+        let (day, clouds) = (day?, clouds.transpose()?);
+        let night_lights = night_lights.transpose()?;
+        let terrain = terrain?;
         Ok(EarthLayers {
-            day: day?,
-            clouds: clouds.transpose()?,
-            night_lights: night_lights.transpose()?,
-            normals: normals.transpose()?,
-            // Folders hold none; packs do.
-            water: None,
+            day: day.image(&terrain)?,
+            clouds,
+            night_lights,
+            normals: terrain.normals,
+            water: terrain.water,
         })
     })
 }
 
-fn load_day(dir: &Path) -> Result<LayerImage, ImageryError> {
+fn joined<T>(thread: std::thread::ScopedJoinHandle<'_, T>) -> T {
+    thread
+        .join()
+        .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+}
+
+/// The day map's texels before they are made a map.
+struct DayTexels {
+    width: u32,
+    height: u32,
+    rgba: Vec<u8>,
+}
+
+fn read_day(dir: &Path) -> Result<DayTexels, ImageryError> {
     let names = DAY_NAMES.map(|name| dir.join(name));
     let path = names.iter().find(|path| path.exists()).unwrap_or(&names[0]);
     let file = MapFile::read(path, "day", "8-bit colour (sRGB)", |texels| {
         texels.bits == 8
     })?;
-    let texels = match file.texel_kind.channels {
+    let rgba = match file.texel_kind.channels {
         4 => file.bytes,
         3 => to_rgba(&file.bytes, |rgb: &[u8; 3]| *rgb),
         2 => to_rgba(&file.bytes, |la: &[u8; 2]| [la[0]; 3]),
         _ => to_rgba(&file.bytes, |grey: &[u8; 1]| [grey[0]; 3]),
     };
-    LayerImage::from_rgba8(file.width, file.height, texels)
+    let (width, height) = (file.width, file.height);
+    Ok(DayTexels {
+        width,
+        height,
+        rgba,
+    })
+}
+
+impl DayTexels {
+    /// The map; where there is water, of land alone and with the depth of the sea.
+    fn image(mut self, terrain: &Terrain) -> Result<LayerImage, ImageryError> {
+        if let Some(water) = &terrain.water {
+            let width = self.width as usize;
+            grow_land(&mut self.rgba, width, water);
+            match &terrain.floor {
+                Some(floor) => floor.write_alpha(&mut self.rgba, width),
+                None => self
+                    .rgba
+                    .chunks_exact_mut(4)
+                    .for_each(|texel| texel[3] = 255),
+            }
+        }
+        LayerImage::from_rgba8(self.width, self.height, self.rgba)
+    }
 }
 
 fn to_rgba<const N: usize>(texels: &[u8], rgb_of: impl Fn(&[u8; N]) -> [u8; 3]) -> Vec<u8> {
@@ -119,24 +205,92 @@ fn load_grey(path: &Path, layer: &'static str) -> Result<LayerImage, ImageryErro
     LayerImage::from_r8(file.width, file.height, file.bytes)
 }
 
-fn load_normals(dir: &Path) -> Result<LayerImage, ImageryError> {
-    let path = dir.join("elevation.png");
-    let file = MapFile::read(
-        &path,
-        "elevation",
-        "16-bit grey (metres + 11000)",
-        |texels| texels == TexelKind::grey(16),
-    )?;
-    let (pairs, _) = file.bytes.as_chunks::<2>();
-    let elevation: Vec<u16> = pairs.iter().map(|pair| u16::from_be_bytes(*pair)).collect();
-    drop(file.bytes);
-    let slopes = slopes_from_elevation(file.width, file.height, &elevation, SLOPE_EXAGGERATION)?;
-    tracing::debug!(
-        path = %path.display(),
-        saturated_texels = slopes.saturated_texels,
-        "slopes made, {SLOPE_EXAGGERATION} times exaggerated"
-    );
-    Ok(slopes.image)
+/// What elevations and the water map give.
+#[derive(Default)]
+struct Terrain {
+    normals: Option<LayerImage>,
+    water: Option<LayerImage>,
+    floor: Option<SeaFloor>,
+}
+
+fn load_terrain(dir: &Path, selection: LayerSelection) -> Result<Terrain, ImageryError> {
+    let elevation = dir.join("elevation.png");
+    // Normals that are asked for must be there; the sea does without its floor.
+    let elevation = match selection.normals || selection.water && elevation.exists() {
+        true => Some(Elevation::read(&elevation)?),
+        false => None,
+    };
+    let normals = match elevation.as_ref().filter(|_| selection.normals) {
+        Some(elevation) => Some(elevation.slopes()?),
+        None => None,
+    };
+    let water = match selection.water {
+        true => load_water(dir)?,
+        false => None,
+    };
+    let floor = water.as_ref().zip(elevation.as_ref());
+    let floor = floor.map(|(water, elevation)| elevation.sea_floor(water));
+    Ok(Terrain {
+        normals,
+        water,
+        floor,
+    })
+}
+
+fn load_water(dir: &Path) -> Result<Option<LayerImage>, ImageryError> {
+    match load_grey(&dir.join("water.png"), "water") {
+        Ok(map) => Ok(Some(map)),
+        Err(ImageryError::Missing { path, .. }) => {
+            tracing::info!(
+                "{} is missing: the sea has the day map's colours",
+                path.display()
+            );
+            Ok(None)
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// Heights of the whole Earth, metres + [`ELEVATION_OFFSET_M`].
+struct Elevation {
+    path: PathBuf,
+    width: u32,
+    height: u32,
+    values: Vec<u16>,
+}
+
+impl Elevation {
+    fn read(path: &Path) -> Result<Self, ImageryError> {
+        let file = MapFile::read(
+            path,
+            "elevation",
+            "16-bit grey (metres + 11000)",
+            |texels| texels == TexelKind::grey(16),
+        )?;
+        let (pairs, _) = file.bytes.as_chunks::<2>();
+        Ok(Self {
+            path: path.into(),
+            width: file.width,
+            height: file.height,
+            values: pairs.iter().map(|pair| u16::from_be_bytes(*pair)).collect(),
+        })
+    }
+
+    fn slopes(&self) -> Result<LayerImage, ImageryError> {
+        let slopes =
+            slopes_from_elevation(self.width, self.height, &self.values, SLOPE_EXAGGERATION)?;
+        tracing::debug!(
+            path = %self.path.display(),
+            saturated_texels = slopes.saturated_texels,
+            "slopes made, stored {SLOPE_EXAGGERATION} times too steep"
+        );
+        Ok(slopes.image)
+    }
+
+    fn sea_floor(&self, water: &LayerImage) -> SeaFloor {
+        let (width, height) = (self.width as usize, self.height as usize);
+        SeaFloor::new(width, height, &self.values, ELEVATION_OFFSET_M, water)
+    }
 }
 
 /// A decoded file, its size and texel kind checked.

@@ -4,10 +4,12 @@
 //! |---|---|
 //! | `texel.rs` | how texels are stored |
 //! | `layer.rs` | a map in memory with its mip levels, and all maps of an Earth |
+//! | `albedo.rs` | what neighbourhoods reflect, for the air over them |
 //! | `load.rs` | a folder of maps read from disk, with limits before every allocation |
 //! | `decode.rs` | PNG and JPEG files |
 //! | `find.rs` | where the starter pack is |
-//! | `slopes.rs` | terrain slopes from elevations |
+//! | `slopes.rs` | terrain slopes from elevations, and those of cloud tops |
+//! | `sea.rs` | the day map's land and the sea kept apart, where there is a water map |
 //! | `mips.rs`, `srgb.rs` | smaller levels, averaged in linear light |
 //! | `tile.rs` | tiles of a pack: names, sizes, formats |
 //! | `residency.rs` | what streaming hands to drawing |
@@ -16,6 +18,7 @@
 //! | `build/` | packs built from large maps, with the feature `pack-build` |
 //! | `error.rs` | what can be wrong |
 
+mod albedo;
 #[cfg(feature = "pack-build")]
 pub mod build;
 mod decode;
@@ -27,6 +30,7 @@ mod mips;
 #[cfg(feature = "packs")]
 pub mod pack;
 pub mod residency;
+mod sea;
 mod slopes;
 mod srgb;
 #[cfg(feature = "packs")]
@@ -34,11 +38,14 @@ pub mod stream;
 mod texel;
 pub mod tile;
 
+pub use albedo::{CLOUD_ALBEDO, NEIGHBOURHOODS, NeighbourhoodAlbedo};
 pub use error::ImageryError;
 pub use find::{TEXTURES_VARIABLE, find_textures};
 pub use layer::{EarthLayers, LayerImage};
 pub use load::{LayerSelection, MAX_FILE_BYTES, load_layers};
+pub use sea::FLOOR_SEEN_M;
 pub use slopes::{
-    ELEVATION_OFFSET_M, POLE_FADE_DEG, SLOPE_EXAGGERATION, SlopeMap, slopes_from_elevation,
+    ELEVATION_OFFSET_M, POLE_FADE_DEG, SLOPE_EXAGGERATION, SlopeMap, slopes_from_clouds,
+    slopes_from_elevation,
 };
 pub use texel::{MAX_HEIGHT, MIN_HEIGHT, TexelFormat};

@@ -1,4 +1,4 @@
-//! Terrain slopes from elevations.
+//! Terrain slopes from elevations, and slopes of cloud tops from their cover.
 
 use super::error::ImageryError;
 use super::layer::{LayerImage, check_dimensions};
@@ -9,9 +9,10 @@ pub const ELEVATION_OFFSET_M: u16 = 11_000;
 
 /// How many times steeper than the truth the stored slopes are.
 ///
-/// A texel of the starter pack is 20 km wide, over which real slopes are mostly below 1 : 20: lit truly they would
-/// hardly show. Larger values show more relief from afar, but also the steps of the source's contour lines on the
-/// ice of Antarctica. At 4 none of the starter pack's texels saturates, at 8 it is 36 of two million.
+/// A texel of the starter pack is 20 km wide, over which real slopes are mostly below 1 : 20, and a stored slope has 127
+/// steps: a larger scale loses less of them. What is lit is another matter
+/// ([`relief_exaggeration`](crate::SurfaceLight::relief_exaggeration)). At 4 none of the starter pack's texels saturates, at
+/// 8 it is 36 of two million.
 pub const SLOPE_EXAGGERATION: f64 = 4.0;
 
 /// Over this distance from each pole slopes fade to nothing, degrees: the direction "east" turns round there
@@ -80,6 +81,42 @@ pub fn slopes_from_elevation(
         image: LayerImage::from_slopes(width, height, texels)?,
         saturated_texels,
     })
+}
+
+/// How far the tops of the thickest clouds rise over their thinnest edges for [`slopes_from_clouds`], metres.
+const CLOUD_TOPS_M: f64 = 6_000.0;
+
+/// Slopes of the clouds' tops (dh/d east, dh/d north), times [`SLOPE_EXAGGERATION`], where a thick cloud is high and a thin
+/// one low: the normal map of clouds that the paper draws with.
+///
+/// # Errors
+/// [`ImageryError::Levels`] if `cover` is not whole or no map of one byte a texel.
+pub fn slopes_from_clouds(cover: &LayerImage) -> Result<LayerImage, ImageryError> {
+    cover.check()?;
+    let (width, height) = (cover.width as usize, cover.height as usize);
+    let texels = match (cover.format, cover.levels.first()) {
+        (TexelFormat::R8Unorm, Some(texels)) => texels,
+        _ => {
+            return Err(ImageryError::Levels {
+                level: 0,
+                width: cover.width,
+                height: cover.height,
+                format: cover.format,
+            });
+        }
+    };
+    let mut slopes = SlopeRows::new(width, height, SLOPE_EXAGGERATION);
+    let mut bytes = Vec::with_capacity(2 * width * height);
+    let mut store = |slope: [f64; 2]| bytes.extend_from_slice(&slope.map(snorm8));
+    let mut heights_m = vec![0.0; width];
+    for row in texels.chunks_exact(width) {
+        for (height_m, cover) in heights_m.iter_mut().zip(row) {
+            *height_m = CLOUD_TOPS_M * f64::from(*cover) / 255.0;
+        }
+        slopes.push(&heights_m, &mut store);
+    }
+    slopes.finish(&mut store);
+    LayerImage::from_slopes(cover.width, cover.height, bytes)
 }
 
 /// Makes slopes a row at a time, three rows of heights in memory. Rows go in from the north; each row's slopes come out

@@ -46,7 +46,7 @@ pub enum MapLayer {
     Normals,
     /// City lights, 0…1.
     NightLights,
-    /// Open water, 0…1: where the sea glints.
+    /// Open water, 0…1, the coast where it is one half.
     Water,
 }
 

@@ -41,7 +41,7 @@
 //! | `clouds` | cover, 0…1 | `R8_UNORM` (9) | `BC4_UNORM_BLOCK` (139) |
 //! | `normals` | slopes dh/d east, dh/d north, exaggerated as the manifest says, −1…1 | `R8G8_SNORM` (17) | `BC5_SNORM_BLOCK` (142) |
 //! | `night_lights` | intensity, 0…1 | `R8_UNORM` (9) | `BC4_UNORM_BLOCK` (139) |
-//! | `water` | open water, 0…1 | `R8_UNORM` (9) | `BC4_UNORM_BLOCK` (139) |
+//! | `water` | open water, 0…1, the coast where it is one half | `R8_UNORM` (9) | `BC4_UNORM_BLOCK` (139) |
 //!
 //! The KTX2 header says: type size 1, width = height = s, depth 0, layers 0, faces 1, levels 4, supercompression 2
 //! (Zstandard), no global data. The data format descriptor is the one basic block of that Vulkan format, BT.709

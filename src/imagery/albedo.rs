@@ -1,0 +1,142 @@
+//! What the ground and its clouds reflect, averaged over neighbourhoods of some hundred kilometres: the air scatters light that
+//! comes from all of them, not from the pixel behind it.
+
+use super::layer::{EarthLayers, LayerImage};
+use super::srgb::LINEAR_FROM_SRGB;
+use super::tile::{MAP_LAYERS, MapLayer};
+use glam::{Vec3, Vec4};
+
+/// Neighbourhoods around the Earth; half as many from pole to pole.
+pub const NEIGHBOURHOODS: u32 = 64;
+/// Part of the light that whole cloud cover reflects.
+pub const CLOUD_ALBEDO: f64 = 0.8;
+/// Part of the light that open water reflects, the sky's mirror image included.
+const SEA_ALBEDO: f32 = 0.05;
+
+const WIDTH: usize = NEIGHBOURHOODS as usize;
+const HEIGHT: usize = WIDTH / 2;
+
+/// Means over all neighbourhoods, row by row from the north, from 180° W.
+#[derive(Clone, Debug)]
+pub struct NeighbourhoodAlbedo {
+    day: Vec<Vec3>,
+    water: Option<Vec<Vec3>>,
+    cloud_cover: Option<Vec<Vec3>>,
+}
+
+impl NeighbourhoodAlbedo {
+    /// Of these maps. The day map is taken for the land's albedo.
+    pub fn new(layers: &EarthLayers) -> Self {
+        let linear = |code: u8| LINEAR_FROM_SRGB[usize::from(code)];
+        let color = |texel: &[u8]| Vec3::from_array([0, 1, 2].map(|c| linear(texel[c])));
+        let cover = |texel: &[u8]| Vec3::splat(f32::from(texel[0]) / 255.0);
+        Self {
+            day: means(&layers.day, color),
+            water: layers.water.as_ref().map(|map| means(map, cover)),
+            cloud_cover: layers.clouds.as_ref().map(|map| means(map, cover)),
+        }
+    }
+
+    /// Linear RGB, row by row, with the last column before the first and the first after the last. Water and clouds count where
+    /// they are `shown`, maps by [`MapLayer::index`].
+    pub fn texels(&self, shown: &[bool; MAP_LAYERS]) -> Vec<Vec4> {
+        let map = |map: &Option<Vec<Vec3>>, layer: MapLayer, cell: usize| {
+            let map = map.as_ref().filter(|_| shown[layer.index()]);
+            map.map_or(0.0, |map| map[cell].x)
+        };
+        let albedo = |cell: usize| {
+            let sea = map(&self.water, MapLayer::Water, cell);
+            let cover = map(&self.cloud_cover, MapLayer::Clouds, cell);
+            let ground = self.day[cell].lerp(Vec3::splat(SEA_ALBEDO), sea);
+            ground.lerp(Vec3::splat(CLOUD_ALBEDO as f32), cover)
+        };
+        let row = |row: usize| {
+            let columns = (0..WIDTH + 2).map(move |column| (column + WIDTH - 1) % WIDTH);
+            columns.map(move |column| row * WIDTH + column)
+        };
+        let cells = (0..HEIGHT).flat_map(row);
+        cells.map(|cell| albedo(cell).extend(1.0)).collect()
+    }
+}
+
+/// Means of a map over the cells.
+fn means(map: &LayerImage, value: impl Fn(&[u8]) -> Vec3) -> Vec<Vec3> {
+    // The smallest level that has a texel for each.
+    let is_large = |level: &usize| {
+        let (width, height) = map.level_size(*level);
+        width as usize >= WIDTH && height as usize >= HEIGHT
+    };
+    let level = (0..map.levels.len())
+        .take_while(is_large)
+        .last()
+        .unwrap_or(0);
+    let (width, height) = map.level_size(level);
+    let (width, height) = (width as usize, height as usize);
+    let texels = map.levels.get(level).map_or(&[][..], Vec::as_slice);
+    let bytes = map.format.texel_bytes();
+    let part = |cell: usize, cells: usize, size: usize| {
+        let first = cell * size / cells;
+        first..((cell + 1) * size).div_ceil(cells).max(first + 1)
+    };
+    let cells = (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y)));
+    let mean = |(x, y)| {
+        let places = part(y, HEIGHT, height)
+            .flat_map(|row| part(x, WIDTH, width).map(move |column| row * width + column));
+        let found = places.filter_map(|at| texels.get(at * bytes..(at + 1) * bytes));
+        let (sum, count) = found.fold((Vec3::ZERO, 0.0), |(sum, count), texel| {
+            (sum + value(texel), count + 1.0)
+        });
+        sum / f32::max(count, 1.0)
+    };
+    cells.map(mean).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn layers(day: LayerImage, clouds: Option<LayerImage>) -> EarthLayers {
+        EarthLayers {
+            day,
+            clouds,
+            normals: None,
+            night_lights: None,
+            water: None,
+        }
+    }
+
+    #[test]
+    fn a_uniform_map_gives_its_colour_and_clouds_cover_it() {
+        for size in [1, 2, 64, 100, 256] {
+            let texels = [188, 0, 255, 255].repeat((2 * size * size) as usize);
+            let day = LayerImage::from_rgba8(2 * size, size, texels).expect("a map");
+            let half = vec![128; 8];
+            let clouds = LayerImage::from_r8(4, 2, half).expect("a map");
+            let albedo = NeighbourhoodAlbedo::new(&layers(day, Some(clouds)));
+            let (red, cover) = (LINEAR_FROM_SRGB[188], 128.0 / 255.0);
+            for (shown, cover) in [([false; MAP_LAYERS], 0.0), ([true; MAP_LAYERS], cover)] {
+                let texels = albedo.texels(&shown);
+                assert_eq!(texels.len(), (WIDTH + 2) * HEIGHT);
+                for texel in texels {
+                    let expected =
+                        Vec3::new(red, 0.0, 1.0).lerp(Vec3::splat(CLOUD_ALBEDO as f32), cover);
+                    assert!(texel.truncate().distance(expected) < 1e-5, "{texel}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn cells_stand_where_the_map_does_and_go_round() {
+        // White in the south-west corner, one cell wide.
+        let is_white = |at: usize| at % 128 < 2 && at / 128 >= 62;
+        let texels = (0..128 * 64)
+            .flat_map(|at| [if is_white(at) { 255 } else { 0 }; 4])
+            .collect();
+        let day = LayerImage::from_rgba8(128, 64, texels).expect("a map");
+        let texels = NeighbourhoodAlbedo::new(&layers(day, None)).texels(&[true; MAP_LAYERS]);
+        let lit: Vec<_> = (0..texels.len()).filter(|at| texels[*at].x > 0.5).collect();
+        let last_row = (HEIGHT - 1) * (WIDTH + 2);
+        assert_eq!(lit, [last_row + 1, last_row + WIDTH + 1]);
+    }
+}

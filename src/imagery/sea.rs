@@ -1,0 +1,353 @@
+//! Land and sea kept apart: under a water map the day map's colours are the land's alone, and its alpha is the depth of the sea.
+//!
+//! The coast is drawn by the water map, which is sharper than the day map. The day map's own coast is a soft passage from land
+//! to painted sea; it must not show on either side. So texels at the coast get the colour of the land near by, some way out
+//! to sea. What lies farther out stays as it is, and is seen only where the water map is not drawn.
+
+use super::layer::LayerImage;
+
+/// A texel with less water than this is land and nothing else.
+const DRY: u8 = 10;
+/// Land beside texels with more water than this is darkened by it.
+const NO_LONGER_DRY: u8 = 50;
+/// Of texels with more water than this the colour tells nothing of land.
+const MOSTLY_WET: u8 = 215;
+/// A texel with more water than this is sea and nothing else.
+const WET: u8 = 250;
+/// Rings of texels that land is grown by: first from land alone; then also from islands too far from any.
+const RINGS: [usize; 2] = [8, 12];
+/// Texels around one in which the colour of its sea is looked for.
+const SEA_REACH: isize = 3;
+
+/// Depth of the sea's floor that alpha 1 stands for, metres: deeper floors reflect no light that leaves the water.
+pub const FLOOR_SEEN_M: f64 = 40.0;
+
+/// How much of each texel of a map of this size is water, 0…255, from the water map's level that is nearest in size.
+fn water_at(water: &LayerImage, width: usize, height: usize) -> Vec<u8> {
+    let fits = |level: &usize| water.level_size(*level).0 as usize >= width;
+    let level = (0..water.levels.len()).take_while(fits).last().unwrap_or(0);
+    let (from_width, from_height) = water.level_size(level);
+    let (from_width, from_height) = (from_width as usize, from_height as usize);
+    let Some(texels) = water.levels.get(level) else {
+        return vec![0; width * height];
+    };
+    if (from_width, from_height) == (width, height) {
+        return texels.clone();
+    }
+    let nearest =
+        |at: usize, from: usize, to: usize| ((2 * at + 1) * from / (2 * to)).min(from - 1);
+    let columns: Vec<usize> = (0..width).map(|x| nearest(x, from_width, width)).collect();
+    let rows = (0..height).map(|y| nearest(y, from_height, height) * from_width);
+    rows.flat_map(|row| columns.iter().map(move |x| texels[row + x]))
+        .collect()
+}
+
+/// Spreads the land's colours over the coast, in RGBA texels `width` to a row.
+pub(super) fn grow_land(rgba: &mut [u8], width: usize, water: &LayerImage) {
+    let height = rgba.len() / 4 / width.max(1);
+    let water = water_at(water, width, height);
+    let near = |n: usize| neighbours(n, width, height);
+    let is_pure = |n: usize| water[n] < DRY && near(n).all(|n| water[n] < NO_LONGER_DRY);
+    let mut is_land: Vec<bool> = (0..water.len()).map(is_pure).collect();
+    let mut islands: Vec<usize> = (0..water.len())
+        .filter(|n| !is_land[*n] && water[*n] < MOSTLY_WET)
+        .collect();
+    let mut ring: Vec<usize> = (0..water.len())
+        .filter(|n| !is_land[*n] && near(*n).any(|n| is_land[n]))
+        .collect();
+    for round in 0..RINGS[1] {
+        if round == RINGS[0] {
+            islands.retain(|n| !is_land[*n]);
+            let colors: Vec<_> = islands
+                .iter()
+                .map(|n| without_sea(rgba, *n, &water, width))
+                .collect();
+            for (n, color) in islands.iter().zip(colors) {
+                rgba[4 * n..4 * n + 3].copy_from_slice(&color);
+                is_land[*n] = true;
+            }
+            ring.extend(islands.iter().flat_map(|n| near(*n)));
+            ring.retain(|n| !is_land[*n]);
+            ring.sort_unstable();
+            ring.dedup();
+        }
+        let grown: Vec<_> = ring
+            .iter()
+            .filter_map(|n| Some((*n, mean_color(rgba, near(*n).filter(|n| is_land[*n]))?)))
+            .collect();
+        for (n, color) in &grown {
+            rgba[4 * n..4 * n + 3].copy_from_slice(color);
+            is_land[*n] = true;
+        }
+        ring = grown
+            .iter()
+            .flat_map(|(n, _)| near(*n))
+            .filter(|n| !is_land[*n])
+            .collect();
+        ring.sort_unstable();
+        ring.dedup();
+    }
+}
+
+/// The mean colour of texels; `None` of none.
+fn mean_color(rgba: &[u8], texels: impl Iterator<Item = usize>) -> Option<[u8; 3]> {
+    let (mut sums, mut count) = ([0_u32; 3], 0);
+    for n in texels {
+        for (sum, value) in sums.iter_mut().zip(&rgba[4 * n..]) {
+            *sum += u32::from(*value);
+        }
+        count += 1;
+    }
+    (count > 0).then(|| sums.map(|sum| ((sum + count / 2) / count) as u8))
+}
+
+/// What is left of a mixed texel's colour when the share of sea is taken from it.
+fn without_sea(rgba: &[u8], n: usize, water: &[u8], width: usize) -> [u8; 3] {
+    let (x, y) = ((n % width) as isize, (n / width) as isize);
+    let height = (water.len() / width) as isize;
+    let near =
+        (-SEA_REACH..=SEA_REACH).flat_map(|dy| (-SEA_REACH..=SEA_REACH).map(move |dx| (dx, dy)));
+    let near = near
+        .filter(|(_, dy)| (0..height).contains(&(y + dy)))
+        .map(|(dx, dy)| (y + dy) as usize * width + (x + dx).rem_euclid(width as isize) as usize);
+    let here = [0, 1, 2].map(|channel| rgba[4 * n + channel]);
+    let Some(sea) = mean_color(rgba, near.filter(|n| water[*n] > WET)) else {
+        return here;
+    };
+    let dry = f32::from(255 - water[n]) / 255.0;
+    let mut color = [0, 1, 2].map(|channel| {
+        let (here, sea) = (f32::from(here[channel]), f32::from(sea[channel]));
+        (sea + (here - sea) / dry).clamp(0.0, 255.0)
+    });
+    // What the mixture's noise leaves bluer than any land is greyed.
+    color[2] = color[2].min(0.9 * color[1].max(color[0]));
+    color[0] = color[0].max(0.8 * color[1]);
+    color.map(|value| value as u8)
+}
+
+/// The texels around one: eight, fewer at a pole.
+fn neighbours(n: usize, width: usize, height: usize) -> impl Iterator<Item = usize> {
+    let (x, y) = (n % width, n / width);
+    let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
+    let columns = [(x + width - 1) % width, x, (x + 1) % width];
+    rows.flat_map(move |y| columns.map(move |x| y * width + x))
+        .filter(move |near| *near != n)
+}
+
+/// Latitude to which the sea is taken to be clear, and from which on to hide its floor, degrees. Shelf seas of higher
+/// latitudes are green or brown with what lives and drifts in them (Case 2 waters), and no map here says where.
+const CLEAR_DEG: [f64; 2] = [28.0, 40.0];
+/// Texels that depths are carried on towards a coast.
+const FLOOR_RINGS: usize = 3;
+
+/// How much green light the water leaves of that from the sea's floor: what shows, and so what is averaged.
+pub(super) struct SeaFloor {
+    width: usize,
+    height: usize,
+    /// 0…255.
+    light: Vec<u8>,
+}
+
+/// Down to the floor and up again, twice the diffuse attenuation of clear water for green light, per metre.
+const ATTENUATION_PER_M: f64 = 0.124;
+
+impl SeaFloor {
+    /// From elevations of the whole Earth, metres + `offset_m`.
+    ///
+    /// A texel at the coast holds the mean of land and sea floor, which is no depth: it gets that of open water near by.
+    pub fn new(
+        width: usize,
+        height: usize,
+        elevation: &[u16],
+        offset_m: u16,
+        water: &LayerImage,
+    ) -> Self {
+        let share = water_at(water, width, height);
+        let depth_of =
+            |n: usize| (share[n] > 250).then(|| f64::from(offset_m) - f64::from(elevation[n]));
+        let mut depths_m: Vec<f32> = (0..width * height)
+            .map(|n| depth_of(n).map_or(f32::NAN, |depth_m| depth_m.max(0.0) as f32))
+            .collect();
+        let mut waiting: Vec<usize> = (0..depths_m.len())
+            .filter(|n| {
+                depths_m[*n].is_nan() && neighbours(*n, width, height).any(|n| share[n] > 25)
+            })
+            .collect();
+        for _ in 0..FLOOR_RINGS {
+            let mut found = Vec::new();
+            waiting.retain(|n| {
+                let near = neighbours(*n, width, height).map(|n| depths_m[n]);
+                let known = near.filter(|depth_m| !depth_m.is_nan());
+                let (sum, count) = known.fold((0.0, 0.0), |(sum, count), d| (sum + d, count + 1.0));
+                if count > 0.0 {
+                    found.push((*n, sum / count));
+                }
+                count == 0.0
+            });
+            for (n, depth_m) in found {
+                depths_m[n] = depth_m;
+            }
+        }
+        let shows = |(n, depth_m): (usize, &f32)| {
+            if depth_m.is_nan() {
+                return 0.0;
+            }
+            let latitude_deg = 90.0 - (n / width) as f64 * 180.0 / height as f64;
+            let t = (latitude_deg.abs() - CLEAR_DEG[0]) / (CLEAR_DEG[1] - CLEAR_DEG[0]);
+            let clear = 1.0 - t.clamp(0.0, 1.0);
+            255.0 * clear * (-ATTENUATION_PER_M * f64::from(*depth_m)).exp()
+        };
+        let sharp: Vec<f64> = depths_m.iter().enumerate().map(shows).collect();
+        // As soft as the depths are coarse.
+        let soft = |n: usize| {
+            if sharp[n] == 0.0 && neighbours(n, width, height).all(|n| sharp[n] == 0.0) {
+                return 0;
+            }
+            let near: f64 = neighbours(n, width, height).map(|n| sharp[n]).sum();
+            ((4.0 * sharp[n] + near) / 12.0).round() as u8
+        };
+        let light = (0..sharp.len()).map(soft).collect();
+        Self {
+            width,
+            height,
+            light,
+        }
+    }
+
+    /// Writes the depths to the alpha of RGBA texels, `width` to a row, linearly between its own.
+    pub fn write_alpha(&self, rgba: &mut [u8], width: usize) {
+        let height = rgba.len() / 4 / width.max(1);
+        let depth_of: [u8; 256] = std::array::from_fn(|light| {
+            let depth_m = -(light as f64 / 255.0).max(1e-9).ln() / ATTENUATION_PER_M;
+            (255.0 * (depth_m / FLOOR_SEEN_M).min(1.0)).round() as u8
+        });
+        // Where texels of the target lie: the first of two, and the second's weight in 256.
+        let place = |at: usize, from: usize, to: usize| {
+            let place = ((2 * at + 1) * from * 128) as isize / to as isize - 128;
+            (place.div_euclid(256), place.rem_euclid(256) as u32)
+        };
+        let columns: Vec<_> = (0..width)
+            .map(|x| {
+                let (first, weight) = place(x, self.width, width);
+                let wrap = |x: isize| x.rem_euclid(self.width as isize) as usize;
+                (wrap(first), wrap(first + 1), weight)
+            })
+            .collect();
+        for (y, row) in rgba.chunks_exact_mut(4 * width).enumerate() {
+            let (first, down) = place(y, self.height, height);
+            let line = |y: isize| {
+                let y = y.clamp(0, self.height as isize - 1) as usize;
+                &self.light[y * self.width..(y + 1) * self.width]
+            };
+            let (north, south) = (line(first), line(first + 1));
+            for (texel, (west, east, right)) in row.chunks_exact_mut(4).zip(&columns) {
+                let mix = |line: &[u8]| {
+                    u32::from(line[*west]) * (256 - right) + u32::from(line[*east]) * right
+                };
+                let sum = mix(north) * (256 - down) + mix(south) * down;
+                texel[3] = depth_of[((sum + 0x8000) >> 16) as usize];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDTH: usize = 128;
+    const HEIGHT: usize = 64;
+
+    fn water(share: impl Fn(usize, usize) -> u8) -> LayerImage {
+        let texels = (0..WIDTH * HEIGHT).map(|n| share(n % WIDTH, n / WIDTH));
+        LayerImage::from_r8(WIDTH as u32, HEIGHT as u32, texels.collect()).expect("a sound map")
+    }
+
+    /// Land west of column 50, sea east of it, one mixed column between, and the other coast at the seam.
+    fn coast(x: usize, _: usize) -> u8 {
+        match x {
+            0..50 => 0,
+            50 => 128,
+            _ => 255,
+        }
+    }
+
+    const LAND: [u8; 4] = [90, 120, 40, 255];
+    const SEA: [u8; 4] = [10, 60, 120, 255];
+
+    #[test]
+    fn land_reaches_out_to_sea_and_the_far_sea_stays() {
+        let color = |n: usize| match n % WIDTH {
+            0..50 => LAND,
+            50 => [50, 90, 80, 255],
+            _ => SEA,
+        };
+        let mut rgba: Vec<u8> = (0..WIDTH * HEIGHT).flat_map(color).collect();
+        grow_land(&mut rgba, WIDTH, &water(coast));
+        let at = |x: usize, y: usize| &rgba[(y * WIDTH + x) * 4..][..4];
+        for y in [0, 30, HEIGHT - 1] {
+            for x in [0, 30, 49, 50, 51, 55, 58, 127, 122] {
+                assert_eq!(at(x, y), LAND, "{x} {y}");
+            }
+            for x in [75, 90, 110] {
+                assert_eq!(at(x, y), SEA, "{x} {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_island_of_mixed_texels_keeps_its_own_colour() {
+        let share = |x: usize, y: usize| if (x, y) == (60, 30) { 60 } else { 255 };
+        // The sea's share of the texel is in its colour.
+        let wet = 60.0 / 255.0;
+        let mixed: [u8; 4] = std::array::from_fn(|c| {
+            (f32::from(LAND[c]) * (1.0 - wet) + f32::from(SEA[c]) * wet).round() as u8
+        });
+        let mut rgba: Vec<u8> = (0..WIDTH * HEIGHT)
+            .flat_map(|n| if n == 30 * WIDTH + 60 { mixed } else { SEA })
+            .collect();
+        grow_land(&mut rgba, WIDTH, &water(share));
+        let at = |x: usize, y: usize| &rgba[(y * WIDTH + x) * 4..][..4];
+        for (x, y) in [(60, 30), (61, 30), (59, 29), (62, 31)] {
+            let is_near = |(found, land): (&u8, &u8)| found.abs_diff(*land) <= 8;
+            assert!(
+                at(x, y).iter().zip(&LAND).all(is_near),
+                "{x} {y}: {:?}",
+                at(x, y)
+            );
+        }
+        assert_eq!(at(80, 30), SEA);
+    }
+
+    #[test]
+    fn depths_are_open_water_s_and_carried_to_the_coast() {
+        // 10 m deep; at the coast the mean with the land stands 100 m above the sea.
+        let elevation: Vec<u16> = (0..WIDTH * HEIGHT)
+            .map(|n| match n % WIDTH {
+                0..50 => 11_200,
+                50 => 11_100,
+                51..90 => 10_990,
+                _ => 7_000,
+            })
+            .collect();
+        let floor = SeaFloor::new(WIDTH, HEIGHT, &elevation, 11_000, &water(coast));
+        let mut rgba = vec![7; 4 * WIDTH * HEIGHT];
+        floor.write_alpha(&mut rgba, WIDTH);
+        let at = |x: usize, y: usize| rgba[(y * WIDTH + x) * 4 + 3];
+        // A quarter of what is seen.
+        for x in [52, 55, 87] {
+            assert!(at(x, 32).abs_diff(64) < 2, "{x}: {}", at(x, 32));
+        }
+        assert!(at(50, 32) < 80, "the coast: {}", at(50, 32));
+        for x in [20, 95, 120] {
+            assert_eq!(at(x, 32), 255, "{x}");
+        }
+        // 47° north: not clear.
+        assert_eq!(at(55, 15), 255);
+        assert!(rgba.chunks_exact(4).all(|texel| texel[..3] == [7; 3]));
+        // At twice the size the same place has the same depth.
+        let mut large = vec![0; 16 * WIDTH * HEIGHT];
+        floor.write_alpha(&mut large, 2 * WIDTH);
+        assert!(large[(64 * 2 * WIDTH + 110) * 4 + 3].abs_diff(64) < 2);
+    }
+}
