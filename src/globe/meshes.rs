@@ -40,11 +40,15 @@ pub fn limb_error_px(cells: u32, radius_m: f64, height_m: f64, pixel_rad: f64) -
     if height_m <= 0.0 {
         return 0.0;
     }
+    let limb_m = height_m.sqrt() * (2.0 * radius_m + height_m).sqrt();
+    sagitta(cells) * radius_m / (limb_m * pixel_rad)
+}
+
+/// How far the middle of a facet lies below a sphere of radius 1 at most, of blocks with so many cells an edge: 2δ.
+pub fn sagitta(cells: u32) -> f64 {
     let half_cell_rad = PI / (16.0 * f64::from(cells.max(1)));
     // 1 − cos x = 2 sin²(x/2).
-    let sag_m = 2.0 * radius_m * (0.5 * half_cell_rad).sin().powi(2);
-    let limb_m = height_m.sqrt() * (2.0 * radius_m + height_m).sqrt();
-    2.0 * sag_m / (limb_m * pixel_rad)
+    4.0 * (0.5 * half_cell_rad).sin().powi(2)
 }
 
 /// The grids that an Earth is drawn with, the coarsest first; one of them at a time.

@@ -26,6 +26,7 @@ mod index_ranges;
 #[cfg(feature = "terrain")]
 mod kinds;
 mod levels;
+mod limb;
 mod meshes;
 #[cfg(feature = "terrain")]
 pub mod projected_grid;
@@ -48,7 +49,8 @@ pub use kinds::{ContourDrawing, SurfaceError, SurfaceKind, SurfaceSettings};
 pub use levels::{
     HYSTERESIS, LevelRule, PAPER_BANDS_M, paper_level, screen_level, texels_per_pixel,
 };
-pub use meshes::{LIMB_PX, Meshes, Subdivision, limb_error_px};
+pub use limb::TangentCone;
+pub use meshes::{LIMB_PX, Meshes, Subdivision, limb_error_px, sagitta};
 pub use select::{Selection, select_blocks, select_blocks_between};
 #[cfg(feature = "terrain")]
 pub use surface::{
