@@ -15,9 +15,8 @@ struct FrameUniforms {
     // a/b.
     polar_stretch: f32,
     pixel_right: vec3f,
-    // What a white sheet that faces the Sun in space is drawn with.
+    // What light is multiplied by before an 8-bit target shows it.
     exposure: f32,
     pixel_down: vec3f,
-    // Part of the air, by weight, that lies below the eye.
-    air_below: f32,
+    padding: f32,
 }

@@ -1,0 +1,29 @@
+// What the air does to light between a thing and the eye: for the ground, for the halo and for tracks.
+//
+// `SurfaceAir` in src/gpu/shader/air.rs says whether the eye is outside or inside; the files of common/air/ answer for both:
+//   fn gathered(pass_: Pass, up: vec3f, uv: vec2f) -> vec4f: what the air scatters into a ray of sight, and in alpha the part of
+//       luminance that it takes from what is behind it,
+//   fn left_through(pass_: Pass) -> vec3f: what it leaves of that, RGB.
+import common/air/bindings.wgsl;
+import common/air/coordinates.wgsl;
+@if(!inside) import common/air/outside.wgsl;
+@if(inside) import common/air/inside.wgsl;
+
+// Light that ground of albedo A sends up, time after time, for a unit that comes down first: A/(1 − A s), where the air sends the
+// part s back.
+fn sent_up(uv: vec2f) -> vec3f {
+    let albedo = neighbourhood(uv);
+    return albedo / (1.0 - albedo * air.sky_albedo);
+}
+
+// Scattered light is stored by its fourth root.
+fn fourth_power(root: vec3f) -> vec3f {
+    let square = root * root;
+    return square * square;
+}
+
+// The albedo of the ground for some hundred kilometres around. Its map has a column more on either side, so that it goes round.
+fn neighbourhood(uv: vec2f) -> vec3f {
+    let u = (fract(uv.x) * ALBEDO_SIZE.x + 1.0) / (ALBEDO_SIZE.x + 2.0);
+    return textureSampleLevel(albedo_map, table_sampler, vec2f(u, uv.y), 0.0).rgb;
+}

@@ -1,0 +1,53 @@
+// An eye in the air: looks into the tables of what it sees in each direction, which are drawn once a frame.
+import common/air/view_spacing.wgsl;
+import rust::{VIEW_ANGLES, VIEW_AZIMUTHS};
+
+// Where a direction of scaled space stands in them: columns by the angle δ from the limb, first those below it, then those above,
+// by tan(δ/2), which needs no angle; rows by the azimuth φ of the Sun, as √sin(φ/2).
+fn view_place(direction: vec3f) -> vec2f {
+    let below = tangent_below_limb(direction);
+    let sky = 0.5 + 0.5 * table_coordinate(view_spacing(max(-below, 0.0) * limb_tangent()), 0.5 * VIEW_ANGLES);
+    return vec2f(select(sky, ground_view_column(max(below, 0.0)), below >= 0.0), azimuth_coordinate(direction));
+}
+
+fn ground_view_column(below: f32) -> f32 {
+    return 0.5 * table_coordinate(view_spacing(below / limb_tangent()), 0.5 * VIEW_ANGLES);
+}
+
+// tan(δ/2), positive below the limb.
+fn tangent_below_limb(direction: vec3f) -> f32 {
+    let cosine = dot(direction, air.toward_center);
+    let sine = length(cross(direction, air.toward_center));
+    let sin_below = air.limb_sin * cosine - air.limb_cos * sine;
+    let cos_below = air.limb_cos * cosine + air.limb_sin * sine;
+    return sin_below / max(1.0 + cos_below, 1e-6);
+}
+
+// The same straight down; straight up it is minus the inverse.
+fn limb_tangent() -> f32 {
+    return air.limb_sin / (1.0 + air.limb_cos);
+}
+
+fn azimuth_coordinate(direction: vec3f) -> f32 {
+    let level = direction - dot(direction, air.toward_center) * air.toward_center;
+    let cosine = clamp(dot(level, air.sun_level) / max(length(level), 1e-6), -1.0, 1.0);
+    return table_coordinate(sqrt(sqrt(0.5 - 0.5 * cosine)), VIEW_AZIMUTHS);
+}
+
+fn seen_at(place: vec2f, uv: vec2f) -> vec4f {
+    let black = textureSampleLevel(black_view, table_sampler, place, 0.0);
+    let bounce = textureSampleLevel(bounce_view, table_sampler, place, 0.0).rgb;
+    return vec4f(fourth_power(black.rgb) + sent_up(uv) * fourth_power(bounce), black.a);
+}
+
+fn through_seen_at(place: vec2f) -> vec3f {
+    return textureSampleLevel(through_view, table_sampler, place, 0.0).rgb;
+}
+
+fn gathered(pass_: Pass, up: vec3f, uv: vec2f) -> vec4f {
+    return seen_at(view_place(pass_.direction), uv);
+}
+
+fn left_through(pass_: Pass) -> vec3f {
+    return through_seen_at(view_place(pass_.direction));
+}

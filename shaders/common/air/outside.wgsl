@@ -1,0 +1,41 @@
+// An eye outside the air: looks into the tables of rays that come from space.
+import rust::{AIR_TOP, BOUNCE_SIZE, SCATTERING_SIZE};
+
+// Coordinate of a ray in the tables: rays that meet the ground by their zenith cosine there, others by their height.
+fn ray_coordinate(pass_: Pass) -> f32 {
+    let half_ = 0.5 * SCATTERING_SIZE.x;
+    let over = 0.5 + 0.5 * table_coordinate(sqrt(max(pass_.q - 1.0, 0.0) / (AIR_TOP - 1.0)), half_);
+    return select(over, ground_coordinate(pass_.mu), meets_ground(pass_));
+}
+
+fn ground_coordinate(mu: f32) -> f32 {
+    return 0.5 * table_coordinate(sqrt(mu), 0.5 * SCATTERING_SIZE.x);
+}
+
+// `x` is the ray's coordinate, `mu` and `mu_s` are the cosines of its zenith angle and of the Sun's where that is counted; `ray` is
+// its unit vector, ITRF axes.
+fn scattered(x: f32, mu: f32, ray: vec3f, mu_s: f32, uv: vec2f) -> vec4f {
+    // Azimuth of the Sun, from the ray's horizontal direction.
+    let flat = sqrt(max((1.0 - mu * mu) * (1.0 - mu_s * mu_s), 1e-12));
+    let cosine = clamp((dot(ray, air.sun) + mu * mu_s) / flat, -1.0, 1.0);
+    let y = table_coordinate(sun_coordinate(mu_s), SCATTERING_SIZE.y);
+    let azimuth = sqrt(acos(cosine) / PI);
+    let at = vec3f(x, y, table_coordinate(azimuth, SCATTERING_SIZE.z));
+    let black = textureSampleLevel(scattering_table, table_sampler, at, 0.0);
+    let of_ground = vec3f(x, y, table_coordinate(azimuth, BOUNCE_SIZE.z));
+    let bounce = textureSampleLevel(bounce_table, table_sampler, of_ground, 0.0).rgb;
+    return vec4f(fourth_power(black.rgb) + sent_up(uv) * fourth_power(bounce), black.a);
+}
+
+fn through_at(x: f32) -> vec3f {
+    return textureSampleLevel(through_table, table_sampler, vec2f(x, 0.5), 0.0).rgb;
+}
+
+fn gathered(pass_: Pass, up: vec3f, uv: vec2f) -> vec4f {
+    let mu_s = clamp(dot(up, air.sun), -1.0, 1.0);
+    return scattered(ray_coordinate(pass_), pass_.mu, itrf_direction(pass_.direction), mu_s, uv);
+}
+
+fn left_through(pass_: Pass) -> vec3f {
+    return through_at(ray_coordinate(pass_));
+}

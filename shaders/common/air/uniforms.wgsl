@@ -1,0 +1,35 @@
+// Mirrored by `AirUniforms` in src/gpu/uniforms.rs. Lengths are equatorial radii of scaled space.
+struct AirUniforms {
+    // Axes of the billboard in scaled space: two across, one from the eye to the Earth's centre.
+    across_x: vec3f,
+    // Distance of the eye from the centre, ≥ 1.
+    eye_distance: f32,
+    across_y: vec3f,
+    // Height of the eye above the surface, without cancellation.
+    eye_height: f32,
+    toward_center: vec3f,
+    // What a white sheet that faces the Sun in space is drawn with.
+    exposure: f32,
+    // Unit vector to the Sun, ITRF axes.
+    sun: vec3f,
+    // a/b.
+    polar_stretch: f32,
+    // Horizontally towards the Sun at the eye, of length 1, scaled space.
+    sun_level: vec3f,
+    // Cosine of the Sun's zenith angle at the eye.
+    eye_sun: f32,
+    // The part of light going up from the ground that the air sends back.
+    sky_albedo: vec3f,
+    // Sine and cosine of the angle at the eye between the Earth's centre and the limb.
+    limb_sin: f32,
+    // Scattering by molecules at the ground, absorption by ozone where it is densest, scattering and extinction by aerosol at the
+    // ground; per equatorial radius.
+    molecules: vec3f,
+    limb_cos: f32,
+    ozone: vec3f,
+    padding_a: f32,
+    aerosol_scattering: vec3f,
+    padding_b: f32,
+    aerosol_extinction: vec3f,
+    padding_c: f32,
+}
