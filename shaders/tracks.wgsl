@@ -1,19 +1,21 @@
 // Tracks of satellites: lines of constant width on screen, marks of constant size, and the ground that a sensor sees.
 //
-// `TracksVariant` in src/gpu/shader/tracks.rs says which conditions hold together: lines, marks or fills; encode.
+// `TracksVariant` in src/gpu/shader/tracks.rs says which conditions hold together: lines, marks or fills; air, inside (of it);
+// encode.
 //
-// Drawn twice with two uniform buffers: what lies beyond the near boundary of the air before the air is drawn, so that it
-// blends over it, and what lies this side of it after. The globe hides by each pixel's own ray, not by the mesh.
+// Drawn after all of the Earth, each pixel through the air before it. The globe hides by each pixel's own ray, not by the mesh.
 
 import common/frame.wgsl;
 @if(!encode) import common/color.wgsl;
 @if(lines) import tracks/lines.wgsl;
 @if(marks) import tracks/marks.wgsl;
 @if(fills) import tracks/fills.wgsl;
+@if(air) import tracks/through_air.wgsl;
 
-// | group | binding | what               | when   |
-// |-------|---------|--------------------|--------|
-// | 0     | 0       | frame and the side | always |
+// | group | binding | what                     | when   |
+// |-------|---------|--------------------------|--------|
+// | 0     | 0       | frame                    | always |
+// | 0     | 1 …     | common/air/bindings.wgsl | air    |
 
 // Mirrored by `TrackUniforms` in src/gpu/tracks.rs.
 struct TrackUniforms {
@@ -22,8 +24,7 @@ struct TrackUniforms {
     size_px: vec2f,
     // Upper boundary of the air, scaled space.
     air_top: f32,
-    // 1: what lies beyond the air's near boundary; −1: what lies before it.
-    side: f32,
+    padding: f32,
 }
 
 @group(0) @binding(0) var<uniform> track: TrackUniforms;
@@ -31,6 +32,7 @@ struct TrackUniforms {
 // A pixel's ray in scaled space: its unit direction, the distance of its line from the centre, and how far along it the
 // point nearest the centre is.
 struct Ray {
+    pixel: vec2f,
     direction: vec3f,
     q: f32,
     along: f32,
@@ -39,6 +41,7 @@ struct Ray {
 fn ray_of(pixel: vec2f) -> Ray {
     let ray = track.frame.corner_ray + pixel.x * track.frame.pixel_right + pixel.y * track.frame.pixel_down;
     var out: Ray;
+    out.pixel = pixel;
     out.direction = normalize(ray * vec3f(1.0, 1.0, track.frame.polar_stretch));
     out.q = length(cross(track.frame.eye_scaled, out.direction));
     out.along = -dot(track.frame.eye_scaled, out.direction);
@@ -68,11 +71,10 @@ fn in_sight(ray: Ray, from_eye: vec3f, flags: u32) -> f32 {
     return select(before, faces, (flags & ON_GROUND) != 0u);
 }
 
-// Whether a thing lies on the side of the air's near boundary that is drawn now. A ray that meets no air has none beyond.
-fn is_on_side(ray: Ray, from_eye: vec3f) -> bool {
-    let half_chord = sqrt(max((track.air_top - ray.q) * (track.air_top + ray.q), 0.0));
-    let is_beyond = ray.q < track.air_top && dot(from_eye, ray.direction) > ray.along - half_chord;
-    return is_beyond == (track.side > 0.0);
+// What the eye sees of a thing's colour, premultiplied.
+fn seen_color(color: vec4f, ray: Ray, from_eye: vec3f) -> vec4f {
+    @if(!air) return color;
+    @if(air) return through_air(color, ray, from_eye);
 }
 
 // Display values as given, or in linear light.

@@ -52,5 +52,5 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     );
     let on_globe = select(0.0, covered(1.0 - ray.q, fwidth(ray.q)), ray.along > 0.0);
     let alpha = in.color.a * inside * on_globe;
-    return vec4f(in.color.rgb * alpha, alpha);
+    return seen_color(vec4f(in.color.rgb * alpha, alpha), ray, t * ray.direction);
 }

@@ -112,8 +112,5 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let ray = ray_of(in.clip.xy);
     let from_eye = in.from_eye_over_w / in.one_over_w;
     let seen = in_sight(ray, from_eye, in.flags);
-    if !is_on_side(ray, from_eye) {
-        discard;
-    }
-    return cased(in.color, in.half_width_px - abs(in.across_px), seen);
+    return seen_color(cased(in.color, in.half_width_px - abs(in.across_px), seen), ray, from_eye);
 }

@@ -39,14 +39,11 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let ray = ray_of(in.clip.xy);
     // A mark is so small that it is hidden or seen as a whole where it lies on the ground.
     let seen = in_sight(ray, in.from_eye, in.flags);
-    if !is_on_side(ray, in.from_eye) {
-        discard;
-    }
     // A satellite is a dot; its place on the ground a ring about a point.
     let r = length(in.at_px);
     var inside_px = in.radius_px - r;
     if (in.flags & ON_GROUND) != 0u {
         inside_px = max(0.9 - abs(r - in.radius_px), 1.2 - r);
     }
-    return cased(in.color, inside_px, seen);
+    return seen_color(cased(in.color, inside_px, seen), ray, in.from_eye);
 }

@@ -1,9 +1,8 @@
 //! The drawable of satellites' tracks: lines, marks and fills of plain values. `crate::tracks` makes them of satellites.
 
 use super::shader::ShaderModule;
-use super::{
-    FrameUniforms, PassFormat, PipelineDescription, ShaderError, TrackKind, TracksVariant,
-};
+use super::{AirSide, AirTextures, FrameUniforms, PassFormat};
+use super::{PipelineDescription, ShaderError, TrackKind, TracksVariant};
 use bytemuck::{Pod, Zeroable};
 
 /// `TrackUniforms` of `shaders/tracks.wgsl`.
@@ -16,8 +15,8 @@ pub struct TrackUniforms {
     pub size_px: [f32; 2],
     /// Upper boundary of the air, scaled space.
     pub air_top: f32,
-    /// 1 draws what lies beyond the air's near boundary, −1 what lies before it.
-    pub side: f32,
+    /// Fills the struct to its size.
+    pub padding: f32,
 }
 
 /// A point of a line.
@@ -92,15 +91,17 @@ pub(crate) struct TracksDrawable {
     lines: Option<Batch>,
     marks: Option<Batch>,
     fills: Option<Batch>,
-    /// Beyond the air's near boundary, and before it.
-    frames: [wgpu::Buffer; 2],
-    bind_groups: [wgpu::BindGroup; 2],
+    frame: wgpu::Buffer,
+    /// One without air; else that of an eye outside of it, and that of an eye inside.
+    bind_groups: Vec<wgpu::BindGroup>,
+    side: usize,
     pub shader_bytes: u64,
 }
 
 /// Things of one kind.
 struct Batch {
-    pipeline: wgpu::RenderPipeline,
+    /// One for each bind group.
+    pipelines: Vec<wgpu::RenderPipeline>,
     buffer: Option<wgpu::Buffer>,
     label: &'static str,
     count: u32,
@@ -114,36 +115,32 @@ impl TracksDrawable {
         device: &wgpu::Device,
         format: PassFormat,
         kinds: TrackKinds,
+        air: Option<&AirTextures>,
     ) -> Result<Self, ShaderError> {
-        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("terrella tracks"),
-            entries: &[super::uniform_entry(0, stages, size_of::<TrackUniforms>())],
-        });
-        let frames = ["terrella tracks beyond", "terrella tracks before"]
-            .map(|label| super::uniform_buffer::<TrackUniforms>(device, label));
-        let bind_groups = frames.each_ref().map(|frame| {
-            device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("terrella tracks"),
-                layout: &layout,
-                entries: &[wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: frame.as_entire_binding(),
-                }],
-            })
-        });
+        let frame = super::uniform_buffer::<TrackUniforms>(device, "terrella tracks");
+        let sides = match air {
+            None => vec![None],
+            Some(_) => AirSide::ALL.map(Some).to_vec(),
+        };
+        let (mut layouts, mut bind_groups) = (Vec::new(), Vec::new());
+        for side in &sides {
+            let (layout, bind_group) = bind(device, &frame, air.zip(*side));
+            layouts.push(layout);
+            bind_groups.push(bind_group);
+        }
         let mut shader_bytes = 0;
         let mut batch = |is_wanted: bool, kind: TrackKind, label: &'static str, buffers: &[_]| {
             if !is_wanted {
                 return Ok::<_, ShaderError>(None);
             }
             let target = format.target_color();
-            let shader = ShaderModule::new(device, &TracksVariant { kind, target })?;
-            shader_bytes += shader.bytes;
-            Ok(Some(Batch {
-                pipeline: PipelineDescription {
+            let mut pipelines = Vec::with_capacity(sides.len());
+            for (air, layout) in sides.iter().copied().zip(&layouts) {
+                let shader = ShaderModule::new(device, &TracksVariant { kind, target, air })?;
+                shader_bytes += shader.bytes;
+                let pipeline = PipelineDescription {
                     label,
-                    bind_groups: Some(&[Some(&layout)]),
+                    bind_groups: Some(&[Some(layout)]),
                     module: &shader.module,
                     buffers,
                     primitive: wgpu::PrimitiveState {
@@ -154,8 +151,11 @@ impl TracksDrawable {
                     // What is drawn before the Earth hides tracks, tracks hide nothing.
                     writes_depth: false,
                     blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-                }
-                .create(device),
+                };
+                pipelines.push(pipeline.create(device));
+            }
+            Ok(Some(Batch {
+                pipelines,
                 buffer: None,
                 label,
                 count: 0,
@@ -189,10 +189,19 @@ impl TracksDrawable {
                 "terrella track fills",
                 &fills,
             )?,
-            frames,
+            frame,
             bind_groups,
+            side: 0,
             shader_bytes,
         })
+    }
+
+    /// Draws for an eye on this side of the air from now on.
+    pub fn set_side(&mut self, side: AirSide) {
+        self.side = match self.bind_groups.len() {
+            1 => 0,
+            _ => side as usize,
+        };
     }
 
     /// Writes what is drawn from now on; `points` is used to write from and left as it was. Answers the bytes written.
@@ -205,11 +214,8 @@ impl TracksDrawable {
         marks: &[Mark],
         fills: &[Fill],
     ) -> u64 {
-        for (buffer, side) in self.frames.iter().zip([1.0, -1.0]) {
-            let frame = TrackUniforms { side, ..*frame };
-            queue.write_buffer(buffer, 0, bytemuck::bytes_of(&frame));
-        }
-        let mut bytes = 2 * size_of::<TrackUniforms>() as u64;
+        queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
+        let mut bytes = size_of::<TrackUniforms>() as u64;
         if let Some(batch) = &mut self.lines {
             // Segment i goes from point i + 1 to i + 2; those from and to the padding are not drawn.
             let count = points.len().saturating_sub(1);
@@ -233,25 +239,19 @@ impl TracksDrawable {
         bytes
     }
 
-    /// Draws what lies beyond the near boundary of the air, before the air is drawn. Fills lie there: the ground does.
-    pub fn render_beyond_air(&self, pass: &mut wgpu::RenderPass<'_>) {
+    /// Draws all of it.
+    pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
+        let Some(bind_group) = self.bind_groups.get(self.side) else {
+            return;
+        };
         if let Some(batch) = &self.fills {
-            batch.render(pass, &self.bind_groups[0]);
+            batch.render(pass, self.side, bind_group);
         }
-        self.render(pass, &self.bind_groups[0]);
-    }
-
-    /// Draws what lies before the air, after the air is drawn.
-    pub fn render_before_air(&self, pass: &mut wgpu::RenderPass<'_>) {
-        self.render(pass, &self.bind_groups[1]);
-    }
-
-    fn render(&self, pass: &mut wgpu::RenderPass<'_>, side: &wgpu::BindGroup) {
         if let Some(batch) = &self.lines
             && let Some(buffer) = batch.buffer.as_ref().filter(|_| batch.count > 0)
         {
-            pass.set_pipeline(&batch.pipeline);
-            pass.set_bind_group(0, side, &[]);
+            pass.set_pipeline(&batch.pipelines[self.side]);
+            pass.set_bind_group(0, bind_group, &[]);
             for slot in 0..4 {
                 let from = u64::from(slot) * size_of::<LinePoint>() as u64;
                 pass.set_vertex_buffer(slot, buffer.slice(from..));
@@ -259,14 +259,14 @@ impl TracksDrawable {
             pass.draw(0..4, 0..batch.count);
         }
         if let Some(batch) = &self.marks {
-            batch.render(pass, side);
+            batch.render(pass, self.side, bind_group);
         }
     }
 
     /// Draw calls and triangles of a frame.
     pub fn calls(&self) -> (u32, u32) {
-        let twice = [&self.lines, &self.marks, &self.marks, &self.lines];
-        let batches = twice.into_iter().chain([&self.fills]).flatten();
+        let batches = [&self.fills, &self.lines, &self.marks];
+        let batches = batches.into_iter().flatten();
         batches.fold((0, 0), |(calls, triangles), batch| {
             (
                 calls + u32::from(batch.count > 0),
@@ -274,6 +274,34 @@ impl TracksDrawable {
             )
         })
     }
+}
+
+/// Group 0, its layout first.
+fn bind(
+    device: &wgpu::Device,
+    frame: &wgpu::Buffer,
+    air: Option<(&AirTextures, AirSide)>,
+) -> (wgpu::BindGroupLayout, wgpu::BindGroup) {
+    let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
+    let mut layout = vec![super::uniform_entry(0, stages, size_of::<TrackUniforms>())];
+    let mut entries = vec![wgpu::BindGroupEntry {
+        binding: 0,
+        resource: frame.as_entire_binding(),
+    }];
+    for (of_layout, entry) in air.iter().flat_map(|(air, side)| air.bindings(*side)) {
+        layout.push(of_layout);
+        entries.push(entry);
+    }
+    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("terrella tracks"),
+        entries: &layout,
+    });
+    let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("terrella tracks"),
+        layout: &layout,
+        entries: &entries,
+    });
+    (layout, bind_group)
 }
 
 impl Batch {
@@ -306,12 +334,12 @@ impl Batch {
         size
     }
 
-    fn render(&self, pass: &mut wgpu::RenderPass<'_>, side: &wgpu::BindGroup) {
+    fn render(&self, pass: &mut wgpu::RenderPass<'_>, side: usize, bind_group: &wgpu::BindGroup) {
         let Some(buffer) = self.buffer.as_ref().filter(|_| self.count > 0) else {
             return;
         };
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, side, &[]);
+        pass.set_pipeline(&self.pipelines[side]);
+        pass.set_bind_group(0, bind_group, &[]);
         pass.set_vertex_buffer(0, buffer.slice(..));
         pass.draw(0..4, 0..self.count);
     }

@@ -4,14 +4,12 @@
 //! # Use
 //!
 //! ```text
-//! let mut tracks = Tracks::new(&device, &TracksOptions::of(&earth_options), &styles)?;
-//! // once a frame, beside Earth::prepare
+//! let mut tracks = Tracks::new(&device, &TracksOptions::of(&earth), &styles)?;
+//! // once a frame, after Earth::prepare with the same view
 //! tracks.prepare(&queue, &moment, feeds);
-//! // in the pass: what lies beyond the near boundary of the air before it, the rest after
-//! earth.render_surface(&mut pass);
-//! tracks.render_beyond_air(&mut pass);
-//! earth.render_air(&mut pass);
-//! tracks.render_before_air(&mut pass);
+//! // in the pass
+//! earth.render(&mut pass);
+//! tracks.render(&mut pass);
 //! ```
 //!
 //! Names are the host's to write: [`Tracks::labels`] says where. The command writes them with egui.
@@ -45,8 +43,8 @@
 //! ellipsoid is the unit sphere: exact at the limb, whatever the mesh. What else the host has drawn hides by depth; what lies on the ground is tested a
 //! tenth of its distance nearer (marks half), 500 m at least, so that the inscribed mesh does not hide it. Depth is not written.
 //!
-//! **Air.** The air is one layer that blends over all that lies beyond its near boundary, as over the ground. So lines are drawn
-//! twice: beyond it before the air, before it after. A line behind the limb is dimmed and tinted, one in front is not.
+//! **Air.** What lies beyond the near boundary of the Earth's air is drawn through it, each pixel as the ground or the sky that its
+//! ray meets. A line behind the limb is dimmed and tinted, one in front is not.
 
 mod buffers;
 mod curve;
@@ -55,10 +53,11 @@ mod projection;
 mod satellite;
 mod style;
 
-use crate::air::EARTH_AIR;
-use crate::earth::{EarthOptions, EyeView, Viewport};
+use crate::air::TOP;
+use crate::earth::{Earth, EyeView, Viewport};
 use crate::frames::{Ellipsoid, Epoch, Orientation};
-use crate::gpu::{DepthBuffer, PassFormat, ShaderError, TrackKinds, TrackUniforms, TracksDrawable};
+use crate::gpu::{AirSide, AirTextures, DepthBuffer, PassFormat, ShaderError};
+use crate::gpu::{TrackKinds, TrackUniforms, TracksDrawable};
 use crate::orbit::Feed;
 use buffers::TrackBuffers;
 pub use buffers::{NEAREST_MARKER_M, TrackLabel};
@@ -76,8 +75,8 @@ pub const MAX_POINTS: usize = 16_384;
 /// Most points of all curves.
 pub const MAX_POINTS_IN_ALL: usize = 262_144;
 
-/// The pass that tracks are drawn in, and the figure that they lie on: the Earth's.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The pass that tracks are drawn in, the figure that they lie on, and the air that they are seen through: the Earth's.
+#[derive(Clone, Debug, PartialEq)]
 pub struct TracksOptions {
     /// The figure of the Earth.
     pub ellipsoid: Ellipsoid,
@@ -87,16 +86,19 @@ pub struct TracksOptions {
     pub samples: u32,
     /// Depth buffer of the pass.
     pub depth: DepthBuffer,
+    air: Option<AirTextures>,
 }
 
 impl TracksOptions {
-    /// Those of an Earth.
-    pub fn of(earth: &EarthOptions) -> Self {
+    /// Those of an Earth, as it is drawn now.
+    pub fn of(earth: &Earth) -> Self {
+        let format = earth.format();
         Self {
-            ellipsoid: earth.figure.ellipsoid(),
-            color_format: earth.color_format,
-            samples: earth.samples,
-            depth: earth.depth,
+            ellipsoid: earth.ellipsoid(),
+            color_format: format.color,
+            samples: format.samples,
+            depth: format.depth,
+            air: earth.air_textures().cloned(),
         }
     }
 }
@@ -123,7 +125,7 @@ pub struct TrackStats {
     pub marks: u32,
     /// States that feeds were asked for to grow curves.
     pub samples: u32,
-    /// Triangles, both sides of the air's boundary counted.
+    /// Triangles.
     pub triangles: u32,
     /// Draw calls.
     pub draw_calls: u32,
@@ -196,9 +198,9 @@ impl Tracks {
                 .iter()
                 .map(|style| Satellite::new(style, max_points))
                 .collect(),
-            options: *options,
+            options: options.clone(),
             kinds,
-            drawable: TracksDrawable::new(device, options.format(), kinds)?,
+            drawable: TracksDrawable::new(device, options.format(), kinds, options.air.as_ref())?,
             device: device.clone(),
             buffers: TrackBuffers::default(),
             stats: TrackStats::default(),
@@ -206,15 +208,17 @@ impl Tracks {
         })
     }
 
-    /// Follows the pass to another sample count. What was prepared must be prepared anew.
+    /// Follows an Earth to another quality: another sample count, with air or without. What was prepared must be prepared
+    /// anew.
     ///
     /// # Errors
     /// None that [`Self::new`] did not have.
-    pub fn set_samples(&mut self, samples: u32) -> Result<(), TracksError> {
-        if samples != self.options.samples {
-            self.options.samples = samples;
-            let format = self.options.format();
-            self.drawable = TracksDrawable::new(&self.device, format, self.kinds)?;
+    pub fn follow(&mut self, earth: &Earth) -> Result<(), TracksError> {
+        let options = TracksOptions::of(earth);
+        if options != self.options {
+            let (format, air) = (options.format(), options.air.as_ref());
+            self.drawable = TracksDrawable::new(&self.device, format, self.kinds, air)?;
+            self.options = options;
             self.is_shown = false;
         }
         Ok(())
@@ -277,10 +281,16 @@ impl Tracks {
                 moment.target.size.0.max(1) as f32,
                 moment.target.size.1.max(1) as f32,
             ],
-            air_top: EARTH_AIR.top() as f32,
-            side: 0.0,
+            air_top: TOP as f32,
+            padding: 0.0,
+        };
+        let eye_scaled = view.eye_itrf_m * ellipsoid.scaled_from_itrf();
+        let side = match eye_scaled.length() <= TOP {
+            true => AirSide::Inside,
+            false => AirSide::Outside,
         };
         let buffers = &mut self.buffers;
+        self.drawable.set_side(side);
         let uploaded_bytes = self.drawable.write(
             &self.device,
             queue,
@@ -302,17 +312,10 @@ impl Tracks {
         self.stats
     }
 
-    /// Draws what lies beyond the near boundary of the air: after the Earth's surface, before its air.
-    pub fn render_beyond_air(&self, pass: &mut wgpu::RenderPass<'_>) {
+    /// Draws all of it: after the Earth.
+    pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
         if self.is_shown {
-            self.drawable.render_beyond_air(pass);
-        }
-    }
-
-    /// Draws what lies before the air: after it. With an Earth without air, after [`Self::render_beyond_air`].
-    pub fn render_before_air(&self, pass: &mut wgpu::RenderPass<'_>) {
-        if self.is_shown {
-            self.drawable.render_before_air(pass);
+            self.drawable.render(pass);
         }
     }
 
@@ -347,6 +350,8 @@ impl TracksOptions {
             color: self.color_format,
             samples: self.samples,
             depth: self.depth,
+            // Of light alone; what is drawn here are display values.
+            tone: Default::default(),
         }
     }
 }

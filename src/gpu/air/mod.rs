@@ -1,0 +1,205 @@
+//! The drawable of the air: the halo's ring, and the tables that all shaders read which draw through the air.
+
+mod textures;
+mod view;
+
+use super::shader::ShaderModule;
+use super::{AirPlan, AirSide, AirUniforms, AirVariant, FrameUniforms};
+use super::{PassFormat, PipelineDescription, ShaderError};
+use crate::air::Billboard;
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+pub(crate) use textures::{AirTextures, Binding};
+use view::AirView;
+use wgpu::util::DeviceExt;
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+struct AirVertex {
+    clip: [f32; 4],
+    ray: [f32; 3],
+}
+
+const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 2] =
+    wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x3];
+
+pub(crate) struct AirDrawable {
+    /// The eye outside, and inside.
+    halos: [Halo; 2],
+    vertices: wgpu::Buffer,
+    staging: Vec<AirVertex>,
+    indices: wgpu::Buffer,
+    /// What of the indices is drawn.
+    drawn: std::ops::Range<u32>,
+    side: AirSide,
+    textures: AirTextures,
+    view: AirView,
+    /// Of all variants.
+    pub shader_bytes: u64,
+}
+
+struct Halo {
+    pipeline: wgpu::RenderPipeline,
+    bind_group: wgpu::BindGroup,
+}
+
+impl AirDrawable {
+    pub fn new(
+        device: &wgpu::Device,
+        format: PassFormat,
+        textures: AirTextures,
+    ) -> Result<Self, ShaderError> {
+        let size = (Billboard::MAX_VERTICES * size_of::<AirVertex>()) as u64;
+        let vertices = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("terrella halo"),
+            size,
+            usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let indices = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("terrella halo triangles"),
+            contents: bytemuck::cast_slice(&Billboard::indices()),
+            usage: wgpu::BufferUsages::INDEX,
+        });
+        let view = AirView::new(device, &textures)?;
+        let mut shader_bytes = view.shader_bytes;
+        let [outside, inside] = AirSide::ALL.map(|side| halo(device, format, &textures, side));
+        let halos = [outside?, inside?].map(|(halo, bytes)| {
+            shader_bytes += bytes;
+            halo
+        });
+        Ok(Self {
+            halos,
+            vertices,
+            staging: Vec::with_capacity(Billboard::MAX_VERTICES),
+            indices,
+            drawn: 0..0,
+            side: AirSide::Outside,
+            textures,
+            view,
+            shader_bytes,
+        })
+    }
+
+    /// What shaders read that draw through the air.
+    pub fn textures(&self) -> &AirTextures {
+        &self.textures
+    }
+
+    /// Writes this frame's ring, and draws what an eye in the air sees of it. Returns the bytes written.
+    pub fn write(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        plan: &AirPlan,
+        frame: &FrameUniforms,
+    ) -> u64 {
+        self.side = plan.side();
+        self.drawn = 0..3 * plan.ring.triangles();
+        self.staging.clear();
+        self.staging.extend(plan.ring.vertices().map(|v| AirVertex {
+            clip: v.clip.as_vec4().to_array(),
+            ray: v.ray.as_vec3().to_array(),
+        }));
+        let vertices: &[u8] = bytemuck::cast_slice(&self.staging);
+        queue.write_buffer(&self.vertices, 0, vertices);
+        let uniforms = uniforms(plan, frame, &self.textures);
+        queue.write_buffer(self.textures.uniforms(), 0, bytemuck::bytes_of(&uniforms));
+        if self.side == AirSide::Inside {
+            self.view.draw(device, queue, &self.textures, &uniforms);
+        }
+        (vertices.len() + size_of::<AirUniforms>()) as u64
+    }
+
+    pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
+        let halo = &self.halos[self.side as usize];
+        pass.set_pipeline(&halo.pipeline);
+        pass.set_bind_group(0, &halo.bind_group, &[]);
+        pass.set_vertex_buffer(0, self.vertices.slice(..));
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
+        pass.draw_indexed(self.drawn.clone(), 0, 0..1);
+    }
+}
+
+/// What shaders read of a frame's air.
+fn uniforms(plan: &AirPlan, frame: &FrameUniforms, textures: &AirTextures) -> AirUniforms {
+    let ring = &plan.ring;
+    let sun = frame.sun_itrf.as_dvec3();
+    // The Sun as the eye sees it over its own horizon, and the same azimuth about the line to the centre.
+    let eye_sun = sun.dot(plan.eye_up).clamp(-1.0, 1.0);
+    let [across_x, across_y, toward_center] = ring.axes;
+    let level = sun - plan.eye_up * eye_sun;
+    let level = (level - toward_center * level.dot(toward_center)).normalize_or(across_x);
+    let (limb_sin, limb_cos) = ring.limb();
+    let coefficients = textures.model().rgb();
+    let per_radius = |per_m: DVec3| (per_m * crate::air::RADIUS_M).as_vec3();
+    AirUniforms {
+        across_x: across_x.as_vec3(),
+        eye_distance: ring.eye_distance as f32,
+        across_y: across_y.as_vec3(),
+        eye_height: (ring.eye_distance - 1.0) as f32,
+        toward_center: toward_center.as_vec3(),
+        exposure: frame.exposure,
+        sun: frame.sun_itrf,
+        polar_stretch: frame.polar_stretch,
+        sun_level: level.as_vec3(),
+        eye_sun: eye_sun as f32,
+        sky_albedo: textures.sky_albedo(),
+        limb_sin: limb_sin as f32,
+        molecules: per_radius(coefficients.molecules),
+        limb_cos: limb_cos as f32,
+        ozone: per_radius(coefficients.ozone),
+        padding_a: 0.0,
+        aerosol_scattering: per_radius(coefficients.aerosol_scattering),
+        padding_b: 0.0,
+        aerosol_extinction: per_radius(coefficients.aerosol_extinction),
+        padding_c: 0.0,
+    }
+}
+
+/// What draws the ring, and the bytes of its shader.
+fn halo(
+    device: &wgpu::Device,
+    format: PassFormat,
+    textures: &AirTextures,
+    side: AirSide,
+) -> Result<(Halo, u64), ShaderError> {
+    let target = format.target_color();
+    let shader = ShaderModule::new(device, &AirVariant { side, target })?;
+    let (layout, entries): (Vec<_>, Vec<_>) = textures.bindings(side).into_iter().unzip();
+    let label = match side {
+        AirSide::Outside => "terrella halo from outside",
+        AirSide::Inside => "terrella sky",
+    };
+    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some(label),
+        entries: &layout,
+    });
+    let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some(label),
+        layout: &layout,
+        entries: &entries,
+    });
+    let pipeline = PipelineDescription {
+        label,
+        bind_groups: Some(&[Some(&layout)]),
+        module: &shader.module,
+        buffers: &[Some(wgpu::VertexBufferLayout {
+            array_stride: size_of::<AirVertex>() as u64,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &VERTEX_ATTRIBUTES,
+        })],
+        primitive: Default::default(),
+        format,
+        writes_depth: false,
+        blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+    }
+    .create(device);
+    Ok((
+        Halo {
+            pipeline,
+            bind_group,
+        },
+        shader.bytes,
+    ))
+}

@@ -1,0 +1,201 @@
+//! The air's tables on the GPU, with what else its shaders read, shared by all that draw through it.
+
+use crate::air::{self, AirModel, AirTables, TableSize};
+use crate::gpu::{AirSide, AirUniforms, GpuLayer, VIEW_ANGLES, VIEW_AZIMUTHS};
+use crate::imagery::NEIGHBOURHOODS;
+use glam::{Vec3, Vec4};
+use std::sync::Arc;
+
+/// A binding of group 0: what its layout has, and what is bound.
+pub(crate) type Binding<'a> = (wgpu::BindGroupLayoutEntry, wgpu::BindGroupEntry<'a>);
+
+/// Targets of what an eye in the air sees of it.
+pub(super) const VIEW_TARGETS: usize = 3;
+
+/// The air on the GPU. A clone is the same air.
+#[derive(Clone)]
+pub(crate) struct AirTextures(Arc<Held>);
+
+struct Held {
+    model: AirModel,
+    sky_albedo: Vec3,
+    uniforms: wgpu::Buffer,
+    sampler: wgpu::Sampler,
+    albedo: GpuLayer,
+    sunlight: GpuLayer,
+    /// Scattering, bounce and through.
+    outside: [GpuLayer; VIEW_TARGETS],
+    /// What is drawn in place of them for an eye in the air, and what it is drawn from: transmittance, sources and profile.
+    view: [GpuLayer; VIEW_TARGETS],
+    march: [GpuLayer; 3],
+}
+
+impl AirTextures {
+    /// Uploads the tables of an air, over ground of this albedo.
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        model: AirModel,
+        tables: &AirTables,
+        albedo: &[Vec4],
+    ) -> Self {
+        let upload = |label, size, texels: &[Vec4]| {
+            GpuLayer::upload_table(device, queue, label, size, texels)
+        };
+        let view = ["black", "bounce", "through"].map(|name| {
+            let label = format!("terrella view of the air, {name}");
+            GpuLayer::target(device, &label, wgpu::TextureFormat::Rgba16Float, {
+                (VIEW_ANGLES, VIEW_AZIMUTHS)
+            })
+        });
+        Self(Arc::new(Held {
+            model,
+            sky_albedo: tables.sky_albedo,
+            uniforms: crate::gpu::uniform_buffer::<AirUniforms>(device, "terrella air"),
+            sampler: table_sampler(device),
+            albedo: upload("terrella albedo", ALBEDO, albedo),
+            sunlight: upload("terrella sunlight", air::SUNLIGHT, &tables.sunlight),
+            outside: [
+                upload("terrella scattering", air::SCATTERING, &tables.scattering),
+                upload("terrella bounce", air::BOUNCE, &tables.bounce),
+                upload("terrella through", air::THROUGH, &tables.through),
+            ],
+            view,
+            march: [
+                upload(
+                    "terrella transmittance",
+                    air::TRANSMITTANCE,
+                    &tables.transmittance,
+                ),
+                upload("terrella sources", air::SOURCES, &tables.sources),
+                upload("terrella profile", air::PROFILE, &tables.profile),
+            ],
+        }))
+    }
+
+    /// What it is the air of.
+    pub fn model(&self) -> &AirModel {
+        &self.0.model
+    }
+
+    /// See [`AirTables::sky_albedo`].
+    pub fn sky_albedo(&self) -> Vec3 {
+        self.0.sky_albedo
+    }
+
+    /// Bytes of all textures.
+    pub fn bytes(&self) -> u64 {
+        let held = &*self.0;
+        let tables = [&held.albedo, &held.sunlight].into_iter();
+        let tables = tables.chain(&held.outside).chain(&held.view);
+        tables.chain(&held.march).map(|layer| layer.bytes).sum()
+    }
+
+    /// Has the air stand over ground of another albedo.
+    pub fn set_albedo(&self, queue: &wgpu::Queue, albedo: &[Vec4]) {
+        self.0.albedo.write_table(queue, albedo);
+    }
+
+    /// The buffer of [`AirUniforms`].
+    pub fn uniforms(&self) -> &wgpu::Buffer {
+        &self.0.uniforms
+    }
+
+    /// What is drawn of an eye's view.
+    pub(super) fn view_targets(&self) -> &[GpuLayer; VIEW_TARGETS] {
+        &self.0.view
+    }
+
+    /// What `common/air.wgsl` binds.
+    pub fn bindings(&self, side: AirSide) -> Vec<Binding<'_>> {
+        let held = &*self.0;
+        let (d2, d3) = (
+            wgpu::TextureViewDimension::D2,
+            wgpu::TextureViewDimension::D3,
+        );
+        let (tables, dimension) = match side {
+            AirSide::Outside => (&held.outside, d3),
+            AirSide::Inside => (&held.view, d2),
+        };
+        let [scattered, bounce, through] = tables;
+        let mut bindings = self.common_bindings();
+        bindings.extend([
+            texture(7, d2, &held.albedo),
+            texture(8, dimension, scattered),
+            texture(9, dimension, bounce),
+            texture(10, d2, through),
+        ]);
+        bindings
+    }
+
+    /// What the ground binds besides, for the light that falls on it.
+    pub fn sunlight_binding(&self) -> Binding<'_> {
+        texture(11, wgpu::TextureViewDimension::D2, &self.0.sunlight)
+    }
+
+    /// What `air_view.wgsl` binds.
+    pub(super) fn march_bindings(&self) -> Vec<Binding<'_>> {
+        let mut bindings = self.common_bindings();
+        let tables = (3..).zip(&self.0.march);
+        let d2 = wgpu::TextureViewDimension::D2;
+        bindings.extend(tables.map(|(binding, table)| texture(binding, d2, table)));
+        bindings
+    }
+
+    fn common_bindings(&self) -> Vec<Binding<'_>> {
+        let stage = wgpu::ShaderStages::FRAGMENT;
+        let uniforms = wgpu::BindGroupEntry {
+            binding: 1,
+            resource: self.0.uniforms.as_entire_binding(),
+        };
+        let sampler = wgpu::BindGroupEntry {
+            binding: 2,
+            resource: wgpu::BindingResource::Sampler(&self.0.sampler),
+        };
+        vec![
+            (
+                crate::gpu::uniform_entry(1, stage, size_of::<AirUniforms>()),
+                uniforms,
+            ),
+            (crate::gpu::sampler_entry(2), sampler),
+        ]
+    }
+}
+
+impl PartialEq for AirTextures {
+    /// Whether they are the same air, not one like it.
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl std::fmt::Debug for AirTextures {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("AirTextures").field(&self.0.model).finish()
+    }
+}
+
+/// Size of the map of neighbourhoods, a column more on either side.
+const ALBEDO: TableSize = TableSize {
+    x: NEIGHBOURHOODS + 2,
+    y: NEIGHBOURHOODS / 2,
+    z: 1,
+};
+
+fn texture(binding: u32, dimension: wgpu::TextureViewDimension, layer: &GpuLayer) -> Binding<'_> {
+    let entry = wgpu::BindGroupEntry {
+        binding,
+        resource: wgpu::BindingResource::TextureView(&layer.view),
+    };
+    (crate::gpu::texture_entry(binding, dimension), entry)
+}
+
+/// Linear, clamped: for tables that end on texel centres.
+fn table_sampler(device: &wgpu::Device) -> wgpu::Sampler {
+    device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("terrella tables"),
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        ..Default::default()
+    })
+}

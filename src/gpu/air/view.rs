@@ -1,0 +1,104 @@
+//! What an eye in the air sees of it in each direction: a small picture that ground, sky and tracks are then drawn from.
+
+use super::textures::{AirTextures, VIEW_TARGETS};
+use crate::gpu::shader::ShaderModule;
+use crate::gpu::{AirUniforms, AirViewVariant, ShaderError};
+
+pub(super) struct AirView {
+    pipeline: wgpu::RenderPipeline,
+    bind_group: wgpu::BindGroup,
+    /// Height of the eye and cosine of the Sun's zenith angle that were drawn last: nothing else changes it.
+    drawn: Option<[f32; 2]>,
+    pub shader_bytes: u64,
+}
+
+impl AirView {
+    pub fn new(device: &wgpu::Device, textures: &AirTextures) -> Result<Self, ShaderError> {
+        let shader = ShaderModule::new(device, &AirViewVariant)?;
+        let (layout, entries): (Vec<_>, Vec<_>) = textures.march_bindings().into_iter().unzip();
+        let label = Some("terrella view of the air");
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label,
+            entries: &layout,
+        });
+        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label,
+            layout: &layout,
+            entries: &entries,
+        });
+        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label,
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let target = Some(wgpu::ColorTargetState::from(
+            wgpu::TextureFormat::Rgba16Float,
+        ));
+        let targets: [_; VIEW_TARGETS] = std::array::from_fn(|_| target.clone());
+        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label,
+            layout: Some(&pipeline_layout),
+            vertex: wgpu::VertexState {
+                module: &shader.module,
+                entry_point: Some("vertex"),
+                compilation_options: Default::default(),
+                buffers: &[],
+            },
+            primitive: Default::default(),
+            depth_stencil: None,
+            multisample: Default::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &shader.module,
+                entry_point: Some("fragment"),
+                compilation_options: Default::default(),
+                targets: &targets,
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        Ok(Self {
+            pipeline,
+            bind_group,
+            drawn: None,
+            shader_bytes: shader.bytes,
+        })
+    }
+
+    /// Draws it for an eye whose uniforms are written, if it is not the one that is there.
+    pub fn draw(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        textures: &AirTextures,
+        eye: &AirUniforms,
+    ) {
+        let place = [eye.eye_height, eye.eye_sun];
+        if self.drawn == Some(place) {
+            return;
+        }
+        self.drawn = Some(place);
+        let label = Some("terrella view of the air");
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
+        let attachments = textures.view_targets().each_ref().map(|target| {
+            Some(wgpu::RenderPassColorAttachment {
+                view: &target.view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                    store: wgpu::StoreOp::Store,
+                },
+            })
+        });
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label,
+            color_attachments: &attachments,
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.bind_group, &[]);
+        pass.draw(0..3, 0..1);
+        drop(pass);
+        queue.submit([encoder.finish()]);
+    }
+}
