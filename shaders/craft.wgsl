@@ -17,11 +17,12 @@ struct CraftFrame {
     earthshine: f32,
     // (cos, sin) of the wings' turn about y.
     wing: vec2f,
-    // What a white sheet that faces the Sun is drawn with.
+    // What light is multiplied by before an 8-bit target shows it.
     exposure: f32,
     padding: f32,
 }
 
+// What comes before this text: `displayed` of common/displayed.wgsl, and the numbers of materials by src/play/craft/mod.rs.
 // Materials are numbered by `Material` of src/play/craft/mesh.rs, which declares FOIL, PAINT, CELLS, WING, METAL and DISH.
 
 // Light from everywhere else, so that an eclipsed craft is a dark thing and not a hole; the Sun's is 1.
@@ -124,5 +125,5 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let halfway = normalize(craft.sun + to_eye);
     let mirror = select(0.0, pow(max(dot(n, halfway), 0.0), sharpness), facing > 0.0);
     let color = albedo * light + gloss * (craft.sunlight * mirror);
-    return vec4f(color * craft.exposure, 1.0);
+    return vec4f(displayed(color, craft.exposure, in.clip.xy), 1.0);
 }

@@ -3,11 +3,13 @@
 // | group | binding | what                        | when             |
 // |-------|---------|-----------------------------|------------------|
 // | 0     | 0       | frame                       | always           |
-// | 0     | 1       | sunlight through the air    | air              |
-// | 0     | 2       | table sampler               | air              |
+// | 0     | 1, 2    | the air, table sampler      | air              |
 // | 0     | 3       | where tiles lie             | tiles            |
 // | 0     | 4, 5    | the grid, its heights       | grid             |
 // | 0     | 6       | nodes of contours           | cast             |
+// | 0     | 7 … 10  | common/air/bindings.wgsl    | air              |
+// | 0     | 11      | sunlight through the air    | sunlit, air      |
+// | 0     | 12      | chosen light on the surface | surface_light    |
 // | 1     | 0, 5    | day, its sampler            | unless measuring |
 // | 1     | 1, 6    | cloud cover                 | clouds           |
 // | 1     | 2, 7    | slopes east, north          | normals          |
@@ -18,8 +20,7 @@
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 
-@if(air) @group(0) @binding(1) var sunlight_table: texture_2d<f32>;
-@if(air) @group(0) @binding(2) var table_sampler: sampler;
+@if(sunlit && air) @group(0) @binding(11) var sunlight_table: texture_2d<f32>;
 
 @if(tiles) import earth/maps/tile_placements.wgsl;
 @if(tiles) @group(0) @binding(3) var<uniform> tiles: Tiles;
@@ -28,6 +29,9 @@
 @if(grid) @group(0) @binding(4) var<uniform> grid: GridUniforms;
 // Slots of GRID_TILE_TEXELS² heights, from the south-west, ATLAS_COLUMNS of them to a row.
 @if(grid) @group(0) @binding(5) var height_tiles: texture_2d<f32>;
+
+@if(surface_light) import earth/shading/surface_light.wgsl;
+@if(surface_light) @group(0) @binding(12) var<uniform> surface_light: SurfaceLightUniforms;
 
 // One tree after another.
 @if(cast) @group(0) @binding(6) var<storage, read> contour_nodes: array<ContourNode>;

@@ -23,8 +23,9 @@ struct SurfacePoint {
     @if(tiles) block: u32,
     // Rise of the ground to the east and to the north.
     @if(relief) slope: vec2f,
-    // The ground's distance in lengths of the pixel's ray.
+    // The ground's distance in lengths of the pixel's ray, and its height above the ellipsoid.
     @if(relief) along: f32,
+    @if(relief) height_m: f32,
 }
 
 // From the eye through a pixel, ITRF axes, to the plane one metre before the eye.

@@ -1,5 +1,5 @@
 // The picture: what the surface looks like there, as the target stores it.
-@if(encode) import common/color.wgsl;
+@if(sunlit) import common/displayed.wgsl;
 @if(decode) import common/color.wgsl;
 
 @fragment
@@ -8,7 +8,8 @@ fn fragment(in: Varying) -> Drawn {
     @if(per_block_tiles) if drawn_block(at) != in.block { discard; }
     @if(per_block_tiles) at = in_block(at);
     var color = shade(at);
-    @if(encode) color = encode_srgb(color);
+    @if(sunlit) color = displayed(color, frame.exposure, in.clip.xy);
     @if(decode) color = decode_srgb(color);
+    @if(paper && air) color = paper_through_air(color, at, in.clip.xy);
     return drawn(vec4f(color, 1.0), at);
 }

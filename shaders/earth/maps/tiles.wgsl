@@ -1,10 +1,16 @@
 // Tiles of a block, or whole maps in their place.
-import rust::MAP_LAYERS;
+import rust::{MAP_LAYERS, TILE_BORDER};
 @if(relief) import rust::WHOLE_MAP;
 
 fn map_placement(layer: u32, at: SurfacePoint) -> vec4f {
     @if(relief) if at.block >= WHOLE_MAP { return vec4f(at.center_uv, 1.0, 1.0); }
     return tiles.placements[at.block * MAP_LAYERS + layer];
+}
+
+// A change of texture coordinates, as far as a map of so many texels can follow it: a tile ends at its border.
+fn map_shift(layer: u32, at: SurfacePoint, texels: vec2f, shift: vec2f) -> vec2f {
+    let moved = abs(shift * map_placement(layer, at).zw * texels);
+    return shift * min(f32(TILE_BORDER - 1u) / max(max(moved.x, moved.y), 1e-6), 1.0);
 }
 
 fn sample_map(map: texture_2d<f32>, filtering: sampler, layer: u32, at: SurfacePoint) -> vec4f {

@@ -2,7 +2,9 @@
 import rust::NORMALS;
 
 fn surface_normal(at: SurfacePoint) -> vec3f {
-    let of_map = sample_map(slope_map, slope_sampler, NORMALS, at).xy;
+    let texel = sample_map(slope_map, slope_sampler, NORMALS, at).xy;
+    @if(paper) let of_map = texel;
+    @if(sunlit) let of_map = surface_light.slope_gain * texel;
     let texels = vec2f(textureDimensions(slope_map));
     @if(!tiles) let per_map = texels;
     @if(tiles) let per_map = texels * map_placement(NORMALS, at).zw;

@@ -1,10 +1,57 @@
-// Clouds as a white layer on the ground.
-import rust::CLOUDS;
+// Clouds: one layer at a height, lit from above, that lets light through.
+//
+// The map's cover is what of a thick cloud's reflectance the cloud has. A layer that scatters and does not absorb reflects of
+// diffuse light, with the two-stream approximation,
+//   ρ = x/(4/3 + x),  x = (1 − g)τ
+// and of sunlight at the cosine μ, by the delta-Eddington approximation (Joseph, Wiscombe and Weinman 1976) with g = 0.85,
+//   ρ(μ) = ρ + (1 − ρ)(1/2 − 3/4 μ)(1 − exp(−1.85 x/μ))
+import rust::{CLOUDS, CLOUD_ALBEDO, SUN_RADIUS_RAD};
+import earth/shading/lifted.wgsl;
+@if(whole_quads) import earth/shading/cloud_relief.wgsl;
+@if(cloud_shadows) import earth/shading/cloud_shadow.wgsl;
 
-const CLOUD_ALBEDO: f32 = 0.85;
+// A cloud's sides catch some light of a Sun at their horizon.
+const CLOUD_SIDES: f32 = 0.05;
 
-fn under_clouds(ground: vec3f, at: SurfacePoint, light: Light, mu_s: f32) -> vec3f {
-    let cover = sample_map(cloud_map, cloud_sampler, CLOUDS, at).r;
-    let cloud = CLOUD_ALBEDO * (light.sun * max(mu_s, 0.0) + light.sky);
-    return mix(ground, cloud, cover);
+fn cover_at(at: SurfacePoint, shift: vec2f) -> f32 {
+    var moved = at;
+    moved.uv += map_shift(CLOUDS, at, vec2f(textureDimensions(cloud_map)), shift);
+    return sample_map(cloud_map, cloud_sampler, CLOUDS, moved).r;
 }
+
+// Part of sunlight at this cosine that a layer throws back which throws back `albedo` of diffuse light.
+fn sunlit_albedo(albedo: f32, mu: f32) -> f32 {
+    let x = 4.0 / 3.0 * albedo / (1.0 - albedo);
+    return max(albedo + (1.0 - albedo) * (0.5 - 0.75 * mu) * (1.0 - exp(-1.85 * x / max(mu, CLOUD_SIDES))), 0.0);
+}
+
+// The Sun's light on the clouds. Above much of the air, and above the horizon of the ground: it sets later for them, reddened by
+// air that it passes twice.
+fn sun_on_clouds(at: SurfacePoint, light: Light, mu_s: f32) -> vec3f {
+    var sun = light.sun;
+    if mu_s < SUN_RADIUS_RAD && mu_s > -surface_light.cloud_dip - SUN_RADIUS_RAD {
+        sun = light_at(at, SUN_RADIUS_RAD).sun;
+    }
+    let below = saturate(-mu_s / surface_light.cloud_dip);
+    let above = smoothstep(-surface_light.cloud_dip - SUN_RADIUS_RAD, -surface_light.cloud_dip + SUN_RADIUS_RAD, mu_s);
+    let path = surface_light.air_above_clouds + (2.0 - surface_light.air_above_clouds) * below;
+    return above * pow(max(sun, vec3f(1e-9)), vec3f(path));
+}
+
+// What the eye sees of the ground's light through the clouds, and of them.
+fn under_clouds(ground: vec3f, at: SurfacePoint, light: Light) -> vec3f {
+    let to_eye = normalize(at.to_eye);
+    let lift = lifted(at, to_eye, max(dot(to_eye, at.up), 0.0), surface_light.cloud_height);
+    let cover = cover_at(at, lift.uv);
+    let albedo = CLOUD_ALBEDO * cover;
+    @if(whole_quads) let slope = cloud_slope(at, cover);
+    @if(!whole_quads) let slope = vec2f(0.0);
+    let mu_s = dot(lift.up, frame.sun_itrf);
+    let normal = normalize(lift.up - slope.x * at.east - slope.y * at.north);
+    let facing = max(dot(normal, frame.sun_itrf), CLOUD_SIDES);
+    let reflected = sunlit_albedo(albedo, facing) * facing * sun_on_clouds(at, light, mu_s) + albedo * light.sky;
+    return reflected + (1.0 - albedo) * ground;
+}
+
+// What clouds leave of the light that falls on the ground.
+@if(!cloud_shadows) fn below_clouds(at: SurfacePoint, light: Light, mu_s: f32) -> Light { return light; }

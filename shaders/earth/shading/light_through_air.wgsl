@@ -1,21 +1,17 @@
-// What the air does to the ground's light, by the table of src/air/tables.rs.
-import rust::LUMINANCE;
-import common/air_tables.wgsl;
+// The light of Sun and sky on the ground under the air.
+import rust::SUNLIGHT_SIZE;
+import earth/shading/air_before.wgsl;
 
-fn light_at(mu_s: f32) -> Light {
-    return Light(sunlight(mu_s, 0.25), sunlight(mu_s, 0.75));
+// Sunlight that arrives and the sky's light on level ground, with what goes to and fro between the ground and the air.
+fn light_at(at: SurfacePoint, mu_s: f32) -> Light {
+    let sun = sunlight(mu_s, 0.25);
+    // (direct + sky)/(1 − A s) is direct + sky + (direct + sky)·A s/(1 − A s).
+    let again = sent_up(at.center_uv + at.uv) * air.sky_albedo;
+    return Light(sun, sunlight(mu_s, 0.75) * (1.0 + again) + sun * max(mu_s, 0.0) * again);
 }
 
-// A row of the table: 0.25 is the transmittance of light that falls at this cosine, 0.75 the sky's light.
+// A row of the table: 0.25 is the transmittance of light that falls at this cosine, 0.75 the sky's light on black ground.
 fn sunlight(mu: f32, row: f32) -> vec3f {
-    let at = vec2f(table_coordinate(sun_coordinate(mu), f32(textureDimensions(sunlight_table).x)), row);
+    let at = vec2f(table_coordinate(sun_coordinate(mu), SUNLIGHT_SIZE.x), row);
     return textureSampleLevel(sunlight_table, table_sampler, at, 0.0).rgb;
-}
-
-// What the air between leaves of the ground's light, colour by colour, over the one grey that the air's square dims it by.
-// Light that goes up loses what light that comes down loses. Of an eye in the air only the part of it that lies below.
-fn tint_of_air(at: SurfacePoint) -> vec3f {
-    let through = sunlight(max(dot(normalize(at.to_eye), at.up), 0.0), 0.25);
-    let grey = max(dot(through, LUMINANCE), 1e-4);
-    return mix(vec3f(1.0), through / grey, frame.air_below);
 }

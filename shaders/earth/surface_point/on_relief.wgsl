@@ -12,6 +12,7 @@ fn point_on_relief(in: Varying, ray: vec3f, along: f32, height_m: f32, slope: ve
     var out = point_on_ray(in, ray, radii, up);
     out.slope = slope;
     out.along = along;
+    out.height_m = height_m;
     return out;
 }
 

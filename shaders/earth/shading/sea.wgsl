@@ -1,0 +1,59 @@
+// Open water: what comes out of it, the sky that it mirrors, the Sun's glint and foam. Radiance, a white sheet that faces the
+// Sun in space being 1.
+import rust::{FLOOR_SEEN_M, PI, WATER};
+import earth/shading/fresnel.wgsl;
+
+// Part of the light that falls on clear ocean that comes out of it: π times the remote-sensing reflectance of Case 1 water with
+// 0.1 mg of chlorophyll a in a cubic metre, by Morel and Maritorena 2001 (J. Geophys. Res. 106, 7163) from 400 to 700 nm,
+// brought to linear sRGB with the Sun as white. Its red would be −0.0015: this blue is purer than the display's.
+const WATER_LEAVING: vec3f = vec3f(0.0, 0.0042, 0.0194);
+// The floor's reflectance, 0.3 for pale sand, times what of its light leaves the water (0.53).
+const FLOOR_REFLECTANCE: f32 = 0.16;
+// Down to the floor and up again, twice the diffuse attenuation of that water for the display's primaries, per metre.
+const FLOOR_ATTENUATION: vec3f = vec3f(0.68, 0.124, 0.056);
+
+// How much of the pixel is water. The map is one half at the coast, which is drawn as wide as a pixel where texels are larger
+// than pixels; else the map's own mean is what the pixel shows.
+fn open_water(at: SurfacePoint) -> f32 {
+    let share = sample_map(water_map, water_sampler, WATER, at).r;
+    let texels = vec2f(textureDimensions(water_map));
+    @if(!tiles) let per_map = texels;
+    @if(tiles) let per_map = texels * map_placement(WATER, at).zw;
+    let footprint = max(length(at.uv_dx * per_map), length(at.uv_dy * per_map));
+    return saturate((share - 0.5) / clamp(0.7 * footprint, 1e-3, 1.0) + 0.5);
+}
+
+// `depth`: alpha of the day map, the floor's depth in FLOOR_SEEN_M.
+fn sea(at: SurfacePoint, light: Light, mu_s: f32, depth: f32) -> vec3f {
+    let to_eye = normalize(at.to_eye);
+    let cos_eye = max(dot(to_eye, at.up), 1e-3);
+    let through = exp(-FLOOR_SEEN_M * depth * FLOOR_ATTENUATION);
+    let seen = (1.0 - depth) * (1.0 - depth);
+    let leaving = WATER_LEAVING * (1.0 - through) + FLOOR_REFLECTANCE * seen * through;
+    let falls = light.sun * max(mu_s, 0.0) + light.sky;
+    // The sky mirrored by waves, the Fresnel term's mean over their slopes: Bruneton, Neyret and Holzschuch 2010, equation 18.
+    let mirrored = 0.0211 + 0.9789 * pow(1.0 - cos_eye, surface_light.mirror_power) * surface_light.mirror_scale;
+    return falls * (leaving + surface_light.foam) + light.sky * mirrored + light.sun * glint(at, to_eye, cos_eye, mu_s);
+}
+
+// Sunlight mirrored by the waves, per light that falls on a sheet facing the Sun. Cox and Munk 1954 (J. Opt. Soc. Am. 44,
+// 838): slopes of the waves are Gaussian with mean square σ².
+//   L/E = ρ(ω) p(β) G / (4 cos θ cos⁴β),  p = exp(−tan²β/σ²)/(πσ²)
+// G is what waves hide of each other from Sun and eye: Smith 1967 in the rational form of Walter et al. 2007.
+fn glint(at: SurfacePoint, to_eye: vec3f, cos_eye: f32, mu_s: f32) -> f32 {
+    let half_way = normalize(to_eye + frame.sun_itrf);
+    let cos_beta = max(dot(half_way, at.up), 1e-3);
+    let cos_squared = cos_beta * cos_beta;
+    let tan_squared = (1.0 - cos_squared) / cos_squared;
+    let waves = surface_light.wave_slope_squared;
+    let slopes = exp(-tan_squared / waves) / (PI * waves);
+    let unhidden = 1.0 / (1.0 + hidden(cos_eye) + hidden(max(mu_s, 1e-3)));
+    // A white sheet that faces the Sun is L = E/π.
+    return PI * fresnel(dot(half_way, to_eye)) * slopes * unhidden / (4.0 * cos_eye * cos_squared * cos_squared);
+}
+
+// Smith's Λ for light that goes up at this cosine.
+fn hidden(cosine: f32) -> f32 {
+    let a = cosine * inverseSqrt(surface_light.wave_slope_squared * max(1.0 - cosine * cosine, 1e-6));
+    return select((1.0 - a * (1.259 - 0.396 * a)) / (a * (3.535 + 2.181 * a)), 0.0, a >= 1.6);
+}
