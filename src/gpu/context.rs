@@ -160,6 +160,18 @@ impl GpuContext {
         }
     }
 
+    /// The features that a device for float targets is opened with, where it has them.
+    pub const FLOAT_TARGET: wgpu::Features = wgpu::Features::FLOAT32_BLENDABLE;
+
+    /// The format that light is drawn to: 32-bit floats where the device blends them, which only one opened with
+    /// [`Self::FLOAT_TARGET`] does, else 16-bit ones.
+    pub fn float_format(&self) -> wgpu::TextureFormat {
+        match self.device.features().contains(Self::FLOAT_TARGET) {
+            true => wgpu::TextureFormat::Rgba32Float,
+            false => wgpu::TextureFormat::Rgba16Float,
+        }
+    }
+
     /// Whether pictures are drawn by the processor: then anisotropic filtering and large targets are dear.
     pub fn is_software(&self) -> bool {
         self.adapter.get_info().device_type == wgpu::DeviceType::Cpu

@@ -3,6 +3,7 @@
 use crate::imagery::{LayerImage, TexelFormat};
 
 /// One map on the GPU.
+#[derive(Clone)]
 pub(crate) struct GpuLayer {
     pub view: wgpu::TextureView,
     /// Bytes held, mip levels included.
@@ -71,6 +72,22 @@ impl GpuLayer {
         }
     }
 
+    /// A texture that is drawn to and then read.
+    pub fn target(
+        device: &wgpu::Device,
+        label: &str,
+        format: wgpu::TextureFormat,
+        (width, height): (u32, u32),
+    ) -> Self {
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+        let texture = super::color_texture(device, label, (width, height), format, 1, usage);
+        let texel = format.block_copy_size(None).unwrap_or(0);
+        Self {
+            view: super::view(&texture),
+            bytes: u64::from(width * height * texel),
+        }
+    }
+
     /// Uploads a table of the air as half floats.
     pub fn upload_table(
         device: &wgpu::Device,
@@ -79,11 +96,6 @@ impl GpuLayer {
         size: crate::air::TableSize,
         texels: &[glam::Vec4],
     ) -> Self {
-        let halves: Vec<u16> = texels
-            .iter()
-            .flat_map(|t| t.to_array())
-            .map(half_bits)
-            .collect();
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
             size: wgpu::Extent3d {
@@ -102,33 +114,42 @@ impl GpuLayer {
             usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
         });
+        let table = Self {
+            view: super::view(&texture),
+            bytes: 8 * size.texels() as u64,
+        };
+        table.write_table(queue, texels);
+        table
+    }
+
+    /// Replaces a table.
+    pub fn write_table(&self, queue: &wgpu::Queue, texels: &[glam::Vec4]) {
+        let numbers = texels.iter().flat_map(|t| t.to_array());
+        let halves: Vec<u16> = numbers.map(half_bits).collect();
+        let texture = self.view.texture();
         queue.write_texture(
             texture.as_image_copy(),
             bytemuck::cast_slice(&halves),
             wgpu::TexelCopyBufferLayout {
                 offset: 0,
-                bytes_per_row: Some(size.x * 8),
-                rows_per_image: Some(size.y),
+                bytes_per_row: Some(texture.width() * 8),
+                rows_per_image: Some(texture.height()),
             },
             texture.size(),
         );
-        let bytes = 2 * halves.len() as u64;
-        Self {
-            view: super::view(&texture),
-            bytes,
-        }
     }
 }
 
-/// A finite, non-negative f32 as IEEE half bits, round to nearest, at most 65504; below 2⁻²⁴ it is zero.
+/// A finite f32 as IEEE half bits, round to nearest, at most 65504 in size; below 2⁻²⁴ it is zero.
 fn half_bits(value: f32) -> u16 {
-    let value = value.clamp(0.0, 65504.0);
-    if value < 6.103_515_6e-5 {
+    let sign = if value < 0.0 { 0x8000 } else { 0 };
+    let size = value.abs().min(65504.0);
+    if size < 6.103_515_6e-5 {
         // Subnormal: units of 2⁻²⁴.
-        return (value * 16_777_216.0).round() as u16;
+        return sign | (size * 16_777_216.0).round() as u16;
     }
-    let bits = value.to_bits() + 0x1000;
-    ((bits >> 13) - ((127 - 15) << 10)) as u16
+    let bits = size.to_bits() + 0x1000;
+    sign | ((bits >> 13) - ((127 - 15) << 10)) as u16
 }
 
 #[cfg(test)]
@@ -145,6 +166,8 @@ mod tests {
             (1e9, 0x7bff),
             (6.103_515_6e-5, 0x0400),
             (5.960_464_5e-8, 1),
+            (-0.5, 0xb800),
+            (-5.960_464_5e-8, 0x8001),
         ] {
             assert_eq!(half_bits(value), bits, "{value}");
         }

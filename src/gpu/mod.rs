@@ -31,17 +31,19 @@ mod uniforms;
 
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
 pub use shader::{
-    AirDepth, AirVariant, EarthOutput, EarthVariant, PaperLayers, PatchTiles, SHADER_FILES,
-    ShaderCapability, ShaderError, ShaderText, ShaderVariant, ShadingVariant, SunlitLayers,
-    TargetColor, TrackKind, TracksVariant, VertexForm,
+    AirSide, AirVariant, AirViewVariant, EarthOutput, EarthVariant, PaperLayers, PatchTiles,
+    SHADER_FILES, ShaderCapability, ShaderError, ShaderText, ShaderVariant, ShadingVariant,
+    SunlitLayers, TargetColor, TrackKind, TracksVariant, VertexForm,
 };
-pub use targets::{Attachments, FrameTargets, PassPart, color_texture, read_floats, read_texture};
+pub use targets::{
+    Attachments, FrameTargets, PassPart, color_texture, read_floats, read_halves, read_texture,
+};
 pub use timer::{GpuTimer, TimerError};
 #[cfg(feature = "tracks")]
 pub use tracks::TrackUniforms;
-pub use uniforms::{AirUniforms, FrameUniforms};
+pub use uniforms::{AirUniforms, FrameUniforms, SurfaceLightUniforms};
 
-pub(crate) use air::AirDrawable;
+pub(crate) use air::{AirDrawable, AirTextures, Binding};
 #[cfg(feature = "terrain")]
 pub(crate) use contours::PageMesh;
 #[cfg(feature = "terrain")]
@@ -50,16 +52,17 @@ pub(crate) use layers::GpuLayer;
 pub(crate) use pipeline::PipelineDescription;
 pub(crate) use plan::{AirPlan, BlockTiles, FramePlan};
 pub use read_back::PictureError;
-#[cfg(feature = "command")]
-pub(crate) use read_back::read_rows;
 #[cfg(feature = "tracks")]
 pub(crate) use shader::{FROM_PREVIOUS as TRACK_FROM_PREVIOUS, ON_GROUND as TRACK_ON_GROUND};
 #[cfg(feature = "packs")]
 pub(crate) use shader::{GLINT_ENDS_SIN, LAMPS_OUT_SIN};
+pub(crate) use shader::{VIEW_ANGLES, VIEW_AZIMUTHS};
 pub(crate) use surface::SurfaceDrawable;
 pub(crate) use surface_config::SurfaceConfig;
 #[cfg(feature = "tracks")]
 pub(crate) use tracks::{Fill, LinePoint, Mark, TrackKinds, TracksDrawable};
+
+use crate::light::Tone;
 
 /// The depth buffer of the pass that the Earth is drawn in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,6 +101,8 @@ pub(crate) struct PassFormat {
     pub color: wgpu::TextureFormat,
     pub samples: u32,
     pub depth: DepthBuffer,
+    /// By which curve light is shown, where the target is no float format.
+    pub tone: Tone,
 }
 
 impl PassFormat {
@@ -118,12 +123,12 @@ impl PassFormat {
     }
 
     /// What shaders must give the colour target.
-    fn target_color(&self) -> TargetColor {
+    pub fn target_color(&self) -> TargetColor {
         use wgpu::TextureFormat as F;
         match self.color {
-            F::Rgba16Float | F::Rgba32Float | F::Rg11b10Ufloat => TargetColor::Linear,
-            color if color.is_srgb() => TargetColor::Linear,
-            _ => TargetColor::Display,
+            F::Rgba16Float | F::Rgba32Float | F::Rg11b10Ufloat => TargetColor::Radiance,
+            color if color.is_srgb() => TargetColor::Linear(self.tone),
+            _ => TargetColor::Display(self.tone),
         }
     }
 

@@ -1,10 +1,10 @@
 //! What a frame draws, as plain values: the façade fills a plan by code that knows no GPU, the drawables read it and answer
 //! nothing but what writing it cost.
 
-use super::FrameUniforms;
+use super::{AirSide, FrameUniforms};
 use crate::air::Billboard;
 use crate::frames::Ellipsoid;
-use crate::globe::{BLOCK_COUNT, Block, BlockGrid};
+use crate::globe::{BLOCK_COUNT, Block, BlockGrid, TangentCone};
 use crate::imagery::residency::ResidentTile;
 use crate::imagery::tile::MAP_LAYERS;
 use bytemuck::Zeroable;
@@ -18,7 +18,6 @@ pub(crate) type BlockTiles = [Option<ResidentTile>; MAP_LAYERS];
 /// One plan serves all frames, so that its lists keep their memory.
 pub(crate) struct FramePlan {
     /// The figure of the Earth.
-    #[cfg_attr(not(feature = "terrain"), allow(dead_code))]
     pub ellipsoid: Ellipsoid,
     /// The eye, ITRF metres.
     pub eye_itrf_m: DVec3,
@@ -32,19 +31,27 @@ pub(crate) struct FramePlan {
     pub vertices: Vec<Vec3>,
     /// Blocks in sight with the tiles that they are drawn with, near ones first. Empty without a pack.
     pub tiles: Vec<(Block, BlockTiles)>,
-    /// The square that carries the air; `None` without air.
+    /// The ring that carries the air's halo; `None` without air.
     pub air: Option<AirPlan>,
 }
 
 /// How the air of a frame is drawn.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AirPlan {
-    /// The square that faces the eye.
-    pub square: Billboard,
-    /// To the Sun, scaled space; of any length.
-    pub sun_scaled: DVec3,
-    /// What a white sheet that faces the Sun in space is drawn with.
-    pub exposure: f32,
+    /// The ring.
+    pub ring: Billboard,
+    /// The normal of the ellipsoid at the eye.
+    pub eye_up: DVec3,
+}
+
+impl AirPlan {
+    /// Where the eye is.
+    pub fn side(&self) -> AirSide {
+        match self.ring.is_inside() {
+            true => AirSide::Inside,
+            false => AirSide::Outside,
+        }
+    }
 }
 
 impl FramePlan {
@@ -70,14 +77,15 @@ impl FramePlan {
         self.air = None;
     }
 
-    /// Subtracts the eye from every vertex of the blocks in sight, in f64.
+    /// Subtracts the eye from every vertex of the blocks in sight, in f64, those beyond the limb lifted to it.
     pub fn place_vertices(&mut self, grid: &BlockGrid) {
+        let cone = TangentCone::new(self.eye_itrf_m, &self.ellipsoid);
         self.vertices.clear();
         for block in &self.blocks {
             for row in 0..=grid.subdivision() {
                 let row = grid.vertex_row(*block, row).iter();
                 self.vertices
-                    .extend(row.map(|v| (*v - self.eye_itrf_m).as_vec3()));
+                    .extend(row.map(|v| (cone.lifted(*v) - self.eye_itrf_m).as_vec3()));
             }
         }
     }

@@ -6,11 +6,13 @@ use super::maps::Maps;
 use super::mesh::{DrawCosts, SurfaceMesh};
 use super::relief;
 use super::shader::{
-    EarthOutput, EarthVariant, PaperLayers, ShaderModule, ShadingVariant, SunlitLayers,
+    EarthOutput, EarthVariant, PaperLayers, ShaderModule, ShaderVariant, ShadingVariant,
+    SunlitLayers,
 };
 use super::surface_config::SurfaceConfig;
 use super::tiles::{TILES_BYTES, TileTextures};
-use super::{FramePlan, FrameUniforms, PipelineDescription, ShaderError, SurfaceOutput};
+use super::{AirSide, Binding, FramePlan, FrameUniforms, SurfaceLightUniforms};
+use super::{PipelineDescription, ShaderError, SurfaceOutput};
 use crate::globe::{BlockGrid, Shading, Surface};
 use crate::imagery::EarthLayers;
 use crate::imagery::residency::{Pool, Upload};
@@ -21,7 +23,7 @@ pub(crate) struct SurfaceDrawable {
     mesh: Box<dyn SurfaceMesh + Send + Sync>,
     maps: Maps,
     imagery: Imagery,
-    frame: wgpu::Buffer,
+    uniforms: Uniforms,
     /// Whether triangles that lie in several blocks are drawn with the tiles of each.
     crossing: bool,
     pub texture_bytes: u64,
@@ -29,10 +31,23 @@ pub(crate) struct SurfaceDrawable {
 
 /// What follows from a configuration.
 struct Assembled {
+    /// One without air; else that of an eye outside of it, and that of an eye inside.
+    passes: Vec<SurfacePass>,
+    shader_bytes: u64,
+}
+
+struct SurfacePass {
     variant: EarthVariant,
     pipeline: wgpu::RenderPipeline,
     bind_group: wgpu::BindGroup,
-    shader_bytes: u64,
+}
+
+/// What the shader is told beside textures.
+struct Uniforms {
+    /// Of each frame.
+    frame: wgpu::Buffer,
+    /// Of the surface's light, whatever the frame.
+    light: wgpu::Buffer,
 }
 
 /// What blocks are drawn with.
@@ -78,18 +93,22 @@ impl SurfaceDrawable {
             Imagery::Whole(_) => 0,
         };
         let texture_bytes = maps.bytes() + tile_bytes;
-        let frame = super::uniform_buffer::<FrameUniforms>(device, "terrella frame");
+        let uniforms = Uniforms {
+            frame: super::uniform_buffer::<FrameUniforms>(device, "terrella frame"),
+            light: super::uniform_buffer::<SurfaceLightUniforms>(device, "terrella surface light"),
+        };
+        queue.write_buffer(&uniforms.light, 0, bytemuck::bytes_of(&config.light));
         let mesh: Box<dyn SurfaceMesh + Send + Sync> = match &config.ground {
             None => Box::new(Lattice::new(device, grids)),
             Some(form) => relief::mesh(device, form, config),
         };
-        let assembled = assemble(device, &maps, &imagery, &frame, mesh.as_ref(), config)?;
+        let assembled = assemble(device, &maps, &imagery, &uniforms, mesh.as_ref(), config)?;
         Ok(Self {
             assembled,
             mesh,
             maps,
             imagery,
-            frame,
+            uniforms,
             crossing: config.crosses_blocks && pools.is_some(),
             texture_bytes,
         })
@@ -116,7 +135,7 @@ impl SurfaceDrawable {
             device,
             &self.maps,
             &self.imagery,
-            &self.frame,
+            &self.uniforms,
             self.mesh.as_ref(),
             config,
         )?;
@@ -124,12 +143,13 @@ impl SurfaceDrawable {
         Ok(())
     }
 
-    /// The shader that is drawn with.
-    pub fn variant(&self) -> EarthVariant {
-        self.assembled.variant
+    /// What shaders of the surface have.
+    pub fn features(&self) -> Vec<&'static str> {
+        let first = self.assembled.passes.first();
+        first.map_or(Vec::new(), |pass| pass.variant.conditions_met())
     }
 
-    /// Bytes of its text as the driver gets it.
+    /// Bytes of their texts as the driver gets them.
     pub fn shader_bytes(&self) -> u64 {
         self.assembled.shader_bytes
     }
@@ -150,7 +170,7 @@ impl SurfaceDrawable {
         plan: &FramePlan,
         ground: Option<&dyn Surface>,
     ) -> u64 {
-        queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&plan.uniforms));
+        queue.write_buffer(&self.uniforms.frame, 0, bytemuck::bytes_of(&plan.uniforms));
         let mut written = size_of::<FrameUniforms>() as u64;
         let mut tiled = None;
         if let Imagery::Tiles { tiles, .. } = &mut self.imagery {
@@ -173,8 +193,12 @@ impl SurfaceDrawable {
 
     /// Draws the plan that was written last.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>, plan: &FramePlan) {
-        pass.set_pipeline(&self.assembled.pipeline);
-        pass.set_bind_group(0, &self.assembled.bind_group, &[]);
+        let side = plan.air.as_ref().map_or(0, |air| air.side() as usize);
+        let Some(assembled) = self.assembled.passes.get(side) else {
+            return;
+        };
+        pass.set_pipeline(&assembled.pipeline);
+        pass.set_bind_group(0, &assembled.bind_group, &[]);
         match &self.imagery {
             Imagery::Whole(maps) => {
                 pass.set_bind_group(1, maps, &[]);
@@ -193,110 +217,133 @@ fn assemble(
     device: &wgpu::Device,
     maps: &Maps,
     imagery: &Imagery,
-    frame: &wgpu::Buffer,
+    uniforms: &Uniforms,
     mesh: &dyn SurfaceMesh,
     config: &SurfaceConfig<'_>,
 ) -> Result<Assembled, ShaderError> {
-    let format = config.format;
-    let has_tiles = matches!(imagery, Imagery::Tiles { .. });
-    let variant = EarthVariant {
-        form: mesh.vertex_form(has_tiles),
-        output: output(maps, config),
+    let sides = match config.air {
+        None => vec![None],
+        Some(_) => AirSide::ALL.map(Some).to_vec(),
     };
-    let shader = ShaderModule::new(device, &variant)?;
-    let table_sampler = table_sampler(device);
-    let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
-    let mut layout = vec![super::uniform_entry(0, both, size_of::<FrameUniforms>())];
-    let mut entries = vec![wgpu::BindGroupEntry {
-        binding: 0,
-        resource: frame.as_entire_binding(),
-    }];
-    if let Some(sunlight) = config.sunlight {
-        layout.push(super::texture_entry(1, wgpu::TextureViewDimension::D2));
-        layout.push(super::sampler_entry(2));
-        entries.push(wgpu::BindGroupEntry {
-            binding: 1,
-            resource: wgpu::BindingResource::TextureView(&sunlight.view),
+    let mut passes = Vec::with_capacity(sides.len());
+    let mut shader_bytes = 0;
+    for side in sides {
+        let variant = EarthVariant {
+            form: mesh.vertex_form(matches!(imagery, Imagery::Tiles { .. })),
+            output: output(maps, config, side),
+        };
+        let shader = ShaderModule::new(device, &variant)?;
+        shader_bytes += shader.bytes;
+        let bindings = bindings(imagery, uniforms, mesh, config, &variant, side);
+        let (layout, entries): (Vec<_>, Vec<_>) = bindings.into_iter().unzip();
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("terrella earth"),
+            entries: &layout,
         });
-        entries.push(wgpu::BindGroupEntry {
-            binding: 2,
-            resource: wgpu::BindingResource::Sampler(&table_sampler),
+        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("terrella earth"),
+            layout: &layout,
+            entries: &entries,
         });
-    }
-    if let Imagery::Tiles { tiles, .. } = imagery {
-        let fragment = wgpu::ShaderStages::FRAGMENT;
-        layout.push(super::uniform_entry(3, fragment, TILES_BYTES));
-        entries.push(wgpu::BindGroupEntry {
-            binding: 3,
-            resource: tiles.placements().as_entire_binding(),
-        });
-    }
-    for (of_layout, entry) in mesh.bindings() {
-        layout.push(of_layout);
-        entries.push(entry);
-    }
-    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("terrella earth"),
-        entries: &layout,
-    });
-    let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("terrella earth"),
-        layout: &layout,
-        entries: &entries,
-    });
-    let pipeline = PipelineDescription {
-        label: "terrella earth",
-        bind_groups: Some(&[Some(&layout), Some(maps.layout())]),
-        module: &shader.module,
-        buffers: mesh.buffers(),
-        primitive: wgpu::PrimitiveState {
-            front_face: wgpu::FrontFace::Ccw,
-            cull_mode: Some(mesh.culled()),
-            polygon_mode: match config.wireframe {
-                false => wgpu::PolygonMode::Fill,
-                true => wgpu::PolygonMode::Line,
+        let pipeline = PipelineDescription {
+            label: "terrella earth",
+            bind_groups: Some(&[Some(&layout), Some(maps.layout())]),
+            module: &shader.module,
+            buffers: mesh.buffers(),
+            primitive: wgpu::PrimitiveState {
+                front_face: wgpu::FrontFace::Ccw,
+                cull_mode: Some(mesh.culled()),
+                polygon_mode: match config.wireframe {
+                    false => wgpu::PolygonMode::Fill,
+                    true => wgpu::PolygonMode::Line,
+                },
+                ..Default::default()
             },
-            ..Default::default()
-        },
-        format,
-        writes_depth: true,
-        blend: None,
+            format: config.format,
+            writes_depth: true,
+            blend: None,
+        }
+        .create(device);
+        passes.push(SurfacePass {
+            variant,
+            pipeline,
+            bind_group,
+        });
     }
-    .create(device);
     Ok(Assembled {
-        variant,
-        pipeline,
-        bind_group,
-        shader_bytes: shader.bytes,
+        passes,
+        shader_bytes,
     })
 }
 
-/// What the pixels of a configuration get.
-fn output(maps: &Maps, config: &SurfaceConfig<'_>) -> EarthOutput {
+/// Group 0.
+fn bindings<'a>(
+    imagery: &'a Imagery,
+    uniforms: &'a Uniforms,
+    mesh: &'a dyn SurfaceMesh,
+    config: &SurfaceConfig<'a>,
+    variant: &EarthVariant,
+    side: Option<AirSide>,
+) -> Vec<Binding<'a>> {
+    let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
+    let mut bindings = vec![(
+        super::uniform_entry(0, both, size_of::<FrameUniforms>()),
+        wgpu::BindGroupEntry {
+            binding: 0,
+            resource: uniforms.frame.as_entire_binding(),
+        },
+    )];
+    if let Some((air, side)) = config.air.zip(side) {
+        bindings.extend(air.bindings(side));
+        if config.shading == Shading::Sunlit {
+            bindings.push(air.sunlight_binding());
+        }
+    }
+    if let Imagery::Tiles { tiles, .. } = imagery {
+        let fragment = wgpu::ShaderStages::FRAGMENT;
+        bindings.push((
+            super::uniform_entry(3, fragment, TILES_BYTES),
+            wgpu::BindGroupEntry {
+                binding: 3,
+                resource: tiles.placements().as_entire_binding(),
+            },
+        ));
+    }
+    if variant.conditions_met().contains(&"surface_light") {
+        let fragment = wgpu::ShaderStages::FRAGMENT;
+        bindings.push((
+            super::uniform_entry(12, fragment, size_of::<SurfaceLightUniforms>()),
+            wgpu::BindGroupEntry {
+                binding: 12,
+                resource: uniforms.light.as_entire_binding(),
+            },
+        ));
+    }
+    bindings.extend(mesh.bindings());
+    bindings
+}
+
+/// What the pixels of a configuration get, the eye being on this side of the air.
+fn output(maps: &Maps, config: &SurfaceConfig<'_>, air: Option<AirSide>) -> EarthOutput {
     let clouds = maps.has(MapLayer::Clouds);
     let normals = maps.has(MapLayer::Normals);
     let shading = match config.shading {
-        Shading::Paper => ShadingVariant::Paper(PaperLayers { clouds, normals }),
+        Shading::Paper => ShadingVariant::Paper(PaperLayers {
+            clouds,
+            normals,
+            air,
+        }),
         Shading::Sunlit => ShadingVariant::Sunlit(SunlitLayers {
             clouds,
+            cloud_shadows: clouds && config.cloud_shadows,
             normals,
             night_lights: maps.has(MapLayer::NightLights),
             water: maps.has(MapLayer::Water),
-            air: config.sunlight.is_some(),
+            air,
         }),
     };
     match config.output {
         SurfaceOutput::Color => EarthOutput::Picture(shading, config.format.target_color()),
         SurfaceOutput::Geolocation => EarthOutput::Geolocation,
     }
-}
-
-/// Linear, clamped: for tables that end on texel centres.
-pub(super) fn table_sampler(device: &wgpu::Device) -> wgpu::Sampler {
-    device.create_sampler(&wgpu::SamplerDescriptor {
-        label: Some("terrella tables"),
-        mag_filter: wgpu::FilterMode::Linear,
-        min_filter: wgpu::FilterMode::Linear,
-        ..Default::default()
-    })
 }

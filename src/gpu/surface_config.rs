@@ -1,19 +1,22 @@
 //! How the surface is drawn.
 
-use super::{GpuLayer, PassFormat, SurfaceOutput};
+use super::{AirTextures, PassFormat, SurfaceLightUniforms, SurfaceOutput};
 use crate::globe::{DrawKind, Shading};
 use crate::imagery::tile::MAP_LAYERS;
 
 /// How the surface is drawn: what can change while the maps stay.
 pub(crate) struct SurfaceConfig<'a> {
     pub shading: Shading,
+    /// The chosen light on the surface.
+    pub light: SurfaceLightUniforms,
+    pub cloud_shadows: bool,
     /// Which maps are used, of those that there are.
     pub shown: [bool; MAP_LAYERS],
     pub output: SurfaceOutput,
     pub anisotropy: u16,
     pub format: PassFormat,
-    /// The air's sunlight table, if there is air and the shading uses it.
-    pub sunlight: Option<&'a GpuLayer>,
+    /// The air, if there is any.
+    pub air: Option<&'a AirTextures>,
     /// In what form ground with relief is drawn, if it is and not the block sphere. The variant does not change.
     pub ground: Option<DrawKind<'a>>,
     /// Whether that has triangles that lie in several blocks. Nor does that.

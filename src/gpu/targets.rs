@@ -2,8 +2,9 @@
 
 use super::DepthBuffer;
 use super::read_back::{PictureError, read_rows};
+use std::time::Duration;
 
-/// A colour texture (`Rgba8UnormSrgb`, multisampled if asked) and a reversed-Z depth buffer of one size.
+/// A colour texture (`Rgba8UnormSrgb` if not said otherwise, multisampled if asked) and a reversed-Z depth buffer of one size.
 pub struct FrameTargets {
     picture: wgpu::Texture,
     view: wgpu::TextureView,
@@ -20,12 +21,22 @@ impl FrameTargets {
 
     /// Makes the textures. `samples` is 1 or 4; `size` is within the device's limits and not zero.
     pub fn new(device: &wgpu::Device, size: (u32, u32), samples: u32) -> Self {
+        Self::with_color(device, Self::COLOR, size, samples)
+    }
+
+    /// The same with another colour format, which the device can draw to with so many samples.
+    pub fn with_color(
+        device: &wgpu::Device,
+        format: wgpu::TextureFormat,
+        size: (u32, u32),
+        samples: u32,
+    ) -> Self {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
-        let picture = color_texture(device, "terrella picture", size, Self::COLOR, 1, usage);
+        let picture = color_texture(device, "terrella picture", size, format, 1, usage);
         Self {
             view: super::view(&picture),
             picture,
-            attachments: Attachments::new(device, size, Self::COLOR, samples),
+            attachments: Attachments::new(device, size, format, samples),
         }
     }
 
@@ -56,7 +67,20 @@ impl FrameTargets {
             .begin_part(encoder, &self.view, part, times)
     }
 
-    /// Reads the picture back: sRGB, four bytes a pixel (RGBA), rows without padding. Waits for the device.
+    /// Reads light back from a colour format of 16-bit or 32-bit floats: four numbers a pixel (RGBA), rows one after another.
+    /// Waits for the device.
+    pub fn read_light(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+    ) -> Result<Vec<[f32; 4]>, PictureError> {
+        match self.picture.format() {
+            wgpu::TextureFormat::Rgba16Float => read_halves(device, queue, &self.picture, None),
+            _ => read_floats(device, queue, &self.picture),
+        }
+    }
+
+    /// Reads a picture of 8 bits a channel back: four bytes a pixel (RGBA), rows without padding. Waits for the device.
     pub fn read_back(
         &self,
         device: &wgpu::Device,
@@ -206,6 +230,35 @@ pub fn read_texture(
     Ok(pixels)
 }
 
+/// Reads an `Rgba16Float` texture (usage `COPY_SRC`), rows one after another. Waits for the device, no longer than `patience`.
+pub fn read_halves(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    texture: &wgpu::Texture,
+    patience: Option<Duration>,
+) -> Result<Vec<[f32; 4]>, PictureError> {
+    let bytes = read_rows(device, queue, texture, 8, patience)?;
+    let halves = bytes.as_chunks::<2>().0.iter();
+    let values: Vec<f32> = halves
+        .map(|b| float_of_half(u16::from_le_bytes(*b)))
+        .collect();
+    Ok(values.as_chunks::<4>().0.to_vec())
+}
+
+/// The value of an IEEE half.
+fn float_of_half(bits: u16) -> f32 {
+    let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };
+    let exponent = i32::from(bits >> 10 & 0x1f);
+    let mantissa = f32::from(bits & 0x3ff);
+    let size = match exponent {
+        0 => mantissa * 2f32.powi(-24),
+        31 if mantissa == 0.0 => f32::INFINITY,
+        31 => f32::NAN,
+        _ => (1024.0 + mantissa) * 2f32.powi(exponent - 25),
+    };
+    sign * size
+}
+
 /// Reads an `Rgba32Float` texture (usage `COPY_SRC`), rows one after another. Waits for the device.
 pub fn read_floats(
     device: &wgpu::Device,
@@ -216,4 +269,26 @@ pub fn read_floats(
     let floats = bytes.as_chunks::<4>().0.iter();
     let floats: Vec<f32> = floats.map(|bytes| f32::from_le_bytes(*bytes)).collect();
     Ok(floats.as_chunks::<4>().0.to_vec())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves() {
+        for (bits, value) in [
+            (0x0000, 0.0),
+            (0x3c00, 1.0),
+            (0xc000, -2.0),
+            (0x7bff, 65_504.0),
+            (0x0001, 5.960_464_5e-8),
+            (0x0400, 6.103_515_6e-5),
+            (0x3555, 0.333_251_95),
+            (0xfc00, f32::NEG_INFINITY),
+        ] {
+            assert_eq!(float_of_half(bits), value);
+        }
+        assert!(float_of_half(0x7e00).is_nan());
+    }
 }

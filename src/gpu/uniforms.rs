@@ -23,30 +23,84 @@ pub struct FrameUniforms {
     pub polar_stretch: f32,
     /// The ray's change to the next pixel right.
     pub pixel_right: Vec3,
-    /// What a white sheet that faces the Sun in space is drawn with.
+    /// What light is multiplied by before an 8-bit target shows it.
     pub exposure: f32,
     /// The ray's change to the next pixel down.
     pub pixel_down: Vec3,
-    /// Part of the air, by weight, that lies below the eye.
-    pub air_below: f32,
+    /// Fills the struct to its size.
+    pub padding: f32,
 }
 
-/// `AirUniforms` of `shaders/air.wgsl`.
+/// `SurfaceLightUniforms` of `shaders/earth/shading/surface_light.wgsl`.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct SurfaceLightUniforms {
+    /// Mean square slope of the sea's waves.
+    pub wave_slope_squared: f32,
+    /// Part of the light that the sea's foam throws back.
+    pub foam: f32,
+    /// Of the sky mirrored by waves: the power of 1 − cos θ.
+    pub mirror_power: f32,
+    /// What that power is multiplied by.
+    pub mirror_scale: f32,
+    /// What the normal map's slopes are multiplied by.
+    pub slope_gain: f32,
+    /// Height of the clouds, equatorial radii.
+    pub cloud_height: f32,
+    /// How far the tops of thick clouds rise over thin ones, equatorial radii.
+    pub cloud_relief: f32,
+    /// Sine of the Sun's depression at which it sets for the clouds.
+    pub cloud_dip: f32,
+    /// Part of the air that lies above the clouds.
+    pub air_above_clouds: f32,
+    /// Radiance of the brightest city lights, a white sheet that faces the Sun in space being 1.
+    pub lamp_light: f32,
+    /// To a multiple of eight bytes.
+    pub padding: [f32; 2],
+}
+
+/// `AirUniforms` of `shaders/common/air/uniforms.wgsl`. Lengths are equatorial radii of scaled space.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct AirUniforms {
-    /// Takes billboard-frame vectors to clip space.
-    pub clip_from_billboard: Mat4,
-    /// Unit vector to the Sun, billboard frame.
-    pub sun: Vec3,
-    /// Distance of the eye from the centre, equatorial radii, at least 1.
+    /// First axis of the billboard, across, scaled space.
+    pub across_x: Vec3,
+    /// Distance of the eye from the centre, at least 1.
     pub eye_distance: f32,
-    /// Upper boundary of the air, equatorial radii.
-    pub top: f32,
+    /// Second axis, across.
+    pub across_y: Vec3,
     /// `eye_distance` − 1, without cancellation.
     pub eye_height: f32,
-    /// What a white sheet that faces the Sun in space is drawn with.
+    /// Third axis, to the Earth's centre.
+    pub toward_center: Vec3,
+    /// What light is multiplied by before an 8-bit target shows it.
     pub exposure: f32,
-    /// How far the air is drawn before its place, in depth: what the backend rounds depths by.
-    pub depth_rounding: f32,
+    /// Unit vector to the Sun, ITRF axes.
+    pub sun: Vec3,
+    /// a/b.
+    pub polar_stretch: f32,
+    /// Horizontally towards the Sun at the eye, of length 1, scaled space.
+    pub sun_level: Vec3,
+    /// Cosine of the Sun's zenith angle at the eye.
+    pub eye_sun: f32,
+    /// The part of light going up from the ground that the air sends back.
+    pub sky_albedo: Vec3,
+    /// Sine of the angle at the eye between the Earth's centre and the limb.
+    pub limb_sin: f32,
+    /// Scattering by molecules at the ground, per equatorial radius.
+    pub molecules: Vec3,
+    /// Cosine of that angle.
+    pub limb_cos: f32,
+    /// Absorption by ozone where it is densest, per equatorial radius.
+    pub ozone: Vec3,
+    /// Fills the row.
+    pub padding_a: f32,
+    /// Scattering by aerosol at the ground, per equatorial radius.
+    pub aerosol_scattering: Vec3,
+    /// Fills the row.
+    pub padding_b: f32,
+    /// Scattering and absorption by aerosol at the ground, per equatorial radius.
+    pub aerosol_extinction: Vec3,
+    /// Fills the row.
+    pub padding_c: f32,
 }

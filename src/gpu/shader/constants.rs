@@ -3,10 +3,13 @@
 #[cfg(feature = "terrain")]
 use super::relief_constants::RELIEF;
 use super::value::Value::{self, F32, U32, Vec3};
-use crate::air::{self, EARTH_AIR};
+use crate::air::{self, TableSize};
 use crate::frames::SUN_RADIUS_RAD;
 use crate::globe::{BLOCK_COUNT, COLUMNS, ROWS};
-use crate::imagery::tile::{MAP_LAYERS, MapLayer};
+use crate::imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER};
+use crate::imagery::{CLOUD_ALBEDO, FLOOR_SEEN_M, NEIGHBOURHOODS};
+use crate::light;
+use glam::DVec3;
 use std::f64::consts::PI;
 
 /// In place of a block's index: drawn with whole maps.
@@ -19,14 +22,23 @@ pub(crate) const FROM_PREVIOUS: u32 = 1;
 /// Flag of what of a track lies on the ground.
 pub(crate) const ON_GROUND: u32 = 2;
 
-/// Sine of the Sun's elevation above which city lights are out.
-pub(crate) const LAMPS_OUT_SIN: f64 = 0.02;
-/// Sine of the Sun's elevation below which they are all on.
-const LAMPS_FULL_SIN: f64 = -0.12;
+/// Sine of the Sun's elevation above which city lights are out: at sunset.
+pub(crate) const LAMPS_OUT_SIN: f64 = 0.0;
+/// Sine of the Sun's elevation below which they are all on: −6°, the end of civil twilight.
+const LAMPS_FULL_SIN: f64 = -0.104_528_463;
 /// Sine of the Sun's elevation below which the sea mirrors no Sun.
+#[cfg(feature = "packs")]
 pub(crate) const GLINT_ENDS_SIN: f64 = -0.01;
-/// Sine of the Sun's elevation above which the glint is whole.
-const GLINT_FULL_SIN: f64 = 0.05;
+
+/// Directions below the limb and above it, together, that an eye in the air is shown the air in.
+pub(crate) const VIEW_ANGLES: u32 = 96;
+/// Azimuths of the Sun that it is shown in.
+pub(crate) const VIEW_AZIMUTHS: u32 = 32;
+
+/// Texels of a table along its axes, as shaders count.
+const fn texels(size: TableSize) -> DVec3 {
+    DVec3::new(size.x as f64, size.y as f64, size.z as f64)
+}
 
 /// A constant and its name.
 pub(super) fn shared(name: &str) -> Option<(&'static str, &'static Value)> {
@@ -51,6 +63,7 @@ const SHARED: &[(&str, Value)] = &[
     ("NORMALS", U32(MapLayer::Normals as u32)),
     ("NIGHT_LIGHTS", U32(MapLayer::NightLights as u32)),
     ("WATER", U32(MapLayer::Water as u32)),
+    ("TILE_BORDER", U32(TILE_BORDER)),
     ("WHOLE_MAP", U32(WHOLE_MAP)),
     ("PER_BLOCK_TILES", U32(PER_BLOCK_TILES)),
     // Light.
@@ -58,37 +71,55 @@ const SHARED: &[(&str, Value)] = &[
     ("LUMINANCE", Vec3(air::LUMINANCE)),
     ("LAMPS_OUT_SIN", F32(LAMPS_OUT_SIN)),
     ("LAMPS_FULL_SIN", F32(LAMPS_FULL_SIN)),
-    ("GLINT_ENDS_SIN", F32(GLINT_ENDS_SIN)),
-    ("GLINT_FULL_SIN", F32(GLINT_FULL_SIN)),
-    // The air and its tables, per metre.
+    ("FLOOR_SEEN_M", F32(FLOOR_SEEN_M)),
+    // What is shown: the largest value of eight bits, and tone curves.
+    ("LAST_CODE", F32(u8::MAX as f64)),
+    ("TONE_NEUTRAL_START", F32(light::NEUTRAL_START)),
+    (
+        "TONE_NEUTRAL_DESATURATION",
+        F32(light::NEUTRAL_DESATURATION),
+    ),
+    ("TONE_FILMIC_SCALE", F32(light::FILMIC_SCALE)),
+    ("TONE_FILMIC_A", F32(light::FILMIC[0])),
+    ("TONE_FILMIC_B", F32(light::FILMIC[1])),
+    ("TONE_FILMIC_C", F32(light::FILMIC[2])),
+    ("TONE_FILMIC_D", F32(light::FILMIC[3])),
+    ("TONE_FILMIC_E", F32(light::FILMIC[4])),
+    // The air and its tables; heights are equatorial radii where they say no unit.
     ("LOWEST_SUN", F32(air::LOWEST_SUN)),
-    ("AIR_RADIUS_M", F32(EARTH_AIR.radius_m)),
+    ("SUN_SPACING", F32(air::SUN_SPACING)),
+    ("AIR_TOP", F32(air::TOP)),
+    ("AIR_RADIUS_M", F32(air::RADIUS_M)),
+    ("AIR_SCALE_HEIGHT_M", F32(air::MOLECULE_SCALE_HEIGHT_M)),
     (
-        "MOLECULE_SCATTERING",
-        Vec3(EARTH_AIR.molecules.scattering_per_m),
+        "MOLECULE_SCALE_HEIGHT",
+        F32(air::MOLECULE_SCALE_HEIGHT_M / air::RADIUS_M),
     ),
     (
-        "MOLECULE_SCALE_HEIGHT_M",
-        F32(EARTH_AIR.molecules.scale_height_m),
+        "AEROSOL_SCALE_HEIGHT",
+        F32(air::AEROSOL_SCALE_HEIGHT_M / air::RADIUS_M),
     ),
-    // Grey: one number for all colours.
+    ("AEROSOL_ASYMMETRY", F32(air::AEROSOL_ASYMMETRY)),
+    ("RAYLEIGH_A", F32(air::RAYLEIGH_PHASE[0])),
+    ("RAYLEIGH_B", F32(air::RAYLEIGH_PHASE[1])),
+    ("SCATTERING_SIZE", Vec3(texels(air::SCATTERING))),
+    ("BOUNCE_SIZE", Vec3(texels(air::BOUNCE))),
+    ("SUNLIGHT_SIZE", Vec3(texels(air::SUNLIGHT))),
+    ("TRANSMITTANCE_SIZE", Vec3(texels(air::TRANSMITTANCE))),
+    ("SOURCES_SIZE", Vec3(texels(air::SOURCES))),
+    ("SOURCE_BANDS", F32(air::SOURCE_BANDS as f64)),
+    ("PROFILE_SIZE", Vec3(texels(air::PROFILE))),
     (
-        "AEROSOL_SCATTERING",
-        F32(EARTH_AIR.aerosol.scattering_per_m.x),
+        "ALBEDO_SIZE",
+        Vec3(DVec3::new(
+            NEIGHBOURHOODS as f64,
+            NEIGHBOURHOODS as f64 / 2.0,
+            1.0,
+        )),
     ),
-    // Per scattering.
-    (
-        "AEROSOL_EXTINCTION",
-        F32(EARTH_AIR.aerosol.extinction_per_m.x / EARTH_AIR.aerosol.scattering_per_m.x),
-    ),
-    (
-        "AEROSOL_SCALE_HEIGHT_M",
-        F32(EARTH_AIR.aerosol.scale_height_m),
-    ),
-    ("AEROSOL_ASYMMETRY", F32(EARTH_AIR.aerosol_asymmetry)),
-    ("OZONE_ABSORPTION", Vec3(EARTH_AIR.ozone_absorption_per_m)),
-    ("OZONE_CENTER_M", F32(EARTH_AIR.ozone_center_m)),
-    ("OZONE_HALF_WIDTH_M", F32(EARTH_AIR.ozone_half_width_m)),
+    ("CLOUD_ALBEDO", F32(CLOUD_ALBEDO)),
+    ("VIEW_ANGLES", F32(VIEW_ANGLES as f64)),
+    ("VIEW_AZIMUTHS", F32(VIEW_AZIMUTHS as f64)),
     // Flags of tracks.
     ("FROM_PREVIOUS", U32(FROM_PREVIOUS)),
     ("ON_GROUND", U32(ON_GROUND)),

@@ -1,5 +1,6 @@
 //! Variants of the surface's shader.
 
+use super::air::AirSide;
 use super::capability::ShaderCapability;
 use super::variant::{SWITCH, ShaderVariant, TargetColor};
 
@@ -70,14 +71,16 @@ pub enum ShadingVariant {
 pub struct SunlitLayers {
     /// Cloud cover.
     pub clouds: bool,
+    /// The clouds' shadows; without clouds there are none.
+    pub cloud_shadows: bool,
     /// The normal map.
     pub normals: bool,
     /// City lights.
     pub night_lights: bool,
-    /// Open water, which glints.
+    /// Open water.
     pub water: bool,
-    /// The air between the Sun, the ground and the eye.
-    pub air: bool,
+    /// The air between the Sun, the ground and the eye, and where the eye is.
+    pub air: Option<AirSide>,
 }
 
 /// The paper's layers besides the day map.
@@ -87,6 +90,8 @@ pub struct PaperLayers {
     pub clouds: bool,
     /// The normal map.
     pub normals: bool,
+    /// The air between the ground and the eye, and where the eye is. The paper's own is a picture over it.
+    pub air: Option<AirSide>,
 }
 
 impl VertexForm {
@@ -128,24 +133,38 @@ impl EarthOutput {
     /// All of them.
     pub fn all() -> Vec<Self> {
         let on = |bits: u32, bit: u32| bits >> bit & 1 == 1;
-        let sunlit = (0..32).map(|bits| {
-            ShadingVariant::Sunlit(SunlitLayers {
+        let sunlit = |air| {
+            let layers = (0..32).map(move |bits| SunlitLayers {
                 clouds: on(bits, 0),
                 normals: on(bits, 1),
                 night_lights: on(bits, 2),
                 water: on(bits, 3),
-                air: on(bits, 4),
+                cloud_shadows: on(bits, 4),
+                air,
+            });
+            layers
+                .filter(|layers| layers.clouds || !layers.cloud_shadows)
+                .map(ShadingVariant::Sunlit)
+        };
+        let paper = |air| {
+            (0..4).map(move |bits| {
+                ShadingVariant::Paper(PaperLayers {
+                    clouds: on(bits, 0),
+                    normals: on(bits, 1),
+                    air,
+                })
             })
-        });
-        let paper = (0..4).map(|bits| {
-            ShadingVariant::Paper(PaperLayers {
-                clouds: on(bits, 0),
-                normals: on(bits, 1),
-            })
-        });
-        let pictures = sunlit
-            .chain(paper)
-            .flat_map(|shading| TargetColor::ALL.map(|target| Self::Picture(shading, target)));
+        };
+        // Other tone curves with one set of layers.
+        let bare = ShadingVariant::Sunlit(SunlitLayers::default());
+        let usual = TargetColor::USUAL;
+        let others = TargetColor::all().into_iter();
+        let others = others.filter(|target| !usual.contains(target));
+        let pictures = AirSide::OR_NONE
+            .into_iter()
+            .flat_map(|air| sunlit(air).chain(paper(air)))
+            .flat_map(|shading| usual.map(|target| Self::Picture(shading, target)))
+            .chain(others.map(|target| Self::Picture(bare, target)));
         std::iter::once(Self::Geolocation).chain(pictures).collect()
     }
 }
@@ -173,19 +192,20 @@ impl ShaderVariant for EarthVariant {
             EarthOutput::Geolocation => (None, None),
             EarthOutput::Picture(shading, target) => (Some(shading), Some(target)),
         };
-        // The paper has no lamps, no water and no air.
+        // The paper has no lamps and no water.
         let layers = match shading {
             Some(ShadingVariant::Sunlit(layers)) => layers,
-            Some(ShadingVariant::Paper(PaperLayers { clouds, normals })) => SunlitLayers {
-                clouds,
-                normals,
+            Some(ShadingVariant::Paper(layers)) => SunlitLayers {
+                clouds: layers.clouds,
+                normals: layers.normals,
+                air: layers.air,
                 ..Default::default()
             },
             None => SunlitLayers::default(),
         };
         let is_paper = matches!(shading, Some(ShadingVariant::Paper(_)));
         let is_sunlit = matches!(shading, Some(ShadingVariant::Sunlit(_)));
-        vec![
+        let mut conditions = vec![
             ("blocks", matches!(form, Form::BlockLattice { .. })),
             ("patches", matches!(form, Form::ReliefPatches(_))),
             ("grid", matches!(form, Form::ProjectedGrid { .. })),
@@ -206,14 +226,32 @@ impl ShaderVariant for EarthVariant {
             ("geolocation", self.output == EarthOutput::Geolocation),
             ("sunlit", is_sunlit),
             ("paper", is_paper),
+            (
+                "surface_light",
+                is_sunlit
+                    && (layers.clouds || layers.normals || layers.night_lights || layers.water),
+            ),
+            // Where no pixel of a triangle is given up, differences to the next pixel are known.
+            (
+                "whole_quads",
+                !form.has_per_block_tiles() && !matches!(form, Form::ContourPrisms { .. }),
+            ),
             ("clouds", layers.clouds),
+            ("cloud_shadows", layers.cloud_shadows),
             ("normals", layers.normals),
             ("night_lights", layers.night_lights),
             ("water", layers.water),
-            ("air", layers.air),
-            // Light is encoded for a target of display values; the paper's display values are decoded for any other.
-            ("encode", is_sunlit && target == Some(TargetColor::Display)),
-            ("decode", is_paper && target == Some(TargetColor::Linear)),
-        ]
+            ("air", layers.air.is_some()),
+            ("inside", layers.air == Some(AirSide::Inside)),
+            // The paper's display values, for a target of anything else.
+            (
+                "decode",
+                is_paper && !matches!(target, Some(TargetColor::Display(_))),
+            ),
+        ];
+        // What is measured is stored as it is.
+        let target = target.unwrap_or(TargetColor::Radiance);
+        conditions.extend(target.conditions());
+        conditions
     }
 }

@@ -35,7 +35,7 @@ mod tracks;
 mod value;
 mod variant;
 
-pub use air::{AirDepth, AirVariant};
+pub use air::{AirSide, AirVariant, AirViewVariant};
 pub use assemble::{ShaderError, ShaderText};
 pub use capability::ShaderCapability;
 pub use earth::{
@@ -53,5 +53,6 @@ pub(crate) use constants::{FROM_PREVIOUS, ON_GROUND};
 pub(crate) use constants::{GLINT_ENDS_SIN, LAMPS_OUT_SIN};
 #[cfg(feature = "terrain")]
 pub(crate) use constants::{PER_BLOCK_TILES, WHOLE_MAP};
+pub(crate) use constants::{VIEW_ANGLES, VIEW_AZIMUTHS};
 #[cfg(feature = "terrain")]
 pub(crate) use relief_constants::ATLAS_COLUMNS;

@@ -1,5 +1,6 @@
 //! Variants of the shader of satellites' tracks.
 
+use super::air::AirSide;
 use super::variant::{ShaderVariant, TargetColor};
 
 /// What a shader of tracks is made of.
@@ -9,6 +10,8 @@ pub struct TracksVariant {
     pub kind: TrackKind,
     /// What the target stores.
     pub target: TargetColor,
+    /// The air between a track and the eye, and where the eye is.
+    pub air: Option<AirSide>,
 }
 
 /// What of tracks is drawn, each with a shader of its own.
@@ -31,16 +34,24 @@ impl ShaderVariant for TracksVariant {
     const ENTRY: &'static str = "tracks.wgsl";
 
     fn all() -> Vec<Self> {
-        let of_kind = |kind| TargetColor::ALL.map(|target| Self { kind, target });
-        TrackKind::ALL.into_iter().flat_map(of_kind).collect()
+        let mut all = Vec::new();
+        for kind in TrackKind::ALL {
+            for air in AirSide::OR_NONE {
+                all.extend(TargetColor::USUAL.map(|target| Self { kind, target, air }));
+            }
+        }
+        all
     }
 
     fn conditions(&self) -> Vec<(&'static str, bool)> {
-        vec![
+        let mut conditions = vec![
             ("lines", self.kind == TrackKind::Lines),
             ("marks", self.kind == TrackKind::Marks),
             ("fills", self.kind == TrackKind::Fills),
-            ("encode", self.target == TargetColor::Display),
-        ]
+            ("air", self.air.is_some()),
+            ("inside", self.air == Some(AirSide::Inside)),
+        ];
+        conditions.extend(self.target.conditions());
+        conditions
     }
 }

@@ -2,19 +2,48 @@
 
 use super::assemble::{ShaderError, ShaderText};
 use super::capability::ShaderCapability;
+use crate::light::Tone;
 
 /// What the colour target stores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum TargetColor {
-    /// Linear light; the hardware may encode it.
-    Linear,
-    /// Display values, which the shader must encode itself.
-    Display,
+    /// Light itself: a float format. Values that are meant for a display are decoded.
+    Radiance,
+    /// What is shown of light by a tone curve, dithered for 8 bits, linear: the hardware encodes it (sRGB formats). Values that
+    /// are meant for a display are decoded.
+    Linear(Tone),
+    /// The same as display values, which the shader must encode itself.
+    Display(Tone),
 }
 
 impl TargetColor {
-    /// Both colour targets.
-    pub const ALL: [Self; 2] = [Self::Linear, Self::Display];
+    /// The most usual ones: between them they have every condition but those of other tone curves.
+    pub const USUAL: [Self; 3] = [
+        Self::Radiance,
+        Self::Linear(Tone::Neutral),
+        Self::Display(Tone::Neutral),
+    ];
+
+    /// All of them.
+    pub fn all() -> Vec<Self> {
+        let shown = |tone| [Self::Linear(tone), Self::Display(tone)];
+        let shown = Tone::ALL.into_iter().flat_map(shown);
+        std::iter::once(Self::Radiance).chain(shown).collect()
+    }
+
+    /// The conditions of `common/displayed.wgsl`.
+    pub fn conditions(self) -> [(&'static str, bool); 4] {
+        let tone = match self {
+            Self::Radiance => None,
+            Self::Linear(tone) | Self::Display(tone) => Some(tone),
+        };
+        [
+            ("radiance", tone.is_none()),
+            ("neutral", tone == Some(Tone::Neutral)),
+            ("filmic", tone == Some(Tone::Filmic)),
+            ("encode", matches!(self, Self::Display(_))),
+        ]
+    }
 }
 
 /// A legal combination of what a shader is made of.
@@ -22,7 +51,7 @@ pub trait ShaderVariant: Copy {
     /// The file that lists the others, below `shaders/`.
     const ENTRY: &'static str;
 
-    /// Every legal combination, each once.
+    /// Every legal combination, each once. Tone curves, of which no other part of a text knows, are not combined with every part.
     fn all() -> Vec<Self>;
 
     /// All conditions that its files may ask for, and whether they hold.
