@@ -11,6 +11,8 @@ pub mod globe;
 pub mod gpu;
 #[path = "imagery/mod.rs"]
 pub mod imagery;
+#[path = "light/mod.rs"]
+pub mod light;
 #[cfg(feature = "command")]
 #[path = "measure/mod.rs"]
 pub mod measure;

@@ -21,6 +21,7 @@
 //! | [`Sky`] | what lights the Earth at an [`Epoch`] |
 //! | [`FrameStats`] | what was drawn, counted |
 //! | [`Atmosphere`], [`Shading`] | the air; the light on the ground |
+//! | [`Exposure`], [`Tone`] | how light is shown |
 //! | [`Quality`] | what may be changed while the Earth is drawn |
 //! | [`GroundOptions`], [`SurfaceSettings`] | ground with relief, and the surface that draws it |
 //! | [`TileOptions`] | imagery larger than memory, streamed |
@@ -37,6 +38,7 @@
 //! | [`elevation`] | heights of the ground: grids, their pyramids, readers of elevation data | GPU |
 //! | [`globe`] | the block sphere, and surfaces with relief: vertices, culling, level of detail | GPU, files |
 //! | [`air`] | density, scattering tables, the billboard | GPU, files |
+//! | [`light`] | exposure, tone curves, metering | GPU, files |
 //! | [`imagery`] | maps and packs on disk, checks, mip levels, slopes, streaming | GPU, orbits |
 //! | [`scene`] | the TOML file, defaults, checks with line and key | GPU |
 //! | [`gpu`] | adapter, targets, shaders, one file per drawable | files, orbits |
@@ -69,15 +71,15 @@ pub mod tracks;
 
 pub use {glam, wgpu};
 
-pub(crate) use internals::{air, earth, globe, gpu, imagery};
+pub(crate) use internals::{air, earth, globe, gpu, imagery, light};
 #[cfg(feature = "command")]
 pub(crate) use internals::{measure, play};
 
-pub use air::Atmosphere;
+pub use air::{AirOptions, Atmosphere};
 pub use earth::{
     AdaptiveQuality, DepthBuffer, DiagnosticOptions, Diagnostics, Earth, EarthError, EarthOptions,
     EyeView, FrameStats, GroundOptions, Quality, QualityChange, QualityLevel, QualityReduction,
-    Sky, SurfaceOutput, TILED_SUBDIVISION, TileOptions, Viewport,
+    Sky, SurfaceLight, SurfaceOutput, TILED_SUBDIVISION, TileOptions, Viewport,
 };
 pub use frames::Epoch;
 pub use globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
@@ -96,3 +98,4 @@ pub use imagery::{
     pack::{Pack, PackTiles},
     tile::Storage,
 };
+pub use light::{Adaptation, Exposure, Tone, exposure_factor};

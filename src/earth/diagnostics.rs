@@ -1,8 +1,8 @@
 //! For measuring and for looking at how an Earth is drawn. Pictures need none of it.
 
 use super::Earth;
-use crate::globe::BlockGrid;
-use crate::gpu::{FramePlan, ShaderVariant, SurfaceOutput};
+use crate::globe::{BlockGrid, TangentCone};
+use crate::gpu::{FramePlan, SurfaceOutput};
 use glam::{DVec3, Vec3};
 
 /// What an Earth draws that is to be examined. The default is the picture.
@@ -30,9 +30,11 @@ pub struct Diagnostics<'e> {
 impl Diagnostics<'_> {
     /// The vertices of blocks that the GPU got for the last frame, from the eye, each beside its exact place; ITRF metres.
     pub fn vertices(&self) -> impl Iterator<Item = (Vec3, DVec3)> {
-        let exact = self.plan.blocks.iter().flat_map(|block| {
+        let cone = TangentCone::new(self.plan.eye_itrf_m, &self.plan.ellipsoid);
+        let exact = self.plan.blocks.iter().flat_map(move |block| {
             let rows = 0..=self.grid.subdivision();
-            rows.flat_map(|row| self.grid.vertex_row(*block, row).iter().copied())
+            let vertices = rows.flat_map(|row| self.grid.vertex_row(*block, row));
+            vertices.map(move |vertex| cone.lifted(*vertex))
         });
         self.plan.vertices.iter().copied().zip(exact)
     }
@@ -52,13 +54,13 @@ impl Earth {
     }
 
     fn features(&self, on: bool) -> Vec<&'static str> {
-        let shader = self.surface.variant().conditions_met();
-        // Water and tiles come with packs; an Earth without one has nothing to switch off.
+        let shader = self.surface.features();
+        // Tiles come with packs; an Earth without one has nothing to switch off.
         let of_packs: &[&str] = match self.planner.tiles {
-            Some(_) => &["water", "tiles"],
+            Some(_) => &["tiles"],
             None => &[],
         };
-        ["clouds", "normals", "night_lights"]
+        ["clouds", "normals", "night_lights", "water"]
             .iter()
             .chain(of_packs)
             .chain(self.planner.ground_features())

@@ -15,9 +15,24 @@ pub enum EarthError {
     #[cfg(feature = "terrain")]
     #[error(transparent)]
     Surface(#[from] crate::globe::SurfaceError),
-    /// Exposure below 0 or not finite.
-    #[error("exposure is {0}; it must be a finite number, 0 or more")]
-    Exposure(f32),
+    /// Exposure outside [`Exposure::RANGE_EV`](crate::Exposure::RANGE_EV) or not finite.
+    #[error("exposure is {0} EV; it must be a number from −20 to 20")]
+    Exposure(f64),
+    /// Aerosol outside 0 to [`AirOptions::MAX_AEROSOL`](crate::AirOptions::MAX_AEROSOL) or not a number.
+    #[error("the aerosol's optical depth is {0}; it must be from 0 to 5")]
+    Aerosol(f64),
+    /// An option of the light on the surface out of its range, or not a number.
+    #[error("{name} of the surface's light is {value}; it must be from {low} to {high}")]
+    SurfaceLight {
+        /// The option's name.
+        name: &'static str,
+        /// What it was given.
+        value: f64,
+        /// The least that it may be.
+        low: f64,
+        /// The most.
+        high: f64,
+    },
     /// A map is larger than the device takes.
     #[error(
         "the {layer} map is {width} × {height}; this device takes at most {limit} pixels a side"

@@ -6,9 +6,11 @@
 //! | `options.rs` | what is fixed when an Earth is made |
 //! | `error.rs` | what can be wrong with it |
 //! | `plan.rs` | what a frame draws, chosen without a GPU |
+//! | `surface_light.rs` | what of the light on the surface can be chosen |
 //! | `surface_config.rs` | how the surface is drawn with a quality |
 //! | `view.rs` | the eye and the target |
 //! | `sky.rs` | what lights it |
+//! | `metering.rs` | how bright it is shown |
 //! | `stats.rs` | what a frame drew |
 //! | `ground.rs` | ground with relief, where there is any; `no_ground.rs` without the feature `terrain` |
 //! | `tiles.rs` | which tiles of a pack a frame requests and is drawn with; `no_tiles.rs` without the feature `packs` |
@@ -22,26 +24,32 @@ mod diagnostics;
 mod error;
 #[cfg_attr(not(feature = "terrain"), path = "no_ground.rs")]
 mod ground;
+mod metering;
 mod options;
 mod plan;
 mod quality;
 mod sky;
 mod stats;
 mod surface_config;
+mod surface_light;
 mod tile_view;
 #[cfg_attr(not(feature = "packs"), path = "no_tiles.rs")]
 mod tiles;
 mod view;
 
-use crate::air::Atmosphere;
+use crate::air::{AirModel, AirOptions, AirTables, Atmosphere};
 pub use crate::globe::Shading;
-use crate::gpu::{AirDrawable, FramePlan, PassFormat, SurfaceDrawable};
+use crate::gpu::{AirDrawable, AirTextures, FramePlan, PassFormat, SurfaceDrawable};
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
+use crate::imagery::NeighbourhoodAlbedo;
 use crate::imagery::tile::TileKey;
+use crate::light::Exposure;
 pub use adaptive_quality::{AdaptiveQuality, QualityChange};
 pub use diagnostics::{DiagnosticOptions, Diagnostics};
 pub use error::EarthError;
 pub use ground::GroundOptions;
+#[cfg(feature = "command")]
+pub(crate) use metering::metered_ev;
 pub use options::EarthOptions;
 use plan::Planner;
 pub use quality::{Quality, QualityLevel, QualityReduction, TILED_SUBDIVISION};
@@ -49,6 +57,7 @@ pub use sky::Sky;
 pub use stats::FrameStats;
 use std::time::{Duration, Instant};
 use surface_config::{SurfaceStyle, surface_config};
+pub use surface_light::{CITY_RADIANCE, SurfaceLight};
 use tiles::TileDriver;
 pub use tiles::TileOptions;
 pub use view::{EyeView, Viewport, infinite_reversed_z};
@@ -66,6 +75,8 @@ pub struct Earth {
     plan: FramePlan,
     surface: SurfaceDrawable,
     air: Option<AirDrawable>,
+    air_options: AirOptions,
+    albedo: NeighbourhoodAlbedo,
     device: wgpu::Device,
     style: SurfaceStyle,
     format: PassFormat,
@@ -97,15 +108,21 @@ impl Earth {
             color: options.color_format,
             samples: options.samples,
             depth: options.depth,
+            tone: options.tone,
         };
+        let albedo = NeighbourhoodAlbedo::new(&options.layers);
         let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let air = match quality.atmosphere {
-            Atmosphere::Billboard => Some(AirDrawable::new(device, queue, format)?),
+            Atmosphere::Billboard => {
+                let textures = air_textures(device, queue, &options.air, &albedo, &quality);
+                Some(AirDrawable::new(device, format, textures)?)
+            }
             Atmosphere::None => None,
         };
         let style = SurfaceStyle {
             shading: options.shading,
+            light: options.light,
             diagnostics: options.diagnostics,
         };
         let ground = planner.ground();
@@ -129,6 +146,8 @@ impl Earth {
             planner,
             surface,
             air,
+            air_options: options.air,
+            albedo,
             device: device.clone(),
             style,
             format,
@@ -200,6 +219,25 @@ impl Earth {
         }
     }
 
+    /// Exposes so from the next [`Self::prepare`] on.
+    ///
+    /// # Errors
+    /// An exposure outside its range; it is then as it was.
+    pub fn set_exposure(&mut self, exposure: Exposure) -> Result<(), EarthError> {
+        let exposure = exposure.check().map_err(EarthError::Exposure)?;
+        self.planner.exposure.set(exposure);
+        Ok(())
+    }
+
+    /// The exposure that [`Exposure::Auto`] would take for a view, EV; `None` where no picture is defined. For hosts that follow
+    /// it in time ([`crate::Adaptation`]) or expose a float target themselves.
+    pub fn metered_ev(&mut self, view: &EyeView, sky: &Sky) -> Option<f64> {
+        let view = view.in_itrf(Viewport::from((1, 1)));
+        let (view, sky) = view.zip(sky.with_unit_sun())?;
+        let ellipsoid = self.planner.ellipsoid();
+        Some(self.planner.exposure.metered(&view, &sky, &ellipsoid))
+    }
+
     /// How well it is drawn.
     pub fn quality(&self) -> &Quality {
         &self.quality
@@ -234,13 +272,22 @@ impl Earth {
         };
         let device = self.device.clone();
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        // The air's tables need not be uploaded again where its pipelines fit.
         let fits = quality.samples == self.format.samples;
-        let air = match (quality.atmosphere, self.air.take().filter(|_| fits)) {
+        let air = match (quality.atmosphere, self.air.take()) {
             (Atmosphere::None, _) => None,
-            (Atmosphere::Billboard, Some(air)) => Some(air),
-            (Atmosphere::Billboard, None) => Some(AirDrawable::new(&device, queue, format)?),
+            (Atmosphere::Billboard, Some(air)) if fits => Some(air),
+            (Atmosphere::Billboard, before) => {
+                let textures = before.map(|air| air.textures().clone());
+                let textures = textures.unwrap_or_else(|| {
+                    air_textures(&device, queue, &self.air_options, &self.albedo, &quality)
+                });
+                Some(AirDrawable::new(&device, format, textures)?)
+            }
         };
+        if let Some(air) = &air {
+            let albedo = self.albedo.texels(&quality.maps);
+            air.textures().set_albedo(queue, &albedo);
+        }
         let (air_drawn, ground) = (air.as_ref(), self.planner.ground());
         let config = surface_config(&device, self.style, format, &quality, air_drawn, ground);
         self.surface.set_config(&device, meshes.grids(), &config)?;
@@ -270,7 +317,7 @@ impl Earth {
             None => FrameStats::default(),
         };
         self.stats.texture_bytes =
-            self.surface.texture_bytes + self.air.as_ref().map_or(0, |air| air.texture_bytes);
+            self.surface.texture_bytes + self.air_textures().map_or(0, AirTextures::bytes);
         if self.drawable {
             self.write(queue, upload_bytes);
         }
@@ -292,36 +339,63 @@ impl Earth {
         let written = self.surface.write(&self.device, queue, &self.plan, ground);
         stats.uploaded_bytes = self.uploaded_tiles + written;
         if let Some(costs) = self.surface.ground_costs() {
-            let air = u32::from(self.plan.air.is_some());
-            stats.draw_calls = costs.draw_calls + air;
-            stats.triangles = costs.triangles + 2 * air;
+            let air = self.plan.air.as_ref();
+            stats.draw_calls = costs.draw_calls + u32::from(air.is_some());
+            stats.triangles = costs.triangles + air.map_or(0, |air| air.ring.triangles());
             stats.ground_bytes = costs.bytes;
         }
         if let Some((air, plan)) = self.air.as_mut().zip(self.plan.air.as_ref()) {
-            stats.uploaded_bytes += air.write(queue, plan);
+            stats.uploaded_bytes += air.write(&self.device, queue, plan, &self.plan.uniforms);
         }
     }
 
-    /// Draws what [`Self::prepare`] chose into the host's pass: the surface, then the air over it. Draw opaque things
-    /// before, so that the air lies over those behind it.
+    /// Draws what [`Self::prepare`] chose into the host's pass: the surface, seen through the air, then the halo beside it.
+    /// Draw opaque things before, so that the halo lies over those behind the Earth.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
         self.render_surface(pass);
         self.render_air(pass);
     }
 
-    /// The first part of [`Self::render`], for a host that measures them apart or draws between them what lies beyond the
-    /// air's near boundary ([`crate::tracks`]).
+    /// The first part of [`Self::render`], for a host that measures them apart.
     pub fn render_surface(&self, pass: &mut wgpu::RenderPass<'_>) {
-        if self.drawable {
-            self.surface.render(pass, &self.plan);
+        if !self.drawable {
+            return;
         }
+        // Where no depths tell that the ground stands before the halo it is drawn over it.
+        if self.format.depth == DepthBuffer::None {
+            self.render_halo(pass);
+        }
+        self.surface.render(pass, &self.plan);
     }
 
     /// The second part.
     pub fn render_air(&self, pass: &mut wgpu::RenderPass<'_>) {
-        if let Some(air) = self.air.as_ref().filter(|_| self.drawable) {
+        if self.drawable && self.format.depth != DepthBuffer::None {
+            self.render_halo(pass);
+        }
+    }
+
+    fn render_halo(&self, pass: &mut wgpu::RenderPass<'_>) {
+        if let Some(air) = &self.air {
             air.render(pass);
         }
+    }
+
+    /// What others draw through this air with.
+    pub(crate) fn air_textures(&self) -> Option<&AirTextures> {
+        self.air.as_ref().map(AirDrawable::textures)
+    }
+
+    /// The pass that it is drawn in.
+    #[cfg(feature = "tracks")]
+    pub(crate) fn format(&self) -> PassFormat {
+        self.format
+    }
+
+    /// The figure that it has.
+    #[cfg(feature = "tracks")]
+    pub(crate) fn ellipsoid(&self) -> crate::frames::Ellipsoid {
+        self.planner.ellipsoid()
     }
 
     /// Whether the air is drawn.
@@ -333,6 +407,19 @@ impl Earth {
     pub fn has_tiles(&self) -> bool {
         self.planner.tiles.is_some()
     }
+}
+
+/// The air on the GPU over the ground of a quality.
+fn air_textures(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    options: &AirOptions,
+    albedo: &NeighbourhoodAlbedo,
+    quality: &Quality,
+) -> AirTextures {
+    let (model, tables) = (AirModel::new(options), AirTables::shared(options));
+    let albedo = albedo.texels(&quality.maps);
+    AirTextures::new(device, queue, model, &tables, &albedo)
 }
 
 /// The value of a future that is ready at once, as wgpu's error scopes are everywhere but on the web.

@@ -1,11 +1,12 @@
 //! What is fixed when an Earth is made.
 
-use super::{DiagnosticOptions, EarthError, GroundOptions, Quality, TileOptions};
-use crate::air::Atmosphere;
+use super::{DiagnosticOptions, EarthError, GroundOptions, Quality, SurfaceLight, TileOptions};
+use crate::air::{AirOptions, Atmosphere};
 use crate::globe::{Figure, Shading, Subdivision, Visibility};
 use crate::gpu::DepthBuffer;
 use crate::imagery::EarthLayers;
 use crate::imagery::tile::MapLayer;
+use crate::light::{Exposure, Tone};
 
 /// What is fixed when an Earth is made.
 #[derive(Clone, Debug)]
@@ -26,9 +27,19 @@ pub struct EarthOptions {
     pub visibility: Visibility,
     /// The light on the ground: real sunlight, or as printed in the paper.
     pub shading: Shading,
+    /// What of the light on the surface can be chosen.
+    pub light: SurfaceLight,
     /// The air, or none of it.
     pub atmosphere: Atmosphere,
+    /// What the air holds.
+    pub air: AirOptions,
     /// Texture format of the host's colour target.
+    ///
+    /// A float format (`Rgba16Float`, `Rgba32Float`, `Rg11b10Ufloat`) gets light itself, scene-referred and linear: a diffuse white
+    /// sheet that faces the Sun in space is 1, and neither `exposure` nor `tone` is applied, which are then the host's. All
+    /// others get what is shown of it, exposed, through the tone curve and dithered for 8 bits: linear for sRGB formats, which
+    /// the hardware encodes, else encoded in sRGB. On these the air beside the ground is blended over what is there as it is
+    /// shown. The paper's shading and tracks are display values on 8-bit targets and those values in linear light on others.
     pub color_format: wgpu::TextureFormat,
     /// Samples a pixel of the host's pass.
     pub samples: u32,
@@ -37,9 +48,10 @@ pub struct EarthOptions {
     /// Most samples that a map is filtered with at a grazing view, 1…16; 1 is trilinear. A software adapter always
     /// filters trilinearly: each sample costs it time, and Mesa's returns wrong texels at the limb.
     pub anisotropy: u16,
-    /// What a white sheet that faces the Sun in space is drawn with, 0 or more; the target's white is 1. The paper's shading
-    /// works in display values and is not touched by it, the air is.
-    pub exposure: f32,
+    /// How bright light is shown. The paper's shading works in display values and is not touched by it, the air is.
+    pub exposure: Exposure,
+    /// By which curve exposed light is shown.
+    pub tone: Tone,
     /// What is drawn for measuring and for looking at meshes, in place of pictures.
     pub diagnostics: DiagnosticOptions,
 }
@@ -55,20 +67,26 @@ impl EarthOptions {
             subdivision: Subdivision::default(),
             visibility: Visibility::default(),
             shading: Shading::default(),
+            light: SurfaceLight::default(),
             atmosphere: Atmosphere::default(),
+            air: AirOptions::default(),
             color_format: crate::gpu::FrameTargets::COLOR,
             samples: 1,
             depth: crate::gpu::FrameTargets::REVERSED_DEPTH,
             anisotropy: 8,
-            exposure: 1.4,
+            exposure: Exposure::default(),
+            tone: Tone::default(),
             diagnostics: DiagnosticOptions::default(),
         }
     }
 
     /// Whether this device can draw an Earth with these options, as far as that can be said before anything is made.
     pub(super) fn check(&self, device: &wgpu::Device) -> Result<(), EarthError> {
-        if !(self.exposure.is_finite() && self.exposure >= 0.0) {
-            return Err(EarthError::Exposure(self.exposure));
+        self.exposure.check().map_err(EarthError::Exposure)?;
+        self.light.check()?;
+        let haze = self.air.aerosol_optical_depth;
+        if !(0.0..=AirOptions::MAX_AEROSOL).contains(&haze) {
+            return Err(EarthError::Aerosol(haze));
         }
         let lines = wgpu::Features::POLYGON_MODE_LINE;
         if self.diagnostics.wireframe && !device.features().contains(lines) {

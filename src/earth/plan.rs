@@ -2,24 +2,26 @@
 //! handed to the GPU, and nothing comes back.
 
 use super::ground::GroundDriver;
+use super::metering::ExposureControl;
 use super::quality::TILED_SUBDIVISION;
 use super::tile_view::TileView;
 use super::tiles::TileDriver;
 use super::view::ItrfView;
 use super::{EarthError, EarthOptions, FrameStats, Quality, Sky};
-use crate::air::{Atmosphere, Billboard, EARTH_AIR};
+use crate::air::{Atmosphere, Billboard, TOP};
 use crate::frames::Ellipsoid;
 use crate::globe::{
     BLOCK_COUNT, BlockGrid, COLUMNS, Meshes, Subdivision, SubdivisionError, Surface, Visibility,
-    select_blocks, texels_per_pixel,
+    sagitta, select_blocks, texels_per_pixel,
 };
 use crate::gpu::{AirPlan, FramePlan, FrameUniforms};
+use crate::light::exposure_factor;
 
 /// Turns views into plans.
 pub(super) struct Planner {
     meshes: Meshes,
     visibility: Visibility,
-    exposure: f32,
+    pub exposure: ExposureControl,
     has_air: bool,
     ground: Option<GroundDriver>,
     pub tiles: Option<TileDriver>,
@@ -42,7 +44,7 @@ impl Planner {
         Ok(Self {
             meshes: meshes(ellipsoid, quality.subdivision, tiles.is_some())?,
             visibility: options.visibility,
-            exposure: options.exposure,
+            exposure: ExposureControl::new(options, quality.atmosphere),
             has_air: quality.atmosphere == Atmosphere::Billboard,
             tiles: tiles.transpose()?,
             ground: ground.transpose()?,
@@ -59,6 +61,7 @@ impl Planner {
     pub fn set_quality(&mut self, quality: &Quality, meshes: Meshes) {
         self.meshes = meshes;
         self.has_air = quality.atmosphere == Atmosphere::Billboard;
+        self.exposure.set_air(quality.atmosphere);
         if let Some(tiles) = &mut self.tiles {
             tiles.set_quality(quality);
         }
@@ -118,6 +121,8 @@ impl Planner {
             pixel_m: eye.height_m.max(0.0) * pixel_rad,
             ..FrameStats::default()
         };
+        stats.exposure_ev = self.exposure.ev(view, sky, &ellipsoid);
+        let exposure = exposure_factor(stats.exposure_ev) as f32;
         plan.clear();
         plan.eye_itrf_m = view.eye_itrf_m;
         match &mut self.ground {
@@ -132,22 +137,32 @@ impl Planner {
         self.plan_tiles(view, sky, plan, &mut stats);
         plan.uniforms = FrameUniforms {
             sun_itrf: sky.sun_itrf.as_vec3(),
-            exposure: self.exposure,
-            air_below: EARTH_AIR.part_below(eye.height_m) as f32,
+            exposure,
             ..view.uniforms(&ellipsoid)
         };
         if self.has_air {
             let scale = ellipsoid.itrf_from_scaled();
             let eye_scaled = view.eye_itrf_m / scale;
+            let short = self.short_of_limb();
+            let ring = Billboard::new(eye_scaled, TOP, short, &view.clip_from_eye, scale);
             plan.air = Some(AirPlan {
-                square: Billboard::new(eye_scaled, EARTH_AIR.top(), &view.clip_from_eye, scale),
-                sun_scaled: sky.sun_itrf / scale,
-                exposure: self.exposure,
+                ring,
+                eye_up: Ellipsoid::normal(eye.lat_rad, eye.lon_rad),
             });
             stats.draw_calls += 1;
-            stats.triangles += 2;
+            stats.triangles += ring.triangles();
         }
         stats
+    }
+
+    /// How far inside the limb the outline of the ground may be, radii: of relief as deep as the sea, of blocks as far as the
+    /// middle of a facet is below the ellipsoid.
+    fn short_of_limb(&self) -> f64 {
+        const DEEPEST: f64 = 2e-3;
+        match self.ground {
+            Some(_) => DEEPEST,
+            None => sagitta(self.meshes.grid().subdivision()),
+        }
     }
 
     /// Chooses the mesh and the blocks of the smooth ellipsoid.
@@ -216,6 +231,7 @@ mod tests {
     use super::*;
     use crate::earth::{EyeView, Viewport};
     use crate::frames::Geodetic;
+    use crate::globe::TangentCone;
     use crate::imagery::{EarthLayers, LayerImage};
     use glam::DVec3;
 
@@ -256,7 +272,8 @@ mod tests {
         let per_block = grid.vertices_per_block() as usize;
         assert_eq!(plan.vertices.len(), plan.blocks.len() * per_block);
         for (n, block) in plan.blocks.iter().enumerate() {
-            let first = grid.vertex_row(*block, 0)[0] - view.eye_itrf_m;
+            let cone = TangentCone::new(view.eye_itrf_m, &grid.ellipsoid());
+            let first = cone.lifted(grid.vertex_row(*block, 0)[0]) - view.eye_itrf_m;
             assert_eq!(plan.vertices[n * per_block], first.as_vec3());
         }
         assert!(plan.tiles.is_empty() && plan.air.is_some());

@@ -81,7 +81,7 @@ pub enum QualityReduction {
     Samples,
     /// A round limb: six cells a block edge, the paper's; with tiles as many as they need.
     Roundness,
-    /// Lights of cities and the glint of the sea.
+    /// Lights of cities.
     Lights,
     /// Clouds.
     Clouds,
@@ -131,7 +131,8 @@ impl QualityReduction {
                 }),
                 ..from
             },
-            Self::Lights => without(&[MapLayer::NightLights, MapLayer::Water]),
+            // Not the water: under it the day map is no picture of the sea.
+            Self::Lights => without(&[MapLayer::NightLights]),
             Self::Clouds => without(&[MapLayer::Clouds]),
             Self::Air => Quality {
                 atmosphere: Atmosphere::None,
@@ -150,7 +151,7 @@ impl fmt::Display for QualityReduction {
             Self::Relief => "relief",
             Self::Samples => "smooth edges",
             Self::Roundness => "round limb",
-            Self::Lights => "lights and glint",
+            Self::Lights => "lights",
             Self::Clouds => "clouds",
             Self::Air => "air",
         })
@@ -195,7 +196,7 @@ mod tests {
             (last.samples, last.subdivision),
             (1, Subdivision::Cells(TILED_SUBDIVISION))
         );
-        assert_eq!(last.maps, [true, false, false, false, false]);
+        assert_eq!(last.maps, [true, false, false, false, true]);
     }
 
     #[test]

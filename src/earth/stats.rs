@@ -31,6 +31,9 @@ pub struct FrameStats {
     pub eye: Geodetic,
     /// Metres on the ground that a pixel would cover straight below the eye; 0 at and below the surface.
     pub pixel_m: f64,
+    /// What light was multiplied by before it was shown, as an exposure value: 2 to the power of it. Metered where that is
+    /// asked for. A float target gets light without it.
+    pub exposure_ev: f64,
     /// Texels of the day map per screen pixel, seen face on at the nearest point of the block where there are fewest;
     /// 1 and more is sharp. Blocks that lie in the dark are not counted; 0 where none is left.
     pub texels_per_pixel: f64,

@@ -1,6 +1,6 @@
 //! How the surface is drawn.
 
-use super::{DiagnosticOptions, Quality};
+use super::{DiagnosticOptions, Quality, SurfaceLight};
 use crate::globe::{Shading, Surface};
 use crate::gpu::{AirDrawable, PassFormat, SurfaceConfig};
 use crate::imagery::tile::MapLayer;
@@ -9,6 +9,7 @@ use crate::imagery::tile::MapLayer;
 #[derive(Clone, Copy)]
 pub(super) struct SurfaceStyle {
     pub shading: Shading,
+    pub light: SurfaceLight,
     pub diagnostics: DiagnosticOptions,
 }
 
@@ -26,6 +27,8 @@ pub(super) fn surface_config<'a>(
     shown[MapLayer::Day.index()] = true;
     SurfaceConfig {
         shading: style.shading,
+        light: style.light.uniforms(),
+        cloud_shadows: style.light.cloud_shadows,
         shown,
         output: style.diagnostics.output,
         ground: ground.map(Surface::draw_kind),
@@ -33,8 +36,6 @@ pub(super) fn surface_config<'a>(
         wireframe: style.diagnostics.wireframe,
         anisotropy: if software { 1 } else { quality.anisotropy },
         format,
-        sunlight: air
-            .filter(|_| style.shading == Shading::Sunlit)
-            .map(|air| &air.sunlight),
+        air: air.map(AirDrawable::textures),
     }
 }

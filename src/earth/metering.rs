@@ -1,0 +1,91 @@
+//! The exposure of frames: fixed, or metered from what is in view.
+
+use super::view::ItrfView;
+use super::{EarthOptions, EyeView, Sky, Viewport};
+use crate::air::{AirOptions, AirTables, Atmosphere};
+use crate::frames::Ellipsoid;
+use crate::imagery::NeighbourhoodAlbedo;
+use crate::imagery::tile::MAP_LAYERS;
+use crate::light::{Exposure, Meter, MeterView};
+
+/// Says with what exposure a frame is drawn.
+pub(super) struct ExposureControl {
+    exposure: Exposure,
+    /// Made when exposure is first metered; an Earth that never meters has none.
+    meter: Option<Meter>,
+    /// What a meter is made of.
+    albedo: NeighbourhoodAlbedo,
+    air: Option<AirOptions>,
+    air_options: AirOptions,
+}
+
+impl ExposureControl {
+    /// For an Earth with these options.
+    pub fn new(options: &EarthOptions, atmosphere: Atmosphere) -> Self {
+        let mut control = Self {
+            exposure: options.exposure,
+            albedo: NeighbourhoodAlbedo::new(&options.layers),
+            air: None,
+            air_options: options.air,
+            meter: None,
+        };
+        control.set_air(atmosphere);
+        control
+    }
+
+    /// Exposes so from now on.
+    pub fn set(&mut self, exposure: Exposure) {
+        self.exposure = exposure;
+        self.make_ready();
+    }
+
+    /// Draws with this air from now on.
+    pub fn set_air(&mut self, atmosphere: Atmosphere) {
+        self.air = (atmosphere != Atmosphere::None).then_some(self.air_options);
+        self.meter = None;
+        self.make_ready();
+    }
+
+    fn make_ready(&mut self) {
+        if self.exposure == Exposure::Auto {
+            self.meter();
+        }
+    }
+
+    fn meter(&mut self) -> &Meter {
+        let (albedo, air) = (&self.albedo, &self.air);
+        self.meter.get_or_insert_with(|| {
+            let air = air.as_ref().map(AirTables::shared);
+            Meter::new(albedo.texels(&[true; MAP_LAYERS]), air)
+        })
+    }
+
+    /// The exposure of a frame, EV.
+    pub fn ev(&mut self, view: &ItrfView, sky: &Sky, ellipsoid: &Ellipsoid) -> f64 {
+        match self.exposure {
+            Exposure::Ev(ev) => ev,
+            Exposure::Auto => self.metered(view, sky, ellipsoid),
+        }
+    }
+
+    /// The exposure that a view asks for, EV.
+    pub fn metered(&mut self, view: &ItrfView, sky: &Sky, ellipsoid: &Ellipsoid) -> f64 {
+        let itrf_from_scaled = ellipsoid.itrf_from_scaled();
+        self.meter().ev(&MeterView {
+            eye_scaled: view.eye_itrf_m / itrf_from_scaled,
+            itrf_from_scaled,
+            clip_from_eye: &view.clip_from_eye,
+            sun_itrf: sky.sun_itrf,
+        })
+    }
+}
+
+/// The exposure that an Earth of these options, drawn by whatever means, takes for a view where it meters, EV; `None` where no
+/// picture is defined.
+#[cfg_attr(not(feature = "command"), allow(dead_code))]
+pub(crate) fn metered_ev(options: &EarthOptions, view: &EyeView, sky: &Sky) -> Option<f64> {
+    let view = view.in_itrf(Viewport::from((1, 1)));
+    let (view, sky) = view.zip(sky.with_unit_sun())?;
+    let mut control = ExposureControl::new(options, options.atmosphere);
+    Some(control.metered(&view, &sky, &options.figure.ellipsoid()))
+}

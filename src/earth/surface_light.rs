@@ -1,0 +1,189 @@
+//! What of the light on the surface can be chosen.
+
+use super::EarthError;
+use crate::gpu::SurfaceLightUniforms;
+use crate::imagery::SLOPE_EXAGGERATION;
+use std::ops::RangeInclusive;
+
+/// What of the light on the surface can be chosen, with [`crate::Shading::Sunlit`]. What belongs to a map that the Earth is made
+/// without does nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceLight {
+    /// Wind over the sea, metres a second at 12.5 m height, 0…30. By Cox and Munk 1954 the mean square slope of the waves
+    /// that mirror the Sun is 0.003 + 0.00512 W; foam covers 2.95e-6 W^3.52 of the sea (Monahan and O'Muircheartaigh 1980).
+    pub wind_m_s: f64,
+    /// How many times steeper than the truth the normal map's slopes are lit, 0…20; 1 is true. The map is taken to be
+    /// stored [`SLOPE_EXAGGERATION`] times too steep, as [`crate::load_layers`] and packs do; for one that is stored
+    /// otherwise, multiply.
+    pub relief_exaggeration: f64,
+    /// Height of the cloud layer, metres, 100…20 000.
+    pub cloud_height_m: f64,
+    /// How far the tops of the thickest clouds rise over their thinnest edges, metres, 0…20 000.
+    pub cloud_relief_m: f64,
+    /// Whether clouds throw shadows on the ground: one more look at their map for each pixel.
+    pub cloud_shadows: bool,
+    /// How many times brighter than in truth city lights are, 0…1e6. In truth the brightest are some 4e-6 of a white sheet
+    /// in sunlight (see [`CITY_RADIANCE`]) and twice as bright as one in the light of the full Moon: nothing shows of them
+    /// in a picture exposed for daylight.
+    pub night_lights_gain: f64,
+}
+
+/// Radiance of the brightest texels of the night map, a white sheet that faces the Sun in space being 1.
+///
+/// The Day/Night Band of VIIRS (0.5 to 0.9 µm) finds 50 to 150 nW/(cm² sr) over the hearts of large cities at the scale of
+/// some kilometres (Miller et al. 2013, Remote Sens. 5, 6717; Elvidge et al. 2017, Int. J. Remote Sens. 38, 5860), here 80,
+/// that is 8e-4 W/(m² sr). In that band the Sun gives some 620 W/m², and a white sheet 620/π = 197 W/(m² sr).
+pub const CITY_RADIANCE: f64 = 4.1e-6;
+
+/// Equatorial radius that heights of clouds are told by, metres.
+const RADIUS_M: f64 = 6_378_137.0;
+/// Height in which the air's weight falls to 1/e, metres.
+const AIR_SCALE_HEIGHT_M: f64 = 8_000.0;
+/// Reflectance of foam, Koepke 1984.
+const FOAM_REFLECTANCE: f64 = 0.22;
+
+impl Default for SurfaceLight {
+    /// A steady breeze, true slopes, clouds at 6 km, and city lights that show at a daylight exposure.
+    fn default() -> Self {
+        Self {
+            wind_m_s: 7.0,
+            relief_exaggeration: 1.0,
+            cloud_height_m: 6_000.0,
+            cloud_relief_m: 4_000.0,
+            cloud_shadows: false,
+            night_lights_gain: 1.5e5,
+        }
+    }
+}
+
+impl SurfaceLight {
+    /// Of [`Self::wind_m_s`].
+    pub const WIND_M_S: RangeInclusive<f64> = 0.0..=30.0;
+    /// Of [`Self::relief_exaggeration`].
+    pub const RELIEF_EXAGGERATION: RangeInclusive<f64> = 0.0..=20.0;
+    /// Of [`Self::cloud_height_m`].
+    pub const CLOUD_HEIGHT_M: RangeInclusive<f64> = 100.0..=20_000.0;
+    /// Of [`Self::cloud_relief_m`].
+    pub const CLOUD_RELIEF_M: RangeInclusive<f64> = 0.0..=20_000.0;
+    /// Of [`Self::night_lights_gain`].
+    pub const NIGHT_LIGHTS_GAIN: RangeInclusive<f64> = 0.0..=1e6;
+
+    /// Refuses what is out of range.
+    pub(super) fn check(&self) -> Result<(), EarthError> {
+        // Packs may be stored less steep than maps are: the factor for that is taken here.
+        let relief = 0.0..=RELIEF_GAIN_MAX;
+        for (name, value, range) in [
+            ("wind_m_s", self.wind_m_s, Self::WIND_M_S),
+            ("relief_exaggeration", self.relief_exaggeration, relief),
+            ("cloud_height_m", self.cloud_height_m, Self::CLOUD_HEIGHT_M),
+            ("cloud_relief_m", self.cloud_relief_m, Self::CLOUD_RELIEF_M),
+            (
+                "night_lights_gain",
+                self.night_lights_gain,
+                Self::NIGHT_LIGHTS_GAIN,
+            ),
+        ] {
+            if !range.contains(&value) {
+                return Err(EarthError::SurfaceLight {
+                    name,
+                    value,
+                    low: *range.start(),
+                    high: *range.end(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// As the shader takes it.
+    pub(super) fn uniforms(&self) -> SurfaceLightUniforms {
+        let wave_slope_squared = 0.003 + 0.00512 * self.wind_m_s;
+        // Of one axis, root mean square.
+        let sigma = (0.5 * wave_slope_squared).sqrt();
+        let cloud_height = self.cloud_height_m / RADIUS_M;
+        SurfaceLightUniforms {
+            wave_slope_squared: wave_slope_squared as f32,
+            foam: (FOAM_REFLECTANCE * 2.95e-6 * self.wind_m_s.powf(3.52)) as f32,
+            mirror_power: (5.0 * (-2.69 * sigma).exp()) as f32,
+            mirror_scale: (1.0 / (1.0 + 22.7 * sigma.powf(1.5))) as f32,
+            slope_gain: (self.relief_exaggeration / SLOPE_EXAGGERATION) as f32,
+            cloud_height: cloud_height as f32,
+            cloud_relief: (self.cloud_relief_m / RADIUS_M) as f32,
+            cloud_dip: ((cloud_height * (2.0 + cloud_height)).sqrt() / (1.0 + cloud_height)) as f32,
+            air_above_clouds: (-self.cloud_height_m / AIR_SCALE_HEIGHT_M).exp() as f32,
+            lamp_light: (CITY_RADIANCE * self.night_lights_gain) as f32,
+            padding: [0.0; 2],
+        }
+    }
+}
+
+/// Largest factor to the slopes of a map that is stored [`SLOPE_EXAGGERATION`] times too steep: of one stored a hundred times
+/// too flat.
+const RELIEF_GAIN_MAX: f64 = 8_000.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_out_of_range_is_refused_by_name() {
+        let good = SurfaceLight::default();
+        assert!(good.check().is_ok());
+        for (light, name) in [
+            (
+                SurfaceLight {
+                    wind_m_s: -1.0,
+                    ..good
+                },
+                "wind_m_s",
+            ),
+            (
+                SurfaceLight {
+                    wind_m_s: f64::NAN,
+                    ..good
+                },
+                "wind_m_s",
+            ),
+            (
+                SurfaceLight {
+                    relief_exaggeration: -1.0,
+                    ..good
+                },
+                "relief_exaggeration",
+            ),
+            (
+                SurfaceLight {
+                    cloud_height_m: 0.0,
+                    ..good
+                },
+                "cloud_height_m",
+            ),
+            (
+                SurfaceLight {
+                    cloud_relief_m: 1e5,
+                    ..good
+                },
+                "cloud_relief_m",
+            ),
+            (
+                SurfaceLight {
+                    night_lights_gain: 2e6,
+                    ..good
+                },
+                "night_lights_gain",
+            ),
+        ] {
+            let error = light.check().expect_err(name).to_string();
+            assert!(error.contains(name), "{error}");
+        }
+    }
+
+    #[test]
+    fn clouds_see_the_sun_set_at_their_own_horizon() {
+        // cos of the dip is R/(R + h).
+        let light = SurfaceLight::default();
+        let dip = (RADIUS_M / (RADIUS_M + light.cloud_height_m)).acos();
+        assert!((f64::from(light.uniforms().cloud_dip) - dip.sin()).abs() < 1e-7);
+        assert!((dip.to_degrees() - 2.48).abs() < 0.01);
+    }
+}
