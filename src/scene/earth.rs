@@ -6,15 +6,32 @@ use super::field::{Field, KeyText, PathKind, UNKNOWN, quoted, range_text, whole,
 use super::keys::RawEarth;
 use super::relief::{ReliefTable, relief_value};
 use super::text::SceneText;
-use crate::air::Atmosphere;
+use crate::air::{AirOptions, Atmosphere};
 use crate::globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use toml::Spanned;
 
+/// Which effects are on where a scene says nothing of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Look {
+    /// The 2011 paper's picture: its three layers, and no light of ours but the air's.
+    Paper,
+    /// What costs little: real light on land, sea and clouds, through the air.
+    #[default]
+    Standard,
+    /// All that there is.
+    Full,
+}
+
 /// `[earth]`
 #[derive(Clone, Debug, PartialEq)]
 pub struct EarthTable {
+    /// Which effects are on by default.
+    pub look: Look,
+    /// Whether a map that is not there refuses the scene.
+    pub strict: bool,
     /// The Earth's figure.
     pub figure: Figure,
     /// Cells per block edge.
@@ -29,8 +46,14 @@ pub struct EarthTable {
     pub normals: bool,
     /// City lights.
     pub night_lights: bool,
+    /// Open water, if the folder or the pack has its map.
+    pub water: bool,
     /// How the air is drawn.
     pub atmosphere: Atmosphere,
+    /// Vertical optical depth of the air's haze at 550 nm; 0 is clear air.
+    pub aerosol_optical_depth: f64,
+    /// The light on the surface; `None` with the paper's shading, which has its own.
+    pub light: Option<SurfaceLightTable>,
     /// Folder of the maps; `None` is the starter pack. Not looked at where there is a pack.
     pub textures: Option<PathBuf>,
     /// The imagery pack; `None` draws whole maps.
@@ -39,13 +62,35 @@ pub struct EarthTable {
     pub relief: Option<ReliefTable>,
 }
 
+/// The keys of `[earth]` that say how light falls on sea, land and clouds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceLightTable {
+    /// Wind over the sea, metres a second.
+    pub wind_m_s: f64,
+    /// How many times too steep slopes are lit.
+    pub relief_exaggeration: f64,
+    /// Height of the cloud layer, kilometres.
+    pub cloud_height_km: f64,
+    /// How far the tops of thick clouds rise over thin ones, kilometres.
+    pub cloud_relief_km: f64,
+    /// Whether clouds throw shadows.
+    pub cloud_shadows: bool,
+    /// How many times brighter than in truth city lights are.
+    pub night_lights_gain: f64,
+}
+
+impl EarthTable {
+    /// Whether the surface is shaded as printed in the paper.
+    pub fn is_paper(&self) -> bool {
+        self.shading == Shading::Paper
+    }
+}
+
 /// The keys of `[earth]` that say how an imagery pack is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackTable {
     /// The pack's folder.
     pub folder: PathBuf,
-    /// Whether the sea glints, if the pack has a water map.
-    pub water: bool,
     /// How the level of a block is chosen.
     pub levels: LevelRule,
     /// `levels = "screen"`: most screen pixels that a texel may cover.
@@ -74,14 +119,34 @@ pub enum StorageChoice {
 impl SceneText<'_> {
     /// Checks `[earth]`.
     pub(super) fn earth(&self, earth: &RawEarth) -> Result<EarthTable, SceneError> {
-        let shading = self.choice(&earth.shading(), Shading::default())?;
+        let look = self.choice(&earth.look(), Look::default())?;
+        let shading = match look {
+            Look::Paper => Shading::Paper,
+            Look::Standard | Look::Full => Shading::Sunlit,
+        };
+        let shading = self.choice(&earth.shading(), shading)?;
         let lights = earth.night_lights();
         let night_lights = lights.value().unwrap_or(shading == Shading::Sunlit);
         if night_lights && shading == Shading::Paper {
             let advice = "the paper's shading has no night lights; write false, leave it out, or take shading = \"sunlit\"";
             return Err(self.refuse(&lights, advice));
         }
+        let water = earth.water();
+        if shading == Shading::Paper && water.value() == Some(true) {
+            let advice = "the paper's shading has no water; write false, leave it out, or take shading = \"sunlit\"";
+            return Err(self.refuse(&water, advice));
+        }
+        let aerosol = earth.aerosol_optical_depth();
+        let aerosol_optical_depth = match aerosol.given {
+            Some(given) => self.given_quantity(&aerosol, given, "")?,
+            None if look == Look::Paper => 0.0,
+            None => AirOptions::default().aerosol_optical_depth,
+        };
         Ok(EarthTable {
+            aerosol_optical_depth,
+            light: self.surface_light(earth, look, shading)?,
+            look,
+            strict: earth.strict().is_on(),
             figure: self.choice(&earth.figure(), Figure::default())?,
             subdivision: self.subdivision(&earth.subdivision())?,
             visibility: self.choice(&earth.visibility(), Visibility::default())?,
@@ -89,24 +154,57 @@ impl SceneText<'_> {
             clouds: earth.clouds().is_on(),
             normals: earth.normals().is_on(),
             night_lights,
+            water: water.value().unwrap_or(shading == Shading::Sunlit),
             atmosphere: self.choice(&earth.atmosphere(), Atmosphere::default())?,
             textures: self.path(&earth.textures(), PathKind::Folder)?,
-            pack: self.pack(earth, shading)?,
+            pack: self.pack(earth)?,
             relief: self.relief(earth)?,
         })
     }
 
-    fn pack(&self, earth: &RawEarth, shading: Shading) -> Result<Option<PackTable>, SceneError> {
-        let folder = self.path(&earth.pack(), PathKind::Folder)?;
-        let (water, levels, texel_px, storage) = (
-            earth.water(),
-            earth.levels(),
-            earth.texel_px(),
-            earth.storage(),
+    fn surface_light(
+        &self,
+        earth: &RawEarth,
+        look: Look,
+        shading: Shading,
+    ) -> Result<Option<SurfaceLightTable>, SceneError> {
+        let shadows = earth.cloud_shadows();
+        if shading == Shading::Paper {
+            self.only_in_sunlight(&earth.wind_m_s())?;
+            self.only_in_sunlight(&earth.relief_exaggeration())?;
+            self.only_in_sunlight(&earth.cloud_height_km())?;
+            self.only_in_sunlight(&earth.cloud_relief_km())?;
+            self.only_in_sunlight(&shadows)?;
+            self.only_in_sunlight(&earth.night_lights_gain())?;
+            return Ok(None);
+        }
+        Ok(Some(SurfaceLightTable {
+            wind_m_s: self.quantity(&earth.wind_m_s(), "metres a second")?,
+            relief_exaggeration: self.quantity(&earth.relief_exaggeration(), "")?,
+            cloud_height_km: self.quantity(&earth.cloud_height_km(), "kilometres")?,
+            cloud_relief_km: self.quantity(&earth.cloud_relief_km(), "kilometres")?,
+            cloud_shadows: shadows.value().unwrap_or(look == Look::Full),
+            night_lights_gain: self.quantity(&earth.night_lights_gain(), "")?,
+        }))
+    }
+
+    /// Refuses a key that does nothing with the paper's shading.
+    fn only_in_sunlight<T, R>(&self, field: &Field<'_, T, R>) -> Result<(), SceneError> {
+        if !field.is_given() {
+            return Ok(());
+        }
+        let advice = format!(
+            "the paper's shading has no {}; leave it out, or take shading = \"sunlit\"",
+            field.key
         );
+        Err(self.refuse(field, advice))
+    }
+
+    fn pack(&self, earth: &RawEarth) -> Result<Option<PackTable>, SceneError> {
+        let folder = self.path(&earth.pack(), PathKind::Folder)?;
+        let (levels, texel_px, storage) = (earth.levels(), earth.texel_px(), earth.storage());
         let (texture_mb, upload_mb) = (earth.texture_mb(), earth.upload_mb());
         let Some(folder) = folder else {
-            self.only_with_a_pack(&water)?;
             self.only_with_a_pack(&levels)?;
             self.only_with_a_pack(&texel_px)?;
             self.only_with_a_pack(&storage)?;
@@ -119,10 +217,6 @@ impl SceneText<'_> {
             let advice = "a scene draws a folder of maps or a pack; leave out textures or pack";
             return Err(self.refuse(&textures, advice));
         }
-        if shading == Shading::Paper && water.value() == Some(true) {
-            let advice = "the paper's shading has no glint; write false, leave it out, or take shading = \"sunlit\"";
-            return Err(self.refuse(&water, advice));
-        }
         let rule = self.choice(&levels, LevelRule::default())?;
         if rule == LevelRule::Paper && texel_px.is_given() {
             let advice = "texel_px has no meaning with levels = \"paper\", where distances alone decide; leave it out or write levels = \"screen\"";
@@ -132,7 +226,6 @@ impl SceneText<'_> {
             |unit: &'static str| move |_, range: &str| format!("must be from {range} {unit}");
         Ok(Some(PackTable {
             folder,
-            water: water.value().unwrap_or(shading == Shading::Sunlit),
             levels: rule,
             texel_px: self.number(&texel_px, within("screen pixels a texel"))?,
             storage: self.choice(&storage, StorageChoice::default())?,
@@ -177,6 +270,8 @@ impl SceneText<'_> {
 /// The value of a key as a scene would write it, or why it has none.
 pub(super) fn value(earth: &EarthTable, key: &str) -> KeyText {
     match key {
+        "look" => quoted(&written(&earth.look)),
+        "strict" => Ok(earth.strict.to_string()),
         "figure" => quoted(&written(&earth.figure)),
         "subdivision" => match earth.subdivision {
             Subdivision::Auto => quoted("auto"),
@@ -187,13 +282,25 @@ pub(super) fn value(earth: &EarthTable, key: &str) -> KeyText {
         "clouds" => Ok(earth.clouds.to_string()),
         "normals" => Ok(earth.normals.to_string()),
         "night_lights" => Ok(earth.night_lights.to_string()),
+        "water" => Ok(earth.water.to_string()),
         "atmosphere" => quoted(&written(&earth.atmosphere)),
+        "aerosol_optical_depth" if earth.atmosphere == Atmosphere::None => Err("there is no air"),
+        "aerosol_optical_depth" => Ok(earth.aerosol_optical_depth.to_string()),
+        "wind_m_s"
+        | "relief_exaggeration"
+        | "cloud_height_km"
+        | "cloud_relief_km"
+        | "cloud_shadows"
+        | "night_lights_gain" => match &earth.light {
+            Some(light) => surface_light_value(light, key),
+            None => Err("only for shading = \"sunlit\""),
+        },
         "textures" => match &earth.textures {
             Some(folder) => quoted(&folder.display().to_string()),
             None if earth.pack.is_some() => Err("the pack is taken"),
             None => Err("the starter pack is taken"),
         },
-        "pack" | "water" | "levels" | "texel_px" | "storage" | "texture_mb" | "upload_mb" => {
+        "pack" | "levels" | "texel_px" | "storage" | "texture_mb" | "upload_mb" => {
             match &earth.pack {
                 Some(pack) => pack_value(pack, key),
                 None => Err("no pack: whole maps are drawn"),
@@ -205,11 +312,23 @@ pub(super) fn value(earth: &EarthTable, key: &str) -> KeyText {
     }
 }
 
+/// The value of one of the keys of light on the surface.
+fn surface_light_value(light: &SurfaceLightTable, key: &str) -> KeyText {
+    Ok(match key {
+        "wind_m_s" => light.wind_m_s.to_string(),
+        "relief_exaggeration" => light.relief_exaggeration.to_string(),
+        "cloud_height_km" => light.cloud_height_km.to_string(),
+        "cloud_relief_km" => light.cloud_relief_km.to_string(),
+        "cloud_shadows" => light.cloud_shadows.to_string(),
+        "night_lights_gain" => light.night_lights_gain.to_string(),
+        _ => return Err(UNKNOWN),
+    })
+}
+
 /// The value of one of the pack's keys.
 fn pack_value(pack: &PackTable, key: &str) -> KeyText {
     Ok(match key {
         "pack" => format!("\"{}\"", printable(&pack.folder.display().to_string())),
-        "water" => pack.water.to_string(),
         "levels" => format!("\"{}\"", written(&pack.levels)),
         "texel_px" if pack.levels == LevelRule::Paper => {
             return Err("only for levels = \"screen\"");

@@ -3,6 +3,7 @@
 //! hands its rule to the checks, so that neither can differ from what is written here.
 
 use super::field::{Bounds, Field};
+use crate::air::AirOptions;
 use crate::orbit::live::{LiveOptions, Transport};
 use crate::orbit::numerical::Spacecraft;
 use serde::de::value::MapAccessDeserializer;
@@ -348,6 +349,10 @@ table!(RawCamera = "camera" {
 });
 
 table!(RawEarth = "earth" {
+    /// Which effects are on where their own keys say nothing, "standard" by default.
+    look: String = "a string: \"paper\", \"standard\" or \"full\"";
+    /// Whether a map that is not there refuses the scene; else it is left out.
+    strict: bool = "true or false", default false;
     /// The Earth's figure, "wgs84" by default.
     figure: String = "a string: \"wgs84\" or \"sphere\"";
     // Any value: a number or a word.
@@ -355,7 +360,7 @@ table!(RawEarth = "earth" {
     subdivision: toml::Value = "\"auto\" or a whole number from 1 to 48", in 1..=48;
     /// Which blocks are drawn, "conservative" by default.
     visibility: String = "a string: \"conservative\" or \"paper\"";
-    /// How the surface is shaded, "sunlit" by default.
+    /// How the surface is shaded, "sunlit" by default and "paper" with look = "paper".
     shading: String = "a string: \"sunlit\" or \"paper\"";
     /// The cloud layer.
     clouds: bool = "true or false", default true;
@@ -365,11 +370,26 @@ table!(RawEarth = "earth" {
     night_lights: bool = "true or false";
     /// The air, "billboard" by default.
     atmosphere: String = "a string: \"billboard\" or \"none\"";
+    /// Optical depth of the haze that the air holds, straight up and at 550 nm: 0 is clear air; by default that with look =
+    /// "paper", else 0.1.
+    aerosol_optical_depth: f64 = "a number", in 0.0..=AirOptions::MAX_AEROSOL;
+    /// Wind over the sea, which roughens it.
+    wind_m_s: f64 = "a number of metres a second", in 0.0..=30.0, default 7.0;
+    /// How many times too steep slopes are lit; 1 is true.
+    relief_exaggeration: f64 = "a number", in 0.0..=20.0, default 1.0;
+    /// Height of the cloud layer.
+    cloud_height_km: f64 = "a number of kilometres", in 0.1..=20.0, default 6.0;
+    /// How far the tops of thick clouds rise over thin ones.
+    cloud_relief_km: f64 = "a number of kilometres", in 0.0..=20.0, default 4.0;
+    /// Whether clouds throw shadows, by default with look = "full".
+    cloud_shadows: bool = "true or false";
+    /// How many times brighter than in truth city lights are.
+    night_lights_gain: f64 = "a number", in 0.0..=1e6, default 1.5e5;
     /// Folder of the maps, the starter pack by default.
     textures: String = "a string, the path of a folder of maps";
     /// Folder of an imagery pack, in place of maps.
     pack: String = "a string, the path of an imagery pack's folder";
-    /// Packs: whether the sea glints, on by default with shading = "sunlit".
+    /// Open water, where the maps have it; on by default with shading = "sunlit".
     water: bool = "true or false";
     /// Packs: how the level of a block is chosen, "screen" by default.
     levels: String = "a string: \"screen\" or \"paper\"";
@@ -406,6 +426,11 @@ table!(RawOutput = "output" {
     size: Vec<i64> = "[width, height], two whole numbers of pixels", in SIDE_PX;
     /// Samples per pixel, one of [`SAMPLES`]; [`EDGE_SAMPLES`] by default where edges are seen, else 1.
     samples: i64 = "1 or 4";
+    // Any value: a number or a word.
+    /// What light is multiplied by before it is shown: 2 to the power of it; "auto" meters each picture.
+    exposure_ev: toml::Value = "a number of exposure values from −20 to 20 or \"auto\"";
+    /// By which curve exposed light is shown, "neutral" by default.
+    tone: String = "a string: \"neutral\", \"linear\" or \"filmic\"";
     /// How long a picture that is kept waits for its tiles and its simulator.
     wait_s: f64 = "a number of seconds", in 0.0..=3600.0, default 30.0;
 });

@@ -48,7 +48,7 @@ use std::path::{Path, PathBuf};
 use text::SceneText;
 
 pub use camera::{Camera, CameraMode, CameraUp};
-pub use earth::{EarthTable, PackTable, StorageChoice};
+pub use earth::{EarthTable, Look, PackTable, StorageChoice, SurfaceLightTable};
 pub use error::{KeyLocation, SceneError};
 #[cfg(feature = "command")]
 pub(crate) use keys::{DEFAULT_TOLERANCE_PX, EDGE_SAMPLES, YEARS};

@@ -3,11 +3,13 @@
 use super::camera::{Camera, CameraMode};
 use super::earth::EarthTable;
 use super::error::SceneError;
-use super::field::{KeyText, UNKNOWN, range_text, whole};
+use super::field::{Field, KeyText, UNKNOWN, quoted, range_text, whole, written};
 use super::keys::{DEFAULT_SIZE_PX, EDGE_SAMPLES, RawOutput, RawQuality, SAMPLES, SIDE_PX};
 use super::text::SceneText;
 use crate::air::Atmosphere;
+use crate::light::{Exposure, Tone};
 use std::ops::RangeInclusive;
+use toml::Spanned;
 
 /// `[output]`
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +18,10 @@ pub struct Output {
     pub size: [u32; 2],
     /// Samples per pixel, 1 or 4.
     pub samples: u32,
+    /// How bright light is shown.
+    pub exposure: Exposure,
+    /// By which curve exposed light is shown.
+    pub tone: Tone,
     /// How long a picture that is kept waits for the tiles of its pack, and for its satellite's simulator, seconds.
     pub wait_s: f64,
 }
@@ -89,8 +95,29 @@ impl SceneText<'_> {
         Ok(Output {
             size,
             samples,
+            exposure: self.exposure(&output.exposure_ev())?,
+            tone: self.choice(&output.tone(), Tone::default())?,
             wait_s,
         })
+    }
+
+    fn exposure(&self, field: &Field<'_, toml::Value>) -> Result<Exposure, SceneError> {
+        let ev = match field.given.map(Spanned::get_ref) {
+            None => return Ok(Exposure::default()),
+            Some(toml::Value::String(word)) if word == "auto" => return Ok(Exposure::Auto),
+            Some(toml::Value::Integer(ev)) => *ev as f64,
+            Some(toml::Value::Float(ev)) => *ev,
+            Some(_) => f64::NAN,
+        };
+        let range = Exposure::RANGE_EV;
+        if range.contains(&ev) {
+            return Ok(Exposure::Ev(ev));
+        }
+        let advice = format!(
+            "must be a number of exposure values from {}, each of which doubles the light, or \"auto\"",
+            range_text(&range)
+        );
+        Err(self.refuse(field, advice))
     }
 
     /// Checks `[quality]`.
@@ -118,6 +145,11 @@ pub(super) fn value(output: &Output, key: &str, is_waited_for: bool) -> KeyText 
             Ok(format!("[{width}, {height}]"))
         }
         "samples" => Ok(output.samples.to_string()),
+        "exposure_ev" => match output.exposure {
+            Exposure::Ev(ev) => Ok(ev.to_string()),
+            Exposure::Auto => quoted("auto"),
+        },
+        "tone" => quoted(&written(&output.tone)),
         "wait_s" if !is_waited_for => Err("no pack: nothing to wait for"),
         "wait_s" => Ok(output.wait_s.to_string()),
         _ => Err(UNKNOWN),

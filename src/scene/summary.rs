@@ -182,19 +182,13 @@ impl Scene {
 
     /// The layers in the order in which they are drawn, and whether each is on.
     fn layers(&self) -> Vec<(&'static str, bool)> {
-        let mut layers = vec![
+        vec![
             ("day map", true),
             ("clouds", self.earth.clouds),
             ("normals", self.earth.normals),
             ("night lights", self.earth.night_lights),
-        ];
-        layers.extend(
-            self.earth
-                .pack
-                .as_ref()
-                .map(|pack| ("sea glint", pack.water)),
-        );
-        layers
+            ("water", self.earth.water),
+        ]
     }
 
     fn leaves_out(&self) -> Vec<&'static str> {
