@@ -17,10 +17,17 @@ pub struct CheckArgs {
 /// Loads the scene with all that it names and prints a summary.
 pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
     let flight = Flight::open_without_listening(Scene::load(&args.scene)?)?;
+    let dropped = flight.dropped_layers()?;
     if common.quiet {
         return Ok(());
     }
     let mut text = flight.scene().summary();
+    if !dropped.is_empty() {
+        text.push_str("\nmissing, so left out\n");
+    }
+    for dropped in dropped {
+        text.push_str(&format!("  {:<14} {}\n", dropped.layer, dropped.missing));
+    }
     for (index, satellite) in flight.satellites().iter().enumerate() {
         if let Some(feed) = satellite.live() {
             let head = match index == flight.followed() {

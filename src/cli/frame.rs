@@ -29,6 +29,10 @@ pub struct FrameArgs {
     /// Width and height in pixels, instead of the scene's
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<(u32, u32)>,
+    /// Write its light too, before exposure and tone curve: 32-bit floats, a white sheet that faces the Sun in space is 1;
+    /// a NumPy array of height × width × 3, or OpenEXR
+    #[arg(long, value_name = "OUT.npy|OUT.exr")]
+    radiance: Option<PathBuf>,
     /// Write statistics of the picture (times, memory, features, eye, Sun) to this file
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
@@ -64,12 +68,13 @@ pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
             size: args.size,
             adapter: common.adapter.as_deref(),
             output: &args.output,
+            radiance: args.radiance.as_deref(),
             stats: args.stats.as_deref(),
             wireframe: args.wireframe,
         };
         match write_still(&flight, &request, &bars) {
             Err(PlayError::Context(error @ ContextError::NoAdapter))
-                if common.adapter.is_none() && !args.wireframe =>
+                if common.adapter.is_none() && !args.wireframe && args.radiance.is_none() =>
             {
                 tracing::warn!("{error}. The reference renderer draws instead, slowly");
             }
@@ -101,6 +106,9 @@ fn refuse_conflicts(args: &FrameArgs, common: &Common) {
         Renderer::Reference if args.wireframe => {
             refuse("--wireframe is for a graphics adapter; the reference renderer has no triangles")
         }
+        Renderer::Reference if args.radiance.is_some() => refuse(
+            "--radiance is for a graphics adapter; the reference renderer writes a picture alone",
+        ),
         Renderer::Reference if common.adapter.is_some() => {
             refuse("--adapter has no meaning with --renderer reference, which uses none")
         }

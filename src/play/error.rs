@@ -52,6 +52,19 @@ pub enum PlayError {
         /// The pack's folder.
         folder: PathBuf,
     },
+    /// A strict scene, and a map that is not there.
+    #[error(
+        "{}: [earth] {layer}: {missing} is missing; add it, write {layer} = false, or leave out strict = true",
+        scene.display()
+    )]
+    MissingLayer {
+        /// The scene's file.
+        scene: PathBuf,
+        /// Name of the map that is missing.
+        layer: &'static str,
+        /// Where it should be.
+        missing: String,
+    },
     /// The scene asks for a storage that its pack has not.
     #[error(
         "the pack {} keeps its tiles as {kept} only; write storage = \"auto\" in [earth], or build the pack with the other",
@@ -221,6 +234,7 @@ impl PlayError {
             Self::Scene(_)
                 | Self::NoSatellite
                 | Self::NoLayer { .. }
+                | Self::MissingLayer { .. }
                 | Self::NoStorage { .. }
                 | Self::UnknownSatellite { .. }
                 | Self::TooManyRows { .. }

@@ -110,6 +110,7 @@ pub fn export(
                         .map_or(&[], |next| std::slice::from_ref(&next.view)),
                 );
             }
+            renderer.follow_light(&moment, 1.0 / scene.time.frame_rate_hz)?;
             let (_, missing) = renderer.draw_complete(&moment, wait);
             missing_tiles.add(index, &missing);
             if !push(renderer.read()?) {
@@ -135,6 +136,7 @@ fn export_lockstep(
 ) -> Result<(), PlayError> {
     let aspect = renderer.aspect();
     let wait = flight.scene().output.wait();
+    let frame_s = 1.0 / flight.scene().time.frame_rate_hz;
     let mut missing_tiles = MissingTiles::default();
     let mut done = 0;
     write_while_drawing(sinks, |push| {
@@ -156,6 +158,7 @@ fn export_lockstep(
                     continue;
                 }
             };
+            renderer.follow_light(&moment, frame_s)?;
             let (_, missing) = renderer.draw_complete(&moment, wait);
             let frame = renderer.read()?;
             if !asked.drawn() {

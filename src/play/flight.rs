@@ -3,7 +3,7 @@
 use super::camera::{Look, OrbitalMotion, Pose};
 use super::craft::CraftPose;
 use super::error::PlayError;
-use super::maps::{check_pack, earth_options};
+use super::maps::{DroppedLayer, check_pack, dropped_layers, earth_options};
 use super::satellites::{self, Listener, Satellite, orientation_at};
 use crate::frames::{EarthOrientation, Ellipsoid, Epoch, Geodetic, Orientation};
 use crate::gpu::BcSupport;
@@ -229,6 +229,14 @@ impl Flight {
                 speed_m_s: state.velocity_m_s.length(),
             }),
         }
+    }
+
+    /// The maps that the scene wants by default and is drawn without, because they are not there. Reads no map.
+    ///
+    /// # Errors
+    /// With `strict = true` the first of them.
+    pub fn dropped_layers(&self) -> Result<Vec<DroppedLayer>, PlayError> {
+        dropped_layers(&self.scene)
     }
 
     /// Loads the maps that the scene wants and no others, and gathers its options. `bc` is what the adapter does with

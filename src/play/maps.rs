@@ -5,10 +5,12 @@ use super::relief::ground_options;
 use crate::gpu::BcSupport;
 use crate::imagery::pack::{Pack, PackTiles};
 use crate::imagery::tile::{MapLayer, Storage};
-use crate::imagery::{LayerSelection, find_textures, load_layers};
-use crate::scene::{EarthTable, PackTable, Scene, StorageChoice};
-use crate::{EarthOptions, TileOptions};
-
+use crate::imagery::{
+    LayerSelection, SLOPE_EXAGGERATION, find_textures, load_layers, slopes_from_clouds,
+};
+use crate::scene::{PackTable, Scene, StorageChoice};
+use crate::{EarthOptions, SurfaceLight, TileOptions};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Loads the maps that a scene wants and no others, and gathers its options. `bc` is what the adapter does with
@@ -17,19 +19,112 @@ pub fn earth_options(scene: &Scene, bc: BcSupport) -> Result<EarthOptions, PlayE
     let table = &scene.earth;
     let mut options = match &table.pack {
         Some(pack) => pack_options(scene, pack, bc)?,
-        None => folder_options(table)?,
+        None => folder_options(scene)?,
     };
     options.figure = table.figure;
     options.subdivision = table.subdivision;
     options.visibility = table.visibility;
     options.shading = table.shading;
     options.atmosphere = table.atmosphere;
+    options.air.aerosol_optical_depth = table.aerosol_optical_depth;
+    if let Some(light) = &table.light {
+        // Of a pack the options hold by how much its slopes are stored too steep or too flat.
+        options.light = SurfaceLight {
+            wind_m_s: light.wind_m_s,
+            relief_exaggeration: light.relief_exaggeration * options.light.relief_exaggeration,
+            cloud_height_m: 1000.0 * light.cloud_height_km,
+            cloud_relief_m: 1000.0 * light.cloud_relief_km,
+            cloud_shadows: light.cloud_shadows,
+            night_lights_gain: light.night_lights_gain,
+        };
+    }
     options.samples = scene.output.samples;
+    options.exposure = scene.output.exposure;
+    options.tone = scene.output.tone;
     options.ground = match &table.relief {
         Some(relief) => Some(ground_options(relief)?),
         None => None,
     };
     Ok(options)
+}
+
+/// The maps that a scene wants by default and that its folder or pack has not: they are left out, with the names of their files
+/// in a folder.
+///
+/// # Errors
+/// With `strict = true` any of them. A pack that cannot be opened; of a folder that cannot be found, only in a strict scene: it
+/// is looked for again when maps are loaded.
+pub(super) fn dropped_layers(scene: &Scene) -> Result<Vec<DroppedLayer>, PlayError> {
+    let table = &scene.earth;
+    if let Some(pack) = &table.pack {
+        let folder = &pack.folder;
+        let pack_on_disk = Pack::open(folder)?;
+        let has = |layer| pack_on_disk.manifest().layer(layer).is_some();
+        let (_, dropped) = wanted_layers(scene, pack, has)?;
+        return Ok(dropped);
+    }
+    let folder = match (&table.textures, table.strict) {
+        (Some(folder), _) => folder.clone(),
+        (None, true) => find_textures()?,
+        (None, false) => match find_textures() {
+            Ok(folder) => folder,
+            Err(_) => return Ok(Vec::new()),
+        },
+    };
+    let (_, dropped) = selection_in(scene, &folder)?;
+    Ok(dropped)
+}
+
+/// A map that a scene is drawn without because it is not there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DroppedLayer {
+    /// Its name, as its key.
+    pub layer: &'static str,
+    /// What is not there.
+    pub missing: String,
+}
+
+/// The maps that a scene wants of a folder and that are there, and those that are not.
+fn selection_in(
+    scene: &Scene,
+    folder: &Path,
+) -> Result<(LayerSelection, Vec<DroppedLayer>), PlayError> {
+    let table = &scene.earth;
+    let wanted = LayerSelection {
+        clouds: table.clouds,
+        // The paper's are those of its clouds.
+        normals: table.normals && !table.is_paper(),
+        night_lights: table.night_lights,
+        water: table.water,
+    };
+    let missing = wanted.missing_in(folder);
+    let dropped = missing.iter().map(|(layer, file)| DroppedLayer {
+        layer: layer.name(),
+        missing: folder.join(file).display().to_string(),
+    });
+    let dropped = told(scene, dropped.collect())?;
+    Ok((wanted.without(&missing), dropped))
+}
+
+/// Refuses maps that are not there in a strict scene.
+fn told(scene: &Scene, dropped: Vec<DroppedLayer>) -> Result<Vec<DroppedLayer>, PlayError> {
+    match dropped.first() {
+        Some(DroppedLayer { layer, missing }) if scene.earth.strict => {
+            Err(PlayError::MissingLayer {
+                scene: scene.path.clone(),
+                layer,
+                missing: missing.clone(),
+            })
+        }
+        _ => Ok(dropped),
+    }
+}
+
+/// Warns of maps that are not there.
+fn warn_of(dropped: &[DroppedLayer]) {
+    for DroppedLayer { layer, missing } in dropped {
+        tracing::warn!("{missing} is missing; {layer} is left out");
+    }
 }
 
 /// Opens a scene's pack, if it has one, to see that it holds what the scene asks for. Reads no tile.
@@ -54,18 +149,31 @@ fn storage_of(pack: &Pack, table: &PackTable, bc: BcSupport) -> Result<(Storage,
     })
 }
 
-fn folder_options(table: &EarthTable) -> Result<EarthOptions, PlayError> {
-    let folder = match &table.textures {
+fn folder_options(scene: &Scene) -> Result<EarthOptions, PlayError> {
+    let folder = match &scene.earth.textures {
         Some(folder) => folder.clone(),
         None => find_textures()?,
     };
-    let selection = LayerSelection {
-        clouds: table.clouds,
-        normals: table.normals,
-        night_lights: table.night_lights,
-    };
+    let table = &scene.earth;
+    let is_paper = table.is_paper();
+    let (selection, dropped) = selection_in(scene, &folder)?;
+    warn_of(&dropped);
     tracing::info!("maps from {}", folder.display());
-    Ok(EarthOptions::new(load_layers(&folder, selection)?))
+    let mut options = EarthOptions::new(load_layers(&folder, selection)?);
+    if table.normals && is_paper {
+        take_cloud_normals(&mut options)?;
+    }
+    Ok(options)
+}
+
+/// The paper's third layer is a normal map of its clouds.
+fn take_cloud_normals(options: &mut EarthOptions) -> Result<(), PlayError> {
+    let layers = &mut options.layers;
+    layers.normals = match &layers.clouds {
+        Some(clouds) => Some(slopes_from_clouds(clouds)?),
+        None => None,
+    };
+    Ok(())
 }
 
 fn pack_options(
@@ -75,7 +183,14 @@ fn pack_options(
 ) -> Result<EarthOptions, PlayError> {
     let pack = Arc::new(Pack::open(&table.folder)?);
     let (storage, decode) = storage_of(&pack, table, bc)?;
-    let layers = wanted_layers(scene, table, |layer| pack.manifest().layer(layer).is_some())?;
+    let has = |layer| pack.manifest().layer(layer).is_some();
+    let (mut layers, dropped) = wanted_layers(scene, table, has)?;
+    warn_of(&dropped);
+    let is_paper = scene.earth.is_paper();
+    layers.retain(|layer| *layer != MapLayer::Normals || !is_paper);
+    let entry = pack.manifest().layer(MapLayer::Normals);
+    // Normals that came as such, not from heights, are true.
+    let stored = entry.and_then(|entry| entry.exaggeration).unwrap_or(1.0);
     tracing::info!(
         "tiles from {}, {}{}",
         table.folder.display(),
@@ -88,6 +203,10 @@ fn pack_options(
         tracing::warn!("{failure}; a finer level is drawn in its place");
     }
     let mut options = EarthOptions::new(maps);
+    if scene.earth.normals && is_paper {
+        take_cloud_normals(&mut options)?;
+    }
+    options.light.relief_exaggeration *= SLOPE_EXAGGERATION / stored;
     // Bounds of scene files: at most 10¹² bytes.
     let bytes = |mb: f64| (mb * 1e6) as u64;
     options.tiles = Some(TileOptions {
@@ -100,20 +219,21 @@ fn pack_options(
     Ok(options)
 }
 
-/// The maps that the scene wants of a pack. One that the scene does not name is drawn if the pack has it; one that it
-/// asks for by name must be there.
+/// The maps that the scene wants of a pack and that are there, and those that are not. One that it asks for by name must be
+/// there.
 fn wanted_layers(
     scene: &Scene,
     table: &PackTable,
     has: impl Fn(MapLayer) -> bool,
-) -> Result<Vec<MapLayer>, PlayError> {
+) -> Result<(Vec<MapLayer>, Vec<DroppedLayer>), PlayError> {
     let earth = &scene.earth;
     let mut layers = vec![MapLayer::Day];
+    let mut dropped = Vec::new();
     for (layer, is_wanted) in [
         (MapLayer::Clouds, earth.clouds),
         (MapLayer::Normals, earth.normals),
         (MapLayer::NightLights, earth.night_lights),
-        (MapLayer::Water, table.water),
+        (MapLayer::Water, earth.water),
     ] {
         match (is_wanted, has(layer), scene.line("earth", layer.name())) {
             (true, true, _) => layers.push(layer),
@@ -125,13 +245,14 @@ fn wanted_layers(
                     folder: table.folder.clone(),
                 });
             }
-            (true, false, None) => {
-                tracing::info!("{} has no {} map", table.folder.display(), layer.name());
-            }
+            (true, false, None) => dropped.push(DroppedLayer {
+                layer: layer.name(),
+                missing: format!("the map of the pack {}", table.folder.display()),
+            }),
             (false, ..) => {}
         }
     }
-    Ok(layers)
+    Ok((layers, told(scene, dropped)?))
 }
 
 /// Which of the storages that a pack keeps is read, and whether it is decoded before it goes to the adapter; `None` if
@@ -203,9 +324,16 @@ mod tests {
             let table = scene.earth.pack.clone().expect("a pack");
             wanted_layers(&scene, &table, |layer| layer != MapLayer::Clouds)
         };
-        let layers = wanted("").expect("clouds are not asked for");
+        let (layers, dropped) = wanted("").expect("clouds are not asked for");
         assert_eq!(layers.len(), 4);
-        let layers = wanted("water = false\nnormals = false").expect("less is wanted");
+        assert_eq!(dropped.len(), 1);
+        assert_eq!(dropped[0].layer, "clouds");
+        let error = wanted("strict = true").expect_err("no clouds").to_string();
+        assert!(
+            error.contains("clouds") && error.contains("strict"),
+            "{error}"
+        );
+        let (layers, _) = wanted("water = false\nnormals = false").expect("less is wanted");
         assert_eq!(layers, [MapLayer::Day, MapLayer::NightLights]);
         let error = wanted("clouds = true").expect_err("no clouds").to_string();
         assert!(

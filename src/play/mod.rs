@@ -18,6 +18,7 @@
 //! | `craft/` | the spacecraft that the chase camera follows |
 //! | `tracks/` | trails, ground tracks, footprints and names of its satellites |
 //! | `offscreen`, `still`, `stats`, `export`, `video/` | the offscreen renderer; pictures, their numbers, films |
+//! | `radiance` | a picture's light as a file |
 //! | `output` | files that are complete or not there |
 //! | `window`, `window_renderer`, `surface` | the window: its events, its renderer, its surface |
 //! | `controls`, `keys`, `panel`, `overlay` | what the user has set, by which keys; the panel, and egui under it |
@@ -46,6 +47,7 @@ mod panel;
 mod pass_table;
 mod place_text;
 mod progress;
+mod radiance;
 mod relief;
 mod satellites;
 mod stats;
@@ -62,7 +64,7 @@ pub use ephemeris::{Axes, Ephemeris, EphemerisRequest, Layout, Span, omm};
 pub use error::{PlayError, VideoError, WindowError};
 pub use export::{ExportRequest, export};
 pub use flight::{Flight, Moment, SatelliteState, ViewRequest};
-pub use maps::earth_options;
+pub use maps::{DroppedLayer, earth_options};
 pub(crate) use offscreen::rgba_image;
 pub use offscreen::{OffscreenRenderer, TimedFrame, target_bytes};
 pub use output::{OutputError, PendingFile};

@@ -6,8 +6,7 @@ use super::flight::{Flight, Moment};
 use super::tracks::{TrackDetail, TracksLayer};
 use crate::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart, PictureError};
 use crate::imagery::tile::TileKey;
-use crate::tracks::TracksOptions;
-use crate::{Earth, EarthOptions, EyeView, FrameStats};
+use crate::{Adaptation, Earth, EarthOptions, Exposure, EyeView, FrameStats};
 use image::RgbaImage;
 use std::time::{Duration, Instant};
 
@@ -20,9 +19,10 @@ pub struct OffscreenRenderer {
     earth: Earth,
     craft: CraftLayer,
     tracks: Option<TracksLayer>,
-    tracks_options: TracksOptions,
     targets: FrameTargets,
     samples: u32,
+    /// Follows the exposure that frames ask for, where it is metered.
+    adaptation: Option<Adaptation>,
 }
 
 /// A frame and how long it took.
@@ -45,25 +45,44 @@ impl OffscreenRenderer {
         mut options: EarthOptions,
         size: (u32, u32),
     ) -> Result<Self, PlayError> {
-        check_memory(size, options.samples)?;
         options.color_format = FrameTargets::COLOR;
         options.samples = supported_samples(&gpu.adapter, FrameTargets::COLOR, options.samples);
-        let targets = new_targets(&gpu, size, options.samples)?;
-        let earth = Earth::new(&gpu.device, &gpu.queue, &options)?;
+        Self::open_as(gpu, &options, size)
+    }
+
+    /// The same for light itself ([`Self::read_light`]), with one sample a pixel: the light along the ray through its middle.
+    pub fn open_for_light(
+        gpu: GpuContext,
+        mut options: EarthOptions,
+        size: (u32, u32),
+    ) -> Result<Self, PlayError> {
+        options.color_format = gpu.float_format();
+        options.samples = 1;
+        Self::open_as(gpu, &options, size)
+    }
+
+    fn open_as(
+        gpu: GpuContext,
+        options: &EarthOptions,
+        size: (u32, u32),
+    ) -> Result<Self, PlayError> {
+        check_memory(size, options)?;
+        let targets = new_targets(&gpu, size, options)?;
+        let earth = Earth::new(&gpu.device, &gpu.queue, options)?;
         Ok(Self {
             gpu,
             earth,
-            craft: CraftLayer::new(&options),
+            craft: CraftLayer::new(options)?,
             tracks: None,
-            tracks_options: TracksOptions::of(&options),
             targets,
             samples: options.samples,
+            adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
         })
     }
 
     /// Draws the tracks of a flight's satellites from now on, where its scene asks for any.
     pub fn show_tracks(&mut self, flight: &Flight) -> Result<(), PlayError> {
-        self.tracks = TracksLayer::of(flight, &self.gpu, &self.tracks_options)?;
+        self.tracks = TracksLayer::of(flight, &self.gpu, &self.earth)?;
         Ok(())
     }
 
@@ -93,6 +112,11 @@ impl OffscreenRenderer {
         &self.gpu
     }
 
+    /// Whether pictures are exposed as what is in view asks for.
+    pub fn meters_exposure(&self) -> bool {
+        self.adaptation.is_some()
+    }
+
     /// Samples a pixel that are really drawn.
     pub fn samples(&self) -> u32 {
         self.samples
@@ -117,6 +141,18 @@ impl OffscreenRenderer {
         (stats, missing)
     }
 
+    /// Where exposure is metered, exposes the next picture as its view asks for, followed in the time since the last, seconds,
+    /// and not at once: for pictures of a film.
+    pub fn follow_light(&mut self, moment: &Moment, elapsed_s: f64) -> Result<(), PlayError> {
+        if let Some(adaptation) = &mut self.adaptation
+            && let Some(metered_ev) = self.earth.metered_ev(&moment.view, &moment.sky)
+        {
+            let ev = adaptation.follow(metered_ev, elapsed_s);
+            self.earth.set_exposure(Exposure::Ev(ev))?;
+        }
+        Ok(())
+    }
+
     /// Says where the eye will be soon, so that tiles are there when it comes.
     pub fn expect(&mut self, views: &[EyeView]) {
         self.earth.expect(views);
@@ -127,6 +163,11 @@ impl OffscreenRenderer {
         let texels = self.targets.read_back(&self.gpu.device, &self.gpu.queue)?;
         let (width, height) = self.targets.size();
         Ok(rgba_image(width, height, texels)?)
+    }
+
+    /// The same as light, of a renderer that is open for it: red, green, blue and what is no light, rows from the top.
+    pub fn read_light(&self) -> Result<Vec<[f32; 4]>, PlayError> {
+        Ok(self.targets.read_light(&self.gpu.device, &self.gpu.queue)?)
     }
 
     /// Draws an instant twice and times the second time: the first fills caches and compiles what drivers compile late.
@@ -149,9 +190,8 @@ impl OffscreenRenderer {
         })
     }
 
-    /// Draws an instant in two passes, "surface" (with the craft and what of tracks lies beyond the air, where there are any)
-    /// and "air", and reads how long each took on the device, milliseconds. Clearing counts to the first and resolving
-    /// samples to the last.
+    /// Draws an instant in two passes, "surface" (with the craft, where there is one) and "air" (with tracks), and reads how long
+    /// each took on the device, milliseconds. Clearing counts to the first and resolving samples to the last.
     ///
     /// Two passes and the writing of times cost time themselves: not for frames whose whole time is wanted.
     pub fn time_passes(
@@ -178,12 +218,9 @@ impl OffscreenRenderer {
             } else {
                 self.craft.render(&mut pass);
                 self.earth.render_surface(&mut pass);
-                if let Some(tracks) = &self.tracks {
-                    tracks.render_beyond_air(&mut pass);
-                }
             }
             if let Some(tracks) = self.tracks.as_ref().filter(|_| part.is_last) {
-                tracks.render_before_air(&mut pass);
+                tracks.render(&mut pass);
             }
         }
         timer.resolve(&mut encoder, count);
@@ -257,8 +294,7 @@ impl OffscreenRenderer {
     }
 }
 
-/// Draws what a picture holds: the craft first, so that the air lies behind it; of the tracks what lies beyond the air
-/// before it, the rest after.
+/// Draws what a picture holds: the craft first, so that the air lies behind it, and the tracks last.
 pub(super) fn render_in_order(
     pass: &mut wgpu::RenderPass<'_>,
     craft: &CraftLayer,
@@ -266,13 +302,9 @@ pub(super) fn render_in_order(
     tracks: Option<&TracksLayer>,
 ) {
     craft.render(pass);
-    earth.render_surface(pass);
+    earth.render(pass);
     if let Some(tracks) = tracks {
-        tracks.render_beyond_air(pass);
-    }
-    earth.render_air(pass);
-    if let Some(tracks) = tracks {
-        tracks.render_before_air(pass);
+        tracks.render(pass);
     }
 }
 
@@ -296,18 +328,26 @@ pub(super) fn supported_samples(
     1
 }
 
-/// Bytes of the textures that a frame of this size is drawn to: colour, its samples where there are several a pixel, and
-/// their depth.
+/// Bytes of the textures that a frame of this size is drawn to, of 8 bits a channel: colour, its samples where there are
+/// several a pixel, and their depth.
 pub fn target_bytes((width, height): (u32, u32), samples: u32) -> u64 {
     let multisampled = if samples > 1 { u64::from(samples) } else { 0 };
     u64::from(width) * u64::from(height) * 4 * (1 + multisampled + u64::from(samples))
 }
 
-/// The textures and the read-back buffer, which has four bytes a pixel.
-fn check_memory(size: (u32, u32), samples: u32) -> Result<(), PlayError> {
+/// The textures and the read-back buffer.
+fn check_memory(size: (u32, u32), options: &EarthOptions) -> Result<(), PlayError> {
     let (width, height) = size;
-    let read_back = u64::from(width) * u64::from(height) * 4;
-    let mib = (target_bytes(size, samples) + read_back) >> 20;
+    let samples = options.samples;
+    let pixel = options.color_format.block_copy_size(None).unwrap_or(4);
+    let pixels = u64::from(width) * u64::from(height);
+    // Of light, copies in numbers of 32 bits too.
+    let copies = if pixel > 4 {
+        u64::from(pixel) + 2 * 16
+    } else {
+        0
+    };
+    let mib = (target_bytes(size, samples) + pixels * (4 + copies)) >> 20;
     if mib <= MAX_PICTURE_MIB {
         return Ok(());
     }
@@ -323,7 +363,7 @@ fn check_memory(size: (u32, u32), samples: u32) -> Result<(), PlayError> {
 fn new_targets(
     gpu: &GpuContext,
     size: (u32, u32),
-    samples: u32,
+    options: &EarthOptions,
 ) -> Result<FrameTargets, PlayError> {
     let (width, height) = size;
     let adapter = gpu.adapter.get_info().name;
@@ -339,7 +379,8 @@ fn new_targets(
     // Without the scopes a device that is out of memory would end the program in the middle of a word.
     let memory = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let validation = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-    let targets = FrameTargets::new(&gpu.device, size, samples);
+    let (format, samples) = (options.color_format, options.samples);
+    let targets = FrameTargets::with_color(&gpu.device, format, size, samples);
     let refused = pollster::block_on(validation.pop());
     let full = pollster::block_on(memory.pop());
     match full.or(refused) {
@@ -366,12 +407,29 @@ pub(crate) fn rgba_image(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{EarthLayers, LayerImage};
 
     #[test]
     fn the_largest_picture_fits_with_one_sample_and_not_with_four() {
-        assert!(check_memory((1280, 720), 4).is_ok());
-        assert!(check_memory((16_384, 16_384), 1).is_ok());
-        let refused = check_memory((16_384, 16_384), 4).expect_err("too much");
+        let day = LayerImage::from_rgba8(1, 1, vec![0; 4]).expect("a map");
+        let mut options = EarthOptions::new(EarthLayers {
+            day,
+            clouds: None,
+            normals: None,
+            night_lights: None,
+            water: None,
+        });
+        let mut check = |size, samples, format| {
+            options.samples = samples;
+            options.color_format = format;
+            check_memory(size, &options)
+        };
+        let (shown, light) = (FrameTargets::COLOR, wgpu::TextureFormat::Rgba32Float);
+        assert!(check((1280, 720), 4, shown).is_ok());
+        assert!(check((16_384, 16_384), 1, shown).is_ok());
+        let refused = check((16_384, 16_384), 4, shown).expect_err("too much");
         assert!(refused.to_string().contains("samples = 1"), "{refused}");
+        assert!(check((4096, 4096), 1, light).is_ok());
+        assert!(check((16_384, 16_384), 1, light).is_err());
     }
 }

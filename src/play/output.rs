@@ -24,6 +24,15 @@ pub enum OutputError {
         /// The extension it has.
         extension: &'static str,
     },
+    /// A file of light whose name says no kind of it.
+    #[error(
+        "{}: radiance is written as .npy (NumPy) or .exr (OpenEXR); name it {} or {}",
+        path.display(), path.with_extension("npy").display(), path.with_extension("exr").display()
+    )]
+    RadianceName {
+        /// The name asked for.
+        path: PathBuf,
+    },
     /// The folder is not there.
     #[error("{}: cannot be written: there is no folder {}; make it first", path.display(), folder.display())]
     NoFolder {

@@ -1,6 +1,7 @@
 //! The numbers of one picture, as `terrella frame --stats` writes them.
 
 use super::flight::Moment;
+use super::maps::DroppedLayer;
 use super::offscreen::{OffscreenRenderer, TimedFrame};
 use crate::FrameStats;
 use crate::frames::{Geodetic, rfc3339};
@@ -8,7 +9,8 @@ use crate::imagery::tile::TileKey;
 use glam::DVec3;
 use std::time::Duration;
 
-/// The numbers of one picture. Every key is always there, but `tiles` only where a pack is drawn.
+/// The numbers of one picture. Every key is always there, but `tiles` only where a pack is drawn, `exposure_ev` only where it was
+/// metered, and `layers_missing` only where there are any.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PictureStats {
@@ -32,6 +34,10 @@ pub struct PictureStats {
     pub draw_calls: u32,
     /// Bytes of all textures, mip levels included.
     pub texture_bytes: u64,
+    /// What light was multiplied by before it was shown, as an exposure value: 2 to the power of it. Left out where the scene
+    /// says it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exposure_ev: Option<f64>,
     /// The tiles of the pack; left out where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tiles: Option<TileStats>,
@@ -39,6 +45,9 @@ pub struct PictureStats {
     pub features_on: Vec<String>,
     /// Features that are off and cost nothing.
     pub features_off: Vec<String>,
+    /// Maps that are not there and without which it is drawn.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub layers_missing: Vec<String>,
     /// Where the eye is.
     pub eye: EyePosition,
     /// Where the Sun stands in the zenith.
@@ -114,12 +123,13 @@ pub struct SubsolarPoint {
 }
 
 impl PictureStats {
-    /// The numbers of a picture of `moment` that was measured, and the tiles that it lacks.
+    /// The numbers of a picture of `moment` that was measured, the tiles that it lacks, and the maps.
     pub fn new(
         renderer: &OffscreenRenderer,
         moment: &Moment,
         measured: &TimedFrame,
         missing: &[TileKey],
+        dropped: &[DroppedLayer],
     ) -> Self {
         let info = renderer.adapter_info();
         let (width, height) = renderer.size();
@@ -137,12 +147,14 @@ impl PictureStats {
             triangles: counts.triangles,
             draw_calls: counts.draw_calls,
             texture_bytes: counts.texture_bytes,
+            exposure_ev: renderer.meters_exposure().then_some(counts.exposure_ev),
             tiles: renderer
                 .earth()
                 .has_tiles()
                 .then(|| TileStats::new(counts, missing)),
             features_on: names(diagnostics.features_on),
             features_off: names(diagnostics.features_off),
+            layers_missing: names(dropped.iter().map(|dropped| dropped.layer).collect()),
             eye: EyePosition::new(counts.eye),
             sun: SubsolarPoint::new(moment.sky.sun_itrf),
             epoch: rfc3339(moment.epoch),

@@ -1,15 +1,18 @@
 //! One picture, and its numbers.
 
 use super::error::PlayError;
-use super::flight::Flight;
+use super::flight::{Flight, Moment};
 use super::offscreen::OffscreenRenderer;
 use super::output::PendingFile;
 use super::progress::Progress;
+use super::radiance::{Radiance, RadianceFile};
 use super::stats::PictureStats;
+use crate::EarthOptions;
 use crate::frames::Epoch;
 use crate::gpu::GpuContext;
 use crate::imagery::tile::TileKey;
 use std::path::Path;
+use std::time::Duration;
 
 /// Which picture is wanted, and where it goes.
 #[derive(Clone, Debug)]
@@ -22,6 +25,8 @@ pub struct StillRequest<'r> {
     pub adapter: Option<&'r str>,
     /// The PNG to write.
     pub output: &'r Path,
+    /// The file of its light to write, NumPy's or OpenEXR's by its name, if that is wanted.
+    pub radiance: Option<&'r Path>,
     /// The JSON to write its numbers to, if they are wanted.
     pub stats: Option<&'r Path>,
     /// Whether the edges of the surface's triangles are drawn alone.
@@ -51,16 +56,17 @@ pub fn write_still(
         Some(path) => Some(PendingFile::create(path, "numbers", "json")?),
         None => None,
     };
+    let radiance = request.radiance.map(RadianceFile::create).transpose()?;
 
-    let wanted = match request.wireframe {
-        true => wgpu::Features::POLYGON_MODE_LINE,
-        false => wgpu::Features::empty(),
-    };
+    let mut wanted = wgpu::Features::empty();
+    wanted.set(wgpu::Features::POLYGON_MODE_LINE, request.wireframe);
+    wanted.set(GpuContext::FLOAT_TARGET, radiance.is_some());
     let gpu = pollster::block_on(GpuContext::open_with(request.adapter, wanted))?;
     progress.begin("loading maps", None);
     let mut options = flight.earth_options(gpu.bc_support())?;
     options.diagnostics.wireframe = request.wireframe;
     progress.end();
+    let for_light = radiance.map(|file| (file, gpu.clone(), options.clone()));
     let mut renderer = OffscreenRenderer::open(gpu, options, size)?;
     renderer.show_tracks(flight)?;
     let (moment, asked) = match known {
@@ -74,24 +80,59 @@ pub fn write_still(
         }
     };
     progress.begin("drawing", None);
-    let (_, missing) = renderer.draw_complete(&moment, scene.output.wait());
+    let (drawn, missing) = renderer.draw_complete(&moment, scene.output.wait());
     warn_of_missing(&missing);
+    tracing::info!("exposure {:+.2} EV", drawn.exposure_ev);
     let numbers = match &stats {
         Some(_) => {
             let measured = renderer.measure(&moment)?;
-            Some(PictureStats::new(&renderer, &moment, &measured, &missing))
+            let dropped = flight.dropped_layers()?;
+            Some(PictureStats::new(
+                &renderer, &moment, &measured, &missing, &dropped,
+            ))
         }
         None => None,
     };
-    output.write_png(&renderer.read()?)?;
+    let picture = renderer.read()?;
+    drop(renderer);
+    let light = match for_light {
+        Some((file, gpu, options)) => {
+            let pixels = draw_light(gpu, options, size, &moment, scene.output.wait())?;
+            Some((file, pixels))
+        }
+        None => None,
+    };
+    // Nothing can fail from here on but writing.
+    output.write_png(&picture)?;
     if let Some(asked) = asked {
         asked.drawn();
     }
     progress.end();
+    if let Some((file, pixels)) = light {
+        let (width, height) = size;
+        file.write(Radiance {
+            width,
+            height,
+            pixels: &pixels,
+        })?;
+    }
     if let (Some(file), Some(numbers)) = (stats, numbers) {
         file.write_whole(numbers.to_json().as_bytes())?;
     }
     Ok(())
+}
+
+/// Draws the same moment as light. Tracks are no light and are not in it.
+fn draw_light(
+    gpu: GpuContext,
+    options: EarthOptions,
+    size: (u32, u32),
+    moment: &Moment,
+    wait: Duration,
+) -> Result<Vec<[f32; 4]>, PlayError> {
+    let mut renderer = OffscreenRenderer::open_for_light(gpu, options, size)?;
+    renderer.draw_complete(moment, wait);
+    renderer.read_light()
 }
 
 /// Most missing tiles that are named.

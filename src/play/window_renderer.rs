@@ -17,8 +17,7 @@ use super::tracks::{TrackDetail, TracksLayer};
 use crate::frames::rfc3339;
 use crate::gpu::{GpuContext, read_texture};
 use crate::scene::EDGE_SAMPLES;
-use crate::tracks::TracksOptions;
-use crate::{AdaptiveQuality, Earth, EyeView, FrameStats, Quality};
+use crate::{Adaptation, AdaptiveQuality, Earth, Exposure, EyeView, FrameStats, Quality};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -46,6 +45,8 @@ pub struct WindowRenderer {
     satellite: Option<String>,
     has_tiles: bool,
     quality_control: Option<QualityControl>,
+    /// Follows the exposure that views ask for, where it is metered.
+    adaptation: Option<Adaptation>,
     samples: SamplesByView,
     last: Option<(Moment, FrameStats)>,
     interval_ms: Option<f64>,
@@ -141,9 +142,9 @@ impl WindowRenderer {
         Ok(Self {
             overlay: Overlay::new(&window, &gpu.device, surface.format()),
             surface,
+            craft: CraftLayer::new(&options)?,
+            tracks: TracksLayer::of(flight, &gpu, &earth)?,
             earth,
-            craft: CraftLayer::new(&options),
-            tracks: TracksLayer::of(flight, &gpu, &TracksOptions::of(&options))?,
             gpu,
             window,
             device_lost,
@@ -151,6 +152,7 @@ impl WindowRenderer {
             satellite: flight.feed().map(|feed| feed.name().to_owned()),
             has_tiles: options.tiles.is_some(),
             quality_control,
+            adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
             samples,
             last: None,
             interval_ms: None,
@@ -268,6 +270,7 @@ impl WindowRenderer {
             Some(_) => self.govern(),
             None => self.follow_craft(moment),
         }
+        self.follow_light(moment, interval);
         let view = self.surface.view_of(&frame.texture);
         let mut encoder = self.encoder();
         let stats = self.draw_earth(moment, &mut encoder, &view);
@@ -325,6 +328,21 @@ impl WindowRenderer {
         }
     }
 
+    /// Exposes as the view asks for, followed in the time since the frame before.
+    fn follow_light(&mut self, moment: &Moment, interval: Option<Duration>) {
+        let Some(adaptation) = &mut self.adaptation else {
+            return;
+        };
+        if let Some(metered_ev) = self.earth.metered_ev(&moment.view, &moment.sky) {
+            let elapsed = interval.unwrap_or_default();
+            let ev = adaptation.follow(metered_ev, elapsed.as_secs_f64());
+            // What was metered lies in the range.
+            if let Err(error) = self.earth.set_exposure(Exposure::Ev(ev)) {
+                tracing::warn!("the exposure stays as it is: {error}");
+            }
+        }
+    }
+
     fn set_quality(&mut self, quality: &Quality) -> bool {
         let changed = self.earth.set_quality(&self.gpu.queue, quality);
         if let Err(error) = &changed {
@@ -334,7 +352,7 @@ impl WindowRenderer {
         self.surface.set_samples(&self.gpu.device, samples);
         self.craft.set_samples(samples);
         if let Some(tracks) = &mut self.tracks
-            && let Err(error) = tracks.set_samples(samples)
+            && let Err(error) = tracks.follow(&self.earth)
         {
             tracing::warn!("tracks are no longer drawn: {error}");
             self.tracks = None;

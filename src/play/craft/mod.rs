@@ -1,21 +1,26 @@
 //! The spacecraft that the chase camera follows: the player's own drawable in front of the Earth.
 //!
 //! The player is a host like any other: it draws its craft into the pass first, the Earth and its air after it. Nothing
-//! of it exists before the first chase picture.
+//! of it but its shader's text exists before the first chase picture.
 
 mod mesh;
 
 use super::camera::OrbitalMotion;
 use crate::frames::{Ellipsoid, SUN_RADIUS_RAD};
-use crate::gpu::{FrameTargets, GpuContext, PassFormat, PipelineDescription};
-use crate::{EarthOptions, EyeView, FrameStats, Sky};
+use crate::gpu::{
+    FrameTargets, GpuContext, PassFormat, PipelineDescription, ShaderError, ShaderText, TargetColor,
+};
+use crate::light::exposure_factor;
+use crate::{EarthError, EarthOptions, EyeView, FrameStats, Sky};
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DMat4, DVec3, Mat4, Vec2, Vec3};
 use mesh::CraftVertex;
 
-/// The shader's text: the materials' numbers are ours.
-fn shader() -> String {
-    mesh::material_constants() + include_str!("../../../shaders/craft.wgsl")
+/// The shader's text: how light is shown is the Earth's, the materials' numbers are ours.
+fn shader(target: TargetColor) -> Result<String, ShaderError> {
+    let displayed = ShaderText::assemble("common/displayed.wgsl", &target.conditions())?;
+    let craft = include_str!("../../../shaders/craft.wgsl");
+    Ok(displayed.text + &mesh::material_constants() + craft)
 }
 
 /// Part of the sunlight that the Earth throws back (Bond albedo).
@@ -124,34 +129,38 @@ struct CraftFrame {
 
 /// The craft of a picture or a window: made by the first moment that has one.
 pub struct CraftLayer {
-    color_format: wgpu::TextureFormat,
-    samples: u32,
-    exposure: f32,
+    format: PassFormat,
+    shader: String,
     drawable: Option<CraftDrawable>,
     is_shown: bool,
 }
 
 impl CraftLayer {
     /// For passes of the Earth's colour format and samples, with [`FrameTargets::DEPTH`] reversed.
-    pub fn new(options: &EarthOptions) -> Self {
-        Self {
-            color_format: options.color_format,
+    pub fn new(options: &EarthOptions) -> Result<Self, EarthError> {
+        let format = PassFormat {
+            color: options.color_format,
             samples: options.samples,
-            exposure: options.exposure,
+            depth: FrameTargets::REVERSED_DEPTH,
+            tone: options.tone,
+        };
+        Ok(Self {
+            shader: shader(format.target_color())?,
+            format,
             drawable: None,
             is_shown: false,
-        }
+        })
     }
 
     /// Follows the pass to another sample count.
     pub fn set_samples(&mut self, samples: u32) {
-        if samples != self.samples {
-            self.samples = samples;
+        if samples != self.format.samples {
+            self.format.samples = samples;
             self.drawable = None;
         }
     }
 
-    /// Writes the craft of a picture, if it has one, and counts it.
+    /// Writes the craft of a picture, if it has one, exposed as its Earth is, and counts it.
     pub fn prepare(
         &mut self,
         gpu: &GpuContext,
@@ -164,8 +173,9 @@ impl CraftLayer {
         let Some(pose) = pose else { return };
         let drawable = self
             .drawable
-            .get_or_insert_with(|| CraftDrawable::new(gpu, self.color_format, self.samples));
-        let frame = pose.frame(view, sky, self.exposure);
+            .get_or_insert_with(|| CraftDrawable::new(gpu, &self.shader, self.format));
+        let exposure = exposure_factor(stats.exposure_ev) as f32;
+        let frame = pose.frame(view, sky, exposure);
         gpu.queue
             .write_buffer(&drawable.frame, 0, bytemuck::bytes_of(&frame));
         stats.triangles += drawable.vertex_count / 3;
@@ -190,11 +200,11 @@ struct CraftDrawable {
 }
 
 impl CraftDrawable {
-    fn new(gpu: &GpuContext, color_format: wgpu::TextureFormat, samples: u32) -> Self {
+    fn new(gpu: &GpuContext, shader: &str, format: PassFormat) -> Self {
         let device = &gpu.device;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("terrella craft"),
-            source: wgpu::ShaderSource::Wgsl(shader().into()),
+            source: wgpu::ShaderSource::Wgsl(shader.into()),
         });
         let mesh = mesh::vertices();
         let vertices = device.create_buffer(&wgpu::BufferDescriptor {
@@ -221,11 +231,7 @@ impl CraftDrawable {
                 attributes: &mesh::ATTRIBUTES,
             })],
             primitive: wgpu::PrimitiveState::default(),
-            format: PassFormat {
-                color: color_format,
-                samples,
-                depth: FrameTargets::REVERSED_DEPTH,
-            },
+            format,
             writes_depth: true,
             blend: None,
         }

@@ -133,15 +133,20 @@ fn a_chase_picture_has_it_in_the_middle_a_fifth_of_its_height() {
 
 #[test]
 fn the_shader_compiles_and_its_struct_is_ours() {
-    let source = shader();
-    let module = match naga::front::wgsl::parse_str(&source) {
+    for target in TargetColor::all() {
+        holds(&shader(target).expect("its files are there"));
+    }
+}
+
+fn holds(source: &str) {
+    let module = match naga::front::wgsl::parse_str(source) {
         Ok(module) => module,
-        Err(error) => panic!("{}", error.emit_to_string(&source)),
+        Err(error) => panic!("{}", error.emit_to_string(source)),
     };
     if let Err(error) =
         Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module)
     {
-        panic!("{}", error.emit_to_string(&source));
+        panic!("{}", error.emit_to_string(source));
     }
     let mut structs = module.types.iter().map(|(_, ty)| ty);
     let frame = structs.find(|ty| ty.name.as_deref() == Some("CraftFrame"));

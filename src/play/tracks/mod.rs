@@ -9,7 +9,6 @@ use super::egui_pass::EguiTarget;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
 use super::satellites::orientation_at;
-use crate::FrameStats;
 use crate::frames::EarthOrientation;
 use crate::gpu::GpuContext;
 use crate::orbit::Feed;
@@ -17,6 +16,7 @@ use crate::scene::{Orbit, TrackSpan as SceneTrackSpan};
 use crate::tracks::{
     Footprint, TrackMoment, TrackSpan, TrackStats, TrackStyle, Tracks, TracksOptions,
 };
+use crate::{Earth, FrameStats};
 use labels::Labels;
 use std::sync::Arc;
 
@@ -40,11 +40,7 @@ pub enum TrackDetail {
 
 impl TracksLayer {
     /// The layer of a scene's satellites; `None` where none of them shows anything.
-    pub fn of(
-        flight: &Flight,
-        gpu: &GpuContext,
-        options: &TracksOptions,
-    ) -> Result<Option<Self>, PlayError> {
+    pub fn of(flight: &Flight, gpu: &GpuContext, earth: &Earth) -> Result<Option<Self>, PlayError> {
         let scene = flight.scene();
         let width_px = scene.track_px as f32;
         let shown = scene.orbits.iter().zip(flight.satellites()).enumerate();
@@ -58,8 +54,9 @@ impl TracksLayer {
             return Ok(None);
         }
         let has_names = styles.iter().any(|style| style.marker);
+        let options = TracksOptions::of(earth);
         Ok(Some(Self {
-            tracks: Tracks::new(&gpu.device, options, &styles)?,
+            tracks: Tracks::new(&gpu.device, &options, &styles)?,
             feeds,
             orientation: flight.earth_orientation().cloned(),
             labels: has_names.then(|| Labels::new(&gpu.device, options.color_format)),
@@ -67,9 +64,9 @@ impl TracksLayer {
         }))
     }
 
-    /// Follows the pass to another sample count.
-    pub fn set_samples(&mut self, samples: u32) -> Result<(), PlayError> {
-        Ok(self.tracks.set_samples(samples)?)
+    /// Follows the Earth to another quality.
+    pub fn follow(&mut self, earth: &Earth) -> Result<(), PlayError> {
+        Ok(self.tracks.follow(earth)?)
     }
 
     /// Writes an instant's tracks, and counts them.
@@ -105,14 +102,9 @@ impl TracksLayer {
         self.is_complete
     }
 
-    /// After the surface, before the air.
-    pub fn render_beyond_air(&self, pass: &mut wgpu::RenderPass<'_>) {
-        self.tracks.render_beyond_air(pass);
-    }
-
-    /// After the air.
-    pub fn render_before_air(&self, pass: &mut wgpu::RenderPass<'_>) {
-        self.tracks.render_before_air(pass);
+    /// After the Earth.
+    pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.tracks.render(pass);
     }
 
     /// Writes the names over the finished picture on `view`, which has one sample a pixel.
