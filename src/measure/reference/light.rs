@@ -1,10 +1,13 @@
-//! What falls on the ground: the Sun, and the sky.
+//! What falls on the ground, the Sun and the sky, and what of its light comes to the eye.
 
-use super::air::{Air, gather, spread};
-use super::grid::{Gauss, Table1d};
+use super::air::{Air, Sight};
+use super::all_orders::air_of_all_orders;
+use super::grid::Table1d;
+use super::spectrum::{BANDS, Colors, Spectrum};
+use crate::frames::Ellipsoid;
 use glam::DVec3;
 use std::f64::consts::PI;
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Sine of the Sun's angular radius, 0.27°.
 const SUN_RADIUS: f64 = 0.004_65;
@@ -16,62 +19,159 @@ pub(super) struct Light {
     pub sun: DVec3,
     /// Irradiance of level ground by the sky.
     pub sky: DVec3,
+    /// What of light that the ground makes itself comes to the eye.
+    pub own: DVec3,
 }
 
-/// Light on the ground under the air against the Sun's zenith cosine.
+impl Light {
+    /// The same, each part this many times as bright.
+    pub fn times(&self, factors: &Self) -> Self {
+        Self {
+            sun: self.sun * factors.sun,
+            sky: self.sky * factors.sky,
+            own: self.own * factors.own,
+        }
+    }
+
+    /// All parts as they are.
+    pub const WHOLE: Self = Self {
+        sun: DVec3::ONE,
+        sky: DVec3::ONE,
+        own: DVec3::ONE,
+    };
+}
+
+/// An Earth's air with the light that it leaves on the ground.
 #[derive(Debug)]
-pub(super) struct GroundLight {
+pub(super) struct EarthAir {
+    pub air: Air,
+    colors: Colors,
+    /// Over black ground, as an eye sees it: for places that differ little in the Sun's height.
     sun: Table1d,
     sky: Table1d,
 }
 
 /// How much finer the Sun's cosines are divided at the terminator, as the parameter of a sinh: there 5e-5 apart.
 const SUN_SPREAD: f64 = 6.0;
+/// Values of both tables.
+const SUN_VALUES: usize = 2048;
+const SKY_VALUES: usize = 256;
 
-impl GroundLight {
-    /// Under the Earth's air. Made once per process.
-    pub fn earth() -> &'static Self {
-        static LIGHT: OnceLock<GroundLight> = OnceLock::new();
-        LIGHT.get_or_init(|| Self::new(Air::earth(), 2048, 128, 16))
+impl EarthAir {
+    /// The Earth's air with an aerosol of this optical depth at 550 nm. Made once per process.
+    pub fn of(aerosol_optical_depth: f64) -> Arc<Self> {
+        static MADE: Mutex<Vec<(f64, Arc<EarthAir>)>> = Mutex::new(Vec::new());
+        // What another thread that failed left there is whole.
+        let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = made
+            .iter()
+            .find(|(depth, _)| *depth == aerosol_optical_depth);
+        if let Some((_, air)) = found {
+            return air.clone();
+        }
+        let radius_m = Ellipsoid::WGS84.equatorial_radius_m;
+        let air = Arc::new(Self::new(air_of_all_orders(
+            aerosol_optical_depth,
+            radius_m,
+        )));
+        made.push((aerosol_optical_depth, air.clone()));
+        air
     }
 
-    /// Computes both tables with so many values; the sky from `2 · around²` directions.
-    pub fn new(air: &Air, sun: usize, sky: usize, around: usize) -> Self {
-        let up = Gauss::new(around);
+    /// Computes the tables of an air.
+    pub fn new(air: Air) -> Self {
+        let colors = Colors::new();
+        let sun = Table1d::fill(SUN_VALUES, |x| {
+            colors.rgb(&disc(
+                (SUN_SPREAD * (2.0 * x - 1.0)).sinh() / SUN_SPREAD.sinh(),
+                &air,
+            ))
+        });
+        let sky = Table1d::fill(SKY_VALUES, |x| {
+            colors.rgb(
+                &air.skylight_on_ground((SUN_SPREAD * (2.0 * x - 1.0)).sinh() / SUN_SPREAD.sinh()),
+            )
+        });
         Self {
-            sun: Table1d::fill(sun, |x| {
-                disc(
-                    (SUN_SPREAD * (2.0 * x - 1.0)).sinh() / SUN_SPREAD.sinh(),
-                    air,
-                )
-            }),
-            sky: Table1d::fill(sky, |x| air.skylight(spread(x), &up, around)),
+            air,
+            colors,
+            sun,
+            sky,
         }
     }
 
-    /// The light where the Sun's middle stands at zenith cosine `mu`.
+    /// The light over black ground where the Sun's middle stands at zenith cosine `mu`, before it goes up again.
     pub fn at(&self, mu: f64) -> Light {
         let x = 0.5 + 0.5 * (mu * SUN_SPREAD.sinh()).asinh() / SUN_SPREAD;
         Light {
             // Cubics may swing below nothing where night begins.
             sun: self.sun.at(x).max(DVec3::ZERO),
-            sky: self.sky.at(gather(mu)).max(DVec3::ZERO),
+            sky: self.sky.at(x).max(DVec3::ZERO),
+            own: DVec3::ONE,
         }
+    }
+
+    /// What the parts of [`Self::at`] are multiplied by to be what comes to the eye through `transmittance`, where the Sun
+    /// stands at `mu` and the ground is of `albedo` all about: it lights the sky, and the sky it.
+    pub fn factors(&self, mu: f64, transmittance: &Spectrum, albedo: DVec3) -> Light {
+        let direct = disc(mu, &self.air);
+        let sky = self.air.skylight_on_ground(mu);
+        let back = self.air.sky_albedo();
+        let albedo = albedo.to_array();
+        let own = self.colors.rgb(transmittance);
+        let of_sun = self.colors.rgb_of(|_, i| transmittance[i] * direct[i]);
+        let of_sky = self.colors.rgb_of(|channel, i| {
+            let again = albedo[channel] * back[i];
+            let all = direct[i] * mu.max(0.0) + sky[i];
+            transmittance[i] * (sky[i] + all * again / (1.0 - again))
+        });
+        let before = self.at(mu);
+        let ratio = |light: DVec3, before: DVec3| {
+            let parts = [0, 1, 2].map(|i| match before[i] > 1e-12 {
+                true => light[i] / before[i],
+                false => own[i],
+            });
+            DVec3::from(parts)
+        };
+        Light {
+            sun: ratio(of_sun, before.sun),
+            sky: ratio(of_sky, before.sky),
+            own,
+        }
+    }
+
+    /// The light of the air itself in a ray, 1 being a white sheet that faces the Sun in space, over ground of `albedo` all about.
+    pub fn light(&self, sight: &Sight, albedo: DVec3) -> DVec3 {
+        let back = self.air.sky_albedo();
+        let albedo = albedo.to_array();
+        self.colors.rgb_of(|channel, i| {
+            let returned = albedo[channel] / (1.0 - albedo[channel] * back[i]);
+            PI * (sight.black[i] + returned * sight.bounced[i])
+        })
     }
 }
 
 /// Sunlight on the ground, averaged over the Sun's disc by chords of equal height: Chebyshev's rule of the second kind,
 /// whose weight √(1 − x²) is the chord's length.
-fn disc(mu: f64, air: &Air) -> DVec3 {
-    const CHORDS: u32 = 24;
+fn disc(mu: f64, air: &Air) -> Spectrum {
+    const CHORDS: u32 = 12;
     let across = ((1.0 - mu) * (1.0 + mu)).max(0.0).sqrt();
-    let chord = |i: u32| {
+    let mut light = [0.0; BANDS];
+    // High up the disc is as its middle.
+    if mu > 0.2 {
+        return air.sunlight(0.0, mu);
+    }
+    for i in 1..=CHORDS {
         let angle = PI * f64::from(i) / f64::from(CHORDS + 1);
         let (sin, cos) = (SUN_RADIUS * angle.cos()).sin_cos();
         let weight = angle.sin().powi(2) * 2.0 / f64::from(CHORDS + 1);
-        air.sunlight(0.0, mu * cos + across * sin) * weight
-    };
-    (1..=CHORDS).map(chord).sum()
+        let chord = air.sunlight(0.0, mu * cos + across * sin);
+        light
+            .iter_mut()
+            .zip(chord)
+            .for_each(|(sum, chord)| *sum += weight * chord);
+    }
+    light
 }
 
 /// The light of a Sun without air: its disc sets gradually, by the cubic 3x² − 2x³ between its first and last edge.
@@ -79,6 +179,7 @@ pub(super) fn without_air(mu: f64) -> Light {
     Light {
         sun: DVec3::splat(smooth_step(-SUN_RADIUS, SUN_RADIUS, mu)),
         sky: DVec3::ZERO,
+        own: DVec3::ONE,
     }
 }
 

@@ -1,25 +1,31 @@
 //! The true picture: exact ray casting on the processor in f64. It shares constants and maps with the drawables, no code.
 //!
-//! What the graphics processor draws is judged against it, so nothing of the shaders, the air's tables, the mesh or the
-//! filters is used here; only the model's constants ([`crate::air::EARTH_AIR`]), the figure, views and maps are.
+//! What the graphics processor draws is judged against it, so nothing of the shaders, the air's model and tables, the mesh or
+//! the filters is used here; only the figure, views and maps are.
 //!
-//! - **Geometry.** Every ray meets the exact ellipsoid. Inside it no ground is seen, as from inside a one-sided mesh,
+//! - **Geometry.** Every ray meets the exact ellipsoid, or the heights at their finest where there is relief. Inside it no ground is seen, as from inside a one-sided mesh,
 //!   and the air is that over the ground above the eye. Near and far plane cut nothing off.
 //! - **Maps** are piecewise bilinear functions of their full-resolution texels, without mip levels. A pixel is its box
 //!   average: N × N rays, and where a ray's part of the pixel covers more than half a texel, taps no farther apart than half a
 //!   texel, up to [`MAX_TAPS`] a side. The whole light model is evaluated at each tap and its light averaged, not its inputs: the
 //!   mean of what is there, not what is there in the mean.
-//! - **Light.** Sunlight and skylight at each tap, red, green and blue apart; the air once a ray.
-//! - **Air** by quadrature along each ray, in scaled space as the drawables' air is ([`crate::air`]). What is behind it
-//!   is dimmed in red, green and blue apart.
+//! - **Light** by wavelength, in 16 bands, and from them linear sRGB with the Sun as white. A map's colour is a factor on each
+//!   channel of what white ground would show.
+//! - **Air** by quadrature along each ray, in scaled space as the drawables' air is ([`crate::air`]): molecules, ozone and
+//!   aerosol of this renderer's own sources, all orders of scattering, ground as bright as the maps about it. It is held against
+//!   tables of another program ([`super::clear_air`]).
 //!
 //! | file | what |
 //! |---|---|
 //! | `geometry` | rays of a view, the ellipsoid, the limb |
 //! | `maps` | full-resolution maps as functions of the place |
 //! | `shading` | the light of a place on the ground |
-//! | `light` | Sun and sky on the ground |
+//! | `over_ground` | the sea's light, and clouds |
+//! | `light` | Sun and sky on the ground, and what comes from there to the eye |
+//! | `surroundings` | how bright the ground is about a place |
+//! | `spectrum`, `matter` | wavelengths and colours; what the air is made of |
 //! | `air`, `path` | light and transmittance along rays |
+//! | `orders`, `field` | light that is scattered more than once, and its tables |
 //! | `grid` | quadrature and interpolation |
 //! | `render`, `picture` | rays to pixels |
 //! | `relief` | where rays meet ground with relief |
@@ -29,17 +35,25 @@
 mod air;
 #[cfg(test)]
 mod air_tests;
+mod all_orders;
+mod field;
 mod geometry;
 mod grid;
 mod light;
 mod maps;
+mod matter;
+mod orders;
+mod over_ground;
 mod pack;
 mod path;
 mod picture;
 mod relief;
 mod render;
 mod shading;
+mod shading_point;
+mod spectrum;
 mod still;
+mod surroundings;
 
 pub(super) use geometry::Rays;
 pub use geometry::{ground_point, limb_angle_rad};
@@ -51,16 +65,18 @@ pub use relief::{TrueRelief, relief_distance_m};
 pub use render::MAX_TAPS;
 pub use still::{ReferenceRequest, ReferenceStats, StillError, write_reference_still};
 
+use crate::elevation::Elevation;
 use crate::globe::Figure;
 use crate::imagery::{EarthLayers, ImageryError, TexelFormat};
-use crate::{Atmosphere, EarthOptions, EyeView, Shading, Sky};
-use air::Air;
+use crate::{Atmosphere, EarthOptions, EyeView, Shading, Sky, SurfaceLight, Tone, exposure_factor};
 use glam::DVec3;
-use light::GroundLight;
+use light::EarthAir;
 use rayon::prelude::*;
 use render::{CastEarth, PixelPart, RayCaster};
 use shading::GroundShader;
+use std::fmt;
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Rays along each side of a pixel.
@@ -73,23 +89,33 @@ pub struct ReferenceOptions {
     pub figure: Figure,
     /// How the ground is shaded.
     pub shading: Shading,
+    /// What of the light on the surface can be chosen.
+    pub surface: SurfaceLight,
     /// Whether there is air.
     pub atmosphere: Atmosphere,
-    /// What a white sheet that faces the Sun in space is drawn with, 1 being the display's white; 0 or more. The paper's
-    /// shading works in display values and is not touched by it, the air is.
+    /// Optical depth of the air's aerosol at 550 nm, 0 or more.
+    pub aerosol_optical_depth: f64,
+    /// What light is multiplied by before it is shown; 0 or more. The paper's shading works in display values and is not
+    /// touched by it, the air is.
     pub exposure: f64,
+    /// By which curve exposed light is shown.
+    pub tone: Tone,
     /// N: each pixel is the mean of N × N rays, N in [`SAMPLES`].
     pub samples: u32,
 }
 
 impl ReferenceOptions {
-    /// Those of an Earth, with N × N rays a pixel.
+    /// Those of an Earth, with N × N rays a pixel. Of one that meters exposure, the default exposure: what it takes for a
+    /// view is set in its place.
     pub fn of(options: &EarthOptions, samples: u32) -> Self {
         Self {
             figure: options.figure,
             shading: options.shading,
+            surface: options.light,
             atmosphere: options.atmosphere,
-            exposure: f64::from(options.exposure),
+            aerosol_optical_depth: options.air.aerosol_optical_depth,
+            exposure: exposure_factor(options.exposure.fixed_ev()),
+            tone: options.tone,
             samples,
         }
     }
@@ -129,17 +155,28 @@ pub enum ReferenceError {
         first = SAMPLES.start(), last = SAMPLES.end()
     )]
     Samples(u32),
+    /// Not an optical depth.
+    #[error("the aerosol's optical depth is {0}; it must be a finite number, 0 or more")]
+    Aerosol(f64),
     /// Not a brightness.
     #[error("the exposure is {0}; it must be a finite number, 0 or more")]
     Exposure(f64),
 }
 
 /// An Earth whose true picture can be computed from anywhere.
-#[derive(Debug)]
 pub struct Reference {
     options: ReferenceOptions,
     ground: GroundShader,
-    air: Option<&'static Air>,
+    relief: Option<Arc<dyn Elevation>>,
+}
+
+impl fmt::Debug for Reference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Reference")
+            .field("options", &self.options)
+            .field("has_relief", &self.relief.is_some())
+            .finish_non_exhaustive()
+    }
 }
 
 impl Reference {
@@ -164,23 +201,49 @@ impl Reference {
         if !(options.exposure.is_finite() && options.exposure >= 0.0) {
             return Err(ReferenceError::Exposure(options.exposure));
         }
-        let (air, light) = match options.atmosphere {
-            Atmosphere::Billboard => {
-                let light = (options.shading == Shading::Sunlit).then(GroundLight::earth);
-                (Some(Air::earth()), light)
-            }
-            Atmosphere::None => (None, None),
+        let depth = options.aerosol_optical_depth;
+        if !(depth.is_finite() && depth >= 0.0) {
+            return Err(ReferenceError::Aerosol(depth));
+        }
+        let air = match options.atmosphere {
+            Atmosphere::Billboard => Some(EarthAir::of(depth)),
+            Atmosphere::None => None,
         };
         Ok(Self {
             options,
-            ground: GroundShader::new(maps, options.shading, light),
-            air,
+            ground: GroundShader::new(maps, options.shading, options.surface, air),
+            relief: None,
         })
+    }
+
+    /// The same on ground with relief at its finest, whatever surface would draw it.
+    pub fn on_relief(self, elevation: Arc<dyn Elevation>) -> Self {
+        Self {
+            relief: Some(elevation),
+            ..self
+        }
     }
 
     /// The options.
     pub fn options(&self) -> &ReferenceOptions {
         &self.options
+    }
+
+    /// What an Earth with these options is drawn with and its reference is not, by name.
+    pub fn left_out(options: &EarthOptions) -> Vec<&'static str> {
+        let is_sunlit = options.shading == Shading::Sunlit;
+        let has_clouds = is_sunlit && options.layers.clouds.is_some();
+        let all = [(
+            "cloud relief",
+            has_clouds && options.light.cloud_relief_m > 0.0,
+        )];
+        let left_out = all.into_iter().filter(|(_, is_drawn)| *is_drawn);
+        left_out.map(|(name, _)| name).collect()
+    }
+
+    /// Whether its ground has relief.
+    pub fn has_relief(&self) -> bool {
+        self.relief.is_some()
     }
 
     /// The maps.
@@ -218,13 +281,7 @@ impl Reference {
         is_stopped: &(dyn Fn() -> bool + Sync),
     ) -> Option<ReferencePicture> {
         let mut picture = black(size);
-        let earth = CastEarth {
-            ground: &self.ground,
-            air: self.air,
-            exposure: self.options.exposure,
-            scale: self.options.figure.ellipsoid().itrf_from_scaled(),
-        };
-        let Some(caster) = RayCaster::new(&earth, view, sky, size) else {
+        let Some(caster) = RayCaster::new(&self.cast_earth(), view, sky, size) else {
             return Some(picture);
         };
         let width = size.0.max(1) as usize;
@@ -243,6 +300,29 @@ impl Reference {
         Some(picture)
     }
 
+    /// The light along one ray from an eye, both in ITRF axes, the eye in metres: linear, not clamped, multiplied by the
+    /// exposure. Black where view or sky are not finite.
+    pub fn light_along(&self, eye_m: DVec3, direction: DVec3, sky: &Sky) -> [f64; 3] {
+        let across = direction.any_orthogonal_vector();
+        let view = EyeView::itrf(eye_m, direction, across, 1e-6, 1.0);
+        let caster = RayCaster::new(&self.cast_earth(), &view, sky, (1, 1));
+        let part = PixelPart {
+            x: 0.0,
+            y: 0.0,
+            side: 1.0,
+        };
+        caster.map_or([0.0; 3], |caster| caster.sample(&part).light.to_array())
+    }
+
+    fn cast_earth(&self) -> CastEarth<'_> {
+        CastEarth {
+            ground: &self.ground,
+            relief: self.relief.as_deref(),
+            exposure: self.options.exposure,
+            figure: self.options.figure.ellipsoid(),
+        }
+    }
+
     fn pixel(&self, caster: &RayCaster<'_>, x: usize, y: usize) -> ([f32; 3], f32) {
         let samples = self.options.samples;
         let side = 1.0 / f64::from(samples);
@@ -254,7 +334,7 @@ impl Reference {
                     y: y as f64 + f64::from(j) * side,
                     side,
                 });
-                light += sample.light;
+                light += self.ground.shown(sample.light, self.options.tone);
                 ground += u32::from(sample.is_ground);
             }
         }

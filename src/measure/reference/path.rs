@@ -4,19 +4,18 @@ use super::geometry::{ScaledRay, half_chord};
 use super::grid::Gauss;
 use glam::DVec3;
 
-/// Heights between which a ray is integrated in one piece, metres: the kinks of the ozone layer (10, 25, 40 km), and
-/// shells over which the exponential densities change by a small factor.
-pub(super) const SHELLS_M: [f64; 11] = [
-    0.0, 500.0, 1_500.0, 3_000.0, 6_000.0, 10_000.0, 17_000.0, 25_000.0, 40_000.0, 65_000.0,
-    100_000.0,
+/// Heights between which a ray is integrated in one piece, metres: over them densities change by a small factor.
+#[rustfmt::skip]
+pub(super) const SHELLS_M: [f64; 15] = [
+    0.0, 800.0, 2_000.0, 4_000.0, 7_000.0, 11_000.0, 15_000.0, 20_000.0, 26_000.0, 34_000.0, 45_000.0, 60_000.0,
+    72_000.0, 84_000.0, 100_000.0,
 ];
 
 /// Heights at which sunlight that grazes the Earth passes over it, metres: between them its colour changes steeply.
 const GRAZING_M: [f64; 4] = [0.0, 4_000.0, 12_000.0, 30_000.0];
 
-/// Ends and inner breakpoints of the pieces: two of each shell, three of which may be added for another ozone layer, and two
-/// of each grazing cylinder.
-const MAX_BREAKPOINTS: usize = 2 + 2 * (SHELLS_M.len() + 3 + GRAZING_M.len());
+/// Ends and inner breakpoints of the pieces: two of each shell and of each grazing cylinder.
+const MAX_BREAKPOINTS: usize = 2 + 2 * (SHELLS_M.len() + GRAZING_M.len());
 
 /// The part of a ray that lies in the air. Lengths are equatorial radii of scaled space.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +46,11 @@ impl Path {
     /// The way of a ray from its start to the ground or out of the air, whose upper boundary is at radius `top`; `None`
     /// if it meets no air.
     pub fn new(line: &ScaledRay, top: f64) -> Option<Self> {
+        Self::until(line, top, f64::INFINITY)
+    }
+
+    /// The same of a ray that ends at a distance from its start, if it comes so far: on ground above the sphere.
+    pub fn until(line: &ScaledRay, top: f64, distance: f64) -> Option<Self> {
         let nearest = line.nearest;
         let half = half_chord(top, nearest);
         if nearest >= top || half <= -line.along {
@@ -54,13 +58,14 @@ impl Path {
         }
         let ground = line.ground();
         let from = (-line.along).max(-half);
+        let to = ground.map_or(half, |_| -half_chord(1.0, nearest));
         Some(Self {
             foot: line.point(line.along),
             direction: line.direction,
             foot_above: (nearest - 1.0) * (nearest + 1.0),
             nearest,
             from,
-            to: ground.map_or(half, |_| -half_chord(1.0, nearest)).max(from),
+            to: to.min(distance - line.along).max(from),
             meets_ground: ground.is_some(),
         })
     }

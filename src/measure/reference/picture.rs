@@ -12,8 +12,8 @@ pub struct ReferencePicture {
     pub height: u32,
     /// Linear light of each pixel, red, green and blue, 0…1 of the display's white.
     ///
-    /// The light of each ray, ground and air together, is clamped to 0…1 and the pixel is the mean of its rays: what a
-    /// multisampled sRGB target gives with ever more samples.
+    /// The light of each ray, ground and air together, is shown as the tone curve says and the pixel is the mean of its rays:
+    /// what a multisampled sRGB target gives with ever more samples.
     pub linear: Vec<[f32; 3]>,
     /// Fraction of each pixel's rays that meet the ground, 0…1.
     pub ground: Vec<f32>,

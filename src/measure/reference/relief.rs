@@ -116,6 +116,22 @@ pub fn relief_distance_m(
     None
 }
 
+/// Rise of the ground at its finest at a place, to the east and to the north, metres per metre.
+pub(super) fn slope(figure: &Ellipsoid, ground: &dyn Elevation, place: &Geodetic) -> DVec2 {
+    let (lat, lon) = (place.lat_rad, place.lon_rad);
+    let step = ground
+        .finest_spacing_rad(lat, lon)
+        .clamp(1e-7, MAX_STEP_RAD);
+    let aside = step / lat.cos().max(1e-6);
+    let height = |north: f64, east: f64| ground.height_m(lat + north, lon + east, 0.0);
+    let rise = DVec2::new(
+        height(0.0, 0.5 * aside) - height(0.0, -0.5 * aside),
+        height(0.5 * step, 0.0) - height(-0.5 * step, 0.0),
+    );
+    // Both radii of curvature are within 0.7 % of this one.
+    rise / (step * figure.polar_radius_m)
+}
+
 /// A point of a ray, by its place on the ellipsoid.
 struct RayPoint {
     along_m: f64,

@@ -1,8 +1,13 @@
 //! One picture of a reference: rays, and how finely each looks at the maps.
 
-use super::air::Air;
 use super::geometry::{Rays, ScaledRay};
-use super::shading::{GroundShader, ShadingPoint};
+use super::light::Light;
+use super::path::Path;
+use super::relief::{relief_distance_m, slope};
+use super::shading::GroundShader;
+use super::shading_point::ShadingPoint;
+use crate::elevation::Elevation;
+use crate::frames::Ellipsoid;
 use crate::{EyeView, Sky};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -20,10 +25,11 @@ const MIN_COS_LATITUDE: f64 = 0.1;
 /// The rays of one picture, and what they are cast at.
 pub(super) struct RayCaster<'r> {
     ground: &'r GroundShader,
-    air: Option<&'static Air>,
+    relief: Option<&'r dyn Elevation>,
     exposure: f64,
     rays: Rays,
-    /// The figure's diagonal (a, a, b), metres.
+    figure: Ellipsoid,
+    /// Its diagonal (a, a, b), metres.
     scale: DVec3,
     /// The eye in scaled space, and as the air sees it: lifted to the ground if it lies below.
     eye: DVec3,
@@ -38,17 +44,25 @@ pub(super) struct RayCaster<'r> {
 #[derive(Clone, Copy)]
 pub(super) struct CastEarth<'r> {
     pub ground: &'r GroundShader,
-    pub air: Option<&'static Air>,
+    /// Heights, if they are drawn.
+    pub relief: Option<&'r dyn Elevation>,
     /// As [`super::ReferenceOptions::exposure`].
     pub exposure: f64,
-    /// The figure's diagonal (a, a, b), metres.
-    pub scale: DVec3,
+    pub figure: Ellipsoid,
+}
+
+/// Where a ray meets the ground.
+struct Hit {
+    /// Distance in scaled space.
+    distance: f64,
+    /// Whether the ground there has relief.
+    is_relief: bool,
 }
 
 /// The light of one ray.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct RaySample {
-    /// Linear light, clamped to 0…1.
+    /// Linear light, as bright as it is.
     pub light: DVec3,
     /// Whether it met the ground.
     pub is_ground: bool,
@@ -70,10 +84,11 @@ impl<'r> RayCaster<'r> {
     pub fn new(earth: &CastEarth<'r>, view: &EyeView, sky: &Sky, size: (u32, u32)) -> Option<Self> {
         let CastEarth {
             ground,
-            air,
+            relief,
             exposure,
-            scale,
+            figure,
         } = *earth;
+        let scale = figure.itrf_from_scaled();
         let rays = Rays::new(view, size)?;
         let sun_scaled = (sky.sun_itrf / scale).try_normalize()?;
         let eye = rays.eye_m / scale;
@@ -85,9 +100,10 @@ impl<'r> RayCaster<'r> {
         let (width, height) = ground.maps.finest();
         Some(Self {
             ground,
-            air,
+            relief,
             exposure,
             rays,
+            figure,
             scale,
             eye,
             eye_in_air,
@@ -106,40 +122,75 @@ impl<'r> RayCaster<'r> {
             return RaySample::default();
         };
         let line = ScaledRay::new(self.eye, scaled);
-        let ground = line.ground();
-        let mut light = match ground {
-            Some(distance) => self.ground_light(part, direction, &line, distance),
-            None => DVec3::ZERO,
+        let hit = self.hit(&line, direction);
+        let in_air = ScaledRay::new(self.eye_in_air, scaled);
+        let mut light = DVec3::ZERO;
+        let mut factors = Light::WHOLE;
+        let until = match &hit {
+            Some(hit) if hit.is_relief => hit.distance,
+            _ => f64::INFINITY,
         };
-        if let Some(air) = self.air {
-            let line = ScaledRay::new(self.eye_in_air, scaled);
-            if let Some(sight) = air.sight(&line, self.sun_scaled) {
-                // A white sheet that faces the Sun is L = E/π.
-                light = light * sight.transmittance + sight.light * (PI * self.exposure);
-            }
+        if let Some(earth) = self.ground.air()
+            && let Some(path) = Path::until(&in_air, earth.air.top, until)
+        {
+            let sight = earth.air.sight_along(&path, self.sun_scaled);
+            // The ground that lights this air: where the ray ends, or else passes nearest.
+            let near = match &hit {
+                Some(hit) => line.point(hit.distance),
+                None => in_air.point(in_air.along.max(0.0)),
+            };
+            let up = (near / self.scale).normalize();
+            let albedo = self.ground.albedo_about(up);
+            light = earth.light(&sight, albedo) * self.exposure;
+            factors = earth.factors(up.dot(self.sun), &sight.transmittance, albedo);
+        }
+        if let Some(hit) = &hit {
+            light += self.ground_light(part, direction, &line, hit, &factors);
         }
         RaySample {
-            light: light.clamp(DVec3::ZERO, DVec3::ONE),
-            is_ground: ground.is_some(),
+            light,
+            is_ground: hit.is_some(),
         }
     }
 
-    /// Mean light of the ground in a part. `line` is the ray through its middle, which meets the ground at `distance`.
+    /// Where a ray first meets the ground.
+    fn hit(&self, line: &ScaledRay, direction: DVec3) -> Option<Hit> {
+        let Some(relief) = self.relief else {
+            let distance = line.ground()?;
+            return Some(Hit {
+                distance,
+                is_relief: false,
+            });
+        };
+        let direction = direction.normalize();
+        let distance_m = relief_distance_m(&self.figure, relief, self.rays.eye_m, direction)?;
+        Some(Hit {
+            distance: distance_m * (direction / self.scale).length(),
+            is_relief: true,
+        })
+    }
+
+    /// Mean light of the ground in a part. `line` is the ray through its middle, which meets the ground at `hit`.
     ///
     /// The part is divided into so many equal parts that the rays through their middles, the taps, are no farther apart
     /// on the ground than half a texel of the finest map, as far as [`MAX_TAPS`] allows. The spacing is that about the
-    /// part's middle: in a part that the limb runs through it is wider beyond.
+    /// part's middle: in a part that the limb runs through it is wider beyond. Ground with relief is looked at along the one
+    /// ray.
     fn ground_light(
         &self,
         part: &PixelPart,
         direction: DVec3,
         line: &ScaledRay,
-        distance: f64,
+        hit: &Hit,
+        factors: &Light,
     ) -> DVec3 {
-        let point = line.point(distance);
-        let (across, down) = self.taps(part, direction, point, distance);
+        let point = line.point(hit.distance);
+        if hit.is_relief {
+            return self.shade(point, direction, factors);
+        }
+        let (across, down) = self.taps(part, direction, point, hit.distance);
         if across == 1 && down == 1 {
-            return self.shade(point, direction);
+            return self.shade(point, direction, factors);
         }
         let (step_x, step_y) = (part.side / f64::from(across), part.side / f64::from(down));
         let (mut sum, mut count) = (DVec3::ZERO, 0_u32);
@@ -150,13 +201,13 @@ impl<'r> RayCaster<'r> {
                 let direction = self.rays.at(x, y);
                 let line = ScaledRay::new(self.eye, (direction / self.scale).normalize_or_zero());
                 if let Some(distance) = line.ground() {
-                    sum += self.shade(line.point(distance), direction);
+                    sum += self.shade(line.point(distance), direction, factors);
                     count += 1;
                 }
             }
         }
         if count == 0 {
-            return self.shade(point, direction);
+            return self.shade(point, direction, factors);
         }
         sum / f64::from(count)
     }
@@ -186,12 +237,18 @@ impl<'r> RayCaster<'r> {
     }
 
     /// Light of a place in scaled space, the exposure in it.
-    fn shade(&self, point: DVec3, direction: DVec3) -> DVec3 {
-        let place = ShadingPoint {
+    fn shade(&self, point: DVec3, direction: DVec3, factors: &Light) -> DVec3 {
+        let mut place = ShadingPoint {
             up: (point / self.scale).normalize(),
             to_eye: -direction.normalize(),
+            slope: None,
         };
-        let light = self.ground.shade(&place, self.sun);
+        if let Some(relief) = self.relief {
+            let at = self.figure.geodetic_from_itrf(point * self.scale);
+            place.up = Ellipsoid::normal(at.lat_rad, at.lon_rad);
+            place.slope = Some(slope(&self.figure, relief, &at));
+        }
+        let light = self.ground.shade(&place, self.sun, factors);
         light * self.ground.exposure(self.exposure)
     }
 }

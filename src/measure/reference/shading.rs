@@ -1,34 +1,22 @@
 //! The light that a place of the ground sends to the eye: the light model of the picture, from its definitions.
 
-use super::light::{GroundLight, Light, smooth_step, without_air};
+use super::light::{EarthAir, Light, smooth_step, without_air};
 use super::maps::{Decode, FullMaps, linear_from_srgb};
-use crate::Shading;
+use super::over_ground::{CloudLayer, Sea};
+use super::shading_point::ShadingPoint;
+use super::surroundings::Surroundings;
+use crate::earth::CITY_RADIANCE;
 use crate::imagery::tile::MapLayer;
-use glam::DVec3;
+use crate::imagery::{CLOUD_ALBEDO, SLOPE_EXAGGERATION};
+use crate::{Shading, SurfaceLight, Tone};
+use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
-/// Reflectance of a cloud.
-const CLOUD_ALBEDO: f64 = 0.85;
-
-/// Colour of street lamps and what the brightest are drawn with.
+/// Colour of street lamps.
 const LAMP_COLOR: DVec3 = DVec3::new(1.0, 0.72, 0.38);
-const LAMP_LIGHT: f64 = 0.6;
-
-/// Mean square slope of the waves by Cox and Munk 1954, J. Opt. Soc. Am. 44, 838: 0.003 + 0.00512 W for a wind of
-/// W = 7 m/s.
-const WAVE_SLOPE_SQUARED: f64 = 0.003 + 0.005_12 * 7.0;
-
-/// Index of refraction of sea water.
-const WATER_INDEX: f64 = 1.33;
-
-/// A place on the ground and where it is seen from.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ShadingPoint {
-    /// Outward normal of the ellipsoid, a unit vector in ITRF axes.
-    pub up: DVec3,
-    /// Towards the eye, a unit vector.
-    pub to_eye: DVec3,
-}
+/// Sine of the Sun's height at which all of them are on: 6° below the horizon.
+const LAMPS_FULL: f64 = -0.104_528_463;
 
 /// The ground's light model with all that it depends on but the place.
 #[derive(Debug)]
@@ -36,18 +24,49 @@ pub(super) struct GroundShader {
     pub maps: FullMaps,
     decode: Decode,
     shading: Shading,
+    surface: SurfaceLight,
+    sea: Sea,
+    clouds: CloudLayer,
     /// `None` without air.
-    light: Option<&'static GroundLight>,
+    air: Option<Arc<EarthAir>>,
+    /// Only where there is air for it to light.
+    surroundings: Option<Surroundings>,
 }
 
 impl GroundShader {
-    pub fn new(maps: FullMaps, shading: Shading, light: Option<&'static GroundLight>) -> Self {
+    pub fn new(
+        maps: FullMaps,
+        shading: Shading,
+        surface: SurfaceLight,
+        air: Option<Arc<EarthAir>>,
+    ) -> Self {
+        let decode = Decode::new();
+        let surroundings = air
+            .is_some()
+            .then(|| Surroundings::new(&maps, &decode, CLOUD_ALBEDO));
         Self {
             maps,
-            decode: Decode::new(),
+            decode,
             shading,
-            light,
+            sea: Sea::new(&surface),
+            clouds: CloudLayer::new(&surface),
+            surface,
+            air,
+            surroundings,
         }
+    }
+
+    /// The air over it.
+    pub fn air(&self) -> Option<&EarthAir> {
+        self.air.as_deref()
+    }
+
+    /// Reflectance of the ground about a place, whose outward normal is `up`.
+    pub fn albedo_about(&self, up: DVec3) -> DVec3 {
+        let (u, v) = map_coordinates(up);
+        self.surroundings
+            .as_ref()
+            .map_or(DVec3::ZERO, |around| around.at(u, v))
     }
 
     /// What the light of [`Self::shade`] is multiplied by: the paper's display values have no exposure.
@@ -58,9 +77,17 @@ impl GroundShader {
         }
     }
 
-    /// Linear light of a place: with [`Shading::Sunlit`] a white sheet that faces the Sun in space is 1, with
-    /// [`Shading::Paper`] 1 is the display's white.
-    pub fn shade(&self, point: &ShadingPoint, sun: DVec3) -> DVec3 {
+    /// Display light, 0…1: light through the tone curve, which the paper has not.
+    pub fn shown(&self, light: DVec3, tone: Tone) -> DVec3 {
+        match self.shading {
+            Shading::Sunlit => tone.shown(light),
+            Shading::Paper => light.clamp(DVec3::ZERO, DVec3::ONE),
+        }
+    }
+
+    /// Linear light of a place that comes to the eye: with [`Shading::Sunlit`] a white sheet that faces the Sun in space is
+    /// 1, with [`Shading::Paper`] 1 is the display's white. `factors` are what the air makes of each part of the light.
+    pub fn shade(&self, point: &ShadingPoint, sun: DVec3, factors: &Light) -> DVec3 {
         let up = point.up;
         let across = up.x.hypot(up.y);
         let east = if across > 0.0 {
@@ -68,52 +95,86 @@ impl GroundShader {
         } else {
             DVec3::Y
         };
-        let u = 0.5 + up.y.atan2(up.x) / (2.0 * PI);
-        let v = 0.5 - up.z.atan2(across) / PI;
+        let (u, v) = map_coordinates(up);
         let north = up.cross(east);
         let one = |layer| -> Option<f64> {
             let [value] = self.maps.get(layer)?.at(u, v, &self.decode.unorm);
             Some(value)
         };
-        let normal = match self.maps.get(MapLayer::Normals) {
-            Some(map) => {
-                let [to_east, to_north] = map.at(u, v, &self.decode.snorm);
-                (up - east * to_east - north * to_north).normalize()
-            }
-            None => up,
-        };
+        // Ground with relief has slopes of its own.
+        let slope = point.slope.or_else(|| {
+            let map = self.maps.get(MapLayer::Normals)?;
+            let gain = self.surface.relief_exaggeration / SLOPE_EXAGGERATION;
+            Some(DVec2::from_array(map.at(u, v, &self.decode.snorm)) * gain)
+        });
+        let normal = slope.map_or(up, |slope| {
+            (up - east * slope.x - north * slope.y).normalize()
+        });
         let day = |decode| match self.maps.get(MapLayer::Day) {
             Some(map) => DVec3::from_array(map.at(u, v, decode)),
             None => DVec3::ZERO,
         };
-        let cover = one(MapLayer::Clouds);
         if self.shading == Shading::Paper {
-            return paper(
+            let shown = paper(
                 day(&self.decode.unorm),
-                cover.unwrap_or(0.0),
+                one(MapLayer::Clouds).unwrap_or(0.0),
                 normal.dot(sun),
             );
+            return shown * factors.own;
         }
         let mu = up.dot(sun);
-        let light = match self.light {
-            Some(light) => light.at(mu),
+        let before = |mu| match &self.air {
+            Some(air) => air.at(mu),
             None => without_air(mu),
         };
+        let above = before(mu).times(factors);
+        let shadow = self.clouds.shadow_from(up, sun);
+        let light = match self.cloud_albedo(shadow) {
+            Some(albedo) if self.clouds.has_shadows => self.clouds.below(&above, albedo, mu),
+            _ => above,
+        };
         let mut color = day(&self.decode.srgb) * (light.sun * normal.dot(sun).max(0.0) + light.sky);
-        if let Some(sea) = one(MapLayer::Water) {
-            color += glint(point, sun, mu, &light) * sea;
+        // The coast stands where the map is one half.
+        if one(MapLayer::Water).is_some_and(|water| water > 0.5) {
+            let depth = self.maps.get(MapLayer::Day).map_or(1.0, |map| {
+                let [_, _, _, depth] = map.at(u, v, &self.decode.unorm);
+                depth
+            });
+            color = self.sea.light(point, sun, mu, &light, depth);
         }
         if let Some(glow) = one(MapLayer::NightLights) {
             // Lamps go on at dusk, the brightest stand out.
-            let on = 1.0 - smooth_step(-0.12, 0.02, mu);
-            color += LAMP_COLOR * (LAMP_LIGHT * (glow * on).powi(2));
+            let on = 1.0 - smooth_step(LAMPS_FULL, 0.0, mu);
+            let brightest = CITY_RADIANCE * self.surface.night_lights_gain;
+            // The map is a picture; its fourth power spans what radiometers find between hamlets and cities.
+            color += light.own * LAMP_COLOR * (brightest * on * glow.powi(4));
         }
-        if let Some(cover) = cover {
-            let cloud = (light.sun * mu.max(0.0) + light.sky) * CLOUD_ALBEDO;
-            color = color * (1.0 - cover) + cloud * cover;
+        let over = self.clouds.above(up, point.to_eye);
+        if let Some(albedo) = self.cloud_albedo(over) {
+            let mu_above = over.dot(sun);
+            let sunlit = self.clouds.sunlight(mu, |mu| before(mu).sun) * factors.sun;
+            let reflected = sunlit * self.clouds.reflected(albedo, mu_above) + above.sky * albedo;
+            color = reflected + color * (1.0 - albedo);
         }
         color
     }
+
+    /// What clouds at a place throw back of diffuse light, 0…1.
+    fn cloud_albedo(&self, up: DVec3) -> Option<f64> {
+        let (u, v) = map_coordinates(up);
+        let [cover] = self
+            .maps
+            .get(MapLayer::Clouds)?
+            .at(u, v, &self.decode.unorm);
+        Some(CLOUD_ALBEDO * cover)
+    }
+}
+
+/// Where a map shows the place with this outward normal: from 180° W and from the north pole, 0…1.
+fn map_coordinates(up: DVec3) -> (f64, f64) {
+    let across = up.x.hypot(up.y);
+    let u = 0.5 + up.y.atan2(up.x) / (2.0 * PI);
+    (u, 0.5 - up.z.atan2(across) / PI)
 }
 
 /// Section 1.2 of the 2011 paper, in display values: ninfo = saturate(n·L + 0.3)·1.1, and
@@ -126,22 +187,4 @@ fn paper(earth: DVec3, cloud: f64, cos: f64) -> DVec3 {
         .to_array()
         .map(linear_from_srgb)
         .into()
-}
-
-/// Sunlight mirrored by the sea, by Cox and Munk:
-///   L/E = ρ(ω) p(β) / (4 cos θ cos⁴β),  p = exp(−tan²β/σ²)/(πσ²)
-/// where β tilts a wave so that it mirrors the Sun into the eye, and ρ is Schlick's approximation of Fresnel's law. cos θ
-/// is kept from 0, where waves hide each other, and the glint fades with the last sunlight.
-fn glint(point: &ShadingPoint, sun: DVec3, mu: f64, light: &Light) -> DVec3 {
-    let half_way = (point.to_eye + sun).normalize_or_zero();
-    let cos_squared = half_way.dot(point.up).max(1e-3).powi(2);
-    let tan_squared = (1.0 - cos_squared) / cos_squared;
-    let slopes = (-tan_squared / WAVE_SLOPE_SQUARED).exp() / (PI * WAVE_SLOPE_SQUARED);
-    let head_on = ((WATER_INDEX - 1.0) / (WATER_INDEX + 1.0)).powi(2);
-    let miss = 1.0 - half_way.dot(point.to_eye).clamp(0.0, 1.0);
-    let fresnel = head_on + (1.0 - head_on) * miss.powi(5);
-    let seen_cos = point.to_eye.dot(point.up).max(0.15);
-    // A white sheet that faces the Sun is L = E/π.
-    let mirrored = PI * fresnel * slopes / (4.0 * seen_cos * cos_squared * cos_squared);
-    light.sun * (mirrored * smooth_step(-0.01, 0.05, mu))
 }

@@ -3,13 +3,14 @@
 use super::maps::FullMaps;
 use super::pack::{MAX_MAP_BYTES, whole_maps};
 use super::{Reference, ReferenceError, ReferenceOptions};
-use crate::Atmosphere;
+use crate::earth::metered_ev;
 use crate::frames::{Epoch, rfc3339};
 use crate::gpu::BcSupport;
 use crate::imagery::tile::{MapLayer, TileError};
 use crate::play::{
     EyePosition, Flight, Moment, OutputError, PendingFile, PlayError, Progress, SubsolarPoint,
 };
+use crate::{Atmosphere, Exposure};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -97,6 +98,8 @@ pub struct ReferenceStats {
     pub features_on: Vec<String>,
     /// Features that are off.
     pub features_off: Vec<String>,
+    /// What the scene asks for and this renderer does not draw.
+    pub left_out: Vec<String>,
     /// Where the eye is.
     pub eye: EyePosition,
     /// Where the Sun stands in the zenith.
@@ -107,8 +110,9 @@ pub struct ReferenceStats {
 
 /// Computes and writes one picture. Nothing is left behind where that fails or is stopped.
 ///
-/// The spacecraft of the chase camera is not drawn. Of a pack the finest levels that fit into [`MAX_MAP_BYTES`] are
-/// taken, whatever the scene says of levels and memory. Both are warned of.
+/// What the scene asks for and the reference does not draw is warned of by name, and named in the numbers
+/// ([`ReferenceStats::left_out`]). Of a pack the finest levels that fit into [`MAX_MAP_BYTES`] are taken, whatever the scene
+/// says of levels and memory; that is warned of too.
 pub fn write_reference_still(
     flight: &Flight,
     request: &ReferenceRequest<'_>,
@@ -128,12 +132,26 @@ pub fn write_reference_still(
         Some(path) => Some(PendingFile::create(path, "numbers", "json")?),
         None => None,
     };
-    if moment.craft.is_some() {
-        tracing::warn!("the reference renderer does not draw the spacecraft");
-    }
     progress.begin("loading maps", None);
-    let reference = load(flight, request.samples, progress)?;
+    let (reference, mut left_out) = load(flight, &moment, request.samples, progress)?;
     progress.end();
+    if flight
+        .scene()
+        .orbits
+        .iter()
+        .any(|orbit| !orbit.track.is_off())
+    {
+        left_out.push("tracks".to_owned());
+    }
+    if moment.craft.is_some() {
+        left_out.push("spacecraft".to_owned());
+    }
+    if !left_out.is_empty() {
+        tracing::warn!(
+            "the reference renderer does not draw what this scene asks for: {}",
+            left_out.join(", ")
+        );
+    }
     progress.begin("drawing", Some(u64::from(size.1)));
     let (width, height) = size;
     tracing::info!(
@@ -156,16 +174,34 @@ pub fn write_reference_still(
     if let Some(file) = stats {
         let ground: f64 = picture.ground.iter().map(|part| f64::from(*part)).sum();
         let ground = ground / picture.ground.len().max(1) as f64;
-        let numbers = ReferenceStats::new(&reference, flight, &moment, size, frame, ground);
+        let numbers = ReferenceStats {
+            left_out,
+            ..ReferenceStats::new(&reference, flight, &moment, size, frame, ground)
+        };
         file.write_whole(numbers.to_json().as_bytes())?;
     }
     Ok(())
 }
 
-/// The scene's maps at full resolution, and the air.
-fn load(flight: &Flight, samples: u32, progress: &dyn Progress) -> Result<Reference, StillError> {
+/// The scene's maps and heights at full resolution, and the air; and what of its Earth is not drawn.
+fn load(
+    flight: &Flight,
+    moment: &Moment,
+    samples: u32,
+    progress: &dyn Progress,
+) -> Result<(Reference, Vec<String>), StillError> {
     // Tiles are read as plain texels.
-    let earth = flight.earth_options(BcSupport::None)?;
+    let mut earth = flight.earth_options(BcSupport::None)?;
+    if earth.exposure == Exposure::Auto
+        && let Some(ev) = metered_ev(&earth, &moment.view, &moment.sky)
+    {
+        earth.exposure = Exposure::Ev(ev);
+    }
+    let relief = earth.ground.take().map(|ground| ground.elevation);
+    let left_out = Reference::left_out(&earth)
+        .into_iter()
+        .map(str::to_owned)
+        .collect();
     let options = ReferenceOptions::of(&earth, samples);
     let maps = match &earth.tiles {
         None => FullMaps::taken(earth.layers)?,
@@ -184,7 +220,12 @@ fn load(flight: &Flight, samples: u32, progress: &dyn Progress) -> Result<Refere
     if progress.cancelled() {
         return Err(StillError::Interrupted);
     }
-    Ok(Reference::with_maps(maps, options)?)
+    let reference = Reference::with_maps(maps, options)?;
+    let reference = match relief {
+        Some(elevation) => reference.on_relief(elevation),
+        None => reference,
+    };
+    Ok((reference, left_out))
 }
 
 /// 16 bytes a pixel of the picture and four of its encoding, and three for the file's.
@@ -230,7 +271,7 @@ impl ReferenceStats {
         let features: Vec<_> = layers
             .map(|layer| (layer.name(), maps.layers[layer.index()].is_some()))
             .into_iter()
-            .chain([("atmosphere", has_air)])
+            .chain([("atmosphere", has_air), ("relief", reference.has_relief())])
             .collect();
         let named = |wanted: bool| {
             let all = features.iter().filter(|(_, is_on)| *is_on == wanted);
@@ -247,6 +288,7 @@ impl ReferenceStats {
             ground,
             features_on: named(true),
             features_off: named(false),
+            left_out: Vec::new(),
             eye: EyePosition {
                 lat_deg: place.lat_rad.to_degrees(),
                 lon_deg: place.lon_rad.to_degrees(),
