@@ -1,6 +1,7 @@
 //! The least that a frame could cost: the same samples on the same pixels, and nothing computed.
 
 use crate::gpu::{FrameTargets, GpuContext, GpuLayer, PassFormat, PipelineDescription};
+use crate::imagery::NEIGHBOURHOODS;
 use crate::imagery::tile::MapLayer;
 use crate::{Atmosphere, EarthOptions, EyeView, Shading, air};
 use glam::DVec2;
@@ -8,8 +9,9 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 
 /// A pass over the part of the screen where the ground can be, which takes as many texture samples on each pixel of the
-/// ground as the Earth's shaders do, from textures of the same sizes and formats. It counts one sample for each map, three
-/// of the sunlight table and one of the scattering table, of those that the Earth is drawn with.
+/// ground as the Earth's shaders do, from textures of the same sizes and formats. It counts one sample for each map, one more
+/// of the clouds where they throw shadows, two of the sunlight table and one of each other table of the air, of those that the
+/// Earth is drawn with.
 ///
 /// Maps are read trilinearly at about one texel a pixel. Tiles are not: an Earth of a pack has the floor of its coarsest
 /// whole maps.
@@ -45,6 +47,7 @@ impl Floor {
                 color: FrameTargets::COLOR,
                 samples: options.samples,
                 depth: FrameTargets::REVERSED_DEPTH,
+                tone: Default::default(),
             },
             writes_depth: true,
             blend: None,
@@ -121,31 +124,49 @@ struct Textures {
     views: Vec<wgpu::TextureView>,
     /// How many of them are maps; tables follow.
     maps: usize,
-    /// Whether the last table has three dimensions.
-    has_volume: bool,
+    /// How often each is sampled.
+    samples: Vec<u32>,
+    /// How many tables have three dimensions: the last ones.
+    volumes: usize,
 }
 
 impl Textures {
     fn of(gpu: &GpuContext, options: &EarthOptions) -> Self {
-        let layers = MapLayer::ALL.iter();
-        let layers = layers.filter_map(|layer| options.layers.get(*layer));
-        let mut views: Vec<_> = layers
-            .map(|image| {
-                GpuLayer::upload(&gpu.device, &gpu.queue, "terrella floor map", image, false).view
-            })
-            .collect();
-        let maps = views.len();
-        let has_volume = options.atmosphere != Atmosphere::None;
-        if has_volume && options.shading == Shading::Sunlit {
-            views.push(table(gpu, air::SUNLIGHT, wgpu::TextureDimension::D2));
+        let (mut views, mut samples) = (Vec::new(), Vec::new());
+        for layer in MapLayer::ALL {
+            let Some(image) = options.layers.get(layer) else {
+                continue;
+            };
+            let label = "terrella floor map";
+            views.push(GpuLayer::upload(&gpu.device, &gpu.queue, label, image, false).view);
+            let has_shadow = layer == MapLayer::Clouds
+                && options.light.cloud_shadows
+                && options.shading == Shading::Sunlit;
+            samples.push(if has_shadow { 2 } else { 1 });
         }
-        if has_volume {
-            views.push(table(gpu, air::SCATTERING, wgpu::TextureDimension::D3));
+        let maps = views.len();
+        let has_air = options.atmosphere != Atmosphere::None;
+        let two = wgpu::TextureDimension::D2;
+        if has_air && options.shading == Shading::Sunlit {
+            views.push(table(gpu, air::SUNLIGHT, two));
+            samples.push(2);
+        }
+        if has_air {
+            let albedo = air::TableSize {
+                x: NEIGHBOURHOODS + 2,
+                y: NEIGHBOURHOODS / 2,
+                z: 1,
+            };
+            views.extend([albedo, air::THROUGH].map(|size| table(gpu, size, two)));
+            let three = wgpu::TextureDimension::D3;
+            views.extend([air::BOUNCE, air::SCATTERING].map(|size| table(gpu, size, three)));
+            samples.extend([1; 4]);
         }
         Self {
             views,
             maps,
-            has_volume,
+            samples,
+            volumes: if has_air { 2 } else { 0 },
         }
     }
 
@@ -153,7 +174,7 @@ impl Textures {
         let mut text = HEAD.to_owned();
         let mut samples = String::new();
         for n in 0..self.views.len() {
-            let is_volume = self.has_volume && n + 1 == self.views.len();
+            let is_volume = n + self.volumes >= self.views.len();
             let kind = if is_volume { "3d" } else { "2d" };
             let binding = n + FIRST_TEXTURE as usize;
             // Writing to a string does not fail.
@@ -162,16 +183,18 @@ impl Textures {
                 "@group(0) @binding({binding}) var t{n}: texture_{kind}<f32>;"
             );
             let _ = match (n < self.maps, is_volume) {
-                (true, _) => writeln!(
-                    samples,
-                    "    c += textureSampleGrad(t{n}, maps, uv, dx, dy);"
-                ),
+                (true, _) => (0..self.samples[n]).try_for_each(|shift| {
+                    writeln!(
+                        samples,
+                        "    c += textureSampleGrad(t{n}, maps, uv + 0.01 * {shift}.0, dx, dy);"
+                    )
+                }),
                 (_, true) => writeln!(
                     samples,
                     "    c += textureSampleLevel(t{n}, maps, vec3f(uv, 0.5), 0.0);"
                 ),
-                // Sunlight, skylight and what is left of both on the way to the eye.
-                (_, false) => [0.1, 0.2, 0.3].iter().try_for_each(|shift| {
+                (_, false) => (1..=self.samples[n]).try_for_each(|sample| {
+                    let shift = 0.1 * f64::from(sample);
                     writeln!(
                         samples,
                         "    c += textureSampleLevel(t{n}, maps, uv + {shift:?}, 0.0);"

@@ -9,6 +9,7 @@
 //! | [`mod@reference`] | the true picture: ray casting in f64 on the processor |
 //! | [`numeric`] | formulas held against arbitrary precision, methods compared by error and cost |
 //! | [`extreme`] | pictures that nobody would ask for, and what they must show |
+//! | [`clear_air`] | the air's light against tables of a radiative-transfer program |
 //! | [`errors`] | how wrong a picture is: colours, places, silhouette |
 //! | [`mod@report`] | error against run time over a scene's settings: tables, charts, a page |
 //! | [`surfaces`] | surfaces with relief: error beside run time, holes, popping |
@@ -20,6 +21,7 @@
 mod axis;
 pub mod bench;
 mod chart;
+pub mod clear_air;
 pub mod errors;
 pub mod extreme;
 mod floor;

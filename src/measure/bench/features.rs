@@ -77,13 +77,11 @@ impl FeatureKind {
             // A pack is opened anew: its tiles go with the map.
             Self::Map(layer) if less.tiles.is_some() => {
                 let mut scene = scene.clone();
-                let (earth, water) = (&mut scene.earth, layer == MapLayer::Water);
+                let earth = &mut scene.earth;
                 earth.clouds &= layer != MapLayer::Clouds;
                 earth.normals &= layer != MapLayer::Normals;
                 earth.night_lights &= layer != MapLayer::NightLights;
-                if let Some(pack) = &mut earth.pack {
-                    pack.water &= !water;
-                }
+                earth.water &= layer != MapLayer::Water;
                 less = EarthOptions {
                     samples: options.samples,
                     ..earth_options(&scene, bc)?

@@ -1,6 +1,6 @@
 //! A view that nobody would ask for, and what it must show.
 
-use crate::{EyeView, Sky, Subdivision};
+use crate::{Exposure, EyeView, Sky, Subdivision};
 use glam::DVec3;
 
 /// What must be lit. A pixel that is not finite fails in every case.
@@ -42,8 +42,9 @@ pub struct ExtremeCase {
     pub sides: [Side; 2],
     /// Whether the air is drawn.
     pub has_air: bool,
-    /// [`crate::EarthOptions::exposure`].
-    pub exposure: f32,
+    /// [`crate::EarthOptions::exposure`]. Where it is not the default, the picture is drawn as it is shown, on 8 bits a
+    /// channel; else as light.
+    pub exposure: Exposure,
     /// [`crate::EarthOptions::subdivision`].
     pub subdivision: Subdivision,
 }
@@ -68,7 +69,7 @@ impl ExtremeCase {
             sky: Sky { sun_itrf: overhead },
             sides: [Side::Pixels(64); 2],
             has_air: true,
-            exposure: 1.4,
+            exposure: Exposure::default(),
             subdivision: Subdivision::Cells(24),
         }
     }

@@ -10,9 +10,11 @@ mod cases;
 pub use case::{ExtremeCase, Lit, Side};
 pub use cases::cases;
 
-use crate::gpu::{Attachments, GpuContext, PictureError, color_texture, read_rows};
+use crate::gpu::{
+    Attachments, FrameTargets, GpuContext, PictureError, color_texture, read_halves, read_texture,
+};
 use crate::imagery::EarthLayers;
-use crate::{Atmosphere, DepthBuffer, Earth, EarthError, EarthOptions};
+use crate::{Atmosphere, DepthBuffer, Earth, EarthError, EarthOptions, Exposure};
 use std::time::Duration;
 
 /// A drawn picture in linear light, rows from the top.
@@ -152,13 +154,17 @@ pub fn draw(
     gpu: &GpuContext,
     layers: &EarthLayers,
 ) -> Result<LinearPicture, ExtremeError> {
-    const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+    let is_shown = case.exposure != Exposure::default();
+    let color = match is_shown {
+        true => FrameTargets::COLOR,
+        false => wgpu::TextureFormat::Rgba16Float,
+    };
     let device = &gpu.device;
     let size = case.size(device.limits().max_texture_dimension_2d);
     let options = EarthOptions {
-        color_format: COLOR,
+        color_format: color,
         samples: 1,
-        depth: DepthBuffer::ReversedZ(crate::gpu::FrameTargets::DEPTH),
+        depth: DepthBuffer::ReversedZ(FrameTargets::DEPTH),
         subdivision: case.subdivision,
         exposure: case.exposure,
         atmosphere: if case.has_air {
@@ -171,19 +177,22 @@ pub fn draw(
     let mut earth = Earth::new(device, &gpu.queue, &options)?;
     let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
-    let target = color_texture(device, "terrella extreme", size, COLOR, 1, usage);
+    let target = color_texture(device, "terrella extreme", size, color, 1, usage);
     let view = target.create_view(&wgpu::TextureViewDescriptor {
         label: Some("terrella extreme"),
         ..Default::default()
     });
-    let attachments = Attachments::new(device, size, COLOR, 1);
+    let attachments = Attachments::new(device, size, color, 1);
     earth.prepare(&gpu.queue, &case.view, &case.sky, size);
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
         label: Some("terrella extreme"),
     });
     earth.render(&mut attachments.begin_pass(&mut encoder, &view));
     gpu.queue.submit([encoder.finish()]);
-    let pixels = read_halves(gpu, &target);
+    let pixels = match is_shown {
+        true => read_codes(gpu, &target),
+        false => read_halves(device, &gpu.queue, &target, Some(MAX_WAIT)),
+    };
     if let Some(error) = pollster::block_on(scope.pop()) {
         return Err(ExtremeError::Device(error.to_string()));
     }
@@ -193,50 +202,18 @@ pub fn draw(
     })
 }
 
-/// Reads an `Rgba16Float` texture (usage `COPY_SRC`). Waits for the device, one minute at most.
-fn read_halves(gpu: &GpuContext, texture: &wgpu::Texture) -> Result<Vec<[f32; 4]>, PictureError> {
-    let bytes = read_rows(&gpu.device, &gpu.queue, texture, 8, Some(MAX_WAIT))?;
-    let halves = bytes.as_chunks::<2>().0.iter();
-    let values: Vec<f32> = halves
-        .map(|b| float_of_half(u16::from_le_bytes(*b)))
-        .collect();
-    Ok(values.as_chunks::<4>().0.to_vec())
-}
-
-/// The value of an IEEE half.
-fn float_of_half(bits: u16) -> f32 {
-    let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };
-    let exponent = i32::from(bits >> 10 & 0x1f);
-    let mantissa = f32::from(bits & 0x3ff);
-    let size = match exponent {
-        0 => mantissa * 2f32.powi(-24),
-        31 if mantissa == 0.0 => f32::INFINITY,
-        31 => f32::NAN,
-        _ => (1024.0 + mantissa) * 2f32.powi(exponent - 25),
-    };
-    sign * size
+/// Reads an 8-bit texture (usage `COPY_SRC`) as numbers of 0…1. Waits for the device.
+fn read_codes(gpu: &GpuContext, texture: &wgpu::Texture) -> Result<Vec<[f32; 4]>, PictureError> {
+    let bytes = read_texture(&gpu.device, &gpu.queue, texture)?;
+    let pixels = bytes.as_chunks::<4>().0.iter();
+    Ok(pixels
+        .map(|pixel| pixel.map(|code| f32::from(code) / 255.0))
+        .collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn halves() {
-        for (bits, value) in [
-            (0x0000, 0.0),
-            (0x3c00, 1.0),
-            (0xc000, -2.0),
-            (0x7bff, 65_504.0),
-            (0x0001, 5.960_464_5e-8),
-            (0x0400, 6.103_515_6e-5),
-            (0x3555, 0.333_251_95),
-            (0xfc00, f32::NEG_INFINITY),
-        ] {
-            assert_eq!(float_of_half(bits), value);
-        }
-        assert!(float_of_half(0x7e00).is_nan());
-    }
 
     #[test]
     fn lit_and_broken_pixels_are_counted() {

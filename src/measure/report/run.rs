@@ -13,7 +13,7 @@ use crate::measure::output::OutputFolder;
 use crate::measure::reference::ReferencePicture;
 use crate::measure::{FrameTimer, FrameTimes, GroundPath, Quartiles};
 use crate::play::{Flight, PlayError, Progress};
-use crate::{EarthOptions, EyeView, Sky};
+use crate::{EarthOptions, Exposure, EyeView, Sky};
 use image::RgbaImage;
 use std::time::Instant;
 
@@ -38,7 +38,9 @@ pub(super) fn run(
     }
     progress.begin("loading maps", None);
     let gpu = pollster::block_on(GpuContext::open(request.adapter)).map_err(PlayError::from)?;
-    let options = flight.earth_options(gpu.bc_support())?;
+    let mut options = flight.earth_options(gpu.bc_support())?;
+    // One for all views, so that they can be compared.
+    options.exposure = Exposure::Ev(options.exposure.fixed_ev());
     progress.end();
     let heights_km = request.heights_km.as_deref();
     let plan = SweepPlan::new(&gpu, &options, request.size, request.quick, heights_km);

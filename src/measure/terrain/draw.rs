@@ -65,6 +65,7 @@ impl Canvas {
                 color: FrameTargets::COLOR,
                 samples: 1,
                 depth: FrameTargets::REVERSED_DEPTH,
+                tone: Default::default(),
             },
             writes_depth: true,
             blend: None,
