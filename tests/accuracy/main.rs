@@ -1,6 +1,7 @@
 //! Formulas and pictures held against the instruments of `terrella::internals::measure`: arithmetic of 320 bits, the reference renderer,
 //! the places that pixels show.
 
+mod clear_air;
 #[path = "../common/mod.rs"]
 mod common;
 mod contour_cast;
@@ -9,6 +10,8 @@ mod extreme;
 mod grid_forms;
 mod hills;
 mod reference;
+mod reference_air;
 mod reference_gpu;
 mod relief_extremes;
 mod report_sees;
+mod whole_disc;

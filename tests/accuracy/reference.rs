@@ -10,14 +10,24 @@ use terrella::internals::imagery::{EarthLayers, LayerImage};
 use terrella::internals::measure::reference::{
     Reference, ReferenceError, ReferenceOptions, ReferencePicture, ground_point, limb_angle_rad,
 };
-use terrella::{Atmosphere, EyeView, Shading, Sky};
+use terrella::{Atmosphere, EyeView, Shading, Sky, SurfaceLight, Tone};
 
 /// No air, a sphere, no brightening.
 const BARE: ReferenceOptions = ReferenceOptions {
     figure: Figure::Sphere,
     shading: Shading::Sunlit,
+    surface: SurfaceLight {
+        wind_m_s: 7.0,
+        relief_exaggeration: 4.0,
+        cloud_height_m: 6_000.0,
+        cloud_relief_m: 0.0,
+        cloud_shadows: false,
+        night_lights_gain: 1.5e5,
+    },
     atmosphere: Atmosphere::None,
+    aerosol_optical_depth: 0.0,
     exposure: 1.0,
+    tone: Tone::Linear,
     samples: 2,
 };
 

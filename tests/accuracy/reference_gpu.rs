@@ -8,7 +8,7 @@ use terrella::internals::gpu::{ContextError, GpuContext};
 use terrella::internals::measure::reference::{Reference, ReferenceOptions};
 use terrella::internals::play::{Flight, Moment, OffscreenRenderer};
 use terrella::scene::Scene;
-use terrella::{EarthOptions, Sky};
+use terrella::{EarthOptions, Exposure, Sky};
 
 const SIZE: (u32, u32) = (160, 90);
 
@@ -93,6 +93,8 @@ fn what_is_drawn_is_near_the_reference() {
     let Some(_) = adapter() else { return };
     for (name, mut options, moment) in scenes() {
         options.samples = 4;
+        // How bright a view is shown is not what is judged here.
+        options.exposure = Exposure::Ev(Exposure::DEFAULT_EV);
         // The mesh's silhouette is not what is judged here.
         options.subdivision = terrella::Subdivision::Cells(48);
         let reference = Reference::new(&options.layers, ReferenceOptions::of(&options, 3));

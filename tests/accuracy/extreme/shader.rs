@@ -13,7 +13,7 @@ const ENTRY: &str = "
 
 @compute @workgroup_size(1)
 fn run_place() {
-    let at = 3u * u32(frame.air_below);
+    let at = 3u * u32(frame.exposure);
     var in: Varying;
     in.clip = vec4f(0.0);
     in.center_lon = frame.clip_from_eye[0].xy;
@@ -88,9 +88,9 @@ fn on_the_adapter(pixels: &[PixelRay]) -> Vec<Placed> {
             corner_ray: input.ray,
             polar_stretch: input.polar_stretch,
             pixel_right: Vec3::ZERO,
-            exposure: 1.0,
+            exposure: index as f32,
             pixel_down: Vec3::ZERO,
-            air_below: index as f32,
+            padding: 0.0,
         };
         queue.write_buffer(&frame, 0, bytemuck::bytes_of(&values));
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
