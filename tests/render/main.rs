@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod embedding;
+mod light;
 mod picture;
 mod precision;
 #[cfg(feature = "terrain")]
@@ -15,3 +16,4 @@ mod relief;
 mod tiles;
 #[cfg(feature = "tracks")]
 mod tracks;
+mod water;

@@ -37,9 +37,9 @@ fn view() -> EyeView {
     tilted(place, 60.0, -45.0, 60.0, aspect)
 }
 
-/// Low over the eastern horizon: day and night in one picture.
+/// On the eastern horizon: day and night in one picture.
 fn sun() -> DVec3 {
-    DVec3::new(0.1, 0.99, 0.05).normalize()
+    DVec3::new(-0.5, 0.86, 0.05).normalize()
 }
 
 fn made_so(options: &EarthOptions, quality: &Quality) -> EarthOptions {
@@ -89,10 +89,11 @@ fn follows_the_levels(options: &EarthOptions, count: usize) {
         pictures.push(picture);
     }
     for (level, pair) in levels.iter().skip(1).zip(pictures.windows(2)) {
-        // A software adapter filters once anyway.
+        // A software adapter filters once anyway, and what lies beyond the limb is lifted to it, however coarse the mesh.
         let is_seen = pair[0] != pair[1];
+        let may_be_alike = [QualityReduction::Anisotropy, QualityReduction::Roundness];
         assert!(
-            is_seen || level.reduction == QualityReduction::Anisotropy,
+            is_seen || may_be_alike.contains(&level.reduction),
             "{}",
             level.reduction
         );

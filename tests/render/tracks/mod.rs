@@ -10,14 +10,14 @@ use rig::{
     options, pixel, q_of, style, views, whole,
 };
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::air::{Atmosphere, EARTH_AIR};
+use terrella::internals::air::{Atmosphere, TOP};
 use terrella::internals::gpu::{DepthBuffer, FrameTargets};
 use terrella::orbit::Feed;
 use terrella::tracks::{
     Footprint, TrackSpan, TrackStyle, Tracks, TracksOptions, footprint_outline, is_beyond_air,
     is_hidden,
 };
-use terrella::{EarthOptions, EyeView};
+use terrella::{Earth, EarthOptions, EyeView};
 
 #[test]
 fn a_trail_is_where_it_is_and_the_globe_hides_it_exactly() {
@@ -114,7 +114,7 @@ fn the_air_tints_what_lies_behind_it_and_nothing_before_it() {
                 let air = without.get_pixel(x as u32, y as u32).0;
                 let line = with.get_pixel(x as u32, y as u32).0;
                 // The freshest part is opaque enough to tell.
-                match is_beyond_air(eye, place, EARTH_AIR.top(), &WGS84) {
+                match is_beyond_air(eye, place, TOP, &WGS84) {
                     true => behind.push((air, line)),
                     false => before.push((air, line)),
                 }
@@ -437,7 +437,8 @@ fn depths_the_other_way_round_show_the_same() {
 fn what_is_off_is_absent() {
     let gpu = common::gpu();
     let earth_options = options(Atmosphere::Billboard);
-    let options = TracksOptions::of(&earth_options);
+    let earth = Earth::new(&gpu.device, &gpu.queue, &earth_options).expect("an Earth");
+    let options = TracksOptions::of(&earth);
     let of = |styles: &[TrackStyle]| Tracks::new(&gpu.device, &options, styles).expect("tracks");
     let none = of(&[TrackStyle::new(0), TrackStyle::new(1)]);
     assert_eq!((none.features_on(), none.shader_bytes()), (vec![], 0));
@@ -477,7 +478,8 @@ fn what_is_off_is_absent() {
 #[test]
 fn styles_without_meaning_are_refused() {
     let gpu = common::gpu();
-    let options = TracksOptions::of(&options(Atmosphere::None));
+    let earth = Earth::new(&gpu.device, &gpu.queue, &options(Atmosphere::None));
+    let options = TracksOptions::of(&earth.expect("an Earth"));
     for (change, words) in [
         ((|s| s.width_px = f32::NAN) as fn(&mut TrackStyle), "width"),
         (

@@ -72,10 +72,10 @@ pub struct Rig {
 impl Rig {
     pub fn new(options: EarthOptions, style: TrackStyle) -> Self {
         let gpu = common::gpu();
+        let earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("an Earth");
         Self {
-            earth: Earth::new(&gpu.device, &gpu.queue, &options).expect("an Earth"),
-            tracks: Tracks::new(&gpu.device, &TracksOptions::of(&options), &[style])
-                .expect("tracks"),
+            tracks: Tracks::new(&gpu.device, &TracksOptions::of(&earth), &[style]).expect("tracks"),
+            earth,
             options,
             sun: DVec3::X,
         }
@@ -109,13 +109,9 @@ impl Rig {
             DepthBuffer::ReversedZ(_) => attachments.begin_pass(&mut encoder, &view),
             depth => plain_pass(&mut encoder, &view, depth),
         };
-        self.earth.render_surface(&mut pass);
+        self.earth.render(&mut pass);
         if with_tracks {
-            self.tracks.render_beyond_air(&mut pass);
-        }
-        self.earth.render_air(&mut pass);
-        if with_tracks {
-            self.tracks.render_before_air(&mut pass);
+            self.tracks.render(&mut pass);
         }
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
