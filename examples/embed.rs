@@ -8,7 +8,8 @@ use std::error::Error;
 use std::path::Path;
 use terrella::frames::{Ellipsoid, Epoch, Geodetic};
 use terrella::{
-    DepthBuffer, Earth, EarthOptions, EyeView, LayerSelection, Sky, find_textures, load_layers,
+    DepthBuffer, Earth, EarthOptions, Exposure, EyeView, LayerSelection, Sky, Tone,
+    exposure_factor, find_textures, load_layers,
 };
 
 const SIZE: (u32, u32) = (960, 540);
@@ -289,7 +290,7 @@ impl Host {
         pass.draw(0..36, 0..self.boxes);
     }
 
-    /// Reads the linear half floats back and writes them as sRGB.
+    /// Reads the light back, which a float target gets, and writes what is shown of it, as sRGB.
     fn save(
         &self,
         device: &wgpu::Device,
@@ -323,7 +324,11 @@ impl Host {
         let halves: &[u16] = bytemuck::cast_slice(&mapped);
         let picture = image::RgbImage::from_fn(SIZE.0, SIZE.1, |x, y| {
             let at = 4 * (y * SIZE.0 + x) as usize;
-            image::Rgb([0, 1, 2].map(|k| encode_srgb(half_to_f32(halves[at + k]))))
+            let light = [0, 1, 2].map(|k| f64::from(half_to_f32(halves[at + k])));
+            // The host's own exposure and tone curve; any other will do.
+            let exposed = DVec3::from_array(light) * exposure_factor(Exposure::DEFAULT_EV);
+            let shown = Tone::default().shown(exposed);
+            image::Rgb(shown.to_array().map(|light| encode_srgb(light as f32)))
         });
         picture.save(path)?;
         Ok(())

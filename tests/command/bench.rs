@@ -63,7 +63,7 @@ fn a_run_is_written_and_compared_with_an_earlier_one() {
     let features = report["features"].as_array().expect("features");
     let names: Vec<_> = features.iter().map(|feature| &feature["name"]).collect();
     // Normals, lights and samples are off in this scene.
-    assert_eq!(names, ["clouds", "atmosphere"]);
+    assert_eq!(names, ["clouds", "water", "atmosphere"]);
     for feature in features {
         assert!(feature["texture_bytes"].as_i64() > Some(0), "{feature}");
         assert!(feature["shader_bytes"].as_i64() > Some(0), "{feature}");

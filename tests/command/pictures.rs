@@ -70,12 +70,154 @@ fn a_still_has_its_size_and_exactly_the_numbers_of_the_contract() {
     assert!(visible >= drawn && drawn > 0.0, "{visible} {drawn}");
     assert_eq!(
         stats["features_on"],
-        serde_json::json!(["clouds", "atmosphere"])
+        serde_json::json!(["clouds", "water", "atmosphere"])
     );
     assert_eq!(
         stats["features_off"],
         serde_json::json!(["normals", "night_lights"])
     );
+}
+
+/// Height, width and values of a NumPy array of 32-bit floats, three to a pixel.
+fn numpy(path: &Path) -> (usize, usize, Vec<f32>) {
+    let bytes = std::fs::read(path).expect("reads");
+    assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00");
+    let end = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    assert_eq!(end % 64, 0);
+    let header = std::str::from_utf8(&bytes[10..end]).expect("text");
+    assert!(header.contains("'descr': '<f4'") && header.contains("'fortran_order': False"));
+    let shape = header.split("'shape': (").nth(1).expect("a shape");
+    let numbers = shape.split(')').next().expect("an end").split(',');
+    let shape: Vec<usize> = numbers
+        .map(|n| n.trim().parse().expect("a number"))
+        .collect();
+    assert_eq!((shape.len(), shape[2]), (3, 3), "{header}");
+    let values = bytes[end..].as_chunks::<4>().0.iter();
+    let values: Vec<f32> = values.map(|bytes| f32::from_le_bytes(*bytes)).collect();
+    assert_eq!(values.len(), shape[0] * shape[1] * 3);
+    (shape[0], shape[1], values)
+}
+
+/// A folder of maps: a white sheet round the Earth, and nothing else.
+fn white_maps(place: &Place) {
+    std::fs::create_dir(place.path("white")).expect("made");
+    let white = image::RgbImage::from_pixel(8, 4, image::Rgb([255; 3]));
+    white.save(place.path("white/day.png")).expect("writes");
+}
+
+#[test]
+fn light_is_written_as_an_array_in_which_a_white_sheet_is_one() {
+    let place = Place::new();
+    white_maps(&place);
+    // The Sun over the equator; the eye where it stands highest.
+    let scene = "[camera]\nmode = \"geodetic\"\nlat_deg = 0\nlon_deg = 1.9\nheight_km = 500\nfov_deg = 1\n\
+        [time]\nstart = \"2018-03-20T12:00:00Z\"\n\
+        [earth]\ntextures = \"white\"\natmosphere = \"none\"\n[output]\nsize = [30, 20]\nexposure_ev = -7.5\n";
+    place.scene("white.toml", scene);
+    place.succeed(&["frame", "white.toml", "-o", "a.png", "--radiance", "a.npy"]);
+    place.succeed(&["frame", "white.toml", "-o", "b.png", "--radiance", "b.exr"]);
+    assert_eq!(
+        place.names(),
+        [
+            "a.npy",
+            "a.png",
+            "b.exr",
+            "b.png",
+            "small.toml",
+            "white",
+            "white.toml"
+        ]
+    );
+    let (height, width, values) = numpy(&place.path("a.npy"));
+    assert_eq!((height, width), (20, 30));
+    for value in &values {
+        assert!((value - 1.0).abs() < 1e-3, "{value}");
+    }
+    // The last channel of the last line, R, stands last.
+    let exr = std::fs::read(place.path("b.exr")).expect("reads");
+    assert_eq!(exr[..4], [0x76, 0x2f, 0x31, 0x01]);
+    let last = exr[exr.len() - 4..].try_into().expect("four bytes");
+    assert_eq!(f32::from_le_bytes(last), values[values.len() - 3]);
+}
+
+#[test]
+fn light_is_refused_where_it_cannot_be_written() {
+    let place = Place::new();
+    let frame = |radiance: &str, code, more: &[&str]| {
+        let mut arguments = vec!["frame", "small.toml", "-o", "a.png", "--radiance", radiance];
+        arguments.extend(more);
+        place.fail(code, &arguments)
+    };
+    for name in ["a.png", "a.tiff", "a"] {
+        let words = frame(name, 1, &[]);
+        assert!(words.contains(".npy") && words.contains(".exr"), "{words}");
+    }
+    assert!(frame("none/a.npy", 1, &[]).contains("no folder"));
+    let words = frame("a.npy", 2, &["--renderer", "reference"]);
+    assert!(words.contains("--radiance"), "{words}");
+    assert_eq!(place.names(), ["small.toml"]);
+}
+
+#[test]
+fn a_map_that_is_not_there_is_left_out_and_told_of() {
+    let place = Place::new();
+    white_maps(&place);
+    place.scene("loose.toml", "[earth]\ntextures = \"white\"\n");
+    place.scene(
+        "strict.toml",
+        "[earth]\ntextures = \"white\"\nstrict = true\n",
+    );
+    let checked = place.succeed(&["check", "loose.toml"]);
+    let checked = String::from_utf8_lossy(&checked.stdout).into_owned();
+    let told = checked.split("missing, so left out").nth(1).expect("told");
+    assert!(
+        told.contains("clouds") && told.contains("night_lights.png"),
+        "{told}"
+    );
+    let drawn = place.succeed(&[
+        "frame",
+        "loose.toml",
+        "-o",
+        "a.png",
+        "--stats",
+        "a.json",
+        "--size",
+        "64x36",
+    ]);
+    let warned = String::from_utf8_lossy(&drawn.stderr).into_owned();
+    assert!(warned.contains("clouds.png is missing"), "{warned}");
+    let text = std::fs::read_to_string(place.path("a.json")).expect("reads");
+    let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let missing = stats["layers_missing"].as_array().expect("a list");
+    assert!(missing.contains(&"clouds".into()), "{missing:?}");
+    for arguments in [
+        &["check", "strict.toml"][..],
+        &["frame", "strict.toml", "-o", "b.png"],
+    ] {
+        let words = place.fail(2, arguments);
+        assert!(
+            words.contains("strict") && words.contains("clouds"),
+            "{words}"
+        );
+    }
+}
+
+#[test]
+fn a_metered_exposure_is_told_and_the_same_each_time() {
+    let place = Place::new();
+    let scene = crate::SMALL.replace("[output]", "[output]\nexposure_ev = \"auto\"");
+    place.scene("auto.toml", &scene);
+    let frame = |name: &str| {
+        let (png, json) = (format!("{name}.png"), format!("{name}.json"));
+        place.succeed(&["frame", "auto.toml", "-o", &png, "--stats", &json]);
+        let text = std::fs::read_to_string(place.path(&json)).expect("reads");
+        let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        let ev = stats["exposure_ev"].as_f64().expect("told");
+        (std::fs::read(place.path(&png)).expect("reads"), ev)
+    };
+    let (picture, ev) = frame("a");
+    assert!((-4.0..=5.0).contains(&ev), "{ev}");
+    assert!((picture, ev) == frame("b"));
 }
 
 #[test]
@@ -92,7 +234,7 @@ fn the_minimal_scene_pays_for_the_day_map_alone() {
         serde_json::from_str(&text).expect("JSON")
     };
     let (minimal, iss) = (stats("minimal"), stats("iss"));
-    let all = serde_json::json!(["clouds", "normals", "night_lights", "atmosphere"]);
+    let all = serde_json::json!(["clouds", "normals", "night_lights", "water", "atmosphere"]);
     assert_eq!(minimal["features_on"], serde_json::json!([]));
     assert_eq!(minimal["features_off"], all);
     assert_eq!(iss["features_on"], all);

@@ -25,9 +25,9 @@ fn a_reference_still_looks_like_the_drawn_one_and_tells_its_numbers() {
     assert_eq!(stats["day_width"], 4096);
     assert_eq!(
         stats["features_on"],
-        serde_json::json!(["clouds", "atmosphere"])
+        serde_json::json!(["clouds", "water", "atmosphere"])
     );
-    let bytes = 4 * 4096 * 2048 + 2048 * 1024;
+    let bytes = 4 * 4096 * 2048 + 2048 * 1024 + 8192 * 4096;
     assert_eq!(stats["map_bytes"], bytes);
     let ground = stats["ground"].as_f64().expect("a number");
     assert!((0.2..0.9).contains(&ground), "{ground}");
@@ -128,14 +128,54 @@ fn bad_scenes_and_outputs_are_told_as_ever() {
 }
 
 #[test]
-fn the_spacecraft_is_left_out_with_a_warning() {
+fn what_is_left_out_is_named() {
     let place = Place::new();
     place.scene(
         "chase.toml",
-        "[camera]\nmode = \"chase\"\n[earth]\nclouds = false\nnormals = false\nnight_lights = false\n[output]\nsize = [16, 9]\n",
+        "[camera]\nmode = \"chase\"\n[orbit]\n[tracks]\nmarker = true\n[earth]\nclouds = false\nnormals = false\nnight_lights = false\n[output]\nsize = [16, 9]\n",
     );
-    let output = place.succeed(&arguments("chase.toml", &[]));
-    assert!(words(&output).contains("spacecraft"), "{}", words(&output));
+    let output = place.succeed(&arguments("chase.toml", &["--stats", "a.json"]));
+    assert!(
+        words(&output).contains("tracks, spacecraft"),
+        "{}",
+        words(&output)
+    );
+    let text = std::fs::read_to_string(place.path("a.json")).expect("reads");
+    let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(
+        stats["left_out"],
+        serde_json::json!(["tracks", "spacecraft"])
+    );
+}
+
+#[test]
+fn ground_with_relief_is_drawn() {
+    let place = Place::new();
+    // Along the Andes from the Pacific, and the same without heights.
+    let scene = |earth: &str| {
+        format!(
+            "[time]\nstart = \"2018-07-15T15:00:00Z\"\n[camera]\nlat_deg = -33\nlon_deg = -72\nheight_km = 5\nheading_deg = 90\n\
+             pitch_deg = -3\nfov_deg = 40\n[earth]\nclouds = false\n{earth}[output]\nsize = [32, 18]\n"
+        )
+    };
+    let elevation = format!(
+        "elevation = [\"{}/textures/elevation.png\"]\n",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    place.scene("hills.toml", &scene(&elevation));
+    place.scene("smooth.toml", &scene(""));
+    let ground = |scene: &str| {
+        place.succeed(&arguments(scene, &["--stats", "a.json"]));
+        let text = std::fs::read_to_string(place.path("a.json")).expect("reads");
+        let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        assert_eq!(stats["left_out"], serde_json::json!([]));
+        let is_on = stats["features_on"].as_array().expect("a list").iter();
+        let has_relief = is_on.clone().any(|feature| feature == "relief");
+        assert_eq!(has_relief, scene == "hills.toml");
+        stats["ground"].as_f64().expect("a number")
+    };
+    let (hills, smooth) = (ground("hills.toml"), ground("smooth.toml"));
+    assert!(hills > smooth + 0.01, "{hills} {smooth}");
 }
 
 #[cfg(unix)]

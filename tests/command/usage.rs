@@ -36,6 +36,7 @@ fn every_command_has_help() {
                 "--output",
                 "--at",
                 "--size",
+                "--radiance",
                 "--stats",
                 "--renderer",
                 "--samples",

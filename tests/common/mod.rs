@@ -77,6 +77,30 @@ impl Rig {
         }
     }
 
+    /// The same with a target of light.
+    pub fn of_light(options: &EarthOptions, size: (u32, u32)) -> Self {
+        let gpu = gpu();
+        Self::with_color(
+            &EarthOptions {
+                color_format: gpu.float_format(),
+                ..options.clone()
+            },
+            size,
+        )
+    }
+
+    /// The same with a target of the options' own format.
+    pub fn with_color(options: &EarthOptions, size: (u32, u32)) -> Self {
+        let gpu = gpu();
+        let (format, samples) = (options.color_format, options.samples);
+        let earth = Earth::new(&gpu.device, &gpu.queue, options).expect("sound options");
+        Self {
+            earth,
+            targets: FrameTargets::with_color(&gpu.device, format, size, samples),
+            size,
+        }
+    }
+
     /// Draws better or worse from now on, into textures that fit.
     pub fn set_quality(&mut self, quality: &Quality) {
         let gpu = gpu();
@@ -95,6 +119,15 @@ impl Rig {
         (self.picture(), stats)
     }
 
+    /// Draws light: of a rig that is made for it.
+    pub fn draw_light(&mut self, view: &EyeView, sun_itrf: DVec3) -> Vec<[f32; 4]> {
+        let sky = Sky { sun_itrf };
+        self.earth.prepare(&gpu().queue, view, &sky, self.size);
+        self.submit();
+        let light = self.targets.read_light(&gpu().device, &gpu().queue);
+        light.expect("a picture")
+    }
+
     /// Draws when all tiles have come; answers those that have not after ten seconds.
     pub fn draw_complete(
         &mut self,
@@ -109,6 +142,14 @@ impl Rig {
     }
 
     fn picture(&mut self) -> RgbaImage {
+        self.submit();
+        let gpu = gpu();
+        let texels = self.targets.read_back(&gpu.device, &gpu.queue);
+        let (width, height) = self.size;
+        RgbaImage::from_raw(width, height, texels.expect("a picture")).expect("of that size")
+    }
+
+    fn submit(&mut self) {
         let gpu = gpu();
         let mut encoder = gpu
             .device
@@ -116,9 +157,6 @@ impl Rig {
         self.earth
             .render(&mut self.targets.begin_pass(&mut encoder));
         gpu.queue.submit([encoder.finish()]);
-        let texels = self.targets.read_back(&gpu.device, &gpu.queue);
-        let (width, height) = self.size;
-        RgbaImage::from_raw(width, height, texels.expect("a picture")).expect("of that size")
     }
 }
 

@@ -11,15 +11,16 @@ const MODULES: &[(&str, &[&str])] = &[
     ("elevation", &["frames"]),
     ("globe", &["frames", "elevation"]),
     ("air", &["frames"]),
+    ("light", &["frames", "air"]),
     // Maps and drawables know nothing of satellites.
     ("imagery", &["elevation", "globe"]),
-    ("scene", &["frames", "orbit", "globe", "air"]),
-    ("gpu", &["frames", "globe", "air", "imagery"]),
-    ("earth", &["frames", "elevation", "globe", "air", "imagery", "gpu"]),
+    ("scene", &["frames", "orbit", "globe", "air", "light"]),
+    ("gpu", &["frames", "globe", "air", "light", "imagery"]),
+    ("earth", &["frames", "elevation", "globe", "air", "light", "imagery", "gpu"]),
     // Drawn with the Earth, for any feed: knows no scene.
     ("tracks", &["frames", "orbit", "globe", "air", "gpu", "earth"]),
-    ("play", &["frames", "orbit", "elevation", "imagery", "scene", "gpu", "earth", "tracks"]),
-    ("measure", &["frames", "orbit", "elevation", "globe", "air", "imagery", "scene", "gpu", "earth", "play"]),
+    ("play", &["frames", "orbit", "elevation", "light", "imagery", "scene", "gpu", "earth", "tracks"]),
+    ("measure", &["frames", "orbit", "elevation", "globe", "air", "light", "imagery", "scene", "gpu", "earth", "play"]),
     ("cli", &["frames", "orbit", "globe", "imagery", "scene", "gpu", "play", "measure"]),
 ];
 

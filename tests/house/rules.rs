@@ -13,6 +13,7 @@ const WITHOUT_GPU: &[&str] = &[
     "elevation",
     "globe",
     "air",
+    "light",
     "imagery",
     "scene",
 ];

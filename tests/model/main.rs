@@ -3,5 +3,6 @@
 mod air;
 mod frames;
 mod globe;
+mod halo;
 #[cfg(all(feature = "terrain", feature = "tracks"))]
 mod shaders;

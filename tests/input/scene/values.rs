@@ -4,7 +4,8 @@ use super::{Folder, scene, utc};
 use terrella::internals::air::Atmosphere;
 use terrella::internals::earth::Shading;
 use terrella::internals::globe::{Figure, LevelRule, Subdivision, Visibility};
-use terrella::scene::{CameraMode, Scene, StorageChoice};
+use terrella::scene::{CameraMode, EarthTable, Look, Scene, StorageChoice};
+use terrella::{Exposure, Tone};
 
 #[test]
 fn edges_that_are_seen_are_smoothed() {
@@ -22,6 +23,43 @@ fn edges_that_are_seen_are_smoothed() {
         samples("[camera]\nmode = \"chase\"\n[output]\nsamples = 1"),
         1
     );
+}
+
+#[test]
+fn light_is_shown_as_the_scene_says() {
+    let output = |text: &str| scene(&format!("[output]\n{text}")).output;
+    assert_eq!(output("").exposure, Exposure::Ev(Exposure::DEFAULT_EV));
+    assert_eq!(output("exposure_ev = -20").exposure, Exposure::Ev(-20.0));
+    assert_eq!(output("exposure_ev = 1.25").exposure, Exposure::Ev(1.25));
+    assert_eq!(output("exposure_ev = \"auto\"").exposure, Exposure::Auto);
+    assert_eq!(output("").tone, Tone::Neutral);
+    assert_eq!(output("tone = \"filmic\"").tone, Tone::Filmic);
+    assert_eq!(output("tone = \"linear\"").tone, Tone::Linear);
+}
+
+#[test]
+fn a_look_sets_what_the_scene_leaves_open() {
+    let earth = |text: &str| scene(&format!("[earth]\n{text}")).earth;
+    assert_eq!(earth("").look, Look::Standard);
+    let paper = earth("look = \"paper\"");
+    assert_eq!(paper.shading, Shading::Paper);
+    assert!(!paper.night_lights);
+    let own = earth("look = \"paper\"\nshading = \"sunlit\"");
+    assert_eq!((own.shading, own.night_lights), (Shading::Sunlit, true));
+    let full = earth("look = \"full\"");
+    assert_eq!(full.shading, Shading::Sunlit);
+    let shadows = |earth: &EarthTable| earth.light.map(|light| light.cloud_shadows);
+    assert_eq!(shadows(&full), Some(true));
+    assert_eq!(shadows(&earth("")), Some(false));
+    assert_eq!(
+        shadows(&earth("look = \"full\"\ncloud_shadows = false")),
+        Some(false)
+    );
+    assert_eq!(shadows(&paper), None);
+    // Haze: a clear day's, none in the paper's picture, and what is asked for in both.
+    let haze = |text: &str| earth(text).aerosol_optical_depth;
+    assert_eq!((haze(""), haze("look = \"paper\"")), (0.1, 0.0));
+    assert_eq!(haze("look = \"paper\"\naerosol_optical_depth = 5"), 5.0);
 }
 
 #[test]
@@ -62,10 +100,12 @@ fn every_key_is_read() {
          [tracks]\nwidth_px = 4\n\
          [camera]\nmode = \"geodetic\"\nfov_deg = 179.999\nlat_deg = -90\nlon_deg = 350\n\
          height_km = 0.001\nheading_deg = -360\npitch_deg = 90\n\
-         [earth]\nfigure = \"sphere\"\nsubdivision = 48\nvisibility = \"paper\"\n\
+         [earth]\nlook = \"paper\"\nstrict = true\nfigure = \"sphere\"\nsubdivision = 48\nvisibility = \"paper\"\n\
          shading = \"paper\"\nclouds = false\nnormals = false\nnight_lights = false\n\
          atmosphere = \"none\"\ntextures = \"maps\"\nsurface = \"blocks\"\n\
-         [output]\nsize = [16384, 1]\nsamples = 1\n",
+         water = false\naerosol_optical_depth = 0\n\
+         [output]\nsize = [16384, 1]\nsamples = 1\n\
+         exposure_ev = 1.5\ntone = \"linear\"\n",
     );
     let scene = scene.expect("a good scene");
     assert_eq!(scene.time.start, utc("2018-01-19T01:02:03.25Z"));
@@ -95,7 +135,7 @@ fn every_key_is_read() {
     assert_eq!(scene.earth.textures, Some(folder.path("maps")));
     assert_eq!(scene.output.size, [16384, 1]);
     assert_eq!(scene.output.samples, 1);
-    assert_eq!(scene.line("output", "samples"), Some(42));
+    assert_eq!(scene.line("output", "samples"), Some(46));
     let summary = scene.summary();
     assert!(!summary.contains("default"), "{summary}");
 }
@@ -108,7 +148,10 @@ fn a_pack_has_defaults_of_its_own() {
     assert_eq!(pack.folder, folder.path("maps"));
     assert_eq!((pack.levels, pack.texel_px), (LevelRule::Screen, 1.0));
     assert_eq!((pack.texture_mb, pack.upload_mb), (512.0, 8.0));
-    assert_eq!((pack.storage, pack.water), (StorageChoice::Auto, true));
+    assert_eq!(
+        (pack.storage, scene.earth.water),
+        (StorageChoice::Auto, true)
+    );
     let output = &scene.output;
     assert_eq!(
         (scene.earth.subdivision, output.wait_s),
@@ -123,7 +166,7 @@ fn a_pack_has_defaults_of_its_own() {
         (LevelRule::Paper, StorageChoice::Bc)
     );
     assert_eq!(
-        (pack.water, scene.earth.subdivision),
+        (scene.earth.water, scene.earth.subdivision),
         (false, Subdivision::Cells(6))
     );
     assert!(scene.summary().contains("the pack"), "{}", scene.summary());

@@ -10,10 +10,11 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::LazyLock;
+use terrella::Tone;
 use terrella::internals::gpu::{
-    AirVariant, EarthOutput, EarthVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability,
-    ShaderText, ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TracksVariant,
-    VertexForm,
+    AirSide, AirVariant, AirViewVariant, EarthOutput, EarthVariant, PaperLayers, PatchTiles,
+    SHADER_FILES, ShaderCapability, ShaderText, ShaderVariant, ShadingVariant, SunlitLayers,
+    TargetColor, TracksVariant, VertexForm,
 };
 
 /// A legal variant of any shader, validated.
@@ -65,6 +66,7 @@ fn built<V: ShaderVariant>() -> Vec<Result<Shader, String>> {
 static ALL: LazyLock<(Vec<Shader>, Vec<String>)> = LazyLock::new(|| {
     let mut all = built::<EarthVariant>();
     all.extend(built::<AirVariant>());
+    all.extend(built::<AirViewVariant>());
     all.extend(built::<TracksVariant>());
     let (mut shaders, mut failures) = (Vec::new(), Vec::new());
     for shader in all {
@@ -137,16 +139,17 @@ fn every_file_is_in_some_variant() {
 
 const LAYERS: SunlitLayers = SunlitLayers {
     clouds: true,
+    cloud_shadows: true,
     normals: true,
     night_lights: true,
     water: true,
-    air: true,
+    air: Some(AirSide::Outside),
 };
 
 fn sunlit(form: VertexForm, layers: SunlitLayers) -> EarthVariant {
     EarthVariant {
         form,
-        output: EarthOutput::Picture(ShadingVariant::Sunlit(layers), TargetColor::Linear),
+        output: EarthOutput::Picture(ShadingVariant::Sunlit(layers), TargetColor::Radiance),
     }
 }
 
@@ -173,7 +176,7 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
     let all = |without: SunlitLayers| sunlit(everything, without);
     let cases = [
         (
-            ["cloud", "CLOUD"],
+            ["cloud_map", "cover_at"],
             sunlit(
                 BLOCKS,
                 SunlitLayers {
@@ -183,6 +186,22 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
             ),
             all(SunlitLayers {
                 clouds: false,
+                cloud_shadows: false,
+                ..LAYERS
+            }),
+        ),
+        (
+            ["LOWEST_SHADOW", "cloud_shadow"],
+            sunlit(
+                BLOCKS,
+                SunlitLayers {
+                    clouds: true,
+                    cloud_shadows: true,
+                    ..none
+                },
+            ),
+            all(SunlitLayers {
+                cloud_shadows: false,
                 ..LAYERS
             }),
         ),
@@ -235,9 +254,15 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
         ),
         (
             ["sunlight", "table_"],
-            sunlit(BLOCKS, SunlitLayers { air: true, ..none }),
+            sunlit(
+                BLOCKS,
+                SunlitLayers {
+                    air: LAYERS.air,
+                    ..none
+                },
+            ),
             all(SunlitLayers {
-                air: false,
+                air: None,
                 ..LAYERS
             }),
         ),
@@ -317,19 +342,77 @@ fn the_paper_has_no_light_of_ours() {
     let layers = PaperLayers {
         clouds: true,
         normals: true,
+        air: None,
     };
     let paper = EarthVariant {
         form: BLOCKS,
-        output: EarthOutput::Picture(ShadingVariant::Paper(layers), TargetColor::Display),
+        output: EarthOutput::Picture(
+            ShadingVariant::Paper(layers),
+            TargetColor::Display(Tone::Neutral),
+        ),
     };
     for name in [
         "struct Light",
-        "exposure;",
+        "displayed",
+        "dither",
         "fresnel",
         "encode_srgb",
         "decode_srgb",
     ] {
         assert!(!code(paper).contains(name), "{name}");
+    }
+}
+
+/// A float target gets light: nothing of how it is shown is in its shader. Else there is one curve at most.
+#[test]
+fn a_target_of_light_is_not_exposed() {
+    let layers = SunlitLayers::default();
+    let text = |target| {
+        code(EarthVariant {
+            form: BLOCKS,
+            output: EarthOutput::Picture(ShadingVariant::Sunlit(layers), target),
+        })
+    };
+    let curves = ["fn neutral", "fn filmic"];
+    for target in TargetColor::all() {
+        let text = text(target);
+        let is_light = target == TargetColor::Radiance;
+        for name in ["* exposure", "fn dither"] {
+            assert_eq!(text.contains(name), !is_light, "{target:?}: {name}");
+        }
+        let found = curves.iter().filter(|curve| text.contains(**curve)).count();
+        let wanted = match target {
+            TargetColor::Linear(tone) | TargetColor::Display(tone) => {
+                usize::from(tone != Tone::Linear)
+            }
+            TargetColor::Radiance => 0,
+        };
+        assert_eq!(found, wanted, "{target:?}");
+        let encodes = matches!(target, TargetColor::Display(_));
+        assert_eq!(text.contains("encode_srgb"), encodes, "{target:?}");
+    }
+}
+
+/// From outside the air tables are read, from inside what was drawn of it; neither knows the other's.
+#[test]
+fn an_eye_on_one_side_of_the_air_has_nothing_of_the_other() {
+    let of = |air| {
+        let layers = SunlitLayers {
+            air: Some(air),
+            ..LAYERS
+        };
+        code(sunlit(BLOCKS, layers))
+    };
+    let (outside, inside) = (of(AirSide::Outside), of(AirSide::Inside));
+    for name in ["scattering_table", "through_table", "acos(cosine)"] {
+        assert!(outside.contains(name) && !inside.contains(name), "{name}");
+    }
+    for name in ["black_view", "view_place", "limb_tangent"] {
+        assert!(inside.contains(name) && !outside.contains(name), "{name}");
+    }
+    for name in ["for (", "AIR_SCALE_HEIGHT"] {
+        let is_there = outside.contains(name) || inside.contains(name);
+        assert!(!is_there, "no marching for each pixel, no relief: {name}");
     }
 }
 

@@ -5,7 +5,7 @@ use naga::TypeInner;
 use std::mem::offset_of;
 use terrella::internals::globe::contours::ContourNode;
 use terrella::internals::globe::projected_grid::{GridLevel, GridUniforms};
-use terrella::internals::gpu::{AirUniforms, FrameUniforms, TrackUniforms};
+use terrella::internals::gpu::{AirUniforms, FrameUniforms, SurfaceLightUniforms, TrackUniforms};
 
 /// Member offsets and size of a struct, of a shader that has it.
 fn reflected(name: &str) -> (Vec<(String, usize)>, usize) {
@@ -30,8 +30,8 @@ fn structs_match_the_shaders() {
             let (members, span) = reflected($name);
             let ours = vec![$((stringify!($member).to_owned(), offset_of!($ty, $member))),*];
             // Padding stands only on the Rust side or on both; every named member must agree.
-            let ours: Vec<_> = ours.into_iter().filter(|(name, _)| name != "padding").collect();
-            let members: Vec<_> = members.into_iter().filter(|(name, _)| name != "padding").collect();
+            let ours: Vec<_> = ours.into_iter().filter(|(name, _)| !name.starts_with("padding")).collect();
+            let members: Vec<_> = members.into_iter().filter(|(name, _)| !name.starts_with("padding")).collect();
             assert_eq!(members, ours);
             assert_eq!(span, size_of::<$ty>(), "size of {}", $name);
         }};
@@ -49,26 +49,48 @@ fn structs_match_the_shaders() {
             polar_stretch,
             pixel_right,
             exposure,
-            pixel_down,
-            air_below
+            pixel_down
         ]
     );
     check!(
-        "TrackUniforms",
-        TrackUniforms,
-        [frame, size_px, air_top, side]
+        "SurfaceLightUniforms",
+        SurfaceLightUniforms,
+        [
+            wave_slope_squared,
+            foam,
+            mirror_power,
+            mirror_scale,
+            slope_gain,
+            cloud_height,
+            cloud_relief,
+            cloud_dip,
+            air_above_clouds,
+            lamp_light,
+            padding
+        ]
     );
+    check!("TrackUniforms", TrackUniforms, [frame, size_px, air_top]);
     check!(
         "AirUniforms",
         AirUniforms,
         [
-            clip_from_billboard,
-            sun,
+            across_x,
             eye_distance,
-            top,
+            across_y,
             eye_height,
+            toward_center,
             exposure,
-            depth_rounding
+            sun,
+            polar_stretch,
+            sun_level,
+            eye_sun,
+            sky_albedo,
+            limb_sin,
+            molecules,
+            limb_cos,
+            ozone,
+            aerosol_scattering,
+            aerosol_extinction
         ]
     );
     check!(
