@@ -115,7 +115,14 @@ impl Earth {
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let air = match quality.atmosphere {
             Atmosphere::Billboard => {
-                let textures = air_textures(device, queue, &options.air, &albedo, &quality);
+                let textures = air_textures(
+                    device,
+                    queue,
+                    &options.air,
+                    &options.light,
+                    &albedo,
+                    &quality,
+                );
                 Some(AirDrawable::new(device, format, textures)?)
             }
             Atmosphere::None => None,
@@ -279,7 +286,8 @@ impl Earth {
             (Atmosphere::Billboard, before) => {
                 let textures = before.map(|air| air.textures().clone());
                 let textures = textures.unwrap_or_else(|| {
-                    air_textures(&device, queue, &self.air_options, &self.albedo, &quality)
+                    let (air, light) = (&self.air_options, &self.style.light);
+                    air_textures(&device, queue, air, light, &self.albedo, &quality)
                 });
                 Some(AirDrawable::new(&device, format, textures)?)
             }
@@ -414,12 +422,13 @@ fn air_textures(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     options: &AirOptions,
+    light: &SurfaceLight,
     albedo: &NeighbourhoodAlbedo,
     quality: &Quality,
 ) -> AirTextures {
     let (model, tables) = (AirModel::new(options), AirTables::shared(options));
     let albedo = albedo.texels(&quality.maps);
-    AirTextures::new(device, queue, model, &tables, &albedo)
+    AirTextures::new(device, queue, model, &tables, &albedo, light.cloud_height_m)
 }
 
 /// The value of a future that is ready at once, as wgpu's error scopes are everywhere but on the web.

@@ -14,8 +14,13 @@ use crate::globe::{
     BLOCK_COUNT, BlockGrid, COLUMNS, Meshes, Subdivision, SubdivisionError, Surface, Visibility,
     sagitta, select_blocks, texels_per_pixel,
 };
-use crate::gpu::{AirPlan, FramePlan, FrameUniforms};
+use crate::gpu::{AirPlan, FramePlan, FrameUniforms, LAMPS_OUT_SIN};
 use crate::light::exposure_factor;
+
+/// A block on which the sine of the Sun's elevation is nowhere less has no lamp lit, with room for the ellipsoid.
+pub(super) const LIGHTS_OUT: f64 = LAMPS_OUT_SIN + ROOM_SIN;
+/// Room for the ellipsoid in sines of the Sun's elevation.
+pub(super) const ROOM_SIN: f64 = 0.01;
 
 /// Turns views into plans.
 pub(super) struct Planner {
@@ -134,6 +139,12 @@ impl Planner {
             None => self.plan_blocks(view, plan, &mut stats),
         }
         stats.blocks_drawn = plan.blocks.len() as u32;
+        let grid = self.meshes.grid();
+        for block in &plan.blocks {
+            if grid.sun_range(*block, sky.sun_itrf).0 > LIGHTS_OUT {
+                plan.daylit.insert(block.index() as u8);
+            }
+        }
         self.plan_tiles(view, sky, plan, &mut stats);
         plan.uniforms = FrameUniforms {
             sun_itrf: sky.sun_itrf.as_vec3(),
@@ -277,6 +288,15 @@ mod tests {
             assert_eq!(plan.vertices[n * per_block], first.as_vec3());
         }
         assert!(plan.tiles.is_empty() && plan.air.is_some());
+        // The Sun stands over 0° E, and all of the view is by day.
+        assert_eq!(plan.daylit.len(), stats.blocks_drawn);
+        let dusk = Sky {
+            sun_itrf: DVec3::new(20_f64.to_radians().cos(), 20_f64.to_radians().sin(), 0.0)
+                .cross(DVec3::Z),
+        };
+        let mut other = planner.empty_plan();
+        planner.plan(&view, &dusk, &mut other);
+        assert!(other.daylit.len() < plan.daylit.len());
         assert_eq!(plan.uniforms.sun_itrf, SKY.sun_itrf.as_vec3());
         plan.clear();
         assert!(plan.blocks.is_empty() && plan.vertices.is_empty() && plan.air.is_none());

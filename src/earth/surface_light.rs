@@ -37,8 +37,6 @@ pub const CITY_RADIANCE: f64 = 4.1e-6;
 
 /// Equatorial radius that heights of clouds are told by, metres.
 const RADIUS_M: f64 = 6_378_137.0;
-/// Height in which the air's weight falls to 1/e, metres.
-const AIR_SCALE_HEIGHT_M: f64 = 8_000.0;
 /// Reflectance of foam, Koepke 1984.
 const FOAM_REFLECTANCE: f64 = 0.22;
 
@@ -110,9 +108,8 @@ impl SurfaceLight {
             cloud_height: cloud_height as f32,
             cloud_relief: (self.cloud_relief_m / RADIUS_M) as f32,
             cloud_dip: ((cloud_height * (2.0 + cloud_height)).sqrt() / (1.0 + cloud_height)) as f32,
-            air_above_clouds: (-self.cloud_height_m / AIR_SCALE_HEIGHT_M).exp() as f32,
             lamp_light: (CITY_RADIANCE * self.night_lights_gain) as f32,
-            padding: [0.0; 2],
+            padding: [0.0; 3],
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Which tiles of a pack a frame requests, and which it is drawn with.
 
+use super::plan::{LIGHTS_OUT, ROOM_SIN};
 use super::quality::Quality;
 use super::tile_view::{TileDetail, TileView};
 use super::{EarthError, EyeView};
@@ -7,7 +8,7 @@ use crate::globe::{
     BLOCK_COUNT, Block, BlockGrid, LevelRule, Visibility, paper_level, screen_level, select_blocks,
     texels_per_pixel,
 };
-use crate::gpu::{BlockTiles, GLINT_ENDS_SIN, LAMPS_OUT_SIN};
+use crate::gpu::{BlockTiles, GLINT_ENDS_SIN};
 use crate::imagery::EarthLayers;
 use crate::imagery::residency::{Pool, StreamCounters, Upload};
 use crate::imagery::stream::{StreamOptions, TileRequest, TileStream};
@@ -24,10 +25,8 @@ const MAX_EXPECTED: usize = 4;
 /// paper's shading ends at −0.3.
 const DARK: f64 = -0.32;
 
-/// Above this one city lights are out, and below the other the sea mirrors no Sun; both with room for the ellipsoid.
-const LIGHTS_OUT: f64 = LAMPS_OUT_SIN + ROOM_SIN;
+/// Below this the sea mirrors no Sun, with room for the ellipsoid.
 const NO_GLINT: f64 = GLINT_ENDS_SIN - ROOM_SIN;
-const ROOM_SIN: f64 = 0.01;
 
 /// How tiles are chosen, loaded and held.
 ///

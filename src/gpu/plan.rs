@@ -4,7 +4,7 @@
 use super::{AirSide, FrameUniforms};
 use crate::air::Billboard;
 use crate::frames::Ellipsoid;
-use crate::globe::{BLOCK_COUNT, Block, BlockGrid, TangentCone};
+use crate::globe::{BLOCK_COUNT, Block, BlockGrid, BlockSet, TangentCone};
 use crate::imagery::residency::ResidentTile;
 use crate::imagery::tile::MAP_LAYERS;
 use bytemuck::Zeroable;
@@ -31,6 +31,8 @@ pub(crate) struct FramePlan {
     pub vertices: Vec<Vec3>,
     /// Blocks in sight with the tiles that they are drawn with, near ones first. Empty without a pack.
     pub tiles: Vec<(Block, BlockTiles)>,
+    /// Those of them on which the Sun stands above the horizon everywhere: no lamp is lit there.
+    pub daylit: BlockSet,
     /// The ring that carries the air's halo; `None` without air.
     pub air: Option<AirPlan>,
 }
@@ -65,6 +67,7 @@ impl FramePlan {
             blocks: Vec::with_capacity(BLOCK_COUNT as usize),
             vertices: Vec::with_capacity(vertices),
             tiles: Vec::with_capacity(BLOCK_COUNT as usize),
+            daylit: BlockSet::default(),
             air: None,
         }
     }
@@ -74,6 +77,7 @@ impl FramePlan {
         self.blocks.clear();
         self.vertices.clear();
         self.tiles.clear();
+        self.daylit = BlockSet::default();
         self.air = None;
     }
 

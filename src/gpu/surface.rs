@@ -13,7 +13,7 @@ use super::surface_config::SurfaceConfig;
 use super::tiles::{TILES_BYTES, TileTextures};
 use super::{AirSide, Binding, FramePlan, FrameUniforms, SurfaceLightUniforms};
 use super::{PipelineDescription, ShaderError, SurfaceOutput};
-use crate::globe::{BlockGrid, Shading, Surface};
+use crate::globe::{Block, BlockGrid, Shading, Surface};
 use crate::imagery::EarthLayers;
 use crate::imagery::residency::{Pool, Upload};
 use crate::imagery::tile::MapLayer;
@@ -32,14 +32,22 @@ pub(crate) struct SurfaceDrawable {
 /// What follows from a configuration.
 struct Assembled {
     /// One without air; else that of an eye outside of it, and that of an eye inside.
-    passes: Vec<SurfacePass>,
+    passes: Vec<SurfacePasses>,
     shader_bytes: u64,
+}
+
+/// How the surface is drawn from one side of the air.
+struct SurfacePasses {
+    all: SurfacePass,
+    /// Without what shows by night alone, if there is any: for blocks by day.
+    daylit: Option<SurfacePass>,
 }
 
 struct SurfacePass {
     variant: EarthVariant,
     pipeline: wgpu::RenderPipeline,
     bind_group: wgpu::BindGroup,
+    shader_bytes: u64,
 }
 
 /// What the shader is told beside textures.
@@ -146,7 +154,7 @@ impl SurfaceDrawable {
     /// What shaders of the surface have.
     pub fn features(&self) -> Vec<&'static str> {
         let first = self.assembled.passes.first();
-        first.map_or(Vec::new(), |pass| pass.variant.conditions_met())
+        first.map_or(Vec::new(), |passes| passes.all.variant.conditions_met())
     }
 
     /// Bytes of their texts as the driver gets them.
@@ -194,17 +202,32 @@ impl SurfaceDrawable {
     /// Draws the plan that was written last.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>, plan: &FramePlan) {
         let side = plan.air.as_ref().map_or(0, |air| air.side() as usize);
-        let Some(assembled) = self.assembled.passes.get(side) else {
+        let Some(passes) = self.assembled.passes.get(side) else {
             return;
         };
-        pass.set_pipeline(&assembled.pipeline);
-        pass.set_bind_group(0, &assembled.bind_group, &[]);
+        let choose = |pass: &mut wgpu::RenderPass<'_>, drawn: &SurfacePass| {
+            pass.set_pipeline(&drawn.pipeline);
+            pass.set_bind_group(0, &drawn.bind_group, &[]);
+        };
+        choose(pass, &passes.all);
+        let mut is_daylit = false;
+        let mut by_light = |pass: &mut wgpu::RenderPass<'_>, block: Option<Block>| {
+            let Some(daylit) = &passes.daylit else {
+                return;
+            };
+            let wanted = block.is_some_and(|block| plan.daylit.contains(block.index() as u8));
+            if wanted != is_daylit {
+                is_daylit = wanted;
+                choose(pass, if wanted { daylit } else { &passes.all });
+            }
+        };
         match &self.imagery {
             Imagery::Whole(maps) => {
                 pass.set_bind_group(1, maps, &[]);
-                self.mesh.render(pass, plan, &mut |_, _| ());
+                self.mesh.render(pass, plan, &mut by_light);
             }
             Imagery::Tiles { tiles, whole } => self.mesh.render(pass, plan, &mut |pass, block| {
+                by_light(pass, block);
                 let maps = block.map_or(whole, |block| tiles.bind_group(block));
                 pass.set_bind_group(1, maps, &[]);
             }),
@@ -226,53 +249,72 @@ fn assemble(
         Some(_) => AirSide::ALL.map(Some).to_vec(),
     };
     let mut passes = Vec::with_capacity(sides.len());
-    let mut shader_bytes = 0;
     for side in sides {
-        let variant = EarthVariant {
+        let all = EarthVariant {
             form: mesh.vertex_form(matches!(imagery, Imagery::Tiles { .. })),
             output: output(maps, config, side),
         };
-        let shader = ShaderModule::new(device, &variant)?;
-        shader_bytes += shader.bytes;
-        let bindings = bindings(imagery, uniforms, mesh, config, &variant, side);
-        let (layout, entries): (Vec<_>, Vec<_>) = bindings.into_iter().unzip();
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("terrella earth"),
-            entries: &layout,
-        });
-        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("terrella earth"),
-            layout: &layout,
-            entries: &entries,
-        });
-        let pipeline = PipelineDescription {
-            label: "terrella earth",
-            bind_groups: Some(&[Some(&layout), Some(maps.layout())]),
-            module: &shader.module,
-            buffers: mesh.buffers(),
-            primitive: wgpu::PrimitiveState {
-                front_face: wgpu::FrontFace::Ccw,
-                cull_mode: Some(mesh.culled()),
-                polygon_mode: match config.wireframe {
-                    false => wgpu::PolygonMode::Fill,
-                    true => wgpu::PolygonMode::Line,
-                },
-                ..Default::default()
-            },
-            format: config.format,
-            writes_depth: true,
-            blend: None,
-        }
-        .create(device);
-        passes.push(SurfacePass {
-            variant,
-            pipeline,
-            bind_group,
+        let pass = |variant| surface_pass(device, maps, imagery, uniforms, mesh, config, variant);
+        let daylit = all.daylit();
+        passes.push(SurfacePasses {
+            all: pass(all)?,
+            daylit: daylit.map(pass).transpose()?,
         });
     }
+    let drawn = passes.iter();
+    let drawn = drawn.flat_map(|passes| std::iter::once(&passes.all).chain(&passes.daylit));
     Ok(Assembled {
+        shader_bytes: drawn.map(|pass| pass.shader_bytes).sum(),
         passes,
-        shader_bytes,
+    })
+}
+
+/// Makes what one variant of the shader is drawn with.
+fn surface_pass(
+    device: &wgpu::Device,
+    maps: &Maps,
+    imagery: &Imagery,
+    uniforms: &Uniforms,
+    mesh: &dyn SurfaceMesh,
+    config: &SurfaceConfig<'_>,
+    variant: EarthVariant,
+) -> Result<SurfacePass, ShaderError> {
+    let shader = ShaderModule::new(device, &variant)?;
+    let bindings = bindings(imagery, uniforms, mesh, config, &variant);
+    let (layout, entries): (Vec<_>, Vec<_>) = bindings.into_iter().unzip();
+    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("terrella earth"),
+        entries: &layout,
+    });
+    let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("terrella earth"),
+        layout: &layout,
+        entries: &entries,
+    });
+    let pipeline = PipelineDescription {
+        label: "terrella earth",
+        bind_groups: Some(&[Some(&layout), Some(maps.layout())]),
+        module: &shader.module,
+        buffers: mesh.buffers(),
+        primitive: wgpu::PrimitiveState {
+            front_face: wgpu::FrontFace::Ccw,
+            cull_mode: Some(mesh.culled()),
+            polygon_mode: match config.wireframe {
+                false => wgpu::PolygonMode::Fill,
+                true => wgpu::PolygonMode::Line,
+            },
+            ..Default::default()
+        },
+        format: config.format,
+        writes_depth: true,
+        blend: None,
+    }
+    .create(device);
+    Ok(SurfacePass {
+        variant,
+        pipeline,
+        bind_group,
+        shader_bytes: shader.bytes,
     })
 }
 
@@ -283,7 +325,6 @@ fn bindings<'a>(
     mesh: &'a dyn SurfaceMesh,
     config: &SurfaceConfig<'a>,
     variant: &EarthVariant,
-    side: Option<AirSide>,
 ) -> Vec<Binding<'a>> {
     let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
     let mut bindings = vec![(
@@ -293,7 +334,7 @@ fn bindings<'a>(
             resource: uniforms.frame.as_entire_binding(),
         },
     )];
-    if let Some((air, side)) = config.air.zip(side) {
+    if let Some((air, side)) = config.air.zip(variant.air()) {
         bindings.extend(air.bindings(side));
         if config.shading == Shading::Sunlit {
             bindings.push(air.sunlight_binding());

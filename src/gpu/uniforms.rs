@@ -51,12 +51,10 @@ pub struct SurfaceLightUniforms {
     pub cloud_relief: f32,
     /// Sine of the Sun's depression at which it sets for the clouds.
     pub cloud_dip: f32,
-    /// Part of the air that lies above the clouds.
-    pub air_above_clouds: f32,
     /// Radiance of the brightest city lights, a white sheet that faces the Sun in space being 1.
     pub lamp_light: f32,
-    /// To a multiple of eight bytes.
-    pub padding: [f32; 2],
+    /// To a multiple of sixteen bytes.
+    pub padding: [f32; 3],
 }
 
 /// `AirUniforms` of `shaders/common/air/uniforms.wgsl`. Lengths are equatorial radii of scaled space.

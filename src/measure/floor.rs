@@ -10,7 +10,7 @@ use std::fmt::Write;
 
 /// A pass over the part of the screen where the ground can be, which takes as many texture samples on each pixel of the
 /// ground as the Earth's shaders do, from textures of the same sizes and formats. It counts one sample for each map, one more
-/// of the clouds where they throw shadows, two of the sunlight table and one of each other table of the air, of those that the
+/// of the clouds where they throw shadows, two of the sunlight table, one more of it for clouds, and one of each other table of the air, of those that the
 /// Earth is drawn with.
 ///
 /// Maps are read trilinearly at about one texel a pixel. Tiles are not: an Earth of a pack has the floor of its coarsest
@@ -148,8 +148,8 @@ impl Textures {
         let has_air = options.atmosphere != Atmosphere::None;
         let two = wgpu::TextureDimension::D2;
         if has_air && options.shading == Shading::Sunlit {
-            views.push(table(gpu, air::SUNLIGHT, two));
-            samples.push(2);
+            views.push(table(gpu, air::SUNLIGHT_AND_CLOUDS, two));
+            samples.push(2 + u32::from(options.layers.clouds.is_some()));
         }
         if has_air {
             let albedo = air::TableSize {
@@ -157,16 +157,16 @@ impl Textures {
                 y: NEIGHBOURHOODS / 2,
                 z: 1,
             };
-            views.extend([albedo, air::THROUGH].map(|size| table(gpu, size, two)));
-            let three = wgpu::TextureDimension::D3;
-            views.extend([air::BOUNCE, air::SCATTERING].map(|size| table(gpu, size, three)));
+            let flat = [albedo, air::THROUGH, air::BOUNCE];
+            views.extend(flat.map(|size| table(gpu, size, two)));
+            views.push(table(gpu, air::SCATTERING, wgpu::TextureDimension::D3));
             samples.extend([1; 4]);
         }
         Self {
             views,
             maps,
             samples,
-            volumes: if has_air { 2 } else { 0 },
+            volumes: if has_air { 1 } else { 0 },
         }
     }
 

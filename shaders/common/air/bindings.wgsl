@@ -15,7 +15,7 @@ import rust::ALBEDO_SIZE;
 @group(0) @binding(2) var table_sampler: sampler;
 @group(0) @binding(7) var albedo_map: texture_2d<f32>;
 @if(!inside) @group(0) @binding(8) var scattering_table: texture_3d<f32>;
-@if(!inside) @group(0) @binding(9) var bounce_table: texture_3d<f32>;
+@if(!inside) @group(0) @binding(9) var bounce_table: texture_2d<f32>;
 @if(!inside) @group(0) @binding(10) var through_table: texture_2d<f32>;
 @if(inside) @group(0) @binding(8) var black_view: texture_2d<f32>;
 @if(inside) @group(0) @binding(9) var bounce_view: texture_2d<f32>;

@@ -1,5 +1,5 @@
 // An eye outside the air: looks into the tables of rays that come from space.
-import rust::{AIR_TOP, BOUNCE_SIZE, SCATTERING_SIZE};
+import rust::{AIR_TOP, SCATTERING_SIZE};
 
 // Coordinate of a ray in the tables: rays that meet the ground by their zenith cosine there, others by their height.
 fn ray_coordinate(pass_: Pass) -> f32 {
@@ -22,8 +22,7 @@ fn scattered(x: f32, mu: f32, ray: vec3f, mu_s: f32, uv: vec2f) -> vec4f {
     let azimuth = sqrt(acos(cosine) / PI);
     let at = vec3f(x, y, table_coordinate(azimuth, SCATTERING_SIZE.z));
     let black = textureSampleLevel(scattering_table, table_sampler, at, 0.0);
-    let of_ground = vec3f(x, y, table_coordinate(azimuth, BOUNCE_SIZE.z));
-    let bounce = textureSampleLevel(bounce_table, table_sampler, of_ground, 0.0).rgb;
+    let bounce = textureSampleLevel(bounce_table, table_sampler, at.xy, 0.0).rgb;
     return vec4f(fourth_power(black.rgb) + sent_up(uv) * fourth_power(bounce), black.a);
 }
 

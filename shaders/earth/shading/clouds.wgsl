@@ -5,7 +5,7 @@
 //   ρ = x/(4/3 + x),  x = (1 − g)τ
 // and of sunlight at the cosine μ, by the delta-Eddington approximation (Joseph, Wiscombe and Weinman 1976) with g = 0.85,
 //   ρ(μ) = ρ + (1 − ρ)(1/2 − 3/4 μ)(1 − exp(−1.85 x/μ))
-import rust::{CLOUDS, CLOUD_ALBEDO, SUN_RADIUS_RAD};
+import rust::{CLOUDS, CLOUD_ALBEDO};
 import earth/shading/lifted.wgsl;
 @if(whole_quads) import earth/shading/cloud_relief.wgsl;
 @if(cloud_shadows) import earth/shading/cloud_shadow.wgsl;
@@ -25,18 +25,9 @@ fn sunlit_albedo(albedo: f32, mu: f32) -> f32 {
     return max(albedo + (1.0 - albedo) * (0.5 - 0.75 * mu) * (1.0 - exp(-1.85 * x / max(mu, CLOUD_SIDES))), 0.0);
 }
 
-// The Sun's light on the clouds. Above much of the air, and above the horizon of the ground: it sets later for them, reddened by
-// air that it passes twice.
-fn sun_on_clouds(at: SurfacePoint, light: Light, mu_s: f32) -> vec3f {
-    var sun = light.sun;
-    if mu_s < SUN_RADIUS_RAD && mu_s > -surface_light.cloud_dip - SUN_RADIUS_RAD {
-        sun = light_at(at, SUN_RADIUS_RAD).sun;
-    }
-    let below = saturate(-mu_s / surface_light.cloud_dip);
-    let above = smoothstep(-surface_light.cloud_dip - SUN_RADIUS_RAD, -surface_light.cloud_dip + SUN_RADIUS_RAD, mu_s);
-    let path = surface_light.air_above_clouds + (2.0 - surface_light.air_above_clouds) * below;
-    return above * pow(max(sun, vec3f(1e-9)), vec3f(path));
-}
+// The Sun's light on clouds over a place where it stands at this cosine. Their horizon is lower than the ground's.
+@if(air) fn sun_on_clouds(mu_s: f32) -> vec3f { return sunlight(mu_s, OF_CLOUDS); }
+@if(!air) fn sun_on_clouds(mu_s: f32) -> vec3f { return light_of_disc(mu_s + surface_light.cloud_dip); }
 
 // What the eye sees of the ground's light through the clouds, and of them.
 fn under_clouds(ground: vec3f, at: SurfacePoint, light: Light) -> vec3f {
@@ -49,7 +40,7 @@ fn under_clouds(ground: vec3f, at: SurfacePoint, light: Light) -> vec3f {
     let mu_s = dot(lift.up, frame.sun_itrf);
     let normal = normalize(lift.up - slope.x * at.east - slope.y * at.north);
     let facing = max(dot(normal, frame.sun_itrf), CLOUD_SIDES);
-    let reflected = sunlit_albedo(albedo, facing) * facing * sun_on_clouds(at, light, mu_s) + albedo * light.sky;
+    let reflected = sunlit_albedo(albedo, facing) * facing * sun_on_clouds(mu_s) + albedo * light.sky;
     return reflected + (1.0 - albedo) * ground;
 }
 

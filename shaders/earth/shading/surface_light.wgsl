@@ -14,9 +14,8 @@ struct SurfaceLightUniforms {
     cloud_relief: f32,
     // Sine of the Sun's depression at which it sets for the clouds.
     cloud_dip: f32,
-    // Part of the air that lies above the clouds.
-    air_above_clouds: f32,
     // Radiance of the brightest city lights.
     lamp_light: f32,
-    padding: vec2f,
+    padding_a: f32,
+    padding_b: vec2f,
 }

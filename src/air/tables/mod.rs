@@ -5,7 +5,7 @@
 //! | scattering | ray, Sun cosine, azimuth | light scattered into a ray that comes from outside, over black ground, fourth root of RGB; 1 − the luminance of its transmittance, A |
 //! | bounce | ray, Sun cosine | the same of light that the ground sends up, for albedo 1 and one reflection, fourth root of RGB |
 //! | through | ray | transmittance of the ray, from space to the ground or right through, RGB |
-//! | sunlight | Sun cosine | first row: transmittance of the Sun's light to the ground, RGB; second: the sky's irradiance on black ground, RGB |
+//! | sunlight | Sun cosine | first row: transmittance of the Sun's light to the ground, RGB; second: the sky's irradiance on black ground, RGB; third, of shaders alone: transmittance to the clouds |
 //! | transmittance | cosine above the horizon, height | fraction of light that reaches the upper boundary, RGB |
 //! | sources | Sun cosine, 7 × height | source function of light scattered more than once, per scattering coefficient, RGB |
 //! | profile | height | molecules relative to the ground over e^(−h/8 km), R; ozone relative to its peak, G |
@@ -33,7 +33,7 @@ use source_table::{COEFFICIENTS, HEIGHTS, SUNS, Source};
 use sources::Sources;
 use std::f64::consts::PI;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
-use transmittance::{TransmittanceTable, to_top};
+use transmittance::{SunRow, TransmittanceTable, horizon_cosine, to_top};
 
 /// Texels along each axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,11 +62,13 @@ pub const TRANSMITTANCE: TableSize = TableSize::new(128, 64, 1);
 /// Size of the scattering table: along x 48 rays that meet the ground, then 48 that pass it.
 pub const SCATTERING: TableSize = TableSize::new(96, 64, 24);
 /// Size of the table of light that the ground sends up.
-pub const BOUNCE: TableSize = TableSize::new(SCATTERING.x, SCATTERING.y, 6);
+pub const BOUNCE: TableSize = TableSize::new(SCATTERING.x, SCATTERING.y, 1);
 /// Size of the table of rays' transmittance.
 pub const THROUGH: TableSize = TableSize::new(SCATTERING.x, 1, 1);
 /// Size of the sunlight table: a row of transmittance and one of skylight.
 pub const SUNLIGHT: TableSize = TableSize::new(256, 2, 1);
+/// The same with the row of transmittance to the clouds, which stand where a scene has them.
+pub const SUNLIGHT_AND_CLOUDS: TableSize = TableSize::new(SUNLIGHT.x, SUNLIGHT.y + 1, 1);
 /// Size of the source table: six coefficients and the isotropic source of the ground's light, a band of heights each.
 pub const SOURCES: TableSize = TableSize::new(SUNS as u32, (SOURCE_BANDS * HEIGHTS) as u32, 1);
 /// Size of the profile.
@@ -145,6 +147,19 @@ impl AirTables {
         }
     }
 
+    /// [`Self::sunlight`] with a third row: transmittance of the Sun's light to clouds at this height.
+    pub fn sunlight_with_clouds(&self, height_m: f64) -> Vec<Vec4> {
+        let r = (1.0 + height_m / RADIUS_M).min(TOP);
+        let horizon = horizon_cosine(r);
+        let row = row_at(&self.transmittance, TRANSMITTANCE, r);
+        let row = SunRow::new(row, horizon);
+        let clouds = (0..SUNLIGHT.x).map(|x| {
+            let mu_s = sun_cosine(f64::from(x) / f64::from(SUNLIGHT.x - 1));
+            of_disc(mu_s, |mu| row.at(mu))
+        });
+        self.sunlight.iter().copied().chain(clouds).collect()
+    }
+
     /// Transmittance of the Sun's light to the ground and the sky's irradiance on black ground, RGB, relative to the Sun's
     /// irradiance, for the cosine of its zenith angle.
     pub fn sunlight_at(&self, mu_s: f64) -> [Vec3; 2] {
@@ -195,11 +210,9 @@ impl Builder<'_> {
                     let light = path.radiance(mu_s as f32, nu(PI * root * root) as f32);
                     scattering.push(fourth_root(radiance(light)).extend(alpha));
                 }
-                for z in 0..BOUNCE.z {
-                    let root = f64::from(z) / f64::from(BOUNCE.z - 1);
-                    let light = of_ground.radiance(mu_s as f32, nu(PI * root * root) as f32);
-                    bounce.push(fourth_root(radiance(light)).extend(1.0));
-                }
+                // Ground lit from anywhere lights the air alike but for the Sun's height along the ray: the Sun abeam stands for all.
+                let light = of_ground.radiance(mu_s as f32, nu(0.5 * PI) as f32);
+                bounce.push(fourth_root(radiance(light)).extend(1.0));
             }
             Column {
                 scattering,
@@ -233,20 +246,10 @@ impl Builder<'_> {
         })
     }
 
-    /// Transmittance of the Sun's light to the ground. The Sun is a disc of 0.27° radius: average over it, so that it sets
-    /// gradually.
+    /// Transmittance of the Sun's light to the ground.
     fn direct(&self, mu_s: f64) -> Spectrum {
-        const CHORDS: u32 = 9;
         let row = self.transmittance.row(1.0, true);
-        let (mut direct, mut area) = (Spectrum::ZERO, 0.0);
-        for n in 0..CHORDS {
-            let x = -1.0 + 2.0 * (f64::from(n) + 0.5) / f64::from(CHORDS);
-            let weight = (1.0 - x * x).sqrt() as f32;
-            let mu = (mu_s + x * SUN_RADIUS_RAD).clamp(-1.0, 1.0) as f32;
-            direct += row.at(mu).unwrap_or(Spectrum::ZERO) * weight;
-            area += weight;
-        }
-        direct / area
+        of_disc(mu_s, |mu| row.at(mu))
     }
 
     /// The sky's irradiance on black ground for the Suns of the sunlight table.
@@ -306,6 +309,27 @@ impl Builder<'_> {
         }
         out
     }
+}
+
+/// What arrives of the Sun's light, by what arrives of a ray at a cosine; the Earth may be in between. The Sun is a disc of 0.27°
+/// radius: the mean over it, so that it sets gradually.
+fn of_disc<T>(mu_s: f64, ray: impl Fn(f32) -> Option<T>) -> T
+where
+    T: Default
+        + std::ops::AddAssign
+        + std::ops::Mul<f32, Output = T>
+        + std::ops::Div<f32, Output = T>,
+{
+    const CHORDS: u32 = 9;
+    let (mut light, mut area) = (T::default(), 0.0);
+    for n in 0..CHORDS {
+        let x = -1.0 + 2.0 * (f64::from(n) + 0.5) / f64::from(CHORDS);
+        let weight = (1.0 - x * x).sqrt() as f32;
+        let mu = (mu_s + x * SUN_RADIUS_RAD).clamp(-1.0, 1.0) as f32;
+        light += ray(mu).unwrap_or_default() * weight;
+        area += weight;
+    }
+    light / area
 }
 
 /// What the tables from outside hold of one ray, Suns and azimuths one after another.
@@ -401,14 +425,32 @@ fn luminance(v: DVec3) -> f64 {
 }
 
 /// The row of a table whose second axis is the height, at radius `r`.
-fn row_at(table: &[Spectrum], size: TableSize, r: f64) -> Vec<Spectrum> {
+fn row_at<T: Lerp>(table: &[T], size: TableSize, r: f64) -> Vec<T> {
     let at = height_coordinate(r) * f64::from(size.y - 1);
     let low = (at as usize).min(size.y as usize - 2);
     let part = (at - low as f64) as f32;
     let width = size.x as usize;
     let row = |n: usize| &table[n * width..(n + 1) * width];
     let pairs = row(low).iter().zip(row(low + 1));
-    pairs.map(|(a, b)| a.lerp(*b, part)).collect()
+    pairs.map(|(a, b)| a.between(*b, part)).collect()
+}
+
+/// What tables are read of: a spectrum, or its colour.
+trait Lerp: Copy {
+    /// From this to another, `part` of the way.
+    fn between(self, other: Self, part: f32) -> Self;
+}
+
+impl Lerp for Spectrum {
+    fn between(self, other: Self, part: f32) -> Self {
+        self.lerp(other, part)
+    }
+}
+
+impl Lerp for Vec4 {
+    fn between(self, other: Self, part: f32) -> Self {
+        self.lerp(other, part)
+    }
 }
 
 /// Fills a table by coordinates 0…1, texel centres on both ends; rows are shared out over the cores.

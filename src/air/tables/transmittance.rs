@@ -1,6 +1,6 @@
 //! How much of the Sun's light reaches a place in the air.
 
-use super::TRANSMITTANCE;
+use super::{Lerp, TRANSMITTANCE};
 use crate::air::model::{AirModel, RADIUS_M, TOP};
 use crate::air::spectrum::Spectrum;
 
@@ -10,21 +10,30 @@ pub(super) struct TransmittanceTable {
 }
 
 /// Its row at one height: transmittance by the Sun's cosine.
-pub(super) struct SunRow {
-    row: Vec<Spectrum>,
+pub(super) struct SunRow<T = Spectrum> {
+    row: Vec<T>,
     horizon: f32,
     scale: f32,
 }
 
-impl SunRow {
+impl<T: Lerp> SunRow<T> {
+    /// A row of transmittances from a place whose horizon stands at this cosine.
+    pub fn new(row: Vec<T>, horizon: f64) -> Self {
+        Self {
+            row,
+            horizon: horizon as f32,
+            scale: (1.0 / (1.0 - horizon)) as f32,
+        }
+    }
+
     /// `None` where the Earth is in between.
-    pub fn at(&self, mu: f32) -> Option<Spectrum> {
+    pub fn at(&self, mu: f32) -> Option<T> {
         if mu < self.horizon || self.row.is_empty() {
             return None;
         }
         let at = ((mu - self.horizon) * self.scale).sqrt() * (self.row.len() - 1) as f32;
         let low = (at as usize).min(self.row.len() - 2);
-        Some(self.row[low].lerp(self.row[low + 1], at - low as f32))
+        Some(self.row[low].between(self.row[low + 1], at - low as f32))
     }
 }
 
@@ -66,16 +75,11 @@ impl TransmittanceTable {
 
     /// The row at radius `r`; an empty one if it is not `wanted`.
     pub fn row(&self, r: f64, wanted: bool) -> SunRow {
-        let horizon = horizon_cosine(r);
         let row = match wanted {
             true => super::row_at(&self.texels, TRANSMITTANCE, r),
             false => Vec::new(),
         };
-        SunRow {
-            row,
-            horizon: horizon as f32,
-            scale: (1.0 / (1.0 - horizon)) as f32,
-        }
+        SunRow::new(row, horizon_cosine(r))
     }
 
     /// From radius `r` to the Sun at cosine `mu`; zero where the Earth is in between.

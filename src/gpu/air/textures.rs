@@ -31,14 +31,16 @@ struct Held {
 }
 
 impl AirTextures {
-    /// Uploads the tables of an air, over ground of this albedo.
+    /// Uploads the tables of an air, over ground of this albedo, with clouds at this height.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         model: AirModel,
         tables: &AirTables,
         albedo: &[Vec4],
+        cloud_height_m: f64,
     ) -> Self {
+        let sunlight = tables.sunlight_with_clouds(cloud_height_m);
         let upload = |label, size, texels: &[Vec4]| {
             GpuLayer::upload_table(device, queue, label, size, texels)
         };
@@ -54,7 +56,7 @@ impl AirTextures {
             uniforms: crate::gpu::uniform_buffer::<AirUniforms>(device, "terrella air"),
             sampler: table_sampler(device),
             albedo: upload("terrella albedo", ALBEDO, albedo),
-            sunlight: upload("terrella sunlight", air::SUNLIGHT, &tables.sunlight),
+            sunlight: upload("terrella sunlight", air::SUNLIGHT_AND_CLOUDS, &sunlight),
             outside: [
                 upload("terrella scattering", air::SCATTERING, &tables.scattering),
                 upload("terrella bounce", air::BOUNCE, &tables.bounce),
@@ -113,6 +115,7 @@ impl AirTextures {
             wgpu::TextureViewDimension::D2,
             wgpu::TextureViewDimension::D3,
         );
+        // Of rays from outside the light scattered depends on the Sun's azimuth too.
         let (tables, dimension) = match side {
             AirSide::Outside => (&held.outside, d3),
             AirSide::Inside => (&held.view, d2),
@@ -122,7 +125,7 @@ impl AirTextures {
         bindings.extend([
             texture(7, d2, &held.albedo),
             texture(8, dimension, scattered),
-            texture(9, dimension, bounce),
+            texture(9, d2, bounce),
             texture(10, d2, through),
         ]);
         bindings

@@ -94,6 +94,34 @@ pub struct PaperLayers {
     pub air: Option<AirSide>,
 }
 
+impl EarthVariant {
+    /// The side of the air that the eye is on; `None` without air.
+    pub fn air(&self) -> Option<AirSide> {
+        match self.output {
+            EarthOutput::Geolocation => None,
+            EarthOutput::Picture(ShadingVariant::Sunlit(layers), _) => layers.air,
+            EarthOutput::Picture(ShadingVariant::Paper(layers), _) => layers.air,
+        }
+    }
+
+    /// The same without what shows by night alone, for ground by day; `None` where it has nothing of that.
+    pub fn daylit(self) -> Option<Self> {
+        match self.output {
+            EarthOutput::Picture(ShadingVariant::Sunlit(layers), target) if layers.night_lights => {
+                let layers = SunlitLayers {
+                    night_lights: false,
+                    ..layers
+                };
+                Some(Self {
+                    output: EarthOutput::Picture(ShadingVariant::Sunlit(layers), target),
+                    ..self
+                })
+            }
+            _ => None,
+        }
+    }
+}
+
 impl VertexForm {
     /// All of them.
     pub fn all() -> Vec<Self> {

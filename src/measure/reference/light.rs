@@ -83,6 +83,7 @@ impl EarthAir {
         let colors = Colors::new();
         let sun = Table1d::fill(SUN_VALUES, |x| {
             colors.rgb(&disc(
+                0.0,
                 (SUN_SPREAD * (2.0 * x - 1.0)).sinh() / SUN_SPREAD.sinh(),
                 &air,
             ))
@@ -111,10 +112,16 @@ impl EarthAir {
         }
     }
 
+    /// The Sun's light on clouds at a height, radii, where its middle stands at zenith cosine `mu`.
+    pub fn on_clouds(&self, height: f64, mu: f64) -> DVec3 {
+        let light = self.colors.rgb(&disc(height, mu, &self.air));
+        light.max(DVec3::ZERO)
+    }
+
     /// What the parts of [`Self::at`] are multiplied by to be what comes to the eye through `transmittance`, where the Sun
     /// stands at `mu` and the ground is of `albedo` all about: it lights the sky, and the sky it.
     pub fn factors(&self, mu: f64, transmittance: &Spectrum, albedo: DVec3) -> Light {
-        let direct = disc(mu, &self.air);
+        let direct = disc(0.0, mu, &self.air);
         let sky = self.air.skylight_on_ground(mu);
         let back = self.air.sky_albedo();
         let albedo = albedo.to_array();
@@ -151,21 +158,21 @@ impl EarthAir {
     }
 }
 
-/// Sunlight on the ground, averaged over the Sun's disc by chords of equal height: Chebyshev's rule of the second kind,
+/// Sunlight at a height, 0 being the ground, averaged over the Sun's disc by chords of equal height: Chebyshev's rule of the second kind,
 /// whose weight √(1 − x²) is the chord's length.
-fn disc(mu: f64, air: &Air) -> Spectrum {
+fn disc(height: f64, mu: f64, air: &Air) -> Spectrum {
     const CHORDS: u32 = 12;
     let across = ((1.0 - mu) * (1.0 + mu)).max(0.0).sqrt();
     let mut light = [0.0; BANDS];
     // High up the disc is as its middle.
     if mu > 0.2 {
-        return air.sunlight(0.0, mu);
+        return air.sunlight(height, mu);
     }
     for i in 1..=CHORDS {
         let angle = PI * f64::from(i) / f64::from(CHORDS + 1);
         let (sin, cos) = (SUN_RADIUS * angle.cos()).sin_cos();
         let weight = angle.sin().powi(2) * 2.0 / f64::from(CHORDS + 1);
-        let chord = air.sunlight(0.0, mu * cos + across * sin);
+        let chord = air.sunlight(height, mu * cos + across * sin);
         light
             .iter_mut()
             .zip(chord)

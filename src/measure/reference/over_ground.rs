@@ -1,9 +1,9 @@
 //! The sea's light and the clouds', from their definitions.
 
-use super::light::{Light, smooth_step};
+use super::light::{Light, without_air};
 use super::shading_point::ShadingPoint;
 use crate::SurfaceLight;
-use crate::frames::{Ellipsoid, SUN_RADIUS_RAD};
+use crate::frames::Ellipsoid;
 use crate::imagery::FLOOR_SEEN_M;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -98,18 +98,14 @@ fn fresnel(cos: f64) -> f64 {
 const SIDES: f64 = 0.05;
 /// A Sun lower than this casts shadows longer than clouds are far apart.
 const LOWEST_SHADOW: f64 = 0.05;
-/// Height in which the air's weight falls to 1/e, metres.
-const AIR_SCALE_HEIGHT_M: f64 = 8_000.0;
 
 /// Clouds: one layer at a height, lit from above, level. The relief of their tops is left out.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CloudLayer {
     /// Height, equatorial radii.
-    height: f64,
+    pub height: f64,
     /// Sine of the Sun's depression at which it sets for them.
     dip: f64,
-    /// Part of the air that lies above them.
-    air_above: f64,
     /// Whether they throw shadows.
     pub has_shadows: bool,
 }
@@ -120,7 +116,6 @@ impl CloudLayer {
         Self {
             height,
             dip: (height * (2.0 + height)).sqrt() / (1.0 + height),
-            air_above: (-light.cloud_height_m / AIR_SCALE_HEIGHT_M).exp(),
             has_shadows: light.cloud_shadows,
         }
     }
@@ -149,15 +144,9 @@ impl CloudLayer {
         }
     }
 
-    /// What light of the Sun on level ground, at zenith cosine `mu`, is multiplied by for the clouds over it: they lie above much
-    /// of the air, and the Sun sets later for them. `sun_at` is what arrives at the ground.
-    pub fn sunlight(&self, mu: f64, sun_at: impl Fn(f64) -> DVec3) -> DVec3 {
-        let is_dusk = mu < SUN_RADIUS_RAD && mu > -self.dip - SUN_RADIUS_RAD;
-        let sun = sun_at(if is_dusk { SUN_RADIUS_RAD } else { mu });
-        let below = (-mu / self.dip).clamp(0.0, 1.0);
-        let above = smooth_step(-self.dip - SUN_RADIUS_RAD, -self.dip + SUN_RADIUS_RAD, mu);
-        let path = self.air_above + (2.0 - self.air_above) * below;
-        sun.max(DVec3::splat(1e-9)).powf(path) * above
+    /// The Sun's light on them without air, where it stands at zenith cosine `mu`: it sets later for them.
+    pub fn sunlight_without_air(&self, mu: f64) -> DVec3 {
+        without_air(mu + self.dip).sun
     }
 
     /// The part of sunlight at the zenith cosine `mu` that the layer throws back, as light on a level sheet.

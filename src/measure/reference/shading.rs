@@ -152,7 +152,12 @@ impl GroundShader {
         let over = self.clouds.above(up, point.to_eye);
         if let Some(albedo) = self.cloud_albedo(over) {
             let mu_above = over.dot(sun);
-            let sunlit = self.clouds.sunlight(mu, |mu| before(mu).sun) * factors.sun;
+            // What comes from there goes to the eye as what comes from the ground does.
+            let sunlit = factors.own
+                * match &self.air {
+                    Some(air) => air.on_clouds(self.clouds.height, mu_above),
+                    None => self.clouds.sunlight_without_air(mu_above),
+                };
             let reflected = sunlit * self.clouds.reflected(albedo, mu_above) + above.sky * albedo;
             color = reflected + color * (1.0 - albedo);
         }

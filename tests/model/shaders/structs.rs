@@ -64,7 +64,6 @@ fn structs_match_the_shaders() {
             cloud_height,
             cloud_relief,
             cloud_dip,
-            air_above_clouds,
             lamp_light,
             padding
         ]
