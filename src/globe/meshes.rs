@@ -8,7 +8,7 @@ use std::fmt;
 /// How many cells a block's edge has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Subdivision {
-    /// The fewest of 6, 12, 24 and 48 that keep the drawn limb within [`LIMB_PX`] of the true one, chosen anew for each
+    /// The fewest of 2, 4, 6, 12, 24 and 48 that keep the drawn limb within [`LIMB_PX`] of the true one, chosen anew for each
     /// picture; with tiles at least 24.
     #[default]
     Auto,
@@ -29,7 +29,9 @@ impl fmt::Display for Subdivision {
 pub const LIMB_PX: f64 = 0.4;
 
 /// What [`Subdivision::Auto`] chooses from.
-const AUTO_CELLS: [u32; 4] = [6, 12, 24, 48];
+const AUTO_CELLS: [u32; 6] = [2, 4, 6, 12, 24, 48];
+/// The fewest for an eye that is not above the ground: fewer would lie far below it.
+const CELLS_BELOW_GROUND: u32 = 6;
 
 /// How far the limb of a mesh lies inside the true one at most, in pixels of `pixel_rad`, for an eye `height_m` above the
 /// ground; 0 at and below it, where there is no limb.
@@ -85,7 +87,9 @@ impl Meshes {
     pub fn select_lod(&mut self, height_m: f64, pixel_rad: f64) -> usize {
         let keeps_limb = |grid: &BlockGrid| {
             let radius_m = grid.ellipsoid().equatorial_radius_m;
-            limb_error_px(grid.subdivision(), radius_m, height_m, pixel_rad) <= LIMB_PX
+            let cells = grid.subdivision();
+            let is_sound = height_m > 0.0 || cells >= CELLS_BELOW_GROUND;
+            is_sound && limb_error_px(cells, radius_m, height_m, pixel_rad) <= LIMB_PX
         };
         let finest = self.grids.len() - 1;
         self.current = self.grids.iter().position(keeps_limb).unwrap_or(finest);
@@ -133,8 +137,9 @@ mod tests {
             meshes.grid().subdivision()
         };
         let pixel_rad = 1.6e-3;
-        assert_eq!(cells(3.8e8, pixel_rad), 6);
-        assert_eq!(cells(2e7, pixel_rad), 6);
+        assert_eq!(cells(3.8e8, pixel_rad), 2);
+        assert_eq!(cells(2e7, pixel_rad), 4);
+        assert_eq!(cells(7e6, pixel_rad), 6);
         assert_eq!(cells(4e5, pixel_rad), 24);
         assert_eq!(cells(1e3, pixel_rad), 48);
         assert_eq!(cells(2e7, 1e-6), 48);
