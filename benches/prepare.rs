@@ -61,9 +61,7 @@ fn prepare(criterion: &mut Criterion) {
         };
         let mut earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("sound options");
         for (name, view) in views() {
-            let sky = Sky {
-                sun_itrf: glam::DVec3::X,
-            };
+            let sky = Sky::new(glam::DVec3::X);
             let mut since_flush = 0;
             criterion.bench_function(&format!("prepare, n = {subdivision}, {name}"), |b| {
                 b.iter(|| {

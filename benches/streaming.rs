@@ -149,7 +149,7 @@ fn course_at(course: Course, flight: &Flight, seconds: f64, aspect: f64) -> (Eye
             let eye = Ellipsoid::WGS84.surface_point(up) + SPIN_HEIGHT_M * up;
             let look = forward - 0.45 * up;
             let view = EyeView::itrf(eye, look, up, 60_f64.to_radians(), aspect);
-            (view, Sky { sun_itrf: up })
+            (view, Sky::new(up))
         }
     }
 }

@@ -89,9 +89,7 @@ fn prepare_allocates_nothing_of_its_own() {
         );
         common::tilted(place, 60.0, -30.0, 50.0, 1.6)
     };
-    let sky = Sky {
-        sun_itrf: glam::DVec3::X,
-    };
+    let sky = Sky::new(glam::DVec3::X);
     // What wgpu allocates for one frame's writes of the same sizes, measured without us.
     let write = |size: u64| {
         let label = Some("terrella test");
@@ -344,9 +342,7 @@ fn a_view_at_rest_with_all_its_tiles_allocates_nothing_of_its_own() {
     options.tiles = Some(terrella::TileOptions::new(tiles));
     let mut with = Earth::new(&gpu.device, &gpu.queue, &options).expect("an Earth");
     let view = common::down(Geodetic::from_degrees(20.0, 30.0, 3e6), 50.0, 1.6);
-    let sky = Sky {
-        sun_itrf: view.eye_world.normalize(),
-    };
+    let sky = Sky::new(view.eye_world.normalize());
     let wait = std::time::Duration::from_secs(10);
     let (stats, missing) = with.prepare_complete(&gpu.queue, &view, &sky, (640, 400), wait);
     assert!(missing.is_empty() && stats.tiles.hits > 0);
@@ -423,9 +419,7 @@ fn a_grid_of_the_gpu_allocates_nothing_of_its_own() {
         tolerance_px: 1.0,
     });
     let mut earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("an Earth");
-    let sky = Sky {
-        sun_itrf: glam::DVec3::X,
-    };
+    let sky = Sky::new(glam::DVec3::X);
     let flush = || {
         gpu.queue.submit([]);
         gpu.device
@@ -548,9 +542,7 @@ fn pages_of_contours_allocate_nothing_once_they_are_built() {
         tolerance_px: 1.0,
     });
     let mut earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("an Earth");
-    let sky = Sky {
-        sun_itrf: glam::DVec3::X,
-    };
+    let sky = Sky::new(glam::DVec3::X);
     let wait = std::time::Duration::from_secs(60);
     let (stats, _) = earth.prepare_complete(&gpu.queue, &view(0), &sky, (640, 400), wait);
     assert!(stats.ground.patches > 10);

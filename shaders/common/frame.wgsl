@@ -18,5 +18,9 @@ struct FrameUniforms {
     // What light is multiplied by before an 8-bit target shows it.
     exposure: f32,
     pixel_down: vec3f,
+    // Light of the Moon as a part of the Sun's, times how much brighter the night is drawn.
+    moon_light: f32,
+    // Unit vector to the Moon, ITRF axes.
+    moon_itrf: vec3f,
     padding: f32,
 }

@@ -57,7 +57,7 @@ pub use sky::Sky;
 pub use stats::FrameStats;
 use std::time::{Duration, Instant};
 use surface_config::{SurfaceStyle, surface_config};
-pub use surface_light::{CITY_RADIANCE, SurfaceLight};
+pub use surface_light::{AIRGLOW_LUMINANCE, CITY_RADIANCE, SurfaceLight};
 use tiles::TileDriver;
 pub use tiles::TileOptions;
 pub use view::{EyeView, Viewport, infinite_reversed_z};
@@ -123,7 +123,8 @@ impl Earth {
                     &albedo,
                     &quality,
                 );
-                Some(AirDrawable::new(device, format, textures)?)
+                let night = options.light.night_light();
+                Some(AirDrawable::new(device, format, textures, night)?)
             }
             Atmosphere::None => None,
         };
@@ -289,7 +290,8 @@ impl Earth {
                     let (air, light) = (&self.air_options, &self.style.light);
                     air_textures(&device, queue, air, light, &self.albedo, &quality)
                 });
-                Some(AirDrawable::new(&device, format, textures)?)
+                let night = self.style.light.night_light();
+                Some(AirDrawable::new(&device, format, textures, night)?)
             }
         };
         if let Some(air) = &air {

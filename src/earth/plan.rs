@@ -4,6 +4,7 @@
 use super::ground::GroundDriver;
 use super::metering::ExposureControl;
 use super::quality::TILED_SUBDIVISION;
+use super::sky::LIGHTS_OUT;
 use super::tile_view::TileView;
 use super::tiles::TileDriver;
 use super::view::ItrfView;
@@ -14,13 +15,8 @@ use crate::globe::{
     BLOCK_COUNT, BlockGrid, COLUMNS, Meshes, Subdivision, SubdivisionError, Surface, Visibility,
     sagitta, select_blocks, texels_per_pixel,
 };
-use crate::gpu::{AirPlan, FramePlan, FrameUniforms, LAMPS_OUT_SIN};
+use crate::gpu::{AirPlan, FramePlan, FrameUniforms};
 use crate::light::exposure_factor;
-
-/// A block on which the sine of the Sun's elevation is nowhere less has no lamp lit, with room for the ellipsoid.
-pub(super) const LIGHTS_OUT: f64 = LAMPS_OUT_SIN + ROOM_SIN;
-/// Room for the ellipsoid in sines of the Sun's elevation.
-pub(super) const ROOM_SIN: f64 = 0.01;
 
 /// Turns views into plans.
 pub(super) struct Planner {
@@ -28,6 +24,8 @@ pub(super) struct Planner {
     visibility: Visibility,
     pub exposure: ExposureControl,
     has_air: bool,
+    /// How many times brighter than in truth moonlight is drawn; 0 where none is.
+    moon_gain: f64,
     ground: Option<GroundDriver>,
     pub tiles: Option<TileDriver>,
     /// Texels of the day map per block side where no tile is drawn.
@@ -51,6 +49,10 @@ impl Planner {
             visibility: options.visibility,
             exposure: ExposureControl::new(options, quality.atmosphere),
             has_air: quality.atmosphere == Atmosphere::Billboard,
+            moon_gain: match options.light.moonlight {
+                true => options.light.night_gain,
+                false => 0.0,
+            },
             tiles: tiles.transpose()?,
             ground: ground.transpose()?,
             whole_day_pixels: options.layers.day.width / COLUMNS,
@@ -146,9 +148,12 @@ impl Planner {
             }
         }
         self.plan_tiles(view, sky, plan, &mut stats);
+        let (moon_itrf, moon_light) = sky.moonlight();
         plan.uniforms = FrameUniforms {
             sun_itrf: sky.sun_itrf.as_vec3(),
             exposure,
+            moon_itrf: moon_itrf.as_vec3(),
+            moon_light: (self.moon_gain * moon_light) as f32,
             ..view.uniforms(&ellipsoid)
         };
         if self.has_air {
@@ -246,7 +251,7 @@ mod tests {
     use crate::imagery::{EarthLayers, LayerImage};
     use glam::DVec3;
 
-    const SKY: Sky = Sky { sun_itrf: DVec3::X };
+    const SKY: Sky = Sky::new(DVec3::X);
 
     fn planner() -> Planner {
         let options = EarthOptions::new(EarthLayers {
@@ -290,10 +295,9 @@ mod tests {
         assert!(plan.tiles.is_empty() && plan.air.is_some());
         // The Sun stands over 0° E, and all of the view is by day.
         assert_eq!(plan.daylit.len(), stats.blocks_drawn);
-        let dusk = Sky {
-            sun_itrf: DVec3::new(20_f64.to_radians().cos(), 20_f64.to_radians().sin(), 0.0)
-                .cross(DVec3::Z),
-        };
+        let dusk = Sky::new(
+            DVec3::new(20_f64.to_radians().cos(), 20_f64.to_radians().sin(), 0.0).cross(DVec3::Z),
+        );
         let mut other = planner.empty_plan();
         planner.plan(&view, &dusk, &mut other);
         assert!(other.daylit.len() < plan.daylit.len());

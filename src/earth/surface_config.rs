@@ -29,6 +29,7 @@ pub(super) fn surface_config<'a>(
         shading: style.shading,
         light: style.light.uniforms(),
         cloud_shadows: style.light.cloud_shadows,
+        moonlight: style.light.moonlight,
         shown,
         output: style.diagnostics.output,
         ground: ground.map(Surface::draw_kind),

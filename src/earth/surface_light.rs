@@ -1,7 +1,7 @@
 //! What of the light on the surface can be chosen.
 
 use super::EarthError;
-use crate::gpu::SurfaceLightUniforms;
+use crate::gpu::{NightLight, SurfaceLightUniforms};
 use crate::imagery::SLOPE_EXAGGERATION;
 use std::ops::RangeInclusive;
 
@@ -22,10 +22,14 @@ pub struct SurfaceLight {
     pub cloud_relief_m: f64,
     /// Whether clouds throw shadows on the ground: one more look at their map for each pixel.
     pub cloud_shadows: bool,
-    /// How many times brighter than in truth city lights are, 0…1e6. In truth the brightest are some 4e-6 of a white sheet
-    /// in sunlight (see [`CITY_RADIANCE`]) and twice as bright as one in the light of the full Moon: nothing shows of them
-    /// in a picture exposed for daylight.
-    pub night_lights_gain: f64,
+    /// Whether the Moon lights the Earth, by its phase: its land, sea and clouds, and the air as an eye outside of it sees it.
+    pub moonlight: bool,
+    /// Whether the air glows by itself at night: see [`AIRGLOW_LUMINANCE`].
+    pub airglow: bool,
+    /// How many times brighter than in truth the lights of the night are, 0…1e6: those of cities, of the Moon and of the air
+    /// alike. In truth the brightest cities are some 4e-6 of a white sheet in sunlight (see [`CITY_RADIANCE`]) and twice as
+    /// bright as one in the light of the full Moon: nothing shows of them in a picture exposed for daylight.
+    pub night_gain: f64,
 }
 
 /// Radiance of the brightest texels of the night map, a white sheet that faces the Sun in space being 1.
@@ -34,6 +38,13 @@ pub struct SurfaceLight {
 /// some kilometres (Miller et al. 2013, Remote Sens. 5, 6717; Elvidge et al. 2017, Int. J. Remote Sens. 38, 5860), here 80,
 /// that is 8e-4 W/(m² sr). In that band the Sun gives some 620 W/m², and a white sheet 620/π = 197 W/(m² sr).
 pub const CITY_RADIANCE: f64 = 4.1e-6;
+
+/// Luminance of the airglow seen from straight below, that of a white sheet that faces the Sun in space being 1.
+///
+/// Of it only the green line of atomic oxygen at 557.7 nm is drawn: 250 rayleigh on a usual night (Khomich, Semenov and Shefov
+/// 2008, Airglow as an Indicator of Upper Atmospheric Structure and Dynamics), that is 250e10/4π photons of 3.56e-19 J for each
+/// m², second and steradian, 4.8e-5 cd/m². The Sun's 133 100 lx make 4.2e4 cd/m² of the sheet.
+pub const AIRGLOW_LUMINANCE: f64 = 1.14e-9;
 
 /// Equatorial radius that heights of clouds are told by, metres.
 const RADIUS_M: f64 = 6_378_137.0;
@@ -49,7 +60,9 @@ impl Default for SurfaceLight {
             cloud_height_m: 6_000.0,
             cloud_relief_m: 4_000.0,
             cloud_shadows: false,
-            night_lights_gain: 1.5e5,
+            moonlight: false,
+            airglow: false,
+            night_gain: 1.5e5,
         }
     }
 }
@@ -63,8 +76,8 @@ impl SurfaceLight {
     pub const CLOUD_HEIGHT_M: RangeInclusive<f64> = 100.0..=20_000.0;
     /// Of [`Self::cloud_relief_m`].
     pub const CLOUD_RELIEF_M: RangeInclusive<f64> = 0.0..=20_000.0;
-    /// Of [`Self::night_lights_gain`].
-    pub const NIGHT_LIGHTS_GAIN: RangeInclusive<f64> = 0.0..=1e6;
+    /// Of [`Self::night_gain`].
+    pub const NIGHT_GAIN: RangeInclusive<f64> = 0.0..=1e6;
 
     /// Refuses what is out of range.
     pub(super) fn check(&self) -> Result<(), EarthError> {
@@ -75,11 +88,7 @@ impl SurfaceLight {
             ("relief_exaggeration", self.relief_exaggeration, relief),
             ("cloud_height_m", self.cloud_height_m, Self::CLOUD_HEIGHT_M),
             ("cloud_relief_m", self.cloud_relief_m, Self::CLOUD_RELIEF_M),
-            (
-                "night_lights_gain",
-                self.night_lights_gain,
-                Self::NIGHT_LIGHTS_GAIN,
-            ),
+            ("night_gain", self.night_gain, Self::NIGHT_GAIN),
         ] {
             if !range.contains(&value) {
                 return Err(EarthError::SurfaceLight {
@@ -91,6 +100,16 @@ impl SurfaceLight {
             }
         }
         Ok(())
+    }
+
+    /// What of the night the air shows.
+    pub(super) fn night_light(&self) -> NightLight {
+        NightLight {
+            moonlight: self.moonlight,
+            airglow: self
+                .airglow
+                .then_some((AIRGLOW_LUMINANCE * self.night_gain) as f32),
+        }
     }
 
     /// As the shader takes it.
@@ -108,7 +127,7 @@ impl SurfaceLight {
             cloud_height: cloud_height as f32,
             cloud_relief: (self.cloud_relief_m / RADIUS_M) as f32,
             cloud_dip: ((cloud_height * (2.0 + cloud_height)).sqrt() / (1.0 + cloud_height)) as f32,
-            lamp_light: (CITY_RADIANCE * self.night_lights_gain) as f32,
+            lamp_light: (CITY_RADIANCE * self.night_gain) as f32,
             padding: [0.0; 3],
         }
     }
@@ -164,10 +183,10 @@ mod tests {
             ),
             (
                 SurfaceLight {
-                    night_lights_gain: 2e6,
+                    night_gain: 2e6,
                     ..good
                 },
-                "night_lights_gain",
+                "night_gain",
             ),
         ] {
             let error = light.check().expect_err(name).to_string();

@@ -1,7 +1,7 @@
 //! Which tiles of a pack a frame requests, and which it is drawn with.
 
-use super::plan::{LIGHTS_OUT, ROOM_SIN};
 use super::quality::Quality;
+use super::sky::{LIGHTS_OUT, ROOM_SIN};
 use super::tile_view::{TileDetail, TileView};
 use super::{EarthError, EyeView};
 use crate::globe::{

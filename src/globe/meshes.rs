@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn the_mesh_is_finer_near_the_ground_and_in_narrow_views() {
-        let mut meshes = Meshes::new(Ellipsoid::WGS84, Subdivision::Auto, 6).expect("sound");
+        let mut meshes = Meshes::new(Ellipsoid::WGS84, Subdivision::Auto, 1).expect("sound");
         let mut cells = |height_m, pixel_rad| {
             meshes.select_lod(height_m, pixel_rad);
             meshes.grid().subdivision()

@@ -43,7 +43,7 @@ pub use timer::{GpuTimer, TimerError};
 pub use tracks::TrackUniforms;
 pub use uniforms::{AirUniforms, FrameUniforms, SurfaceLightUniforms};
 
-pub(crate) use air::{AirDrawable, AirTextures, Binding};
+pub(crate) use air::{AirDrawable, AirTextures, Binding, NightLight};
 #[cfg(feature = "terrain")]
 pub(crate) use contours::PageMesh;
 #[cfg(feature = "terrain")]
@@ -52,11 +52,11 @@ pub(crate) use layers::GpuLayer;
 pub(crate) use pipeline::PipelineDescription;
 pub(crate) use plan::{AirPlan, BlockTiles, FramePlan};
 pub use read_back::PictureError;
+#[cfg(feature = "packs")]
+pub(crate) use shader::GLINT_ENDS_SIN;
 #[cfg(feature = "tracks")]
 pub(crate) use shader::{FROM_PREVIOUS as TRACK_FROM_PREVIOUS, ON_GROUND as TRACK_ON_GROUND};
-#[cfg(feature = "packs")]
-pub(crate) use shader::{GLINT_ENDS_SIN, LAMPS_OUT_SIN};
-pub(crate) use shader::{VIEW_ANGLES, VIEW_AZIMUTHS};
+pub(crate) use shader::{LAMPS_OUT_SIN, VIEW_ANGLES, VIEW_AZIMUTHS};
 pub(crate) use surface::SurfaceDrawable;
 pub(crate) use surface_config::SurfaceConfig;
 #[cfg(feature = "tracks")]

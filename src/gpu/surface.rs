@@ -380,6 +380,7 @@ fn output(maps: &Maps, config: &SurfaceConfig<'_>, air: Option<AirSide>) -> Eart
             normals,
             night_lights: maps.has(MapLayer::NightLights),
             water: maps.has(MapLayer::Water),
+            moonlight: config.moonlight,
             air,
         }),
     };

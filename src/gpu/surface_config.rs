@@ -10,6 +10,7 @@ pub(crate) struct SurfaceConfig<'a> {
     /// The chosen light on the surface.
     pub light: SurfaceLightUniforms,
     pub cloud_shadows: bool,
+    pub moonlight: bool,
     /// Which maps are used, of those that there are.
     pub shown: [bool; MAP_LAYERS],
     pub output: SurfaceOutput,

@@ -27,6 +27,10 @@ pub struct FrameUniforms {
     pub exposure: f32,
     /// The ray's change to the next pixel down.
     pub pixel_down: Vec3,
+    /// Light of the Moon as a part of the Sun's, times how much brighter the night is drawn.
+    pub moon_light: f32,
+    /// Unit vector to the Moon, ITRF axes.
+    pub moon_itrf: Vec3,
     /// Fills the struct to its size.
     pub padding: f32,
 }
@@ -91,14 +95,18 @@ pub struct AirUniforms {
     pub limb_cos: f32,
     /// Absorption by ozone where it is densest, per equatorial radius.
     pub ozone: Vec3,
-    /// Fills the row.
-    pub padding_a: f32,
+    /// Luminance of the airglow seen from straight below, times how much brighter the night is drawn.
+    pub airglow: f32,
     /// Scattering by aerosol at the ground, per equatorial radius.
     pub aerosol_scattering: Vec3,
     /// Fills the row.
     pub padding_b: f32,
     /// Scattering and absorption by aerosol at the ground, per equatorial radius.
     pub aerosol_extinction: Vec3,
-    /// Fills the row.
+    /// As in [`FrameUniforms`].
+    pub moon_light: f32,
+    /// Unit vector to the Moon, ITRF axes.
+    pub moon: Vec3,
+    /// Fills the struct to its size.
     pub padding_c: f32,
 }

@@ -35,7 +35,9 @@ pub fn earth_options(scene: &Scene, bc: BcSupport) -> Result<EarthOptions, PlayE
             cloud_height_m: 1000.0 * light.cloud_height_km,
             cloud_relief_m: 1000.0 * light.cloud_relief_km,
             cloud_shadows: light.cloud_shadows,
-            night_lights_gain: light.night_lights_gain,
+            moonlight: light.moonlight,
+            airglow: light.airglow,
+            night_gain: light.night_gain,
         };
     }
     options.samples = scene.output.samples;

@@ -75,8 +75,12 @@ pub struct SurfaceLightTable {
     pub cloud_relief_km: f64,
     /// Whether clouds throw shadows.
     pub cloud_shadows: bool,
-    /// How many times brighter than in truth city lights are.
-    pub night_lights_gain: f64,
+    /// Whether the Moon lights the Earth.
+    pub moonlight: bool,
+    /// Whether the air glows at night.
+    pub airglow: bool,
+    /// How many times brighter than in truth the lights of the night are.
+    pub night_gain: f64,
 }
 
 impl EarthTable {
@@ -169,13 +173,17 @@ impl SceneText<'_> {
         shading: Shading,
     ) -> Result<Option<SurfaceLightTable>, SceneError> {
         let shadows = earth.cloud_shadows();
+        let (moonlight, airglow) = (earth.moonlight(), earth.airglow());
+        let is_full = look == Look::Full;
         if shading == Shading::Paper {
             self.only_in_sunlight(&earth.wind_m_s())?;
             self.only_in_sunlight(&earth.relief_exaggeration())?;
             self.only_in_sunlight(&earth.cloud_height_km())?;
             self.only_in_sunlight(&earth.cloud_relief_km())?;
             self.only_in_sunlight(&shadows)?;
-            self.only_in_sunlight(&earth.night_lights_gain())?;
+            self.only_in_sunlight(&moonlight)?;
+            self.only_in_sunlight(&airglow)?;
+            self.only_in_sunlight(&earth.night_gain())?;
             return Ok(None);
         }
         Ok(Some(SurfaceLightTable {
@@ -183,8 +191,10 @@ impl SceneText<'_> {
             relief_exaggeration: self.quantity(&earth.relief_exaggeration(), "")?,
             cloud_height_km: self.quantity(&earth.cloud_height_km(), "kilometres")?,
             cloud_relief_km: self.quantity(&earth.cloud_relief_km(), "kilometres")?,
-            cloud_shadows: shadows.value().unwrap_or(look == Look::Full),
-            night_lights_gain: self.quantity(&earth.night_lights_gain(), "")?,
+            cloud_shadows: shadows.value().unwrap_or(is_full),
+            moonlight: moonlight.value().unwrap_or(is_full),
+            airglow: airglow.value().unwrap_or(is_full),
+            night_gain: self.quantity(&earth.night_gain(), "")?,
         }))
     }
 
@@ -291,7 +301,9 @@ pub(super) fn value(earth: &EarthTable, key: &str) -> KeyText {
         | "cloud_height_km"
         | "cloud_relief_km"
         | "cloud_shadows"
-        | "night_lights_gain" => match &earth.light {
+        | "moonlight"
+        | "airglow"
+        | "night_gain" => match &earth.light {
             Some(light) => surface_light_value(light, key),
             None => Err("only for shading = \"sunlit\""),
         },
@@ -320,7 +332,9 @@ fn surface_light_value(light: &SurfaceLightTable, key: &str) -> KeyText {
         "cloud_height_km" => light.cloud_height_km.to_string(),
         "cloud_relief_km" => light.cloud_relief_km.to_string(),
         "cloud_shadows" => light.cloud_shadows.to_string(),
-        "night_lights_gain" => light.night_lights_gain.to_string(),
+        "moonlight" => light.moonlight.to_string(),
+        "airglow" => light.airglow.to_string(),
+        "night_gain" => light.night_gain.to_string(),
         _ => return Err(UNKNOWN),
     })
 }

@@ -383,8 +383,12 @@ table!(RawEarth = "earth" {
     cloud_relief_km: f64 = "a number of kilometres", in 0.0..=20.0, default 4.0;
     /// Whether clouds throw shadows, by default with look = "full".
     cloud_shadows: bool = "true or false";
-    /// How many times brighter than in truth city lights are.
-    night_lights_gain: f64 = "a number", in 0.0..=1e6, default 1.5e5;
+    /// Whether the Moon lights the Earth, by its phase; by default with look = "full".
+    moonlight: bool = "true or false";
+    /// Whether the air glows green at night, 95 km up; by default with look = "full".
+    airglow: bool = "true or false";
+    /// How many times brighter than in truth the lights of the night are: cities, moonlight and airglow.
+    night_gain: f64 = "a number", in 0.0..=1e6, default 1.5e5;
     /// Folder of the maps, the starter pack by default.
     textures: String = "a string, the path of a folder of maps";
     /// Folder of an imagery pack, in place of maps.

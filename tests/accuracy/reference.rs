@@ -22,7 +22,9 @@ const BARE: ReferenceOptions = ReferenceOptions {
         cloud_height_m: 6_000.0,
         cloud_relief_m: 0.0,
         cloud_shadows: false,
-        night_lights_gain: 1.5e5,
+        moonlight: false,
+        airglow: false,
+        night_gain: 1.5e5,
     },
     atmosphere: Atmosphere::None,
     aerosol_optical_depth: 0.0,
@@ -38,7 +40,7 @@ fn reference(layers: &EarthLayers, options: ReferenceOptions) -> Reference {
 }
 
 fn sky(sun_itrf: DVec3) -> Sky {
-    Sky { sun_itrf }
+    Sky::new(sun_itrf)
 }
 
 /// An eye at `eye_m` that looks at the centre, z upwards.

@@ -78,9 +78,7 @@ fn scenes() -> Vec<(&'static str, EarthOptions, Moment)> {
         50.0,
         aspect,
     );
-    night.sky = Sky {
-        sun_itrf: Ellipsoid::normal(0.1, f64::to_radians(8.0 + 125.0)),
-    };
+    night.sky = Sky::new(Ellipsoid::normal(0.1, f64::to_radians(8.0 + 125.0)));
     vec![
         of("space station", &iss.expect("a scene")),
         of("whole disc", disc),

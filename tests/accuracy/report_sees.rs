@@ -28,9 +28,7 @@ fn view_down() -> EyeView {
 }
 
 fn sky() -> Sky {
-    Sky {
-        sun_itrf: Ellipsoid::normal(0.1, 1.3),
-    }
+    Sky::new(Ellipsoid::normal(0.1, 1.3))
 }
 
 /// Colours in waves of a few texels, and slopes in waves too.

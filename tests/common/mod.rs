@@ -114,15 +114,19 @@ impl Rig {
     }
 
     pub fn draw(&mut self, view: &EyeView, sun_itrf: DVec3) -> (RgbaImage, FrameStats) {
-        let sky = Sky { sun_itrf };
+        let sky = Sky::new(sun_itrf);
         let stats = self.earth.prepare(&gpu().queue, view, &sky, self.size);
         (self.picture(), stats)
     }
 
     /// Draws light: of a rig that is made for it.
     pub fn draw_light(&mut self, view: &EyeView, sun_itrf: DVec3) -> Vec<[f32; 4]> {
-        let sky = Sky { sun_itrf };
-        self.earth.prepare(&gpu().queue, view, &sky, self.size);
+        self.draw_light_of(view, &Sky::new(sun_itrf))
+    }
+
+    /// The same under any sky.
+    pub fn draw_light_of(&mut self, view: &EyeView, sky: &Sky) -> Vec<[f32; 4]> {
+        self.earth.prepare(&gpu().queue, view, sky, self.size);
         self.submit();
         let light = self.targets.read_light(&gpu().device, &gpu().queue);
         light.expect("a picture")
@@ -134,7 +138,7 @@ impl Rig {
         view: &EyeView,
         sun_itrf: DVec3,
     ) -> (RgbaImage, FrameStats, Vec<TileKey>) {
-        let (sky, wait) = (Sky { sun_itrf }, Duration::from_secs(10));
+        let (sky, wait) = (Sky::new(sun_itrf), Duration::from_secs(10));
         let (stats, missing) =
             self.earth
                 .prepare_complete(&gpu().queue, view, &sky, self.size, wait);

@@ -58,14 +58,7 @@ impl Host {
     fn draw(&self, view: &EyeView, target: Viewport, sheet: Option<f32>) -> RgbaImage {
         let gpu = gpu();
         let mut earth = Earth::new(&gpu.device, &gpu.queue, &self.options).expect("sound options");
-        earth.prepare(
-            &gpu.queue,
-            view,
-            &Sky {
-                sun_itrf: SUN.normalize(),
-            },
-            target,
-        );
+        earth.prepare(&gpu.queue, view, &Sky::new(SUN.normalize()), target);
         let samples = self.options.samples;
         let multisampled = (samples > 1).then(|| {
             texture(self.options.color_format, self.size, samples).create_view(&Default::default())
@@ -446,7 +439,7 @@ fn two_timed_passes_draw_the_same_picture_as_one() {
         let mut earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("sound options");
         let targets = FrameTargets::new(&gpu.device, SIZE, samples);
         let view = view();
-        let sky = Sky { sun_itrf: DVec3::X };
+        let sky = Sky::new(DVec3::X);
         earth.prepare(&gpu.queue, &view, &sky, SIZE);
         let submit = |draw: &dyn Fn(&mut wgpu::CommandEncoder)| {
             let mut encoder = gpu.device.create_command_encoder(&Default::default());

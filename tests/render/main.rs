@@ -4,6 +4,7 @@
 mod common;
 mod embedding;
 mod light;
+mod night;
 mod picture;
 mod precision;
 #[cfg(feature = "terrain")]

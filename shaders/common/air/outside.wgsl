@@ -12,12 +12,12 @@ fn ground_coordinate(mu: f32) -> f32 {
     return 0.5 * table_coordinate(sqrt(mu), 0.5 * SCATTERING_SIZE.x);
 }
 
-// `x` is the ray's coordinate, `mu` and `mu_s` are the cosines of its zenith angle and of the Sun's where that is counted; `ray` is
-// its unit vector, ITRF axes.
-fn scattered(x: f32, mu: f32, ray: vec3f, mu_s: f32, uv: vec2f) -> vec4f {
+// `x` is the ray's coordinate, `mu` and `mu_s` are the cosines of its zenith angle and of the Sun's where that is counted; `ray`
+// and `sun` are unit vectors, ITRF axes.
+fn scattered(x: f32, mu: f32, ray: vec3f, sun: vec3f, mu_s: f32, uv: vec2f) -> vec4f {
     // Azimuth of the Sun, from the ray's horizontal direction.
     let flat = sqrt(max((1.0 - mu * mu) * (1.0 - mu_s * mu_s), 1e-12));
-    let cosine = clamp((dot(ray, air.sun) + mu * mu_s) / flat, -1.0, 1.0);
+    let cosine = clamp((dot(ray, sun) + mu * mu_s) / flat, -1.0, 1.0);
     let y = table_coordinate(sun_coordinate(mu_s), SCATTERING_SIZE.y);
     let azimuth = sqrt(acos(cosine) / PI);
     let at = vec3f(x, y, table_coordinate(azimuth, SCATTERING_SIZE.z));
@@ -31,8 +31,12 @@ fn through_at(x: f32) -> vec3f {
 }
 
 fn gathered(pass_: Pass, up: vec3f, uv: vec2f) -> vec4f {
-    let mu_s = clamp(dot(up, air.sun), -1.0, 1.0);
-    return scattered(ray_coordinate(pass_), pass_.mu, itrf_direction(pass_.direction), mu_s, uv);
+    let x = ray_coordinate(pass_);
+    let ray = itrf_direction(pass_.direction);
+    let sunlit = scattered(x, pass_.mu, ray, air.sun, clamp(dot(up, air.sun), -1.0, 1.0), uv);
+    @if(!moonlight) return sunlit;
+    @if(moonlight) let moonlit = scattered(x, pass_.mu, ray, air.moon, clamp(dot(up, air.moon), -1.0, 1.0), uv);
+    @if(moonlight) return vec4f(sunlit.rgb + air.moon_light * moonlit.rgb, sunlit.a);
 }
 
 fn left_through(pass_: Pass) -> vec3f {

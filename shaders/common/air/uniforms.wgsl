@@ -27,9 +27,13 @@ struct AirUniforms {
     molecules: vec3f,
     limb_cos: f32,
     ozone: vec3f,
-    padding_a: f32,
+    // Luminance of the airglow seen from straight below, times how much brighter the night is drawn.
+    airglow: f32,
     aerosol_scattering: vec3f,
     padding_b: f32,
     aerosol_extinction: vec3f,
+    // As in the frame's uniforms.
+    moon_light: f32,
+    moon: vec3f,
     padding_c: f32,
 }

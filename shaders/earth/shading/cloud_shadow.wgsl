@@ -3,8 +3,8 @@
 // A Sun lower than this casts shadows longer than clouds are far apart.
 const LOWEST_SHADOW: f32 = 0.05;
 
-fn below_clouds(at: SurfacePoint, light: Light, mu_s: f32) -> Light {
-    let lift = lifted(at, frame.sun_itrf, max(mu_s, LOWEST_SHADOW), surface_light.cloud_height);
+fn below_clouds(at: SurfacePoint, light: Light, sun: vec3f, mu_s: f32) -> Light {
+    let lift = lifted(at, sun, max(mu_s, LOWEST_SHADOW), surface_light.cloud_height);
     let albedo = CLOUD_ALBEDO * cover_at(at, lift.uv);
     let left = 1.0 - sunlit_albedo(albedo, max(mu_s, LOWEST_SHADOW));
     // What falls through is spread over the sky: half of it comes from there.

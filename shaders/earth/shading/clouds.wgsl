@@ -29,20 +29,31 @@ fn sunlit_albedo(albedo: f32, mu: f32) -> f32 {
 @if(air) fn sun_on_clouds(mu_s: f32) -> vec3f { return sunlight(mu_s, OF_CLOUDS); }
 @if(!air) fn sun_on_clouds(mu_s: f32) -> vec3f { return light_of_disc(mu_s + surface_light.cloud_dip); }
 
-// What the eye sees of the ground's light through the clouds, and of them.
-fn under_clouds(ground: vec3f, at: SurfacePoint, light: Light) -> vec3f {
+// Of the clouds before a place of the ground.
+struct CloudsBefore {
+    // What they throw back of diffuse light.
+    albedo: f32,
+    // Normal of the ellipsoid below them, and of their tops.
+    up: vec3f,
+    normal: vec3f,
+}
+
+fn clouds_before(at: SurfacePoint) -> CloudsBefore {
     let to_eye = normalize(at.to_eye);
     let lift = lifted(at, to_eye, max(dot(to_eye, at.up), 0.0), surface_light.cloud_height);
     let cover = cover_at(at, lift.uv);
-    let albedo = CLOUD_ALBEDO * cover;
     @if(whole_quads) let slope = cloud_slope(at, cover);
     @if(!whole_quads) let slope = vec2f(0.0);
-    let mu_s = dot(lift.up, frame.sun_itrf);
     let normal = normalize(lift.up - slope.x * at.east - slope.y * at.north);
-    let facing = max(dot(normal, frame.sun_itrf), CLOUD_SIDES);
-    let reflected = sunlit_albedo(albedo, facing) * facing * sun_on_clouds(mu_s) + albedo * light.sky;
-    return reflected + (1.0 - albedo) * ground;
+    return CloudsBefore(CLOUD_ALBEDO * cover, lift.up, normal);
+}
+
+// What they throw back of the light of a Sun and its sky.
+fn light_of_clouds(clouds: CloudsBefore, light: Light, sun: vec3f) -> vec3f {
+    let facing = max(dot(clouds.normal, sun), CLOUD_SIDES);
+    let sunlit = sunlit_albedo(clouds.albedo, facing) * facing * sun_on_clouds(dot(clouds.up, sun));
+    return sunlit + clouds.albedo * light.sky;
 }
 
 // What clouds leave of the light that falls on the ground.
-@if(!cloud_shadows) fn below_clouds(at: SurfacePoint, light: Light, mu_s: f32) -> Light { return light; }
+@if(!cloud_shadows) fn below_clouds(at: SurfacePoint, light: Light, sun: vec3f, mu_s: f32) -> Light { return light; }

@@ -23,8 +23,8 @@ fn open_water(at: SurfacePoint) -> f32 {
     return saturate((share - 0.5) / clamp(0.7 * footprint, 1e-3, 1.0) + 0.5);
 }
 
-// `depth`: alpha of the day map, the floor's depth in FLOOR_SEEN_M.
-fn sea(at: SurfacePoint, light: Light, mu_s: f32, depth: f32) -> vec3f {
+// `sun`: towards what lights it. `depth`: alpha of the day map, the floor's depth in FLOOR_SEEN_M.
+fn sea(at: SurfacePoint, light: Light, sun: vec3f, mu_s: f32, depth: f32) -> vec3f {
     let to_eye = normalize(at.to_eye);
     let cos_eye = max(dot(to_eye, at.up), 1e-3);
     let through = exp(-FLOOR_SEEN_M * depth * FLOOR_ATTENUATION);
@@ -33,15 +33,15 @@ fn sea(at: SurfacePoint, light: Light, mu_s: f32, depth: f32) -> vec3f {
     let falls = light.sun * max(mu_s, 0.0) + light.sky;
     // The sky mirrored by waves, the Fresnel term's mean over their slopes: Bruneton, Neyret and Holzschuch 2010, equation 18.
     let mirrored = 0.0211 + 0.9789 * pow(1.0 - cos_eye, surface_light.mirror_power) * surface_light.mirror_scale;
-    return falls * (leaving + surface_light.foam) + light.sky * mirrored + light.sun * glint(at, to_eye, cos_eye, mu_s);
+    return falls * (leaving + surface_light.foam) + light.sky * mirrored + light.sun * glint(at, to_eye, cos_eye, sun, mu_s);
 }
 
 // Sunlight mirrored by the waves, per light that falls on a sheet facing the Sun. Cox and Munk 1954 (J. Opt. Soc. Am. 44,
 // 838): slopes of the waves are Gaussian with mean square σ².
 //   L/E = ρ(ω) p(β) G / (4 cos θ cos⁴β),  p = exp(−tan²β/σ²)/(πσ²)
 // G is what waves hide of each other from Sun and eye: Smith 1967 in the rational form of Walter et al. 2007.
-fn glint(at: SurfacePoint, to_eye: vec3f, cos_eye: f32, mu_s: f32) -> f32 {
-    let half_way = normalize(to_eye + frame.sun_itrf);
+fn glint(at: SurfacePoint, to_eye: vec3f, cos_eye: f32, sun: vec3f, mu_s: f32) -> f32 {
+    let half_way = normalize(to_eye + sun);
     let cos_beta = max(dot(half_way, at.up), 1e-3);
     let cos_squared = cos_beta * cos_beta;
     let tan_squared = (1.0 - cos_squared) / cos_squared;

@@ -12,17 +12,44 @@ struct Light {
     sky: vec3f,
 }
 
-fn shade(at: SurfacePoint) -> vec3f {
-    let mu_s = dot(at.up, frame.sun_itrf);
+// What of a place shows, whatever lights it.
+struct Surface {
+    // Colour of the land; in alpha the depth of the sea's floor.
+    day: vec4f,
+    // How the ground leans.
+    normal: vec3f,
+    @if(water) water: f32,
+    @if(clouds) clouds: CloudsBefore,
+}
+
+fn surface_at(at: SurfacePoint) -> Surface {
+    var out: Surface;
+    out.day = sample_map(day_map, day_sampler, DAY, at);
+    out.normal = surface_normal(at);
+    @if(water) out.water = open_water(at);
+    @if(clouds) out.clouds = clouds_before(at);
+    return out;
+}
+
+// Its light, and that of the clouds before it, by a Sun in this direction.
+fn lit(at: SurfacePoint, surface: Surface, sun: vec3f) -> vec3f {
+    let mu_s = dot(at.up, sun);
     let above = light_at(at, mu_s);
     @if(!clouds) let light = above;
-    @if(clouds) let light = below_clouds(at, above, mu_s);
-    let facing = max(dot(surface_normal(at), frame.sun_itrf), 0.0);
-    let day = sample_map(day_map, day_sampler, DAY, at);
-    var color = day.rgb * (light.sun * facing + light.sky);
-    @if(water) color = mix(color, sea(at, light, mu_s, day.a), open_water(at));
-    @if(night_lights) color += city_light(at, mu_s);
-    @if(clouds) color = under_clouds(color, at, above);
+    @if(clouds) let light = below_clouds(at, above, sun, mu_s);
+    var color = surface.day.rgb * (light.sun * max(dot(surface.normal, sun), 0.0) + light.sky);
+    @if(water) color = mix(color, sea(at, light, sun, mu_s, surface.day.a), surface.water);
+    @if(clouds) color = light_of_clouds(surface.clouds, above, sun) + (1.0 - surface.clouds.albedo) * color;
+    return color;
+}
+
+fn shade(at: SurfacePoint) -> vec3f {
+    let mu_s = dot(at.up, frame.sun_itrf);
+    let surface = surface_at(at);
+    var color = lit(at, surface, frame.sun_itrf);
+    @if(moonlight) color += frame.moon_light * lit(at, surface, frame.moon_itrf);
+    @if(night_lights && clouds) color += (1.0 - surface.clouds.albedo) * city_light(at, mu_s);
+    @if(night_lights && !clouds) color += city_light(at, mu_s);
     @if(air) color = through_air(color, at, mu_s);
     return color;
 }

@@ -34,8 +34,18 @@ pub(crate) struct AirDrawable {
     side: AirSide,
     textures: AirTextures,
     view: AirView,
+    airglow: f32,
     /// Of all variants.
     pub shader_bytes: u64,
+}
+
+/// What of the night the air shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct NightLight {
+    /// Whether moonlight is scattered in it.
+    pub moonlight: bool,
+    /// Luminance of the airglow seen from straight below, as it is drawn; `None` draws none.
+    pub airglow: Option<f32>,
 }
 
 struct Halo {
@@ -48,6 +58,7 @@ impl AirDrawable {
         device: &wgpu::Device,
         format: PassFormat,
         textures: AirTextures,
+        night: NightLight,
     ) -> Result<Self, ShaderError> {
         let size = (Billboard::MAX_VERTICES * size_of::<AirVertex>()) as u64;
         let vertices = device.create_buffer(&wgpu::BufferDescriptor {
@@ -63,7 +74,15 @@ impl AirDrawable {
         });
         let view = AirView::new(device, &textures)?;
         let mut shader_bytes = view.shader_bytes;
-        let [outside, inside] = AirSide::ALL.map(|side| halo(device, format, &textures, side));
+        let [outside, inside] = AirSide::ALL.map(|side| {
+            let variant = AirVariant {
+                side,
+                moonlight: night.moonlight,
+                airglow: night.airglow.is_some(),
+                target: format.target_color(),
+            };
+            halo(device, format, &textures, variant)
+        });
         let halos = [outside?, inside?].map(|(halo, bytes)| {
             shader_bytes += bytes;
             halo
@@ -77,6 +96,7 @@ impl AirDrawable {
             side: AirSide::Outside,
             textures,
             view,
+            airglow: night.airglow.unwrap_or(0.0),
             shader_bytes,
         })
     }
@@ -103,7 +123,7 @@ impl AirDrawable {
         }));
         let vertices: &[u8] = bytemuck::cast_slice(&self.staging);
         queue.write_buffer(&self.vertices, 0, vertices);
-        let uniforms = uniforms(plan, frame, &self.textures);
+        let uniforms = uniforms(plan, frame, &self.textures, self.airglow);
         queue.write_buffer(self.textures.uniforms(), 0, bytemuck::bytes_of(&uniforms));
         if self.side == AirSide::Inside {
             self.view.draw(device, queue, &self.textures, &uniforms);
@@ -122,7 +142,12 @@ impl AirDrawable {
 }
 
 /// What shaders read of a frame's air.
-fn uniforms(plan: &AirPlan, frame: &FrameUniforms, textures: &AirTextures) -> AirUniforms {
+fn uniforms(
+    plan: &AirPlan,
+    frame: &FrameUniforms,
+    textures: &AirTextures,
+    airglow: f32,
+) -> AirUniforms {
     let ring = &plan.ring;
     let sun = frame.sun_itrf.as_dvec3();
     // The Sun as the eye sees it over its own horizon, and the same azimuth about the line to the centre.
@@ -149,10 +174,12 @@ fn uniforms(plan: &AirPlan, frame: &FrameUniforms, textures: &AirTextures) -> Ai
         molecules: per_radius(coefficients.molecules),
         limb_cos: limb_cos as f32,
         ozone: per_radius(coefficients.ozone),
-        padding_a: 0.0,
+        airglow,
         aerosol_scattering: per_radius(coefficients.aerosol_scattering),
         padding_b: 0.0,
         aerosol_extinction: per_radius(coefficients.aerosol_extinction),
+        moon_light: frame.moon_light,
+        moon: frame.moon_itrf,
         padding_c: 0.0,
     }
 }
@@ -162,10 +189,10 @@ fn halo(
     device: &wgpu::Device,
     format: PassFormat,
     textures: &AirTextures,
-    side: AirSide,
+    variant: AirVariant,
 ) -> Result<(Halo, u64), ShaderError> {
-    let target = format.target_color();
-    let shader = ShaderModule::new(device, &AirVariant { side, target })?;
+    let side = variant.side;
+    let shader = ShaderModule::new(device, &variant)?;
     let (layout, entries): (Vec<_>, Vec<_>) = textures.bindings(side).into_iter().unzip();
     let label = match side {
         AirSide::Outside => "terrella halo from outside",

@@ -1,6 +1,6 @@
 //! Variants of the shaders of the air.
 
-use super::variant::{ShaderVariant, TargetColor};
+use super::variant::{SWITCH, ShaderVariant, TargetColor};
 
 /// Where the eye is that looks through the air.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -24,6 +24,10 @@ impl AirSide {
 pub struct AirVariant {
     /// Where the eye is.
     pub side: AirSide,
+    /// Whether moonlight is scattered too.
+    pub moonlight: bool,
+    /// Whether the airglow is drawn.
+    pub airglow: bool,
     /// What the target stores.
     pub target: TargetColor,
 }
@@ -32,16 +36,28 @@ impl ShaderVariant for AirVariant {
     const ENTRY: &'static str = "air.wgsl";
 
     fn all() -> Vec<Self> {
-        let of_side = |side| {
-            TargetColor::all()
-                .into_iter()
-                .map(move |target| Self { side, target })
-        };
-        AirSide::ALL.into_iter().flat_map(of_side).collect()
+        let mut all = Vec::new();
+        for side in AirSide::ALL {
+            for moonlight in SWITCH {
+                for airglow in SWITCH {
+                    all.extend(TargetColor::all().into_iter().map(|target| Self {
+                        side,
+                        moonlight,
+                        airglow,
+                        target,
+                    }));
+                }
+            }
+        }
+        all
     }
 
     fn conditions(&self) -> Vec<(&'static str, bool)> {
-        let mut conditions = vec![("inside", self.side == AirSide::Inside)];
+        let mut conditions = vec![
+            ("inside", self.side == AirSide::Inside),
+            ("moonlight", self.moonlight),
+            ("airglow", self.airglow),
+        ];
         conditions.extend(self.target.conditions());
         conditions
     }

@@ -79,6 +79,8 @@ pub struct SunlitLayers {
     pub night_lights: bool,
     /// Open water.
     pub water: bool,
+    /// The Moon's light.
+    pub moonlight: bool,
     /// The air between the Sun, the ground and the eye, and where the eye is.
     pub air: Option<AirSide>,
 }
@@ -107,9 +109,12 @@ impl EarthVariant {
     /// The same without what shows by night alone, for ground by day; `None` where it has nothing of that.
     pub fn daylit(self) -> Option<Self> {
         match self.output {
-            EarthOutput::Picture(ShadingVariant::Sunlit(layers), target) if layers.night_lights => {
+            EarthOutput::Picture(ShadingVariant::Sunlit(layers), target)
+                if layers.night_lights || layers.moonlight =>
+            {
                 let layers = SunlitLayers {
                     night_lights: false,
+                    moonlight: false,
                     ..layers
                 };
                 Some(Self {
@@ -162,12 +167,13 @@ impl EarthOutput {
     pub fn all() -> Vec<Self> {
         let on = |bits: u32, bit: u32| bits >> bit & 1 == 1;
         let sunlit = |air| {
-            let layers = (0..32).map(move |bits| SunlitLayers {
+            let layers = (0..64).map(move |bits| SunlitLayers {
                 clouds: on(bits, 0),
                 normals: on(bits, 1),
                 night_lights: on(bits, 2),
                 water: on(bits, 3),
                 cloud_shadows: on(bits, 4),
+                moonlight: on(bits, 5),
                 air,
             });
             layers
@@ -269,6 +275,7 @@ impl ShaderVariant for EarthVariant {
             ("normals", layers.normals),
             ("night_lights", layers.night_lights),
             ("water", layers.water),
+            ("moonlight", layers.moonlight),
             ("air", layers.air.is_some()),
             ("inside", layers.air == Some(AirSide::Inside)),
             // The paper's display values, for a target of anything else.

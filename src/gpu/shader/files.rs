@@ -13,6 +13,7 @@ files![
     "air.wgsl",
     "air_view.wgsl",
     "common/air.wgsl",
+    "common/air/airglow.wgsl",
     "common/air/bindings.wgsl",
     "common/air/coordinates.wgsl",
     "common/air/inside.wgsl",

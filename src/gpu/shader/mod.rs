@@ -47,12 +47,12 @@ pub use variant::{ShaderVariant, TargetColor};
 
 pub(super) use variant::ShaderModule;
 
+#[cfg(feature = "packs")]
+pub(crate) use constants::GLINT_ENDS_SIN;
 #[cfg(feature = "tracks")]
 pub(crate) use constants::{FROM_PREVIOUS, ON_GROUND};
-#[cfg(feature = "packs")]
-pub(crate) use constants::{GLINT_ENDS_SIN, LAMPS_OUT_SIN};
+pub(crate) use constants::{LAMPS_OUT_SIN, VIEW_ANGLES, VIEW_AZIMUTHS};
 #[cfg(feature = "terrain")]
 pub(crate) use constants::{PER_BLOCK_TILES, WHOLE_MAP};
-pub(crate) use constants::{VIEW_ANGLES, VIEW_AZIMUTHS};
 #[cfg(feature = "terrain")]
 pub(crate) use relief_constants::ATLAS_COLUMNS;

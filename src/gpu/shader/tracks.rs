@@ -50,6 +50,8 @@ impl ShaderVariant for TracksVariant {
             ("fills", self.kind == TrackKind::Fills),
             ("air", self.air.is_some()),
             ("inside", self.air == Some(AirSide::Inside)),
+            // Craft in moonlit air are drawn as by a night without a Moon.
+            ("moonlight", false),
         ];
         conditions.extend(self.target.conditions());
         conditions

@@ -11,7 +11,7 @@ use crate::play::{
     Flight, Moment, OffscreenRenderer, PlayError, Progress, TimedFrame, earth_options, target_bytes,
 };
 use crate::scene::Scene;
-use crate::{Atmosphere, EarthOptions};
+use crate::{Atmosphere, EarthOptions, Shading};
 
 /// Frames of each kind drawn before the first that counts.
 const WARM_UP: u32 = 2;
@@ -20,6 +20,9 @@ const WARM_UP: u32 = 2;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FeatureKind {
     Map(MapLayer),
+    CloudShadows,
+    Moonlight,
+    Airglow,
     Atmosphere,
     Tiles,
     Multisampling,
@@ -34,8 +37,16 @@ impl FeatureKind {
             .filter(|layer| *layer != MapLayer::Day && options.layers.get(*layer).is_some())
             .map(Self::Map)
             .collect();
+        let is_sunlit = options.shading == Shading::Sunlit;
+        let has_air = options.atmosphere != Atmosphere::None;
         for (kind, is_on) in [
-            (Self::Atmosphere, options.atmosphere != Atmosphere::None),
+            (
+                Self::CloudShadows,
+                is_sunlit && options.light.cloud_shadows && options.layers.clouds.is_some(),
+            ),
+            (Self::Moonlight, is_sunlit && options.light.moonlight),
+            (Self::Airglow, has_air && options.light.airglow),
+            (Self::Atmosphere, has_air),
             (Self::Tiles, options.tiles.is_some()),
             (Self::Multisampling, options.samples > 1),
             // Software adapters never filter so.
@@ -54,6 +65,9 @@ impl FeatureKind {
     fn name(self) -> &'static str {
         match self {
             Self::Map(layer) => layer.name(),
+            Self::CloudShadows => "cloud_shadows",
+            Self::Moonlight => "moonlight",
+            Self::Airglow => "airglow",
             Self::Atmosphere => "atmosphere",
             Self::Tiles => "tiles",
             Self::Multisampling => "multisampling",
@@ -70,6 +84,9 @@ impl FeatureKind {
     ) -> Result<EarthOptions, PlayError> {
         let mut less = options.clone();
         match self {
+            Self::CloudShadows => less.light.cloud_shadows = false,
+            Self::Moonlight => less.light.moonlight = false,
+            Self::Airglow => less.light.airglow = false,
             Self::Atmosphere => less.atmosphere = Atmosphere::None,
             Self::Tiles => less.tiles = None,
             Self::Multisampling => less.samples = 1,

@@ -51,9 +51,7 @@ impl DiscLight {
                 let lon = TAU * f64::from(side) / f64::from(SIDES);
                 let eye = toward(lon) * FAR_M;
                 let view = EyeView::itrf(eye, -eye, DVec3::Z, fov_rad, 1.0);
-                let sky = Sky {
-                    sun_itrf: toward(lon + phase_rad),
-                };
+                let sky = Sky::new(toward(lon + phase_rad));
                 let light = renderer.picture(&view, &sky)?;
                 // Pixels are alike in a picture so narrow.
                 let pixel = (2.0 * (0.5 * fov_rad).tan()).powi(2) / light.len() as f64;

@@ -72,7 +72,7 @@ impl PlacedView {
 
     /// Its Sun.
     pub fn sky(&self) -> Sky {
-        Sky { sun_itrf: self.sun }
+        Sky::new(self.sun)
     }
 }
 

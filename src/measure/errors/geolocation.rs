@@ -96,7 +96,7 @@ impl GeolocationRenderer {
 
     /// Lets ground with relief become as fine as it will be for a view, at most `wait`.
     pub fn settle(&mut self, view: &EyeView, size: (u32, u32), wait: Duration) {
-        let sky = Sky { sun_itrf: DVec3::X };
+        let sky = Sky::new(DVec3::X);
         let queue = &self.gpu.queue;
         self.earth.prepare_complete(queue, view, &sky, size, wait);
     }
@@ -112,7 +112,7 @@ impl GeolocationRenderer {
     ) -> Result<GeolocationBuffer, PlayError> {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         // Nothing is lit.
-        let sky = Sky { sun_itrf: DVec3::X };
+        let sky = Sky::new(DVec3::X);
         self.stats = self.earth.prepare(queue, view, &sky, size);
         let targets = match self.targets.take() {
             Some(targets) if (targets.texture.width(), targets.texture.height()) == size => targets,

@@ -66,7 +66,7 @@ impl ExtremeCase {
             expected,
             lit,
             view,
-            sky: Sky { sun_itrf: overhead },
+            sky: Sky::new(overhead),
             sides: [Side::Pixels(64); 2],
             has_air: true,
             exposure: Exposure::default(),
@@ -76,7 +76,7 @@ impl ExtremeCase {
 
     pub(super) fn sun(self, sun_itrf: DVec3) -> Self {
         Self {
-            sky: Sky { sun_itrf },
+            sky: Sky::new(sun_itrf),
             ..self
         }
     }

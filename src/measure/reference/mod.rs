@@ -233,10 +233,15 @@ impl Reference {
     pub fn left_out(options: &EarthOptions) -> Vec<&'static str> {
         let is_sunlit = options.shading == Shading::Sunlit;
         let has_clouds = is_sunlit && options.layers.clouds.is_some();
-        let all = [(
-            "cloud relief",
-            has_clouds && options.light.cloud_relief_m > 0.0,
-        )];
+        let has_air = options.atmosphere != Atmosphere::None;
+        let all = [
+            (
+                "cloud relief",
+                has_clouds && options.light.cloud_relief_m > 0.0,
+            ),
+            ("moonlight", is_sunlit && options.light.moonlight),
+            ("airglow", has_air && options.light.airglow),
+        ];
         let left_out = all.into_iter().filter(|(_, is_drawn)| *is_drawn);
         left_out.map(|(name, _)| name).collect()
     }

@@ -145,7 +145,7 @@ impl GroundShader {
         if let Some(glow) = one(MapLayer::NightLights) {
             // Lamps go on at dusk, the brightest stand out.
             let on = 1.0 - smooth_step(LAMPS_FULL, 0.0, mu);
-            let brightest = CITY_RADIANCE * self.surface.night_lights_gain;
+            let brightest = CITY_RADIANCE * self.surface.night_gain;
             // The map is a picture; its fourth power spans what radiometers find between hamlets and cities.
             color += light.own * LAMP_COLOR * (brightest * on * glow.powi(4));
         }

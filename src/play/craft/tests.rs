@@ -20,9 +20,7 @@ fn over_the_equator(height_m: f64) -> OrbitalMotion {
 /// The Sun so far from the zenith of that satellite, to the east.
 fn sun_at(zenith_distance_rad: f64) -> Sky {
     let (sin, cos) = zenith_distance_rad.sin_cos();
-    Sky {
-        sun_itrf: DVec3::new(cos, sin, 0.0),
-    }
+    Sky::new(DVec3::new(cos, sin, 0.0))
 }
 
 #[test]

@@ -90,6 +90,8 @@ fn on_the_adapter(pixels: &[PixelRay]) -> Vec<Placed> {
             pixel_right: Vec3::ZERO,
             exposure: index as f32,
             pixel_down: Vec3::ZERO,
+            moon_light: 0.0,
+            moon_itrf: Vec3::X,
             padding: 0.0,
         };
         queue.write_buffer(&frame, 0, bytemuck::bytes_of(&values));

@@ -60,7 +60,7 @@ const BAD: &[Bad] = &[
     ("[earth]\nrelief_exaggeration = -1", 2, &["[earth] relief_exaggeration = -1:", "from 0 to 20"]),
     ("[earth]\ncloud_height_km = 0", 2, &["[earth] cloud_height_km = 0:", "from 0.1 to 20 kilometres"]),
     ("[earth]\ncloud_relief_km = 21", 2, &["[earth] cloud_relief_km = 21:", "from 0 to 20 kilometres"]),
-    ("[earth]\nnight_lights_gain = 2e6", 2, &["[earth] night_lights_gain = 2e6:", "from 0 to 1e6"]),
+    ("[earth]\nnight_gain = 2e6", 2, &["[earth] night_gain = 2e6:", "from 0 to 1e6"]),
     ("[earth]\nlook = \"paper\"\nwind_m_s = 3", 3, &["[earth] wind_m_s = 3:", "the paper's shading has no wind_m_s", "\"sunlit\""]),
     ("[earth]\nshading = \"paper\"\ncloud_shadows = true", 3, &["[earth] cloud_shadows = true:", "the paper's shading"]),
     ("[output]\nexposure_ev = 20.1", 2, &["[output] exposure_ev = 20.1:", "from −20 to 20"]),

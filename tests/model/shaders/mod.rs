@@ -143,6 +143,7 @@ const LAYERS: SunlitLayers = SunlitLayers {
     normals: true,
     night_lights: true,
     water: true,
+    moonlight: true,
     air: Some(AirSide::Outside),
 };
 
@@ -244,6 +245,20 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
             ),
             all(SunlitLayers {
                 water: false,
+                ..LAYERS
+            }),
+        ),
+        (
+            ["frame.moon_itrf", "air.moon_light"],
+            sunlit(
+                BLOCKS,
+                SunlitLayers {
+                    moonlight: true,
+                    ..none
+                },
+            ),
+            all(SunlitLayers {
+                moonlight: false,
                 ..LAYERS
             }),
         ),

@@ -49,7 +49,9 @@ fn structs_match_the_shaders() {
             polar_stretch,
             pixel_right,
             exposure,
-            pixel_down
+            pixel_down,
+            moon_light,
+            moon_itrf
         ]
     );
     check!(
@@ -88,8 +90,11 @@ fn structs_match_the_shaders() {
             molecules,
             limb_cos,
             ozone,
+            airglow,
             aerosol_scattering,
-            aerosol_extinction
+            aerosol_extinction,
+            moon_light,
+            moon
         ]
     );
     check!(

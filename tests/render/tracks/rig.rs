@@ -84,7 +84,7 @@ impl Rig {
     /// The picture with tracks, the one without, and what was drawn.
     pub fn draw(&mut self, view: &EyeView, feed: &dyn Feed) -> (RgbaImage, RgbaImage, TrackStats) {
         let gpu = common::gpu();
-        let sky = Sky { sun_itrf: self.sun };
+        let sky = Sky::new(self.sun);
         self.earth.prepare(&gpu.queue, view, &sky, SIZE);
         let moment = TrackMoment {
             epoch: now(),
