@@ -37,6 +37,6 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let up = normal_at(scaled(select(vec3f(0.0, 0.0, -1.0), nearest, pass_.along > 0.0)));
     let light = gathered(pass_, up, map_uv(up));
     @if(!airglow) let shown = light.rgb;
-    @if(airglow) let shown = light.rgb + airglow(pass_, dot(up, air.sun));
+    @if(airglow) let shown = light.rgb + airglow(pass_, dot(up, air.sun), fwidth(pass_.q));
     return vec4f(displayed(shown, air.exposure, in.clip.xy), light.a);
 }
