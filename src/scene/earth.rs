@@ -12,6 +12,12 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use toml::Spanned;
 
+/// How many times brighter than in truth the night is by default: lamps show beside daylight.
+const NIGHT_GAIN: f64 = 1.5e5;
+/// The same where the Moon lights it: with more, a full Moon would look like
+/// an overcast day.
+const MOONLIT_NIGHT_GAIN: f64 = 4e4;
+
 /// Which effects are on where a scene says nothing of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -186,15 +192,21 @@ impl SceneText<'_> {
             self.only_in_sunlight(&earth.night_gain())?;
             return Ok(None);
         }
+        let night_gain = earth.night_gain();
+        let moonlit = moonlight.value().unwrap_or(is_full);
         Ok(Some(SurfaceLightTable {
             wind_m_s: self.quantity(&earth.wind_m_s(), "metres a second")?,
             relief_exaggeration: self.quantity(&earth.relief_exaggeration(), "")?,
             cloud_height_km: self.quantity(&earth.cloud_height_km(), "kilometres")?,
             cloud_relief_km: self.quantity(&earth.cloud_relief_km(), "kilometres")?,
             cloud_shadows: shadows.value().unwrap_or(is_full),
-            moonlight: moonlight.value().unwrap_or(is_full),
+            moonlight: moonlit,
             airglow: airglow.value().unwrap_or(is_full),
-            night_gain: self.quantity(&earth.night_gain(), "")?,
+            night_gain: match night_gain.given {
+                Some(given) => self.given_quantity(&night_gain, given, "")?,
+                None if moonlit => MOONLIT_NIGHT_GAIN,
+                None => NIGHT_GAIN,
+            },
         }))
     }
 

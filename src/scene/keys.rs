@@ -387,8 +387,9 @@ table!(RawEarth = "earth" {
     moonlight: bool = "true or false";
     /// Whether the air glows green at night, 95 km up; by default with look = "full".
     airglow: bool = "true or false";
-    /// How many times brighter than in truth the lights of the night are: cities, moonlight and airglow.
-    night_gain: f64 = "a number", in 0.0..=1e6, default 1.5e5;
+    /// How many times brighter than in truth the lights of the night are, cities, moonlight and airglow; by default 40 000 with
+    /// moonlight, else 150 000.
+    night_gain: f64 = "a number", in 0.0..=1e6;
     /// Folder of the maps, the starter pack by default.
     textures: String = "a string, the path of a folder of maps";
     /// Folder of an imagery pack, in place of maps.
