@@ -4,8 +4,9 @@ import rust::{FLOOR_SEEN_M, PI, WATER};
 import earth/shading/fresnel.wgsl;
 
 // Part of the light that falls on clear ocean that comes out of it: π times the remote-sensing reflectance of Case 1 water with
-// 0.1 mg of chlorophyll a in a cubic metre, by Morel and Maritorena 2001 (J. Geophys. Res. 106, 7163) from 400 to 700 nm,
-// brought to linear sRGB with the Sun as white. Its red would be −0.0015: this blue is purer than the display's.
+// 0.1 mg of chlorophyll a in a cubic metre, by Morel 1988 (J. Geophys. Res. 93, 10749) over the absorption of pure water of Pope
+// and Fry 1997 (Appl. Opt. 36, 8710), from 400 to 700 nm, brought to linear sRGB with the Sun as white. Its
+// red would be −0.0015: this blue is purer than the display's.
 const WATER_LEAVING: vec3f = vec3f(0.0, 0.0042, 0.0194);
 // The floor's reflectance, 0.3 for pale sand, times what of its light leaves the water (0.53).
 const FLOOR_REFLECTANCE: f32 = 0.16;
