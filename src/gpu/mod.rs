@@ -158,6 +158,26 @@ fn uniform_buffer<T>(device: &wgpu::Device, label: &str) -> wgpu::Buffer {
     })
 }
 
+/// A layout of bindings, and what is bound by it.
+fn bind(
+    device: &wgpu::Device,
+    label: &str,
+    bindings: Vec<Binding<'_>>,
+) -> (wgpu::BindGroupLayout, wgpu::BindGroup) {
+    let label = Some(label);
+    let (layout, entries): (Vec<_>, Vec<_>) = bindings.into_iter().unzip();
+    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label,
+        entries: &layout,
+    });
+    let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label,
+        layout: &layout,
+        entries: &entries,
+    });
+    (layout, bind_group)
+}
+
 fn uniform_entry(
     binding: u32,
     visibility: wgpu::ShaderStages,

@@ -244,12 +244,9 @@ fn assemble(
     mesh: &dyn SurfaceMesh,
     config: &SurfaceConfig<'_>,
 ) -> Result<Assembled, ShaderError> {
-    let sides = match config.air {
-        None => vec![None],
-        Some(_) => AirSide::ALL.map(Some).to_vec(),
-    };
+    let sides = AirSide::of_air(config.air.is_some());
     let mut passes = Vec::with_capacity(sides.len());
-    for side in sides {
+    for &side in sides {
         let all = EarthVariant {
             form: mesh.vertex_form(matches!(imagery, Imagery::Tiles { .. })),
             output: output(maps, config, side),
@@ -281,16 +278,7 @@ fn surface_pass(
 ) -> Result<SurfacePass, ShaderError> {
     let shader = ShaderModule::new(device, &variant)?;
     let bindings = bindings(imagery, uniforms, mesh, config, &variant);
-    let (layout, entries): (Vec<_>, Vec<_>) = bindings.into_iter().unzip();
-    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("terrella earth"),
-        entries: &layout,
-    });
-    let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("terrella earth"),
-        layout: &layout,
-        entries: &entries,
-    });
+    let (layout, bind_group) = super::bind(device, "terrella earth", bindings);
     let pipeline = PipelineDescription {
         label: "terrella earth",
         bind_groups: Some(&[Some(&layout), Some(maps.layout())]),

@@ -118,12 +118,9 @@ impl TracksDrawable {
         air: Option<&AirTextures>,
     ) -> Result<Self, ShaderError> {
         let frame = super::uniform_buffer::<TrackUniforms>(device, "terrella tracks");
-        let sides = match air {
-            None => vec![None],
-            Some(_) => AirSide::ALL.map(Some).to_vec(),
-        };
+        let sides = AirSide::of_air(air.is_some());
         let (mut layouts, mut bind_groups) = (Vec::new(), Vec::new());
-        for side in &sides {
+        for side in sides {
             let (layout, bind_group) = bind(device, &frame, air.zip(*side));
             layouts.push(layout);
             bind_groups.push(bind_group);
@@ -283,25 +280,17 @@ fn bind(
     air: Option<(&AirTextures, AirSide)>,
 ) -> (wgpu::BindGroupLayout, wgpu::BindGroup) {
     let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
-    let mut layout = vec![super::uniform_entry(0, stages, size_of::<TrackUniforms>())];
-    let mut entries = vec![wgpu::BindGroupEntry {
-        binding: 0,
-        resource: frame.as_entire_binding(),
-    }];
-    for (of_layout, entry) in air.iter().flat_map(|(air, side)| air.bindings(*side)) {
-        layout.push(of_layout);
-        entries.push(entry);
+    let mut bindings = vec![(
+        super::uniform_entry(0, stages, size_of::<TrackUniforms>()),
+        wgpu::BindGroupEntry {
+            binding: 0,
+            resource: frame.as_entire_binding(),
+        },
+    )];
+    if let Some((air, side)) = air {
+        bindings.extend(air.bindings(side));
     }
-    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("terrella tracks"),
-        entries: &layout,
-    });
-    let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("terrella tracks"),
-        layout: &layout,
-        entries: &entries,
-    });
-    (layout, bind_group)
+    super::bind(device, "terrella tracks", bindings)
 }
 
 impl Batch {

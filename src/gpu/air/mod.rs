@@ -193,20 +193,11 @@ fn halo(
 ) -> Result<(Halo, u64), ShaderError> {
     let side = variant.side;
     let shader = ShaderModule::new(device, &variant)?;
-    let (layout, entries): (Vec<_>, Vec<_>) = textures.bindings(side).into_iter().unzip();
     let label = match side {
         AirSide::Outside => "terrella halo from outside",
         AirSide::Inside => "terrella sky",
     };
-    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some(label),
-        entries: &layout,
-    });
-    let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some(label),
-        layout: &layout,
-        entries: &entries,
-    });
+    let (layout, bind_group) = super::bind(device, label, textures.bindings(side));
     let pipeline = PipelineDescription {
         label,
         bind_groups: Some(&[Some(&layout)]),

@@ -15,17 +15,9 @@ pub(super) struct AirView {
 impl AirView {
     pub fn new(device: &wgpu::Device, textures: &AirTextures) -> Result<Self, ShaderError> {
         let shader = ShaderModule::new(device, &AirViewVariant)?;
-        let (layout, entries): (Vec<_>, Vec<_>) = textures.march_bindings().into_iter().unzip();
-        let label = Some("terrella view of the air");
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label,
-            entries: &layout,
-        });
-        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label,
-            layout: &layout,
-            entries: &entries,
-        });
+        let label = "terrella view of the air";
+        let (layout, bind_group) = crate::gpu::bind(device, label, textures.march_bindings());
+        let label = Some(label);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label,
             bind_group_layouts: &[Some(&layout)],

@@ -17,6 +17,14 @@ impl AirSide {
 
     /// No air, and the air on both sides.
     pub const OR_NONE: [Option<Self>; 3] = [None, Some(Self::Outside), Some(Self::Inside)];
+
+    /// Those that something is drawn from, in air or without.
+    pub(crate) fn of_air(has_air: bool) -> &'static [Option<Self>] {
+        match has_air {
+            true => &Self::OR_NONE[1..],
+            false => &Self::OR_NONE[..1],
+        }
+    }
 }
 
 /// What the halo's shader is made of.
