@@ -1,8 +1,6 @@
 //! What lights the Earth.
 
-use crate::frames::{
-    Epoch, Orientation, itrf_from_gcrf_oriented, moon_position_gcrf_m, sun_direction_itrf_oriented,
-};
+use crate::frames::{Epoch, Orientation, sun_and_moon_itrf};
 use crate::gpu::LAMPS_OUT_SIN;
 use glam::DVec3;
 
@@ -36,10 +34,10 @@ impl Sky {
 
     /// The sky of a date over an Earth of that orientation.
     pub fn with_orientation(epoch: Epoch, orientation: &Orientation) -> Self {
-        let itrf_from_gcrf = itrf_from_gcrf_oriented(epoch, orientation);
+        let (sun_itrf, moon_itrf_m) = sun_and_moon_itrf(epoch, orientation);
         Self {
-            sun_itrf: sun_direction_itrf_oriented(epoch, orientation),
-            moon_itrf_m: Some(itrf_from_gcrf * moon_position_gcrf_m(epoch)),
+            sun_itrf,
+            moon_itrf_m: Some(moon_itrf_m),
         }
     }
 

@@ -29,6 +29,7 @@ pub use rotation::{
     EARTH_ROTATION_RATE_RAD_S, gcrf_from_eme2000, itrf_from_gcrf, itrf_from_gcrf_oriented,
     itrf_from_gcrf_with_ut1, itrf_from_pef, itrf_from_teme, itrf_from_teme_with_ut1, pef_from_teme,
 };
+pub(crate) use sun::sun_and_moon_itrf;
 pub use sun::{SUN_RADIUS_RAD, subsolar_point, sun_direction_itrf, sun_direction_itrf_oriented};
 pub use time::{TimeError, rfc3339, utc_from_rfc3339};
 #[cfg(feature = "orbit")]
