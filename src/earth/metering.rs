@@ -46,6 +46,11 @@ impl ExposureControl {
         self.make_ready();
     }
 
+    /// What the maps' neighbourhoods reflect.
+    pub fn albedo(&self) -> &NeighbourhoodAlbedo {
+        &self.albedo
+    }
+
     fn make_ready(&mut self) {
         if self.exposure == Exposure::Auto {
             self.meter();
@@ -69,7 +74,7 @@ impl ExposureControl {
     }
 
     /// The exposure that a view asks for, EV.
-    pub fn metered(&mut self, view: &ItrfView, sky: &Sky, ellipsoid: &Ellipsoid) -> f64 {
+    fn metered(&mut self, view: &ItrfView, sky: &Sky, ellipsoid: &Ellipsoid) -> f64 {
         let itrf_from_scaled = ellipsoid.itrf_from_scaled();
         self.meter().ev(&MeterView {
             eye_scaled: view.eye_itrf_m / itrf_from_scaled,
@@ -78,14 +83,24 @@ impl ExposureControl {
             sun_itrf: sky.sun_itrf,
         })
     }
+
+    /// The same for a view as a host gives it; `None` where no picture is defined.
+    pub fn metered_view(
+        &mut self,
+        view: &EyeView,
+        sky: &Sky,
+        ellipsoid: &Ellipsoid,
+    ) -> Option<f64> {
+        let view = view.in_itrf(Viewport::from((1, 1)));
+        let (view, sky) = view.zip(sky.with_unit_sun())?;
+        Some(self.metered(&view, &sky, ellipsoid))
+    }
 }
 
 /// The exposure that an Earth of these options, drawn by whatever means, takes for a view where it meters, EV; `None` where no
 /// picture is defined.
 #[cfg_attr(not(feature = "command"), allow(dead_code))]
 pub(crate) fn metered_ev(options: &EarthOptions, view: &EyeView, sky: &Sky) -> Option<f64> {
-    let view = view.in_itrf(Viewport::from((1, 1)));
-    let (view, sky) = view.zip(sky.with_unit_sun())?;
     let mut control = ExposureControl::new(options, options.atmosphere);
-    Some(control.metered(&view, &sky, &options.figure.ellipsoid()))
+    control.metered_view(view, sky, &options.figure.ellipsoid())
 }

@@ -76,7 +76,6 @@ pub struct Earth {
     surface: SurfaceDrawable,
     air: Option<AirDrawable>,
     air_options: AirOptions,
-    albedo: NeighbourhoodAlbedo,
     device: wgpu::Device,
     style: SurfaceStyle,
     format: PassFormat,
@@ -110,7 +109,6 @@ impl Earth {
             depth: options.depth,
             tone: options.tone,
         };
-        let albedo = NeighbourhoodAlbedo::new(&options.layers);
         let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let air = match quality.atmosphere {
@@ -120,7 +118,7 @@ impl Earth {
                     queue,
                     &options.air,
                     &options.light,
-                    &albedo,
+                    planner.exposure.albedo(),
                     &quality,
                 );
                 let night = options.light.night_light();
@@ -155,7 +153,6 @@ impl Earth {
             surface,
             air,
             air_options: options.air,
-            albedo,
             device: device.clone(),
             style,
             format,
@@ -240,10 +237,8 @@ impl Earth {
     /// The exposure that [`Exposure::Auto`] would take for a view, EV; `None` where no picture is defined. For hosts that follow
     /// it in time ([`crate::Adaptation`]) or expose a float target themselves.
     pub fn metered_ev(&mut self, view: &EyeView, sky: &Sky) -> Option<f64> {
-        let view = view.in_itrf(Viewport::from((1, 1)));
-        let (view, sky) = view.zip(sky.with_unit_sun())?;
         let ellipsoid = self.planner.ellipsoid();
-        Some(self.planner.exposure.metered(&view, &sky, &ellipsoid))
+        self.planner.exposure.metered_view(view, sky, &ellipsoid)
     }
 
     /// How well it is drawn.
@@ -288,14 +283,15 @@ impl Earth {
                 let textures = before.map(|air| air.textures().clone());
                 let textures = textures.unwrap_or_else(|| {
                     let (air, light) = (&self.air_options, &self.style.light);
-                    air_textures(&device, queue, air, light, &self.albedo, &quality)
+                    let albedo = self.planner.exposure.albedo();
+                    air_textures(&device, queue, air, light, albedo, &quality)
                 });
                 let night = self.style.light.night_light();
                 Some(AirDrawable::new(&device, format, textures, night)?)
             }
         };
         if let Some(air) = &air {
-            let albedo = self.albedo.texels(&quality.maps);
+            let albedo = self.planner.exposure.albedo().texels(&quality.maps);
             air.textures().set_albedo(queue, &albedo);
         }
         let (air_drawn, ground) = (air.as_ref(), self.planner.ground());
