@@ -5,9 +5,7 @@ fn surface_normal(at: SurfacePoint) -> vec3f {
     let texel = sample_map(slope_map, slope_sampler, NORMALS, at).xy;
     @if(paper) let of_map = texel;
     @if(sunlit) let of_map = surface_light.slope_gain * texel;
-    let texels = vec2f(textureDimensions(slope_map));
-    @if(!tiles) let per_map = texels;
-    @if(tiles) let per_map = texels * map_placement(NORMALS, at).zw;
+    let per_map = map_texels(NORMALS, at, vec2f(textureDimensions(slope_map)));
     let footprint = max(length(at.uv_dx * per_map), length(at.uv_dy * per_map));
     let slope = mix(at.slope, of_map, smoothstep(0.25, 1.0, footprint));
     return normalize(at.up - slope.x * at.east - slope.y * at.north);
