@@ -60,8 +60,11 @@ impl Earth {
             Some(_) => &["tiles"],
             None => &[],
         };
-        ["clouds", "normals", "night_lights", "water"]
+        let layers = ["clouds", "normals", "night_lights", "water"];
+        let effects = ["cloud_shadows", "detail", "moonlight"];
+        layers
             .iter()
+            .chain(&effects)
             .chain(of_packs)
             .chain(self.planner.ground_features())
             .copied()

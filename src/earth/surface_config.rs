@@ -30,6 +30,7 @@ pub(super) fn surface_config<'a>(
         light: style.light.uniforms(),
         cloud_shadows: style.light.cloud_shadows,
         moonlight: style.light.moonlight,
+        detail: style.light.detail,
         shown,
         output: style.diagnostics.output,
         ground: ground.map(Surface::draw_kind),

@@ -22,6 +22,10 @@ pub struct SurfaceLight {
     pub cloud_relief_m: f64,
     /// Whether clouds throw shadows on the ground: one more look at their map for each pixel.
     pub cloud_shadows: bool,
+    /// Whether what is smaller than the maps' texels is made up: how clouds, coasts, land and city lights are spread within them.
+    /// It is fixed to the ground and leaves the maps' means about as they are, but it is not what is there: leave it off where a
+    /// picture is measured.
+    pub detail: bool,
     /// Whether the Moon lights the Earth, by its phase: its land, sea and clouds, and the air as an eye outside of it sees it.
     pub moonlight: bool,
     /// Whether the air glows by itself at night: see [`AIRGLOW_LUMINANCE`].
@@ -60,6 +64,7 @@ impl Default for SurfaceLight {
             cloud_height_m: 6_000.0,
             cloud_relief_m: 4_000.0,
             cloud_shadows: false,
+            detail: false,
             moonlight: false,
             airglow: false,
             night_gain: 1.5e5,

@@ -369,6 +369,7 @@ fn output(maps: &Maps, config: &SurfaceConfig<'_>, air: Option<AirSide>) -> Eart
             night_lights: maps.has(MapLayer::NightLights),
             water: maps.has(MapLayer::Water),
             moonlight: config.moonlight,
+            detail: config.detail,
             air,
         }),
     };

@@ -35,6 +35,7 @@ pub fn earth_options(scene: &Scene, bc: BcSupport) -> Result<EarthOptions, PlayE
             cloud_height_m: 1000.0 * light.cloud_height_km,
             cloud_relief_m: 1000.0 * light.cloud_relief_km,
             cloud_shadows: light.cloud_shadows,
+            detail: light.detail,
             moonlight: light.moonlight,
             airglow: light.airglow,
             night_gain: light.night_gain,

@@ -66,7 +66,15 @@ pub fn write_still(
     let mut options = flight.earth_options(gpu.bc_support())?;
     options.diagnostics.wireframe = request.wireframe;
     progress.end();
-    let for_light = radiance.map(|file| (file, gpu.clone(), options.clone()));
+    let for_light = radiance.map(|file| {
+        let mut options = options.clone();
+        if options.light.detail {
+            tracing::info!("the radiance is without made detail");
+            // What is measured is what is known.
+            options.light.detail = false;
+        }
+        (file, gpu.clone(), options)
+    });
     let mut renderer = OffscreenRenderer::open(gpu, options, size)?;
     renderer.show_tracks(flight)?;
     let (moment, asked) = match known {

@@ -81,6 +81,8 @@ pub struct SurfaceLightTable {
     pub cloud_relief_km: f64,
     /// Whether clouds throw shadows.
     pub cloud_shadows: bool,
+    /// Whether what is smaller than the maps' texels is made up.
+    pub detail: bool,
     /// Whether the Moon lights the Earth.
     pub moonlight: bool,
     /// Whether the air glows at night.
@@ -179,6 +181,7 @@ impl SceneText<'_> {
         shading: Shading,
     ) -> Result<Option<SurfaceLightTable>, SceneError> {
         let shadows = earth.cloud_shadows();
+        let detail = earth.detail();
         let (moonlight, airglow) = (earth.moonlight(), earth.airglow());
         let is_full = look == Look::Full;
         if shading == Shading::Paper {
@@ -187,6 +190,7 @@ impl SceneText<'_> {
             self.only_in_sunlight(&earth.cloud_height_km())?;
             self.only_in_sunlight(&earth.cloud_relief_km())?;
             self.only_in_sunlight(&shadows)?;
+            self.only_in_sunlight(&detail)?;
             self.only_in_sunlight(&moonlight)?;
             self.only_in_sunlight(&airglow)?;
             self.only_in_sunlight(&earth.night_gain())?;
@@ -200,6 +204,7 @@ impl SceneText<'_> {
             cloud_height_km: self.quantity(&earth.cloud_height_km(), "kilometres")?,
             cloud_relief_km: self.quantity(&earth.cloud_relief_km(), "kilometres")?,
             cloud_shadows: shadows.value().unwrap_or(is_full),
+            detail: detail.value().unwrap_or(is_full),
             moonlight: moonlit,
             airglow: airglow.value().unwrap_or(is_full),
             night_gain: match night_gain.given {
@@ -313,6 +318,7 @@ pub(super) fn value(earth: &EarthTable, key: &str) -> KeyText {
         | "cloud_height_km"
         | "cloud_relief_km"
         | "cloud_shadows"
+        | "detail"
         | "moonlight"
         | "airglow"
         | "night_gain" => match &earth.light {
@@ -344,6 +350,7 @@ fn surface_light_value(light: &SurfaceLightTable, key: &str) -> KeyText {
         "cloud_height_km" => light.cloud_height_km.to_string(),
         "cloud_relief_km" => light.cloud_relief_km.to_string(),
         "cloud_shadows" => light.cloud_shadows.to_string(),
+        "detail" => light.detail.to_string(),
         "moonlight" => light.moonlight.to_string(),
         "airglow" => light.airglow.to_string(),
         "night_gain" => light.night_gain.to_string(),

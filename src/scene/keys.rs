@@ -383,6 +383,8 @@ table!(RawEarth = "earth" {
     cloud_relief_km: f64 = "a number of kilometres", in 0.0..=20.0, default 4.0;
     /// Whether clouds throw shadows, by default with look = "full".
     cloud_shadows: bool = "true or false";
+    /// Whether what is smaller than the maps' texels is made up; by default with look = "full".
+    detail: bool = "true or false";
     /// Whether the Moon lights the Earth, by its phase; by default with look = "full".
     moonlight: bool = "true or false";
     /// Whether the air glows green at night, 95 km up; by default with look = "full".

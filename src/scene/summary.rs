@@ -158,6 +158,10 @@ impl Scene {
         let layers: Vec<_> = self.layers().into_iter().filter(|(_, on)| *on).collect();
         let names: Vec<_> = layers.iter().map(|(name, _)| *name).collect();
         uses.push(("layers", format!("{} from {maps}", names.join(", "))));
+        if self.earth.light.is_some_and(|light| light.detail) {
+            let made = "made up between the maps' texels, not measured";
+            uses.push(("detail", made.to_owned()));
+        }
         if let Some(relief) = &self.earth.relief {
             let files = match relief.elevation.len() {
                 0 => "the starter pack's heights".to_owned(),

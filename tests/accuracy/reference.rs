@@ -22,6 +22,7 @@ const BARE: ReferenceOptions = ReferenceOptions {
         cloud_height_m: 6_000.0,
         cloud_relief_m: 0.0,
         cloud_shadows: false,
+        detail: false,
         moonlight: false,
         airglow: false,
         night_gain: 1.5e5,

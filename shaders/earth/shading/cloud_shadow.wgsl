@@ -5,7 +5,7 @@ const LOWEST_SHADOW: f32 = 0.05;
 
 fn below_clouds(at: SurfacePoint, light: Light, sun: vec3f, mu_s: f32) -> Light {
     let lift = lifted(at, sun, max(mu_s, LOWEST_SHADOW), surface_light.cloud_height);
-    let albedo = CLOUD_ALBEDO * cover_at(at, lift.uv);
+    let albedo = CLOUD_ALBEDO * cover_at(at, lift);
     let left = 1.0 - sunlit_albedo(albedo, max(mu_s, LOWEST_SHADOW));
     // What falls through is spread over the sky: half of it comes from there.
     return Light(light.sun * left, light.sky * (1.0 - 0.5 * albedo));

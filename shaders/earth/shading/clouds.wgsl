@@ -7,17 +7,22 @@
 //   ρ(μ) = ρ + (1 − ρ)(1/2 − 3/4 μ)(1 − exp(−1.85 x/μ))
 import rust::{CLOUDS, CLOUD_ALBEDO};
 import earth/shading/lifted.wgsl;
+@if(detail) import earth/shading/detail.wgsl;
 @if(whole_quads) import earth/shading/cloud_relief.wgsl;
 @if(cloud_shadows) import earth/shading/cloud_shadow.wgsl;
 
 // A cloud's sides catch some light of a Sun at their horizon.
 const CLOUD_SIDES: f32 = 0.05;
 
-fn cover_at(at: SurfacePoint, shift: vec2f) -> f32 {
+fn cover_at(at: SurfacePoint, lift: Lifted) -> f32 {
     var moved = at;
-    moved.uv += map_shift(CLOUDS, at, vec2f(textureDimensions(cloud_map)), shift);
-    return sample_map(cloud_map, cloud_sampler, CLOUDS, moved).r;
+    moved.uv += map_shift(CLOUDS, at, vec2f(textureDimensions(cloud_map)), lift.uv);
+    var cover = sample_map(cloud_map, cloud_sampler, CLOUDS, moved).r;
+    @if(detail) if cover > 0.01 && cover < 0.99 { cover = uneven_share(cover, CLOUD_CONTRAST, detail(lift.up, texel_radii(CLOUDS, at, cloud_map), pixel_radii(at), 0.8)); }
+    return cover;
 }
+
+@if(detail) const CLOUD_CONTRAST: f32 = 3.5;
 
 // Part of sunlight at this cosine that a layer throws back which throws back `albedo` of diffuse light.
 fn sunlit_albedo(albedo: f32, mu: f32) -> f32 {
@@ -41,7 +46,7 @@ struct CloudsBefore {
 fn clouds_before(at: SurfacePoint) -> CloudsBefore {
     let to_eye = normalize(at.to_eye);
     let lift = lifted(at, to_eye, max(dot(to_eye, at.up), 0.0), surface_light.cloud_height);
-    let cover = cover_at(at, lift.uv);
+    let cover = cover_at(at, lift);
     @if(whole_quads) let slope = cloud_slope(at, cover);
     @if(!whole_quads) let slope = vec2f(0.0);
     let normal = normalize(lift.up - slope.x * at.east - slope.y * at.north);

@@ -2,6 +2,7 @@
 // Sun in space being 1.
 import rust::{FLOOR_SEEN_M, PI, WATER};
 import earth/shading/fresnel.wgsl;
+@if(detail) import earth/shading/detail.wgsl;
 
 // Part of the light that falls on clear ocean that comes out of it: π times the remote-sensing reflectance of Case 1 water with
 // 0.1 mg of chlorophyll a in a cubic metre, by Morel 1988 (J. Geophys. Res. 93, 10749) over the absorption of pure water of Pope
@@ -13,13 +14,17 @@ const FLOOR_REFLECTANCE: f32 = 0.16;
 // Down to the floor and up again, twice the diffuse attenuation of that water for the display's primaries, per metre.
 const FLOOR_ATTENUATION: vec3f = vec3f(0.68, 0.124, 0.056);
 
+// How much a coast is bent between the map's texels.
+@if(detail) const COAST_CONTRAST: f32 = 2.0;
+
+@if(detail) fn coast_detail(at: SurfacePoint, share: f32) -> f32 { return uneven_share(share, COAST_CONTRAST, detail(at.up, texel_radii(WATER, at, water_map), pixel_radii(at), 0.5)); }
+
 // How much of the pixel is water. The map is one half at the coast, which is drawn as wide as a pixel where texels are larger
 // than pixels; else the map's own mean is what the pixel shows.
 fn open_water(at: SurfacePoint) -> f32 {
-    let share = sample_map(water_map, water_sampler, WATER, at).r;
-    let texels = vec2f(textureDimensions(water_map));
-    @if(!tiles) let per_map = texels;
-    @if(tiles) let per_map = texels * map_placement(WATER, at).zw;
+    var share = sample_map(water_map, water_sampler, WATER, at).r;
+    @if(detail) if share > 0.02 && share < 0.98 { share = coast_detail(at, share); }
+    let per_map = map_texels(WATER, at, vec2f(textureDimensions(water_map)));
     let footprint = max(length(at.uv_dx * per_map), length(at.uv_dy * per_map));
     return saturate((share - 0.5) / clamp(0.7 * footprint, 1e-3, 1.0) + 0.5);
 }

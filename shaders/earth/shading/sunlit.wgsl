@@ -5,6 +5,7 @@ import rust::DAY;
 @if(water) import earth/shading/sea.wgsl;
 @if(night_lights) import earth/shading/night_lights.wgsl;
 @if(clouds) import earth/shading/clouds.wgsl;
+@if(detail) import earth/shading/detail/land.wgsl;
 
 // Light that falls on the ground: the Sun's after the air, and the sky's.
 struct Light {
@@ -26,6 +27,9 @@ fn surface_at(at: SurfacePoint) -> Surface {
     var out: Surface;
     out.day = sample_map(day_map, day_sampler, DAY, at);
     out.normal = surface_normal(at);
+    @if(detail) let made = land_detail(at);
+    @if(detail) out.day = vec4f(out.day.rgb * made.brightness, out.day.a);
+    @if(detail) out.normal = normalize(out.normal - made.tilt * length(cross(out.normal, at.up)));
     @if(water) out.water = open_water(at);
     @if(clouds) out.clouds = clouds_before(at);
     return out;

@@ -81,6 +81,8 @@ pub struct SunlitLayers {
     pub water: bool,
     /// The Moon's light.
     pub moonlight: bool,
+    /// Made detail smaller than the maps' texels.
+    pub detail: bool,
     /// The air between the Sun, the ground and the eye, and where the eye is.
     pub air: Option<AirSide>,
 }
@@ -163,17 +165,18 @@ impl VertexForm {
 }
 
 impl EarthOutput {
-    /// All of them.
+    /// All of them, and of parts that have nothing to do with each other, not each with each.
     pub fn all() -> Vec<Self> {
         let on = |bits: u32, bit: u32| bits >> bit & 1 == 1;
         let sunlit = |air| {
-            let layers = (0..64).map(move |bits| SunlitLayers {
+            let layers = (0..128).map(move |bits| SunlitLayers {
                 clouds: on(bits, 0),
                 normals: on(bits, 1),
                 night_lights: on(bits, 2),
                 water: on(bits, 3),
                 cloud_shadows: on(bits, 4),
                 moonlight: on(bits, 5),
+                detail: on(bits, 6),
                 air,
             });
             layers
@@ -197,7 +200,19 @@ impl EarthOutput {
         let pictures = AirSide::OR_NONE
             .into_iter()
             .flat_map(|air| sunlit(air).chain(paper(air)))
-            .flat_map(|shading| usual.map(|target| Self::Picture(shading, target)))
+            .flat_map(|shading| {
+                let targets = usual.into_iter().take(match shading {
+                    ShadingVariant::Sunlit(SunlitLayers {
+                        moonlight: false,
+                        detail: false,
+                        ..
+                    })
+                    | ShadingVariant::Paper(_) => usual.len(),
+                    // Nothing of these meets the target: one is enough.
+                    ShadingVariant::Sunlit(_) => 1,
+                });
+                targets.map(move |target| Self::Picture(shading, target))
+            })
             .chain(others.map(|target| Self::Picture(bare, target)));
         std::iter::once(Self::Geolocation).chain(pictures).collect()
     }
@@ -276,6 +291,7 @@ impl ShaderVariant for EarthVariant {
             ("night_lights", layers.night_lights),
             ("water", layers.water),
             ("moonlight", layers.moonlight),
+            ("detail", layers.detail),
             ("air", layers.air.is_some()),
             ("inside", layers.air == Some(AirSide::Inside)),
             // The paper's display values, for a target of anything else.

@@ -21,6 +21,7 @@ const WARM_UP: u32 = 2;
 pub(super) enum FeatureKind {
     Map(MapLayer),
     CloudShadows,
+    Detail,
     Moonlight,
     Airglow,
     Atmosphere,
@@ -44,6 +45,7 @@ impl FeatureKind {
                 Self::CloudShadows,
                 is_sunlit && options.light.cloud_shadows && options.layers.clouds.is_some(),
             ),
+            (Self::Detail, is_sunlit && options.light.detail),
             (Self::Moonlight, is_sunlit && options.light.moonlight),
             (Self::Airglow, has_air && options.light.airglow),
             (Self::Atmosphere, has_air),
@@ -66,6 +68,7 @@ impl FeatureKind {
         match self {
             Self::Map(layer) => layer.name(),
             Self::CloudShadows => "cloud_shadows",
+            Self::Detail => "detail",
             Self::Moonlight => "moonlight",
             Self::Airglow => "airglow",
             Self::Atmosphere => "atmosphere",
@@ -85,6 +88,7 @@ impl FeatureKind {
         let mut less = options.clone();
         match self {
             Self::CloudShadows => less.light.cloud_shadows = false,
+            Self::Detail => less.light.detail = false,
             Self::Moonlight => less.light.moonlight = false,
             Self::Airglow => less.light.airglow = false,
             Self::Atmosphere => less.atmosphere = Atmosphere::None,

@@ -239,6 +239,7 @@ impl Reference {
                 "cloud relief",
                 has_clouds && options.light.cloud_relief_m > 0.0,
             ),
+            ("made detail", is_sunlit && options.light.detail),
             ("moonlight", is_sunlit && options.light.moonlight),
             ("airglow", has_air && options.light.airglow),
         ];

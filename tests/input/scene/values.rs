@@ -56,6 +56,9 @@ fn a_look_sets_what_the_scene_leaves_open() {
         Some(false)
     );
     assert_eq!(shadows(&paper), None);
+    let detail = |earth: &EarthTable| earth.light.map(|light| light.detail);
+    assert_eq!(detail(&full), Some(true));
+    assert_eq!(detail(&earth("")), Some(false));
     // Haze: a clear day's, none in the paper's picture, and what is asked for in both.
     let haze = |text: &str| earth(text).aerosol_optical_depth;
     assert_eq!((haze(""), haze("look = \"paper\"")), (0.1, 0.0));

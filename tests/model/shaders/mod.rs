@@ -144,6 +144,7 @@ const LAYERS: SunlitLayers = SunlitLayers {
     night_lights: true,
     water: true,
     moonlight: true,
+    detail: true,
     air: Some(AirSide::Outside),
 };
 
@@ -259,6 +260,20 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
             ),
             all(SunlitLayers {
                 moonlight: false,
+                ..LAYERS
+            }),
+        ),
+        (
+            ["value_noise", "uneven"],
+            sunlit(
+                BLOCKS,
+                SunlitLayers {
+                    detail: true,
+                    ..none
+                },
+            ),
+            all(SunlitLayers {
+                detail: false,
                 ..LAYERS
             }),
         ),
@@ -414,6 +429,8 @@ fn an_eye_on_one_side_of_the_air_has_nothing_of_the_other() {
     let of = |air| {
         let layers = SunlitLayers {
             air: Some(air),
+            // Its octaves are a loop.
+            detail: false,
             ..LAYERS
         };
         code(sunlit(BLOCKS, layers))

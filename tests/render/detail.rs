@@ -1,0 +1,116 @@
+//! Detail that is made up between the maps' texels.
+
+use crate::common::{Rig, down, plain};
+use glam::DVec3;
+use terrella::frames::Geodetic;
+use terrella::{Atmosphere, EarthLayers, EarthOptions, EyeView, LayerImage, SurfaceLight};
+
+const SIZE: (u32, u32) = (96, 96);
+
+/// Even maps: what is uneven is made.
+#[derive(Clone, Copy, PartialEq)]
+enum Only {
+    Land,
+    Clouds,
+    Lamps,
+}
+
+fn options(only: Only, detail: bool) -> EarthOptions {
+    let even = |value| {
+        let map = LayerImage::from_r8(2048, 1024, vec![value; 2048 * 1024]);
+        Some(map.expect("a good map"))
+    };
+    let mut layers = EarthLayers {
+        day: LayerImage::from_rgba8(2048, 1024, [120, 120, 120, 255].repeat(2048 * 1024))
+            .expect("a good map"),
+        ..plain([0; 3])
+    };
+    match only {
+        Only::Land => {}
+        Only::Clouds => layers.clouds = even(90),
+        Only::Lamps => layers.night_lights = even(200),
+    }
+    EarthOptions {
+        atmosphere: Atmosphere::None,
+        light: SurfaceLight {
+            detail,
+            night_gain: 1e5,
+            ..SurfaceLight::default()
+        },
+        ..EarthOptions::new(layers)
+    }
+}
+
+fn light(only: Only, detail: bool, view: &EyeView) -> Vec<f64> {
+    let sun = match only {
+        Only::Lamps => DVec3::NEG_X,
+        _ => DVec3::X,
+    };
+    let mut rig = Rig::of_light(&options(only, detail), SIZE);
+    let light = rig.draw_light(view, sun);
+    light.iter().map(|light| f64::from(light[0])).collect()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Standard deviation as a part of the mean.
+fn spread(values: &[f64]) -> f64 {
+    let mean = mean(values);
+    let squares = values.iter().map(|value| (value - mean).powi(2));
+    (squares.sum::<f64>() / values.len() as f64).sqrt() / mean
+}
+
+fn from(height_m: f64, fov_deg: f64) -> EyeView {
+    down(Geodetic::from_degrees(4.0, 7.0, height_m), fov_deg, 1.0)
+}
+
+#[test]
+fn detail_is_uneven_and_keeps_the_mean() {
+    // 580 km of ground: hundreds of the largest grains.
+    let view = from(8e5, 40.0);
+    for (only, least, off) in [
+        (Only::Land, 0.03, 0.02),
+        (Only::Clouds, 0.2, 0.1),
+        (Only::Lamps, 0.3, 0.2),
+    ] {
+        let even = light(only, false, &view);
+        let made = light(only, true, &view);
+        assert!(spread(&even) < 0.02, "{}", spread(&even));
+        assert!(spread(&made) > least, "{}", spread(&made));
+        let ratio = mean(&made) / mean(&even);
+        assert!((ratio - 1.0).abs() < off, "{ratio}");
+    }
+}
+
+#[test]
+fn pixels_that_show_no_texel_show_no_detail() {
+    // Texels of 20 km: grains are no larger, and go where pixels are as large.
+    let view = from(2e7, 40.0);
+    for only in [Only::Land, Only::Clouds, Only::Lamps] {
+        assert_eq!(light(only, false, &view), light(only, true, &view));
+    }
+}
+
+/// The same ground in pixels of half the size is the same ground, for all that shows in both.
+#[test]
+fn detail_is_fixed_to_the_ground_and_fades_in() {
+    let wide = light(Only::Land, true, &from(3e5, 20.0));
+    // Half the tangent of half the angle.
+    let half = 2.0 * (0.5 * 10_f64.to_radians().tan()).atan().to_degrees();
+    let near = light(Only::Land, true, &from(3e5, half));
+    let even = mean(&light(Only::Land, false, &from(3e5, half)));
+    let (mut same, mut off) = (0.0, 0.0);
+    let columns = SIZE.0 as usize;
+    for row in 0..columns / 2 {
+        for column in 0..columns / 2 {
+            let four = [(0, 0), (0, 1), (1, 0), (1, 1)];
+            let four = four.map(|(y, x)| near[(2 * row + y) * columns + 2 * column + x]);
+            let wide = wide[(columns / 4 + row) * columns + columns / 4 + column];
+            same += (wide - even).powi(2);
+            off += (wide - mean(&four)).powi(2);
+        }
+    }
+    assert!(off < 0.1 * same, "{off} of {same}");
+}
