@@ -210,10 +210,12 @@ impl Planner {
     ) {
         let grid = self.meshes.grid();
         let pixel_rad = view.pixel_rad();
+        let (moon_itrf, moon_light) = sky.moonlight();
         if let Some(tiles) = &mut self.tiles {
             let view = TileView {
                 eye_itrf_m: view.eye_itrf_m,
                 sun_itrf: sky.sun_itrf,
+                moon_itrf: (self.moon_gain * moon_light > 0.0).then_some(moon_itrf),
                 pixel_rad,
             };
             let drawn = tiles.plan(grid, &view, &plan.blocks, &mut plan.tiles);

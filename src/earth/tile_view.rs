@@ -9,6 +9,8 @@ use glam::DVec3;
 pub(super) struct TileView {
     pub eye_itrf_m: DVec3,
     pub sun_itrf: DVec3,
+    /// Where moonlight is drawn.
+    pub moon_itrf: Option<DVec3>,
     /// Angle of a screen pixel.
     pub pixel_rad: f64,
 }

@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 /// Most expected views that are looked at.
 const MAX_EXPECTED: usize = 4;
 
-/// Below this sine of the Sun's elevation a block is drawn black: the sky is dark (18° below the horizon), and the
+/// Below this sine of the elevation of Sun and Moon a block is drawn black: the sky is dark (18° below the horizon), and the
 /// paper's shading ends at −0.3.
 const DARK: f64 = -0.32;
 
@@ -216,7 +216,7 @@ impl TileDriver {
                 has_tiles.then(|| self.stream.draw(layer, index)).flatten()
             });
             tiles.push((*block, drawn));
-            if !is_lit(grid, *block, view.sun_itrf) {
+            if lit_at_most(grid, *block, view) <= DARK {
                 continue;
             }
             let pixels = &self.pixels[MapLayer::Day.index()];
@@ -279,7 +279,7 @@ impl TileDriver {
         for layer in MapLayer::ALL {
             let pixels = &self.pixels[layer.index()];
             let is_drawn = !pixels.is_empty() && self.shown[layer.index()];
-            if !is_drawn || !shows(grid, layer, block, view.sun_itrf) {
+            if !is_drawn || !shows(grid, layer, block, view) {
                 continue;
             }
             let before = self.levels[layer.index()][index];
@@ -349,17 +349,20 @@ fn sort_by_distance(
     near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
 }
 
-/// Whether daylight or twilight reaches any of the block.
-fn is_lit(grid: &BlockGrid, block: Block, sun_itrf: DVec3) -> bool {
-    grid.sun_range(block, sun_itrf).1 > DARK
+/// Sine of the elevation of the Sun, or of a Moon that lights the Earth, where that is highest on a block.
+fn lit_at_most(grid: &BlockGrid, block: Block, view: &TileView) -> f64 {
+    let lights = [Some(view.sun_itrf), view.moon_itrf].into_iter().flatten();
+    let highest = lights.map(|light| grid.sun_range(block, light).1);
+    highest.fold(-1.0, f64::max)
 }
 
 /// Whether anything of a map can be seen on a block.
-fn shows(grid: &BlockGrid, layer: MapLayer, block: Block, sun_itrf: DVec3) -> bool {
-    let (lowest, highest) = grid.sun_range(block, sun_itrf);
+fn shows(grid: &BlockGrid, layer: MapLayer, block: Block, view: &TileView) -> bool {
     match layer {
-        MapLayer::Day | MapLayer::Clouds | MapLayer::Normals => highest > DARK,
-        MapLayer::NightLights => lowest < LIGHTS_OUT,
-        MapLayer::Water => highest > NO_GLINT,
+        MapLayer::Day | MapLayer::Clouds | MapLayer::Normals => {
+            lit_at_most(grid, block, view) > DARK
+        }
+        MapLayer::NightLights => grid.sun_range(block, view.sun_itrf).0 < LIGHTS_OUT,
+        MapLayer::Water => lit_at_most(grid, block, view) > NO_GLINT,
     }
 }

@@ -10,7 +10,9 @@ use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::globe::LevelRule;
 use terrella::internals::imagery::EarthLayers;
 use terrella::internals::imagery::tile::{MapLayer, TileSource};
-use terrella::{Atmosphere, Earth, EarthOptions, EyeView, Shading, TILED_SUBDIVISION, TileOptions};
+use terrella::{
+    Atmosphere, Earth, EarthOptions, EyeView, Shading, Sky, TILED_SUBDIVISION, TileOptions,
+};
 
 const SIZE: (u32, u32) = (320, 180);
 const LADDER: [u32; 3] = [128, 64, 32];
@@ -336,6 +338,29 @@ fn a_dark_side_wants_no_day_tiles() {
     assert_eq!(stats.tiles.requested.iter().sum::<u32>(), 0);
     let (_, stats, _) = rig.draw_complete(&view, DVec3::X);
     assert!(stats.tiles.requested.iter().sum::<u32>() > 0);
+}
+
+#[test]
+fn a_night_under_the_moon_wants_day_tiles() {
+    let mut given = options(Arc::new(source(waves)));
+    given.shading = Shading::Sunlit;
+    let requested = |options: &EarthOptions, moon: Option<DVec3>| {
+        let mut rig = Rig::new(options, SIZE);
+        let view = down(Geodetic::from_degrees(0.0, 0.0, 1e6), 50.0, rig.aspect());
+        let sky = Sky {
+            moon_itrf_m: moon.map(|direction| direction * 3.844e8),
+            ..Sky::new(DVec3::NEG_X)
+        };
+        let stats = rig.earth.prepare(&common::gpu().queue, &view, &sky, SIZE);
+        stats.tiles.requested.iter().sum::<u32>()
+    };
+    // A Moon that is not drawn lights nothing.
+    assert_eq!(requested(&given, Some(DVec3::X)), 0);
+    given.light.moonlight = true;
+    assert!(requested(&given, Some(DVec3::X)) > 0);
+    // On the other side, and none at all.
+    assert_eq!(requested(&given, Some(DVec3::new(-0.8, 0.6, 0.0))), 0);
+    assert_eq!(requested(&given, None), 0);
 }
 
 #[test]
