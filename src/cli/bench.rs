@@ -13,7 +13,7 @@ use terrella::scene::Scene;
 /// Arguments of `terrella bench`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "The scene's Earth and camera are flown round at ten heights, from 100 km to the Moon's distance, along \
+    after_help = "The scene's Earth and camera are flown round at twelve heights, from 1 km to the Moon's distance, along \
     the equator and along a path inclined by 51.6°, with the Sun of the scene's start. Each frame is timed beside its \
     floor: a pass with the same texture samples on the same pixels that computes nothing. Compare their \
     ratio, not milliseconds. With a pack, tiles are waited for before a frame is timed.\n\n\

@@ -59,7 +59,7 @@ enum Command {
     Play(play::PlayArgs),
     /// Write one picture of a scene
     Frame(frame::FrameArgs),
-    /// Benchmark frames of a scene at ten heights, each beside its floor: the least that it could cost
+    /// Benchmark frames of a scene at twelve heights, each beside its floor: the least that it could cost
     Bench(bench::BenchArgs),
     /// Check a scene and list what it uses and ignores
     Check(check::CheckArgs),

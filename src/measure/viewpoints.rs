@@ -22,8 +22,10 @@ const fn eye_height(height_km: f64, paper_frames_per_s: Option<f64>) -> EyeHeigh
     }
 }
 
-/// The eight heights of Table 2, the geostationary orbit, and the Moon's mean distance (384 400 km from the centre).
-pub const EYE_HEIGHTS: [EyeHeight; 10] = [
+/// Two heights in the air, the eight of Table 2, the geostationary orbit, and the Moon's mean distance (384 400 km from the centre).
+pub const EYE_HEIGHTS: [EyeHeight; 12] = [
+    eye_height(1.0, None),
+    eye_height(30.0, None),
     eye_height(100.0, Some(57.0)),
     eye_height(200.0, Some(49.0)),
     eye_height(600.0, Some(45.0)),

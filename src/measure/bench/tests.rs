@@ -236,5 +236,5 @@ fn the_text_of_a_run_tells_headline_rows_and_costs() {
     partial.report.rows.clear();
     assert!(partial.to_table().contains("INTERRUPTED"));
     let error = partial.verdict().expect_err("partial").to_string();
-    assert!(error.contains("0 of 20 rows"), "{error}");
+    assert!(error.contains("0 of 24 rows"), "{error}");
 }
