@@ -1,4 +1,5 @@
-//! Golden pictures: every scene in `tests/goldens/` against the picture of the same name.
+//! Golden pictures: every scene in `tests/goldens/`, and those of light in `config/`, against the picture of the same name in
+//! `tests/goldens/`.
 //!
 //! The pictures are made by the command itself, `terrella frame`, on a software adapter if there is one. They are
 //! compared by FLIP, NVIDIA's perceptual measure, because drivers round differently. A scene without its picture
@@ -15,6 +16,17 @@ const MOST_MEAN: f32 = 0.008;
 const OUTLIER: f32 = 0.15;
 /// … and this share of outliers fails.
 const MOST_OUTLIERS: f32 = 0.001;
+
+/// Scenes of `config/`, drawn smaller.
+const OF_LIGHT: [&str; 6] = [
+    "crescent",
+    "full_disc",
+    "glint",
+    "inside_air",
+    "night_europe",
+    "sunrise",
+];
+const SIZE_OF_LIGHT: &str = "320x180";
 
 struct Difference {
     mean: f32,
@@ -69,13 +81,24 @@ fn names(extension: &str) -> Vec<String> {
     names
 }
 
+/// Names of all scenes that have a golden.
+fn scenes() -> Vec<String> {
+    let mut scenes = names("toml");
+    scenes.extend(OF_LIGHT.map(str::to_owned));
+    scenes.sort();
+    scenes
+}
+
 fn picture(name: &str, to: &Path, backend: Option<&str>) -> Result<RgbImage, String> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_terrella"));
-    command
-        .arg("frame")
-        .arg(folder().join(name).with_extension("toml"))
-        .arg("-o")
-        .arg(to);
+    command.arg("frame").arg("-o").arg(to);
+    if OF_LIGHT.contains(&name) {
+        let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config");
+        command.args(["--size", SIZE_OF_LIGHT]);
+        command.arg(config.join(name).with_extension("toml"));
+    } else {
+        command.arg(folder().join(name).with_extension("toml"));
+    }
     command.env_remove("TERRELLA_TEXTURES");
     if let Some(adapter) = software_adapter() {
         command.args(["--adapter", &adapter]);
@@ -110,8 +133,8 @@ fn pictures_match_their_goldens() {
     let update = std::env::var_os("TERRELLA_UPDATE_GOLDENS").is_some();
     let scratch = Path::new(env!("CARGO_TARGET_TMPDIR")).join("goldens");
     std::fs::create_dir_all(&scratch).expect("a scratch folder");
-    let scenes = names("toml");
-    assert!(scenes.len() >= 9, "scenes are missing: {scenes:?}");
+    let scenes = scenes();
+    assert!(scenes.len() >= 15, "scenes are missing: {scenes:?}");
     let mut failures = Vec::new();
     for name in &scenes {
         let drawn = scratch.join(name).with_extension("png");
@@ -208,7 +231,7 @@ fn opengl_draws_the_same_limb() {
 
 #[test]
 fn every_golden_has_its_scene() {
-    assert_eq!(names("png"), names("toml"));
+    assert_eq!(names("png"), scenes());
 }
 
 #[test]
