@@ -1,7 +1,7 @@
 // What an eye in the air sees of it in each direction, over black ground: a small picture a frame, in three targets, that ground
 // and sky are then drawn from. Rays are marched here and nowhere else.
 //
-// One variant. The mapping of directions is that of common/air/inside.wgsl.
+// With moonlight the rows of the Moon stand below those of the Sun. The mapping of directions is that of common/air/inside.wgsl.
 import common/air/uniforms.wgsl;
 import common/air/coordinates.wgsl;
 import common/air/view_spacing.wgsl;
@@ -118,9 +118,13 @@ fn step_end(part: f32, crowd: f32) -> f32 {
 
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> Seen {
-    let ray = view_ray(floor(position.x), floor(position.y));
+    var row = floor(position.y);
+    var zenith_cosine = air.eye_sun;
+    @if(moonlight) if row >= VIEW_AZIMUTHS { row -= VIEW_AZIMUTHS; zenith_cosine = air.eye_moon; }
+    let ray = view_ray(floor(position.x), row);
     let start = vec3f(0.0, 0.0, air.eye_distance);
-    let sun = vec3f(sqrt(max(1.0 - air.eye_sun * air.eye_sun, 0.0)), 0.0, air.eye_sun);
+    // The Sun, or in its place the Moon.
+    let sun = vec3f(sqrt(max(1.0 - zenith_cosine * zenith_cosine, 0.0)), 0.0, zenith_cosine);
     let nu = dot(ray.direction, sun);
     let phase_molecules = RAYLEIGH_A + RAYLEIGH_B * nu * nu;
     let g = AEROSOL_ASYMMETRY;

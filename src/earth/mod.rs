@@ -426,7 +426,8 @@ fn air_textures(
 ) -> AirTextures {
     let (model, tables) = (AirModel::new(options), AirTables::shared(options));
     let albedo = albedo.texels(&quality.maps);
-    AirTextures::new(device, queue, model, &tables, &albedo, light.cloud_height_m)
+    let (clouds_m, moonlight) = (light.cloud_height_m, light.moonlight);
+    AirTextures::new(device, queue, model, &tables, &albedo, clouds_m, moonlight)
 }
 
 /// The value of a future that is ready at once, as wgpu's error scopes are everywhere but on the web.

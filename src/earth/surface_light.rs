@@ -26,7 +26,7 @@ pub struct SurfaceLight {
     /// It is fixed to the ground and leaves the maps' means about as they are, but it is not what is there: leave it off where a
     /// picture is measured.
     pub detail: bool,
-    /// Whether the Moon lights the Earth, by its phase: its land, sea and clouds, and the air as an eye outside of it sees it.
+    /// Whether the Moon lights the Earth, by its phase: its land, sea and clouds, and the air.
     pub moonlight: bool,
     /// Whether the air glows by itself at night: see [`AIRGLOW_LUMINANCE`].
     pub airglow: bool,

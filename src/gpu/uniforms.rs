@@ -99,14 +99,18 @@ pub struct AirUniforms {
     pub airglow: f32,
     /// Scattering by aerosol at the ground, per equatorial radius.
     pub aerosol_scattering: Vec3,
-    /// Fills the row.
-    pub padding_b: f32,
+    /// Cosine of the Moon's zenith angle at the eye.
+    pub eye_moon: f32,
     /// Scattering and absorption by aerosol at the ground, per equatorial radius.
     pub aerosol_extinction: Vec3,
     /// As in [`FrameUniforms`].
     pub moon_light: f32,
     /// Unit vector to the Moon, ITRF axes.
     pub moon: Vec3,
+    /// Fills the row.
+    pub padding_a: f32,
+    /// Horizontally towards the Moon at the eye, of length 1, scaled space.
+    pub moon_level: Vec3,
     /// Fills the struct to its size.
-    pub padding_c: f32,
+    pub padding_b: f32,
 }

@@ -33,11 +33,17 @@ fn moon(direction: DVec3, sun: DVec3) -> Sky {
 /// air.
 #[test]
 fn a_full_moon_lights_as_a_faint_sun_does() {
-    let view = down(Geodetic::from_degrees(0.0, 0.0, 2e6), 40.0, 1.0);
+    lights_as_a_faint_sun(&down(Geodetic::from_degrees(0.0, 0.0, 2e6), 40.0, 1.0));
+    // In the air, with half the picture above the horizon, and the Moon to the left.
+    let place = Geodetic::from_degrees(0.0, 0.0, 8e3);
+    lights_as_a_faint_sun(&tilted(place, 60.0, -2.0, 60.0, 1.0));
+}
+
+fn lights_as_a_faint_sun(view: &EyeView) {
     let from = DVec3::new(0.9, 0.3, 0.2).normalize();
-    let by_sun = Rig::of_light(&options(false, false), SIZE).draw_light(&view, from);
+    let by_sun = Rig::of_light(&options(false, false), SIZE).draw_light(view, from);
     let sky = moon(from, -from);
-    let by_moon = Rig::of_light(&options(true, false), SIZE).draw_light_of(&view, &sky);
+    let by_moon = Rig::of_light(&options(true, false), SIZE).draw_light_of(view, &sky);
     // 10^(−0.4 (26.74 − 12.73)): Allen's magnitudes of both.
     let full = GAIN * 10_f64.powf(-0.4 * 14.01);
     for (moonlit, sunlit) in by_moon.iter().zip(&by_sun) {
@@ -49,8 +55,8 @@ fn a_full_moon_lights_as_a_faint_sun_does() {
     }
     // Without a Moon, and with one that is switched off, the night is black.
     let dark = [
-        Rig::of_light(&options(true, false), SIZE).draw_light(&view, -from),
-        Rig::of_light(&options(false, false), SIZE).draw_light_of(&view, &sky),
+        Rig::of_light(&options(true, false), SIZE).draw_light(view, -from),
+        Rig::of_light(&options(false, false), SIZE).draw_light_of(view, &sky),
     ];
     for light in dark.iter().flatten() {
         assert!(light.iter().take(3).all(|value| *value < 1e-4), "{light:?}");

@@ -30,10 +30,14 @@ struct AirUniforms {
     // Luminance of the airglow seen from straight below, times how much brighter the night is drawn.
     airglow: f32,
     aerosol_scattering: vec3f,
-    padding_b: f32,
+    // Cosine of the Moon's zenith angle at the eye.
+    eye_moon: f32,
     aerosol_extinction: vec3f,
     // As in the frame's uniforms.
     moon_light: f32,
     moon: vec3f,
-    padding_c: f32,
+    padding_a: f32,
+    // Horizontally towards the Moon at the eye, as for the Sun.
+    moon_level: vec3f,
+    padding_b: f32,
 }

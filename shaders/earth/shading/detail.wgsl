@@ -55,7 +55,7 @@ fn detail(up: vec3f, texel: f32, pixel: f32, falloff: f32) -> Detail {
 
 // How much of an octave pixels of this size show.
 fn shown(spacing: f32, pixel: f32) -> f32 {
-    return smoothstep(1.25, 3.0, spacing / pixel);
+    return smoothstep(1.2, 3.0, spacing / pixel);
 }
 
 // Slope and value, −1…1, of noise that is smooth between the points of a lattice.

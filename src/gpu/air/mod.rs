@@ -8,7 +8,7 @@ use super::{AirPlan, AirSide, AirUniforms, AirVariant, FrameUniforms};
 use super::{PassFormat, PipelineDescription, ShaderError};
 use crate::air::Billboard;
 use bytemuck::{Pod, Zeroable};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 pub(crate) use textures::{AirTextures, Binding};
 use view::AirView;
 use wgpu::util::DeviceExt;
@@ -42,7 +42,7 @@ pub(crate) struct AirDrawable {
 /// What of the night the air shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct NightLight {
-    /// Whether moonlight is scattered in it.
+    /// Whether moonlight is scattered in it: its textures are made for that.
     pub moonlight: bool,
     /// Luminance of the airglow seen from straight below, as it is drawn; `None` draws none.
     pub airglow: Option<f32>,
@@ -72,7 +72,7 @@ impl AirDrawable {
             contents: bytemuck::cast_slice(&Billboard::indices()),
             usage: wgpu::BufferUsages::INDEX,
         });
-        let view = AirView::new(device, &textures)?;
+        let view = AirView::new(device, &textures, night.moonlight)?;
         let mut shader_bytes = view.shader_bytes;
         let [outside, inside] = AirSide::ALL.map(|side| {
             let variant = AirVariant {
@@ -149,12 +149,17 @@ fn uniforms(
     airglow: f32,
 ) -> AirUniforms {
     let ring = &plan.ring;
-    let sun = frame.sun_itrf.as_dvec3();
-    // The Sun as the eye sees it over its own horizon, and the same azimuth about the line to the centre.
-    let eye_sun = sun.dot(plan.eye_up).clamp(-1.0, 1.0);
     let [across_x, across_y, toward_center] = ring.axes;
-    let level = sun - plan.eye_up * eye_sun;
-    let level = (level - toward_center * level.dot(toward_center)).normalize_or(across_x);
+    // Sun and Moon as the eye sees them over its own horizon, and the same azimuth about the line to the centre.
+    let seen_from_eye = |light: Vec3| {
+        let light = light.as_dvec3();
+        let zenith_cosine = light.dot(plan.eye_up).clamp(-1.0, 1.0);
+        let level = light - plan.eye_up * zenith_cosine;
+        let level = level - toward_center * level.dot(toward_center);
+        (zenith_cosine as f32, level.normalize_or(across_x).as_vec3())
+    };
+    let (eye_sun, sun_level) = seen_from_eye(frame.sun_itrf);
+    let (eye_moon, moon_level) = seen_from_eye(frame.moon_itrf);
     let (limb_sin, limb_cos) = ring.limb();
     let coefficients = textures.model().rgb();
     let per_radius = |per_m: DVec3| (per_m * crate::air::RADIUS_M).as_vec3();
@@ -167,8 +172,8 @@ fn uniforms(
         exposure: frame.exposure,
         sun: frame.sun_itrf,
         polar_stretch: frame.polar_stretch,
-        sun_level: level.as_vec3(),
-        eye_sun: eye_sun as f32,
+        sun_level,
+        eye_sun,
         sky_albedo: textures.sky_albedo(),
         limb_sin: limb_sin as f32,
         molecules: per_radius(coefficients.molecules),
@@ -176,11 +181,13 @@ fn uniforms(
         ozone: per_radius(coefficients.ozone),
         airglow,
         aerosol_scattering: per_radius(coefficients.aerosol_scattering),
-        padding_b: 0.0,
+        eye_moon,
         aerosol_extinction: per_radius(coefficients.aerosol_extinction),
         moon_light: frame.moon_light,
         moon: frame.moon_itrf,
-        padding_c: 0.0,
+        padding_a: 0.0,
+        moon_level,
+        padding_b: 0.0,
     }
 }
 

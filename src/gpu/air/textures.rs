@@ -31,7 +31,8 @@ struct Held {
 }
 
 impl AirTextures {
-    /// Uploads the tables of an air, over ground of this albedo, with clouds at this height.
+    /// Uploads the tables of an air, over ground of this albedo, with clouds at this height; for views under the Moon too if
+    /// `moonlight`.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -39,7 +40,9 @@ impl AirTextures {
         tables: &AirTables,
         albedo: &[Vec4],
         cloud_height_m: f64,
+        moonlight: bool,
     ) -> Self {
+        let lights = if moonlight { 2 } else { 1 };
         let sunlight = tables.sunlight_with_clouds(cloud_height_m);
         let upload = |label, size, texels: &[Vec4]| {
             GpuLayer::upload_table(device, queue, label, size, texels)
@@ -47,7 +50,7 @@ impl AirTextures {
         let view = ["black", "bounce", "through"].map(|name| {
             let label = format!("terrella view of the air, {name}");
             GpuLayer::target(device, &label, wgpu::TextureFormat::Rgba16Float, {
-                (VIEW_ANGLES, VIEW_AZIMUTHS)
+                (VIEW_ANGLES, lights * VIEW_AZIMUTHS)
             })
         });
         Self(Arc::new(Held {

@@ -7,14 +7,20 @@ use crate::gpu::{AirUniforms, AirViewVariant, ShaderError};
 pub(super) struct AirView {
     pipeline: wgpu::RenderPipeline,
     bind_group: wgpu::BindGroup,
-    /// Height of the eye and cosine of the Sun's zenith angle that were drawn last: nothing else changes it.
-    drawn: Option<[f32; 2]>,
+    /// Height of the eye and cosines of the zenith angles of the Sun and, where it lights the air, the Moon that were drawn last:
+    /// nothing else changes it.
+    drawn: Option<[f32; 3]>,
+    moonlight: bool,
     pub shader_bytes: u64,
 }
 
 impl AirView {
-    pub fn new(device: &wgpu::Device, textures: &AirTextures) -> Result<Self, ShaderError> {
-        let shader = ShaderModule::new(device, &AirViewVariant)?;
+    pub fn new(
+        device: &wgpu::Device,
+        textures: &AirTextures,
+        moonlight: bool,
+    ) -> Result<Self, ShaderError> {
+        let shader = ShaderModule::new(device, &AirViewVariant { moonlight })?;
         let label = "terrella view of the air";
         let (layout, bind_group) = crate::gpu::bind(device, label, textures.march_bindings());
         let label = Some(label);
@@ -52,6 +58,7 @@ impl AirView {
             pipeline,
             bind_group,
             drawn: None,
+            moonlight,
             shader_bytes: shader.bytes,
         })
     }
@@ -64,7 +71,8 @@ impl AirView {
         textures: &AirTextures,
         eye: &AirUniforms,
     ) {
-        let place = [eye.eye_height, eye.eye_sun];
+        let eye_moon = if self.moonlight { eye.eye_moon } else { 0.0 };
+        let place = [eye.eye_height, eye.eye_sun, eye_moon];
         if self.drawn == Some(place) {
             return;
         }

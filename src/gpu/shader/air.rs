@@ -71,18 +71,21 @@ impl ShaderVariant for AirVariant {
     }
 }
 
-/// The shader that draws what an eye in the air sees of it in each direction. There is one.
+/// The shader that draws what an eye in the air sees of it in each direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct AirViewVariant;
+pub struct AirViewVariant {
+    /// Whether it is drawn under the Moon too, below what it is under the Sun.
+    pub moonlight: bool,
+}
 
 impl ShaderVariant for AirViewVariant {
     const ENTRY: &'static str = "air_view.wgsl";
 
     fn all() -> Vec<Self> {
-        vec![Self]
+        SWITCH.map(|moonlight| Self { moonlight }).to_vec()
     }
 
     fn conditions(&self) -> Vec<(&'static str, bool)> {
-        Vec::new()
+        vec![("moonlight", self.moonlight)]
     }
 }

@@ -439,7 +439,7 @@ fn an_eye_on_one_side_of_the_air_has_nothing_of_the_other() {
     for name in ["scattering_table", "through_table", "acos(cosine)"] {
         assert!(outside.contains(name) && !inside.contains(name), "{name}");
     }
-    for name in ["black_view", "view_place", "limb_tangent"] {
+    for name in ["black_view", "view_column", "limb_tangent"] {
         assert!(inside.contains(name) && !outside.contains(name), "{name}");
     }
     for name in ["for (", "AIR_SCALE_HEIGHT"] {

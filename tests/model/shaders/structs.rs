@@ -92,9 +92,11 @@ fn structs_match_the_shaders() {
             ozone,
             airglow,
             aerosol_scattering,
+            eye_moon,
             aerosol_extinction,
             moon_light,
-            moon
+            moon,
+            moon_level
         ]
     );
     check!(
