@@ -11,6 +11,8 @@ use crate::light::{Exposure, Meter, MeterView};
 /// Says with what exposure a frame is drawn.
 pub(super) struct ExposureControl {
     exposure: Exposure,
+    /// [`SurfaceLight::moon_gain`](super::SurfaceLight::moon_gain).
+    moon_gain: f64,
     /// Made when exposure is first metered; an Earth that never meters has none.
     meter: Option<Meter>,
     /// What a meter is made of.
@@ -24,6 +26,7 @@ impl ExposureControl {
     pub fn new(options: &EarthOptions, atmosphere: Atmosphere) -> Self {
         let mut control = Self {
             exposure: options.exposure,
+            moon_gain: options.light.moon_gain(),
             albedo: NeighbourhoodAlbedo::new(&options.layers),
             air: None,
             air_options: options.air,
@@ -76,11 +79,13 @@ impl ExposureControl {
     /// The exposure that a view asks for, EV.
     fn metered(&mut self, view: &ItrfView, sky: &Sky, ellipsoid: &Ellipsoid) -> f64 {
         let itrf_from_scaled = ellipsoid.itrf_from_scaled();
+        let (moon_itrf, moon_light) = sky.moonlight();
+        let moon_light = (self.moon_gain * moon_light) as f32;
         self.meter().ev(&MeterView {
             eye_scaled: view.eye_itrf_m / itrf_from_scaled,
             itrf_from_scaled,
             clip_from_eye: &view.clip_from_eye,
-            sun_itrf: sky.sun_itrf,
+            lights: [(sky.sun_itrf, 1.0), (moon_itrf, moon_light)],
         })
     }
 

@@ -24,7 +24,7 @@ pub(super) struct Planner {
     visibility: Visibility,
     pub exposure: ExposureControl,
     has_air: bool,
-    /// How many times brighter than in truth moonlight is drawn; 0 where none is.
+    /// [`SurfaceLight::moon_gain`](super::SurfaceLight::moon_gain).
     moon_gain: f64,
     ground: Option<GroundDriver>,
     pub tiles: Option<TileDriver>,
@@ -49,10 +49,7 @@ impl Planner {
             visibility: options.visibility,
             exposure: ExposureControl::new(options, quality.atmosphere),
             has_air: quality.atmosphere == Atmosphere::Billboard,
-            moon_gain: match options.light.moonlight {
-                true => options.light.night_gain,
-                false => 0.0,
-            },
+            moon_gain: options.light.moon_gain(),
             tiles: tiles.transpose()?,
             ground: ground.transpose()?,
             whole_day_pixels: options.layers.day.width / COLUMNS,

@@ -117,6 +117,14 @@ impl SurfaceLight {
         }
     }
 
+    /// How many times brighter than in truth moonlight is drawn; 0 where none is.
+    pub(super) fn moon_gain(&self) -> f64 {
+        match self.moonlight {
+            true => self.night_gain,
+            false => 0.0,
+        }
+    }
+
     /// As the shader takes it.
     pub(super) fn uniforms(&self) -> SurfaceLightUniforms {
         let wave_slope_squared = 0.003 + 0.00512 * self.wind_m_s;

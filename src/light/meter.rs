@@ -36,8 +36,8 @@ pub(crate) struct MeterView<'a> {
     pub itrf_from_scaled: DVec3,
     /// Takes eye-relative ITRF metres to clip space.
     pub clip_from_eye: &'a DMat4,
-    /// Unit vector to the Sun, ITRF.
-    pub sun_itrf: DVec3,
+    /// Sun and Moon: unit vectors to them, ITRF, and their light as they are drawn, the Sun's being 1.
+    pub lights: [(DVec3, f32); 2],
 }
 
 /// Meters views of an Earth.
@@ -89,7 +89,7 @@ impl Meter {
             let ground = (eye + d * (along - root)).normalize_or_zero();
             let up = self.up(view, ground);
             let albedo = self.albedo_at(up);
-            let [falls, sky] = self.light(up.dot(view.sun_itrf), albedo);
+            let [falls, sky] = self.light(view, up, albedo);
             // The air sends about as much up as down, and more where one looks along it.
             let before = sky * (0.5 / root.max(0.25)) as f32;
             return (luminance(albedo * falls + before), 1.0);
@@ -100,7 +100,7 @@ impl Meter {
             false => (eye, above),
         };
         let up = self.up(view, lowest.normalize_or_zero());
-        let [_, sky] = self.light(up.dot(view.sun_itrf), Vec3::ZERO);
+        let [_, sky] = self.light(view, up, Vec3::ZERO);
         let part = match self.air {
             Some(_) => (-height / AIR_SCALE).exp(),
             None => 0.0,
@@ -113,9 +113,22 @@ impl Meter {
         (scaled / view.itrf_from_scaled).normalize_or_zero()
     }
 
-    /// The light of Sun and sky on level ground, RGB, and the sky's alone, which is as much as its light: a sheet that faces
-    /// the Sun in space has 1.
-    fn light(&self, mu_s: f64, albedo: Vec3) -> [Vec3; 2] {
+    /// What falls of all lights on level ground with this normal, RGB, and of the sky alone, which is as much as its light: a
+    /// sheet that faces the Sun in space has 1.
+    fn light(&self, view: &MeterView<'_>, up: DVec3, albedo: Vec3) -> [Vec3; 2] {
+        let mut sum = [Vec3::ZERO; 2];
+        for (towards, brightness) in view.lights {
+            if brightness > 0.0 {
+                let [falls, sky] = self.light_of_one(up.dot(towards), albedo);
+                sum[0] += brightness * falls;
+                sum[1] += brightness * sky;
+            }
+        }
+        sum
+    }
+
+    /// The same of a Sun whose zenith angle has this cosine.
+    fn light_of_one(&self, mu_s: f64, albedo: Vec3) -> [Vec3; 2] {
         let Some(air) = &self.air else {
             let risen = ((mu_s + SUN_RADIUS_RAD) / (2.0 * SUN_RADIUS_RAD)).clamp(0.0, 1.0);
             return [Vec3::splat((mu_s.max(0.0) * risen) as f32), Vec3::ZERO];
@@ -184,6 +197,10 @@ mod tests {
 
     /// From above longitude 0, straight down.
     fn ev(meter: &Meter, height_m: f64, sun_itrf: DVec3) -> f64 {
+        ev_under(meter, height_m, [(sun_itrf, 1.0), (DVec3::ZERO, 0.0)])
+    }
+
+    fn ev_under(meter: &Meter, height_m: f64, lights: [(DVec3, f32); 2]) -> f64 {
         let eye = DVec3::X * (RADII.x + height_m);
         let view = dcamera::rh::view::look_at_mat4(DVec3::ZERO, -DVec3::X, DVec3::Z);
         let clip_from_eye = dcamera::rh::proj::directx::perspective(0.8, 1.6, 1.0, 1e9) * view;
@@ -191,7 +208,7 @@ mod tests {
             eye_scaled: eye / Ellipsoid::WGS84.itrf_from_scaled(),
             itrf_from_scaled: Ellipsoid::WGS84.itrf_from_scaled(),
             clip_from_eye: &clip_from_eye,
-            sun_itrf,
+            lights,
         })
     }
 
@@ -211,6 +228,15 @@ mod tests {
     }
 
     #[test]
+    fn a_night_is_metered_by_its_moon() {
+        let under = |moon| ev_under(&meter(0.35), 1e5, [(-DVec3::X, 1.0), (DVec3::X, moon)]);
+        assert_eq!(under(0.0), RANGE_EV[1]);
+        // Half the light of a Sun.
+        let wanted = (0.7_f64 / 0.35).log2() + 1.0;
+        assert!((under(0.5) - wanted).abs() < 0.01, "{}", under(0.5));
+    }
+
+    #[test]
     fn space_alone_gets_the_default() {
         let meter = meter(0.3);
         let view = dcamera::rh::view::look_at_mat4(DVec3::ZERO, DVec3::X, DVec3::Z);
@@ -219,7 +245,7 @@ mod tests {
             eye_scaled: DVec3::X * 3.0,
             itrf_from_scaled: RADII,
             clip_from_eye: &clip_from_eye,
-            sun_itrf: DVec3::Y,
+            lights: [(DVec3::Y, 1.0), (DVec3::ZERO, 0.0)],
         });
         assert_eq!(ev, Exposure::DEFAULT_EV);
     }
