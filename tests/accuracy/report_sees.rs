@@ -6,11 +6,12 @@ use glam::DAffine3;
 use std::sync::OnceLock;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::imagery::{EarthLayers, LayerImage};
-use terrella::internals::measure::FrameTimer;
 use terrella::internals::measure::errors::{
     Difference, GeolocationErrors, GeolocationRenderer, SilhouetteErrors, geolocation, silhouette,
 };
 use terrella::internals::measure::reference::{Reference, ReferenceOptions, ReferencePicture};
+use terrella::internals::measure::{FrameTimer, GroundPath};
+use terrella::scene::CameraMode;
 use terrella::{Atmosphere, EarthOptions, EyeView, Figure, Sky, Visibility};
 
 const SIZE: (u32, u32) = (160, 90);
@@ -210,4 +211,21 @@ fn a_view_without_a_limb_is_told_that_of_the_whole_horizon() {
     println!("{limb:?}");
     assert!(!limb.in_view && limb.places > 50);
     assert!(limb.max_px < 1.0);
+}
+
+/// A coarse mesh covers pixels at the limb that look far into the next block.
+#[test]
+fn every_pixel_looks_where_its_ray_ends() {
+    for (subdivision, height_m) in [(12, 1e6), (6, 2e6), (4, 1e7), (2, 3.6e7)] {
+        let mut earth = geolocation_renderer(subdivision);
+        let mut worst: f64 = 0.0;
+        for part in 0..24 {
+            let (part, mode) = (f64::from(part) / 24.0, CameraMode::Horizon);
+            let view = GroundPath::Inclined.view(&FIGURE, height_m, part, mode, 1.0, 16.0 / 9.0);
+            let places = earth.draw(&view, (640, 360)).expect("places");
+            worst = worst.max(geolocation(&places, &view, &FIGURE).max_px);
+        }
+        println!("{subdivision} cells a block, {height_m} m: {worst} px");
+        assert!(worst < 0.1, "{subdivision}, {height_m} m: {worst} px");
+    }
 }

@@ -13,21 +13,23 @@ fn surface_point(in: Varying) -> SurfacePoint {
     return point_on_ray(in, ray, t / length(scaled), normalize(p * to_scaled));
 }
 
-// Longitude and latitude of a normal from the block's centre, at most 11.25° each.
+// Longitude and latitude of a normal from the block's centre: 11.25° at most in the block, and more where a coarse mesh covers
+// pixels at the limb that look at the next one. By half angles, tan(φ/2) = sin φ/(1 + cos φ).
 fn longitude_latitude(in: Varying, up: vec3f, across: f32) -> vec2f {
     let y = in.center_lon.x * up.y - in.center_lon.y * up.x;
     let x = max(dot(in.center_lon, up.xy), 1e-7);
-    let longitude = atan_near(clamp(y, -0.25 * x, 0.25 * x), x);
+    let beside = x + across;
+    let longitude = atan_near(clamp(y, -0.6 * beside, 0.6 * beside), beside);
     let latitude = atan_near(
         in.center_lat.x * up.z - in.center_lat.y * across,
-        in.center_lat.x * across + in.center_lat.y * up.z,
+        in.center_lat.x * across + in.center_lat.y * up.z + 1.0,
     );
-    return vec2f(longitude, latitude);
+    return 2.0 * vec2f(longitude, latitude);
 }
 
-// atan(y/x) for |y/x| ≤ tan 15°, error below 1e-7: a block reaches 11.25° to each side of its centre.
+// atan(y/x) for |y/x| ≤ 0.6: error below 1e-4, and below 1e-7 up to a quarter.
 fn atan_near(y: f32, x: f32) -> f32 {
     let t = y / x;
     let s = t * t;
-    return t * (1.0 + s * (-0.33333333 + s * (0.2 + s * (-0.14285714 + s * 0.11111111))));
+    return t * (1.0 + s * (-0.33333333 + s * (0.2 + s * (-0.14285714 + s * (0.11111111 - s * 0.09090909)))));
 }

@@ -101,11 +101,12 @@ impl PixelRay {
     }
 }
 
-/// atan(y/x) for |y/x| ≤ tan 15°.
+/// atan(y/x) for |y/x| ≤ 0.6.
 fn atan_near(y: f32, x: f32) -> f32 {
     let t = y / x;
     let s = t * t;
-    t * (1.0 + s * (-0.333_333_33 + s * (0.2 + s * (-0.142_857_14 + s * 0.111_111_11))))
+    let far = -0.142_857_14 + s * (0.111_111_11 - s * 0.090_909_09);
+    t * (1.0 + s * (-0.333_333_33 + s * (0.2 + s * far)))
 }
 
 /// The shader's `surface_point`.
@@ -122,16 +123,17 @@ pub fn place(input: &ShaderInput) -> Placed {
     let east = Vec3::new(-up.y, up.x, 0.0) / across;
     let x = input.center_lon.dot(up.truncate()).max(1e-7);
     let y = input.center_lon.x * up.y - input.center_lon.y * up.x;
-    let longitude = atan_near(y.clamp(-0.25 * x, 0.25 * x), x);
+    let beside = x + across;
+    let longitude = atan_near(y.clamp(-0.6 * beside, 0.6 * beside), beside);
     let latitude = atan_near(
         input.center_lat.x * up.z - input.center_lat.y * across,
-        input.center_lat.x * across + input.center_lat.y * up.z,
+        input.center_lat.x * across + input.center_lat.y * up.z + 1.0,
     );
     const PI: f32 = std::f32::consts::PI;
     Placed {
         up,
         east,
-        uv: Vec2::new(longitude / (2.0 * PI), -latitude / PI),
+        uv: Vec2::new(longitude / PI, -2.0 * latitude / PI),
     }
 }
 
