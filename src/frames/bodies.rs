@@ -35,6 +35,15 @@ pub fn moon_position_gcrf_m(epoch: Epoch) -> DVec3 {
     DVec3::from(position_au) * ASTRONOMICAL_UNIT_M
 }
 
+/// [`super::sun_direction_itrf_oriented`] and the Moon's place in ITRF axes: these are found once for both.
+pub(crate) fn sun_and_moon_itrf(epoch: Epoch, orientation: &Orientation) -> (DVec3, DVec3) {
+    let itrf_from_gcrf = itrf_from_gcrf_oriented(epoch, orientation);
+    (
+        sun::sun_direction_in(epoch, orientation, &itrf_from_gcrf),
+        itrf_from_gcrf * moon_position_gcrf_m(epoch),
+    )
+}
+
 /// Rotation that takes GCRF axes to those of the celestial intermediate pole and origin (IAU 2000B): what precession and
 /// nutation do, without the daily turn. With R3(ERA) and polar motion it makes [`super::itrf_from_gcrf_oriented`].
 pub fn intermediate_from_gcrf(epoch: Epoch) -> DMat3 {

@@ -6,6 +6,7 @@ mod bodies;
 mod calendar;
 mod ccsds;
 mod earth_orientation;
+mod eclipse;
 mod ellipsoid;
 mod height_range;
 mod orientation;
@@ -13,6 +14,7 @@ mod rotation;
 mod sun;
 mod time;
 
+pub(crate) use bodies::sun_and_moon_itrf;
 pub use bodies::{
     ASTRONOMICAL_UNIT_M, earth_rotation_angle_rad, intermediate_from_gcrf, moon_position_gcrf_m,
     sun_position_gcrf_m,
@@ -21,6 +23,9 @@ pub use bodies::{
 pub(crate) use calendar::Calendar;
 pub use ccsds::{TimeScale, ccsds_time, epoch_from_ccsds};
 pub use earth_orientation::{EarthOrientation, EarthOrientationError};
+#[cfg(feature = "orbit")]
+pub(crate) use eclipse::uncovered;
+pub use eclipse::{Illumination, SUN_RADIUS_M, illumination, sun_position_itrf_m};
 pub use ellipsoid::{Ellipsoid, Geodetic};
 pub use height_range::HeightRange;
 pub use hifitime::{Duration, Epoch};
@@ -29,7 +34,6 @@ pub use rotation::{
     EARTH_ROTATION_RATE_RAD_S, gcrf_from_eme2000, itrf_from_gcrf, itrf_from_gcrf_oriented,
     itrf_from_gcrf_with_ut1, itrf_from_pef, itrf_from_teme, itrf_from_teme_with_ut1, pef_from_teme,
 };
-pub(crate) use sun::sun_and_moon_itrf;
 pub use sun::{SUN_RADIUS_RAD, subsolar_point, sun_direction_itrf, sun_direction_itrf_oriented};
 pub use time::{TimeError, rfc3339, utc_from_rfc3339};
 #[cfg(feature = "orbit")]

@@ -2,7 +2,7 @@
 
 use super::rotation::{itrf_from_gcrf_oriented, itrf_from_pef, rotation_about_z};
 use super::time::JulianDate;
-use super::{Epoch, Geodetic, Orientation, moon_position_gcrf_m};
+use super::{Epoch, Geodetic, Orientation};
 use glam::{DMat3, DVec3};
 
 /// Mean angular radius of the Sun's disc, radians.
@@ -23,16 +23,11 @@ pub fn sun_direction_itrf_oriented(epoch: Epoch, orientation: &Orientation) -> D
     sun_direction_in(epoch, orientation, &itrf_from_gcrf)
 }
 
-/// The same and [`moon_position_gcrf_m`] in ITRF axes: these are found once for both.
-pub(crate) fn sun_and_moon_itrf(epoch: Epoch, orientation: &Orientation) -> (DVec3, DVec3) {
-    let itrf_from_gcrf = itrf_from_gcrf_oriented(epoch, orientation);
-    (
-        sun_direction_in(epoch, orientation, &itrf_from_gcrf),
-        itrf_from_gcrf * moon_position_gcrf_m(epoch),
-    )
-}
-
-fn sun_direction_in(epoch: Epoch, orientation: &Orientation, itrf_from_gcrf: &DMat3) -> DVec3 {
+pub(super) fn sun_direction_in(
+    epoch: Epoch,
+    orientation: &Orientation,
+    itrf_from_gcrf: &DMat3,
+) -> DVec3 {
     let tt = JulianDate::tt(epoch);
     match sofars::eph::epv00(tt.midnight, tt.fraction) {
         Some((heliocentric, barycentric)) => {

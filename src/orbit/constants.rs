@@ -14,5 +14,3 @@ pub const MOON_GM_M3_S2: f64 = 4.902_800e12;
 /// Pressure of sunlight on what takes it all up, at one astronomical unit, N/m²: 1361 W/m² (IAU 2015 resolution B3) over
 /// the speed of light.
 pub const SUNLIGHT_PRESSURE_N_M2: f64 = 1361.0 / 299_792_458.0;
-/// Nominal radius of the Sun, metres (IAU 2015 resolution B3).
-pub const SUN_RADIUS_M: f64 = 6.957e8;

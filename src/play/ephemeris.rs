@@ -1,7 +1,10 @@
 //! Where a scene's satellites are: tables for people and programs, and messages for other programs.
 
 use super::{Flight, PlayError, Satellite};
-use crate::frames::{Duration, Epoch, Geodetic, TimeScale, ccsds_time};
+use crate::frames::{
+    Duration, Epoch, Geodetic, Illumination, TimeScale, ccsds_time, illumination,
+    sun_position_itrf_m,
+};
 use crate::orbit::interpolated::{
     EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
 };
@@ -129,8 +132,8 @@ impl<'f> Ephemeris<'f> {
     fn text(&self) -> String {
         let mut text = format!("{}, ", self.satellite.name());
         text += match self.axes {
-            Axes::Geodetic => "latitude and longitude in degrees, height in km\n",
-            Axes::Frame(_) => "position in km, velocity in km/s, ",
+            Axes::Geodetic => "latitude and longitude in degrees, height in km; light\n",
+            Axes::Frame(_) => "position in km, velocity in km/s; light; ",
         };
         if let Axes::Frame(frame) = self.axes {
             text += frame.name();
@@ -139,11 +142,12 @@ impl<'f> Ephemeris<'f> {
         for state in &self.states {
             let (r, v) = (state.position_m / 1e3, state.velocity_m_s / 1e3);
             let place = self.place(state);
+            let light = self.illumination(state).0.name();
             // Writing to a string cannot fail.
             let _ = match self.axes {
                 Axes::Geodetic => writeln!(
                     text,
-                    "{}  {:>11.6} {:>12.6} {:>14.5}",
+                    "{}  {:>11.6} {:>12.6} {:>14.5}  {light}",
                     utc(state.epoch),
                     place.lat_rad.to_degrees(),
                     place.lon_rad.to_degrees(),
@@ -151,7 +155,7 @@ impl<'f> Ephemeris<'f> {
                 ),
                 Axes::Frame(_) => writeln!(
                     text,
-                    "{}  {:>14.6} {:>14.6} {:>14.6}  {:>13.9} {:>13.9} {:>13.9}",
+                    "{}  {:>14.6} {:>14.6} {:>14.6}  {:>13.9} {:>13.9} {:>13.9}  {light}",
                     utc(state.epoch),
                     r.x,
                     r.y,
@@ -169,6 +173,7 @@ impl<'f> Ephemeris<'f> {
         let rows = self.states.iter().map(|state| {
             let (r, v) = (state.position_m / 1e3, state.velocity_m_s / 1e3);
             let place = self.place(state);
+            let (light, sunlight) = self.illumination(state);
             serde_json::json!({
                 "epoch_utc": utc(state.epoch),
                 "position_km": r.to_array(),
@@ -176,6 +181,8 @@ impl<'f> Ephemeris<'f> {
                 "lat_deg": place.lat_rad.to_degrees(),
                 "lon_deg": place.lon_rad.to_degrees(),
                 "height_km": place.height_m / 1e3,
+                "light": light.name(),
+                "sunlight": sunlight,
             })
         });
         let document = serde_json::json!({
@@ -184,6 +191,14 @@ impl<'f> Ephemeris<'f> {
             "states": rows.collect::<Vec<_>>(),
         });
         format!("{document:#}\n")
+    }
+
+    /// What the Earth leaves of the Sun there, and the part of its disc.
+    fn illumination(&self, state: &OrbitState) -> (Illumination, f64) {
+        let orientation = self.flight.orientation_at(state.epoch);
+        let sun_itrf_m = sun_position_itrf_m(state.epoch, &orientation);
+        let itrf = state.in_frame(Frame::Itrf, &orientation);
+        illumination(itrf.position_m, sun_itrf_m, &self.flight.ellipsoid())
     }
 
     /// The place above the scene's figure.

@@ -5,7 +5,10 @@ use super::craft::CraftPose;
 use super::error::PlayError;
 use super::maps::{DroppedLayer, check_pack, dropped_layers, earth_options};
 use super::satellites::{self, Listener, Satellite, orientation_at};
-use crate::frames::{EarthOrientation, Ellipsoid, Epoch, Geodetic, Orientation};
+use crate::frames::{
+    EarthOrientation, Ellipsoid, Epoch, Geodetic, Illumination, Orientation, illumination,
+    sun_position_itrf_m,
+};
 use crate::gpu::BcSupport;
 use crate::orbit::{Feed, OrbitError, OrbitState};
 use crate::scene::{CameraMode, Scene};
@@ -54,6 +57,8 @@ pub struct SatelliteState {
     pub place: Geodetic,
     /// Its speed seen from the stars, metres per second.
     pub speed_m_s: f64,
+    /// What the Earth leaves of the Sun there, and the part of its disc, 0…1.
+    pub illumination: (Illumination, f64),
 }
 
 impl Flight {
@@ -224,9 +229,14 @@ impl Flight {
             view: pose.turned(&request.look).view(fov_rad, request.aspect),
             sky,
             craft,
-            satellite: state.map(|state| SatelliteState {
-                place: self.ellipsoid.geodetic_from_itrf(state.position_itrf_m),
-                speed_m_s: state.velocity_m_s.length(),
+            satellite: state.map(|state| {
+                let sun_itrf_m = sun_position_itrf_m(epoch, &self.orientation_at(epoch));
+                let position_itrf_m = state.position_itrf_m;
+                SatelliteState {
+                    place: self.ellipsoid.geodetic_from_itrf(position_itrf_m),
+                    speed_m_s: state.velocity_m_s.length(),
+                    illumination: illumination(position_itrf_m, sun_itrf_m, &self.ellipsoid),
+                }
             }),
         }
     }

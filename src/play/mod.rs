@@ -72,7 +72,7 @@ pub use pass_table::{PassRequest, PassTable};
 pub use progress::Progress;
 pub use relief::read_ground;
 pub use satellites::Satellite;
-pub use stats::{EyePosition, PictureStats, SubsolarPoint};
+pub use stats::{EyePosition, PictureStats, SatelliteLight, SubsolarPoint};
 pub use still::{StillRequest, write_still};
 pub use video::EncoderChoice;
 pub use window::{WindowRequest, play_in_window};

@@ -109,6 +109,7 @@ fn panel(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut V
                 "velocity",
                 format!("{:.3} km/s", satellite.speed_m_s / 1000.0),
             );
+            row("light", satellite.illumination.0.name().to_owned());
         } else {
             let eye = data.stats.eye;
             row("eye above", place_text(eye.lat_rad, eye.lon_rad));

@@ -10,7 +10,7 @@ use glam::DVec3;
 use std::time::Duration;
 
 /// The numbers of one picture. Every key is always there, but `tiles` only where a pack is drawn, `exposure_ev` only where it was
-/// metered, and `layers_missing` only where there are any.
+/// metered, `satellite` only where there is one, and `layers_missing` only where there are any.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PictureStats {
@@ -50,6 +50,9 @@ pub struct PictureStats {
     pub layers_missing: Vec<String>,
     /// Where the eye is.
     pub eye: EyePosition,
+    /// What light the satellite is in; left out where there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub satellite: Option<SatelliteLight>,
     /// Where the Sun stands in the zenith.
     pub sun: SubsolarPoint,
     /// The instant, UTC, RFC 3339.
@@ -112,6 +115,16 @@ pub struct EyePosition {
     pub height_km: f64,
 }
 
+/// What light the satellite is in.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SatelliteLight {
+    /// "sunlit", "penumbra" or "umbra" of the Earth.
+    pub light: String,
+    /// Part of the Sun's disc that the Earth leaves in sight, 0…1.
+    pub sunlight: f64,
+}
+
 /// Where the Sun stands in the zenith.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -156,6 +169,13 @@ impl PictureStats {
             features_off: names(diagnostics.features_off),
             layers_missing: names(dropped.iter().map(|dropped| dropped.layer).collect()),
             eye: EyePosition::new(counts.eye),
+            satellite: moment.satellite.map(|satellite| {
+                let (light, sunlight) = satellite.illumination;
+                SatelliteLight {
+                    light: light.name().to_owned(),
+                    sunlight,
+                }
+            }),
             sun: SubsolarPoint::new(moment.sky.sun_itrf),
             epoch: rfc3339(moment.epoch),
         }

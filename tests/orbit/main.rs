@@ -4,6 +4,7 @@
 mod bad_input;
 mod catalogue;
 mod czml;
+mod eclipses;
 mod interpolated;
 mod oem;
 mod oem_bad_input;

@@ -6,7 +6,7 @@
 mod mesh;
 
 use super::camera::OrbitalMotion;
-use crate::frames::{Ellipsoid, SUN_RADIUS_RAD};
+use crate::frames::{ASTRONOMICAL_UNIT_M, Ellipsoid, illumination};
 use crate::gpu::{
     FrameTargets, GpuContext, PassFormat, PipelineDescription, ShaderError, ShaderText, TargetColor,
 };
@@ -43,10 +43,11 @@ impl CraftPose {
     /// The craft at a satellite's place.
     pub fn new(motion: &OrbitalMotion, ellipsoid: &Ellipsoid, sky: &Sky) -> Self {
         let position_itrf_m = motion.position_itrf_m;
+        let sun_itrf_m = sky.sun_itrf * ASTRONOMICAL_UNIT_M;
         Self {
             position_itrf_m,
             itrf_from_craft: motion.itrf_from_level(ellipsoid),
-            sunlight: sunlight(position_itrf_m, ellipsoid, sky.sun_itrf),
+            sunlight: illumination(position_itrf_m, sun_itrf_m, ellipsoid).1,
             earthshine: earthshine(position_itrf_m, ellipsoid, sky.sun_itrf),
         }
     }
@@ -83,21 +84,6 @@ fn wing_turn(sun_craft: DVec3) -> Vec2 {
         (-sun_craft.z / across) as f32,
         (-sun_craft.x / across) as f32,
     )
-}
-
-/// How much of the Sun's disc is in sight, 0…1: from how far its centre stands above the Earth's limb.
-///
-/// In scaled space (x/a, y/a, z/b) the Earth is the unit sphere; its angular radius ρ has tan ρ = 1/√(|p|² − 1). There
-/// the Sun's own radius is right to 0.4 %.
-fn sunlight(position_itrf_m: DVec3, ellipsoid: &Ellipsoid, sun_itrf: DVec3) -> f64 {
-    let scale = ellipsoid.scaled_from_itrf();
-    let (p, s) = (scale * position_itrf_m, scale * sun_itrf);
-    let distance = p.length();
-    let above = ((distance - 1.0) * (distance + 1.0)).max(0.0);
-    let earth_rad = 1.0_f64.atan2(above.sqrt());
-    let apart_rad = p.cross(s).length().atan2(-p.dot(s));
-    let t = (0.5 + 0.5 * (apart_rad - earth_rad) / SUN_RADIUS_RAD).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 /// Irradiance from the Earth on a sheet that faces it, an estimate: the albedo, times the view factor 1/r² of a sphere,

@@ -1,9 +1,7 @@
 //! The Earth's shadow.
 
-use crate::frames::Ellipsoid;
-use crate::orbit::constants::SUN_RADIUS_M;
+use crate::frames::{Ellipsoid, SUN_RADIUS_M, uncovered};
 use glam::DVec3;
-use std::f64::consts::PI;
 
 /// The Earth's shadow: of a sphere of 6378.137 km, without refraction. The flattening shifts its edge at the poles by 21 km,
 /// 3 s of flight in low orbit; the air lets red light in some 10 s further.
@@ -56,26 +54,6 @@ fn discs(position_m: DVec3, sun_m: DVec3) -> (f64, f64, f64) {
         .min(1.0)
         .asin();
     (sun, earth, to_sun.angle_between(-position_m))
-}
-
-/// Share of a disc of angular radius `a` that one of radius `b` leaves free, centres `c` apart (Montenbruck & Gill 2000,
-/// 3.4.2).
-fn uncovered(a: f64, b: f64, c: f64) -> f64 {
-    if c >= a + b {
-        return 1.0;
-    }
-    if c <= b - a {
-        return 0.0;
-    }
-    if c <= a - b {
-        return 1.0 - (b / a).powi(2);
-    }
-    let x = (c * c + a * a - b * b) / (2.0 * c);
-    let y = (a * a - x * x).max(0.0).sqrt();
-    let area = a * a * (x / a).clamp(-1.0, 1.0).acos()
-        + b * b * ((c - x) / b).clamp(-1.0, 1.0).acos()
-        - c * y;
-    (1.0 - area / (PI * a * a)).clamp(0.0, 1.0)
 }
 
 #[cfg(test)]
