@@ -39,7 +39,7 @@ pub struct ReportArgs {
     /// Rays along each side of a pixel of the true pictures [default: 4, with --quick 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
     samples: Option<u32>,
-    /// Heights of the eye in kilometres, instead of the usual ten: 400,36000
+    /// Heights of the eye in kilometres, instead of the usual twelve: 400,36000
     #[arg(long, value_name = "KM,…", value_delimiter = ',', value_parser = values::height_km)]
     heights: Option<Vec<f64>>,
 }
