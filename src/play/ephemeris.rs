@@ -198,7 +198,7 @@ impl<'f> Ephemeris<'f> {
         let orientation = self.flight.orientation_at(state.epoch);
         let sun_itrf_m = sun_position_itrf_m(state.epoch, &orientation);
         let itrf = state.in_frame(Frame::Itrf, &orientation);
-        illumination(itrf.position_m, sun_itrf_m, &self.flight.ellipsoid())
+        illumination(itrf.position_m, sun_itrf_m, self.flight.ellipsoid())
     }
 
     /// The place above the scene's figure.

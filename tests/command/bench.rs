@@ -70,7 +70,7 @@ fn a_run_is_written_and_compared_with_an_earlier_one() {
     }
     let csv = std::fs::read_to_string(place.path("a.csv")).expect("reads");
     let columns: Vec<_> = csv.lines().map(|line| line.split(',').count()).collect();
-    assert_eq!(columns, [26; 21], "{csv}");
+    assert_eq!(columns, [26; 25], "{csv}");
     for name in ["features.svg", "floor_ratio.svg", "frames_per_s.svg"] {
         let svg = std::fs::read_to_string(place.path("new/plots").join(name)).expect("reads");
         assert!(svg.trim_end().ends_with("</svg>"), "{name}");

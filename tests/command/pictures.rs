@@ -74,7 +74,13 @@ fn a_still_has_its_size_and_exactly_the_numbers_of_the_contract() {
     );
     assert_eq!(
         stats["features_off"],
-        serde_json::json!(["normals", "night_lights"])
+        serde_json::json!([
+            "normals",
+            "night_lights",
+            "cloud_shadows",
+            "detail",
+            "moonlight"
+        ])
     );
 }
 
@@ -234,10 +240,17 @@ fn the_minimal_scene_pays_for_the_day_map_alone() {
         serde_json::from_str(&text).expect("JSON")
     };
     let (minimal, iss) = (stats("minimal"), stats("iss"));
-    let all = serde_json::json!(["clouds", "normals", "night_lights", "water", "atmosphere"]);
+    let maps = ["clouds", "normals", "night_lights", "water"];
+    let effects = ["cloud_shadows", "detail", "moonlight"];
+    let air = ["atmosphere"];
+    let all = [&maps[..], &effects, &air].concat();
     assert_eq!(minimal["features_on"], serde_json::json!([]));
-    assert_eq!(minimal["features_off"], all);
-    assert_eq!(iss["features_on"], all);
+    assert_eq!(minimal["features_off"], serde_json::json!(all));
+    assert_eq!(
+        iss["features_on"],
+        serde_json::json!([&maps[..], &air].concat())
+    );
+    assert_eq!(iss["features_off"], serde_json::json!(effects));
     // The day map's levels, four bytes a texel, and not one byte more.
     let day: u64 = (0..=12)
         .map(|level| 4 * (4096_u64 >> level).max(1) * (2048_u64 >> level).max(1))
