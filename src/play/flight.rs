@@ -7,7 +7,7 @@ use super::maps::{DroppedLayer, check_pack, dropped_layers, earth_options};
 use super::satellites::{self, Listener, Satellite, orientation_at};
 use crate::frames::{
     EarthOrientation, Ellipsoid, Epoch, Geodetic, Illumination, Orientation, illumination,
-    sun_position_itrf_m,
+    sun_position_gcrf_m,
 };
 use crate::gpu::BcSupport;
 use crate::orbit::{Feed, OrbitError, OrbitState};
@@ -230,7 +230,7 @@ impl Flight {
             sky,
             craft,
             satellite: state.map(|state| {
-                let sun_itrf_m = sun_position_itrf_m(epoch, &self.orientation_at(epoch));
+                let sun_itrf_m = sky.sun_itrf * sun_position_gcrf_m(epoch).length();
                 let position_itrf_m = state.position_itrf_m;
                 SatelliteState {
                     place: self.ellipsoid.geodetic_from_itrf(position_itrf_m),
