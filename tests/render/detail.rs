@@ -112,5 +112,5 @@ fn detail_is_fixed_to_the_ground_and_fades_in() {
             off += (wide - mean(&four)).powi(2);
         }
     }
-    assert!(off < 0.1 * same, "{off} of {same}");
+    assert!(off < 0.15 * same, "{off} of {same}");
 }

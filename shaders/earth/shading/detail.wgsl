@@ -3,9 +3,11 @@
 import rust::PI;
 
 // Octaves of value noise on a lattice in the space of the ellipsoid's normals: no seams, no poles. Spacing of the coarsest one's
-// lattice, equatorial radii (64 km), and how many there are: the last one's is 125 m, where a normal in f32 is good to 1 m.
+// lattice, equatorial radii (64 km), that of each next one as a part of it, and how many there are: the last one's is 105 m, where
+// a normal in f32 is good to 1 m.
 const COARSEST_DETAIL: f32 = 0.01;
-const DETAIL_OCTAVES: i32 = 10;
+const NEXT_SPACING: f32 = 0.4;
+const DETAIL_OCTAVES: i32 = 8;
 // Turns the lattice from one octave to the next, so that their planes do not show: a rotation by 48° about (1, 2, 3).
 const DETAIL_TURN: mat3x3f = mat3x3f(
     vec3f(0.692764, 0.643108, -0.326327), vec3f(-0.548574, 0.763665, 0.340415), vec3f(0.468128, -0.056813, 0.881832));
@@ -39,7 +41,7 @@ fn detail(up: vec3f, texel: f32, pixel: f32, falloff: f32) -> Detail {
     var turn = mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));
     var strength = 1.0;
     for (var i = 0; i < DETAIL_OCTAVES && spacing > pixel; i++) {
-        let weight = strength * shown(spacing, pixel) * (1.0 - smoothstep(0.75, 1.5, spacing / texel));
+        let weight = strength * shown(spacing, pixel) * (1.0 - smoothstep(0.8, 2.0, spacing / texel));
         if weight > 0.0 {
             let noise = value_noise(turn * up / spacing + f32(i) * 17.0);
             out.value += weight * noise.w;
@@ -48,7 +50,7 @@ fn detail(up: vec3f, texel: f32, pixel: f32, falloff: f32) -> Detail {
             strength *= falloff;
         }
         turn = DETAIL_TURN * turn;
-        spacing *= 0.5;
+        spacing *= NEXT_SPACING;
     }
     return out;
 }
@@ -79,8 +81,7 @@ fn value_noise(at: vec3f) -> vec4f {
 
 // −1…1, the same for the same corners on any machine.
 fn corners(cells: vec4u) -> vec4f {
-    var n = (cells ^ (cells >> vec4u(15u))) * 0x2C1B3C6Du;
-    n = (n ^ (n >> vec4u(12u))) * 0x297A2D39u;
+    let n = (cells ^ (cells >> vec4u(15u))) * 0x2C1B3C6Du;
     return vec4f(n >> vec4u(8u)) / 8388607.5 - 1.0;
 }
 

@@ -27,10 +27,10 @@ fn surface_at(at: SurfacePoint) -> Surface {
     var out: Surface;
     out.day = sample_map(day_map, day_sampler, DAY, at);
     out.normal = surface_normal(at);
-    @if(detail) let made = land_detail(at);
-    @if(detail) out.day = vec4f(out.day.rgb * made.brightness, out.day.a);
-    @if(detail) out.normal = normalize(out.normal - made.tilt * length(cross(out.normal, at.up)));
     @if(water) out.water = open_water(at);
+    @if(detail && !water) out = with_detail(at, out);
+    // Nothing of the land shows where there is none.
+    @if(detail && water) if out.water < 0.98 { out = with_detail(at, out); }
     @if(clouds) out.clouds = clouds_before(at);
     return out;
 }

@@ -2,18 +2,16 @@
 import rust::DAY;
 import earth/shading/detail.wgsl;
 
-const LAND_CONTRAST: f32 = 0.35;
-const LAND_ROUGHNESS: f32 = 0.6;
+const LAND_CONTRAST: f32 = 0.4;
+const LAND_ROUGHNESS: f32 = 0.7;
 
-struct LandDetail {
-    // A factor to the map's colour.
-    brightness: f32,
-    // How far the normal is tilted, times how steep the map's is: steep land is rough.
-    tilt: vec3f,
-}
-
-fn land_detail(at: SurfacePoint) -> LandDetail {
-    let made = detail(at.up, texel_radii(DAY, at, day_map), pixel_radii(at), 0.8);
+// The same surface with its land uneven: brighter and darker, and rougher where it is steep.
+fn with_detail(at: SurfacePoint, surface: Surface) -> Surface {
+    let made = detail(at.up, texel_radii(DAY, at, day_map), pixel_radii(at), 0.75);
     let level = made.slope - dot(made.slope, at.up) * at.up;
-    return LandDetail(uneven_factor(LAND_CONTRAST, made), LAND_ROUGHNESS * level);
+    let steepness = length(cross(surface.normal, at.up));
+    var out = surface;
+    out.day = vec4f(out.day.rgb * uneven_factor(LAND_CONTRAST, made), out.day.a);
+    out.normal = normalize(out.normal - LAND_ROUGHNESS * steepness * level);
+    return out;
 }
