@@ -1,7 +1,7 @@
-//! Where the Sun and the Moon are.
+//! Where the Sun is, and the axes between the stars and the Earth.
 
 use super::time::JulianDate;
-use super::{Epoch, Orientation, itrf_from_gcrf_oriented, sun};
+use super::{Epoch, Orientation, itrf_from_gcrf_oriented, moon_position_gcrf_m, sun};
 use glam::{DMat3, DVec3};
 
 /// Metres in an astronomical unit (IAU 2012 resolution B2).
@@ -23,16 +23,6 @@ pub fn sun_position_gcrf_m(epoch: Epoch) -> DVec3 {
             itrf_from_gcrf.transpose() * direction * distance
         }
     }
-}
-
-/// The Moon's centre from the Earth's in GCRF axes, metres; geometric.
-///
-/// Meeus' selection of ELP2000-82, as `sofars` gives it: within 12 km, 7″, of DE440 in the tests' dates from 1950 to 2050.
-/// Its polynomials lose their meaning some thousand years away.
-pub fn moon_position_gcrf_m(epoch: Epoch) -> DVec3 {
-    let tt = JulianDate::tt(epoch);
-    let [position_au, _] = sofars::eph::moon98(tt.midnight, tt.fraction);
-    DVec3::from(position_au) * ASTRONOMICAL_UNIT_M
 }
 
 /// [`super::sun_direction_itrf_oriented`] and the Moon's place in ITRF axes: these are found once for both.
@@ -155,7 +145,7 @@ mod tests {
             (sun_km, sun_arcsec) = (sun_km.max(km), sun_arcsec.max(arcsec));
         }
         println!("Moon: {moon_km:.1} km, {moon_arcsec:.1}″; Sun: {sun_km:.1} km, {sun_arcsec:.4}″");
-        assert!(moon_km < 12.0 && moon_arcsec < 7.0);
+        assert!(moon_km < 6.0 && moon_arcsec < 2.6);
         assert!(sun_km < 7.0 && sun_arcsec < 0.01);
     }
 
@@ -163,7 +153,8 @@ mod tests {
     fn the_moon_is_where_meeus_has_it() {
         // Meeus 1998, example 47.a: 1992 April 12, 0 h TD: 368 409.7 km.
         let distance = moon_position_gcrf_m(epoch_of_tt(2_448_724.5)).length() / 1e3;
-        assert!((distance - 368_409.7).abs() < 0.5, "{distance}");
+        // His selection of terms and ours are each within some kilometres of the whole theory.
+        assert!((distance - 368_409.7).abs() < 4.0, "{distance}");
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod earth_orientation;
 mod eclipse;
 mod ellipsoid;
 mod height_range;
+mod moon;
 mod orientation;
 mod rotation;
 mod sun;
@@ -16,8 +17,7 @@ mod time;
 
 pub(crate) use bodies::sun_and_moon_itrf;
 pub use bodies::{
-    ASTRONOMICAL_UNIT_M, earth_rotation_angle_rad, intermediate_from_gcrf, moon_position_gcrf_m,
-    sun_position_gcrf_m,
+    ASTRONOMICAL_UNIT_M, earth_rotation_angle_rad, intermediate_from_gcrf, sun_position_gcrf_m,
 };
 #[cfg(feature = "orbit")]
 pub(crate) use calendar::Calendar;
@@ -29,6 +29,7 @@ pub use eclipse::{Illumination, SUN_RADIUS_M, illumination, sun_position_itrf_m}
 pub use ellipsoid::{Ellipsoid, Geodetic};
 pub use height_range::HeightRange;
 pub use hifitime::{Duration, Epoch};
+pub use moon::{MOON_RADIUS_M, moon_from_gcrf, moon_position_gcrf_m};
 pub use orientation::Orientation;
 pub use rotation::{
     EARTH_ROTATION_RATE_RAD_S, gcrf_from_eme2000, itrf_from_gcrf, itrf_from_gcrf_oriented,
