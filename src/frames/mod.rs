@@ -10,6 +10,7 @@ mod eclipse;
 mod ellipsoid;
 mod height_range;
 mod moon;
+mod observer;
 mod orientation;
 mod rotation;
 mod sun;
@@ -23,13 +24,14 @@ pub use bodies::{
 pub(crate) use calendar::Calendar;
 pub use ccsds::{TimeScale, ccsds_time, epoch_from_ccsds};
 pub use earth_orientation::{EarthOrientation, EarthOrientationError};
-#[cfg(feature = "orbit")]
+#[cfg(any(feature = "celestial", feature = "orbit"))]
 pub(crate) use eclipse::uncovered;
 pub use eclipse::{Illumination, SUN_RADIUS_M, illumination, sun_position_itrf_m};
 pub use ellipsoid::{Ellipsoid, Geodetic};
 pub use height_range::HeightRange;
 pub use hifitime::{Duration, Epoch};
 pub use moon::{MOON_RADIUS_M, moon_from_gcrf, moon_position_gcrf_m};
+pub use observer::Observer;
 pub use orientation::Orientation;
 pub use rotation::{
     EARTH_ROTATION_RATE_RAD_S, gcrf_from_eme2000, itrf_from_gcrf, itrf_from_gcrf_oriented,

@@ -1,0 +1,133 @@
+//! An eye among the stars: where it sees the Sun, the Moon and what is infinitely far.
+
+use super::rotation::EARTH_ROTATION_RATE_RAD_S;
+use super::time::JulianDate;
+use super::{
+    ASTRONOMICAL_UNIT_M, Duration, Epoch, Orientation, itrf_from_gcrf_oriented, moon,
+    sun_position_gcrf_m,
+};
+use glam::{DMat3, DVec3};
+
+const LIGHT_M_S: f64 = 299_792_458.0;
+/// An eye farther away than this does not turn with the Earth, unless its velocity is given, metres.
+const TURNS_WITH_THE_EARTH_M: f64 = 1e8;
+
+/// An eye at an instant, and the axes between it and the stars.
+///
+/// What it sees is where light comes from: light time and the aberration by the Earth's and the eye's own motion are in it. Left out are
+/// the bending of light by the Sun (0.03″ at 15° from it, 1.75″ at its limb) and refraction by the air.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observer {
+    epoch: Epoch,
+    itrf_from_gcrf: DMat3,
+    /// From the Earth's centre, GCRF axes, metres.
+    eye_gcrf_m: DVec3,
+    /// From the barycentre, GCRF axes, parts of the speed of light.
+    beta: DVec3,
+    sun_gcrf_m: DVec3,
+}
+
+impl Observer {
+    /// An eye at an ITRF position, metres, that stands still over the turning Earth; beyond 100 000 km it stands still to the Earth's centre.
+    pub fn at_rest(epoch: Epoch, orientation: &Orientation, eye_itrf_m: DVec3) -> Self {
+        let turn = DVec3::Z * EARTH_ROTATION_RATE_RAD_S;
+        let velocity = match eye_itrf_m.length() < TURNS_WITH_THE_EARTH_M {
+            true => turn.cross(eye_itrf_m),
+            false => DVec3::ZERO,
+        };
+        Self::moving(epoch, orientation, eye_itrf_m, velocity)
+    }
+
+    /// An eye at an ITRF position, metres, with a velocity relative to the Earth's centre that is counted in axes which do not turn and
+    /// written along those of ITRF, metres a second.
+    pub fn moving(
+        epoch: Epoch,
+        orientation: &Orientation,
+        eye_itrf_m: DVec3,
+        velocity_m_s: DVec3,
+    ) -> Self {
+        let itrf_from_gcrf = itrf_from_gcrf_oriented(epoch, orientation);
+        let gcrf_from_itrf = itrf_from_gcrf.transpose();
+        let sun_gcrf_m = sun_position_gcrf_m(epoch);
+        let velocity = earth_velocity_m_s(epoch) + gcrf_from_itrf * velocity_m_s;
+        Self {
+            epoch,
+            itrf_from_gcrf,
+            eye_gcrf_m: gcrf_from_itrf * eye_itrf_m,
+            beta: velocity / LIGHT_M_S,
+            sun_gcrf_m,
+        }
+    }
+
+    /// The instant.
+    pub fn epoch(&self) -> Epoch {
+        self.epoch
+    }
+
+    /// Rotation from the axes of the stars to those of the Earth.
+    pub fn itrf_from_gcrf(&self) -> DMat3 {
+        self.itrf_from_gcrf
+    }
+
+    /// Where a thing is seen whose light comes along a unit direction of GCRF axes: a unit vector in the same axes.
+    pub fn seen(&self, natural: DVec3) -> DVec3 {
+        let beta2 = self.beta.length_squared();
+        let sun_au = (self.sun_gcrf_m - self.eye_gcrf_m).length() / ASTRONOMICAL_UNIT_M;
+        let inverse_gamma = (1.0 - beta2).max(0.0).sqrt();
+        // Nearer than a hundredth of its distance the Sun's potential would be all of it.
+        let sun_au = sun_au.max(0.01);
+        let natural = natural.to_array();
+        DVec3::from(sofars::astro::ab(
+            &natural,
+            &self.beta.to_array(),
+            sun_au,
+            inverse_gamma,
+        ))
+    }
+
+    /// The Sun's centre as the eye sees it: from the eye, ITRF axes, metres.
+    pub fn sun_m(&self) -> DVec3 {
+        // The Sun moves 7 km while its light is on the way: 0.01″, left out.
+        self.apparent_m(self.sun_gcrf_m - self.eye_gcrf_m)
+    }
+
+    /// The Moon's centre as the eye sees it: from the eye, ITRF axes, metres.
+    pub fn moon_m(&self) -> DVec3 {
+        let (moon_gcrf_m, seconds) = moon::retarded(self.epoch, self.eye_gcrf_m);
+        // Then the Earth was elsewhere.
+        let earth_moved = earth_velocity_m_s(self.epoch) * seconds;
+        self.apparent_m(moon_gcrf_m - earth_moved - self.eye_gcrf_m)
+    }
+
+    /// Rotation from ITRF axes to those of the Moon as it was when its light left it.
+    pub fn moon_from_itrf(&self) -> DMat3 {
+        let (_, seconds) = moon::retarded(self.epoch, self.eye_gcrf_m);
+        let then = self.epoch - Duration::from_seconds(seconds);
+        moon::moon_from_gcrf(then) * self.itrf_from_gcrf.transpose()
+    }
+
+    fn apparent_m(&self, from_eye_gcrf_m: DVec3) -> DVec3 {
+        let distance = from_eye_gcrf_m.length();
+        match from_eye_gcrf_m.try_normalize() {
+            Some(natural) => self.itrf_from_gcrf * self.seen(natural) * distance,
+            None => DVec3::ZERO,
+        }
+    }
+}
+
+/// How the Earth's centre moves about the barycentre, GCRF axes, metres a second.
+fn earth_velocity_m_s(epoch: Epoch) -> DVec3 {
+    const DAY_S: f64 = 86_400.0;
+    let tt = JulianDate::tt(epoch);
+    match sofars::eph::epv00(tt.midnight, tt.fraction) {
+        Some((_, [_, velocity_au_day])) => {
+            DVec3::from(velocity_au_day) * (ASTRONOMICAL_UNIT_M / DAY_S)
+        }
+        // About the Sun instead, 13 m/s from it.
+        None => {
+            let half_day = Duration::from_seconds(0.5 * DAY_S);
+            let before = sun_position_gcrf_m(epoch - half_day);
+            (before - sun_position_gcrf_m(epoch + half_day)) / DAY_S
+        }
+    }
+}
