@@ -27,6 +27,8 @@ impl Map {
         let bytes = match (channels, picture) {
             (1, image::DynamicImage::ImageLuma8(grey)) => grey.into_raw(),
             (3, image::DynamicImage::ImageRgb8(colour)) => colour.into_raw(),
+            // A picture without holes.
+            (3, colour @ image::DynamicImage::ImageRgba8(_)) => colour.into_rgb8().into_raw(),
             (_, other) => anyhow::bail!("{} holds {:?} texels", path.display(), other.color()),
         };
         Ok(Self {
