@@ -5,7 +5,7 @@
 //
 // Drawn after all of the Earth, each pixel through the air before it. The globe hides by each pixel's own ray, not by the mesh.
 
-import common/frame.wgsl;
+import common/ray.wgsl;
 @if(!encode) import common/color.wgsl;
 @if(lines) import tracks/lines.wgsl;
 @if(marks) import tracks/marks.wgsl;
@@ -29,23 +29,8 @@ struct TrackUniforms {
 
 @group(0) @binding(0) var<uniform> track: TrackUniforms;
 
-// A pixel's ray in scaled space: its unit direction, the distance of its line from the centre, and how far along it the
-// point nearest the centre is.
-struct Ray {
-    pixel: vec2f,
-    direction: vec3f,
-    q: f32,
-    along: f32,
-}
-
 fn ray_of(pixel: vec2f) -> Ray {
-    let ray = track.frame.corner_ray + pixel.x * track.frame.pixel_right + pixel.y * track.frame.pixel_down;
-    var out: Ray;
-    out.pixel = pixel;
-    out.direction = normalize(ray * vec3f(1.0, 1.0, track.frame.polar_stretch));
-    out.q = length(cross(track.frame.eye_scaled, out.direction));
-    out.along = -dot(track.frame.eye_scaled, out.direction);
-    return out;
+    return ray_through(track.frame, pixel);
 }
 
 // Metres to scaled space.

@@ -8,10 +8,17 @@
 @if(encode) import common/color.wgsl;
 
 fn displayed(light: vec3f, exposure: f32, pixel: vec2f) -> vec3f {
+    let shown = toned(light, exposure);
+    @if(radiance) return shown;
+    @if(encode) return encode_srgb(shown) + dither(pixel);
+    @if(!radiance && !encode) return shown + dither(pixel) * linear_per_code(shown);
+}
+
+// The same, linear and without dithering.
+fn toned(light: vec3f, exposure: f32) -> vec3f {
     @if(radiance) return light;
     @if(!radiance) var shown = light * exposure;
     @if(neutral) shown = neutral(shown);
     @if(filmic) shown = filmic(shown);
-    @if(encode) return encode_srgb(shown) + dither(pixel);
-    @if(!radiance && !encode) return shown + dither(pixel) * linear_per_code(shown);
+    @if(!radiance) return shown;
 }

@@ -39,6 +39,8 @@ mod view;
 
 use crate::air::{AirModel, AirOptions, AirTables, Atmosphere};
 pub use crate::globe::Shading;
+#[cfg(feature = "celestial")]
+use crate::gpu::FrameUniforms;
 use crate::gpu::{AirDrawable, AirTextures, FramePlan, PassFormat, SurfaceDrawable};
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::NeighbourhoodAlbedo;
@@ -54,12 +56,18 @@ pub use options::EarthOptions;
 use plan::Planner;
 pub use quality::{Quality, QualityLevel, QualityReduction, TILED_SUBDIVISION};
 pub use sky::Sky;
+#[cfg(feature = "celestial")]
+pub(crate) use sky::moonlight_of_phase;
 pub use stats::FrameStats;
 use std::time::{Duration, Instant};
 use surface_config::{SurfaceStyle, surface_config};
 pub use surface_light::{AIRGLOW_LUMINANCE, CITY_RADIANCE, SurfaceLight};
 use tiles::TileDriver;
 pub use tiles::TileOptions;
+#[cfg(feature = "celestial")]
+pub(crate) use view::ItrfView;
+#[cfg(any(feature = "celestial", feature = "tracks"))]
+pub(crate) use view::ball_bounds;
 pub use view::{EyeView, Viewport, infinite_reversed_z};
 
 /// Bytes of tiles uploaded at once where a picture waits for them.
@@ -393,15 +401,24 @@ impl Earth {
     }
 
     /// The pass that it is drawn in.
-    #[cfg(feature = "tracks")]
+    #[cfg(any(feature = "celestial", feature = "tracks"))]
     pub(crate) fn format(&self) -> PassFormat {
         self.format
     }
 
     /// The figure that it has.
-    #[cfg(feature = "tracks")]
+    #[cfg(any(feature = "celestial", feature = "tracks"))]
     pub(crate) fn ellipsoid(&self) -> crate::frames::Ellipsoid {
         self.planner.ellipsoid()
+    }
+
+    /// The same uniforms with the exposure of the frame prepared last.
+    #[cfg(feature = "celestial")]
+    pub(crate) fn exposed(&self, frame: FrameUniforms) -> FrameUniforms {
+        FrameUniforms {
+            exposure: self.plan.uniforms.exposure,
+            ..frame
+        }
     }
 
     /// Whether the air is drawn.

@@ -75,7 +75,7 @@ const MOON_DISTANCE_M: f64 = 3.844e8;
 
 /// Light of the Moon at its mean distance as a part of the Sun's, for the angle at the Moon between Sun and Earth, 0 being full:
 /// the Sun has −26.74 magnitudes, the Moon −12.73 + 0.026 α + 4e-9 α⁴, α in degrees (Allen's Astrophysical Quantities).
-fn moonlight_of_phase(phase_rad: f64) -> f64 {
+pub(crate) fn moonlight_of_phase(phase_rad: f64) -> f64 {
     let degrees = phase_rad.to_degrees();
     let magnitude = -12.73 + 0.026 * degrees + 4e-9 * degrees.powi(4);
     10_f64.powf(-0.4 * (magnitude + 26.74))

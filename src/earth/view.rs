@@ -3,6 +3,8 @@
 use crate::frames::Ellipsoid;
 use crate::gpu::FrameUniforms;
 use bytemuck::Zeroable;
+#[cfg(any(feature = "celestial", feature = "tracks"))]
+use glam::DVec2;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
 
 /// Where the eye is and what it sees, in the host's own world.
@@ -180,6 +182,36 @@ impl ItrfView {
             && self.clip_from_eye.determinant() != 0.0
             && self.rays.are_finite()
     }
+}
+
+/// The part of the screen that a ball may cover, its centre from the eye: least x and y, greatest x and y, −1…1; `None` where it covers
+/// none.
+#[cfg(any(feature = "celestial", feature = "tracks"))]
+pub(crate) fn ball_bounds(
+    clip_from_eye: &DMat4,
+    center_from_eye_m: DVec3,
+    radius_m: f64,
+) -> Option<[f32; 4]> {
+    let corners = (0..8).map(|k| {
+        let side = |bit: u32| match k >> bit & 1 {
+            1 => radius_m,
+            _ => -radius_m,
+        };
+        let corner = DVec3::new(side(0), side(1), side(2));
+        *clip_from_eye * (center_from_eye_m + corner).extend(1.0)
+    });
+    let (mut least, mut greatest) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for clip in corners {
+        if clip.w <= 0.0 {
+            return Some([-1.0, -1.0, 1.0, 1.0]);
+        }
+        let at = DVec2::new(clip.x, clip.y) / clip.w;
+        (least, greatest) = (least.min(at), greatest.max(at));
+    }
+    let on_screen = |at: DVec2| at.clamp(DVec2::NEG_ONE, DVec2::ONE).as_vec2();
+    let (least, greatest) = (on_screen(least), on_screen(greatest));
+    let is_seen = least.x < greatest.x && least.y < greatest.y;
+    is_seen.then_some([least.x, least.y, greatest.x, greatest.y])
 }
 
 /// Perspective projection to wgpu clip space with reversed depth (reversed Z): the near plane at 1 and infinity at 0.

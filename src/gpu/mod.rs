@@ -1,6 +1,8 @@
 //! Everything that knows wgpu: adapter, targets, shaders, uniform structs, one file per drawable.
 
 mod air;
+#[cfg(feature = "celestial")]
+mod celestial;
 mod context;
 #[cfg(feature = "terrain")]
 mod contours;
@@ -29,11 +31,13 @@ mod timer;
 mod tracks;
 mod uniforms;
 
+#[cfg(feature = "celestial")]
+pub use celestial::{CelestialUniforms, Disc};
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
 pub use shader::{
-    AirSide, AirVariant, AirViewVariant, EarthOutput, EarthVariant, PaperLayers, PatchTiles,
-    SHADER_FILES, ShaderCapability, ShaderError, ShaderText, ShaderVariant, ShadingVariant,
-    SunlitLayers, TargetColor, TrackKind, TracksVariant, VertexForm,
+    AirSide, AirVariant, AirViewVariant, CelestialKind, CelestialVariant, EarthOutput,
+    EarthVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability, ShaderError, ShaderText,
+    ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TrackKind, TracksVariant, VertexForm,
 };
 pub use targets::{
     Attachments, FrameTargets, PassPart, color_texture, read_floats, read_halves, read_texture,
@@ -44,6 +48,8 @@ pub use tracks::TrackUniforms;
 pub use uniforms::{AirUniforms, FrameUniforms, SurfaceLightUniforms};
 
 pub(crate) use air::{AirDrawable, AirTextures, Binding, NightLight};
+#[cfg(feature = "celestial")]
+pub(crate) use celestial::{CelestialDrawable, CelestialParts, StarPoint};
 #[cfg(feature = "terrain")]
 pub(crate) use contours::PageMesh;
 #[cfg(feature = "terrain")]
@@ -52,6 +58,8 @@ pub(crate) use layers::GpuLayer;
 pub(crate) use pipeline::PipelineDescription;
 pub(crate) use plan::{AirPlan, BlockTiles, FramePlan};
 pub use read_back::PictureError;
+#[cfg(feature = "celestial")]
+pub(crate) use shader::GLARE_RADIUS_RAD;
 #[cfg(feature = "packs")]
 pub(crate) use shader::GLINT_ENDS_SIN;
 #[cfg(feature = "tracks")]
@@ -96,7 +104,7 @@ impl SurfaceOutput {
 }
 
 /// What all pipelines of one Earth share: the pass that they are drawn in.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PassFormat {
     pub color: wgpu::TextureFormat,
     pub samples: u32,

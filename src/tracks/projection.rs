@@ -1,5 +1,6 @@
 //! From places to pixels: where on screen a place is, and what of the screen a ball may cover.
 
+use crate::earth::ball_bounds;
 use crate::frames::Ellipsoid;
 use glam::{DMat4, DVec3, DVec4};
 
@@ -32,36 +33,6 @@ impl EyeProjection<'_> {
 
     /// The part of the screen that a ball may cover: least x and y, greatest x and y; `None` where it covers none.
     pub fn bounds(&self, center_itrf_m: DVec3, radius_m: f64) -> Option<[f32; 4]> {
-        const SCREEN: [f64; 4] = [-1.0, -1.0, 1.0, 1.0];
-        let corners = (0..8).map(|k| {
-            let side = |bit: u32| {
-                if k >> bit & 1 == 1 {
-                    radius_m
-                } else {
-                    -radius_m
-                }
-            };
-            self.clip(center_itrf_m + DVec3::new(side(0), side(1), side(2)))
-        });
-        let mut bounds = [
-            f64::INFINITY,
-            f64::INFINITY,
-            f64::NEG_INFINITY,
-            f64::NEG_INFINITY,
-        ];
-        for clip in corners {
-            if clip.w <= 0.0 {
-                return Some(SCREEN.map(|edge| edge as f32));
-            }
-            let (x, y) = (clip.x / clip.w, clip.y / clip.w);
-            bounds = [
-                bounds[0].min(x),
-                bounds[1].min(y),
-                bounds[2].max(x),
-                bounds[3].max(y),
-            ];
-        }
-        let [left, low, right, high] = bounds.map(|edge| edge.clamp(-1.0, 1.0) as f32);
-        (left < right && low < high).then_some([left, low, right, high])
+        ball_bounds(&self.clip_from_eye, center_itrf_m - self.itrf_m, radius_m)
     }
 }

@@ -30,6 +30,13 @@ const LAMPS_FULL_SIN: f64 = -0.104_528_463;
 #[cfg(feature = "packs")]
 pub(crate) const GLINT_ENDS_SIN: f64 = -0.01;
 
+/// Angle from the Sun within which its glare is drawn, radians.
+pub(crate) const GLARE_RADIUS_RAD: f64 = 0.25;
+/// Radiance of the Milky Way's map where it is 1, and of the sky where it is 0 (23.5 magnitudes a square arc second), a white sheet that
+/// faces the Sun in space being 1; see `textures/SOURCES.md`.
+const MILKY_WAY_LIGHT: f64 = 3.097e-8;
+const MILKY_WAY_FLOOR: f64 = 1.052e-9;
+
 /// Directions below the limb and above it, together, that an eye in the air is shown the air in.
 pub(crate) const VIEW_ANGLES: u32 = 96;
 /// Azimuths of the Sun that it is shown in.
@@ -68,6 +75,9 @@ const SHARED: &[(&str, Value)] = &[
     ("PER_BLOCK_TILES", U32(PER_BLOCK_TILES)),
     // Light.
     ("SUN_RADIUS_RAD", F32(SUN_RADIUS_RAD)),
+    ("GLARE_RADIUS_RAD", F32(GLARE_RADIUS_RAD)),
+    ("MILKY_WAY_LIGHT", F32(MILKY_WAY_LIGHT)),
+    ("MILKY_WAY_FLOOR", F32(MILKY_WAY_FLOOR)),
     ("LUMINANCE", Vec3(air::LUMINANCE)),
     ("LAMPS_OUT_SIN", F32(LAMPS_OUT_SIN)),
     ("LAMPS_FULL_SIN", F32(LAMPS_FULL_SIN)),

@@ -26,6 +26,7 @@
 mod air;
 mod assemble;
 mod capability;
+mod celestial;
 mod constants;
 mod earth;
 mod files;
@@ -38,6 +39,7 @@ mod variant;
 pub use air::{AirSide, AirVariant, AirViewVariant};
 pub use assemble::{ShaderError, ShaderText};
 pub use capability::ShaderCapability;
+pub use celestial::{CelestialKind, CelestialVariant};
 pub use earth::{
     EarthOutput, EarthVariant, PaperLayers, PatchTiles, ShadingVariant, SunlitLayers, VertexForm,
 };
@@ -47,6 +49,8 @@ pub use variant::{ShaderVariant, TargetColor};
 
 pub(super) use variant::ShaderModule;
 
+#[cfg(feature = "celestial")]
+pub(crate) use constants::GLARE_RADIUS_RAD;
 #[cfg(feature = "packs")]
 pub(crate) use constants::GLINT_ENDS_SIN;
 #[cfg(feature = "tracks")]

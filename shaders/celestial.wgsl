@@ -1,0 +1,138 @@
+// What is beyond the Earth: stars, the Milky Way, Sun and Moon, each pixel through the air before it.
+//
+// `CelestialVariant` in src/gpu/shader/celestial.rs says which conditions hold together: stars, milky_way, sun, moon or glare; air,
+// inside (of it); and those of common/displayed.wgsl.
+//
+// Drawn after all of the Earth, at the farthest depth: what stands before the sky hides it, and its light is added to the air's. On
+// 8-bit targets both have gone through the tone curve, each by itself.
+import common/ray.wgsl;
+import common/displayed.wgsl;
+@if(air) import common/air.wgsl;
+@if(air && !inside) import celestial/meets_air.wgsl;
+@if(stars) import celestial/stars.wgsl;
+@if(milky_way) import celestial/milky_way.wgsl;
+@if(sun) import celestial/sun.wgsl;
+@if(moon) import celestial/moon.wgsl;
+@if(glare) import celestial/glare.wgsl;
+
+// | group | binding | what                     | when             |
+// |-------|---------|--------------------------|------------------|
+// | 0     | 0       | this                     | always           |
+// | 0     | 1 …     | common/air/bindings.wgsl | air              |
+// | 1     | 0       | map                      | milky_way, moon  |
+// | 1     | 1       | its sampler              | milky_way, moon  |
+
+// Mirrored by `CelestialUniforms` in src/gpu/celestial.rs. Matrices stand by columns.
+struct CelestialUniforms {
+    frame: FrameUniforms,
+    // Width and height of the viewport, pixels, and its corner.
+    size_px: vec2f,
+    origin_px: vec2f,
+    // From ITRF axes to those of the stars, GCRF.
+    stars_x: vec3f,
+    // How much brighter than in truth stars and Milky Way are drawn.
+    star_gain: f32,
+    stars_y: vec3f,
+    // Level of the Milky Way's map that has a texel a pixel.
+    milky_way_level: f32,
+    stars_z: vec3f,
+    // Light of the Sun that reaches the eye past Earth and Moon, as a part of all.
+    sun_seen: f32,
+    sun: Disc,
+    moon: Disc,
+    // From the axes of the Moon's disc to those of the Moon.
+    moon_x: vec3f,
+    // Level of its map that has a texel a pixel.
+    moon_level: f32,
+    moon_y: vec3f,
+    // What the map's values are multiplied by: albedo, and how bright its phase is beside what a full Moon's is.
+    moon_albedo: f32,
+    moon_z: vec3f,
+    // How much of its light mounts with facing the Sun: 1 − L of McEwen's law.
+    moon_lambert: f32,
+    // From the Moon's centre to the Sun, unit, in the axes of the Moon's disc.
+    moon_to_sun: vec3f,
+    // What the Earth lights the Moon with, the Sun's light being 1.
+    earthshine: f32,
+    // From the Moon's centre to the Earth's, in its radii.
+    moon_to_earth: vec3f,
+    // Radius of the Earth in the Moon's.
+    earth_radius: f32,
+    // Where on screen glare is drawn, as a disc's bounds.
+    glare_bounds: vec4f,
+    // Least depth of all.
+    near_depth: f32,
+    padding_a: f32,
+    padding_b: vec2f,
+}
+
+// A ball far away, seen from the eye. Its axes: z from the eye to its centre, x and y across.
+struct Disc {
+    // What a pixel's coordinates, with a 1 after them, are multiplied by to give its ray in these axes.
+    pixel_x: vec3f,
+    // Distance of its centre in its radii.
+    distance: f32,
+    pixel_y: vec3f,
+    // Depth to be drawn at.
+    depth: f32,
+    pixel_z: vec3f,
+    // 1 where it stands before the Earth and hides it, else 0.
+    covers: f32,
+    // Where on screen it may be: least x and y, greatest x and y, −1…1.
+    bounds: vec4f,
+}
+
+@group(0) @binding(0) var<uniform> sky: CelestialUniforms;
+@if(map) @group(1) @binding(0) var body_map: texture_2d<f32>;
+@if(map) @group(1) @binding(1) var body_sampler: sampler;
+
+// Where a pixel's ray meets a ball.
+struct Meeting {
+    // Unit vector of the ray.
+    ray: vec3f,
+    // Distance of the ray's line from the centre, radii; the ball is missed where it is above 1 or behind the eye.
+    off: f32,
+    // Outward normal there, unit.
+    normal: vec3f,
+}
+
+fn meet(disc: Disc, pixel: vec2f) -> Meeting {
+    let at = vec3f(pixel, 1.0);
+    let ray = normalize(vec3f(dot(disc.pixel_x, at), dot(disc.pixel_y, at), dot(disc.pixel_z, at)));
+    let sine = length(ray.xy);
+    let off = select(disc.distance * sine, 1e9, ray.z <= 0.0);
+    // From the centre to the ray's nearest point, and from there back to the ball: no difference of large numbers.
+    let foot = disc.distance * sine * vec3f(ray.z * ray.xy / max(sine, 1e-30), -sine);
+    return Meeting(ray, off, normalize(foot - sqrt(max((1.0 - off) * (1.0 + off), 0.0)) * ray));
+}
+
+// How much of a pixel the ball covers.
+fn covered(disc: Disc, met: Meeting) -> f32 {
+    // Change of the ray's distance from the centre to the next pixel.
+    let change = disc.distance * length(vec2f(disc.pixel_x.x, disc.pixel_y.x));
+    return saturate((1.0 - met.off) / max(change, 1e-12) + 0.5);
+}
+
+// A corner of a rectangle on screen.
+fn corner_of(bounds: vec4f, index: u32, depth: f32) -> vec4f {
+    return vec4f(select(bounds.x, bounds.z, (index & 1u) != 0u), select(bounds.y, bounds.w, (index & 2u) != 0u), depth, 1.0);
+}
+
+// What of light from beyond the Earth comes through: none where the ray meets the ground.
+fn through_all(pixel: vec2f) -> vec3f {
+    let ray = ray_through(sky.frame, pixel);
+    if ray.along > 0.0 && ray.q < 1.0 {
+        return vec3f(0.0);
+    }
+    return through_air(ray);
+}
+
+@if(!air) fn through_air(ray: Ray) -> vec3f { return vec3f(1.0); }
+@if(air) fn through_air(ray: Ray) -> vec3f { return select(vec3f(1.0), left_through(pass_by(ray.direction, ray.q, ray.along)), meets_air(ray)); }
+@if(inside) fn meets_air(ray: Ray) -> bool { return true; }
+
+// As the target stores light that is added to what is there, and how much of that it hides.
+fn added(light: vec3f, hides: f32) -> vec4f {
+    @if(!encode) return vec4f(toned(light, sky.frame.exposure), hides);
+    @if(encode) return vec4f(encode_srgb(toned(light, sky.frame.exposure)), hides);
+}

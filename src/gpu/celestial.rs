@@ -1,0 +1,326 @@
+//! The drawable of what is beyond the Earth: plain values and maps. `crate::celestial` makes them of an instant and an eye.
+
+use super::shader::{CelestialKind, CelestialVariant, ShaderModule};
+use super::{
+    AirSide, AirTextures, Binding, FrameUniforms, GpuLayer, PassFormat, PipelineDescription,
+    ShaderError,
+};
+use crate::imagery::LayerImage;
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec2, Vec3, Vec4};
+
+/// `Disc` of `shaders/celestial.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Disc {
+    /// What a pixel's coordinates and a 1 are multiplied by to give its ray in the disc's axes: their x.
+    pub pixel_x: Vec3,
+    /// Distance of its centre in its radii.
+    pub distance: f32,
+    /// Their y.
+    pub pixel_y: Vec3,
+    /// Depth to be drawn at.
+    pub depth: f32,
+    /// Their z, from the eye to the disc.
+    pub pixel_z: Vec3,
+    /// 1 where it hides the Earth, else 0.
+    pub covers: f32,
+    /// Where on screen it may be: least x and y, greatest x and y, −1…1.
+    pub bounds: Vec4,
+}
+
+/// `CelestialUniforms` of `shaders/celestial.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct CelestialUniforms {
+    /// The eye, its rays and the exposure; light and air of it are not read.
+    pub frame: FrameUniforms,
+    /// Width and height of the viewport, pixels.
+    pub size_px: Vec2,
+    /// Its corner, pixels.
+    pub origin_px: Vec2,
+    /// GCRF from ITRF, by columns.
+    pub stars_x: Vec3,
+    /// How much brighter than in truth stars and Milky Way are drawn.
+    pub star_gain: f32,
+    /// Second column.
+    pub stars_y: Vec3,
+    /// Level of the Milky Way's map that has a texel a pixel.
+    pub milky_way_level: f32,
+    /// Third column.
+    pub stars_z: Vec3,
+    /// Light of the Sun that comes past Earth and Moon, as a part of all.
+    pub sun_seen: f32,
+    /// The Sun.
+    pub sun: Disc,
+    /// The Moon.
+    pub moon: Disc,
+    /// The Moon's axes from those of its disc, by columns.
+    pub moon_x: Vec3,
+    /// Level of its map that has a texel a pixel.
+    pub moon_level: f32,
+    /// Second column.
+    pub moon_y: Vec3,
+    /// What its map is multiplied by.
+    pub moon_albedo: f32,
+    /// Third column.
+    pub moon_z: Vec3,
+    /// 1 − L of McEwen's law.
+    pub moon_lambert: f32,
+    /// From the Moon's centre to the Sun, unit, in the axes of the Moon's disc.
+    pub moon_to_sun: Vec3,
+    /// What the Earth lights the Moon with, as a part of the Sun's light.
+    pub earthshine: f32,
+    /// From the Moon's centre to the Earth's in its radii, in the same axes.
+    pub moon_to_earth: Vec3,
+    /// Radius of the Earth in the Moon's.
+    pub earth_radius: f32,
+    /// Where on screen glare may be, as a disc's bounds.
+    pub glare_bounds: Vec4,
+    /// Least depth of all.
+    pub near_depth: f32,
+    /// Fills the row.
+    pub padding_a: f32,
+    /// Fills the struct to its size.
+    pub padding_b: Vec2,
+}
+
+/// A star on screen.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct StarPoint {
+    /// Where, −1…1.
+    pub at: [f32; 2],
+    /// Mean light of a pixel that has it all, RGB.
+    pub light: [f32; 3],
+}
+
+const STAR: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x2, 1 => Float32x3];
+
+/// What is drawn, with its map where it has one; pipelines and textures are made for nothing else.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CelestialParts<'m> {
+    pub milky_way: Option<&'m LayerImage>,
+    /// Most stars, 0 for none.
+    pub stars: usize,
+    pub sun: bool,
+    pub moon: Option<&'m LayerImage>,
+    pub glare: bool,
+}
+
+/// Pipelines, maps and buffers.
+pub(crate) struct CelestialDrawable {
+    layers: Vec<Layer>,
+    uniforms: wgpu::Buffer,
+    points: wgpu::Buffer,
+    count: u32,
+    /// One without air; else that of an eye outside of it, and that of an eye inside.
+    bind_groups: Vec<wgpu::BindGroup>,
+    side: usize,
+    pub texture_bytes: u64,
+    pub shader_bytes: u64,
+}
+
+/// One kind of thing.
+struct Layer {
+    kind: CelestialKind,
+    /// One for each side.
+    pipelines: Vec<wgpu::RenderPipeline>,
+    map: Option<wgpu::BindGroup>,
+    /// Whether there is anything of it in this frame.
+    is_drawn: bool,
+}
+
+/// Sun and Moon may be points too.
+const BODIES: usize = 2;
+
+impl CelestialDrawable {
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        format: PassFormat,
+        parts: &CelestialParts<'_>,
+        air: Option<&AirTextures>,
+    ) -> Result<Self, ShaderError> {
+        let uniforms = super::uniform_buffer::<CelestialUniforms>(device, "terrella sky");
+        let points = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("terrella stars"),
+            size: ((parts.stars + BODIES) * size_of::<StarPoint>()) as u64,
+            usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let sides = AirSide::of_air(air.is_some());
+        let (mut layouts, mut bind_groups) = (Vec::new(), Vec::new());
+        for side in sides {
+            let (layout, bind_group) = bind(device, &uniforms, air.zip(*side));
+            layouts.push(layout);
+            bind_groups.push(bind_group);
+        }
+        let (mut texture_bytes, mut shader_bytes) = (0, 0);
+        let has_points = parts.stars > 0 || parts.sun || parts.moon.is_some();
+        let mut layers = Vec::new();
+        for kind in CelestialKind::ALL {
+            let (is_wanted, map) = match kind {
+                CelestialKind::MilkyWay => (parts.milky_way.is_some(), parts.milky_way),
+                CelestialKind::Stars => (has_points, None),
+                CelestialKind::Sun => (parts.sun, None),
+                CelestialKind::Moon => (parts.moon.is_some(), parts.moon),
+                CelestialKind::Glare => (parts.glare, None),
+            };
+            if !is_wanted {
+                continue;
+            }
+            let map = map.map(|image| {
+                let label = format!("terrella {}", kind.name());
+                let texture = GpuLayer::upload(device, queue, &label, image, false);
+                texture_bytes += texture.bytes;
+                bind_map(device, &label, &texture)
+            });
+            let label = format!("terrella {}", kind.name());
+            let mut pipelines = Vec::new();
+            for (air, layout) in sides.iter().copied().zip(&layouts) {
+                let target = format.target_color();
+                let shader = ShaderModule::new(device, &CelestialVariant { kind, target, air })?;
+                shader_bytes += shader.bytes;
+                let map_layout = map.as_ref().map(|(layout, _)| Some(layout));
+                let groups: Vec<_> = std::iter::once(Some(layout)).chain(map_layout).collect();
+                let points = [Some(wgpu::VertexBufferLayout {
+                    array_stride: size_of::<StarPoint>() as u64,
+                    step_mode: wgpu::VertexStepMode::Instance,
+                    attributes: &STAR,
+                })];
+                let pipeline = PipelineDescription {
+                    label: &label,
+                    bind_groups: Some(&groups),
+                    module: &shader.module,
+                    buffers: match kind {
+                        CelestialKind::Stars => &points,
+                        _ => &[],
+                    },
+                    primitive: wgpu::PrimitiveState {
+                        topology: wgpu::PrimitiveTopology::TriangleStrip,
+                        ..Default::default()
+                    },
+                    format,
+                    writes_depth: false,
+                    blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                };
+                pipelines.push(pipeline.create(device));
+            }
+            layers.push(Layer {
+                kind,
+                pipelines,
+                map: map.map(|(_, group)| group),
+                is_drawn: false,
+            });
+        }
+        Ok(Self {
+            layers,
+            uniforms,
+            points,
+            count: 0,
+            bind_groups,
+            side: 0,
+            texture_bytes,
+            shader_bytes,
+        })
+    }
+
+    /// Writes what is drawn from now on, for an eye on this side of the air; at most as many points as there are stars, Sun and Moon.
+    /// Answers the bytes written.
+    pub fn write(
+        &mut self,
+        queue: &wgpu::Queue,
+        side: AirSide,
+        uniforms: &CelestialUniforms,
+        points: &[StarPoint],
+        is_drawn: impl Fn(CelestialKind) -> bool,
+    ) -> u64 {
+        self.side = match self.bind_groups.len() {
+            1 => 0,
+            _ => side as usize,
+        };
+        queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(uniforms));
+        let points: &[u8] = bytemuck::cast_slice(points);
+        queue.write_buffer(&self.points, 0, points);
+        self.count = (points.len() / size_of::<StarPoint>()) as u32;
+        for layer in &mut self.layers {
+            layer.is_drawn = match layer.kind {
+                CelestialKind::Stars => self.count > 0,
+                kind => is_drawn(kind),
+            };
+        }
+        (points.len() + size_of::<CelestialUniforms>()) as u64
+    }
+
+    pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
+        for layer in self.layers.iter().filter(|layer| layer.is_drawn) {
+            pass.set_pipeline(&layer.pipelines[self.side]);
+            pass.set_bind_group(0, &self.bind_groups[self.side], &[]);
+            if let Some(map) = &layer.map {
+                pass.set_bind_group(1, map, &[]);
+            }
+            let mut instances = 1;
+            if layer.kind == CelestialKind::Stars {
+                pass.set_vertex_buffer(0, self.points.slice(..));
+                instances = self.count;
+            }
+            pass.draw(0..4, 0..instances);
+        }
+    }
+
+    /// Draw calls of a frame.
+    pub fn calls(&self) -> u32 {
+        self.layers.iter().filter(|layer| layer.is_drawn).count() as u32
+    }
+}
+
+/// Group 0, its layout first.
+fn bind(
+    device: &wgpu::Device,
+    uniforms: &wgpu::Buffer,
+    air: Option<(&AirTextures, AirSide)>,
+) -> (wgpu::BindGroupLayout, wgpu::BindGroup) {
+    let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
+    let mut bindings: Vec<Binding<'_>> = vec![(
+        super::uniform_entry(0, stages, size_of::<CelestialUniforms>()),
+        wgpu::BindGroupEntry {
+            binding: 0,
+            resource: uniforms.as_entire_binding(),
+        },
+    )];
+    if let Some((air, side)) = air {
+        bindings.extend(air.bindings(side));
+    }
+    super::bind(device, "terrella sky", bindings)
+}
+
+/// Group 1, its layout first: a map that goes round.
+fn bind_map(
+    device: &wgpu::Device,
+    label: &str,
+    texture: &GpuLayer,
+) -> (wgpu::BindGroupLayout, wgpu::BindGroup) {
+    let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some(label),
+        address_mode_u: wgpu::AddressMode::Repeat,
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        mipmap_filter: wgpu::MipmapFilterMode::Linear,
+        ..Default::default()
+    });
+    let map = wgpu::BindGroupEntry {
+        binding: 0,
+        resource: wgpu::BindingResource::TextureView(&texture.view),
+    };
+    let sampler = wgpu::BindGroupEntry {
+        binding: 1,
+        resource: wgpu::BindingResource::Sampler(&sampler),
+    };
+    let d2 = wgpu::TextureViewDimension::D2;
+    let bindings = vec![
+        (super::texture_entry(0, d2), map),
+        (super::sampler_entry(1), sampler),
+    ];
+    super::bind(device, label, bindings)
+}

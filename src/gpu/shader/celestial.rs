@@ -1,0 +1,82 @@
+//! Variants of the shader of what is beyond the Earth.
+
+use super::air::AirSide;
+use super::variant::{ShaderVariant, TargetColor};
+
+/// What a shader of stars, Sun and Moon is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct CelestialVariant {
+    /// What it draws.
+    pub kind: CelestialKind,
+    /// What the target stores.
+    pub target: TargetColor,
+    /// The air before it, and where the eye is.
+    pub air: Option<AirSide>,
+}
+
+/// What is beyond the Earth, each with a shader of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum CelestialKind {
+    /// The light of faint stars.
+    MilkyWay,
+    /// Stars, and Sun and Moon where they are as small.
+    Stars,
+    /// The Sun's disc.
+    Sun,
+    /// The Moon.
+    Moon,
+    /// The Sun's light in the lens.
+    Glare,
+}
+
+impl CelestialKind {
+    /// All of them, in the order in which they are drawn.
+    pub const ALL: [Self; 5] = [
+        Self::MilkyWay,
+        Self::Stars,
+        Self::Sun,
+        Self::Moon,
+        Self::Glare,
+    ];
+
+    /// As shaders and labels call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MilkyWay => "milky_way",
+            Self::Stars => "stars",
+            Self::Sun => "sun",
+            Self::Moon => "moon",
+            Self::Glare => "glare",
+        }
+    }
+}
+
+impl ShaderVariant for CelestialVariant {
+    const ENTRY: &'static str = "celestial.wgsl";
+
+    fn all() -> Vec<Self> {
+        let mut all = Vec::new();
+        for kind in CelestialKind::ALL {
+            for air in AirSide::OR_NONE {
+                all.extend(TargetColor::USUAL.map(|target| Self { kind, target, air }));
+            }
+        }
+        all
+    }
+
+    fn conditions(&self) -> Vec<(&'static str, bool)> {
+        let mut conditions = vec![
+            (
+                "map",
+                matches!(self.kind, CelestialKind::MilkyWay | CelestialKind::Moon),
+            ),
+            ("air", self.air.is_some()),
+            ("inside", self.air == Some(AirSide::Inside)),
+            // Of light through the air, not of light in it.
+            ("moonlight", false),
+        ];
+        conditions.extend(CelestialKind::ALL.map(|kind| (kind.name(), kind == self.kind)));
+        conditions.extend(self.target.conditions());
+        conditions
+    }
+}
