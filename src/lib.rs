@@ -43,6 +43,7 @@
 //! | [`scene`] | the TOML file, defaults, checks with line and key | GPU |
 //! | [`gpu`] | adapter, targets, shaders, one file per drawable | files, orbits |
 //! | [`earth`] | the façade | the command |
+//! | [`celestial`] | stars, the Milky Way, Sun and Moon behind the Earth | files but the star catalogue, the command |
 //! | [`tracks`] | trails, ground tracks, footprints and markers of feeds | files, the command |
 //! | `play` | clock, cameras, window, stills, video | |
 //! | `measure` | harness, reference renderer, error against run time, stability | |
@@ -53,11 +54,13 @@
 //! # Features
 //!
 //! A host pays for what it draws. `default-features = false` is the Earth and its air from maps held whole, and no more;
-//! `orbit`, `tracks`, `live`, `packs`, `pack-build`, `terrain` and `scene` add their modules, `command` (default) is all of them, the
+//! `celestial`, `orbit`, `tracks`, `live`, `packs`, `pack-build`, `terrain` and `scene` add their modules, `command` (default) is all of them, the
 //! window, the video writer and the command line. Without `terrain` there is no value of [`GroundOptions`], without `packs` none of
 //! [`TileOptions`], and the compiler drops all that would use one. The host chooses wgpu's backends, by the features `vulkan`,
 //! `gles`, `metal` and `dx12` or by its own dependency on wgpu, which is also [`wgpu`] here.
 
+#[cfg(feature = "celestial")]
+pub mod celestial;
 #[cfg(feature = "terrain")]
 pub mod elevation;
 pub mod frames;

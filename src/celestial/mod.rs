@@ -1,0 +1,377 @@
+//! What is beyond the Earth: stars, the Milky Way, Sun and Moon, drawn into a host's pass behind all that is in it.
+//!
+//! # Use
+//!
+//! ```text
+//! let mut celestial = Celestial::new(&device, &queue, &earth, &options)?;
+//! // once a frame, after Earth::prepare with the same view
+//! celestial.prepare(&queue, &earth, &moment);
+//! // in the pass, after all that is opaque
+//! earth.render(&mut pass);
+//! celestial.render(&mut pass);
+//! ```
+//!
+//! # How it works
+//!
+//! **Places** are found in f64 for each frame: the catalogue's, moved by proper motion, seen with light time and the aberration by the
+//! Earth's and the eye's motion ([`Observer`]), and projected before they become f32. So nothing jitters, at any field of view.
+//!
+//! **Stars** are points. Each is spread over 4 × 4 pixels by a spline whose values at whole steps add up to 1, and is as bright as its
+//! magnitude says for the pixel's solid angle: its light in the picture is the same at any size and between pixels. Sun and Moon are
+//! drawn so too where their discs are smaller than four pixels.
+//!
+//! **Discs** are balls met by each pixel's ray, in axes that lie along the line to them: exact from a field of view of 0.001° to an eye on the
+//! Moon.
+//!
+//! **Order.** All of it is added to what the pass holds, at the farthest depth, each pixel through the air before it. A Moon before
+//! the Earth hides it instead.
+
+mod moon;
+mod projection;
+mod seen;
+mod stars;
+
+use crate::air::TOP;
+use crate::earth::{Earth, EyeView, Viewport, ball_bounds};
+use crate::frames::{Epoch, MOON_RADIUS_M, Observer, Orientation, SUN_RADIUS_M};
+use crate::gpu::{AirSide, AirTextures, DepthBuffer, PassFormat, ShaderError};
+use crate::gpu::{
+    CelestialDrawable, CelestialKind, CelestialParts, CelestialUniforms, GLARE_RADIUS_RAD,
+    StarPoint,
+};
+use crate::imagery::LayerImage;
+use glam::{DVec3, Vec3, Vec4};
+use projection::Projection;
+use seen::Seen;
+pub use stars::{Star, StarCatalogue, StarError};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// A disc of a smaller radius is drawn as a point, pixels: its edge would be most of it.
+const POINT_PX: f64 = 2.0;
+/// Days in a Julian year, and the catalogue's epoch: J1991.25 as a Julian date (TT).
+const YEAR_DAYS: f64 = 365.25;
+const CATALOGUE_JD: f64 = 2_448_349.062_5;
+/// What there is beyond the Earth. What is off is neither in memory nor in shaders.
+#[derive(Clone, Debug)]
+pub struct CelestialOptions {
+    /// Stars.
+    pub stars: Option<Arc<StarCatalogue>>,
+    /// The Milky Way: light of stars too faint to be drawn, `Rgba8Srgb`. Equirectangular in GCRF axes, declination 90° at the top, right
+    /// ascension 90° at the left edge and falling to the right.
+    pub milky_way: Option<Arc<LayerImage>>,
+    /// The Sun's disc.
+    pub sun: bool,
+    /// The Moon's map, `Rgba8Srgb`: equirectangular, the middle of its near side in the middle, east to the right.
+    pub moon: Option<Arc<LayerImage>>,
+    /// Light of the Sun that lens and eye scatter about it.
+    pub glare: bool,
+    /// How many times brighter than in truth stars and Milky Way are drawn, so that they show beside daylight.
+    pub star_gain: f64,
+}
+
+impl CelestialOptions {
+    /// Default of [`Self::star_gain`]: as `[earth] night_gain` by moonlight.
+    pub const STAR_GAIN: f64 = 4e4;
+
+    /// Nothing at all.
+    pub const NOTHING: Self = Self {
+        stars: None,
+        milky_way: None,
+        sun: false,
+        moon: None,
+        glare: false,
+        star_gain: Self::STAR_GAIN,
+    };
+
+    /// Names of all that there may be.
+    pub const FEATURES: [&'static str; 5] = ["stars", "milky_way", "sun", "moon", "glare"];
+
+    /// Names of what is on.
+    pub fn features_on(&self) -> Vec<&'static str> {
+        let (stars, milky_way) = (self.stars.is_some(), self.milky_way.is_some());
+        let is_on = [stars, milky_way, self.sun, self.moon.is_some(), self.glare];
+        let features = Self::FEATURES.into_iter().zip(is_on);
+        features
+            .filter_map(|(name, is_on)| is_on.then_some(name))
+            .collect()
+    }
+
+    fn check(&self) -> Result<(), CelestialError> {
+        for (what, map) in [("milky_way", &self.milky_way), ("moon", &self.moon)] {
+            if let Some(map) = map {
+                let cause = map.check().err().map(|error| error.to_string());
+                let is_color = map.format == crate::imagery::TexelFormat::Rgba8Srgb;
+                let cause = cause.or((!is_color).then(|| "it is no colour map".to_owned()));
+                if let Some(cause) = cause {
+                    return Err(CelestialError::Map { what, cause });
+                }
+            }
+        }
+        match self.star_gain.is_finite() && self.star_gain >= 0.0 {
+            true => Ok(()),
+            false => Err(CelestialError::StarGain(self.star_gain)),
+        }
+    }
+}
+
+/// Why it cannot be drawn.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CelestialError {
+    /// A shader file is at fault.
+    #[error(transparent)]
+    Shader(#[from] ShaderError),
+    /// A map that is none.
+    #[error("{what}: {cause}")]
+    Map {
+        /// Which.
+        what: &'static str,
+        /// What is wrong with it.
+        cause: String,
+    },
+    /// A brightness that has no meaning.
+    #[error("star_gain {0} is not a number from 0 up")]
+    StarGain(f64),
+}
+
+/// The instant and the eye that a frame shows.
+#[derive(Clone, Copy, Debug)]
+pub struct CelestialMoment<'m> {
+    /// The instant.
+    pub epoch: Epoch,
+    /// The Earth's orientation then.
+    pub orientation: Orientation,
+    /// The view from the eye.
+    pub view: &'m EyeView,
+    /// The part of the target that the pass draws to.
+    pub target: Viewport,
+    /// How the eye moves about the Earth's centre, metres a second, in axes that do not turn, written along those of ITRF; for aberration, 5″ in
+    /// low orbit. `None` stands still over the turning Earth.
+    pub velocity_m_s: Option<DVec3>,
+}
+
+impl CelestialMoment<'_> {
+    /// Who looks.
+    pub fn observer(&self) -> Observer {
+        let (eye, _) = self.view.to_itrf();
+        match self.velocity_m_s {
+            Some(velocity) => Observer::moving(self.epoch, &self.orientation, eye, velocity),
+            None => Observer::at_rest(self.epoch, &self.orientation, eye),
+        }
+    }
+}
+
+/// What a frame has beyond the Earth.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CelestialStats {
+    /// Stars in the picture that neither Earth nor Moon hides.
+    pub stars: u32,
+    /// Part of the Sun's disc that Earth and Moon leave, 0…1.
+    pub sun_seen: f64,
+    /// Angle at the Moon between Sun and eye, radians; 0 is full.
+    pub moon_phase_rad: f64,
+    /// Draw calls.
+    pub draw_calls: u32,
+    /// Triangles.
+    pub triangles: u32,
+    /// Bytes written to the GPU.
+    pub uploaded_bytes: u64,
+}
+
+/// Stars, Milky Way, Sun and Moon.
+pub struct Celestial {
+    options: CelestialOptions,
+    pass: Pass,
+    drawable: CelestialDrawable,
+    points: Vec<StarPoint>,
+    is_shown: bool,
+}
+
+/// The pass it is drawn in, and the air before it.
+#[derive(Clone, PartialEq)]
+struct Pass {
+    format: PassFormat,
+    air: Option<AirTextures>,
+}
+
+impl Pass {
+    fn of(earth: &Earth) -> Self {
+        Self {
+            format: earth.format(),
+            air: earth.air_textures().cloned(),
+        }
+    }
+
+    /// The farthest and the nearest depth.
+    fn depths(&self) -> (f32, f32) {
+        match self.format.depth {
+            DepthBuffer::StandardZ(_) => (1.0, 0.0),
+            DepthBuffer::ReversedZ(_) | DepthBuffer::None => (0.0, 1.0),
+        }
+    }
+
+    fn drawable(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        options: &CelestialOptions,
+    ) -> Result<CelestialDrawable, ShaderError> {
+        let stars = options.stars.as_ref();
+        let parts = CelestialParts {
+            milky_way: options.milky_way.as_deref(),
+            stars: stars.map_or(0, |catalogue| catalogue.stars().len()),
+            sun: options.sun,
+            moon: options.moon.as_deref(),
+            glare: options.glare,
+        };
+        CelestialDrawable::new(device, queue, self.format, &parts, self.air.as_ref())
+    }
+}
+
+impl Celestial {
+    /// Makes pipelines and uploads maps, for the pass and through the air of an Earth.
+    ///
+    /// # Errors
+    /// Maps that are none, and a gain that has no meaning.
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        earth: &Earth,
+        options: &CelestialOptions,
+    ) -> Result<Self, CelestialError> {
+        options.check()?;
+        let pass = Pass::of(earth);
+        Ok(Self {
+            drawable: pass.drawable(device, queue, options)?,
+            options: options.clone(),
+            pass,
+            points: Vec::new(),
+            is_shown: false,
+        })
+    }
+
+    /// Follows an Earth to another quality. What was prepared must be prepared anew.
+    ///
+    /// # Errors
+    /// None that [`Self::new`] did not have.
+    pub fn follow(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        earth: &Earth,
+    ) -> Result<(), CelestialError> {
+        let pass = Pass::of(earth);
+        if pass != self.pass {
+            self.drawable = pass.drawable(device, queue, &self.options)?;
+            self.pass = pass;
+            self.is_shown = false;
+        }
+        Ok(())
+    }
+
+    /// Finds what the eye sees and writes it to the GPU. Call once a frame, after [`Earth::prepare`] with the same view. Never
+    /// waits. Nothing is drawn of a view that gives no picture.
+    pub fn prepare(
+        &mut self,
+        queue: &wgpu::Queue,
+        earth: &Earth,
+        moment: &CelestialMoment<'_>,
+    ) -> CelestialStats {
+        let view = moment.view.in_itrf(moment.target);
+        self.is_shown = view.is_some();
+        self.points.clear();
+        let Some(view) = view else {
+            return CelestialStats::default();
+        };
+        let ellipsoid = earth.ellipsoid();
+        let seen = Seen::new(&moment.observer(), &view, &ellipsoid);
+        let projection = Projection::new(&view, moment.target);
+        let (far, near) = self.pass.depths();
+        let sun = projection.disc(seen.sun_m, SUN_RADIUS_M, far);
+        let mut moon = projection.disc(seen.moon_m, MOON_RADIUS_M, far);
+        if seen.moon_m.length() < view.eye_itrf_m.length() {
+            moon.disc.depth = projection.depth(seen.moon_m);
+            moon.disc.covers = 1.0;
+        }
+        let gain = self.options.star_gain;
+        if let Some(catalogue) = &self.options.stars {
+            let years = (moment.epoch.to_jde_tt_days() - CATALOGUE_JD) / YEAR_DAYS;
+            let shown = (catalogue.as_ref(), years, gain as f32);
+            seen.stars(shown, &projection, &ellipsoid, &mut self.points);
+        }
+        let stars = self.points.len() as u32;
+        if self.options.sun && sun.radius_px < POINT_PX {
+            let light = Vec3::splat((PI * seen.sun_seen) as f32);
+            self.points
+                .extend(projection.point(seen.sun_m.normalize_or_zero(), light));
+        }
+        if self.options.moon.is_some() && moon.radius_px < POINT_PX {
+            let light = Vec3::splat((PI * seen.moonlight()) as f32);
+            self.points
+                .extend(projection.point(seen.moon_m.normalize_or_zero(), light));
+        }
+        let glare = GLARE_RADIUS_RAD.sin();
+        let glare_bounds = ball_bounds(&view.clip_from_eye, seen.sun_m.normalize_or_zero(), glare);
+        let uniforms = CelestialUniforms {
+            frame: earth.exposed(view.uniforms(&ellipsoid)),
+            glare_bounds: glare_bounds.map_or(Vec4::ZERO, Vec4::from),
+            near_depth: near,
+            star_gain: gain as f32,
+            milky_way_level: level(&self.options.milky_way, view.pixel_rad()),
+            moon_level: level(&self.options.moon, moon.radius_px.max(1e-9).recip()),
+            ..seen.uniforms(&sun.disc, &moon.disc, &projection, &ellipsoid)
+        };
+        let is_sun_up = seen.sun_seen > 0.0;
+        let is_drawn = |kind| match kind {
+            CelestialKind::Sun => sun.radius_px >= POINT_PX && sun.is_in_picture && is_sun_up,
+            CelestialKind::Moon => moon.radius_px >= POINT_PX && moon.is_in_picture,
+            CelestialKind::Glare => glare_bounds.is_some() && is_sun_up,
+            _ => true,
+        };
+        let side = match (view.eye_itrf_m * ellipsoid.scaled_from_itrf()).length() <= TOP {
+            true => AirSide::Inside,
+            false => AirSide::Outside,
+        };
+        let uploaded_bytes = self
+            .drawable
+            .write(queue, side, &uniforms, &self.points, is_drawn);
+        let draw_calls = self.drawable.calls();
+        CelestialStats {
+            stars,
+            sun_seen: seen.sun_seen,
+            moon_phase_rad: seen.phase_rad,
+            draw_calls,
+            triangles: 2 * (self.points.len() as u32 + draw_calls),
+            uploaded_bytes,
+        }
+    }
+
+    /// Draws all of it: after the Earth, and after what else is opaque.
+    pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
+        if self.is_shown {
+            self.drawable.render(pass);
+        }
+    }
+
+    /// What is on.
+    pub fn options(&self) -> &CelestialOptions {
+        &self.options
+    }
+
+    /// Bytes of its maps on the GPU, mip levels included.
+    pub fn texture_bytes(&self) -> u64 {
+        self.drawable.texture_bytes
+    }
+
+    /// Bytes of the WGSL that the driver got: of what is on alone.
+    pub fn shader_bytes(&self) -> u64 {
+        self.drawable.shader_bytes
+    }
+}
+
+/// Level of a map of the whole round that has a texel for so many radians.
+fn level(map: &Option<Arc<LayerImage>>, pixel_rad: f64) -> f32 {
+    let texels = map.as_ref().map_or(1.0, |map| f64::from(map.width)) * pixel_rad / (2.0 * PI);
+    texels.max(1.0).log2() as f32
+}
