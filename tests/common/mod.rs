@@ -132,6 +132,30 @@ impl Rig {
         light.expect("a picture")
     }
 
+    /// The same by night, with what is beyond the Earth.
+    #[cfg(feature = "celestial")]
+    pub fn draw_light_with(
+        &mut self,
+        behind: &mut terrella::celestial::Celestial,
+        moment: &terrella::celestial::CelestialMoment<'_>,
+    ) -> Vec<[f32; 4]> {
+        let gpu = gpu();
+        let night = Sky::new(moment.view.to_itrf().0.normalize_or(DVec3::X) * -1.0);
+        self.earth
+            .prepare(&gpu.queue, moment.view, &night, self.size);
+        behind.prepare(&gpu.queue, &self.earth, moment);
+        let mut encoder = gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut pass = self.targets.begin_pass(&mut encoder);
+        self.earth.render(&mut pass);
+        behind.render(&mut pass);
+        drop(pass);
+        gpu.queue.submit([encoder.finish()]);
+        let light = self.targets.read_light(&gpu.device, &gpu.queue);
+        light.expect("a picture")
+    }
+
     /// Draws when all tiles have come; answers those that have not after ten seconds.
     pub fn draw_complete(
         &mut self,

@@ -4,5 +4,5 @@ mod air;
 mod frames;
 mod globe;
 mod halo;
-#[cfg(all(feature = "terrain", feature = "tracks"))]
+#[cfg(all(feature = "celestial", feature = "terrain", feature = "tracks"))]
 mod shaders;

@@ -12,9 +12,9 @@ use std::path::Path;
 use std::sync::LazyLock;
 use terrella::Tone;
 use terrella::internals::gpu::{
-    AirSide, AirVariant, AirViewVariant, EarthOutput, EarthVariant, PaperLayers, PatchTiles,
-    SHADER_FILES, ShaderCapability, ShaderText, ShaderVariant, ShadingVariant, SunlitLayers,
-    TargetColor, TracksVariant, VertexForm,
+    AirSide, AirVariant, AirViewVariant, CelestialVariant, EarthOutput, EarthVariant, PaperLayers,
+    PatchTiles, SHADER_FILES, ShaderCapability, ShaderText, ShaderVariant, ShadingVariant,
+    SunlitLayers, TargetColor, TracksVariant, VertexForm,
 };
 
 /// A legal variant of any shader, validated.
@@ -67,6 +67,7 @@ static ALL: LazyLock<(Vec<Shader>, Vec<String>)> = LazyLock::new(|| {
     let mut all = built::<EarthVariant>();
     all.extend(built::<AirVariant>());
     all.extend(built::<AirViewVariant>());
+    all.extend(built::<CelestialVariant>());
     all.extend(built::<TracksVariant>());
     let (mut shaders, mut failures) = (Vec::new(), Vec::new());
     for shader in all {

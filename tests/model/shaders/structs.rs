@@ -5,7 +5,9 @@ use naga::TypeInner;
 use std::mem::offset_of;
 use terrella::internals::globe::contours::ContourNode;
 use terrella::internals::globe::projected_grid::{GridLevel, GridUniforms};
-use terrella::internals::gpu::{AirUniforms, FrameUniforms, SurfaceLightUniforms, TrackUniforms};
+use terrella::internals::gpu::{
+    AirUniforms, CelestialUniforms, Disc, FrameUniforms, SurfaceLightUniforms, TrackUniforms,
+};
 
 /// Member offsets and size of a struct, of a shader that has it.
 fn reflected(name: &str) -> (Vec<(String, usize)>, usize) {
@@ -71,6 +73,40 @@ fn structs_match_the_shaders() {
         ]
     );
     check!("TrackUniforms", TrackUniforms, [frame, size_px, air_top]);
+    check!(
+        "Disc",
+        Disc,
+        [pixel_x, distance, pixel_y, depth, pixel_z, covers, bounds]
+    );
+    check!(
+        "CelestialUniforms",
+        CelestialUniforms,
+        [
+            frame,
+            size_px,
+            origin_px,
+            stars_x,
+            star_gain,
+            stars_y,
+            milky_way_level,
+            stars_z,
+            sun_seen,
+            sun,
+            moon,
+            moon_x,
+            moon_level,
+            moon_y,
+            moon_albedo,
+            moon_z,
+            moon_lambert,
+            moon_to_sun,
+            earthshine,
+            moon_to_earth,
+            earth_radius,
+            glare_bounds,
+            near_depth
+        ]
+    );
     check!(
         "AirUniforms",
         AirUniforms,

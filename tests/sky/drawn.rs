@@ -1,0 +1,197 @@
+//! What is drawn of it: where, and how bright.
+
+use crate::common::{Rig, gpu, plain};
+use crate::{stars, utc};
+use glam::{DVec2, DVec3};
+use std::f64::consts::PI;
+use std::sync::Arc;
+use terrella::celestial::{Celestial, CelestialMoment, CelestialOptions, StarCatalogue};
+use terrella::frames::{Ellipsoid, Epoch, Geodetic, Observer, Orientation};
+use terrella::{Atmosphere, EarthOptions, EyeView, LayerImage};
+
+const DATE: &str = "2018-01-20T21:00:00Z";
+
+pub fn bare_earth() -> EarthOptions {
+    EarthOptions {
+        atmosphere: Atmosphere::None,
+        ..EarthOptions::new(plain([90; 3]))
+    }
+}
+
+/// A grey Moon.
+pub fn grey_moon() -> Option<Arc<LayerImage>> {
+    let map = LayerImage::from_rgba8(64, 32, vec![255; 64 * 32 * 4]);
+    Some(Arc::new(map.expect("a map")))
+}
+
+/// The light of a sky alone, pixels of RGB, by whatever view.
+pub fn drawn(
+    rig: &mut Rig,
+    options: &CelestialOptions,
+    view: &EyeView,
+    epoch: Epoch,
+    size: (u32, u32),
+) -> Vec<[f32; 4]> {
+    let gpu = gpu();
+    let mut celestial =
+        Celestial::new(&gpu.device, &gpu.queue, &rig.earth, options).expect("sound options");
+    let moment = CelestialMoment {
+        epoch,
+        orientation: Orientation::default(),
+        view,
+        target: size.into(),
+        velocity_m_s: None,
+    };
+    rig.draw_light_with(&mut celestial, &moment)
+}
+
+pub fn above(lat: f64, lon: f64, height_m: f64) -> DVec3 {
+    Ellipsoid::WGS84.itrf_from_geodetic(Geodetic::from_degrees(lat, lon, height_m))
+}
+
+/// How much brighter than in truth, so that it is far above the rounding of half floats.
+const GAIN: f64 = 1e7;
+
+/// Only one star.
+fn one_star(hip: u32) -> CelestialOptions {
+    let all = stars();
+    let one = all.stars().iter().filter(|star| star.hip == hip);
+    CelestialOptions {
+        stars: Some(Arc::new(StarCatalogue::of(one.copied().collect()))),
+        star_gain: GAIN,
+        ..CelestialOptions::NOTHING
+    }
+}
+
+/// Where the light's middle is, and its sum times each pixel's solid angle.
+fn measured(light: &[[f32; 4]], view: &EyeView, size: (u32, u32)) -> (DVec2, f64) {
+    let (mut sum, mut middle, mut power) = (0.0, DVec2::ZERO, 0.0);
+    let tangent = 1.0 / view.clip_from_view.y_axis.y;
+    let pixel = 2.0 * tangent / f64::from(size.1);
+    for (n, texel) in light.iter().enumerate() {
+        let at = DVec2::new(
+            (n as u32 % size.0) as f64 + 0.5,
+            (n as u32 / size.0) as f64 + 0.5,
+        );
+        let off = (at - 0.5 * DVec2::new(size.0.into(), size.1.into())) * pixel;
+        let light = f64::from(texel[1]);
+        sum += light;
+        middle += light * at;
+        power += light * pixel * pixel / (1.0 + off.length_squared()).powf(1.5);
+    }
+    (middle / sum, power)
+}
+
+#[test]
+fn a_star_is_as_bright_at_any_size_and_between_pixels() {
+    let options = one_star(32_349);
+    let catalogue = stars();
+    let star = &catalogue.stars()[0];
+    assert_eq!(star.hip, 32_349);
+    let epoch = utc(DATE);
+    let eye = above(0.0, 75.0, 35_786e3);
+    let observer = Observer::at_rest(epoch, &Orientation::default(), eye);
+    let years = (epoch.to_jde_tt_days() - 2_448_349.062_5) / 365.25;
+    let sirius = observer.itrf_from_gcrf() * observer.seen(star.direction_at(years));
+    let mut worst = (0.0_f64, 0.0_f64);
+    for size in [(320, 180), (640, 360), (1280, 720), (3840, 2160)] {
+        let mut rig = Rig::of_light(&bare_earth(), size);
+        let aspect = f64::from(size.0) / f64::from(size.1);
+        let fov = 40_f64.to_radians();
+        let pixel = 2.0 * (0.5 * fov).tan() / f64::from(size.1);
+        // A drift of a tenth of a pixel a frame; far from the middle too.
+        let frames = if size.0 > 1000 { 3 } else { 24 };
+        for frame in 0..frames {
+            let across = sirius.cross(DVec3::Z).normalize();
+            let aside = 0.1 * f64::from(frame) * pixel + 0.15;
+            let forward = sirius + aside * across + 0.3 * aside * DVec3::Z;
+            let view = EyeView::itrf(eye, forward, DVec3::Z, fov, aspect);
+            let light = drawn(&mut rig, &options, &view, epoch, size);
+            let (middle, power) = measured(&light, &view, size);
+            let clip = view.to_itrf().1 * sirius.extend(0.0);
+            let ndc = DVec2::new(clip.x, -clip.y) / clip.w;
+            let expected = (0.5 + 0.5 * ndc) * DVec2::new(size.0.into(), size.1.into());
+            worst.0 = worst.0.max((middle - expected).length());
+            worst.1 = worst
+                .1
+                .max((power / (GAIN * f64::from(star.light.y)) - 1.0).abs());
+        }
+    }
+    println!("place {:.4} px, light {:.5}", worst.0, worst.1);
+    assert!(worst.0 < 0.02, "{worst:?}");
+    // Of half floats as light is stored: 0.05 % a pixel. The solid angle of the star's pixel stands for that of its neighbours.
+    assert!(worst.1 < 0.01, "{worst:?}");
+}
+
+#[test]
+fn the_earth_and_the_moon_hide_stars() {
+    let epoch = utc(DATE);
+    let size = (64, 64);
+    let mut rig = Rig::of_light(&bare_earth(), size);
+    let eye = above(0.0, 75.0, 35_786e3);
+    let everything = CelestialOptions {
+        stars: Some(stars()),
+        star_gain: 1e6,
+        ..CelestialOptions::NOTHING
+    };
+    // 17° of Earth fill the picture of 10°.
+    let view = EyeView::itrf(eye, -eye, DVec3::Z, 10_f64.to_radians(), 1.0);
+    let light = drawn(&mut rig, &everything, &view, epoch, size);
+    assert!(
+        light.iter().all(|texel| texel[0] == 0.0),
+        "stars before the Earth"
+    );
+    let view = EyeView::itrf(eye, eye, DVec3::Z, 40_f64.to_radians(), 1.0);
+    let light = drawn(&mut rig, &everything, &view, epoch, size);
+    let stars = light.iter().filter(|texel| texel[1] > 0.0).count();
+    assert!(stars > 500, "{stars}");
+}
+
+#[test]
+fn sun_and_moon_give_the_light_that_they_give() {
+    let size = (256, 256);
+    let mut rig = Rig::of_light(&bare_earth(), size);
+    let eye = above(0.0, 75.0, 35_786e3);
+    let sun = CelestialOptions {
+        sun: true,
+        ..CelestialOptions::NOTHING
+    };
+    let epoch = utc(DATE);
+    let observer = Observer::at_rest(epoch, &Orientation::default(), eye);
+    // As a disc and as a point.
+    for (fov_deg, off) in [
+        (1.0_f64, 0.002),
+        (30.0, 0.02),
+        (60.0, 0.002),
+        (150.0, 0.002),
+    ] {
+        let fov = fov_deg.to_radians();
+        let view = EyeView::itrf(eye, observer.sun_m(), DVec3::Z, fov, 1.0);
+        let light = drawn(&mut rig, &sun, &view, epoch, size);
+        let (_, power) = measured(&light, &view, size);
+        // A white sheet that faces it is 1, at any distance.
+        println!("{fov_deg}°: {power}");
+        assert!((power / PI - 1.0).abs() < off, "{fov_deg}°: {power}");
+    }
+    // A full Moon over a map of 1 has 1/0.4923 of its light.
+    let moon = CelestialOptions {
+        moon: grey_moon(),
+        ..CelestialOptions::NOTHING
+    };
+    let epoch = utc("2018-01-31T13:40:00Z");
+    let observer = Observer::at_rest(epoch, &Orientation::default(), eye);
+    let view = EyeView::itrf(eye, observer.moon_m(), DVec3::Z, 0.02, 1.0);
+    // Totally eclipsed: nothing but the dark that our Earth's shadow leaves.
+    let light = drawn(&mut rig, &moon, &view, epoch, size);
+    let (_, eclipsed) = measured(&light, &view, size);
+    let before = utc("2018-01-31T08:00:00Z");
+    let observer = Observer::at_rest(before, &Orientation::default(), eye);
+    let view = EyeView::itrf(eye, observer.moon_m(), DVec3::Z, 0.02, 1.0);
+    let light = drawn(&mut rig, &moon, &view, before, size);
+    let (_, full) = measured(&light, &view, size);
+    // Allen's full Moon, −12.73, is 2.5e-6 of the Sun's light; this one stands near.
+    let expected = PI * 2.5e-6 / 0.4923;
+    println!("Moon: full {full:e} for {expected:e}, eclipsed {eclipsed:e}");
+    assert!((0.8..1.3).contains(&(full / expected)), "{full}");
+    assert!(eclipsed < 1e-3 * full, "{eclipsed}");
+}
