@@ -14,6 +14,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     let tracks = raw.tracks.unwrap_or_default();
     let camera = raw.camera.unwrap_or_default();
     let earth = raw.earth.unwrap_or_default();
+    let sky = raw.sky.unwrap_or_default();
     let output = raw.output.unwrap_or_default();
     let quality = raw.quality.unwrap_or_default();
 
@@ -27,6 +28,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         ("tracks", tracks.given()),
         ("camera", camera.given()),
         ("earth", earth.given()),
+        ("sky", sky.given()),
         ("output", output.given()),
         ("quality", quality.given()),
     ] {
@@ -51,6 +53,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     }
     let camera = source.camera(&camera)?;
     let earth = source.earth(&earth)?;
+    let sky = source.sky(&sky, earth.look)?;
     let time = source.time(&time)?;
     if let Some(orbit) = orbits.get(MAX_ORBITS) {
         let advice = format!("a scene has at most {MAX_ORBITS} satellites; leave some out");
@@ -78,6 +81,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         track_px,
         output: source.output(&output, &camera, &earth, has_live)?,
         camera,
+        sky,
         quality: source.quality(&quality)?,
         earth,
         lines,

@@ -427,6 +427,23 @@ table!(RawEarth = "earth" {
     denoise: bool = "true or false", default false;
 });
 
+table!(RawSky = "sky" {
+    /// The stars of the Hipparcos catalogue to magnitude 6.5; off by default with look = "paper" alone.
+    stars: bool = "true or false";
+    /// The light of the stars too faint for that; by default with look = "full".
+    milky_way: bool = "true or false";
+    /// The Sun's disc; off by default with look = "paper" alone.
+    sun: bool = "true or false";
+    /// The Moon; off by default with look = "paper" alone.
+    moon: bool = "true or false";
+    /// The light of the Sun that a lens scatters about it; by default with look = "full".
+    glare: bool = "true or false";
+    /// How many times brighter than in truth stars and Milky Way are drawn.
+    star_gain: f64 = "a number", in 0.0..=1e6, default 4e4;
+    /// Folder of stars.bin, milky_way.jpg and moon.jpg, the starter pack by default.
+    folder: String = "a string, the path of a folder of star catalogue and maps";
+});
+
 table!(RawOutput = "output" {
     // A list of any length, so that a wrong length gets our own message.
     /// Width and height of pictures, [`DEFAULT_SIZE_PX`] by default.
@@ -456,6 +473,7 @@ pub(super) struct RawScene {
     pub(super) tracks: Option<RawTracks>,
     pub(super) camera: Option<RawCamera>,
     pub(super) earth: Option<RawEarth>,
+    pub(super) sky: Option<RawSky>,
     pub(super) output: Option<RawOutput>,
     pub(super) quality: Option<RawQuality>,
 }
@@ -467,6 +485,7 @@ pub(super) const TABLES: &[Table] = &[
     RawTracks::TABLE,
     RawCamera::TABLE,
     RawEarth::TABLE,
+    RawSky::TABLE,
     RawOutput::TABLE,
     RawQuality::TABLE,
 ];

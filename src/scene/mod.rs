@@ -7,7 +7,7 @@
 //! | file | what of a key |
 //! |---|---|
 //! | `keys.rs` | its declaration: name, type, range, default. **Begin here** |
-//! | `time.rs`, `orbit.rs`, `tracks.rs`, `camera.rs`, `earth.rs`, `output.rs` | a table each: the checked value that hosts read, its check, its text in the summary |
+//! | `time.rs`, `orbit.rs`, `tracks.rs`, `camera.rs`, `earth.rs`, `sky.rs`, `output.rs` | a table each: the checked value that hosts read, its check, its text in the summary |
 //! | `orbit_check.rs`, `orbit_summary.rs`, `live.rs` | the same of `[orbit]`, which has the most keys |
 //! | `relief.rs`, `surfaces.rs` | keys of `[earth]` that are about ground with relief |
 //! | `config/iss.toml` | its explanation for users: a test holds that every key stands there |
@@ -34,6 +34,7 @@ mod output;
 mod parse;
 mod relief;
 mod satellites;
+mod sky;
 mod summary;
 mod surfaces;
 mod text;
@@ -55,6 +56,7 @@ pub(crate) use keys::{DEFAULT_TOLERANCE_PX, EDGE_SAMPLES, YEARS};
 pub use orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters, OrbitSource};
 pub use output::{Output, QualityTable};
 pub use relief::ReliefTable;
+pub use sky::SkyTable;
 pub use time::Time;
 pub use tracks::{Footprint, Track, TrackSpan};
 
@@ -73,6 +75,8 @@ pub struct Scene {
     pub camera: Camera,
     /// `[earth]`
     pub earth: EarthTable,
+    /// `[sky]`
+    pub sky: SkyTable,
     /// `[output]`
     pub output: Output,
     /// `[quality]`; `None` draws everything however long it takes.

@@ -4,7 +4,7 @@ use super::camera::CameraMode;
 use super::field::{KeyText, NO_ORBIT, UNKNOWN, written};
 use super::keys::{TABLES, Table};
 use super::time::utc;
-use super::{Scene, camera, earth, orbit_summary, output, time};
+use super::{Scene, camera, earth, orbit_summary, output, sky, time};
 use crate::air::Atmosphere;
 use crate::globe::SurfaceSettings;
 use std::fmt::Write;
@@ -84,6 +84,7 @@ impl Scene {
             "tracks" => self.tracks_value(key),
             "camera" => camera::value(&self.camera, key, !self.orbits.is_empty()),
             "earth" => earth::value(&self.earth, key),
+            "sky" => sky::value(&self.sky, key),
             "output" => {
                 let is_waited_for = self.earth.pack.is_some() || self.is_live();
                 output::value(&self.output, key, is_waited_for)

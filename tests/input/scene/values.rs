@@ -108,9 +108,17 @@ fn every_key_is_read() {
          atmosphere = \"none\"\ntextures = \"maps\"\nsurface = \"blocks\"\n\
          water = false\naerosol_optical_depth = 0\n\
          [output]\nsize = [16384, 1]\nsamples = 1\n\
-         exposure_ev = 1.5\ntone = \"linear\"\n",
+         exposure_ev = 1.5\ntone = \"linear\"\n\
+         [sky]\nstars = true\nmilky_way = false\nsun = true\nmoon = false\nglare = true\nstar_gain = 7\nfolder = \"maps\"\n",
     );
     let scene = scene.expect("a good scene");
+    let sky = &scene.sky;
+    let parts = sky.parts().map(|(_, is_on)| is_on);
+    assert_eq!(
+        (parts, sky.star_gain),
+        ([true, false, true, false, true], 7.0)
+    );
+    assert_eq!(sky.folder, Some(folder.path("maps")));
     assert_eq!(scene.time.start, utc("2018-01-19T01:02:03.25Z"));
     assert_eq!(scene.time.end(), utc("2018-01-19T01:01:50.75Z"));
     assert_eq!(scene.time.duration_s, 12.5);

@@ -1,0 +1,78 @@
+//! `[sky]`: what is beyond the Earth.
+
+use super::earth::Look;
+use super::error::{SceneError, printable};
+use super::field::{KeyText, PathKind, UNKNOWN};
+use super::keys::RawSky;
+use super::text::SceneText;
+use std::path::PathBuf;
+
+/// `[sky]`
+#[derive(Clone, Debug, PartialEq)]
+pub struct SkyTable {
+    /// Stars.
+    pub stars: bool,
+    /// The light of stars too faint for that.
+    pub milky_way: bool,
+    /// The Sun's disc.
+    pub sun: bool,
+    /// The Moon.
+    pub moon: bool,
+    /// The Sun's light that a lens scatters.
+    pub glare: bool,
+    /// How many times brighter than in truth stars and Milky Way are.
+    pub star_gain: f64,
+    /// Folder of the star catalogue and the maps of Milky Way and Moon; `None` is the starter pack.
+    pub folder: Option<PathBuf>,
+}
+
+impl SkyTable {
+    /// Each thing by its key, and whether it is on.
+    pub fn parts(&self) -> [(&'static str, bool); 5] {
+        [
+            ("stars", self.stars),
+            ("milky_way", self.milky_way),
+            ("sun", self.sun),
+            ("moon", self.moon),
+            ("glare", self.glare),
+        ]
+    }
+
+    /// Whether anything is on.
+    pub fn is_on(&self) -> bool {
+        self.parts().iter().any(|(_, on)| *on)
+    }
+}
+
+impl SceneText<'_> {
+    /// Checks `[sky]`, whose defaults go by `[earth] look`.
+    pub(super) fn sky(&self, sky: &RawSky, look: Look) -> Result<SkyTable, SceneError> {
+        let is_real = look != Look::Paper;
+        let is_full = look == Look::Full;
+        Ok(SkyTable {
+            stars: sky.stars().value().unwrap_or(is_real),
+            milky_way: sky.milky_way().value().unwrap_or(is_full),
+            sun: sky.sun().value().unwrap_or(is_real),
+            moon: sky.moon().value().unwrap_or(is_real),
+            glare: sky.glare().value().unwrap_or(is_full),
+            star_gain: self.quantity(&sky.star_gain(), "")?,
+            folder: self.path(&sky.folder(), PathKind::Folder)?,
+        })
+    }
+}
+
+/// The value of a key as a scene would write it, or why it has none.
+pub(super) fn value(sky: &SkyTable, key: &str) -> KeyText {
+    match key {
+        "star_gain" if !sky.stars && !sky.milky_way => Err("there are no stars"),
+        "star_gain" => Ok(sky.star_gain.to_string()),
+        "folder" => match &sky.folder {
+            Some(folder) => Ok(format!("\"{}\"", printable(&folder.display().to_string()))),
+            None => Err("the starter pack is taken"),
+        },
+        _ => {
+            let part = sky.parts().into_iter().find(|(name, _)| *name == key);
+            part.map(|(_, on)| on.to_string()).ok_or(UNKNOWN)
+        }
+    }
+}
