@@ -145,7 +145,20 @@ struct DayTexels {
 fn read_day(dir: &Path) -> Result<DayTexels, ImageryError> {
     let names = DAY_NAMES.map(|name| dir.join(name));
     let path = names.iter().find(|path| path.exists()).unwrap_or(&names[0]);
-    let file = MapFile::read(path, "day", "8-bit colour (sRGB)", |texels| {
+    read_color(path, "day")
+}
+
+/// Loads a colour map (8 bits, sRGB) of a whole round, as [`load_layers`] does the day map; `layer` is what messages call it.
+///
+/// # Errors
+/// A map that fails, with its path, the cause and what to do.
+pub fn load_color_map(path: &Path, layer: &'static str) -> Result<LayerImage, ImageryError> {
+    let texels = read_color(path, layer)?;
+    LayerImage::from_rgba8(texels.width, texels.height, texels.rgba)
+}
+
+fn read_color(path: &Path, layer: &'static str) -> Result<DayTexels, ImageryError> {
+    let file = MapFile::read(path, layer, "8-bit colour (sRGB)", |texels| {
         texels.bits == 8
     })?;
     let rgba = match file.texel_kind.channels {

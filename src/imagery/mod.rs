@@ -42,7 +42,7 @@ pub use albedo::{CLOUD_ALBEDO, NEIGHBOURHOODS, NeighbourhoodAlbedo};
 pub use error::ImageryError;
 pub use find::{TEXTURES_VARIABLE, find_textures};
 pub use layer::{EarthLayers, LayerImage};
-pub use load::{LayerSelection, MAX_FILE_BYTES, load_layers};
+pub use load::{LayerSelection, MAX_FILE_BYTES, load_color_map, load_layers};
 pub use sea::FLOOR_SEEN_M;
 pub use slopes::{
     ELEVATION_OFFSET_M, POLE_FADE_DEG, SLOPE_EXAGGERATION, SlopeMap, slopes_from_clouds,

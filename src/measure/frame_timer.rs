@@ -148,6 +148,7 @@ fn moment(view: &EyeView, sky: &Sky) -> Moment {
         sky: *sky,
         satellite: None,
         craft: None,
+        eye_velocity_m_s: None,
     }
 }
 

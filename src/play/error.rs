@@ -2,6 +2,7 @@
 
 use super::output::OutputError;
 use crate::EarthError;
+use crate::celestial::CelestialError;
 use crate::elevation::HeightFileError;
 use crate::frames::EarthOrientationError;
 use crate::gpu::{ContextError, PictureError, TimerError};
@@ -25,6 +26,9 @@ pub enum PlayError {
     /// The tracks of the scene's satellites.
     #[error(transparent)]
     Tracks(#[from] TracksError),
+    /// What is beyond the Earth cannot be drawn.
+    #[error(transparent)]
+    Celestial(#[from] CelestialError),
     /// The table of the Earth's orientation.
     #[error(transparent)]
     EarthOrientation(#[from] EarthOrientationError),
@@ -54,15 +58,17 @@ pub enum PlayError {
     },
     /// A strict scene, and a map that is not there.
     #[error(
-        "{}: [earth] {layer}: {missing} is missing; add it, write {layer} = false, or leave out strict = true",
+        "{}: [{table}] {layer}: {missing}; add it, write {layer} = false, or leave out strict = true",
         scene.display()
     )]
     MissingLayer {
         /// The scene's file.
         scene: PathBuf,
+        /// The table of its key.
+        table: &'static str,
         /// Name of the map that is missing.
         layer: &'static str,
-        /// Where it should be.
+        /// What is missing.
         missing: String,
     },
     /// The scene asks for a storage that its pack has not.

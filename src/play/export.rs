@@ -79,6 +79,7 @@ pub fn export(
     let has_tiles = options.tiles.is_some();
     progress.end();
     let mut renderer = OffscreenRenderer::open(gpu, options, size)?;
+    renderer.show_sky(flight)?;
     renderer.show_tracks(flight)?;
     tracing::info!(
         "{frame_count} frames of {} × {} on {}",

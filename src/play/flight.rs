@@ -5,6 +5,7 @@ use super::craft::CraftPose;
 use super::error::PlayError;
 use super::maps::{DroppedLayer, check_pack, dropped_layers, earth_options};
 use super::satellites::{self, Listener, Satellite, orientation_at};
+use super::sky_parts::dropped_parts;
 use crate::frames::{
     EarthOrientation, Ellipsoid, Epoch, Geodetic, Illumination, Orientation, illumination,
     sun_position_gcrf_m,
@@ -13,6 +14,7 @@ use crate::gpu::BcSupport;
 use crate::orbit::{Feed, OrbitError, OrbitState};
 use crate::scene::{CameraMode, Scene};
 use crate::{EarthOptions, EyeView, Sky};
+use glam::DVec3;
 
 /// A scene with its satellites opened and its dates checked.
 pub struct Flight {
@@ -48,6 +50,9 @@ pub struct Moment {
     pub satellite: Option<SatelliteState>,
     /// The spacecraft to draw, if the camera looks at it.
     pub craft: Option<CraftPose>,
+    /// How the eye moves about the Earth's centre, metres a second, in axes that do not turn, written along those of ITRF; `None`
+    /// stands over the ground.
+    pub eye_velocity_m_s: Option<DVec3>,
 }
 
 /// A satellite at an instant.
@@ -229,6 +234,10 @@ impl Flight {
             view: pose.turned(&request.look).view(fov_rad, request.aspect),
             sky,
             craft,
+            eye_velocity_m_s: match request.mode {
+                CameraMode::Geodetic => None,
+                _ => state.map(|state| state.velocity_m_s),
+            },
             satellite: state.map(|state| {
                 let sun_itrf_m = sky.sun_itrf * sun_position_gcrf_m(epoch).length();
                 let position_itrf_m = state.position_itrf_m;
@@ -246,7 +255,9 @@ impl Flight {
     /// # Errors
     /// With `strict = true` the first of them.
     pub fn dropped_layers(&self) -> Result<Vec<DroppedLayer>, PlayError> {
-        dropped_layers(&self.scene)
+        let mut dropped = dropped_layers(&self.scene)?;
+        dropped.extend(dropped_parts(&self.scene)?);
+        Ok(dropped)
     }
 
     /// Loads the maps that the scene wants and no others, and gathers its options. `bc` is what the adapter does with

@@ -115,8 +115,9 @@ fn told(scene: &Scene, dropped: Vec<DroppedLayer>) -> Result<Vec<DroppedLayer>, 
         Some(DroppedLayer { layer, missing }) if scene.earth.strict => {
             Err(PlayError::MissingLayer {
                 scene: scene.path.clone(),
+                table: "earth",
                 layer,
-                missing: missing.clone(),
+                missing: format!("{missing} is missing"),
             })
         }
         _ => Ok(dropped),

@@ -17,6 +17,7 @@
 //! | `relief` | its heights |
 //! | `craft/` | the spacecraft that the chase camera follows |
 //! | `tracks/` | trails, ground tracks, footprints and names of its satellites |
+//! | `sky`, `sky_parts` | what is beyond the Earth |
 //! | `offscreen`, `still`, `stats`, `export`, `video/` | the offscreen renderer; pictures, their numbers, films |
 //! | `radiance` | a picture's light as a file |
 //! | `output` | files that are complete or not there |
@@ -50,6 +51,8 @@ mod progress;
 mod radiance;
 mod relief;
 mod satellites;
+mod sky;
+mod sky_parts;
 mod stats;
 mod still;
 mod surface;

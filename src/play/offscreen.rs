@@ -3,7 +3,9 @@
 use super::craft::CraftLayer;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
+use super::sky::SkyLayer;
 use super::tracks::{TrackDetail, TracksLayer};
+use crate::celestial::CelestialOptions;
 use crate::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart, PictureError};
 use crate::imagery::tile::TileKey;
 use crate::{Adaptation, Earth, EarthOptions, Exposure, EyeView, FrameStats};
@@ -18,6 +20,7 @@ pub struct OffscreenRenderer {
     gpu: GpuContext,
     earth: Earth,
     craft: CraftLayer,
+    sky: Option<SkyLayer>,
     tracks: Option<TracksLayer>,
     targets: FrameTargets,
     samples: u32,
@@ -73,11 +76,18 @@ impl OffscreenRenderer {
             gpu,
             earth,
             craft: CraftLayer::new(options)?,
+            sky: None,
             tracks: None,
             targets,
             samples: options.samples,
             adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
         })
+    }
+
+    /// Draws what is beyond the Earth from now on, where a flight's scene asks for any of it.
+    pub fn show_sky(&mut self, flight: &Flight) -> Result<(), PlayError> {
+        self.sky = SkyLayer::of(flight, &self.gpu, &self.earth)?;
+        Ok(())
     }
 
     /// Draws the tracks of a flight's satellites from now on, where its scene asks for any.
@@ -105,6 +115,14 @@ impl OffscreenRenderer {
     /// The Earth.
     pub fn earth(&self) -> &Earth {
         &self.earth
+    }
+
+    /// Names of what is drawn beyond the Earth, and of what is not.
+    pub fn sky_features(&self) -> [Vec<&'static str>; 2] {
+        let options = self.sky.as_ref().map(|sky| sky.celestial().options());
+        let on = options.map_or_else(Vec::new, CelestialOptions::features_on);
+        let off = CelestialOptions::FEATURES.into_iter();
+        [on.clone(), off.filter(|name| !on.contains(name)).collect()]
     }
 
     /// Adapter, device and queue.
@@ -219,6 +237,9 @@ impl OffscreenRenderer {
                 self.craft.render(&mut pass);
                 self.earth.render_surface(&mut pass);
             }
+            if let Some(sky) = self.sky.as_ref().filter(|_| part.is_last) {
+                sky.render(&mut pass);
+            }
             if let Some(tracks) = self.tracks.as_ref().filter(|_| part.is_last) {
                 tracks.render(&mut pass);
             }
@@ -243,6 +264,9 @@ impl OffscreenRenderer {
         self.craft
             .prepare(&self.gpu, craft, &moment.view, &moment.sky, stats);
         let size = self.size();
+        if let Some(sky) = &mut self.sky {
+            sky.prepare(&self.gpu, &self.earth, moment, size, stats);
+        }
         if let Some(tracks) = &mut self.tracks {
             tracks.prepare(&self.gpu, moment, size, TrackDetail::Complete, stats);
         }
@@ -262,7 +286,8 @@ impl OffscreenRenderer {
     fn submit(&mut self) {
         let mut encoder = self.encoder();
         let mut pass = self.targets.begin_pass(&mut encoder);
-        render_in_order(&mut pass, &self.craft, &self.earth, self.tracks.as_ref());
+        let (sky, tracks) = (self.sky.as_ref(), self.tracks.as_ref());
+        render_in_order(&mut pass, &self.craft, &self.earth, sky, tracks);
         drop(pass);
         let size = self.size();
         if let Some(tracks) = &mut self.tracks {
@@ -294,15 +319,20 @@ impl OffscreenRenderer {
     }
 }
 
-/// Draws what a picture holds: the craft first, so that the air lies behind it, and the tracks last.
+/// Draws what a picture holds: the craft first, so that the air lies behind it, then what is beyond the Earth, and the tracks
+/// last.
 pub(super) fn render_in_order(
     pass: &mut wgpu::RenderPass<'_>,
     craft: &CraftLayer,
     earth: &Earth,
+    sky: Option<&SkyLayer>,
     tracks: Option<&TracksLayer>,
 ) {
     craft.render(pass);
     earth.render(pass);
+    if let Some(sky) = sky {
+        sky.render(pass);
+    }
     if let Some(tracks) = tracks {
         tracks.render(pass);
     }

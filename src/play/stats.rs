@@ -148,6 +148,7 @@ impl PictureStats {
         let (width, height) = renderer.size();
         let counts = &measured.stats;
         let diagnostics = renderer.earth().diagnostics();
+        let [sky_on, sky_off] = renderer.sky_features();
         let names = |names: Vec<&str>| names.into_iter().map(str::to_owned).collect();
         Self {
             adapter: info.name,
@@ -165,8 +166,8 @@ impl PictureStats {
                 .earth()
                 .has_tiles()
                 .then(|| TileStats::new(counts, missing)),
-            features_on: names(diagnostics.features_on),
-            features_off: names(diagnostics.features_off),
+            features_on: names([diagnostics.features_on, sky_on].concat()),
+            features_off: names([diagnostics.features_off, sky_off].concat()),
             layers_missing: names(dropped.iter().map(|dropped| dropped.layer).collect()),
             eye: EyePosition::new(counts.eye),
             satellite: moment.satellite.map(|satellite| {

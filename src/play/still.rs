@@ -12,7 +12,6 @@ use crate::frames::Epoch;
 use crate::gpu::GpuContext;
 use crate::imagery::tile::TileKey;
 use std::path::Path;
-use std::time::Duration;
 
 /// Which picture is wanted, and where it goes.
 #[derive(Clone, Debug)]
@@ -76,6 +75,7 @@ pub fn write_still(
         (file, gpu.clone(), options)
     });
     let mut renderer = OffscreenRenderer::open(gpu, options, size)?;
+    renderer.show_sky(flight)?;
     renderer.show_tracks(flight)?;
     let (moment, asked) = match known {
         Some(moment) => (moment, None),
@@ -105,7 +105,7 @@ pub fn write_still(
     drop(renderer);
     let light = match for_light {
         Some((file, gpu, options)) => {
-            let pixels = draw_light(gpu, options, size, &moment, scene.output.wait())?;
+            let pixels = draw_light(flight, gpu, options, size, &moment)?;
             Some((file, pixels))
         }
         None => None,
@@ -132,14 +132,15 @@ pub fn write_still(
 
 /// Draws the same moment as light. Tracks are no light and are not in it.
 fn draw_light(
+    flight: &Flight,
     gpu: GpuContext,
     options: EarthOptions,
     size: (u32, u32),
     moment: &Moment,
-    wait: Duration,
 ) -> Result<Vec<[f32; 4]>, PlayError> {
     let mut renderer = OffscreenRenderer::open_for_light(gpu, options, size)?;
-    renderer.draw_complete(moment, wait);
+    renderer.show_sky(flight)?;
+    renderer.draw_complete(moment, flight.scene().output.wait());
     renderer.read_light()
 }
 

@@ -12,6 +12,7 @@ use super::output::PendingFile;
 use super::overlay::{EventResponse, Overlay};
 use super::panel::{self, PanelData};
 use super::progress::Progress;
+use super::sky::SkyLayer;
 use super::surface::WindowSurface;
 use super::tracks::{TrackDetail, TracksLayer};
 use crate::frames::rfc3339;
@@ -37,6 +38,7 @@ pub struct WindowRenderer {
     surface: WindowSurface,
     earth: Earth,
     craft: CraftLayer,
+    sky: Option<SkyLayer>,
     tracks: Option<TracksLayer>,
     gpu: GpuContext,
     window: Arc<Window>,
@@ -143,6 +145,7 @@ impl WindowRenderer {
             overlay: Overlay::new(&window, &gpu.device, surface.format()),
             surface,
             craft: CraftLayer::new(&options)?,
+            sky: SkyLayer::of(flight, &gpu, &earth)?,
             tracks: TracksLayer::of(flight, &gpu, &earth)?,
             earth,
             gpu,
@@ -351,6 +354,12 @@ impl WindowRenderer {
         let samples = self.earth.quality().samples;
         self.surface.set_samples(&self.gpu.device, samples);
         self.craft.set_samples(samples);
+        if let Some(sky) = &mut self.sky
+            && let Err(error) = sky.follow(&self.gpu, &self.earth)
+        {
+            tracing::warn!("the sky is no longer drawn: {error}");
+            self.sky = None;
+        }
         if let Some(tracks) = &mut self.tracks
             && let Err(error) = tracks.follow(&self.earth)
         {
@@ -407,11 +416,15 @@ impl WindowRenderer {
         let craft = moment.craft.as_ref();
         self.craft
             .prepare(&self.gpu, craft, &moment.view, &moment.sky, &mut stats);
+        if let Some(sky) = &mut self.sky {
+            sky.prepare(&self.gpu, &self.earth, moment, size, &mut stats);
+        }
         if let Some(tracks) = &mut self.tracks {
             tracks.prepare(&self.gpu, moment, size, TrackDetail::Live, &mut stats);
         }
         let mut pass = self.surface.begin_pass(encoder, view);
-        render_in_order(&mut pass, &self.craft, &self.earth, self.tracks.as_ref());
+        let (sky, tracks) = (self.sky.as_ref(), self.tracks.as_ref());
+        render_in_order(&mut pass, &self.craft, &self.earth, sky, tracks);
         drop(pass);
         if let Some(tracks) = &mut self.tracks {
             tracks.write_names(&self.gpu, encoder, view, size);

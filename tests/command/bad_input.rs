@@ -92,6 +92,34 @@ fn bad_maps_are_named_and_nothing_is_written() {
 
 /// Finding out takes no drawing: far below the time that maps and adapter need.
 #[test]
+fn a_bad_star_file_is_named_and_left_out_unless_strict() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("sky")).expect("a folder");
+    std::fs::write(place.path("sky/stars.bin"), b"TRSTARS1\x02\0\0\0short").expect("a file");
+    let sky = "[output]\nsize = [32, 32]\n[sky]\nfolder = \"sky\"\n";
+    place.scene("sky.toml", sky);
+    let told = place.succeed(&["check", "sky.toml"]);
+    let told = String::from_utf8_lossy(&told.stdout);
+    for words in [
+        "stars.bin: it says 2 stars and holds 5 bytes",
+        "moon.jpg is missing",
+    ] {
+        assert!(told.contains(words), "{told}");
+    }
+    let drawn = place.succeed(&["frame", "sky.toml", "-o", "a.png", "--stats", "a.json"]);
+    let drawn = String::from_utf8_lossy(&drawn.stderr);
+    assert!(drawn.contains("stars left out"), "{drawn}");
+    let stats = std::fs::read_to_string(place.path("a.json")).expect("numbers");
+    assert!(stats.contains("\"layers_missing\""), "{stats}");
+    place.scene("strict.toml", &format!("[earth]\nstrict = true\n{sky}"));
+    let refused = place.fail(2, &["frame", "strict.toml", "-o", "b.png"]);
+    assert!(
+        refused.contains("[sky] stars") && !place.path("b.png").exists(),
+        "{refused}"
+    );
+}
+
+#[test]
 fn what_cannot_be_written_is_told_before_drawing() {
     let place = Place::new();
     place.scene("a_file", "");

@@ -18,11 +18,13 @@ const OUTLIER: f32 = 0.15;
 const MOST_OUTLIERS: f32 = 0.001;
 
 /// Scenes of `config/`, drawn smaller.
-const OF_LIGHT: [&str; 6] = [
+const OF_LIGHT: [&str; 8] = [
     "crescent",
     "full_disc",
     "glint",
     "inside_air",
+    "moonrise",
+    "night",
     "night_europe",
     "sunrise",
 ];

@@ -70,7 +70,7 @@ fn a_still_has_its_size_and_exactly_the_numbers_of_the_contract() {
     assert!(visible >= drawn && drawn > 0.0, "{visible} {drawn}");
     assert_eq!(
         stats["features_on"],
-        serde_json::json!(["clouds", "water", "atmosphere"])
+        serde_json::json!(["clouds", "water", "atmosphere", "stars", "sun", "moon"])
     );
     assert_eq!(
         stats["features_off"],
@@ -79,7 +79,9 @@ fn a_still_has_its_size_and_exactly_the_numbers_of_the_contract() {
             "night_lights",
             "cloud_shadows",
             "detail",
-            "moonlight"
+            "moonlight",
+            "milky_way",
+            "glare"
         ])
     );
 }
@@ -243,14 +245,19 @@ fn the_minimal_scene_pays_for_the_day_map_alone() {
     let maps = ["clouds", "normals", "night_lights", "water"];
     let effects = ["cloud_shadows", "detail", "moonlight"];
     let air = ["atmosphere"];
-    let all = [&maps[..], &effects, &air].concat();
+    let (sky, not_standard) = (["stars", "sun", "moon"], ["milky_way", "glare"]);
+    let whole_sky = ["stars", "milky_way", "sun", "moon", "glare"];
+    let all = [&maps[..], &effects, &air, &whole_sky].concat();
     assert_eq!(minimal["features_on"], serde_json::json!([]));
     assert_eq!(minimal["features_off"], serde_json::json!(all));
     assert_eq!(
         iss["features_on"],
-        serde_json::json!([&maps[..], &air].concat())
+        serde_json::json!([&maps[..], &air, &sky].concat())
     );
-    assert_eq!(iss["features_off"], serde_json::json!(effects));
+    assert_eq!(
+        iss["features_off"],
+        serde_json::json!([&effects[..], &not_standard].concat())
+    );
     // The day map's levels, four bytes a texel, and not one byte more.
     let day: u64 = (0..=12)
         .map(|level| 4 * (4096_u64 >> level).max(1) * (2048_u64 >> level).max(1))
@@ -364,7 +371,8 @@ fn a_chase_picture_has_the_craft_in_its_middle_lit_from_the_right_side() {
 fn only_a_chase_draws_the_craft() {
     let place = Place::new();
     for (mode, crafts) in [("nadir", 0), ("horizon", 0), ("chase", 1)] {
-        place.scene("station.toml", &station(mode, 1));
+        let no_sky = "[sky]\nstars = false\nsun = false\nmoon = false\n";
+        place.scene("station.toml", &(station(mode, 1) + no_sky));
         place.succeed(&["frame", "station.toml", "-o", "a.png", "--stats", "a.json"]);
         let text = std::fs::read_to_string(place.path("a.json")).expect("reads");
         let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");

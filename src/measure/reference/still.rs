@@ -143,6 +143,9 @@ pub fn write_reference_still(
     {
         left_out.push("tracks".to_owned());
     }
+    if scene.sky.is_on() {
+        left_out.push("sky".to_owned());
+    }
     if moment.craft.is_some() {
         left_out.push("spacecraft".to_owned());
     }
