@@ -200,11 +200,12 @@ pub(crate) fn ball_bounds(
         let corner = DVec3::new(side(0), side(1), side(2));
         *clip_from_eye * (center_from_eye_m + corner).extend(1.0)
     });
+    let behind = corners.clone().filter(|clip| clip.w <= 0.0).count();
+    if behind > 0 {
+        return (behind < 8).then_some([-1.0, -1.0, 1.0, 1.0]);
+    }
     let (mut least, mut greatest) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     for clip in corners {
-        if clip.w <= 0.0 {
-            return Some([-1.0, -1.0, 1.0, 1.0]);
-        }
         let at = DVec2::new(clip.x, clip.y) / clip.w;
         (least, greatest) = (least.min(at), greatest.max(at));
     }
