@@ -1,6 +1,7 @@
 //! An eye among the stars: where it sees the Sun, the Moon and what is infinitely far.
 
 use super::rotation::EARTH_ROTATION_RATE_RAD_S;
+use super::sun::aberrated;
 use super::time::JulianDate;
 use super::{
     ASTRONOMICAL_UNIT_M, Duration, Epoch, Orientation, itrf_from_gcrf_oriented, moon,
@@ -25,6 +26,10 @@ pub struct Observer {
     /// From the barycentre, GCRF axes, parts of the speed of light.
     beta: DVec3,
     sun_gcrf_m: DVec3,
+    /// From where the Earth is now to where the Moon was when its light left it, GCRF axes, metres.
+    moon_gcrf_m: DVec3,
+    /// When that was.
+    moon_epoch: Epoch,
 }
 
 impl Observer {
@@ -48,14 +53,19 @@ impl Observer {
     ) -> Self {
         let itrf_from_gcrf = itrf_from_gcrf_oriented(epoch, orientation);
         let gcrf_from_itrf = itrf_from_gcrf.transpose();
-        let sun_gcrf_m = sun_position_gcrf_m(epoch);
-        let velocity = earth_velocity_m_s(epoch) + gcrf_from_itrf * velocity_m_s;
+        let eye_gcrf_m = gcrf_from_itrf * eye_itrf_m;
+        let (sun_gcrf_m, earth_m_s) = sun_and_velocity(epoch);
+        let velocity = earth_m_s + gcrf_from_itrf * velocity_m_s;
+        let (moon_gcrf_m, seconds) = moon::retarded(epoch, eye_gcrf_m);
         Self {
             epoch,
             itrf_from_gcrf,
-            eye_gcrf_m: gcrf_from_itrf * eye_itrf_m,
+            eye_gcrf_m,
             beta: velocity / LIGHT_M_S,
             sun_gcrf_m,
+            // Then the Earth was elsewhere.
+            moon_gcrf_m: moon_gcrf_m - earth_m_s * seconds,
+            moon_epoch: epoch - Duration::from_seconds(seconds),
         }
     }
 
@@ -71,18 +81,9 @@ impl Observer {
 
     /// Where a thing is seen whose light comes along a unit direction of GCRF axes: a unit vector in the same axes.
     pub fn seen(&self, natural: DVec3) -> DVec3 {
-        let beta2 = self.beta.length_squared();
         let sun_au = (self.sun_gcrf_m - self.eye_gcrf_m).length() / ASTRONOMICAL_UNIT_M;
-        let inverse_gamma = (1.0 - beta2).max(0.0).sqrt();
         // Nearer than a hundredth of its distance the Sun's potential would be all of it.
-        let sun_au = sun_au.max(0.01);
-        let natural = natural.to_array();
-        DVec3::from(sofars::astro::ab(
-            &natural,
-            &self.beta.to_array(),
-            sun_au,
-            inverse_gamma,
-        ))
+        aberrated(natural, self.beta, sun_au.max(0.01))
     }
 
     /// The Sun's centre as the eye sees it: from the eye, ITRF axes, metres.
@@ -93,17 +94,12 @@ impl Observer {
 
     /// The Moon's centre as the eye sees it: from the eye, ITRF axes, metres.
     pub fn moon_m(&self) -> DVec3 {
-        let (moon_gcrf_m, seconds) = moon::retarded(self.epoch, self.eye_gcrf_m);
-        // Then the Earth was elsewhere.
-        let earth_moved = earth_velocity_m_s(self.epoch) * seconds;
-        self.apparent_m(moon_gcrf_m - earth_moved - self.eye_gcrf_m)
+        self.apparent_m(self.moon_gcrf_m - self.eye_gcrf_m)
     }
 
     /// Rotation from ITRF axes to those of the Moon as it was when its light left it.
     pub fn moon_from_itrf(&self) -> DMat3 {
-        let (_, seconds) = moon::retarded(self.epoch, self.eye_gcrf_m);
-        let then = self.epoch - Duration::from_seconds(seconds);
-        moon::moon_from_gcrf(then) * self.itrf_from_gcrf.transpose()
+        moon::moon_from_gcrf(self.moon_epoch) * self.itrf_from_gcrf.transpose()
     }
 
     fn apparent_m(&self, from_eye_gcrf_m: DVec3) -> DVec3 {
@@ -115,19 +111,21 @@ impl Observer {
     }
 }
 
-/// How the Earth's centre moves about the barycentre, GCRF axes, metres a second.
-fn earth_velocity_m_s(epoch: Epoch) -> DVec3 {
+/// The Sun from the Earth, metres, and how the Earth's centre moves about the barycentre, metres a second; GCRF axes.
+fn sun_and_velocity(epoch: Epoch) -> (DVec3, DVec3) {
     const DAY_S: f64 = 86_400.0;
     let tt = JulianDate::tt(epoch);
     match sofars::eph::epv00(tt.midnight, tt.fraction) {
-        Some((_, [_, velocity_au_day])) => {
-            DVec3::from(velocity_au_day) * (ASTRONOMICAL_UNIT_M / DAY_S)
-        }
+        Some(([earth_au, _], [_, velocity_au_day])) => (
+            -DVec3::from(earth_au) * ASTRONOMICAL_UNIT_M,
+            DVec3::from(velocity_au_day) * (ASTRONOMICAL_UNIT_M / DAY_S),
+        ),
         // About the Sun instead, 13 m/s from it.
         None => {
             let half_day = Duration::from_seconds(0.5 * DAY_S);
             let before = sun_position_gcrf_m(epoch - half_day);
-            (before - sun_position_gcrf_m(epoch + half_day)) / DAY_S
+            let after = sun_position_gcrf_m(epoch + half_day);
+            (sun_position_gcrf_m(epoch), (before - after) / DAY_S)
         }
     }
 }

@@ -61,13 +61,15 @@ fn apparent_direction(earth_au: [f64; 3], velocity_au_day: [f64; 3]) -> DVec3 {
     let natural = to_sun / distance_au;
     // Speed of light, au per day: IAU 2012 astronomical unit over c.
     let beta = DVec3::from(velocity_au_day) / sofars::consts::DC;
-    let inverse_gamma = (1.0 - beta.length_squared()).sqrt();
-    DVec3::from(sofars::astro::ab(
-        &natural.to_array(),
-        &beta.to_array(),
-        distance_au,
-        inverse_gamma,
-    ))
+    aberrated(natural, beta, distance_au)
+}
+
+/// Where light is seen to come from that comes along a unit direction, by an eye that moves with this part of the speed of light,
+/// so many au from the Sun.
+pub(super) fn aberrated(natural: DVec3, beta: DVec3, sun_au: f64) -> DVec3 {
+    let inverse_gamma = (1.0 - beta.length_squared()).max(0.0).sqrt();
+    let (natural, beta) = (natural.to_array(), beta.to_array());
+    DVec3::from(sofars::astro::ab(&natural, &beta, sun_au, inverse_gamma))
 }
 
 /// Meeus, Astronomical Algorithms (1998), chapter 25, with mean equator and equinox of date turned by mean sidereal time.
