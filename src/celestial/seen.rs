@@ -4,7 +4,7 @@ use super::moon::{MoonLaw, earthshine};
 use super::projection::{Projection, disc_axes};
 use super::stars::StarCatalogue;
 use crate::earth::{ItrfView, moonlight_of_phase};
-use crate::frames::{Ellipsoid, MOON_RADIUS_M, Observer, SUN_RADIUS_M, illumination, uncovered};
+use crate::frames::{Ellipsoid, MOON_RADIUS_M, MoonShadow, Observer, illumination};
 use crate::gpu::{CelestialUniforms, Disc, StarPoint};
 use bytemuck::Zeroable;
 use glam::{DMat3, DVec3};
@@ -29,12 +29,7 @@ impl Seen {
         let (sun_m, moon_m) = (observer.sun_m(), observer.moon_m());
         let eye = view.eye_itrf_m;
         let (_, past_earth) = illumination(eye, eye + sun_m, ellipsoid);
-        let radius = |radius_m: f64, center: DVec3| (radius_m / center.length()).min(1.0).asin();
-        let past_moon = uncovered(
-            radius(SUN_RADIUS_M, sun_m),
-            radius(MOON_RADIUS_M, moon_m),
-            sun_m.angle_between(moon_m),
-        );
+        let past_moon = MoonShadow::new(sun_m, moon_m).sun_left(DVec3::ZERO);
         Self {
             observer: *observer,
             sun_m,

@@ -1,29 +1,38 @@
 //! What lights the Earth.
 
-use crate::frames::{Epoch, Orientation, sun_and_moon_itrf};
+use crate::frames::{ASTRONOMICAL_UNIT_M, Epoch, MoonShadow, Observer, Orientation};
 use crate::gpu::LAMPS_OUT_SIN;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// A block on which the sine of the Sun's elevation is nowhere less has no lamp lit, with room for the ellipsoid.
 pub(super) const LIGHTS_OUT: f64 = LAMPS_OUT_SIN + ROOM_SIN;
 /// Room for the ellipsoid in sines of the Sun's elevation.
 pub(super) const ROOM_SIN: f64 = 0.01;
 
-/// What lights the Earth.
+/// What lights the Earth, and the axes of the stars. Hosts with an ephemeris of their own fill it, others take it of a date.
+///
+/// Sun and Moon stand where they are seen from the Earth's centre, both with light time and aberration or both without: half a minute
+/// of arc between them moves the Moon's shadow by 50 km.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sky {
     /// Vector to the Sun in ITRF axes, of length 1; of any other finite length it is made a unit vector.
     pub sun_itrf: DVec3,
+    /// The Sun's distance, metres: how large its disc is for the Moon's shadow, and nothing else.
+    pub sun_distance_m: f64,
     /// The Moon's centre from the Earth's in ITRF axes, metres; `None` for a night without a Moon.
     pub moon_itrf_m: Option<DVec3>,
+    /// Rotation from the axes of the stars, GCRF, to ITRF; `None` where no date is known. Nothing of the Earth is drawn by it.
+    pub itrf_from_gcrf: Option<DMat3>,
 }
 
 impl Sky {
-    /// A Sun in this direction, and no Moon.
+    /// A Sun in this direction at its mean distance, and no Moon.
     pub const fn new(sun_itrf: DVec3) -> Self {
         Self {
             sun_itrf,
+            sun_distance_m: ASTRONOMICAL_UNIT_M,
             moon_itrf_m: None,
+            itrf_from_gcrf: None,
         }
     }
 
@@ -34,11 +43,22 @@ impl Sky {
 
     /// The sky of a date over an Earth of that orientation.
     pub fn with_orientation(epoch: Epoch, orientation: &Orientation) -> Self {
-        let (sun_itrf, moon_itrf_m) = sun_and_moon_itrf(epoch, orientation);
+        let center = Observer::moving(epoch, orientation, DVec3::ZERO, DVec3::ZERO);
+        let sun_m = center.sun_m();
         Self {
-            sun_itrf,
-            moon_itrf_m: Some(moon_itrf_m),
+            sun_itrf: sun_m.normalize(),
+            sun_distance_m: sun_m.length(),
+            moon_itrf_m: Some(center.moon_m()),
+            itrf_from_gcrf: Some(center.itrf_from_gcrf()),
         }
+    }
+
+    /// The Moon's shadow; `None` where no Moon is said, or Sun or Moon are nowhere.
+    pub fn moon_shadow(&self) -> Option<MoonShadow> {
+        let sun_m = self.with_unit_sun()?.sun_itrf * self.sun_distance_m;
+        let moon_m = self.moon_itrf_m?;
+        let is_somewhere = sun_m.is_finite() && moon_m.is_finite();
+        (is_somewhere && sun_m != moon_m).then(|| MoonShadow::new(sun_m, moon_m))
     }
 
     /// Direction to the Moon and its light, as a part of the Sun's; none where it is not said or not finite.
@@ -93,6 +113,22 @@ mod tests {
         let half = moonlight_of_phase(90_f64.to_radians()) / full;
         assert!((0.08..0.12).contains(&half), "{half}");
         assert!(moonlight_of_phase(180_f64.to_radians()) < 1e-3 * full);
+    }
+
+    #[test]
+    fn the_moons_shadow_is_there_where_sun_and_moon_are() {
+        let noon: Epoch = "2017-08-21T18:25:32Z".parse().expect("a date");
+        let sky = Sky::at(noon);
+        assert!(sky.itrf_from_gcrf.is_some());
+        let shadow = sky.moon_shadow().expect("a Moon");
+        assert!(shadow.reaches(DVec3::ZERO, 6.4e6));
+        assert_eq!(Sky::new(DVec3::X).moon_shadow(), None);
+        for lost in [DVec3::NAN, DVec3::INFINITY] {
+            let moon_itrf_m = Some(lost);
+            assert_eq!(Sky { moon_itrf_m, ..sky }.moon_shadow(), None);
+            let sun_itrf = lost;
+            assert_eq!(Sky { sun_itrf, ..sky }.moon_shadow(), None);
+        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Where the Sun is, and the axes between the stars and the Earth.
 
 use super::time::JulianDate;
-use super::{Epoch, Orientation, itrf_from_gcrf_oriented, moon_position_gcrf_m, sun};
+use super::{Epoch, Orientation, itrf_from_gcrf_oriented, sun};
 use glam::{DMat3, DVec3};
 
 /// Metres in an astronomical unit (IAU 2012 resolution B2).
@@ -23,15 +23,6 @@ pub fn sun_position_gcrf_m(epoch: Epoch) -> DVec3 {
             itrf_from_gcrf.transpose() * direction * distance
         }
     }
-}
-
-/// [`super::sun_direction_itrf_oriented`] and the Moon's place in ITRF axes: these are found once for both.
-pub(crate) fn sun_and_moon_itrf(epoch: Epoch, orientation: &Orientation) -> (DVec3, DVec3) {
-    let itrf_from_gcrf = itrf_from_gcrf_oriented(epoch, orientation);
-    (
-        sun::sun_direction_in(epoch, orientation, &itrf_from_gcrf),
-        itrf_from_gcrf * moon_position_gcrf_m(epoch),
-    )
 }
 
 /// Rotation that takes GCRF axes to those of the celestial intermediate pole and origin (IAU 2000B): what precession and

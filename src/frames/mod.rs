@@ -10,13 +10,13 @@ mod eclipse;
 mod ellipsoid;
 mod height_range;
 mod moon;
+mod moon_shadow;
 mod observer;
 mod orientation;
 mod rotation;
 mod sun;
 mod time;
 
-pub(crate) use bodies::sun_and_moon_itrf;
 pub use bodies::{
     ASTRONOMICAL_UNIT_M, earth_rotation_angle_rad, intermediate_from_gcrf, sun_position_gcrf_m,
 };
@@ -24,13 +24,14 @@ pub use bodies::{
 pub(crate) use calendar::Calendar;
 pub use ccsds::{TimeScale, ccsds_time, epoch_from_ccsds};
 pub use earth_orientation::{EarthOrientation, EarthOrientationError};
-#[cfg(any(feature = "celestial", feature = "orbit"))]
+#[cfg(feature = "orbit")]
 pub(crate) use eclipse::uncovered;
 pub use eclipse::{Illumination, SUN_RADIUS_M, illumination, sun_position_itrf_m};
 pub use ellipsoid::{Ellipsoid, Geodetic};
 pub use height_range::HeightRange;
 pub use hifitime::{Duration, Epoch};
 pub use moon::{MOON_RADIUS_M, moon_from_gcrf, moon_position_gcrf_m};
+pub use moon_shadow::MoonShadow;
 pub use observer::Observer;
 pub use orientation::Orientation;
 pub use rotation::{

@@ -3,7 +3,7 @@
 use super::rotation::{itrf_from_gcrf_oriented, itrf_from_pef, rotation_about_z};
 use super::time::JulianDate;
 use super::{Epoch, Geodetic, Orientation};
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 /// Mean angular radius of the Sun's disc, radians.
 pub const SUN_RADIUS_RAD: f64 = 0.004_65;
@@ -19,21 +19,13 @@ pub fn sun_direction_itrf(epoch: Epoch) -> DVec3 {
 
 /// As [`sun_direction_itrf`], with what is measured of the Earth's rotation: from 1900 to 2100 good to 0.1″.
 pub fn sun_direction_itrf_oriented(epoch: Epoch, orientation: &Orientation) -> DVec3 {
-    let itrf_from_gcrf = itrf_from_gcrf_oriented(epoch, orientation);
-    sun_direction_in(epoch, orientation, &itrf_from_gcrf)
-}
-
-pub(super) fn sun_direction_in(
-    epoch: Epoch,
-    orientation: &Orientation,
-    itrf_from_gcrf: &DMat3,
-) -> DVec3 {
     let tt = JulianDate::tt(epoch);
     match sofars::eph::epv00(tt.midnight, tt.fraction) {
         Some((heliocentric, barycentric)) => {
             let [earth_au, _] = heliocentric;
             let [_, velocity_au_day] = barycentric;
-            *itrf_from_gcrf * apparent_direction(earth_au, velocity_au_day)
+            itrf_from_gcrf_oriented(epoch, orientation)
+                * apparent_direction(earth_au, velocity_au_day)
         }
         None => low_precision_direction_itrf(epoch, orientation),
     }

@@ -8,7 +8,6 @@ use super::satellites::{self, Listener, Satellite, orientation_at};
 use super::sky_parts::dropped_parts;
 use crate::frames::{
     EarthOrientation, Ellipsoid, Epoch, Geodetic, Illumination, Orientation, illumination,
-    sun_position_gcrf_m,
 };
 use crate::gpu::BcSupport;
 use crate::orbit::{Feed, OrbitError, OrbitState};
@@ -239,7 +238,7 @@ impl Flight {
                 _ => state.map(|state| state.velocity_m_s),
             },
             satellite: state.map(|state| {
-                let sun_itrf_m = sky.sun_itrf * sun_position_gcrf_m(epoch).length();
+                let sun_itrf_m = sky.sun_itrf * sky.sun_distance_m;
                 let position_itrf_m = state.position_itrf_m;
                 SatelliteState {
                     place: self.ellipsoid.geodetic_from_itrf(position_itrf_m),

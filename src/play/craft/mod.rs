@@ -6,7 +6,7 @@
 mod mesh;
 
 use super::camera::OrbitalMotion;
-use crate::frames::{ASTRONOMICAL_UNIT_M, Ellipsoid, illumination};
+use crate::frames::{Ellipsoid, illumination};
 use crate::gpu::{
     FrameTargets, GpuContext, PassFormat, PipelineDescription, ShaderError, ShaderText, TargetColor,
 };
@@ -33,7 +33,7 @@ pub struct CraftPose {
     pub position_itrf_m: DVec3,
     /// Its axes in ITRF: x along flight, z straight down.
     pub itrf_from_craft: DMat3,
-    /// How much of the Sun's disc the Earth leaves in sight, 0…1.
+    /// How much of the Sun's disc Earth and Moon leave in sight, 0…1.
     pub sunlight: f64,
     /// Irradiance from the day side below on a sheet that faces the Earth; the Sun's in space is 1.
     pub earthshine: f64,
@@ -43,11 +43,14 @@ impl CraftPose {
     /// The craft at a satellite's place.
     pub fn new(motion: &OrbitalMotion, ellipsoid: &Ellipsoid, sky: &Sky) -> Self {
         let position_itrf_m = motion.position_itrf_m;
-        let sun_itrf_m = sky.sun_itrf * ASTRONOMICAL_UNIT_M;
+        let sun_itrf_m = sky.sun_itrf * sky.sun_distance_m;
+        let past_earth = illumination(position_itrf_m, sun_itrf_m, ellipsoid).1;
+        let past_moon = sky.moon_shadow();
+        let past_moon = past_moon.map_or(1.0, |shadow| shadow.sun_left(position_itrf_m));
         Self {
             position_itrf_m,
             itrf_from_craft: motion.itrf_from_level(ellipsoid),
-            sunlight: illumination(position_itrf_m, sun_itrf_m, ellipsoid).1,
+            sunlight: past_earth * past_moon,
             earthshine: earthshine(position_itrf_m, ellipsoid, sky.sun_itrf),
         }
     }
