@@ -41,7 +41,7 @@ pub fn earth_rotation_angle_rad(epoch: Epoch, ut1_minus_utc_s: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Duration, itrf_from_pef};
+    use super::super::{Duration, itrf_from_pef, moon_position_gcrf_m};
     use super::*;
 
     /// JPL DE440 (Park, Folkner, Williams & Boggs 2021), geocentric, ICRF, km: Julian date (TDB, taken as TT), Moon, Sun.
@@ -136,7 +136,7 @@ mod tests {
             (sun_km, sun_arcsec) = (sun_km.max(km), sun_arcsec.max(arcsec));
         }
         println!("Moon: {moon_km:.1} km, {moon_arcsec:.1}″; Sun: {sun_km:.1} km, {sun_arcsec:.4}″");
-        assert!(moon_km < 6.0 && moon_arcsec < 2.6);
+        assert!(moon_km < 1.5 && moon_arcsec < 0.7);
         assert!(sun_km < 7.0 && sun_arcsec < 0.01);
     }
 
@@ -144,8 +144,8 @@ mod tests {
     fn the_moon_is_where_meeus_has_it() {
         // Meeus 1998, example 47.a: 1992 April 12, 0 h TD: 368 409.7 km.
         let distance = moon_position_gcrf_m(epoch_of_tt(2_448_724.5)).length() / 1e3;
-        // His selection of terms and ours are each within some kilometres of the whole theory.
-        assert!((distance - 368_409.7).abs() < 4.0, "{distance}");
+        // His selection of terms is within some kilometres of the whole theory.
+        assert!((distance - 368_409.7).abs() < 5.0, "{distance}");
     }
 
     #[test]

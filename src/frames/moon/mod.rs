@@ -46,8 +46,8 @@ const NODE: f64 = -0.050_28;
 
 /// The Moon's centre from the Earth's in GCRF axes, metres; geometric.
 ///
-/// The 372 largest terms of ELP/MPP02 (Chapront and Francou 2003). They are within 2.6″ and 7 km of JPL's DE421 from 1900 to 2050 (0.6″
-/// in the mean), and of DE423 within 3″ from 1800 to 2200; the polynomials lose their meaning some thousand years away.
+/// The 944 largest terms of ELP/MPP02 (Chapront and Francou 2003). They are within 0.6″ and 1 km of JPL's DE421 from 1900 to 2050 (0.12″
+/// root mean square), and of the whole theory within 0.7″ from 1800 to 2200; the polynomials lose their meaning some thousand years away.
 pub fn moon_position_gcrf_m(epoch: Epoch) -> DVec3 {
     // TDB is within 2 ms of TT: 2 m.
     let t = centuries(epoch);
