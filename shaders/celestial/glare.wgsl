@@ -6,20 +6,29 @@ import rust::{GLARE_RADIUS_RAD, PI};
 const GLARE: f32 = 10.0 * 0.01;
 const GLARE_CORE_DEG: f32 = 0.4;
 
+struct Varying {
+    @builtin(position) clip: vec4f,
+    // Of the Sun on the eye, after Earth, Moon and air.
+    @location(0) @interpolate(flat) light: vec3f,
+}
+
 @vertex
-fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
-    return corner_of(sky.glare_bounds, index, sky.near_depth);
+fn vertex(@builtin(vertex_index) index: u32) -> Varying {
+    let light = sky.sun_seen * through_air(ray_through(sky.frame, sun_px()));
+    return Varying(corner_of(sky.glare_bounds, index, sky.near_depth), light);
 }
 
 @fragment
-fn fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
-    let met = meet(sky.sun, clip.xy);
-    let theta = degrees(atan2(length(met.ray.xy), met.ray.z));
-    let edge = degrees(GLARE_RADIUS_RAD);
+fn fragment(in: Varying) -> @location(0) vec4f {
+    // The square of the angle, in degrees, from that of its sine.
+    let ray = meet(sky.sun, in.clip.xy).ray;
+    let sine_squared = dot(ray.xy, ray.xy);
+    let squared = degrees(degrees(sine_squared * (1.0 + sine_squared * (1.0 / 3.0 + 8.0 / 45.0 * sine_squared))));
+    let core = GLARE_CORE_DEG * GLARE_CORE_DEG;
+    let edge = degrees(GLARE_RADIUS_RAD) * degrees(GLARE_RADIUS_RAD);
     // Nothing at the edge, without a step.
-    let shape = 1.0 / (theta * theta + GLARE_CORE_DEG * GLARE_CORE_DEG) - 1.0 / (edge * edge + GLARE_CORE_DEG * GLARE_CORE_DEG);
-    let light = PI * GLARE * sky.sun_seen * max(shape, 0.0);
-    return added(light * through_air(ray_through(sky.frame, sun_px())), 0.0);
+    let shape = select(0.0, 1.0 / (squared + core) - 1.0 / (edge + core), ray.z > 0.0);
+    return added(PI * GLARE * max(shape, 0.0) * in.light, 0.0);
 }
 
 // The pixel of the Sun's centre: there the rays across are 0.

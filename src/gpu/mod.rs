@@ -45,7 +45,7 @@ pub use targets::{
 pub use timer::{GpuTimer, TimerError};
 #[cfg(feature = "tracks")]
 pub use tracks::TrackUniforms;
-pub use uniforms::{AirUniforms, FrameUniforms, SurfaceLightUniforms};
+pub use uniforms::{AirUniforms, FrameUniforms, MoonShadowUniforms, SurfaceLightUniforms};
 
 pub(crate) use air::{AirDrawable, AirTextures, Binding, NightLight};
 #[cfg(feature = "celestial")]
@@ -209,7 +209,7 @@ fn texture_entry(
 ) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
-        visibility: wgpu::ShaderStages::FRAGMENT,
+        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
         ty: wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable: true },
             view_dimension: dimension,
@@ -222,7 +222,7 @@ fn texture_entry(
 fn sampler_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
-        visibility: wgpu::ShaderStages::FRAGMENT,
+        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
         ty: wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
         count: None,
     }

@@ -149,7 +149,7 @@ impl AirTextures {
     }
 
     fn common_bindings(&self) -> Vec<Binding<'_>> {
-        let stage = wgpu::ShaderStages::FRAGMENT;
+        let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let uniforms = wgpu::BindGroupEntry {
             binding: 1,
             resource: self.0.uniforms.as_entire_binding(),
