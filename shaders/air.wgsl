@@ -1,7 +1,7 @@
 // The halo: what the air shows beside the Earth, on a ring about the limb that stands where rays leave the air. So ground and
 // craft before that hide it, and it lies over what is behind the Earth.
 //
-// `AirVariant` in src/gpu/shader/air.rs says which conditions hold together: inside (the eye is in the air), moonlight, airglow,
+// `AirVariant` in src/gpu/shader/air.rs says which conditions hold together: inside (the eye is in the air), moonlight, airglow, eclipse,
 // and those of common/displayed.wgsl.
 //
 // Over what stands behind it the air is laid as it is shown: on 8-bit targets its light has gone through the tone curve, and what
@@ -9,6 +9,7 @@
 import common/air.wgsl;
 import common/displayed.wgsl;
 @if(airglow) import common/air/airglow.wgsl;
+@if(eclipse) import common/air/eclipsed.wgsl;
 
 struct Varying {
     @builtin(position) clip: vec4f,
@@ -36,7 +37,12 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let nearest = air.eye_distance * vec3f(d.z * d.xy, -sin2) - d * pass_.mu;
     let up = normal_at(scaled(select(vec3f(0.0, 0.0, -1.0), nearest, pass_.along > 0.0)));
     let light = gathered(pass_, up, map_uv(up));
-    @if(!airglow) let shown = light.rgb;
-    @if(airglow) let shown = light.rgb + airglow(pass_, dot(up, air.sun), fwidth(pass_.q));
+    @if(!eclipse) let of_sun = light.rgb;
+    @if(eclipse) let of_sun = light.rgb * sun_on_air(pass_, scaled(nearest));
+    @if(!airglow) let shown = of_sun;
+    @if(airglow) let shown = of_sun + airglow(pass_, dot(up, air.sun), fwidth(pass_.q));
     return vec4f(displayed(shown, air.exposure, in.clip.xy), light.a);
 }
+
+// What the Moon leaves of the sunlight on it. From an eye that looks up the air is before it, else about the nearest point.
+@if(eclipse) fn sun_on_air(pass_: Pass, nearest: vec3f) -> vec3f { if pass_.along <= 0.0 { return sun_on_rising_air(-air.eye_distance * air.toward_center, pass_.direction, -pass_.along / air.eye_distance, 1.0); } return sun_on_passed_air(nearest, pass_.direction, pass_.along); }

@@ -1,4 +1,6 @@
 // One frame's values, shared by all drawables. Mirrored by `FrameUniforms` in src/gpu/uniforms.rs; a test compares the offsets.
+import common/moon_shadow.wgsl;
+
 struct FrameUniforms {
     // Takes eye-relative ITRF metres to clip space.
     clip_from_eye: mat4x4f,
@@ -23,4 +25,5 @@ struct FrameUniforms {
     // Unit vector to the Moon, ITRF axes.
     moon_itrf: vec3f,
     padding: f32,
+    shadow: MoonShadow,
 }

@@ -61,7 +61,7 @@ impl Earth {
             None => &[],
         };
         let layers = ["clouds", "normals", "night_lights", "water"];
-        let effects = ["cloud_shadows", "detail", "moonlight"];
+        let effects = ["cloud_shadows", "detail", "moonlight", "eclipses"];
         layers
             .iter()
             .chain(&effects)

@@ -3,16 +3,19 @@
 use super::view::ItrfView;
 use super::{EarthOptions, EyeView, Sky, Viewport};
 use crate::air::{AirOptions, AirTables, Atmosphere};
-use crate::frames::Ellipsoid;
+use crate::frames::{Ellipsoid, MoonShadow};
 use crate::imagery::NeighbourhoodAlbedo;
 use crate::imagery::tile::MAP_LAYERS;
 use crate::light::{Exposure, Meter, MeterView};
+use glam::DVec3;
 
 /// Says with what exposure a frame is drawn.
 pub(super) struct ExposureControl {
     exposure: Exposure,
     /// [`SurfaceLight::moon_gain`](super::SurfaceLight::moon_gain).
     moon_gain: f64,
+    /// [`SurfaceLight::eclipses`](super::SurfaceLight::eclipses).
+    has_eclipses: bool,
     /// Made when exposure is first metered; an Earth that never meters has none.
     meter: Option<Meter>,
     /// What a meter is made of.
@@ -27,6 +30,7 @@ impl ExposureControl {
         let mut control = Self {
             exposure: options.exposure,
             moon_gain: options.light.moon_gain(),
+            has_eclipses: options.light.eclipses,
             albedo: NeighbourhoodAlbedo::new(&options.layers),
             air: None,
             air_options: options.air,
@@ -81,12 +85,21 @@ impl ExposureControl {
         let itrf_from_scaled = ellipsoid.itrf_from_scaled();
         let (moon_itrf, moon_light) = sky.moonlight();
         let moon_light = (self.moon_gain * moon_light) as f32;
+        let shadow = self.shadow_of(sky, ellipsoid);
         self.meter().ev(&MeterView {
             eye_scaled: view.eye_itrf_m / itrf_from_scaled,
             itrf_from_scaled,
             clip_from_eye: &view.clip_from_eye,
             lights: [(sky.sun_itrf, 1.0), (moon_itrf, moon_light)],
+            shadow,
         })
+    }
+
+    /// The Moon's shadow, where it falls on the Earth at all and is drawn.
+    fn shadow_of(&self, sky: &Sky, ellipsoid: &Ellipsoid) -> Option<MoonShadow> {
+        let shadow = sky.moon_shadow().filter(|_| self.has_eclipses)?;
+        let reaches = shadow.reaches(DVec3::ZERO, ellipsoid.equatorial_radius_m);
+        reaches.then_some(shadow)
     }
 
     /// The same for a view as a host gives it; `None` where no picture is defined.

@@ -391,7 +391,7 @@ impl Earth {
 
     fn render_halo(&self, pass: &mut wgpu::RenderPass<'_>) {
         if let Some(air) = &self.air {
-            air.render(pass);
+            air.render(pass, &self.plan);
         }
     }
 

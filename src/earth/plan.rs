@@ -10,13 +10,16 @@ use super::tiles::TileDriver;
 use super::view::ItrfView;
 use super::{EarthError, EarthOptions, FrameStats, Quality, Sky};
 use crate::air::{Atmosphere, Billboard, TOP};
-use crate::frames::Ellipsoid;
+use crate::frames::{Ellipsoid, MOON_RADIUS_M, MoonShadow};
 use crate::globe::{
     BLOCK_COUNT, BlockGrid, COLUMNS, Meshes, Subdivision, SubdivisionError, Surface, Visibility,
     sagitta, select_blocks, texels_per_pixel,
 };
-use crate::gpu::{AirPlan, FramePlan, FrameUniforms};
+use crate::gpu::{AirPlan, FramePlan, FrameUniforms, MoonShadowUniforms};
 use crate::light::exposure_factor;
+use bytemuck::Zeroable;
+use glam::DVec3;
+use std::f64::consts::FRAC_PI_2;
 
 /// Turns views into plans.
 pub(super) struct Planner {
@@ -26,6 +29,7 @@ pub(super) struct Planner {
     has_air: bool,
     /// [`SurfaceLight::moon_gain`](super::SurfaceLight::moon_gain).
     moon_gain: f64,
+    has_eclipses: bool,
     ground: Option<GroundDriver>,
     pub tiles: Option<TileDriver>,
     /// Texels of the day map per block side where no tile is drawn.
@@ -50,6 +54,7 @@ impl Planner {
             exposure: ExposureControl::new(options, quality.atmosphere),
             has_air: quality.atmosphere == Atmosphere::Billboard,
             moon_gain: options.light.moon_gain(),
+            has_eclipses: options.light.eclipses,
             tiles: tiles.transpose()?,
             ground: ground.transpose()?,
             whole_day_pixels: options.layers.day.width / COLUMNS,
@@ -146,11 +151,15 @@ impl Planner {
         }
         self.plan_tiles(view, sky, plan, &mut stats);
         let (moon_itrf, moon_light) = sky.moonlight();
+        let shadow = self.moon_shadow_in_view(view, sky);
+        plan.has_moon_shadow = shadow.is_some();
+        stats.moon_shadow = shadow.is_some();
         plan.uniforms = FrameUniforms {
             sun_itrf: sky.sun_itrf.as_vec3(),
             exposure,
             moon_itrf: moon_itrf.as_vec3(),
             moon_light: (self.moon_gain * moon_light) as f32,
+            shadow: moon_shadow_uniforms(shadow.as_ref(), &ellipsoid),
             ..view.uniforms(&ellipsoid)
         };
         if self.has_air {
@@ -166,6 +175,24 @@ impl Planner {
             stats.triangles += ring.triangles();
         }
         stats
+    }
+
+    /// The Moon's shadow, where it may fall on ground, clouds or air in sight.
+    fn moon_shadow_in_view(&self, view: &ItrfView, sky: &Sky) -> Option<MoonShadow> {
+        let ellipsoid = self.ellipsoid();
+        let top_m = TOP * ellipsoid.equatorial_radius_m;
+        let shadow = sky.moon_shadow().filter(|_| self.has_eclipses)?;
+        let eye = view.eye_itrf_m;
+        // As far as the limb, and from there to where the air ends.
+        let least_m = ellipsoid.polar_radius_m;
+        let to_limb = |m: f64| ((m + least_m) * (m - least_m).max(0.0)).sqrt();
+        let sight_m = to_limb(eye.length()) + to_limb(top_m);
+        let is_in_view = shadow.reaches(DVec3::ZERO, top_m) && shadow.reaches(eye, sight_m);
+        // Behind the Earth the cone goes on, and darkens nothing.
+        let to_limb_rad = |m: f64| (least_m / m).min(1.0).acos();
+        let to_night_rad = FRAC_PI_2 + to_limb_rad(eye.length()) + to_limb_rad(top_m);
+        let sees_day = eye.angle_between(sky.sun_itrf) < to_night_rad;
+        (is_in_view && sees_day).then_some(shadow)
     }
 
     /// How far inside the limb the outline of the ground may be, radii: of relief as deep as the sea, of blocks as far as the
@@ -231,6 +258,20 @@ impl Planner {
     }
 }
 
+/// What shaders read of the Moon's shadow; all zero without.
+fn moon_shadow_uniforms(shadow: Option<&MoonShadow>, ellipsoid: &Ellipsoid) -> MoonShadowUniforms {
+    let Some(shadow) = shadow else {
+        return MoonShadowUniforms::zeroed();
+    };
+    let radius_m = ellipsoid.equatorial_radius_m;
+    MoonShadowUniforms {
+        moon: (shadow.moon_itrf_m() / radius_m).as_vec3(),
+        radius: (MOON_RADIUS_M / radius_m) as f32,
+        axis: shadow.axis().as_vec3(),
+        spread: shadow.spread() as f32,
+    }
+}
+
 /// The meshes of a subdivision, for an Earth with tiles or without.
 fn meshes(
     ellipsoid: Ellipsoid,
@@ -248,7 +289,6 @@ mod tests {
     use crate::frames::Geodetic;
     use crate::globe::TangentCone;
     use crate::imagery::{EarthLayers, LayerImage};
-    use glam::DVec3;
 
     const SKY: Sky = Sky::new(DVec3::X);
 

@@ -29,6 +29,8 @@ pub struct FrameStats {
     pub texture_bytes: u64,
     /// The eye's place.
     pub eye: Geodetic,
+    /// Whether the Moon's shadow may be in view: the frame was drawn with it.
+    pub moon_shadow: bool,
     /// Metres on the ground that a pixel would cover straight below the eye; 0 at and below the surface.
     pub pixel_m: f64,
     /// What light was multiplied by before it was shown, as an exposure value: 2 to the power of it. Metered where that is

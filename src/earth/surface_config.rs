@@ -30,6 +30,7 @@ pub(super) fn surface_config<'a>(
         light: style.light.uniforms(),
         cloud_shadows: style.light.cloud_shadows,
         moonlight: style.light.moonlight,
+        eclipses: style.light.eclipses,
         detail: style.light.detail,
         shown,
         output: style.diagnostics.output,

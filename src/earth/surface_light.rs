@@ -28,6 +28,8 @@ pub struct SurfaceLight {
     pub detail: bool,
     /// Whether the Moon lights the Earth, by its phase: its land, sea and clouds, and the air.
     pub moonlight: bool,
+    /// Whether the Moon's shadow falls on ground, clouds and air. Frames that it is not in draw without it.
+    pub eclipses: bool,
     /// Whether the air glows by itself at night: see [`AIRGLOW_LUMINANCE`].
     pub airglow: bool,
     /// How many times brighter than in truth the lights of the night are, 0…1e6: those of cities, of the Moon and of the air
@@ -66,6 +68,7 @@ impl Default for SurfaceLight {
             cloud_shadows: false,
             detail: false,
             moonlight: false,
+            eclipses: false,
             airglow: false,
             night_gain: 1.5e5,
         }
@@ -111,6 +114,7 @@ impl SurfaceLight {
     pub(super) fn night_light(&self) -> NightLight {
         NightLight {
             moonlight: self.moonlight,
+            eclipses: self.eclipses,
             airglow: self
                 .airglow
                 .then_some((AIRGLOW_LUMINANCE * self.night_gain) as f32),

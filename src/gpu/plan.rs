@@ -33,6 +33,8 @@ pub(crate) struct FramePlan {
     pub tiles: Vec<(Block, BlockTiles)>,
     /// Those of them on which the Sun stands above the horizon everywhere: no lamp is lit there.
     pub daylit: BlockSet,
+    /// Whether the Moon's shadow may be in view.
+    pub has_moon_shadow: bool,
     /// The ring that carries the air's halo; `None` without air.
     pub air: Option<AirPlan>,
 }
@@ -68,6 +70,7 @@ impl FramePlan {
             vertices: Vec::with_capacity(vertices),
             tiles: Vec::with_capacity(BLOCK_COUNT as usize),
             daylit: BlockSet::default(),
+            has_moon_shadow: false,
             air: None,
         }
     }
@@ -78,6 +81,7 @@ impl FramePlan {
         self.vertices.clear();
         self.tiles.clear();
         self.daylit = BlockSet::default();
+        self.has_moon_shadow = false;
         self.air = None;
     }
 

@@ -41,6 +41,8 @@ struct SurfacePasses {
     all: SurfacePass,
     /// Without what shows by night alone, if there is any: for blocks by day.
     daylit: Option<SurfacePass>,
+    /// For frames that the Moon's shadow is in.
+    eclipsed: Option<SurfacePass>,
 }
 
 struct SurfacePass {
@@ -153,8 +155,12 @@ impl SurfaceDrawable {
 
     /// What shaders of the surface have.
     pub fn features(&self) -> Vec<&'static str> {
-        let first = self.assembled.passes.first();
-        first.map_or(Vec::new(), |passes| passes.all.variant.conditions_met())
+        let Some(first) = self.assembled.passes.first() else {
+            return Vec::new();
+        };
+        let mut features = first.all.variant.conditions_met();
+        features.extend(first.eclipsed.as_ref().map(|_| "eclipses"));
+        features
     }
 
     /// Bytes of their texts as the driver gets them.
@@ -209,10 +215,11 @@ impl SurfaceDrawable {
             pass.set_pipeline(&drawn.pipeline);
             pass.set_bind_group(0, &drawn.bind_group, &[]);
         };
-        choose(pass, &passes.all);
+        let eclipsed = passes.eclipsed.as_ref().filter(|_| plan.has_moon_shadow);
+        choose(pass, eclipsed.unwrap_or(&passes.all));
         let mut is_daylit = false;
         let mut by_light = |pass: &mut wgpu::RenderPass<'_>, block: Option<Block>| {
-            let Some(daylit) = &passes.daylit else {
+            let Some(daylit) = passes.daylit.as_ref().filter(|_| eclipsed.is_none()) else {
                 return;
             };
             let wanted = block.is_some_and(|block| plan.daylit.contains(block.index() as u8));
@@ -252,14 +259,18 @@ fn assemble(
             output: output(maps, config, side),
         };
         let pass = |variant| surface_pass(device, maps, imagery, uniforms, mesh, config, variant);
-        let daylit = all.daylit();
+        let eclipsed = all.eclipsed().filter(|_| config.eclipses);
         passes.push(SurfacePasses {
             all: pass(all)?,
-            daylit: daylit.map(pass).transpose()?,
+            daylit: all.daylit().map(pass).transpose()?,
+            eclipsed: eclipsed.map(pass).transpose()?,
         });
     }
     let drawn = passes.iter();
-    let drawn = drawn.flat_map(|passes| std::iter::once(&passes.all).chain(&passes.daylit));
+    let drawn = drawn.flat_map(|passes| {
+        let others = passes.daylit.iter().chain(&passes.eclipsed);
+        std::iter::once(&passes.all).chain(others)
+    });
     Ok(Assembled {
         shader_bytes: drawn.map(|pass| pass.shader_bytes).sum(),
         passes,
@@ -369,6 +380,7 @@ fn output(maps: &Maps, config: &SurfaceConfig<'_>, air: Option<AirSide>) -> Eart
             night_lights: maps.has(MapLayer::NightLights),
             water: maps.has(MapLayer::Water),
             moonlight: config.moonlight,
+            eclipse: false,
             detail: config.detail,
             air,
         }),

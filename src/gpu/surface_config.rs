@@ -11,6 +11,7 @@ pub(crate) struct SurfaceConfig<'a> {
     pub light: SurfaceLightUniforms,
     pub cloud_shadows: bool,
     pub moonlight: bool,
+    pub eclipses: bool,
     pub detail: bool,
     /// Which maps are used, of those that there are.
     pub shown: [bool; MAP_LAYERS],

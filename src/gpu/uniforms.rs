@@ -31,8 +31,24 @@ pub struct FrameUniforms {
     pub moon_light: f32,
     /// Unit vector to the Moon, ITRF axes.
     pub moon_itrf: Vec3,
-    /// Fills the struct to its size.
+    /// Fills the row.
     pub padding: f32,
+    /// Of the Moon; read where it reaches what is in view.
+    pub shadow: MoonShadowUniforms,
+}
+
+/// `MoonShadow` of `shaders/common/moon_shadow.wgsl`. ITRF axes, equatorial radii.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct MoonShadowUniforms {
+    /// The Moon's centre from the Earth's.
+    pub moon: Vec3,
+    /// Its radius.
+    pub radius: f32,
+    /// From the Sun through the Moon, unit.
+    pub axis: Vec3,
+    /// Distance of Sun and Moon in radii of the Sun.
+    pub spread: f32,
 }
 
 /// `SurfaceLightUniforms` of `shaders/earth/shading/surface_light.wgsl`.
@@ -111,6 +127,8 @@ pub struct AirUniforms {
     pub padding_a: f32,
     /// Horizontally towards the Moon at the eye, of length 1, scaled space.
     pub moon_level: Vec3,
-    /// Fills the struct to its size.
+    /// Fills the row.
     pub padding_b: f32,
+    /// As in [`FrameUniforms`].
+    pub shadow: MoonShadowUniforms,
 }

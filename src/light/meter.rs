@@ -8,7 +8,7 @@
 
 use super::Exposure;
 use crate::air::{AirTables, LUMINANCE};
-use crate::frames::SUN_RADIUS_RAD;
+use crate::frames::{MoonShadow, SUN_RADIUS_RAD};
 use glam::{DMat4, DVec3, Vec3, Vec4};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -38,6 +38,8 @@ pub(crate) struct MeterView<'a> {
     pub clip_from_eye: &'a DMat4,
     /// Sun and Moon: unit vectors to them, ITRF, and their light as they are drawn, the Sun's being 1.
     pub lights: [(DVec3, f32); 2],
+    /// What stands before the Sun.
+    pub shadow: Option<MoonShadow>,
 }
 
 /// Meters views of an Earth.
@@ -117,7 +119,13 @@ impl Meter {
     /// sheet that faces the Sun in space has 1.
     fn light(&self, view: &MeterView<'_>, up: DVec3, albedo: Vec3) -> [Vec3; 2] {
         let mut sum = [Vec3::ZERO; 2];
-        for (towards, brightness) in view.lights {
+        let place = || {
+            let scaled = (up * view.itrf_from_scaled).normalize_or_zero();
+            scaled * view.itrf_from_scaled
+        };
+        let past_moon = view.shadow.map_or(1.0, |shadow| shadow.sun_left(place()));
+        for ((towards, brightness), left) in view.lights.into_iter().zip([past_moon, 1.0]) {
+            let brightness = brightness * left as f32;
             if brightness > 0.0 {
                 let [falls, sky] = self.light_of_one(up.dot(towards), albedo);
                 sum[0] += brightness * falls;
@@ -209,6 +217,7 @@ mod tests {
             itrf_from_scaled: Ellipsoid::WGS84.itrf_from_scaled(),
             clip_from_eye: &clip_from_eye,
             lights,
+            shadow: None,
         })
     }
 
@@ -246,6 +255,7 @@ mod tests {
             itrf_from_scaled: RADII,
             clip_from_eye: &clip_from_eye,
             lights: [(DVec3::Y, 1.0), (DVec3::ZERO, 0.0)],
+            shadow: None,
         });
         assert_eq!(ev, Exposure::DEFAULT_EV);
     }

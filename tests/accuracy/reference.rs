@@ -24,6 +24,7 @@ const BARE: ReferenceOptions = ReferenceOptions {
         cloud_shadows: false,
         detail: false,
         moonlight: false,
+        eclipses: false,
         airglow: false,
         night_gain: 1.5e5,
     },

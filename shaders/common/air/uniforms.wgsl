@@ -1,4 +1,6 @@
 // Mirrored by `AirUniforms` in src/gpu/uniforms.rs. Lengths are equatorial radii of scaled space.
+import common/moon_shadow.wgsl;
+
 struct AirUniforms {
     // Axes of the billboard in scaled space: two across, one from the eye to the Earth's centre.
     across_x: vec3f,
@@ -40,4 +42,5 @@ struct AirUniforms {
     // Horizontally towards the Moon at the eye, as for the Sun.
     moon_level: vec3f,
     padding_b: f32,
+    shadow: MoonShadow,
 }

@@ -6,6 +6,7 @@ import rust::DAY;
 @if(night_lights) import earth/shading/night_lights.wgsl;
 @if(clouds) import earth/shading/clouds.wgsl;
 @if(detail) import earth/shading/detail/land.wgsl;
+@if(eclipse) import earth/shading/eclipsed.wgsl;
 
 // Light that falls on the ground: the Sun's after the air, and the sky's.
 struct Light {
@@ -38,12 +39,16 @@ fn surface_at(at: SurfacePoint) -> Surface {
 // Its light, and that of the clouds before it, by a Sun in this direction.
 fn lit(at: SurfacePoint, surface: Surface, sun: vec3f) -> vec3f {
     let mu_s = dot(at.up, sun);
-    let above = light_at(at, mu_s);
+    @if(!eclipse) let above = light_at(at, mu_s);
+    @if(eclipse) let clear = light_at(at, mu_s);
+    @if(eclipse) let above = eclipsed(clear, at);
     @if(!clouds) let light = above;
     @if(clouds) let light = below_clouds(at, above, sun, mu_s);
     var color = surface.day.rgb * (light.sun * max(dot(surface.normal, sun), 0.0) + light.sky);
     @if(water) color = mix(color, sea(at, light, sun, mu_s, surface.day.a), surface.water);
-    @if(clouds) color = light_of_clouds(surface.clouds, above, sun) + (1.0 - surface.clouds.albedo) * color;
+    @if(clouds && !eclipse) let of_clouds = light_of_clouds(surface.clouds, above, sun);
+    @if(clouds && eclipse) let of_clouds = sun_left_to_clouds(surface.clouds) * light_of_clouds(surface.clouds, clear, sun);
+    @if(clouds) color = of_clouds + (1.0 - surface.clouds.albedo) * color;
     return color;
 }
 

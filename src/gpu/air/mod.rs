@@ -4,7 +4,7 @@ mod textures;
 mod view;
 
 use super::shader::ShaderModule;
-use super::{AirPlan, AirSide, AirUniforms, AirVariant, FrameUniforms};
+use super::{AirPlan, AirSide, AirUniforms, AirVariant, FramePlan, FrameUniforms};
 use super::{PassFormat, PipelineDescription, ShaderError};
 use crate::air::Billboard;
 use bytemuck::{Pod, Zeroable};
@@ -46,10 +46,14 @@ pub(crate) struct NightLight {
     pub moonlight: bool,
     /// Luminance of the airglow seen from straight below, as it is drawn; `None` draws none.
     pub airglow: Option<f32>,
+    /// Whether the Moon's shadow falls on it.
+    pub eclipses: bool,
 }
 
 struct Halo {
     pipeline: wgpu::RenderPipeline,
+    /// For frames that the Moon's shadow is in.
+    eclipsed: Option<wgpu::RenderPipeline>,
     bind_group: wgpu::BindGroup,
 }
 
@@ -79,9 +83,10 @@ impl AirDrawable {
                 side,
                 moonlight: night.moonlight,
                 airglow: night.airglow.is_some(),
+                eclipse: false,
                 target: format.target_color(),
             };
-            halo(device, format, &textures, variant)
+            halo(device, format, &textures, variant, night.eclipses)
         });
         let halos = [outside?, inside?].map(|(halo, bytes)| {
             shader_bytes += bytes;
@@ -131,9 +136,10 @@ impl AirDrawable {
         (vertices.len() + size_of::<AirUniforms>()) as u64
     }
 
-    pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
+    pub fn render(&self, pass: &mut wgpu::RenderPass<'_>, plan: &FramePlan) {
         let halo = &self.halos[self.side as usize];
-        pass.set_pipeline(&halo.pipeline);
+        let eclipsed = halo.eclipsed.as_ref().filter(|_| plan.has_moon_shadow);
+        pass.set_pipeline(eclipsed.unwrap_or(&halo.pipeline));
         pass.set_bind_group(0, &halo.bind_group, &[]);
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
@@ -188,6 +194,7 @@ fn uniforms(
         padding_a: 0.0,
         moon_level,
         padding_b: 0.0,
+        shadow: frame.shadow,
     }
 }
 
@@ -197,34 +204,42 @@ fn halo(
     format: PassFormat,
     textures: &AirTextures,
     variant: AirVariant,
+    eclipses: bool,
 ) -> Result<(Halo, u64), ShaderError> {
     let side = variant.side;
-    let shader = ShaderModule::new(device, &variant)?;
     let label = match side {
         AirSide::Outside => "terrella halo from outside",
         AirSide::Inside => "terrella sky",
     };
     let (layout, bind_group) = super::bind(device, label, textures.bindings(side));
-    let pipeline = PipelineDescription {
-        label,
-        bind_groups: Some(&[Some(&layout)]),
-        module: &shader.module,
-        buffers: &[Some(wgpu::VertexBufferLayout {
-            array_stride: size_of::<AirVertex>() as u64,
-            step_mode: wgpu::VertexStepMode::Vertex,
-            attributes: &VERTEX_ATTRIBUTES,
-        })],
-        primitive: Default::default(),
-        format,
-        writes_depth: false,
-        blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-    }
-    .create(device);
-    Ok((
-        Halo {
-            pipeline,
-            bind_group,
-        },
-        shader.bytes,
-    ))
+    let mut shader_bytes = 0;
+    let mut pipeline = |variant: AirVariant| -> Result<wgpu::RenderPipeline, ShaderError> {
+        let shader = ShaderModule::new(device, &variant)?;
+        shader_bytes += shader.bytes;
+        let pipeline = PipelineDescription {
+            label,
+            bind_groups: Some(&[Some(&layout)]),
+            module: &shader.module,
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: size_of::<AirVertex>() as u64,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &VERTEX_ATTRIBUTES,
+            })],
+            primitive: Default::default(),
+            format,
+            writes_depth: false,
+            blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+        };
+        Ok(pipeline.create(device))
+    };
+    let eclipsed = eclipses.then_some(AirVariant {
+        eclipse: true,
+        ..variant
+    });
+    let halo = Halo {
+        pipeline: pipeline(variant)?,
+        eclipsed: eclipsed.map(pipeline).transpose()?,
+        bind_group,
+    };
+    Ok((halo, shader_bytes))
 }

@@ -36,6 +36,8 @@ pub struct AirVariant {
     pub moonlight: bool,
     /// Whether the airglow is drawn.
     pub airglow: bool,
+    /// Whether the Moon stands before the Sun.
+    pub eclipse: bool,
     /// What the target stores.
     pub target: TargetColor,
 }
@@ -48,12 +50,15 @@ impl ShaderVariant for AirVariant {
         for side in AirSide::ALL {
             for moonlight in SWITCH {
                 for airglow in SWITCH {
-                    all.extend(TargetColor::all().into_iter().map(|target| Self {
-                        side,
-                        moonlight,
-                        airglow,
-                        target,
-                    }));
+                    for eclipse in SWITCH {
+                        all.extend(TargetColor::all().into_iter().map(|target| Self {
+                            side,
+                            moonlight,
+                            airglow,
+                            eclipse,
+                            target,
+                        }));
+                    }
                 }
             }
         }
@@ -65,6 +70,7 @@ impl ShaderVariant for AirVariant {
             ("inside", self.side == AirSide::Inside),
             ("moonlight", self.moonlight),
             ("airglow", self.airglow),
+            ("eclipse", self.eclipse),
         ];
         conditions.extend(self.target.conditions());
         conditions

@@ -4,7 +4,7 @@
 use super::relief_constants::RELIEF;
 use super::value::Value::{self, F32, U32, Vec3};
 use crate::air::{self, TableSize};
-use crate::frames::SUN_RADIUS_RAD;
+use crate::frames::{MOON_RADIUS_M, SUN_RADIUS_M, SUN_RADIUS_RAD};
 use crate::globe::{BLOCK_COUNT, COLUMNS, ROWS};
 use crate::imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER};
 use crate::imagery::{CLOUD_ALBEDO, FLOOR_SEEN_M, NEIGHBOURHOODS};
@@ -75,6 +75,7 @@ const SHARED: &[(&str, Value)] = &[
     ("PER_BLOCK_TILES", U32(PER_BLOCK_TILES)),
     // Light.
     ("SUN_RADIUS_RAD", F32(SUN_RADIUS_RAD)),
+    ("MOON_PER_SUN", F32(MOON_RADIUS_M / SUN_RADIUS_M)),
     ("GLARE_RADIUS_RAD", F32(GLARE_RADIUS_RAD)),
     ("MILKY_WAY_LIGHT", F32(MILKY_WAY_LIGHT)),
     ("MILKY_WAY_FLOOR", F32(MILKY_WAY_FLOOR)),

@@ -81,6 +81,8 @@ pub struct SunlitLayers {
     pub water: bool,
     /// The Moon's light.
     pub moonlight: bool,
+    /// The Moon before the Sun.
+    pub eclipse: bool,
     /// Made detail smaller than the maps' texels.
     pub detail: bool,
     /// The air between the Sun, the ground and the eye, and where the eye is.
@@ -105,6 +107,23 @@ impl EarthVariant {
             EarthOutput::Geolocation => None,
             EarthOutput::Picture(ShadingVariant::Sunlit(layers), _) => layers.air,
             EarthOutput::Picture(ShadingVariant::Paper(layers), _) => layers.air,
+        }
+    }
+
+    /// The same while the Moon's shadow is in view; `None` where nothing knows of it.
+    pub fn eclipsed(self) -> Option<Self> {
+        match self.output {
+            EarthOutput::Picture(ShadingVariant::Sunlit(layers), target) => {
+                let layers = SunlitLayers {
+                    eclipse: true,
+                    ..layers
+                };
+                Some(Self {
+                    output: EarthOutput::Picture(ShadingVariant::Sunlit(layers), target),
+                    ..self
+                })
+            }
+            _ => None,
         }
     }
 
@@ -169,7 +188,7 @@ impl EarthOutput {
     pub fn all() -> Vec<Self> {
         let on = |bits: u32, bit: u32| bits >> bit & 1 == 1;
         let sunlit = |air| {
-            let layers = (0..128).map(move |bits| SunlitLayers {
+            let layers = (0..256).map(move |bits| SunlitLayers {
                 clouds: on(bits, 0),
                 normals: on(bits, 1),
                 night_lights: on(bits, 2),
@@ -177,10 +196,13 @@ impl EarthOutput {
                 cloud_shadows: on(bits, 4),
                 moonlight: on(bits, 5),
                 detail: on(bits, 6),
+                eclipse: on(bits, 7),
                 air,
             });
             layers
                 .filter(|layers| layers.clouds || !layers.cloud_shadows)
+                // It meets the clouds and the air, and nothing else of these.
+                .filter(|l| !l.eclipse || l.water && l.normals && l.detail && l.moonlight)
                 .map(ShadingVariant::Sunlit)
         };
         let paper = |air| {
@@ -205,6 +227,7 @@ impl EarthOutput {
                     ShadingVariant::Sunlit(SunlitLayers {
                         moonlight: false,
                         detail: false,
+                        eclipse: false,
                         ..
                     })
                     | ShadingVariant::Paper(_) => usual.len(),
@@ -291,6 +314,7 @@ impl ShaderVariant for EarthVariant {
             ("night_lights", layers.night_lights),
             ("water", layers.water),
             ("moonlight", layers.moonlight),
+            ("eclipse", layers.eclipse),
             ("detail", layers.detail),
             ("air", layers.air.is_some()),
             ("inside", layers.air == Some(AirSide::Inside)),

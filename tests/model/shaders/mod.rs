@@ -145,6 +145,7 @@ const LAYERS: SunlitLayers = SunlitLayers {
     night_lights: true,
     water: true,
     moonlight: true,
+    eclipse: true,
     detail: true,
     air: Some(AirSide::Outside),
 };
@@ -261,6 +262,20 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
             ),
             all(SunlitLayers {
                 moonlight: false,
+                ..LAYERS
+            }),
+        ),
+        (
+            ["frame.shadow", "air.shadow"],
+            sunlit(
+                BLOCKS,
+                SunlitLayers {
+                    eclipse: true,
+                    ..none
+                },
+            ),
+            all(SunlitLayers {
+                eclipse: false,
                 ..LAYERS
             }),
         ),
@@ -432,6 +447,8 @@ fn an_eye_on_one_side_of_the_air_has_nothing_of_the_other() {
             air: Some(air),
             // Its octaves are a loop.
             detail: false,
+            // It looks along the ray for the shadow.
+            eclipse: false,
             ..LAYERS
         };
         code(sunlit(BLOCKS, layers))

@@ -6,7 +6,8 @@ use std::mem::offset_of;
 use terrella::internals::globe::contours::ContourNode;
 use terrella::internals::globe::projected_grid::{GridLevel, GridUniforms};
 use terrella::internals::gpu::{
-    AirUniforms, CelestialUniforms, Disc, FrameUniforms, SurfaceLightUniforms, TrackUniforms,
+    AirUniforms, CelestialUniforms, Disc, FrameUniforms, MoonShadowUniforms, SurfaceLightUniforms,
+    TrackUniforms,
 };
 
 /// Member offsets and size of a struct, of a shader that has it.
@@ -39,6 +40,11 @@ fn structs_match_the_shaders() {
         }};
     }
     check!(
+        "MoonShadow",
+        MoonShadowUniforms,
+        [moon, radius, axis, spread]
+    );
+    check!(
         "FrameUniforms",
         FrameUniforms,
         [
@@ -53,7 +59,8 @@ fn structs_match_the_shaders() {
             exposure,
             pixel_down,
             moon_light,
-            moon_itrf
+            moon_itrf,
+            shadow
         ]
     );
     check!(
@@ -132,7 +139,8 @@ fn structs_match_the_shaders() {
             aerosol_extinction,
             moon_light,
             moon,
-            moon_level
+            moon_level,
+            shadow
         ]
     );
     check!(

@@ -1,0 +1,34 @@
+// What the Moon leaves of the sunlight that the air before the eye scatters: the mean over two or three points of a ray, by Gauss's rules
+// for a density that falls exponentially. Lengths are equatorial radii of scaled space.
+import common/eclipse.wgsl;
+import rust::{AIR_RADIUS_M, AIR_SCALE_HEIGHT_M};
+
+const SCALE_HEIGHT: f32 = AIR_SCALE_HEIGHT_M / AIR_RADIUS_M;
+// Gauss and Laguerre: heights in scale heights, and their weights.
+const LOW: vec2f = vec2f(0.5858, 0.8536);
+const HIGH: vec2f = vec2f(3.4142, 0.1464);
+
+// On a ray that rises from `start` in the direction `outwards` at a cosine to the vertical, for `reach` at most.
+fn sun_on_rising_air(start: vec3f, outwards: vec3f, cosine: f32, reach: f32) -> vec3f {
+    let low = min(way_up(LOW.x * SCALE_HEIGHT, cosine), reach);
+    let high = min(way_up(HIGH.x * SCALE_HEIGHT, cosine), reach);
+    return LOW.y * sun_at(start + low * outwards) + HIGH.y * sun_at(start + high * outwards);
+}
+
+// On a ray that passes the ground, nearest to it at `nearest`, from the eye, which is `back` before that.
+fn sun_on_passed_air(nearest: vec3f, direction: vec3f, back: f32) -> vec3f {
+    // Gauss and Hermite: of a density e^(−x²/2) at 0 and ±√3.
+    let step = sqrt(3.0 * SCALE_HEIGHT) * direction;
+    let before = nearest - min(back, length(step)) * direction;
+    return (4.0 * sun_at(nearest) + sun_at(before) + sun_at(nearest + step)) / 6.0;
+}
+
+// How far a ray goes until it is so much higher.
+fn way_up(height: f32, cosine: f32) -> f32 {
+    let above = height * (2.0 + height);
+    return above / (sqrt(cosine * cosine + above) + cosine);
+}
+
+fn sun_at(scaled: vec3f) -> vec3f {
+    return sun_left(air.shadow, scaled / vec3f(1.0, 1.0, air.polar_stretch));
+}
