@@ -37,6 +37,7 @@ pub fn earth_options(scene: &Scene, bc: BcSupport) -> Result<EarthOptions, PlayE
             cloud_shadows: light.cloud_shadows,
             detail: light.detail,
             moonlight: light.moonlight,
+            eclipses: scene.sky.eclipses,
             airglow: light.airglow,
             night_gain: light.night_gain,
         };

@@ -53,7 +53,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     }
     let camera = source.camera(&camera)?;
     let earth = source.earth(&earth)?;
-    let sky = source.sky(&sky, earth.look)?;
+    let sky = source.sky(&sky, &earth)?;
     let time = source.time(&time)?;
     if let Some(orbit) = orbits.get(MAX_ORBITS) {
         let advice = format!("a scene has at most {MAX_ORBITS} satellites; leave some out");

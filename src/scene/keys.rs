@@ -438,6 +438,8 @@ table!(RawSky = "sky" {
     moon: bool = "true or false";
     /// The light of the Sun that a lens scatters about it; by default with look = "full".
     glare: bool = "true or false";
+    /// The Moon's shadow on ground, clouds and air; off by default with look = "paper" alone.
+    eclipses: bool = "true or false";
     /// How many times brighter than in truth stars and Milky Way are drawn.
     star_gain: f64 = "a number", in 0.0..=1e6, default 4e4;
     /// Folder of stars.bin, milky_way.jpg and moon.jpg, the starter pack by default.

@@ -1,6 +1,6 @@
 //! `[sky]`: what is beyond the Earth.
 
-use super::earth::Look;
+use super::earth::{EarthTable, Look};
 use super::error::{SceneError, printable};
 use super::field::{KeyText, PathKind, UNKNOWN};
 use super::keys::RawSky;
@@ -20,6 +20,8 @@ pub struct SkyTable {
     pub moon: bool,
     /// The Sun's light that a lens scatters.
     pub glare: bool,
+    /// The Moon's shadow on the Earth.
+    pub eclipses: bool,
     /// How many times brighter than in truth stars and Milky Way are.
     pub star_gain: f64,
     /// Folder of the star catalogue and the maps of Milky Way and Moon; `None` is the starter pack.
@@ -27,7 +29,7 @@ pub struct SkyTable {
 }
 
 impl SkyTable {
-    /// Each thing by its key, and whether it is on.
+    /// Each thing beyond the Earth by its key, and whether it is on.
     pub fn parts(&self) -> [(&'static str, bool); 5] {
         [
             ("stars", self.stars),
@@ -46,15 +48,21 @@ impl SkyTable {
 
 impl SceneText<'_> {
     /// Checks `[sky]`, whose defaults go by `[earth] look`.
-    pub(super) fn sky(&self, sky: &RawSky, look: Look) -> Result<SkyTable, SceneError> {
-        let is_real = look != Look::Paper;
-        let is_full = look == Look::Full;
+    pub(super) fn sky(&self, sky: &RawSky, earth: &EarthTable) -> Result<SkyTable, SceneError> {
+        let is_real = earth.look != Look::Paper;
+        let is_full = earth.look == Look::Full;
+        let is_sunlit = earth.light.is_some();
+        let eclipses = sky.eclipses();
+        if !is_sunlit {
+            self.only_in_sunlight(&eclipses)?;
+        }
         Ok(SkyTable {
             stars: sky.stars().value().unwrap_or(is_real),
             milky_way: sky.milky_way().value().unwrap_or(is_full),
             sun: sky.sun().value().unwrap_or(is_real),
             moon: sky.moon().value().unwrap_or(is_real),
             glare: sky.glare().value().unwrap_or(is_full),
+            eclipses: is_sunlit && eclipses.value().unwrap_or(is_real),
             star_gain: self.quantity(&sky.star_gain(), "")?,
             folder: self.path(&sky.folder(), PathKind::Folder)?,
         })
@@ -64,6 +72,7 @@ impl SceneText<'_> {
 /// The value of a key as a scene would write it, or why it has none.
 pub(super) fn value(sky: &SkyTable, key: &str) -> KeyText {
     match key {
+        "eclipses" => Ok(sky.eclipses.to_string()),
         "star_gain" if !sky.stars && !sky.milky_way => Err("there are no stars"),
         "star_gain" => Ok(sky.star_gain.to_string()),
         "folder" => match &sky.folder {

@@ -70,7 +70,15 @@ fn a_still_has_its_size_and_exactly_the_numbers_of_the_contract() {
     assert!(visible >= drawn && drawn > 0.0, "{visible} {drawn}");
     assert_eq!(
         stats["features_on"],
-        serde_json::json!(["clouds", "water", "atmosphere", "stars", "sun", "moon"])
+        serde_json::json!([
+            "clouds",
+            "water",
+            "eclipses",
+            "atmosphere",
+            "stars",
+            "sun",
+            "moon"
+        ])
     );
     assert_eq!(
         stats["features_off"],
@@ -244,15 +252,16 @@ fn the_minimal_scene_pays_for_the_day_map_alone() {
     let (minimal, iss) = (stats("minimal"), stats("iss"));
     let maps = ["clouds", "normals", "night_lights", "water"];
     let effects = ["cloud_shadows", "detail", "moonlight"];
+    let eclipses = ["eclipses"];
     let air = ["atmosphere"];
     let (sky, not_standard) = (["stars", "sun", "moon"], ["milky_way", "glare"]);
     let whole_sky = ["stars", "milky_way", "sun", "moon", "glare"];
-    let all = [&maps[..], &effects, &air, &whole_sky].concat();
+    let all = [&maps[..], &effects, &eclipses, &air, &whole_sky].concat();
     assert_eq!(minimal["features_on"], serde_json::json!([]));
     assert_eq!(minimal["features_off"], serde_json::json!(all));
     assert_eq!(
         iss["features_on"],
-        serde_json::json!([&maps[..], &air, &sky].concat())
+        serde_json::json!([&maps[..], &eclipses, &air, &sky].concat())
     );
     assert_eq!(
         iss["features_off"],

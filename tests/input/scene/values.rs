@@ -109,7 +109,7 @@ fn every_key_is_read() {
          water = false\naerosol_optical_depth = 0\n\
          [output]\nsize = [16384, 1]\nsamples = 1\n\
          exposure_ev = 1.5\ntone = \"linear\"\n\
-         [sky]\nstars = true\nmilky_way = false\nsun = true\nmoon = false\nglare = true\nstar_gain = 7\nfolder = \"maps\"\n",
+         [sky]\nstars = true\nmilky_way = false\nsun = true\nmoon = false\nglare = true\neclipses = false\nstar_gain = 7\nfolder = \"maps\"\n",
     );
     let scene = scene.expect("a good scene");
     let sky = &scene.sky;
