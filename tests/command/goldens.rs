@@ -18,8 +18,10 @@ const OUTLIER: f32 = 0.15;
 const MOST_OUTLIERS: f32 = 0.001;
 
 /// Scenes of `config/`, drawn smaller.
-const OF_LIGHT: [&str; 8] = [
+const OF_LIGHT: [&str; 10] = [
     "crescent",
+    "eclipse",
+    "eclipse_low",
     "full_disc",
     "glint",
     "inside_air",

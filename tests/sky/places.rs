@@ -100,7 +100,7 @@ fn sun_and_moon_are_where_jpl_has_them() {
     }
     println!("{rows} rows: Sun {sun:.4}″, Moon {moon:.2}″ and {moon_km:.1} km");
     assert_eq!(rows, 64);
-    assert!(sun < 0.1 && moon < 3.0 && moon_km < 7.0);
+    assert!(sun < 0.1 && moon < 0.7 && moon_km < 1.2);
 }
 
 /// The Moon's libration, phase and axis by DE421's own integration.
