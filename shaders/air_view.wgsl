@@ -5,7 +5,7 @@
 import common/air/uniforms.wgsl;
 import common/air/coordinates.wgsl;
 import common/air/view_spacing.wgsl;
-import rust::{AEROSOL_ASYMMETRY, AEROSOL_SCALE_HEIGHT, AIR_TOP, LUMINANCE, MOLECULE_SCALE_HEIGHT, PROFILE_SIZE, RAYLEIGH_A, RAYLEIGH_B};
+import rust::{AEROSOL_ASYMMETRY, AEROSOL_SCALE_HEIGHT, AIR_TOP, LUMINANCE, MOLECULE_SCALE_HEIGHT, PI, PROFILE_SIZE, RAYLEIGH_A, RAYLEIGH_B};
 import rust::{SOURCES_SIZE, SOURCE_BANDS, TRANSMITTANCE_SIZE, VIEW_ANGLES, VIEW_AZIMUTHS};
 
 // | group | binding | what                            | when   |

@@ -1,5 +1,6 @@
 // The light of stars too faint to be drawn each by itself.
-import rust::{MILKY_WAY_FLOOR, MILKY_WAY_LIGHT, PI};
+import common/map_uv.wgsl;
+import rust::{MILKY_WAY_FLOOR, MILKY_WAY_LIGHT};
 
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
@@ -13,7 +14,8 @@ fn fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     let ray = sky.frame.corner_ray + clip.x * sky.frame.pixel_right + clip.y * sky.frame.pixel_down;
     let star = normalize(sky.stars_x * ray.x + sky.stars_y * ray.y + sky.stars_z * ray.z);
     // Right ascension goes to the left, as it is seen from inside; a quarter of a turn stands at the left edge.
-    let uv = vec2f(0.25 - atan2(star.y, star.x) / (2.0 * PI), acos(clamp(star.z, -1.0, 1.0)) / PI);
+    let east = map_uv(star);
+    let uv = vec2f(0.75 - east.x, east.y);
     let map = textureSampleLevel(body_map, body_sampler, uv, sky.milky_way_level).rgb;
     return added(sky.star_gain * moon * (MILKY_WAY_LIGHT * map + MILKY_WAY_FLOOR) * through, 0.0);
 }

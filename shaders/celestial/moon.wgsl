@@ -2,6 +2,7 @@
 //
 // Its dust throws light back by McEwen's law (1991), between Lommel and Seeliger's and Lambert's: a full Moon is as bright at the limb
 // as in the middle.
+import common/map_uv.wgsl;
 import rust::{PI, SUN_RADIUS_RAD};
 
 @vertex
@@ -17,8 +18,7 @@ fn fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
         discard;
     }
     let place = sky.moon_x * met.normal.x + sky.moon_y * met.normal.y + sky.moon_z * met.normal.z;
-    let uv = vec2f(0.5 + atan2(place.y, place.x) / (2.0 * PI), acos(clamp(place.z, -1.0, 1.0)) / PI);
-    let albedo = sky.moon_albedo * textureSampleLevel(body_map, body_sampler, uv, sky.moon_level).rgb;
+    let albedo = sky.moon_albedo * textureSampleLevel(body_map, body_sampler, map_uv(place), sky.moon_level).rgb;
     let mu = max(-dot(met.normal, met.ray), 0.0);
     let facing = dot(met.normal, sky.moon_to_sun);
     let lit = max(facing, 0.0);

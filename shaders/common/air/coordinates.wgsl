@@ -1,6 +1,7 @@
 // How a ray of sight passes the Earth, and coordinates of the air's tables: the mapping of src/air/tables, whose tables end on
 // texel centres.
-import rust::{LOWEST_SUN, PI, SUN_SPACING};
+import common/map_uv.wgsl;
+import rust::{LOWEST_SUN, SUN_SPACING};
 
 // Lengths are equatorial radii, directions those of scaled space.
 struct Pass {
@@ -30,11 +31,6 @@ fn normal_at(place: vec3f) -> vec3f {
 
 fn itrf_direction(direction: vec3f) -> vec3f {
     return normalize(direction / vec3f(1.0, 1.0, air.polar_stretch));
-}
-
-// Texture coordinates of whole maps for a normal of the ellipsoid.
-fn map_uv(up: vec3f) -> vec2f {
-    return vec2f(0.5 + atan2(up.y, up.x) / (2.0 * PI), acos(clamp(up.z, -1.0, 1.0)) / PI);
 }
 
 fn table_coordinate(at: f32, texels: f32) -> f32 {

@@ -1,5 +1,5 @@
 // An eye outside the air: looks into the tables of rays that come from space.
-import rust::{AIR_TOP, SCATTERING_SIZE};
+import rust::{AIR_TOP, PI, SCATTERING_SIZE};
 
 // Coordinate of a ray in the tables: rays that meet the ground by their zenith cosine there, others by their height.
 fn ray_coordinate(pass_: Pass) -> f32 {

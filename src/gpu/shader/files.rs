@@ -33,6 +33,7 @@ files![
     "common/dither.wgsl",
     "common/eclipse.wgsl",
     "common/frame.wgsl",
+    "common/map_uv.wgsl",
     "common/moon_shadow.wgsl",
     "common/ray.wgsl",
     "common/tone/filmic.wgsl",
