@@ -3,7 +3,7 @@
 use super::moon::{MoonLaw, earthshine};
 use super::projection::{Projection, disc_axes};
 use super::stars::StarCatalogue;
-use crate::earth::{ItrfView, moonlight_of_phase};
+use crate::earth::{ItrfView, moonlight};
 use crate::frames::{Ellipsoid, MOON_RADIUS_M, MoonShadow, Observer, illumination};
 use crate::gpu::{CelestialUniforms, Disc, StarPoint};
 use bytemuck::Zeroable;
@@ -43,8 +43,7 @@ impl Seen {
 
     /// Light of the whole Moon on the eye, as a part of the Sun's on the Earth.
     pub fn moonlight(&self) -> f64 {
-        const MEAN_DISTANCE_M: f64 = 3.844e8;
-        moonlight_of_phase(self.phase_rad) * (MEAN_DISTANCE_M / self.moon_m.length()).powi(2)
+        moonlight(self.phase_rad, self.moon_m.length())
     }
 
     /// Those in the picture that neither Earth nor Moon hides, at a time in Julian years after the catalogue's, so many times

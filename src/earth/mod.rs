@@ -57,7 +57,7 @@ use plan::Planner;
 pub use quality::{Quality, QualityLevel, QualityReduction, TILED_SUBDIVISION};
 pub use sky::Sky;
 #[cfg(feature = "celestial")]
-pub(crate) use sky::moonlight_of_phase;
+pub(crate) use sky::{moonlight, moonlight_of_phase};
 pub use stats::FrameStats;
 use std::time::{Duration, Instant};
 use surface_config::{SurfaceStyle, surface_config};

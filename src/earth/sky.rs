@@ -70,9 +70,7 @@ impl Sky {
         }
         // From the Sun, which is far away, as from the Earth.
         let phase_rad = (-direction.dot(self.sun_itrf)).clamp(-1.0, 1.0).acos();
-        let nearness = MOON_DISTANCE_M / distance_m.max(MOON_DISTANCE_M / 10.0);
-        let light = moonlight_of_phase(phase_rad) * nearness * nearness;
-        (direction, light)
+        (direction, moonlight(phase_rad, distance_m))
     }
 
     /// The same with a Sun of length 1; `None` where that has no direction or is not finite.
@@ -92,6 +90,12 @@ impl Sky {
 
 /// Mean distance of the Moon, metres.
 const MOON_DISTANCE_M: f64 = 3.844e8;
+
+/// Light of the Moon as a part of the Sun's, for its phase and distance; of one nearer than a tenth of its mean distance as of one there.
+pub(crate) fn moonlight(phase_rad: f64, distance_m: f64) -> f64 {
+    let nearness = MOON_DISTANCE_M / distance_m.max(MOON_DISTANCE_M / 10.0);
+    moonlight_of_phase(phase_rad) * nearness * nearness
+}
 
 /// Light of the Moon at its mean distance as a part of the Sun's, for the angle at the Moon between Sun and Earth, 0 being full:
 /// the Sun has −26.74 magnitudes, the Moon −12.73 + 0.026 α + 4e-9 α⁴, α in degrees (Allen's Astrophysical Quantities).
