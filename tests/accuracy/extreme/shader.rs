@@ -93,6 +93,7 @@ fn on_the_adapter(pixels: &[PixelRay]) -> Vec<Placed> {
             moon_light: 0.0,
             moon_itrf: Vec3::X,
             padding: 0.0,
+            shadow: bytemuck::Zeroable::zeroed(),
         };
         queue.write_buffer(&frame, 0, bytemuck::bytes_of(&values));
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
