@@ -77,5 +77,6 @@ pub use relief::read_ground;
 pub use satellites::Satellite;
 pub use stats::{EyePosition, PictureStats, SatelliteLight, SubsolarPoint};
 pub use still::{StillRequest, write_still};
+pub(crate) use tracks::TracksLayer;
 pub use video::EncoderChoice;
 pub use window::{WindowRequest, play_in_window};

@@ -90,6 +90,26 @@ impl OffscreenRenderer {
         Ok(())
     }
 
+    /// The same without one part of it, by its key.
+    pub(crate) fn show_sky_without(
+        &mut self,
+        flight: &Flight,
+        part: &str,
+    ) -> Result<(), PlayError> {
+        let mut scene = flight.scene().clone();
+        scene.sky.switch_off(part);
+        self.sky = SkyLayer::of_scene(&scene, flight, &self.gpu, &self.earth)?;
+        Ok(())
+    }
+
+    /// Bytes of the WGSL that the driver got, of the Earth and of what is beside it.
+    pub(crate) fn shader_bytes(&self) -> u64 {
+        let sky = self.sky.as_ref();
+        let tracks = self.tracks.as_ref().map_or(0, TracksLayer::shader_bytes);
+        let sky = sky.map_or(0, |sky| sky.celestial().shader_bytes());
+        self.earth.diagnostics().shader_bytes + sky + tracks
+    }
+
     /// Draws the tracks of a flight's satellites from now on, where its scene asks for any.
     pub fn show_tracks(&mut self, flight: &Flight) -> Result<(), PlayError> {
         self.tracks = TracksLayer::of(flight, &self.gpu, &self.earth)?;

@@ -8,6 +8,7 @@ use super::sky_parts::{Reading, read};
 use crate::celestial::{Celestial, CelestialMoment};
 use crate::frames::EarthOrientation;
 use crate::gpu::GpuContext;
+use crate::scene::Scene;
 use crate::{Earth, FrameStats};
 
 /// What is beyond the Earth in a picture or a window.
@@ -22,7 +23,16 @@ impl SkyLayer {
     /// # Errors
     /// The same in a strict scene.
     pub fn of(flight: &Flight, gpu: &GpuContext, earth: &Earth) -> Result<Option<Self>, PlayError> {
-        let scene = flight.scene();
+        Self::of_scene(flight.scene(), flight, gpu, earth)
+    }
+
+    /// The same of another scene with the same flight.
+    pub fn of_scene(
+        scene: &Scene,
+        flight: &Flight,
+        gpu: &GpuContext,
+        earth: &Earth,
+    ) -> Result<Option<Self>, PlayError> {
         if !scene.sky.is_on() {
             return Ok(None);
         }

@@ -40,6 +40,18 @@ impl SkyTable {
         ]
     }
 
+    /// Switches a thing beyond the Earth off, by its key.
+    pub(crate) fn switch_off(&mut self, key: &str) {
+        match key {
+            "stars" => self.stars = false,
+            "milky_way" => self.milky_way = false,
+            "sun" => self.sun = false,
+            "moon" => self.moon = false,
+            "glare" => self.glare = false,
+            _ => {}
+        }
+    }
+
     /// Whether anything is on.
     pub fn is_on(&self) -> bool {
         self.parts().iter().any(|(_, on)| *on)

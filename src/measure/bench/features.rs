@@ -8,7 +8,8 @@ use crate::measure::frame_timer::milliseconds;
 use crate::measure::{FrameTimer, median};
 use crate::play::clock::frame_epoch;
 use crate::play::{
-    Flight, Moment, OffscreenRenderer, PlayError, Progress, TimedFrame, earth_options, target_bytes,
+    Flight, Moment, OffscreenRenderer, PlayError, Progress, TimedFrame, TracksLayer, earth_options,
+    target_bytes,
 };
 use crate::scene::Scene;
 use crate::{Atmosphere, EarthOptions, Shading};
@@ -23,16 +24,21 @@ pub(super) enum FeatureKind {
     CloudShadows,
     Detail,
     Moonlight,
+    Eclipses,
     Airglow,
     Atmosphere,
+    Relief,
     Tiles,
     Multisampling,
     Anisotropy,
+    /// A part of `[sky]`, by its key.
+    Sky(&'static str),
+    Tracks,
 }
 
 impl FeatureKind {
-    /// Those that a scene has on.
-    pub fn on(options: &EarthOptions, gpu: &GpuContext) -> Vec<Self> {
+    /// Those that a flight's scene has on, whose Earth has these options.
+    pub fn on(flight: &Flight, options: &EarthOptions, gpu: &GpuContext) -> Vec<Self> {
         let layers = MapLayer::ALL.into_iter();
         let mut kinds: Vec<_> = layers
             .filter(|layer| *layer != MapLayer::Day && options.layers.get(*layer).is_some())
@@ -47,8 +53,10 @@ impl FeatureKind {
             ),
             (Self::Detail, is_sunlit && options.light.detail),
             (Self::Moonlight, is_sunlit && options.light.moonlight),
+            (Self::Eclipses, is_sunlit && options.light.eclipses),
             (Self::Airglow, has_air && options.light.airglow),
             (Self::Atmosphere, has_air),
+            (Self::Relief, options.ground.is_some()),
             (Self::Tiles, options.tiles.is_some()),
             (Self::Multisampling, options.samples > 1),
             // Software adapters never filter so.
@@ -61,7 +69,20 @@ impl FeatureKind {
                 kinds.push(kind);
             }
         }
+        let sky = flight.scene().sky.parts().into_iter();
+        kinds.extend(
+            sky.filter(|(_, is_on)| *is_on)
+                .map(|(key, _)| Self::Sky(key)),
+        );
+        if TracksLayer::is_wanted(flight) {
+            kinds.push(Self::Tracks);
+        }
         kinds
+    }
+
+    /// Whether it is no part of the Earth.
+    fn is_beside_the_earth(self) -> bool {
+        matches!(self, Self::Sky(_) | Self::Tracks)
     }
 
     fn name(self) -> &'static str {
@@ -70,11 +91,15 @@ impl FeatureKind {
             Self::CloudShadows => "cloud_shadows",
             Self::Detail => "detail",
             Self::Moonlight => "moonlight",
+            Self::Eclipses => "eclipses",
             Self::Airglow => "airglow",
             Self::Atmosphere => "atmosphere",
+            Self::Relief => "relief",
             Self::Tiles => "tiles",
             Self::Multisampling => "multisampling",
             Self::Anisotropy => "anisotropy",
+            Self::Sky(key) => key,
+            Self::Tracks => "tracks",
         }
     }
 
@@ -90,8 +115,10 @@ impl FeatureKind {
             Self::CloudShadows => less.light.cloud_shadows = false,
             Self::Detail => less.light.detail = false,
             Self::Moonlight => less.light.moonlight = false,
+            Self::Eclipses => less.light.eclipses = false,
             Self::Airglow => less.light.airglow = false,
             Self::Atmosphere => less.atmosphere = Atmosphere::None,
+            Self::Relief => less.ground = None,
             Self::Tiles => less.tiles = None,
             Self::Multisampling => less.samples = 1,
             Self::Anisotropy => less.anisotropy = 1,
@@ -112,8 +139,8 @@ impl FeatureKind {
             Self::Map(MapLayer::Normals) => less.layers.normals = None,
             Self::Map(MapLayer::NightLights) => less.layers.night_lights = None,
             Self::Map(MapLayer::Water) => less.layers.water = None,
-            // The ground itself is never left out.
-            Self::Map(MapLayer::Day) => {}
+            // The ground itself is never left out, and what is beside the Earth is none of its options.
+            Self::Map(MapLayer::Day) | Self::Sky(_) | Self::Tracks => {}
         }
         Ok(less)
     }
@@ -134,7 +161,21 @@ pub(super) fn measure(
     let size = timer.picture().size();
     let less = kind.options_without(scene, options, gpu.bc_support())?;
     let less_samples = less.samples;
-    let mut less = OffscreenRenderer::open(gpu, less, size)?;
+    let mut less = OffscreenRenderer::open(gpu.clone(), less, size)?;
+    let mut own = match kind.is_beside_the_earth() {
+        true => Some(OffscreenRenderer::open(gpu, options.clone(), size)?),
+        false => None,
+    };
+    if let Some(own) = &mut own {
+        match kind {
+            FeatureKind::Tracks => own.show_tracks(flight)?,
+            _ => own.show_sky(flight)?,
+        }
+    }
+    if let FeatureKind::Sky(part) = kind {
+        less.show_sky_without(flight, part)?;
+    }
+    let whole = own.as_mut().unwrap_or(timer.picture_mut());
     let aspect = less.aspect();
     let flight_frames = scene.time.frame_count();
     let moment = |n: u32| {
@@ -143,7 +184,7 @@ pub(super) fn measure(
     };
     let first = moment(0)?;
     for _ in 0..WARM_UP {
-        timed(timer.picture_mut(), &first, scene)?;
+        timed(whole, &first, scene)?;
         timed(&mut less, &first, scene)?;
     }
     let (mut with, mut without, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
@@ -155,11 +196,11 @@ pub(super) fn measure(
         let moment = moment(n)?;
         // Neither is always the first.
         let (a, b) = if n % 2 == 0 {
-            let a = timed(timer.picture_mut(), &moment, scene)?;
+            let a = timed(whole, &moment, scene)?;
             (a, timed(&mut less, &moment, scene)?)
         } else {
             let b = timed(&mut less, &moment, scene)?;
-            (timed(timer.picture_mut(), &moment, scene)?, b)
+            (timed(whole, &moment, scene)?, b)
         };
         let (a_ms, b_ms) = (milliseconds(a.frame), milliseconds(b.frame));
         with.push(a_ms);
@@ -172,7 +213,7 @@ pub(super) fn measure(
         target_bytes(size, options.samples),
         target_bytes(size, less_samples),
     );
-    let shader = [timer.picture(), &less].map(|picture| picture.earth().diagnostics().shader_bytes);
+    let shader = [&*whole, &less].map(OffscreenRenderer::shader_bytes);
     Ok(Some(Feature {
         name: kind.name().to_owned(),
         frame_ms_with: rounded(median(&with)),

@@ -201,7 +201,7 @@ fn measure(
 ) -> Result<Vec<String>, BenchError> {
     let scene = flight.scene();
     let gpu_timer = GpuTimer::new(&gpu.device, &gpu.queue);
-    let features = FeatureKind::on(options, gpu);
+    let features = FeatureKind::on(flight, options, gpu);
     let steps = EYE_HEIGHTS.len() * GroundPath::ALL.len() + features.len();
     progress.begin("rows and features", Some(steps as u64));
     let mut meter = RowMeter {

@@ -39,6 +39,17 @@ pub enum TrackDetail {
 }
 
 impl TracksLayer {
+    /// Whether a flight's scene asks for any.
+    pub fn is_wanted(flight: &Flight) -> bool {
+        let mut orbits = flight.scene().orbits.iter();
+        orbits.any(|orbit| !orbit.track.is_off())
+    }
+
+    /// Bytes of the WGSL that the driver got.
+    pub fn shader_bytes(&self) -> u64 {
+        self.tracks.shader_bytes()
+    }
+
     /// The layer of a scene's satellites; `None` where none of them shows anything.
     pub fn of(flight: &Flight, gpu: &GpuContext, earth: &Earth) -> Result<Option<Self>, PlayError> {
         let scene = flight.scene();
