@@ -1,13 +1,11 @@
 // Triangles that lie in several blocks: drawn once with whole maps, and once for each block that has tiles, whose index is
 // added to PER_BLOCK_TILES. Each pixel is kept by one of these draws.
-import rust::{BLOCK_COLUMNS, BLOCK_ROWS, PER_BLOCK_TILES, WHOLE_MAP};
+import rust::{PER_BLOCK_TILES, WHOLE_MAP};
+import earth/maps/block_at.wgsl;
 
 // The block that a point lies in, as it must be drawn: with that block's tiles, or with whole maps if there are none.
 fn drawn_block(at: SurfacePoint) -> u32 {
-    let whole_uv = at.center_uv + at.uv;
-    let row = min(u32(max(f32(BLOCK_ROWS) * whole_uv.y, 0.0)), BLOCK_ROWS - 1u);
-    let column = min(u32(f32(BLOCK_COLUMNS) * fract(whole_uv.x)), BLOCK_COLUMNS - 1u);
-    let block = BLOCK_COLUMNS * row + column;
+    let block = block_at(at.center_uv + at.uv);
     let is_tiled = tiles.tiled[block / 32u] >> (block % 32u) & 1u;
     return select(WHOLE_MAP, PER_BLOCK_TILES + block, is_tiled == 1u);
 }
@@ -20,8 +18,7 @@ fn in_block(point: SurfacePoint) -> SurfacePoint {
     }
     at.block -= PER_BLOCK_TILES;
     let whole_uv = at.center_uv + at.uv;
-    let cell = vec2f(f32(at.block % BLOCK_COLUMNS), f32(at.block / BLOCK_COLUMNS));
-    at.center_uv = (cell + 0.5) / vec2f(f32(BLOCK_COLUMNS), f32(BLOCK_ROWS));
+    at.center_uv = block_center(at.block);
     at.uv = whole_uv - at.center_uv;
     at.uv.x -= round(at.uv.x);
     return at;

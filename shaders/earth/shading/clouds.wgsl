@@ -5,25 +5,13 @@
 //   ρ = x/(4/3 + x),  x = (1 − g)τ
 // and of sunlight at the cosine μ, by the delta-Eddington approximation (Joseph, Wiscombe and Weinman 1976) with g = 0.85,
 //   ρ(μ) = ρ + (1 − ρ)(1/2 − 3/4 μ)(1 − exp(−1.85 x/μ))
-import rust::{CLOUDS, CLOUD_ALBEDO};
-import earth/shading/lifted.wgsl;
-@if(detail) import earth/shading/detail.wgsl;
+import rust::CLOUD_ALBEDO;
+import earth/shading/cloud_cover.wgsl;
 @if(whole_quads) import earth/shading/cloud_relief.wgsl;
 @if(cloud_shadows) import earth/shading/cloud_shadow.wgsl;
 
 // A cloud's sides catch some light of a Sun at their horizon.
 const CLOUD_SIDES: f32 = 0.05;
-
-// In pixels of this size, as a part of the picture's: detail smaller than that is left out.
-fn cover_at(at: SurfacePoint, lift: Lifted, pixels: f32) -> f32 {
-    var moved = at;
-    moved.uv += map_shift(CLOUDS, at, vec2f(textureDimensions(cloud_map)), lift.uv);
-    var cover = sample_map(cloud_map, cloud_sampler, CLOUDS, moved).r;
-    @if(detail) if cover > 0.01 && cover < 0.99 { cover = uneven_share(cover, CLOUD_CONTRAST, detail(lift.up, texel_radii(CLOUDS, at, cloud_map), pixels * pixel_radii(at), 0.75)); }
-    return cover;
-}
-
-@if(detail) const CLOUD_CONTRAST: f32 = 4.0;
 
 // Part of sunlight at this cosine that a layer throws back which throws back `albedo` of diffuse light.
 fn sunlit_albedo(albedo: f32, mu: f32) -> f32 {
@@ -45,8 +33,7 @@ struct CloudsBefore {
 }
 
 fn clouds_before(at: SurfacePoint) -> CloudsBefore {
-    let to_eye = normalize(at.to_eye);
-    let lift = lifted(at, to_eye, max(dot(to_eye, at.up), 0.0), surface_light.cloud_height);
+    let lift = lifted_before(at);
     let cover = cover_at(at, lift, 1.0);
     @if(whole_quads) let slope = cloud_slope(at, cover);
     @if(!whole_quads) let slope = vec2f(0.0);

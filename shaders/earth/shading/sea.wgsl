@@ -1,8 +1,8 @@
 // Open water: what comes out of it, the sky that it mirrors, the Sun's glint and foam. Radiance, a white sheet that faces the
 // Sun in space being 1.
-import rust::{FLOOR_SEEN_M, PI, WATER};
+import rust::{FLOOR_SEEN_M, PI};
 import earth/shading/fresnel.wgsl;
-@if(detail) import earth/shading/detail.wgsl;
+import earth/shading/open_water.wgsl;
 
 // Part of the light that falls on clear ocean that comes out of it: π times the remote-sensing reflectance of Case 1 water with
 // 0.1 mg of chlorophyll a in a cubic metre, by Morel 1988 (J. Geophys. Res. 93, 10749) over the absorption of pure water of Pope
@@ -13,21 +13,6 @@ const WATER_LEAVING: vec3f = vec3f(0.0, 0.0042, 0.0194);
 const FLOOR_REFLECTANCE: f32 = 0.16;
 // Down to the floor and up again, twice the diffuse attenuation of that water for the display's primaries, per metre.
 const FLOOR_ATTENUATION: vec3f = vec3f(0.68, 0.124, 0.056);
-
-// How much a coast is bent between the map's texels.
-@if(detail) const COAST_CONTRAST: f32 = 2.3;
-
-@if(detail) fn coast_detail(at: SurfacePoint, share: f32) -> f32 { return uneven_share(share, COAST_CONTRAST, detail(at.up, texel_radii(WATER, at, water_map), pixel_radii(at), 0.4)); }
-
-// How much of the pixel is water. The map is one half at the coast, which is drawn as wide as a pixel where texels are larger
-// than pixels; else the map's own mean is what the pixel shows.
-fn open_water(at: SurfacePoint) -> f32 {
-    var share = sample_map(water_map, water_sampler, WATER, at).r;
-    @if(detail) if share > 0.02 && share < 0.98 { share = coast_detail(at, share); }
-    let per_map = map_texels(WATER, at, vec2f(textureDimensions(water_map)));
-    let footprint = max(length(at.uv_dx * per_map), length(at.uv_dy * per_map));
-    return saturate((share - 0.5) / clamp(0.7 * footprint, 1e-3, 1.0) + 0.5);
-}
 
 // `sun`: towards what lights it. `depth`: alpha of the day map, the floor's depth in FLOOR_SEEN_M.
 fn sea(at: SurfacePoint, light: Light, sun: vec3f, mu_s: f32, depth: f32) -> vec3f {
