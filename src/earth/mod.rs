@@ -113,6 +113,7 @@ impl Earth {
         }
         let format = PassFormat {
             color: options.color_format,
+            further: &[],
             samples: options.samples,
             depth: options.depth,
             tone: options.tone,

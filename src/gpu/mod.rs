@@ -107,6 +107,8 @@ impl SurfaceOutput {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PassFormat {
     pub color: wgpu::TextureFormat,
+    /// Formats of the colour targets after that one; nothing is blended into them.
+    pub further: &'static [wgpu::TextureFormat],
     pub samples: u32,
     pub depth: DepthBuffer,
     /// By which curve light is shown, where the target is no float format.

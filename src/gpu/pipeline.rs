@@ -2,7 +2,7 @@
 
 use super::PassFormat;
 
-/// A pipeline whose shader has the entry points `vertex` and `fragment` and writes one colour target.
+/// A pipeline whose shader has the entry points `vertex` and `fragment` and writes all colour targets of the pass.
 pub(crate) struct PipelineDescription<'a> {
     /// Begins with `terrella`.
     pub label: &'a str,
@@ -15,7 +15,7 @@ pub(crate) struct PipelineDescription<'a> {
     pub format: PassFormat,
     /// What it draws hides what is farther. Otherwise it is hidden by what is nearer, and that is all.
     pub writes_depth: bool,
-    /// How it is laid over what is there; `None` replaces it.
+    /// How it is laid over what is there in the first target; `None` replaces it.
     pub blend: Option<wgpu::BlendState>,
 }
 
@@ -29,6 +29,20 @@ impl PipelineDescription<'_> {
                 immediate_size: 0,
             })
         });
+        let target = |format, blend| {
+            Some(wgpu::ColorTargetState {
+                format,
+                blend,
+                write_mask: wgpu::ColorWrites::ALL,
+            })
+        };
+        let mut targets = vec![target(self.format.color, self.blend)];
+        targets.extend(
+            self.format
+                .further
+                .iter()
+                .map(|format| target(*format, None)),
+        );
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(self.label),
             layout: layout.as_ref(),
@@ -45,11 +59,7 @@ impl PipelineDescription<'_> {
                 module: self.module,
                 entry_point: Some("fragment"),
                 compilation_options: Default::default(),
-                targets: &[Some(wgpu::ColorTargetState {
-                    format: self.format.color,
-                    blend: self.blend,
-                    write_mask: wgpu::ColorWrites::ALL,
-                })],
+                targets: &targets,
             }),
             multiview_mask: None,
             cache: None,

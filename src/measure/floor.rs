@@ -45,6 +45,7 @@ impl Floor {
             primitive: Default::default(),
             format: PassFormat {
                 color: FrameTargets::COLOR,
+                further: &[],
                 samples: options.samples,
                 depth: FrameTargets::REVERSED_DEPTH,
                 tone: Default::default(),

@@ -348,6 +348,7 @@ impl TracksOptions {
     fn format(&self) -> PassFormat {
         PassFormat {
             color: self.color_format,
+            further: &[],
             samples: self.samples,
             depth: self.depth,
             // Of light alone; what is drawn here are display values.

@@ -63,6 +63,7 @@ impl Canvas {
             primitive: Default::default(),
             format: PassFormat {
                 color: FrameTargets::COLOR,
+                further: &[],
                 samples: 1,
                 depth: FrameTargets::REVERSED_DEPTH,
                 tone: Default::default(),

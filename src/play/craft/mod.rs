@@ -129,6 +129,7 @@ impl CraftLayer {
     pub fn new(options: &EarthOptions) -> Result<Self, EarthError> {
         let format = PassFormat {
             color: options.color_format,
+            further: &[],
             samples: options.samples,
             depth: FrameTargets::REVERSED_DEPTH,
             tone: options.tone,
