@@ -35,7 +35,8 @@ import earth/surface_point.wgsl;
 @if(sunlit) import earth/shading/sunlit.wgsl;
 
 // Fragment stage: what is written.
-@if(!depth) import earth/fragment/color.wgsl;
-@if(depth) import earth/fragment/color_and_depth.wgsl;
-@if(!geolocation) import earth/fragment/picture.wgsl;
+@if(!truth && !depth) import earth/fragment/color.wgsl;
+@if(!truth && depth) import earth/fragment/color_and_depth.wgsl;
+@if(picture) import earth/fragment/picture.wgsl;
 @if(geolocation) import earth/fragment/geolocation.wgsl;
+@if(truth) import earth/fragment/truth.wgsl;

@@ -91,7 +91,7 @@ pub use globe::{
     SurfaceKind, SurfaceSettings, clipmap::ClipmapOptions, contours::ContourOptions,
     contours::PageOptions, projected_grid::GridOptions, quadtree::QuadtreeOptions,
 };
-pub use gpu::FrameTargets;
+pub use gpu::{FrameTargets, TruthTargets, TruthTexel};
 pub use imagery::{
     EarthLayers, ImageryError, LayerImage, LayerSelection, find_textures, load_layers,
     tile::{MapLayer, TileKey},

@@ -10,7 +10,7 @@
 // | 0     | 7 … 10  | common/air/bindings.wgsl    | air              |
 // | 0     | 11      | sunlight through the air    | sunlit, air      |
 // | 0     | 12      | chosen light on the surface | surface_light    |
-// | 1     | 0, 5    | day, its sampler            | unless measuring |
+// | 1     | 0, 5    | day, its sampler            | picture          |
 // | 1     | 1, 6    | cloud cover                 | clouds           |
 // | 1     | 2, 7    | slopes east, north          | normals          |
 // | 1     | 3, 8    | city lights                 | night_lights     |
@@ -36,8 +36,8 @@
 // One tree after another.
 @if(cast) @group(0) @binding(6) var<storage, read> contour_nodes: array<ContourNode>;
 
-@if(!geolocation) @group(1) @binding(0) var day_map: texture_2d<f32>;
-@if(!geolocation) @group(1) @binding(5) var day_sampler: sampler;
+@if(picture) @group(1) @binding(0) var day_map: texture_2d<f32>;
+@if(picture) @group(1) @binding(5) var day_sampler: sampler;
 @if(clouds) @group(1) @binding(1) var cloud_map: texture_2d<f32>;
 @if(clouds) @group(1) @binding(6) var cloud_sampler: sampler;
 @if(normals) @group(1) @binding(2) var slope_map: texture_2d<f32>;

@@ -26,6 +26,7 @@ struct SurfacePoint {
     // The ground's distance in lengths of the pixel's ray, and its height above the ellipsoid.
     @if(relief) along: f32,
     @if(relief) height_m: f32,
+    @if(truth) range_m: f32,
 }
 
 // From the eye through a pixel, ITRF axes, to the plane one metre before the eye.
@@ -44,6 +45,7 @@ fn point_on_ray(in: Varying, ray: vec3f, radii: f32, up: vec3f) -> SurfacePoint 
     let angles = longitude_latitude(in, up, across);
     out.uv = vec2f(angles.x / (2.0 * PI), -angles.y / PI);
     out.center_uv = in.center_uv;
+    @if(truth) out.range_m = frame.radius_m * radii * length(ray);
     @if(tiles) out.block = in.block;
 
     // The neighbour pixel's ray on the tangent plane: r − ray·(up·r)/(up·ray), times the distance in radii.

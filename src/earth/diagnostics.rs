@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 /// What an Earth draws that is to be examined. The default is the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DiagnosticOptions {
-    /// What is written to the target: the picture, or where each pixel looks.
+    /// What is written to the target: the picture, where each pixel looks, or what is there.
     pub output: SurfaceOutput,
     /// Draws the edges of triangles alone, for looking at meshes. Needs a device with
     /// [`wgpu::Features::POLYGON_MODE_LINE`].

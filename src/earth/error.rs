@@ -1,7 +1,7 @@
 //! What can be wrong with the options of an Earth.
 
 use crate::globe::SubdivisionError;
-use crate::gpu::ShaderError;
+use crate::gpu::{ShaderError, SurfaceOutput};
 use crate::imagery::ImageryError;
 
 /// Why an Earth cannot be drawn as its options say.
@@ -76,6 +76,18 @@ pub enum EarthError {
          contours as patches (drawn = \"patches\" under [earth.contours] in a scene)"
     )]
     NoEdges,
+    /// Truth is wanted for a pass that cannot hold it.
+    #[error(
+        "truth is written to {:?}, {:?} and {:?} with one sample a pixel; color_format is {format:?} and samples {samples}: \
+         give the first of them and 1",
+        SurfaceOutput::TRUTH[0], SurfaceOutput::TRUTH[1], SurfaceOutput::TRUTH[2]
+    )]
+    TruthTarget {
+        /// Colour format that was given.
+        format: wgpu::TextureFormat,
+        /// Samples a pixel that were given.
+        samples: u32,
+    },
     /// The textures do not fit into the device's memory.
     #[error(
         "the device has no room for {mib} MiB of maps and tiles: {cause}; \

@@ -104,7 +104,7 @@ impl Earth {
     ) -> Result<Self, EarthError> {
         options.check(device)?;
         let mut quality = Quality::of(options);
-        if options.diagnostics.output == SurfaceOutput::Geolocation {
+        if options.diagnostics.output != SurfaceOutput::Color {
             quality.atmosphere = Atmosphere::None;
         }
         let planner = Planner::new(options, &quality, &device.limits())?;
@@ -113,7 +113,7 @@ impl Earth {
         }
         let format = PassFormat {
             color: options.color_format,
-            further: &[],
+            further: options.diagnostics.output.further_targets(),
             samples: options.samples,
             depth: options.depth,
             tone: options.tone,
@@ -274,7 +274,7 @@ impl Earth {
 
     fn apply(&mut self, queue: &wgpu::Queue, quality: &Quality) -> Result<(), EarthError> {
         let mut quality = *quality;
-        if self.style.diagnostics.output == SurfaceOutput::Geolocation {
+        if self.style.diagnostics.output != SurfaceOutput::Color {
             quality.atmosphere = Atmosphere::None;
         }
         let meshes = self.planner.meshes_of(quality.subdivision)?;

@@ -3,7 +3,7 @@
 use super::{DiagnosticOptions, EarthError, GroundOptions, Quality, SurfaceLight, TileOptions};
 use crate::air::{AirOptions, Atmosphere};
 use crate::globe::{Figure, Shading, Subdivision, Visibility};
-use crate::gpu::DepthBuffer;
+use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::EarthLayers;
 use crate::imagery::tile::MapLayer;
 use crate::light::{Exposure, Tone};
@@ -91,6 +91,13 @@ impl EarthOptions {
         let lines = wgpu::Features::POLYGON_MODE_LINE;
         if self.diagnostics.wireframe && !device.features().contains(lines) {
             return Err(EarthError::NoLines);
+        }
+        let is_truth = self.diagnostics.output == SurfaceOutput::Truth;
+        if is_truth && (self.color_format, self.samples) != (SurfaceOutput::TRUTH[0], 1) {
+            return Err(EarthError::TruthTarget {
+                format: self.color_format,
+                samples: self.samples,
+            });
         }
         let limit = device.limits().max_texture_dimension_2d;
         for layer in MapLayer::ALL {

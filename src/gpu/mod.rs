@@ -29,6 +29,7 @@ mod tiles;
 mod timer;
 #[cfg(feature = "tracks")]
 mod tracks;
+mod truth_targets;
 mod uniforms;
 
 #[cfg(feature = "celestial")]
@@ -37,7 +38,8 @@ pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_re
 pub use shader::{
     AirSide, AirVariant, AirViewVariant, CelestialKind, CelestialVariant, EarthOutput,
     EarthVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability, ShaderError, ShaderText,
-    ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TrackKind, TracksVariant, VertexForm,
+    ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TrackKind, TracksVariant,
+    TruthLayers, VertexForm,
 };
 pub use targets::{
     Attachments, FrameTargets, PassPart, color_texture, read_floats, read_halves, read_texture,
@@ -45,6 +47,7 @@ pub use targets::{
 pub use timer::{GpuTimer, TimerError};
 #[cfg(feature = "tracks")]
 pub use tracks::TrackUniforms;
+pub use truth_targets::{TruthTargets, TruthTexel};
 pub use uniforms::{AirUniforms, FrameUniforms, MoonShadowUniforms, SurfaceLightUniforms};
 
 pub(crate) use air::{AirDrawable, AirTextures, Binding, NightLight};
@@ -96,11 +99,30 @@ pub enum SurfaceOutput {
     /// front of the eye.
     /// There is no air, and no map is read.
     Geolocation,
+    /// What is where each pixel looks, as numbers, and no picture: see [`TruthTexel`]. The pass has the three targets
+    /// [`SurfaceOutput::TRUTH`], in this order, cleared to 0, with one sample a pixel; the Earth's options name the first of
+    /// them as their colour format. There is no air, and no made detail; nothing else can be drawn in such a pass.
+    Truth,
 }
 
 impl SurfaceOutput {
     /// The target's format for [`Self::Geolocation`].
     pub const GEOLOCATION: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+    /// The targets' formats for [`Self::Truth`], together 28 bytes a pixel of the 32 that every WebGPU device can write:
+    /// place, marks and ground of a [`TruthTexel`].
+    pub const TRUTH: [wgpu::TextureFormat; 3] = [
+        wgpu::TextureFormat::Rgba32Float,
+        wgpu::TextureFormat::R32Uint,
+        wgpu::TextureFormat::Rgba16Float,
+    ];
+
+    /// Formats of a pass's targets after the first.
+    pub(crate) fn further_targets(self) -> &'static [wgpu::TextureFormat] {
+        match self {
+            Self::Color | Self::Geolocation => &[],
+            Self::Truth => &Self::TRUTH[1..],
+        }
+    }
 }
 
 /// What all pipelines of one Earth share: the pass that they are drawn in.

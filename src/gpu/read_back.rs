@@ -1,5 +1,6 @@
 //! Reading back what the device has written.
 
+use std::ops::Range;
 use std::time::Duration;
 use wgpu::{MapMode, PollType, SubmissionIndex};
 
@@ -20,7 +21,33 @@ pub(crate) fn read_rows(
     texel_bytes: u32,
     patience: Option<Duration>,
 ) -> Result<Vec<u8>, PictureError> {
-    let (width, height) = (texture.width(), texture.height());
+    let lines = 0..texture.height();
+    read_part(device, queue, texture, texel_bytes, &lines, patience)
+}
+
+/// The same of some of its lines, waited for without limit.
+pub(super) fn read_lines(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    texture: &wgpu::Texture,
+    texel_bytes: u32,
+    lines: &Range<u32>,
+) -> Result<Vec<u8>, PictureError> {
+    match lines.is_empty() {
+        true => Ok(Vec::new()),
+        false => read_part(device, queue, texture, texel_bytes, lines, None),
+    }
+}
+
+fn read_part(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    texture: &wgpu::Texture,
+    texel_bytes: u32,
+    lines: &Range<u32>,
+    patience: Option<Duration>,
+) -> Result<Vec<u8>, PictureError> {
+    let (width, height) = (texture.width(), lines.end - lines.start);
     let padded = (texel_bytes * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let buffer = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("terrella read back"),
@@ -32,7 +59,13 @@ pub(crate) fn read_rows(
         label: Some("terrella read back"),
     });
     encoder.copy_texture_to_buffer(
-        texture.as_image_copy(),
+        wgpu::TexelCopyTextureInfo {
+            origin: wgpu::Origin3d {
+                y: lines.start,
+                ..wgpu::Origin3d::ZERO
+            },
+            ..texture.as_image_copy()
+        },
         wgpu::TexelCopyBufferInfo {
             buffer: &buffer,
             layout: wgpu::TexelCopyBufferLayout {
@@ -41,7 +74,10 @@ pub(crate) fn read_rows(
                 rows_per_image: Some(height),
             },
         },
-        texture.size(),
+        wgpu::Extent3d {
+            height,
+            ..texture.size()
+        },
     );
     let index = queue.submit([encoder.finish()]);
     let limit = patience.map(|patience| (index, patience));

@@ -7,7 +7,7 @@ use super::mesh::{DrawCosts, SurfaceMesh};
 use super::relief;
 use super::shader::{
     EarthOutput, EarthVariant, PaperLayers, ShaderModule, ShaderVariant, ShadingVariant,
-    SunlitLayers,
+    SunlitLayers, TruthLayers,
 };
 use super::surface_config::SurfaceConfig;
 use super::tiles::{TILES_BYTES, TileTextures};
@@ -388,5 +388,10 @@ fn output(maps: &Maps, config: &SurfaceConfig<'_>, air: Option<AirSide>) -> Eart
     match config.output {
         SurfaceOutput::Color => EarthOutput::Picture(shading, config.format.target_color()),
         SurfaceOutput::Geolocation => EarthOutput::Geolocation,
+        SurfaceOutput::Truth => EarthOutput::Truth(TruthLayers {
+            clouds,
+            normals,
+            water: maps.has(MapLayer::Water),
+        }),
     }
 }

@@ -246,7 +246,7 @@ pub fn read_halves(
 }
 
 /// The value of an IEEE half.
-fn float_of_half(bits: u16) -> f32 {
+pub(super) fn float_of_half(bits: u16) -> f32 {
     let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };
     let exponent = i32::from(bits >> 10 & 0x1f);
     let mantissa = f32::from(bits & 0x3ff);

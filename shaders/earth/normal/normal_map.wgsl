@@ -4,6 +4,6 @@ import rust::NORMALS;
 fn surface_normal(at: SurfacePoint) -> vec3f {
     let texel = sample_map(slope_map, slope_sampler, NORMALS, at).xy;
     @if(paper) let slope = texel;
-    @if(sunlit) let slope = surface_light.slope_gain * texel;
+    @if(!paper) let slope = surface_light.slope_gain * texel;
     return normalize(at.up - slope.x * at.east - slope.y * at.north);
 }

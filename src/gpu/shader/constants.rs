@@ -17,6 +17,11 @@ pub(crate) const WHOLE_MAP: u32 = 2 * BLOCK_COUNT;
 /// With a block's index added: as much of what lies in several blocks as lies in that one, drawn with its tiles.
 pub(crate) const PER_BLOCK_TILES: u32 = BLOCK_COUNT;
 
+/// Flag of a truth texel whose place is land, by half at least.
+pub(crate) const TRUTH_LAND: u32 = 1 << 8;
+/// Flag of one where the middle of the Sun's disc is above the horizon.
+pub(crate) const TRUTH_SUNLIT: u32 = 1 << 9;
+
 /// Flag of a point of a track to which a segment comes from the one before.
 pub(crate) const FROM_PREVIOUS: u32 = 1;
 /// Flag of what of a track lies on the ground.
@@ -130,6 +135,9 @@ const SHARED: &[(&str, Value)] = &[
     ("CLOUD_ALBEDO", F32(CLOUD_ALBEDO)),
     ("VIEW_ANGLES", F32(VIEW_ANGLES as f64)),
     ("VIEW_AZIMUTHS", F32(VIEW_AZIMUTHS as f64)),
+    // Flags of truth texels.
+    ("TRUTH_LAND", U32(TRUTH_LAND)),
+    ("TRUTH_SUNLIT", U32(TRUTH_SUNLIT)),
     // Flags of tracks.
     ("FROM_PREVIOUS", U32(FROM_PREVIOUS)),
     ("ON_GROUND", U32(ON_GROUND)),

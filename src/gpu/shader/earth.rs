@@ -53,6 +53,8 @@ pub enum PatchTiles {
 pub enum EarthOutput {
     /// Where they look: no map is read.
     Geolocation,
+    /// What is there, as numbers.
+    Truth(TruthLayers),
     /// What that looks like.
     Picture(ShadingVariant, TargetColor),
 }
@@ -100,11 +102,22 @@ pub struct PaperLayers {
     pub air: Option<AirSide>,
 }
 
+/// The maps that what is written as numbers is read from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct TruthLayers {
+    /// Cloud cover.
+    pub clouds: bool,
+    /// The normal map.
+    pub normals: bool,
+    /// Open water.
+    pub water: bool,
+}
+
 impl EarthVariant {
     /// The side of the air that the eye is on; `None` without air.
     pub fn air(&self) -> Option<AirSide> {
         match self.output {
-            EarthOutput::Geolocation => None,
+            EarthOutput::Geolocation | EarthOutput::Truth(_) => None,
             EarthOutput::Picture(ShadingVariant::Sunlit(layers), _) => layers.air,
             EarthOutput::Picture(ShadingVariant::Paper(layers), _) => layers.air,
         }
@@ -237,7 +250,17 @@ impl EarthOutput {
                 targets.map(move |target| Self::Picture(shading, target))
             })
             .chain(others.map(|target| Self::Picture(bare, target)));
-        std::iter::once(Self::Geolocation).chain(pictures).collect()
+        let truths = (0..8).map(|bits| {
+            Self::Truth(TruthLayers {
+                clouds: on(bits, 0),
+                normals: on(bits, 1),
+                water: on(bits, 2),
+            })
+        });
+        std::iter::once(Self::Geolocation)
+            .chain(truths)
+            .chain(pictures)
+            .collect()
     }
 }
 
@@ -261,22 +284,29 @@ impl ShaderVariant for EarthVariant {
         use VertexForm as Form;
         let form = self.form;
         let (shading, target) = match self.output {
-            EarthOutput::Geolocation => (None, None),
+            EarthOutput::Geolocation | EarthOutput::Truth(_) => (None, None),
             EarthOutput::Picture(shading, target) => (Some(shading), Some(target)),
         };
         // The paper has no lamps and no water.
-        let layers = match shading {
-            Some(ShadingVariant::Sunlit(layers)) => layers,
-            Some(ShadingVariant::Paper(layers)) => SunlitLayers {
+        let layers = match self.output {
+            EarthOutput::Picture(ShadingVariant::Sunlit(layers), _) => layers,
+            EarthOutput::Picture(ShadingVariant::Paper(layers), _) => SunlitLayers {
                 clouds: layers.clouds,
                 normals: layers.normals,
                 air: layers.air,
                 ..Default::default()
             },
-            None => SunlitLayers::default(),
+            EarthOutput::Truth(layers) => SunlitLayers {
+                clouds: layers.clouds,
+                normals: layers.normals,
+                water: layers.water,
+                ..Default::default()
+            },
+            EarthOutput::Geolocation => SunlitLayers::default(),
         };
         let is_paper = matches!(shading, Some(ShadingVariant::Paper(_)));
         let is_sunlit = matches!(shading, Some(ShadingVariant::Sunlit(_)));
+        let is_truth = matches!(self.output, EarthOutput::Truth(_));
         let mut conditions = vec![
             ("blocks", matches!(form, Form::BlockLattice { .. })),
             ("patches", matches!(form, Form::ReliefPatches(_))),
@@ -295,13 +325,16 @@ impl ShaderVariant for EarthVariant {
             ),
             ("tiles", form.has_tiles()),
             ("per_block_tiles", form.has_per_block_tiles()),
+            ("picture", shading.is_some()),
             ("geolocation", self.output == EarthOutput::Geolocation),
+            ("truth", is_truth),
             ("sunlit", is_sunlit),
             ("paper", is_paper),
             (
                 "surface_light",
                 is_sunlit
-                    && (layers.clouds || layers.normals || layers.night_lights || layers.water),
+                    && (layers.clouds || layers.normals || layers.night_lights || layers.water)
+                    || is_truth && (layers.clouds || layers.normals),
             ),
             // Where no pixel of a triangle is given up, differences to the next pixel are known.
             (

@@ -45,6 +45,7 @@ files![
     "earth/fragment/depth.wgsl",
     "earth/fragment/geolocation.wgsl",
     "earth/fragment/picture.wgsl",
+    "earth/fragment/truth.wgsl",
     "earth/maps/block_at.wgsl",
     "earth/maps/per_block_tiles.wgsl",
     "earth/maps/tile_placements.wgsl",

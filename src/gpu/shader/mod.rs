@@ -41,7 +41,8 @@ pub use assemble::{ShaderError, ShaderText};
 pub use capability::ShaderCapability;
 pub use celestial::{CelestialKind, CelestialVariant};
 pub use earth::{
-    EarthOutput, EarthVariant, PaperLayers, PatchTiles, ShadingVariant, SunlitLayers, VertexForm,
+    EarthOutput, EarthVariant, PaperLayers, PatchTiles, ShadingVariant, SunlitLayers, TruthLayers,
+    VertexForm,
 };
 pub use files::FILES as SHADER_FILES;
 pub use tracks::{TrackKind, TracksVariant};
@@ -55,7 +56,7 @@ pub(crate) use constants::GLARE_RADIUS_RAD;
 pub(crate) use constants::GLINT_ENDS_SIN;
 #[cfg(feature = "tracks")]
 pub(crate) use constants::{FROM_PREVIOUS, ON_GROUND};
-pub(crate) use constants::{LAMPS_OUT_SIN, VIEW_ANGLES, VIEW_AZIMUTHS};
+pub(crate) use constants::{LAMPS_OUT_SIN, TRUTH_LAND, TRUTH_SUNLIT, VIEW_ANGLES, VIEW_AZIMUTHS};
 #[cfg(feature = "terrain")]
 pub(crate) use constants::{PER_BLOCK_TILES, WHOLE_MAP};
 #[cfg(feature = "terrain")]

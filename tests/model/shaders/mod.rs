@@ -14,7 +14,7 @@ use terrella::Tone;
 use terrella::internals::gpu::{
     AirSide, AirVariant, AirViewVariant, CelestialVariant, EarthOutput, EarthVariant, PaperLayers,
     PatchTiles, SHADER_FILES, ShaderCapability, ShaderText, ShaderVariant, ShadingVariant,
-    SunlitLayers, TargetColor, TracksVariant, VertexForm,
+    SunlitLayers, TargetColor, TracksVariant, TruthLayers, VertexForm,
 };
 
 /// A legal variant of any shader, validated.
@@ -381,6 +381,33 @@ fn a_picture_s_shader_draws_no_geolocation() {
     assert!(code(geolocation).contains(written));
     assert!(!code(geolocation).contains("day_map"), "no map is read");
     assert!(!code(sunlit(BLOCKS, LAYERS)).contains(written));
+}
+
+/// Of truth the shader has the maps that it is read from and no light; a picture's has nothing of truth.
+#[test]
+fn truth_has_no_light_and_light_no_truth() {
+    let truth = |layers| {
+        code(EarthVariant {
+            form: BLOCKS,
+            output: EarthOutput::Truth(layers),
+        })
+    };
+    let all = truth(TruthLayers {
+        clouds: true,
+        normals: true,
+        water: true,
+    });
+    let none = truth(TruthLayers::default());
+    for name in ["cloud_map", "slope_map", "water_map", "surface_light"] {
+        assert!(all.contains(name) && !none.contains(name), "{name}");
+    }
+    let picture = code(sunlit(BLOCKS, LAYERS));
+    for name in ["day_map", "sun_on_clouds", "glint", "value_noise"] {
+        assert!(!all.contains(name) && picture.contains(name), "{name}");
+    }
+    for name in ["range_m", "TRUTH_LAND", "marks"] {
+        assert!(none.contains(name) && !picture.contains(name), "{name}");
+    }
 }
 
 #[test]
