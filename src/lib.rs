@@ -82,7 +82,8 @@ pub use air::{AirOptions, Atmosphere};
 pub use earth::{
     AdaptiveQuality, DepthBuffer, DiagnosticOptions, Diagnostics, Earth, EarthError, EarthOptions,
     EyeView, FrameStats, GroundOptions, Quality, QualityChange, QualityLevel, QualityReduction,
-    Sky, SurfaceLight, SurfaceOutput, TILED_SUBDIVISION, TileOptions, Viewport,
+    Sky, SurfaceLight, SurfaceOutput, TILED_SUBDIVISION, TileOptions, TruthPoint, TruthView,
+    Viewport,
 };
 pub use frames::Epoch;
 pub use globe::{Figure, LevelRule, Shading, Subdivision, Visibility};

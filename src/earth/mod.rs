@@ -17,6 +17,7 @@
 //! | `tile_view.rs` | what tiles are chosen by, and how fine they came out |
 //! | `quality.rs` | levels of quality: what is reduced to draw faster, and in what order |
 //! | `adaptive_quality.rs` | when quality is reduced, to hold a frame time |
+//! | `truth.rs` | what is where a pixel looks, in f64 |
 //! | `diagnostics.rs` | what is not for pictures: where pixels look, edges of triangles, what the shaders hold |
 
 mod adaptive_quality;
@@ -35,6 +36,7 @@ mod surface_light;
 mod tile_view;
 #[cfg_attr(not(feature = "packs"), path = "no_tiles.rs")]
 mod tiles;
+mod truth;
 mod view;
 
 use crate::air::{AirModel, AirOptions, AirTables, Atmosphere};
@@ -64,6 +66,7 @@ use surface_config::{SurfaceStyle, surface_config};
 pub use surface_light::{AIRGLOW_LUMINANCE, CITY_RADIANCE, SurfaceLight};
 use tiles::TileDriver;
 pub use tiles::TileOptions;
+pub use truth::{TruthPoint, TruthView};
 #[cfg(feature = "celestial")]
 pub(crate) use view::ItrfView;
 #[cfg(any(feature = "celestial", feature = "tracks"))]
