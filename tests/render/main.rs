@@ -18,4 +18,5 @@ mod relief;
 mod tiles;
 #[cfg(feature = "tracks")]
 mod tracks;
+mod truth;
 mod water;
