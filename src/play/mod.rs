@@ -20,6 +20,7 @@
 //! | `sky`, `sky_parts` | what is beyond the Earth |
 //! | `offscreen`, `still`, `stats`, `export`, `video/` | the offscreen renderer; pictures, their numbers, films |
 //! | `radiance` | a picture's light as a file |
+//! | `float_files` | arrays and pictures of floats |
 //! | `output` | files that are complete or not there |
 //! | `window`, `window_renderer`, `surface` | the window: its events, its renderer, its surface |
 //! | `controls`, `keys`, `panel`, `overlay` | what the user has set, by which keys; the panel, and egui under it |
@@ -37,6 +38,7 @@ mod ephemeris;
 mod error;
 mod export;
 mod flight;
+mod float_files;
 mod frame_cost;
 mod keys;
 mod live;
