@@ -33,6 +33,10 @@ pub struct FrameArgs {
     /// a NumPy array of height × width × 3, or OpenEXR
     #[arg(long, value_name = "OUT.npy|OUT.exr")]
     radiance: Option<PathBuf>,
+    /// Write what is where each pixel looks into this folder: place, range, Sun, land, clouds, shadow, limb and normal, each a NumPy
+    /// array, and all as OpenEXR
+    #[arg(long, value_name = "DIR")]
+    truth: Option<PathBuf>,
     /// Write statistics of the picture (times, memory, features, eye, Sun) to this file
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
@@ -69,12 +73,16 @@ pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
             adapter: common.adapter.as_deref(),
             output: &args.output,
             radiance: args.radiance.as_deref(),
+            truth: args.truth.as_deref(),
             stats: args.stats.as_deref(),
             wireframe: args.wireframe,
         };
         match write_still(&flight, &request, &bars) {
             Err(PlayError::Context(error @ ContextError::NoAdapter))
-                if common.adapter.is_none() && !args.wireframe && args.radiance.is_none() =>
+                if common.adapter.is_none()
+                    && !args.wireframe
+                    && args.radiance.is_none()
+                    && args.truth.is_none() =>
             {
                 tracing::warn!("{error}. The reference renderer draws instead, slowly");
             }
@@ -109,6 +117,12 @@ fn refuse_conflicts(args: &FrameArgs, common: &Common) {
         Renderer::Reference if args.radiance.is_some() => refuse(
             "--radiance is for a graphics adapter; the reference renderer writes a picture alone",
         ),
+        Renderer::Reference if args.truth.is_some() => refuse(
+            "--truth is for a graphics adapter; the reference renderer writes a picture alone",
+        ),
+        Renderer::Gpu if args.wireframe && args.truth.is_some() => {
+            refuse("--truth has no meaning with --wireframe, which draws edges and no ground")
+        }
         Renderer::Reference if common.adapter.is_some() => {
             refuse("--adapter has no meaning with --renderer reference, which uses none")
         }

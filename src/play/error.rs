@@ -208,6 +208,24 @@ pub enum PlayError {
         /// What is allowed, MiB.
         limit_mib: u64,
     },
+    /// Truth that needs more memory than this program takes.
+    #[error(
+        "the truth layers of {width} × {height} pixels need {mib} MiB, more than the {limit_mib} MiB allowed; take a \
+         smaller size"
+    )]
+    TruthTooLarge {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+        /// What they would take, MiB.
+        mib: u64,
+        /// What is allowed, MiB.
+        limit_mib: u64,
+    },
+    /// A view of which there is no picture.
+    #[error("there are no truth layers of this view: its eye or projection is not finite")]
+    NoTruth,
     /// The device refused the picture's textures.
     #[error(
         "{adapter} cannot hold a picture of {width} × {height} pixels: {cause}; take a smaller size"

@@ -7,6 +7,7 @@ use super::output::PendingFile;
 use super::progress::Progress;
 use super::radiance::{Radiance, RadianceFile};
 use super::stats::PictureStats;
+use super::truth::TruthFolder;
 use crate::EarthOptions;
 use crate::frames::Epoch;
 use crate::gpu::GpuContext;
@@ -26,6 +27,8 @@ pub struct StillRequest<'r> {
     pub output: &'r Path,
     /// The file of its light to write, NumPy's or OpenEXR's by its name, if that is wanted.
     pub radiance: Option<&'r Path>,
+    /// The folder to write what is where its pixels look to, if that is wanted.
+    pub truth: Option<&'r Path>,
     /// The JSON to write its numbers to, if they are wanted.
     pub stats: Option<&'r Path>,
     /// Whether the edges of the surface's triangles are drawn alone.
@@ -56,6 +59,10 @@ pub fn write_still(
         None => None,
     };
     let radiance = request.radiance.map(RadianceFile::create).transpose()?;
+    let truth = request
+        .truth
+        .map(|folder| TruthFolder::create(folder, size));
+    let truth = truth.transpose()?;
 
     let mut wanted = wgpu::Features::empty();
     wanted.set(wgpu::Features::POLYGON_MODE_LINE, request.wireframe);
@@ -65,6 +72,7 @@ pub fn write_still(
     let mut options = flight.earth_options(gpu.bc_support())?;
     options.diagnostics.wireframe = request.wireframe;
     progress.end();
+    let for_truth = truth.map(|folder| (folder, gpu.clone(), options.clone()));
     let for_light = radiance.map(|file| {
         let mut options = options.clone();
         if options.light.detail {
@@ -110,6 +118,14 @@ pub fn write_still(
         }
         None => None,
     };
+    let truth = match for_truth {
+        Some((folder, gpu, options)) => {
+            let missing = folder.draw(flight, &gpu, options, size, &moment)?;
+            warn_of_missing(&missing);
+            Some(folder)
+        }
+        None => None,
+    };
     // Nothing can fail from here on but writing.
     output.write_png(&picture)?;
     if let Some(asked) = asked {
@@ -123,6 +139,9 @@ pub fn write_still(
             height,
             pixels: &pixels,
         })?;
+    }
+    if let Some(folder) = truth {
+        folder.commit()?;
     }
     if let (Some(file), Some(numbers)) = (stats, numbers) {
         file.write_whole(numbers.to_json().as_bytes())?;

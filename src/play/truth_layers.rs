@@ -1,0 +1,185 @@
+//! The layers of truth: names, units, what they are, and their values at a pixel.
+
+use crate::TruthPoint;
+
+/// The picture of all layers.
+pub const PICTURE: &str = "truth.exr";
+
+/// What a layer's numbers are stored as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dtype {
+    /// 32-bit floats.
+    F32,
+    /// 64-bit floats.
+    F64,
+}
+
+impl Dtype {
+    /// NumPy's name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::F32 => "<f4",
+            Self::F64 => "<f8",
+        }
+    }
+}
+
+/// What is known of a pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct Pixel {
+    /// What is there; `None` where no ground is seen.
+    pub point: Option<TruthPoint>,
+    /// [`crate::TruthView::limb_distance_rad`].
+    pub limb_distance_rad: Option<f64>,
+    /// Whether there is a map of open water.
+    pub has_water: bool,
+}
+
+/// A layer.
+#[derive(Clone, Copy, Debug)]
+pub struct Layer {
+    /// Its name; its file has `.npy` after it.
+    pub name: &'static str,
+    /// The unit of its numbers, "1" where they have none.
+    pub unit: &'static str,
+    /// What they are.
+    pub what: &'static str,
+    /// How they are stored.
+    pub dtype: Dtype,
+    value: Value,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Value {
+    /// Of ground.
+    Ground(fn(&TruthPoint) -> f64),
+    /// Of ground, three numbers.
+    Vector(fn(&TruthPoint) -> [f64; 3]),
+    /// Of any pixel.
+    Pixel(fn(&Pixel) -> f64),
+}
+
+const fn layer(name: &'static str, unit: &'static str, what: &'static str, value: Value) -> Layer {
+    Layer {
+        name,
+        unit,
+        what,
+        dtype: Dtype::F32,
+        value,
+    }
+}
+
+const fn wide(layer: Layer) -> Layer {
+    Layer {
+        dtype: Dtype::F64,
+        ..layer
+    }
+}
+
+/// All layers.
+pub const LAYERS: &[Layer] = &[
+    wide(layer(
+        "lat_deg",
+        "degree",
+        "geodetic latitude",
+        Value::Ground(|point| point.place.lat_rad.to_degrees()),
+    )),
+    wide(layer(
+        "lon_deg",
+        "degree",
+        "longitude, east of Greenwich, -180 to 180",
+        Value::Ground(|point| point.place.lon_rad.to_degrees()),
+    )),
+    layer(
+        "range_m",
+        "metre",
+        "distance from the eye",
+        Value::Ground(|point| point.range_m),
+    ),
+    layer(
+        "height_m",
+        "metre",
+        "height of the drawn ground above the ellipsoid",
+        Value::Ground(|point| point.place.height_m),
+    ),
+    layer(
+        "sun_elevation_deg",
+        "degree",
+        "elevation of the Sun's centre over the ellipsoid's horizon, without refraction",
+        Value::Ground(|point| point.sun_elevation_rad.to_degrees()),
+    ),
+    layer(
+        "lit",
+        "1",
+        "part of the Sun's disc above that horizon: 1 by day, 0 by night",
+        Value::Ground(|point| point.sunlit),
+    ),
+    layer(
+        "moon_shadow",
+        "1",
+        "part of the Sun's disc that the Moon hides",
+        Value::Ground(|point| point.moon_shadow),
+    ),
+    layer(
+        "land",
+        "1",
+        "part of the pixel that is land; NaN everywhere without a map of open water",
+        Value::Pixel(|pixel| match (&pixel.point, pixel.has_water) {
+            (Some(point), true) => point.land,
+            _ => f64::NAN,
+        }),
+    ),
+    layer(
+        "cloud_cover",
+        "1",
+        "cover of the clouds drawn before the pixel; 0 without clouds",
+        Value::Ground(|point| point.cloud_cover),
+    ),
+    layer(
+        "normal_itrf",
+        "1",
+        "unit normal of the drawn ground, ITRF axes",
+        Value::Vector(|point| point.normal_itrf.to_array()),
+    ),
+    layer(
+        "limb_distance_deg",
+        "degree",
+        "angle from the ellipsoid's limb, below 0 on the disc; of sky too",
+        Value::Pixel(|pixel| pixel.limb_distance_rad.map_or(f64::NAN, f64::to_degrees)),
+    ),
+];
+
+impl Layer {
+    /// The name of its file.
+    pub fn file(&self) -> String {
+        format!("{}.npy", self.name)
+    }
+
+    /// The axes of its array for a picture of this width and height.
+    pub fn shape(&self, (width, height): (u32, u32)) -> Vec<u32> {
+        match self.value {
+            Value::Vector(_) => vec![height, width, 3],
+            _ => vec![height, width],
+        }
+    }
+
+    /// The channels that it has in a picture of 32-bit floats.
+    pub fn channels(&self) -> Vec<String> {
+        let name = self.name;
+        match (self.value, self.dtype) {
+            (Value::Vector(_), _) => ["x", "y", "z"].map(|axis| format!("{name}.{axis}")).into(),
+            (_, Dtype::F64) => vec![name.to_owned(), format!("{name}_rest")],
+            (_, Dtype::F32) => vec![name.to_owned()],
+        }
+    }
+
+    /// Its values at a pixel; where it has one, that is the first. NaN where there is none.
+    pub fn values(&self, pixel: &Pixel) -> [f64; 3] {
+        let one = |value| [value, f64::NAN, f64::NAN];
+        match self.value {
+            Value::Ground(of) => one(pixel.point.as_ref().map_or(f64::NAN, of)),
+            Value::Pixel(of) => one(of(pixel)),
+            Value::Vector(of) => pixel.point.as_ref().map_or([f64::NAN; 3], of),
+        }
+    }
+}
