@@ -20,7 +20,7 @@
 //! | `sky`, `sky_parts` | what is beyond the Earth |
 //! | `offscreen`, `still`, `stats`, `export`, `video/` | the offscreen renderer; pictures, their numbers, films |
 //! | `radiance` | a picture's light as a file |
-//! | `truth`, `truth_layers` | what is where its pixels look, as files |
+//! | `truth`, `truth_layers`, `truth_manifest` | what is where its pixels look, as files |
 //! | `float_files` | arrays and pictures of floats |
 //! | `output` | files that are complete or not there |
 //! | `window`, `window_renderer`, `surface` | the window: its events, its renderer, its surface |
@@ -63,6 +63,7 @@ mod timeline;
 mod tracks;
 mod truth;
 mod truth_layers;
+mod truth_manifest;
 mod video;
 mod window;
 mod window_renderer;

@@ -1,4 +1,4 @@
-//! What is where each pixel looks, as files: a folder of arrays, and one picture of all of them.
+//! What is where each pixel looks, as files: a folder of arrays, one picture of all of them, and a page that says what they are.
 //!
 //! `docs/truth.md` is the contract. Arrays are NumPy's; the picture is OpenEXR's, which has no 64-bit floats: such a layer
 //! stands there as two channels, the nearest 32-bit float and what is left.
@@ -9,6 +9,7 @@ use super::float_files::{write_exr_header, write_exr_line, write_npy_header};
 use super::offscreen::MAX_PICTURE_MIB;
 use super::output::{OutputError, PendingFile};
 use super::truth_layers::{Dtype, LAYERS, PICTURE, Pixel};
+use super::truth_manifest::TruthManifest;
 use crate::gpu::{GpuContext, SurfaceOutput, TruthTargets};
 use crate::imagery::LayerImage;
 use crate::imagery::tile::TileKey;
@@ -18,11 +19,15 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+/// The page that says what they are.
+const MANIFEST: &str = "truth.json";
+
 /// A folder of truth on its way: its files are there under temporary names, and vanish if they are not committed.
 #[derive(Debug)]
 pub struct TruthFolder {
     arrays: Vec<PendingFile>,
     picture: PendingFile,
+    manifest: PendingFile,
     // Last, so that the files in them are gone before.
     made: MadeFolders,
 }
@@ -69,6 +74,7 @@ impl TruthFolder {
                 .map(|layer| file(&layer.file(), "npy"))
                 .collect::<Result<_, _>>()?,
             picture: file(PICTURE, "exr")?,
+            manifest: file(MANIFEST, "json")?,
             made,
         })
     }
@@ -113,17 +119,30 @@ impl TruthFolder {
             }
         }
         lines.end()?;
+        let manifest = TruthManifest::new(flight, moment, &view, &options.figure.ellipsoid(), size);
+        let mut out = self.manifest.open()?;
+        out.write_all(manifest.to_json().as_bytes())
+            .and_then(|()| out.flush())
+            .map_err(|source| write_error(&self.manifest, source))?;
         Ok(missing)
     }
 
-    /// Gives all files their names.
+    /// Gives all files their names, the page last: where it is, all of its layers are.
     pub fn commit(self) -> Result<(), OutputError> {
         let Self {
             arrays,
             picture,
+            manifest,
             mut made,
         } = self;
-        for file in arrays.into_iter().chain([picture]) {
+        // That of an earlier picture tells of other files.
+        match std::fs::remove_file(manifest.target()) {
+            Err(source) if source.kind() != io::ErrorKind::NotFound => {
+                return Err(write_error(&manifest, source));
+            }
+            _ => {}
+        }
+        for file in arrays.into_iter().chain([picture, manifest]) {
             file.commit()?;
         }
         made.0.clear();
@@ -284,6 +303,17 @@ mod tests {
         std::fs::create_dir_all(&folder).expect("made");
         drop(TruthFolder::create(&folder, (4, 3)).expect("taken"));
         assert_eq!(std::fs::read_dir(&folder).expect("there").count(), 0);
+    }
+
+    #[test]
+    fn the_page_of_an_earlier_picture_goes_before_its_files_do() {
+        let root = tempfile::tempdir().expect("a folder");
+        std::fs::write(root.path().join(MANIFEST), "old").expect("writes");
+        let truth = TruthFolder::create(root.path(), (4, 3)).expect("taken");
+        // The first layer cannot be given its name.
+        std::fs::create_dir(root.path().join(LAYERS[0].file())).expect("made");
+        truth.commit().expect_err("in the way");
+        assert!(!root.path().join(MANIFEST).exists());
     }
 
     #[test]
