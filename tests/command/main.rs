@@ -13,6 +13,7 @@ mod pictures;
 mod reference;
 mod report;
 mod terrain;
+mod truth;
 mod usage;
 mod video;
 #[cfg(target_os = "linux")]

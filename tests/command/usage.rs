@@ -37,6 +37,7 @@ fn every_command_has_help() {
                 "--at",
                 "--size",
                 "--radiance",
+                "--truth",
                 "--stats",
                 "--renderer",
                 "--samples",
