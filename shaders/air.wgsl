@@ -43,6 +43,3 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     @if(airglow) let shown = of_sun + airglow(pass_, dot(up, air.sun), fwidth(pass_.q));
     return vec4f(displayed(shown, air.exposure, in.clip.xy), light.a);
 }
-
-// What the Moon leaves of the sunlight on it. From an eye that looks up the air is before it, else about the nearest point.
-@if(eclipse) fn sun_on_air(pass_: Pass, nearest: vec3f) -> vec3f { if pass_.along <= 0.0 { return sun_on_rising_air(-air.eye_distance * air.toward_center, pass_.direction, -pass_.along / air.eye_distance, 1.0); } return sun_on_passed_air(nearest, pass_.direction, pass_.along); }

@@ -216,7 +216,7 @@ impl SceneText<'_> {
     }
 
     /// Refuses a key that does nothing with the paper's shading.
-    pub(super) fn only_in_sunlight<T, R>(&self, field: &Field<'_, T, R>) -> Result<(), SceneError> {
+    fn only_in_sunlight<T, R>(&self, field: &Field<'_, T, R>) -> Result<(), SceneError> {
         if !field.is_given() {
             return Ok(());
         }

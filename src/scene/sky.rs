@@ -65,8 +65,9 @@ impl SceneText<'_> {
         let is_full = earth.look == Look::Full;
         let is_sunlit = earth.light.is_some();
         let eclipses = sky.eclipses();
-        if !is_sunlit {
-            self.only_in_sunlight(&eclipses)?;
+        if !is_sunlit && eclipses.value() == Some(true) {
+            let advice = "the paper's shading has no eclipses; write false, leave it out, or take shading = \"sunlit\"";
+            return Err(self.refuse(&eclipses, advice));
         }
         Ok(SkyTable {
             stars: sky.stars().value().unwrap_or(is_real),

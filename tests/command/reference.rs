@@ -146,6 +146,17 @@ fn what_is_left_out_is_named() {
         stats["left_out"],
         serde_json::json!(["tracks", "sky", "spacecraft"])
     );
+    // An eclipse is named while there is one.
+    for (date, is_named) in [("2024-04-08", true), ("2024-04-09", false)] {
+        let at = format!("{date}T18:17:20Z");
+        place.scene(
+            "plain.toml",
+            "[camera]\nmode = \"geodetic\"\n[earth]\nclouds = false\nnormals = false\nnight_lights = false\n[output]\nsize = [16, 9]\n",
+        );
+        let more = ["--stats", "b.json", "--at", at.as_str()];
+        let output = place.succeed(&arguments("plain.toml", &more));
+        assert_eq!(words(&output).contains("eclipse"), is_named, "{date}");
+    }
 }
 
 #[test]

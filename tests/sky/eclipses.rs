@@ -11,6 +11,17 @@ fn shadow_at(epoch: Epoch) -> MoonShadow {
     Sky::at(epoch).moon_shadow().expect("a Moon")
 }
 
+/// Angular radii of Sun and Moon and the angle between their centres, seen from a place, radians.
+fn discs(sky: &Sky, place: DVec3) -> [f64; 3] {
+    let sun = sky.sun_itrf * sky.sun_distance_m - place;
+    let moon = sky.moon_itrf_m.expect("a Moon") - place;
+    [
+        (6.957e8 / sun.length()).asin(),
+        (1.7374e6 / moon.length()).asin(),
+        sun.cross(moon).length().atan2(sun.dot(moon)),
+    ]
+}
+
 /// Rows of a table, by its columns' names.
 fn rows(text: &'static str) -> impl Iterator<Item = impl Fn(&str) -> &'static str> {
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
@@ -90,6 +101,71 @@ fn as_much_of_the_sun_is_hidden_as_was() {
     assert!(worst < 1.5e-3);
 }
 
+/// Where a row through the shadow's middle leaves the umbra, or what is left of it where the Moon is too small: kilometres from the
+/// middle, south and north or west and east.
+#[test]
+fn the_shadow_is_as_wide_as_it_was() {
+    struct Row {
+        km: f64,
+        at: [f64; 2],
+        is_whole: bool,
+    }
+    let mut lines: Vec<(Epoch, &str, Vec<Row>)> = Vec::new();
+    for row in rows(include_str!("../data/sky/eclipse_rows.csv")) {
+        let (epoch, line) = (instant(&row), row("line"));
+        if lines
+            .last()
+            .is_none_or(|last| (last.0, last.1) != (epoch, line))
+        {
+            lines.push((epoch, line, Vec::new()));
+        }
+        let (_, _, places) = lines.last_mut().expect("a line");
+        places.push(Row {
+            km: number(row("offset_km")),
+            at: [number(row("lat")), number(row("lon"))],
+            is_whole: ["total", "annular"].contains(&row("kind")),
+        });
+    }
+    assert_eq!(lines.len(), 6);
+    let mut worst = 0.0_f64;
+    for (epoch, line, places) in &lines {
+        let sky = Sky::at(*epoch);
+        let is_whole = |[lat, lon]: [f64; 2]| {
+            let [sun, moon, apart] = discs(&sky, above(lat, lon, 0.0));
+            apart < (sun - moon).abs()
+        };
+        let edges = places
+            .windows(2)
+            .filter(|pair| pair[0].is_whole != pair[1].is_whole);
+        let edges: Vec<_> = edges.map(|pair| 0.5 * (pair[0].km + pair[1].km)).collect();
+        let middle = places.iter().find(|row| row.km == 0.0).expect("a middle");
+        let width = edges.iter().map(|edge| {
+            let beyond = places
+                .iter()
+                .find(|row| (row.km - 3.0 * edge).abs() < 2.0 * edge.abs());
+            let beyond = beyond.expect("a place outside");
+            let at =
+                |part: f64| [0, 1].map(|k| middle.at[k] + part * (beyond.at[k] - middle.at[k]));
+            let (mut low, mut high) = (0.0, 1.0);
+            assert!(is_whole(at(low)) && !is_whole(at(high)), "{epoch} {line}");
+            for _ in 0..40 {
+                let part = 0.5 * (low + high);
+                match is_whole(at(part)) {
+                    true => low = part,
+                    false => high = part,
+                }
+            }
+            low * beyond.km
+        });
+        let ours: Vec<f64> = width.collect();
+        let [ours, theirs] = [&ours, &edges].map(|edge| edge[1] - edge[0]);
+        println!("{epoch} {line}: {ours:.2} km wide, by the table {theirs:.2}");
+        worst = worst.max((ours - theirs).abs());
+    }
+    // The table's edges are known to 0.2 km each.
+    assert!(worst < 1.0, "{worst} km");
+}
+
 #[test]
 fn contacts_come_when_they_came() {
     let mut worst = 0.0_f64;
@@ -100,13 +176,7 @@ fn contacts_come_when_they_came() {
         // How far the discs' edges are from touching, in radians; touching outside for the first and the last contact.
         let gap = |seconds: f64| {
             let sky = Sky::at(expected + Duration::from_seconds(seconds));
-            let sun = sky.sun_itrf * sky.sun_distance_m - place;
-            let moon = sky.moon_itrf_m.expect("a Moon") - place;
-            let apart = sun.cross(moon).length().atan2(sun.dot(moon));
-            let (sun, moon) = (
-                (6.957e8 / sun.length()).asin(),
-                (1.7374e6 / moon.length()).asin(),
-            );
+            let [sun, moon, apart] = discs(&sky, place);
             match contact {
                 "C1" | "C4" => apart - (sun + moon),
                 _ => apart - (sun - moon).abs(),

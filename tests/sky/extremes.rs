@@ -5,7 +5,7 @@ use crate::{common::Rig, stars, utc};
 use glam::DVec3;
 use terrella::celestial::CelestialOptions;
 use terrella::frames::{Duration, Observer, Orientation};
-use terrella::{Atmosphere, EarthOptions, EyeView};
+use terrella::{Atmosphere, EarthOptions, EyeView, Sky, SurfaceLight};
 
 const SIZE: (u32, u32) = (96, 64);
 
@@ -31,6 +31,10 @@ fn every_pixel_is_a_number() {
     for atmosphere in [Atmosphere::None, Atmosphere::Billboard] {
         let options = EarthOptions {
             atmosphere,
+            light: SurfaceLight {
+                eclipses: true,
+                ..SurfaceLight::default()
+            },
             ..bare_earth()
         };
         let mut rig = Rig::of_light(&options, SIZE);
@@ -62,9 +66,12 @@ fn every_pixel_is_a_number() {
                 {
                     let fov = f64::to_radians(fov_deg);
                     let view = EyeView::itrf(eye, look, DVec3::Z, fov, 1.5);
-                    let light = drawn(&mut rig, &all(), &view, *epoch, SIZE);
-                    let bad = light
+                    // The sky over a night, and the Earth by the date's own Sun and Moon.
+                    let sky = drawn(&mut rig, &all(), &view, *epoch, SIZE);
+                    let earth = rig.draw_light_of(&view, &Sky::at(*epoch));
+                    let bad = sky
                         .iter()
+                        .chain(&earth)
                         .flatten()
                         .filter(|value| !value.is_finite() || **value < 0.0);
                     assert_eq!(

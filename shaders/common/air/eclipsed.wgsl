@@ -8,6 +8,15 @@ const SCALE_HEIGHT: f32 = AIR_SCALE_HEIGHT_M / AIR_RADIUS_M;
 const LOW: vec2f = vec2f(0.5858, 0.8536);
 const HIGH: vec2f = vec2f(3.4142, 0.1464);
 
+// On a ray that meets no ground and is nearest to it at `nearest`. Where the eye looks up, all of the air is beyond it.
+fn sun_on_air(pass_: Pass, nearest: vec3f) -> vec3f {
+    if pass_.along <= 0.0 {
+        let eye = -air.eye_distance * air.toward_center;
+        return sun_on_rising_air(eye, pass_.direction, -pass_.along / air.eye_distance, 1.0);
+    }
+    return sun_on_passed_air(nearest, pass_.direction, pass_.along);
+}
+
 // On a ray that rises from `start` in the direction `outwards` at a cosine to the vertical, for `reach` at most.
 fn sun_on_rising_air(start: vec3f, outwards: vec3f, cosine: f32, reach: f32) -> vec3f {
     let low = min(way_up(LOW.x * SCALE_HEIGHT, cosine), reach);

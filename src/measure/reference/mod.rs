@@ -241,7 +241,6 @@ impl Reference {
             ),
             ("made detail", is_sunlit && options.light.detail),
             ("moonlight", is_sunlit && options.light.moonlight),
-            ("eclipses", is_sunlit && options.light.eclipses),
             ("airglow", has_air && options.light.airglow),
         ];
         let left_out = all.into_iter().filter(|(_, is_drawn)| *is_drawn);

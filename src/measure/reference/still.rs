@@ -11,6 +11,7 @@ use crate::play::{
     EyePosition, Flight, Moment, OutputError, PendingFile, PlayError, Progress, SubsolarPoint,
 };
 use crate::{Atmosphere, Exposure};
+use glam::DVec3;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -145,6 +146,11 @@ pub fn write_reference_still(
     }
     if scene.sky.is_on() {
         left_out.push("sky".to_owned());
+    }
+    let radius_m = flight.ellipsoid().equatorial_radius_m;
+    let shadow = moment.sky.moon_shadow().filter(|_| scene.sky.eclipses);
+    if shadow.is_some_and(|shadow| shadow.reaches(DVec3::ZERO, radius_m)) {
+        left_out.push("eclipse".to_owned());
     }
     if moment.craft.is_some() {
         left_out.push("spacecraft".to_owned());

@@ -66,6 +66,7 @@ const BAD: &[Bad] = &[
     ("[earth]\nnight_gain = 2e6", 2, &["[earth] night_gain = 2e6:", "from 0 to 1e6"]),
     ("[earth]\nlook = \"paper\"\nwind_m_s = 3", 3, &["[earth] wind_m_s = 3:", "the paper's shading has no wind_m_s", "\"sunlit\""]),
     ("[earth]\nshading = \"paper\"\ncloud_shadows = true", 3, &["[earth] cloud_shadows = true:", "the paper's shading"]),
+    ("[sky]\neclipses = true\n[earth]\nshading = \"paper\"", 2, &["[sky] eclipses = true:", "the paper's shading has no eclipses"]),
     ("[output]\nexposure_ev = 20.1", 2, &["[output] exposure_ev = 20.1:", "from −20 to 20"]),
     ("[output]\nexposure_ev = -21", 2, &["[output] exposure_ev = -21:", "from −20 to 20"]),
     ("[camera]\nfov_deg = 0", 2, &["[camera] fov_deg = 0:", "must be more than 0 and less than 180 degrees", "0.001 to 179.999"]),

@@ -59,6 +59,9 @@ fn a_look_sets_what_the_scene_leaves_open() {
     let detail = |earth: &EarthTable| earth.light.map(|light| light.detail);
     assert_eq!(detail(&full), Some(true));
     assert_eq!(detail(&earth("")), Some(false));
+    let eclipses = |text: &str| scene(text).sky.eclipses;
+    assert!(eclipses("") && !eclipses("[sky]\neclipses = false"));
+    assert!(!eclipses("[earth]\nlook = \"paper\""));
     // Haze: a clear day's, none in the paper's picture, and what is asked for in both.
     let haze = |text: &str| earth(text).aerosol_optical_depth;
     assert_eq!((haze(""), haze("look = \"paper\"")), (0.1, 0.0));
