@@ -232,8 +232,10 @@ fn halo(
         };
         Ok(pipeline.create(device))
     };
+    // Then the Moon is new.
     let eclipsed = eclipses.then_some(AirVariant {
         eclipse: true,
+        moonlight: false,
         ..variant
     });
     let halo = Halo {

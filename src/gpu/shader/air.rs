@@ -50,7 +50,7 @@ impl ShaderVariant for AirVariant {
         for side in AirSide::ALL {
             for moonlight in SWITCH {
                 for airglow in SWITCH {
-                    for eclipse in SWITCH {
+                    for eclipse in SWITCH.into_iter().filter(|on| !on || !moonlight) {
                         all.extend(TargetColor::all().into_iter().map(|target| Self {
                             side,
                             moonlight,

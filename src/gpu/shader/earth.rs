@@ -123,12 +123,13 @@ impl EarthVariant {
         }
     }
 
-    /// The same while the Moon's shadow is in view; `None` where nothing knows of it.
+    /// The same while the Moon's shadow is in view; `None` where nothing knows of it. Then the Moon is new, and lights nothing.
     pub fn eclipsed(self) -> Option<Self> {
         match self.output {
             EarthOutput::Picture(ShadingVariant::Sunlit(layers), target) => {
                 let layers = SunlitLayers {
                     eclipse: true,
+                    moonlight: false,
                     ..layers
                 };
                 Some(Self {
@@ -215,7 +216,7 @@ impl EarthOutput {
             layers
                 .filter(|layers| layers.clouds || !layers.cloud_shadows)
                 // It meets the clouds and the air, and nothing else of these.
-                .filter(|l| !l.eclipse || l.water && l.normals && l.detail && l.moonlight)
+                .filter(|l| !l.eclipse || l.water && l.normals && l.detail && !l.moonlight)
                 .map(ShadingVariant::Sunlit)
         };
         let paper = |air| {
