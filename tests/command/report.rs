@@ -303,3 +303,32 @@ fn surfaces_that_there_are_not_are_refused() {
         assert!(said.contains(why), "{said}");
     }
 }
+
+#[test]
+fn relief_is_left_out_with_a_word() {
+    let place = Place::new();
+    let scene = format!(
+        "[camera]\nmode = \"geodetic\"\n[earth]\nclouds = false\nelevation = [\"{}/textures/elevation.png\"]\n[sky]\nstars = false\n",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    place.scene("hills.toml", &scene);
+    let output = place.succeed(&[
+        "report",
+        "hills.toml",
+        "-o",
+        "out",
+        "--quick",
+        "--size",
+        "48x27",
+        "--repeats",
+        "1",
+        "--samples",
+        "1",
+        "--heights",
+        "1000",
+    ]);
+    assert!(words(&output).contains("--surfaces"), "{}", words(&output));
+    let page = read(&place.path("out/index.html"));
+    assert!(page.contains("relief is left out"));
+    assert!(!rows(&place.path("out")).is_empty());
+}

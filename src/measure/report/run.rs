@@ -42,6 +42,13 @@ pub(super) fn run(
     // One for all views, so that they can be compared.
     options.exposure = Exposure::Ev(options.exposure.fixed_ev());
     progress.end();
+    let mut notes = Vec::new();
+    // Limb and places are held against the ellipsoid.
+    if options.ground.take().is_some() {
+        let note = "The ground's relief is left out: this page is of the smooth Earth. `terrella report --surfaces` compares relief.";
+        tracing::warn!("{note}");
+        notes.push(note.to_owned());
+    }
     let heights_km = request.heights_km.as_deref();
     let plan = SweepPlan::new(&gpu, &options, request.size, request.quick, heights_km);
     let wanted = |change: &SettingChange| plan.heights_of(change, request.size).len();
@@ -61,7 +68,7 @@ pub(super) fn run(
         wanted: plan.changes.iter().map(wanted).sum(),
         unavailable: plan.unavailable.clone(),
         is_stopped: false,
-        notes: Vec::new(),
+        notes,
         pictured_km: Vec::new(),
         standalone: StandaloneStudy::default(),
     };
