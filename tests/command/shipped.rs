@@ -1,0 +1,75 @@
+//! Every scene that is shipped goes through the commands that take one.
+
+use crate::Place;
+use std::path::{Path, PathBuf};
+
+/// Those of `config/`, but the one that waits for a simulator.
+fn scenes() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("config");
+    let files = std::fs::read_dir(folder).expect("a folder");
+    let files = files.map(|file| file.expect("a file").path());
+    let is_scene = |path: &PathBuf| {
+        path.extension()
+            .is_some_and(|extension| extension == "toml")
+    };
+    let mut scenes: Vec<_> = files.filter(is_scene).collect();
+    scenes.sort();
+    assert!(scenes.len() > 20);
+    scenes.retain(|path| !path.ends_with("live.toml"));
+    scenes
+}
+
+#[test]
+fn every_scene_is_checked_and_drawn() {
+    let place = Place::new();
+    for scene in scenes() {
+        let scene = scene.to_str().expect("UTF-8");
+        place.succeed(&["-q", "check", scene]);
+        place.succeed(&["-q", "frame", scene, "-o", "a.png", "--size", "32x18"]);
+    }
+}
+
+/// By hand, some minutes: `cargo test --release --test command shipped -- --ignored`.
+#[test]
+#[ignore = "takes minutes"]
+fn every_scene_is_measured() {
+    let place = Place::new();
+    for scene in scenes() {
+        let name = scene
+            .file_stem()
+            .expect("a name")
+            .to_string_lossy()
+            .into_owned();
+        let scene = scene.to_str().expect("UTF-8");
+        place.succeed(&[
+            "-q",
+            "frame",
+            scene,
+            "-o",
+            "b.png",
+            "--size",
+            "16x9",
+            "--renderer",
+            "reference",
+            "--samples",
+            "1",
+        ]);
+        place.succeed(&["-q", "bench", scene, "--frames", "1", "--size", "64x36"]);
+        place.succeed(&[
+            "-q",
+            "report",
+            scene,
+            "-o",
+            &name,
+            "--quick",
+            "--size",
+            "48x27",
+            "--repeats",
+            "1",
+            "--samples",
+            "1",
+            "--heights",
+            "1000",
+        ]);
+    }
+}
