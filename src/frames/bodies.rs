@@ -17,7 +17,7 @@ pub fn sun_position_gcrf_m(epoch: Epoch) -> DVec3 {
         Some(([earth_au, _], _)) => -DVec3::from(earth_au) * ASTRONOMICAL_UNIT_M,
         None => {
             let orientation = Orientation::default();
-            let direction = sun::low_precision_direction_itrf(epoch, &orientation);
+            let direction = sun::low_precision_direction_itrf(epoch, &orientation, 0.0);
             let distance = sun::low_precision_distance_au(epoch) * ASTRONOMICAL_UNIT_M;
             let itrf_from_gcrf = itrf_from_gcrf_oriented(epoch, &orientation);
             itrf_from_gcrf.transpose() * direction * distance
@@ -138,6 +138,48 @@ mod tests {
         println!("Moon: {moon_km:.1} km, {moon_arcsec:.1}″; Sun: {sun_km:.1} km, {sun_arcsec:.4}″");
         assert!(moon_km < 1.5 && moon_arcsec < 0.7);
         assert!(sun_km < 7.0 && sun_arcsec < 0.01);
+    }
+
+    /// Against JPL DE423, 1800 to 2200; the table's head says how it was made.
+    #[test]
+    fn sun_and_moon_hold_for_two_hundred_years() {
+        let table = include_str!("../../tests/data/sky/sun_moon_de423.csv");
+        let rows = table.lines().filter(|line| !line.starts_with('#')).skip(1);
+        // ″ and km: the Sun within the theory's years, beyond them, and the Moon.
+        let mut worst = [[0.0_f64; 2]; 3];
+        let mut count = 0;
+        for row in rows {
+            let numbers = row
+                .split(',')
+                .map(|number| number.parse().expect("a number"));
+            let numbers: Vec<f64> = numbers.collect();
+            let epoch = epoch_of_tt(numbers[0]);
+            let is_within = (2_415_020.5..2_488_070.0).contains(&numbers[0]);
+            for (of, found, expected) in [
+                (
+                    usize::from(!is_within),
+                    sun_position_gcrf_m(epoch),
+                    &numbers[1..4],
+                ),
+                (2, moon_position_gcrf_m(epoch), &numbers[4..7]),
+            ] {
+                let expected = DVec3::from_slice(expected) * 1e3;
+                let apart = found.cross(expected).length().atan2(found.dot(expected));
+                let km = (found.length() - expected.length()).abs() / 1e3;
+                let now = [apart.to_degrees() * 3600.0, km];
+                worst[of] = [0, 1].map(|k| worst[of][k].max(now[k]));
+            }
+            count += 1;
+        }
+        println!("{count} rows, ″ and km: {worst:?}");
+        assert!(count > 40);
+        let bounds = [[0.02, 12.0], [30.0, 15_000.0], [0.7, 1.2]];
+        for (worst, bound) in worst.iter().zip(bounds) {
+            assert!(
+                worst[0] < bound[0] && worst[1] < bound[1],
+                "{worst:?} {bound:?}"
+            );
+        }
     }
 
     #[test]

@@ -27,7 +27,7 @@ pub fn sun_direction_itrf_oriented(epoch: Epoch, orientation: &Orientation) -> D
             itrf_from_gcrf_oriented(epoch, orientation)
                 * apparent_direction(earth_au, velocity_au_day)
         }
-        None => low_precision_direction_itrf(epoch, orientation),
+        None => low_precision_direction_itrf(epoch, orientation, ABERRATION_DEG),
     }
 }
 
@@ -64,8 +64,16 @@ pub(super) fn aberrated(natural: DVec3, beta: DVec3, sun_au: f64) -> DVec3 {
     DVec3::from(sofars::astro::ab(&natural, &beta, sun_au, inverse_gamma))
 }
 
-/// Meeus, Astronomical Algorithms (1998), chapter 25, with mean equator and equinox of date turned by mean sidereal time.
-pub(super) fn low_precision_direction_itrf(epoch: Epoch, orientation: &Orientation) -> DVec3 {
+/// What aberration moves the Sun back by, degrees of longitude: 20.5″.
+const ABERRATION_DEG: f64 = 0.005_69;
+
+/// Meeus, Astronomical Algorithms (1998), chapter 25, with mean equator and equinox of date turned by mean sidereal time, moved back by
+/// the aberration given.
+pub(super) fn low_precision_direction_itrf(
+    epoch: Epoch,
+    orientation: &Orientation,
+    aberration_deg: f64,
+) -> DVec3 {
     let tt = JulianDate::tt(epoch);
     let t = (tt.midnight - 2_451_545.0 + tt.fraction) / 36_525.0;
     // L0, M, C: mean longitude, mean anomaly, equation of the centre, degrees.
@@ -74,8 +82,7 @@ pub(super) fn low_precision_direction_itrf(epoch: Epoch, orientation: &Orientati
     let centre = (1.914_602 - t * (0.004_817 + t * 0.000_014)) * anomaly.sin()
         + (0.019_993 - t * 0.000_101) * (2.0 * anomaly).sin()
         + 0.000_289 * (3.0 * anomaly).sin();
-    // Aberration moves the Sun back by 20.5″.
-    let longitude = (mean_longitude + centre - 0.005_69).to_radians();
+    let longitude = (mean_longitude + centre - aberration_deg).to_radians();
     let obliquity = (23.439_291_1 - t * 0.013_004_2).to_radians();
     let direction = DVec3::new(
         longitude.cos(),
@@ -110,7 +117,8 @@ mod tests {
         for step in 0..2000 {
             let epoch = Epoch::from_gregorian_utc_at_midnight(1900, 1, 2)
                 + Duration::from_days(f64::from(step) * 36.4 + 0.123);
-            let other = low_precision_direction_itrf(epoch, &Orientation::default());
+            let other =
+                low_precision_direction_itrf(epoch, &Orientation::default(), ABERRATION_DEG);
             let angle = sun_direction_itrf(epoch).angle_between(other);
             worst = worst.max(angle.to_degrees());
         }
