@@ -2,6 +2,7 @@
 
 use super::Frame;
 use super::entry::{RecordError, RecordFault, number, printable, shortened};
+use super::found::{Each, Found};
 use super::interpolated::{
     EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
 };
@@ -20,9 +21,6 @@ const MAX_NUMBERS: usize = 8_000_000;
 /// Most intervals of an object's availability or position.
 const MAX_INTERVALS: usize = 10_000;
 
-/// What is done with each object; its error ends the reading.
-type Each<'e> = dyn FnMut(Result<EphemerisFeed, RecordError>) -> Result<(), RecordError> + 'e;
-
 /// Calls `each` for every packet that has a sampled position.
 pub(super) fn each_object(
     text: &str,
@@ -36,12 +34,12 @@ pub(super) fn each_object(
         document.each_object::<RecordError>(MAX_PACKETS, "packets", &mut |value| match packet(
             &document, value, &mut seen,
         ) {
-            Ok(Some(feed)) => each(Ok(feed)),
+            Ok(Some(feed)) => each(Found::Object(feed)),
             Ok(None) => Ok(()),
-            Err(error) => each(Err(error)),
+            Err(error) => each(Found::Spoilt(error)),
         });
     // What ends a whole text is one more fault where others are good.
-    read.or_else(|error| each(Err(error)))
+    read.or_else(|error| each(Found::Spoilt(error)))
 }
 
 /// A packet's object, if it moves.

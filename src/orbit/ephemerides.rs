@@ -3,6 +3,7 @@
 use super::catalogue::{Candidate, choose};
 use super::entry::{Faults, RecordError};
 use super::file::read_text;
+use super::found::Found;
 use super::interpolated::EphemerisFeed;
 use super::text::unmarked;
 use super::{Feed, FileFormat, OrbitError, czml, ephemeris_csv, oem};
@@ -15,10 +16,12 @@ pub struct Ephemerides {
     pub format: FileFormat,
     /// Satellites that can be propagated.
     pub feeds: Vec<EphemerisFeed>,
-    /// What is wrong with the others: the first thousand faults.
+    /// What is wrong with others, and with states that these are flown without: the first thousand faults.
     pub faults: Vec<OrbitError>,
     /// How many faults there are beyond those.
     pub faults_left_out: usize,
+    /// Why the first object that cannot be flown cannot be.
+    spoilt: Option<RecordError>,
 }
 
 impl Ephemerides {
@@ -33,13 +36,15 @@ impl Ephemerides {
     /// - CZML begins with `[`. Every packet with a sampled `position` is an object; `INERTIAL` is taken as GCRF, `FIXED` as
     ///   ITRF. Points that stand still are passed over.
     /// - CSV has a header that names `epoch_utc,x_km,y_km,z_km`, and if it likes `vx_km_s,vy_km_s,vz_km_s`, in any order,
-    ///   others being passed over (`epoch_tai`, `…_tt`, `…_gps`; `x_m` with `vx_m_s`). A comment before it says what the
-    ///   numbers do not: `# frame = TEME, name = ISS, interpolation = HERMITE, degree = 7`; the frame must be said.
+    ///   others being passed over (`epoch_tai`, `…_tt`, `…_gps`; `x_m` with `vx_m_s`). Columns `name` and `frame` say of
+    ///   which satellite a row is and in which frame; or a comment before the header says it of all rows, and what else
+    ///   the numbers do not: `# frame = TEME, name = ISS, interpolation = HERMITE, degree = 7`. The frame must be said.
     ///
-    /// Objects that are spoilt are listed and the others used; `is_strict` refuses the file instead.
+    /// States of OEM and CSV that cannot be read, and those out of the order of time, are listed and their objects flown
+    /// without them. Objects that are spoilt are listed and the others used. `is_strict` refuses the file instead.
     ///
     /// # Errors
-    /// If no object is good, or, when strict, if one is not: says which line and column is wrong, how, and what to do.
+    /// If no object is good, or, when strict, if anything is not: says which line and column is wrong, how, and what to do.
     pub fn from_file(path: &Path, is_strict: bool) -> Result<Self, OrbitError> {
         Self::from_text(&read_text(path, Self::MAX_FILE_BYTES)?, path, is_strict)
     }
@@ -52,12 +57,17 @@ impl Ephemerides {
         let text = unmarked(text);
         let mut faults = Faults::<RecordError>::new(is_strict);
         let mut feeds = Vec::new();
-        let mut each = |result| match result {
-            Ok(feed) => {
+        let mut spoilt = None;
+        let mut each = |found| match found {
+            Found::Object(feed) => {
                 feeds.push(feed);
                 Ok(())
             }
-            Err(error) => faults.note(error),
+            Found::Spoilt(error) => {
+                spoilt.get_or_insert_with(|| error.clone());
+                faults.note(error)
+            }
+            Found::BadState(error) => faults.note(error),
         };
         let format = match text.trim_start() {
             _ if oem::is_oem(text) => FileFormat::Oem,
@@ -67,7 +77,10 @@ impl Ephemerides {
         match format {
             FileFormat::Oem => oem::each_object(text, origin, &mut each)?,
             FileFormat::Czml => czml::each_object(text, origin, &mut each)?,
-            _ if ephemeris_csv::is_table(text) => each(ephemeris_csv::read(text, origin))?,
+            _ if ephemeris_csv::is_table(text) => {
+                ephemeris_csv::each_object(text, origin, &mut each)
+                    .or_else(|error| each(Found::Spoilt(error)))?;
+            }
             _ => {}
         }
         let mut kept: Vec<_> = faults.kept.into_iter().map(OrbitError::from).collect();
@@ -85,18 +98,23 @@ impl Ephemerides {
             feeds,
             faults: kept,
             faults_left_out: faults.left_out,
+            spoilt,
         })
     }
 
     /// The object of that name, letter case aside, or international designator; `None` takes the only one there is.
     ///
     /// # Errors
-    /// If none or more than one answers: says which there are.
+    /// If none or more than one answers: says which there are. Without a name also if an object is spoilt, as that leaves
+    /// open which is the only one.
     pub fn into_one(
         mut self,
         origin: &Path,
         name: Option<&str>,
     ) -> Result<EphemerisFeed, OrbitError> {
+        if let (None, Some(error)) = (name, self.spoilt) {
+            return Err(error.into());
+        }
         let candidates: Vec<_> = self
             .feeds
             .iter()

@@ -2,15 +2,19 @@
 
 use super::Frame;
 use super::entry::{
-    Entry, Fields, Keys, RecordError, RecordFault, TextPosition, scaled_number, shortened,
+    Entry, Fields, Keys, RecordError, RecordFault, TextPosition, printable, scaled_number,
+    shortened,
 };
+use super::found::{Each, Found};
 use super::interpolated::{
-    EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
+    EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, InterpolationError,
+    StateSample, sift,
 };
 use super::text::csv;
 use crate::frames::TimeScale;
 use glam::DVec3;
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::path::Path;
 
 /// Most rows of a table.
@@ -47,19 +51,47 @@ struct Columns {
     velocity: Option<[usize; 3]>,
     /// Of ten, from the columns' unit to metres.
     power: i32,
+    /// Columns of the satellite's name and of the frame.
+    name: Option<usize>,
+    frame: Option<usize>,
     count: usize,
 }
 
-/// Reads the object of a table.
-pub(super) fn read(text: &str, origin: &Path) -> Result<EphemerisFeed, RecordError> {
+/// What holds for all rows.
+struct Table {
+    columns: Columns,
+    /// What rows have that name none.
+    name: String,
+    /// Of all rows, where they have no column of it.
+    frame: Option<Frame>,
+    interpolation: Interpolation,
+}
+
+/// The rows of one satellite.
+struct Rows {
+    name: String,
+    frame: Frame,
+    samples: Vec<StateSample>,
+    /// Lines of the samples.
+    lines: Vec<usize>,
+}
+
+/// Calls `each` for every satellite of a table and for every row that is left out of one.
+pub(super) fn each_object(
+    text: &str,
+    origin: &Path,
+    each: &mut Each<'_>,
+) -> Result<(), RecordError> {
     let start = TextPosition { line: 1, column: 1 };
     let mut said = Fields::new("the table", start, KEYS);
-    let mut columns: Option<Columns> = None;
-    let mut samples = Vec::new();
-    let mut places = Vec::new();
+    let mut table: Option<Table> = None;
+    let mut objects: Vec<Rows> = Vec::new();
+    let mut by_name: HashMap<String, usize> = HashMap::new();
+    let mut count = 0;
     for (line, text) in lines(text) {
+        let place = TextPosition { line, column: 1 };
         if let Some(comment) = text.strip_prefix('#') {
-            if columns.is_none() {
+            if table.is_none() {
                 declare(&mut said, comment, line, origin)?;
             }
             continue;
@@ -69,43 +101,140 @@ pub(super) fn read(text: &str, origin: &Path) -> Result<EphemerisFeed, RecordErr
                 format: "CSV",
                 cause: "a quotation mark without its partner".to_owned(),
             };
-            TextPosition { line, column: 1 }.error(origin, fault)
-        })?;
-        let Some(columns) = &columns else {
-            columns = Some(header(&row, line, origin)?);
+            place.error(origin, fault)
+        });
+        let Some(table) = &table else {
+            table = Some(whole_table(&said, header(&row?, line, origin)?, origin)?);
             continue;
         };
-        if samples.len() >= MAX_ROWS {
+        count += 1;
+        if count > MAX_ROWS {
             let (what, limit) = ("rows", MAX_ROWS);
-            let fault = RecordFault::TooMany { what, limit };
-            return Err(TextPosition { line, column: 1 }.error(origin, fault));
+            return Err(place.error(origin, RecordFault::TooMany { what, limit }));
         }
-        samples.push(sample(columns, &row, line, origin)?);
-        places.push(line);
+        let read = row.and_then(|row| {
+            let sample = sample(&table.columns, &row, line, origin)?;
+            let (name, frame) = whose(table, &row, line, origin)?;
+            let object = *by_name.entry(name).or_insert_with_key(|name| {
+                objects.push(Rows {
+                    name: name.clone(),
+                    frame,
+                    samples: Vec::new(),
+                    lines: Vec::new(),
+                });
+                objects.len() - 1
+            });
+            if let Some(object) = objects.get_mut(object) {
+                if object.frame != frame {
+                    let fault = RecordFault::Unsupported {
+                        key: "frame".to_owned(),
+                        text: frame.name().to_owned(),
+                        remedy: "the satellite's first row is in another; write one frame for all of its rows",
+                    };
+                    return Err(place.error(origin, fault));
+                }
+                object.samples.push(sample);
+                object.lines.push(line);
+            }
+            Ok(())
+        });
+        if let Err(error) = read {
+            each(Found::BadState(error))?;
+        }
     }
-    let Some(columns) = columns else {
+    let Some(table) = table else {
         return Err(missing(start, "the table", "a header", "", origin));
     };
-    let sampled = InterpolatedStates::new(
-        frame(&said, &columns, origin)?,
-        &samples,
-        interpolation(&said, &columns, origin)?,
-    );
-    let sampled = sampled.map_err(|error| {
-        let line = error.index().and_then(|i| places.get(i)).copied();
+    if objects.is_empty() {
+        let fault = RecordFault::Samples(InterpolationError::Empty);
+        return Err(start.error(origin, fault));
+    }
+    for object in objects {
+        let feed = object.feed(table.interpolation, origin, each);
+        each(feed.into())?;
+    }
+    Ok(())
+}
+
+impl Rows {
+    fn feed(
+        self,
+        interpolation: Interpolation,
+        origin: &Path,
+        each: &mut Each<'_>,
+    ) -> Result<EphemerisFeed, RecordError> {
+        let first = self.lines.first().copied().unwrap_or(1);
+        let at_its_line = |error: InterpolationError| {
+            let line = error.index().and_then(|i| self.lines.get(i)).copied();
+            let place = TextPosition {
+                line: line.unwrap_or(first),
+                column: 1,
+            };
+            place.error(origin, RecordFault::Samples(error))
+        };
+        let samples = sift(&self.samples, |error| {
+            each(Found::BadState(at_its_line(error)))
+        })?;
+        let samples =
+            InterpolatedStates::new(self.frame, &samples, interpolation).map_err(at_its_line)?;
         let place = TextPosition {
-            line: line.unwrap_or(1),
+            line: first,
             column: 1,
         };
-        place.error(origin, RecordFault::Samples(error))
-    })?;
+        EphemerisFeed::new(self.name, None, vec![EphemerisSegment::whole(samples)])
+            .map(|feed| feed.at_line(first))
+            .map_err(|error| place.error(origin, RecordFault::Segments(error)))
+    }
+}
+
+/// What comments and header together say of all rows.
+fn whole_table(said: &Fields, columns: Columns, origin: &Path) -> Result<Table, RecordError> {
+    for (key, column) in [("frame", columns.frame), ("name", columns.name)] {
+        if let (Some(entry), Some(_)) = (said.get(key), column) {
+            let remedy = "the table has a column of that name; leave one of the two out";
+            return Err(entry.unsupported(origin, remedy));
+        }
+    }
     let stem = origin.file_stem().map(|stem| stem.to_string_lossy());
-    let name = match said.get("name") {
-        Some(entry) => super::entry::printable(&entry.value),
-        None => super::entry::printable(&stem.unwrap_or_default()),
+    Ok(Table {
+        name: match said.get("name") {
+            Some(entry) => printable(&entry.value),
+            None => printable(&stem.unwrap_or_default()),
+        },
+        frame: frame(said, &columns, origin)?,
+        interpolation: interpolation(said, &columns, origin)?,
+        columns,
+    })
+}
+
+/// The name of a row's satellite, and the frame of its state.
+fn whose(
+    table: &Table,
+    row: &[csv::CsvField],
+    line: usize,
+    origin: &Path,
+) -> Result<(String, Frame), RecordError> {
+    let field = |column: Option<usize>| column.and_then(|column| row.get(column));
+    let named = field(table.columns.name).map(|field| printable(field.text.trim()));
+    let name = named.filter(|name| !name.is_empty());
+    let frame = match (field(table.columns.frame), table.frame) {
+        (Some(field), _) => known_frame(
+            &Entry {
+                key: Cow::Borrowed("frame"),
+                value: Cow::Borrowed(&field.text),
+                unit: None,
+                place: TextPosition {
+                    line,
+                    column: field.column,
+                },
+            },
+            origin,
+        )?,
+        (None, Some(frame)) => frame,
+        // The header has no such column only where the table says its frame.
+        (None, None) => return Err(no_frame(TextPosition { line, column: 1 }, origin)),
     };
-    EphemerisFeed::new(name, None, vec![EphemerisSegment::whole(sampled)])
-        .map_err(|error| start.error(origin, RecordFault::Segments(error)))
+    Ok((name.unwrap_or_else(|| table.name.clone()), frame))
 }
 
 /// `key = value, key = value`; comments without an equals sign say nothing.
@@ -180,6 +309,8 @@ fn header(row: &[csv::CsvField], line: usize, origin: &Path) -> Result<Columns, 
         position,
         velocity,
         power,
+        name: named("name"),
+        frame: named("frame"),
         count: row.len(),
     })
 }
@@ -225,18 +356,29 @@ fn sample(
     })
 }
 
-fn frame(said: &Fields, columns: &Columns, origin: &Path) -> Result<Frame, RecordError> {
-    let remedy =
-        "; put a line before the header that says it: # frame = TEME (or PEF, ITRF, GCRF, EME2000)";
-    let frame = said.must("frame", remedy, origin)?;
+/// The frame of all rows; `None` where each row says its own.
+fn frame(said: &Fields, columns: &Columns, origin: &Path) -> Result<Option<Frame>, RecordError> {
     if let Some(scale) = said.get("scale")
         && TimeScale::from_name(&scale.value) != Some(columns.scale)
     {
         return Err(scale.unsupported(origin, "the column of time is of another scale"));
     }
-    Frame::from_ccsds_name(&frame.value).ok_or_else(|| {
-        frame.unsupported(origin, "known frames are TEME, PEF, ITRF, GCRF and EME2000")
+    match (said.get("frame"), columns.frame) {
+        (None, Some(_)) => Ok(None),
+        (None, None) => Err(no_frame(said.place(), origin)),
+        (Some(entry), _) => known_frame(entry, origin).map(Some),
+    }
+}
+
+fn known_frame(entry: &Entry<'_>, origin: &Path) -> Result<Frame, RecordError> {
+    Frame::from_ccsds_name(&entry.value).ok_or_else(|| {
+        entry.unsupported(origin, "known frames are TEME, PEF, ITRF, GCRF and EME2000")
     })
+}
+
+fn no_frame(place: TextPosition, origin: &Path) -> RecordError {
+    let remedy = "; add a column frame that says it in every row: TEME, PEF, ITRF, GCRF or EME2000; or put a line before the header: # frame = TEME";
+    missing(place, "the table", "frame", remedy, origin)
 }
 
 fn interpolation(

@@ -5,7 +5,7 @@
 //! | propagate an orbit from mean elements (TLE, OMM) by SGP4 | `sgp4_feed.rs`; read them: `tle_text.rs`, `tle_fields.rs`, `omm/`, `catalogue.rs` |
 //! | propagate Keplerian elements, with J2 or without | [`kepler`] |
 //! | integrate under forces; eclipses, nodes, apsides and impact on the way | [`numerical`] |
-//! | interpolate an ephemeris (Lagrange, Hermite) | [`interpolated`]; read one: `oem/`, `czml.rs`, `ephemeris_csv.rs`, `ephemerides.rs` |
+//! | interpolate an ephemeris (Lagrange, Hermite) | [`interpolated`]; read one: `oem/`, `czml.rs`, `ephemeris_csv.rs`, `ephemerides.rs`, `found.rs` |
 //! | take states that a simulator sends | [`live`] |
 //! | find passes over a place | `passes.rs` |
 //! | turn a state vector from frame to frame | `state.rs` |
@@ -22,6 +22,7 @@ mod ephemerides;
 mod ephemeris_csv;
 mod error;
 mod file;
+mod found;
 pub mod interpolated;
 pub mod kepler;
 #[cfg(feature = "live")]

@@ -74,6 +74,9 @@ impl Satellite {
     }
 }
 
+/// How many faults of a file are told when it is read.
+const FAULTS_TOLD: usize = 10;
+
 /// How long before and after the scene a motion is integrated, so that instants at its edges have neighbours.
 const MARGIN_S: f64 = 60.0;
 
@@ -162,8 +165,6 @@ fn from_file(
     file: &Path,
 ) -> Result<Satellite, PlayError> {
     let name = orbit.name.as_deref();
-    // Without a name the only satellite is meant, and which is the only one a spoilt record leaves open.
-    let is_strict = orbit.strict || name.is_none();
     let check = |format| match source_of(format) {
         source if source == orbit.source => Ok(()),
         source => {
@@ -179,6 +180,8 @@ fn from_file(
     };
     let (tracked, faults, faults_left_out) = match orbit.source {
         OrbitSource::Tle | OrbitSource::Omm => {
+            // Without a name the only satellite is meant, and which is the only one a spoilt record leaves open.
+            let is_strict = orbit.strict || name.is_none();
             let catalogue = Catalogue::from_file(file, is_strict)?;
             check(catalogue.format)?;
             let left_out = catalogue.faults_left_out;
@@ -196,7 +199,7 @@ fn from_file(
             )
         }
         _ => {
-            let mut ephemerides = Ephemerides::from_file(file, is_strict)?;
+            let mut ephemerides = Ephemerides::from_file(file, orbit.strict)?;
             check(ephemerides.format)?;
             let left_out = ephemerides.faults_left_out;
             let faults = std::mem::take(&mut ephemerides.faults);
@@ -208,11 +211,15 @@ fn from_file(
         }
     };
     let faults: Vec<String> = faults.iter().map(OrbitError::to_string).collect();
-    if let Some(first) = faults.first() {
-        match faults.len() - 1 + faults_left_out {
-            0 => tracing::warn!("passed over: {first}"),
-            more => tracing::warn!("passed over: {first}; and {more} more of that file"),
-        }
+    for fault in faults.iter().take(FAULTS_TOLD) {
+        tracing::warn!("passed over: {fault}");
+    }
+    match faults.len().saturating_sub(FAULTS_TOLD) + faults_left_out {
+        0 => {}
+        more => tracing::warn!(
+            "passed over: {more} more of {}; terrella check lists them, --strict refuses them",
+            file.display()
+        ),
     }
     Ok(Satellite {
         faults,

@@ -18,7 +18,8 @@ pub struct Orbit {
     pub file: Option<PathBuf>,
     /// Which satellite of the file, where `None` is its only one; without a file, what it is called.
     pub name: Option<String>,
-    /// Whether one bad record refuses the file; else bad records of other satellites are passed over and reported.
+    /// Whether one bad record refuses the file; else bad records of other satellites and bad states of ephemerides are passed
+    /// over and reported.
     pub strict: bool,
     /// The motion that the scene itself describes: for [`OrbitSource::Kepler`] and [`OrbitSource::Numerical`].
     pub motion: Option<Motion>,

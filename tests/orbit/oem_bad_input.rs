@@ -272,3 +272,69 @@ fn several_messages_and_a_bad_one() {
         assert_eq!(read.into_one(origin, Some("c")).unwrap().name(), "C");
     }
 }
+
+/// Each with one bad line in it: the other states are flown, the line is told; strictly it is refused.
+#[test]
+fn a_bad_state_costs_that_state() {
+    let times = every_minute(0, 10);
+    let kvn = kvn(&meta(TimeScale::Utc, 0.0, 600.0), &times);
+    let with_covariance = kvn.clone() + COVARIANCE;
+    let xml = xml(&meta(TimeScale::Utc, 0.0, 600.0), &times);
+    let date = "2016-12-31T23:53:00.000";
+    for (good, from, to, states, says) in [
+        (&kvn, date, "2016-12-32T23:53:00.000", 10, "day 32 is not"),
+        (&kvn, date, "2016-12-31T23:53:00.000 7", 10, "six numbers"),
+        (&kvn, date, "2016-12-31T23:41:00.000", 10, "not later than"),
+        (&kvn, date, "2018-12-31T23:53:00.000", 10, "is later than"),
+        (&kvn, date, "garbage", 10, "is not a date"),
+        (
+            &kvn,
+            "META_STOP\n",
+            "META_STOP\nnonsense\n",
+            11,
+            "\"nonsense\"",
+        ),
+        (
+            &with_covariance,
+            "\n4.0e-4\n",
+            "\n-4.0e-4\n",
+            11,
+            "squares of km",
+        ),
+        (&with_covariance, "\n4.0e-4\n", "\nfour\n", 11, "\"four\""),
+        (
+            &with_covariance,
+            "EPOCH = 2016-12-31T23:50:00\n",
+            "EPOCH = soon\n",
+            11,
+            "\"soon\"",
+        ),
+        (
+            &xml,
+            "<X units=\"km\">",
+            "<X units=\"m\">",
+            10,
+            "X is in \"m\"",
+        ),
+        (&xml, date, "2016-12-32T23:53:00.000", 10, "day 32 is not"),
+        (&xml, date, "2016-12-31T23:41:00.000", 10, "not later than"),
+    ] {
+        let text = good.replacen(from, to, 1);
+        assert_ne!(&text, good, "{from}");
+        let origin = Path::new("sat.oem");
+        let strict = Ephemerides::from_text(&text, origin, true);
+        let error = strict.expect_err(to).to_string();
+        assert!(
+            error.starts_with("sat.oem:") && error.contains(says),
+            "{error}"
+        );
+        let loose = Ephemerides::from_text(&text, origin, false).expect(to);
+        let told: Vec<_> = loose.faults.iter().map(OrbitError::to_string).collect();
+        assert_eq!(told, [error], "{to}");
+        let feed = loose.into_one(origin, None).expect(to);
+        assert_eq!(feed.segments()[0].samples.len(), states, "{to}");
+    }
+    // A mark that is out of place spoils the message: nothing says what its other lines are of.
+    let text = kvn.replacen("META_START\n", "", 1);
+    assert!(Ephemerides::from_text(&text, Path::new("sat.oem"), false).is_err());
+}

@@ -113,7 +113,7 @@ fn wrong_tables_are_named() {
             "frame = TEME, ",
             "",
             "1:1",
-            "the table without frame; put a line before the header that says it: # frame = TEME",
+            "the table without frame; add a column frame that says it in every row",
         ),
         (
             "TEME",
@@ -207,7 +207,7 @@ fn wrong_tables_are_named() {
     }
     assert_eq!(
         read("epoch_utc,x_km,y_km,z_km\n").unwrap_err().to_string(),
-        "folder/sat.csv:1:1: the table without frame; put a line before the header that says it: # frame = TEME (or PEF, ITRF, GCRF, EME2000)"
+        "folder/sat.csv:1:1: the table without frame; add a column frame that says it in every row: TEME, PEF, ITRF, GCRF or EME2000; or put a line before the header: # frame = TEME"
     );
     assert!(
         read("# frame = TEME\nepoch_utc,x_km,y_km,z_km\n")
@@ -215,4 +215,71 @@ fn wrong_tables_are_named() {
             .to_string()
             .contains("no sample")
     );
+}
+
+/// What the command prints: the header first, a name and a frame in every row.
+#[test]
+fn a_table_of_several_satellites_says_in_each_row_whose_it_is() {
+    let row = |name: &str, frame: &str, minute: u32, x: &str| {
+        format!("{name},{frame},2018-01-01T00:{minute:02}:00Z,{x},0,0\n")
+    };
+    let header = "name,frame,epoch_utc,x_km,y_km,z_km\n";
+    let origin = Path::new("folder/sat.csv");
+    let good: String = (0..4)
+        .map(|k| row("\"A, \"\"1\"\"\"", "TEME", k, "7000") + &row("B", "ITRF", k, "8000"))
+        .collect();
+    let all = Ephemerides::from_text(&format!("{header}{good}"), origin, true).unwrap();
+    let names: Vec<_> = all.feeds.iter().map(Feed::name).collect();
+    assert_eq!(names, ["A, \"1\"", "B"]);
+    let b = all.into_one(origin, Some("b")).unwrap();
+    assert_eq!(b.segments()[0].samples.frame(), Frame::Itrf);
+    assert_eq!(b.segments()[0].samples.len(), 4);
+    // Without a name it is the file's.
+    let unnamed = format!("{header}{}", row("", "GCRF", 0, "7000"));
+    assert_eq!(read(&unnamed).unwrap().name(), "sat");
+    for (text, place, says) in [
+        (
+            format!(
+                "{header}{}{}",
+                row("A", "TEME", 0, "7000"),
+                row("A", "ITRF", 1, "7000")
+            ),
+            "3:1",
+            "the satellite's first row is in another",
+        ),
+        (
+            format!("{header}{}", row("A", "XYZ", 0, "7000")),
+            "2:3",
+            "known frames are TEME, PEF, ITRF, GCRF and EME2000",
+        ),
+        (
+            format!("# frame = TEME\n{header}{good}"),
+            "1:11",
+            "the table has a column of that name",
+        ),
+        (header.to_owned(), "1:1", "no sample"),
+    ] {
+        let error = read(&text).unwrap_err().to_string();
+        assert!(
+            error.starts_with(&format!("folder/sat.csv:{place}: ")) && error.contains(says),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_bad_row_costs_that_row() {
+    let good = printed(Frame::Gcrf);
+    let spoilt = good
+        .replacen("T21:38:14", "T21:3x:14", 1)
+        .replacen("T21:43:14", "T21:03:14", 1);
+    assert_ne!(spoilt, good);
+    let origin = Path::new("sat.csv");
+    let error = Ephemerides::from_text(&spoilt, origin, true).unwrap_err();
+    assert!(error.to_string().starts_with("sat.csv:"), "{error}");
+    let loose = Ephemerides::from_text(&spoilt, origin, false).unwrap();
+    let told: Vec<_> = loose.faults.iter().map(OrbitError::to_string).collect();
+    assert_eq!(told.len(), 2, "{told:?}");
+    let feed = loose.into_one(origin, None).unwrap();
+    assert_eq!(feed.segments()[0].samples.len(), 58);
 }

@@ -6,6 +6,7 @@ mod basis;
 mod feed;
 mod interpolation_error;
 mod segment_error;
+mod sift;
 
 use super::{Frame, OrbitState};
 use crate::frames::{Epoch, rfc3339};
@@ -15,6 +16,7 @@ use glam::DVec3;
 pub use feed::{EphemerisFeed, EphemerisSegment};
 pub use interpolation_error::{KeplerOrbit, WorstDifference, interpolation_error};
 pub use segment_error::SegmentError;
+pub(super) use sift::sift;
 
 /// How a state between samples is found. CCSDS 502.0 and CZML use the same names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,6 +95,14 @@ pub struct StateSample {
     pub velocity_m_s: Option<DVec3>,
 }
 
+impl StateSample {
+    /// Whether it is finite, nearer than 1e13 m and slower than the light.
+    fn is_state(&self) -> bool {
+        let velocity = self.velocity_m_s.unwrap_or_default();
+        self.position_m.length() < 1e13 && velocity.length() < 299_792_458.0
+    }
+}
+
 /// Why samples cannot be interpolated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -111,6 +121,18 @@ pub enum InterpolationError {
         epoch: String,
         /// The instant before it, UTC.
         before: String,
+    },
+    /// A sample later than those that follow it.
+    #[error(
+        "{epoch} is later than {after} after it; samples go forward in time, each instant once"
+    )]
+    Ahead {
+        /// Which sample, from 0.
+        index: usize,
+        /// Its instant, UTC.
+        epoch: String,
+        /// The instant after it, UTC.
+        after: String,
     },
     /// A number that is none, or is too large for any orbit about the Earth.
     #[error("the sample is not finite or farther than 1e13 m or faster than the light")]
@@ -145,6 +167,7 @@ impl InterpolationError {
     pub fn index(&self) -> Option<usize> {
         match self {
             Self::Order { index, .. }
+            | Self::Ahead { index, .. }
             | Self::NotAState { index }
             | Self::TooLong { index, .. }
             | Self::NoVelocity { index } => Some(*index),
@@ -198,8 +221,7 @@ impl InterpolatedStates {
         };
         let mut before: Option<(i64, Epoch)> = None;
         for (index, sample) in samples.iter().enumerate() {
-            let velocity = sample.velocity_m_s.unwrap_or_default();
-            if !(sample.position_m.length() < 1e13 && velocity.length() < 299_792_458.0) {
+            if !sample.is_state() {
                 return Err(InterpolationError::NotAState { index });
             }
             if matches!(interpolation, Interpolation::Hermite { .. })
@@ -223,7 +245,9 @@ impl InterpolatedStates {
             sampled.at_ns.push(at);
             sampled.position_m.push(sample.position_m);
             if with_velocities {
-                sampled.velocity_m_s.push(velocity);
+                sampled
+                    .velocity_m_s
+                    .push(sample.velocity_m_s.unwrap_or_default());
             }
         }
         Ok(sampled)

@@ -1,8 +1,10 @@
 //! A message while it is read: what KVN and XML have in common.
 
 use super::super::entry::{Entry, Fields, Keys, RecordError, RecordFault, TextPosition, printable};
+use super::super::found::{Each, Found};
 use super::super::interpolated::{
-    EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
+    EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, InterpolationError,
+    StateSample, sift,
 };
 use crate::frames::{Epoch, TimeScale};
 use crate::orbit::Frame;
@@ -90,8 +92,8 @@ impl<'o> Draft<'o> {
     }
 
     /// Begins a segment with its metadata.
-    pub fn begin(&mut self, meta: &Fields) -> Result<(), RecordError> {
-        self.finish_segment()?;
+    pub fn begin(&mut self, meta: &Fields, each: &mut Each<'_>) -> Result<(), RecordError> {
+        self.finish_segment(each)?;
         let origin = self.origin;
         if self.segments.len() >= MAX_SEGMENTS {
             let (what, limit) = ("segments", MAX_SEGMENTS);
@@ -235,17 +237,21 @@ impl<'o> Draft<'o> {
         Ok(())
     }
 
-    fn finish_segment(&mut self) -> Result<(), RecordError> {
+    fn finish_segment(&mut self, each: &mut Each<'_>) -> Result<(), RecordError> {
         let Some(open) = self.open.take() else {
             return Ok(());
         };
         let interpolation = open.interpolation.unwrap_or(Interpolation::WITH_VELOCITIES);
-        let samples =
-            InterpolatedStates::new(open.frame, &open.samples, interpolation).map_err(|error| {
-                let line = error.index().and_then(|i| open.lines.get(i));
-                let place = line.map_or(open.place, |&line| TextPosition { line, column: 1 });
-                place.error(self.origin, RecordFault::Samples(error))
-            })?;
+        let at_its_line = |error: InterpolationError| {
+            let line = error.index().and_then(|i| open.lines.get(i));
+            let place = line.map_or(open.place, |&line| TextPosition { line, column: 1 });
+            place.error(self.origin, RecordFault::Samples(error))
+        };
+        let samples = sift(&open.samples, |error| {
+            each(Found::BadState(at_its_line(error)))
+        })?;
+        let samples = InterpolatedStates::new(open.frame, &samples, interpolation)
+            .map_err(|error| open.place.error(self.origin, RecordFault::Samples(error)))?;
         let mut segment = EphemerisSegment::whole(samples);
         segment.usable = open.usable;
         segment.sigma_m = open.sigma_m;
@@ -255,8 +261,8 @@ impl<'o> Draft<'o> {
     }
 
     /// Ends the message: the object's feed.
-    pub fn finish(mut self) -> Result<EphemerisFeed, RecordError> {
-        self.finish_segment()?;
+    pub fn finish(mut self, each: &mut Each<'_>) -> Result<EphemerisFeed, RecordError> {
+        self.finish_segment(each)?;
         let (name, id) = self.object.take().unwrap_or_default();
         let segments = std::mem::take(&mut self.segments);
         let name = match name.is_empty() {

@@ -3,10 +3,11 @@
 use super::super::entry::{
     Entry, Fields, RecordError, RecordFault, TextPosition, number, scaled_number, shortened,
 };
+use super::super::found::{Each, Found};
 use super::super::text::kvn::{KvnLine, lines};
 use super::super::text::offset;
+use super::VERSION;
 use super::draft::{Draft, metadata};
-use super::{Each, VERSION};
 use crate::frames::Epoch;
 use glam::DVec3;
 use std::borrow::Cow;
@@ -20,25 +21,40 @@ pub fn read(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), Record
             && entry.key == VERSION
         {
             if let Some(message) = message.take() {
-                each(message.finish())?;
+                let object = message.finish(each);
+                each(object.into())?;
             }
             match entry.value.split('.').next() {
                 Some("1" | "2" | "3") => message = Some(Message::new(origin, entry.place)),
-                _ => each(Err(entry.unsupported(origin, "versions 1 to 3 are read")))?,
+                _ => {
+                    let error = entry.unsupported(origin, "versions 1 to 3 are read");
+                    each(Found::Spoilt(error))?;
+                }
             }
             continue;
         }
-        // Behind a fault the rest of its message is passed over.
-        if let Some(Err(error)) = message.as_mut().map(|m| m.line(line)) {
+        // Behind a fault that spoils its message the rest of that is passed over.
+        if let Some(Err(error)) = message.as_mut().map(|m| m.line(line, each)) {
             message = None;
-            each(Err(error))?;
+            each(Found::Spoilt(error))?;
         }
     }
     match message {
-        Some(message) => each(message.finish()),
+        Some(message) => {
+            let object = message.finish(each);
+            each(object.into())
+        }
         None => Ok(()),
     }
 }
+
+/// Words that stand alone on their line.
+const MARKS: [&str; 4] = [
+    "META_START",
+    "META_STOP",
+    "COVARIANCE_START",
+    "COVARIANCE_STOP",
+];
 
 struct Message<'o> {
     origin: &'o Path,
@@ -53,6 +69,8 @@ enum Block {
     Metadata(Fields),
     /// Of a matrix: its epoch, how many rows have been read, the diagonal.
     Covariance(Option<Epoch>, usize, [f64; 3]),
+    /// Behind the fault of a matrix, to the next one's epoch.
+    BadCovariance,
 }
 
 impl<'o> Message<'o> {
@@ -64,10 +82,16 @@ impl<'o> Message<'o> {
         }
     }
 
-    fn line(&mut self, line: KvnLine<'_>) -> Result<(), RecordError> {
+    fn line(&mut self, line: KvnLine<'_>, each: &mut Each<'_>) -> Result<(), RecordError> {
         match line {
-            KvnLine::Entry(entry) => self.entry(entry),
-            KvnLine::Other { text, place } => self.words(text, place),
+            KvnLine::Entry(entry) => match self.entry(entry) {
+                Err(error) if matches!(self.block, Block::Covariance(..)) => {
+                    self.block = Block::BadCovariance;
+                    each(Found::BadState(error))
+                }
+                done => done,
+            },
+            KvnLine::Other { text, place } => self.words(text, place, each),
         }
     }
 
@@ -86,19 +110,29 @@ impl<'o> Message<'o> {
                 // COV_REF_FRAME: the sum of the variances is the same in all axes.
                 Ok(())
             }
+            Block::BadCovariance if entry.key == "EPOCH" => {
+                self.block = Block::Covariance(None, 0, [0.0; 3]);
+                self.entry(entry)
+            }
+            Block::BadCovariance => Ok(()),
             // The header.
             Block::None => Ok(()),
         }
     }
 
-    fn words(&mut self, text: &str, place: TextPosition) -> Result<(), RecordError> {
+    fn words(
+        &mut self,
+        text: &str,
+        place: TextPosition,
+        each: &mut Each<'_>,
+    ) -> Result<(), RecordError> {
         match (text, &mut self.block) {
             ("META_START", Block::None) => {
                 self.block = Block::Metadata(metadata(place));
                 Ok(())
             }
             ("META_STOP", Block::Metadata(meta)) => {
-                let result = self.draft.begin(meta);
+                let result = self.draft.begin(meta, each);
                 self.block = Block::None;
                 result
             }
@@ -107,12 +141,31 @@ impl<'o> Message<'o> {
                 self.block = Block::Covariance(None, 0, [0.0; 3]);
                 Ok(())
             }
-            ("COVARIANCE_STOP", Block::Covariance(_, 0, _)) => {
+            ("COVARIANCE_STOP", Block::Covariance(_, 0, _) | Block::BadCovariance) => {
                 self.block = Block::None;
                 Ok(())
             }
-            (_, Block::None) => self.state(text, place),
-            (_, Block::Covariance(..)) => self.covariance_row(text, place),
+            (_, Block::None) => match self.state(text, place) {
+                // A mark out of place, or a state that belongs to no metadata: nothing says what the others are.
+                Err(error) if MARKS.contains(&text) || self.draft.scale(place).is_err() => {
+                    Err(error)
+                }
+                Err(error) => each(Found::BadState(error)),
+                Ok(()) => Ok(()),
+            },
+            ("COVARIANCE_STOP", Block::Covariance(..)) => {
+                self.block = Block::None;
+                let expected = "six rows of a matrix before its end";
+                each(Found::BadState(self.unexpected(text, place, expected)))
+            }
+            (_, Block::Covariance(..)) => match self.covariance_row(text, place) {
+                Err(error) => {
+                    self.block = Block::BadCovariance;
+                    each(Found::BadState(error))
+                }
+                Ok(()) => Ok(()),
+            },
+            (_, Block::BadCovariance) => Ok(()),
             (_, Block::Metadata(_)) => {
                 Err(self.unexpected(text, place, "KEY = value, or META_STOP"))
             }
@@ -190,7 +243,7 @@ impl<'o> Message<'o> {
         place.error(self.origin, RecordFault::Unexpected { text, expected })
     }
 
-    fn finish(self) -> Result<crate::orbit::EphemerisFeed, RecordError> {
+    fn finish(self, each: &mut Each<'_>) -> Result<crate::orbit::EphemerisFeed, RecordError> {
         let missing = |place: TextPosition, key| {
             let fault = RecordFault::Missing {
                 what: "the message",
@@ -201,11 +254,11 @@ impl<'o> Message<'o> {
         };
         match &self.block {
             Block::Metadata(meta) => missing(meta.place(), "META_STOP"),
-            Block::Covariance(..) => {
+            Block::Covariance(..) | Block::BadCovariance => {
                 let place = self.draft.place();
                 missing(place, "COVARIANCE_STOP")
             }
-            Block::None => self.draft.finish(),
+            Block::None => self.draft.finish(each),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Orbit ephemeris messages (OEM, CCSDS 502.0-B): KVN and XML.
 //!
 //! Our own reader, because the crates for it are immature (`ccsds-ndm` 0.0, `lox-odm` alpha), and because a fault must name
-//! line, column and remedy and cost its own message only.
+//! line, column and remedy and cost its own state only, or where it is in the metadata, its own message.
 
 mod draft;
 mod kvn;
@@ -9,15 +9,11 @@ mod write;
 mod xml;
 
 use super::entry::RecordError;
-use super::interpolated::EphemerisFeed;
+use super::found::Each;
 use super::text;
 use std::path::Path;
 
 pub use write::write_oem;
-
-/// What is done with each object; its error ends the reading.
-pub(super) type Each<'e> =
-    dyn FnMut(Result<EphemerisFeed, RecordError>) -> Result<(), RecordError> + 'e;
 
 /// The key that begins a message in KVN.
 const VERSION: &str = "CCSDS_OEM_VERS";
@@ -32,7 +28,7 @@ pub(super) fn is_oem(text: &str) -> bool {
         }
 }
 
-/// Calls `each` for the object of every message in a text.
+/// Calls `each` for the object of every message in a text, and for every state that is left out of one.
 pub(super) fn each_object(
     text: &str,
     origin: &Path,

@@ -1,8 +1,8 @@
 //! OEM in XML.
 
 use super::super::entry::{Fields, Keys, RecordError, TextPosition, scaled_number};
+use super::super::found::{Each, Found};
 use super::super::text::xml::{XmlItem, walk};
-use super::Each;
 use super::draft::{Draft, metadata};
 use glam::DVec3;
 use std::path::Path;
@@ -43,21 +43,24 @@ pub fn read(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), Record
             }
             XmlItem::Close("oem") => {
                 return match message.take() {
-                    Some(message) => each(message.draft.finish()),
+                    Some(message) => {
+                        let object = message.draft.finish(each);
+                        each(object.into())
+                    }
                     None => Ok(()),
                 };
             }
             _ => {}
         }
-        // Behind a fault the rest of its message is passed over.
-        if let Some(Err(error)) = message.as_mut().map(|m| m.item(item)) {
+        // Behind a fault that spoils its message the rest of that is passed over.
+        if let Some(Err(error)) = message.as_mut().map(|m| m.item(item, each)) {
             message = None;
-            each(Err(error))?;
+            each(Found::Spoilt(error))?;
         }
         Ok(())
     });
     // What ends a whole text is one more fault where others are good.
-    read.or_else(|error| each(Err(error)))
+    read.or_else(|error| each(Found::Spoilt(error)))
 }
 
 struct Message<'o> {
@@ -68,7 +71,7 @@ struct Message<'o> {
 }
 
 impl Message<'_> {
-    fn item(&mut self, item: XmlItem<'_>) -> Result<(), RecordError> {
+    fn item(&mut self, item: XmlItem<'_>, each: &mut Each<'_>) -> Result<(), RecordError> {
         match item {
             XmlItem::Open(name, line) => {
                 let place = TextPosition { line, column: 1 };
@@ -86,13 +89,30 @@ impl Message<'_> {
                 Ok(())
             }
             XmlItem::Value(entry) => match &mut self.block {
-                Some((_, fields)) => fields.add(entry, self.origin),
+                Some((block, fields)) => match fields.add(entry, self.origin) {
+                    // The rest of the element is passed over.
+                    Err(error) if *block != "metadata" => {
+                        self.block = None;
+                        each(Found::BadState(error))
+                    }
+                    done => done,
+                },
                 None => Ok(()),
             },
             XmlItem::Close(name) => match self.block.take().filter(|(block, _)| *block == name) {
-                Some(("metadata", fields)) => self.draft.begin(&fields),
-                Some(("stateVector", fields)) => self.state(&fields),
-                Some((_, fields)) => self.covariance(&fields),
+                Some(("metadata", fields)) => self.draft.begin(&fields, each),
+                Some((block, fields)) => {
+                    let read = match block {
+                        "stateVector" => self.state(&fields),
+                        _ => self.covariance(&fields),
+                    };
+                    match read {
+                        Err(error) if self.draft.scale(fields.place()).is_ok() => {
+                            each(Found::BadState(error))
+                        }
+                        done => done,
+                    }
+                }
                 None => Ok(()),
             },
         }

@@ -1,0 +1,26 @@
+//! What the readers of ephemerides find in a file.
+
+use super::entry::RecordError;
+use super::interpolated::EphemerisFeed;
+
+/// One find.
+pub(super) enum Found {
+    /// An object that can be flown.
+    Object(EphemerisFeed),
+    /// An object that cannot, and why.
+    Spoilt(RecordError),
+    /// A state or an error estimate that its object is flown without, and why.
+    BadState(RecordError),
+}
+
+impl From<Result<EphemerisFeed, RecordError>> for Found {
+    fn from(object: Result<EphemerisFeed, RecordError>) -> Self {
+        match object {
+            Ok(feed) => Self::Object(feed),
+            Err(error) => Self::Spoilt(error),
+        }
+    }
+}
+
+/// What is done with each find; its error ends the reading.
+pub(super) type Each<'e> = dyn FnMut(Found) -> Result<(), RecordError> + 'e;
