@@ -1,22 +1,24 @@
 //! `terrella check`
 
-use super::{Common, print};
+use super::{Common, load, print};
 use clap::Args;
 use std::path::PathBuf;
 use terrella::frames::rfc3339;
 use terrella::internals::play::Flight;
-use terrella::scene::Scene;
 
 /// Arguments of `terrella check`.
 #[derive(Debug, Args)]
 pub struct CheckArgs {
     /// The scene file
     scene: PathBuf,
+    /// Refuse files of orbits in which anything is spoilt; else bad states and records are listed and passed over
+    #[arg(long)]
+    strict: bool,
 }
 
 /// Loads the scene with all that it names and prints a summary.
 pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
-    let flight = Flight::open_without_listening(Scene::load(&args.scene)?)?;
+    let flight = Flight::open_without_listening(load(&args.scene, args.strict)?)?;
     let dropped = flight.dropped_layers()?;
     if common.quiet {
         return Ok(());

@@ -2,7 +2,7 @@
 
 use super::progress::{Bars, stop_on_interrupt};
 use super::values;
-use super::{Cli, Common};
+use super::{Cli, Common, load};
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, ValueEnum};
 use std::path::PathBuf;
@@ -10,7 +10,6 @@ use terrella::frames::Epoch;
 use terrella::internals::gpu::ContextError;
 use terrella::internals::measure::reference::{ReferenceRequest, SAMPLES, write_reference_still};
 use terrella::internals::play::{Flight, PlayError, StillRequest, write_still};
-use terrella::scene::Scene;
 
 /// Rays along each side of a pixel where none are asked for.
 const DEFAULT_SAMPLES: u32 = 4;
@@ -20,6 +19,9 @@ const DEFAULT_SAMPLES: u32 = 4;
 pub struct FrameArgs {
     /// The scene file
     scene: PathBuf,
+    /// Refuse files of orbits in which anything is spoilt; else bad states and records are listed and passed over
+    #[arg(long)]
+    strict: bool,
     /// The picture to write
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
@@ -64,7 +66,7 @@ enum Renderer {
 /// Draws the picture. Where there is no graphics adapter at all, and none was asked for by name, the reference draws.
 pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
     refuse_conflicts(args, common);
-    let flight = Flight::open(Scene::load(&args.scene)?)?;
+    let flight = Flight::open(load(&args.scene, args.strict)?)?;
     let bars = Bars::new(common.quiet);
     if args.renderer == Renderer::Gpu {
         let request = StillRequest {

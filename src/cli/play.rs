@@ -1,20 +1,22 @@
 //! `terrella play`
 
-use super::Common;
 use super::progress::{Bars, stop_on_interrupt};
 use super::values;
+use super::{Common, load};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use terrella::internals::play::{
     EncoderChoice, ExportRequest, Flight, WindowRequest, export, play_in_window,
 };
-use terrella::scene::Scene;
 
 /// Arguments of `terrella play`.
 #[derive(Debug, Args)]
 pub struct PlayArgs {
     /// The scene file
     scene: PathBuf,
+    /// Refuse files of orbits in which anything is spoilt; else bad states and records are listed and passed over
+    #[arg(long)]
+    strict: bool,
     /// Write every frame as a PNG into this folder instead of opening a window
     #[arg(long, value_name = "FOLDER")]
     frames: Option<PathBuf>,
@@ -47,7 +49,7 @@ enum Encoder {
 
 /// Opens the window, or writes frames and video.
 pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
-    let flight = Flight::open(Scene::load(&args.scene)?)?;
+    let flight = Flight::open(load(&args.scene, args.strict)?)?;
     let bars = Bars::new(common.quiet);
     let adapter = common.adapter.as_deref();
     if args.frames.is_none() && args.video.is_none() {
