@@ -125,12 +125,16 @@ pub enum OrbitError {
         known: String,
     },
     /// The orbit meets the ground: asked for on the far side of that.
-    #[error("{satellite} meets the ground at {impact}; {asked} is on the far side of that")]
+    #[error(
+        "{satellite} meets the ground at {impact}, {place}; {asked} is on the far side of that"
+    )]
     Impact {
         /// The satellite.
         satellite: String,
         /// When it meets the ground, UTC.
         impact: String,
+        /// Where.
+        place: String,
         /// What was asked for, UTC.
         asked: String,
     },

@@ -87,6 +87,10 @@ pub trait Feed: Send + Sync {
         let _ = epoch;
         None
     }
+    /// When it meets the ground after its start, if it does so in the time that it is known of: its validity ends there.
+    fn impact(&self) -> Option<Epoch> {
+        None
+    }
     /// Whether what it says now is up to date; only live feeds can be late.
     fn freshness(&self) -> Freshness {
         Freshness::Settled
@@ -108,6 +112,10 @@ impl<F: Feed + ?Sized> Feed for std::sync::Arc<F> {
 
     fn error_m(&self, epoch: Epoch) -> Option<f64> {
         self.as_ref().error_m(epoch)
+    }
+
+    fn impact(&self) -> Option<Epoch> {
+        self.as_ref().impact()
     }
 
     fn freshness(&self) -> Freshness {

@@ -133,7 +133,7 @@ impl Feed for Sgp4Feed {
 
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
         let (first, last) = self.validity();
-        Validity::between(first, last).check(&self.elements.name, epoch)?;
+        Validity::between(first, last).check(&self.elements.name, epoch, |_| DVec3::ZERO)?;
         // Both in TAI: elapsed time, leap seconds included.
         let elapsed = epoch.to_tai_duration() - self.elements.epoch.to_tai_duration();
         let minutes = sgp4::MinutesSinceEpoch(elapsed.to_seconds() / 60.0);

@@ -1,7 +1,8 @@
 //! The interval that a feed answers for, and the impacts on the ground that cut it short.
 
 use super::OrbitError;
-use crate::frames::{Epoch, rfc3339};
+use crate::frames::{Ellipsoid, Epoch, rfc3339};
+use glam::DVec3;
 
 /// First and last epoch to answer for, and where in between the ground ends the motion.
 #[derive(Clone, Copy, Debug)]
@@ -37,8 +38,14 @@ impl Validity {
         )
     }
 
-    /// Refuses an epoch outside the interval or on the far side of an impact.
-    pub fn check(&self, satellite: &str, epoch: Epoch) -> Result<(), OrbitError> {
+    /// Refuses an epoch outside the interval or on the far side of an impact; `position_itrf_m` is where the satellite is at
+    /// that.
+    pub fn check(
+        &self,
+        satellite: &str,
+        epoch: Epoch,
+        position_itrf_m: impl Fn(Epoch) -> DVec3,
+    ) -> Result<(), OrbitError> {
         if epoch < self.first || self.last < epoch {
             return Err(OrbitError::OutsideValidity {
                 satellite: satellite.to_owned(),
@@ -52,9 +59,24 @@ impl Validity {
             Some(impact) => Err(OrbitError::Impact {
                 satellite: satellite.to_owned(),
                 impact: rfc3339(impact),
+                place: place_text(position_itrf_m(impact)),
                 asked: rfc3339(epoch),
             }),
             None => Ok(()),
         }
     }
+}
+
+/// A place on the ground, to a hundredth of a degree.
+fn place_text(position_itrf_m: DVec3) -> String {
+    let place = Ellipsoid::WGS84.geodetic_from_itrf(position_itrf_m);
+    let (lat, lon) = (place.lat_rad.to_degrees(), place.lon_rad.to_degrees());
+    let side = |value: f64, below, above| if value < 0.0 { below } else { above };
+    format!(
+        "{:.2}° {}, {:.2}° {}",
+        lat.abs(),
+        side(lat, "S", "N"),
+        lon.abs(),
+        side(lon, "W", "E")
+    )
 }

@@ -4,13 +4,14 @@ use super::camera::{Look, OrbitalMotion, Pose};
 use super::craft::CraftPose;
 use super::error::PlayError;
 use super::maps::{DroppedLayer, check_pack, dropped_layers, earth_options};
+use super::place_text::GroundPlace;
 use super::satellites::{self, Listener, Satellite, orientation_at};
 use super::sky_parts::dropped_parts;
 use crate::frames::{
     EarthOrientation, Ellipsoid, Epoch, Geodetic, Illumination, Orientation, illumination,
 };
 use crate::gpu::BcSupport;
-use crate::orbit::{Feed, OrbitError, OrbitState};
+use crate::orbit::{Feed, Frame, OrbitError, OrbitState};
 use crate::scene::{CameraMode, Scene};
 use crate::{EarthOptions, EyeView, Sky};
 use glam::DVec3;
@@ -142,6 +143,11 @@ impl Flight {
             .map(move |satellite| (satellite.name(), satellite.feed().state_at(epoch)))
     }
 
+    /// When and where a satellite meets the ground, if it does so in the time that it is known of.
+    pub fn impact(&self, satellite: &Satellite) -> Option<(Epoch, GroundPlace)> {
+        impact(satellite.feed(), self.orientation.as_ref(), &self.ellipsoid)
+    }
+
     /// The Earth's orientation by the scene's table, through which states come into Earth-fixed axes; without a table, or
     /// outside it, UT1 is taken as UTC and polar motion as none.
     pub fn orientation_at(&self, epoch: Epoch) -> Orientation {
@@ -264,6 +270,23 @@ impl Flight {
     pub fn earth_options(&self, bc: BcSupport) -> Result<EarthOptions, PlayError> {
         earth_options(&self.scene, bc)
     }
+}
+
+fn impact(
+    feed: &dyn Feed,
+    table: Option<&EarthOrientation>,
+    ellipsoid: &Ellipsoid,
+) -> Option<(Epoch, GroundPlace)> {
+    let epoch = feed.impact()?;
+    let state = feed.state_at(epoch).ok()?;
+    let orientation = orientation_at(table, epoch).unwrap_or_default();
+    let itrf = state.in_frame(Frame::Itrf, &orientation);
+    let place = ellipsoid.geodetic_from_itrf(itrf.position_m);
+    let place = GroundPlace {
+        lat_deg: place.lat_rad.to_degrees(),
+        lon_deg: place.lon_rad.to_degrees(),
+    };
+    Some((epoch, place))
 }
 
 fn motion(state: &OrbitState, orientation: &Orientation) -> OrbitalMotion {

@@ -78,6 +78,7 @@ pub(crate) use offscreen::rgba_image;
 pub use offscreen::{OffscreenRenderer, TimedFrame, target_bytes};
 pub use output::{OutputError, PendingFile};
 pub use pass_table::{PassRequest, PassTable};
+pub use place_text::GroundPlace;
 pub use progress::Progress;
 pub use relief::read_ground;
 pub use satellites::Satellite;

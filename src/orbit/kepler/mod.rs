@@ -265,6 +265,19 @@ impl KeplerFeed {
     }
 }
 
+impl KeplerFeed {
+    /// The state at an epoch that is known to be answered for.
+    fn inside(&self, epoch: Epoch) -> OrbitState {
+        let (position_m, velocity_m_s) = self.state_after(epoch - self.epoch);
+        OrbitState {
+            epoch,
+            frame: self.frame,
+            position_m,
+            velocity_m_s,
+        }
+    }
+}
+
 impl Feed for KeplerFeed {
     fn name(&self) -> &str {
         &self.name
@@ -274,14 +287,13 @@ impl Feed for KeplerFeed {
         self.validity.interval()
     }
 
+    fn impact(&self) -> Option<Epoch> {
+        self.validity.impacts.after
+    }
+
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
-        self.validity.check(&self.name, epoch)?;
-        let (position_m, velocity_m_s) = self.state_after(epoch - self.epoch);
-        Ok(OrbitState {
-            epoch,
-            frame: self.frame,
-            position_m,
-            velocity_m_s,
-        })
+        let place = |impact| self.inside(impact).position_itrf_m();
+        self.validity.check(&self.name, epoch, place)?;
+        Ok(self.inside(epoch))
     }
 }

@@ -215,8 +215,13 @@ impl Feed for NumericalFeed {
         self.validity.interval()
     }
 
+    fn impact(&self) -> Option<Epoch> {
+        self.validity.impacts.after
+    }
+
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
-        self.validity.check(&self.name, epoch)?;
+        let place = |impact| self.inside(impact).position_itrf_m();
+        self.validity.check(&self.name, epoch, place)?;
         Ok(self.inside(epoch))
     }
 }
