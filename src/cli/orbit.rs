@@ -1,15 +1,14 @@
 //! `terrella orbit`
 
-use super::{Common, print, values};
+use super::{Common, load, print, values};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use terrella::frames::{Duration, Epoch, Geodetic};
+use terrella::frames::{Duration, Epoch, Geodetic, rfc3339};
 use terrella::internals::play::{
     Axes, Ephemeris, EphemerisRequest, Flight, Layout, OutputError, PassRequest, PassTable,
-    PendingFile, Span, omm,
+    PendingFile, Selection, Span, omm, select,
 };
 use terrella::orbit::{Frame, Header};
-use terrella::scene::Scene;
 
 /// Arguments of `terrella orbit`.
 #[derive(Debug, Args)]
@@ -50,9 +49,15 @@ pub struct OrbitArgs {
     /// With --passes: number of days from the scene's first instant, as far as the satellite's orbit is known
     #[arg(long, value_name = "N", value_parser = values::days, requires = "passes")]
     days: Option<f64>,
-    /// Name of the satellite [default: the one that cameras follow]
+    /// Name of a satellite; may be given more than once [default: the one that cameras follow]
     #[arg(long, value_name = "NAME")]
-    satellite: Option<String>,
+    satellite: Vec<String>,
+    /// All satellites of the scene, each where it is known
+    #[arg(long, conflicts_with = "satellite")]
+    all: bool,
+    /// Refuse files of orbits in which anything is spoilt; else bad states and records are listed and passed over
+    #[arg(long)]
+    strict: bool,
 }
 
 /// Frames by name.
@@ -90,55 +95,105 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
     // Before anything is computed: a file that cannot be written is found at once.
     let oem_file = pending(args.oem.as_ref(), "ephemeris messages", "oem")?;
     let omm_file = pending(args.omm.as_ref(), "element messages", "omm")?;
-    let flight = Flight::open_without_listening(Scene::load(&args.scene)?)?;
+    let flight = Flight::open_without_listening(load(&args.scene, args.strict)?)?;
     let layout = match (args.csv, args.json) {
         (true, _) => Layout::Csv,
         (_, true) => Layout::Json,
         _ => Layout::Text,
     };
+    let selection = match (args.all, args.satellite.as_slice()) {
+        (true, _) => Selection::All,
+        (false, []) => Selection::Followed,
+        (false, names) => Selection::Named(names),
+    };
+    let satellites = select(&flight, selection)?;
     if let Some(place) = args.passes {
         let request = PassRequest {
             place,
             min_elevation_rad: args.min_elevation.to_radians(),
             length: args.days.map(Duration::from_days),
-            satellite: args.satellite.as_deref(),
         };
-        return print(&PassTable::new(&flight, &request)?.print(layout));
+        let tables = satellites
+            .into_iter()
+            .map(|satellite| PassTable::new(&flight, satellite, &request))
+            .collect::<Result<Vec<_>, _>>()?;
+        return print(&PassTable::print(&tables, layout));
     }
     let header = Header {
         originator: concat!("TERRELLA ", env!("CARGO_PKG_VERSION")).to_owned(),
         created: Epoch::now()?,
     };
-    let satellite = args.satellite.as_deref();
     let request = EphemerisRequest {
         span: match args.at {
             Some(epoch) => Span::At(epoch),
             None => Span::Every(Duration::from_seconds(args.every)),
         },
         axes: args.frame.axes(),
-        satellite,
+        where_known: args.all,
     };
     let prints = oem_file.is_none() && omm_file.is_none();
     if let Some(file) = omm_file {
-        let text = omm(&flight, satellite, file.target(), &header)?;
+        let wanted = match selection {
+            // A catalogue of the scene.
+            Selection::Followed => select(&flight, Selection::All)?,
+            _ => satellites.clone(),
+        };
+        let text = omm(&wanted, file.target(), &header)?;
         file.write_whole(text.as_bytes())?;
     }
-    if let Some(file) = oem_file {
-        let ephemeris = Ephemeris::new(&flight, &request)?;
-        let (text, worst_m) = ephemeris.oem(file.target(), &header)?;
-        let target = file.target().display().to_string();
-        file.write_whole(text.as_bytes())?;
-        if !common.quiet {
-            let count = ephemeris.states().len();
-            eprintln!(
-                "{target}: {count} states; between them a reader's interpolation is {worst_m:.3} m off at most"
+    if !prints && oem_file.is_none() {
+        return Ok(());
+    }
+    let ephemerides = satellites
+        .into_iter()
+        .map(|satellite| Ephemeris::new(&flight, satellite, &request))
+        .collect::<Result<Vec<_>, _>>()?;
+    for ephemeris in &ephemerides {
+        let name = ephemeris.satellite().name();
+        if ephemeris.left_out() > 0 {
+            let (first, last) = ephemeris.satellite().feed().validity();
+            tracing::warn!(
+                "{name}: {} instants left out; it is known from {} to {}",
+                ephemeris.left_out(),
+                rfc3339(first),
+                rfc3339(last)
             );
         }
     }
-    if !prints {
+    match oem_file {
+        Some(file) => write_oem(file, &ephemerides, &header, common.quiet),
+        None => print(&Ephemeris::print(&ephemerides, layout)),
+    }
+}
+
+/// Writes a message for each satellite, one after the other.
+fn write_oem(
+    file: PendingFile,
+    ephemerides: &[Ephemeris<'_>],
+    header: &Header,
+    quiet: bool,
+) -> anyhow::Result<()> {
+    let messages = ephemerides
+        .iter()
+        .map(|ephemeris| ephemeris.oem(file.target(), header))
+        .collect::<Result<Vec<_>, _>>()?;
+    let texts: Vec<_> = messages.iter().map(|(text, _)| text.as_str()).collect();
+    let target = file.target().display().to_string();
+    file.write_whole(texts.join("\n").as_bytes())?;
+    if quiet {
         return Ok(());
     }
-    print(&Ephemeris::new(&flight, &request)?.print(layout))
+    for (ephemeris, (_, worst_m)) in ephemerides.iter().zip(&messages) {
+        let count = ephemeris.states().len();
+        let name = match ephemerides.len() {
+            1 => String::new(),
+            _ => format!("{}: ", ephemeris.satellite().name()),
+        };
+        eprintln!(
+            "{target}: {name}{count} states; between them a reader's interpolation is {worst_m:.3} m off at most"
+        );
+    }
+    Ok(())
 }
 
 fn pending(

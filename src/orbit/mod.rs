@@ -57,7 +57,7 @@ pub use sgp4_feed::{Sgp4Feed, TleFeed};
 pub use start_error::StartError;
 pub use state::{Frame, OrbitState};
 pub use write_ccsds::Header;
-pub use write_csv::{csv_header, csv_row};
+pub use write_csv::{csv_field, csv_header, csv_row};
 
 /// Kinds of files of orbits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,33 +1,43 @@
 //! States as CSV, in the columns that [`Ephemerides`](super::Ephemerides) reads.
 
-use super::write_ccsds::{one_line, shifted};
-use super::{Frame, OrbitState};
+use super::OrbitState;
+use super::write_ccsds::{one_line, real, shifted};
 use crate::frames::{Geodetic, TimeScale, ccsds_time};
 
-/// The two lines before the rows of [`csv_row`]: what the numbers are, and the names of the columns. Both are ended.
-pub fn csv_header(name: &str, frame: Frame) -> String {
-    // The line is read as a list of key = value.
-    let name = one_line(name).replace([',', '='], " ");
-    format!(
-        "# frame = {}, scale = UTC, name = {name}\n\
-         epoch_utc,x_km,y_km,z_km,vx_km_s,vy_km_s,vz_km_s,lat_deg,lon_deg,height_km\n",
-        frame.name()
-    )
+/// The first line of a table of [`csv_row`]: the names of the columns, ended. All that is said of a state stands in its row.
+pub fn csv_header() -> &'static str {
+    "name,frame,epoch_utc,x_km,y_km,z_km,vx_km_s,vy_km_s,vz_km_s,lat_deg,lon_deg,height_km,error_m\n"
 }
 
-/// One row, ended. The state has as many digits as it takes to read the same one back, the place below it is to a
-/// centimetre and for people.
-pub fn csv_row(state: &OrbitState, place: &Geodetic) -> String {
-    let mut row = ccsds_time(state.epoch, TimeScale::Utc) + "Z";
+/// One row of the satellite of that name, ended. The state, in its own frame, has as many digits as it takes to read the same
+/// one back, the place below it is to a centimetre and for people. `error_m`, metres, is how far it may be off
+/// ([`Feed::error_m`](super::Feed::error_m)); empty where the source does not know.
+pub fn csv_row(name: &str, state: &OrbitState, place: &Geodetic, error_m: Option<f64>) -> String {
+    let mut row = csv_field(name);
+    for text in [state.frame.name(), &ccsds_time(state.epoch, TimeScale::Utc)] {
+        row.push(',');
+        row.push_str(text);
+    }
+    row.push('Z');
     let (r, v) = (state.position_m.to_array(), state.velocity_m_s.to_array());
     for metres in r.into_iter().chain(v) {
         row.push(',');
         row.push_str(&shifted(metres, -3));
     }
     row + &format!(
-        ",{:.7},{:.7},{:.5}\n",
+        ",{:.7},{:.7},{:.5},{}\n",
         place.lat_rad.to_degrees(),
         place.lon_rad.to_degrees(),
-        place.height_m / 1e3
+        place.height_m / 1e3,
+        error_m.map(real).unwrap_or_default()
     )
+}
+
+/// Text on one line as RFC 4180 writes a field; one with a mark of comments is quoted too, as is one of nothing.
+pub fn csv_field(text: &str) -> String {
+    let text = one_line(text);
+    match text.contains([',', '"', '#']) || text.is_empty() {
+        true => format!("\"{}\"", text.replace('"', "\"\"")),
+        false => text,
+    }
 }

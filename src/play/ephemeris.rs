@@ -56,15 +56,26 @@ pub enum Layout {
     Json,
 }
 
+/// Satellites of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Selection<'n> {
+    /// The one that cameras follow.
+    Followed,
+    /// Those of these names.
+    Named(&'n [String]),
+    /// All.
+    All,
+}
+
 /// Which ephemeris is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EphemerisRequest<'n> {
+pub struct EphemerisRequest {
     /// First and last epoch, and the step.
     pub span: Span,
     /// In which axes.
     pub axes: Axes,
-    /// Which satellite, by name; `None` is the one that cameras follow.
-    pub satellite: Option<&'n str>,
+    /// Whether instants at which the satellite is not known are left out and counted, as long as one is left.
+    pub where_known: bool,
 }
 
 /// The states of one satellite.
@@ -73,16 +84,19 @@ pub struct Ephemeris<'f> {
     satellite: &'f Satellite,
     axes: Axes,
     states: Vec<OrbitState>,
+    left_out: usize,
 }
 
 impl<'f> Ephemeris<'f> {
     /// Asks the satellite for all states, before anything is printed.
     ///
     /// # Errors
-    /// If there is no such satellite, an instant lies outside its validity (the error says the interval), or there are
-    /// more than a million.
-    pub fn new(flight: &'f Flight, request: &EphemerisRequest<'_>) -> Result<Self, PlayError> {
-        let satellite = satellite(flight, request.satellite)?;
+    /// If an instant lies outside its validity (the error says the interval), or there are more than a million.
+    pub fn new(
+        flight: &'f Flight,
+        satellite: &'f Satellite,
+        request: &EphemerisRequest,
+    ) -> Result<Self, PlayError> {
         if let Some(feed) = satellite.live() {
             return Err(PlayError::Live {
                 scene: flight.scene().path.clone(),
@@ -92,19 +106,36 @@ impl<'f> Ephemeris<'f> {
             });
         }
         let frame = request.axes.frame();
-        let states = epochs(flight, request.span)?
-            .into_iter()
-            .map(|epoch| {
-                let state = satellite.feed().state_at(epoch)?;
-                Ok(state.in_frame(frame, &flight.orientation_at(epoch)))
-            })
-            .collect::<Result<Vec<_>, PlayError>>()?;
-        Ok(Self {
-            flight,
-            satellite,
-            axes: request.axes,
-            states,
-        })
+        let mut states = Vec::new();
+        let mut unknown = Vec::new();
+        for epoch in epochs(flight, request.span)? {
+            match satellite.feed().state_at(epoch) {
+                Ok(state) => states.push(state.in_frame(frame, &flight.orientation_at(epoch))),
+                Err(error) if request.where_known => unknown.push(error),
+                Err(error) => return Err(error.into()),
+            }
+        }
+        let left_out = unknown.len();
+        match unknown.into_iter().next() {
+            Some(error) if states.is_empty() => Err(error.into()),
+            _ => Ok(Self {
+                flight,
+                satellite,
+                axes: request.axes,
+                states,
+                left_out,
+            }),
+        }
+    }
+
+    /// The satellite.
+    pub fn satellite(&self) -> &'f Satellite {
+        self.satellite
+    }
+
+    /// Number of instants at which it is not known.
+    pub fn left_out(&self) -> usize {
+        self.left_out
     }
 
     /// The states, in the frame that was asked for.
@@ -112,21 +143,27 @@ impl<'f> Ephemeris<'f> {
         &self.states
     }
 
-    /// The whole ephemeris as text, in one of the layouts.
-    pub fn print(&self, layout: Layout) -> String {
+    /// Ephemerides as one text, in one of the layouts: tables one after the other, rows under one header, or an object for
+    /// one and an array for more.
+    pub fn print(all: &[Self], layout: Layout) -> String {
         match layout {
-            Layout::Text => self.text(),
-            Layout::Csv => self.csv(),
-            Layout::Json => self.json(),
+            Layout::Text => {
+                let tables: Vec<_> = all.iter().map(Self::text).collect();
+                tables.join("\n")
+            }
+            Layout::Csv => all
+                .iter()
+                .fold(csv_header().to_owned(), |text, one| text + &one.csv_rows()),
+            Layout::Json => json(all.iter().map(Self::json).collect()),
         }
     }
 
-    fn csv(&self) -> String {
-        let mut text = csv_header(self.satellite.name(), self.axes.frame());
-        for state in &self.states {
-            text += &csv_row(state, &self.place(state));
-        }
-        text
+    fn csv_rows(&self) -> String {
+        let rows = self.states.iter().map(|state| {
+            let error_m = self.satellite.feed().error_m(state.epoch);
+            csv_row(self.satellite.name(), state, &self.place(state), error_m)
+        });
+        rows.collect()
     }
 
     fn text(&self) -> String {
@@ -143,11 +180,15 @@ impl<'f> Ephemeris<'f> {
             let (r, v) = (state.position_m / 1e3, state.velocity_m_s / 1e3);
             let place = self.place(state);
             let light = self.illumination(state).0.name();
+            let error = match self.satellite.feed().error_m(state.epoch) {
+                Some(error_m) => format!("  ±{error_m:.1} m"),
+                None => String::new(),
+            };
             // Writing to a string cannot fail.
             let _ = match self.axes {
                 Axes::Geodetic => writeln!(
                     text,
-                    "{}  {:>11.6} {:>12.6} {:>14.5}  {light}",
+                    "{}  {:>11.6} {:>12.6} {:>14.5}  {light}{error}",
                     utc(state.epoch),
                     place.lat_rad.to_degrees(),
                     place.lon_rad.to_degrees(),
@@ -155,7 +196,7 @@ impl<'f> Ephemeris<'f> {
                 ),
                 Axes::Frame(_) => writeln!(
                     text,
-                    "{}  {:>14.6} {:>14.6} {:>14.6}  {:>13.9} {:>13.9} {:>13.9}  {light}",
+                    "{}  {:>14.6} {:>14.6} {:>14.6}  {:>13.9} {:>13.9} {:>13.9}  {light}{error}",
                     utc(state.epoch),
                     r.x,
                     r.y,
@@ -166,10 +207,13 @@ impl<'f> Ephemeris<'f> {
                 ),
             };
         }
+        if let Some((epoch, place)) = self.flight.impact(self.satellite) {
+            let _ = writeln!(text, "meets the ground at {}, {place}", utc(epoch));
+        }
         text
     }
 
-    fn json(&self) -> String {
+    fn json(&self) -> serde_json::Value {
         let rows = self.states.iter().map(|state| {
             let (r, v) = (state.position_m / 1e3, state.velocity_m_s / 1e3);
             let place = self.place(state);
@@ -183,14 +227,22 @@ impl<'f> Ephemeris<'f> {
                 "height_km": place.height_m / 1e3,
                 "light": light.name(),
                 "sunlight": sunlight,
+                "error_m": self.satellite.feed().error_m(state.epoch),
             })
         });
-        let document = serde_json::json!({
+        let impact = self.flight.impact(self.satellite).map(|(epoch, place)| {
+            serde_json::json!({
+                "epoch_utc": utc(epoch),
+                "lat_deg": place.lat_deg,
+                "lon_deg": place.lon_deg,
+            })
+        });
+        serde_json::json!({
             "name": self.satellite.name(),
             "frame": self.axes.frame().name(),
             "states": rows.collect::<Vec<_>>(),
-        });
-        format!("{document:#}\n")
+            "impact": impact,
+        })
     }
 
     /// What the Earth leaves of the Sun there, and the part of its disc.
@@ -253,20 +305,11 @@ impl<'f> Ephemeris<'f> {
     }
 }
 
-/// Mean elements as an orbit mean-elements message, for the file `path`: of the satellite of that name, or of all.
+/// Mean elements as an orbit mean-elements message, for the file `path`.
 ///
 /// # Errors
 /// If a satellite has none, or there is no satellite.
-pub fn omm(
-    flight: &Flight,
-    name: Option<&str>,
-    path: &Path,
-    header: &Header,
-) -> Result<String, PlayError> {
-    let wanted = match name {
-        Some(_) => std::slice::from_ref(satellite(flight, name)?),
-        None => flight.satellites(),
-    };
+pub fn omm(wanted: &[&Satellite], path: &Path, header: &Header) -> Result<String, PlayError> {
     let elements = wanted.iter().map(|one| {
         one.elements()
             .cloned()
@@ -287,26 +330,52 @@ fn utc(epoch: Epoch) -> String {
     ccsds_time(epoch, TimeScale::Utc) + "Z"
 }
 
-pub(super) fn satellite<'f>(
+/// What a program reads: an object for one satellite, an array of them for more.
+pub(super) fn json(mut documents: Vec<serde_json::Value>) -> String {
+    let document = match documents.len() {
+        1 => documents.swap_remove(0),
+        _ => serde_json::Value::Array(documents),
+    };
+    format!("{document:#}\n")
+}
+
+/// The satellites of a scene that are asked for, each once.
+///
+/// # Errors
+/// A name that none has, or more than one, or a scene without satellites.
+pub fn select<'f>(
     flight: &'f Flight,
-    name: Option<&str>,
-) -> Result<&'f Satellite, PlayError> {
+    selection: Selection<'_>,
+) -> Result<Vec<&'f Satellite>, PlayError> {
     let satellites = flight.satellites();
-    let index = match name {
-        None => flight.followed(),
-        Some(wanted) => {
+    let mut indices = Vec::new();
+    match selection {
+        Selection::Followed => indices.push(flight.followed()),
+        Selection::All => indices.extend(0..satellites.len()),
+        Selection::Named(wanted) => {
             let names: Vec<_> = satellites.iter().map(Satellite::name).collect();
             let scene = flight.scene();
-            scene
-                .satellite(wanted, &names)
-                .map_err(|remedy| PlayError::UnknownSatellite {
+            for wanted in wanted {
+                let refuse = |remedy| PlayError::UnknownSatellite {
                     scene: scene.path.clone(),
-                    wanted: wanted.to_owned(),
+                    wanted: wanted.clone(),
                     remedy,
-                })?
+                };
+                let index = scene.satellite(wanted, &names).map_err(refuse)?;
+                if !indices.contains(&index) {
+                    indices.push(index);
+                }
+            }
         }
-    };
-    satellites.get(index).ok_or(PlayError::NoSatellite)
+    }
+    let selected: Vec<_> = indices
+        .into_iter()
+        .filter_map(|index| satellites.get(index))
+        .collect();
+    match selected.is_empty() {
+        true => Err(PlayError::NoSatellite),
+        false => Ok(selected),
+    }
 }
 
 /// In the order of time, whichever way the scene is played.

@@ -69,7 +69,7 @@ mod window;
 mod window_renderer;
 
 pub use craft::CraftPose;
-pub use ephemeris::{Axes, Ephemeris, EphemerisRequest, Layout, Span, omm};
+pub use ephemeris::{Axes, Ephemeris, EphemerisRequest, Layout, Selection, Span, omm, select};
 pub use error::{PlayError, VideoError, WindowError};
 pub use export::{ExportRequest, export};
 pub use flight::{Flight, Moment, SatelliteState, ViewRequest};

@@ -1,25 +1,26 @@
 //! When a scene's satellite passes over a place: tables for people and programs.
 
-use super::ephemeris::{Layout, satellite};
+use super::ephemeris::{Layout, json};
 use super::{Flight, PlayError, Satellite};
 use crate::frames::{Duration, Epoch, Geodetic, rfc3339};
-use crate::orbit::{LookAngles, Observer, Pass, passes};
+use crate::orbit::{LookAngles, Observer, Pass, csv_field, passes};
 use std::fmt::Write;
 
 /// Most passes of one table.
 const MAX_PASSES: usize = 100_000;
 
+/// The columns of a table of passes.
+const CSV_HEADER: &str = "name,begin_utc,begin_azimuth_deg,rises,highest_utc,highest_azimuth_deg,elevation_deg,distance_km,end_utc,end_azimuth_deg,sets\n";
+
 /// Which passes are wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PassRequest<'n> {
+pub struct PassRequest {
     /// Over which place, above the scene's figure.
     pub place: Geodetic,
     /// Minimum elevation of a pass, radians, 0…π/2.
     pub min_elevation_rad: f64,
     /// For how long from the scene's first instant on; `None` is to its last.
     pub length: Option<Duration>,
-    /// Which satellite, by name; `None` is the one that cameras follow.
-    pub satellite: Option<&'n str>,
 }
 
 /// The passes of one satellite.
@@ -35,10 +36,12 @@ impl<'f> PassTable<'f> {
     /// Looks for them, as far as the satellite is known.
     ///
     /// # Errors
-    /// If there is no such satellite, it is not known in any of the time (the error says when it is), or its feed
-    /// fails in it.
-    pub fn new(flight: &'f Flight, request: &PassRequest<'_>) -> Result<Self, PlayError> {
-        let satellite = satellite(flight, request.satellite)?;
+    /// If the satellite is not known in any of the time (the error says when it is), or its feed fails in it.
+    pub fn new(
+        flight: &'f Flight,
+        satellite: &'f Satellite,
+        request: &PassRequest,
+    ) -> Result<Self, PlayError> {
         let time = &flight.scene().time;
         let first = time.start.min(time.end());
         let last = match request.length {
@@ -85,12 +88,18 @@ impl<'f> PassTable<'f> {
         self.rows.iter().map(|(pass, _)| pass)
     }
 
-    /// The whole table as text, in one of the layouts.
-    pub fn print(&self, layout: Layout) -> String {
+    /// Tables as one text, in one of the layouts: one after the other, rows under one header, or an object for one and an
+    /// array for more.
+    pub fn print(all: &[Self], layout: Layout) -> String {
         match layout {
-            Layout::Text => self.text(),
-            Layout::Csv => self.csv(),
-            Layout::Json => self.json(),
+            Layout::Text => {
+                let tables: Vec<_> = all.iter().map(Self::text).collect();
+                tables.join("\n")
+            }
+            Layout::Csv => all
+                .iter()
+                .fold(CSV_HEADER.to_owned(), |text, one| text + &one.csv_rows()),
+            Layout::Json => json(all.iter().map(Self::json).collect()),
         }
     }
 
@@ -137,14 +146,13 @@ impl<'f> PassTable<'f> {
         text
     }
 
-    fn csv(&self) -> String {
-        let mut text = String::from(
-            "begin_utc,begin_azimuth_deg,rises,highest_utc,highest_azimuth_deg,elevation_deg,distance_km,end_utc,end_azimuth_deg,sets\n",
-        );
+    fn csv_rows(&self) -> String {
+        let name = csv_field(self.satellite.name());
+        let mut text = String::new();
         for (pass, [begin, highest, end]) in &self.rows {
             let _ = writeln!(
                 text,
-                "{},{:.4},{},{},{:.4},{:.4},{:.4},{},{:.4},{}",
+                "{name},{},{:.4},{},{},{:.4},{:.4},{:.4},{},{:.4},{}",
                 rfc3339(pass.begin),
                 begin.azimuth_rad.to_degrees(),
                 pass.rises,
@@ -160,7 +168,7 @@ impl<'f> PassTable<'f> {
         text
     }
 
-    fn json(&self) -> String {
+    fn json(&self) -> serde_json::Value {
         let rows = self.rows.iter().map(|(pass, [begin, highest, end])| {
             serde_json::json!({
                 "begin_utc": rfc3339(pass.begin),
@@ -175,7 +183,7 @@ impl<'f> PassTable<'f> {
                 "sets": pass.sets,
             })
         });
-        let document = serde_json::json!({
+        serde_json::json!({
             "name": self.satellite.name(),
             "lat_deg": self.place.lat_rad.to_degrees(),
             "lon_deg": self.place.lon_rad.to_degrees(),
@@ -184,8 +192,7 @@ impl<'f> PassTable<'f> {
             "first_utc": rfc3339(self.span.0),
             "last_utc": rfc3339(self.span.1),
             "passes": rows.collect::<Vec<_>>(),
-        });
-        format!("{document:#}\n")
+        })
     }
 }
 
