@@ -68,7 +68,9 @@ pub struct SatelliteState {
 
 impl Flight {
     /// Opens the scene's satellites and checks that the one that cameras fly with is known for all of the scene's dates,
-    /// and that its pack, if it has one, holds what it asks for. Live satellites begin to listen; where there are any,
+    /// and that its pack, if it has one, holds what it asks for. A duration that the scene does not give is shortened to what
+    /// that satellite is known for; where the built-in satellite's elements do not reach, a stand-in flies
+    /// ([`Scene::notices`]). Live satellites begin to listen; where there are any,
     /// their simulators give the time and the scene's dates are not checked.
     pub fn open(scene: Scene) -> Result<Self, PlayError> {
         Self::open_with(scene, Listener::Open)
@@ -79,8 +81,9 @@ impl Flight {
         Self::open_with(scene, Listener::Closed)
     }
 
-    fn open_with(scene: Scene, listener: Listener) -> Result<Self, PlayError> {
+    fn open_with(mut scene: Scene, listener: Listener) -> Result<Self, PlayError> {
         check_pack(&scene)?;
+        satellites::stand_in(&mut scene)?;
         let orientation = match &scene.time.orientation {
             Some(file) => Some(EarthOrientation::from_file(file)?),
             None => None,
@@ -101,7 +104,15 @@ impl Flight {
         if let Some(satellite) = satellites.get(followed)
             && !scene.is_live()
         {
-            scene.check_dates(satellite.feed().validity())?;
+            let ellipsoid = scene.earth.figure.ellipsoid();
+            let impact = impact(satellite.feed(), orientation.as_ref(), &ellipsoid)
+                .map(|(_, place)| place.to_string());
+            let validity = satellite.feed().validity();
+            scene.shorten(validity, impact.as_deref());
+            scene.check_dates(validity, impact.as_deref())?;
+        }
+        for notice in &scene.notices {
+            tracing::warn!("{}: {notice}", scene.path.display());
         }
         Ok(Self {
             ellipsoid: scene.earth.figure.ellipsoid(),

@@ -3,7 +3,7 @@
 use super::error::PlayError;
 use crate::frames::{Duration, EarthOrientation, Epoch, Orientation, utc_from_rfc3339};
 use crate::orbit::constants::EARTH_GM_M3_S2;
-use crate::orbit::kepler::{Drift, KeplerFeed, KeplerOptions};
+use crate::orbit::kepler::{Anomaly, Drift, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize};
 use crate::orbit::live::{LiveError, LiveFeed, LiveOptions};
 use crate::orbit::numerical::{ForceModel, Gravity, NumericalFeed, NumericalOptions, Shadow};
 use crate::orbit::{
@@ -89,6 +89,36 @@ pub(super) fn orientation_at(
         None => Some(Orientation::default()),
         Some(table) => table.at(epoch),
     }
+}
+
+/// Lets a stand-in fly for every satellite of the built-in elements where those do not reach to the scene's start.
+pub(super) fn stand_in(scene: &mut Scene) -> Result<(), PlayError> {
+    let is_built_in = |orbit: &Orbit| orbit.source == OrbitSource::Tle && orbit.file.is_none();
+    if scene.is_live() || !scene.orbits.iter().any(is_built_in) {
+        return Ok(());
+    }
+    let feed = Sgp4Feed::built_in_iss()?;
+    let (first, last) = feed.validity();
+    if (first..=last).contains(&scene.time.start) {
+        return Ok(());
+    }
+    let mean = feed.elements();
+    let mean_motion_rad_s = mean.mean_motion_rev_day * std::f64::consts::TAU / 86_400.0;
+    let elements = KeplerElements {
+        // n² a³ = μ.
+        size: OrbitSize::SemiMajorAxis((EARTH_GM_M3_S2 / mean_motion_rad_s.powi(2)).cbrt()),
+        eccentricity: mean.eccentricity,
+        inclination_rad: mean.inclination_deg.to_radians(),
+        raan_rad: mean.raan_deg.to_radians(),
+        argument_of_periapsis_rad: mean.arg_perigee_deg.to_radians(),
+        anomaly: Anomaly::Mean(mean.mean_anomaly_deg.to_radians()),
+    };
+    for index in 0..scene.orbits.len() {
+        if scene.orbits.get(index).is_some_and(is_built_in) {
+            scene.stand_in(index, elements, (first, last));
+        }
+    }
+    Ok(())
 }
 
 /// Opens the satellite of that place in the scene.

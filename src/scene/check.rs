@@ -78,6 +78,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         time,
         orbits: checked,
         orbit_lines,
+        notices: Vec::new(),
         track_px,
         output: source.output(&output, &camera, &earth, has_live)?,
         camera,

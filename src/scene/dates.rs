@@ -1,17 +1,38 @@
-//! Whether an orbit answers for all of a scene's time.
+//! Whether an orbit answers for all of a scene's time, and what is flown where the scene does not ask for more.
 
 use super::Scene;
 use super::error::{KeyLocation, SceneError};
+use super::orbit::{InitialState, Motion, Orbit, OrbitParameters, OrbitSource};
 use super::time::utc;
 use crate::frames::Epoch;
+use crate::orbit::Frame;
+use crate::orbit::kepler::KeplerElements;
+
+/// What flies where the built-in elements do not reach.
+const STAND_IN: &str = "ISS stand-in";
+
+fn validity_text(validity: (Epoch, Epoch), impact: Option<&str>) -> String {
+    let (first, last) = (utc(validity.0), utc(validity.1));
+    match impact {
+        Some(place) => {
+            format!("the satellite meets the ground at {last}, {place}; it is known from {first}")
+        }
+        None => format!("the orbit answers from {first} to {last}"),
+    }
+}
 
 impl Scene {
     /// Refuses a scene of which any part lies outside `validity`, the first and last epoch that its orbit
-    /// answers for ([`crate::orbit::Feed::validity`]).
-    pub fn check_dates(&self, validity: (Epoch, Epoch)) -> Result<(), SceneError> {
+    /// answers for ([`crate::orbit::Feed::validity`]). `impact` is where the satellite meets the ground, if that is what ends
+    /// its validity.
+    pub fn check_dates(
+        &self,
+        validity: (Epoch, Epoch),
+        impact: Option<&str>,
+    ) -> Result<(), SceneError> {
         let (first, last) = validity;
         let inside = |epoch: Epoch| first <= epoch && epoch <= last;
-        let validity_text = format!("the orbit answers from {} to {}", utc(first), utc(last));
+        let validity_text = validity_text(validity, impact);
         let (start, end) = (self.time.start, self.time.end());
         if !inside(start) {
             let is_file = self.orbits.iter().any(|orbit| orbit.source.is_file());
@@ -37,6 +58,57 @@ impl Scene {
             return Err(self.refuse_time("duration_s", self.time.duration_s.to_string(), remedy));
         }
         Ok(())
+    }
+
+    /// Shortens a duration that the scene does not give to what the orbit answers for, with a notice.
+    pub fn shorten(&mut self, validity: (Epoch, Epoch), impact: Option<&str>) {
+        let (start, end) = (self.time.start, self.time.end());
+        let inside = |epoch: Epoch| validity.0 <= epoch && epoch <= validity.1;
+        if self.line("time", "duration_s").is_some() || !inside(start) || inside(end) {
+            return;
+        }
+        let room = match self.time.speed > 0.0 {
+            true => validity.1 - start,
+            false => start - validity.0,
+        };
+        // Whole milliseconds, so that it ends on this side.
+        let room_s = (room.to_seconds() * 1e3).floor() / 1e3;
+        if room_s > 0.0 {
+            self.notices.push(format!(
+                "[time] duration_s is shortened from its default, {}, to {room_s}: {}",
+                self.time.duration_s,
+                validity_text(validity, impact)
+            ));
+            self.time.duration_s = room_s;
+        }
+    }
+
+    /// Lets the built-in satellite of that place fly a conic from the scene's start on, with a notice: its own elements,
+    /// `elements`, hold for `validity` only.
+    pub fn stand_in(&mut self, orbit: usize, elements: KeplerElements, validity: (Epoch, Epoch)) {
+        let start = self.time.start;
+        let Some(slot) = self.orbits.get_mut(orbit) else {
+            return;
+        };
+        *slot = Orbit {
+            source: OrbitSource::Kepler,
+            name: Some(STAND_IN.to_owned()),
+            motion: Some(Motion::Kepler {
+                start: InitialState {
+                    epoch: start,
+                    frame: Frame::Teme,
+                    parameters: OrbitParameters::Elements(elements),
+                },
+                j2: true,
+            }),
+            ..slot.clone()
+        };
+        self.notices.push(format!(
+            "{STAND_IN} is not where the International Space Station is at {}: the station's built-in elements hold from {} to {}, so an orbit of its size and inclination is flown; for the station itself name elements of that time with file in [orbit]",
+            utc(start),
+            utc(validity.0),
+            utc(validity.1)
+        ));
     }
 
     fn refuse_time(&self, key: &str, value: String, remedy: String) -> SceneError {

@@ -16,7 +16,7 @@
 //!
 //! `text` is the file; `parse` makes the tables of `keys` of it, each value with its place, and turns the TOML reader's
 //! complaints into messages of our own; `check` goes through the tables by means of `field` (ranges, names, paths,
-//! defaults). Once the satellites are opened, [`Scene::check_dates`] and what else `satellites` has. `summary` says in text what a scene
+//! defaults). Once the satellites are opened, [`Scene::check_dates`] and what else `dates` and `satellites` have. `summary` says in text what a scene
 //! comes to.
 
 mod camera;
@@ -81,6 +81,8 @@ pub struct Scene {
     pub output: Output,
     /// `[quality]`; `None` draws everything however long it takes.
     pub quality: Option<QualityTable>,
+    /// What is flown otherwise than the scene's defaults say, as satellites do not answer for those: a sentence each.
+    pub notices: Vec<String>,
     /// Which keys the file gave, and where; of satellites, the first's.
     lines: KeyLines,
     /// The same of each satellite.

@@ -41,6 +41,12 @@ impl Scene {
                 self.other_orbits(&mut out, table);
             }
         }
+        if !self.notices.is_empty() {
+            line(&mut out, format_args!("\nnotice"));
+        }
+        for notice in &self.notices {
+            line(&mut out, format_args!("  {notice}"));
+        }
         line(&mut out, format_args!("\nuses"));
         for (what, how) in self.uses() {
             line(&mut out, format_args!("  {what:<14} {how}"));

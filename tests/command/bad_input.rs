@@ -24,10 +24,14 @@ fn a_bad_scene_is_2_with_file_line_and_key_and_nothing_written() {
             "size.toml:2: [output] size",
         ),
         ("text.toml", "this is no scene", "text.toml:1"),
-        // Outside the reach of the built-in elements.
+        // Outside the reach of the elements.
         (
             "late.toml",
-            "[time]\nstart = \"2031-01-01T00:00:00Z\"\n",
+            concat!(
+                "[time]\nstart = \"2031-01-01T00:00:00Z\"\n[orbit]\nfile = \"",
+                env!("CARGO_MANIFEST_DIR"),
+                "/config/orbits/iss.tle\"\n"
+            ),
             "late.toml:2: [time] start",
         ),
     ] {

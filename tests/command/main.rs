@@ -12,6 +12,7 @@ mod passes;
 mod pictures;
 mod reference;
 mod report;
+mod several;
 mod shipped;
 mod terrain;
 mod truth;

@@ -10,7 +10,7 @@ use terrella::scene::Scene;
 #[test]
 fn dates_outside_the_validity_of_the_orbit_are_refused() {
     let validity = (utc("2018-01-10T00:00:00Z"), utc("2018-01-20T00:00:00Z"));
-    let refusal = |text| match scene(text).check_dates(validity) {
+    let refusal = |text| match scene(text).check_dates(validity, None) {
         Ok(()) => String::new(),
         Err(error) => error.to_string(),
     };
