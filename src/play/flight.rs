@@ -64,6 +64,8 @@ pub struct SatelliteState {
     pub speed_m_s: f64,
     /// What the Earth leaves of the Sun there, and the part of its disc, 0…1.
     pub illumination: (Illumination, f64),
+    /// How far the place may be off, metres (one standard deviation), where the satellite's source says so.
+    pub error_m: Option<f64>,
 }
 
 impl Flight {
@@ -261,6 +263,7 @@ impl Flight {
                     place: self.ellipsoid.geodetic_from_itrf(position_itrf_m),
                     speed_m_s: state.velocity_m_s.length(),
                     illumination: illumination(position_itrf_m, sun_itrf_m, &self.ellipsoid),
+                    error_m: self.feed().and_then(|feed| feed.error_m(epoch)),
                 }
             }),
         }

@@ -110,6 +110,9 @@ fn panel(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut V
                 format!("{:.3} km/s", satellite.speed_m_s / 1000.0),
             );
             row("light", satellite.illumination.0.name().to_owned());
+            if let Some(error_m) = satellite.error_m {
+                row("error", format!("±{error_m:.1} m"));
+            }
         } else {
             let eye = data.stats.eye;
             row("eye above", place_text(eye.lat_rad, eye.lon_rad));

@@ -115,7 +115,7 @@ pub struct EyePosition {
     pub height_km: f64,
 }
 
-/// What light the satellite is in.
+/// What light the satellite is in, and how well its place is known.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SatelliteLight {
@@ -123,6 +123,9 @@ pub struct SatelliteLight {
     pub light: String,
     /// Part of the Sun's disc that the Earth leaves in sight, 0…1.
     pub sunlight: f64,
+    /// How far the satellite may be off, metres (one standard deviation); left out where its source does not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_m: Option<f64>,
 }
 
 /// Where the Sun stands in the zenith.
@@ -175,6 +178,7 @@ impl PictureStats {
                 SatelliteLight {
                     light: light.name().to_owned(),
                     sunlight,
+                    error_m: satellite.error_m,
                 }
             }),
             sun: SubsolarPoint::new(moment.sky.sun_itrf),

@@ -130,6 +130,23 @@ fn the_source_s_own_error_is_shown() {
         error_m.is_some_and(|m| (m - 17.320_508).abs() < 1e-5),
         "{csv}"
     );
+    place.succeed(&[
+        "frame",
+        "flown.toml",
+        "-o",
+        "a.png",
+        "--stats",
+        "a.json",
+        "--size",
+        "32x18",
+    ]);
+    let stats = std::fs::read_to_string(place.path("a.json")).expect("numbers");
+    let stats: serde_json::Value = serde_json::from_str(&stats).expect("JSON");
+    let error_m = stats["satellite"]["error_m"].as_f64();
+    assert!(
+        error_m.is_some_and(|m| (m - 17.320_508).abs() < 1e-5),
+        "{stats}"
+    );
     // Where nothing is known of it nothing is said.
     let json = printed(&place, &["orbit", "made.toml", "--json"]);
     assert!(json.contains("\"error_m\": null"), "{json}");
