@@ -8,6 +8,7 @@ mod orbit;
 mod pack;
 mod play;
 mod progress;
+mod quiet_driver;
 mod report;
 mod terrain;
 mod values;
@@ -75,11 +76,29 @@ enum Command {
     Pack(pack::PackArgs),
 }
 
+impl Command {
+    /// Whether it looks for graphics adapters.
+    fn draws(&self) -> bool {
+        match self {
+            Self::Check(_) | Self::Orbit(_) | Self::Pack(_) => false,
+            Self::Play(_)
+            | Self::Frame(_)
+            | Self::Bench(_)
+            | Self::Doctor
+            | Self::Report(_)
+            | Self::Terrain(_) => true,
+        }
+    }
+}
+
 /// Runs the command that the arguments name.
 pub fn run() -> ExitCode {
     // Bad usage ends here with clap's message and exit code 2.
     let cli = Cli::parse();
     log_to_stderr(&cli.common);
+    if cli.command.draws() {
+        quiet_driver::quieten();
+    }
     let common = &cli.common;
     let done = match &cli.command {
         Command::Play(args) => play::run(args, common),

@@ -177,3 +177,23 @@ fn play_without_a_display_says_what_to_do_instead() {
         "{words}"
     );
 }
+
+/// As a service runs it, or a container: nothing of a desktop in its environment.
+#[test]
+fn without_a_desktop_the_graphics_stack_says_nothing() {
+    let place = Place::new();
+    for arguments in [&["doctor"][..], &["frame", "small.toml", "-o", "a.png"]] {
+        let mut command = place.command(arguments);
+        let output = command
+            .env_remove("XDG_RUNTIME_DIR")
+            .env_remove("NODEVICE_SELECT")
+            .output()
+            .expect("starts");
+        assert!(output.status.success(), "{}", words(&output));
+        assert!(
+            !words(&output).contains("XDG_RUNTIME_DIR"),
+            "{}",
+            words(&output)
+        );
+    }
+}
