@@ -144,9 +144,8 @@ pub fn write_reference_still(
     {
         left_out.push("tracks".to_owned());
     }
-    if scene.sky.is_on() {
-        left_out.push("sky".to_owned());
-    }
+    let sky = scene.sky.parts().into_iter().filter(|(_, is_on)| *is_on);
+    left_out.extend(sky.map(|(part, _)| part.to_owned()));
     let radius_m = flight.ellipsoid().equatorial_radius_m;
     let shadow = moment.sky.moon_shadow().filter(|_| scene.sky.eclipses);
     if shadow.is_some_and(|shadow| shadow.reaches(DVec3::ZERO, radius_m)) {
