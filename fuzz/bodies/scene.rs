@@ -9,7 +9,7 @@ pub fn run(data: &[u8]) {
         return;
     };
     match Scene::from_toml(text, Path::new("fuzz.toml")) {
-        Ok(scene) => assert!(!scene.summary().is_empty()),
+        Ok(scene) => assert!(scene.full_summary().len() > scene.summary().len()),
         Err(error) => {
             let said = error.to_string();
             assert!(!said.contains(char::is_control), "{said:?}");

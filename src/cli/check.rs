@@ -14,6 +14,9 @@ pub struct CheckArgs {
     /// Refuse files of orbits in which anything is spoilt; else bad states and records are listed and passed over
     #[arg(long)]
     strict: bool,
+    /// List every key that a scene can have, also those without a meaning in this one
+    #[arg(long)]
+    all: bool,
 }
 
 /// Loads the scene with all that it names and prints a summary.
@@ -23,7 +26,10 @@ pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
     if common.quiet {
         return Ok(());
     }
-    let mut text = flight.scene().summary();
+    let mut text = match args.all {
+        true => flight.scene().full_summary(),
+        false => flight.scene().summary(),
+    };
     if !dropped.is_empty() {
         text.push_str("\nmissing, so left out\n");
     }

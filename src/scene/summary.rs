@@ -10,17 +10,36 @@ use crate::globe::SurfaceSettings;
 use std::fmt::Write;
 
 impl Scene {
-    /// The scene as text, many lines, each ended: every key in scene order with its value and whether that is
-    /// from the file or the default; then what the scene uses and what it leaves out.
+    /// The scene as text, many lines, each ended: the keys that are in force, in scene order, each with its value and whether
+    /// that is from the file or the default, and those that the file gives in vain; then what the scene uses and what it
+    /// leaves out.
     pub fn summary(&self) -> String {
+        self.summary_of(false)
+    }
+
+    /// The same with every key that a scene can have, those that are not used with the reason.
+    pub fn full_summary(&self) -> String {
+        self.summary_of(true)
+    }
+
+    fn summary_of(&self, all: bool) -> String {
         let mut out = format!("{}: good\n", self.path.display());
+        let mut hidden = 0;
         for table in TABLES {
+            let is_shown = |key: &str| {
+                all || self.value(table.name, key).is_ok() || self.line(table.name, key).is_some()
+            };
+            let shown = table.keys.iter().filter(|key| is_shown(key.name)).count();
+            hidden += table.keys.len() - shown;
+            if shown == 0 {
+                continue;
+            }
             let head = match table.name {
                 "orbit" if self.orbits.len() > 1 => "[[orbit]]".to_owned(),
                 name => format!("[{name}]"),
             };
             line(&mut out, format_args!("\n{head}"));
-            for key in table.keys {
+            for key in table.keys.iter().filter(|key| is_shown(key.name)) {
                 let common = || match table.name {
                     "orbit" => self.line("tracks", key.name),
                     _ => None,
@@ -34,12 +53,27 @@ impl Scene {
                         &mut out,
                         format_args!("  {:<18} {value:<28} {from}", key.name),
                     ),
-                    Err(why) => line(&mut out, format_args!("  {:<18} not used: {why}", key.name)),
+                    Err(why) => {
+                        let given = match self.line(table.name, key.name) {
+                            Some(number) => format!("line {number} of the file is "),
+                            None => String::new(),
+                        };
+                        line(
+                            &mut out,
+                            format_args!("  {:<18} {given}not used: {why}", key.name),
+                        );
+                    }
                 }
             }
             if table.name == "orbit" {
                 self.other_orbits(&mut out, table);
             }
+        }
+        if hidden > 0 {
+            line(
+                &mut out,
+                format_args!("\n{hidden} more keys have no meaning in this scene (--all)"),
+            );
         }
         if !self.notices.is_empty() {
             line(&mut out, format_args!("\nnotice"));
@@ -228,7 +262,8 @@ mod tests {
 
     #[test]
     fn every_key_has_a_value_or_a_reason_in_the_summary() {
-        let summary = Scene::from_toml("", Path::new("scene.toml")).map(|scene| scene.summary());
+        let summary =
+            Scene::from_toml("", Path::new("scene.toml")).map(|scene| scene.full_summary());
         let summary = summary.unwrap_or_else(|error| panic!("{error}"));
         assert!(!summary.contains("unknown"), "{summary}");
         for key in TABLES.iter().flat_map(|table| table.keys) {

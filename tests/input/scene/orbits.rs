@@ -262,7 +262,7 @@ fn live_keys_reach_the_feed() {
         LiveOptions::new("udp://127.0.0.1:5005".parse().unwrap())
     );
     assert!(scene.is_live() && scene.output.wait_s == 5.0);
-    let summary = scene.summary();
+    let summary = scene.full_summary();
     for part in [
         "\"ws://127.0.0.1:5005\"",
         "[\"https://example.org\"]",

@@ -67,7 +67,10 @@ fn the_summary_tells_values_origins_use_and_what_is_left_out() {
     has(&["fov_deg", "30", "line 2 of the file"]);
     has(&["speed", "60", "default"]);
     has(&["start", "\"2018-01-15T12:00:00Z\"", "default"]);
-    has(&["lat_deg", "not used", "geodetic"]);
+    assert!(
+        !summary.contains("lat_deg") && !summary.contains("[quality]"),
+        "{summary}"
+    );
     has(&["playback", "2018-01-15T13:33:00Z", "2790 frames", "93.0 s"]);
     has(&["orbit", "built-in", "International Space Station"]);
     has(&["camera", "straight down", "30°"]);
@@ -78,6 +81,25 @@ fn the_summary_tells_values_origins_use_and_what_is_left_out() {
 
     let summary = scene("").summary();
     assert!(summary.ends_with("leaves out\n  nothing\n"), "{summary}");
+    // What is in force, and no more: the rest is counted, and told when asked for.
+    assert!(!summary.contains("not used"), "{summary}");
+    let full = scene("").full_summary();
+    let has = |words: &[&str]| {
+        let mut lines = full.lines();
+        lines.any(|line| words.iter().all(|word| line.contains(word)))
+    };
+    assert!(has(&["lat_deg", "not used", "geodetic"]), "{full}");
+    let unused = full.matches("not used: ").count();
+    assert!(
+        summary.contains(&format!("\n{unused} more keys")),
+        "{summary}"
+    );
+    // A key that the file gives in vain is told beside those in force.
+    let vain = scene("[tracks]\nmarker = true\n").summary();
+    assert!(
+        vain.contains("marker             line 2 of the file is not used: it is told"),
+        "{vain}"
+    );
     assert!(summary.contains("billboard"), "{summary}");
 }
 
