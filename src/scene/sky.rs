@@ -41,7 +41,7 @@ impl SkyTable {
     }
 
     /// Switches a thing beyond the Earth off, by its key.
-    pub(crate) fn switch_off(&mut self, key: &str) {
+    pub fn switch_off(&mut self, key: &str) {
         match key {
             "stars" => self.stars = false,
             "milky_way" => self.milky_way = false,
