@@ -125,38 +125,37 @@ impl EarthVariant {
 
     /// The same while the Moon's shadow is in view; `None` where nothing knows of it. Then the Moon is new, and lights nothing.
     pub fn eclipsed(self) -> Option<Self> {
-        match self.output {
-            EarthOutput::Picture(ShadingVariant::Sunlit(layers), target) => {
-                let layers = SunlitLayers {
-                    eclipse: true,
-                    moonlight: false,
-                    ..layers
-                };
-                Some(Self {
-                    output: EarthOutput::Picture(ShadingVariant::Sunlit(layers), target),
-                    ..self
-                })
-            }
-            _ => None,
-        }
+        self.with_sunlit(|layers| {
+            Some(SunlitLayers {
+                eclipse: true,
+                moonlight: false,
+                ..layers
+            })
+        })
     }
 
     /// The same without what shows by night alone, for ground by day; `None` where it has nothing of that.
     pub fn daylit(self) -> Option<Self> {
+        self.with_sunlit(|layers| {
+            let shows_by_night = layers.night_lights || layers.moonlight;
+            shows_by_night.then_some(SunlitLayers {
+                night_lights: false,
+                moonlight: false,
+                ..layers
+            })
+        })
+    }
+
+    /// The same with other layers in real light; `None` where it has no such light, or there are none.
+    fn with_sunlit(
+        self,
+        change: impl FnOnce(SunlitLayers) -> Option<SunlitLayers>,
+    ) -> Option<Self> {
         match self.output {
-            EarthOutput::Picture(ShadingVariant::Sunlit(layers), target)
-                if layers.night_lights || layers.moonlight =>
-            {
-                let layers = SunlitLayers {
-                    night_lights: false,
-                    moonlight: false,
-                    ..layers
-                };
-                Some(Self {
-                    output: EarthOutput::Picture(ShadingVariant::Sunlit(layers), target),
-                    ..self
-                })
-            }
+            EarthOutput::Picture(ShadingVariant::Sunlit(layers), target) => Some(Self {
+                output: EarthOutput::Picture(ShadingVariant::Sunlit(change(layers)?), target),
+                ..self
+            }),
             _ => None,
         }
     }
