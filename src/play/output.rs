@@ -209,6 +209,20 @@ impl PendingFile {
     }
 }
 
+/// Makes a folder and those above it, where they are not there.
+pub(super) fn make_folder(folder: &Path) -> Result<(), OutputError> {
+    if folder.exists() && !folder.is_dir() {
+        return Err(OutputError::InTheWay {
+            path: folder.into(),
+            found: "a file",
+        });
+    }
+    std::fs::create_dir_all(folder).map_err(|source| OutputError::Write {
+        path: folder.into(),
+        source,
+    })
+}
+
 /// A folder of numbered frames.
 #[derive(Debug)]
 pub struct FrameFolder {
@@ -225,13 +239,7 @@ impl FrameFolder {
             path: folder.into(),
             source,
         };
-        if folder.exists() && !folder.is_dir() {
-            return Err(OutputError::InTheWay {
-                path: folder.into(),
-                found: "a file",
-            });
-        }
-        std::fs::create_dir_all(folder).map_err(refused)?;
+        make_folder(folder)?;
         let last = frame_count.saturating_sub(1);
         let frames = Self {
             folder: folder.into(),

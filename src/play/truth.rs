@@ -7,7 +7,7 @@ use super::error::PlayError;
 use super::flight::{Flight, Moment};
 use super::float_files::{write_exr_header, write_exr_line, write_npy_header};
 use super::offscreen::MAX_PICTURE_MIB;
-use super::output::{OutputError, PendingFile};
+use super::output::{OutputError, PendingFile, make_folder};
 use super::truth_layers::{Dtype, LAYERS, PICTURE, Pixel};
 use super::truth_manifest::TruthManifest;
 use crate::gpu::{GpuContext, SurfaceOutput, TruthTargets};
@@ -52,21 +52,10 @@ impl TruthFolder {
     /// A place that cannot be written to; a picture that takes more memory than this program does.
     pub fn create(folder: &Path, size: (u32, u32)) -> Result<Self, PlayError> {
         check_memory(size)?;
-        let refused = |source| OutputError::Write {
-            path: folder.into(),
-            source,
-        };
-        if folder.exists() && !folder.is_dir() {
-            return Err(OutputError::InTheWay {
-                path: folder.into(),
-                found: "a file",
-            }
-            .into());
-        }
         let missing = folder.ancestors().take_while(|path| !path.exists());
         let missing = missing.filter(|path| !path.as_os_str().is_empty());
         let made = MadeFolders(missing.map(Path::to_owned).collect());
-        std::fs::create_dir_all(folder).map_err(refused)?;
+        make_folder(folder)?;
         let file = |name: &str, ending| PendingFile::create(&folder.join(name), "layers", ending);
         Ok(Self {
             arrays: LAYERS
