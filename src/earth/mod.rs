@@ -9,6 +9,7 @@
 //! | `surface_light.rs` | what of the light on the surface can be chosen |
 //! | `surface_config.rs` | how the surface is drawn with a quality |
 //! | `view.rs` | the eye and the target |
+//! | `pixel_lattice.rs` | a picture in some of its points alone, for measuring |
 //! | `sky.rs` | what lights it |
 //! | `metering.rs` | how bright it is shown |
 //! | `stats.rs` | what a frame drew |
@@ -27,6 +28,8 @@ mod error;
 mod ground;
 mod metering;
 mod options;
+#[cfg(feature = "command")]
+mod pixel_lattice;
 mod plan;
 mod quality;
 mod sky;
@@ -55,6 +58,8 @@ pub use ground::GroundOptions;
 #[cfg(feature = "command")]
 pub(crate) use metering::metered_ev;
 pub use options::EarthOptions;
+#[cfg(feature = "command")]
+pub use pixel_lattice::PixelLattice;
 use plan::Planner;
 pub use quality::{Quality, QualityLevel, QualityReduction, TILED_SUBDIVISION};
 pub use sky::Sky;
@@ -228,6 +233,18 @@ impl Earth {
         }
     }
 
+    /// Has what was prepared last drawn at these points of its picture, until the next [`Self::prepare`]: by a pass of as many
+    /// pixels that sets their viewport.
+    #[cfg(feature = "command")]
+    pub(crate) fn aim_at(&mut self, queue: &wgpu::Queue, view: &EyeView, points: &PixelLattice) {
+        let rays = points.rays(view);
+        let uniforms = &mut self.plan.uniforms;
+        uniforms.corner_ray = rays.corner.as_vec3();
+        uniforms.pixel_right = rays.right.as_vec3();
+        uniforms.pixel_down = rays.down.as_vec3();
+        self.surface.write_frame(queue, uniforms);
+    }
+
     /// Says where the eye is expected soon, the nearest time first, so that tiles are there when it comes. At most four
     /// views are looked at; they stand until others are given. Without tiles it does nothing.
     pub fn expect(&mut self, views: &[EyeView]) {
@@ -397,6 +414,12 @@ impl Earth {
         if let Some(air) = &self.air {
             air.render(pass, &self.plan);
         }
+    }
+
+    /// The surface that draws ground with relief, as scenes name it; `None` without relief.
+    #[cfg(feature = "command")]
+    pub(crate) fn surface_name(&self) -> Option<&'static str> {
+        self.planner.ground().map(|surface| surface.name())
     }
 
     /// What others draw through this air with.

@@ -175,6 +175,11 @@ impl SurfaceDrawable {
         }
     }
 
+    /// Writes what all drawables of a frame read.
+    pub fn write_frame(&self, queue: &wgpu::Queue, uniforms: &FrameUniforms) {
+        queue.write_buffer(&self.uniforms.frame, 0, bytemuck::bytes_of(uniforms));
+    }
+
     /// Writes what a frame draws: the plan, and of ground with relief the patches or the grid of its surface, as far as they are
     /// not there. Returns the bytes written.
     pub fn write(
@@ -184,7 +189,7 @@ impl SurfaceDrawable {
         plan: &FramePlan,
         ground: Option<&dyn Surface>,
     ) -> u64 {
-        queue.write_buffer(&self.uniforms.frame, 0, bytemuck::bytes_of(&plan.uniforms));
+        self.write_frame(queue, &plan.uniforms);
         let mut written = size_of::<FrameUniforms>() as u64;
         let mut tiled = None;
         if let Imagery::Tiles { tiles, .. } = &mut self.imagery {

@@ -9,6 +9,7 @@ mod crossing;
 mod extreme;
 mod grid_forms;
 mod hills;
+mod picture_points;
 mod reference;
 mod reference_air;
 mod reference_gpu;

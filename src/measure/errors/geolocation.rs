@@ -1,6 +1,7 @@
 //! Where each pixel of the drawn Earth looks, by its own account, against the exact ray.
 
 use super::pixel_of;
+use crate::earth::PixelLattice;
 use crate::frames::Ellipsoid;
 use crate::gpu::{Attachments, GpuContext, color_texture, read_floats};
 use crate::imagery::{EarthLayers, LayerImage};
@@ -19,7 +20,7 @@ use std::time::Duration;
 pub struct GeolocationRenderer {
     gpu: GpuContext,
     earth: Earth,
-    targets: Option<Targets>,
+    targets: Vec<Targets>,
     stats: FrameStats,
 }
 
@@ -84,7 +85,7 @@ impl GeolocationRenderer {
         Ok(Self {
             earth: Earth::new(&gpu.device, &gpu.queue, &options)?,
             gpu: gpu.clone(),
-            targets: None,
+            targets: Vec::new(),
             stats: FrameStats::default(),
         })
     }
@@ -101,6 +102,14 @@ impl GeolocationRenderer {
         self.earth.prepare_complete(queue, view, &sky, size, wait);
     }
 
+    /// Chooses what a view of so many pixels draws, a frame's work.
+    pub fn prepare(&mut self, view: &EyeView, size: (u32, u32)) -> FrameStats {
+        // Nothing is lit.
+        let sky = Sky::new(DVec3::X);
+        self.stats = self.earth.prepare(&self.gpu.queue, view, &sky, size);
+        self.stats
+    }
+
     /// Draws a view and reads it back.
     ///
     /// # Errors
@@ -110,28 +119,53 @@ impl GeolocationRenderer {
         view: &EyeView,
         size: (u32, u32),
     ) -> Result<GeolocationBuffer, PlayError> {
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-        // Nothing is lit.
-        let sky = Sky::new(DVec3::X);
-        self.stats = self.earth.prepare(queue, view, &sky, size);
-        let targets = match self.targets.take() {
-            Some(targets) if (targets.texture.width(), targets.texture.height()) == size => targets,
-            _ => Targets::new(&self.gpu, size),
+        self.prepare(view, size);
+        self.draw_points(view, &PixelLattice::whole(size))
+    }
+
+    /// Draws points of the picture of the view that was prepared last, and reads them back.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn draw_points(
+        &mut self,
+        view: &EyeView,
+        points: &PixelLattice,
+    ) -> Result<GeolocationBuffer, PlayError> {
+        let (device, queue, size) = (&self.gpu.device, &self.gpu.queue, points.points);
+        self.earth.aim_at(queue, view, points);
+        let targets = match self
+            .targets
+            .iter()
+            .position(|targets| targets.size() == size)
+        {
+            Some(place) => self.targets.swap_remove(place),
+            None => Targets::new(&self.gpu, size),
         };
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
             label: Some("terrella geolocation"),
         });
         let mut pass = targets.attachments.begin_pass(&mut encoder, &targets.view);
+        let [x, y, width, height] = points.viewport();
+        pass.set_viewport(x, y, width, height, 0.0, 1.0);
         self.earth.render(&mut pass);
         drop(pass);
         queue.submit([encoder.finish()]);
         let texels = read_floats(device, queue, &targets.texture)?;
-        self.targets = Some(targets);
+        self.targets.truncate(MAX_TARGETS - 1);
+        self.targets.push(targets);
         Ok(GeolocationBuffer { size, texels })
     }
 }
 
+/// Sizes that are drawn by turns without making textures anew.
+const MAX_TARGETS: usize = 2;
+
 impl Targets {
+    fn size(&self) -> (u32, u32) {
+        (self.texture.width(), self.texture.height())
+    }
+
     fn new(gpu: &GpuContext, size: (u32, u32)) -> Self {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
         let format = SurfaceOutput::GEOLOCATION;

@@ -18,13 +18,17 @@ pub use relief::{GroundErrors, GroundPicture};
 pub use silhouette::{DrawGeolocation, SilhouetteErrors, silhouette};
 
 use crate::EyeView;
-use glam::{DVec2, DVec3};
+use glam::{DMat4, DVec2, DVec3};
 
 /// Where a picture of `size` shows a direction from the eye (ITRF axes, any length): pixels right and down of its upper
 /// left corner. `None` behind the eye.
 fn pixel_of(view: &EyeView, size: (u32, u32), direction: DVec3) -> Option<DVec2> {
-    let (_, clip_from_eye) = view.to_itrf();
-    let clip = clip_from_eye * direction.extend(0.0);
+    pixel_at(&view.to_itrf().1, size, direction)
+}
+
+/// The same by the view's matrix from eye-relative ITRF metres to clip space.
+fn pixel_at(clip_from_eye: &DMat4, size: (u32, u32), direction: DVec3) -> Option<DVec2> {
+    let clip = *clip_from_eye * direction.extend(0.0);
     let half = DVec2::new(f64::from(size.0), f64::from(size.1)) * 0.5;
     (clip.w > 0.0).then(|| DVec2::new(1.0 + clip.x / clip.w, 1.0 - clip.y / clip.w) * half)
 }

@@ -1,21 +1,23 @@
 //! Drawn ground with relief against its heights.
 
-use super::{GeolocationBuffer, pixel_of};
+use super::{GeolocationBuffer, pixel_at};
 use crate::EyeView;
+use crate::earth::PixelLattice;
 use crate::elevation::{Bounds, Elevation};
 use crate::frames::{Ellipsoid, Geodetic};
 use crate::measure::SortedSample;
 use crate::measure::reference::{Rays, TrueRelief};
-use glam::{DVec2, DVec3};
+use glam::{DMat4, DVec3};
+use rayon::prelude::*;
 
 /// A drawn picture of ground: what each pixel shows, and how wrong it is there.
 #[derive(Clone, Debug)]
 pub struct GroundPicture {
-    /// Width and height, pixels.
-    size: (u32, u32),
+    points: PixelLattice,
     view: EyeView,
     eye_itrf_m: DVec3,
-    /// Row by row; `None` is space.
+    clip_from_eye: DMat4,
+    /// By point, row by row; `None` is space.
     pixels: Vec<Option<DrawnPixel>>,
 }
 
@@ -54,6 +56,8 @@ pub struct GroundErrors {
     pub holes: usize,
     /// Pixels that show what is not to be seen there: [`GroundPicture::elsewhere`].
     pub elsewhere: usize,
+    /// Pixels that were asked what is to be seen there, space among them.
+    pub looked_at: usize,
 }
 
 impl GroundErrors {
@@ -69,12 +73,13 @@ impl GroundErrors {
             max_px: self.max_px.max(other.max_px),
             holes: self.holes + other.holes,
             elsewhere: self.elsewhere + other.elsewhere,
+            looked_at: self.looked_at + other.looked_at,
         }
     }
 
     /// Part of the pixels that show what is not to be seen there, %.
     pub fn elsewhere_percent(&self) -> f64 {
-        100.0 * self.elsewhere as f64 / (self.pixels.max(1)) as f64
+        100.0 * self.elsewhere as f64 / (self.looked_at.max(1)) as f64
     }
 }
 
@@ -86,48 +91,64 @@ impl GroundPicture {
         figure: &Ellipsoid,
         ground: &dyn Elevation,
     ) -> Option<Self> {
-        let (width, height) = places.size;
-        let (eye_itrf_m, _) = view.to_itrf();
-        let rays = Rays::new(view, places.size)?;
+        let points = PixelLattice::whole(places.size);
+        Self::of_points(places, view, &points, figure, ground)
+    }
+
+    /// The same of a picture that is looked at in some of its points.
+    pub fn of_points(
+        places: &GeolocationBuffer,
+        view: &EyeView,
+        points: &PixelLattice,
+        figure: &Ellipsoid,
+        ground: &dyn Elevation,
+    ) -> Option<Self> {
+        let (columns, rows) = points.points;
+        let (eye_itrf_m, clip_from_eye) = view.to_itrf();
+        let rays = Rays::new(view, points.picture)?;
         let forward = view.view_from_world.inverse() * DVec3::NEG_Z;
         let forward = view.itrf_from_world.transform_vector3(forward).normalize();
-        let mut pixels = Vec::with_capacity(width as usize * height as usize);
-        for y in 0..height {
-            for x in 0..width {
-                let middle = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-                pixels.push(places.along(x, y).map(|along| {
-                    let ray = rays.at(middle.x, middle.y);
-                    let drawn_m = eye_itrf_m + ray * (along / ray.dot(forward));
-                    let drawn = figure.geodetic_from_itrf(drawn_m);
-                    let true_height_m = ground.height_m(drawn.lat_rad, drawn.lon_rad, 0.0);
-                    let truth_itrf_m = figure.itrf_from_geodetic(Geodetic {
-                        height_m: true_height_m,
-                        ..drawn
-                    });
-                    let error_m = drawn.height_m - true_height_m;
-                    let shown = pixel_of(view, places.size, truth_itrf_m - eye_itrf_m);
-                    let error_px = shown.map_or(f64::INFINITY, |shown| shown.distance(middle));
-                    DrawnPixel {
-                        truth_itrf_m,
-                        error_m,
-                        error_px: error_px.copysign(error_m),
-                    }
-                }));
-            }
-        }
+        let drawn = |k: u32| {
+            let (x, y) = (k % columns, k / columns);
+            let along = places.along(x, y)?;
+            let at = points.at(x, y);
+            let ray = rays.at(at.x, at.y);
+            let drawn_m = eye_itrf_m + ray * (along / ray.dot(forward));
+            let drawn = figure.geodetic_from_itrf(drawn_m);
+            let true_height_m = ground.height_m(drawn.lat_rad, drawn.lon_rad, 0.0);
+            let truth_itrf_m = figure.itrf_from_geodetic(Geodetic {
+                height_m: true_height_m,
+                ..drawn
+            });
+            let error_m = drawn.height_m - true_height_m;
+            let shown = pixel_at(&clip_from_eye, points.picture, truth_itrf_m - eye_itrf_m);
+            let error_px = shown.map_or(f64::INFINITY, |shown| shown.distance(at));
+            Some(DrawnPixel {
+                truth_itrf_m,
+                error_m,
+                error_px: error_px.copysign(error_m),
+            })
+        };
         Some(Self {
-            size: places.size,
+            points: *points,
             view: *view,
             eye_itrf_m,
-            pixels,
+            clip_from_eye,
+            pixels: (0..columns * rows).into_par_iter().map(drawn).collect(),
         })
     }
 
     fn at(&self, x: u32, y: u32) -> Option<&DrawnPixel> {
-        let (width, height) = self.size;
-        let is_inside = x < width && y < height;
-        let index = y as usize * width as usize + x as usize;
+        let (columns, rows) = self.points.points;
+        let is_inside = x < columns && y < rows;
+        let index = y as usize * columns as usize + x as usize;
         self.pixels.get(index).filter(|_| is_inside)?.as_ref()
+    }
+
+    /// Of each point that shows ground, how far the drawn ground is off, metres and pixels.
+    pub fn distances(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let drawn = self.pixels.iter().flatten();
+        drawn.map(|drawn| (drawn.error_m.abs(), drawn.error_px.abs()))
     }
 
     /// How wrong it is. `exact` is the true picture of the same view and size; without it nothing is looked for elsewhere.
@@ -152,15 +173,16 @@ impl GroundPicture {
             max_px: pixels.max(),
             holes: self.holes(figure, ground),
             elsewhere: exact.map_or(0, |exact| self.elsewhere(exact)),
+            looked_at: exact.map_or(0, |_| self.inner_points()),
         }
     }
 
     /// Pixels that show what is not to be seen within a pixel from there: a place that is to appear more than a pixel away, or
     /// that lies behind other ground in the exact picture; space where that has ground alone, or ground where it has space
     /// alone. A peak that is missing counts, one drawn where none is, and what either hides; an outline that is off by less than
-    /// a pixel does not. The picture's border is left out.
+    /// a pixel does not. The border is left out. Of pixels beside each other, `exact` in the same points.
     pub fn elsewhere(&self, exact: &TrueRelief) -> usize {
-        let (width, height) = self.size;
+        let (width, height) = self.points.points;
         let mut count = 0;
         for y in 1..height.saturating_sub(1) {
             for x in 1..width.saturating_sub(1) {
@@ -185,10 +207,16 @@ impl GroundPicture {
         count
     }
 
+    /// How many points [`Self::elsewhere`] looks at.
+    pub fn inner_points(&self) -> usize {
+        let (width, height) = self.points.points;
+        width.saturating_sub(2) as usize * height.saturating_sub(2) as usize
+    }
+
     /// Pixels of space whose ray goes through the lowest ground there is, or which have ground above them where the view's
     /// upper edge is the sky's.
-    fn holes(&self, figure: &Ellipsoid, ground: &dyn Elevation) -> usize {
-        let Some(rays) = Rays::new(&self.view, self.size) else {
+    pub fn holes(&self, figure: &Ellipsoid, ground: &dyn Elevation) -> usize {
+        let Some(rays) = Rays::new(&self.view, self.points.picture) else {
             return 0;
         };
         let low_m = ground.range_m(&Bounds::GLOBE).low_m;
@@ -203,19 +231,18 @@ impl GroundPicture {
             [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
                 .into_iter()
                 .all(|(right, down)| {
-                    let ray =
-                        rays.at(f64::from(x) + 0.5 + right, f64::from(y) + 0.5 + down) * scale;
+                    let at = self.points.at(x, y);
+                    let ray = rays.at(at.x + right, at.y + down) * scale;
                     let toward = -eye.dot(ray);
                     toward > 0.0 && eye.cross(ray).length_squared() < ray.length_squared()
                 })
         };
-        let (_, clip_from_eye) = self.view.to_itrf();
         // Up on screen is away from the Earth's centre.
-        let is_upright = (clip_from_eye * self.eye_itrf_m.extend(0.0)).y > 0.0;
+        let is_upright = (self.clip_from_eye * self.eye_itrf_m.extend(0.0)).y > 0.0;
         let mut holes = 0;
-        for x in 0..self.size.0 {
+        for x in 0..self.points.points.0 {
             let mut below_ground = false;
-            for y in 0..self.size.1 {
+            for y in 0..self.points.points.1 {
                 match self.at(x, y) {
                     Some(_) => below_ground = is_upright,
                     None if below_ground || goes_through(x, y) => {
@@ -229,28 +256,23 @@ impl GroundPicture {
         holes
     }
 
-    /// How much the error of places changed from an earlier picture to this one, pixels, at most: what an eye sees jump
-    /// that moves with the ground. 0 where nothing is in both.
-    pub fn popping_px(&self, before: &Self) -> f64 {
-        let mut most: f64 = 0.0;
-        for drawn in before.pixels.iter().flatten() {
+    /// How much the error of each place changed from an earlier picture to this one, pixels: what an eye sees jump that moves
+    /// with the ground. Of places that are seen in both.
+    pub fn jumps_px(&self, before: &Self) -> impl Iterator<Item = f64> {
+        before.pixels.iter().flatten().filter_map(|drawn| {
             let direction = drawn.truth_itrf_m - self.eye_itrf_m;
-            let Some(shown) = pixel_of(&self.view, self.size, direction) else {
-                continue;
-            };
-            if shown.min_element() < 0.0 {
-                continue;
-            }
-            let Some(now) = self.at(shown.x as u32, shown.y as u32) else {
-                continue;
-            };
+            let shown = pixel_at(&self.clip_from_eye, self.points.picture, direction)?;
+            let (x, y) = self.points.index_of(shown)?;
+            let now = self.at(x, y)?;
             // Hidden now by ground in front of it.
             let apart_m = now.truth_itrf_m.distance(drawn.truth_itrf_m);
-            if apart_m > 2e-2 * direction.length() {
-                continue;
-            }
-            most = most.max((now.error_px - drawn.error_px).abs());
-        }
-        most
+            let is_same = apart_m <= 2e-2 * direction.length();
+            is_same.then(|| (now.error_px - drawn.error_px).abs())
+        })
+    }
+
+    /// The largest of [`Self::jumps_px`], 0 where there is none.
+    pub fn popping_px(&self, before: &Self) -> f64 {
+        self.jumps_px(before).fold(0.0, f64::max)
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Rays;
 use crate::EyeView;
+use crate::earth::PixelLattice;
 use crate::elevation::{Bounds, Elevation};
 use crate::frames::{Ellipsoid, Geodetic};
 use glam::{DVec2, DVec3};
@@ -24,25 +25,38 @@ impl TrueRelief {
         figure: &Ellipsoid,
         ground: &dyn Elevation,
     ) -> Option<Self> {
-        let rays = Rays::new(view, size)?;
-        let columns = size.0 as usize;
-        let distances_m = (0..columns * size.1 as usize)
+        Self::of_points(view, &PixelLattice::whole(size), figure, ground)
+    }
+
+    /// The same of a picture that is looked at in some of its points.
+    pub fn of_points(
+        view: &EyeView,
+        points: &PixelLattice,
+        figure: &Ellipsoid,
+        ground: &dyn Elevation,
+    ) -> Option<Self> {
+        let rays = Rays::new(view, points.picture)?;
+        let (columns, rows) = points.points;
+        let distances_m = (0..columns * rows)
             .into_par_iter()
             .map(|k| {
-                let middle = DVec2::new((k % columns) as f64, (k / columns) as f64) + 0.5;
-                let direction = rays.at(middle.x, middle.y).try_normalize()?;
+                let at = points.at(k % columns, k / columns);
+                let direction = rays.at(at.x, at.y).try_normalize()?;
                 relief_distance_m(figure, ground, rays.eye_m, direction)
             })
             .collect();
-        Some(Self { size, distances_m })
+        Some(Self {
+            size: points.points,
+            distances_m,
+        })
     }
 
-    /// Width and height, pixels.
+    /// Points across and down.
     pub fn size(&self) -> (u32, u32) {
         self.size
     }
 
-    /// Distance of the ground from the eye at a pixel, metres; `None` is space, and what lies outside the picture.
+    /// Distance of the ground from the eye at a point, metres; `None` is space, and what lies outside the picture.
     pub fn distance_m(&self, x: u32, y: u32) -> Option<f64> {
         let is_inside = x < self.size.0 && y < self.size.1;
         let index = y as usize * self.size.0 as usize + x as usize;
