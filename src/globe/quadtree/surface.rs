@@ -55,6 +55,9 @@ impl Default for QuadtreeOptions {
 
 /// A leaf is merged again only once it is this much finer than it must be, so that an eye that hovers does not toggle.
 const HYSTERESIS: f64 = 0.7;
+/// The same where there are as many leaves as there may be: one step of the table of ratios. What is kept counts among them, so
+/// that coarse leaves never wait for fine ones to be merged.
+const FULL_HYSTERESIS: f64 = 0.917;
 /// Work of a division: eight new points.
 const SPLIT_WORK: u32 = 32;
 /// Steps of the table of ratios, for each doubling.
@@ -72,6 +75,8 @@ pub struct Quadtree {
     pub(super) leaves: u32,
     /// Ratios above this are divided: 1, or more where there would be too many leaves.
     pub(super) error_threshold: f64,
+    /// Leaves are merged below this part of it.
+    pub(super) hysteresis: f64,
     /// Most that anything drawn is off by, metres: the Earth hides ground only below that.
     pub(super) deepest_m: f64,
     pub(super) revision: u64,
@@ -106,6 +111,7 @@ impl Quadtree {
             by_node: HashMap::new(),
             leaves: 0,
             error_threshold: 1.0,
+            hysteresis: HYSTERESIS,
             deepest_m: f64::INFINITY,
             revision: 1,
             work_done: 0,
@@ -204,7 +210,7 @@ impl Quadtree {
             let bin = bin.min(BINS - 1);
             self.bins[bin] += u32::from(ratio > 1.0);
             if forest.is_split(slot) {
-                built.has_merges |= ratio < HYSTERESIS * self.error_threshold;
+                built.has_merges |= ratio < self.hysteresis * self.error_threshold;
                 for k in 0..4 {
                     if let Some(slot) = forest.child(node, slot, k) {
                         self.stack.push((node.child(k), slot, visibility));
@@ -259,10 +265,13 @@ impl Quadtree {
         let roots = BLOCKS.columns * BLOCKS.rows;
         let most = u64::from(self.options.max_leaves).saturating_sub(roots) / 3;
         let (mut count, mut threshold) = (0, 1.0);
+        self.hysteresis = HYSTERESIS;
         for bin in (0..BINS).rev() {
             count += u64::from(self.bins[bin]);
             if count > most {
-                threshold = ((bin + 1) as f64 / BINS_PER_DOUBLING).exp2();
+                // Of all that is kept, a step below it, there are no more than there may be.
+                threshold = ((bin + 2) as f64 / BINS_PER_DOUBLING).exp2();
+                self.hysteresis = FULL_HYSTERESIS;
                 break;
             }
         }
@@ -322,7 +331,7 @@ impl Quadtree {
                 is_deeper |= self.refine(forest, lod, ground, child, max_work);
             }
         }
-        let is_spare = was_split && !is_deeper && ratio < HYSTERESIS * self.error_threshold;
+        let is_spare = was_split && !is_deeper && ratio < self.hysteresis * self.error_threshold;
         if is_spare && self.work_done < max_work {
             forest.set_split(slot, false);
             forest.touch(slot);

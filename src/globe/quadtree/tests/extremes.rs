@@ -168,3 +168,43 @@ fn memory_stays_within_the_budget() {
     }
     assert!(most < 300 * 4_500 + 4_000 * 1_024, "{most} bytes");
 }
+
+/// Leaves of an earlier view must not take the room of those that this one needs.
+#[test]
+fn what_was_seen_before_leaves_no_trace() {
+    let ground = Posts::rough(2048, 5e3, 3);
+    let options = QuadtreeOptions {
+        max_leaves: 3_000,
+        ..QuadtreeOptions::default()
+    };
+    let low = GroundView {
+        tolerance_px: 0.05,
+        ..view(10.0, 20.0, 6e3, 1.4)
+    };
+    let settled = |before: &[GroundView]| {
+        let mut surface = Quadtree::new(options);
+        for view in before.iter().chain([&low]) {
+            for _ in 0..300 {
+                surface.prepare(view, &ground);
+            }
+        }
+        assert!(surface.error_threshold > 1.0, "the leaves are enough");
+        surface.stats.error_px.unwrap()
+    };
+    let fresh_px = settled(&[]);
+    for before in [
+        view(10.0, 20.0, 4e5, 0.0),
+        view(10.5, 20.0, 3e4, 0.5),
+        view(10.0, 20.0, 6e3, -1.4),
+    ] {
+        let before = GroundView {
+            tolerance_px: 0.05,
+            ..before
+        };
+        let px = settled(&[before]);
+        assert!(
+            px <= 1.2 * fresh_px,
+            "{px} px after {before:?}, {fresh_px} fresh"
+        );
+    }
+}
