@@ -21,7 +21,7 @@ pub enum SurfaceKind {
     /// Squares of the ground, divided where it is rough and near (2005).
     #[default]
     Quadtree,
-    /// Contours (2017): q-Bézier patches between them, or rays cast at them, see [`ContourDrawing`].
+    /// After the paper of 2017: its contours, at which rays are cast, or bicubic patches in their place, see [`ContourDrawing`].
     Contours,
     /// Nested rings of samples on an icosahedron (2014).
     Clipmap,
@@ -67,7 +67,7 @@ impl SurfaceKind {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ContourDrawing {
-    /// As triangles of q-Bézier patches.
+    /// Not at all: bicubic patches of the heights in Hermite form, without q, as triangles.
     #[default]
     Patches,
     /// By casting the ray of each pixel at them.

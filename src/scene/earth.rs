@@ -337,7 +337,7 @@ pub(super) fn value(earth: &EarthTable, key: &str) -> KeyText {
             }
         }
         "surface" | "elevation" | "tolerance_px" | "sea_floor" | "denoise" | "clipmap"
-        | "contours" | "projected_grid" => relief_value(earth.relief.as_ref(), key),
+        | "contours" | "projected_grid" | "quadtree" => relief_value(earth.relief.as_ref(), key),
         _ => Err(UNKNOWN),
     }
 }

@@ -44,6 +44,10 @@ pub(super) const CLIPMAP_SAMPLES: [i64; 3] = [65, 129, 257];
 pub(super) const CLIPMAP_LEVELS: RangeInclusive<i64> = 0..=crate::globe::clipmap::MAX_LEVELS as i64;
 /// `samples` of `[earth.projected_grid]`, across and down.
 pub(super) const GRID_SAMPLES: RangeInclusive<i64> = 2..=1025;
+/// `lambda` of `[earth.quadtree]`: metres of distance for a metre of error.
+pub(super) const QUADTREE_LAMBDA: RangeInclusive<f64> = 1.0..=1e6;
+/// `max_leaves` of `[earth.quadtree]`: up to 1 GB of them.
+pub(super) const MAX_LEAVES: RangeInclusive<i64> = 512..=1_000_000;
 
 /// Sizes of orbits, positions and their parts, kilometres: a thousand times the distance of the Sun.
 const ORBIT_KM: RangeInclusive<f64> = -1e11..=1e11;
@@ -423,6 +427,8 @@ table!(RawEarth = "earth" {
     contours: toml::Value = "a table like { drawn = \"patches\" }";
     /// Settings of surface = "projected-grid".
     projected_grid: toml::Value = "a table like { samples = [129, 129], on_gpu = true }";
+    /// Settings of surface = "quadtree".
+    quadtree: toml::Value = "a table like { lambda = 300, culling = true, max_leaves = 24000 }";
     /// Whether single wrong heights are taken out of the files.
     denoise: bool = "true or false", default false;
 });

@@ -132,7 +132,12 @@ pub(super) fn relief_value(relief: Option<&ReliefTable>, key: &str) -> KeyText {
             let files = files.map(|file| format!("\"{}\"", printable(&file.display().to_string())));
             format!("[{}]", files.collect::<Vec<_>>().join(", "))
         }
-        "tolerance_px" => relief.tolerance_px.to_string(),
+        "tolerance_px" => {
+            if let Some(reason) = surfaces::without_tolerance(&relief.settings) {
+                return Err(reason);
+            }
+            relief.tolerance_px.to_string()
+        }
         "sea_floor" => relief.sea_floor.to_string(),
         "denoise" => relief.denoise.to_string(),
         _ => return surfaces::value(&relief.settings, key),

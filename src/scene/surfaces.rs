@@ -1,12 +1,15 @@
-//! `[earth.clipmap]`, `[earth.contours]` and `[earth.projected_grid]`: settings that one surface alone has.
+//! `[earth.clipmap]`, `[earth.contours]`, `[earth.projected_grid]` and `[earth.quadtree]`: settings that one surface alone has.
 
 use super::error::{SceneError, printable};
 use super::field::{Field, KeyText, range_text, written};
-use super::keys::{CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRID_SAMPLES, RawEarth};
+use super::keys::{
+    CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRID_SAMPLES, MAX_LEAVES, QUADTREE_LAMBDA, RawEarth,
+};
 use super::text::SceneText;
 use crate::globe::clipmap::{ClipmapOptions, Trim};
 use crate::globe::contours::PageOptions;
 use crate::globe::projected_grid::GridOptions;
+use crate::globe::quadtree::{QuadtreeOptions, SplitRule};
 use crate::globe::{ContourDrawing, SurfaceKind, SurfaceSettings};
 use toml::{Spanned, Value};
 
@@ -23,6 +26,8 @@ impl SceneText<'_> {
         self.only_of(&grid, SurfaceKind::ProjectedGrid, surface)?;
         let contours = earth.contours();
         self.only_of(&contours, SurfaceKind::Contours, surface)?;
+        let quadtree = earth.quadtree();
+        self.only_of(&quadtree, SurfaceKind::Quadtree, surface)?;
         if self.contours(&contours)? == ContourDrawing::Cast {
             return Ok(SurfaceSettings::CastContours(PageOptions::default()));
         }
@@ -31,6 +36,7 @@ impl SceneText<'_> {
         match &mut settings {
             SurfaceSettings::Clipmap(options) => self.clipmap(&clipmap, options)?,
             SurfaceSettings::ProjectedGrid(options) => self.grid(&grid, options)?,
+            SurfaceSettings::Quadtree(options) => self.quadtree(&quadtree, options)?,
             _ => {}
         }
         Ok(settings)
@@ -113,6 +119,50 @@ impl SceneText<'_> {
         Ok(())
     }
 
+    fn quadtree(
+        &self,
+        table: &Field<'_, Value>,
+        options: &mut QuadtreeOptions,
+    ) -> Result<(), SceneError> {
+        for (key, value) in self.entries(table, QUADTREE)? {
+            let number = match value {
+                Value::Integer(whole) => Some(*whole as f64),
+                Value::Float(number) => Some(*number),
+                _ => None,
+            };
+            let must = match (key.as_str(), value) {
+                ("lambda", _) if number.is_some_and(|n| QUADTREE_LAMBDA.contains(&n)) => {
+                    let lambda = number.unwrap_or_default();
+                    options.split_rule = SplitRule::Paper { lambda };
+                    continue;
+                }
+                ("culling", Value::Boolean(culling)) => {
+                    options.is_culled = *culling;
+                    continue;
+                }
+                ("max_leaves", Value::Integer(leaves)) if MAX_LEAVES.contains(leaves) => {
+                    options.max_leaves = *leaves as u32;
+                    continue;
+                }
+                ("lambda", _) => {
+                    let span = range_text(&QUADTREE_LAMBDA);
+                    format!("lambda must be from {span}, metres of distance for a metre of error")
+                }
+                ("culling", _) => "culling must be true or false".into(),
+                ("max_leaves", _) => {
+                    let span = range_text(&MAX_LEAVES);
+                    format!("max_leaves must be a whole number from {span}")
+                }
+                (other, _) => {
+                    let other = printable(other);
+                    format!("a quadtree has lambda, culling and max_leaves, not {other}")
+                }
+            };
+            return Err(self.refuse(table, format!("{must}; write them like {QUADTREE}")));
+        }
+        Ok(())
+    }
+
     fn contours(&self, table: &Field<'_, Value>) -> Result<ContourDrawing, SceneError> {
         let mut drawing = ContourDrawing::default();
         for (key, value) in self.entries(table, CONTOURS)? {
@@ -146,6 +196,7 @@ impl SceneText<'_> {
 
 const CLIPMAP: &str = "{ samples = 129, levels = 12, trimming = \"diamond\" }";
 const CONTOURS: &str = "{ drawn = \"patches\" }";
+const QUADTREE: &str = "{ lambda = 300, culling = true, max_leaves = 24000 }";
 const GRID: &str = "{ samples = [129, 129], on_gpu = true }";
 
 fn trim_of(word: &str) -> Option<Trim> {
@@ -186,11 +237,37 @@ pub(super) fn value(settings: &SurfaceSettings, key: &str) -> KeyText {
             "{{ samples = [{}, {}], on_gpu = {} }}",
             options.samples.0, options.samples.1, options.on_gpu
         )),
+        ("quadtree", SurfaceSettings::Quadtree(options)) => {
+            let lambda = match options.split_rule {
+                SplitRule::Paper { lambda } => format!("lambda = {lambda}, "),
+                _ => String::new(),
+            };
+            let (culling, leaves) = (options.is_culled, options.max_leaves);
+            Ok(format!(
+                "{{ {lambda}culling = {culling}, max_leaves = {leaves} }}"
+            ))
+        }
         ("contours", SurfaceSettings::Contours(_)) => Ok(drawn(ContourDrawing::Patches)),
         ("contours", SurfaceSettings::CastContours(_)) => Ok(drawn(ContourDrawing::Cast)),
         ("contours", _) => Err("for surface = \"contours\""),
         ("clipmap", _) => Err("for surface = \"clipmap\""),
+        ("quadtree", _) => Err("for surface = \"quadtree\""),
         _ => Err("for surface = \"projected-grid\""),
+    }
+}
+
+/// Why a surface takes no notice of `tolerance_px`; `None` where it does.
+pub(super) fn without_tolerance(settings: &SurfaceSettings) -> Option<&'static str> {
+    match settings {
+        SurfaceSettings::Blocks(_) => Some("blocks have the same cells everywhere"),
+        SurfaceSettings::ProjectedGrid(_) => {
+            Some("a projected grid has the same samples everywhere")
+        }
+        SurfaceSettings::Quadtree(QuadtreeOptions {
+            split_rule: SplitRule::Paper { .. },
+            ..
+        }) => Some("lambda is given"),
+        _ => None,
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::Folder;
 use terrella::internals::globe::clipmap::Trim;
+use terrella::internals::globe::quadtree::SplitRule;
 use terrella::internals::globe::{SurfaceKind, SurfaceSettings};
 
 #[test]
@@ -42,7 +43,51 @@ fn relief_is_drawn_where_heights_or_its_surface_are_named() {
     assert!(matches!(settings, SurfaceSettings::CastContours(_)));
     let summary = folder.load(cast).expect("good").summary();
     assert!(summary.contains("{ drawn = \"cast\" }"), "{summary}");
+    let tree = "[earth]\nsurface = \"quadtree\"\n[earth.quadtree]\nlambda = 300\nculling = false\nmax_leaves = 512\n";
+    let SurfaceSettings::Quadtree(options) = relief(tree).expect("relief").settings else {
+        panic!("not a quadtree");
+    };
+    let told = (options.split_rule, options.is_culled, options.max_leaves);
+    assert_eq!(told, (SplitRule::Paper { lambda: 300.0 }, false, 512));
+    // The tolerance is in force for surfaces that look at it alone.
+    let in_force = |text: &str| {
+        let summary = folder.load(text).expect("good").full_summary();
+        let line = summary.lines().find(|line| line.contains("tolerance_px"));
+        !line.expect("a line").contains("not used")
+    };
+    assert!(in_force("[earth]\nelevation = []\n"));
+    for text in [
+        tree,
+        "[earth]\nsurface = \"projected-grid\"\n",
+        "[earth]\nsurface = \"blocks\"\nelevation = []\n",
+    ] {
+        assert!(
+            !in_force(text),
+            "{}",
+            folder.load(text).expect("good").summary()
+        );
+    }
     for (text, words) in [
+        (
+            "surface = \"quadtree\"\nquadtree = { lambda = 0.5 }",
+            ["quadtree", "lambda must be from 1 to 1000000"],
+        ),
+        (
+            "surface = \"quadtree\"\nquadtree = { max_leaves = 100 }",
+            ["quadtree", "max_leaves must be a whole number from 512"],
+        ),
+        (
+            "surface = \"quadtree\"\nquadtree = { culling = 1 }",
+            ["quadtree", "culling must be true or false"],
+        ),
+        (
+            "surface = \"quadtree\"\nquadtree = { leaves = 1 }",
+            ["quadtree", "lambda, culling and max_leaves, not leaves"],
+        ),
+        (
+            "surface = \"clipmap\"\nquadtree = { culling = true }",
+            ["quadtree", "is for surface = \"quadtree\""],
+        ),
         (
             "surface = \"quadtree\"\ncontours = { drawn = \"cast\" }",
             ["contours", "for surface = \"contours\""],

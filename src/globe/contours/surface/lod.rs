@@ -1,4 +1,4 @@
-//! Level of detail (LOD) of q-Bézier patches: which cells a view cuts.
+//! Level of detail (LOD) of bicubic patches: which cells a view cuts.
 
 use super::ContourSurface;
 use super::knots::{DIAGONALS, SIDES};

@@ -1,4 +1,4 @@
-//! The whole Earth as q-Bézier patches: a forest over the blocks of 22.5°, chosen by the view.
+//! The whole Earth as bicubic patches: a forest over the blocks of 22.5°, chosen by the view.
 //!
 //! Each block is a quadtree; a cell is 4 × 4 bicubic patches of heights over longitude and latitude, displaced along the normal
 //! of the ellipsoid, each drawn as 2 × 2 squares. The knots between them are heights and derivatives of the ground at the
@@ -8,8 +8,8 @@
 //! a cell are knots of the coarser ones around it. Near the poles, where columns draw together, vertices take the slope of
 //! the ground about them in place of the derivative by longitude.
 //!
-//! Patches are held and drawn in Hermite form. The parameter q of the paper changes the control values of a patch and not
-//! its surface, so there is none here; `measure::terrain` measures it.
+//! Patches are held and drawn in Hermite form. The parameter q of the paper's q-Bézier form changes the control values of a
+//! patch and not its surface, so there is none here, and no contour tree either; `measure::terrain` measures both.
 //!
 //! Per frame: choose which cells to cut, largest errors in pixels first, as measured when a cell was first looked at, and with
 //! each what must be cut beside it; draw those that are seen. New cells are measured, and cut, within budgets, so a jump of
