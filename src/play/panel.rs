@@ -128,6 +128,9 @@ fn panel(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut V
                 data.stats.blocks_drawn, data.stats.blocks_visible
             ),
         );
+        if let Some(error_px) = data.stats.ground.error_px {
+            row("relief", format!("within {error_px:.1} px"));
+        }
         if data.has_tiles {
             for (name, value) in tile_rows(&data.stats) {
                 row(name, value);

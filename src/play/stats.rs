@@ -9,7 +9,7 @@ use crate::imagery::tile::TileKey;
 use glam::DVec3;
 use std::time::Duration;
 
-/// The numbers of one picture. Every key is always there, but `tiles` only where a pack is drawn, `exposure_ev` only where it was
+/// The numbers of one picture. Every key is always there, but `relief` only where ground with relief is, `tiles` only where a pack is drawn, `exposure_ev` only where it was
 /// metered, `satellite` only where there is one, and `layers_missing` only where there are any.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -38,6 +38,9 @@ pub struct PictureStats {
     /// says it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub exposure_ev: Option<f64>,
+    /// The ground with relief; left out where there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relief: Option<ReliefStats>,
     /// The tiles of the pack; left out where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tiles: Option<TileStats>,
@@ -57,6 +60,25 @@ pub struct PictureStats {
     pub sun: SubsolarPoint,
     /// The instant, UTC, RFC 3339.
     pub epoch: String,
+}
+
+/// How ground with relief is drawn.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReliefStats {
+    /// The surface, as scenes name it.
+    pub surface: String,
+    /// Triangles of the surface, those without area included.
+    pub triangles: u32,
+    /// Bytes that it holds in memory.
+    pub resident_bytes: u64,
+    /// By its own account, the largest vertical distance between what is drawn and the data, metres; left out by surfaces that know
+    /// no bound.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_m: Option<f64>,
+    /// The same, pixels of the picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_px: Option<f64>,
 }
 
 /// How the picture's tiles stand. Lists are by level, the finest first.
@@ -165,6 +187,13 @@ impl PictureStats {
             draw_calls: counts.draw_calls,
             texture_bytes: counts.texture_bytes,
             exposure_ev: renderer.meters_exposure().then_some(counts.exposure_ev),
+            relief: renderer.earth().surface_name().map(|surface| ReliefStats {
+                surface: surface.to_owned(),
+                triangles: counts.ground.triangles,
+                resident_bytes: counts.ground.resident_bytes,
+                error_m: counts.ground.error_m,
+                error_px: counts.ground.error_px,
+            }),
             tiles: renderer
                 .earth()
                 .has_tiles()
