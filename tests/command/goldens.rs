@@ -85,9 +85,16 @@ fn names(extension: &str) -> Vec<String> {
     names
 }
 
-/// Names of all scenes that have a golden.
+/// The end of a golden's name that shows the edges of triangles alone.
+const EDGES: &str = "_edges";
+
+/// Names of all scenes that have a golden. Surfaces with relief have another of their edges, where they have triangles.
 fn scenes() -> Vec<String> {
     let mut scenes = names("toml");
+    let surfaces = scenes.iter().filter(|name| name.starts_with("surface_"));
+    let with_edges = surfaces.filter(|name| !name.ends_with("_cast"));
+    let edges: Vec<_> = with_edges.map(|name| format!("{name}{EDGES}")).collect();
+    scenes.extend(edges);
     scenes.extend(OF_LIGHT.map(str::to_owned));
     scenes.sort();
     scenes
@@ -101,7 +108,9 @@ fn picture(name: &str, to: &Path, backend: Option<&str>) -> Result<RgbImage, Str
         command.args(["--size", SIZE_OF_LIGHT]);
         command.arg(config.join(name).with_extension("toml"));
     } else {
-        command.arg(folder().join(name).with_extension("toml"));
+        let scene = name.strip_suffix(EDGES).unwrap_or(name);
+        command.args((scene != name).then_some("--wireframe"));
+        command.arg(folder().join(scene).with_extension("toml"));
     }
     command.env_remove("TERRELLA_TEXTURES");
     if let Some(adapter) = software_adapter() {
