@@ -88,6 +88,25 @@ impl FrameTimer {
         self.picture.draw_complete(&moment(view, sky), wait);
     }
 
+    /// Prepares a view and draws nothing: a frame of a flight on the way to one that is timed.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn prepare_alone(&mut self, view: &EyeView, sky: &Sky) -> Result<(), PlayError> {
+        self.picture.prepare_alone(&moment(view, sky))
+    }
+
+    /// Times the floor of a view, milliseconds.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn floor_ms(&mut self, view: &EyeView) -> Result<f64, PlayError> {
+        let gpu = self.picture.gpu();
+        self.floor.prepare(&gpu.queue, view, self.picture.size());
+        let floor = self.picture.time_other(|pass| self.floor.render(pass))?;
+        Ok(milliseconds(floor))
+    }
+
     /// Times the parts of a view on the device: as [`OffscreenRenderer::time_passes`].
     ///
     /// # Errors
@@ -111,14 +130,12 @@ impl FrameTimer {
         sky: &Sky,
     ) -> Result<FrameTimes, PlayError> {
         let measured = self.time_frame(view, sky)?;
-        let gpu = self.picture.gpu();
-        self.floor.prepare(&gpu.queue, view, self.picture.size());
-        let floor = self.picture.time_other(|pass| self.floor.render(pass))?;
+        let floor_ms = self.floor_ms(view)?;
         Ok(FrameTimes {
             stats: measured.stats,
             prepare_ms: milliseconds(measured.prepare),
             frame_ms: milliseconds(measured.frame),
-            floor_ms: milliseconds(floor),
+            floor_ms,
         })
     }
 

@@ -15,7 +15,7 @@
 //! | [`surfaces`] | surfaces with relief: error beside run time, holes, popping |
 //! | [`terrain`] | trees over heights on their own: what they save, build times, storage |
 //! | [`orbits`] | propagators: error beside run time |
-//! | `statistics`, `pareto` | medians, quartiles, jank; the Pareto front |
+//! | `statistics`, `histogram`, `pareto` | medians, quartiles, jank; quantiles of many values; the Pareto front |
 //! | `chart`, `axis`, `html`, `output` | measurements as charts, pages and tables, and the folder they are written to |
 
 mod axis;
@@ -26,6 +26,7 @@ pub mod errors;
 pub mod extreme;
 mod floor;
 mod frame_timer;
+mod histogram;
 mod html;
 pub mod numeric;
 pub mod orbits;
@@ -41,6 +42,7 @@ mod viewpoints;
 pub use chart::{Chart, ChartError, Point, Series};
 pub use floor::Floor;
 pub use frame_timer::{FrameTimer, FrameTimes};
+pub use histogram::LogHistogram;
 pub use html::PageError;
 pub use pareto::pareto_front;
 pub use statistics::{Quantiles, Quartiles, SortedSample, jank, median};

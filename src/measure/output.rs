@@ -1,7 +1,11 @@
 //! Where measurements are written: a folder of tables, charts, pictures and a page.
 
 use crate::play::{OutputError, PendingFile};
+use std::io::Read;
 use std::path::{Path, PathBuf};
+
+/// Largest table that is read back, bytes.
+const MAX_READ: u64 = 64 << 20;
 
 /// Lines of fields as CSV (RFC 4180, lines ended by \n): fields with a comma, a quotation mark or a line's end are quoted.
 ///
@@ -69,11 +73,38 @@ impl OutputFolder {
     pub fn pending(&self, name: &str) -> Result<PendingFile, OutputError> {
         let (what, extension) = match name.rsplit_once('.') {
             Some((_, "csv")) => ("tables", "csv"),
+            Some((_, "json")) => ("numbers", "json"),
             Some((_, "svg")) => ("charts", "svg"),
             Some((_, "png")) => ("pictures", "png"),
             _ => ("pages", "html"),
         };
         PendingFile::create(&self.path.join(name), what, extension)
+    }
+
+    /// A file's text; `None` where there is none.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or is none of a report: of more than 64 MB.
+    pub fn read(&self, name: &str) -> Result<Option<String>, OutputError> {
+        let path = self.path.join(name);
+        let failed = |source| OutputError::Read {
+            path: path.clone(),
+            source,
+        };
+        let file = match std::fs::File::open(&path) {
+            Ok(file) => file,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(failed(error)),
+        };
+        let mut text = String::new();
+        file.take(MAX_READ + 1)
+            .read_to_string(&mut text)
+            .map_err(failed)?;
+        if text.len() as u64 > MAX_READ {
+            let large = format!("larger than {} MB", MAX_READ >> 20);
+            return Err(failed(std::io::Error::other(large)));
+        }
+        Ok(Some(text))
     }
 
     /// Writes a file, or leaves the one that is there.

@@ -270,6 +270,13 @@ impl OffscreenRenderer {
         Ok(names.iter().copied().zip(times).collect())
     }
 
+    /// Prepares an instant that is not drawn, and waits until the device has what was written.
+    pub(crate) fn prepare_alone(&mut self, moment: &Moment) -> Result<(), PlayError> {
+        self.prepare(moment);
+        self.gpu.queue.submit([]);
+        self.wait()
+    }
+
     fn prepare(&mut self, moment: &Moment) -> FrameStats {
         let size = self.size();
         let mut stats = self

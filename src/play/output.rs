@@ -49,6 +49,14 @@ pub enum OutputError {
         /// What stands at the path instead of a file.
         found: &'static str,
     },
+    /// A file of an earlier run cannot be read.
+    #[error("{}: {source}; move it away, or give another folder", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
     /// A file of that name is write-protected.
     #[error("{}: cannot be written: the file there is write-protected; choose another name or allow writing", path.display())]
     Protected {
