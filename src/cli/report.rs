@@ -6,7 +6,9 @@ use clap::Args;
 use std::path::PathBuf;
 use terrella::SurfaceKind;
 use terrella::internals::measure::report::{ReportError, ReportRequest, report};
-use terrella::internals::measure::surfaces::{SurfacesError, SurfacesRequest, compare_surfaces};
+use terrella::internals::measure::surfaces::{
+    SurfacePath, SurfacesError, SurfacesPart, SurfacesRequest, compare_surfaces,
+};
 use terrella::internals::play::Flight;
 use terrella::scene::Scene;
 
@@ -21,18 +23,32 @@ pub struct ReportArgs {
     /// Three heights and fewer values: minutes instead of an hour
     #[arg(long)]
     quick: bool,
-    /// Compare terrain surfaces instead: frame time, errors, holes and popping on four flights
+    /// Compare terrain surfaces instead: errors, holes, popping and cost on four flights at 60 frames a second
     #[arg(long, conflicts_with_all = ["repeats", "samples", "heights"])]
     surfaces: bool,
     /// Compare only these surfaces: quadtree,clipmap
     #[arg(long, value_name = "NAME,…", requires = "surfaces", value_delimiter = ',', value_parser = values::surface)]
     only: Vec<SurfaceKind>,
-    /// With --surfaces: places of each flight at which surfaces are compared [default: 12, with --quick 3]
+    /// Measure only these parts of it; other rows of tables in the folder are kept: errors,times,settling
+    #[arg(long, value_name = "NAME,…", requires = "surfaces", value_delimiter = ',', value_parser = values::surfaces_part)]
+    parts: Vec<SurfacesPart>,
+    /// Fly only over these grounds: globe,scene
+    #[arg(
+        long,
+        value_name = "NAME,…",
+        requires = "surfaces",
+        value_delimiter = ','
+    )]
+    grounds: Vec<String>,
+    /// Fly only these flights: orbit,descent,low,horizon
+    #[arg(long, value_name = "NAME,…", requires = "surfaces", value_delimiter = ',', value_parser = values::surface_path)]
+    flights: Vec<SurfacePath>,
+    /// With --surfaces: frames of each flight that are timed [default: 12, with --quick 3]
     #[arg(long, value_name = "N", requires = "surfaces", value_parser = clap::value_parser!(u32).range(1..=1000))]
     places: Option<u32>,
-    /// Width and height of the pictures in pixels
-    #[arg(long, value_name = "WxH", value_parser = values::size, default_value = "640x360")]
-    size: (u32, u32),
+    /// Width and height of the pictures in pixels [default: 640x360, with --surfaces 1280x720]
+    #[arg(long, value_name = "WxH", value_parser = values::size)]
+    size: Option<(u32, u32)>,
     /// Number of times that each frame is timed [default: 9, with --quick 5]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeats: Option<u32>,
@@ -60,7 +76,7 @@ pub fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
     let request = ReportRequest {
         folder: &args.output,
         quick: args.quick,
-        size: args.size,
+        size: args.size.unwrap_or((640, 360)),
         repeats: pick(args.repeats, 9, 5),
         samples: pick(args.samples, 4, 3),
         heights_km: args.heights.clone(),
@@ -92,8 +108,14 @@ fn surfaces(args: &ReportArgs, common: &Common, flight: &Flight) -> anyhow::Resu
         folder: &args.output,
         quick: args.quick,
         only: &args.only,
+        parts: match args.parts.as_slice() {
+            [] => &SurfacesPart::ALL,
+            some => some,
+        },
+        grounds: &args.grounds,
+        flights: &args.flights,
         places: args.places.unwrap_or(if args.quick { 3 } else { 12 }),
-        size: args.size,
+        size: args.size.unwrap_or((1280, 720)),
         adapter: common.adapter.as_deref(),
     };
     stop_on_interrupt();

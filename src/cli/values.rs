@@ -2,6 +2,7 @@
 
 use terrella::SurfaceKind;
 use terrella::frames::{Epoch, Geodetic, utc_from_rfc3339};
+use terrella::internals::measure::surfaces::{SurfacePath, SurfacesPart};
 use terrella::scene::{Camera, Output};
 
 /// `1280x720`.
@@ -31,6 +32,27 @@ pub fn surface(text: &str) -> Result<SurfaceKind, String> {
     found.copied().ok_or_else(|| {
         let names: Vec<_> = SurfaceKind::ALL.iter().map(|kind| kind.name()).collect();
         format!("there is no such surface; there are {}", names.join(", "))
+    })
+}
+
+/// A part of the comparison of surfaces.
+pub fn surfaces_part(text: &str) -> Result<SurfacesPart, String> {
+    let found = SurfacesPart::ALL
+        .into_iter()
+        .find(|part| part.name() == text);
+    found.ok_or_else(|| {
+        let names = SurfacesPart::ALL.map(SurfacesPart::name);
+        format!("there is no such part; there are {}", names.join(", "))
+    })
+}
+
+/// A flight of the comparison of surfaces, by the first word of its name.
+pub fn surface_path(text: &str) -> Result<SurfacePath, String> {
+    let word = |path: &SurfacePath| path.name().split(' ').next().unwrap_or_default();
+    let found = SurfacePath::ALL.into_iter().find(|path| word(path) == text);
+    found.ok_or_else(|| {
+        let names: Vec<_> = SurfacePath::ALL.iter().map(word).collect();
+        format!("there is no such flight; there are {}", names.join(", "))
     })
 }
 

@@ -1,6 +1,7 @@
 //! `terrella report`: whole reports, partial ones, and refusals.
 
 use crate::{Place, names, words};
+use std::collections::HashMap;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -256,34 +257,121 @@ fn what_cannot_be_reported_is_told_before_drawing() {
     }
 }
 
+/// A table, by the names of its columns.
+fn table(path: &Path) -> Vec<HashMap<String, String>> {
+    let text = read(path);
+    let mut lines = text.lines();
+    let columns: Vec<_> = lines.next().expect("a header").split(',').collect();
+    let row = |line: &str| {
+        let fields: Vec<_> = line.split(',').map(str::to_owned).collect();
+        assert_eq!(fields.len(), columns.len(), "{line}");
+        columns.iter().map(|c| c.to_string()).zip(fields).collect()
+    };
+    lines.map(row).collect()
+}
+
+fn number(row: &HashMap<String, String>, column: &str) -> f64 {
+    let text = row
+        .get(column)
+        .unwrap_or_else(|| panic!("no column {column}"));
+    text.parse().unwrap_or_else(|_| panic!("{column}: {text}"))
+}
+
 #[test]
 fn surfaces_are_compared() {
     let place = Place::new();
-    let few = ["--surfaces", "--quick", "--only", "blocks", "--places", "1"];
-    let mut words = vec!["report", "small.toml", "-o", "out", "--size", "64x36"];
-    words.extend(few);
-    let output = place.succeed(&words);
+    let of_all = [
+        "report",
+        "small.toml",
+        "-o",
+        "out",
+        "--size",
+        "64x36",
+        "--surfaces",
+        "--quick",
+    ];
+    let output = place.succeed(
+        &[
+            &of_all[..],
+            &["--only", "blocks", "--flights", "low", "--places", "2"],
+        ]
+        .concat(),
+    );
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(said.contains("globe, low flight: blocks"), "{said}");
     let folder = place.path("out");
-    let table = read(&folder.join("surfaces.csv"));
-    let mut lines = table.lines();
-    let columns: Vec<_> = lines.next().expect("a header").split(',').collect();
-    let at = |name: &str| columns.iter().position(|column| *column == name);
-    let (over_blocks, holes) = (at("over_blocks"), at("holes_px"));
-    let rows: Vec<Vec<_>> = lines.map(|line| line.split(',').collect()).collect();
-    // Two grounds, for the scene names no heights, on four flights.
-    assert_eq!(rows.len(), 8);
-    for row in &rows {
-        assert_eq!(row.len(), columns.len(), "{row:?}");
-        for number in &row[5..] {
-            assert!(number.parse::<f64>().is_ok_and(f64::is_finite), "{row:?}");
-        }
-        assert_eq!(over_blocks.map(|k| row[k]), Some("1.000"));
-        assert_eq!(holes.map(|k| row[k]), Some("0"), "{row:?}");
+    // Two grounds, for the scene names no heights.
+    let errors = table(&folder.join("surfaces_errors.csv"));
+    assert_eq!(errors.len(), 2);
+    for row in &errors {
+        // A quarter of a minute at 60 frames a second.
+        assert_eq!((number(row, "frames"), number(row, "holes")), (900.0, 0.0));
+        assert!(
+            number(row, "error_px_most") >= number(row, "worst_frame_px"),
+            "{row:?}"
+        );
+        assert!(
+            number(row, "worst_frame_px") >= number(row, "error_px_p99"),
+            "{row:?}"
+        );
+        assert!(
+            (0.0..=100.0).contains(&number(row, "elsewhere_percent")),
+            "{row:?}"
+        );
+        assert_eq!(row["told_px_most"], "", "blocks know no bound");
     }
+    let times = table(&folder.join("surfaces_times.csv"));
+    assert_eq!(times.len(), 4, "each frame that was timed");
+    for row in &times {
+        // Blocks beside blocks.
+        let ratio = number(row, "frame_ms") / number(row, "blocks_ms");
+        assert!(
+            (0.02..50.0).contains(&ratio) && number(row, "floor_ms") > 0.0,
+            "{row:?}"
+        );
+    }
+    assert_eq!(table(&folder.join("surfaces_settling.csv")).len(), 2);
     let page = read(&folder.join("surfaces.html"));
-    assert!(page.contains("worst case, horizon") && page.contains("<svg") || page.contains(".svg"));
+    assert!(
+        page.contains("worst case, low flight")
+            && page.contains(".svg")
+            && page.contains("After a jump")
+    );
+
+    // What is measured later stands beside; the same again takes its place.
+    let again = [
+        "--parts",
+        "errors",
+        "--grounds",
+        "worst case",
+        "--flights",
+        "low",
+    ];
+    place.succeed(&[&of_all[..], &again, &["--only", "blocks,projected-grid"]].concat());
+    let both = table(&folder.join("surfaces_errors.csv"));
+    assert_eq!(both.len(), 3);
+    // Errors belong to the frames and not to the moment they were drawn in.
+    let deterministic = |row: &HashMap<String, String>| -> Vec<(String, String)> {
+        let mut fields: Vec<_> = row
+            .clone()
+            .into_iter()
+            .filter(|(name, _)| !name.starts_with("prepare_ms"))
+            .collect();
+        fields.sort();
+        fields
+    };
+    let (first, second) = (deterministic(&errors[1]), deterministic(&both[1]));
+    assert_eq!(first, second);
+    std::fs::write(
+        folder.join("surfaces_errors.csv"),
+        "data,path\nglobe,orbit\n",
+    )
+    .expect("written");
+    let said = place.fail(1, &[&of_all[..], &again].concat());
+    assert!(
+        said.contains("surfaces_errors.csv in the output folder") && said.contains("move it away"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -296,6 +384,14 @@ fn surfaces_that_there_are_not_are_refused() {
         ),
         (&["--only", "blocks"], "--surfaces"),
         (&["--surfaces", "--places", "0"], "0 is not in 1..=1000"),
+        (
+            &["--surfaces", "--parts", "all"],
+            "there are errors, times, settling",
+        ),
+        (
+            &["--surfaces", "--flights", "up"],
+            "there are orbit, descent, low, horizon",
+        ),
     ] {
         let mut all = vec!["report", "small.toml", "-o", "out"];
         all.extend(words);

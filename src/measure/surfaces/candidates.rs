@@ -1,6 +1,6 @@
 //! Which surfaces are compared, with which settings.
 
-use super::rows::Setting;
+use super::rows::{CAST, Setting};
 use crate::Subdivision;
 use crate::globe::clipmap::{ClipmapOptions, Trim};
 use crate::globe::contours::PageOptions;
@@ -20,21 +20,38 @@ pub struct Candidate {
     pub tolerance_px: f64,
 }
 
-/// These surfaces, or all if there are none, over their settings; `quick` each at its default alone.
+impl Candidate {
+    /// A surface for others to be held against, with the tolerance of scenes.
+    pub(super) fn unnamed(surface: SurfaceSettings) -> Self {
+        let setting = Setting {
+            surface: SurfaceKind::Blocks,
+            parameter: "",
+            value: String::new(),
+            is_default: false,
+        };
+        Self {
+            setting,
+            surface,
+            tolerance_px: DEFAULT_TOLERANCE_PX,
+        }
+    }
+}
+
+/// These surfaces, or all if there are none, over their settings; `quick` those that tables show alone.
 pub fn candidates(only: &[SurfaceKind], quick: bool) -> Vec<Candidate> {
     let kinds = match only {
         [] => SurfaceKind::ALL,
         only => only,
     };
     let mut candidates: Vec<_> = kinds.iter().flat_map(|kind| of_kind(*kind)).collect();
-    candidates.retain(|candidate| !quick || candidate.setting.is_default);
+    candidates.retain(|candidate| !quick || candidate.setting.is_shown());
     candidates
 }
 
 fn of_kind(kind: SurfaceKind) -> Vec<Candidate> {
     let candidate = |parameter, value: String, is_default, surface, tolerance_px| Candidate {
         setting: Setting {
-            surface: kind.name(),
+            surface: kind,
             parameter,
             value,
             is_default,
@@ -97,7 +114,7 @@ fn of_kind(kind: SurfaceKind) -> Vec<Candidate> {
         SurfaceKind::Contours => {
             let cast = [2.0, 1.0, 0.5].map(|px| {
                 let surface = SurfaceSettings::CastContours(PageOptions::default());
-                candidate("cast at tolerance px", px.to_string(), false, surface, px)
+                candidate(CAST, px.to_string(), false, surface, px)
             });
             tolerances().into_iter().chain(cast).collect()
         }
@@ -123,7 +140,7 @@ mod tests {
         for kind in SurfaceKind::ALL {
             let of_kind = all
                 .iter()
-                .filter(|candidate| candidate.setting.surface == kind.name());
+                .filter(|candidate| candidate.setting.surface == *kind);
             let defaults = of_kind
                 .clone()
                 .filter(|candidate| candidate.setting.is_default);
@@ -133,7 +150,8 @@ mod tests {
                 "{kind:?}"
             );
         }
-        assert_eq!(candidates(&[], true).len(), SurfaceKind::ALL.len());
+        // And contours cast.
+        assert_eq!(candidates(&[], true).len(), SurfaceKind::ALL.len() + 1);
         // A comma would be a column more in the table.
         let has_comma = |candidate: &Candidate| {
             (candidate.setting.parameter.to_owned() + &candidate.setting.value).contains(',')

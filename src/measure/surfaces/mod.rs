@@ -1,27 +1,40 @@
 //! Surfaces with relief against each other: the same ground, the same flights, error beside run time.
 //!
+//! Every flight is flown in simulated time, a frame each sixtieth of a second. Surfaces bound the work of a frame by counts,
+//! not by a clock, so what they draw in a frame is the same on every machine; errors are of those frames, and only times
+//! belong to a machine. Times are taken apart, in some places of each flight.
+//!
 //! | file | what |
 //! |---|---|
 //! | `paths.rs` | four flights |
 //! | `test_grounds.rs` | what is flown over |
 //! | `candidates.rs` | which surfaces, with which settings |
-//! | `run.rs` | flying, timing and comparing |
-//! | `study.rs` | what is found, and which surface to choose |
-//! | `rows.rs`, `plots.rs`, `page.rs` | as a table, charts, and a page |
+//! | `run.rs` | what all measurements share |
+//! | `flight_errors.rs` | errors, popping and `prepare`, frame by frame |
+//! | `frame_times.rs` | frames beside their floor and frames of blocks |
+//! | `settling.rs` | how a surface becomes fine after a jump |
+//! | `rows.rs` | what is found, and its tables |
+//! | `study.rs` | all tables together, and which surface to choose |
+//! | `markdown.rs` | tables and sentences of docs/surfaces.md |
+//! | `plots.rs`, `page.rs` | charts, and a page |
 
 mod candidates;
+mod flight_errors;
+mod frame_times;
+pub mod markdown;
 mod page;
 mod paths;
 mod plots;
 mod rows;
 mod run;
+mod settling;
 mod study;
 mod test_grounds;
 
 pub use candidates::{Candidate, candidates};
 pub use paths::SurfacePath;
-pub use rows::{SURFACES_CSV_COLUMNS, Setting, SurfaceRow, surfaces_csv};
-pub use study::SurfaceStudy;
+pub use rows::{ErrorRow, Setting, SettlingRow, TimeRow, csv_of, rows_of};
+pub use study::{FlightSummary, SurfaceStudy};
 pub use test_grounds::{TestGround, test_grounds};
 
 use super::ChartError;
@@ -32,21 +45,63 @@ use crate::elevation::GridError;
 use crate::globe::SurfaceKind;
 use crate::gpu::GpuContext;
 use crate::play::{Flight, OutputError, PlayError, Progress};
+use rows::replace;
 use run::FlightMeter;
 use std::path::Path;
+
+/// What of surfaces is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfacesPart {
+    /// Errors, popping and `prepare` of whole flights.
+    Errors,
+    /// Times of frames; nothing else should be at work meanwhile.
+    Times,
+    /// How they become fine after a jump.
+    Settling,
+}
+
+impl SurfacesPart {
+    /// All three.
+    pub const ALL: [Self; 3] = [Self::Errors, Self::Times, Self::Settling];
+
+    /// As the command line names it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Errors => "errors",
+            Self::Times => "times",
+            Self::Settling => "settling",
+        }
+    }
+
+    /// The file of its table.
+    pub fn file(self) -> &'static str {
+        match self {
+            Self::Errors => "surfaces_errors.csv",
+            Self::Times => "surfaces_times.csv",
+            Self::Settling => "surfaces_settling.csv",
+        }
+    }
+}
 
 /// How a comparison is wanted.
 #[derive(Clone, Debug)]
 pub struct SurfacesRequest<'r> {
-    /// The folder that it is written to; made if it is not there.
+    /// The folder that it is written to; made if it is not there. Of tables that lie there rows that are measured now are
+    /// replaced and others kept.
     pub folder: &'r Path,
     /// Each surface at its default alone.
     pub quick: bool,
     /// The surfaces; none takes all.
     pub only: &'r [SurfaceKind],
-    /// Places of each flight, 1 or more.
+    /// What is measured.
+    pub parts: &'r [SurfacesPart],
+    /// The grounds by name; none takes all.
+    pub grounds: &'r [String],
+    /// The flights; none takes all.
+    pub flights: &'r [SurfacePath],
+    /// Frames of each flight that are timed, 1 or more.
     pub places: u32,
-    /// Width and height of the frames that are timed, pixels.
+    /// Width and height of all pictures, pixels.
     pub size: (u32, u32),
     /// Part of the adapter's name; `None` takes the best.
     pub adapter: Option<&'r str>,
@@ -62,6 +117,22 @@ pub enum SurfacesError {
     /// Heights that are made here.
     #[error(transparent)]
     Grid(#[from] GridError),
+    /// A ground that there is not.
+    #[error("no ground is named {name:?}; there are {known}")]
+    NoGround {
+        /// As asked for.
+        name: String,
+        /// The names that there are.
+        known: String,
+    },
+    /// A table in the folder that is none of these.
+    #[error("{file} in the output folder: {source}; move it away, or give another folder")]
+    Table {
+        /// Its name.
+        file: &'static str,
+        /// What is wrong with it.
+        source: csv::Error,
+    },
     /// Writing.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -73,10 +144,7 @@ pub enum SurfacesError {
     Page(#[from] PageError),
 }
 
-/// Width of the pictures that are held against the data, pixels.
-const COMPARED_WIDTH: u32 = 320;
-
-/// Flies everything and writes `surfaces.csv`, charts and `surfaces.html`. The scene gives maps, air and date.
+/// Measures what is asked for and writes tables, charts, `surfaces.json` and `surfaces.html`. The scene gives maps, air and date.
 ///
 /// # Errors
 /// A folder that cannot be written to, before anything is drawn; all that drawing can meet.
@@ -86,54 +154,117 @@ pub fn compare_surfaces(
     progress: &dyn Progress,
 ) -> Result<SurfaceStudy, SurfacesError> {
     let folder = OutputFolder::open(request.folder)?;
+    let mut study = SurfaceStudy::read(|file| Ok(folder.read(file)?.unwrap_or_default()))?;
     let gpu = pollster::block_on(GpuContext::open(request.adapter)).map_err(PlayError::from)?;
     progress.begin("loading maps and heights", None);
     let options = flight.earth_options(gpu.bc_support())?;
-    let grounds = test_grounds(flight.scene())?;
+    let grounds = grounds(flight, request.grounds)?;
     progress.end();
     let candidates = candidates(request.only, request.quick);
-    let (width, height) = request.size;
-    let compared_width = width.min(COMPARED_WIDTH);
-    let compared_height =
-        (u64::from(compared_width) * u64::from(height) / u64::from(width.max(1))).max(1);
     let meter = FlightMeter {
         gpu: &gpu,
         options: &options,
         sky: Sky::at(flight.scene().time.start),
         size: request.size,
-        compared_size: (compared_width, compared_height as u32),
         places: request.places.max(1),
         progress,
     };
     let info = gpu.adapter.get_info();
-    let mut study = SurfaceStudy {
-        adapter: format!("{} ({})", info.name, info.backend),
-        size: request.size,
-        compared_size: meter.compared_size,
-        places: meter.places,
-        rows: Vec::new(),
-        wanted: grounds.len() * SurfacePath::ALL.len() * candidates.len(),
+    study.adapter = format!("{} ({})", info.name, info.backend);
+    study.size = request.size;
+    let paths = match request.flights {
+        [] => &SurfacePath::ALL,
+        some => some,
     };
-    progress.begin("flights", Some(study.wanted as u64));
-    'all: for ground in &grounds {
-        for path in SurfacePath::ALL {
-            let exact = meter.exact(ground, path);
-            for candidate in &candidates {
-                let Some(row) = meter.fly(ground, path, candidate, &exact)? else {
-                    break 'all;
-                };
-                study.rows.push(row);
-                progress.step();
-            }
+    let flights = grounds.len() * paths.len() * candidates.len();
+    for part in SurfacesPart::ALL {
+        if !request.parts.contains(&part) {
+            continue;
+        }
+        let steps = match part {
+            SurfacesPart::Settling => grounds.len() * candidates.len(),
+            _ => flights,
+        };
+        progress.begin(part.name(), Some(steps as u64));
+        for ground in &grounds {
+            let is_whole = measure(part, &meter, ground, paths, &candidates, &mut study)?;
             // What is complete stays, whatever comes.
-            folder.write("surfaces.csv", surfaces_csv(&study.rows).as_bytes())?;
+            folder.write(part.file(), study.csv(part).as_bytes())?;
+            if !is_whole {
+                study.is_partial = true;
+                break;
+            }
+        }
+        progress.end();
+        if study.is_partial {
+            break;
         }
     }
-    progress.end();
+    folder.write("surfaces.json", markdown::json(&study).as_bytes())?;
     let plots = plots::plots(&study)?;
     for plot in &plots {
         folder.write(&format!("plots/{}.svg", plot.name), plot.svg.as_bytes())?;
     }
     folder.write("surfaces.html", page::page(&study, &plots)?.as_bytes())?;
     Ok(study)
+}
+
+/// Measures a part over one ground; `false` if that was stopped.
+fn measure(
+    part: SurfacesPart,
+    meter: &FlightMeter<'_>,
+    ground: &TestGround,
+    paths: &[SurfacePath],
+    candidates: &[Candidate],
+    study: &mut SurfaceStudy,
+) -> Result<bool, SurfacesError> {
+    if part == SurfacesPart::Settling {
+        for candidate in candidates {
+            let Some(row) = meter.settling(ground, candidate)? else {
+                return Ok(false);
+            };
+            replace(&mut study.settling, vec![row]);
+            meter.progress.step();
+        }
+        return Ok(true);
+    }
+    let mut blocks = match part {
+        SurfacesPart::Times => Some(meter.blocks_timer(ground)?),
+        _ => None,
+    };
+    for &path in paths {
+        let exact = (part == SurfacesPart::Errors).then(|| meter.exact(ground, path));
+        for candidate in candidates {
+            if let Some(blocks) = &mut blocks {
+                let Some(rows) = meter.times(ground, path, candidate, blocks)? else {
+                    return Ok(false);
+                };
+                replace(&mut study.times, rows);
+            }
+            if let Some(exact) = &exact {
+                let Some(row) = meter.errors(ground, path, candidate, exact)? else {
+                    return Ok(false);
+                };
+                replace(&mut study.errors, vec![row]);
+            }
+            meter.progress.step();
+        }
+    }
+    Ok(true)
+}
+
+fn grounds(flight: &Flight, wanted: &[String]) -> Result<Vec<TestGround>, SurfacesError> {
+    let all = test_grounds(flight.scene())?;
+    for name in wanted {
+        if !all.iter().any(|ground| ground.name == name) {
+            let known: Vec<_> = all.iter().map(|ground| ground.name).collect();
+            return Err(SurfacesError::NoGround {
+                name: name.clone(),
+                known: known.join(", "),
+            });
+        }
+    }
+    let is_wanted =
+        |ground: &TestGround| wanted.is_empty() || wanted.iter().any(|name| name == ground.name);
+    Ok(all.into_iter().filter(is_wanted).collect())
 }

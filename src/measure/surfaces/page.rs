@@ -1,8 +1,8 @@
 //! What is found, as one page.
 
+use super::markdown::{COLUMNS, numbers};
 use super::plots::SurfacePlot;
-use super::rows::over_blocks;
-use super::{SurfacePath, SurfaceRow, SurfaceStudy};
+use super::{ErrorRow, SettlingRow, SurfacePath, SurfaceStudy};
 use crate::measure::html::{self, PageError, STYLE};
 use serde::Serialize;
 
@@ -13,18 +13,12 @@ struct Values<'s> {
     version: &'static str,
     adapter: &'s str,
     size: (u32, u32),
-    compared_size: (u32, u32),
-    places: u32,
-    partial: Option<Partial>,
+    is_partial: bool,
+    columns: &'static [&'static str],
+    near_ground: Option<&'static str>,
     choices: Vec<Choice<'s>>,
     flights: Vec<FlightTable<'s>>,
-}
-
-/// How much of a run that was stopped is there.
-#[derive(Serialize)]
-struct Partial {
-    done: usize,
-    wanted: usize,
+    settling: Vec<Settling<'s>>,
 }
 
 /// The surface to choose for a flight.
@@ -34,7 +28,7 @@ struct Choice<'s> {
     flight: &'s str,
     surface: &'s str,
     setting: String,
-    floor_ratio: String,
+    over_blocks: String,
     p99_px: String,
 }
 
@@ -53,8 +47,20 @@ struct Row<'s> {
     surface: &'s str,
     setting: String,
     is_default: bool,
-    /// In the order of the table's columns.
-    numbers: [String; 18],
+    /// In the order of the columns.
+    numbers: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Settling<'s> {
+    ground: &'s str,
+    surface: &'s str,
+    setting: String,
+    frames: u32,
+    frames_to_double: u32,
+    first_px: String,
+    settled_px: String,
+    prepare_ms: String,
 }
 
 /// The page as HTML.
@@ -71,82 +77,74 @@ pub(super) fn page(study: &SurfaceStudy, plots: &[SurfacePlot]) -> Result<String
         version: env!("CARGO_PKG_VERSION"),
         adapter: &study.adapter,
         size: study.size,
-        compared_size: study.compared_size,
-        places: study.places,
-        partial: (study.rows.len() < study.wanted).then_some(Partial {
-            done: study.rows.len(),
-            wanted: study.wanted,
-        }),
+        is_partial: study.is_partial,
+        columns: &COLUMNS,
+        near_ground: study.default_surface().map(|surface| surface.name()),
         choices: all()
-            .filter_map(|(ground, path)| study.choice(ground, path).map(Choice::new))
+            .filter_map(|(ground, path)| Some(Choice::new(study.choice(ground, path)?, study)))
             .collect(),
         flights: all()
-            .filter_map(|(ground, path)| FlightTable::new(study, plots, ground, path))
+            .map(|(ground, path)| FlightTable::new(study, plots, ground, path))
+            .filter(|flight| !flight.rows.is_empty())
             .collect(),
+        settling: study.settling.iter().map(Settling::new).collect(),
     };
     html::page("surfaces.html", include_str!("surfaces.html"), &values)
 }
 
 impl<'s> Choice<'s> {
-    fn new(row: &'s SurfaceRow) -> Self {
+    fn new(row: &'s ErrorRow, study: &SurfaceStudy) -> Self {
+        let cost = study.summary_of(row);
         Self {
-            ground: row.data,
+            ground: &row.data,
             flight: row.path.name(),
-            surface: row.setting.surface,
-            setting: row.setting.text(),
-            floor_ratio: format!("{:.2}", row.floor_ratio.median),
-            p99_px: format!("{:.2}", row.errors.p99_px),
+            surface: row.surface.name(),
+            setting: setting(&row.parameter, &row.value),
+            over_blocks: cost
+                .map_or_else(|| "–".into(), |c| format!("{:.2}", c.over_blocks.median)),
+            p99_px: format!("{:.2}", row.error_px_p99),
         }
     }
 }
 
 impl<'s> FlightTable<'s> {
-    /// `None` where nothing was measured.
     fn new(
         study: &'s SurfaceStudy,
         plots: &'s [SurfacePlot],
-        ground: &'static str,
+        ground: &'s str,
         path: SurfacePath,
-    ) -> Option<Self> {
-        let rows = study.of(ground, path);
+    ) -> Self {
         let plots = plots.iter().filter(|p| p.data == ground && p.path == path);
-        (!rows.is_empty()).then(|| Self {
+        let row = |row: &'s ErrorRow| Row {
+            surface: row.surface.name(),
+            setting: setting(&row.parameter, &row.value),
+            is_default: row.is_default,
+            numbers: numbers(row, study.summary_of(row).as_ref()).into(),
+        };
+        Self {
             ground,
             name: path.name(),
             charts: plots.map(|plot| plot.name.as_str()).collect(),
-            rows: rows.into_iter().map(|row| Row::new(row, study)).collect(),
-        })
+            rows: study.of(ground, path).map(row).collect(),
+        }
     }
 }
 
-impl<'s> Row<'s> {
-    fn new(row: &'s SurfaceRow, study: &SurfaceStudy) -> Self {
-        let errors = &row.errors;
-        let over_blocks = over_blocks(row, &study.rows).unwrap_or(f64::NAN);
+impl<'s> Settling<'s> {
+    fn new(row: &'s SettlingRow) -> Self {
         Self {
-            surface: row.setting.surface,
-            setting: row.setting.text(),
-            is_default: row.setting.is_default,
-            numbers: [
-                format!("{:.1}", row.frame_ms.median),
-                format!("{:.2}", row.floor_ratio.median),
-                format!("{over_blocks:.2}"),
-                format!("{:.2}", row.prepare_ms.median),
-                format!("{:.2}", row.max_prepare_ms),
-                row.vertices.to_string(),
-                row.triangles.to_string(),
-                format!("{:.1}", row.resident_bytes as f64 / 1e6),
-                format!("{:.1}", row.gpu_bytes as f64 / 1e6),
-                format!("{:.0}", row.uploaded_bytes / 1e3),
-                format!("{:.1}", errors.median_m),
-                format!("{:.1}", errors.p99_m),
-                format!("{:.0}", errors.max_m),
-                format!("{:.2}", errors.p99_px),
-                format!("{:.2}", errors.max_px),
-                errors.holes.to_string(),
-                format!("{:.2}", errors.elsewhere_percent()),
-                format!("{:.2}", row.popping_px),
-            ],
+            ground: &row.data,
+            surface: row.surface.name(),
+            setting: setting(&row.parameter, &row.value),
+            frames: row.frames,
+            frames_to_double: row.frames_to_double,
+            first_px: format!("{:.1}", row.first_px),
+            settled_px: format!("{:.2}", row.settled_px),
+            prepare_ms: format!("{:.1}", row.prepare_ms_most),
         }
     }
+}
+
+fn setting(parameter: &str, value: &str) -> String {
+    format!("{parameter} {value}")
 }

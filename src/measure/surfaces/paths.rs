@@ -6,13 +6,15 @@ use crate::frames::{Ellipsoid, Geodetic};
 use glam::DVec3;
 
 /// A flight that surfaces are compared on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum SurfacePath {
     /// 400 km high at 7.7 km/s, straight down.
     Orbit,
-    /// From 400 km to 2 km above the ground in 60 s, the same part of the way each second, 40° below the horizontal.
+    /// From 400 km to 2 km above the ground in 30 s, the same part of the way each second, 40° below the horizontal.
     Descent,
     /// 500 m above the highest ground near by at 250 m/s, 8° below the horizontal.
+    #[serde(rename = "low flight")]
     Low,
     /// 3 km above the ground, turning by 6° a second, the horizon in the middle.
     Horizon,
@@ -44,8 +46,10 @@ impl SurfacePath {
     /// How long it lasts, seconds.
     pub fn duration_s(self) -> f64 {
         match self {
-            Self::Orbit | Self::Descent | Self::Horizon => 60.0,
-            Self::Low => 120.0,
+            Self::Orbit => 5.0,
+            Self::Descent => 30.0,
+            Self::Low => 15.0,
+            Self::Horizon => 10.0,
         }
     }
 

@@ -1,6 +1,6 @@
 //! What is found, as charts.
 
-use super::{SurfacePath, SurfaceRow, SurfaceStudy, SurfacesError};
+use super::{ErrorRow, FlightSummary, SurfacePath, SurfaceStudy, SurfacesError};
 use crate::measure::{Chart, ChartError, Point, Series, pareto_front};
 
 /// A chart.
@@ -8,7 +8,7 @@ pub(super) struct SurfacePlot {
     /// The file's name without its extension.
     pub name: String,
     /// The ground.
-    pub data: &'static str,
+    pub data: String,
     /// The flight.
     pub path: SurfacePath,
     /// The SVG document.
@@ -18,21 +18,26 @@ pub(super) struct SurfacePlot {
 /// Smallest error that a logarithmic axis shows, pixels.
 const MIN_PX: f64 = 1e-3;
 
-/// Error against frame time, a chart for each ground and flight.
+/// Error against cost, a chart for each ground and flight.
 pub(super) fn plots(study: &SurfaceStudy) -> Result<Vec<SurfacePlot>, SurfacesError> {
     let mut plots = Vec::new();
     for data in study.data() {
         for path in SurfacePath::ALL {
-            let rows = study.of(data, path);
-            let at = |row: &SurfaceRow| (row.frame_ms.median, row.errors.p99_px.max(MIN_PX));
-            let front = pareto_front(&rows.iter().map(|row| at(row)).collect::<Vec<_>>());
+            let timed = study.of(data, path);
+            let timed = timed.filter_map(|row| Some((row, study.summary_of(row)?)));
+            let rows: Vec<_> = timed.collect();
+            let at = |(row, cost): &(&ErrorRow, FlightSummary)| {
+                (cost.over_blocks.median, row.error_px_p99.max(MIN_PX))
+            };
+            let front = pareto_front(&rows.iter().map(at).collect::<Vec<_>>());
             let mut series: Vec<Series> = Vec::new();
-            for (row, on_front) in rows.iter().zip(front) {
-                let name = row.setting.surface;
-                let (x, y) = at(row);
+            for (one, on_front) in rows.iter().zip(front) {
+                let (row, cost) = one;
+                let name = row.surface.name();
+                let (x, y) = at(one);
                 let point = Point {
-                    x_error_bar: Some((row.frame_ms.lower, row.frame_ms.upper)),
-                    label: row.setting.value.clone(),
+                    x_error_bar: Some((cost.over_blocks.lower, cost.over_blocks.upper)),
+                    label: row.value.clone(),
                     on_front,
                     ..Point::new(x, y)
                 };
@@ -47,8 +52,8 @@ pub(super) fn plots(study: &SurfaceStudy) -> Result<Vec<SurfacePlot>, SurfacesEr
             }
             let chart = Chart {
                 title: format!("{data}, {}", path.name()),
-                x_name: "frame, ms (quartiles as bars)".into(),
-                y_name: "screen-space error, 99th percentile, px".into(),
+                x_name: "frame over one of blocks (quartiles as bars)".into(),
+                y_name: "screen-space error over the flight, 99th percentile, px".into(),
                 x_log: true,
                 y_log: true,
                 series,
@@ -60,7 +65,7 @@ pub(super) fn plots(study: &SurfaceStudy) -> Result<Vec<SurfacePlot>, SurfacesEr
             let name = format!("surfaces_{data}_{}", path.name()).replace([' ', ','], "_");
             plots.push(SurfacePlot {
                 name,
-                data,
+                data: data.to_owned(),
                 path,
                 svg,
             });
