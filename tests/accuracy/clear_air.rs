@@ -65,14 +65,14 @@ fn drawn(set: AirSet, figure: Figure) -> Option<AirErrors> {
     Some(AirErrors { set, rows })
 }
 
-/// Prints all that is known of errors, the table in Markdown.
-pub fn show(errors: &AirErrors) {
+/// Prints all that is known of errors of light that was found by something, |found/true − 1| in %.
+pub fn show(errors: &AirErrors, by: &str) {
+    println!("\n--- begin csv\n{}--- end csv", errors.csv(by));
     println!(
-        "set {}, |found/true − 1| in %: median, nine of ten, worst\n{}",
+        "mean ΔE2000 of set {} {by}: {:.2}",
         errors.set.letter(),
-        errors.table()
+        errors.mean_color_difference(1.4)
     );
-    println!("mean ΔE2000 {:.2}", errors.mean_color_difference(1.4));
     for found in errors.worst(12) {
         println!(
             "{:.1} %: {}: {:.5?} for {:.5?}",
@@ -88,7 +88,7 @@ fn held(set: AirSet) {
     let Some(errors) = drawn(set, Figure::Sphere) else {
         return;
     };
-    show(&errors);
+    show(&errors, "drawn");
     let beyond = errors.beyond_bounds(1.0);
     assert!(beyond.is_empty(), "{}", beyond.join("\n"));
     let difference = errors.mean_color_difference(1.4);

@@ -31,10 +31,15 @@ fn by_reference(set: AirSet, step: usize) -> Option<AirErrors> {
 
 /// Median errors of the reference in every group that the drawn air has a bound in.
 fn reference_held(set: AirSet, step: usize, most: f64) {
+    let by = if step == 1 {
+        "reference"
+    } else {
+        "reference, in part"
+    };
     let Some(errors) = by_reference(set, step) else {
         return;
     };
-    show(&errors);
+    show(&errors, by);
     for group in ViewGroup::ALL {
         if group.bound(set).is_none() {
             continue;

@@ -5,6 +5,7 @@ mod cargo;
 mod demo;
 mod lean;
 mod machine;
+mod numbers;
 mod prepare;
 mod process;
 mod starter_pack;
@@ -64,6 +65,12 @@ enum Command {
         #[arg(long)]
         only_sources: bool,
     },
+    /// Make the numbers on README.md and the pages of docs/ from the runs recorded in docs/recorded/.
+    Numbers {
+        /// Measure these anew first, in release builds, and record them; without names all that can be, which takes hours.
+        #[arg(long, value_name = "NAME", num_args = 0..)]
+        measure: Option<Vec<String>>,
+    },
     /// Make the pictures in textures/ from the source data.
     StarterPack {
         /// Folder with the source data.
@@ -106,6 +113,7 @@ fn run(command: Command) -> anyhow::Result<()> {
             out,
             only_sources,
         } => big_pack::run(&data, &out, only_sources),
+        Command::Numbers { measure } => numbers::run(measure.as_deref()),
         Command::StarterPack { data, out, check } => {
             let out = out.unwrap_or_else(|| process::repository_root().join("textures"));
             if check {

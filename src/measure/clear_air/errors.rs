@@ -2,8 +2,8 @@
 
 use super::{AirRow, AirSet, AirTable, color_difference, lab_of_linear};
 use crate::measure::SortedSample;
+use crate::measure::output::csv_text;
 use glam::DVec3;
-use std::fmt::Write;
 
 /// Channels darker than this are not compared: a white sheet that faces the Sun in space is 1.
 pub const DARKEST: f64 = 1e-4;
@@ -230,34 +230,58 @@ impl AirErrors {
         rows
     }
 
-    /// A table in Markdown: for each kind of view and channel, median, what nine of ten do not exceed, and worst, %.
-    pub fn table(&self) -> String {
-        let mut text =
-            "| view | channels | red | green | blue | bound |\n|---|---|---|---|---|---|\n"
-                .to_owned();
-        for group in ViewGroup::ALL {
+    /// Comma-separated values, a line for each kind of view: sizes of errors, %, and the bounds; `by` says what found the light.
+    pub fn csv(&self, by: &str) -> String {
+        let head = CSV_COLUMNS.map(str::to_owned);
+        let air = match self.set {
+            AirSet::Clear => "clear",
+            AirSet::Haze => "hazy",
+        };
+        let lines = ViewGroup::ALL.into_iter().filter_map(|group| {
             let sizes = self.sizes(group);
             let count: usize = sizes.iter().map(SortedSample::len).sum();
-            if count == 0 {
-                continue;
-            }
+            let bound = group.bound(self.set);
+            let percent = |part: f64, digits| format!("{:.digits$}", 100.0 * part);
+            let allowed =
+                |of: fn(Bound) -> f64| bound.map_or(String::new(), |bound| percent(of(bound), 0));
             let [red, green, blue] = sizes.map(|sizes| {
-                let percent = [sizes.median(), sizes.quantile(0.9), sizes.max()].map(|e| 100.0 * e);
-                format!("{:.1}, {:.1}, {:.1}", percent[0], percent[1], percent[2])
+                [sizes.median(), sizes.quantile(0.9), sizes.max()].map(|error| percent(error, 2))
             });
-            let bound = group.bound(self.set).map_or("–".to_owned(), |bound| {
-                format!("{:.0}, –, {:.0}", 100.0 * bound.median, 100.0 * bound.worst)
-            });
-            // Writing to a string does not fail.
-            let _ = writeln!(
-                text,
-                "| {} | {count} | {red} | {green} | {blue} | {bound} |",
-                group.name()
-            );
-        }
-        text
+            let line = [
+                by.to_owned(),
+                air.to_owned(),
+                group.name().to_owned(),
+                count.to_string(),
+            ]
+            .into_iter()
+            .chain(red)
+            .chain(green)
+            .chain(blue)
+            .chain([allowed(|bound| bound.median), allowed(|bound| bound.worst)]);
+            (count > 0).then(|| line.collect::<Vec<_>>())
+        });
+        csv_text(std::iter::once(head.to_vec()).chain(lines))
     }
 }
+
+/// The columns of [`AirErrors::csv`].
+const CSV_COLUMNS: [&str; 15] = [
+    "by",
+    "air",
+    "view",
+    "channels",
+    "red_median",
+    "red_90",
+    "red_worst",
+    "green_median",
+    "green_90",
+    "green_worst",
+    "blue_median",
+    "blue_90",
+    "blue_worst",
+    "allowed_median",
+    "allowed_worst",
+];
 
 #[cfg(test)]
 mod tests {
@@ -311,10 +335,14 @@ mod tests {
         );
         assert!(beyond[0].contains("red"), "{beyond:?}");
         assert_eq!(errors([f64::NAN, 0.1, 0.0]).beyond_bounds(9.0).len(), 2);
+        let csv = errors([0.15, 0.101, 0.0]).csv("drawn");
         assert!(
-            errors([0.15, 0.1, 0.0])
-                .table()
-                .contains("| ground from space, 80° | 2 |")
+            csv.contains("\ndrawn,clear,\"ground from space, view zenith ≤ 70°\",2,0.00,0.00,0.00,1.00,1.00,1.00,"),
+            "{csv}"
+        );
+        assert!(
+            csv.contains("\ndrawn,clear,\"ground from space, 80°\",2,"),
+            "{csv}"
         );
     }
 

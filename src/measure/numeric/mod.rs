@@ -46,3 +46,18 @@ pub fn stability_table() -> Vec<StabilityRow> {
         .flat_map(|formula| formula.rows())
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::output::csv_text;
+
+    #[test]
+    #[ignore = "prints the rows of docs/recorded/stability.csv; seconds in a release build"]
+    fn print_stability() {
+        let head = StabilityRow::CSV_COLUMNS.map(str::to_owned);
+        let rows = stability_table();
+        let lines = std::iter::once(head).chain(rows.iter().map(StabilityRow::csv_fields));
+        println!("\n--- begin csv\n{}--- end csv", csv_text(lines));
+    }
+}

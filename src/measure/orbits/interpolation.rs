@@ -1,36 +1,37 @@
 //! Interpolated ephemerides by degree and step, as a table.
 
+use crate::measure::output::csv_text;
 use crate::orbit::interpolated::{Interpolation, KeplerOrbit, interpolation_error};
-use std::fmt::Write as _;
 
 /// Steps from state to state, seconds.
 const STEPS_S: [f64; 7] = [10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1200.0];
 
-/// Largest error of positions, metres, by degree and step, as Markdown: Lagrange and Hermite of degrees 1 to 15, over one
-/// revolution, perigee included.
-pub fn interpolation_markdown(orbit: &KeplerOrbit) -> String {
-    let mut text = String::from("| |");
-    // Writing to a String cannot fail.
-    for step_s in STEPS_S {
-        let _ = match step_s < 60.0 {
-            true => write!(text, " {step_s} s |"),
-            false => write!(text, " {} min |", step_s / 60.0),
-        };
-    }
-    text += "\n|---|";
-    text += &"---|".repeat(STEPS_S.len());
-    text.push('\n');
-    for (name, interpolation) in rows() {
-        let _ = write!(text, "| {name} |");
-        for step_s in STEPS_S {
-            let _ = match interpolation_error(interpolation, step_s, orbit) {
-                Ok(worst) => write!(text, " {:.0e} |", worst.position_m),
-                Err(_) => write!(text, " – |"),
-            };
+/// Largest error of positions by degree and step over one revolution, perigee included, of named orbits, as comma-separated
+/// values: a line for each polynomial, Lagrange and Hermite of degrees 1 to 15, a column of metres for each step.
+pub fn interpolation_csv(orbits: &[(&str, &KeplerOrbit)]) -> String {
+    let steps = STEPS_S.map(|step_s| match step_s < 60.0 {
+        true => format!("{step_s} s"),
+        false => format!("{} min", step_s / 60.0),
+    });
+    let mut lines = vec![
+        ["orbit".to_owned(), String::new()]
+            .into_iter()
+            .chain(steps)
+            .collect(),
+    ];
+    for (orbit_name, orbit) in orbits {
+        for (name, interpolation) in rows() {
+            let mut line = vec![(*orbit_name).to_owned(), name];
+            line.extend(STEPS_S.map(|step_s| {
+                match interpolation_error(interpolation, step_s, orbit) {
+                    Ok(worst) => format!("{:.0e}", worst.position_m),
+                    Err(_) => "–".to_owned(),
+                }
+            }));
+            lines.push(line);
         }
-        text.push('\n');
     }
-    text
+    csv_text(lines)
 }
 
 /// Hermite's polynomials of an even degree use the states of the next odd one, so they are left out.
@@ -52,18 +53,18 @@ mod tests {
 
     #[test]
     fn every_degree_has_a_row_and_more_states_are_better() {
-        let text = interpolation_markdown(&KeplerOrbit::LOW);
-        assert_eq!(text.lines().count(), 2 + 15 + 8);
+        let text = interpolation_csv(&[("low", &KeplerOrbit::LOW)]);
+        assert_eq!(text.lines().count(), 1 + 15 + 8);
         let cell = |row: &str, column: usize| -> f64 {
             let line = text
                 .lines()
-                .find(|line| line.starts_with(&format!("| {row} |")));
+                .find(|line| line.starts_with(&format!("low,{row},")));
             let cell = line
                 .expect("a row")
-                .split('|')
+                .split(',')
                 .nth(2 + column)
                 .expect("a cell");
-            cell.trim().parse().expect("a number")
+            cell.parse().expect("a number")
         };
         // At two minutes: 9e-4 m of eight positions, 7e-6 m of four states.
         assert!((5e-4..2e-3).contains(&cell("Lagrange 7", 3)));
@@ -78,9 +79,12 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "prints tables of docs/orbits.md"]
-    fn print_the_table_of_interpolations() {
-        println!("{}", interpolation_markdown(&KeplerOrbit::LOW));
-        println!("{}", interpolation_markdown(&KeplerOrbit::MOLNIYA));
+    #[ignore = "prints the rows of docs/recorded/interpolation.csv"]
+    fn print_interpolations() {
+        let orbits = [
+            ("low", &KeplerOrbit::LOW),
+            ("Molniya", &KeplerOrbit::MOLNIYA),
+        ];
+        println!("\n--- begin csv\n{}--- end csv", interpolation_csv(&orbits));
     }
 }

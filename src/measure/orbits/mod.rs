@@ -13,10 +13,10 @@ mod reference;
 mod stiff;
 mod table;
 
-pub use interpolation::interpolation_markdown;
+pub use interpolation::interpolation_csv;
 pub use reference::positions_m;
 pub use stiff::StiffFall;
-pub use table::{OrbitRow, markdown, rows};
+pub use table::{OrbitRow, csv, rows};
 
 use super::numeric::{Method, Sweep, Work};
 use crate::frames::{Duration, Epoch};

@@ -2,8 +2,10 @@
 
 use super::{OrbitCase, VARIANTS, methods};
 use crate::measure::Quartiles;
-use std::fmt::Write as _;
-use std::time::Instant;
+use crate::measure::output::csv_text;
+use crate::orbit::numerical::Solver;
+use cpu_time::ThreadTime;
+use std::hint::black_box;
 
 /// One method with one tolerance in one case.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,79 +24,120 @@ pub struct OrbitRow {
     pub momentum_drift: f64,
     /// Evaluations of the force.
     pub evaluations: u64,
-    /// Time of one run with 24 places read, milliseconds.
+    /// Processor time of one run with 24 places read, milliseconds.
     pub milliseconds: Quartiles,
 }
 
-/// All cases, each run timed `repeats` times after one that is thrown away. Takes a minute.
+/// Least processor time that is timed in one piece, seconds: shorter runs are repeated until they take as much.
+const LEAST_S: f64 = 4e-3;
+
+/// All cases, each run timed `repeats` times after one that is thrown away. Takes minutes.
 pub fn rows(repeats: u32) -> Vec<OrbitRow> {
-    methods()
+    let cases = methods();
+    cases
         .iter()
         .flat_map(|case| case_rows(case, repeats))
         .collect()
 }
 
+/// One method with one tolerance, and what its runs took.
+struct Entry {
+    method: &'static str,
+    solver: Option<Solver>,
+    tolerance: f64,
+    /// Runs that are timed in one piece.
+    calls: u32,
+    milliseconds: Vec<f64>,
+}
+
+impl Entry {
+    /// Processor time of a run, milliseconds: what other programs take is not in it.
+    fn time(&self, case: &OrbitCase) -> f64 {
+        let start = ThreadTime::now();
+        for _ in 0..self.calls {
+            black_box(case.propagate(self.solver, self.tolerance));
+        }
+        start.elapsed().as_secs_f64() * 1e3 / f64::from(self.calls)
+    }
+}
+
 fn case_rows(case: &OrbitCase, repeats: u32) -> Vec<OrbitRow> {
-    let mut rows = Vec::new();
+    let mut entries = Vec::new();
     for (method, solver) in VARIANTS {
         let tolerances: &[f64] = match solver {
             Some(_) => &[1e-6, 1e-8, 1e-10, 1e-12],
             None => &[1e-10],
         };
-        for &tolerance in tolerances {
-            let mut times = Vec::new();
-            let mut run = None;
-            for round in 0..=repeats {
-                let start = Instant::now();
-                run = case.propagate(solver, tolerance);
-                if round > 0 {
-                    times.push(start.elapsed().as_secs_f64() * 1e3);
-                }
-            }
-            let (energy_drift, momentum_drift) = run
-                .as_ref()
-                .map_or((f64::INFINITY, f64::INFINITY), |f| case.drifts(f));
-            rows.push(OrbitRow {
-                case: case.name.clone(),
-                method,
-                relative_tolerance: solver.map(|_| tolerance),
-                error_m: case.error_m(run.as_ref()),
-                energy_drift,
-                momentum_drift,
-                evaluations: run.map_or(0, |f| f.evaluations),
-                milliseconds: Quartiles::of(times),
-            });
+        entries.extend(tolerances.iter().map(|&tolerance| Entry {
+            method,
+            solver,
+            tolerance,
+            calls: 1,
+            milliseconds: Vec::new(),
+        }));
+    }
+    for entry in &mut entries {
+        let once_s = entry.time(case) * 1e-3;
+        entry.calls = (LEAST_S / once_s.max(1e-7)).ceil().max(1.0) as u32;
+    }
+    // Turn about, so that a slower spell of the machine meets all methods.
+    for _ in 0..repeats {
+        for entry in &mut entries {
+            entry.milliseconds.push(entry.time(case));
         }
     }
-    rows
+    let rows = entries.into_iter().map(|entry| {
+        let run = case.propagate(entry.solver, entry.tolerance);
+        let (energy_drift, momentum_drift) = run
+            .as_ref()
+            .map_or((f64::INFINITY, f64::INFINITY), |run| case.drifts(run));
+        OrbitRow {
+            case: case.name.clone(),
+            method: entry.method,
+            relative_tolerance: entry.solver.map(|_| entry.tolerance),
+            error_m: case.error_m(run.as_ref()),
+            energy_drift,
+            momentum_drift,
+            evaluations: run.map_or(0, |run| run.evaluations),
+            milliseconds: Quartiles::of(entry.milliseconds),
+        }
+    });
+    rows.collect()
 }
 
-/// The table as Markdown.
-pub fn markdown(rows: &[OrbitRow]) -> String {
-    let mut text = String::from(
-        "| orbit | method | tolerance | error, m | energy | momentum | evaluations | ms (quartiles) |\n|---|---|---|---|---|---|---|---|\n",
-    );
-    for row in rows {
-        let tolerance = row
-            .relative_tolerance
-            .map_or("–".to_owned(), |t| format!("{t:.0e}"));
-        let q = row.milliseconds;
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            text,
-            "| {} | {} | {tolerance} | {:.1e} | {:.0e} | {:.0e} | {} | {:.2} ({:.2}–{:.2}) |",
-            row.case,
-            row.method,
-            row.error_m,
-            row.energy_drift,
-            row.momentum_drift,
-            row.evaluations,
-            q.median,
-            q.lower,
-            q.upper,
-        );
-    }
-    text
+/// The columns of [`csv`].
+const COLUMNS: [&str; 10] = [
+    "case",
+    "method",
+    "relative_tolerance",
+    "error_m",
+    "energy_drift",
+    "momentum_drift",
+    "evaluations",
+    "ms_lower",
+    "ms_median",
+    "ms_upper",
+];
+
+/// The rows as comma-separated values; times are processor time, milliseconds, with their quartiles.
+pub fn csv(rows: &[OrbitRow]) -> String {
+    let head = COLUMNS.map(str::to_owned);
+    let lines = rows.iter().map(|row| {
+        let tolerance = row.relative_tolerance;
+        [
+            row.case.clone(),
+            row.method.to_owned(),
+            tolerance.map_or(String::new(), |tolerance| format!("{tolerance:.0e}")),
+            format!("{:.3e}", row.error_m),
+            format!("{:.2e}", row.energy_drift),
+            format!("{:.2e}", row.momentum_drift),
+            row.evaluations.to_string(),
+            format!("{:.5}", row.milliseconds.lower),
+            format!("{:.5}", row.milliseconds.median),
+            format!("{:.5}", row.milliseconds.upper),
+        ]
+    });
+    csv_text(std::iter::once(head).chain(lines))
 }
 
 #[cfg(test)]
@@ -106,11 +149,21 @@ mod tests {
         let case = OrbitCase::new(0.1, false, 1.0).unwrap();
         let rows = case_rows(&case, 1);
         assert_eq!(rows.len(), 9);
-        let text = markdown(&rows);
-        assert_eq!(text.lines().count(), 11);
+        let text = csv(&rows);
+        assert_eq!(text.lines().count(), 10);
+        let line = text
+            .lines()
+            .find(|line| line.starts_with("\"e = 0.1, two bodies, 1 day\",DOP853,1e-8,"))
+            .expect(&text);
+        // Times rise from quartile to quartile.
+        let times: Vec<f64> = line
+            .rsplit(',')
+            .take(3)
+            .map(|field| field.parse().expect("a number"))
+            .collect();
         assert!(
-            text.contains("| e = 0.1, two bodies, 1 day | DOP853 | 1e-8 |"),
-            "{text}"
+            0.0 < times[2] && times[2] <= times[1] && times[1] <= times[0],
+            "{line}"
         );
         assert!(
             rows.iter()
@@ -119,8 +172,8 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "prints the table of docs/orbits.md; a minute in a release build"]
-    fn print_the_table() {
-        println!("{}", markdown(&rows(5)));
+    #[ignore = "prints the rows of docs/recorded/orbits.csv; some minutes in a release build"]
+    fn print_orbits() {
+        println!("\n--- begin csv\n{}--- end csv", csv(&rows(9)));
     }
 }

@@ -13,11 +13,11 @@ fn every_extreme_case_gives_a_defined_picture_or_a_clear_error() {
         let start = std::time::Instant::now();
         let outcome = run(&case, gpu(), &layers);
         let line = format!(
-            "{}: expected {}; {} ({} not finite)",
+            "{} | {} | {} | {} not finite",
             outcome.name, outcome.expected, outcome.what_was_drawn, outcome.nan_pixels
         );
         println!(
-            "{} {line} [{:.2} s]",
+            "{} {line} | {:.2} s",
             if outcome.passed { "ok    " } else { "FAILED" },
             start.elapsed().as_secs_f64()
         );

@@ -1,0 +1,227 @@
+//! Which runs are recorded.
+
+use super::printed::Printed;
+
+/// A run that is recorded.
+pub struct Recording {
+    /// What `--measure` calls it.
+    pub name: &'static str,
+    /// Its file in `docs/recorded`, `.csv` or `.json`.
+    pub file: &'static str,
+    /// Where its numbers come from.
+    pub source: Source,
+}
+
+/// Where the numbers of a recorded run come from.
+pub enum Source {
+    /// They are measured by this program's commands.
+    Measured {
+        /// What is measured and how, in a sentence.
+        method: &'static str,
+        /// Whether it draws: then adapter and driver are recorded with it.
+        draws: bool,
+        /// Where the numbers are found.
+        found: Found,
+    },
+    /// The file was written by hand, and says of itself how its numbers were measured.
+    Kept {
+        /// Why nothing here measures it anew.
+        why: &'static str,
+    },
+}
+
+/// Where the numbers of a measurement are found. A command begins with `cargo`, or with `terrella`, which is built for release.
+pub enum Found {
+    /// In what a command prints.
+    Printed {
+        /// The command, its words apart by blanks.
+        command: &'static str,
+        /// What of its output is recorded.
+        what: Printed,
+    },
+    /// Single figures in what commands print: the file has a line `name,value,command` for each, and a page has its value between
+    /// the markers `<!-- numbers RECORDING NAME -->` and `<!-- end numbers -->`.
+    Figures(&'static [Figures]),
+    /// In a file that a command writes into the folder that stands for `{out}` in it.
+    Written {
+        /// The command, its words apart by blanks.
+        command: &'static str,
+        /// The file's name in the folder.
+        file: &'static str,
+    },
+}
+
+/// Figures in what one command prints.
+pub struct Figures {
+    /// The command, its words apart by blanks.
+    pub command: &'static str,
+    /// Lines that hold them, as [`Printed::Lines`]: a column is a figure's name, its value the largest of all lines.
+    pub lines: &'static str,
+}
+
+/// A recording that nothing measures anew.
+const fn kept(name: &'static str, file: &'static str, why: &'static str) -> Recording {
+    Recording {
+        name,
+        file,
+        source: Source::Kept { why },
+    }
+}
+
+/// Draws and computes all rows of the tables in `../shared/oracle`; without them it prints nothing, which is an error here.
+const CLEAR_AIR: &str = "cargo test --release --locked --workspace --test accuracy -- clear_air::clear clear_air::hazy everywhere \
+    --include-ignored --nocapture --test-threads=1";
+
+/// All of them.
+pub const RECORDINGS: &[Recording] = &[
+    Recording {
+        name: "bench",
+        file: "bench.json",
+        source: Source::Measured {
+            method: "whole frames at 1280 × 720, each beside its floor and a bare clear, turn about; medians; features switched off \
+                in turn along the scene's flight",
+            draws: true,
+            found: Found::Written {
+                command: "terrella bench config/iss.toml --json {out}/bench.json --quiet",
+                file: "bench.json",
+            },
+        },
+    },
+    Recording {
+        name: "orbits",
+        file: "orbits.csv",
+        source: Source::Measured {
+            method: "perigee at 7000 km, i = 63.4°; error: the largest of 24 places, against extrapolation of order 22 in 32 digits; \
+                time: processor time of the thread for one run with 24 places read, nine times, the methods turn about",
+            draws: false,
+            found: Found::Printed {
+                command: "cargo test --release --locked --workspace --lib print_orbits -- --ignored --nocapture",
+                what: Printed::Csv,
+            },
+        },
+    },
+    Recording {
+        name: "interpolation",
+        file: "interpolation.csv",
+        source: Source::Measured {
+            method: "largest error of the position, metres, over one revolution of an unperturbed orbit, perigee included, in the \
+                inner part of an ephemeris",
+            draws: false,
+            found: Found::Printed {
+                command: "cargo test --release --locked --workspace --lib print_interpolations -- --ignored --nocapture",
+                what: Printed::Csv,
+            },
+        },
+    },
+    Recording {
+        name: "stability",
+        file: "stability.csv",
+        source: Source::Measured {
+            method: "each form of a formula against arithmetic of 320 bits over its range",
+            draws: false,
+            found: Found::Printed {
+                command: "cargo test --release --locked --workspace --lib print_stability -- --ignored --nocapture",
+                what: Printed::Csv,
+            },
+        },
+    },
+    Recording {
+        name: "extreme_views",
+        file: "extreme_views.csv",
+        source: Source::Measured {
+            method: "each case of `measure::extreme` drawn, colours in linear light, 64 × 64 pixels where nothing else is said",
+            draws: true,
+            found: Found::Printed {
+                command: "cargo test --release --locked --workspace --test accuracy extreme::pictures -- --nocapture",
+                what: Printed::Lines("ok {view} | {must show} | {drawn} | {} not finite | {} s"),
+            },
+        },
+    },
+    Recording {
+        name: "exactness",
+        file: "exactness.csv",
+        source: Source::Measured {
+            method: "largest errors that tests find, each against something computed otherwise",
+            draws: true,
+            found: Found::Figures(&[
+                Figures {
+                    command: "cargo test --release --locked --workspace --test render precision -- --nocapture",
+                    lines: "n = {}, {} m: worst {vertices_px} px over {} vertices",
+                },
+                Figures {
+                    command: "cargo test --release --locked --workspace --test render picture -- --nocapture",
+                    lines: "{}: worst {picture_255} of 255 over {} pixels",
+                },
+                Figures {
+                    command: "cargo test --release --locked --workspace --test model globe -- --nocapture",
+                    lines: "{blocks_not_needed} of {blocks_drawn} drawn blocks were not needed",
+                },
+                Figures {
+                    command: "cargo test --release --locked --workspace --test orbit verification -- --nocapture",
+                    lines: "{sgp4_states} states; worst {sgp4_km} km, {} km/s",
+                },
+            ]),
+        },
+    },
+    Recording {
+        name: "clear_air",
+        file: "clear_air.csv",
+        source: Source::Measured {
+            method: "|found/true − 1|, %, of light that `Earth` draws into a float target and that the reference renderer finds, against \
+                tables of SASKTRAN2",
+            draws: true,
+            found: Found::Printed {
+                command: CLEAR_AIR,
+                what: Printed::Csv,
+            },
+        },
+    },
+    Recording {
+        name: "clear_air_colors",
+        file: "clear_air_colors.csv",
+        source: Source::Measured {
+            method: "mean ΔE2000 of all views at an exposure of 1.4",
+            draws: true,
+            found: Found::Printed {
+                command: CLEAR_AIR,
+                what: Printed::Lines("mean ΔE2000 of set {set} {by}: {mean}"),
+            },
+        },
+    },
+    kept(
+        "report_defaults",
+        "report_defaults.csv",
+        "a report of all heights takes an hour, and limb and place are of two runs",
+    ),
+    kept(
+        "report_settings",
+        "report_settings.csv",
+        "a report of all heights takes an hour",
+    ),
+    kept(
+        "by_hand",
+        "by_hand.csv",
+        "criterion and `time` print for people",
+    ),
+    kept("streaming", "streaming.csv", "it needs a pack of 3 GB"),
+    kept(
+        "sky_places",
+        "sky_places.csv",
+        "its numbers stand in the output of several tests",
+    ),
+    kept(
+        "light_costs",
+        "light_costs.csv",
+        "it needs the program as it was before",
+    ),
+    kept(
+        "air_schemes",
+        "air_schemes.csv",
+        "the schemes that were left are no longer in the program",
+    ),
+    kept(
+        "truth_errors",
+        "truth_errors.csv",
+        "its numbers stand in the output of several tests",
+    ),
+];

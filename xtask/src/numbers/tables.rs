@@ -1,0 +1,74 @@
+//! Which text is made of which recorded run.
+
+use super::markdown::{as_recorded, whereabouts};
+use super::record::Recorded;
+use super::{air, bench, orbits, report, stability};
+
+/// A text between markers.
+pub struct Table {
+    /// The name in the marker.
+    pub name: &'static str,
+    /// The recorded run that it is made of.
+    pub recording: &'static str,
+    /// Its text; [`as_recorded`] where the recorded columns are the table's.
+    pub text: fn(&Recorded) -> anyhow::Result<String>,
+}
+
+/// A shorter way to write an entry.
+const fn table(
+    name: &'static str,
+    recording: &'static str,
+    text: fn(&Recorded) -> anyhow::Result<String>,
+) -> Table {
+    Table {
+        name,
+        recording,
+        text,
+    }
+}
+
+/// All of them.
+pub const TABLES: &[Table] = &[
+    table("clear_air_clear", "clear_air", |run| {
+        air::errors(run, "clear")
+    }),
+    table("clear_air_hazy", "clear_air", |run| {
+        air::errors(run, "hazy")
+    }),
+    table("clear_air_colors_clear", "clear_air_colors", |run| {
+        air::colors(run, "A")
+    }),
+    table("clear_air_colors_hazy", "clear_air_colors", |run| {
+        air::colors(run, "B")
+    }),
+    table("readme_air_from_space", "clear_air", |run| {
+        air::largest_median(run, "ground")
+    }),
+    table("readme_air_in_the_sky", "clear_air", |run| {
+        air::largest_median(run, "sky")
+    }),
+    table("report_defaults", "report_defaults", as_recorded),
+    table("report_range", "report_defaults", report::range),
+    table("report_settings", "report_settings", as_recorded),
+    table("table_2", "bench", bench::table_2),
+    table("bench_heights", "bench", bench::heights),
+    table("bench_in_the_air", "bench", bench::in_the_air),
+    table("bench_run", "bench", whereabouts),
+    table("stability", "stability", stability::forms),
+    table("streaming", "streaming", as_recorded),
+    table("sky_places", "sky_places", as_recorded),
+    table("light_costs", "light_costs", as_recorded),
+    table("air_schemes", "air_schemes", as_recorded),
+    table("truth_errors", "truth_errors", as_recorded),
+    table("extreme_views", "extreme_views", as_recorded),
+    table("interpolation_low", "interpolation", |run| {
+        orbits::interpolation(run, "low")
+    }),
+    table("interpolation_molniya", "interpolation", |run| {
+        orbits::interpolation(run, "Molniya")
+    }),
+    table("orbit_errors", "orbits", orbits::errors),
+    table("orbit_times", "orbits", orbits::times),
+    table("orbit_drifts", "orbits", orbits::drifts),
+    table("orbits_run", "orbits", whereabouts),
+];
