@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use terrella::SurfaceKind;
 use terrella::internals::measure::report::{ReportError, ReportRequest, report};
 use terrella::internals::measure::surfaces::{
-    SurfacePath, SurfacesError, SurfacesPart, SurfacesRequest, compare_surfaces,
+    SettingsWanted, SurfacePath, SurfacesError, SurfacesPart, SurfacesRequest, compare_surfaces,
 };
 use terrella::internals::play::Flight;
 use terrella::scene::Scene;
@@ -26,6 +26,9 @@ pub struct ReportArgs {
     /// Compare terrain surfaces instead: errors, holes, popping and cost on four flights at 60 frames a second
     #[arg(long, conflicts_with_all = ["repeats", "samples", "heights"])]
     surfaces: bool,
+    /// With --surfaces: every setting on every flight, not only where docs/surfaces.md shows it; takes hours
+    #[arg(long, requires = "surfaces", conflicts_with = "quick")]
+    all_settings: bool,
     /// Compare only these surfaces: quadtree,clipmap
     #[arg(long, value_name = "NAME,…", requires = "surfaces", value_delimiter = ',', value_parser = values::surface)]
     only: Vec<SurfaceKind>,
@@ -106,7 +109,11 @@ pub fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
 fn surfaces(args: &ReportArgs, common: &Common, flight: &Flight) -> anyhow::Result<()> {
     let request = SurfacesRequest {
         folder: &args.output,
-        quick: args.quick,
+        settings: match (args.quick, args.all_settings) {
+            (_, true) => SettingsWanted::All,
+            (true, _) => SettingsWanted::Shown,
+            _ => SettingsWanted::Documented,
+        },
         only: &args.only,
         parts: match args.parts.as_slice() {
             [] => &SurfacesPart::ALL,

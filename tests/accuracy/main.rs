@@ -15,4 +15,5 @@ mod reference_air;
 mod reference_gpu;
 mod relief_extremes;
 mod report_sees;
+mod surfaces_page;
 mod whole_disc;

@@ -22,7 +22,9 @@ mod record;
 mod recordings;
 mod report;
 mod stability;
+mod surfaces;
 mod tables;
+mod terrain;
 mod whereabouts;
 
 use crate::process::{repository_root, say};

@@ -37,15 +37,13 @@ impl Candidate {
     }
 }
 
-/// These surfaces, or all if there are none, over their settings; `quick` those that tables show alone.
-pub fn candidates(only: &[SurfaceKind], quick: bool) -> Vec<Candidate> {
+/// These surfaces, or all if there are none, over their settings.
+pub fn candidates(only: &[SurfaceKind]) -> Vec<Candidate> {
     let kinds = match only {
         [] => SurfaceKind::ALL,
         only => only,
     };
-    let mut candidates: Vec<_> = kinds.iter().flat_map(|kind| of_kind(*kind)).collect();
-    candidates.retain(|candidate| !quick || candidate.setting.is_shown());
-    candidates
+    kinds.iter().flat_map(|kind| of_kind(*kind)).collect()
 }
 
 fn of_kind(kind: SurfaceKind) -> Vec<Candidate> {
@@ -91,6 +89,19 @@ fn of_kind(kind: SurfaceKind) -> Vec<Candidate> {
         });
         candidate("lambda", lambda.to_string(), false, surface, 1.0)
     };
+    let leaves = |max_leaves: u32| {
+        let surface = SurfaceSettings::Quadtree(QuadtreeOptions {
+            max_leaves,
+            ..QuadtreeOptions::default()
+        });
+        candidate(
+            "max leaves",
+            max_leaves.to_string(),
+            false,
+            surface,
+            DEFAULT_TOLERANCE_PX,
+        )
+    };
     let clipmap = |samples, levels, trim| {
         let surface = SurfaceSettings::Clipmap(ClipmapOptions {
             samples,
@@ -110,7 +121,15 @@ fn of_kind(kind: SurfaceKind) -> Vec<Candidate> {
         SurfaceKind::ProjectedGrid => [(65, true), (129, true), (129, false), (257, true)]
             .map(|(side, on_gpu)| grid(side, on_gpu))
             .into(),
-        SurfaceKind::Quadtree => tolerances().into_iter().chain([lambda(300.0)]).collect(),
+        SurfaceKind::Quadtree => {
+            let others = [
+                lambda(300.0),
+                leaves(12_000),
+                leaves(36_000),
+                leaves(48_000),
+            ];
+            tolerances().into_iter().chain(others).collect()
+        }
         SurfaceKind::Contours => {
             let cast = [2.0, 1.0, 0.5].map(|px| {
                 let surface = SurfaceSettings::CastContours(PageOptions::default());
@@ -136,7 +155,7 @@ mod tests {
 
     #[test]
     fn every_surface_has_one_default() {
-        let all = candidates(&[], false);
+        let all = candidates(&[]);
         for kind in SurfaceKind::ALL {
             let of_kind = all
                 .iter()
@@ -151,7 +170,8 @@ mod tests {
             );
         }
         // And contours cast.
-        assert_eq!(candidates(&[], true).len(), SurfaceKind::ALL.len() + 1);
+        let shown = all.iter().filter(|candidate| candidate.setting.is_shown());
+        assert_eq!(shown.count(), SurfaceKind::ALL.len() + 1);
         // A comma would be a column more in the table.
         let has_comma = |candidate: &Candidate| {
             (candidate.setting.parameter.to_owned() + &candidate.setting.value).contains(',')

@@ -63,16 +63,14 @@ pub fn numbers(row: &ErrorRow, cost: Option<&FlightSummary>) -> [String; COLUMNS
 pub fn sections(study: &SurfaceStudy) -> BTreeMap<String, String> {
     let grounds = study.data().into_iter().map(|data| {
         let name = data.replace(' ', "_");
-        (format!("surfaces_{name}"), ground_table(study, data))
+        (name, ground_table(study, data))
     });
     let others = [
-        (
-            "surfaces_settings",
-            settings_table(study, "scene", SurfacePath::Low),
-        ),
-        ("surfaces_settling", settling_table(study)),
-        ("surfaces_default", default_rule(study)),
-        ("surfaces_findings", findings(study)),
+        ("settings", settings_table(study, "scene", SurfacePath::Low)),
+        ("settling", settling_table(study)),
+        ("default", default_rule(study)),
+        ("findings", findings(study)),
+        ("published", published(study)),
     ];
     let others = others.map(|(name, text)| (name.to_owned(), text));
     grounds.chain(others).collect()
@@ -183,6 +181,93 @@ pub fn default_rule(study: &SurfaceStudy) -> String {
         );
     }
     text
+}
+
+/// What publications say of their own, beside what is measured here.
+pub fn published(study: &SurfaceStudy) -> String {
+    let of = |kind: SurfaceKind, is_cast: bool| {
+        let rows = study.errors.iter();
+        rows.filter(move |row| {
+            row.surface == kind && row.is_shown() && (row.parameter == CAST) == is_cast
+        })
+    };
+    let span = |values: Vec<f64>, digits: usize| {
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = values.iter().copied().fold(0.0, f64::max);
+        match values.is_empty() {
+            true => "–".to_owned(),
+            false => format!("{least:.digits$} to {most:.digits$}"),
+        }
+    };
+    let prepare = |kind, is_cast| {
+        span(
+            of(kind, is_cast).map(|row| row.prepare_ms_median).collect(),
+            1,
+        )
+    };
+    let cost = |kind, is_cast| {
+        let costs = of(kind, is_cast).filter_map(|row| study.summary_of(row));
+        span(costs.map(|cost| cost.over_blocks.median).collect(), 2)
+    };
+    let line = |words: [&str; 3], here: String| {
+        let mut fields = words.map(str::to_owned).to_vec();
+        fields.push(here);
+        fields
+    };
+    let rows = [
+        line(
+            [
+                "unfull quadtree, 2005",
+                "35 frames/s over 2049², against 8 without LOD",
+                "Pentium III 933 MHz, 256 MB, GeForce 32 MB; a DEM on a plane",
+            ],
+            format!(
+                "`prepare` {} ms; a frame {} times one of blocks",
+                prepare(SurfaceKind::Quadtree, false),
+                cost(SurfaceKind::Quadtree, false)
+            ),
+        ),
+        line(
+            [
+                "projected grid, 2009",
+                "cost independent of height, 129 × 129",
+                "Pentium 4 2 GHz, GeForce3 Ti 500",
+            ],
+            format!(
+                "the same 129 × 129 at every height; `prepare` {} ms; a frame {} times one of blocks",
+                prepare(SurfaceKind::ProjectedGrid, false),
+                cost(SurfaceKind::ProjectedGrid, false)
+            ),
+        ),
+        line(
+            [
+                "clipmap on an icosahedron, 2014",
+                "60 frames/s at 6 levels of 129², 99 846 vertices",
+                "Core i5-2400, GeForce GTX 460",
+            ],
+            format!(
+                "up to 12 levels of 129² and the rest of the globe; `prepare` {} ms; a frame {} times one of blocks",
+                prepare(SurfaceKind::Clipmap, false),
+                cost(SurfaceKind::Clipmap, false)
+            ),
+        ),
+        line(
+            [
+                "q-Bézier contours, 2017",
+                "102 against 86 frames/s of chunked LOD, 1024 × 768, 2/3 px; rays cast",
+                "Core i7 950, GeForce GTX 480",
+            ],
+            format!(
+                "cast: a frame {} times one of blocks on a processor; bicubic patches: {}",
+                cost(SurfaceKind::Contours, true),
+                cost(SurfaceKind::Contours, false)
+            ),
+        ),
+    ];
+    table(
+        &["publication", "its figure", "its machine", "here"],
+        rows.into_iter(),
+    )
 }
 
 /// What is cheapest, most exact and steadiest, counted over the flights.

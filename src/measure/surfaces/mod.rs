@@ -83,14 +83,37 @@ impl SurfacesPart {
     }
 }
 
+/// Which settings of surfaces are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SettingsWanted {
+    /// Those of [`Setting::is_shown`].
+    Shown,
+    /// These everywhere, and all on the low flight over the scene's own ground: what docs/surfaces.md has.
+    Documented,
+    /// All everywhere.
+    All,
+}
+
+impl SettingsWanted {
+    /// Whether a setting is compared; a flight of none is all together.
+    fn takes(self, setting: &Setting, ground: &TestGround, path: Option<SurfacePath>) -> bool {
+        let is_documented = ground.name == test_grounds::SCENE && path == Some(SurfacePath::Low);
+        match self {
+            Self::All => true,
+            Self::Documented if is_documented => true,
+            _ => setting.is_shown(),
+        }
+    }
+}
+
 /// How a comparison is wanted.
 #[derive(Clone, Debug)]
 pub struct SurfacesRequest<'r> {
     /// The folder that it is written to; made if it is not there. Of tables that lie there rows that are measured now are
     /// replaced and others kept.
     pub folder: &'r Path,
-    /// Each surface at its default alone.
-    pub quick: bool,
+    /// The settings.
+    pub settings: SettingsWanted,
     /// The surfaces; none takes all.
     pub only: &'r [SurfaceKind],
     /// What is measured.
@@ -160,7 +183,7 @@ pub fn compare_surfaces(
     let options = flight.earth_options(gpu.bc_support())?;
     let grounds = grounds(flight, request.grounds)?;
     progress.end();
-    let candidates = candidates(request.only, request.quick);
+    let candidates = candidates(request.only);
     let meter = FlightMeter {
         gpu: &gpu,
         options: &options,
@@ -176,18 +199,26 @@ pub fn compare_surfaces(
         [] => &SurfacePath::ALL,
         some => some,
     };
-    let flights = grounds.len() * paths.len() * candidates.len();
+    let wanted = |ground: &TestGround, path: Option<SurfacePath>| -> Vec<&Candidate> {
+        let all = candidates.iter();
+        all.filter(|candidate| request.settings.takes(&candidate.setting, ground, path))
+            .collect()
+    };
     for part in SurfacesPart::ALL {
         if !request.parts.contains(&part) {
             continue;
         }
-        let steps = match part {
-            SurfacesPart::Settling => grounds.len() * candidates.len(),
-            _ => flights,
+        let of_part: Vec<Option<SurfacePath>> = match part {
+            SurfacesPart::Settling => vec![None],
+            _ => paths.iter().copied().map(Some).collect(),
         };
+        let steps: usize = grounds
+            .iter()
+            .flat_map(|ground| of_part.iter().map(|path| wanted(ground, *path).len()))
+            .sum();
         progress.begin(part.name(), Some(steps as u64));
         for ground in &grounds {
-            let is_whole = measure(part, &meter, ground, paths, &candidates, &mut study)?;
+            let is_whole = measure(part, &meter, ground, &of_part, &wanted, &mut study)?;
             // What is complete stays, whatever comes.
             folder.write(part.file(), study.csv(part).as_bytes())?;
             if !is_whole {
@@ -210,42 +241,35 @@ pub fn compare_surfaces(
 }
 
 /// Measures a part over one ground; `false` if that was stopped.
-fn measure(
+fn measure<'c>(
     part: SurfacesPart,
     meter: &FlightMeter<'_>,
     ground: &TestGround,
-    paths: &[SurfacePath],
-    candidates: &[Candidate],
+    paths: &[Option<SurfacePath>],
+    wanted: &dyn Fn(&TestGround, Option<SurfacePath>) -> Vec<&'c Candidate>,
     study: &mut SurfaceStudy,
 ) -> Result<bool, SurfacesError> {
-    if part == SurfacesPart::Settling {
-        for candidate in candidates {
-            let Some(row) = meter.settling(ground, candidate)? else {
-                return Ok(false);
-            };
-            replace(&mut study.settling, vec![row]);
-            meter.progress.step();
-        }
-        return Ok(true);
-    }
     let mut blocks = match part {
         SurfacesPart::Times => Some(meter.blocks_timer(ground)?),
         _ => None,
     };
-    for &path in paths {
-        let exact = (part == SurfacesPart::Errors).then(|| meter.exact(ground, path));
-        for candidate in candidates {
-            if let Some(blocks) = &mut blocks {
-                let Some(rows) = meter.times(ground, path, candidate, blocks)? else {
-                    return Ok(false);
-                };
-                replace(&mut study.times, rows);
-            }
-            if let Some(exact) = &exact {
-                let Some(row) = meter.errors(ground, path, candidate, exact)? else {
-                    return Ok(false);
-                };
-                replace(&mut study.errors, vec![row]);
+    for path in paths {
+        let exact = path.filter(|_| part == SurfacesPart::Errors);
+        let exact = exact.map(|path| meter.exact(ground, path));
+        for candidate in wanted(ground, *path) {
+            let is_whole = match (path, &mut blocks, &exact) {
+                (Some(path), Some(blocks), _) => meter
+                    .times(ground, *path, candidate, blocks)?
+                    .map(|rows| replace(&mut study.times, rows)),
+                (Some(path), _, Some(exact)) => meter
+                    .errors(ground, *path, candidate, exact)?
+                    .map(|row| replace(&mut study.errors, vec![row])),
+                _ => meter
+                    .settling(ground, candidate)?
+                    .map(|row| replace(&mut study.settling, vec![row])),
+            };
+            if is_whole.is_none() {
+                return Ok(false);
             }
             meter.progress.step();
         }

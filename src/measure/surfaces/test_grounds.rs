@@ -36,7 +36,7 @@ pub fn test_grounds(scene: &Scene) -> Result<Vec<TestGround>, SurfacesError> {
         let heights = read_ground(&relief.elevation, relief.sea_floor, relief.denoise)?;
         let bounds = heights.grids().first().map(|grid| grid.bounds());
         let site = bounds.map_or(alps, |bounds| middle(&bounds));
-        grounds.push(of("scene", heights, site));
+        grounds.push(of(SCENE, heights, site));
     }
     let (worst, site) = worst_case()?;
     let grids = globe.grids().iter().cloned().chain([Arc::new(worst)]);
@@ -44,6 +44,9 @@ pub fn test_grounds(scene: &Scene) -> Result<Vec<TestGround>, SurfacesError> {
     grounds.push(of(super::study::WORST, heights, site));
     Ok(grounds)
 }
+
+/// The name of a scene's own ground.
+pub const SCENE: &str = "scene";
 
 fn of(name: &'static str, heights: Ground, site: Geodetic) -> TestGround {
     TestGround {

@@ -188,6 +188,19 @@ pub const RECORDINGS: &[Recording] = &[
             },
         },
     },
+    Recording {
+        name: "surfaces",
+        file: "surfaces.json",
+        source: Source::Measured {
+            method: "four flights at 60 frames a second over three grounds, 1280 × 720; errors of all frames, a hundredth of their \
+                pixels in each; frames timed beside frames of blocks and their floor, by turns, in 12 places of each flight",
+            draws: true,
+            found: Found::Written {
+                command: "terrella report config/relief.toml --surfaces -o {out} --quiet",
+                file: "surfaces.json",
+            },
+        },
+    },
     kept(
         "report_defaults",
         "report_defaults.csv",
@@ -223,5 +236,30 @@ pub const RECORDINGS: &[Recording] = &[
         "truth_errors",
         "truth_errors.csv",
         "its numbers stand in the output of several tests",
+    ),
+    kept(
+        "terrain_quadtree",
+        "terrain_quadtree.csv",
+        "a run takes a quarter of an hour and writes a table for each ground",
+    ),
+    kept(
+        "terrain_storage",
+        "terrain_storage.csv",
+        "a run takes a quarter of an hour and writes a table for each ground",
+    ),
+    kept(
+        "terrain_building",
+        "terrain_building.csv",
+        "a run takes a quarter of an hour and writes a table for each ground",
+    ),
+    kept(
+        "terrain_orders",
+        "terrain_orders.csv",
+        "a run takes a quarter of an hour and writes a table for each ground",
+    ),
+    kept(
+        "terrain_conditions",
+        "terrain_conditions.csv",
+        "a run takes a quarter of an hour and writes a table for each ground",
     ),
 ];

@@ -2,7 +2,7 @@
 
 use super::markdown::{as_recorded, whereabouts};
 use super::record::Recorded;
-use super::{air, bench, orbits, report, stability};
+use super::{air, bench, orbits, report, stability, surfaces, terrain};
 
 /// A text between markers.
 pub struct Table {
@@ -55,6 +55,31 @@ pub const TABLES: &[Table] = &[
     table("bench_in_the_air", "bench", bench::in_the_air),
     table("bench_run", "bench", whereabouts),
     table("stability", "stability", stability::forms),
+    table("surfaces_globe", "surfaces", |run| {
+        surfaces::section(run, "globe")
+    }),
+    table("surfaces_scene", "surfaces", |run| {
+        surfaces::section(run, "scene")
+    }),
+    table("surfaces_worst_case", "surfaces", |run| {
+        surfaces::section(run, "worst_case")
+    }),
+    table("surfaces_settings", "surfaces", |run| {
+        surfaces::section(run, "settings")
+    }),
+    table("surfaces_settling", "surfaces", |run| {
+        surfaces::section(run, "settling")
+    }),
+    table("surfaces_default", "surfaces", |run| {
+        surfaces::section(run, "default")
+    }),
+    table("surfaces_findings", "surfaces", |run| {
+        surfaces::section(run, "findings")
+    }),
+    table("surfaces_published", "surfaces", |run| {
+        surfaces::section(run, "published")
+    }),
+    table("surfaces_run", "surfaces", whereabouts),
     table("streaming", "streaming", as_recorded),
     table("sky_places", "sky_places", as_recorded),
     table("light_costs", "light_costs", as_recorded),
@@ -71,4 +96,9 @@ pub const TABLES: &[Table] = &[
     table("orbit_times", "orbits", orbits::times),
     table("orbit_drifts", "orbits", orbits::drifts),
     table("orbits_run", "orbits", whereabouts),
+    table("terrain_quadtree", "terrain_quadtree", as_recorded),
+    table("terrain_storage", "terrain_storage", as_recorded),
+    table("terrain_building", "terrain_building", as_recorded),
+    table("terrain_orders", "terrain_orders", terrain::orders),
+    table("terrain_conditions", "terrain_conditions", as_recorded),
 ];
