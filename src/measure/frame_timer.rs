@@ -112,7 +112,8 @@ impl FrameTimer {
     ) -> Result<FrameTimes, PlayError> {
         let measured = self.time_frame(view, sky)?;
         let gpu = self.picture.gpu();
-        self.floor.prepare(&gpu.queue, view, self.picture.size());
+        self.floor
+            .prepare(&gpu.queue, view, sky, self.picture.size());
         let floor = self.picture.time_other(|pass| self.floor.render(pass))?;
         Ok(FrameTimes {
             stats: measured.stats,
