@@ -15,9 +15,10 @@ use terrella::scene::Scene;
 #[command(
     after_help = "The scene's Earth and camera are flown round at twelve heights, from 1 km to the Moon's distance, along \
     the equator and along a path inclined by 51.6°, with the Sun of the scene's start. Each frame is timed beside its \
-    floor: a pass with the same texture samples on the same pixels that computes nothing. Compare their \
+    floor: a pass with the same texture samples at the same places that computes no light. Compare their \
     ratio, not milliseconds. With a pack, tiles are waited for before a frame is timed.\n\n\
-    With --baseline a row fails where its frame over floor is larger than the baseline's by more than --tolerance; a \
+    With --baseline a row is slower where all that noise leaves open, an interval of 95 % for all rows together, lies beyond \
+    --smallest-effect. Frames are compared view by view; --repeats 3 or more on both sides lets the interval know how runs differ. A \
     baseline of another scene, size, number of frames or adapter is refused.\n\n\
     Ctrl-C ends the run early: the files then hold the complete rows and say that they are partial.\n\n\
     Exit codes: 0 done, 2 bad scene or bad usage, 3 slower than the baseline, 1 any other failure or interrupted."
@@ -37,12 +38,15 @@ pub struct BenchArgs {
     /// Compare with an earlier run's JSON
     #[arg(long, value_name = "OLD.json")]
     baseline: Option<PathBuf>,
-    /// With --baseline: how much slower a row may be, 0.25 being a quarter
-    #[arg(long, value_name = "PART", default_value_t = DEFAULT_TOLERANCE, value_parser = values::part, requires = "baseline")]
-    tolerance: f64,
-    /// Frames to time for each row and each feature
+    /// With --baseline: the smallest slowdown that counts, 0.05 being a twentieth
+    #[arg(long, value_name = "PART", default_value_t = SMALLEST_EFFECT, value_parser = values::part, requires = "baseline")]
+    smallest_effect: f64,
+    /// Frames to time for each row and each feature in each run
     #[arg(long, value_name = "N", default_value_t = DEFAULT_FRAMES, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     frames: u32,
+    /// Runs over all rows and features, whose spread is told
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
+    repeats: u32,
     /// Width and height in pixels, instead of the scene's
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<(u32, u32)>,
@@ -50,8 +54,8 @@ pub struct BenchArgs {
 
 /// Keeps a run of 1280 × 720 on two cores without a GPU within three minutes.
 const DEFAULT_FRAMES: u32 = 24;
-/// More than a row of the same program differed between two runs on two cores that six times as many programs wanted.
-const DEFAULT_TOLERANCE: f64 = 0.35;
+/// Less than anyone sees, and more than the same program differs by from build to build.
+const SMALLEST_EFFECT: f64 = 0.05;
 
 /// Benchmarks the scene, prints the tables and fails where a row is slower than the baseline.
 pub fn run(args: &BenchArgs, common: &Common) -> anyhow::Result<()> {
@@ -61,15 +65,20 @@ pub fn run(args: &BenchArgs, common: &Common) -> anyhow::Result<()> {
         "take a scene of another source",
     )?;
     let request = BenchRequest {
-        // The range above keeps it from zero.
+        // The ranges above keep them from zero.
         frames: NonZeroU32::new(args.frames).unwrap_or(NonZeroU32::MIN),
+        repeats: NonZeroU32::new(args.repeats).unwrap_or(NonZeroU32::MIN),
+        arguments: std::env::args_os()
+            .skip(1)
+            .map(|argument| argument.to_string_lossy().into_owned())
+            .collect(),
         size: args.size,
         adapter: common.adapter.as_deref(),
         json: args.json.as_deref(),
         csv: args.csv.as_deref(),
         plots: args.plots.as_deref(),
         baseline: args.baseline.as_deref(),
-        tolerance: args.tolerance,
+        smallest_effect: args.smallest_effect,
     };
     stop_on_interrupt();
     let run = run_bench(&flight, &request, &Bars::new(common.quiet))?;

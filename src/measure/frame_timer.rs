@@ -100,9 +100,10 @@ impl FrameTimer {
     ///
     /// # Errors
     /// A lost device.
-    pub fn floor_ms(&mut self, view: &EyeView) -> Result<f64, PlayError> {
+    pub fn floor_ms(&mut self, view: &EyeView, sky: &Sky) -> Result<f64, PlayError> {
         let gpu = self.picture.gpu();
-        self.floor.prepare(&gpu.queue, view, self.picture.size());
+        self.floor
+            .prepare(&gpu.queue, view, sky, self.picture.size());
         let floor = self.picture.time_other(|pass| self.floor.render(pass))?;
         Ok(milliseconds(floor))
     }
@@ -130,7 +131,7 @@ impl FrameTimer {
         sky: &Sky,
     ) -> Result<FrameTimes, PlayError> {
         let measured = self.time_frame(view, sky)?;
-        let floor_ms = self.floor_ms(view)?;
+        let floor_ms = self.floor_ms(view, sky)?;
         Ok(FrameTimes {
             stats: measured.stats,
             prepare_ms: milliseconds(measured.prepare),

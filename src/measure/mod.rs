@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `viewpoints` | where frames are measured from: the heights of the paper's Table 2 and farther |
 //! | `frame_timer` | frames and their floor, timed turn about |
-//! | `floor` | the least that a frame could cost |
+//! | `floor` | what a frame's texture samples cost alone |
 //! | [`mod@bench`] | the frame-rate harness |
 //! | [`mod@reference`] | the true picture: ray casting in f64 on the processor |
 //! | [`numeric`] | formulas held against arbitrary precision, methods compared by error and cost |
@@ -15,6 +15,7 @@
 //! | [`surfaces`] | surfaces with relief: error beside run time, holes, popping |
 //! | [`terrain`] | trees over heights on their own: what they save, build times, storage |
 //! | [`orbits`] | propagators: error beside run time |
+//! | `machine` | where and when something is measured |
 //! | `statistics`, `histogram`, `pareto` | medians, quartiles, jank; quantiles of many values; the Pareto front |
 //! | `chart`, `axis`, `html`, `output` | measurements as charts, pages and tables, and the folder they are written to |
 
@@ -28,6 +29,7 @@ mod floor;
 mod frame_timer;
 mod histogram;
 mod html;
+mod machine;
 pub mod numeric;
 pub mod orbits;
 mod output;

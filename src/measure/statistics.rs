@@ -33,9 +33,14 @@ impl SortedSample {
         self.0.iter().sum::<f64>() / self.0.len().max(1) as f64
     }
 
-    /// The value that half of the sample does not exceed.
+    /// The middle value, or the mean of the two in the middle; 0 of an empty sample.
     pub fn median(&self) -> f64 {
-        self.quantile(0.5)
+        let (half, is_odd) = (self.0.len() / 2, self.0.len() % 2 == 1);
+        match (is_odd, half.checked_sub(1)) {
+            (true, _) => self.0[half],
+            (false, Some(below)) => 0.5 * (self.0[below] + self.0[half]),
+            (false, None) => 0.0,
+        }
     }
 
     /// The largest value.
@@ -48,22 +53,24 @@ impl SortedSample {
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Quantiles {
-    /// The value that half of the sample does not exceed.
+    /// The median.
     pub median: f64,
-    /// The value that 95 of a hundred do not exceed.
-    pub p95: f64,
-    /// The value that 99 of a hundred do not exceed.
-    pub p99: f64,
+    /// The value that 95 of a hundred do not exceed; none of fewer than 20 values, where it would be the largest.
+    pub p95: Option<f64>,
+    /// The value that 99 of a hundred do not exceed; none of fewer than 100 values.
+    pub p99: Option<f64>,
 }
 
 impl Quantiles {
-    /// The quantiles of a sample; all zero for an empty one, because JSON has nothing for what is not a number.
+    /// The quantiles of a sample; the median of an empty one is zero, because JSON has nothing for what is not a number.
     pub fn of(sample: &[f64]) -> Self {
         let sorted = SortedSample::new(sample.to_vec());
+        let beyond =
+            |part: f64, least: usize| (sorted.len() >= least).then(|| sorted.quantile(part));
         Self {
             median: sorted.median(),
-            p95: sorted.quantile(0.95),
-            p99: sorted.quantile(0.99),
+            p95: beyond(0.95, 20),
+            p99: beyond(0.99, 100),
         }
     }
 }
@@ -73,7 +80,7 @@ impl Quantiles {
 pub struct Quartiles {
     /// The value that a quarter of the sample does not exceed.
     pub lower: f64,
-    /// The value that half of the sample does not exceed.
+    /// The median.
     pub median: f64,
     /// The value that three quarters of the sample do not exceed.
     pub upper: f64,
@@ -106,7 +113,7 @@ impl Quartiles {
     }
 }
 
-/// The value that half of a sample does not exceed; 0 of an empty one.
+/// The middle value of a sample, or the mean of the two in the middle; 0 of an empty one.
 pub fn median(sample: &[f64]) -> f64 {
     SortedSample::new(sample.to_vec()).median()
 }
@@ -122,20 +129,32 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quantiles_are_values_of_the_sample() {
+    fn percentiles_are_values_of_the_sample_and_need_enough_of_them() {
         let sample: Vec<f64> = (1..=100).rev().map(f64::from).collect();
         let found = Quantiles::of(&sample);
-        assert_eq!((found.median, found.p95, found.p99), (50.0, 95.0, 99.0));
-        let one = Quantiles::of(&[3.0]);
-        assert_eq!((one.median, one.p95, one.p99), (3.0, 3.0, 3.0));
+        assert_eq!(
+            (found.median, found.p95, found.p99),
+            (50.5, Some(95.0), Some(99.0))
+        );
+        assert_eq!(Quantiles::of(&sample[..99]).p99, None);
+        let twenty = Quantiles::of(&sample[..20]);
+        assert_eq!((twenty.p95, twenty.p99), (Some(99.0), None));
+        assert_eq!(Quantiles::of(&sample[..19]).p95, None);
         assert_eq!(Quantiles::of(&[]), Quantiles::default());
         assert_eq!(Quantiles::of(&[1.0, f64::NAN, 2.0]).median, 2.0);
     }
 
     #[test]
+    fn the_median_of_an_even_sample_is_in_the_middle() {
+        assert_eq!(median(&[4.0, 1.0, 3.0, 2.0]), 2.5);
+        assert_eq!(median(&[4.0, 1.0, 3.0]), 3.0);
+        assert_eq!((median(&[7.0]), median(&[])), (7.0, 0.0));
+    }
+
+    #[test]
     fn quartiles_are_values_of_the_sample() {
         let found = Quartiles::of([4.0, 1.0, 3.0, 2.0]);
-        assert_eq!((found.lower, found.median, found.upper), (1.0, 2.0, 3.0));
+        assert_eq!((found.lower, found.median, found.upper), (1.0, 2.5, 3.0));
         let found = Quartiles::of([5.0, 1.0, 4.0, 2.0, 3.0]);
         assert_eq!((found.lower, found.median, found.upper), (2.0, 3.0, 4.0));
         assert!(Quartiles::of([]).median.is_nan());

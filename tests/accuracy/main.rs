@@ -7,6 +7,7 @@ mod common;
 mod contour_cast;
 mod crossing;
 mod extreme;
+mod floor;
 mod grid_forms;
 mod hills;
 mod picture_points;

@@ -23,12 +23,14 @@ fn changed(place: &Place, name: &str, report: &Value, change: impl FnOnce(&mut V
     std::fs::write(place.path(name), report.to_string()).expect("writes");
 }
 
-const RUN: [&str; 4] = ["bench", "small.toml", "--frames", "2"];
+const RUN: [&str; 4] = ["bench", "small.toml", "--frames", "8"];
 
 #[test]
 fn a_run_is_written_and_compared_with_an_earlier_one() {
     let place = Place::new();
     let files = [
+        "--repeats",
+        "2",
         "--json",
         "a.json",
         "--csv",
@@ -62,19 +64,39 @@ fn a_run_is_written_and_compared_with_an_earlier_one() {
     assert_eq!(rows[10]["paper_frames_per_s"], Value::Null);
     let features = report["features"].as_array().expect("features");
     let names: Vec<_> = features.iter().map(|feature| &feature["name"]).collect();
-    // Normals, lights and samples are off in this scene.
-    assert_eq!(
-        names,
-        [
-            "clouds",
-            "water",
-            "eclipses",
-            "atmosphere",
-            "stars",
-            "sun",
-            "moon"
-        ]
-    );
+    // Normals, lights and samples are off in this scene. Each is switched off along the flight and both paths.
+    let expected = [
+        "clouds",
+        "water",
+        "eclipses",
+        "atmosphere",
+        "stars",
+        "sun",
+        "moon",
+    ];
+    assert_eq!(names, expected.map(|name| [name; 3]).concat());
+    for features in features.chunks(3) {
+        let courses: Vec<_> = features.iter().map(|feature| &feature["course"]).collect();
+        assert_eq!(courses, ["flight", "equatorial", "inclined"]);
+        for feature in features {
+            let runs = feature["runs"].as_array().expect("runs");
+            assert_eq!(runs.len(), 2);
+            assert_eq!(runs[1]["without_ms"].as_array().map(Vec::len), Some(8));
+        }
+    }
+    if report["adapter"]
+        .as_str()
+        .is_some_and(|name| name.contains("llvmpipe"))
+    {
+        assert_eq!(report["unmeasured"][0]["name"], "anisotropy");
+        assert!(
+            told.contains("not measured: the adapter is software"),
+            "{told}"
+        );
+    }
+    let arguments = report["arguments"].as_array().expect("arguments");
+    assert_eq!(arguments[0], "bench");
+    assert_eq!(arguments[1], "small.toml");
     for feature in features {
         let is_more = |key: &str| feature[key].as_i64() > Some(0);
         let has_map =
@@ -89,21 +111,27 @@ fn a_run_is_written_and_compared_with_an_earlier_one() {
     }
     let csv = std::fs::read_to_string(place.path("a.csv")).expect("reads");
     let columns: Vec<_> = csv.lines().map(|line| line.split(',').count()).collect();
-    assert_eq!(columns, [26; 25], "{csv}");
+    assert_eq!(columns, [28; 25], "{csv}");
     for name in ["features.svg", "floor_ratio.svg", "frames_per_s.svg"] {
         let svg = std::fs::read_to_string(place.path("new/plots").join(name)).expect("reads");
         assert!(svg.trim_end().ends_with("</svg>"), "{name}");
     }
 
     let against = |name: &'static str| {
-        let baseline = ["--baseline", name, "--tolerance", "0.5", "-q"];
+        let baseline = ["--baseline", name, "--smallest-effect", "0.5", "-q"];
         place.run(&[&RUN[..], &baseline].concat())
     };
-    // Two tiny frames on a shared machine tell nothing: the baselines' figures are far away on either side.
+    // Eight tiny frames on a shared machine tell little: the baselines' figures are far away on either side.
     let ratios = |report: &mut Value, fast: Option<usize>| {
         let rows = report["rows"].as_array_mut().expect("rows");
         for (n, row) in rows.iter_mut().enumerate() {
-            row["floor_ratio"] = if fast == Some(n) { 1e-6 } else { 1e6 }.into();
+            let times = if fast == Some(n) { 1e-6 } else { 1e6 };
+            row["floor_ratio"] = times.into();
+            for run in row["runs"].as_array_mut().expect("runs") {
+                for time in run["frame_ms"].as_array_mut().expect("times") {
+                    *time = (time.as_f64().expect("a time") * times).into();
+                }
+            }
         }
     };
     changed(&place, "slow.json", &report, |report| ratios(report, None));
@@ -128,8 +156,26 @@ fn a_run_is_written_and_compared_with_an_earlier_one() {
 /// The contract with programs that read the file.
 fn holds_the_keys(report: &Value) {
     let expected = [
-        "version", "partial", "adapter", "backend", "size", "samples", "frames", "scene",
-        "floor_ms", "clear_ms", "rows", "features",
+        "version",
+        "partial",
+        "date",
+        "arguments",
+        "commit",
+        "adapter",
+        "backend",
+        "driver",
+        "cpu",
+        "os",
+        "size",
+        "samples",
+        "frames",
+        "repeats",
+        "scene",
+        "floor_ms",
+        "clear_ms",
+        "rows",
+        "features",
+        "unmeasured",
     ];
     assert_eq!(keys(report), expected);
     assert_eq!(report["size"], serde_json::json!([64, 36]));
@@ -155,11 +201,29 @@ fn holds_the_keys(report: &Value) {
             "frame_ms",
             "jank_ms",
             "floor_ms",
+            "clear_ms",
             "floor_ratio",
+            "floor_ratio_spread",
             "frames_per_s",
             "paper_frames_per_s",
+            "runs",
         ];
         assert_eq!(keys(row), expected);
+        let runs = row["runs"].as_array().expect("runs");
+        assert_eq!(runs.len(), 2);
+        for run in runs {
+            let times = ["prepare_ms", "frame_ms", "floor_ms", "clear_ms"];
+            assert_eq!(keys(run), times);
+            assert!(
+                times
+                    .iter()
+                    .all(|key| run[key].as_array().map(Vec::len) == Some(8))
+            );
+        }
+        assert!(row["floor_ratio_spread"].as_f64() >= Some(0.0));
+        // Sixteen frames: too few for either.
+        assert_eq!(row["frame_ms"]["p95"], Value::Null);
+        assert_eq!(row["frame_ms"]["p99"], Value::Null);
         assert_eq!(keys(&row["prepare_ms"]), ["median", "p95", "p99"]);
         assert_eq!(keys(&row["frame_ms"]), ["median", "p95", "p99"]);
         let passes = keys(&row["gpu_ms"]);
@@ -168,11 +232,14 @@ fn holds_the_keys(report: &Value) {
     for feature in report["features"].as_array().expect("features") {
         let expected = [
             "name",
+            "course",
             "frame_ms_with",
             "frame_ms_without",
             "frame_ratio",
+            "frame_ratio_spread",
             "texture_bytes",
             "shader_bytes",
+            "runs",
         ];
         assert_eq!(keys(feature), expected);
     }
@@ -207,7 +274,7 @@ fn refuses_others(place: &Place, report: &Value) {
         let frames: &[_] = if more.contains(&"--frames") {
             &[]
         } else {
-            &["--frames", "2"]
+            &["--frames", "8"]
         };
         place.fail(1, &[&given[..], frames, more].concat())
     };
@@ -224,7 +291,7 @@ fn refuses_others(place: &Place, report: &Value) {
         ),
         (
             run("small.toml", "a.json", &["--frames", "3"]),
-            &["frames is 2 there and 3 here"],
+            &["frames is 8 there and 3 here"],
         ),
         (run("wide.toml", "a.json", &[]), &["fov_deg", "45", "60"]),
     ] {
@@ -242,8 +309,9 @@ fn what_cannot_be_written_or_read_is_told_before_measuring() {
     place.scene("a_file", "");
     place.scene("garbage.json", "not a report");
     place.scene("other.json", "{\"adapter\": \"x\"}");
-    let large = vec![b' '; 3 << 20];
-    std::fs::write(place.path("large.json"), large).expect("writes");
+    place.scene("old.json", "{\"version\": 1, \"adapter\": \"x\"}");
+    let large = std::fs::File::create(place.path("large.json")).expect("makes");
+    large.set_len(65 << 20).expect("grows");
     let before = place.names();
     // The adapter that is asked for does not exist: another message shows that the file was looked at first.
     let adapter = ["--adapter", "no such adapter"];
@@ -257,7 +325,9 @@ fn what_cannot_be_written_or_read_is_told_before_measuring() {
         (["--baseline", "."], "cannot be read"),
         (["--baseline", "garbage.json"], "line 1 column"),
         (["--baseline", "other.json"], "--json"),
+        (["--baseline", "old.json"], "version 1"),
         (["--baseline", "large.json"], "larger than"),
+        (["--repeats", "100"], "no such adapter"),
         (["--csv", "a.csv"], "no such adapter"),
     ] {
         let begin = Instant::now();
@@ -265,6 +335,9 @@ fn what_cannot_be_written_or_read_is_told_before_measuring() {
         assert!(words.contains(must_say), "{arguments:?}: {words}");
         assert!(begin.elapsed() < Duration::from_secs(5), "{arguments:?}");
     }
+    let many = ["bench", "small.toml", "--frames", "10000", "--repeats", "2"];
+    let words = place.fail(1, &[&many[..], &adapter].concat());
+    assert!(words.contains("fewer --frames or --repeats"), "{words}");
     assert_eq!(place.names(), before);
 }
 

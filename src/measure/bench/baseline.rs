@@ -1,6 +1,7 @@
 //! A run held against an earlier one: the same scene, size and adapter, and only ratios.
 
 use super::error::BenchError;
+use super::interval::Interval;
 use super::report::{BenchReport, BenchRow};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -21,13 +22,8 @@ pub struct RowChange {
     pub before: f64,
     /// Frame over floor in this run.
     pub now: f64,
-}
-
-impl RowChange {
-    /// By how much it is slower, 0.1 being a tenth; negative where it is faster.
-    pub fn slower_by(&self) -> f64 {
-        self.now / self.before - 1.0
-    }
+    /// Now ÷ before, view by view.
+    pub times: Interval,
 }
 
 /// All rows of two runs.
@@ -35,9 +31,14 @@ impl RowChange {
 pub struct Comparison {
     /// In the order of the rows.
     pub changes: Vec<RowChange>,
-    /// Part by which a row may be slower.
-    pub tolerance: f64,
+    /// Part by which a row must be slower to count.
+    pub smallest_effect: f64,
 }
+
+/// That no row of all is called slower by noise alone.
+const CONFIDENCE: f64 = 0.95;
+/// Runs on a side from which their spread is told.
+const RUNS_TO_TELL: u32 = 3;
 
 impl Baseline {
     /// Reads one.
@@ -112,15 +113,48 @@ impl Baseline {
         })
     }
 
-    /// Compares all rows of a complete run.
+    /// What else of the machines differs, and what the runs cannot tell.
+    pub fn notices(&self, run: &BenchReport) -> Vec<String> {
+        let there = &self.report;
+        let mut notices = Vec::new();
+        for (what, there, here) in [
+            ("driver", &there.driver, &run.driver),
+            ("processor", &there.cpu, &run.cpu),
+            ("operating system", &there.os, &run.os),
+        ] {
+            if there != here {
+                notices.push(format!(
+                    "the baseline's {what} is {there:?}, this run's {here:?}: what differs may be the machine"
+                ));
+            }
+        }
+        if there.repeats.min(run.repeats) < RUNS_TO_TELL {
+            notices.push(format!(
+                "intervals know how frames differ, and how runs do only with {RUNS_TO_TELL} runs and more on both sides; there are \
+                 {} and {} (--repeats)",
+                there.repeats, run.repeats
+            ));
+        }
+        notices
+    }
+
+    /// Compares all rows of a complete run: slower is what all of its interval says.
+    ///
+    /// The interval of each row has a confidence of 1 − 0.05/rows, so that of all rows together noise calls none slower with 95 %
+    /// (Bonferroni).
     ///
     /// # Errors
     /// A row that only one of them has.
-    pub fn compare(&self, run: &BenchReport, tolerance: f64) -> Result<Comparison, BenchError> {
+    pub fn compare(
+        &self,
+        run: &BenchReport,
+        smallest_effect: f64,
+    ) -> Result<Comparison, BenchError> {
         self.check_all(run)?;
         let names =
             |report: &BenchReport| report.rows.iter().map(BenchRow::name).collect::<Vec<_>>();
         self.same("the list of rows", names(&self.report), names(run))?;
+        let confidence = 1.0 - (1.0 - CONFIDENCE) / run.rows.len().max(1) as f64;
         let pairs = self.report.rows.iter().zip(&run.rows);
         Ok(Comparison {
             changes: pairs
@@ -128,36 +162,35 @@ impl Baseline {
                     row: here.name(),
                     before: there.floor_ratio,
                     now: here.floor_ratio,
+                    times: Interval::of(&there.ratios(), &here.ratios(), confidence),
                 })
                 .collect(),
-            tolerance,
+            smallest_effect,
         })
     }
 }
 
 impl Comparison {
-    /// Refuses a run of which a row is slower by more than the tolerance.
+    /// Refuses a run of which a row is slower.
     ///
     /// # Errors
     /// [`BenchError::Slower`].
     pub fn verdict(&self) -> Result<(), BenchError> {
-        let beyond = |change: &&RowChange| change.slower_by() > self.tolerance;
-        let slower = self.changes.iter().filter(beyond);
+        let effect = self.smallest_effect;
+        let slower = self.changes.iter();
+        let slower = slower.filter(|change| change.times.is_slower(effect));
         let worst = slower
             .clone()
-            .max_by(|a, b| a.slower_by().total_cmp(&b.slower_by()));
+            .max_by(|a, b| a.times.median.total_cmp(&b.times.median));
         match worst {
             None => Ok(()),
             Some(worst) => Err(BenchError::Slower {
                 count: slower.count(),
                 rows: self.changes.len(),
-                tolerance_pct: 100.0 * self.tolerance,
+                effect_pct: 100.0 * effect,
                 worst: format!(
-                    "{} from {:.2} to {:.2} × the floor ({:+.0} %)",
-                    worst.row,
-                    worst.before,
-                    worst.now,
-                    100.0 * worst.slower_by()
+                    "{} from {:.2} to {:.2} × the floor ({})",
+                    worst.row, worst.before, worst.now, worst.times
                 ),
             }),
         }

@@ -62,18 +62,28 @@ pub enum BenchError {
         /// Rows wanted.
         wanted: usize,
     },
+    /// More frames than are kept.
+    #[error(
+        "{frames} frames in each of {repeats} runs are more than 10 000 a row; give fewer --frames or --repeats"
+    )]
+    TooManyFrames {
+        /// Frames in a run.
+        frames: u32,
+        /// Runs.
+        repeats: u32,
+    },
     /// Slower than the baseline.
     #[error(
-        "{count} of {rows} rows are slower than the baseline by more than {tolerance_pct:.0} %: {worst}"
+        "{count} of {rows} rows are slower than the baseline, by more than {effect_pct:.0} % with all that their noise leaves open: {worst}"
     )]
     Slower {
-        /// Rows beyond the tolerance.
+        /// Rows that are slower.
         count: usize,
         /// Rows compared.
         rows: usize,
-        /// The tolerance, per cent.
-        tolerance_pct: f64,
-        /// The worst row and its ratios, as text.
+        /// The smallest effect that counts, per cent.
+        effect_pct: f64,
+        /// The worst row and its interval, as text.
         worst: String,
     },
 }

@@ -1,7 +1,7 @@
 //! What each layer and effect costs: the scene beside the same scene without it.
 
-use super::report::Feature;
-use super::rows::rounded;
+use super::report::{COURSE_HEIGHT_KM, Course, Feature, FeatureTimes, Unmeasured, ratios, spread};
+use super::rows::{precise, rounded};
 use crate::gpu::{BcSupport, GpuContext};
 use crate::imagery::tile::MapLayer;
 use crate::measure::frame_timer::milliseconds;
@@ -59,7 +59,6 @@ impl FeatureKind {
             (Self::Relief, options.ground.is_some()),
             (Self::Tiles, options.tiles.is_some()),
             (Self::Multisampling, options.samples > 1),
-            // Software adapters never filter so.
             (
                 Self::Anisotropy,
                 options.anisotropy > 1 && !gpu.is_software(),
@@ -146,82 +145,194 @@ impl FeatureKind {
     }
 }
 
-/// Times the scene with and without a feature, turn about, along the scene's own flight; `None` where the work is no longer
-/// wanted. `options` are those that `timer` was made with.
-pub(super) fn measure(
+/// What a scene asks for and this adapter leaves out. `wanted` are the scene's options, `drawn_samples` the samples a pixel
+/// that the adapter draws.
+pub(super) fn unmeasured(
+    wanted: &EarthOptions,
+    drawn_samples: u32,
+    is_software: bool,
+) -> Vec<Unmeasured> {
+    let mut all = Vec::new();
+    let mut add = |kind: FeatureKind, why: &str| {
+        all.push(Unmeasured {
+            name: kind.name().to_owned(),
+            why: why.to_owned(),
+        });
+    };
+    if wanted.anisotropy > 1 && is_software {
+        add(
+            FeatureKind::Anisotropy,
+            "the adapter is software and ignores it",
+        );
+    }
+    if wanted.samples > drawn_samples {
+        add(
+            FeatureKind::Multisampling,
+            "the adapter cannot draw so many samples a pixel",
+        );
+    }
+    all
+}
+
+/// A feature that is measured, run after run: the scene, and the scene without it.
+pub(super) struct FeatureMeter<'f> {
     kind: FeatureKind,
-    flight: &Flight,
-    timer: &mut FrameTimer,
-    options: &EarthOptions,
-    frames: u32,
-    progress: &dyn Progress,
-) -> Result<Option<Feature>, PlayError> {
-    let scene = flight.scene();
-    let gpu = timer.picture().gpu().clone();
-    let size = timer.picture().size();
-    let less = kind.options_without(scene, options, gpu.bc_support())?;
-    let less_samples = less.samples;
-    let mut less = OffscreenRenderer::open(gpu.clone(), less, size)?;
-    let mut own = match kind.is_beside_the_earth() {
-        true => Some(OffscreenRenderer::open(gpu, options.clone(), size)?),
-        false => None,
-    };
-    if let Some(own) = &mut own {
-        match kind {
-            FeatureKind::Tracks => own.show_tracks(flight)?,
-            _ => own.show_sky(flight)?,
-        }
-    }
-    if let FeatureKind::Sky(part) = kind {
-        less.show_sky_without(flight, part)?;
-    }
-    let whole = own.as_mut().unwrap_or(timer.picture_mut());
-    let aspect = less.aspect();
-    let flight_frames = scene.time.frame_count();
-    let moment = |n: u32| {
-        let index = flight_frames * u64::from(n) / u64::from(frames);
-        flight.at(frame_epoch(&scene.time, index), aspect)
-    };
-    let first = moment(0)?;
-    for _ in 0..WARM_UP {
-        timed(whole, &first, scene)?;
-        timed(&mut less, &first, scene)?;
-    }
-    let (mut with, mut without, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
-    let mut texture_bytes = [0; 2];
-    for n in 0..frames {
-        if progress.cancelled() {
-            return Ok(None);
-        }
-        let moment = moment(n)?;
-        // Neither is always the first.
-        let (a, b) = if n % 2 == 0 {
-            let a = timed(whole, &moment, scene)?;
-            (a, timed(&mut less, &moment, scene)?)
-        } else {
-            let b = timed(&mut less, &moment, scene)?;
-            (timed(whole, &moment, scene)?, b)
+    flight: &'f Flight,
+    /// The scene's own picture where the feature is beside the Earth; else the one that rows are drawn with.
+    own: Option<OffscreenRenderer>,
+    less: OffscreenRenderer,
+    /// Samples a pixel with it and without.
+    samples: [u32; 2],
+}
+
+impl<'f> FeatureMeter<'f> {
+    /// Makes what draws. `options` are those that `timer` was made with.
+    pub fn new(
+        kind: FeatureKind,
+        flight: &'f Flight,
+        timer: &FrameTimer,
+        options: &EarthOptions,
+    ) -> Result<Self, PlayError> {
+        let gpu = timer.picture().gpu().clone();
+        let size = timer.picture().size();
+        let less = kind.options_without(flight.scene(), options, gpu.bc_support())?;
+        let samples = [options.samples, less.samples];
+        let mut less = OffscreenRenderer::open(gpu.clone(), less, size)?;
+        let mut own = match kind.is_beside_the_earth() {
+            true => Some(OffscreenRenderer::open(gpu, options.clone(), size)?),
+            false => None,
         };
-        let (a_ms, b_ms) = (milliseconds(a.frame), milliseconds(b.frame));
-        with.push(a_ms);
-        without.push(b_ms);
-        ratios.push(a_ms / b_ms.max(1e-6));
-        texture_bytes = [a.stats.texture_bytes, b.stats.texture_bytes];
+        if let Some(own) = &mut own {
+            match kind {
+                FeatureKind::Tracks => own.show_tracks(flight)?,
+                _ => own.show_sky(flight)?,
+            }
+        }
+        if let FeatureKind::Sky(part) = kind {
+            less.show_sky_without(flight, part)?;
+        }
+        Ok(Self {
+            kind,
+            flight,
+            own,
+            less,
+            samples,
+        })
     }
-    let difference = |more: u64, less: u64| more as i64 - less as i64;
-    let targets = difference(
-        target_bytes(size, options.samples),
-        target_bytes(size, less_samples),
-    );
-    let shader = [&*whole, &less].map(OffscreenRenderer::shader_bytes);
-    Ok(Some(Feature {
-        name: kind.name().to_owned(),
-        frame_ms_with: rounded(median(&with)),
-        frame_ms_without: rounded(median(&without)),
-        frame_ratio: rounded(median(&ratios)),
-        texture_bytes: difference(texture_bytes[0], texture_bytes[1]) + targets,
-        shader_bytes: difference(shader[0], shader[1]),
-    }))
+
+    /// The `n`-th of `frames` instants along a course.
+    fn moment(&self, course: Course, n: u32, frames: u32) -> Result<Moment, PlayError> {
+        let scene = self.flight.scene();
+        let aspect = self.less.aspect();
+        let index = scene.time.frame_count() * u64::from(n) / u64::from(frames);
+        let moment = self.flight.at(frame_epoch(&scene.time, index), aspect)?;
+        let Some(path) = course.path() else {
+            return Ok(moment);
+        };
+        let camera = &scene.camera;
+        Ok(Moment {
+            view: path.view(
+                &scene.earth.figure.ellipsoid(),
+                COURSE_HEIGHT_KM * 1e3,
+                f64::from(n) / f64::from(frames),
+                camera.mode,
+                camera.fov_deg.to_radians(),
+                aspect,
+            ),
+            craft: None,
+            eye_velocity_m_s: None,
+            ..moment
+        })
+    }
+
+    /// Measures it along each course, `repeats` runs of all of them, the scene with and without it turn about; `None` where the
+    /// work is no longer wanted.
+    pub fn measure(
+        &mut self,
+        timer: &mut FrameTimer,
+        frames: u32,
+        repeats: u32,
+        progress: &dyn Progress,
+    ) -> Result<Option<Vec<Feature>>, PlayError> {
+        let mut runs = Course::ALL.map(|_| Vec::new());
+        let mut texture_bytes = [0; 2];
+        for _ in 0..repeats {
+            for (course, runs) in Course::ALL.into_iter().zip(&mut runs) {
+                let Some((times, bytes)) = self.run(timer, course, frames, progress)? else {
+                    return Ok(None);
+                };
+                runs.push(times);
+                texture_bytes = bytes;
+            }
+        }
+        let size = self.less.size();
+        let whole = self.own.as_ref().unwrap_or(timer.picture());
+        let difference = |more: u64, less: u64| more as i64 - less as i64;
+        let [more, less] = self.samples.map(|samples| target_bytes(size, samples));
+        let texture_bytes = difference(texture_bytes[0], texture_bytes[1]) + difference(more, less);
+        let shader_bytes = difference(whole.shader_bytes(), self.less.shader_bytes());
+        let features = Course::ALL.into_iter().zip(runs).map(|(course, runs)| {
+            let by_run: Vec<_> = runs
+                .iter()
+                .map(|run| ratios(&run.with_ms, &run.without_ms))
+                .collect();
+            let ratio = median(&by_run.concat());
+            let all = |of: fn(&FeatureTimes) -> &Vec<f64>| -> Vec<f64> {
+                runs.iter().flat_map(of).copied().collect()
+            };
+            Feature {
+                name: self.kind.name().to_owned(),
+                course,
+                frame_ms_with: rounded(median(&all(|run| &run.with_ms))),
+                frame_ms_without: rounded(median(&all(|run| &run.without_ms))),
+                frame_ratio: rounded(ratio),
+                frame_ratio_spread: spread(&by_run, ratio).map(rounded),
+                texture_bytes,
+                shader_bytes,
+                runs,
+            }
+        });
+        Ok(Some(features.collect()))
+    }
+
+    /// One run along a course, and the bytes of textures with and without.
+    fn run(
+        &mut self,
+        timer: &mut FrameTimer,
+        course: Course,
+        frames: u32,
+        progress: &dyn Progress,
+    ) -> Result<Option<(FeatureTimes, [u64; 2])>, PlayError> {
+        let scene = self.flight.scene();
+        let first = self.moment(course, 0, frames)?;
+        let mut times = FeatureTimes::default();
+        let mut texture_bytes = [0; 2];
+        for n in 0..frames + WARM_UP {
+            if progress.cancelled() {
+                return Ok(None);
+            }
+            let moment = match n.checked_sub(WARM_UP) {
+                Some(n) => self.moment(course, n, frames)?,
+                None => first,
+            };
+            let whole = self.own.as_mut().unwrap_or(timer.picture_mut());
+            let less = &mut self.less;
+            // Neither is always the first.
+            let (a, b) = if n % 2 == 0 {
+                let a = timed(whole, &moment, scene)?;
+                (a, timed(less, &moment, scene)?)
+            } else {
+                let b = timed(less, &moment, scene)?;
+                (timed(whole, &moment, scene)?, b)
+            };
+            if n >= WARM_UP {
+                times.with_ms.push(precise(milliseconds(a.frame)));
+                times.without_ms.push(precise(milliseconds(b.frame)));
+            }
+            texture_bytes = [a.stats.texture_bytes, b.stats.texture_bytes];
+        }
+        Ok(Some((times, texture_bytes)))
+    }
 }
 
 fn timed(

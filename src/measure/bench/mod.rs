@@ -8,7 +8,7 @@
 //! | `blocks` | how many blocks an eye should see, counted independently |
 //! | `settings` | what of a scene bears on the work of a frame |
 //! | `report` | the JSON |
-//! | `baseline` | two reports compared |
+//! | `baseline`, `interval` | two reports compared, and what their noise leaves open |
 //! | `table`, `plots` | what a person reads |
 //!
 //! Times of a shared or unknown machine cannot be compared with others. So each frame is timed beside its
@@ -19,6 +19,7 @@ mod baseline;
 mod blocks;
 mod error;
 mod features;
+mod interval;
 mod plots;
 mod report;
 mod rows;
@@ -31,5 +32,9 @@ mod tests;
 pub use baseline::{Baseline, Comparison, RowChange};
 pub use blocks::{BlockCounts, sees_block};
 pub use error::BenchError;
-pub use report::{BenchReport, BenchRow, Feature, VERSION};
-pub use run::{BenchRequest, BenchRun, run_bench};
+pub use interval::Interval;
+pub use report::{
+    BenchReport, BenchRow, COURSE_HEIGHT_KM, Course, Feature, FeatureTimes, RowTimes, Unmeasured,
+    VERSION,
+};
+pub use run::{BenchRequest, BenchRun, MAX_FRAMES, run_bench};

@@ -1,6 +1,6 @@
 //! The charts of a run.
 
-use super::report::{BenchReport, BenchRow};
+use super::report::{BenchReport, BenchRow, Course};
 use crate::measure::{Chart, GroundPath, Point, Series};
 
 /// Names of the files, in the order of [`charts`].
@@ -28,7 +28,9 @@ pub(super) fn charts(report: &BenchReport) -> [Chart; 3] {
         points: points(equator, |row| row.paper_frames_per_s),
         joined: true,
     });
-    let features = report.features.iter().map(|feature| Point {
+    let of_flight = report.features.iter();
+    let of_flight = of_flight.filter(|feature| feature.course == Course::Flight);
+    let features = of_flight.map(|feature| Point {
         label: feature.name.clone(),
         ..Point::new(
             feature.texture_bytes as f64 * 1e-6,

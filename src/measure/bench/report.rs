@@ -1,15 +1,15 @@
 //! What the harness writes as JSON, and reads again as a baseline.
 
 use super::error::BenchError;
-use crate::measure::{GroundPath, Quantiles};
+use crate::measure::{GroundPath, Quantiles, median};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 use std::path::Path;
 
 /// The layout of the file. A reader refuses others.
-pub const VERSION: u32 = 1;
-/// Largest baseline that is read, bytes: a hundred times one that is written.
-const MAX_BYTES: u64 = 2 << 20;
+pub const VERSION: u32 = 2;
+/// Largest baseline that is read, bytes: twice one with [`MAX_FRAMES`](super::MAX_FRAMES).
+const MAX_BYTES: u64 = 64 << 20;
 
 /// One run of the harness.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -19,16 +19,30 @@ pub struct BenchReport {
     pub version: u32,
     /// Whether the run was interrupted: then rows or features are missing.
     pub partial: bool,
+    /// When the run began, UTC.
+    pub date: String,
+    /// The command's arguments.
+    pub arguments: Vec<String>,
+    /// The commit that was checked out where the program was built, with a word where sources differed; "unknown" outside of git.
+    pub commit: String,
     /// Name of the adapter.
     pub adapter: String,
     /// vulkan, gl, metal or dx12.
     pub backend: String,
+    /// Name and version of its driver, as it says.
+    pub driver: String,
+    /// Model and number of the processors.
+    pub cpu: String,
+    /// Name and kernel of the operating system.
+    pub os: String,
     /// Width and height, pixels.
     pub size: [u32; 2],
     /// Samples a pixel that were really drawn.
     pub samples: u32,
-    /// Frames that each row was timed with.
+    /// Frames that each row was timed with in each run.
     pub frames: u32,
+    /// Runs over all rows and features, one after the other.
+    pub repeats: u32,
     /// What of the scene bears on the work of a frame, each value as the scene writes it.
     pub scene: BTreeMap<String, String>,
     /// The floor, median of the rows' medians, milliseconds.
@@ -37,8 +51,73 @@ pub struct BenchReport {
     pub clear_ms: f64,
     /// One for each height and path.
     pub rows: Vec<BenchRow>,
-    /// What each layer and effect costs.
+    /// What each layer and effect costs along each course.
     pub features: Vec<Feature>,
+    /// What the scene asks for and this adapter leaves out.
+    pub unmeasured: Vec<Unmeasured>,
+}
+
+/// What the scene asks for and the adapter leaves out, so that its cost was not measured.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Unmeasured {
+    /// As in scene files.
+    pub name: String,
+    /// Why it was not measured.
+    pub why: String,
+}
+
+/// Times of one run over a row, one for each frame, milliseconds.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RowTimes {
+    /// `prepare` on the processor.
+    pub prepare_ms: Vec<f64>,
+    /// The whole frame, the device waited for.
+    pub frame_ms: Vec<f64>,
+    /// The floor beside it.
+    pub floor_ms: Vec<f64>,
+    /// A pass that clears and draws nothing, beside it.
+    pub clear_ms: Vec<f64>,
+}
+
+/// Times of one run over a feature, one for each frame, milliseconds.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FeatureTimes {
+    /// The whole scene.
+    pub with_ms: Vec<f64>,
+    /// The scene without the feature, beside it.
+    pub without_ms: Vec<f64>,
+}
+
+/// Where the eye flies while a feature is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Course {
+    /// The scene's own flight.
+    Flight,
+    /// The path along the equator, [`COURSE_HEIGHT_KM`] high.
+    Equatorial,
+    /// The inclined path, as high.
+    Inclined,
+}
+
+/// Height of the eye on the paths that features are measured along, kilometres.
+pub const COURSE_HEIGHT_KM: f64 = 600.0;
+
+impl Course {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Flight, Self::Equatorial, Self::Inclined];
+
+    /// The path over the ground; `None` for the scene's own flight.
+    pub fn path(self) -> Option<GroundPath> {
+        match self {
+            Self::Flight => None,
+            Self::Equatorial => Some(GroundPath::Equatorial),
+            Self::Inclined => Some(GroundPath::Inclined),
+        }
+    }
 }
 
 /// One height along one path. Counts are the largest of all frames.
@@ -80,12 +159,18 @@ pub struct BenchRow {
     pub jank_ms: f64,
     /// The floor, median, milliseconds.
     pub floor_ms: f64,
+    /// A pass that clears and draws nothing, median, milliseconds.
+    pub clear_ms: f64,
     /// Median of each frame over the floor beside it.
     pub floor_ratio: f64,
+    /// Largest less smallest of the runs' medians of that, over `floor_ratio`; none of a single run.
+    pub floor_ratio_spread: Option<f64>,
     /// 1 over the median frame.
     pub frames_per_s: f64,
     /// What the paper gives for this height, on its machine of 2011.
     pub paper_frames_per_s: Option<f64>,
+    /// The times that all this is of.
+    pub runs: Vec<RowTimes>,
 }
 
 /// A layer or an effect: the scene with it, and the same without it.
@@ -94,16 +179,22 @@ pub struct BenchRow {
 pub struct Feature {
     /// As in scene files; `multisampling` is `samples`, `tiles` the pack's levels above the coarsest.
     pub name: String,
+    /// Where the eye flew.
+    pub course: Course,
     /// Median frame of the whole scene, milliseconds.
     pub frame_ms_with: f64,
     /// Median frame without the feature, each drawn beside one of the whole scene, milliseconds.
     pub frame_ms_without: f64,
     /// Median of each frame with it over the one without it beside it.
     pub frame_ratio: f64,
+    /// Largest less smallest of the runs' medians of that, over `frame_ratio`; none of a single run.
+    pub frame_ratio_spread: Option<f64>,
     /// Bytes of textures that are held for it alone.
     pub texture_bytes: i64,
     /// Bytes of WGSL that the driver gets for it alone.
     pub shader_bytes: i64,
+    /// The times that all this is of.
+    pub runs: Vec<FeatureTimes>,
 }
 
 impl BenchReport {
@@ -137,22 +228,25 @@ impl BenchReport {
         if bytes.len() as u64 > MAX_BYTES {
             return Err(refused(format!("it is larger than {MAX_BYTES} bytes")));
         }
-        let report: Self = serde_json::from_slice(&bytes).map_err(|error| {
+        let unlike = |error: serde_json::Error| {
             // It may quote the file: nothing of it reaches the terminal as a command.
             refused(error.to_string().replace(char::is_control, "\u{fffd}"))
-        })?;
+        };
+        // First, so that an older file is not told what its keys should be.
+        let layout: Layout = serde_json::from_slice(&bytes).map_err(unlike)?;
+        if layout.version != VERSION {
+            return Err(refused(format!(
+                "its layout is version {}, this program's is {VERSION}",
+                layout.version
+            )));
+        }
+        let report: Self = serde_json::from_slice(&bytes).map_err(unlike)?;
         report.check().map_err(refused)?;
         Ok(report)
     }
 
     /// Refuses what no complete run of this version writes; answers why.
     fn check(&self) -> Result<(), String> {
-        if self.version != VERSION {
-            return Err(format!(
-                "its layout is version {}, this program's is {VERSION}",
-                self.version
-            ));
-        }
         if self.partial {
             return Err("its run was interrupted and rows are missing".into());
         }
@@ -173,6 +267,7 @@ impl BenchReport {
             for (key, value) in [
                 ("jank_ms", row.jank_ms),
                 ("floor_ms", row.floor_ms),
+                ("clear_ms", row.clear_ms),
                 ("frames_per_s", row.frames_per_s),
                 ("frame_ms", row.frame_ms.median),
                 ("prepare_ms", row.prepare_ms.median),
@@ -185,6 +280,7 @@ impl BenchReport {
                     row.floor_ratio
                 )));
             }
+            row.check_runs().map_err(in_row)?;
         }
         Ok(())
     }
@@ -195,4 +291,53 @@ impl BenchRow {
     pub fn name(&self) -> String {
         format!("{} km, {}", self.height_km, self.path.name())
     }
+
+    /// Frame over floor of each frame, by run.
+    pub fn ratios(&self) -> Vec<Vec<f64>> {
+        let runs = self.runs.iter();
+        runs.map(|run| ratios(&run.frame_ms, &run.floor_ms))
+            .collect()
+    }
+
+    /// Refuses times that no run gives.
+    fn check_runs(&self) -> Result<(), String> {
+        let frames = self.runs.first().map_or(0, |run| run.frame_ms.len());
+        for run in &self.runs {
+            for times in [&run.prepare_ms, &run.frame_ms, &run.floor_ms, &run.clear_ms] {
+                if times.len() != frames || frames == 0 {
+                    return Err("its runs have no frames, or not as many of each time".into());
+                }
+                if let Some(time) = times.iter().find(|time| !time.is_finite() || **time < 0.0) {
+                    return Err(format!("a time is {time}; it must be 0 or more"));
+                }
+            }
+        }
+        match self.runs.is_empty() {
+            true => Err("it has no runs".into()),
+            false => Ok(()),
+        }
+    }
+}
+
+/// What of a report is read before all else.
+#[derive(serde::Deserialize)]
+struct Layout {
+    version: u32,
+}
+
+/// Each time over the one beside it.
+pub(super) fn ratios(times: &[f64], beside: &[f64]) -> Vec<f64> {
+    let pairs = times.iter().zip(beside);
+    pairs
+        .map(|(time, beside)| time / beside.max(1e-6))
+        .collect()
+}
+
+/// Largest less smallest of the runs' medians, over the median of all; none of a single run.
+pub(super) fn spread(runs: &[Vec<f64>], of_all: f64) -> Option<f64> {
+    let medians = runs.iter().map(|run| median(run));
+    let (least, most) = medians.fold((f64::INFINITY, 0.0_f64), |(least, most), median| {
+        (least.min(median), most.max(median))
+    });
+    (runs.len() > 1).then(|| (most - least) / of_all.max(1e-6))
 }

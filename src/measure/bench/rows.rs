@@ -1,7 +1,7 @@
 //! One height along one path: frames, their floor, the times of the passes, the counts.
 
 use super::blocks::BlockCounts;
-use super::report::BenchRow;
+use super::report::{BenchRow, RowTimes, ratios, spread};
 use crate::globe::Meshes;
 use crate::gpu::GpuTimer;
 use crate::imagery::tile::MAX_LEVELS;
@@ -27,11 +27,13 @@ pub(super) struct RowMeter<'a> {
     pub progress: &'a dyn Progress,
 }
 
-/// A row, and what the report as a whole needs of it.
-pub(super) struct MeasuredRow {
-    pub row: BenchRow,
-    /// Median of the bare clear, milliseconds.
-    pub clear_ms: f64,
+/// A row that is measured, run after run.
+pub(super) struct RowRuns {
+    height: EyeHeight,
+    path: GroundPath,
+    counts: Counts,
+    passes: BTreeMap<String, Vec<f64>>,
+    runs: Vec<RowTimes>,
     /// Most tiles that a frame had to do without.
     pub missing_tiles: usize,
 }
@@ -43,107 +45,139 @@ struct Counts {
     blocks: BlockCounts,
 }
 
+impl RowRuns {
+    /// A row without any run.
+    pub fn new(height: &EyeHeight, path: GroundPath) -> Self {
+        Self {
+            height: *height,
+            path,
+            counts: Counts::default(),
+            passes: BTreeMap::new(),
+            runs: Vec::new(),
+            missing_tiles: 0,
+        }
+    }
+
+    /// The last run in a line, for people who wait.
+    pub fn progress(&self) -> String {
+        let (frame, ratio) = match self.runs.last() {
+            Some(run) => (
+                median(&run.frame_ms),
+                median(&ratios(&run.frame_ms, &run.floor_ms)),
+            ),
+            None => (0.0, 0.0),
+        };
+        let (height_km, path) = (self.height.height_km, self.path.name());
+        format!("{height_km} km, {path}: {frame:.2} ms, {ratio:.2} x its floor")
+    }
+
+    /// The row of all runs; `None` where none was completed.
+    pub fn row(self) -> Option<BenchRow> {
+        if self.runs.is_empty() {
+            return None;
+        }
+        let all = |of: fn(&RowTimes) -> &Vec<f64>| -> Vec<f64> {
+            self.runs.iter().flat_map(of).copied().collect()
+        };
+        let frame = all(|run| &run.frame_ms);
+        let floor = all(|run| &run.floor_ms);
+        let by_run = self.runs.iter();
+        let by_run: Vec<_> = by_run
+            .map(|run| ratios(&run.frame_ms, &run.floor_ms))
+            .collect();
+        let ratio = median(&by_run.concat());
+        let (stats, blocks) = (&self.counts.stats, &self.counts.blocks);
+        let used = stats.day_levels.iter().rposition(|blocks| *blocks > 0);
+        let passes = self.passes.into_iter();
+        Some(BenchRow {
+            height_km: self.height.height_km,
+            path: self.path,
+            blocks_visible: stats.blocks_visible,
+            blocks_drawn: stats.blocks_drawn,
+            blocks_paper_rule: blocks.paper_rule,
+            blocks_exact: blocks.exact,
+            blocks_lost: blocks.lost,
+            blocks_lost_paper_rule: blocks.lost_paper_rule,
+            levels: stats.day_levels[..used.map_or(0, |last| last + 1)].to_vec(),
+            triangles: stats.triangles,
+            draw_calls: stats.draw_calls,
+            uploaded_bytes: stats.uploaded_bytes,
+            prepare_ms: quantiles(&all(|run| &run.prepare_ms)),
+            gpu_ms: passes
+                .map(|(name, times)| (name, rounded(median(&times))))
+                .collect(),
+            frame_ms: quantiles(&frame),
+            jank_ms: rounded(jank(&frame)),
+            floor_ms: rounded(median(&floor)),
+            clear_ms: rounded(median(&all(|run| &run.clear_ms))),
+            // More than nothing, as a baseline must be.
+            floor_ratio: rounded(ratio).max(1e-3),
+            floor_ratio_spread: spread(&by_run, ratio).map(rounded),
+            frames_per_s: rounded(1e3 / median(&frame).max(1e-6)),
+            paper_frames_per_s: self.height.paper_frames_per_s,
+            runs: self.runs,
+        })
+    }
+}
+
 impl RowMeter<'_> {
-    /// Measures a row; `None` where the work is no longer wanted.
-    pub fn measure(
-        &mut self,
-        height: &EyeHeight,
-        path: GroundPath,
-    ) -> Result<Option<MeasuredRow>, PlayError> {
+    /// Measures one more run of a row; `false` where the work is no longer wanted, and the run is left out.
+    pub fn measure(&mut self, row: &mut RowRuns) -> Result<bool, PlayError> {
         let wait = self.scene.output.wait();
-        let (mut prepare, mut frame, mut floor) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut clear, mut ratios) = (Vec::new(), Vec::new());
-        let mut counts = Counts::default();
-        let mut missing_tiles = 0;
-        let first = self.view(height, path, 0, self.frames);
+        let mut times = RowTimes::default();
+        let first = self.view(row, 0, self.frames);
         for _ in 0..WARM_UP {
             self.timer.wait_for_tiles(&first, &self.sky, wait);
             self.timer.time_frame_and_floor(&first, &self.sky)?;
         }
         for n in 0..self.frames {
             if self.progress.cancelled() {
-                return Ok(None);
+                return Ok(false);
             }
-            let view = self.view(height, path, n, self.frames);
+            let view = self.view(row, n, self.frames);
             // Rows are compared as they look once all tiles are there.
-            missing_tiles = missing_tiles.max(self.timer.wait_for_tiles(&view, &self.sky, wait));
-            let times = self.timer.time_frame_and_floor(&view, &self.sky)?;
-            clear.push(self.timer.clear_ms()?);
-            prepare.push(times.prepare_ms);
-            frame.push(times.frame_ms);
-            floor.push(times.floor_ms);
-            ratios.push(times.frame_ms / times.floor_ms.max(1e-6));
-            counts.add(&times.stats);
+            let missing = self.timer.wait_for_tiles(&view, &self.sky, wait);
+            row.missing_tiles = row.missing_tiles.max(missing);
+            let measured = self.timer.time_frame_and_floor(&view, &self.sky)?;
+            times.clear_ms.push(precise(self.timer.clear_ms()?));
+            times.prepare_ms.push(precise(measured.prepare_ms));
+            times.frame_ms.push(precise(measured.frame_ms));
+            times.floor_ms.push(precise(measured.floor_ms));
+            row.counts.add(&measured.stats);
             let eye_itrf_m = view.to_itrf().0;
-            let drawn = self.meshes.with_cells(times.stats.subdivision);
+            let drawn = self.meshes.with_cells(measured.stats.subdivision);
             let grid = drawn.unwrap_or(self.meshes.grid());
             let blocks = BlockCounts::of(grid, self.scene.earth.visibility, eye_itrf_m);
-            counts.blocks = counts.blocks.max(blocks);
+            row.counts.blocks = row.counts.blocks.max(blocks);
         }
-        let gpu_ms = self.passes(height, path)?;
-        let (stats, blocks) = (&counts.stats, &counts.blocks);
-        let frame_ms = quantiles(&frame);
-        let used = stats.day_levels.iter().rposition(|blocks| *blocks > 0);
-        Ok(Some(MeasuredRow {
-            row: BenchRow {
-                height_km: height.height_km,
-                path,
-                blocks_visible: stats.blocks_visible,
-                blocks_drawn: stats.blocks_drawn,
-                blocks_paper_rule: blocks.paper_rule,
-                blocks_exact: blocks.exact,
-                blocks_lost: blocks.lost,
-                blocks_lost_paper_rule: blocks.lost_paper_rule,
-                levels: stats.day_levels[..used.map_or(0, |last| last + 1)].to_vec(),
-                triangles: stats.triangles,
-                draw_calls: stats.draw_calls,
-                uploaded_bytes: stats.uploaded_bytes,
-                prepare_ms: quantiles(&prepare),
-                gpu_ms,
-                frame_ms,
-                jank_ms: rounded(jank(&frame)),
-                floor_ms: rounded(median(&floor)),
-                // More than nothing, as a baseline must be.
-                floor_ratio: rounded(median(&ratios)).max(1e-3),
-                frames_per_s: rounded(1e3 / median(&frame).max(1e-6)),
-                paper_frames_per_s: height.paper_frames_per_s,
-            },
-            clear_ms: median(&clear),
-            missing_tiles,
-        }))
+        self.time_passes(row)?;
+        row.runs.push(times);
+        Ok(true)
     }
 
-    /// Median time of each pass on the device, milliseconds.
-    fn passes(
-        &mut self,
-        height: &EyeHeight,
-        path: GroundPath,
-    ) -> Result<BTreeMap<String, f64>, PlayError> {
-        let mut times: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    /// Times each pass on the device, in frames apart from those that are timed as a whole.
+    fn time_passes(&mut self, row: &mut RowRuns) -> Result<(), PlayError> {
         let Some(gpu_timer) = self.gpu_timer else {
-            return Ok(BTreeMap::new());
+            return Ok(());
         };
         let frames = self.frames.min(TIMED_PASSES);
         for n in 0..frames {
-            let view = self.view(height, path, n, frames);
+            let view = self.view(row, n, frames);
             self.timer
                 .wait_for_tiles(&view, &self.sky, self.scene.output.wait());
             for (name, time) in self.timer.time_passes(&view, &self.sky, gpu_timer)? {
-                times.entry(name.to_owned()).or_default().push(time);
+                row.passes.entry(name.to_owned()).or_default().push(time);
             }
         }
-        let medians = times.into_iter();
-        Ok(medians
-            .map(|(name, times)| (name, rounded(median(&times))))
-            .collect())
+        Ok(())
     }
 
     /// The `n`-th of `frames` views, spread evenly over one turn.
-    fn view(&self, height: &EyeHeight, path: GroundPath, n: u32, frames: u32) -> EyeView {
+    fn view(&self, row: &RowRuns, n: u32, frames: u32) -> EyeView {
         let camera = &self.scene.camera;
-        path.view(
+        row.path.view(
             &self.meshes.grid().ellipsoid(),
-            height.height_km * 1e3,
+            row.height.height_km * 1e3,
             f64::from(n) / f64::from(frames),
             camera.mode,
             camera.fov_deg.to_radians(),
@@ -170,9 +204,14 @@ fn quantiles(times: &[f64]) -> Quantiles {
     let exact = Quantiles::of(times);
     Quantiles {
         median: rounded(exact.median),
-        p95: rounded(exact.p95),
-        p99: rounded(exact.p99),
+        p95: exact.p95.map(rounded),
+        p99: exact.p99.map(rounded),
     }
+}
+
+/// Single times, to a tenth of a microsecond.
+pub(super) fn precise(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
 }
 
 /// To a thousandth, of milliseconds a microsecond: more digits would be noise.

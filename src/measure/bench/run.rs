@@ -2,15 +2,15 @@
 
 use super::baseline::{Baseline, Comparison};
 use super::error::BenchError;
-use super::features::{self, FeatureKind};
+use super::features::{self, FeatureKind, FeatureMeter};
 use super::plots;
-use super::report::{BenchReport, VERSION};
-use super::rows::{RowMeter, rounded};
+use super::report::{BenchReport, BenchRow, VERSION};
+use super::rows::{RowMeter, RowRuns, rounded};
 use super::settings;
 use super::table;
 use crate::globe::Meshes;
 use crate::gpu::{GpuContext, GpuTimer};
-use crate::measure::{EYE_HEIGHTS, FrameTimer, GroundPath, median};
+use crate::measure::{EYE_HEIGHTS, FrameTimer, GroundPath, machine, median};
 use crate::play::{Flight, OutputError, PendingFile, PlayError, Progress};
 use crate::{EarthError, EarthOptions};
 use std::num::NonZeroU32;
@@ -19,8 +19,12 @@ use std::path::Path;
 /// What is measured and where it goes.
 #[derive(Clone, Debug)]
 pub struct BenchRequest<'r> {
-    /// Frames that each row and each feature is timed with.
+    /// Frames that each row and each feature is timed with in each run.
     pub frames: NonZeroU32,
+    /// Runs, one after the other; at most [`MAX_FRAMES`] frames a row in all.
+    pub repeats: NonZeroU32,
+    /// The command's arguments, to be recorded.
+    pub arguments: Vec<String>,
     /// Width and height, pixels; `None` is the scene's.
     pub size: Option<(u32, u32)>,
     /// Part of the adapter's name; `None` takes the best.
@@ -33,9 +37,12 @@ pub struct BenchRequest<'r> {
     pub plots: Option<&'r Path>,
     /// An earlier report to compare with.
     pub baseline: Option<&'r Path>,
-    /// Part by which a row's frame over floor may exceed the baseline's.
-    pub tolerance: f64,
+    /// Part by which a row's frame over floor must exceed the baseline's to count as slower.
+    pub smallest_effect: f64,
 }
+
+/// Most frames a row in all runs together.
+pub const MAX_FRAMES: u32 = 10_000;
 
 /// A finished or interrupted run. Its files are written.
 #[derive(Clone, Debug)]
@@ -138,20 +145,32 @@ pub fn run_bench(
 ) -> Result<BenchRun, BenchError> {
     let scene = flight.scene();
     let size = request.size.unwrap_or(scene.output.size.into());
+    let (frames, repeats) = (request.frames.get(), request.repeats.get());
+    if u64::from(frames) * u64::from(repeats) > MAX_FRAMES.into() {
+        return Err(BenchError::TooManyFrames { frames, repeats });
+    }
     let baseline = request.baseline.map(Baseline::load).transpose()?;
     let mut report = BenchReport {
         version: VERSION,
         partial: false,
+        date: machine::date(),
+        arguments: request.arguments.clone(),
+        commit: machine::commit(Path::new(env!("CARGO_MANIFEST_DIR"))),
         adapter: String::new(),
         backend: String::new(),
+        driver: String::new(),
+        cpu: machine::cpu(),
+        os: machine::os(),
         size: size.into(),
         samples: 0,
-        frames: request.frames.get(),
+        frames,
+        repeats,
         scene: settings::of_scene(scene),
         floor_ms: 0.0,
         clear_ms: 0.0,
         rows: Vec::new(),
         features: Vec::new(),
+        unmeasured: Vec::new(),
     };
     if let Some(baseline) = &baseline {
         baseline.check_settings(&report)?;
@@ -167,7 +186,11 @@ pub fn run_bench(
     let info = timer.picture().adapter_info();
     report.adapter = info.name;
     report.backend = info.backend.to_string();
+    report.driver = format!("{} {}", info.driver, info.driver_info)
+        .trim()
+        .to_owned();
     report.samples = timer.picture().samples();
+    report.unmeasured = features::unmeasured(&options, report.samples, gpu.is_software());
     report.scene.extend([settings::of_maps(&options)]);
     if let Some(baseline) = &baseline {
         baseline.check_all(&report)?;
@@ -177,10 +200,13 @@ pub fn run_bench(
         samples: report.samples,
         ..options
     };
-    let notices = measure(flight, &gpu, &mut timer, &options, &mut report, progress)?;
+    let mut notices = measure(flight, &gpu, &mut timer, &options, &mut report, progress)?;
     outputs.write(&report)?;
     let comparison = match &baseline {
-        Some(baseline) if !report.partial => Some(baseline.compare(&report, request.tolerance)?),
+        Some(baseline) if !report.partial => {
+            notices.extend(baseline.notices(&report));
+            Some(baseline.compare(&report, request.smallest_effect)?)
+        }
         _ => None,
     };
     Ok(BenchRun {
@@ -202,8 +228,12 @@ fn measure(
     let scene = flight.scene();
     let gpu_timer = GpuTimer::new(&gpu.device, &gpu.queue);
     let features = FeatureKind::on(flight, options, gpu);
-    let steps = EYE_HEIGHTS.len() * GroundPath::ALL.len() + features.len();
-    progress.begin("rows and features", Some(steps as u64));
+    let mut rows = Vec::new();
+    for path in GroundPath::ALL {
+        rows.extend(EYE_HEIGHTS.iter().map(|height| RowRuns::new(height, path)));
+    }
+    let steps = rows.len() as u64 * u64::from(report.repeats) + features.len() as u64;
+    progress.begin("rows and features", Some(steps));
     let mut meter = RowMeter {
         scene,
         timer,
@@ -214,41 +244,32 @@ fn measure(
         frames: report.frames,
         progress,
     };
-    let (mut floors, mut clears, mut missing_tiles) = (Vec::new(), Vec::new(), 0);
-    'rows: for path in GroundPath::ALL {
-        for height in &EYE_HEIGHTS {
-            let Some(measured) = meter.measure(height, path)? else {
+    // Run after run of all rows, so that what changes slowly shows as their spread.
+    'runs: for _ in 0..report.repeats {
+        for row in &mut rows {
+            if !meter.measure(row)? {
                 report.partial = true;
-                break 'rows;
-            };
-            tracing::info!(
-                "{}: {:.2} ms, {:.2} x its floor",
-                measured.row.name(),
-                measured.row.frame_ms.median,
-                measured.row.floor_ratio
-            );
-            floors.push(measured.row.floor_ms);
-            clears.push(measured.clear_ms);
-            missing_tiles = missing_tiles.max(measured.missing_tiles);
-            report.rows.push(measured.row);
+                break 'runs;
+            }
+            tracing::info!("{}", row.progress());
             progress.step();
         }
     }
-    report.floor_ms = rounded(median(&floors));
-    report.clear_ms = rounded(median(&clears));
-    for feature in features {
+    let missing_tiles = rows.iter().map(|row| row.missing_tiles).max().unwrap_or(0);
+    report.rows = rows.into_iter().filter_map(RowRuns::row).collect();
+    let of_rows = |of: fn(&BenchRow) -> f64| {
+        let values: Vec<_> = report.rows.iter().map(of).collect();
+        rounded(median(&values))
+    };
+    report.floor_ms = of_rows(|row| row.floor_ms);
+    report.clear_ms = of_rows(|row| row.clear_ms);
+    for kind in features {
         if report.partial {
             break;
         }
-        match features::measure(
-            feature,
-            flight,
-            meter.timer,
-            options,
-            report.frames,
-            progress,
-        )? {
-            Some(feature) => report.features.push(feature),
+        let mut feature = FeatureMeter::new(kind, flight, meter.timer, options)?;
+        match feature.measure(meter.timer, report.frames, report.repeats, progress)? {
+            Some(features) => report.features.extend(features),
             None => report.partial = true,
         }
         progress.step();
@@ -272,6 +293,12 @@ fn notices(report: &BenchReport, gpu: &GpuContext, missing_tiles: usize) -> Vec<
              compare ratios",
             report.adapter
         ));
+    }
+    if report.rows.iter().any(|row| row.frame_ms.p99.is_none()) {
+        notices.push(
+            "p95 is told of 20 frames a row and more, p99 of 100 and more (--frames, --repeats)"
+                .to_owned(),
+        );
     }
     if missing_tiles > 0 {
         notices.push(format!(

@@ -1,7 +1,7 @@
 //! A run as text: for a person, and as comma-separated rows.
 
 use super::baseline::Comparison;
-use super::report::{BenchReport, BenchRow};
+use super::report::{BenchReport, BenchRow, COURSE_HEIGHT_KM, Course};
 use crate::measure::output::csv_text;
 use crate::measure::{GroundPath, median};
 use std::fmt::Write;
@@ -23,13 +23,24 @@ pub(super) fn text(
     let [width, height] = report.size;
     line!(
         out,
-        "{}, {}, {width} × {height}, {} sample{} a pixel, {} frames a row{}",
+        "{}, {}, {width} × {height}, {} sample{} a pixel, {} frames a row in {} run{}{}",
         report.adapter,
         report.backend,
         report.samples,
         if report.samples == 1 { "" } else { "s" },
         report.frames,
+        report.repeats,
+        if report.repeats == 1 { "" } else { "s" },
         if report.partial { ", INTERRUPTED" } else { "" }
+    );
+    line!(
+        out,
+        "{}; {}; {}; commit {}; {}",
+        report.driver,
+        report.cpu,
+        report.os,
+        report.commit,
+        report.date
     );
     headline(&mut out, report);
     if !report.rows.is_empty() {
@@ -37,6 +48,14 @@ pub(super) fn text(
     }
     if !report.features.is_empty() {
         features(&mut out, report);
+    }
+    for unmeasured in &report.unmeasured {
+        line!(
+            out,
+            "{:<14} not measured: {}",
+            unmeasured.name,
+            unmeasured.why
+        );
     }
     if let Some(comparison) = comparison {
         compared(&mut out, comparison);
@@ -67,10 +86,15 @@ fn headline(out: &mut String, report: &BenchReport) {
     );
     line!(
         out,
-        "floor {:.2} ms: the same texture samples on the same pixels and nothing computed; bare clear {:.2} ms",
+        "floor {:.2} ms: the same texture samples at the same places and no light computed; bare clear {:.2} ms",
         report.floor_ms,
         report.clear_ms
     );
+}
+
+/// A number with so many decimals, or a dash where it is not known.
+fn some(value: Option<f64>, decimals: usize) -> String {
+    value.map_or("–".to_owned(), |value| format!("{value:.decimals$}"))
 }
 
 /// The passes, as they are drawn.
@@ -79,10 +103,11 @@ const PASSES: [&str; 2] = ["surface", "air"];
 fn rows(out: &mut String, report: &BenchReport) {
     line!(
         out,
-        "\n{:>7} {:<10} {:>6} {:^23} {:>7} {:^15} {:>8} {:>7} {:>6}",
+        "\n{:>7} {:<10} {:>6} {:>7} {:^23} {:>7} {:^15} {:>8} {:>7} {:>6}",
         "height",
         "",
         "frame/",
+        "spread,",
         "whole frame, ms",
         "jank,",
         "GPU, ms",
@@ -92,10 +117,11 @@ fn rows(out: &mut String, report: &BenchReport) {
     );
     line!(
         out,
-        "{:>7} {:<10} {:>6} {:>7} {:>7} {:>7} {:>7} {:>8} {:>6} {:>8} {:>7} {:>6}",
+        "{:>7} {:<10} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>6} {:>8} {:>7} {:>6}",
         "km",
         "path",
         "floor",
+        "%",
         "median",
         "p95",
         "p99",
@@ -114,13 +140,14 @@ fn rows(out: &mut String, report: &BenchReport) {
         let paper = row.paper_frames_per_s;
         line!(
             out,
-            "{:>7} {:<10} {:>6.2} {:>7.2} {:>7.2} {:>7.2} {:>7.1} {:>8} {:>6} {:>8.3} {:>7.1} {:>6}",
+            "{:>7} {:<10} {:>6.2} {:>7} {:>7.2} {:>7} {:>7} {:>7.1} {:>8} {:>6} {:>8.3} {:>7.1} {:>6}",
             row.height_km,
             row.path.name(),
             row.floor_ratio,
+            some(row.floor_ratio_spread.map(|spread| 100.0 * spread), 0),
             row.frame_ms.median,
-            row.frame_ms.p95,
-            row.frame_ms.p99,
+            some(row.frame_ms.p95, 2),
+            some(row.frame_ms.p99, 2),
             row.jank_ms,
             surface,
             air,
@@ -131,7 +158,8 @@ fn rows(out: &mut String, report: &BenchReport) {
     }
     line!(
         out,
-        "GPU: surface and air as two passes, in frames of their own; two cost a little more than the one of a whole frame\n\
+        "spread: largest less smallest of the runs' medians of frame over floor\n\
+         GPU: surface and air as two passes, in frames of their own; two cost a little more than the one of a whole frame\n\
          * the paper's own figures, of another machine (GeForce 6800): to look at, not to compare"
     );
     line!(
@@ -205,53 +233,67 @@ fn levels(out: &mut String, report: &BenchReport) {
 fn features(out: &mut String, report: &BenchReport) {
     line!(
         out,
-        "\n{:<14} {:>10} {:>10} {:>8} {:>10} {:>9}   along the scene's own flight",
+        "\n{:<14} {:<12} {:>10} {:>10} {:>8} {:>8} {:>10} {:>9}",
         "what it costs",
+        "along",
         "with, ms",
         "without",
         "time",
+        "spread",
         "textures",
         "shader"
     );
     for feature in &report.features {
+        let spread = feature.frame_ratio_spread.map(|spread| 100.0 * spread);
         line!(
             out,
-            "{:<14} {:>10.2} {:>10.2} {:>+7.0}% {:>7.2} MB {:>7} B",
+            "{:<14} {:<12} {:>10.2} {:>10.2} {:>+7.0}% {:>7}% {:>7.2} MB {:>7} B",
             feature.name,
+            along(feature.course),
             feature.frame_ms_with,
             feature.frame_ms_without,
             100.0 * (feature.frame_ratio - 1.0),
+            some(spread, 0),
             feature.texture_bytes as f64 * 1e-6,
             feature.shader_bytes
         );
     }
+    line!(
+        out,
+        "along: the scene's own flight, and both paths {COURSE_HEIGHT_KM} km up"
+    );
+}
+
+fn along(course: Course) -> &'static str {
+    course.path().map_or("flight", GroundPath::name)
 }
 
 fn compared(out: &mut String, comparison: &Comparison) {
+    let effect = comparison.smallest_effect;
     line!(
         out,
-        "\nframe over floor against the baseline; slower by more than {:.0} % is marked",
-        100.0 * comparison.tolerance
+        "\nframe over floor against the baseline, view by view; marked where all that noise leaves open is beyond {:.0} %",
+        100.0 * effect
     );
     for change in &comparison.changes {
-        let mark = match change.slower_by() {
-            slower if slower > comparison.tolerance => "  SLOWER",
-            slower if slower < -comparison.tolerance => "  faster",
+        let mark = match change.times {
+            times if times.is_slower(effect) => "  SLOWER",
+            times if times.is_faster(effect) => "  faster",
             _ => "",
         };
         line!(
             out,
-            "{:>22} {:>6.2} {:>6.2} {:>+5.0} %{mark}",
+            "{:>22} {:>6.2} {:>6.2}   {}{mark}",
             change.row,
             change.before,
             change.now,
-            100.0 * change.slower_by()
+            change.times
         );
     }
 }
 
 /// Columns of the table of rows; times in milliseconds, levels separated by blanks.
-const CSV_COLUMNS: [&str; 26] = [
+const CSV_COLUMNS: [&str; 28] = [
     "height_km",
     "path",
     "inclination_deg",
@@ -275,7 +317,9 @@ const CSV_COLUMNS: [&str; 26] = [
     "frame_p99_ms",
     "jank_ms",
     "floor_ms",
+    "clear_ms",
     "floor_ratio",
+    "floor_ratio_spread",
     "frames_per_s",
     "paper_frames_per_s",
 ];
@@ -284,6 +328,11 @@ const CSV_COLUMNS: [&str; 26] = [
 pub(super) fn csv(report: &BenchReport) -> String {
     let head = CSV_COLUMNS.map(str::to_owned);
     csv_text(std::iter::once(head).chain(report.rows.iter().map(csv_fields)))
+}
+
+/// A number, or nothing where it is not known.
+fn optional(value: Option<f64>) -> String {
+    value.map_or(String::new(), |value| value.to_string())
 }
 
 fn csv_fields(row: &BenchRow) -> [String; CSV_COLUMNS.len()] {
@@ -308,18 +357,19 @@ fn csv_fields(row: &BenchRow) -> [String; CSV_COLUMNS.len()] {
         row.draw_calls.to_string(),
         row.uploaded_bytes.to_string(),
         row.prepare_ms.median.to_string(),
-        row.prepare_ms.p95.to_string(),
-        row.prepare_ms.p99.to_string(),
+        optional(row.prepare_ms.p95),
+        optional(row.prepare_ms.p99),
         gpu("surface"),
         gpu("air"),
         row.frame_ms.median.to_string(),
-        row.frame_ms.p95.to_string(),
-        row.frame_ms.p99.to_string(),
+        optional(row.frame_ms.p95),
+        optional(row.frame_ms.p99),
         row.jank_ms.to_string(),
         row.floor_ms.to_string(),
+        row.clear_ms.to_string(),
         row.floor_ratio.to_string(),
+        optional(row.floor_ratio_spread),
         row.frames_per_s.to_string(),
-        row.paper_frames_per_s
-            .map_or(String::new(), |paper| paper.to_string()),
+        optional(row.paper_frames_per_s),
     ]
 }

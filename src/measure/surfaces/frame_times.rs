@@ -82,7 +82,7 @@ impl FlightMeter<'_> {
                 time_s: rounded(time_s, 3),
                 frame_ms: rounded(one.0, 3),
                 processor_ms: rounded(one.1, 3),
-                floor_ms: rounded(timer.floor_ms(&now)?, 3),
+                floor_ms: rounded(timer.floor_ms(&now, &self.sky)?, 3),
                 blocks_ms: rounded(other.0, 3),
                 blocks_processor_ms: rounded(other.1, 3),
             });

@@ -1,0 +1,261 @@
+//! Which textures are sampled how often, and the shader that does.
+
+use super::view::TRIANGLES;
+use crate::gpu::{GpuContext, GpuLayer};
+use crate::imagery::NEIGHBOURHOODS;
+use crate::imagery::tile::MapLayer;
+use crate::{Atmosphere, EarthOptions, Shading, air};
+use std::fmt::Write;
+
+/// The first binding of a texture.
+const FIRST_TEXTURE: u32 = 3;
+
+/// A texture, and the coordinates that it is sampled at.
+struct Sampled {
+    view: wgpu::TextureView,
+    kind: Kind,
+}
+
+enum Kind {
+    /// A map of the Earth, so often on each pixel, each time a little aside.
+    Map(u32),
+    /// A flat table of the air, at these coordinates in WGSL.
+    Flat(Vec<String>),
+    /// A table of three dimensions.
+    Volume(Vec<String>),
+}
+
+/// Textures that the floor samples.
+pub struct Samples(Vec<Sampled>);
+
+impl Samples {
+    /// Those that an Earth with these options reads on each pixel of the ground.
+    pub fn of(gpu: &GpuContext, options: &EarthOptions) -> Self {
+        let is_sunlit = options.shading == Shading::Sunlit;
+        let mut all = Vec::new();
+        // Light is computed of the Sun's direction, and of the Moon's where it shines.
+        let lights = match is_sunlit && options.light.moonlight {
+            true => 2,
+            false => 1,
+        };
+        for layer in MapLayer::ALL {
+            let is_read = is_sunlit || !matches!(layer, MapLayer::NightLights | MapLayer::Water);
+            let Some(image) = options.layers.get(layer).filter(|_| is_read) else {
+                continue;
+            };
+            let has_shadow = layer == MapLayer::Clouds && options.light.cloud_shadows && is_sunlit;
+            let label = "terrella floor map";
+            all.push(Sampled {
+                view: GpuLayer::upload(&gpu.device, &gpu.queue, label, image, false).view,
+                kind: Kind::Map(if has_shadow { 1 + lights } else { 1 }),
+            });
+        }
+        if options.atmosphere != Atmosphere::None {
+            let has_clouds = options.layers.clouds.is_some();
+            all.extend(of_the_air(gpu, is_sunlit, has_clouds, lights));
+        }
+        Self(all)
+    }
+
+    /// The shader that samples them.
+    pub fn shader(&self) -> String {
+        let (mut text, mut samples) = (HEAD.to_owned(), String::new());
+        // Writing to a string does not fail.
+        let _ = writeln!(text, "const TRIANGLES: f32 = {TRIANGLES}.0;");
+        for (n, sampled) in self.0.iter().enumerate() {
+            let dimensions = match sampled.kind {
+                Kind::Volume(_) => "3d",
+                Kind::Map(_) | Kind::Flat(_) => "2d",
+            };
+            let binding = n + FIRST_TEXTURE as usize;
+            let _ = writeln!(
+                text,
+                "@group(0) @binding({binding}) var t{n}: texture_{dimensions}<f32>;"
+            );
+            match &sampled.kind {
+                Kind::Map(count) => {
+                    for time in 0..*count {
+                        let _ = writeln!(
+                            samples,
+                            "    c += textureSampleGrad(t{n}, maps, uv + {time}.0 * ASIDE, dx, dy);"
+                        );
+                    }
+                }
+                Kind::Flat(places) | Kind::Volume(places) => {
+                    for place in places {
+                        let _ = writeln!(
+                            samples,
+                            "    c += textureSampleLevel(t{n}, tables, {place}, 0.0);"
+                        );
+                    }
+                }
+            }
+        }
+        text + BODY.0 + &samples + BODY.1
+    }
+
+    /// The bind group of the pass.
+    pub fn bind(
+        &self,
+        gpu: &GpuContext,
+        options: &EarthOptions,
+        pipeline: &wgpu::RenderPipeline,
+        view: &wgpu::Buffer,
+    ) -> wgpu::BindGroup {
+        let device = &gpu.device;
+        let maps = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("terrella floor maps"),
+            address_mode_u: wgpu::AddressMode::Repeat,
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            anisotropy_clamp: match gpu.is_software() {
+                true => 1,
+                false => options.anisotropy,
+            },
+            ..Default::default()
+        });
+        let tables = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("terrella floor tables"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
+        let layout = pipeline.get_bind_group_layout(0);
+        let mut entries = vec![wgpu::BindGroupEntry {
+            binding: 0,
+            resource: view.as_entire_binding(),
+        }];
+        let textures = self.0.iter();
+        let resources = [&maps, &tables]
+            .map(wgpu::BindingResource::Sampler)
+            .into_iter()
+            .chain(textures.map(|sampled| wgpu::BindingResource::TextureView(&sampled.view)));
+        let has_tables = self.0.iter().any(|s| !matches!(s.kind, Kind::Map(_)));
+        for (binding, resource) in (1..).zip(resources) {
+            // What the shader does not name is not in its layout.
+            if binding != 2 || has_tables {
+                entries.push(wgpu::BindGroupEntry { binding, resource });
+            }
+        }
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("terrella floor"),
+            layout: &layout,
+            entries: &entries,
+        })
+    }
+}
+
+/// Tables of the air, empty ones of the same size and format. `lights`: Sun, or Sun and Moon.
+fn of_the_air(gpu: &GpuContext, is_sunlit: bool, has_clouds: bool, lights: u32) -> Vec<Sampled> {
+    let mut all = Vec::new();
+    let flat = |size, places| Sampled {
+        view: table(gpu, size, wgpu::TextureDimension::D2),
+        kind: Kind::Flat(places),
+    };
+    // The Moon's cosine is another than the Sun's.
+    let cosines = (0..lights).map(|light| format!("0.5 + 0.{} * mu_s", 5 - light));
+    let cosines: Vec<_> = cosines.collect();
+    if is_sunlit {
+        let rows = if has_clouds { 3 } else { 2 };
+        let of_rows = cosines
+            .iter()
+            .flat_map(|cosine| (0..rows).map(move |row| format!("vec2f({cosine}, {row}.5 / 3.0)")));
+        all.push(flat(air::SUNLIGHT_AND_CLOUDS, of_rows.collect()));
+    }
+    let albedo = air::TableSize {
+        x: NEIGHBOURHOODS + 2,
+        y: NEIGHBOURHOODS / 2,
+        z: 1,
+    };
+    let at = |of: &dyn Fn(&String) -> String| cosines.iter().map(of).collect::<Vec<_>>();
+    all.push(flat(albedo, vec!["uv".to_owned()]));
+    all.push(flat(air::THROUGH, vec!["vec2f(mu, 0.5)".to_owned()]));
+    all.push(flat(
+        air::BOUNCE,
+        at(&|cosine| format!("vec2f(mu, {cosine})")),
+    ));
+    all.push(Sampled {
+        view: table(gpu, air::SCATTERING, wgpu::TextureDimension::D3),
+        kind: Kind::Volume(at(&|cosine| format!("vec3f(mu, {cosine}, 0.5 * mu)"))),
+    });
+    all
+}
+
+fn table(
+    gpu: &GpuContext,
+    size: air::TableSize,
+    dimension: wgpu::TextureDimension,
+) -> wgpu::TextureView {
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("terrella floor table"),
+        size: wgpu::Extent3d {
+            width: size.x,
+            height: size.y,
+            depth_or_array_layers: size.z,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension,
+        format: wgpu::TextureFormat::Rgba16Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    });
+    texture.create_view(&Default::default())
+}
+
+const HEAD: &str = "struct View {
+    clip_from_eye: mat4x4f,
+    eye_scaled: vec3f, above: f32,
+    corner_ray: vec3f, polar_stretch: f32,
+    pixel_right: vec3f, padding_0: f32,
+    pixel_down: vec3f, padding_1: f32,
+    limb_center: vec3f, padding_2: f32,
+    limb_across: vec3f, padding_3: f32,
+    limb_beside: vec3f, padding_4: f32,
+    sun_itrf: vec3f, padding_5: f32,
+}
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var maps: sampler;
+@group(0) @binding(2) var tables: sampler;
+const PI: f32 = 3.14159265;
+// Shadows of clouds: some kilometres.
+const ASIDE: vec2f = vec2f(0.0003, 0.0003);
+";
+
+/// The point of the ground and the footprint are those of shaders/earth/surface_point/ray_on_ellipsoid.wgsl.
+const BODY: (&str, &str) = (
+    "@vertex fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+    let angle = f32(i / 3u + i % 3u) * (2.0 * PI / TRIANGLES);
+    let edge = cos(angle) * view.limb_across + sin(angle) * view.limb_beside;
+    let at = view.limb_center + select(edge, vec3f(0.0), i % 3u == 0u);
+    return view.clip_from_eye * vec4f(at, 1.0);
+}
+@fragment fn fragment(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
+    let ray = view.corner_ray + pixel.x * view.pixel_right + pixel.y * view.pixel_down;
+    let to_scaled = vec3f(1.0, 1.0, view.polar_stretch);
+    let scaled = ray * to_scaled;
+    let d = normalize(scaled);
+    let across_ray = cross(view.eye_scaled, d);
+    let root = sqrt(max(1.0 - dot(across_ray, across_ray), 0.0));
+    let t = max(view.above / max(root - dot(view.eye_scaled, d), 1e-9), 0.0);
+    let up = normalize((view.eye_scaled + t * d) * to_scaled);
+    let across = max(length(up.xy), 1e-7);
+    let uv = vec2f(0.5 + atan2(up.y, up.x) / (2.0 * PI), acos(clamp(up.z, -1.0, 1.0)) / PI);
+    let east = vec3f(-up.y, up.x, 0.0) / across;
+    let north = cross(up, east);
+    let radii = t / length(scaled);
+    let facing = min(dot(up, ray), -0.02 * length(ray));
+    let right = radii * (view.pixel_right - ray * (dot(up, view.pixel_right) / facing));
+    let down = radii * (view.pixel_down - ray * (dot(up, view.pixel_down) / facing));
+    let to_uv = vec2f(0.5, -1.0) / PI;
+    let dx = vec2f(dot(east, right), dot(north, right)) * to_uv;
+    let dy = vec2f(dot(east, down), dot(north, down)) * to_uv;
+    let mu = -dot(up, ray) / length(ray);
+    let mu_s = dot(up, view.sun_itrf);
+    var c = vec4f(0.0);
+",
+    "    return c * 0.2;
+}
+",
+);
