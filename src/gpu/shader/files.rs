@@ -99,4 +99,5 @@ files![
     "tracks/lines.wgsl",
     "tracks/marks.wgsl",
     "tracks/through_air.wgsl",
+    "upscale.wgsl",
 ];
