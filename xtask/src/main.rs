@@ -99,7 +99,7 @@ fn run(command: Command) -> anyhow::Result<()> {
     match command {
         Command::Demo { install, no_window } => demo::run(install.policy(), !no_window),
         Command::Test { install, arguments } => test::run(install.policy(), &arguments),
-        Command::Prepare { install } => prepare::run(install.policy(), prepare::Window::IfDisplay),
+        Command::Prepare { install } => prepare::run(install.policy(), prepare::Window::ForTests),
         Command::Lean { features } => lean::run(&features),
         Command::BigPack {
             data,
