@@ -144,24 +144,45 @@ impl Smaller {
             depth: DepthBuffer::None,
             tone: Tone::default(),
         };
-        let display = matches!(pass.target_color(), TargetColor::Display(_));
-        let shader = ShaderModule::new(device, &UpscaleVariant { display })?;
-        let entry = wgpu::BindGroupLayoutEntry {
-            binding: 0,
+        let features = device.features();
+        let filterable = wgpu::TextureSampleType::Float { filterable: true };
+        let variant = match pass.target_color() {
+            TargetColor::Display(_) => UpscaleVariant::LoadedDisplay,
+            _ if format.sample_type(None, Some(features)) == Some(filterable) => {
+                UpscaleVariant::Sampled
+            }
+            _ => UpscaleVariant::Loaded,
+        };
+        let is_sampled = variant == UpscaleVariant::Sampled;
+        let shader = ShaderModule::new(device, &variant)?;
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some(label),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
+        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
+            binding,
             visibility: wgpu::ShaderStages::FRAGMENT,
-            ty: wgpu::BindingType::Texture {
-                // Read texel by texel, so that 32-bit floats can be too.
-                sample_type: wgpu::TextureSampleType::Float { filterable: false },
-                view_dimension: wgpu::TextureViewDimension::D2,
-                multisampled: false,
-            },
+            ty,
             count: None,
         };
-        let bound = wgpu::BindGroupEntry {
-            binding: 0,
-            resource: wgpu::BindingResource::TextureView(&view),
+        let texels = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float {
+                filterable: is_sampled,
+            },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
         };
-        let (layout, bind_group) = super::bind(device, label, vec![(entry, bound)]);
+        let bound = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        let view_bound = bound(0, wgpu::BindingResource::TextureView(&view));
+        let mut bindings = vec![(entry(0, texels), view_bound)];
+        if is_sampled {
+            let filtering = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+            let sampler = bound(1, wgpu::BindingResource::Sampler(&sampler));
+            bindings.push((entry(1, filtering), sampler));
+        }
+        let (layout, bind_group) = super::bind(device, label, bindings);
         let pipeline = PipelineDescription {
             label,
             bind_groups: Some(&[Some(&layout)]),

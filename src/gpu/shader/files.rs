@@ -100,4 +100,6 @@ files![
     "tracks/marks.wgsl",
     "tracks/through_air.wgsl",
     "upscale.wgsl",
+    "upscale/loaded.wgsl",
+    "upscale/sampled.wgsl",
 ];
