@@ -41,7 +41,7 @@ impl Ephemerides {
     ///   which satellite a row is and in which frame; or a comment before the header says it of all rows, and what else
     ///   the numbers do not: `# frame = TEME, name = ISS, interpolation = HERMITE, degree = 7`. The frame must be said.
     ///
-    /// States of OEM and CSV that cannot be read, and those out of the order of time, are listed and their objects flown
+    /// States that cannot be read, and those out of the order of time, are listed and their objects flown
     /// without them. Objects that are spoilt are listed and the others used. `is_strict` refuses the file instead.
     ///
     /// # Errors
