@@ -1,6 +1,7 @@
 //! Developer commands: `cargo xtask demo`, `cargo xtask test` and the checks that continuous integration runs.
 
 mod big_pack;
+mod by_hand;
 mod cargo;
 mod demo;
 mod lean;
@@ -64,6 +65,20 @@ enum Command {
         #[arg(long)]
         only_sources: bool,
     },
+    /// Send 100 000 packets to a live feed, one in twenty of them spoilt: memory and answers.
+    Soak,
+    /// Run the bodies of the fuzz targets for some time each, without a nightly compiler; rows for fuzz/RESULTS.md.
+    Fuzz {
+        /// Seconds for each target.
+        #[arg(long, default_value_t = 60.0, value_name = "N")]
+        seconds: f64,
+        /// What the inputs are made from; another one each time by default.
+        #[arg(long, value_name = "N")]
+        seed: Option<u64>,
+        /// Targets by name; all by default.
+        #[arg(value_name = "TARGET")]
+        targets: Vec<String>,
+    },
     /// Make the pictures in textures/ from the source data.
     StarterPack {
         /// Folder with the source data.
@@ -106,6 +121,12 @@ fn run(command: Command) -> anyhow::Result<()> {
             out,
             only_sources,
         } => big_pack::run(&data, &out, only_sources),
+        Command::Soak => by_hand::soak(),
+        Command::Fuzz {
+            seconds,
+            seed,
+            targets,
+        } => by_hand::fuzz(seconds, seed, &targets),
         Command::StarterPack { data, out, check } => {
             let out = out.unwrap_or_else(|| process::repository_root().join("textures"));
             if check {
