@@ -13,6 +13,7 @@
 //! | `live` | the time of scenes whose simulator gives it |
 //! | `ephemeris` | where its satellites are, as tables and messages |
 //! | `pass_table` | when they pass over a place |
+//! | `event_table` | what was found along integrated motions |
 //! | `maps` | the scene's maps: a folder or a pack |
 //! | `relief` | its heights |
 //! | `craft/` | the spacecraft that the chase camera follows |
@@ -38,6 +39,7 @@ mod egui_pass;
 mod ephemeris;
 mod error;
 mod export;
+mod event_table;
 mod flight;
 mod float_files;
 mod frame_cost;
@@ -73,6 +75,7 @@ pub use ephemeris::{Axes, Ephemeris, EphemerisRequest, Layout, Selection, Span, 
 pub use error::{PlayError, VideoError, WindowError};
 pub use export::{ExportRequest, export};
 pub use flight::{Flight, Moment, SatelliteState, ViewRequest};
+pub use event_table::EventTable;
 pub use maps::{DroppedLayer, earth_options};
 pub(crate) use offscreen::rgba_image;
 pub use offscreen::{OffscreenRenderer, TimedFrame, target_bytes};
