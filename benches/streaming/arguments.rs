@@ -55,7 +55,7 @@ impl Arguments {
             pack: None,
             tiles: vec![Drawn::WholeMaps, Drawn::Tiles],
             texture_mb: 512.0,
-            upload_mb: 8.0,
+            upload_mb: 4.0,
             size: (640, 360),
             flight: None,
             seconds: None,

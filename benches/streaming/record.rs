@@ -134,9 +134,10 @@ impl Record {
             slowest(&self.prepare_cpu_ms)
         );
         println!(
-            "  jank of our own  {:.2} ms, by processor time {:.2} ms",
+            "  jank of our own  {:.2} ms, by processor time {:.2} ms; were all frames else alike {:.2} ms",
             self.own_jank(&self.prepare_ms),
-            self.own_jank(&self.prepare_cpu_ms)
+            self.own_jank(&self.prepare_cpu_ms),
+            self.even_jank()
         );
         println!(
             "  uploaded         {:.1} MB in all, at most {:.2} MB a frame",
@@ -181,6 +182,16 @@ impl Record {
             .sum()
     }
 
+    /// Jank of frames that take what the median one takes without `prepare`, and the processor time of their own: what a machine
+    /// with nothing else to do would see of it.
+    fn even_jank(&self) -> f64 {
+        let rest = self.frames_ms.iter().zip(&self.prepare_ms);
+        let rest: Vec<_> = rest.map(|(frame, prepare)| frame - prepare).collect();
+        let rest = median(&rest);
+        let frames: Vec<_> = self.prepare_cpu_ms.iter().map(|own| rest + own).collect();
+        jank(&frames)
+    }
+
     /// What this flight takes more than the same without tiles.
     pub fn print_difference(&self, without: &Self, name: &str) {
         let of = |record: &Self, value: fn(&[f64]) -> f64| {
@@ -204,10 +215,11 @@ impl Record {
         }
         let own = |record: &Self| record.own_jank(&record.prepare_cpu_ms);
         println!(
-            "  jank of our own  {:.2} ms by processor time ({:.2} with, {:.2} without)",
+            "  jank of our own  {:.2} ms by processor time ({:.2} with, {:.2} without); were all frames else alike {:.2} ms",
             own(self) - own(without),
             own(self),
-            own(without)
+            own(without),
+            self.even_jank() - without.even_jank()
         );
     }
 

@@ -421,7 +421,7 @@ table!(RawEarth = "earth" {
     /// Packs: textures of maps and tiles (10⁶ bytes), from what the coarsest maps take to more than any adapter has.
     texture_mb: f64 = "a number of megabytes", in 1.0..=1e6, default 512.0;
     /// Packs: tiles uploaded in one frame.
-    upload_mb: f64 = "a number of megabytes", in 0.01..=1e4, default 8.0;
+    upload_mb: f64 = "a number of megabytes", in 0.01..=1e4, default 4.0;
     /// What draws ground with relief: "quadtree" by default where heights are named, else "blocks".
     surface: String = "a string: \"blocks\", \"projected-grid\", \"quadtree\", \"contours\" or \"clipmap\"";
     /// Files of heights; an empty list takes the starter pack's.
