@@ -2,24 +2,29 @@
 //!
 //! ```text
 //! cargo bench --bench streaming -- --pack DIR [--texture-mb N] [--upload-mb N] [--size WxH] [--flight orbit|spin]
-//!                                  [--seconds N] [--storage plain|bc|auto] [--frames DIR]
+//!                                  [--seconds N] [--storage plain|bc|auto] [--tiles both|with|without] [--frames DIR]
 //! ```
 //!
 //! Two flights: `orbit`, the International Space Station for 90 minutes at 60 ×, looking down; and `spin`, 200 km above
 //! the ground, once round the Earth in 20 s, looking at the horizon, the Sun always behind. Each frame is prepared,
 //! submitted and waited for; its time is the whole, and that of `prepare` is told apart with and without the copying of
-//! tiles. Memory is the process's largest so far, so give one flight a process where it matters.
+//! tiles, beside the processor time of its thread, which does not grow with what else the machine does. Memory is the
+//! process's largest so far, so give one flight a process where it matters.
+//!
+//! Each is flown without tiles and then with them, and what they add is printed last: jank of our own is that which frames would
+//! not have if `prepare` took no time.
 
 #[path = "streaming/arguments.rs"]
 mod arguments;
 #[path = "streaming/record.rs"]
 mod record;
 
-use arguments::{Arguments, Course};
+use arguments::{Arguments, Course, Drawn};
+use cpu_time::ThreadTime;
 use glam::{DQuat, DVec3};
 use image::RgbaImage;
-use record::Record;
-use std::time::{Duration, Instant};
+use record::{Frame, Record};
+use std::time::Instant;
 use terrella::frames::{Ellipsoid, Epoch};
 use terrella::internals::gpu::{FrameTargets, GpuContext};
 use terrella::internals::play::Flight;
@@ -41,7 +46,7 @@ fn main() {
         );
         return;
     };
-    let begin = Instant::now();
+    let start = Instant::now();
     let scene = format!(
         "[time]\nspeed = 60\nduration_s = 5400\n[camera]\nmode = \"nadir\"\n[earth]\npack = {:?}\ntexture_mb = {}\n\
          upload_mb = {}\nstorage = {:?}\n[output]\nsize = [{}, {}]\n",
@@ -55,38 +60,51 @@ fn main() {
     let scene = Scene::from_toml(&scene, "streaming.toml".as_ref()).expect("a good scene");
     let flight = Flight::open(scene).expect("the built-in orbit");
     let gpu = pollster::block_on(GpuContext::open(None)).expect("an adapter");
-    let options = flight.earth_options(gpu.bc_support()).expect("a good pack");
-    let mut options = options;
+    let mut options = flight.earth_options(gpu.bc_support()).expect("a good pack");
     options.color_format = FrameTargets::COLOR;
-    let earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("an Earth");
-    let targets = FrameTargets::new(&gpu.device, arguments.size, options.samples);
-    let mut renderer = FrameRenderer {
-        gpu,
-        earth,
-        targets,
-        size: arguments.size,
-    };
+    let info = gpu.adapter.get_info();
+    println!(
+        "{} ({}), {} x {}, {} samples, texture budget {} MB, upload budget {} MB a frame",
+        info.name,
+        info.backend,
+        arguments.size.0,
+        arguments.size.1,
+        options.samples,
+        arguments.texture_mb,
+        arguments.upload_mb
+    );
     for course in arguments.courses() {
-        let at = |seconds: f64| course_at(*course, &flight, seconds, renderer.aspect());
-        let (view, sky) = at(0.0);
-        if renderer.draw_first(&view, &sky) {
-            let info = renderer.gpu.adapter.get_info();
-            println!(
-                "{} ({}), {} x {}, {} samples, texture budget {} MB, upload budget {} MB a frame",
-                info.name,
-                info.backend,
-                arguments.size.0,
-                arguments.size.1,
-                options.samples,
-                arguments.texture_mb,
-                arguments.upload_mb
-            );
-            println!(
-                "first complete coarse picture {:.0} ms after the start",
-                begin.elapsed().as_secs_f64() * 1e3
-            );
+        let mut flown: Vec<(Drawn, Record)> = Vec::new();
+        for drawn in &arguments.tiles {
+            let begin = Instant::now();
+            let mut options = options.clone();
+            options.tiles.take_if(|_| *drawn == Drawn::WholeMaps);
+            let earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("an Earth");
+            let targets = FrameTargets::new(&gpu.device, arguments.size, options.samples);
+            let mut renderer = FrameRenderer {
+                gpu: gpu.clone(),
+                earth,
+                targets,
+                size: arguments.size,
+            };
+            let (view, sky) = course_at(*course, &flight, 0.0, renderer.aspect());
+            if renderer.draw_first(&view, &sky) {
+                println!(
+                    "\n{} {}: first complete coarse picture after {:.0} ms, {:.0} ms since the start",
+                    course.name(),
+                    drawn.name(),
+                    begin.elapsed().as_secs_f64() * 1e3,
+                    start.elapsed().as_secs_f64() * 1e3
+                );
+            }
+            let folder = format!("{} {}", course.name(), drawn.name());
+            let record = fly(&mut renderer, *course, &folder, &flight, &arguments);
+            record.print(&folder);
+            flown.push((*drawn, record));
         }
-        fly(&mut renderer, *course, &flight, &arguments).print(course.name());
+        if let [(Drawn::WholeMaps, without), (Drawn::Tiles, with)] = &flown[..] {
+            with.print_difference(without, course.name());
+        }
     }
 }
 
@@ -158,6 +176,7 @@ fn course_at(course: Course, flight: &Flight, seconds: f64, aspect: f64) -> (Eye
 fn fly(
     renderer: &mut FrameRenderer,
     course: Course,
+    folder: &str,
     flight: &Flight,
     arguments: &Arguments,
 ) -> Record {
@@ -166,7 +185,7 @@ fn fly(
         Course::Orbit => 90.0,
         Course::Spin => 2.0 * SPIN_TURN_S,
     });
-    let mut record = Record::new(course.name(), arguments.frames.as_deref());
+    let mut record = Record::new(folder, arguments.frames.as_deref());
     let start = Instant::now();
     loop {
         let begin = Instant::now();
@@ -176,14 +195,19 @@ fn fly(
         }
         let (view, sky) = course_at(course, flight, seconds, aspect);
         let expected = EXPECTED_S.map(|ahead| course_at(course, flight, seconds + ahead, aspect).0);
-        let prepare = Instant::now();
+        let (prepare, prepare_cpu) = (Instant::now(), ThreadTime::now());
         renderer.earth.expect(&expected);
         let stats = renderer
             .earth
             .prepare(&renderer.gpu.queue, &view, &sky, renderer.size);
-        let prepare: Duration = prepare.elapsed();
+        let (prepare, prepare_cpu) = (prepare.elapsed(), prepare_cpu.elapsed());
         renderer.draw();
-        record.add(begin.elapsed(), prepare, &stats);
+        let frame = Frame {
+            whole: begin.elapsed(),
+            prepare,
+            prepare_cpu,
+        };
+        record.add(frame, &stats);
         if record.keeps_frames() {
             let read = renderer
                 .targets

@@ -18,8 +18,27 @@ impl Course {
     }
 }
 
+/// With what a course is flown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drawn {
+    /// The pack's tiles.
+    Tiles,
+    /// Its coarsest maps alone.
+    WholeMaps,
+}
+
+impl Drawn {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Tiles => "with tiles",
+            Self::WholeMaps => "without tiles",
+        }
+    }
+}
+
 pub struct Arguments {
     pub pack: Option<PathBuf>,
+    pub tiles: Vec<Drawn>,
     pub texture_mb: f64,
     pub upload_mb: f64,
     pub size: (u32, u32),
@@ -34,8 +53,9 @@ impl Arguments {
     pub fn read() -> Self {
         let mut read = Self {
             pack: None,
+            tiles: vec![Drawn::WholeMaps, Drawn::Tiles],
             texture_mb: 512.0,
-            upload_mb: 8.0,
+            upload_mb: 4.0,
             size: (640, 360),
             flight: None,
             seconds: None,
@@ -66,6 +86,14 @@ impl Arguments {
                         Some((width.parse().ok()?, height.parse().ok()?))
                     });
                     read.size = size.unwrap_or_else(|| panic!("--size needs WxH, not {text}"));
+                }
+                "--tiles" => {
+                    read.tiles = match value().as_str() {
+                        "both" => vec![Drawn::WholeMaps, Drawn::Tiles],
+                        "with" => vec![Drawn::Tiles],
+                        "without" => vec![Drawn::WholeMaps],
+                        other => panic!("--tiles is both, with or without, not {other}"),
+                    };
                 }
                 "--flight" => {
                     read.flight = Some(match value().as_str() {

@@ -8,13 +8,26 @@ use std::time::Duration;
 use terrella::FrameStats;
 use terrella::internals::measure::{SortedSample, jank, median};
 
-/// Time that `prepare` may take without the copying of tiles.
+/// Time that `prepare` may take.
 const MAX_PREPARE_MS: f64 = 2.0;
+
+/// Times of one frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// All of it, the device waited for.
+    pub whole: Duration,
+    /// `prepare` and the expected views before it.
+    pub prepare: Duration,
+    /// Processor time of the frame's thread in it.
+    pub prepare_cpu: Duration,
+}
 
 /// What is recorded of each frame of a flight.
 pub struct Record {
     frames_ms: Vec<f64>,
     prepare_ms: Vec<f64>,
+    /// Processor time of the thread.
+    prepare_cpu_ms: Vec<f64>,
     /// Without the copying of tiles.
     choosing_ms: Vec<f64>,
     texels_per_pixel: Vec<f64>,
@@ -36,6 +49,7 @@ impl Record {
         Self {
             frames_ms: Vec::new(),
             prepare_ms: Vec::new(),
+            prepare_cpu_ms: Vec::new(),
             choosing_ms: Vec::new(),
             texels_per_pixel: Vec::new(),
             uploads: Vec::new(),
@@ -46,12 +60,13 @@ impl Record {
         }
     }
 
-    pub fn add(&mut self, frame: Duration, prepare: Duration, stats: &FrameStats) {
+    pub fn add(&mut self, frame: Frame, stats: &FrameStats) {
         let ms = |time: Duration| time.as_secs_f64() * 1e3;
-        self.frames_ms.push(ms(frame));
-        self.prepare_ms.push(ms(prepare));
+        self.frames_ms.push(ms(frame.whole));
+        self.prepare_ms.push(ms(frame.prepare));
+        self.prepare_cpu_ms.push(ms(frame.prepare_cpu));
         self.choosing_ms
-            .push(ms(prepare.saturating_sub(stats.tile_upload)));
+            .push(ms(frame.prepare.saturating_sub(stats.tile_upload)));
         if stats.texels_per_pixel > 0.0 {
             self.texels_per_pixel.push(stats.texels_per_pixel);
         }
@@ -109,7 +124,20 @@ impl Record {
         println!("  prepare          {} ms", quantiles(&self.prepare_ms));
         println!(
             "    less uploads   {choosing} ms, {slow} frames over {MAX_PREPARE_MS} ms{}",
-            self.slowest()
+            slowest(&self.choosing_ms)
+        );
+        let busy = self.prepare_cpu_ms.iter();
+        println!(
+            "    processor time {} ms, {} frames over {MAX_PREPARE_MS} ms{}",
+            quantiles(&self.prepare_cpu_ms),
+            busy.filter(|ms| **ms > MAX_PREPARE_MS).count(),
+            slowest(&self.prepare_cpu_ms)
+        );
+        println!(
+            "  jank of our own  {:.2} ms, by processor time {:.2} ms; were all frames else alike {:.2} ms",
+            self.own_jank(&self.prepare_ms),
+            self.own_jank(&self.prepare_cpu_ms),
+            self.even_jank()
         );
         println!(
             "  uploaded         {:.1} MB in all, at most {:.2} MB a frame",
@@ -142,19 +170,57 @@ impl Record {
 }
 
 impl Record {
-    /// Which frames took over the limit to choose.
-    fn slowest(&self) -> String {
-        let slow = self.choosing_ms.iter().enumerate();
-        let slow: Vec<_> = slow
-            .filter(|(_, ms)| **ms > MAX_PREPARE_MS)
-            .map(|(frame, ms)| format!("{ms:.1} ms in frame {frame}"))
-            .take(8)
-            .collect();
-        if slow.is_empty() {
-            String::new()
-        } else {
-            format!(": {}", slow.join(", "))
+    /// Jank that frames would not have if our own work took no time: of frames as long as they are without `prepare` and these times
+    /// of it, less that of the frames alone. Beyond twice the flight's median in both.
+    fn own_jank(&self, own_ms: &[f64]) -> f64 {
+        let budget = 2.0 * median(&self.frames_ms);
+        let rest = self.frames_ms.iter().zip(&self.prepare_ms);
+        let rest = rest.map(|(frame, prepare)| frame - prepare);
+        let beyond = |ms: f64| (ms - budget).max(0.0);
+        rest.zip(own_ms)
+            .map(|(rest, own)| beyond(rest + own) - beyond(rest))
+            .sum()
+    }
+
+    /// Jank of frames that take what the median one takes without `prepare`, and the processor time of their own: what a machine
+    /// with nothing else to do would see of it.
+    fn even_jank(&self) -> f64 {
+        let rest = self.frames_ms.iter().zip(&self.prepare_ms);
+        let rest: Vec<_> = rest.map(|(frame, prepare)| frame - prepare).collect();
+        let rest = median(&rest);
+        let frames: Vec<_> = self.prepare_cpu_ms.iter().map(|own| rest + own).collect();
+        jank(&frames)
+    }
+
+    /// What this flight takes more than the same without tiles.
+    pub fn print_difference(&self, without: &Self, name: &str) {
+        let of = |record: &Self, value: fn(&[f64]) -> f64| {
+            [
+                &record.frames_ms,
+                &record.prepare_ms,
+                &record.prepare_cpu_ms,
+            ]
+            .map(|ms| value(ms))
+        };
+        let p99 = |sample: &[f64]| SortedSample::new(sample.to_vec()).quantile(0.99);
+        println!("\n{name}: tiles add, ms of frame, prepare, prepare's processor time");
+        for (what, value) in [
+            ("median", median as fn(&[f64]) -> f64),
+            ("p99", p99),
+            ("jank sum", jank),
+        ] {
+            let (with, without) = (of(self, value), of(without, value));
+            let [frame, prepare, cpu] = [0, 1, 2].map(|n| with[n] - without[n]);
+            println!("  {what:<16} {frame:.3}, {prepare:.3}, {cpu:.3}");
         }
+        let own = |record: &Self| record.own_jank(&record.prepare_cpu_ms);
+        println!(
+            "  jank of our own  {:.2} ms by processor time ({:.2} with, {:.2} without); were all frames else alike {:.2} ms",
+            own(self) - own(without),
+            own(self),
+            own(without),
+            self.even_jank() - without.even_jank()
+        );
     }
 
     /// The longest frames: which, how long, and what of it was our own.
@@ -171,6 +237,20 @@ impl Record {
             )
         });
         words.collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// Which frames took over the limit.
+fn slowest(times_ms: &[f64]) -> String {
+    let slow = times_ms.iter().enumerate();
+    let slow: Vec<_> = slow
+        .filter(|(_, ms)| **ms > MAX_PREPARE_MS)
+        .map(|(frame, ms)| format!("{ms:.1} ms in frame {frame}"))
+        .take(8)
+        .collect();
+    match slow.is_empty() {
+        true => String::new(),
+        false => format!(": {}", slow.join(", ")),
     }
 }
 

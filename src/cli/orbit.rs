@@ -5,8 +5,8 @@ use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use terrella::frames::{Duration, Epoch, Geodetic, rfc3339};
 use terrella::internals::play::{
-    Axes, Ephemeris, EphemerisRequest, Flight, Layout, OutputError, PassRequest, PassTable,
-    PendingFile, Selection, Span, omm, select,
+    Axes, Ephemeris, EphemerisRequest, EventTable, Flight, Layout, OutputError, PassRequest,
+    PassTable, PendingFile, Selection, Span, omm, select,
 };
 use terrella::orbit::{Frame, Header};
 
@@ -49,6 +49,9 @@ pub struct OrbitArgs {
     /// With --passes: number of days from the scene's first instant, as far as the satellite's orbit is known
     #[arg(long, value_name = "N", value_parser = values::days, requires = "passes")]
     days: Option<f64>,
+    /// Print the events along motions that are integrated: those that `events` under [orbit] names, and impacts
+    #[arg(long, conflicts_with_all = ["every", "at", "frame", "oem", "omm", "passes"])]
+    events: bool,
     /// Name of a satellite; may be given more than once [default: the one that cameras follow]
     #[arg(long, value_name = "NAME")]
     satellite: Vec<String>,
@@ -107,6 +110,11 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
         (false, names) => Selection::Named(names),
     };
     let satellites = select(&flight, selection)?;
+    if args.events {
+        let tables = satellites.into_iter().map(EventTable::new);
+        let tables = tables.collect::<Result<Vec<_>, _>>()?;
+        return print(&EventTable::print(&tables, layout));
+    }
     if let Some(place) = args.passes {
         let request = PassRequest {
             place,

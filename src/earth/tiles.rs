@@ -66,14 +66,15 @@ pub struct TileOptions {
 }
 
 impl TileOptions {
-    /// The defaults: one screen pixel a texel, 512 MB of textures, 8 MB uploaded a frame.
+    /// The defaults: one screen pixel a texel, 512 MB of textures, 4 MB uploaded a frame, the copying of which
+    /// takes a processor a millisecond.
     pub fn new(source: Arc<dyn TileSource>) -> Self {
         Self {
             source,
             rule: LevelRule::default(),
             max_texel_px: 1.0,
             texture_bytes: 512_000_000,
-            upload_bytes: 8_000_000,
+            upload_bytes: 4_000_000,
             threads: None,
         }
     }

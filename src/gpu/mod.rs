@@ -21,6 +21,7 @@ mod plan;
 mod read_back;
 #[cfg_attr(not(feature = "terrain"), path = "no_relief.rs")]
 mod relief;
+mod scaled;
 mod shader;
 mod surface;
 mod surface_config;
@@ -35,11 +36,12 @@ mod uniforms;
 #[cfg(feature = "celestial")]
 pub use celestial::{CelestialUniforms, Disc};
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
+pub use scaled::ScaledTarget;
 pub use shader::{
     AirSide, AirVariant, AirViewVariant, CelestialKind, CelestialVariant, EarthOutput,
     EarthVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability, ShaderError, ShaderText,
     ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TrackKind, TracksVariant,
-    TruthLayers, VertexForm,
+    TruthLayers, UpscaleVariant, VertexForm,
 };
 pub use targets::{
     Attachments, FrameTargets, PassPart, color_texture, read_floats, read_halves, read_texture,

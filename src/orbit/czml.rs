@@ -4,7 +4,8 @@ use super::Frame;
 use super::entry::{RecordError, RecordFault, number, printable, shortened};
 use super::found::{Each, Found};
 use super::interpolated::{
-    EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
+    EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, InterpolationError,
+    StateSample, sift,
 };
 use super::text::json::{Document, Object};
 use crate::frames::{Duration, Epoch, TimeScale, epoch_from_ccsds, utc_from_rfc3339};
@@ -32,7 +33,7 @@ pub(super) fn each_object(
     let mut seen: HashMap<String, usize> = HashMap::new();
     let read =
         document.each_object::<RecordError>(MAX_PACKETS, "packets", &mut |value| match packet(
-            &document, value, &mut seen,
+            &document, value, &mut seen, each,
         ) {
             Ok(Some(feed)) => each(Found::Object(feed)),
             Ok(None) => Ok(()),
@@ -47,6 +48,7 @@ fn packet<'t>(
     document: &Document<'t>,
     value: &'t RawValue,
     seen: &mut HashMap<String, usize>,
+    each: &mut Each<'_>,
 ) -> Result<Option<EphemerisFeed>, RecordError> {
     let packet = document.object(value, "a packet, which is an object")?;
     let Some(position) = packet.get("position") else {
@@ -60,13 +62,13 @@ fn packet<'t>(
     let place = document.place(value);
     let mut pieces = Vec::new();
     if position.get().starts_with('[') {
-        let mut each = |value| {
-            pieces.extend(from_position(document, value)?);
+        let mut one = |value| {
+            pieces.extend(from_position(document, value, each)?);
             Ok(())
         };
-        document.each_member(position.get(), MAX_INTERVALS, "intervals", &mut each)?;
+        document.each_member(position.get(), MAX_INTERVALS, "intervals", &mut one)?;
     } else {
-        pieces.extend(from_position(document, position)?);
+        pieces.extend(from_position(document, position, each)?);
     }
     if pieces.is_empty() {
         return Ok(None);
@@ -130,10 +132,11 @@ fn segments(pieces: Vec<Piece>, available: &[(Epoch, Epoch)]) -> Option<Vec<Ephe
     Some(segments)
 }
 
-/// The pieces of one position: none if it is a point that stands still or follows another.
+/// The pieces of one position: none if it is a point that stands still or follows another. Samples that are left out go to `each`.
 fn from_position<'t>(
     document: &Document<'t>,
     value: &'t RawValue,
+    each: &mut Each<'_>,
 ) -> Result<Vec<Piece>, RecordError> {
     let object = document.object(value, "an object or an array of them")?;
     for key in ["cartographicDegrees", "cartographicRadians"] {
@@ -158,13 +161,30 @@ fn from_position<'t>(
         Some(value) => Some(interval(document, value)?),
         None => None,
     };
-    let runs = samples(document, numbers, epoch, with_velocity)?;
-    let pieces = runs.iter().map(|samples| {
-        let sampled = InterpolatedStates::new(frame, samples, interpolation);
-        let sampled = sampled.map_err(|e| document.error(numbers, RecordFault::Samples(e)))?;
-        Ok((sampled, interval))
-    });
-    pieces.collect()
+    let runs = samples(document, numbers, epoch, with_velocity, each)?;
+    let mut pieces = Vec::new();
+    for run in runs {
+        let (run, places): (Vec<_>, Vec<_>) = run.into_iter().unzip();
+        let at_its_place = |error: InterpolationError| {
+            let place = error.index().and_then(|index| places.get(index));
+            document.error(
+                place.copied().unwrap_or(numbers),
+                RecordFault::Samples(error),
+            )
+        };
+        let kept = sift(&run, |error| each(Found::BadState(at_its_place(error))))?;
+        if !kept.is_empty() {
+            let sampled = InterpolatedStates::new(frame, &kept, interpolation);
+            pieces.push((sampled.map_err(at_its_place)?, interval));
+        }
+    }
+    match pieces.is_empty() {
+        true => {
+            let fault = RecordFault::Samples(InterpolationError::Empty);
+            Err(document.error(numbers, fault))
+        }
+        false => Ok(pieces),
+    }
 }
 
 /// Commas in a value's text: more than two are more than one point.
@@ -172,7 +192,11 @@ fn commas(value: &RawValue) -> usize {
     value.get().bytes().filter(|&b| b == b',').count()
 }
 
-/// `[t, x, y, z, …]` or `[t, x, y, z, vx, vy, vz, …]`, t in seconds since `epoch` or as a date.
+/// A sample, and the value of its time.
+type Sampled<'t> = (StateSample, &'t RawValue);
+
+/// `[t, x, y, z, …]` or `[t, x, y, z, vx, vy, vz, …]`, t in seconds since `epoch` or as a date. A group with something else among it
+/// goes to `each`; where numbers are too few or too many, nothing says to which group the others belong.
 ///
 /// A time that comes twice begins a new run: so writers say that the motion jumps there, from one element set to the next
 /// or by a burn, and a polynomial through both sides would swing.
@@ -181,25 +205,34 @@ fn samples<'t>(
     array: &'t RawValue,
     epoch: Option<Epoch>,
     with_velocity: bool,
-) -> Result<Vec<Vec<StateSample>>, RecordError> {
+    each: &mut Each<'_>,
+) -> Result<Vec<Vec<Sampled<'t>>>, RecordError> {
     let width = if with_velocity { 7 } else { 4 };
-    let mut runs: Vec<Vec<StateSample>> = vec![Vec::new()];
+    let mut runs: Vec<Vec<Sampled<'t>>> = vec![Vec::new()];
     let mut row = [0.0; 6];
-    let mut at: Option<Epoch> = None;
+    let mut at: Option<(Epoch, &'t RawValue)> = None;
+    // What is wrong with the group.
+    let mut bad: Option<RecordError> = None;
     let mut count = 0;
-    let mut each = |value: &'t RawValue| {
+    let mut one = |value: &'t RawValue| {
         let column = count % width;
         count += 1;
-        if column == 0 {
-            at = Some(time(document, value, epoch)?);
+        let read = match column {
+            0 => time(document, value, epoch).map(|epoch| at = Some((epoch, value))),
+            _ => number(value.get())
+                .and_then(|number| Some(*row.get_mut(column - 1)? = number))
+                .ok_or_else(|| document.wrong("a coordinate", value, "a number of metres")),
+        };
+        if let Err(error) = read {
+            bad.get_or_insert(error);
+        }
+        if column + 1 != width {
             return Ok(());
         }
-        let number = number(value.get())
-            .ok_or_else(|| document.wrong("a coordinate", value, "a number of metres"))?;
-        if let Some(slot) = row.get_mut(column - 1) {
-            *slot = number;
+        if let Some(error) = bad.take() {
+            return each(Found::BadState(error));
         }
-        let Some(epoch) = at.filter(|_| column + 1 == width) else {
+        let Some((epoch, place)) = at.take() else {
             return Ok(());
         };
         let [x, y, z, vx, vy, vz] = row;
@@ -210,16 +243,18 @@ fn samples<'t>(
         };
         let count = runs.len();
         match runs.last_mut() {
-            Some(run) if run.last().is_none_or(|before| before.epoch != epoch) => run.push(sample),
+            Some(run) if run.last().is_none_or(|(before, _)| before.epoch != epoch) => {
+                run.push((sample, place));
+            }
             _ if count >= MAX_INTERVALS => {
                 let (what, limit) = ("jumps", MAX_INTERVALS);
                 return Err(document.error(value, RecordFault::TooMany { what, limit }));
             }
-            _ => runs.push(vec![sample]),
+            _ => runs.push(vec![(sample, place)]),
         }
         Ok(())
     };
-    document.each_member(array.get(), MAX_NUMBERS, "numbers", &mut each)?;
+    document.each_member(array.get(), MAX_NUMBERS, "numbers", &mut one)?;
     match count % width {
         0 => Ok(runs),
         _ => {

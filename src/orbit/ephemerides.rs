@@ -36,11 +36,12 @@ impl Ephemerides {
     /// - CZML begins with `[`. Every packet with a sampled `position` is an object; `INERTIAL` is taken as GCRF, `FIXED` as
     ///   ITRF. Points that stand still are passed over.
     /// - CSV has a header that names `epoch_utc,x_km,y_km,z_km`, and if it likes `vx_km_s,vy_km_s,vz_km_s`, in any order,
-    ///   others being passed over (`epoch_tai`, `…_tt`, `…_gps`; `x_m` with `vx_m_s`). Columns `name` and `frame` say of
+    ///   others being passed over (`epoch_tai`, `…_tt`, `…_gps`; `x_m` with `vx_m_s`). A column `error_m` says how far a state may be
+    ///   off, one standard deviation, and may be empty. Columns `name` and `frame` say of
     ///   which satellite a row is and in which frame; or a comment before the header says it of all rows, and what else
     ///   the numbers do not: `# frame = TEME, name = ISS, interpolation = HERMITE, degree = 7`. The frame must be said.
     ///
-    /// States of OEM and CSV that cannot be read, and those out of the order of time, are listed and their objects flown
+    /// States that cannot be read, and those out of the order of time, are listed and their objects flown
     /// without them. Objects that are spoilt are listed and the others used. `is_strict` refuses the file instead.
     ///
     /// # Errors

@@ -54,6 +54,8 @@ struct Columns {
     /// Columns of the satellite's name and of the frame.
     name: Option<usize>,
     frame: Option<usize>,
+    /// Column of how far a state may be off.
+    error: Option<usize>,
     count: usize,
 }
 
@@ -74,6 +76,8 @@ struct Rows {
     samples: Vec<StateSample>,
     /// Lines of the samples.
     lines: Vec<usize>,
+    /// How far each may be off, metres, where its row says so.
+    errors_m: Vec<Option<f64>>,
 }
 
 /// Calls `each` for every satellite of a table and for every row that is left out of one.
@@ -114,6 +118,14 @@ pub(super) fn each_object(
         }
         let read = row.and_then(|row| {
             let sample = sample(&table.columns, &row, line, origin)?;
+            let error_m = match error_m(&table.columns, &row, line, origin) {
+                Ok(error_m) => error_m,
+                // The state is good without it.
+                Err(error) => {
+                    each(Found::BadState(error))?;
+                    None
+                }
+            };
             let (name, frame) = whose(table, &row, line, origin)?;
             let object = *by_name.entry(name).or_insert_with_key(|name| {
                 objects.push(Rows {
@@ -121,6 +133,7 @@ pub(super) fn each_object(
                     frame,
                     samples: Vec::new(),
                     lines: Vec::new(),
+                    errors_m: Vec::new(),
                 });
                 objects.len() - 1
             });
@@ -135,6 +148,7 @@ pub(super) fn each_object(
                 }
                 object.samples.push(sample);
                 object.lines.push(line);
+                object.errors_m.push(error_m);
             }
             Ok(())
         });
@@ -175,13 +189,24 @@ impl Rows {
         let samples = sift(&self.samples, |error| {
             each(Found::BadState(at_its_line(error)))
         })?;
+        // Of the states that are kept, which are in their order.
+        let mut rows = self.samples.iter().zip(&self.errors_m);
+        let sigma_m = samples.iter().filter_map(|kept| {
+            let (_, error_m) = rows.find(|(sample, _)| *sample == kept)?;
+            error_m.map(|error_m| (kept.epoch, error_m))
+        });
+        let sigma_m: Vec<_> = sigma_m.collect();
         let samples =
             InterpolatedStates::new(self.frame, &samples, interpolation).map_err(at_its_line)?;
+        let segment = EphemerisSegment {
+            sigma_m,
+            ..EphemerisSegment::whole(samples)
+        };
         let place = TextPosition {
             line: first,
             column: 1,
         };
-        EphemerisFeed::new(self.name, None, vec![EphemerisSegment::whole(samples)])
+        EphemerisFeed::new(self.name, None, vec![segment])
             .map(|feed| feed.at_line(first))
             .map_err(|error| place.error(origin, RecordFault::Segments(error)))
     }
@@ -311,6 +336,7 @@ fn header(row: &[csv::CsvField], line: usize, origin: &Path) -> Result<Columns, 
         power,
         name: named("name"),
         frame: named("frame"),
+        error: named("error_m"),
         count: row.len(),
     })
 }
@@ -354,6 +380,32 @@ fn sample(
             None => None,
         },
     })
+}
+
+/// How far a row's state may be off, metres; `None` where it does not say.
+fn error_m(
+    columns: &Columns,
+    row: &[csv::CsvField],
+    line: usize,
+    origin: &Path,
+) -> Result<Option<f64>, RecordError> {
+    let field = columns.error.and_then(|index| row.get(index));
+    let Some(field) = field.filter(|field| !field.text.trim().is_empty()) else {
+        return Ok(None);
+    };
+    let error_m = scaled_number(field.text.trim(), 0).filter(|error_m| *error_m >= 0.0);
+    let entry = Entry {
+        key: Cow::Borrowed("error_m"),
+        value: Cow::Borrowed(&field.text),
+        unit: None,
+        place: TextPosition {
+            line,
+            column: field.column,
+        },
+    };
+    error_m
+        .map(Some)
+        .ok_or_else(|| entry.wrong(origin, "metres, 0 or more"))
 }
 
 /// The frame of all rows; `None` where each row says its own.

@@ -240,6 +240,22 @@ pub enum PlayError {
         /// The device's words.
         cause: String,
     },
+    /// Events of a motion that is not integrated.
+    #[error(
+        "{satellite} has no events: they are found where motion is integrated; write source = \"numerical\", and what to look for with events = [\"nodes\", \"apsides\", \"eclipses\"] in [orbit]"
+    )]
+    NoEvents {
+        /// The satellite.
+        satellite: String,
+    },
+    /// The scene's ladder of quality.
+    #[error("{}: {problem}; give a ladder.csv that `terrella report SCENE --quality` wrote, or leave `ladder` out of [quality]", path.display())]
+    Ladder {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it, with the line where there is one.
+        problem: String,
+    },
     /// The device stopped answering.
     #[error("the graphics device stopped answering: {0}")]
     DeviceLost(String),
@@ -264,6 +280,8 @@ impl PlayError {
                 | Self::TooManyRows { .. }
                 | Self::Live { .. }
                 | Self::NoElements { .. }
+                | Self::Ladder { .. }
+                | Self::NoEvents { .. }
                 | Self::Orbit(
                     OrbitError::OutsideValidity { .. }
                         | OrbitError::NotCovered { .. }

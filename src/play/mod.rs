@@ -13,6 +13,7 @@
 //! | `live` | the time of scenes whose simulator gives it |
 //! | `ephemeris` | where its satellites are, as tables and messages |
 //! | `pass_table` | when they pass over a place |
+//! | `event_table` | what was found along integrated motions |
 //! | `maps` | the scene's maps: a folder or a pack |
 //! | `relief` | its heights |
 //! | `craft/` | the spacecraft that the chase camera follows |
@@ -37,6 +38,7 @@ mod craft;
 mod egui_pass;
 mod ephemeris;
 mod error;
+mod event_table;
 mod export;
 mod flight;
 mod float_files;
@@ -71,6 +73,7 @@ mod window_renderer;
 pub use craft::CraftPose;
 pub use ephemeris::{Axes, Ephemeris, EphemerisRequest, Layout, Selection, Span, omm, select};
 pub use error::{PlayError, VideoError, WindowError};
+pub use event_table::EventTable;
 pub use export::{ExportRequest, export};
 pub use flight::{Flight, Moment, SatelliteState, ViewRequest};
 pub use maps::{DroppedLayer, earth_options};

@@ -5,7 +5,9 @@ use crate::frames::{Duration, EarthOrientation, Epoch, Orientation, utc_from_rfc
 use crate::orbit::constants::EARTH_GM_M3_S2;
 use crate::orbit::kepler::{Anomaly, Drift, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize};
 use crate::orbit::live::{LiveError, LiveFeed, LiveOptions};
-use crate::orbit::numerical::{ForceModel, Gravity, NumericalFeed, NumericalOptions, Shadow};
+use crate::orbit::numerical::{
+    Event, ForceModel, Gravity, NumericalFeed, NumericalOptions, Shadow,
+};
 use crate::orbit::{
     Catalogue, Ephemerides, Feed, FileFormat, Frame, MeanElements, OrbitError, OrbitState, Sgp4Feed,
 };
@@ -21,6 +23,7 @@ pub struct Satellite {
     feed: Arc<dyn Feed>,
     elements: Option<MeanElements>,
     live: Option<Arc<LiveFeed>>,
+    events: Option<Vec<Event>>,
     faults: Vec<String>,
     faults_left_out: usize,
 }
@@ -38,6 +41,7 @@ impl Satellite {
             feed: Arc::new(feed),
             elements: None,
             live: None,
+            events: None,
             faults: Vec::new(),
             faults_left_out: 0,
         }
@@ -66,6 +70,11 @@ impl Satellite {
     /// What a simulator sends, if its states come from one.
     pub fn live(&self) -> Option<&LiveFeed> {
         self.live.as_deref()
+    }
+
+    /// What was found along its motion, in order of time, if that is integrated.
+    pub fn events(&self) -> Option<&[Event]> {
+        self.events.as_deref()
     }
 
     /// The errors of other records of its file, and how many more there are that are not kept.
@@ -357,13 +366,15 @@ fn numerical(
         sun: forces.sun,
         moon: forces.moon,
         sunlight: forces.radiation.then_some(Shadow::Cone),
-        thrusts: Vec::new(),
+        thrusts: forces.burns.clone(),
         orientation: *orientation,
     };
     let margin = Duration::from_seconds(MARGIN_S);
     let (a, b) = (scene.time.start, scene.time.end());
     let options = NumericalOptions {
         relative_tolerance: forces.tolerance,
+        solver: forces.method,
+        watch: forces.events,
         ..NumericalOptions::between(
             (a.min(b) - margin).min(start.epoch),
             (a.max(b) + margin).max(start.epoch),
@@ -371,5 +382,8 @@ fn numerical(
     };
     let state = state(start)?;
     let feed = NumericalFeed::new(name, &state, &model, &forces.craft, &options)?;
-    Ok(Satellite::of(feed))
+    Ok(Satellite {
+        events: Some(feed.events().to_vec()),
+        ..Satellite::of(feed)
+    })
 }

@@ -22,6 +22,12 @@ pub(super) const MAX_ORBITS: usize = 1000;
 pub(super) const MAX_LIVE_ORBITS: usize = 64;
 /// Most web pages that may connect to a simulator's port.
 pub(super) const MAX_ORIGINS: usize = 16;
+/// Most burns of one satellite.
+pub(super) const MAX_BURNS: usize = 1000;
+/// Length of a burn, seconds: at most a year.
+pub(super) const BURN_S: RangeInclusive<f64> = 1e-3..=3.2e7;
+/// Each part of a burn's acceleration, m/s².
+pub(super) const BURN_M_S2: RangeInclusive<f64> = -1e3..=1e3;
 /// Most files of heights.
 pub(super) const MAX_ELEVATION_FILES: usize = 1000;
 
@@ -256,6 +262,14 @@ table_with_tracks!(RawOrbit = "orbit" {
     cr: f64 = "a number", in 0.0..=100.0, default Spacecraft::default().reflectivity;
     /// Error allowed in a step of the integration, relative to distance and speed; by default millimetres a revolution.
     tolerance: f64 = "a number", in 1e-14..=1e-3, default 1e-10;
+    /// How it is integrated, "automatic" by default.
+    method: String = "a string: \"automatic\", \"explicit\" or \"implicit\"";
+    // A list of tables, checked by burns.rs.
+    /// Thrusts, each over its own time.
+    burns: toml::Value = "a list like [{ start = \"2018-01-15T12:30:00Z\", duration_s = 60, acceleration_m_s2 = [0.05, 0, 0], axes = \"flight\" }]";
+    // A list of any length.
+    /// Which events are looked for besides the impact; none by default.
+    events: Vec<String> = "a list of \"nodes\", \"apsides\" and \"eclipses\"";
     /// Source "live": where the simulator's states come in.
     listen: String = "a string: \"stdin\", or \"tcp://\", \"udp://\" or \"ws://\" with an IP address and a port";
     /// Whether the port may be one that other machines reach.
@@ -411,7 +425,7 @@ table!(RawEarth = "earth" {
     /// Packs: textures of maps and tiles (10⁶ bytes), from what the coarsest maps take to more than any adapter has.
     texture_mb: f64 = "a number of megabytes", in 1.0..=1e6, default 512.0;
     /// Packs: tiles uploaded in one frame.
-    upload_mb: f64 = "a number of megabytes", in 0.01..=1e4, default 8.0;
+    upload_mb: f64 = "a number of megabytes", in 0.01..=1e4, default 4.0;
     /// What draws ground with relief: "quadtree" by default where heights are named, else "blocks".
     surface: String = "a string: \"blocks\", \"projected-grid\", \"quadtree\", \"contours\" or \"clipmap\"";
     /// Files of heights; an empty list takes the starter pack's.

@@ -19,6 +19,7 @@
 //! defaults). Once the satellites are opened, [`Scene::check_dates`] and what else `dates` and `satellites` have. `summary` says in text what a scene
 //! comes to.
 
+mod burns;
 mod camera;
 mod check;
 mod dates;

@@ -5,7 +5,7 @@ use crate::frames::Epoch;
 use crate::orbit::Frame;
 use crate::orbit::kepler::KeplerElements;
 use crate::orbit::live::LiveOptions;
-use crate::orbit::numerical::{AtmosphereModel, Spacecraft};
+use crate::orbit::numerical::{AtmosphereModel, EventSelection, Solver, Spacecraft, Thrust};
 use glam::DVec3;
 use std::path::PathBuf;
 
@@ -79,7 +79,7 @@ impl OrbitSource {
 }
 
 /// A motion that a scene describes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Motion {
     /// On a conic.
     Kepler {
@@ -122,8 +122,8 @@ pub enum OrbitParameters {
     },
 }
 
-/// Forces of a numerical motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Forces of a numerical motion, and how it is integrated.
+#[derive(Clone, Debug, PartialEq)]
 pub struct ForceOptions {
     /// Degree of the Earth's gravity; 0 and 1 are a point.
     pub gravity_degree: u32,
@@ -139,6 +139,12 @@ pub struct ForceOptions {
     pub radiation: bool,
     /// What air and sunlight act on.
     pub craft: Spacecraft,
+    /// Thrusts, each over its own time.
+    pub burns: Vec<Thrust>,
     /// Error allowed in a step, relative to distance and speed.
     pub tolerance: f64,
+    /// How it is integrated.
+    pub method: Solver,
+    /// What is looked for along it; the impact always is.
+    pub events: EventSelection,
 }

@@ -1,5 +1,6 @@
 //! Checks `[orbit]`: sources of motion, which keys each takes, and the start and the forces of a motion.
 
+use super::burns::Method;
 use super::error::SceneError;
 use super::field::{Bounds, Field, PathKind, short_range_text, whole, written};
 use super::keys::{RawOrbit, RawTracks};
@@ -334,7 +335,10 @@ impl SceneText<'_> {
                 sunlit_area_m2: area_m2,
                 reflectivity: self.quantity(&cr, "")?,
             },
+            burns: self.burns(&orbit.burns())?,
             tolerance: self.quantity(&orbit.tolerance(), "")?,
+            method: self.choice(&orbit.method(), Method::Automatic)?.into(),
+            events: self.events(&orbit.events())?,
         })
     }
 

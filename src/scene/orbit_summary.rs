@@ -6,7 +6,7 @@ use super::orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters, O
 use super::orbit_check::foreign;
 use super::time::utc;
 use super::tracks::TrackSpan;
-use super::{Scene, live, tracks};
+use super::{Scene, burns, live, tracks};
 use crate::orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
 use crate::orbit::numerical::AtmosphereModel;
 use glam::DVec3;
@@ -70,6 +70,9 @@ fn force_value(forces: &ForceOptions, key: &str) -> Option<KeyText> {
         "cr" if !forces.radiation => Err("only for radiation = true"),
         "cr" => Ok(forces.craft.reflectivity.to_string()),
         "tolerance" => Ok(format!("{:e}", forces.tolerance)),
+        "method" => quoted(burns::method_name(forces.method)),
+        "burns" => burns::burns_value(&forces.burns),
+        "events" => burns::events_value(forces.events),
         _ => return None,
     })
 }
@@ -158,6 +161,7 @@ fn flies_by(orbit: &Orbit) -> String {
                 (forces.moon, "Moon"),
                 (forces.drag.is_some(), "drag"),
                 (forces.radiation, "sunlight"),
+                (!forces.burns.is_empty(), "burns"),
             ];
             let acting = others
                 .into_iter()

@@ -10,7 +10,10 @@ fn recorded() -> (SurfaceStudy, BTreeMap<String, String>) {
     let mut value: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let mut part = |name: &str| value["run"][name].take();
     let study = serde_json::from_value(part("study")).expect("a study");
-    (study, serde_json::from_value(part("sections")).expect("texts"))
+    (
+        study,
+        serde_json::from_value(part("sections")).expect("texts"),
+    )
 }
 
 #[test]
@@ -39,7 +42,10 @@ fn the_rule_looks_at_holes_error_and_cost() {
         row.holes = 1;
     }
     // Of one that is exact beside it.
-    let other = SurfaceKind::ALL.iter().find(|kind| **kind != default).copied();
+    let other = SurfaceKind::ALL
+        .iter()
+        .find(|kind| **kind != default)
+        .copied();
     let other = other.expect("another");
     for row in holed.errors.iter_mut().filter(|row| row.surface == other) {
         (row.error_px_p99, row.holes) = (0.1, 0);

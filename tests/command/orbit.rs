@@ -489,3 +489,71 @@ fn satellites_that_are_not_followed_need_not_be_known_throughout() {
     let refusal = place.fail(2, &["check", "led.toml"]);
     assert!(refusal.contains("2018-01-15T13:10:00Z"), "{refusal}");
 }
+
+#[test]
+fn burns_change_a_motion_and_its_events_are_told() {
+    let place = Place::new();
+    // A circle of 7000 km about a point: 5829 s a turn, twice in the scene's time.
+    let scene = |more: &str| {
+        format!(
+            "[time]\nduration_s = 12000\n[orbit]\nsource = \"numerical\"\nname = \"Probe\"\nsemi_major_axis_km = 7000\n\
+             inclination_deg = 60\ntrue_anomaly_deg = 10\ngravity_degree = 0\ndrag = false\nsun = false\nmoon = false\nradiation = false\n{more}\n"
+        )
+    };
+    // 100 m/s forwards, the other side of the orbit rises by 4 a/v Δv = 371 km.
+    let burn = "burns = [{ start = \"2018-01-15T12:10:00Z\", duration_s = 100, acceleration_m_s2 = [1, 0, 0] }]";
+    place.scene("plain.toml", &scene(""));
+    place.scene("burn.toml", &scene(burn));
+    place.scene(
+        "events.toml",
+        &scene("events = [\"nodes\", \"eclipses\"]\nmethod = \"explicit\""),
+    );
+    // Half a turn of the new orbit, about 6029 s, after the middle of the burn at 650 s.
+    let radius_km = |file: &str| {
+        let at = "2018-01-15T13:01:04Z";
+        let text = printed(
+            &place,
+            &["orbit", file, "--at", at, "--frame", "gcrf", "--csv"],
+        );
+        let row = text.lines().nth(1).expect("a row");
+        let numbers = row.split(',').skip(3).take(3);
+        let numbers = numbers.map(|number| number.parse::<f64>().expect("a number"));
+        numbers.map(|x| x * x).sum::<f64>().sqrt()
+    };
+    let (plain, burnt) = (radius_km("plain.toml"), radius_km("burn.toml"));
+    assert!((plain - 7000.0).abs() < 1e-3, "{plain}");
+    assert!((burnt - 7371.0).abs() < 15.0, "{burnt}");
+    let told = printed(&place, &["orbit", "events.toml", "--events", "--csv"]);
+    let rows: Vec<Vec<&str>> = told
+        .lines()
+        .skip(1)
+        .map(|row| row.split(',').collect())
+        .collect();
+    let of = |kind: &str| rows.iter().filter(|row| row[2] == kind).count();
+    assert_eq!(told.lines().next(), Some("name,epoch_utc,event"));
+    assert!(rows.iter().all(|row| row[0] == "Probe"), "{told}");
+    // From 10° past the ascending node on, two turns and a bit.
+    assert_eq!(
+        (of("ascending node"), of("descending node")),
+        (2, 2),
+        "{told}"
+    );
+    assert_eq!(
+        (of("periapsis"), of("apoapsis"), of("impact")),
+        (0, 0, 0),
+        "{told}"
+    );
+    assert_eq!(of("eclipse begins"), of("eclipse ends"), "{told}");
+    assert!(of("eclipse begins") >= 1, "{told}");
+    assert!(
+        rows.windows(2).all(|pair| pair[0][1] <= pair[1][1]),
+        "in order of time"
+    );
+    // Of motion that is not integrated nothing is known.
+    place.scene(
+        "kepler.toml",
+        "[orbit]\nsource = \"kepler\"\nperiapsis_km = 7000\n",
+    );
+    let refusal = place.fail(2, &["orbit", "kepler.toml", "--events"]);
+    assert!(refusal.contains("source = \"numerical\""), "{refusal}");
+}

@@ -72,7 +72,8 @@ fn check_video(path: &Path) {
 #[test]
 fn the_built_in_encoder_writes_a_video() {
     let place = Place::new();
-    place.succeed(&[
+    let output = place.succeed(&[
+        "-q",
         "play",
         "small.toml",
         "--video",
@@ -80,6 +81,10 @@ fn the_built_in_encoder_writes_a_video() {
         "--encoder",
         "builtin",
     ]);
+    // Not the encoder's either.
+    if cfg!(unix) {
+        assert_eq!(words(&output), "", "quiet has no words");
+    }
     assert_eq!(place.names(), ["a.mp4", "small.toml"]);
     check_video(&place.path("a.mp4"));
 }

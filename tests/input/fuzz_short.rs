@@ -35,9 +35,9 @@ mod tile;
 mod tle;
 
 /// Name, seeds, body, and how many inputs are tried.
-type Target = (&'static str, fn() -> Vec<Vec<u8>>, fn(&[u8]), u32);
+pub type Target = (&'static str, fn() -> Vec<Vec<u8>>, fn(&[u8]), u32);
 
-const TARGETS: &[Target] = &[
+pub const TARGETS: &[Target] = &[
     ("manifest", manifest::seeds, manifest::run, 10_000),
     ("tile", tile::seeds, tile::run, 100_000),
     ("scene", scene::seeds, scene::run, 100_000),
@@ -73,7 +73,7 @@ const TARGETS: &[Target] = &[
 ];
 
 /// Marsaglia's xorshift: the same numbers on every machine.
-struct Random(u64);
+pub struct Random(pub u64);
 
 impl Random {
     fn next(&mut self) -> u64 {
@@ -84,7 +84,7 @@ impl Random {
     }
 
     /// A number below `end`; 0 for 0.
-    fn below(&mut self, end: usize) -> usize {
+    pub fn below(&mut self, end: usize) -> usize {
         (self.next() % end.max(1) as u64) as usize
     }
 }
@@ -137,13 +137,18 @@ fn run(target: &str) {
     }
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
     for _ in 0..inputs {
-        let mut input = seeds[random.below(seeds.len())].clone();
-        for _ in 0..=random.below(4) {
-            let other = &seeds[random.below(seeds.len())];
-            mutate(&mut input, other, &mut random);
-        }
-        body(&input);
+        body(&mutated(&seeds, &mut random));
     }
+}
+
+/// One of the inputs, changed in some ways.
+pub fn mutated(seeds: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
+    let mut input = seeds[random.below(seeds.len())].clone();
+    for _ in 0..=random.below(4) {
+        let other = &seeds[random.below(seeds.len())];
+        mutate(&mut input, other, random);
+    }
+    input
 }
 
 #[test]

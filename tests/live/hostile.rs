@@ -85,7 +85,7 @@ fn a_feed_with_5_percent_garbage_goes_on() {
 }
 
 #[test]
-#[ignore = "100 000 packets, for memory; by hand: cargo test --test live -- --ignored --nocapture"]
+#[ignore = "100 000 packets, for memory; by hand: cargo xtask soak"]
 fn a_long_feed_with_5_percent_garbage_keeps_its_memory() {
     soak(100_000);
 }

@@ -300,8 +300,8 @@ fn wrong_documents_are_named() {
             "5:5",
             "a coordinate is \"\\\"x\\\"\"; expected a number of metres",
         ),
-        ("[0,7e6", "[0,7e66", "4:93", "not finite or farther than"),
-        ("60,\n", "-60,\n", "4:93", "is not later than"),
+        ("[0,7e6", "[0,7e66", "4:94", "not finite or farther than"),
+        ("60,\n", "-60,\n", "4:104", "is not later than"),
         (
             "60,\n",
             "",
@@ -352,4 +352,78 @@ fn wrong_documents_are_named() {
     let bad = document(good).replace("}]", "},{\"id\":\"b\",\"position\":7}]");
     let some = Ephemerides::from_text(&bad, Path::new("sat.czml"), false).unwrap();
     assert_eq!((some.feeds.len(), some.faults.len()), (1, 1));
+}
+
+/// Seven samples a minute apart on a line, as cartesian numbers; the first, as a group of text, can be put in another's place.
+fn row(minute: i32) -> String {
+    let s = f64::from(minute) * 60.0;
+    format!("{s}, {}, {}, 0", 7e6 + 10.0 * s, 20.0 * s)
+}
+
+#[test]
+fn bad_samples_are_listed_and_the_good_ones_used() {
+    let origin = Path::new("folder/sat.czml");
+    let whole: Vec<_> = (0..7).map(row).collect();
+    let with = |minute: usize, row: &str| {
+        let mut rows = whole.clone();
+        row.clone_into(&mut rows[minute]);
+        let numbers = rows.join(",\n");
+        let position =
+            format!("\"epoch\": \"2018-01-01T00:00:00Z\", \"cartesian\": [\n{numbers}\n]");
+        format!(
+            "[{{\"id\": \"document\", \"version\": \"1.0\"}},\n{{\"id\": \"a\", \"position\": {{{position}}}}}]"
+        )
+    };
+    for (what, minute, row, word) in [
+        (
+            "a coordinate that is text",
+            3,
+            "180, \"far\", 3600, 0",
+            "a coordinate",
+        ),
+        (
+            "one that is not there",
+            3,
+            "180, null, 3600, 0",
+            "a coordinate",
+        ),
+        ("a time that is none", 2, "true, 7001200, 2400, 0", "time"),
+        (
+            "out of the order",
+            4,
+            "60.5, 7002400, 4800, 0",
+            "not later than",
+        ),
+        ("no state: too far away", 5, "300, 1e14, 0, 0", ""),
+    ] {
+        let text = with(minute, row);
+        let read = Ephemerides::from_text(&text, origin, false).expect(what);
+        assert_eq!(
+            (read.feeds.len(), read.faults.len()),
+            (1, 1),
+            "{what}: {:?}",
+            read.faults
+        );
+        let fault = read.faults[0].to_string();
+        let line = format!(":{}:", 3 + minute);
+        assert!(
+            fault.contains(&line) && fault.contains(word),
+            "{what}: {fault}"
+        );
+        let samples = &read.feeds[0].segments()[0].samples;
+        assert_eq!(samples.len(), 6, "{what}");
+        // Linear between those beside it: on the line.
+        let at = utc("2018-01-01T00:00:00Z") + Duration::from_seconds(60.0 * minute as f64);
+        let state = read.feeds[0].state_at(at).expect(what);
+        assert!(
+            (state.position_m.y - 1200.0 * minute as f64).abs() < 1e-6,
+            "{what}"
+        );
+        let strict = Ephemerides::from_text(&text, origin, true).expect_err(what);
+        assert_eq!(strict.to_string(), fault, "{what}");
+    }
+    // A number too few: nothing says which sample lacks it.
+    let text = with(3, "180, 3600, 0");
+    let error = Ephemerides::from_text(&text, origin, false).expect_err("27 numbers");
+    assert!(error.to_string().contains("27 numbers"), "{error}");
 }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::Path;
 use terrella::frames::{Duration, Ellipsoid, TimeScale, ccsds_time, rfc3339};
 use terrella::orbit::interpolated::Interpolation;
-use terrella::orbit::{Ephemerides, EphemerisFeed, Feed, Frame, OrbitError};
+use terrella::orbit::{Ephemerides, EphemerisFeed, Feed, Frame, OrbitError, csv_header, csv_row};
 
 fn read(text: &str) -> Result<EphemerisFeed, OrbitError> {
     let origin = Path::new("folder/sat.csv");
@@ -66,6 +66,50 @@ fn printed_states_are_read_back() {
         // Dates are printed to a millisecond, which is up to 4 m of flight; SGP4's velocity is 1 cm/s beside its position's rate.
         println!("{frame:?}: {worst:.2} m");
         assert!(worst < 4.5, "{frame:?}: {worst}");
+    }
+}
+
+/// The column that `terrella orbit --csv` writes of how far a state may be off.
+#[test]
+fn errors_are_read_back_and_bad_ones_cost_no_state() {
+    let iss = config("iss.tle");
+    let at = |minute: i32| iss.epoch() + Duration::from_seconds(f64::from(minute) * 60.0);
+    let said = |minute: i32| match minute {
+        3 => None,
+        minute => Some(10.0 + f64::from(minute)),
+    };
+    let mut text = csv_header().to_owned();
+    for minute in 0..12 {
+        let state = iss.state_at(at(minute)).unwrap();
+        let place = Ellipsoid::WGS84.geodetic_from_itrf(state.position_itrf_m());
+        text += &csv_row("ISS", &state, &place, said(minute));
+    }
+    let feed = read(&text).unwrap();
+    let near = |minute: i32, expected: f64| {
+        let error_m = feed.error_m(at(minute)).expect("an error");
+        assert!((error_m - expected).abs() < 1e-6, "{minute}: {error_m}");
+    };
+    for minute in 0..12 {
+        // Where none is said it is that between its neighbours'.
+        near(minute, 10.0 + f64::from(minute));
+    }
+    // An error that is none is told; the state is flown all the same, without it.
+    for wrong in ["-1", "much", "inf"] {
+        let bad = text.replacen(",15\n", &format!(",{wrong}\n"), 1);
+        assert_ne!(bad, text);
+        let origin = Path::new("folder/sat.csv");
+        let strict = Ephemerides::from_text(&bad, origin, true)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            strict.contains("error_m") && strict.contains(":7:"),
+            "{strict}"
+        );
+        let loose = Ephemerides::from_text(&bad, origin, false).unwrap();
+        assert_eq!(loose.faults.len(), 1);
+        let feed = loose.into_one(origin, None).unwrap();
+        assert_eq!(feed.segments()[0].sigma_m.len(), 10);
+        assert_eq!(feed.segments()[0].samples.len(), 12);
     }
 }
 

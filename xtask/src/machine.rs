@@ -42,9 +42,15 @@ pub struct Machine {
     pub display: Display,
     /// Debian names of the packages with libraries that a window opens at run time and that are missing.
     pub window_packages: Vec<&'static str>,
+    /// Debian names of the packages that are missing of what a window of the tests needs: a display server without a screen, and
+    /// the libraries.
+    pub test_window_packages: Vec<&'static str>,
     /// How packages can be installed.
     pub installer: Installer,
 }
+
+/// The display server of the tests.
+const DISPLAY_SERVER: (&str, &str) = ("Xvfb", "xvfb");
 
 /// Library and the Debian package that has it: what winit and wgpu open at run time on X11.
 const X11_LIBRARIES: &[(&str, &str)] = &[
@@ -93,6 +99,10 @@ impl Machine {
             cxx: !linux || has_cxx(),
             display,
             window_packages: missing(display, &|library| host.has_library(library)),
+            test_window_packages: match linux {
+                true => for_tests(&|library| host.has_library(library), &has_program),
+                false => Vec::new(),
+            },
             installer: if linux {
                 installer()
             } else {
@@ -113,6 +123,24 @@ fn missing(display: Display, has: &dyn Fn(&str) -> bool) -> Vec<&'static str> {
         .filter(|(library, _)| !has(library))
         .map(|(_, package)| *package)
         .collect()
+}
+
+fn for_tests(
+    has_library: &dyn Fn(&str) -> bool,
+    has_program: &dyn Fn(&str) -> bool,
+) -> Vec<&'static str> {
+    let (server, package) = DISPLAY_SERVER;
+    let mut missing = missing(Display::X11, has_library);
+    if !has_program(server) {
+        missing.push(package);
+    }
+    missing
+}
+
+/// The program is in one of the folders of programs.
+fn has_program(name: &str) -> bool {
+    let folders = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&folders).any(|folder| folder.join(name).is_file())
 }
 
 /// The program can be started and ends well.
@@ -169,6 +197,14 @@ fn is_debian_like(os_release: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn tests_need_a_display_server_wherever_they_run() {
+        assert_eq!(for_tests(&|_| true, &|_| true), [""; 0]);
+        assert_eq!(for_tests(&|_| true, &|_| false), ["xvfb"]);
+        let all = for_tests(&|_| false, &|name| name == "Xvfb");
+        assert_eq!(all.len(), X11_LIBRARIES.len());
+    }
 
     #[test]
     fn debian_and_its_children_are_known() {

@@ -1,6 +1,7 @@
 //! Developer commands: `cargo xtask demo`, `cargo xtask test` and the checks that continuous integration runs.
 
 mod big_pack;
+mod by_hand;
 mod cargo;
 mod demo;
 mod lean;
@@ -71,6 +72,20 @@ enum Command {
         #[arg(long, value_name = "NAME", num_args = 0..)]
         measure: Option<Vec<String>>,
     },
+    /// Send 100 000 packets to a live feed, one in twenty of them spoilt: memory and answers.
+    Soak,
+    /// Run the bodies of the fuzz targets for some time each, without a nightly compiler; rows for fuzz/RESULTS.md.
+    Fuzz {
+        /// Seconds for each target.
+        #[arg(long, default_value_t = 60.0, value_name = "N")]
+        seconds: f64,
+        /// What the inputs are made from; another one each time by default.
+        #[arg(long, value_name = "N")]
+        seed: Option<u64>,
+        /// Targets by name; all by default.
+        #[arg(value_name = "TARGET")]
+        targets: Vec<String>,
+    },
     /// Make the pictures in textures/ from the source data.
     StarterPack {
         /// Folder with the source data.
@@ -106,7 +121,7 @@ fn run(command: Command) -> anyhow::Result<()> {
     match command {
         Command::Demo { install, no_window } => demo::run(install.policy(), !no_window),
         Command::Test { install, arguments } => test::run(install.policy(), &arguments),
-        Command::Prepare { install } => prepare::run(install.policy(), prepare::Window::IfDisplay),
+        Command::Prepare { install } => prepare::run(install.policy(), prepare::Window::ForTests),
         Command::Lean { features } => lean::run(&features),
         Command::BigPack {
             data,
@@ -114,6 +129,12 @@ fn run(command: Command) -> anyhow::Result<()> {
             only_sources,
         } => big_pack::run(&data, &out, only_sources),
         Command::Numbers { measure } => numbers::run(measure.as_deref()),
+        Command::Soak => by_hand::soak(),
+        Command::Fuzz {
+            seconds,
+            seed,
+            targets,
+        } => by_hand::fuzz(seconds, seed, &targets),
         Command::StarterPack { data, out, check } => {
             let out = out.unwrap_or_else(|| process::repository_root().join("textures"));
             if check {

@@ -21,6 +21,8 @@ pub enum Policy {
 pub enum Window {
     /// Where there is a display.
     IfDisplay,
+    /// By the tests, on a display server of their own.
+    ForTests,
     /// Not at all.
     Never,
 }
@@ -56,9 +58,11 @@ fn plan(machine: &Machine, policy: Policy, window: Window) -> Plan {
     }
     // Pictures and video are made without a window, so its libraries alone stop nothing.
     let stops = !needed.is_empty();
-    if window == Window::IfDisplay {
-        needed.extend(&machine.window_packages);
-    }
+    needed.extend(match window {
+        Window::IfDisplay => &machine.window_packages[..],
+        Window::ForTests => &machine.test_window_packages[..],
+        Window::Never => &[],
+    });
     let allowed = matches!(
         machine.installer,
         Installer::Apt | Installer::AptThroughSudo
@@ -268,6 +272,7 @@ mod tests {
             cxx: true,
             display: Display::None,
             window_packages: Vec::new(),
+            test_window_packages: Vec::new(),
             installer: Installer::Apt,
         }
     }
@@ -332,6 +337,22 @@ mod tests {
             plan(&machine, Policy::IfAllowed, Window::Never),
             Plan::Nothing
         );
+    }
+
+    #[test]
+    fn tests_get_a_display_server_where_a_display_is_or_is_not() {
+        let machine = Machine {
+            test_window_packages: vec!["xvfb"],
+            ..machine()
+        };
+        assert_eq!(
+            plan(&machine, Policy::IfAllowed, Window::ForTests),
+            Plan::Install(vec!["xvfb"])
+        );
+        let never = plan(&machine, Policy::Never, Window::ForTests);
+        assert!(matches!(never, Plan::Ask { stops: false, .. }), "{never:?}");
+        let other = plan(&machine, Policy::IfAllowed, Window::IfDisplay);
+        assert_eq!(other, Plan::Nothing);
     }
 
     #[test]

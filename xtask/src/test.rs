@@ -6,7 +6,7 @@ use crate::process::{self, say};
 
 /// Prepares, builds the tests, opens the adapter once, runs the tests.
 pub fn run(policy: Policy, arguments: &[String]) -> anyhow::Result<()> {
-    prepare::run(policy, Window::Never)?;
+    prepare::run(policy, Window::ForTests)?;
     let (for_cargo, for_tests) = split(arguments);
     let mut cargo_arguments = vec!["test"];
     if !chooses_packages(for_cargo) {

@@ -99,4 +99,7 @@ files![
     "tracks/lines.wgsl",
     "tracks/marks.wgsl",
     "tracks/through_air.wgsl",
+    "upscale.wgsl",
+    "upscale/loaded.wgsl",
+    "upscale/sampled.wgsl",
 ];

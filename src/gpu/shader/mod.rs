@@ -33,6 +33,7 @@ mod files;
 #[cfg(feature = "terrain")]
 mod relief_constants;
 mod tracks;
+mod upscale;
 mod value;
 mod variant;
 
@@ -46,6 +47,7 @@ pub use earth::{
 };
 pub use files::FILES as SHADER_FILES;
 pub use tracks::{TrackKind, TracksVariant};
+pub use upscale::UpscaleVariant;
 pub use variant::{ShaderVariant, TargetColor};
 
 pub(super) use variant::ShaderModule;

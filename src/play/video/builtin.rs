@@ -55,7 +55,7 @@ impl BuiltinEncoder {
                 bits.clamp(200_000.0, 200_000_000.0) as u32
             ))
             .max_frame_rate(FrameRate::from_hz(rate as f32))
-            // With frame skipping off OpenH264 says on standard error, once, that it will not hold a bit rate: it need not.
+            // With frame skipping off it says that it will not hold a bit rate; it need not. See `quietly`.
             .rate_control_mode(RateControlMode::Quality)
             .qp(QpRange::new(10, 32))
             // A skipped frame would be one too few in the film.
@@ -66,8 +66,13 @@ impl BuiltinEncoder {
             // One thread: the same frames give the same bytes, and drawing goes on beside it.
             .num_threads(1)
             .vui(VuiConfig::bt709());
-        let encoder = Encoder::with_api_config(OpenH264API::from_source(), config)
+        let mut encoder = Encoder::with_api_config(OpenH264API::from_source(), config)
             .map_err(|error| failed(&error))?;
+        let planes = YuvPlanes::new(width, height);
+        // OpenH264 is set up with its first frame, and says what it has to say on standard error before it can be told to be silent:
+        // a frame that nobody sees, while nothing else runs yet.
+        quietly(|| encoder.encode(&planes).map(drop)).map_err(|error| failed(&error))?;
+        encoder.force_intra_frame();
         let muxer = MuxerBuilder::new(file.open()?)
             .video(VideoCodec::H264, width, height, rate)
             .with_fast_start(true)
@@ -76,7 +81,7 @@ impl BuiltinEncoder {
         Ok(Self {
             encoder,
             muxer,
-            planes: YuvPlanes::new(width, height),
+            planes,
             file,
             frame_rate_hz: rate,
             frames: 0,
@@ -134,4 +139,31 @@ impl FrameSink for BuiltinEncoder {
             .map_err(|source| write_error(&file, source))?;
         Ok(file.commit()?)
     }
+}
+
+/// Works with standard error closed to what is written past Rust, and opens it again. Where that cannot be done the words come through.
+#[cfg(unix)]
+fn quietly<T>(work: impl FnOnce() -> T) -> T {
+    use rustix::stdio::{dup2_stderr, stderr};
+    let kept = rustix::io::dup(stderr());
+    let nowhere = File::options().write(true).open("/dev/null");
+    let (Ok(kept), Ok(nowhere)) = (kept, nowhere) else {
+        return work();
+    };
+    if let Err(error) = dup2_stderr(nowhere) {
+        tracing::debug!("the encoder may speak: {error}");
+        return work();
+    }
+    let done = work();
+    // It worked the other way round.
+    if let Err(error) = dup2_stderr(kept) {
+        tracing::debug!("standard error stays closed: {error}");
+    }
+    done
+}
+
+/// Works; elsewhere there is no such way.
+#[cfg(not(unix))]
+fn quietly<T>(work: impl FnOnce() -> T) -> T {
+    work()
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use terrella::orbit::Frame;
 use terrella::orbit::kepler::{Anomaly, OrbitSize};
 use terrella::orbit::live::{Extrapolation, LiveOptions, Pacing};
-use terrella::orbit::numerical::AtmosphereModel;
+use terrella::orbit::numerical::{AtmosphereModel, EventSelection, Solver, ThrustAxes};
 use terrella::scene::{Motion, OrbitParameters, OrbitSource};
 
 #[rustfmt::skip]
@@ -172,7 +172,42 @@ fn starts_and_forces_are_read_in_their_units() {
         panic!("{:?}", zonal.orbits);
     };
     assert_eq!((forces.gravity_degree, forces.gravity_order), (6, 0));
+    assert_eq!((forces.method, forces.burns.len()), (Solver::Automatic, 0));
+    assert_eq!(forces.events, EventSelection::default());
     assert_eq!(forces.drag, Some(AtmosphereModel::Exponential));
+}
+
+#[test]
+fn burns_events_and_the_method_are_read() {
+    let text = "[orbit]\nsource = \"numerical\"\nperiapsis_km = 7000\nmethod = \"implicit\"\nevents = [\"eclipses\", \"nodes\"]\n\
+         burns = [{ start = 2018-01-15T12:10:00Z, duration_s = 90, acceleration_m_s2 = [0.5, 0, -1] },\n\
+         { start = \"2018-01-15T13:00:00Z\", duration_s = 0.5, acceleration_m_s2 = [0, 2.5, 0], axes = \"gcrf\" }]";
+    let scene = scene(text);
+    let Some(Motion::Numerical { forces, .. }) = &scene.orbits[0].motion else {
+        panic!("{:?}", scene.orbits);
+    };
+    assert_eq!(forces.method, Solver::Implicit);
+    let events = forces.events;
+    assert!(events.nodes && events.shadow && !events.apsides);
+    let [first, second] = forces.burns[..] else {
+        panic!("{:?}", forces.burns);
+    };
+    assert_eq!(first.first, utc("2018-01-15T12:10:00Z"));
+    assert_eq!(first.last, utc("2018-01-15T12:11:30Z"));
+    assert_eq!(first.acceleration_m_s2, DVec3::new(0.5, 0.0, -1.0));
+    assert_eq!(first.axes, ThrustAxes::Flight);
+    assert_eq!(second.last, utc("2018-01-15T13:00:00.5Z"));
+    assert_eq!(second.axes, ThrustAxes::Gcrf);
+    // The summary writes them as a scene would.
+    let summary = scene.summary();
+    for told in [
+        "acceleration_m_s2 = [0.5, 0, -1], axes = \"flight\"",
+        "[\"nodes\", \"eclipses\"]",
+        "\"implicit\"",
+        "drag, sunlight, burns",
+    ] {
+        assert!(summary.contains(told), "{told} is not in\n{summary}");
+    }
 }
 
 #[rustfmt::skip]

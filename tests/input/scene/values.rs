@@ -161,7 +161,7 @@ fn a_pack_has_defaults_of_its_own() {
     let pack = scene.earth.pack.as_ref().expect("a pack");
     assert_eq!(pack.folder, folder.path("maps"));
     assert_eq!((pack.levels, pack.texel_px), (LevelRule::Screen, 1.0));
-    assert_eq!((pack.texture_mb, pack.upload_mb), (512.0, 8.0));
+    assert_eq!((pack.texture_mb, pack.upload_mb), (512.0, 4.0));
     assert_eq!(
         (pack.storage, scene.earth.water),
         (StorageChoice::Auto, true)

@@ -14,7 +14,7 @@ use terrella::Tone;
 use terrella::internals::gpu::{
     AirSide, AirVariant, AirViewVariant, CelestialVariant, EarthOutput, EarthVariant, PaperLayers,
     PatchTiles, SHADER_FILES, ShaderCapability, ShaderText, ShaderVariant, ShadingVariant,
-    SunlitLayers, TargetColor, TracksVariant, TruthLayers, VertexForm,
+    SunlitLayers, TargetColor, TracksVariant, TruthLayers, UpscaleVariant, VertexForm,
 };
 
 /// A legal variant of any shader, validated.
@@ -69,6 +69,7 @@ static ALL: LazyLock<(Vec<Shader>, Vec<String>)> = LazyLock::new(|| {
     all.extend(built::<AirViewVariant>());
     all.extend(built::<CelestialVariant>());
     all.extend(built::<TracksVariant>());
+    all.extend(built::<UpscaleVariant>());
     let (mut shaders, mut failures) = (Vec::new(), Vec::new());
     for shader in all {
         match shader {

@@ -1,0 +1,36 @@
+//! `cargo xtask soak` and `cargo xtask fuzz`: long tests that are run by hand, and not by the suite.
+
+use crate::cargo;
+use crate::process;
+
+/// Sends 100 000 packets to a live feed, one in twenty of them spoilt, and holds its memory and what it answers.
+///
+/// # Errors
+/// A build or a test that failed.
+pub fn soak() -> anyhow::Result<()> {
+    let mut command = cargo::cargo();
+    command.args(["test", "--release", "--locked", "--test", "live", "--"]);
+    command.args([
+        "--ignored",
+        "--nocapture",
+        "a_long_feed_with_5_percent_garbage",
+    ]);
+    process::run(&mut command)
+}
+
+/// Runs the bodies of the fuzz targets on ever other inputs, some seconds each; all of them where none is named. Prints rows
+/// for `fuzz/RESULTS.md`.
+///
+/// # Errors
+/// A build that failed, a target that there is not, and anything that was found: its input is in `fuzz/findings`.
+pub fn fuzz(seconds: f64, seed: Option<u64>, targets: &[String]) -> anyhow::Result<()> {
+    let mut command = cargo::cargo();
+    command.args(["test", "--release", "--locked", "--test", "input", "--"]);
+    command.args(["--ignored", "--nocapture", "all_targets_for_a_time"]);
+    command.env("TERRELLA_FUZZ_SECONDS", seconds.to_string());
+    command.env("TERRELLA_FUZZ_TARGETS", targets.join(","));
+    if let Some(seed) = seed {
+        command.env("TERRELLA_FUZZ_SEED", seed.to_string());
+    }
+    process::run(&mut command)
+}
