@@ -91,12 +91,14 @@ fn the_floor_covers_the_ground_and_samples_where_pixels_look() {
                 compared += 1;
             }
             println!("{name}: {compared} pixels compared, {edge} at the edge");
+            // A pixel that is covered in part is lit, though its middle looks past the Earth.
+            let most = if samples == 1 { 4 } else { 200 };
             assert!(
-                edge <= 260,
+                edge <= most,
                 "{name}, {samples}: {edge} pixels covered otherwise"
             );
             let sees = name != "beside the Earth";
-            assert_eq!(compared > 1000, sees, "{name}: {compared}");
+            assert_eq!(compared > 500, sees, "{name}: {compared}");
         }
     }
 }
