@@ -46,7 +46,8 @@ pub struct EarthOptions {
     /// Depth buffer of the host's pass.
     pub depth: DepthBuffer,
     /// Most samples that a map is filtered with at a grazing view, 1…16; 1 is trilinear. A software adapter always
-    /// filters trilinearly: each sample costs it time, and Mesa's returns wrong texels at the limb.
+    /// filters trilinearly: each sample costs it time, and Mesa's returns wrong texels at the limb. So the default, 8, is
+    /// not measured by the pages in `docs/`, which are of software adapters; `terrella bench` measures it on others.
     pub anisotropy: u16,
     /// How bright light is shown. The paper's shading works in display values and is not touched by it, the air is.
     pub exposure: Exposure,

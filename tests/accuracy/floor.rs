@@ -1,8 +1,8 @@
 //! The floor that frames are held against samples where frames do: the same pixels, the same places, the same footprints.
 
-use crate::common::{day_only, down, gpu, looks_at, map, tilted};
+use crate::common::{day_only, down, gpu, looks_at, map, ray, tilted};
 use image::RgbaImage;
-use terrella::frames::Geodetic;
+use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::gpu::FrameTargets;
 use terrella::internals::imagery::LayerImage;
 use terrella::internals::measure::Floor;
@@ -72,7 +72,11 @@ fn the_floor_covers_the_ground_and_samples_where_pixels_look() {
                 }
                 let Some(place) = place else { continue };
                 let (lat, lon) = (place.lat_rad.to_degrees(), place.lon_rad.to_degrees());
-                // Away from the cells' edges and where pixels cover several cells.
+                // Away from the limb, where pixels are long, and from the cells' edges.
+                let up = Ellipsoid::normal(place.lat_rad, place.lon_rad);
+                if name != "horizon" && -up.dot(ray(&view, x, y, SIZE)) < 0.35 {
+                    continue;
+                }
                 let off = |deg: f64| (deg / 22.5 - (deg / 22.5).round()).abs() * 22.5;
                 let wide = if name == "whole disc" { 6.0 } else { 1.5 };
                 if off(lat) < wide || off(lon) * lat.to_radians().cos() < wide {
@@ -87,12 +91,14 @@ fn the_floor_covers_the_ground_and_samples_where_pixels_look() {
                 compared += 1;
             }
             println!("{name}: {compared} pixels compared, {edge} at the edge");
+            // A pixel that is covered in part is lit, though its middle looks past the Earth.
+            let most = if samples == 1 { 4 } else { 200 };
             assert!(
-                edge <= 260,
+                edge <= most,
                 "{name}, {samples}: {edge} pixels covered otherwise"
             );
             let sees = name != "beside the Earth";
-            assert_eq!(compared > 1000, sees, "{name}: {compared}");
+            assert_eq!(compared > 500, sees, "{name}: {compared}");
         }
     }
 }
@@ -121,8 +127,8 @@ fn the_floor_reads_the_mip_level_of_the_pixels_footprint() {
         most.expect("pixels").abs_diff(*least.expect("pixels"))
     };
     // A texel is 39 km wide.
-    let (near, far) = (contrast(1e5, 60.0), contrast(2e7, 30.0));
-    println!("contrast {near} of pixels of 1 km, {far} of 100 km");
+    let (near, far) = (contrast(3e5, 60.0), contrast(2e7, 30.0));
+    println!("contrast {near} of pixels of 3 km, {far} of 100 km");
     assert!(near > 60, "{near}");
     assert!(far < 12, "{far}");
 }

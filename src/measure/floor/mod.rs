@@ -20,12 +20,12 @@ use view::{FloorView, TRIANGLES};
 /// does, and samples there: each map with the place's texture coordinates and the footprint of the pixel, so that as many texels are
 /// read from the same mip levels; clouds once more where they throw shadows; the air's tables at coordinates that grow with the
 /// zenith angles of ray and Sun. It counts one sample of each map that the shading reads, two of the sunlight table, one more of it for clouds, and
-/// one of each other table of the air; with moonlight those that are read for the Moon too.
+/// one of each other table of the air; where the Sun is down one of the city lights too, and with moonlight those that are read for the Moon.
 ///
 /// It is no bound of what any program could reach: another might need fewer samples or smaller maps. It is what this picture's
 /// samples cost where nothing is made of them, so that a frame over its floor says what light, air, meshes, sky and the processor's work
 /// cost in units of the reading. It is less than what a frame reads in these: shadows of clouds and clouds themselves are
-/// sampled where the place is, moved by one fixed amount and not by their height; tables hold nothing, which hardware may
+/// sampled where the place is, moved by one fixed amount and not by their height; by day's edge the Earth reads city lights in blocks that are partly by night; tables hold nothing, which hardware may
 /// compress; an Earth of a pack has the floor of its coarsest whole maps; ground with relief that of the smooth ellipsoid; made
 /// detail, stars, the Milky Way and tracks are not in it. Far away it is nearly nothing, and a frame is then mostly what any
 /// frame costs.

@@ -1,7 +1,7 @@
 //! Which textures are sampled how often, and the shader that does.
 
 use super::view::TRIANGLES;
-use crate::gpu::{GpuContext, GpuLayer};
+use crate::gpu::{GpuContext, GpuLayer, LAMPS_OUT_SIN};
 use crate::imagery::NEIGHBOURHOODS;
 use crate::imagery::tile::MapLayer;
 use crate::{Atmosphere, EarthOptions, Shading, air};
@@ -10,19 +10,24 @@ use std::fmt::Write;
 /// The first binding of a texture.
 const FIRST_TEXTURE: u32 = 3;
 
-/// A texture, and the coordinates that it is sampled at.
+/// A texture, and the coordinates that it is sampled at, in WGSL.
 struct Sampled {
     view: wgpu::TextureView,
     kind: Kind,
+    /// On every pixel of the ground.
+    always: Vec<String>,
+    /// Besides, where the Sun is down: by day the Earth is drawn without what shows by night alone.
+    by_night: Vec<String>,
 }
 
+#[derive(PartialEq)]
 enum Kind {
-    /// A map of the Earth, so often on each pixel, each time a little aside.
-    Map(u32),
-    /// A flat table of the air, at these coordinates in WGSL.
-    Flat(Vec<String>),
+    /// A map of the Earth.
+    Map,
+    /// A flat table of the air.
+    Flat,
     /// A table of three dimensions.
-    Volume(Vec<String>),
+    Volume,
 }
 
 /// Textures that the floor samples.
@@ -32,66 +37,65 @@ impl Samples {
     /// Those that an Earth with these options reads on each pixel of the ground.
     pub fn of(gpu: &GpuContext, options: &EarthOptions) -> Self {
         let is_sunlit = options.shading == Shading::Sunlit;
+        let has_moon = is_sunlit && options.light.moonlight;
         let mut all = Vec::new();
-        // Light is computed of the Sun's direction, and of the Moon's where it shines.
-        let lights = match is_sunlit && options.light.moonlight {
-            true => 2,
-            false => 1,
-        };
         for layer in MapLayer::ALL {
             let is_read = is_sunlit || !matches!(layer, MapLayer::NightLights | MapLayer::Water);
             let Some(image) = options.layers.get(layer).filter(|_| is_read) else {
                 continue;
             };
-            let has_shadow = layer == MapLayer::Clouds && options.light.cloud_shadows && is_sunlit;
             let label = "terrella floor map";
-            all.push(Sampled {
+            let mut sampled = Sampled {
                 view: GpuLayer::upload(&gpu.device, &gpu.queue, label, image, false).view,
-                kind: Kind::Map(if has_shadow { 1 + lights } else { 1 }),
-            });
+                kind: Kind::Map,
+                always: Vec::new(),
+                by_night: Vec::new(),
+            };
+            match layer {
+                MapLayer::NightLights => sampled.by_night.push("uv".to_owned()),
+                _ => sampled.always.push("uv".to_owned()),
+            }
+            if layer == MapLayer::Clouds && options.light.cloud_shadows && is_sunlit {
+                sampled.always.push("uv + ASIDE".to_owned());
+                if has_moon {
+                    sampled.by_night.push("uv - ASIDE".to_owned());
+                }
+            }
+            all.push(sampled);
         }
         if options.atmosphere != Atmosphere::None {
             let has_clouds = options.layers.clouds.is_some();
-            all.extend(of_the_air(gpu, is_sunlit, has_clouds, lights));
+            all.extend(of_the_air(gpu, is_sunlit, has_clouds, has_moon));
         }
         Self(all)
     }
 
     /// The shader that samples them.
     pub fn shader(&self) -> String {
-        let (mut text, mut samples) = (HEAD.to_owned(), String::new());
+        let (mut text, mut always, mut by_night) = (HEAD.to_owned(), String::new(), String::new());
         // Writing to a string does not fail.
         let _ = writeln!(text, "const TRIANGLES: f32 = {TRIANGLES}.0;");
         for (n, sampled) in self.0.iter().enumerate() {
             let dimensions = match sampled.kind {
-                Kind::Volume(_) => "3d",
-                Kind::Map(_) | Kind::Flat(_) => "2d",
+                Kind::Volume => "3d",
+                Kind::Map | Kind::Flat => "2d",
             };
             let binding = n + FIRST_TEXTURE as usize;
             let _ = writeln!(
                 text,
                 "@group(0) @binding({binding}) var t{n}: texture_{dimensions}<f32>;"
             );
-            match &sampled.kind {
-                Kind::Map(count) => {
-                    for time in 0..*count {
-                        let _ = writeln!(
-                            samples,
-                            "    c += textureSampleGrad(t{n}, maps, uv + {time}.0 * ASIDE, dx, dy);"
-                        );
-                    }
-                }
-                Kind::Flat(places) | Kind::Volume(places) => {
-                    for place in places {
-                        let _ = writeln!(
-                            samples,
-                            "    c += textureSampleLevel(t{n}, tables, {place}, 0.0);"
-                        );
-                    }
-                }
-            }
+            let sample = |place: &String| match sampled.kind {
+                Kind::Map => format!("    c += textureSampleGrad(t{n}, maps, {place}, dx, dy);\n"),
+                _ => format!("    c += textureSampleLevel(t{n}, tables, {place}, 0.0);\n"),
+            };
+            always.extend(sampled.always.iter().map(sample));
+            by_night.extend(sampled.by_night.iter().map(sample));
         }
-        text + BODY.0 + &samples + BODY.1
+        text + BODY.0
+            + &always
+            + &format!("    if mu_s < {LAMPS_OUT_SIN:?} {{\n{by_night}    }}\n")
+            + BODY.1
     }
 
     /// The bind group of the pass.
@@ -131,7 +135,7 @@ impl Samples {
             .map(wgpu::BindingResource::Sampler)
             .into_iter()
             .chain(textures.map(|sampled| wgpu::BindingResource::TextureView(&sampled.view)));
-        let has_tables = self.0.iter().any(|s| !matches!(s.kind, Kind::Map(_)));
+        let has_tables = self.0.iter().any(|sampled| sampled.kind != Kind::Map);
         for (binding, resource) in (1..).zip(resources) {
             // What the shader does not name is not in its layout.
             if binding != 2 || has_tables {
@@ -146,39 +150,48 @@ impl Samples {
     }
 }
 
-/// Tables of the air, empty ones of the same size and format. `lights`: Sun, or Sun and Moon.
-fn of_the_air(gpu: &GpuContext, is_sunlit: bool, has_clouds: bool, lights: u32) -> Vec<Sampled> {
-    let mut all = Vec::new();
-    let flat = |size, places| Sampled {
-        view: table(gpu, size, wgpu::TextureDimension::D2),
-        kind: Kind::Flat(places),
+/// Tables of the air, empty ones of the same size and format.
+fn of_the_air(gpu: &GpuContext, is_sunlit: bool, has_clouds: bool, has_moon: bool) -> Vec<Sampled> {
+    // Cosines of zenith angles as coordinates; the Moon's is another than the Sun's.
+    let (sun, moon) = ("0.5 + 0.5 * mu_s", "0.5 - 0.4 * mu_s");
+    let sampled = |size: air::TableSize, of: &dyn Fn(&str) -> Vec<String>| {
+        let (dimension, kind) = match size.z {
+            1 => (wgpu::TextureDimension::D2, Kind::Flat),
+            _ => (wgpu::TextureDimension::D3, Kind::Volume),
+        };
+        Sampled {
+            view: table(gpu, size, dimension),
+            kind,
+            always: of(sun),
+            by_night: if has_moon { of(moon) } else { Vec::new() },
+        }
     };
-    // The Moon's cosine is another than the Sun's.
-    let cosines = (0..lights).map(|light| format!("0.5 + 0.{} * mu_s", 5 - light));
-    let cosines: Vec<_> = cosines.collect();
-    if is_sunlit {
-        let rows = if has_clouds { 3 } else { 2 };
-        let of_rows = cosines
-            .iter()
-            .flat_map(|cosine| (0..rows).map(move |row| format!("vec2f({cosine}, {row}.5 / 3.0)")));
-        all.push(flat(air::SUNLIGHT_AND_CLOUDS, of_rows.collect()));
-    }
+    let once = |size, place: &str| Sampled {
+        by_night: Vec::new(),
+        ..sampled(size, &|_| vec![place.to_owned()])
+    };
     let albedo = air::TableSize {
         x: NEIGHBOURHOODS + 2,
         y: NEIGHBOURHOODS / 2,
         z: 1,
     };
-    let at = |of: &dyn Fn(&String) -> String| cosines.iter().map(of).collect::<Vec<_>>();
-    all.push(flat(albedo, vec!["uv".to_owned()]));
-    all.push(flat(air::THROUGH, vec!["vec2f(mu, 0.5)".to_owned()]));
-    all.push(flat(
-        air::BOUNCE,
-        at(&|cosine| format!("vec2f(mu, {cosine})")),
-    ));
-    all.push(Sampled {
-        view: table(gpu, air::SCATTERING, wgpu::TextureDimension::D3),
-        kind: Kind::Volume(at(&|cosine| format!("vec3f(mu, {cosine}, 0.5 * mu)"))),
-    });
+    let mut all = Vec::new();
+    if is_sunlit {
+        let rows = if has_clouds { 3 } else { 2 };
+        all.push(sampled(air::SUNLIGHT_AND_CLOUDS, &|cosine| {
+            let rows = 0..rows;
+            rows.map(|row| format!("vec2f({cosine}, {row}.5 / 3.0)"))
+                .collect()
+        }));
+    }
+    all.push(once(albedo, "uv"));
+    all.push(once(air::THROUGH, "vec2f(mu, 0.5)"));
+    all.push(sampled(air::BOUNCE, &|cosine| {
+        vec![format!("vec2f(mu, {cosine})")]
+    }));
+    all.push(sampled(air::SCATTERING, &|cosine| {
+        vec![format!("vec3f(mu, {cosine}, 0.5 * mu)")]
+    }));
     all
 }
 

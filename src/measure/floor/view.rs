@@ -52,8 +52,7 @@ impl FloorView {
         let distance = eye.length();
         // |e|² − 1; the eyes of measurements are metres above the ground and more.
         let above = (distance - 1.0) * (distance + 1.0);
-        // Also where the eye is no number.
-        if !(above > 0.0) || !above.is_finite() {
+        if above <= 0.0 || !above.is_finite() {
             return None;
         }
         // In scaled space the limb is the circle of the unit sphere in the plane p·e = 1.
