@@ -21,6 +21,8 @@ mod video;
 #[cfg(target_os = "linux")]
 mod window;
 
+#[cfg(target_os = "linux")]
+mod x11;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use tempfile::TempDir;
