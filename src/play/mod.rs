@@ -29,6 +29,7 @@
 //! | `egui_pass` | panel and names, drawn over pictures |
 //! | `place_text` | places as a person reads them |
 //! | `timeline/` | the time line along the bottom: scrubbing, real time, passes |
+//! | `quality_control` | the scene's resolution, and what is given up to hold its frame time |
 //! | `frame_cost` | what its frames cost, for adaptive quality |
 
 pub mod camera;
@@ -38,8 +39,8 @@ mod craft;
 mod egui_pass;
 mod ephemeris;
 mod error;
-mod export;
 mod event_table;
+mod export;
 mod flight;
 mod float_files;
 mod frame_cost;
@@ -53,6 +54,7 @@ mod panel;
 mod pass_table;
 mod place_text;
 mod progress;
+mod quality_control;
 mod radiance;
 mod relief;
 mod satellites;
@@ -73,9 +75,9 @@ mod window_renderer;
 pub use craft::CraftPose;
 pub use ephemeris::{Axes, Ephemeris, EphemerisRequest, Layout, Selection, Span, omm, select};
 pub use error::{PlayError, VideoError, WindowError};
+pub use event_table::EventTable;
 pub use export::{ExportRequest, export};
 pub use flight::{Flight, Moment, SatelliteState, ViewRequest};
-pub use event_table::EventTable;
 pub use maps::{DroppedLayer, earth_options};
 pub(crate) use offscreen::rgba_image;
 pub use offscreen::{OffscreenRenderer, TimedFrame, target_bytes};
@@ -83,6 +85,7 @@ pub use output::{OutputError, PendingFile};
 pub use pass_table::{PassRequest, PassTable};
 pub use place_text::GroundPlace;
 pub use progress::Progress;
+pub use quality_control::{HeldQuality, QualityControl, scene_quality};
 pub use relief::read_ground;
 pub use satellites::Satellite;
 pub use stats::{EyePosition, PictureStats, SatelliteLight, SubsolarPoint};
