@@ -22,7 +22,7 @@
 //! | [`FrameStats`] | what was drawn, counted |
 //! | [`Atmosphere`], [`Shading`] | the air; the light on the ground |
 //! | [`Exposure`], [`Tone`] | how light is shown |
-//! | [`Quality`] | what may be changed while the Earth is drawn |
+//! | [`Quality`], [`ScaledTarget`] | what may be changed while the Earth is drawn; a picture drawn smaller than it is shown |
 //! | [`GroundOptions`], [`SurfaceSettings`] | ground with relief, and the surface that draws it |
 //! | [`TileOptions`] | imagery larger than memory, streamed |
 //! | [`orbit::Feed`] | where a satellite is, for [`tracks::Tracks`] and for your camera |
@@ -81,9 +81,9 @@ pub(crate) use internals::{measure, play};
 pub use air::{AirOptions, Atmosphere};
 pub use earth::{
     AdaptiveQuality, DepthBuffer, DiagnosticOptions, Diagnostics, Earth, EarthError, EarthOptions,
-    EyeView, FrameStats, GroundOptions, Quality, QualityChange, QualityLevel, QualityReduction,
-    Sky, SurfaceLight, SurfaceOutput, TILED_SUBDIVISION, TileOptions, TruthPoint, TruthView,
-    Viewport,
+    EyeView, FrameStats, GroundOptions, Quality, QualityChange, QualityLadder, QualityLadderError,
+    QualityLevel, QualityReduction, QualityStep, Sky, SurfaceLight, SurfaceOutput,
+    TILED_SUBDIVISION, TileOptions, TruthPoint, TruthView, Viewport,
 };
 pub use frames::Epoch;
 pub use globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
@@ -92,7 +92,7 @@ pub use globe::{
     SurfaceKind, SurfaceSettings, clipmap::ClipmapOptions, contours::ContourOptions,
     contours::PageOptions, projected_grid::GridOptions, quadtree::QuadtreeOptions,
 };
-pub use gpu::{FrameTargets, TruthTargets, TruthTexel};
+pub use gpu::{FrameTargets, ScaledTarget, ShaderError, TruthTargets, TruthTexel};
 pub use imagery::{
     EarthLayers, ImageryError, LayerImage, LayerSelection, find_textures, load_layers,
     tile::{MapLayer, TileKey},

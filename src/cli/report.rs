@@ -5,6 +5,7 @@ use super::{Common, print, values};
 use clap::Args;
 use std::path::PathBuf;
 use terrella::SurfaceKind;
+use terrella::internals::measure::quality::{QualityError, QualityRequest, study_quality};
 use terrella::internals::measure::report::{ReportError, ReportRequest, report};
 use terrella::internals::measure::surfaces::{
     SettingsWanted, SurfacePath, SurfacesError, SurfacesPart, SurfacesRequest, compare_surfaces,
@@ -29,6 +30,10 @@ pub struct ReportArgs {
     /// With --surfaces: every setting on every flight, not only where docs/surfaces.md shows it; takes hours
     #[arg(long, requires = "surfaces", conflicts_with = "quick")]
     all_settings: bool,
+    /// Measure instead what each reduction of quality saves and what it costs in error, on this adapter: quality.csv, and ladder.csv
+    /// for `ladder` under [quality] in a scene
+    #[arg(long, conflicts_with_all = ["quick", "surfaces", "samples", "heights"])]
+    quality: bool,
     /// Compare only these surfaces: quadtree,clipmap
     #[arg(long, value_name = "NAME,…", requires = "surfaces", value_delimiter = ',', value_parser = values::surface)]
     only: Vec<SurfaceKind>,
@@ -73,6 +78,9 @@ pub fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
     if args.surfaces {
         return surfaces(args, common, &flight);
     }
+    if args.quality {
+        return quality(args, common, &flight);
+    }
     let pick = |given: Option<u32>, full: u32, quick: u32| {
         given.unwrap_or(if args.quick { quick } else { full })
     };
@@ -103,6 +111,28 @@ pub fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
     }
     let page = args.output.join("index.html");
     print(&format!("{}{}\n", study.summary(), page.display()))
+}
+
+/// Measures reductions of quality.
+fn quality(args: &ReportArgs, common: &Common, flight: &Flight) -> anyhow::Result<()> {
+    let request = QualityRequest {
+        folder: &args.output,
+        size: args.size,
+        repeats: args.repeats.unwrap_or(9),
+        adapter: common.adapter.as_deref(),
+    };
+    stop_on_interrupt();
+    let study = match study_quality(flight, &request, &Bars::new(common.quiet)) {
+        Ok(study) => study,
+        // So that a bad scene has its own exit code.
+        Err(QualityError::Play(error)) => return Err(error.into()),
+        Err(error) => return Err(error.into()),
+    };
+    if common.quiet {
+        return Ok(());
+    }
+    let ladder = args.output.join("ladder.csv");
+    print(&format!("{}{}\n", study.summary(), ladder.display()))
 }
 
 /// Runs the comparison of surfaces.

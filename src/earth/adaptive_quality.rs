@@ -1,6 +1,6 @@
 //! Holds a frame time by reducing quality: a state machine without a clock.
 
-use super::quality::QualityLevel;
+use super::quality_ladder::QualityLevel;
 
 /// Frames that are looked at before anything is changed.
 const WINDOW: usize = 15;
@@ -15,7 +15,7 @@ const TRUSTED_HOLDS: f64 = 8.0;
 /// The most that failed steps up can lengthen it to: some minutes.
 const LONGEST_HOLD: u32 = 1 << 14;
 
-/// Chooses among [`super::Quality::levels`] by what frames cost.
+/// Chooses among the levels of a [`super::QualityLadder`] by what frames cost.
 ///
 /// - **Down** one level as soon as the median cost of the last 15 frames exceeds the target.
 /// - **Up** one level when the level above is expected to need at most 0.85 of the target, and at least 60 frames have
@@ -45,6 +45,8 @@ pub struct AdaptiveQuality {
     ratio_to_next: Vec<Option<f64>>,
     /// Cost before the last change, for the ratio.
     cost_before: Option<f64>,
+    /// Median cost of the last frames of the last level, where it exceeds the target.
+    out_of_reach_ms: Option<f64>,
 }
 
 /// A change of level.
@@ -72,6 +74,7 @@ impl AdaptiveQuality {
             peak_age: 0,
             climbed: false,
             cost_before: None,
+            out_of_reach_ms: None,
         }
     }
 
@@ -92,8 +95,14 @@ impl AdaptiveQuality {
 
     /// What is given up now, in the order in which it was; empty at full quality.
     pub fn reductions(&self) -> impl Iterator<Item = super::QualityReduction> + '_ {
-        let levels = self.levels.iter().skip(1).take(self.level);
-        levels.map(|level| level.reduction)
+        let levels = self.levels.iter().take(self.level + 1);
+        levels.flat_map(|level| level.reductions.iter().copied())
+    }
+
+    /// Median cost of the last 15 frames, milliseconds, where the last level is drawn and even it exceeds the target; else
+    /// `None`, also in the frames after a change, of which nothing can be said yet.
+    pub fn out_of_reach_ms(&self) -> Option<f64> {
+        self.out_of_reach_ms
     }
 
     /// Takes note of what a frame cost, milliseconds; answers the change to make before the next, if any. A cost that
@@ -116,12 +125,14 @@ impl AdaptiveQuality {
             return None;
         }
         let cost = self.median();
+        let is_last = self.level + 1 >= self.levels.len();
+        self.out_of_reach_ms = (is_last && cost > self.target_ms).then_some(cost);
         self.learn(cost);
         self.keep_peak(cost);
         if self.climbed && self.since_change >= LONGEST_HOLD {
             self.hold = SHORTEST_HOLD;
         }
-        if cost > self.target_ms && self.level + 1 < self.levels.len() {
+        if cost > self.target_ms && !is_last {
             if self.climbed && self.since_change < LONGEST_HOLD {
                 self.hold = (2 * self.hold).min(LONGEST_HOLD);
             }
@@ -141,6 +152,7 @@ impl AdaptiveQuality {
         self.level = level;
         self.cost_before = Some(cost_ms);
         self.since_change = 0;
+        self.out_of_reach_ms = None;
         self.peaks = [0.0; 2];
         self.peak_age = 0;
         self.recent.clear();
@@ -182,7 +194,7 @@ impl AdaptiveQuality {
 
 #[cfg(test)]
 mod tests {
-    use super::super::quality::{Quality, QualityLevel, QualityReduction};
+    use super::super::quality::{Quality, QualityReduction};
     use super::*;
     use crate::air::Atmosphere;
 
@@ -193,17 +205,20 @@ mod tests {
         texel_px: 1.0,
         maps: [true; crate::imagery::tile::MAP_LAYERS],
         atmosphere: Atmosphere::Billboard,
+        scale: 1.0,
     };
 
     /// Five levels that cost 30, 24, 16, 10 and 6 ms at a load of 1.
     const COSTS: [f64; 5] = [30.0, 24.0, 16.0, 10.0, 6.0];
 
     fn adaptive(target_ms: f64) -> AdaptiveQuality {
-        let level = QualityLevel {
-            reduction: QualityReduction::Relief,
+        let level = |(n, cost): (usize, &f64)| QualityLevel {
+            reductions: vec![QualityReduction::Relief; n.min(1)],
             quality: FULL,
+            cost: cost / COSTS[0],
+            error: 0.0,
         };
-        AdaptiveQuality::new(target_ms, vec![level; COSTS.len()])
+        AdaptiveQuality::new(target_ms, COSTS.iter().enumerate().map(level).collect())
     }
 
     /// Draws frames of this load and answers the levels that were changed to.
@@ -234,6 +249,22 @@ mod tests {
         assert_eq!(draw(&mut easy, 1_000, |_| 1.0), [0_usize; 0]);
         let mut hopeless = adaptive(1.0);
         assert_eq!(draw(&mut hopeless, 1_000, |_| 1.0), [1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn it_says_when_the_target_is_out_of_reach() {
+        let mut adaptive = adaptive(5.0);
+        // Down the levels nothing is said: the next one may do.
+        while adaptive.level() < 4 {
+            draw(&mut adaptive, 1, |_| 1.0);
+            assert_eq!(adaptive.out_of_reach_ms(), None);
+        }
+        draw(&mut adaptive, 17, |_| 1.0);
+        assert_eq!(adaptive.out_of_reach_ms(), None, "too early to say");
+        draw(&mut adaptive, 1, |_| 1.0);
+        assert_eq!(adaptive.out_of_reach_ms(), Some(6.0));
+        draw(&mut adaptive, 15, |_| 0.8);
+        assert_eq!(adaptive.out_of_reach_ms(), None, "it is held again");
     }
 
     #[test]

@@ -18,6 +18,9 @@ pub enum EarthError {
     /// Exposure outside [`Exposure::RANGE_EV`](crate::Exposure::RANGE_EV) or not finite.
     #[error("exposure is {0} EV; it must be a number from −20 to 20")]
     Exposure(f64),
+    /// Scale outside [`Quality::SCALES`](crate::Quality::SCALES) or not a number.
+    #[error("the picture's scale is {0}; it must be from 0.25 to 1")]
+    Scale(f64),
     /// Aerosol outside 0 to [`AirOptions::MAX_AEROSOL`](crate::AirOptions::MAX_AEROSOL) or not a number.
     #[error("the aerosol's optical depth is {0}; it must be from 0 to 5")]
     Aerosol(f64),

@@ -16,7 +16,8 @@
 //! | `ground.rs` | ground with relief, where there is any; `no_ground.rs` without the feature `terrain` |
 //! | `tiles.rs` | which tiles of a pack a frame requests and is drawn with; `no_tiles.rs` without the feature `packs` |
 //! | `tile_view.rs` | what tiles are chosen by, and how fine they came out |
-//! | `quality.rs` | levels of quality: what is reduced to draw faster, and in what order |
+//! | `quality.rs` | what can be reduced to draw faster |
+//! | `quality_ladder.rs`, `quality_ladder/` | in which order, as it was measured; the recorded measurement |
 //! | `adaptive_quality.rs` | when quality is reduced, to hold a frame time |
 //! | `truth.rs` | what is where a pixel looks, in f64 |
 //! | `diagnostics.rs` | what is not for pictures: where pixels look, edges of triangles, what the shaders hold |
@@ -32,6 +33,7 @@ mod options;
 mod pixel_lattice;
 mod plan;
 mod quality;
+mod quality_ladder;
 mod sky;
 mod stats;
 mod surface_config;
@@ -61,7 +63,8 @@ pub use options::EarthOptions;
 #[cfg(feature = "command")]
 pub use pixel_lattice::PixelLattice;
 use plan::Planner;
-pub use quality::{Quality, QualityLevel, QualityReduction, TILED_SUBDIVISION};
+pub use quality::{Quality, QualityReduction, TILED_SUBDIVISION};
+pub use quality_ladder::{QualityLadder, QualityLadderError, QualityLevel, QualityStep};
 pub use sky::Sky;
 #[cfg(feature = "celestial")]
 pub(crate) use sky::{moonlight, moonlight_of_phase};
@@ -294,6 +297,9 @@ impl Earth {
 
     fn apply(&mut self, queue: &wgpu::Queue, quality: &Quality) -> Result<(), EarthError> {
         let mut quality = *quality;
+        if !Quality::SCALES.contains(&quality.scale) {
+            return Err(EarthError::Scale(quality.scale));
+        }
         if self.style.diagnostics.output != SurfaceOutput::Color {
             quality.atmosphere = Atmosphere::None;
         }

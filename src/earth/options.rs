@@ -133,6 +133,7 @@ impl Quality {
             texel_px: options.tiles.as_ref().map_or(1.0, TileOptions::texel_px),
             maps: MapLayer::ALL.map(|layer| options.layers.get(layer).is_some()),
             atmosphere: options.atmosphere,
+            scale: 1.0,
         }
     }
 }

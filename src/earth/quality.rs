@@ -1,9 +1,10 @@
-//! How well an Earth is drawn, and in what order quality is reduced where time is short.
+//! How well an Earth is drawn, and what can be given up where time is short.
 
 use crate::air::Atmosphere;
 use crate::globe::Subdivision;
 use crate::imagery::tile::{MAP_LAYERS, MapLayer};
 use std::fmt;
+use std::ops::RangeInclusive;
 
 /// Cells per block edge that an Earth with tiles should have.
 ///
@@ -32,45 +33,32 @@ pub struct Quality {
     pub maps: [bool; MAP_LAYERS],
     /// How the air is drawn.
     pub atmosphere: Atmosphere,
+    /// Part of the shown picture's width and height that is drawn, in [`Self::SCALES`]. The Earth draws into whatever pass it is
+    /// given: the host makes the pass smaller, by [`crate::ScaledTarget`] or as it does that for all that it draws.
+    pub scale: f64,
 }
 
 impl Quality {
-    /// This quality and lower ones, the cheapest loss for the time it saves first: each level gives up one thing more than
-    /// the one before. Levels that would change nothing on this Earth are left out, so that each saves something.
-    ///
-    /// The order is that of the measured front of error against time, `docs/accuracy.md`.
-    pub fn levels(self, has_tiles: bool, is_software: bool) -> Vec<QualityLevel> {
-        let mut levels = vec![QualityLevel {
-            reduction: QualityReduction::None,
-            quality: self,
-        }];
-        for reduction in QualityReduction::ORDER {
-            let filtered_once = is_software && reduction == QualityReduction::Anisotropy;
-            let without_tiles = !has_tiles && reduction == QualityReduction::Detail;
-            let last = levels.last().map_or(self, |level| level.quality);
-            let quality = reduction.apply(last, has_tiles);
-            if quality != last && !filtered_once && !without_tiles {
-                levels.push(QualityLevel { reduction, quality });
-            }
-        }
-        levels
-    }
-}
+    /// What [`Self::scale`] may be.
+    pub const SCALES: RangeInclusive<f64> = 0.25..=1.0;
 
-/// A step of [`Quality::levels`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct QualityLevel {
-    /// What it gives up that the one above has.
-    pub reduction: QualityReduction,
-    /// The quality that is left.
-    pub quality: Quality,
+    /// Width and height that are drawn of a picture that is shown at `size`, pixels.
+    pub fn drawn_size(&self, size: (u32, u32)) -> (u32, u32) {
+        Self::drawn_size_at(self.scale, size)
+    }
+
+    /// The same for a scale.
+    pub(crate) fn drawn_size_at(scale: f64, (width, height): (u32, u32)) -> (u32, u32) {
+        let scale = scale.clamp(*Self::SCALES.start(), *Self::SCALES.end());
+        // A cast clamps, and what is not a number is 0.
+        let drawn = |side: u32| ((f64::from(side) * scale).round() as u32).clamp(1, side.max(1));
+        (drawn(width), drawn(height))
+    }
 }
 
 /// What can be given up to draw faster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QualityReduction {
-    /// All is drawn.
-    None,
     /// Maps are filtered with two samples at grazing views.
     Anisotropy,
     /// Texels of tiles may cover twice as many pixels.
@@ -87,42 +75,71 @@ pub enum QualityReduction {
     Clouds,
     /// The air.
     Air,
+    /// Resolution: so many percent of width and height are drawn at most, 25 to 99.
+    Scale(u8),
 }
 
 impl QualityReduction {
-    /// What saves most for the least error first. Of a frame on a software adapter, with the FLIP error that is added:
-    /// four samples 46 % and 0.000 (the air hides the limb's edge), the air 26 %, each of relief, lights and clouds 3 %.
-    const ORDER: [Self; 8] = [
-        Self::Samples,
+    /// All that can be given up, each by itself; of scales those that ladders are made of.
+    pub const ALL: [Self; 13] = [
         Self::Anisotropy,
         Self::Detail,
-        Self::Roundness,
         Self::Relief,
+        Self::Samples,
+        Self::Roundness,
         Self::Lights,
-        Self::Air,
         Self::Clouds,
+        Self::Air,
+        Self::Scale(85),
+        Self::Scale(70),
+        Self::Scale(60),
+        Self::Scale(50),
+        Self::Scale(35),
     ];
 
-    fn apply(self, from: Quality, has_tiles: bool) -> Quality {
+    /// The word for it in ladders: `samples`, `scale_70`.
+    pub fn key(self) -> String {
+        match self {
+            Self::Anisotropy => "anisotropy".into(),
+            Self::Detail => "detail".into(),
+            Self::Relief => "relief".into(),
+            Self::Samples => "samples".into(),
+            Self::Roundness => "roundness".into(),
+            Self::Lights => "lights".into(),
+            Self::Clouds => "clouds".into(),
+            Self::Air => "air".into(),
+            Self::Scale(percent) => format!("scale_{percent}"),
+        }
+    }
+
+    /// What a word of a ladder means; `None` if it is none.
+    pub fn of_key(key: &str) -> Option<Self> {
+        if let Some(percent) = key.strip_prefix("scale_") {
+            let percent = percent.parse().ok()?;
+            return (25..=99).contains(&percent).then_some(Self::Scale(percent));
+        }
+        Self::ALL.into_iter().find(|one| one.key() == key)
+    }
+
+    /// The quality that is left of `from`.
+    pub fn apply(self, from: Quality, has_tiles: bool) -> Quality {
         let coarsest = if has_tiles { TILED_SUBDIVISION } else { 6 };
-        let without = |layers: &[MapLayer]| {
+        let without = |layer: MapLayer| {
             let mut maps = from.maps;
-            for layer in layers {
-                maps[layer.index()] = false;
-            }
+            maps[layer.index()] = false;
             Quality { maps, ..from }
         };
         match self {
-            Self::None => from,
             Self::Anisotropy => Quality {
                 anisotropy: from.anisotropy.min(2),
                 ..from
             },
+            Self::Detail if !has_tiles => from,
             Self::Detail => Quality {
                 texel_px: 2.0 * from.texel_px,
                 ..from
             },
-            Self::Relief => without(&[MapLayer::Normals]),
+            Self::Relief => without(MapLayer::Normals),
             Self::Samples => Quality { samples: 1, ..from },
             Self::Roundness => Quality {
                 subdivision: Subdivision::Cells(match from.subdivision {
@@ -132,10 +149,14 @@ impl QualityReduction {
                 ..from
             },
             // Not the water: under it the day map is no picture of the sea.
-            Self::Lights => without(&[MapLayer::NightLights]),
-            Self::Clouds => without(&[MapLayer::Clouds]),
+            Self::Lights => without(MapLayer::NightLights),
+            Self::Clouds => without(MapLayer::Clouds),
             Self::Air => Quality {
                 atmosphere: Atmosphere::None,
+                ..from
+            },
+            Self::Scale(percent) => Quality {
+                scale: from.scale.min(f64::from(percent) / 100.0),
                 ..from
             },
         }
@@ -144,8 +165,7 @@ impl QualityReduction {
 
 impl fmt::Display for QualityReduction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::None => "nothing",
+        let words = match self {
             Self::Anisotropy => "anisotropy",
             Self::Detail => "fine tiles",
             Self::Relief => "relief",
@@ -154,7 +174,9 @@ impl fmt::Display for QualityReduction {
             Self::Lights => "lights",
             Self::Clouds => "clouds",
             Self::Air => "air",
-        })
+            Self::Scale(percent) => return write!(f, "full resolution ({percent} %)"),
+        };
+        f.write_str(words)
     }
 }
 
@@ -162,64 +184,35 @@ impl fmt::Display for QualityReduction {
 mod tests {
     use super::*;
 
-    fn full() -> Quality {
-        Quality {
+    #[test]
+    fn words_of_ladders_mean_what_they_are_written_for() {
+        for one in QualityReduction::ALL {
+            assert_eq!(QualityReduction::of_key(&one.key()), Some(one));
+        }
+        for wrong in ["", "Samples", "scale_", "scale_24", "scale_100", "scale_7x"] {
+            assert_eq!(QualityReduction::of_key(wrong), None, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn drawn_sizes_are_whole_and_never_nothing() {
+        let mut quality = Quality {
             subdivision: Subdivision::Auto,
             anisotropy: 8,
             samples: 4,
             texel_px: 1.0,
             maps: [true; MAP_LAYERS],
             atmosphere: Atmosphere::Billboard,
+            scale: 1.0,
+        };
+        assert_eq!(quality.drawn_size((1280, 721)), (1280, 721));
+        quality.scale = 0.5;
+        assert_eq!(quality.drawn_size((1280, 721)), (640, 361));
+        assert_eq!(quality.drawn_size((1, 1)), (1, 1));
+        for wrong in [f64::NAN, -1.0, 0.0, 7.0] {
+            quality.scale = wrong;
+            let (width, height) = quality.drawn_size((100, 50));
+            assert!((1..=100).contains(&width) && (1..=50).contains(&height));
         }
-    }
-
-    #[test]
-    fn every_rung_gives_up_one_thing_more() {
-        let full = || Quality {
-            subdivision: Subdivision::Cells(48),
-            ..full()
-        };
-        let levels = full().levels(true, false);
-        assert_eq!(levels.len(), 1 + QualityReduction::ORDER.len());
-        assert_eq!(levels[0].quality, full());
-        for pair in levels.windows(2) {
-            assert_eq!(
-                pair[1].reduction.apply(pair[0].quality, true),
-                pair[1].quality,
-                "{}",
-                pair[1].reduction
-            );
-            assert_ne!(pair[0].quality, pair[1].quality);
-        }
-        let last = levels[levels.len() - 1].quality;
-        assert_eq!(
-            (last.samples, last.subdivision),
-            (1, Subdivision::Cells(TILED_SUBDIVISION))
-        );
-        assert_eq!(last.maps, [true, false, false, false, true]);
-    }
-
-    #[test]
-    fn what_changes_nothing_is_no_rung() {
-        let names = |levels: Vec<QualityLevel>| {
-            levels
-                .iter()
-                .map(|level| level.reduction)
-                .collect::<Vec<_>>()
-        };
-        let software = names(full().levels(false, true));
-        assert!(
-            !software.contains(&QualityReduction::Anisotropy)
-                && !software.contains(&QualityReduction::Detail)
-        );
-        let mut bare = Quality {
-            subdivision: Subdivision::Cells(6),
-            anisotropy: 1,
-            samples: 1,
-            atmosphere: Atmosphere::None,
-            ..full()
-        };
-        bare.maps = [true, false, false, false, false];
-        assert_eq!(names(bare.levels(false, false)), [QualityReduction::None]);
     }
 }

@@ -158,7 +158,7 @@ impl FrameTimer {
 }
 
 /// A view without a craft as an instant of a flight.
-fn moment(view: &EyeView, sky: &Sky) -> Moment {
+pub(super) fn moment(view: &EyeView, sky: &Sky) -> Moment {
     Moment {
         // Nothing that is drawn without a craft asks for it.
         epoch: Epoch::from_gregorian_utc(2000, 1, 1, 12, 0, 0, 0),

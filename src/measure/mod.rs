@@ -12,6 +12,7 @@
 //! | [`clear_air`] | the air's light against tables of a radiative-transfer program |
 //! | [`errors`] | how wrong a picture is: colours, places, silhouette |
 //! | [`mod@report`] | error against run time over a scene's settings: tables, charts, a page |
+//! | [`quality`] | what each reduction of quality saves and costs in error, and the ladder that follows |
 //! | [`surfaces`] | surfaces with relief: error beside run time, holes, popping |
 //! | [`terrain`] | trees over heights on their own: what they save, build times, storage |
 //! | [`orbits`] | propagators: error beside run time |
@@ -34,6 +35,7 @@ pub mod numeric;
 pub mod orbits;
 mod output;
 mod pareto;
+pub mod quality;
 pub mod reference;
 pub mod report;
 mod statistics;

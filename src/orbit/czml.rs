@@ -219,9 +219,13 @@ fn samples<'t>(
         count += 1;
         let read = match column {
             0 => time(document, value, epoch).map(|epoch| at = Some((epoch, value))),
-            _ => number(value.get())
-                .and_then(|number| Some(*row.get_mut(column - 1)? = number))
-                .ok_or_else(|| document.wrong("a coordinate", value, "a number of metres")),
+            _ => match (number(value.get()), row.get_mut(column - 1)) {
+                (Some(number), Some(slot)) => {
+                    *slot = number;
+                    Ok(())
+                }
+                _ => Err(document.wrong("a coordinate", value, "a number of metres")),
+            },
         };
         if let Err(error) = read {
             bad.get_or_insert(error);

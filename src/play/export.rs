@@ -6,6 +6,7 @@ use super::flight::Flight;
 use super::offscreen::OffscreenRenderer;
 use super::output::{FrameFolder, PendingFile};
 use super::progress::Progress;
+use super::quality_control::scene_quality;
 use super::video::{EncoderChoice, FrameSink, VideoFormat, check_size, open_video};
 use crate::gpu::GpuContext;
 use crate::imagery::tile::TileKey;
@@ -81,6 +82,7 @@ pub fn export(
     let mut renderer = OffscreenRenderer::open(gpu, options, size)?;
     renderer.show_sky(flight)?;
     renderer.show_tracks(flight)?;
+    renderer.set_quality(&scene_quality(&scene.quality, *renderer.earth().quality()))?;
     tracing::info!(
         "{frame_count} frames of {} × {} on {}",
         size.0,

@@ -29,6 +29,7 @@
 //! | `egui_pass` | panel and names, drawn over pictures |
 //! | `place_text` | places as a person reads them |
 //! | `timeline/` | the time line along the bottom: scrubbing, real time, passes |
+//! | `quality_control` | the scene's resolution, and what is given up to hold its frame time |
 //! | `frame_cost` | what its frames cost, for adaptive quality |
 
 pub mod camera;
@@ -53,6 +54,7 @@ mod panel;
 mod pass_table;
 mod place_text;
 mod progress;
+mod quality_control;
 mod radiance;
 mod relief;
 mod satellites;
@@ -83,6 +85,7 @@ pub use output::{OutputError, PendingFile};
 pub use pass_table::{PassRequest, PassTable};
 pub use place_text::GroundPlace;
 pub use progress::Progress;
+pub use quality_control::{HeldQuality, QualityControl, scene_quality};
 pub use relief::read_ground;
 pub use satellites::Satellite;
 pub use stats::{EyePosition, PictureStats, SatelliteLight, SubsolarPoint};

@@ -6,9 +6,9 @@ use super::flight::{Flight, Moment};
 use super::sky::SkyLayer;
 use super::tracks::{TrackDetail, TracksLayer};
 use crate::celestial::CelestialOptions;
-use crate::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart, PictureError};
+use crate::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart, PictureError, ScaledTarget};
 use crate::imagery::tile::TileKey;
-use crate::{Adaptation, Earth, EarthOptions, Exposure, EyeView, FrameStats};
+use crate::{Adaptation, Earth, EarthError, EarthOptions, Exposure, EyeView, FrameStats, Quality};
 use image::RgbaImage;
 use std::time::{Duration, Instant};
 
@@ -23,6 +23,8 @@ pub struct OffscreenRenderer {
     sky: Option<SkyLayer>,
     tracks: Option<TracksLayer>,
     targets: FrameTargets,
+    /// What is drawn to where that is smaller than the picture.
+    smaller: Option<ScaledTarget>,
     samples: u32,
     /// Follows the exposure that frames ask for, where it is metered.
     adaptation: Option<Adaptation>,
@@ -70,7 +72,7 @@ impl OffscreenRenderer {
         size: (u32, u32),
     ) -> Result<Self, PlayError> {
         check_memory(size, options)?;
-        let targets = new_targets(&gpu, size, options)?;
+        let targets = new_targets(&gpu, size, options.color_format, options.samples)?;
         let earth = Earth::new(&gpu.device, &gpu.queue, options)?;
         Ok(Self {
             gpu,
@@ -79,9 +81,59 @@ impl OffscreenRenderer {
             sky: None,
             tracks: None,
             targets,
+            smaller: None,
             samples: options.samples,
             adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
         })
+    }
+
+    /// Draws better or worse from now on, at the quality's scale of the picture's size. Where the adapter cannot do the samples asked
+    /// for, one sample a pixel is drawn, with a warning.
+    ///
+    /// # Errors
+    /// A quality that the Earth refuses, and textures that the device has no room for.
+    pub fn set_quality(&mut self, quality: &Quality) -> Result<(), PlayError> {
+        let format = self.earth.format().color;
+        let samples = match quality.samples == self.samples {
+            true => self.samples,
+            false => supported_samples(&self.gpu.adapter, format, quality.samples),
+        };
+        let quality = Quality {
+            samples,
+            ..*quality
+        };
+        if quality == *self.earth.quality() {
+            return Ok(());
+        }
+        let size = self.size();
+        let drawn_size = quality.drawn_size(size);
+        let device = &self.gpu.device;
+        self.earth.set_quality(&self.gpu.queue, &quality)?;
+        self.smaller = match drawn_size == size {
+            true => None,
+            false => {
+                let smaller = ScaledTarget::new(device, format, size, drawn_size, samples);
+                Some(smaller.map_err(EarthError::from)?)
+            }
+        };
+        // The picture that is enlarged has its samples in the smaller one.
+        let picture_samples = if self.smaller.is_some() { 1 } else { samples };
+        self.targets = new_targets(&self.gpu, size, format, picture_samples)?;
+        self.samples = samples;
+        self.craft.set_samples(samples);
+        if let Some(sky) = &mut self.sky {
+            sky.follow(&self.gpu, &self.earth)?;
+        }
+        if let Some(tracks) = &mut self.tracks {
+            tracks.follow(&self.earth)?;
+        }
+        Ok(())
+    }
+
+    /// Width and height that are drawn, pixels; [`Self::size`] where the quality's scale is 1.
+    pub fn drawn_size(&self) -> (u32, u32) {
+        let smaller = self.smaller.as_ref();
+        smaller.map_or(self.size(), ScaledTarget::drawn_size)
     }
 
     /// Draws what is beyond the Earth from now on, where a flight's scene asks for any of it.
@@ -169,7 +221,7 @@ impl OffscreenRenderer {
 
     /// Draws an instant when all tiles that it wants have come, or `wait` is over. Answers the tiles that are missing.
     pub fn draw_complete(&mut self, moment: &Moment, wait: Duration) -> (FrameStats, Vec<TileKey>) {
-        let size = self.size();
+        let size = self.drawn_size();
         let (view, sky) = (&moment.view, &moment.sky);
         let (mut stats, missing) =
             self.earth
@@ -231,7 +283,8 @@ impl OffscreenRenderer {
     /// Draws an instant in two passes, "surface" (with the craft, where there is one) and "air" (with tracks), and reads how long
     /// each took on the device, milliseconds. Clearing counts to the first and resolving samples to the last.
     ///
-    /// Two passes and the writing of times cost time themselves: not for frames whose whole time is wanted.
+    /// Two passes and the writing of times cost time themselves: not for frames whose whole time is wanted. At the picture's own size,
+    /// whatever the quality's scale.
     pub fn time_passes(
         &mut self,
         moment: &Moment,
@@ -278,7 +331,7 @@ impl OffscreenRenderer {
     }
 
     fn prepare(&mut self, moment: &Moment) -> FrameStats {
-        let size = self.size();
+        let size = self.drawn_size();
         let mut stats = self
             .earth
             .prepare(&self.gpu.queue, &moment.view, &moment.sky, size);
@@ -290,7 +343,7 @@ impl OffscreenRenderer {
         let craft = moment.craft.as_ref();
         self.craft
             .prepare(&self.gpu, craft, &moment.view, &moment.sky, stats);
-        let size = self.size();
+        let size = self.drawn_size();
         if let Some(sky) = &mut self.sky {
             sky.prepare(&self.gpu, &self.earth, moment, size, stats);
         }
@@ -312,13 +365,20 @@ impl OffscreenRenderer {
 
     fn submit(&mut self) {
         let mut encoder = self.encoder();
-        let mut pass = self.targets.begin_pass(&mut encoder);
+        let picture = self.targets.picture_view();
+        let mut pass = match &self.smaller {
+            Some(smaller) => smaller.begin_pass(&mut encoder, picture),
+            None => self.targets.begin_pass(&mut encoder),
+        };
         let (sky, tracks) = (self.sky.as_ref(), self.tracks.as_ref());
         render_in_order(&mut pass, &self.craft, &self.earth, sky, tracks);
         drop(pass);
-        let size = self.size();
+        if let Some(smaller) = &self.smaller {
+            smaller.enlarge(&mut encoder, picture);
+        }
+        let (size, drawn_size) = (self.size(), self.drawn_size());
         if let Some(tracks) = &mut self.tracks {
-            tracks.write_names(&self.gpu, &mut encoder, self.targets.picture_view(), size);
+            tracks.write_names(&self.gpu, &mut encoder, picture, size, drawn_size);
         }
         self.gpu.queue.submit([encoder.finish()]);
     }
@@ -420,7 +480,8 @@ fn check_memory(size: (u32, u32), options: &EarthOptions) -> Result<(), PlayErro
 fn new_targets(
     gpu: &GpuContext,
     size: (u32, u32),
-    options: &EarthOptions,
+    format: wgpu::TextureFormat,
+    samples: u32,
 ) -> Result<FrameTargets, PlayError> {
     let (width, height) = size;
     let adapter = gpu.adapter.get_info().name;
@@ -436,7 +497,6 @@ fn new_targets(
     // Without the scopes a device that is out of memory would end the program in the middle of a word.
     let memory = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let validation = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-    let (format, samples) = (options.color_format, options.samples);
     let targets = FrameTargets::with_color(&gpu.device, format, size, samples);
     let refused = pollster::block_on(validation.pop());
     let full = pollster::block_on(memory.pop());

@@ -250,15 +250,48 @@ fn frame_text(interval_ms: Option<f64>, work_ms: f64) -> String {
 
 fn quality_text(adaptive: &AdaptiveQuality) -> String {
     let reductions: Vec<_> = adaptive.reductions().map(|what| what.to_string()).collect();
-    match reductions.is_empty() {
-        true => format!("full, held to {} ms", adaptive.target_ms()),
+    let target_ms = adaptive.target_ms();
+    let drawn = match reductions.is_empty() {
+        true => format!("full, held to {target_ms} ms"),
         false => format!("without {}", reductions.join(", ")),
+    };
+    match adaptive.out_of_reach_ms() {
+        Some(cost_ms) => {
+            format!("{drawn}; {target_ms} ms is out of reach, frames cost {cost_ms:.1}")
+        }
+        None => drawn,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_frame_time_out_of_reach_is_told() {
+        let day = crate::LayerImage::from_rgba8(1, 1, vec![0; 4]).expect("a map");
+        let layers = crate::EarthLayers {
+            day,
+            clouds: None,
+            normals: None,
+            night_lights: None,
+            water: None,
+        };
+        let full = crate::Quality::of(&crate::EarthOptions::new(layers));
+        let levels = crate::QualityLadder::recorded().levels(full, false);
+        let last = levels.len() - 1;
+        let mut adaptive = AdaptiveQuality::new(10.0, levels);
+        assert_eq!(quality_text(&adaptive), "full, held to 10 ms");
+        for _ in 0..30 * last {
+            adaptive.observe(50.0);
+        }
+        let text = quality_text(&adaptive);
+        let end = "; 10 ms is out of reach, frames cost 50.0";
+        assert!(
+            text.starts_with("without ") && text.ends_with(end),
+            "{text}"
+        );
+    }
 
     #[test]
     fn speeds_read_well() {

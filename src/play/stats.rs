@@ -3,14 +3,16 @@
 use super::flight::Moment;
 use super::maps::DroppedLayer;
 use super::offscreen::{OffscreenRenderer, TimedFrame};
+use super::quality_control::HeldQuality;
 use crate::FrameStats;
 use crate::frames::{Geodetic, rfc3339};
 use crate::imagery::tile::TileKey;
 use glam::DVec3;
 use std::time::Duration;
 
-/// The numbers of one picture. Every key is always there, but `relief` only where ground with relief is, `tiles` only where a pack is drawn, `exposure_ev` only where it was
-/// metered, `satellite` only where there is one, and `layers_missing` only where there are any.
+/// The numbers of one picture. Every key is always there, but `relief` only where ground with relief is, `tiles` only where a pack
+/// is drawn, `exposure_ev` only where it was metered, `drawn_size` only where it is another, `quality` only where the scene holds a
+/// frame time, `satellite` only where there is one, and `layers_missing` only where there are any.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PictureStats {
@@ -20,6 +22,9 @@ pub struct PictureStats {
     pub backend: String,
     /// Width and height, pixels.
     pub size: [u32; 2],
+    /// Width and height that were drawn and enlarged to [`Self::size`]; left out where they are the same.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drawn_size: Option<[u32; 2]>,
     /// Wall time of one frame, milliseconds: choosing, writing, drawing, waiting for the device. Not the first frame.
     pub frame_ms: f64,
     /// Wall time of its `prepare` alone, milliseconds.
@@ -41,6 +46,9 @@ pub struct PictureStats {
     /// The ground with relief; left out where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub relief: Option<ReliefStats>,
+    /// What the scene's frame time would ask for in the window; left out where it has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub quality: Option<HeldQuality>,
     /// The tiles of the pack; left out where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tiles: Option<TileStats>,
@@ -161,7 +169,8 @@ pub struct SubsolarPoint {
 }
 
 impl PictureStats {
-    /// The numbers of a picture of `moment` that was measured, the tiles that it lacks, and the maps.
+    /// The numbers of a picture of `moment` that was measured, the tiles that it lacks, and the maps. Not [`Self::quality`], which
+    /// takes pictures of its own.
     pub fn new(
         renderer: &OffscreenRenderer,
         moment: &Moment,
@@ -179,6 +188,8 @@ impl PictureStats {
             adapter: info.name,
             backend: info.backend.to_string(),
             size: [width, height],
+            drawn_size: Some(renderer.drawn_size().into())
+                .filter(|drawn| *drawn != [width, height]),
             frame_ms: milliseconds(measured.frame),
             prepare_ms: milliseconds(measured.prepare),
             blocks_visible: counts.blocks_visible,
@@ -194,6 +205,7 @@ impl PictureStats {
                 error_m: counts.ground.error_m,
                 error_px: counts.ground.error_px,
             }),
+            quality: None,
             tiles: renderer
                 .earth()
                 .has_tiles()

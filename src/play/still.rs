@@ -5,6 +5,7 @@ use super::flight::{Flight, Moment};
 use super::offscreen::OffscreenRenderer;
 use super::output::PendingFile;
 use super::progress::Progress;
+use super::quality_control::{HeldQuality, scene_quality};
 use super::radiance::{Radiance, RadianceFile};
 use super::stats::PictureStats;
 use super::truth::TruthFolder;
@@ -85,6 +86,7 @@ pub fn write_still(
     let mut renderer = OffscreenRenderer::open(gpu, options, size)?;
     renderer.show_sky(flight)?;
     renderer.show_tracks(flight)?;
+    renderer.set_quality(&scene_quality(&scene.quality, *renderer.earth().quality()))?;
     let (moment, asked) = match known {
         Some(moment) => (moment, None),
         // Only now: a simulator that waits does not wait for the maps as well.
@@ -99,7 +101,7 @@ pub fn write_still(
     let (drawn, missing) = renderer.draw_complete(&moment, scene.output.wait());
     warn_of_missing(&missing);
     tracing::info!("exposure {:+.2} EV", drawn.exposure_ev);
-    let numbers = match &stats {
+    let mut numbers = match &stats {
         Some(_) => {
             let measured = renderer.measure(&moment)?;
             let dropped = flight.dropped_layers()?;
@@ -110,6 +112,9 @@ pub fn write_still(
         None => None,
     };
     let picture = renderer.read()?;
+    if let Some(numbers) = &mut numbers {
+        numbers.quality = HeldQuality::find(&mut renderer, scene, &moment)?;
+    }
     drop(renderer);
     let light = match for_light {
         Some((file, gpu, options)) => {

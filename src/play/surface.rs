@@ -1,8 +1,9 @@
 //! The window's surface: colour in sRGB, its samples and depth.
 
-use super::error::WindowError;
+use super::error::{PlayError, WindowError};
 use super::offscreen::supported_samples;
-use crate::gpu::{Attachments, GpuContext, color_texture};
+use crate::gpu::{GpuContext, ScaledTarget, color_texture};
+use crate::{EarthError, Quality};
 use wgpu::TextureFormat::{Bgra8Unorm, Bgra8UnormSrgb, Rgba8Unorm, Rgba8UnormSrgb};
 
 /// A configured surface and what is drawn with it.
@@ -11,9 +12,10 @@ pub struct WindowSurface {
     config: wgpu::SurfaceConfiguration,
     /// The sRGB format that the surface's pictures are seen as.
     format: wgpu::TextureFormat,
-    samples: u32,
+    /// Part of width and height that is drawn.
+    scale: f64,
     limit: u32,
-    attachments: Attachments,
+    target: ScaledTarget,
 }
 
 impl WindowSurface {
@@ -23,7 +25,7 @@ impl WindowSurface {
         surface: wgpu::Surface<'static>,
         size: (u32, u32),
         wanted_samples: u32,
-    ) -> Result<Self, WindowError> {
+    ) -> Result<Self, PlayError> {
         let capabilities = surface.get_capabilities(&gpu.adapter);
         let (stored, format) = choose_formats(&gpu.adapter, &capabilities.formats)?;
         let samples = supported_samples(&gpu.adapter, format, wanted_samples);
@@ -43,11 +45,15 @@ impl WindowSurface {
         };
         surface.configure(&gpu.device, &config);
         Ok(Self {
-            attachments: Attachments::new(&gpu.device, (width, height), format, samples),
+            target: {
+                let size = (width, height);
+                let target = ScaledTarget::new(&gpu.device, format, size, size, samples);
+                target.map_err(EarthError::from)?
+            },
             surface,
             config,
             format,
-            samples,
+            scale: 1.0,
             limit,
         })
     }
@@ -59,7 +65,7 @@ impl WindowSurface {
 
     /// Samples a pixel.
     pub fn samples(&self) -> u32 {
-        self.samples
+        self.target.samples()
     }
 
     /// `wanted` samples a pixel if the adapter does so many, else 1.
@@ -67,17 +73,28 @@ impl WindowSurface {
         supported_samples(&gpu.adapter, self.format, wanted)
     }
 
-    /// Draws from now on with `samples` a pixel, which the adapter must do.
-    pub fn set_samples(&mut self, device: &wgpu::Device, samples: u32) {
-        if samples != self.samples {
-            self.samples = samples;
-            self.attachments = Attachments::new(device, self.size(), self.format, samples);
+    /// Draws from now on with the samples and at the scale of a quality, of which the adapter must do the samples.
+    pub fn set_quality(&mut self, device: &wgpu::Device, quality: &Quality) {
+        self.scale = quality.scale;
+        self.set_target(device, quality.drawn_size(self.size()), quality.samples);
+    }
+
+    fn set_target(&mut self, device: &wgpu::Device, drawn_size: (u32, u32), samples: u32) {
+        let set = self.target.set(device, self.size(), drawn_size, samples);
+        if let Err(error) = set {
+            // A fault of the program that its tests would have found.
+            tracing::warn!("the window's picture stays as it is: {error}");
         }
     }
 
     /// Width and height, pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.config.width, self.config.height)
+    }
+
+    /// Width and height that are drawn before they are enlarged to [`Self::size`], pixels.
+    pub fn drawn_size(&self) -> (u32, u32) {
+        self.target.drawn_size()
     }
 
     /// Follows the window to another size. A size of zero (a minimised window) changes nothing.
@@ -87,7 +104,8 @@ impl WindowSurface {
             return;
         }
         (self.config.width, self.config.height) = (width, height);
-        self.attachments = Attachments::new(device, (width, height), self.format, self.samples);
+        let drawn_size = Quality::drawn_size_at(self.scale, (width, height));
+        self.set_target(device, drawn_size, self.samples());
         self.configure(device);
     }
 
@@ -122,7 +140,12 @@ impl WindowSurface {
         encoder: &'e mut wgpu::CommandEncoder,
         view: &wgpu::TextureView,
     ) -> wgpu::RenderPass<'e> {
-        self.attachments.begin_pass(encoder, view)
+        self.target.begin_pass(encoder, view)
+    }
+
+    /// Enlarges what that pass drew to all of the view.
+    pub fn enlarge(&self, encoder: &mut wgpu::CommandEncoder, view: &wgpu::TextureView) {
+        self.target.enlarge(encoder, view);
     }
 
     /// A texture like the surface's that can be read: not every surface can.

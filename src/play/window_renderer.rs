@@ -12,13 +12,14 @@ use super::output::PendingFile;
 use super::overlay::{EventResponse, Overlay};
 use super::panel::{self, PanelData};
 use super::progress::Progress;
+use super::quality_control::{QualityControl, scene_quality};
 use super::sky::SkyLayer;
 use super::surface::WindowSurface;
 use super::tracks::{TrackDetail, TracksLayer};
 use crate::frames::rfc3339;
 use crate::gpu::{GpuContext, read_texture};
 use crate::scene::EDGE_SAMPLES;
-use crate::{Adaptation, AdaptiveQuality, Earth, Exposure, EyeView, FrameStats, Quality};
+use crate::{Adaptation, Earth, Exposure, EyeView, FrameStats, Quality};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -46,7 +47,7 @@ pub struct WindowRenderer {
     adapter: String,
     satellite: Option<String>,
     has_tiles: bool,
-    quality_control: Option<QualityControl>,
+    quality_control: Option<TimedQuality>,
     /// Follows the exposure that views ask for, where it is metered.
     adaptation: Option<Adaptation>,
     samples: SamplesByView,
@@ -62,9 +63,9 @@ struct SamplesByView {
     without: u32,
 }
 
-/// Quality that is adapted to hold a frame time.
-struct QualityControl {
-    adaptive: AdaptiveQuality,
+/// Quality that is adapted to hold a frame time, and what frames cost.
+struct TimedQuality {
+    control: QualityControl,
     costs: FrameCosts,
 }
 
@@ -121,14 +122,13 @@ impl WindowRenderer {
         options.color_format = surface.format();
         options.samples = surface.samples();
         let earth = Earth::new(&gpu.device, &gpu.queue, &options)?;
-        let quality_control = match flight.scene().quality {
-            Some(quality) => {
-                let levels = earth.quality().levels(earth.has_tiles(), gpu.is_software());
-                Some(QualityControl {
-                    adaptive: AdaptiveQuality::new(quality.target_ms, levels),
-                    costs: FrameCosts::new(&gpu.device).map_err(WindowError::NoThread)?,
-                })
-            }
+        let full = scene_quality(&flight.scene().quality, *earth.quality());
+        let control = QualityControl::of(flight.scene(), full, earth.has_tiles())?;
+        let quality_control = match control {
+            Some(control) => Some(TimedQuality {
+                control,
+                costs: FrameCosts::new(&gpu.device).map_err(WindowError::NoThread)?,
+            }),
             None => None,
         };
         let samples = SamplesByView {
@@ -141,7 +141,7 @@ impl WindowRenderer {
         window.set_visible(true);
         let info = gpu.adapter.get_info();
         tracing::info!("window on {} ({})", info.name, info.backend);
-        Ok(Self {
+        let mut renderer = Self {
             overlay: Overlay::new(&window, &gpu.device, surface.format()),
             surface,
             craft: CraftLayer::new(&options)?,
@@ -160,7 +160,9 @@ impl WindowRenderer {
             last: None,
             interval_ms: None,
             work_ms: 0.0,
-        })
+        };
+        renderer.set_quality(&full);
+        Ok(renderer)
     }
 
     /// The window.
@@ -352,7 +354,8 @@ impl WindowRenderer {
             tracing::warn!("the quality stays as it is: {error}");
         }
         let samples = self.earth.quality().samples;
-        self.surface.set_samples(&self.gpu.device, samples);
+        self.surface
+            .set_quality(&self.gpu.device, self.earth.quality());
         self.craft.set_samples(samples);
         if let Some(sky) = &mut self.sky
             && let Err(error) = sky.follow(&self.gpu, &self.earth)
@@ -371,26 +374,12 @@ impl WindowRenderer {
 
     /// Gives up quality, or takes it back, as the last frames' costs ask for.
     fn govern(&mut self) {
-        let Some(QualityControl { adaptive, costs }) = &mut self.quality_control else {
+        let Some(TimedQuality { control, costs }) = &mut self.quality_control else {
             return;
         };
-        // All that has come since counts; of several changes the last is made.
-        let change = costs
-            .completed_ms()
-            .filter_map(|cost_ms| adaptive.observe(cost_ms))
-            .last();
-        let Some(change) = change else { return };
-        let quality = adaptive.levels()[change.level].quality;
-        let reductions: Vec<_> = adaptive.reductions().map(|what| what.to_string()).collect();
-        tracing::info!(
-            "frames cost {:.1} ms, {:.1} ms are allowed; given up: {}",
-            change.cost_ms,
-            adaptive.target_ms(),
-            match reductions.is_empty() {
-                true => "nothing".to_owned(),
-                false => reductions.join(", "),
-            }
-        );
+        let Some(quality) = control.observe(costs.completed_ms()) else {
+            return;
+        };
         if !self.set_quality(&quality) {
             self.quality_control = None;
         }
@@ -409,25 +398,26 @@ impl WindowRenderer {
         encoder: &mut wgpu::CommandEncoder,
         view: &wgpu::TextureView,
     ) -> FrameStats {
-        let size = self.surface.size();
+        let (size, drawn_size) = (self.surface.size(), self.surface.drawn_size());
         let mut stats = self
             .earth
-            .prepare(&self.gpu.queue, &moment.view, &moment.sky, size);
+            .prepare(&self.gpu.queue, &moment.view, &moment.sky, drawn_size);
         let craft = moment.craft.as_ref();
         self.craft
             .prepare(&self.gpu, craft, &moment.view, &moment.sky, &mut stats);
         if let Some(sky) = &mut self.sky {
-            sky.prepare(&self.gpu, &self.earth, moment, size, &mut stats);
+            sky.prepare(&self.gpu, &self.earth, moment, drawn_size, &mut stats);
         }
         if let Some(tracks) = &mut self.tracks {
-            tracks.prepare(&self.gpu, moment, size, TrackDetail::Live, &mut stats);
+            tracks.prepare(&self.gpu, moment, drawn_size, TrackDetail::Live, &mut stats);
         }
         let mut pass = self.surface.begin_pass(encoder, view);
         let (sky, tracks) = (self.sky.as_ref(), self.tracks.as_ref());
         render_in_order(&mut pass, &self.craft, &self.earth, sky, tracks);
         drop(pass);
+        self.surface.enlarge(encoder, view);
         if let Some(tracks) = &mut self.tracks {
-            tracks.write_names(&self.gpu, encoder, view, size);
+            tracks.write_names(&self.gpu, encoder, view, size, drawn_size);
         }
         stats
     }
@@ -446,7 +436,7 @@ impl WindowRenderer {
             adaptive: self
                 .quality_control
                 .as_ref()
-                .map(|quality_control| &quality_control.adaptive),
+                .map(|quality_control| quality_control.control.adaptive()),
             interval_ms: self.interval_ms,
             work_ms: self.work_ms,
             adapter: &self.adapter,

@@ -484,6 +484,10 @@ table!(RawOutput = "output" {
 table!(RawQuality = "quality" {
     /// Most milliseconds that a frame may cost before quality is given up; without it everything is drawn.
     target_ms: f64 = "a number of milliseconds", in 1.0..=1000.0;
+    /// Part of width and height that is drawn and then enlarged, in the window and in pictures.
+    scale: f64 = "a number", in 0.25..=1.0, default 1.0;
+    /// The steps of quality, in place of those that were recorded for the adapter.
+    ladder: String = "a string, the path of a ladder.csv that `terrella report --quality` wrote";
 });
 
 /// A scene file; a table that is left out is `None`.

@@ -80,8 +80,8 @@ pub struct Scene {
     pub sky: SkyTable,
     /// `[output]`
     pub output: Output,
-    /// `[quality]`; `None` draws everything however long it takes.
-    pub quality: Option<QualityTable>,
+    /// `[quality]`
+    pub quality: QualityTable,
     /// What is flown otherwise than the scene's defaults say, as satellites do not answer for those: a sentence each.
     pub notices: Vec<String>,
     /// Which keys the file gave, and where; of satellites, the first's.

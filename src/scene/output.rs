@@ -3,12 +3,13 @@
 use super::camera::{Camera, CameraMode};
 use super::earth::EarthTable;
 use super::error::SceneError;
-use super::field::{Field, KeyText, UNKNOWN, quoted, range_text, whole, written};
+use super::field::{Field, KeyText, PathKind, UNKNOWN, quoted, range_text, whole, written};
 use super::keys::{DEFAULT_SIZE_PX, EDGE_SAMPLES, RawOutput, RawQuality, SAMPLES, SIDE_PX};
 use super::text::SceneText;
 use crate::air::Atmosphere;
 use crate::light::{Exposure, Tone};
 use std::ops::RangeInclusive;
+use std::path::PathBuf;
 use toml::Spanned;
 
 /// `[output]`
@@ -26,11 +27,16 @@ pub struct Output {
     pub wait_s: f64,
 }
 
-/// `[quality]`: a frame time that the window holds by giving up quality. Pictures that are kept are drawn in full.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// `[quality]`: resolution, and a frame time that the window holds by giving up quality. Nothing more than the scale is given up in
+/// pictures that are kept.
+#[derive(Clone, Debug, PartialEq)]
 pub struct QualityTable {
-    /// Most milliseconds that a frame may cost.
-    pub target_ms: f64,
+    /// Most milliseconds that a frame may cost; `None` draws everything however long it takes.
+    pub target_ms: Option<f64>,
+    /// Part of width and height that is drawn, 0.25…1, and then enlarged to [`Output::size`].
+    pub scale: f64,
+    /// The file of the steps; `None` takes those that were recorded for the adapter.
+    pub ladder: Option<PathBuf>,
 }
 
 impl Output {
@@ -121,19 +127,33 @@ impl SceneText<'_> {
     }
 
     /// Checks `[quality]`.
-    pub(super) fn quality(&self, quality: &RawQuality) -> Result<Option<QualityTable>, SceneError> {
+    pub(super) fn quality(&self, quality: &RawQuality) -> Result<QualityTable, SceneError> {
         let target = quality.target_ms();
-        let Some(target_ms) = target.value() else {
-            return Ok(None);
-        };
         let range = &target.rule;
-        let target_ms = self.in_range(&target, target_ms, range, |_| {
+        let advice = |_| {
             format!(
                 "must be from {} milliseconds (16.7 is 60 frames per second)",
                 range_text(range)
             )
+        };
+        let target_ms = target
+            .value()
+            .map(|target_ms| self.in_range(&target, target_ms, range, advice))
+            .transpose()?;
+        let scale = self.number(&quality.scale(), |_, range| {
+            format!("must be from {range}, a part of width and height")
         })?;
-        Ok(Some(QualityTable { target_ms }))
+        let ladder = quality.ladder();
+        if ladder.given.is_some() && target_ms.is_none() {
+            let advice = "quality is given up where a frame time is to be held; give target_ms too, or leave ladder out";
+            return Err(self.refuse(&ladder, advice));
+        }
+        let ladder = self.path(&ladder, PathKind::File)?;
+        Ok(QualityTable {
+            target_ms,
+            scale,
+            ladder,
+        })
     }
 }
 
@@ -157,10 +177,18 @@ pub(super) fn value(output: &Output, key: &str, is_waited_for: bool) -> KeyText 
 }
 
 /// The same of `[quality]`.
-pub(super) fn quality_value(quality: Option<&QualityTable>, key: &str) -> KeyText {
-    match (key, quality) {
-        ("target_ms", Some(quality)) => Ok(quality.target_ms.to_string()),
-        ("target_ms", None) => Err("everything is drawn however long it takes"),
+pub(super) fn quality_value(quality: &QualityTable, key: &str) -> KeyText {
+    match key {
+        "target_ms" => match quality.target_ms {
+            Some(target_ms) => Ok(target_ms.to_string()),
+            None => Err("everything is drawn however long it takes"),
+        },
+        "scale" => Ok(quality.scale.to_string()),
+        "ladder" => match &quality.ladder {
+            Some(path) => quoted(&path.display().to_string()),
+            None if quality.target_ms.is_none() => Err("no quality is given up"),
+            None => Err("the one that was recorded for the adapter"),
+        },
         _ => Err(UNKNOWN),
     }
 }

@@ -129,7 +129,7 @@ impl Scene {
                 let is_waited_for = self.earth.pack.is_some() || self.is_live();
                 output::value(&self.output, key, is_waited_for)
             }
-            "quality" => output::quality_value(self.quality.as_ref(), key),
+            "quality" => output::quality_value(&self.quality, key),
             _ => Err(UNKNOWN),
         }
     }

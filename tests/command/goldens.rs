@@ -1,5 +1,5 @@
-//! Golden pictures: every scene in `tests/goldens/`, and those of light in `config/`, against the picture of the same name in
-//! `tests/goldens/`.
+//! Golden pictures: every scene in `tests/goldens/`, and some of `config/`, against the picture of the same name in
+//! `tests/goldens/`. The scene `pack` is drawn from a pack that is built for it, of `light` the file of its radiance is held.
 //!
 //! The pictures are made by the command itself, `terrella frame`, on a software adapter if there is one. They are
 //! compared by FLIP, NVIDIA's perceptual measure, because drivers round differently. A scene without its picture
@@ -18,7 +18,7 @@ const OUTLIER: f32 = 0.15;
 const MOST_OUTLIERS: f32 = 0.001;
 
 /// Scenes of `config/`, drawn smaller.
-const OF_LIGHT: [&str; 10] = [
+const OF_CONFIG: [&str; 11] = [
     "crescent",
     "eclipse",
     "eclipse_low",
@@ -28,9 +28,17 @@ const OF_LIGHT: [&str; 10] = [
     "moonrise",
     "night",
     "night_europe",
+    "relief",
     "sunrise",
 ];
-const SIZE_OF_LIGHT: &str = "320x180";
+const SIZE_OF_CONFIG: &str = "320x180";
+
+/// The scene whose `earth` is built from the starter pack's maps.
+const OF_PACK: &str = "pack";
+/// The scene that is drawn into a float target; its golden is that light, [`LIGHT_EV`] exposed and cut off.
+const OF_RADIANCE: &str = "light";
+/// Dark enough that nothing of the scene's mirrored Sun is cut off that an 8-bit picture would cut off.
+const LIGHT_EV: i32 = -1;
 
 struct Difference {
     mean: f32,
@@ -95,7 +103,7 @@ fn scenes() -> Vec<String> {
     let with_edges = surfaces.filter(|name| !name.ends_with("_cast"));
     let edges: Vec<_> = with_edges.map(|name| format!("{name}{EDGES}")).collect();
     scenes.extend(edges);
-    scenes.extend(OF_LIGHT.map(str::to_owned));
+    scenes.extend(OF_CONFIG.map(str::to_owned));
     scenes.sort();
     scenes
 }
@@ -103,14 +111,24 @@ fn scenes() -> Vec<String> {
 fn picture(name: &str, to: &Path, backend: Option<&str>) -> Result<RgbImage, String> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_terrella"));
     command.arg("frame").arg("-o").arg(to);
-    if OF_LIGHT.contains(&name) {
-        let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config");
-        command.args(["--size", SIZE_OF_LIGHT]);
-        command.arg(config.join(name).with_extension("toml"));
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let scene = Path::new(name.strip_suffix(EDGES).unwrap_or(name)).with_extension("toml");
+    let radiance = to.with_extension("npy");
+    if OF_CONFIG.contains(&name) {
+        command.args(["--size", SIZE_OF_CONFIG]);
+        command.arg(root.join("config").join(scene));
+    } else if name == OF_PACK {
+        let beside = to.with_file_name("of_pack");
+        build_pack(&beside.join("earth"))?;
+        let text = std::fs::read(folder().join(&scene)).map_err(|e| e.to_string())?;
+        std::fs::write(beside.join(&scene), text).map_err(|e| e.to_string())?;
+        command.arg(beside.join(scene));
     } else {
-        let scene = name.strip_suffix(EDGES).unwrap_or(name);
-        command.args((scene != name).then_some("--wireframe"));
-        command.arg(folder().join(scene).with_extension("toml"));
+        command.args(name.ends_with(EDGES).then_some("--wireframe"));
+        command.arg(folder().join(scene));
+    }
+    if name == OF_RADIANCE {
+        command.arg("--radiance").arg(&radiance);
     }
     command.env_remove("TERRELLA_TEXTURES");
     if let Some(adapter) = software_adapter() {
@@ -127,7 +145,55 @@ fn picture(name: &str, to: &Path, backend: Option<&str>) -> Result<RgbImage, Str
             String::from_utf8_lossy(&output.stderr)
         ));
     }
+    if name == OF_RADIANCE {
+        let shown = of_light(&radiance);
+        std::fs::remove_file(&radiance).map_err(|e| e.to_string())?;
+        shown.save(to).map_err(|e| e.to_string())?;
+        return Ok(shown);
+    }
     Ok(image::open(to).map_err(|e| e.to_string())?.to_rgb8())
+}
+
+/// A small pack of the starter pack's day map and clouds.
+fn build_pack(to: &Path) -> Result<(), String> {
+    let textures = Path::new(env!("CARGO_MANIFEST_DIR")).join("textures");
+    let output = Command::new(env!("CARGO_BIN_EXE_terrella"))
+        .args([
+            "--quiet",
+            "pack",
+            "build",
+            "--restart",
+            "--storage",
+            "plain",
+        ])
+        .args(["--pixels", "day=128,64,32", "--pixels", "clouds=64,32"])
+        .arg("--day")
+        .arg(textures.join("day.jpg"))
+        .arg("--clouds")
+        .arg(textures.join("clouds.png"))
+        .arg("-o")
+        .arg(to)
+        .output()
+        .map_err(|e| e.to_string())?;
+    match output.status.success() {
+        true => Ok(()),
+        false => Err(String::from_utf8_lossy(&output.stderr).into_owned()),
+    }
+}
+
+/// Light that was written as an array, exposed, cut off at white and encoded in sRGB.
+fn of_light(path: &Path) -> RgbImage {
+    let (height, width, light) = crate::pictures::numpy(path);
+    let exposed = 2_f32.powi(LIGHT_EV);
+    let codes = light.into_iter().map(|light| {
+        let shown = (light * exposed).clamp(0.0, 1.0);
+        let code = match shown <= 0.003_130_8 {
+            true => 12.92 * shown,
+            false => 1.055 * shown.powf(1.0 / 2.4) - 0.055,
+        };
+        (255.0 * code).round() as u8
+    });
+    RgbImage::from_raw(width as u32, height as u32, codes.collect()).expect("of that size")
 }
 
 /// The name of a software adapter, or what `TERRELLA_TEST_ADAPTER` says.
@@ -147,7 +213,7 @@ fn pictures_match_their_goldens() {
     let scratch = Path::new(env!("CARGO_TARGET_TMPDIR")).join("goldens");
     std::fs::create_dir_all(&scratch).expect("a scratch folder");
     let scenes = scenes();
-    assert!(scenes.len() >= 15, "scenes are missing: {scenes:?}");
+    assert!(scenes.len() >= 24, "scenes are missing: {scenes:?}");
     let mut failures = Vec::new();
     for name in &scenes {
         let drawn = scratch.join(name).with_extension("png");

@@ -10,6 +10,7 @@ mod orbit;
 mod packs;
 mod passes;
 mod pictures;
+mod quality;
 mod reference;
 mod report;
 mod several;
@@ -20,6 +21,8 @@ mod usage;
 mod video;
 #[cfg(target_os = "linux")]
 mod window;
+#[cfg(target_os = "linux")]
+mod x11;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -95,7 +95,7 @@ fn a_still_has_its_size_and_exactly_the_numbers_of_the_contract() {
 }
 
 /// Height, width and values of a NumPy array of 32-bit floats, three to a pixel.
-fn numpy(path: &Path) -> (usize, usize, Vec<f32>) {
+pub fn numpy(path: &Path) -> (usize, usize, Vec<f32>) {
     let bytes = std::fs::read(path).expect("reads");
     assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00");
     let end = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));

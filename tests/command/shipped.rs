@@ -20,12 +20,21 @@ fn scenes() -> Vec<PathBuf> {
 }
 
 #[test]
-fn every_scene_is_checked_and_drawn() {
+fn every_scene_is_checked_and_drawn_with_something_in_its_picture() {
     let place = Place::new();
     for scene in scenes() {
         let scene = scene.to_str().expect("UTF-8");
         place.succeed(&["-q", "check", scene]);
         place.succeed(&["-q", "frame", scene, "-o", "a.png", "--size", "32x18"]);
+        let picture = image::open(place.path("a.png"))
+            .expect("a picture")
+            .to_rgb8();
+        std::fs::remove_file(place.path("a.png")).expect("removed");
+        // Something is in it, and it is not one colour: the Earth and space, or the Earth's own differences.
+        let brightest = picture.pixels().flat_map(|pixel| pixel.0).max();
+        assert!(brightest > Some(24), "{scene}: {brightest:?}");
+        let first = picture.get_pixel(0, 0);
+        assert!(picture.pixels().any(|pixel| pixel != first), "{scene}");
     }
 }
 

@@ -14,6 +14,7 @@ mod projected_grid;
 mod quality;
 #[cfg(feature = "terrain")]
 mod relief;
+mod scaled;
 #[cfg(feature = "packs")]
 mod tiles;
 #[cfg(feature = "tracks")]

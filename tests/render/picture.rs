@@ -125,56 +125,74 @@ fn the_disc_has_no_holes_and_no_fringe() {
     }
 }
 
+/// The paper's three layers: the ground, clouds over it, and the normals that both are lit by.
 #[test]
 fn the_papers_shading_is_the_printed_formula() {
     let color = [120, 80, 200];
     let cover = 90_u8;
-    let layers = EarthLayers {
-        day: map(64, |_, _| color),
-        clouds: Some(LayerImage::from_r8(64, 32, vec![cover; 64 * 32]).unwrap()),
-        normals: None,
-        night_lights: None,
-        water: None,
-    };
-    let mut options = EarthOptions::new(layers);
-    options.atmosphere = Atmosphere::None;
-    options.shading = Shading::Paper;
-    options.subdivision = terrella::Subdivision::Cells(48);
-    let mut rig = Rig::new(&options, SIZE);
-    let view = down(Geodetic::from_degrees(15.0, 25.0, 2e7), 30.0, rig.aspect());
-    let sun = Ellipsoid::normal(0.2, 1.7);
-    let (picture, _) = rig.draw(&view, sun);
-    let mut shades = [0; 3];
-    for (x, y, pixel) in picture.enumerate_pixels() {
-        let Some(place) = looks_at(&view, x, y, SIZE) else {
-            continue;
+    // Slopes to the east and to the north: none, and two that turn the normal by 14° and 27°.
+    for slopes in [None, Some([0_i8, 32]), Some([-64, 16])] {
+        let slope_map = slopes.map(|slopes| {
+            let texel = slopes.map(|slope| slope as u8);
+            LayerImage::from_slopes(64, 32, texel.repeat(64 * 32)).unwrap()
+        });
+        let layers = EarthLayers {
+            day: map(64, |_, _| color),
+            clouds: Some(LayerImage::from_r8(64, 32, vec![cover; 64 * 32]).unwrap()),
+            normals: slope_map,
+            night_lights: None,
+            water: None,
         };
-        let n = Ellipsoid::normal(place.lat_rad, place.lon_rad);
-        if n.dot(ray(&view, x, y, SIZE)) > -0.2 {
-            continue;
+        let [east, north] = slopes
+            .unwrap_or_default()
+            .map(|slope| f64::from(slope) / 127.0);
+        let mut options = EarthOptions::new(layers);
+        options.atmosphere = Atmosphere::None;
+        options.shading = Shading::Paper;
+        options.subdivision = terrella::Subdivision::Cells(48);
+        let mut rig = Rig::new(&options, SIZE);
+        let view = down(Geodetic::from_degrees(15.0, 25.0, 2e7), 30.0, rig.aspect());
+        let sun = Ellipsoid::normal(0.2, 1.7);
+        let (picture, _) = rig.draw(&view, sun);
+        let mut shades = [0; 3];
+        let mut turned = 0;
+        for (x, y, pixel) in picture.enumerate_pixels() {
+            let Some(place) = looks_at(&view, x, y, SIZE) else {
+                continue;
+            };
+            let up = Ellipsoid::normal(place.lat_rad, place.lon_rad);
+            if up.dot(ray(&view, x, y, SIZE)) > -0.2 {
+                continue;
+            }
+            let east_axis = DVec3::Z.cross(up).normalize();
+            let n = (up - east * east_axis - north * up.cross(east_axis)).normalize();
+            let lit = |n: DVec3| (n.dot(sun) + 0.3).clamp(0.0, 1.0) * 1.1;
+            let ninfo = lit(n);
+            turned += usize::from((ninfo - lit(up)).abs() > 0.05);
+            shades[if ninfo == 0.0 {
+                0
+            } else if ninfo < 1.1 {
+                1
+            } else {
+                2
+            }] += 1;
+            for (channel, color) in pixel.0.into_iter().zip(color) {
+                let blend =
+                    1.0 - (1.0 - f64::from(color) / 255.0) * (1.0 - f64::from(cover) / 255.0);
+                let want = (blend * ninfo * 255.0).min(255.0);
+                assert!(
+                    (f64::from(channel) - want).abs() < 2.5,
+                    "{slopes:?}: {x}, {y}: {:?} instead of {want}",
+                    pixel.0
+                );
+            }
         }
-        let ninfo = (n.dot(sun) + 0.3).clamp(0.0, 1.0) * 1.1;
-        shades[if ninfo == 0.0 {
-            0
-        } else if ninfo < 1.1 {
-            1
-        } else {
-            2
-        }] += 1;
-        for (channel, color) in pixel.0.into_iter().zip(color) {
-            let blend = 1.0 - (1.0 - f64::from(color) / 255.0) * (1.0 - f64::from(cover) / 255.0);
-            let want = (blend * ninfo * 255.0).min(255.0);
-            assert!(
-                (f64::from(channel) - want).abs() < 2.5,
-                "{x}, {y}: {:?} instead of {want}",
-                pixel.0
-            );
-        }
+        assert!(
+            shades.iter().all(|count| *count > 40),
+            "night, dusk and full day must all be in the picture: {shades:?}"
+        );
+        assert_eq!(slopes.is_some(), turned > 1_000, "{slopes:?}: {turned}");
     }
-    assert!(
-        shades.iter().all(|count| *count > 200),
-        "night, dusk and full day must all be in the picture: {shades:?}"
-    );
 }
 
 #[test]

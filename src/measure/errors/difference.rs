@@ -28,11 +28,7 @@ impl Difference {
         let (width, height) = picture.dimensions();
         let size = (reference.width, reference.height);
         assert_eq!((width, height), size, "pictures of one size");
-        let flip = nv_flip::flip(
-            nv_flip::FlipImageRgb8::with_data(width, height, &rgb(&reference.to_rgba8())),
-            nv_flip::FlipImageRgb8::with_data(width, height, &rgb(picture)),
-            nv_flip::DEFAULT_PIXELS_PER_DEGREE,
-        );
+        let flip = flip(&rgb(picture), &rgb(&reference.to_rgba8()), size);
         let values = SortedSample::new(flip.to_vec().into_iter().map(f64::from).collect());
         let map = flip.apply_color_lut(&nv_flip::magma_lut()).to_vec();
         Self {
@@ -42,6 +38,29 @@ impl Difference {
             map: RgbImage::from_raw(width, height, map).expect("FLIP keeps the size"),
         }
     }
+}
+
+/// Mean FLIP of two pictures of one size, as [`Difference::flip_mean`].
+///
+/// # Panics
+/// If their sizes differ.
+pub fn flip_mean(picture: &RgbaImage, reference: &RgbaImage) -> f64 {
+    assert_eq!(
+        picture.dimensions(),
+        reference.dimensions(),
+        "pictures of one size"
+    );
+    let values = flip(&rgb(picture), &rgb(reference), picture.dimensions()).to_vec();
+    values.iter().map(|value| f64::from(*value)).sum::<f64>() / values.len().max(1) as f64
+}
+
+/// FLIP of each pixel, of red, green and blue, 8 bits.
+fn flip(picture: &[u8], reference: &[u8], (width, height): (u32, u32)) -> nv_flip::FlipImageFloat {
+    nv_flip::flip(
+        nv_flip::FlipImageRgb8::with_data(width, height, reference),
+        nv_flip::FlipImageRgb8::with_data(width, height, picture),
+        nv_flip::DEFAULT_PIXELS_PER_DEGREE,
+    )
 }
 
 fn rgb(picture: &RgbaImage) -> Vec<u8> {

@@ -12,7 +12,7 @@ mod geolocation;
 mod relief;
 mod silhouette;
 
-pub use difference::Difference;
+pub use difference::{Difference, flip_mean};
 pub use geolocation::{GeolocationBuffer, GeolocationErrors, GeolocationRenderer, geolocation};
 pub use relief::{GroundErrors, GroundPicture};
 pub use silhouette::{DrawGeolocation, SilhouetteErrors, silhouette};

@@ -14,7 +14,7 @@ use crate::gpu::GpuContext;
 use crate::orbit::Feed;
 use crate::scene::{Orbit, TrackSpan as SceneTrackSpan};
 use crate::tracks::{
-    Footprint, TrackMoment, TrackSpan, TrackStats, TrackStyle, Tracks, TracksOptions,
+    Footprint, TrackLabel, TrackMoment, TrackSpan, TrackStats, TrackStyle, Tracks, TracksOptions,
 };
 use crate::{Earth, FrameStats};
 use labels::Labels;
@@ -118,18 +118,23 @@ impl TracksLayer {
         self.tracks.render(pass);
     }
 
-    /// Writes the names over the finished picture on `view`, which has one sample a pixel.
+    /// Writes the names over the finished picture on `view`, of `size` pixels with one sample each, where the tracks were drawn at
+    /// `drawn_size` and enlarged.
     pub fn write_names(
         &mut self,
         gpu: &GpuContext,
         encoder: &mut wgpu::CommandEncoder,
         view: &wgpu::TextureView,
         size: (u32, u32),
+        drawn_size: (u32, u32),
     ) {
+        let larger = |shown: u32, drawn: u32| shown as f32 / drawn.max(1) as f32;
+        let [x, y] = [larger(size.0, drawn_size.0), larger(size.1, drawn_size.1)];
         if let Some(labels) = &mut self.labels {
             let names = self.tracks.labels().iter().filter_map(|label| {
                 let feed = self.feeds.get(label.satellite)?;
-                Some((*label, feed.name()))
+                let at_px = [label.at_px[0] * x, label.at_px[1] * y];
+                Some((TrackLabel { at_px, ..*label }, feed.name()))
             });
             let target = EguiTarget {
                 device: &gpu.device,

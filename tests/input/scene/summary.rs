@@ -68,7 +68,7 @@ fn the_summary_tells_values_origins_use_and_what_is_left_out() {
     has(&["speed", "60", "default"]);
     has(&["start", "\"2018-01-15T12:00:00Z\"", "default"]);
     assert!(
-        !summary.contains("lat_deg") && !summary.contains("[quality]"),
+        !summary.contains("lat_deg") && !summary.contains("ladder"),
         "{summary}"
     );
     has(&["playback", "2018-01-15T13:33:00Z", "2790 frames", "93.0 s"]);

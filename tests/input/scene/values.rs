@@ -112,7 +112,8 @@ fn every_key_is_read() {
          water = false\naerosol_optical_depth = 0\n\
          [output]\nsize = [16384, 1]\nsamples = 1\n\
          exposure_ev = 1.5\ntone = \"linear\"\n\
-         [sky]\nstars = true\nmilky_way = false\nsun = true\nmoon = false\nglare = true\neclipses = false\nstar_gain = 7\nfolder = \"maps\"\n",
+         [sky]\nstars = true\nmilky_way = false\nsun = true\nmoon = false\nglare = true\neclipses = false\nstar_gain = 7\nfolder = \"maps\"\n\
+         [quality]\ntarget_ms = 20\nscale = 0.5\nladder = \"sat.tle\"\n",
     );
     let scene = scene.expect("a good scene");
     let sky = &scene.sky;
@@ -150,6 +151,9 @@ fn every_key_is_read() {
     assert_eq!(scene.output.size, [16384, 1]);
     assert_eq!(scene.output.samples, 1);
     assert_eq!(scene.line("output", "samples"), Some(46));
+    let quality = &scene.quality;
+    assert_eq!((quality.target_ms, quality.scale), (Some(20.0), 0.5));
+    assert_eq!(quality.ladder, Some(folder.path("sat.tle")));
     let summary = scene.summary();
     assert!(!summary.contains("default"), "{summary}");
 }
