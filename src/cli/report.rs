@@ -117,7 +117,7 @@ pub fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
 fn quality(args: &ReportArgs, common: &Common, flight: &Flight) -> anyhow::Result<()> {
     let request = QualityRequest {
         folder: &args.output,
-        size: args.size,
+        size: args.size.unwrap_or((640, 360)),
         repeats: args.repeats.unwrap_or(9),
         adapter: common.adapter.as_deref(),
     };

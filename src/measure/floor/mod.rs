@@ -11,7 +11,7 @@ mod view;
 use crate::gpu::{FrameTargets, GpuContext, PassFormat, PipelineDescription};
 use crate::{EarthOptions, EyeView, Sky};
 use samples::Samples;
-use view::{FloorView, TRIANGLES};
+use view::{CORNERS, FloorView};
 
 /// A pass that takes the texture samples of a frame and computes no light.
 ///
@@ -27,8 +27,8 @@ use view::{FloorView, TRIANGLES};
 /// cost in units of the reading. It is less than what a frame reads in these: shadows of clouds and clouds themselves are
 /// sampled where the place is, moved by one fixed amount and not by their height; by day's edge the Earth reads city lights in blocks that are partly by night; tables hold nothing, which hardware may
 /// compress; an Earth of a pack has the floor of its coarsest whole maps; ground with relief that of the smooth ellipsoid; made
-/// detail, stars, the Milky Way and tracks are not in it. Far away it is nearly nothing, and a frame is then mostly what any
-/// frame costs.
+/// detail, stars, the Milky Way and tracks are not in it. From as far as the Moon most of both is what any pass costs that
+/// clears and waits.
 pub struct Floor {
     pipeline: wgpu::RenderPipeline,
     bind_group: wgpu::BindGroup,
@@ -95,6 +95,6 @@ impl Floor {
         }
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.bind_group, &[]);
-        pass.draw(0..3 * TRIANGLES, 0..1);
+        pass.draw(0..3 * (CORNERS - 2), 0..1);
     }
 }

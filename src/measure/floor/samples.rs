@@ -1,6 +1,6 @@
 //! Which textures are sampled how often, and the shader that does.
 
-use super::view::TRIANGLES;
+use super::view::CORNERS;
 use crate::gpu::{GpuContext, GpuLayer, LAMPS_OUT_SIN};
 use crate::imagery::NEIGHBOURHOODS;
 use crate::imagery::tile::MapLayer;
@@ -74,7 +74,7 @@ impl Samples {
     pub fn shader(&self) -> String {
         let (mut text, mut always, mut by_night) = (HEAD.to_owned(), String::new(), String::new());
         // Writing to a string does not fail.
-        let _ = writeln!(text, "const TRIANGLES: f32 = {TRIANGLES}.0;");
+        let _ = writeln!(text, "const CORNERS: u32 = {CORNERS}u;");
         for (n, sampled) in self.0.iter().enumerate() {
             let dimensions = match sampled.kind {
                 Kind::Volume => "3d",
@@ -239,9 +239,14 @@ const ASIDE: vec2f = vec2f(0.0003, 0.0003);
 /// The point of the ground and the footprint are those of shaders/earth/surface_point/ray_on_ellipsoid.wgsl.
 const BODY: (&str, &str) = (
     "@vertex fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
-    let angle = f32(i / 3u + i % 3u) * (2.0 * PI / TRIANGLES);
-    let edge = cos(angle) * view.limb_across + sin(angle) * view.limb_beside;
-    let at = view.limb_center + select(edge, vec3f(0.0), i % 3u == 0u);
+    // One triangle over the middle, then one on each side of those before: few of them are slivers.
+    let rest = max(i / 3u, 1u) - 1u;
+    let level = firstLeadingBit(rest / 3u + 1u);
+    let side = (CORNERS / 3u) >> level;
+    let outer = side * (rest + 3u - (3u << level)) + (i % 3u) * (side / 2u);
+    let corner = select(outer, (i % 3u) * (CORNERS / 3u), i < 3u);
+    let angle = f32(corner) * (2.0 * PI / f32(CORNERS));
+    let at = view.limb_center + cos(angle) * view.limb_across + sin(angle) * view.limb_beside;
     return view.clip_from_eye * vec4f(at, 1.0);
 }
 @fragment fn fragment(@builtin(position) pixel: vec4f) -> @location(0) vec4f {

@@ -4,8 +4,8 @@ use crate::EyeView;
 use crate::frames::Ellipsoid;
 use glam::{DVec3, Vec3};
 
-/// Triangles of the disc: its edge lies within 8e-5 of its radius inside the limb.
-pub const TRIANGLES: u32 = 256;
+/// Corners of the disc, three times a power of two: its edge lies within 6e-4 of its radius inside the limb.
+pub const CORNERS: u32 = 96;
 
 /// The shader's `View`.
 #[repr(C)]

@@ -2,7 +2,7 @@
 
 use super::markdown::{significant, table, thousands};
 use super::record::Recorded;
-use anyhow::Context;
+use anyhow::{Context, bail};
 use serde_json::Value;
 
 /// The rows along the inclined path beside the paper's Table 2.
@@ -76,6 +76,103 @@ fn at<'r>(run: &'r Recorded, path: &str, height_km: f64) -> anyhow::Result<&'r V
         .with_context(|| format!("it has no row of {height_km} km, {path}"))
 }
 
+/// What of a frame is there whatever it shows, along the inclined path: the bare clear, and what frame and floor take beyond it.
+pub fn fixed(run: &Recorded) -> anyhow::Result<String> {
+    let heads = [
+        "height, km",
+        "frame, ms",
+        "bare clear, ms",
+        "of the frame",
+        "floor beyond it, ms",
+        "air's pass, ms",
+        "frame over floor",
+        "the same without the clear",
+    ];
+    let mut lines = Vec::new();
+    for row in rows(run, "inclined")? {
+        let frame = number(&row["frame_ms"], "median")?;
+        let (floor, clear) = (number(row, "floor_ms")?, number(row, "clear_ms")?);
+        let air = row["gpu_ms"]["air"].as_f64();
+        let beyond = floor - clear;
+        lines.push(vec![
+            height(row)?,
+            significant(frame, 2),
+            significant(clear, 2),
+            format!("{:.0} %", 100.0 * clear / frame),
+            significant(beyond.max(0.0), 2),
+            air.map_or("–".to_owned(), |air| significant(air, 2)),
+            format!("{:.2}", number(row, "floor_ratio")?),
+            match beyond > 0.05 * clear {
+                true => format!("{:.1}", (frame - clear) / beyond),
+                false => "–".to_owned(),
+            },
+        ]);
+    }
+    Ok(table(&heads, lines))
+}
+
+/// The least frame over floor of all rows: "1.05 (600 km, inclined)".
+pub fn least(run: &Recorded) -> anyhow::Result<String> {
+    let mut least: Option<(f64, &Value)> = None;
+    for row in list(run, "rows")? {
+        let ratio = number(row, "floor_ratio")?;
+        if least.is_none_or(|(least, _)| ratio < least) {
+            least = Some((ratio, row));
+        }
+    }
+    let (ratio, row) = least.context("it has no rows")?;
+    let path = row["path"].as_str().context("a row has no path")?;
+    Ok(format!(
+        "{ratio:.2} ({} km, {path} path)",
+        thousands(number(row, "height_km")?)
+    ))
+}
+
+/// What each layer and effect costs, along the flight and both paths.
+pub fn features(run: &Recorded) -> anyhow::Result<String> {
+    let heads = [
+        "off in turn",
+        "time with ÷ without: the scene's flight",
+        "equatorial path",
+        "inclined path",
+        "textures, MB",
+        "shader, bytes",
+    ];
+    let mut lines: Vec<Vec<String>> = Vec::new();
+    for feature in list(run, "features")? {
+        let name = feature["name"].as_str().context("a feature has no name")?;
+        let ratio = format!("{:.2}", number(feature, "frame_ratio")?);
+        match lines.last_mut().filter(|line| line[0] == name) {
+            Some(line) => {
+                let end = line.len() - 2;
+                line.insert(end, ratio);
+            }
+            None => lines.push(vec![
+                name.to_owned(),
+                ratio,
+                format!("{:.1}", number(feature, "texture_bytes")? * 1e-6),
+                format!("{:.0}", number(feature, "shader_bytes")?),
+            ]),
+        }
+    }
+    for unmeasured in list(run, "unmeasured")? {
+        let text = |key: &str| unmeasured[key].as_str().unwrap_or_default();
+        let mut line = vec![
+            text("name").to_owned(),
+            format!("not measured: {}", text("why")),
+        ];
+        line.resize(heads.len(), String::new());
+        lines.push(line);
+    }
+    if let Some(line) = lines.iter().find(|line| line.len() != heads.len()) {
+        bail!(
+            "the feature {} is not measured along three courses",
+            line[0]
+        );
+    }
+    Ok(table(&heads, lines))
+}
+
 /// The rows along a path, the lowest first.
 fn rows<'r>(run: &'r Recorded, path: &str) -> anyhow::Result<Vec<&'r Value>> {
     let rows = list(run, "rows")?.iter();
@@ -100,4 +197,74 @@ fn height(row: &Value) -> anyhow::Result<String> {
         378_022 => format!("{} (the Moon)", thousands(height_km)),
         _ => thousands(height_km),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::record::{KEYS, written};
+
+    fn run() -> Recorded {
+        let row = |path: &str, height_km: f64, ratio: f64| {
+            format!(
+                r#"{{"height_km":{height_km},"path":"{path}","blocks_visible":4,"blocks_exact":3,"blocks_paper_rule":2,"floor_ratio":{ratio},
+                "gpu_ms":{{"air":10.6}},"prepare_ms":{{"median":0.3478}},"frame_ms":{{"median":12.0}},"floor_ms":6.0,"clear_ms":3.0,
+                "frames_per_s":83.3,"paper_frames_per_s":null}}"#
+            )
+        };
+        let feature = |course: &str, ratio: f64| {
+            format!(
+                r#"{{"name":"clouds","course":"{course}","frame_ratio":{ratio},"texture_bytes":2800000,"shader_bytes":338}}"#
+            )
+        };
+        let heights = [1.0, 30.0, 100.0, 2_000.0, 20_000.0, 35_786.0];
+        let mut rows: Vec<_> = heights
+            .map(|height| row("inclined", height, 1.0 + 1e-4 * height))
+            .into();
+        rows.push(row("equatorial", 100.0, 0.987));
+        let features = [("flight", 1.2), ("equatorial", 1.3), ("inclined", 1.4)];
+        let features = features.map(|(course, ratio)| feature(course, ratio));
+        let body = format!(
+            r#"{{"rows":[{}],"features":[{}],"unmeasured":[{{"name":"anisotropy","why":"it is software"}}]}}"#,
+            rows.join(","),
+            features.join(",")
+        );
+        let head = KEYS.map(|key| (key, "x".to_owned()));
+        Recorded::read("a.json", &written("a.json", &head, &body).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn tables_are_made_of_the_rows() {
+        let run = run();
+        let table = table_2(&run).unwrap();
+        assert!(
+            table.contains("| 35 786 (geostationary) | 4, 3, 2 | 4.58 | – + 11 | 0.348 | 83 | – |"),
+            "{table}"
+        );
+        assert_eq!(table.lines().count(), 8);
+        assert_eq!(
+            heights(&run).unwrap(),
+            "1.01 / 1.20 / 3.00 / 4.58 × (12, 12, 12, 12 ms)"
+        );
+        assert_eq!(in_the_air(&run).unwrap(), "1.00–1.00");
+        assert_eq!(least(&run).unwrap(), "0.99 (100 km, equatorial path)");
+        let fixed = fixed(&run).unwrap();
+        assert!(
+            fixed.contains("| 2 000 | 12 | 3.0 | 25 % | 3.0 | 11 | 1.20 | 3.0 |"),
+            "{fixed}"
+        );
+    }
+
+    #[test]
+    fn features_stand_beside_what_was_not_measured() {
+        let text = features(&run()).unwrap();
+        assert!(
+            text.contains("| clouds | 1.20 | 1.30 | 1.40 | 2.8 | 338 |"),
+            "{text}"
+        );
+        assert!(
+            text.contains("| anisotropy | not measured: it is software |"),
+            "{text}"
+        );
+    }
 }

@@ -28,6 +28,21 @@ pub fn drifts(run: &Recorded) -> anyhow::Result<String> {
     })
 }
 
+/// Largest and median distance of the quartiles of a row's times, over its median, per cent: "12, mostly 3".
+pub fn spread(run: &Recorded) -> anyhow::Result<String> {
+    let mut parts = Vec::new();
+    for row in run.rows()? {
+        let apart = row.number("ms_upper")? - row.number("ms_lower")?;
+        parts.push(100.0 * apart / row.number("ms_median")?);
+    }
+    parts.sort_by(f64::total_cmp);
+    let last = parts.last().context("no rows")?;
+    Ok(format!(
+        "{:.0} % (median of the rows), {last:.0} % at most",
+        parts[parts.len() / 2]
+    ))
+}
+
 /// Errors of interpolation on one orbit, its name left out.
 pub fn interpolation(run: &Recorded, orbit: &str) -> anyhow::Result<String> {
     let mut lines = Vec::new();
@@ -122,6 +137,10 @@ mod tests {
             "{times}"
         );
         assert!(drifts(&run).unwrap().contains("| 1e-6 / 5e-7 |"));
+        assert_eq!(
+            spread(&run).unwrap(),
+            "8 % (median of the rows), 32 % at most"
+        );
     }
 
     #[test]

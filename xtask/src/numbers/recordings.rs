@@ -223,6 +223,11 @@ pub const RECORDINGS: &[Recording] = &[
         "its numbers stand in the output of several tests",
     ),
     kept(
+        "sky_costs",
+        "sky_costs.csv",
+        "pairs of stills, timed by hand on a quiet machine",
+    ),
+    kept(
         "light_costs",
         "light_costs.csv",
         "it needs the program as it was before",

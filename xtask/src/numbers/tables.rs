@@ -53,6 +53,9 @@ pub const TABLES: &[Table] = &[
     table("table_2", "bench", bench::table_2),
     table("bench_heights", "bench", bench::heights),
     table("bench_in_the_air", "bench", bench::in_the_air),
+    table("bench_features", "bench", bench::features),
+    table("bench_fixed", "bench", bench::fixed),
+    table("bench_least", "bench", bench::least),
     table("bench_run", "bench", whereabouts),
     table("stability", "stability", stability::forms),
     table("surfaces_globe", "surfaces", |run| {
@@ -94,6 +97,7 @@ pub const TABLES: &[Table] = &[
     }),
     table("orbit_errors", "orbits", orbits::errors),
     table("orbit_times", "orbits", orbits::times),
+    table("orbit_spread", "orbits", orbits::spread),
     table("orbit_drifts", "orbits", orbits::drifts),
     table("orbits_run", "orbits", whereabouts),
     table("terrain_quadtree", "terrain_quadtree", as_recorded),
