@@ -53,6 +53,14 @@ fn flight(text: &str) -> Flight {
     Flight::open(Scene::from_toml(text, &path).expect("a scene")).expect("opens")
 }
 
+/// Most mean FLIP and root mean square, of 255, by name: a tenth above what was measured, 0.0341 and 2.25, 0.0110 and 3.16,
+/// 0.0234 and 3.64.
+const BOUNDS: [(&str, f32, f64); 3] = [
+    ("space station", 0.0375, 2.5),
+    ("whole disc", 0.0121, 3.5),
+    ("limb at night", 0.0258, 4.0),
+];
+
 /// Options, and moments by name.
 fn scenes() -> Vec<(&'static str, EarthOptions, Moment)> {
     let aspect = f64::from(SIZE.0) / f64::from(SIZE.1);
@@ -113,7 +121,9 @@ fn what_is_drawn_is_near_the_reference() {
         }
         let (flip, rms) = apart(&exact, &drawn);
         println!("{name}: FLIP {flip:.4}, root mean square {rms:.2} of 255");
-        assert!(flip < 0.045 && rms < 6.0, "{name}: {flip} {rms}");
+        let bounds = BOUNDS.iter().find(|(scene, ..)| *scene == name);
+        let (_, most_flip, most_rms) = bounds.expect("bounds of each scene");
+        assert!(flip < *most_flip && rms < *most_rms, "{name}: {flip} {rms}");
         assert!(rms > 0.1, "{name}: too near to be another renderer's");
     }
 }

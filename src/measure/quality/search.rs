@@ -154,7 +154,9 @@ mod tests {
             })
             .collect();
         assert!(tried.len() > 50);
-        for step in QualityLadder::recorded().steps() {
+        let ladder = QualityLadder::recorded();
+        assert!(!ladder.steps().is_empty(), "a ladder that is read");
+        for step in ladder.steps() {
             let same = |one: &&Combination| {
                 (one.cost() - step.cost).abs() < 1e-9 && (one.error - step.error).abs() < 1e-9
             };
