@@ -1,6 +1,6 @@
 //! `cargo xtask numbers`: numbers on the pages are made from runs that are recorded in `docs/recorded/`.
 //!
-//! To add a figure: a line in a [`recordings::Source::Figures`]. To add a table: an entry in [`tables::TABLES`] (and one in [`recordings::RECORDINGS`] where its run is not recorded yet), the lines
+//! To add a figure: a line in a [`recordings::Found::Figures`]. To add a table: an entry in [`tables::TABLES`] (and one in [`recordings::RECORDINGS`] where its run is not recorded yet), the lines
 //! `<!-- numbers NAME -->` and `<!-- end numbers -->` on a page, then `cargo xtask numbers --measure RECORDING`.
 //!
 //! | file | what |
