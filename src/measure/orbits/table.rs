@@ -105,7 +105,7 @@ fn case_rows(case: &OrbitCase, repeats: u32) -> Vec<OrbitRow> {
     rows.collect()
 }
 
-/// The columns of [`csv`].
+/// The columns of [`csv()`].
 const COLUMNS: [&str; 10] = [
     "case",
     "method",

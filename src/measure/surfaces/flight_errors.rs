@@ -123,9 +123,10 @@ fn frames(path: SurfacePath) -> u32 {
 
 /// Which pixel of each square is looked at: after so many frames as it has pixels, each once.
 fn shift(frame: u32) -> (u32, u32) {
-    // Seven rows and three columns on: coprime with the sides, so that frames beside each other look far apart.
-    let (column, row) = (frame % SPREAD, frame / SPREAD);
-    ((column * 3 + row) % SPREAD, (column * 7 + row * 3) % SPREAD)
+    // Three columns and seven rows on, so that frames beside each other look far apart. The determinant, −1, has no divisor of a
+    // side, so no pixel is met twice.
+    let (column, row) = (frame % SPREAD, frame / SPREAD % SPREAD);
+    ((column * 3 + row) % SPREAD, (column * 7 + row * 2) % SPREAD)
 }
 
 /// Whether the window was elsewhere in the frame before.

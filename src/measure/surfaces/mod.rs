@@ -34,7 +34,7 @@ mod test_grounds;
 pub use candidates::{Candidate, candidates};
 pub use paths::SurfacePath;
 pub use rows::{ErrorRow, Setting, SettlingRow, TimeRow, csv_of, rows_of};
-pub use study::{FlightSummary, SurfaceStudy};
+pub use study::{EXACT_PX, FlightSummary, SAME_COST, Score, SurfaceStudy, WORST};
 pub use test_grounds::{TestGround, test_grounds};
 
 use super::ChartError;
