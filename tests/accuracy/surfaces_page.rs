@@ -21,6 +21,12 @@ fn texts_are_those_of_the_recorded_tables() {
     let (mut study, sections) = recorded();
     assert!(!study.is_partial && study.size == (1280, 720));
     assert_eq!(markdown::sections(&study), sections);
+    for (name, text) in &sections {
+        let rows = text.lines().filter(|line| line.starts_with('|'));
+        let mut fields = rows.map(|line| line.matches('|').count());
+        let of_head = fields.next().unwrap_or_default();
+        assert!(fields.all(|count| count == of_head), "{name}: {text}");
+    }
     study.errors[0].error_px_p99 += 1.0;
     assert_ne!(markdown::sections(&study), sections);
 }

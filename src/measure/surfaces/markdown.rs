@@ -141,6 +141,7 @@ pub fn settling_table(study: &SurfaceStudy) -> String {
             vec![
                 row.data.clone(),
                 surface_name(row.surface, is_cast),
+                row.frames_to_double.to_string(),
                 row.frames.to_string(),
                 format!("{:.1}", row.first_px),
                 format!("{:.2}", row.settled_px),
