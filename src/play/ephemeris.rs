@@ -56,6 +56,27 @@ pub enum Layout {
     Json,
 }
 
+impl Layout {
+    /// Tables of several satellites as one text: one after the other, rows under one header, or an object for one and an array
+    /// for more.
+    pub(super) fn print<T>(
+        self,
+        all: &[T],
+        csv_header: &str,
+        text: impl FnMut(&T) -> String,
+        mut csv_rows: impl FnMut(&T) -> String,
+        to_json: impl FnMut(&T) -> serde_json::Value,
+    ) -> String {
+        match self {
+            Self::Text => all.iter().map(text).collect::<Vec<_>>().join("\n"),
+            Self::Csv => all
+                .iter()
+                .fold(csv_header.to_owned(), |text, one| text + &csv_rows(one)),
+            Self::Json => json(all.iter().map(to_json).collect()),
+        }
+    }
+}
+
 /// Satellites of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Selection<'n> {
@@ -146,16 +167,7 @@ impl<'f> Ephemeris<'f> {
     /// Ephemerides as one text, in one of the layouts: tables one after the other, rows under one header, or an object for
     /// one and an array for more.
     pub fn print(all: &[Self], layout: Layout) -> String {
-        match layout {
-            Layout::Text => {
-                let tables: Vec<_> = all.iter().map(Self::text).collect();
-                tables.join("\n")
-            }
-            Layout::Csv => all
-                .iter()
-                .fold(csv_header().to_owned(), |text, one| text + &one.csv_rows()),
-            Layout::Json => json(all.iter().map(Self::json).collect()),
-        }
+        layout.print(all, csv_header(), Self::text, Self::csv_rows, Self::json)
     }
 
     fn csv_rows(&self) -> String {
@@ -331,7 +343,7 @@ fn utc(epoch: Epoch) -> String {
 }
 
 /// What a program reads: an object for one satellite, an array of them for more.
-pub(super) fn json(mut documents: Vec<serde_json::Value>) -> String {
+fn json(mut documents: Vec<serde_json::Value>) -> String {
     let document = match documents.len() {
         1 => documents.swap_remove(0),
         _ => serde_json::Value::Array(documents),

@@ -1,6 +1,6 @@
 //! What was found along the integrated motions of a scene's satellites: tables for people and programs.
 
-use super::ephemeris::{Layout, json};
+use super::ephemeris::Layout;
 use super::{PlayError, Satellite};
 use crate::frames::rfc3339;
 use crate::orbit::csv_field;
@@ -31,16 +31,7 @@ impl<'f> EventTable<'f> {
     /// Tables as one text, in one of the layouts: one after the other, rows under one header, or an object for one and an
     /// array for more.
     pub fn print(all: &[Self], layout: Layout) -> String {
-        match layout {
-            Layout::Text => {
-                let tables: Vec<_> = all.iter().map(Self::text).collect();
-                tables.join("\n")
-            }
-            Layout::Csv => all
-                .iter()
-                .fold(CSV_HEADER.to_owned(), |text, one| text + &one.csv_rows()),
-            Layout::Json => json(all.iter().map(Self::json).collect()),
-        }
+        layout.print(all, CSV_HEADER, Self::text, Self::csv_rows, Self::json)
     }
 
     fn text(&self) -> String {

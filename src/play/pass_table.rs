@@ -1,6 +1,6 @@
 //! When a scene's satellite passes over a place: tables for people and programs.
 
-use super::ephemeris::{Layout, json};
+use super::ephemeris::Layout;
 use super::{Flight, PlayError, Satellite};
 use crate::frames::{Duration, Epoch, Geodetic, rfc3339};
 use crate::orbit::{LookAngles, Observer, Pass, csv_field, passes};
@@ -91,16 +91,7 @@ impl<'f> PassTable<'f> {
     /// Tables as one text, in one of the layouts: one after the other, rows under one header, or an object for one and an
     /// array for more.
     pub fn print(all: &[Self], layout: Layout) -> String {
-        match layout {
-            Layout::Text => {
-                let tables: Vec<_> = all.iter().map(Self::text).collect();
-                tables.join("\n")
-            }
-            Layout::Csv => all
-                .iter()
-                .fold(CSV_HEADER.to_owned(), |text, one| text + &one.csv_rows()),
-            Layout::Json => json(all.iter().map(Self::json).collect()),
-        }
+        layout.print(all, CSV_HEADER, Self::text, Self::csv_rows, Self::json)
     }
 
     // Writing to a string cannot fail.
