@@ -18,6 +18,7 @@
 //! | [`Earth`] | the façade: `new`, `prepare`, `render` |
 //! | [`EarthOptions`] | what an Earth is made of: maps, air, shading, the host's formats |
 //! | [`EyeView`] | the camera, in the host's own axes and unit |
+//! | [`EarthView`] | a further view of the same Earth: split screens, stereo, cameras of instruments |
 //! | [`Sky`] | what lights the Earth at an [`Epoch`] |
 //! | [`FrameStats`] | what was drawn, counted |
 //! | [`Atmosphere`], [`Shading`] | the air; the light on the ground |
@@ -81,9 +82,9 @@ pub(crate) use internals::{measure, play};
 pub use air::{AirOptions, Atmosphere};
 pub use earth::{
     AdaptiveQuality, DepthBuffer, DiagnosticOptions, Diagnostics, Earth, EarthError, EarthOptions,
-    EyeView, FrameStats, GroundOptions, Quality, QualityChange, QualityLadder, QualityLadderError,
-    QualityLevel, QualityReduction, QualityStep, Sky, SurfaceLight, SurfaceOutput,
-    TILED_SUBDIVISION, TileOptions, TruthPoint, TruthView, Viewport,
+    EarthView, EyeView, FrameStats, GroundOptions, Quality, QualityChange, QualityLadder,
+    QualityLadderError, QualityLevel, QualityReduction, QualityStep, Sky, SurfaceLight,
+    SurfaceOutput, TILED_SUBDIVISION, TileOptions, TruthPoint, TruthView, ViewFrame, Viewport,
 };
 pub use frames::Epoch;
 pub use globe::{Figure, LevelRule, Shading, Subdivision, Visibility};

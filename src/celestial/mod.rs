@@ -32,7 +32,7 @@ mod seen;
 mod stars;
 
 use crate::air::TOP;
-use crate::earth::{Earth, EyeView, Viewport, ball_bounds};
+use crate::earth::{Earth, EarthView, EyeView, Viewport, ball_bounds};
 use crate::frames::{Epoch, MOON_RADIUS_M, Observer, Orientation, SUN_RADIUS_M};
 use crate::gpu::{AirSide, AirTextures, DepthBuffer, PassFormat, ShaderError};
 use crate::gpu::{
@@ -251,7 +251,22 @@ impl Celestial {
         })
     }
 
-    /// Follows an Earth to another quality. What was prepared must be prepared anew.
+    /// The same sky for a further view of its Earth: it shares pipelines and maps.
+    pub fn new_view(&self, device: &wgpu::Device, view: &EarthView) -> Self {
+        let pass = Pass {
+            format: self.pass.format,
+            air: view.air_textures().cloned(),
+        };
+        Self {
+            drawable: self.drawable.for_another_view(device, pass.air.as_ref()),
+            options: self.options.clone(),
+            pass,
+            points: Vec::new(),
+            is_shown: false,
+        }
+    }
+
+    /// Follows an Earth to another quality. What was prepared must be prepared anew, and those for further views be made anew from it.
     ///
     /// # Errors
     /// None that [`Self::new`] did not have.
@@ -276,6 +291,16 @@ impl Celestial {
         &mut self,
         queue: &wgpu::Queue,
         earth: &Earth,
+        moment: &CelestialMoment<'_>,
+    ) -> CelestialStats {
+        self.prepare_view(queue, earth.first_view(), moment)
+    }
+
+    /// The same for a further view of the Earth, after [`Earth::prepare_views`], of one that [`Self::new_view`] made for it.
+    pub fn prepare_view(
+        &mut self,
+        queue: &wgpu::Queue,
+        earth: &EarthView,
         moment: &CelestialMoment<'_>,
     ) -> CelestialStats {
         let view = moment.view.in_itrf(moment.target);

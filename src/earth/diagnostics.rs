@@ -43,20 +43,20 @@ impl Diagnostics<'_> {
 impl Earth {
     /// How it is drawn. Makes lists: not for every frame.
     pub fn diagnostics(&self) -> Diagnostics<'_> {
-        let air_bytes = self.air.as_ref().map_or(0, |air| air.shader_bytes);
+        let air_bytes = self.first.air.as_ref().map_or(0, |air| air.shader_bytes);
         Diagnostics {
             shader_bytes: self.surface.shader_bytes() + air_bytes,
             features_on: self.features(true),
             features_off: self.features(false),
-            grid: self.planner.meshes().grid(),
-            plan: &self.plan,
+            grid: self.first.planner.meshes().grid(),
+            plan: &self.first.plan,
         }
     }
 
     fn features(&self, on: bool) -> Vec<&'static str> {
         let shader = self.surface.features();
         // Tiles come with packs; an Earth without one has nothing to switch off.
-        let of_packs: &[&str] = match self.planner.tiles {
+        let of_packs: &[&str] = match self.tiles {
             Some(_) => &["tiles"],
             None => &[],
         };
@@ -66,10 +66,10 @@ impl Earth {
             .iter()
             .chain(&effects)
             .chain(of_packs)
-            .chain(self.planner.ground_features())
+            .chain(self.first.planner.ground_features())
             .copied()
             .map(|name| (name, shader.contains(&name)))
-            .chain([("atmosphere", self.air.is_some())])
+            .chain([("atmosphere", self.first.air.is_some())])
             .filter(|(_, is_on)| *is_on == on)
             .map(|(name, _)| name)
             .collect()

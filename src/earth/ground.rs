@@ -35,6 +35,8 @@ impl fmt::Debug for GroundOptions {
 /// Prepares the surface for each frame, and says when it is settled.
 pub(super) struct GroundDriver {
     elevation: Arc<dyn Elevation>,
+    settings: SurfaceSettings,
+    figure: Figure,
     surface: Box<dyn Surface>,
     tolerance_px: f64,
     before: SurfaceStats,
@@ -71,13 +73,31 @@ impl GroundDriver {
             );
             surface = SurfaceSettings::Contours(ContourOptions::default());
         }
+        let tolerance_px = options.tolerance_px.max(0.0);
+        Self::made(options.elevation.clone(), surface, figure, tolerance_px)
+    }
+
+    fn made(
+        elevation: Arc<dyn Elevation>,
+        settings: SurfaceSettings,
+        figure: Figure,
+        tolerance_px: f64,
+    ) -> Result<Self, SurfaceError> {
         Ok(Self {
-            elevation: options.elevation.clone(),
-            surface: surface.make(figure)?,
-            tolerance_px: options.tolerance_px.max(0.0),
+            elevation,
+            surface: settings.make(figure)?,
+            settings,
+            figure,
+            tolerance_px,
             before: SurfaceStats::default(),
             quiet: 0,
         })
+    }
+
+    /// The same ground for another eye, of which nothing is made yet.
+    pub fn for_another_view(&self) -> Result<Self, SurfaceError> {
+        let elevation = self.elevation.clone();
+        Self::made(elevation, self.settings, self.figure, self.tolerance_px)
     }
 
     /// Chooses what is drawn, and the blocks in sight, whose tiles it is drawn with.

@@ -8,8 +8,10 @@ use crate::imagery::NeighbourhoodAlbedo;
 use crate::imagery::tile::MAP_LAYERS;
 use crate::light::{Exposure, Meter, MeterView};
 use glam::DVec3;
+use std::sync::Arc;
 
-/// Says with what exposure a frame is drawn.
+/// Says with what exposure a frame of one view is drawn. Clones share what they meter with.
+#[derive(Clone)]
 pub(super) struct ExposureControl {
     exposure: Exposure,
     /// [`SurfaceLight::moon_gain`](super::SurfaceLight::moon_gain).
@@ -17,9 +19,9 @@ pub(super) struct ExposureControl {
     /// [`SurfaceLight::eclipses`](super::SurfaceLight::eclipses).
     has_eclipses: bool,
     /// Made when exposure is first metered; an Earth that never meters has none.
-    meter: Option<Meter>,
+    meter: Option<Arc<Meter>>,
     /// What a meter is made of.
-    albedo: NeighbourhoodAlbedo,
+    albedo: Arc<NeighbourhoodAlbedo>,
     air: Option<AirOptions>,
     air_options: AirOptions,
 }
@@ -31,7 +33,7 @@ impl ExposureControl {
             exposure: options.exposure,
             moon_gain: options.light.moon_gain(),
             has_eclipses: options.light.eclipses,
-            albedo: NeighbourhoodAlbedo::new(&options.layers),
+            albedo: Arc::new(NeighbourhoodAlbedo::new(&options.layers)),
             air: None,
             air_options: options.air,
             meter: None,
@@ -68,7 +70,7 @@ impl ExposureControl {
         let (albedo, air) = (&self.albedo, &self.air);
         self.meter.get_or_insert_with(|| {
             let air = air.as_ref().map(AirTables::shared);
-            Meter::new(albedo.texels(&[true; MAP_LAYERS]), air)
+            Arc::new(Meter::new(albedo.texels(&[true; MAP_LAYERS]), air))
         })
     }
 

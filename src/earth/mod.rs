@@ -9,6 +9,7 @@
 //! | `surface_light.rs` | what of the light on the surface can be chosen |
 //! | `surface_config.rs` | how the surface is drawn with a quality |
 //! | `view.rs` | the eye and the target |
+//! | `earth_view.rs` | what one view has of its own |
 //! | `pixel_lattice.rs` | a picture in some of its points alone, for measuring |
 //! | `sky.rs` | what lights it |
 //! | `metering.rs` | how bright it is shown |
@@ -16,6 +17,7 @@
 //! | `ground.rs` | ground with relief, where there is any; `no_ground.rs` without the feature `terrain` |
 //! | `tiles.rs` | which tiles of a pack a frame requests and is drawn with; `no_tiles.rs` without the feature `packs` |
 //! | `tile_view.rs` | what tiles are chosen by, and how fine they came out |
+//! | `changes.rs` | what is changed while it is drawn |
 //! | `quality.rs` | what can be reduced to draw faster |
 //! | `quality_ladder.rs`, `quality_ladder/` | in which order, as it was measured; the recorded measurement |
 //! | `adaptive_quality.rs` | when quality is reduced, to hold a frame time |
@@ -23,7 +25,9 @@
 //! | `diagnostics.rs` | what is not for pictures: where pixels look, edges of triangles, what the shaders hold |
 
 mod adaptive_quality;
+mod changes;
 mod diagnostics;
+mod earth_view;
 mod error;
 #[cfg_attr(not(feature = "terrain"), path = "no_ground.rs")]
 mod ground;
@@ -46,15 +50,17 @@ mod view;
 
 use crate::air::{AirModel, AirOptions, AirTables, Atmosphere};
 pub use crate::globe::Shading;
-#[cfg(feature = "celestial")]
-use crate::gpu::FrameUniforms;
-use crate::gpu::{AirDrawable, AirTextures, FramePlan, PassFormat, SurfaceDrawable};
+use crate::globe::{BLOCK_COUNT, Block};
+use crate::gpu::{
+    AirDrawable, AirTextures, BlockTiles, PassFormat, SurfaceConfig, SurfaceDrawable, SurfaceView,
+};
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::NeighbourhoodAlbedo;
 use crate::imagery::tile::TileKey;
-use crate::light::Exposure;
 pub use adaptive_quality::{AdaptiveQuality, QualityChange};
 pub use diagnostics::{DiagnosticOptions, Diagnostics};
+use earth_view::Version;
+pub use earth_view::{EarthView, ViewFrame};
 pub use error::EarthError;
 pub use ground::GroundOptions;
 #[cfg(feature = "command")]
@@ -69,11 +75,12 @@ pub use sky::Sky;
 #[cfg(feature = "celestial")]
 pub(crate) use sky::{moonlight, moonlight_of_phase};
 pub use stats::FrameStats;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use surface_config::{SurfaceStyle, surface_config};
 pub use surface_light::{AIRGLOW_LUMINANCE, CITY_RADIANCE, SurfaceLight};
-use tiles::TileDriver;
 pub use tiles::TileOptions;
+use tiles::{TileDriver, TileLevels};
 pub use truth::{TruthPoint, TruthView};
 #[cfg(feature = "celestial")]
 pub(crate) use view::ItrfView;
@@ -84,16 +91,21 @@ pub use view::{EyeView, Viewport, infinite_reversed_z};
 /// Bytes of tiles uploaded at once where a picture waits for them.
 const WAITING_UPLOAD_BYTES: u64 = 64_000_000;
 
+/// Tells Earths apart.
+static EARTHS: AtomicU64 = AtomicU64::new(0);
+
 /// The Earth.
 ///
 /// The host owns device, queue, pass and depth buffer. Once a frame: [`Earth::prepare`], then [`Earth::render`] inside
-/// the host's pass. Neither waits for disk or GPU.
+/// the host's pass. Neither waits for disk or GPU. It may be moved to another thread, and drawn by several at once.
+///
+/// It is its own first view; [`Earth::new_view`] makes more.
 pub struct Earth {
-    planner: Planner,
-    /// What [`Self::render`] draws.
-    plan: FramePlan,
+    first: EarthView,
     surface: SurfaceDrawable,
-    air: Option<AirDrawable>,
+    tiles: Option<TileDriver>,
+    /// The blocks in sight of any view, with their tiles. Empty without a pack.
+    chosen: Vec<(Block, BlockTiles)>,
     air_options: AirOptions,
     device: wgpu::Device,
     style: SurfaceStyle,
@@ -101,9 +113,6 @@ pub struct Earth {
     quality: Quality,
     /// Bytes of tiles uploaded by the last `prepare`.
     uploaded_tiles: u64,
-    stats: FrameStats,
-    /// False if the last view was not finite: then nothing is drawn.
-    drawable: bool,
 }
 
 impl Earth {
@@ -118,6 +127,9 @@ impl Earth {
         if options.diagnostics.output != SurfaceOutput::Color {
             quality.atmosphere = Atmosphere::None;
         }
+        let tiles = options.tiles.as_ref();
+        let tiles = tiles.map(|t| TileDriver::new(t, &options.layers, options.visibility));
+        let tiles = tiles.transpose()?;
         let planner = Planner::new(options, &quality, &device.limits())?;
         if options.diagnostics.wireframe && !planner.has_edges() {
             return Err(EarthError::NoEdges);
@@ -153,9 +165,10 @@ impl Earth {
         };
         let ground = planner.ground();
         let config = surface_config(device, style, format, &quality, air.as_ref(), ground);
-        let pools = planner.tiles.as_ref().map(TileDriver::pools);
-        let grids = planner.meshes().grids();
-        let surface = SurfaceDrawable::new(device, queue, grids, &options.layers, pools, &config)?;
+        let pools = tiles.as_ref().map(TileDriver::pools);
+        let mut view = SurfaceView::new(device, planner.meshes().grids(), &config);
+        let layers = &options.layers;
+        let surface = SurfaceDrawable::new(device, queue, layers, pools, &config, &mut view)?;
         let refused = resolved(scope.pop());
         let full = resolved(memory.pop());
         if let Some(error) = full {
@@ -167,19 +180,30 @@ impl Earth {
         if let Some(error) = refused {
             return Err(EarthError::Refused(error.to_string()));
         }
-        Ok(Self {
+        let first = EarthView {
             plan: planner.empty_plan(),
             planner,
-            surface,
+            surface: view,
             air,
+            levels: TileLevels::default(),
+            drawn: None,
+            stats: FrameStats::default(),
+            version: Version {
+                earth: EARTHS.fetch_add(1, Ordering::Relaxed),
+                pipelines: 0,
+            },
+        };
+        Ok(Self {
+            first,
+            surface,
+            tiles,
+            chosen: Vec::with_capacity(BLOCK_COUNT as usize),
             air_options: options.air,
             device: device.clone(),
             style,
             format,
             quality,
             uploaded_tiles: 0,
-            stats: FrameStats::default(),
-            drawable: false,
         })
     }
 
@@ -195,7 +219,23 @@ impl Earth {
         sky: &Sky,
         target: impl Into<Viewport>,
     ) -> FrameStats {
-        self.prepare_within(queue, view, sky, target.into(), None)
+        self.prepare_within(queue, view, sky, target.into(), &mut [], None)
+    }
+
+    /// As [`Self::prepare`], with the further pictures of the same frame: all that is submitted together must be prepared by one call,
+    /// since tiles that one picture is drawn with are not written for another. The answer is of the first view; bytes of tiles
+    /// are counted there.
+    ///
+    /// A view of another Earth is not drawn, and a warning is given.
+    pub fn prepare_views(
+        &mut self,
+        queue: &wgpu::Queue,
+        view: &EyeView,
+        sky: &Sky,
+        target: impl Into<Viewport>,
+        others: &mut [ViewFrame<'_>],
+    ) -> FrameStats {
+        self.prepare_within(queue, view, sky, target.into(), others, None)
     }
 
     /// As [`Self::prepare`], but waits until every tile that the view requests is on the GPU, and ground with relief is as fine
@@ -212,15 +252,31 @@ impl Earth {
         target: impl Into<Viewport>,
         timeout: Duration,
     ) -> (FrameStats, Vec<TileKey>) {
+        self.prepare_views_complete(queue, view, sky, target, &mut [], timeout)
+    }
+
+    /// As [`Self::prepare_complete`], with further pictures of the same frame.
+    pub fn prepare_views_complete(
+        &mut self,
+        queue: &wgpu::Queue,
+        view: &EyeView,
+        sky: &Sky,
+        target: impl Into<Viewport>,
+        others: &mut [ViewFrame<'_>],
+        timeout: Duration,
+    ) -> (FrameStats, Vec<TileKey>) {
         let (target, deadline) = (target.into(), Instant::now() + timeout);
         loop {
-            let stats = self.prepare_within(queue, view, sky, target, Some(WAITING_UPLOAD_BYTES));
-            let is_settled = !self.drawable || self.planner.is_ground_settled();
+            let budget = Some(WAITING_UPLOAD_BYTES);
+            let stats = self.prepare_within(queue, view, sky, target, others, budget);
+            let others = || others.iter().map(|other| &*other.view);
+            let is_settled = self.first.is_settled() && others().all(EarthView::is_settled);
             if !is_settled && Instant::now() < deadline {
                 queue.submit([]);
                 continue;
             }
-            let Some(tiles) = self.planner.tiles.as_mut().filter(|_| self.drawable) else {
+            let is_drawn = self.first.drawn.is_some() || others().any(|view| view.drawn.is_some());
+            let Some(tiles) = self.tiles.as_mut().filter(|_| is_drawn) else {
                 return (stats, Vec::new());
             };
             // What was uploaded just now is drawn in the next round.
@@ -241,153 +297,107 @@ impl Earth {
     #[cfg(feature = "command")]
     pub(crate) fn aim_at(&mut self, queue: &wgpu::Queue, view: &EyeView, points: &PixelLattice) {
         let rays = points.rays(view);
-        let uniforms = &mut self.plan.uniforms;
+        let uniforms = &mut self.first.plan.uniforms;
         uniforms.corner_ray = rays.corner.as_vec3();
         uniforms.pixel_right = rays.right.as_vec3();
         uniforms.pixel_down = rays.down.as_vec3();
-        self.surface.write_frame(queue, uniforms);
+        self.first.surface.write_frame(queue, uniforms);
     }
 
     /// Says where the eye is expected soon, the nearest time first, so that tiles are there when it comes. At most four
     /// views are looked at; they stand until others are given. Without tiles it does nothing.
     pub fn expect(&mut self, views: &[EyeView]) {
-        if let Some(tiles) = &mut self.planner.tiles {
+        if let Some(tiles) = &mut self.tiles {
             tiles.expect(views);
         }
-    }
-
-    /// Exposes so from the next [`Self::prepare`] on.
-    ///
-    /// # Errors
-    /// An exposure outside its range; it is then as it was.
-    pub fn set_exposure(&mut self, exposure: Exposure) -> Result<(), EarthError> {
-        let exposure = exposure.check().map_err(EarthError::Exposure)?;
-        self.planner.exposure.set(exposure);
-        Ok(())
     }
 
     /// The exposure that [`Exposure::Auto`] would take for a view, EV; `None` where no picture is defined. For hosts that follow
     /// it in time ([`crate::Adaptation`]) or expose a float target themselves.
     pub fn metered_ev(&mut self, view: &EyeView, sky: &Sky) -> Option<f64> {
-        let ellipsoid = self.planner.ellipsoid();
-        self.planner.exposure.metered_view(view, sky, &ellipsoid)
-    }
-
-    /// How well it is drawn.
-    pub fn quality(&self) -> &Quality {
-        &self.quality
-    }
-
-    /// Draws better or worse from the next [`Self::prepare`] on. Maps and tiles stay on the GPU; pipelines and the
-    /// lattice are made anew where they differ, which takes some milliseconds.
-    ///
-    /// # Errors
-    /// As [`Self::new`]; the Earth is then as it was.
-    pub fn set_quality(
-        &mut self,
-        queue: &wgpu::Queue,
-        quality: &Quality,
-    ) -> Result<(), EarthError> {
-        let before = self.quality;
-        self.apply(queue, quality).or_else(|failure| {
-            self.apply(queue, &before)?;
-            Err(failure)
-        })
-    }
-
-    fn apply(&mut self, queue: &wgpu::Queue, quality: &Quality) -> Result<(), EarthError> {
-        let mut quality = *quality;
-        if !Quality::SCALES.contains(&quality.scale) {
-            return Err(EarthError::Scale(quality.scale));
-        }
-        if self.style.diagnostics.output != SurfaceOutput::Color {
-            quality.atmosphere = Atmosphere::None;
-        }
-        let meshes = self.planner.meshes_of(quality.subdivision)?;
-        let format = PassFormat {
-            samples: quality.samples,
-            ..self.format
-        };
-        let device = self.device.clone();
-        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let fits = quality.samples == self.format.samples;
-        let air = match (quality.atmosphere, self.air.take()) {
-            (Atmosphere::None, _) => None,
-            (Atmosphere::Billboard, Some(air)) if fits => Some(air),
-            (Atmosphere::Billboard, before) => {
-                let textures = before.map(|air| air.textures().clone());
-                let textures = textures.unwrap_or_else(|| {
-                    let (air, light) = (&self.air_options, &self.style.light);
-                    let albedo = self.planner.exposure.albedo();
-                    air_textures(&device, queue, air, light, albedo, &quality)
-                });
-                let night = self.style.light.night_light();
-                Some(AirDrawable::new(&device, format, textures, night)?)
-            }
-        };
-        if let Some(air) = &air {
-            let albedo = self.planner.exposure.albedo().texels(&quality.maps);
-            air.textures().set_albedo(queue, &albedo);
-        }
-        let (air_drawn, ground) = (air.as_ref(), self.planner.ground());
-        let config = surface_config(&device, self.style, format, &quality, air_drawn, ground);
-        self.surface.set_config(&device, meshes.grids(), &config)?;
-        (self.air, self.format, self.quality) = (air, format, quality);
-        self.planner.set_quality(&quality, meshes);
-        self.plan = self.planner.empty_plan();
-        self.drawable = false;
-        match resolved(scope.pop()) {
-            None => Ok(()),
-            Some(error) => Err(EarthError::Refused(error.to_string())),
-        }
+        let planner = &mut self.first.planner;
+        let ellipsoid = planner.ellipsoid();
+        planner.exposure.metered_view(view, sky, &ellipsoid)
     }
 
     fn prepare_within(
         &mut self,
         queue: &wgpu::Queue,
-        view: &EyeView,
+        eye: &EyeView,
         sky: &Sky,
         target: Viewport,
+        others: &mut [ViewFrame<'_>],
         upload_bytes: Option<u64>,
     ) -> FrameStats {
-        let view = view.in_itrf(target).zip(sky.with_unit_sun());
-        self.drawable = view.is_some();
-        self.uploaded_tiles = 0;
-        self.stats = match &view {
-            Some((view, sky)) => self.planner.plan(view, sky, &mut self.plan),
-            None => FrameStats::default(),
-        };
-        self.stats.texture_bytes =
-            self.surface.texture_bytes + self.air_textures().map_or(0, AirTextures::bytes);
-        if self.drawable {
-            self.write(queue, upload_bytes);
+        self.first.choose(eye, sky, target);
+        for other in others.iter_mut() {
+            if self.follow(other.view) {
+                other.view.choose(other.eye, other.sky, other.target);
+            } else {
+                tracing::warn!("a view of another Earth is not drawn");
+                other.view.drawn = None;
+            }
         }
-        self.stats
+        self.choose_tiles(queue, others, upload_bytes);
+        let shared = self.surface.texture_bytes;
+        let tiled = self.surface.tiled();
+        for view in views(&mut self.first, others) {
+            view.stats.texture_bytes = shared + view.air_textures().map_or(0, AirTextures::bytes);
+            view.write(&self.device, queue, tiled);
+        }
+        self.first.stats
     }
 
-    /// Hands the plan and tiles that have come to the GPU, and notes what that costs.
-    fn write(&mut self, queue: &wgpu::Queue, upload_bytes: Option<u64>) {
-        let stats = &mut self.stats;
-        if let Some(tiles) = &mut self.planner.tiles {
-            let begin = Instant::now();
-            let surface = &self.surface;
-            self.uploaded_tiles =
-                tiles.upload(upload_bytes, &mut |part| surface.write_tile(queue, &part));
-            stats.tile_upload = begin.elapsed();
-            stats.tiles = tiles.counters();
+    /// Has all views drawn with the tiles that are there, hands over those that have come, and notes in the first what that costs.
+    fn choose_tiles(
+        &mut self,
+        queue: &wgpu::Queue,
+        others: &mut [ViewFrame<'_>],
+        upload_bytes: Option<u64>,
+    ) {
+        self.uploaded_tiles = 0;
+        let Some(tiles) = &mut self.tiles else {
+            return;
+        };
+        let first = &mut self.first;
+        tiles.begin();
+        let mut is_drawn = false;
+        for view in views(first, others) {
+            if let Some(seen) = &view.drawn {
+                is_drawn = true;
+                let grid = view.planner.meshes().grid();
+                tiles.add(grid, seen, &view.plan.blocks, &mut view.levels);
+            }
         }
-        let ground = self.planner.ground();
-        let written = self.surface.write(&self.device, queue, &self.plan, ground);
-        stats.uploaded_bytes = self.uploaded_tiles + written;
-        if let Some(costs) = self.surface.ground_costs() {
-            let air = self.plan.air.as_ref();
-            stats.draw_calls = costs.draw_calls + u32::from(air.is_some());
-            stats.triangles = costs.triangles + air.map_or(0, |air| air.ring.triangles());
-            stats.ground_bytes = costs.bytes;
+        if !is_drawn {
+            return;
         }
-        if let Some((air, plan)) = self.air.as_mut().zip(self.plan.air.as_ref()) {
-            stats.uploaded_bytes += air.write(&self.device, queue, plan, &self.plan.uniforms);
+        let grid = first.planner.meshes().grid();
+        tiles.choose(grid, first.drawn.as_ref(), &mut self.chosen);
+        let begin = Instant::now();
+        let surface = &self.surface;
+        let uploaded = tiles.upload(upload_bytes, &mut |part| surface.write_tile(queue, &part));
+        let tile_upload = begin.elapsed();
+        self.uploaded_tiles = uploaded;
+        let placed = self.surface.choose_tiles(&self.device, queue, &self.chosen);
+        for view in views(first, others) {
+            let Some(seen) = &view.drawn else {
+                continue;
+            };
+            let grid = view.planner.meshes().grid();
+            let detail = tiles.detail(grid, seen, &view.plan.blocks);
+            view.stats.day_levels = detail.day_levels;
+            view.stats.texels_per_pixel = detail.texels_per_pixel;
+            view.stats.tiles = tiles.counters();
         }
+        first.stats.tile_upload = tile_upload;
+        first.stats.uploaded_bytes = uploaded + placed;
+    }
+
+    /// How the surface is drawn through this air on this ground.
+    fn config<'a>(&self, air: Option<&'a AirDrawable>, planner: &'a Planner) -> SurfaceConfig<'a> {
+        let (style, format, ground) = (self.style, self.format, planner.ground());
+        surface_config(&self.device, style, format, &self.quality, air, ground)
     }
 
     /// Draws what [`Self::prepare`] chose into the host's pass: the surface, seen through the air, then the halo beside it.
@@ -399,38 +409,41 @@ impl Earth {
 
     /// The first part of [`Self::render`], for a host that measures them apart.
     pub fn render_surface(&self, pass: &mut wgpu::RenderPass<'_>) {
-        if !self.drawable {
-            return;
-        }
-        // Where no depths tell that the ground stands before the halo it is drawn over it.
-        if self.format.depth == DepthBuffer::None {
-            self.render_halo(pass);
-        }
-        self.surface.render(pass, &self.plan);
+        self.render_surface_of(&self.first, pass);
     }
 
     /// The second part.
     pub fn render_air(&self, pass: &mut wgpu::RenderPass<'_>) {
-        if self.drawable && self.format.depth != DepthBuffer::None {
-            self.render_halo(pass);
-        }
+        self.render_air_of(&self.first, pass);
     }
 
-    fn render_halo(&self, pass: &mut wgpu::RenderPass<'_>) {
-        if let Some(air) = &self.air {
-            air.render(pass, &self.plan);
+    fn render_surface_of(&self, view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {
+        if view.drawn.is_none() || view.version != self.first.version {
+            return;
+        }
+        // Where no depths tell that the ground stands before the halo it is drawn over it.
+        if self.format.depth == DepthBuffer::None {
+            render_halo(view, pass);
+        }
+        self.surface.render(pass, &view.surface, &view.plan);
+    }
+
+    fn render_air_of(&self, view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {
+        let is_drawn = view.drawn.is_some() && view.version == self.first.version;
+        if is_drawn && self.format.depth != DepthBuffer::None {
+            render_halo(view, pass);
         }
     }
 
     /// The surface that draws ground with relief, as scenes name it; `None` without relief.
     #[cfg(feature = "command")]
     pub(crate) fn surface_name(&self) -> Option<&'static str> {
-        self.planner.ground().map(|surface| surface.name())
+        self.first.planner.ground().map(|surface| surface.name())
     }
 
     /// What others draw through this air with.
     pub(crate) fn air_textures(&self) -> Option<&AirTextures> {
-        self.air.as_ref().map(AirDrawable::textures)
+        self.first.air_textures()
     }
 
     /// The pass that it is drawn in.
@@ -439,29 +452,41 @@ impl Earth {
         self.format
     }
 
-    /// The figure that it has.
-    #[cfg(any(feature = "celestial", feature = "tracks"))]
-    pub(crate) fn ellipsoid(&self) -> crate::frames::Ellipsoid {
-        self.planner.ellipsoid()
+    /// Its own view.
+    #[cfg(feature = "celestial")]
+    pub(crate) fn first_view(&self) -> &EarthView {
+        &self.first
     }
 
-    /// The same uniforms with the exposure of the frame prepared last.
-    #[cfg(feature = "celestial")]
-    pub(crate) fn exposed(&self, frame: FrameUniforms) -> FrameUniforms {
-        FrameUniforms {
-            exposure: self.plan.uniforms.exposure,
-            ..frame
-        }
+    /// The figure that it has.
+    #[cfg(feature = "tracks")]
+    pub(crate) fn ellipsoid(&self) -> crate::frames::Ellipsoid {
+        self.first.planner.ellipsoid()
     }
 
     /// Whether the air is drawn.
     pub fn has_air(&self) -> bool {
-        self.air.is_some()
+        self.first.air.is_some()
     }
 
     /// Whether blocks are drawn with tiles.
     pub fn has_tiles(&self) -> bool {
-        self.planner.tiles.is_some()
+        self.tiles.is_some()
+    }
+}
+
+/// All views of a frame.
+fn views<'a>(
+    first: &'a mut EarthView,
+    others: &'a mut [ViewFrame<'_>],
+) -> impl Iterator<Item = &'a mut EarthView> {
+    let others = others.iter_mut().map(|other| &mut *other.view);
+    std::iter::once(first).chain(others)
+}
+
+fn render_halo(view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {
+    if let Some(air) = &view.air {
+        air.render(pass, &view.plan);
     }
 }
 

@@ -16,6 +16,10 @@ impl GroundDriver {
         match *options {}
     }
 
+    pub fn for_another_view(&self) -> Result<Self, EarthError> {
+        match *self {}
+    }
+
     pub fn plan(&mut self, _: &BlockGrid, _: &ItrfView, _: &mut Vec<Block>) -> SurfaceStats {
         match *self {}
     }

@@ -26,6 +26,9 @@ impl TileOptions {
 
 pub(super) enum TileDriver {}
 
+#[derive(Clone, Default)]
+pub(super) struct TileLevels;
+
 impl TileDriver {
     pub fn new(options: &TileOptions, _: &EarthLayers, _: Visibility) -> Result<Self, EarthError> {
         match *options {}
@@ -43,13 +46,24 @@ impl TileDriver {
         match *self {}
     }
 
-    pub fn plan(
+    pub fn begin(&mut self) {
+        match *self {}
+    }
+
+    pub fn add(&mut self, _: &BlockGrid, _: &TileView, _: &[Block], _: &mut TileLevels) {
+        match *self {}
+    }
+
+    pub fn choose(
         &mut self,
         _: &BlockGrid,
-        _: &TileView,
-        _: &[Block],
+        _: Option<&TileView>,
         _: &mut Vec<(Block, BlockTiles)>,
-    ) -> TileDetail {
+    ) {
+        match *self {}
+    }
+
+    pub fn detail(&self, _: &BlockGrid, _: &TileView, _: &[Block]) -> TileDetail {
         match *self {}
     }
 

@@ -6,14 +6,13 @@ use super::metering::ExposureControl;
 use super::quality::TILED_SUBDIVISION;
 use super::sky::LIGHTS_OUT;
 use super::tile_view::TileView;
-use super::tiles::TileDriver;
 use super::view::ItrfView;
 use super::{EarthError, EarthOptions, FrameStats, Quality, Sky};
 use crate::air::{Atmosphere, Billboard, TOP};
 use crate::frames::{Ellipsoid, MOON_RADIUS_M, MoonShadow};
 use crate::globe::{
-    BLOCK_COUNT, BlockGrid, COLUMNS, Meshes, Subdivision, SubdivisionError, Surface, Visibility,
-    sagitta, select_blocks, texels_per_pixel,
+    BLOCK_COUNT, Block, BlockGrid, COLUMNS, Meshes, Subdivision, SubdivisionError, Surface,
+    Visibility, sagitta, select_blocks, texels_per_pixel,
 };
 use crate::gpu::{AirPlan, FramePlan, FrameUniforms, MoonShadowUniforms};
 use crate::light::exposure_factor;
@@ -21,7 +20,7 @@ use bytemuck::Zeroable;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 
-/// Turns views into plans.
+/// Turns the views of one eye into plans.
 pub(super) struct Planner {
     meshes: Meshes,
     visibility: Visibility,
@@ -31,7 +30,7 @@ pub(super) struct Planner {
     moon_gain: f64,
     has_eclipses: bool,
     ground: Option<GroundDriver>,
-    pub tiles: Option<TileDriver>,
+    has_tiles: bool,
     /// Texels of the day map per block side where no tile is drawn.
     whole_day_pixels: u32,
 }
@@ -44,26 +43,36 @@ impl Planner {
         limits: &wgpu::Limits,
     ) -> Result<Self, EarthError> {
         let ellipsoid = options.figure.ellipsoid();
-        let tiles = options.tiles.as_ref();
-        let tiles = tiles.map(|t| TileDriver::new(t, &options.layers, options.visibility));
+        let has_tiles = options.tiles.is_some();
         let ground = options.ground.as_ref();
         let ground = ground.map(|g| GroundDriver::new(g, options.figure, limits));
         Ok(Self {
-            meshes: meshes(ellipsoid, quality.subdivision, tiles.is_some())?,
+            meshes: meshes(ellipsoid, quality.subdivision, has_tiles)?,
             visibility: options.visibility,
             exposure: ExposureControl::new(options, quality.atmosphere),
             has_air: quality.atmosphere == Atmosphere::Billboard,
             moon_gain: options.light.moon_gain(),
             has_eclipses: options.light.eclipses,
-            tiles: tiles.transpose()?,
+            has_tiles,
             ground: ground.transpose()?,
             whole_day_pixels: options.layers.day.width / COLUMNS,
         })
     }
 
+    /// The same for another eye.
+    pub fn for_another_view(&self) -> Result<Self, EarthError> {
+        let ground = self.ground.as_ref().map(GroundDriver::for_another_view);
+        Ok(Self {
+            meshes: self.meshes.clone(),
+            exposure: self.exposure.clone(),
+            ground: ground.transpose()?,
+            ..*self
+        })
+    }
+
     /// The meshes of a subdivision, for [`Self::set_quality`].
     pub fn meshes_of(&self, subdivision: Subdivision) -> Result<Meshes, SubdivisionError> {
-        meshes(self.ellipsoid(), subdivision, self.tiles.is_some())
+        meshes(self.ellipsoid(), subdivision, self.has_tiles)
     }
 
     /// Plans for this quality from now on, with the meshes of its subdivision.
@@ -71,9 +80,6 @@ impl Planner {
         self.meshes = meshes;
         self.has_air = quality.atmosphere == Atmosphere::Billboard;
         self.exposure.set_air(quality.atmosphere);
-        if let Some(tiles) = &mut self.tiles {
-            tiles.set_quality(quality);
-        }
     }
 
     /// The figure of the Earth.
@@ -149,7 +155,9 @@ impl Planner {
                 plan.daylit.insert(block.index() as u8);
             }
         }
-        self.plan_tiles(view, sky, plan, &mut stats);
+        if !self.has_tiles {
+            stats.texels_per_pixel = self.whole_texels_per_pixel(view, &plan.blocks);
+        }
         let (moon_itrf, moon_light) = sky.moonlight();
         let shadow = self.moon_shadow_in_view(view, sky);
         plan.has_moon_shadow = shadow.is_some();
@@ -224,37 +232,28 @@ impl Planner {
         stats.triangles = triangles.sum();
     }
 
-    /// Chooses what map each block is drawn with.
-    fn plan_tiles(
-        &mut self,
-        view: &ItrfView,
-        sky: &Sky,
-        plan: &mut FramePlan,
-        stats: &mut FrameStats,
-    ) {
-        let grid = self.meshes.grid();
-        let pixel_rad = view.pixel_rad();
+    /// What tiles are chosen by, for a view.
+    pub fn tile_view(&self, view: &ItrfView, sky: &Sky) -> TileView {
         let (moon_itrf, moon_light) = sky.moonlight();
-        if let Some(tiles) = &mut self.tiles {
-            let view = TileView {
-                eye_itrf_m: view.eye_itrf_m,
-                sun_itrf: sky.sun_itrf,
-                moon_itrf: (self.moon_gain * moon_light > 0.0).then_some(moon_itrf),
-                pixel_rad,
-            };
-            let drawn = tiles.plan(grid, &view, &plan.blocks, &mut plan.tiles);
-            stats.day_levels = drawn.day_levels;
-            stats.texels_per_pixel = drawn.texels_per_pixel;
-            return;
+        TileView {
+            eye_itrf_m: view.eye_itrf_m,
+            sun_itrf: sky.sun_itrf,
+            moon_itrf: (self.moon_gain * moon_light > 0.0).then_some(moon_itrf),
+            pixel_rad: view.pixel_rad(),
         }
-        let distances = plan.blocks.iter();
+    }
+
+    /// Texels per pixel of the whole map at the nearest of these blocks; 0 without any.
+    fn whole_texels_per_pixel(&self, view: &ItrfView, blocks: &[Block]) -> f64 {
+        let grid = self.meshes.grid();
+        let distances = blocks.iter();
         let distances = distances.map(|block| grid.distance_m(*block, view.eye_itrf_m));
         let nearest_m = distances.fold(f64::INFINITY, f64::min);
-        if nearest_m.is_finite() {
-            let radius_m = grid.ellipsoid().equatorial_radius_m;
-            stats.texels_per_pixel =
-                texels_per_pixel(self.whole_day_pixels, radius_m, nearest_m, pixel_rad);
+        if !nearest_m.is_finite() {
+            return 0.0;
         }
+        let radius_m = grid.ellipsoid().equatorial_radius_m;
+        texels_per_pixel(self.whole_day_pixels, radius_m, nearest_m, view.pixel_rad())
     }
 }
 
@@ -331,7 +330,7 @@ mod tests {
             let first = cone.lifted(grid.vertex_row(*block, 0)[0]) - view.eye_itrf_m;
             assert_eq!(plan.vertices[n * per_block], first.as_vec3());
         }
-        assert!(plan.tiles.is_empty() && plan.air.is_some());
+        assert!(plan.air.is_some());
         // The Sun stands over 0° E, and all of the view is by day.
         assert_eq!(plan.daylit.len(), stats.blocks_drawn);
         let dusk = Sky::new(

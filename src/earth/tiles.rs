@@ -5,8 +5,8 @@ use super::sky::{LIGHTS_OUT, ROOM_SIN};
 use super::tile_view::{TileDetail, TileView};
 use super::{EarthError, EyeView};
 use crate::globe::{
-    BLOCK_COUNT, Block, BlockGrid, LevelRule, Visibility, paper_level, screen_level, select_blocks,
-    texels_per_pixel,
+    BLOCK_COUNT, Block, BlockGrid, BlockSet, LevelRule, Visibility, paper_level, screen_level,
+    select_blocks, texels_per_pixel,
 };
 use crate::gpu::{BlockTiles, GLINT_ENDS_SIN};
 use crate::imagery::EarthLayers;
@@ -119,13 +119,32 @@ pub(super) struct TileDriver {
     visibility: Visibility,
     /// Texels per block side of each map's levels, by [`MapLayer::index`]; empty where a map has no tiles.
     pixels: [Vec<u32>; MAP_LAYERS],
-    /// The level that each block was given in the frame before, for the hysteresis.
-    levels: [[u8; BLOCK_COUNT as usize]; MAP_LAYERS],
     expected: Vec<EyeView>,
+    /// What blocks are drawn with in this frame, and which they are.
+    chosen: Box<[BlockTiles; BLOCK_COUNT as usize]>,
+    in_sight: BlockSet,
     // Kept to allocate nothing in steady state.
     near: Vec<(f64, Block)>,
     expected_blocks: Vec<Block>,
+    wanted: Vec<Wanted>,
     requests: Vec<TileRequest>,
+}
+
+/// A request, and how urgent it is: the size of a pixel on its block, metres, then its turn.
+struct Wanted {
+    pixel_m: f64,
+    turn: u32,
+    request: TileRequest,
+}
+
+/// The levels that the blocks of one view were given in the frame before, for the hysteresis.
+#[derive(Clone)]
+pub(super) struct TileLevels([[u8; BLOCK_COUNT as usize]; MAP_LAYERS]);
+
+impl Default for TileLevels {
+    fn default() -> Self {
+        Self([[NONE; BLOCK_COUNT as usize]; MAP_LAYERS])
+    }
 }
 
 impl TileDriver {
@@ -160,10 +179,12 @@ impl TileDriver {
             upload_bytes: options.upload_bytes,
             visibility,
             pixels,
-            levels: [[NONE; BLOCK_COUNT as usize]; MAP_LAYERS],
             expected: Vec::with_capacity(MAX_EXPECTED),
-            near: Vec::with_capacity(2 * BLOCK_COUNT as usize),
+            chosen: Box::new([[None; MAP_LAYERS]; BLOCK_COUNT as usize]),
+            in_sight: BlockSet::default(),
+            near: Vec::with_capacity(BLOCK_COUNT as usize),
             expected_blocks: Vec::with_capacity(BLOCK_COUNT as usize),
+            wanted: Vec::with_capacity(MAP_LAYERS * BLOCK_COUNT as usize),
             requests: Vec::with_capacity((1 + MAX_EXPECTED) * MAP_LAYERS * BLOCK_COUNT as usize),
         })
     }
@@ -173,8 +194,6 @@ impl TileDriver {
         self.max_texel_px = quality.texel_px;
         self.shown = quality.maps;
         self.shown[MapLayer::Day.index()] = true;
-        // What is chosen now does not depend on what was chosen before.
-        self.levels = [[NONE; BLOCK_COUNT as usize]; MAP_LAYERS];
     }
 
     /// The pools that the GPU must have.
@@ -188,48 +207,84 @@ impl TileDriver {
         self.expected.extend(views.iter().take(MAX_EXPECTED));
     }
 
-    /// Asks for the tiles of the blocks in sight, and lists each block with those that are there, near ones first.
-    pub fn plan(
+    /// Begins a frame.
+    pub fn begin(&mut self) {
+        self.wanted.clear();
+        self.requests.clear();
+        self.in_sight = BlockSet::default();
+    }
+
+    /// Asks for the tiles of the blocks that one view of the frame has in sight.
+    pub fn add(
         &mut self,
         grid: &BlockGrid,
         view: &TileView,
         blocks: &[Block],
-        tiles: &mut Vec<(Block, BlockTiles)>,
-    ) -> TileDetail {
-        self.requests.clear();
-        let mut levels = [[NONE; BLOCK_COUNT as usize]; MAP_LAYERS];
+        levels: &mut TileLevels,
+    ) {
+        let before = std::mem::take(levels);
         sort_by_distance(&mut self.near, grid, view.eye_itrf_m, blocks);
         for place in 0..self.near.len() {
             let (distance_m, block) = self.near[place];
-            self.request(grid, view, distance_m, block, Some(&mut levels));
+            self.in_sight.insert(block.index() as u8);
+            self.request(grid, view, distance_m, block, Some((&before, &mut *levels)));
         }
-        self.levels = levels;
-        self.request_expected(grid, view);
-        self.stream.update(Instant::now(), &self.requests);
+    }
 
-        let mut fewest = f64::INFINITY;
-        let mut day_levels = [0; MAX_LEVELS];
+    /// Chooses tiles for the views that were added, and prefetches, after them, what the first one is expected to see soon. Lists each
+    /// block in sight with those that are there.
+    pub fn choose(
+        &mut self,
+        grid: &BlockGrid,
+        first: Option<&TileView>,
+        tiles: &mut Vec<(Block, BlockTiles)>,
+    ) {
+        // Where several views ask for a block, the one that sees it finest is asked for first, and that counts.
+        let order = |w: &Wanted| (w.pixel_m, w.turn);
+        self.wanted.sort_unstable_by(|a, b| {
+            let ((a, turn_a), (b, turn_b)) = (order(a), order(b));
+            a.total_cmp(&b).then(turn_a.cmp(&turn_b))
+        });
+        self.requests
+            .extend(self.wanted.iter().map(|wanted| wanted.request));
+        if let Some(first) = first {
+            self.request_expected(grid, first);
+        }
+        self.stream.update(Instant::now(), &self.requests);
         tiles.clear();
-        for (distance_m, block) in &self.near {
+        for block in Block::all() {
             let index = block.index() as u8;
+            if !self.in_sight.contains(index) {
+                continue;
+            }
             let drawn = MapLayer::ALL.map(|layer| {
                 let has_tiles = !self.pixels[layer.index()].is_empty() && self.shown[layer.index()];
                 has_tiles.then(|| self.stream.draw(layer, index)).flatten()
             });
-            tiles.push((*block, drawn));
+            self.chosen[usize::from(index)] = drawn;
+            tiles.push((block, drawn));
+        }
+    }
+
+    /// How fine the tiles are that were chosen, for one of the views.
+    pub fn detail(&self, grid: &BlockGrid, view: &TileView, blocks: &[Block]) -> TileDetail {
+        let mut fewest = f64::INFINITY;
+        let mut day_levels = [0; MAX_LEVELS];
+        let pixels = &self.pixels[MapLayer::Day.index()];
+        let coarsest = pixels.len().saturating_sub(1);
+        for block in blocks {
             if lit_at_most(grid, *block, view) <= DARK {
                 continue;
             }
-            let pixels = &self.pixels[MapLayer::Day.index()];
-            let coarsest = pixels.len().saturating_sub(1);
-            let day = drawn[MapLayer::Day.index()];
+            let day = self.chosen[block.index() as usize][MapLayer::Day.index()];
             let level = day.map_or(coarsest, |tile| tile.level.into());
             if let Some(blocks) = day_levels.get_mut(level) {
                 *blocks += 1;
             }
             if let Some(pixels) = pixels.get(level) {
                 let radius_m = grid.ellipsoid().equatorial_radius_m;
-                let sharp = texels_per_pixel(*pixels, radius_m, *distance_m, view.pixel_rad);
+                let distance_m = grid.distance_m(*block, view.eye_itrf_m);
+                let sharp = texels_per_pixel(*pixels, radius_m, distance_m, view.pixel_rad);
                 fewest = fewest.min(sharp);
             }
         }
@@ -266,15 +321,15 @@ impl TileDriver {
         self.stream.wait(timeout);
     }
 
-    /// Requests a block's tiles. `levels` is given for a block of the picture: there the levels chosen are kept for the
-    /// next frame's hysteresis.
+    /// Requests a block's tiles. Levels, of the frame before and of this one, are given for a block of a picture: there those chosen
+    /// are kept for the next frame's hysteresis.
     fn request(
         &mut self,
         grid: &BlockGrid,
         view: &TileView,
         distance_m: f64,
         block: Block,
-        mut levels: Option<&mut [[u8; BLOCK_COUNT as usize]; MAP_LAYERS]>,
+        mut levels: Option<(&TileLevels, &mut TileLevels)>,
     ) {
         let index = block.index() as usize;
         for layer in MapLayer::ALL {
@@ -283,7 +338,7 @@ impl TileDriver {
             if !is_drawn || !shows(grid, layer, block, view) {
                 continue;
             }
-            let before = self.levels[layer.index()][index];
+            let before = levels.as_ref().map(|(l, _)| l.0[layer.index()][index]);
             let level = match self.rule {
                 LevelRule::Paper => paper_level(distance_m, pixels.len()),
                 LevelRule::Screen => screen_level(
@@ -292,20 +347,28 @@ impl TileDriver {
                     distance_m,
                     view.pixel_rad,
                     self.max_texel_px,
-                    (before != NONE).then_some(before.into()),
+                    before.filter(|level| *level != NONE).map(usize::from),
                 ),
             } as u8;
-            if let Some(levels) = &mut levels {
-                levels[layer.index()][index] = level;
-            }
-            self.requests.push(TileRequest {
+            let request = TileRequest {
                 key: TileKey {
                     layer,
                     level,
                     block: index as u8,
                 },
                 drawn: levels.is_some(),
-            });
+            };
+            match &mut levels {
+                Some((_, levels)) => {
+                    levels.0[layer.index()][index] = level;
+                    self.wanted.push(Wanted {
+                        pixel_m: distance_m * view.pixel_rad,
+                        turn: self.wanted.len() as u32,
+                        request,
+                    });
+                }
+                None => self.requests.push(request),
+            }
         }
     }
 
@@ -317,20 +380,11 @@ impl TileDriver {
             }
             let blocks = &mut self.expected_blocks;
             select_blocks(grid, self.visibility, itrf_m, &clip_from_eye, blocks);
-            let mut near = std::mem::take(&mut self.near);
-            // The picture's own blocks stay at the front: they are drawn after this.
-            let own = near.len();
-            near.extend(
-                self.expected_blocks
-                    .iter()
-                    .map(|block| (grid.distance_m(*block, itrf_m), *block)),
-            );
-            near[own..].sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-            for (distance_m, block) in &near[own..] {
-                self.request(grid, view, *distance_m, *block, None);
+            sort_by_distance(&mut self.near, grid, itrf_m, blocks);
+            for place in 0..self.near.len() {
+                let (distance_m, block) = self.near[place];
+                self.request(grid, view, distance_m, block, None);
             }
-            near.truncate(own);
-            self.near = near;
         }
     }
 }

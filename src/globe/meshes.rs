@@ -4,6 +4,7 @@ use super::blocks::{BlockGrid, SubdivisionError};
 use crate::frames::Ellipsoid;
 use std::f64::consts::PI;
 use std::fmt;
+use std::sync::Arc;
 
 /// How many cells a block's edge has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,9 +54,10 @@ pub fn sagitta(cells: u32) -> f64 {
     4.0 * (0.5 * half_cell_rad).sin().powi(2)
 }
 
-/// The grids that an Earth is drawn with, the coarsest first; one of them at a time.
+/// The grids that an Earth is drawn with, the coarsest first; one of them at a time. Clones share them, and choose each its own.
+#[derive(Clone)]
 pub struct Meshes {
-    grids: Vec<BlockGrid>,
+    grids: Arc<[BlockGrid]>,
     current: usize,
 }
 

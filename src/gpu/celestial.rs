@@ -116,12 +116,15 @@ pub(crate) struct CelestialDrawable {
     count: u32,
     /// One without air; else that of an eye outside of it, and that of an eye inside.
     bind_groups: Vec<wgpu::BindGroup>,
+    /// Of these groups.
+    layouts: Vec<wgpu::BindGroupLayout>,
     side: usize,
     pub texture_bytes: u64,
     pub shader_bytes: u64,
 }
 
 /// One kind of thing.
+#[derive(Clone)]
 struct Layer {
     kind: CelestialKind,
     /// One for each side.
@@ -143,16 +146,13 @@ impl CelestialDrawable {
         air: Option<&AirTextures>,
     ) -> Result<Self, ShaderError> {
         let uniforms = super::uniform_buffer::<CelestialUniforms>(device, "terrella sky");
-        let points = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("terrella stars"),
-            size: ((parts.stars + BODIES) * size_of::<StarPoint>()) as u64,
-            usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let point_bytes = ((parts.stars + BODIES) * size_of::<StarPoint>()) as u64;
+        let points = point_buffer(device, point_bytes);
         let sides = AirSide::of_air(air.is_some());
         let (mut layouts, mut bind_groups) = (Vec::new(), Vec::new());
         for side in sides {
-            let (layout, bind_group) = bind(device, &uniforms, air.zip(*side));
+            let bindings = bindings(&uniforms, air.zip(*side));
+            let (layout, bind_group) = super::bind(device, "terrella sky", bindings);
             layouts.push(layout);
             bind_groups.push(bind_group);
         }
@@ -220,10 +220,32 @@ impl CelestialDrawable {
             points,
             count: 0,
             bind_groups,
+            layouts,
             side: 0,
             texture_bytes,
             shader_bytes,
         })
+    }
+
+    /// The same for another view, through that view's air if there is any: with these pipelines and maps, and buffers of its own.
+    pub fn for_another_view(&self, device: &wgpu::Device, air: Option<&AirTextures>) -> Self {
+        let uniforms = super::uniform_buffer::<CelestialUniforms>(device, "terrella sky");
+        let sides = AirSide::of_air(air.is_some()).iter().zip(&self.layouts);
+        let bind_groups = sides.map(|(side, layout)| {
+            let bindings = bindings(&uniforms, air.zip(*side));
+            super::bind_to(device, "terrella sky", layout, bindings)
+        });
+        Self {
+            bind_groups: bind_groups.collect(),
+            layers: self.layers.clone(),
+            points: point_buffer(device, self.points.size()),
+            uniforms,
+            count: 0,
+            layouts: self.layouts.clone(),
+            side: 0,
+            texture_bytes: self.texture_bytes,
+            shader_bytes: self.shader_bytes,
+        }
     }
 
     /// Writes what is drawn from now on, for an eye on this side of the air; at most as many points as there are stars, Sun and Moon.
@@ -275,14 +297,22 @@ impl CelestialDrawable {
     }
 }
 
-/// Group 0, its layout first.
-fn bind(
-    device: &wgpu::Device,
-    uniforms: &wgpu::Buffer,
-    air: Option<(&AirTextures, AirSide)>,
-) -> (wgpu::BindGroupLayout, wgpu::BindGroup) {
+fn point_buffer(device: &wgpu::Device, size: u64) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("terrella stars"),
+        size,
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+/// Group 0.
+fn bindings<'a>(
+    uniforms: &'a wgpu::Buffer,
+    air: Option<(&'a AirTextures, AirSide)>,
+) -> Vec<Binding<'a>> {
     let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
-    let mut bindings: Vec<Binding<'_>> = vec![(
+    let mut bindings = vec![(
         super::uniform_entry(0, stages, size_of::<CelestialUniforms>()),
         wgpu::BindGroupEntry {
             binding: 0,
@@ -292,7 +322,7 @@ fn bind(
     if let Some((air, side)) = air {
         bindings.extend(air.bindings(side));
     }
-    super::bind(device, "terrella sky", bindings)
+    bindings
 }
 
 /// Group 1, its layout first: a map that goes round.

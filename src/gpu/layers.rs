@@ -3,7 +3,7 @@
 use crate::imagery::{LayerImage, TexelFormat};
 
 /// One map on the GPU.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub(crate) struct GpuLayer {
     pub view: wgpu::TextureView,
     /// Bytes held, mip levels included.

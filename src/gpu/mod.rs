@@ -25,6 +25,7 @@ mod scaled;
 mod shader;
 mod surface;
 mod surface_config;
+mod surface_view;
 mod targets;
 mod tiles;
 mod timer;
@@ -72,6 +73,7 @@ pub(crate) use shader::{FROM_PREVIOUS as TRACK_FROM_PREVIOUS, ON_GROUND as TRACK
 pub(crate) use shader::{LAMPS_OUT_SIN, VIEW_ANGLES, VIEW_AZIMUTHS};
 pub(crate) use surface::SurfaceDrawable;
 pub(crate) use surface_config::SurfaceConfig;
+pub(crate) use surface_view::SurfaceView;
 #[cfg(feature = "tracks")]
 pub(crate) use tracks::{Fill, LinePoint, Mark, TrackKinds, TracksDrawable};
 
@@ -198,18 +200,37 @@ fn bind(
     label: &str,
     bindings: Vec<Binding<'_>>,
 ) -> (wgpu::BindGroupLayout, wgpu::BindGroup) {
-    let label = Some(label);
-    let (layout, entries): (Vec<_>, Vec<_>) = bindings.into_iter().unzip();
-    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label,
-        entries: &layout,
-    });
-    let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label,
-        layout: &layout,
-        entries: &entries,
-    });
+    let layout = layout_of(device, label, &bindings);
+    let bind_group = bind_to(device, label, &layout, bindings);
     (layout, bind_group)
+}
+
+/// The layout of bindings.
+fn layout_of(
+    device: &wgpu::Device,
+    label: &str,
+    bindings: &[Binding<'_>],
+) -> wgpu::BindGroupLayout {
+    let entries: Vec<_> = bindings.iter().map(|(entry, _)| *entry).collect();
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some(label),
+        entries: &entries,
+    })
+}
+
+/// What is bound by a layout that was made of such bindings.
+fn bind_to(
+    device: &wgpu::Device,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    bindings: Vec<Binding<'_>>,
+) -> wgpu::BindGroup {
+    let entries: Vec<_> = bindings.into_iter().map(|(_, entry)| entry).collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some(label),
+        layout,
+        entries: &entries,
+    })
 }
 
 fn uniform_entry(

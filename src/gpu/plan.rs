@@ -29,8 +29,6 @@ pub(crate) struct FramePlan {
     pub blocks: Vec<Block>,
     /// Their vertices from the eye, ITRF axes, metres: (n + 1)² a block, row by row. None where there is ground with relief.
     pub vertices: Vec<Vec3>,
-    /// Blocks in sight with the tiles that they are drawn with, near ones first. Empty without a pack.
-    pub tiles: Vec<(Block, BlockTiles)>,
     /// Those of them on which the Sun stands above the horizon everywhere: no lamp is lit there.
     pub daylit: BlockSet,
     /// Whether the Moon's shadow may be in view.
@@ -68,7 +66,6 @@ impl FramePlan {
             mesh: 0,
             blocks: Vec::with_capacity(BLOCK_COUNT as usize),
             vertices: Vec::with_capacity(vertices),
-            tiles: Vec::with_capacity(BLOCK_COUNT as usize),
             daylit: BlockSet::default(),
             has_moon_shadow: false,
             air: None,
@@ -79,7 +76,6 @@ impl FramePlan {
     pub fn clear(&mut self) {
         self.blocks.clear();
         self.vertices.clear();
-        self.tiles.clear();
         self.daylit = BlockSet::default();
         self.has_moon_shadow = false;
         self.air = None;

@@ -156,7 +156,7 @@ impl TileTextures {
     }
 
     /// Finds out which of the blocks in sight have tiles, of whatever map.
-    pub fn find_tiled(&mut self, in_sight: &[Block]) {
+    pub fn find_tiled(&mut self, in_sight: impl Iterator<Item = Block>) {
         let mut tiled = BlockSet::default();
         for block in in_sight {
             let tiles = &self.blocks[block.index() as usize].tiles;

@@ -54,7 +54,7 @@ mod satellite;
 mod style;
 
 use crate::air::TOP;
-use crate::earth::{Earth, EyeView, Viewport};
+use crate::earth::{Earth, EarthView, EyeView, Viewport};
 use crate::frames::{Ellipsoid, Epoch, Orientation};
 use crate::gpu::{AirSide, AirTextures, DepthBuffer, PassFormat, ShaderError};
 use crate::gpu::{TrackKinds, TrackUniforms, TracksDrawable};
@@ -99,6 +99,14 @@ impl TracksOptions {
             samples: format.samples,
             depth: format.depth,
             air: earth.air_textures().cloned(),
+        }
+    }
+
+    /// Those of a further view of an Earth, as it is drawn now.
+    pub fn of_view(earth: &Earth, view: &EarthView) -> Self {
+        Self {
+            air: view.air_textures().cloned(),
+            ..Self::of(earth)
         }
     }
 }

@@ -42,7 +42,7 @@ pub enum DrawKind<'a> {
 }
 
 /// A way to draw ground that has relief.
-pub trait Surface: Send {
+pub trait Surface: Send + Sync {
     /// As scene files name it.
     fn name(&self) -> &'static str;
 

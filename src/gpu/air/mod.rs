@@ -51,10 +51,33 @@ pub(crate) struct NightLight {
 }
 
 struct Halo {
+    side: AirSide,
     pipeline: wgpu::RenderPipeline,
     /// For frames that the Moon's shadow is in.
     eclipsed: Option<wgpu::RenderPipeline>,
+    layout: wgpu::BindGroupLayout,
     bind_group: wgpu::BindGroup,
+}
+
+impl Halo {
+    /// The same for another view, with that view's textures.
+    fn for_another_view(&self, device: &wgpu::Device, textures: &AirTextures) -> Self {
+        let bindings = textures.bindings(self.side);
+        Self {
+            side: self.side,
+            pipeline: self.pipeline.clone(),
+            eclipsed: self.eclipsed.clone(),
+            layout: self.layout.clone(),
+            bind_group: super::bind_to(device, label(self.side), &self.layout, bindings),
+        }
+    }
+}
+
+fn label(side: AirSide) -> &'static str {
+    match side {
+        AirSide::Outside => "terrella halo from outside",
+        AirSide::Inside => "terrella sky",
+    }
 }
 
 impl AirDrawable {
@@ -64,13 +87,6 @@ impl AirDrawable {
         textures: AirTextures,
         night: NightLight,
     ) -> Result<Self, ShaderError> {
-        let size = (Billboard::MAX_VERTICES * size_of::<AirVertex>()) as u64;
-        let vertices = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("terrella halo"),
-            size,
-            usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
         let indices = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("terrella halo triangles"),
             contents: bytemuck::cast_slice(&Billboard::indices()),
@@ -94,7 +110,7 @@ impl AirDrawable {
         });
         Ok(Self {
             halos,
-            vertices,
+            vertices: vertex_buffer(device),
             staging: Vec::with_capacity(Billboard::MAX_VERTICES),
             indices,
             drawn: 0..0,
@@ -104,6 +120,24 @@ impl AirDrawable {
             airglow: night.airglow.unwrap_or(0.0),
             shader_bytes,
         })
+    }
+
+    /// The same air for another view: its pipelines and tables, and buffers of its own.
+    pub fn for_another_view(&self, device: &wgpu::Device) -> Self {
+        let textures = self.textures.for_another_view(device);
+        let halos = self.halos.each_ref();
+        Self {
+            halos: halos.map(|halo| halo.for_another_view(device, &textures)),
+            vertices: vertex_buffer(device),
+            staging: Vec::with_capacity(Billboard::MAX_VERTICES),
+            indices: self.indices.clone(),
+            drawn: 0..0,
+            side: AirSide::Outside,
+            view: self.view.for_another_view(device, &textures),
+            textures,
+            airglow: self.airglow,
+            shader_bytes: self.shader_bytes,
+        }
     }
 
     /// What shaders read that draw through the air.
@@ -198,6 +232,15 @@ fn uniforms(
     }
 }
 
+fn vertex_buffer(device: &wgpu::Device) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("terrella halo"),
+        size: (Billboard::MAX_VERTICES * size_of::<AirVertex>()) as u64,
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
 /// What draws the ring, and the bytes of its shader.
 fn halo(
     device: &wgpu::Device,
@@ -207,10 +250,7 @@ fn halo(
     eclipses: bool,
 ) -> Result<(Halo, u64), ShaderError> {
     let side = variant.side;
-    let label = match side {
-        AirSide::Outside => "terrella halo from outside",
-        AirSide::Inside => "terrella sky",
-    };
+    let label = label(side);
     let (layout, bind_group) = super::bind(device, label, textures.bindings(side));
     let mut shader_bytes = 0;
     let mut pipeline = |variant: AirVariant| -> Result<wgpu::RenderPipeline, ShaderError> {
@@ -238,9 +278,12 @@ fn halo(
         moonlight: false,
         ..variant
     });
+    let (plain, eclipsed) = (pipeline(variant)?, eclipsed.map(pipeline).transpose()?);
     let halo = Halo {
-        pipeline: pipeline(variant)?,
-        eclipsed: eclipsed.map(pipeline).transpose()?,
+        side,
+        pipeline: plain,
+        eclipsed,
+        layout,
         bind_group,
     };
     Ok((halo, shader_bytes))

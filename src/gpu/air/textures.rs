@@ -12,22 +12,49 @@ pub(crate) type Binding<'a> = (wgpu::BindGroupLayoutEntry, wgpu::BindGroupEntry<
 /// Targets of what an eye in the air sees of it.
 pub(super) const VIEW_TARGETS: usize = 3;
 
-/// The air on the GPU. A clone is the same air.
+/// The air on the GPU as one view draws through it. A clone is the same.
 #[derive(Clone)]
-pub(crate) struct AirTextures(Arc<Held>);
+pub(crate) struct AirTextures {
+    tables: Arc<Tables>,
+    eye: Arc<Eye>,
+}
 
-struct Held {
+/// What all views share.
+struct Tables {
     model: AirModel,
     sky_albedo: Vec3,
-    uniforms: wgpu::Buffer,
     sampler: wgpu::Sampler,
     albedo: GpuLayer,
     sunlight: GpuLayer,
     /// Scattering, bounce and through.
     outside: [GpuLayer; VIEW_TARGETS],
-    /// What is drawn in place of them for an eye in the air, and what it is drawn from: transmittance, sources and profile.
-    view: [GpuLayer; VIEW_TARGETS],
+    /// What is drawn from for an eye in the air: transmittance, sources and profile.
     march: [GpuLayer; 3],
+    /// Whether that is drawn under the Moon too.
+    moonlight: bool,
+}
+
+/// What depends on where a view's eye is.
+struct Eye {
+    uniforms: wgpu::Buffer,
+    /// What is drawn in place of [`Tables::outside`] for an eye in the air.
+    view: [GpuLayer; VIEW_TARGETS],
+}
+
+impl Eye {
+    fn new(device: &wgpu::Device, moonlight: bool) -> Self {
+        let lights = if moonlight { 2 } else { 1 };
+        let view = ["black", "bounce", "through"].map(|name| {
+            let label = format!("terrella view of the air, {name}");
+            GpuLayer::target(device, &label, wgpu::TextureFormat::Rgba16Float, {
+                (VIEW_ANGLES, lights * VIEW_AZIMUTHS)
+            })
+        });
+        Self {
+            uniforms: crate::gpu::uniform_buffer::<AirUniforms>(device, "terrella air"),
+            view,
+        }
+    }
 }
 
 impl AirTextures {
@@ -42,21 +69,13 @@ impl AirTextures {
         cloud_height_m: f64,
         moonlight: bool,
     ) -> Self {
-        let lights = if moonlight { 2 } else { 1 };
         let sunlight = tables.sunlight_with_clouds(cloud_height_m);
         let upload = |label, size, texels: &[Vec4]| {
             GpuLayer::upload_table(device, queue, label, size, texels)
         };
-        let view = ["black", "bounce", "through"].map(|name| {
-            let label = format!("terrella view of the air, {name}");
-            GpuLayer::target(device, &label, wgpu::TextureFormat::Rgba16Float, {
-                (VIEW_ANGLES, lights * VIEW_AZIMUTHS)
-            })
-        });
-        Self(Arc::new(Held {
+        let tables = Tables {
             model,
             sky_albedo: tables.sky_albedo,
-            uniforms: crate::gpu::uniform_buffer::<AirUniforms>(device, "terrella air"),
             sampler: table_sampler(device),
             albedo: upload("terrella albedo", ALBEDO, albedo),
             sunlight: upload("terrella sunlight", air::SUNLIGHT_AND_CLOUDS, &sunlight),
@@ -65,7 +84,6 @@ impl AirTextures {
                 upload("terrella bounce", air::BOUNCE, &tables.bounce),
                 upload("terrella through", air::THROUGH, &tables.through),
             ],
-            view,
             march: [
                 upload(
                     "terrella transmittance",
@@ -75,45 +93,58 @@ impl AirTextures {
                 upload("terrella sources", air::SOURCES, &tables.sources),
                 upload("terrella profile", air::PROFILE, &tables.profile),
             ],
-        }))
+            moonlight,
+        };
+        Self {
+            tables: Arc::new(tables),
+            eye: Arc::new(Eye::new(device, moonlight)),
+        }
+    }
+
+    /// The same air for another view.
+    pub fn for_another_view(&self, device: &wgpu::Device) -> Self {
+        Self {
+            tables: self.tables.clone(),
+            eye: Arc::new(Eye::new(device, self.tables.moonlight)),
+        }
     }
 
     /// What it is the air of.
     pub fn model(&self) -> &AirModel {
-        &self.0.model
+        &self.tables.model
     }
 
     /// See [`AirTables::sky_albedo`].
     pub fn sky_albedo(&self) -> Vec3 {
-        self.0.sky_albedo
+        self.tables.sky_albedo
     }
 
     /// Bytes of all textures.
     pub fn bytes(&self) -> u64 {
-        let held = &*self.0;
+        let held = &*self.tables;
         let tables = [&held.albedo, &held.sunlight].into_iter();
-        let tables = tables.chain(&held.outside).chain(&held.view);
+        let tables = tables.chain(&held.outside).chain(&self.eye.view);
         tables.chain(&held.march).map(|layer| layer.bytes).sum()
     }
 
     /// Has the air stand over ground of another albedo.
     pub fn set_albedo(&self, queue: &wgpu::Queue, albedo: &[Vec4]) {
-        self.0.albedo.write_table(queue, albedo);
+        self.tables.albedo.write_table(queue, albedo);
     }
 
     /// The buffer of [`AirUniforms`].
     pub fn uniforms(&self) -> &wgpu::Buffer {
-        &self.0.uniforms
+        &self.eye.uniforms
     }
 
     /// What is drawn of an eye's view.
     pub(super) fn view_targets(&self) -> &[GpuLayer; VIEW_TARGETS] {
-        &self.0.view
+        &self.eye.view
     }
 
     /// What `common/air.wgsl` binds.
     pub fn bindings(&self, side: AirSide) -> Vec<Binding<'_>> {
-        let held = &*self.0;
+        let held = &*self.tables;
         let (d2, d3) = (
             wgpu::TextureViewDimension::D2,
             wgpu::TextureViewDimension::D3,
@@ -121,7 +152,7 @@ impl AirTextures {
         // Of rays from outside the light scattered depends on the Sun's azimuth too.
         let (tables, dimension) = match side {
             AirSide::Outside => (&held.outside, d3),
-            AirSide::Inside => (&held.view, d2),
+            AirSide::Inside => (&self.eye.view, d2),
         };
         let [scattered, bounce, through] = tables;
         let mut bindings = self.common_bindings();
@@ -136,13 +167,13 @@ impl AirTextures {
 
     /// What the ground binds besides, for the light that falls on it.
     pub fn sunlight_binding(&self) -> Binding<'_> {
-        texture(11, wgpu::TextureViewDimension::D2, &self.0.sunlight)
+        texture(11, wgpu::TextureViewDimension::D2, &self.tables.sunlight)
     }
 
     /// What `air_view.wgsl` binds.
     pub(super) fn march_bindings(&self) -> Vec<Binding<'_>> {
         let mut bindings = self.common_bindings();
-        let tables = (3..).zip(&self.0.march);
+        let tables = (3..).zip(&self.tables.march);
         let d2 = wgpu::TextureViewDimension::D2;
         bindings.extend(tables.map(|(binding, table)| texture(binding, d2, table)));
         bindings
@@ -152,11 +183,11 @@ impl AirTextures {
         let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let uniforms = wgpu::BindGroupEntry {
             binding: 1,
-            resource: self.0.uniforms.as_entire_binding(),
+            resource: self.eye.uniforms.as_entire_binding(),
         };
         let sampler = wgpu::BindGroupEntry {
             binding: 2,
-            resource: wgpu::BindingResource::Sampler(&self.0.sampler),
+            resource: wgpu::BindingResource::Sampler(&self.tables.sampler),
         };
         vec![
             (
@@ -169,15 +200,17 @@ impl AirTextures {
 }
 
 impl PartialEq for AirTextures {
-    /// Whether they are the same air, not one like it.
+    /// Whether they are the same air for the same view, not ones like them.
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.0, &other.0)
+        Arc::ptr_eq(&self.tables, &other.tables) && Arc::ptr_eq(&self.eye, &other.eye)
     }
 }
 
 impl std::fmt::Debug for AirTextures {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_tuple("AirTextures").field(&self.0.model).finish()
+        f.debug_tuple("AirTextures")
+            .field(&self.tables.model)
+            .finish()
     }
 }
 

@@ -4,8 +4,11 @@ use super::textures::{AirTextures, VIEW_TARGETS};
 use crate::gpu::shader::ShaderModule;
 use crate::gpu::{AirUniforms, AirViewVariant, ShaderError};
 
+const LABEL: &str = "terrella view of the air";
+
 pub(super) struct AirView {
     pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
     bind_group: wgpu::BindGroup,
     /// Height of the eye and cosines of the zenith angles of the Sun and, where it lights the air, the Moon that were drawn last:
     /// nothing else changes it.
@@ -21,9 +24,8 @@ impl AirView {
         moonlight: bool,
     ) -> Result<Self, ShaderError> {
         let shader = ShaderModule::new(device, &AirViewVariant { moonlight })?;
-        let label = "terrella view of the air";
-        let (layout, bind_group) = crate::gpu::bind(device, label, textures.march_bindings());
-        let label = Some(label);
+        let (layout, bind_group) = crate::gpu::bind(device, LABEL, textures.march_bindings());
+        let label = Some(LABEL);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label,
             bind_group_layouts: &[Some(&layout)],
@@ -56,11 +58,25 @@ impl AirView {
         });
         Ok(Self {
             pipeline,
+            layout,
             bind_group,
             drawn: None,
             moonlight,
             shader_bytes: shader.bytes,
         })
+    }
+
+    /// The same for another view, with that view's textures.
+    pub fn for_another_view(&self, device: &wgpu::Device, textures: &AirTextures) -> Self {
+        let bindings = textures.march_bindings();
+        Self {
+            pipeline: self.pipeline.clone(),
+            layout: self.layout.clone(),
+            bind_group: crate::gpu::bind_to(device, LABEL, &self.layout, bindings),
+            drawn: None,
+            moonlight: self.moonlight,
+            shader_bytes: self.shader_bytes,
+        }
     }
 
     /// Draws it for an eye whose uniforms are written, if it is not the one that is there.
@@ -77,7 +93,7 @@ impl AirView {
             return;
         }
         self.drawn = Some(place);
-        let label = Some("terrella view of the air");
+        let label = Some(LABEL);
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
         let attachments = textures.view_targets().each_ref().map(|target| {
             Some(wgpu::RenderPassColorAttachment {

@@ -1,0 +1,181 @@
+//! One view of an Earth: what is its own of a picture, beside the maps, tables and pipelines that all views share.
+
+use super::plan::Planner;
+use super::tile_view::TileView;
+use super::tiles::TileLevels;
+use super::{Earth, EarthError, EyeView, FrameStats, Sky, Viewport};
+#[cfg(feature = "celestial")]
+use crate::gpu::FrameUniforms;
+use crate::gpu::{AirDrawable, AirTextures, FramePlan, SurfaceView};
+use crate::light::Exposure;
+
+/// A further view of an [`Earth`]: for split screens, stereo, and the cameras of instruments.
+///
+/// It shares the maps, tiles, tables and pipelines of its Earth; of its own it has some buffers (a few MiB), and of ground with
+/// relief the meshes that its eye needs. [`Earth::new_view`] makes it, [`Earth::prepare_views`] prepares it with the other pictures of a
+/// frame, [`Earth::render_view`] draws it.
+pub struct EarthView {
+    pub(super) planner: Planner,
+    /// What is drawn of it.
+    pub(super) plan: FramePlan,
+    pub(super) surface: SurfaceView,
+    pub(super) air: Option<AirDrawable>,
+    pub(super) levels: TileLevels,
+    /// What tiles are chosen by; `None` if the last view was not finite: then nothing is drawn.
+    pub(super) drawn: Option<TileView>,
+    pub(super) stats: FrameStats,
+    pub(super) version: Version,
+}
+
+/// What a view was made for: an Earth, and its pipelines of some quality.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Version {
+    pub earth: u64,
+    pub pipelines: u64,
+}
+
+/// A picture that [`Earth::prepare_views`] prepares.
+pub struct ViewFrame<'a> {
+    /// What it is drawn by.
+    pub view: &'a mut EarthView,
+    /// The camera.
+    pub eye: &'a EyeView,
+    /// What lights the Earth in it.
+    pub sky: &'a Sky,
+    /// Its target's width and height in pixels, or the part of it that the pass draws to.
+    pub target: Viewport,
+}
+
+impl EarthView {
+    /// What was prepared last. Tiles and textures are those of the whole Earth.
+    pub fn stats(&self) -> &FrameStats {
+        &self.stats
+    }
+
+    /// Exposes it so from the next [`Earth::prepare_views`] on. A view begins with the exposure of its Earth.
+    ///
+    /// # Errors
+    /// An exposure outside its range; it is then as it was.
+    pub fn set_exposure(&mut self, exposure: Exposure) -> Result<(), EarthError> {
+        let exposure = exposure.check().map_err(EarthError::Exposure)?;
+        self.planner.exposure.set(exposure);
+        Ok(())
+    }
+
+    /// What others draw through its air with.
+    pub(crate) fn air_textures(&self) -> Option<&AirTextures> {
+        self.air.as_ref().map(AirDrawable::textures)
+    }
+
+    /// The figure of its Earth.
+    #[cfg(feature = "celestial")]
+    pub(crate) fn ellipsoid(&self) -> crate::frames::Ellipsoid {
+        self.planner.ellipsoid()
+    }
+
+    /// The same uniforms with the exposure of the frame prepared last.
+    #[cfg(feature = "celestial")]
+    pub(crate) fn exposed(&self, frame: FrameUniforms) -> FrameUniforms {
+        FrameUniforms {
+            exposure: self.plan.uniforms.exposure,
+            ..frame
+        }
+    }
+
+    /// Chooses what it shows, without tiles and without the GPU.
+    pub(super) fn choose(&mut self, eye: &EyeView, sky: &Sky, target: Viewport) {
+        let seen = eye.in_itrf(target).zip(sky.with_unit_sun());
+        self.drawn = seen
+            .as_ref()
+            .map(|(view, sky)| self.planner.tile_view(view, sky));
+        self.stats = match &seen {
+            Some((view, sky)) => self.planner.plan(view, sky, &mut self.plan),
+            None => FrameStats::default(),
+        };
+    }
+
+    /// Whether it waits for nothing but tiles.
+    pub(super) fn is_settled(&self) -> bool {
+        self.drawn.is_none() || self.planner.is_ground_settled()
+    }
+
+    /// Hands what was chosen to the GPU, and notes what that costs.
+    pub(super) fn write(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        tiled: Option<crate::globe::BlockSet>,
+    ) {
+        if self.drawn.is_none() {
+            return;
+        }
+        let (stats, ground) = (&mut self.stats, self.planner.ground());
+        stats.uploaded_bytes += self.surface.write(queue, &self.plan, ground, tiled);
+        if let Some(costs) = self.surface.ground_costs() {
+            let air = self.plan.air.as_ref();
+            stats.draw_calls = costs.draw_calls + u32::from(air.is_some());
+            stats.triangles = costs.triangles + air.map_or(0, |air| air.ring.triangles());
+            stats.ground_bytes = costs.bytes;
+        }
+        if let Some((air, plan)) = self.air.as_mut().zip(self.plan.air.as_ref()) {
+            stats.uploaded_bytes += air.write(device, queue, plan, &self.plan.uniforms);
+        }
+    }
+}
+
+impl Earth {
+    /// Another view of this Earth, with its exposure. It makes buffers, no pipelines, and loads no map.
+    ///
+    /// # Errors
+    /// None that [`Self::new`] did not have.
+    pub fn new_view(&self) -> Result<EarthView, EarthError> {
+        let planner = self.first.planner.for_another_view()?;
+        let air = self.first.air.as_ref();
+        let air = air.map(|air| air.for_another_view(&self.device));
+        let config = self.config(air.as_ref(), &planner);
+        let grids = planner.meshes().grids();
+        let mut surface = SurfaceView::new(&self.device, grids, &config);
+        self.surface.bind_view(&self.device, &config, &mut surface);
+        Ok(EarthView {
+            plan: planner.empty_plan(),
+            planner,
+            surface,
+            air,
+            levels: TileLevels::default(),
+            drawn: None,
+            stats: FrameStats::default(),
+            version: self.first.version,
+        })
+    }
+
+    /// Has a view drawn with the pipelines that there are now. Answers false of a view of another Earth.
+    pub(super) fn follow(&self, view: &mut EarthView) -> bool {
+        let now = self.first.version;
+        if view.version.earth != now.earth {
+            return false;
+        }
+        if view.version == now {
+            return true;
+        }
+        view.planner
+            .set_quality(&self.quality, self.first.planner.meshes().clone());
+        let air = self.first.air.as_ref();
+        view.air = air.map(|air| air.for_another_view(&self.device));
+        let grids = view.planner.meshes().grids();
+        view.surface.reset(&self.device, grids);
+        let config = self.config(view.air.as_ref(), &view.planner);
+        self.surface
+            .bind_view(&self.device, &config, &mut view.surface);
+        view.plan = view.planner.empty_plan();
+        view.levels = TileLevels::default();
+        view.version = now;
+        true
+    }
+
+    /// Draws a view that was prepared by [`Self::prepare_views`], as [`Self::render`] draws the first. One that was not prepared since the
+    /// quality changed, or that is of another Earth, is not drawn.
+    pub fn render_view(&self, view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {
+        self.render_surface_of(view, pass);
+        self.render_air_of(view, pass);
+    }
+}

@@ -1,0 +1,82 @@
+//! What one view of the surface has of its own on the GPU: its frame's values, its mesh, and what it binds.
+
+use super::lattice::Lattice;
+use super::mesh::{DrawCosts, SurfaceMesh};
+use super::relief;
+use super::surface_config::SurfaceConfig;
+use super::{FramePlan, FrameUniforms};
+use crate::globe::{BlockGrid, BlockSet, Surface};
+
+/// One view of the surface.
+pub(crate) struct SurfaceView {
+    /// [`FrameUniforms`].
+    uniforms: wgpu::Buffer,
+    mesh: Box<dyn SurfaceMesh + Send + Sync>,
+    groups: Vec<PassGroups>,
+}
+
+/// Group 0 of what the surface is drawn with from one side of the air.
+pub(super) struct PassGroups {
+    pub all: wgpu::BindGroup,
+    pub daylit: Option<wgpu::BindGroup>,
+    pub eclipsed: Option<wgpu::BindGroup>,
+}
+
+impl SurfaceView {
+    /// A view that is bound to nothing yet: see [`super::SurfaceDrawable::bind_view`].
+    pub fn new(device: &wgpu::Device, grids: &[BlockGrid], config: &SurfaceConfig<'_>) -> Self {
+        Self {
+            uniforms: super::uniform_buffer::<FrameUniforms>(device, "terrella frame"),
+            mesh: match &config.ground {
+                None => Box::new(Lattice::new(device, grids)),
+                Some(form) => relief::mesh(device, form, config),
+            },
+            groups: Vec::new(),
+        }
+    }
+
+    /// Draws blocks from now on with these grids, and nothing until it is written again.
+    pub fn reset(&mut self, device: &wgpu::Device, grids: &[BlockGrid]) {
+        self.mesh.reset(device, grids);
+    }
+
+    pub(super) fn mesh(&self) -> &(dyn SurfaceMesh + Send + Sync) {
+        self.mesh.as_ref()
+    }
+
+    pub(super) fn uniforms(&self) -> &wgpu::Buffer {
+        &self.uniforms
+    }
+
+    pub(super) fn groups(&self, side: usize) -> Option<&PassGroups> {
+        self.groups.get(side)
+    }
+
+    pub(super) fn set_groups(&mut self, groups: Vec<PassGroups>) {
+        self.groups = groups;
+    }
+
+    /// Writes what all drawables of a frame read.
+    pub fn write_frame(&self, queue: &wgpu::Queue, uniforms: &FrameUniforms) {
+        queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(uniforms));
+    }
+
+    /// Writes what a frame draws: the plan, and of ground with relief the patches or the grid of its surface, as far as they are
+    /// not there. `tiled` are the blocks that have tiles, where triangles lie in several. Returns the bytes written.
+    pub fn write(
+        &mut self,
+        queue: &wgpu::Queue,
+        plan: &FramePlan,
+        ground: Option<&dyn Surface>,
+        tiled: Option<BlockSet>,
+    ) -> u64 {
+        self.write_frame(queue, &plan.uniforms);
+        let written = size_of::<FrameUniforms>() as u64;
+        written + self.mesh.write(queue, plan, ground, tiled)
+    }
+
+    /// What the frame that was written last costs, of ground with relief; `None` of blocks.
+    pub fn ground_costs(&self) -> Option<DrawCosts> {
+        self.mesh.ground_costs()
+    }
+}
