@@ -20,4 +20,5 @@ mod tiles;
 #[cfg(feature = "tracks")]
 mod tracks;
 mod truth;
+mod views;
 mod water;
