@@ -23,6 +23,7 @@
 //! | [`FrameStats`] | what was drawn, counted |
 //! | [`Atmosphere`], [`Shading`] | the air; the light on the ground |
 //! | [`Exposure`], [`Tone`] | how light is shown |
+//! | [`GpuMap`], [`MapFade`] | maps that are changed while the Earth is drawn, the host's own textures among them |
 //! | [`Quality`], [`ScaledTarget`] | what may be changed while the Earth is drawn; a picture drawn smaller than it is shown |
 //! | [`GroundOptions`], [`SurfaceSettings`] | ground with relief, and the surface that draws it |
 //! | [`TileOptions`] | imagery larger than memory, streamed |
@@ -83,8 +84,9 @@ pub use air::{AirOptions, Atmosphere};
 pub use earth::{
     AdaptiveQuality, DepthBuffer, DiagnosticOptions, Diagnostics, Earth, EarthError, EarthOptions,
     EarthView, EyeView, FrameStats, GroundOptions, Quality, QualityChange, QualityLadder,
-    QualityLadderError, QualityLevel, QualityReduction, QualityStep, Sky, SurfaceLight,
-    SurfaceOutput, TILED_SUBDIVISION, TileOptions, TruthPoint, TruthView, ViewFrame, Viewport,
+    QualityLadderError, QualityLevel, QualityMaker, QualityReduction, QualityStep, ReadyQuality,
+    Sky, SurfaceLight, SurfaceOutput, TILED_SUBDIVISION, TileOptions, TruthPoint, TruthView,
+    ViewFrame, Viewport,
 };
 pub use frames::Epoch;
 pub use globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
@@ -93,7 +95,9 @@ pub use globe::{
     SurfaceKind, SurfaceSettings, clipmap::ClipmapOptions, contours::ContourOptions,
     contours::PageOptions, projected_grid::GridOptions, quadtree::QuadtreeOptions,
 };
-pub use gpu::{FrameTargets, ScaledTarget, ShaderError, TruthTargets, TruthTexel};
+pub use gpu::{
+    FrameTargets, GpuMap, MapError, MapFade, ScaledTarget, ShaderError, TruthTargets, TruthTexel,
+};
 pub use imagery::{
     EarthLayers, ImageryError, LayerImage, LayerSelection, find_textures, load_layers,
     tile::{MapLayer, TileKey},

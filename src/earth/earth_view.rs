@@ -154,6 +154,8 @@ impl Earth {
         if view.version.earth != now.earth {
             return false;
         }
+        let albedo = self.first.planner.exposure.albedo();
+        view.planner.exposure.set_albedo(albedo);
         if view.version == now {
             return true;
         }

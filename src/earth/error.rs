@@ -1,7 +1,7 @@
 //! What can be wrong with the options of an Earth.
 
 use crate::globe::SubdivisionError;
-use crate::gpu::{ShaderError, SurfaceOutput};
+use crate::gpu::{MapError, ShaderError, SurfaceOutput};
 use crate::imagery::ImageryError;
 
 /// Why an Earth cannot be drawn as its options say.
@@ -53,6 +53,14 @@ pub enum EarthError {
     /// A map does not hold what it says.
     #[error(transparent)]
     Layer(#[from] ImageryError),
+    /// What was made for another quality does not belong to the Earth as it is now.
+    #[error(
+        "this quality was made ready for another Earth, or before this one was given another quality; make it anew"
+    )]
+    OutOfDate,
+    /// A map cannot be drawn with.
+    #[error(transparent)]
+    Map(#[from] MapError),
     /// A shader file is at fault.
     #[error(transparent)]
     Shader(#[from] ShaderError),

@@ -56,8 +56,17 @@ impl ExposureControl {
     }
 
     /// What the maps' neighbourhoods reflect.
-    pub fn albedo(&self) -> &NeighbourhoodAlbedo {
+    pub fn albedo(&self) -> &Arc<NeighbourhoodAlbedo> {
         &self.albedo
+    }
+
+    /// Meters over another ground from now on.
+    pub fn set_albedo(&mut self, albedo: &Arc<NeighbourhoodAlbedo>) {
+        if !Arc::ptr_eq(&self.albedo, albedo) {
+            self.albedo = albedo.clone();
+            self.meter = None;
+            self.make_ready();
+        }
     }
 
     fn make_ready(&mut self) {

@@ -18,6 +18,7 @@
 //! | `tiles.rs` | which tiles of a pack a frame requests and is drawn with; `no_tiles.rs` without the feature `packs` |
 //! | `tile_view.rs` | what tiles are chosen by, and how fine they came out |
 //! | `changes.rs` | what is changed while it is drawn |
+//! | `quality_maker.rs` | how another quality is made, off the frame's thread |
 //! | `quality.rs` | what can be reduced to draw faster |
 //! | `quality_ladder.rs`, `quality_ladder/` | in which order, as it was measured; the recorded measurement |
 //! | `adaptive_quality.rs` | when quality is reduced, to hold a frame time |
@@ -38,6 +39,7 @@ mod pixel_lattice;
 mod plan;
 mod quality;
 mod quality_ladder;
+mod quality_maker;
 mod sky;
 mod stats;
 mod surface_config;
@@ -71,6 +73,7 @@ pub use pixel_lattice::PixelLattice;
 use plan::Planner;
 pub use quality::{Quality, QualityReduction, TILED_SUBDIVISION};
 pub use quality_ladder::{QualityLadder, QualityLadderError, QualityLevel, QualityStep};
+pub use quality_maker::{QualityMaker, ReadyQuality};
 pub use sky::Sky;
 #[cfg(feature = "celestial")]
 pub(crate) use sky::{moonlight, moonlight_of_phase};
@@ -164,7 +167,8 @@ impl Earth {
             diagnostics: options.diagnostics,
         };
         let ground = planner.ground();
-        let config = surface_config(device, style, format, &quality, air.as_ref(), ground);
+        let textures = air.as_ref().map(AirDrawable::textures);
+        let config = surface_config(device, style, format, &quality, textures, ground);
         let pools = tiles.as_ref().map(TileDriver::pools);
         let mut view = SurfaceView::new(device, planner.meshes().grids(), &config);
         let layers = &options.layers;
@@ -397,6 +401,7 @@ impl Earth {
     /// How the surface is drawn through this air on this ground.
     fn config<'a>(&self, air: Option<&'a AirDrawable>, planner: &'a Planner) -> SurfaceConfig<'a> {
         let (style, format, ground) = (self.style, self.format, planner.ground());
+        let air = air.map(AirDrawable::textures);
         surface_config(&self.device, style, format, &self.quality, air, ground)
     }
 

@@ -70,11 +70,6 @@ impl Planner {
         })
     }
 
-    /// The meshes of a subdivision, for [`Self::set_quality`].
-    pub fn meshes_of(&self, subdivision: Subdivision) -> Result<Meshes, SubdivisionError> {
-        meshes(self.ellipsoid(), subdivision, self.has_tiles)
-    }
-
     /// Plans for this quality from now on, with the meshes of its subdivision.
     pub fn set_quality(&mut self, quality: &Quality, meshes: Meshes) {
         self.meshes = meshes;
@@ -272,7 +267,7 @@ fn moon_shadow_uniforms(shadow: Option<&MoonShadow>, ellipsoid: &Ellipsoid) -> M
 }
 
 /// The meshes of a subdivision, for an Earth with tiles or without.
-fn meshes(
+pub(super) fn meshes(
     ellipsoid: Ellipsoid,
     subdivision: Subdivision,
     has_tiles: bool,

@@ -2,7 +2,7 @@
 
 use super::{DiagnosticOptions, Quality, SurfaceLight};
 use crate::globe::{Shading, Surface};
-use crate::gpu::{AirDrawable, PassFormat, SurfaceConfig, SurfaceOutput};
+use crate::gpu::{AirTextures, PassFormat, SurfaceConfig, SurfaceOutput};
 use crate::imagery::tile::MapLayer;
 
 /// How the surface is drawn, whatever the quality.
@@ -19,7 +19,7 @@ pub(super) fn surface_config<'a>(
     style: SurfaceStyle,
     format: PassFormat,
     quality: &Quality,
-    air: Option<&'a AirDrawable>,
+    air: Option<&'a AirTextures>,
     ground: Option<&'a dyn Surface>,
 ) -> SurfaceConfig<'a> {
     let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
@@ -46,6 +46,6 @@ pub(super) fn surface_config<'a>(
         wireframe: style.diagnostics.wireframe,
         anisotropy: if software { 1 } else { quality.anisotropy },
         format,
-        air: air.map(AirDrawable::textures),
+        air,
     }
 }

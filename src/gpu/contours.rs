@@ -9,7 +9,6 @@ use crate::globe::contours::{ContourNode, MAX_NODES, PageOptions};
 use crate::globe::{Block, BlockGrid, BlockSet, ContourPageSet, DrawKind, Surface};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-use wgpu::util::DeviceExt;
 
 /// The binding of the nodes.
 const BINDING: u32 = 6;
@@ -107,11 +106,12 @@ impl PageMesh {
             corner_staging: Vec::with_capacity(8 * most),
             instances: buffer("terrella pages", most * size_of::<PageInstance>(), vertex),
             instance_staging: Vec::with_capacity(most),
-            faces: device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some("terrella page faces"),
-                contents: bytemuck::cast_slice(&FACES),
-                usage: wgpu::BufferUsages::INDEX,
-            }),
+            faces: super::filled_buffer(
+                device,
+                "terrella page faces",
+                bytemuck::cast_slice(&FACES),
+                wgpu::BufferUsages::INDEX,
+            ),
             blocks: Vec::with_capacity(most),
             far_first: depth == DepthBuffer::None,
         }

@@ -8,7 +8,6 @@ use super::shader::{ATLAS_COLUMNS, VertexForm};
 use crate::globe::projected_grid::{GridUniforms, TILE_SAMPLES};
 use crate::globe::{Block, BlockGrid, BlockSet, DrawKind, GridDraw, IndexRange, Surface};
 use std::ops::Range;
-use wgpu::util::DeviceExt;
 
 const BINDINGS: [u32; 2] = [4, 5];
 
@@ -54,11 +53,12 @@ impl GridMesh {
             uniform: super::uniform_buffer::<GridUniforms>(device, "terrella grid"),
             atlas_view: super::view(&atlas),
             atlas,
-            indices: device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some("terrella grid triangles"),
-                contents: bytemuck::cast_slice(triangles),
-                usage: wgpu::BufferUsages::INDEX,
-            }),
+            indices: super::filled_buffer(
+                device,
+                "terrella grid triangles",
+                bytemuck::cast_slice(triangles),
+                wgpu::BufferUsages::INDEX,
+            ),
             index_count: triangles.len() as u32,
             held: vec![0; grid.written.len()],
             draws: Vec::new(),

@@ -6,7 +6,6 @@ use super::shader::VertexForm;
 use crate::globe::{BLOCK_COUNT, Block, BlockGrid, BlockRow, BlockSet, Surface};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
-use wgpu::util::DeviceExt;
 
 /// Per-block values, one instance a block.
 #[repr(C)]
@@ -79,11 +78,12 @@ struct Cells {
 impl Lattice {
     pub fn new(device: &wgpu::Device, grids: &[BlockGrid]) -> Self {
         let instances: Vec<_> = Block::all().map(BlockInstance::of_block).collect();
-        let instances = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("terrella blocks"),
-            contents: bytemuck::cast_slice(&instances),
-            usage: wgpu::BufferUsages::VERTEX,
-        });
+        let instances = super::filled_buffer(
+            device,
+            "terrella blocks",
+            bytemuck::cast_slice(&instances),
+            wgpu::BufferUsages::VERTEX,
+        );
         let vertices = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("terrella block vertices"),
             size: (most_vertices(grids) * size_of::<Vec3>()) as u64,
@@ -175,11 +175,12 @@ impl Cells {
         // Buffer sizes are multiples of four bytes.
         list.resize(list.len().next_multiple_of(2), 0);
         Self {
-            indices: device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some("terrella block indices"),
-                contents: bytemuck::cast_slice(&list),
-                usage: wgpu::BufferUsages::INDEX,
-            }),
+            indices: super::filled_buffer(
+                device,
+                "terrella block indices",
+                bytemuck::cast_slice(&list),
+                wgpu::BufferUsages::INDEX,
+            ),
             ranges,
             vertices_per_block: grid.vertices_per_block(),
         }

@@ -8,7 +8,13 @@ use crate::imagery::tile::{MAP_LAYERS, MapLayer};
 /// repeats, a tile ends at its border.
 pub(crate) struct Maps {
     whole: [Option<GpuLayer>; MAP_LAYERS],
-    /// Which of them are bound.
+    arrangement: MapArrangement,
+}
+
+/// Which maps are bound, and how they are filtered.
+#[derive(Clone)]
+pub(super) struct MapArrangement {
+    /// Of the maps that there are.
     shown: [bool; MAP_LAYERS],
     layout: wgpu::BindGroupLayout,
     repeat: wgpu::Sampler,
@@ -39,64 +45,27 @@ impl Maps {
                 display_values,
             ))
         });
-        Self::arranged(device, whole, shown, anisotropy)
-    }
-
-    /// Binds from now on the maps that are `shown`, filtered so. Bind groups made before do not fit any more.
-    pub fn arrange(&mut self, device: &wgpu::Device, shown: [bool; MAP_LAYERS], anisotropy: u16) {
-        let whole = std::mem::take(&mut self.whole);
-        *self = Self::arranged(device, whole, shown, anisotropy);
-    }
-
-    fn arranged(
-        device: &wgpu::Device,
-        whole: [Option<GpuLayer>; MAP_LAYERS],
-        shown: [bool; MAP_LAYERS],
-        anisotropy: u16,
-    ) -> Self {
-        let sampler = |label, address_mode_u| {
-            device.create_sampler(&wgpu::SamplerDescriptor {
-                label: Some(label),
-                address_mode_u,
-                // Not over the poles.
-                address_mode_v: wgpu::AddressMode::ClampToEdge,
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
-                mipmap_filter: wgpu::MipmapFilterMode::Linear,
-                anisotropy_clamp: anisotropy,
-                ..Default::default()
-            })
-        };
-        let entries: Vec<_> = (0..)
-            .zip(whole.iter().zip(shown))
-            .filter(|(_, (layer, shown))| layer.is_some() && *shown)
-            .flat_map(|(binding, _)| {
-                [
-                    super::texture_entry(binding, wgpu::TextureViewDimension::D2),
-                    super::sampler_entry(binding + SAMPLERS),
-                ]
-            })
-            .collect();
+        let there = whole.each_ref().map(Option::is_some);
         Self {
             whole,
-            shown,
-            layout: device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some("terrella maps"),
-                entries: &entries,
-            }),
-            repeat: sampler("terrella whole maps", wgpu::AddressMode::Repeat),
-            clamp: sampler("terrella tiles", wgpu::AddressMode::ClampToEdge),
+            arrangement: MapArrangement::new(device, there, shown, anisotropy),
         }
     }
 
-    /// Whether a map is there and shown.
-    pub fn has(&self, layer: MapLayer) -> bool {
-        self.shown[layer.index()] && self.whole[layer.index()].is_some()
+    /// Binds maps so from now on. Bind groups made before do not fit any more.
+    pub fn arrange(&mut self, arrangement: MapArrangement) {
+        self.arrangement = arrangement;
     }
 
-    /// Layout of the bind groups.
-    pub fn layout(&self) -> &wgpu::BindGroupLayout {
-        &self.layout
+    /// Which maps there are.
+    pub fn there(&self) -> [bool; MAP_LAYERS] {
+        self.whole.each_ref().map(Option::is_some)
+    }
+
+    /// Draws with another whole map from now on, and answers the one before. Bind groups made before still hold that.
+    pub fn replace(&mut self, layer: MapLayer, map: GpuLayer) -> GpuLayer {
+        let place = &mut self.whole[layer.index()];
+        place.replace(map.clone()).unwrap_or(map)
     }
 
     /// Bytes of the whole maps, mip levels included.
@@ -117,14 +86,16 @@ impl Maps {
         tiles: [Option<&wgpu::TextureView>; MAP_LAYERS],
     ) -> wgpu::BindGroup {
         let mut entries = Vec::with_capacity(2 * MAP_LAYERS);
-        let shown = (0..).zip(self.whole.iter().zip(self.shown)).zip(tiles);
+        let MapArrangement { repeat, clamp, .. } = &self.arrangement;
+        let shown = self.whole.iter().zip(self.arrangement.shown);
+        let shown = (0..).zip(shown).zip(tiles);
         for ((binding, (whole, shown)), tile) in shown {
             let Some(whole) = whole.as_ref().filter(|_| shown) else {
                 continue;
             };
             let (view, sampler) = match tile {
-                Some(tile) => (tile, &self.clamp),
-                None => (&whole.view, &self.repeat),
+                Some(tile) => (tile, clamp),
+                None => (&whole.view, repeat),
             };
             entries.push(wgpu::BindGroupEntry {
                 binding,
@@ -137,8 +108,62 @@ impl Maps {
         }
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(label),
-            layout: &self.layout,
+            layout: &self.arrangement.layout,
             entries: &entries,
         })
+    }
+}
+
+impl MapArrangement {
+    /// Of the maps that are `there` those that are `shown`.
+    pub fn new(
+        device: &wgpu::Device,
+        there: [bool; MAP_LAYERS],
+        shown: [bool; MAP_LAYERS],
+        anisotropy: u16,
+    ) -> Self {
+        let sampler = |label, address_mode_u| {
+            device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some(label),
+                address_mode_u,
+                // Not over the poles.
+                address_mode_v: wgpu::AddressMode::ClampToEdge,
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                mipmap_filter: wgpu::MipmapFilterMode::Linear,
+                anisotropy_clamp: anisotropy,
+                ..Default::default()
+            })
+        };
+        let shown = std::array::from_fn(|n| there[n] && shown[n]);
+        let entries: Vec<_> = (0..)
+            .zip(shown)
+            .filter(|(_, shown)| *shown)
+            .flat_map(|(binding, _)| {
+                [
+                    super::texture_entry(binding, wgpu::TextureViewDimension::D2),
+                    super::sampler_entry(binding + SAMPLERS),
+                ]
+            })
+            .collect();
+        Self {
+            shown,
+            layout: device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some("terrella maps"),
+                entries: &entries,
+            }),
+            repeat: sampler("terrella whole maps", wgpu::AddressMode::Repeat),
+            clamp: sampler("terrella tiles", wgpu::AddressMode::ClampToEdge),
+        }
+    }
+
+    /// Whether a map is there and shown.
+    pub fn has(&self, layer: MapLayer) -> bool {
+        self.shown[layer.index()]
+    }
+
+    /// Layout of the bind groups.
+    pub fn layout(&self) -> &wgpu::BindGroupLayout {
+        &self.layout
     }
 }

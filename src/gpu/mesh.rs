@@ -16,6 +16,32 @@ pub(crate) struct DrawCosts {
 /// Makes the maps of the next draw those of a block, or whole maps.
 pub(super) type BindMaps<'a> = dyn FnMut(&mut wgpu::RenderPass<'_>, Option<Block>) + 'a;
 
+/// What pipelines know of a mesh.
+#[derive(Clone)]
+pub(super) struct MeshForm {
+    pub vertex: VertexForm,
+    pub buffers: &'static [Option<wgpu::VertexBufferLayout<'static>>],
+    pub culled: wgpu::Face,
+    /// Of group 0, besides what all bind.
+    pub entries: Vec<wgpu::BindGroupLayoutEntry>,
+}
+
+impl MeshForm {
+    /// That of a mesh, where blocks have tiles or have none.
+    pub fn of(mesh: &(impl SurfaceMesh + ?Sized), has_tiles: bool) -> Self {
+        Self {
+            vertex: mesh.vertex_form(has_tiles),
+            buffers: mesh.buffers(),
+            culled: mesh.culled(),
+            entries: mesh
+                .bindings()
+                .into_iter()
+                .map(|(entry, _)| entry)
+                .collect(),
+        }
+    }
+}
+
 /// One form of the surface's mesh.
 pub(super) trait SurfaceMesh {
     /// The vertex stage that it is drawn with, where blocks have tiles or have none.

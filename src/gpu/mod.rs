@@ -14,6 +14,7 @@ mod grid;
 mod ground;
 mod lattice;
 mod layers;
+mod map;
 mod maps;
 mod mesh;
 mod pipeline;
@@ -25,6 +26,7 @@ mod scaled;
 mod shader;
 mod surface;
 mod surface_config;
+mod surface_pipelines;
 mod surface_view;
 mod targets;
 mod tiles;
@@ -37,12 +39,13 @@ mod uniforms;
 #[cfg(feature = "celestial")]
 pub use celestial::{CelestialUniforms, Disc};
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
+pub use map::{GpuMap, MapError, MapFade};
 pub use scaled::ScaledTarget;
 pub use shader::{
     AirSide, AirVariant, AirViewVariant, CelestialKind, CelestialVariant, EarthOutput,
-    EarthVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability, ShaderError, ShaderText,
-    ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TrackKind, TracksVariant,
-    TruthLayers, UpscaleVariant, VertexForm,
+    EarthVariant, MapFadeVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability,
+    ShaderError, ShaderText, ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TrackKind,
+    TracksVariant, TruthLayers, UpscaleVariant, VertexForm,
 };
 pub use targets::{
     Attachments, FrameTargets, PassPart, color_texture, read_floats, read_halves, read_texture,
@@ -73,6 +76,7 @@ pub(crate) use shader::{FROM_PREVIOUS as TRACK_FROM_PREVIOUS, ON_GROUND as TRACK
 pub(crate) use shader::{LAMPS_OUT_SIN, VIEW_ANGLES, VIEW_AZIMUTHS};
 pub(crate) use surface::SurfaceDrawable;
 pub(crate) use surface_config::SurfaceConfig;
+pub(crate) use surface_pipelines::{SurfaceMaker, SurfacePipelines};
 pub(crate) use surface_view::SurfaceView;
 #[cfg(feature = "tracks")]
 pub(crate) use tracks::{Fill, LinePoint, Mark, TrackKinds, TracksDrawable};
@@ -192,6 +196,27 @@ fn uniform_buffer<T>(device: &wgpu::Device, label: &str) -> wgpu::Buffer {
         usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
+}
+
+/// A buffer that holds this from the start. Of a device that is lost it holds nothing: wgpu tells its handler, and nothing panics.
+fn filled_buffer(
+    device: &wgpu::Device,
+    label: &str,
+    contents: &[u8],
+    usage: wgpu::BufferUsages,
+) -> wgpu::Buffer {
+    let align = wgpu::COPY_BUFFER_ALIGNMENT;
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: (contents.len() as u64).next_multiple_of(align).max(align),
+        usage,
+        mapped_at_creation: true,
+    });
+    if let Ok(mut range) = buffer.get_mapped_range_mut(..) {
+        range.slice(..contents.len()).copy_from_slice(contents);
+    }
+    buffer.unmap();
+    buffer
 }
 
 /// A layout of bindings, and what is bound by it.

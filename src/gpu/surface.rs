@@ -2,23 +2,21 @@
 //! indexed draw each. What all views share stands here, what each has of its own in `surface_view.rs`.
 
 use super::maps::Maps;
-use super::mesh::SurfaceMesh;
-use super::shader::{
-    EarthOutput, EarthVariant, PaperLayers, ShaderModule, ShaderVariant, ShadingVariant,
-    SunlitLayers, TruthLayers,
-};
+use super::mesh::{MeshForm, SurfaceMesh};
+use super::shader::{EarthVariant, ShaderVariant};
 use super::surface_config::SurfaceConfig;
+use super::surface_pipelines::{
+    SurfaceMaker, SurfacePass, SurfacePipelines, frame_entry, light_entry, reads_light, tiles_entry,
+};
 use super::surface_view::{PassGroups, SurfaceView};
-use super::tiles::{TILES_BYTES, TileTextures};
-use super::{AirSide, Binding, BlockTiles, FramePlan, FrameUniforms, SurfaceLightUniforms};
-use super::{PipelineDescription, ShaderError, SurfaceOutput};
+use super::tiles::TileTextures;
+use super::{Binding, BlockTiles, FramePlan, GpuMap, MapError, ShaderError, SurfaceLightUniforms};
 use crate::globe::{Block, BlockSet, Shading};
 use crate::imagery::EarthLayers;
 use crate::imagery::residency::{Pool, Upload};
-use crate::imagery::tile::MapLayer;
 
 pub(crate) struct SurfaceDrawable {
-    assembled: Assembled,
+    pipelines: SurfacePipelines,
     maps: Maps,
     imagery: Imagery,
     /// What the shader is told of the surface's light, whatever frame and view.
@@ -26,31 +24,6 @@ pub(crate) struct SurfaceDrawable {
     /// Whether triangles that lie in several blocks are drawn with the tiles of each.
     crossing: bool,
     pub texture_bytes: u64,
-}
-
-/// What follows from a configuration.
-#[derive(Default)]
-struct Assembled {
-    /// One without air; else that of an eye outside of it, and that of an eye inside.
-    passes: Vec<SurfacePasses>,
-    shader_bytes: u64,
-}
-
-/// How the surface is drawn from one side of the air.
-struct SurfacePasses {
-    all: SurfacePass,
-    /// Without what shows by night alone, if there is any: for blocks by day.
-    daylit: Option<SurfacePass>,
-    /// For frames that the Moon's shadow is in.
-    eclipsed: Option<SurfacePass>,
-}
-
-struct SurfacePass {
-    variant: EarthVariant,
-    pipeline: wgpu::RenderPipeline,
-    /// Of group 0, which each view binds of its own.
-    layout: wgpu::BindGroupLayout,
-    shader_bytes: u64,
 }
 
 /// What blocks are drawn with.
@@ -98,31 +71,69 @@ impl SurfaceDrawable {
         let texture_bytes = maps.bytes() + tile_bytes;
         let light = super::uniform_buffer::<SurfaceLightUniforms>(device, "terrella surface light");
         queue.write_buffer(&light, 0, bytemuck::bytes_of(&config.light));
-        let mut drawable = Self {
-            assembled: Assembled::default(),
+        let maker = SurfaceMaker {
+            mesh: MeshForm::of(first.mesh(), pools.is_some()),
+            maps: maps.there(),
+            has_tiles: pools.is_some(),
+        };
+        let drawable = Self {
+            pipelines: maker.make(device, config)?,
             maps,
             imagery,
             light,
             crossing: config.crosses_blocks && pools.is_some(),
             texture_bytes,
         };
-        drawable.assemble(device, config, first)?;
+        drawable.bind_view(device, config, first);
         Ok(drawable)
     }
 
-    /// Draws from now on with this configuration, and binds this view for it; others have to be bound before they are drawn.
-    /// Maps and tiles stay where they are.
+    /// What makes other pipelines for it, of the form of this view.
+    pub fn maker(&self, view: &SurfaceView) -> SurfaceMaker {
+        let has_tiles = matches!(self.imagery, Imagery::Tiles { .. });
+        SurfaceMaker {
+            mesh: MeshForm::of(view.mesh(), has_tiles),
+            maps: self.maps.there(),
+            has_tiles,
+        }
+    }
+
+    /// Draws from now on with these pipelines, which were made for this configuration, and binds this view for them; others have to be
+    /// bound before they are drawn. Maps and tiles stay where they are.
     ///
     /// Nothing may be drawn until the next frame is written.
-    pub fn set_config(
+    pub fn set_pipelines(
         &mut self,
         device: &wgpu::Device,
+        pipelines: SurfacePipelines,
         config: &SurfaceConfig<'_>,
         first: &mut SurfaceView,
-    ) -> Result<(), ShaderError> {
-        self.maps.arrange(device, config.shown, config.anisotropy);
+    ) {
+        self.maps.arrange(pipelines.maps.clone());
+        self.pipelines = pipelines;
         self.bind_maps(device);
-        self.assemble(device, config, first)
+        self.bind_view(device, config, first);
+    }
+
+    /// Draws with another whole map from now on. Answers the one before.
+    ///
+    /// # Errors
+    /// A map that there is none of, or that is drawn with tiles.
+    pub fn set_map(&mut self, device: &wgpu::Device, map: &GpuMap) -> Result<GpuMap, MapError> {
+        let layer = map.layer();
+        if !self.maps.there()[layer.index()] {
+            return Err(MapError::NotDrawn(layer.name()));
+        }
+        if let Imagery::Tiles { tiles, .. } = &self.imagery
+            && tiles.has(layer)
+        {
+            return Err(MapError::Tiled(layer.name()));
+        }
+        self.texture_bytes -= self.maps.bytes();
+        let before = self.maps.replace(layer, map.held.clone());
+        self.texture_bytes += self.maps.bytes();
+        self.bind_maps(device);
+        Ok(GpuMap::of_layer(layer, before))
     }
 
     fn bind_maps(&mut self, device: &wgpu::Device) {
@@ -133,41 +144,6 @@ impl SurfaceDrawable {
             }
             Imagery::Whole(bind_group) => *bind_group = self.maps.bind_whole(device),
         }
-    }
-
-    /// Makes pipelines for a configuration, and binds a view for them.
-    fn assemble(
-        &mut self,
-        device: &wgpu::Device,
-        config: &SurfaceConfig<'_>,
-        first: &mut SurfaceView,
-    ) -> Result<(), ShaderError> {
-        let sides = AirSide::of_air(config.air.is_some());
-        let mut passes = Vec::with_capacity(sides.len());
-        for &side in sides {
-            let all = EarthVariant {
-                form: first.mesh().vertex_form(self.has_tiles()),
-                output: output(&self.maps, config, side),
-            };
-            let pass = |variant| self.pass(device, config, variant, first);
-            let eclipsed = all.eclipsed().filter(|_| config.eclipses);
-            passes.push(SurfacePasses {
-                all: pass(all)?,
-                daylit: all.daylit().map(pass).transpose()?,
-                eclipsed: eclipsed.map(pass).transpose()?,
-            });
-        }
-        let drawn = passes.iter();
-        let drawn = drawn.flat_map(|passes| {
-            let others = passes.daylit.iter().chain(&passes.eclipsed);
-            std::iter::once(&passes.all).chain(others)
-        });
-        self.assembled = Assembled {
-            shader_bytes: drawn.map(|pass| pass.shader_bytes).sum(),
-            passes,
-        };
-        self.bind_view(device, config, first);
-        Ok(())
     }
 
     /// Binds what a view is drawn with.
@@ -181,7 +157,7 @@ impl SurfaceDrawable {
             let bindings = self.bindings(view, config, &pass.variant);
             super::bind_to(device, "terrella earth", &pass.layout, bindings)
         };
-        let passes = self.assembled.passes.iter();
+        let passes = self.pipelines.passes.iter();
         let groups = passes.map(|passes| PassGroups {
             all: group(&passes.all),
             daylit: passes.daylit.as_ref().map(group),
@@ -191,13 +167,9 @@ impl SurfaceDrawable {
         view.set_groups(groups);
     }
 
-    fn has_tiles(&self) -> bool {
-        matches!(self.imagery, Imagery::Tiles { .. })
-    }
-
     /// What shaders of the surface have.
     pub fn features(&self) -> Vec<&'static str> {
-        let Some(first) = self.assembled.passes.first() else {
+        let Some(first) = self.pipelines.passes.first() else {
             return Vec::new();
         };
         let mut features = first.all.variant.conditions_met();
@@ -207,7 +179,7 @@ impl SurfaceDrawable {
 
     /// Bytes of their texts as the driver gets them.
     pub fn shader_bytes(&self) -> u64 {
-        self.assembled.shader_bytes
+        self.pipelines.shader_bytes
     }
 
     /// Writes a part of a tile; does nothing where whole maps are drawn.
@@ -248,7 +220,7 @@ impl SurfaceDrawable {
     /// Draws the plan that was written to a view last.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>, view: &SurfaceView, plan: &FramePlan) {
         let side = plan.air.as_ref().map_or(0, |air| air.side() as usize);
-        let Some((passes, groups)) = self.assembled.passes.get(side).zip(view.groups(side)) else {
+        let Some((passes, groups)) = self.pipelines.passes.get(side).zip(view.groups(side)) else {
             return;
         };
         type Drawn<'a> = (&'a SurfacePass, &'a wgpu::BindGroup);
@@ -286,45 +258,6 @@ impl SurfaceDrawable {
         }
     }
 
-    /// Makes what one variant of the shader is drawn with, in the form of a view's mesh.
-    fn pass(
-        &self,
-        device: &wgpu::Device,
-        config: &SurfaceConfig<'_>,
-        variant: EarthVariant,
-        view: &SurfaceView,
-    ) -> Result<SurfacePass, ShaderError> {
-        let shader = ShaderModule::new(device, &variant)?;
-        let bindings = self.bindings(view, config, &variant);
-        let layout = super::layout_of(device, "terrella earth", &bindings);
-        let mesh = view.mesh();
-        let pipeline = PipelineDescription {
-            label: "terrella earth",
-            bind_groups: Some(&[Some(&layout), Some(self.maps.layout())]),
-            module: &shader.module,
-            buffers: mesh.buffers(),
-            primitive: wgpu::PrimitiveState {
-                front_face: wgpu::FrontFace::Ccw,
-                cull_mode: Some(mesh.culled()),
-                polygon_mode: match config.wireframe {
-                    false => wgpu::PolygonMode::Fill,
-                    true => wgpu::PolygonMode::Line,
-                },
-                ..Default::default()
-            },
-            format: config.format,
-            writes_depth: true,
-            blend: None,
-        }
-        .create(device);
-        Ok(SurfacePass {
-            variant,
-            pipeline,
-            layout,
-            shader_bytes: shader.bytes,
-        })
-    }
-
     /// Group 0 of a view.
     fn bindings<'a>(
         &'a self,
@@ -332,73 +265,24 @@ impl SurfaceDrawable {
         config: &SurfaceConfig<'a>,
         variant: &EarthVariant,
     ) -> Vec<Binding<'a>> {
-        let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
-        let mut bindings = vec![(
-            super::uniform_entry(0, both, size_of::<FrameUniforms>()),
-            wgpu::BindGroupEntry {
-                binding: 0,
-                resource: view.uniforms().as_entire_binding(),
-            },
-        )];
+        let bound = |binding, buffer: &'a wgpu::Buffer| wgpu::BindGroupEntry {
+            binding,
+            resource: buffer.as_entire_binding(),
+        };
+        let mut bindings = vec![(frame_entry(), bound(0, view.uniforms()))];
         if let Some((air, side)) = config.air.zip(variant.air()) {
             bindings.extend(air.bindings(side));
             if config.shading == Shading::Sunlit {
                 bindings.push(air.sunlight_binding());
             }
         }
-        let fragment = wgpu::ShaderStages::FRAGMENT;
         if let Imagery::Tiles { tiles, .. } = &self.imagery {
-            bindings.push((
-                super::uniform_entry(3, fragment, TILES_BYTES),
-                wgpu::BindGroupEntry {
-                    binding: 3,
-                    resource: tiles.placements().as_entire_binding(),
-                },
-            ));
+            bindings.push((tiles_entry(), bound(3, tiles.placements())));
         }
-        if variant.conditions_met().contains(&"surface_light") {
-            bindings.push((
-                super::uniform_entry(12, fragment, size_of::<SurfaceLightUniforms>()),
-                wgpu::BindGroupEntry {
-                    binding: 12,
-                    resource: self.light.as_entire_binding(),
-                },
-            ));
+        if reads_light(variant) {
+            bindings.push((light_entry(), bound(12, &self.light)));
         }
         bindings.extend(view.mesh().bindings());
         bindings
-    }
-}
-
-/// What the pixels of a configuration get, the eye being on this side of the air.
-fn output(maps: &Maps, config: &SurfaceConfig<'_>, air: Option<AirSide>) -> EarthOutput {
-    let clouds = maps.has(MapLayer::Clouds);
-    let normals = maps.has(MapLayer::Normals);
-    let shading = match config.shading {
-        Shading::Paper => ShadingVariant::Paper(PaperLayers {
-            clouds,
-            normals,
-            air,
-        }),
-        Shading::Sunlit => ShadingVariant::Sunlit(SunlitLayers {
-            clouds,
-            cloud_shadows: clouds && config.cloud_shadows,
-            normals,
-            night_lights: maps.has(MapLayer::NightLights),
-            water: maps.has(MapLayer::Water),
-            moonlight: config.moonlight,
-            eclipse: false,
-            detail: config.detail,
-            air,
-        }),
-    };
-    match config.output {
-        SurfaceOutput::Color => EarthOutput::Picture(shading, config.format.target_color()),
-        SurfaceOutput::Geolocation => EarthOutput::Geolocation,
-        SurfaceOutput::Truth => EarthOutput::Truth(TruthLayers {
-            clouds,
-            normals,
-            water: maps.has(MapLayer::Water),
-        }),
     }
 }

@@ -4,7 +4,7 @@ use super::BlockTiles;
 use super::maps::Maps;
 use crate::globe::{BLOCK_COUNT, Block, BlockSet, COLUMNS, ROWS};
 use crate::imagery::residency::{Pool, Upload};
-use crate::imagery::tile::{MAP_LAYERS, TILE_BORDER, TILE_MIPS, TileFormat, TileShape};
+use crate::imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER, TILE_MIPS, TileFormat, TileShape};
 use glam::Vec4;
 
 type Placements = [[Vec4; MAP_LAYERS]; BLOCK_COUNT as usize];
@@ -80,6 +80,12 @@ impl TileTextures {
     /// The uniform that says where each block's texels lie.
     pub fn placements(&self) -> &wgpu::Buffer {
         &self.buffer
+    }
+
+    /// Whether there are tiles of this map.
+    pub fn has(&self, layer: MapLayer) -> bool {
+        let of_layer = |pool: &PoolTextures| pool.layer == layer.index() && !pool.slots.is_empty();
+        self.pools.iter().any(of_layer)
     }
 
     /// What a block is bound with.

@@ -27,13 +27,20 @@ pub struct NeighbourhoodAlbedo {
 impl NeighbourhoodAlbedo {
     /// Of these maps. The day map is taken for the land's albedo.
     pub fn new(layers: &EarthLayers) -> Self {
-        let linear = |code: u8| LINEAR_FROM_SRGB[usize::from(code)];
-        let color = |texel: &[u8]| Vec3::from_array([0, 1, 2].map(|c| linear(texel[c])));
-        let cover = |texel: &[u8]| Vec3::splat(f32::from(texel[0]) / 255.0);
         Self {
             day: means(&layers.day, color),
             water: layers.water.as_ref().map(|map| means(map, cover)),
             cloud_cover: layers.clouds.as_ref().map(|map| means(map, cover)),
+        }
+    }
+
+    /// Takes another map's part from now on.
+    pub fn set(&mut self, part: &MapAlbedo) {
+        match part.layer {
+            MapLayer::Day => self.day.clone_from(&part.means),
+            MapLayer::Clouds => self.cloud_cover = Some(part.means.clone()),
+            MapLayer::Water => self.water = Some(part.means.clone()),
+            MapLayer::Normals | MapLayer::NightLights => {}
         }
     }
 
@@ -57,6 +64,34 @@ impl NeighbourhoodAlbedo {
         let cells = (0..HEIGHT).flat_map(row);
         cells.map(|cell| albedo(cell).extend(1.0)).collect()
     }
+}
+
+/// What one map has a part in it with.
+#[derive(Clone, Debug)]
+pub struct MapAlbedo {
+    layer: MapLayer,
+    means: Vec<Vec3>,
+}
+
+impl MapAlbedo {
+    /// That of a map; `None` of one that has no part in it.
+    pub fn of(layer: MapLayer, map: &LayerImage) -> Option<Self> {
+        let means = match layer {
+            MapLayer::Day => means(map, color),
+            MapLayer::Clouds | MapLayer::Water => means(map, cover),
+            MapLayer::Normals | MapLayer::NightLights => return None,
+        };
+        Some(Self { layer, means })
+    }
+}
+
+fn color(texel: &[u8]) -> Vec3 {
+    let linear = |code: u8| LINEAR_FROM_SRGB[usize::from(code)];
+    Vec3::from_array([0, 1, 2].map(|c| linear(texel[c])))
+}
+
+fn cover(texel: &[u8]) -> Vec3 {
+    Vec3::splat(f32::from(texel[0]) / 255.0)
 }
 
 /// Means of a map over the cells.

@@ -38,7 +38,7 @@ pub mod stream;
 mod texel;
 pub mod tile;
 
-pub use albedo::{CLOUD_ALBEDO, NEIGHBOURHOODS, NeighbourhoodAlbedo};
+pub use albedo::{CLOUD_ALBEDO, MapAlbedo, NEIGHBOURHOODS, NeighbourhoodAlbedo};
 pub use error::ImageryError;
 pub use find::{TEXTURES_VARIABLE, find_textures};
 pub use layer::{EarthLayers, LayerImage};

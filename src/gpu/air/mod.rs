@@ -11,7 +11,6 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 pub(crate) use textures::{AirTextures, Binding};
 use view::AirView;
-use wgpu::util::DeviceExt;
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
@@ -87,11 +86,12 @@ impl AirDrawable {
         textures: AirTextures,
         night: NightLight,
     ) -> Result<Self, ShaderError> {
-        let indices = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("terrella halo triangles"),
-            contents: bytemuck::cast_slice(&Billboard::indices()),
-            usage: wgpu::BufferUsages::INDEX,
-        });
+        let indices = super::filled_buffer(
+            device,
+            "terrella halo triangles",
+            bytemuck::cast_slice(&Billboard::indices()),
+            wgpu::BufferUsages::INDEX,
+        );
         let view = AirView::new(device, &textures, night.moonlight)?;
         let mut shader_bytes = view.shader_bytes;
         let [outside, inside] = AirSide::ALL.map(|side| {

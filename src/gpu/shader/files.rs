@@ -94,6 +94,7 @@ files![
     "earth/vertex/projected_grid_point.wgsl",
     "earth/vertex/projected_grid_uniforms.wgsl",
     "earth/vertex/relief_patches.wgsl",
+    "map_fade.wgsl",
     "tracks.wgsl",
     "tracks/fills.wgsl",
     "tracks/lines.wgsl",

@@ -30,6 +30,7 @@ mod celestial;
 mod constants;
 mod earth;
 mod files;
+mod map_fade;
 #[cfg(feature = "terrain")]
 mod relief_constants;
 mod tracks;
@@ -46,6 +47,7 @@ pub use earth::{
     VertexForm,
 };
 pub use files::FILES as SHADER_FILES;
+pub use map_fade::MapFadeVariant;
 pub use tracks::{TrackKind, TracksVariant};
 pub use upscale::UpscaleVariant;
 pub use variant::{ShaderVariant, TargetColor};

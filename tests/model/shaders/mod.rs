@@ -12,9 +12,10 @@ use std::path::Path;
 use std::sync::LazyLock;
 use terrella::Tone;
 use terrella::internals::gpu::{
-    AirSide, AirVariant, AirViewVariant, CelestialVariant, EarthOutput, EarthVariant, PaperLayers,
-    PatchTiles, SHADER_FILES, ShaderCapability, ShaderText, ShaderVariant, ShadingVariant,
-    SunlitLayers, TargetColor, TracksVariant, TruthLayers, UpscaleVariant, VertexForm,
+    AirSide, AirVariant, AirViewVariant, CelestialVariant, EarthOutput, EarthVariant,
+    MapFadeVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability, ShaderText,
+    ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TracksVariant, TruthLayers,
+    UpscaleVariant, VertexForm,
 };
 
 /// A legal variant of any shader, validated.
@@ -69,6 +70,7 @@ static ALL: LazyLock<(Vec<Shader>, Vec<String>)> = LazyLock::new(|| {
     all.extend(built::<AirViewVariant>());
     all.extend(built::<CelestialVariant>());
     all.extend(built::<TracksVariant>());
+    all.extend(built::<MapFadeVariant>());
     all.extend(built::<UpscaleVariant>());
     let (mut shaders, mut failures) = (Vec::new(), Vec::new());
     for shader in all {

@@ -1,0 +1,37 @@
+// Two maps blended into a third, level by level: of each the hardware takes the level that is as fine as the target.
+
+// | group | binding | what                                    |
+// |-------|---------|-----------------------------------------|
+// | 0     | 0       | the map that is left                    |
+// | 0     | 1       | the map that comes                      |
+// | 0     | 2       | their sampler: repeats round the Earth  |
+// | 0     | 3       | how much of the latter                  |
+@group(0) @binding(0) var map_before: texture_2d<f32>;
+@group(0) @binding(1) var map_after: texture_2d<f32>;
+@group(0) @binding(2) var map_sampler: sampler;
+@group(0) @binding(3) var<uniform> map_fade: MapFade;
+
+struct MapFade {
+    // 0…1, in x.
+    weight: vec4f,
+}
+
+struct Varying {
+    @builtin(position) clip: vec4f,
+    // Of the maps, 0…1 from their upper left corner.
+    @location(0) uv: vec2f,
+}
+
+// One triangle over the whole target.
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> Varying {
+    let uv = vec2f(f32(index & 1u), f32(index >> 1u)) * 2.0;
+    return Varying(vec4f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y, 0.5, 1.0), uv);
+}
+
+@fragment
+fn fragment(in: Varying) -> @location(0) vec4f {
+    let before = textureSample(map_before, map_sampler, in.uv);
+    let after = textureSample(map_after, map_sampler, in.uv);
+    return mix(before, after, map_fade.weight.x);
+}

@@ -1,0 +1,310 @@
+//! Maps on the GPU that hosts hold: uploaded by any thread, the host's own textures, or two blended.
+
+use super::shader::{MapFadeVariant, ShaderModule};
+use super::{DepthBuffer, GpuLayer, PassFormat, PipelineDescription, ShaderError};
+use crate::globe::Shading;
+use crate::imagery::tile::MapLayer;
+use crate::imagery::{ImageryError, LayerImage, MapAlbedo};
+use crate::light::Tone;
+use std::sync::Arc;
+
+/// Why a texture cannot be a map.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MapError {
+    /// The texture has not what a map needs.
+    #[error("this texture cannot be the {layer} map: {what}")]
+    Unfit {
+        /// Which map.
+        layer: &'static str,
+        /// What it has, and what it must have.
+        what: String,
+    },
+    /// The map does not hold what it says.
+    #[error(transparent)]
+    Image(#[from] ImageryError),
+    /// The Earth was made without this map.
+    #[error(
+        "the Earth was made without the {0} map, so its shaders read none; give it one when it is made"
+    )]
+    NotDrawn(&'static str),
+    /// The map is drawn by tiles.
+    #[error(
+        "the {0} map is drawn with the tiles of a pack; give the Earth one without tiles of it, or another pack"
+    )]
+    Tiled(&'static str),
+    /// The shader file is at fault.
+    #[error(transparent)]
+    Shader(#[from] ShaderError),
+    /// The device refused it.
+    #[error("the device refused the map: {0}")]
+    Refused(String),
+}
+
+/// A whole map on the GPU, for [`Earth::set_map`](crate::Earth::set_map). A clone is the same texture.
+///
+/// The map goes once round the Earth: its left edge is 180° W, its upper edge the north pole, in plate carrée.
+#[derive(Clone, Debug)]
+pub struct GpuMap {
+    layer: MapLayer,
+    pub(crate) held: GpuLayer,
+    /// What it lends to the light of the air; not known of a texture.
+    pub(crate) albedo: Option<Arc<MapAlbedo>>,
+}
+
+impl GpuMap {
+    /// Uploads a map, mip levels included. It may be called on any thread, so that no frame waits for it; the texels go to the
+    /// GPU with the queue's next submission. `shading` is the Earth's: the paper's reads colours as they are stored.
+    ///
+    /// # Errors
+    /// An image that does not hold what it says, or is too large for the device.
+    pub fn upload(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        layer: MapLayer,
+        image: &LayerImage,
+        shading: Shading,
+    ) -> Result<Self, MapError> {
+        image.check()?;
+        let limit = device.limits().max_texture_dimension_2d;
+        if image.width.max(image.height) > limit {
+            let (width, height) = (image.width, image.height);
+            let what = format!("it is {width} × {height}; this device takes {limit} texels a side");
+            return Err(unfit(layer, what));
+        }
+        let label = format!("terrella {}", layer.name());
+        let is_stored = shading == Shading::Paper;
+        Ok(Self {
+            layer,
+            held: GpuLayer::upload(device, queue, &label, image, is_stored),
+            albedo: MapAlbedo::of(layer, image).map(Arc::new),
+        })
+    }
+
+    /// A texture that the host holds, writes and draws to as it likes; what it holds when the frame is submitted is drawn.
+    ///
+    /// It needs two dimensions, one layer, one sample, the usage `TEXTURE_BINDING`, and a format that is filtered. Of colours (day) red,
+    /// green and blue are read, linear if the format is sRGB; of clouds, night lights and water red, 0…1; of normals red and green,
+    /// the slopes to east and north, four times too steep. Without mip levels it flickers from far away.
+    ///
+    /// # Errors
+    /// A texture that lacks something of this.
+    pub fn from_texture(layer: MapLayer, texture: &wgpu::Texture) -> Result<Self, MapError> {
+        let size = texture.size();
+        let format = texture.format();
+        let filterable = wgpu::TextureSampleType::Float { filterable: true };
+        let is_flat = texture.dimension() == wgpu::TextureDimension::D2;
+        let what = if !is_flat || size.depth_or_array_layers != 1 {
+            "it is not one layer of two dimensions".to_owned()
+        } else if texture.sample_count() != 1 {
+            format!("it has {} samples and must have 1", texture.sample_count())
+        } else if !texture
+            .usage()
+            .contains(wgpu::TextureUsages::TEXTURE_BINDING)
+        {
+            "its usage lacks TEXTURE_BINDING".to_owned()
+        } else if format.sample_type(None, None) != Some(filterable) {
+            format!("its format {format:?} is not filtered by every device")
+        } else {
+            let texels = u64::from(size.width) * u64::from(size.height);
+            let texel = u64::from(format.block_copy_size(None).unwrap_or(0));
+            let block = format.block_dimensions();
+            return Ok(Self {
+                layer,
+                held: GpuLayer {
+                    view: super::view(texture),
+                    bytes: texels * texel / u64::from(block.0 * block.1),
+                },
+                albedo: None,
+            });
+        };
+        Err(unfit(layer, what))
+    }
+
+    /// A map that is drawn with already.
+    pub(crate) fn of_layer(layer: MapLayer, held: GpuLayer) -> Self {
+        Self {
+            layer,
+            held,
+            albedo: None,
+        }
+    }
+
+    /// Which map it is.
+    pub fn layer(&self) -> MapLayer {
+        self.layer
+    }
+
+    /// Bytes of its texels.
+    pub fn bytes(&self) -> u64 {
+        self.held.bytes
+    }
+}
+
+fn unfit(layer: MapLayer, what: String) -> MapError {
+    MapError::Unfit {
+        layer: layer.name(),
+        what,
+    }
+}
+
+/// One map that passes into another: clouds of one hour into those of the next, a month into a month.
+///
+/// It holds a texture of its own that the Earth is drawn with, and draws into it what lies between two maps.
+pub struct MapFade {
+    map: GpuMap,
+    levels: Vec<wgpu::TextureView>,
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+    sampler: wgpu::Sampler,
+    weight: wgpu::Buffer,
+}
+
+const LABEL: &str = "terrella map fade";
+
+impl MapFade {
+    /// Makes the texture, of so many texels: colours (day), or clouds, night lights and water.
+    ///
+    /// # Errors
+    /// The map of slopes, whose format is not drawn to; a size that the device does not take.
+    pub fn new(
+        device: &wgpu::Device,
+        layer: MapLayer,
+        (width, height): (u32, u32),
+    ) -> Result<Self, MapError> {
+        let format = match layer {
+            MapLayer::Day => wgpu::TextureFormat::Rgba8UnormSrgb,
+            MapLayer::Clouds | MapLayer::NightLights | MapLayer::Water => {
+                wgpu::TextureFormat::R8Unorm
+            }
+            MapLayer::Normals => {
+                let what = "slopes are stored in a format that is not drawn to; set them at once";
+                return Err(unfit(layer, what.to_owned()));
+            }
+        };
+        let limit = device.limits().max_texture_dimension_2d;
+        if width.min(height) == 0 || width.max(height) > limit {
+            let what =
+                format!("{width} × {height} texels; this device takes 1 to {limit} texels a side");
+            return Err(unfit(layer, what));
+        }
+        let count = width.max(height).ilog2() + 1;
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(LABEL),
+            size: wgpu::Extent3d {
+                width,
+                height,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: count,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        let levels = (0..count).map(|level| {
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                label: Some(LABEL),
+                base_mip_level: level,
+                mip_level_count: Some(1),
+                ..Default::default()
+            })
+        });
+        let levels = levels.collect();
+        let fragment = wgpu::ShaderStages::FRAGMENT;
+        let map = |binding| super::texture_entry(binding, wgpu::TextureViewDimension::D2);
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(LABEL),
+            entries: &[
+                map(0),
+                map(1),
+                super::sampler_entry(2),
+                super::uniform_entry(3, fragment, size_of::<[f32; 4]>()),
+            ],
+        });
+        let shader = ShaderModule::new(device, &MapFadeVariant)?;
+        let pipeline = PipelineDescription {
+            label: LABEL,
+            bind_groups: Some(&[Some(&layout)]),
+            module: &shader.module,
+            buffers: &[],
+            primitive: wgpu::PrimitiveState::default(),
+            format: PassFormat {
+                color: format,
+                further: &[],
+                samples: 1,
+                depth: DepthBuffer::None,
+                tone: Tone::default(),
+            },
+            writes_depth: false,
+            blend: None,
+        }
+        .create(device);
+        Ok(Self {
+            map: GpuMap::from_texture(layer, &texture)?,
+            levels,
+            pipeline,
+            layout,
+            sampler: device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some(LABEL),
+                address_mode_u: wgpu::AddressMode::Repeat,
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                mipmap_filter: wgpu::MipmapFilterMode::Linear,
+                ..Default::default()
+            }),
+            weight: super::uniform_buffer::<[f32; 4]>(device, LABEL),
+        })
+    }
+
+    /// The map that is drawn to: give it to the Earth once.
+    pub fn map(&self) -> &GpuMap {
+        &self.map
+    }
+
+    /// Draws what lies between two maps: `weight` 0 is `from`, 1 is `to`; what is no number is 0. Once for each submission of
+    /// `encoder`: it costs about as much as reading both maps once.
+    pub fn draw(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        (from, to): (&GpuMap, &GpuMap),
+        weight: f32,
+    ) {
+        let weight = if weight > 0.0 { weight.min(1.0) } else { 0.0 };
+        let uniform = [weight, 0.0, 0.0, 0.0];
+        queue.write_buffer(&self.weight, 0, bytemuck::bytes_of(&uniform));
+        let bound = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(LABEL),
+            layout: &self.layout,
+            entries: &[
+                bound(0, wgpu::BindingResource::TextureView(&from.held.view)),
+                bound(1, wgpu::BindingResource::TextureView(&to.held.view)),
+                bound(2, wgpu::BindingResource::Sampler(&self.sampler)),
+                bound(3, self.weight.as_entire_binding()),
+            ],
+        });
+        for level in &self.levels {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some(LABEL),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: level,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        // Every texel is drawn over; this spares reading what was there.
+                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                ..Default::default()
+            });
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(0, &bind_group, &[]);
+            pass.draw(0..3, 0..1);
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! The pipelines of the surface: made by any thread, without the surface that they are for.
+
+use super::maps::MapArrangement;
+use super::mesh::MeshForm;
+use super::shader::{
+    EarthOutput, EarthVariant, PaperLayers, ShaderModule, ShaderVariant, ShadingVariant,
+    SunlitLayers, TruthLayers,
+};
+use super::surface_config::SurfaceConfig;
+use super::tiles::TILES_BYTES;
+use super::{AirSide, FrameUniforms, SurfaceLightUniforms, SurfaceOutput};
+use super::{PipelineDescription, ShaderError};
+use crate::globe::Shading;
+use crate::imagery::tile::{MAP_LAYERS, MapLayer};
+
+/// Makes pipelines for the surface that it comes from.
+#[derive(Clone)]
+pub(crate) struct SurfaceMaker {
+    pub(super) mesh: MeshForm,
+    /// Which maps there are.
+    pub(super) maps: [bool; MAP_LAYERS],
+    pub(super) has_tiles: bool,
+}
+
+/// What follows from a configuration.
+pub(crate) struct SurfacePipelines {
+    pub(super) maps: MapArrangement,
+    /// One without air; else that of an eye outside of it, and that of an eye inside.
+    pub(super) passes: Vec<SurfacePasses>,
+    pub(super) shader_bytes: u64,
+}
+
+/// How the surface is drawn from one side of the air.
+pub(super) struct SurfacePasses {
+    pub all: SurfacePass,
+    /// Without what shows by night alone, if there is any: for blocks by day.
+    pub daylit: Option<SurfacePass>,
+    /// For frames that the Moon's shadow is in.
+    pub eclipsed: Option<SurfacePass>,
+}
+
+pub(super) struct SurfacePass {
+    pub variant: EarthVariant,
+    pub pipeline: wgpu::RenderPipeline,
+    /// Of group 0, which each view binds of its own.
+    pub layout: wgpu::BindGroupLayout,
+    shader_bytes: u64,
+}
+
+impl SurfaceMaker {
+    /// Makes what a configuration needs.
+    pub fn make(
+        &self,
+        device: &wgpu::Device,
+        config: &SurfaceConfig<'_>,
+    ) -> Result<SurfacePipelines, ShaderError> {
+        let maps = MapArrangement::new(device, self.maps, config.shown, config.anisotropy);
+        let sides = AirSide::of_air(config.air.is_some());
+        let mut passes = Vec::with_capacity(sides.len());
+        for &side in sides {
+            let all = EarthVariant {
+                form: self.mesh.vertex,
+                output: output(&maps, config, side),
+            };
+            let pass = |variant| self.pass(device, config, &maps, variant);
+            let eclipsed = all.eclipsed().filter(|_| config.eclipses);
+            passes.push(SurfacePasses {
+                all: pass(all)?,
+                daylit: all.daylit().map(pass).transpose()?,
+                eclipsed: eclipsed.map(pass).transpose()?,
+            });
+        }
+        let drawn = passes.iter();
+        let drawn = drawn.flat_map(|passes| {
+            let others = passes.daylit.iter().chain(&passes.eclipsed);
+            std::iter::once(&passes.all).chain(others)
+        });
+        Ok(SurfacePipelines {
+            shader_bytes: drawn.map(|pass| pass.shader_bytes).sum(),
+            maps,
+            passes,
+        })
+    }
+
+    /// Makes what one variant of the shader is drawn with.
+    fn pass(
+        &self,
+        device: &wgpu::Device,
+        config: &SurfaceConfig<'_>,
+        maps: &MapArrangement,
+        variant: EarthVariant,
+    ) -> Result<SurfacePass, ShaderError> {
+        let shader = ShaderModule::new(device, &variant)?;
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("terrella earth"),
+            entries: &self.entries(config, &variant),
+        });
+        let pipeline = PipelineDescription {
+            label: "terrella earth",
+            bind_groups: Some(&[Some(&layout), Some(maps.layout())]),
+            module: &shader.module,
+            buffers: self.mesh.buffers,
+            primitive: wgpu::PrimitiveState {
+                front_face: wgpu::FrontFace::Ccw,
+                cull_mode: Some(self.mesh.culled),
+                polygon_mode: match config.wireframe {
+                    false => wgpu::PolygonMode::Fill,
+                    true => wgpu::PolygonMode::Line,
+                },
+                ..Default::default()
+            },
+            format: config.format,
+            writes_depth: true,
+            blend: None,
+        }
+        .create(device);
+        Ok(SurfacePass {
+            variant,
+            pipeline,
+            layout,
+            shader_bytes: shader.bytes,
+        })
+    }
+
+    /// Layout of group 0, in the order in which [`super::SurfaceDrawable::bind_view`] binds.
+    fn entries(
+        &self,
+        config: &SurfaceConfig<'_>,
+        variant: &EarthVariant,
+    ) -> Vec<wgpu::BindGroupLayoutEntry> {
+        let mut entries = vec![frame_entry()];
+        if let Some((air, side)) = config.air.zip(variant.air()) {
+            entries.extend(air.bindings(side).into_iter().map(|(entry, _)| entry));
+            if config.shading == Shading::Sunlit {
+                entries.push(air.sunlight_binding().0);
+            }
+        }
+        entries.extend(self.has_tiles.then(tiles_entry));
+        entries.extend(reads_light(variant).then(light_entry));
+        entries.extend_from_slice(&self.mesh.entries);
+        entries
+    }
+}
+
+/// Layout of what a frame tells all shaders.
+pub(super) fn frame_entry() -> wgpu::BindGroupLayoutEntry {
+    let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
+    super::uniform_entry(0, both, size_of::<FrameUniforms>())
+}
+
+/// Layout of where tiles lie.
+pub(super) fn tiles_entry() -> wgpu::BindGroupLayoutEntry {
+    super::uniform_entry(3, wgpu::ShaderStages::FRAGMENT, TILES_BYTES)
+}
+
+/// Layout of the surface's light.
+pub(super) fn light_entry() -> wgpu::BindGroupLayoutEntry {
+    let bytes = size_of::<SurfaceLightUniforms>();
+    super::uniform_entry(12, wgpu::ShaderStages::FRAGMENT, bytes)
+}
+
+/// Whether a variant reads the surface's light.
+pub(super) fn reads_light(variant: &EarthVariant) -> bool {
+    variant.conditions_met().contains(&"surface_light")
+}
+
+/// What the pixels of a configuration get, the eye being on this side of the air.
+fn output(maps: &MapArrangement, config: &SurfaceConfig<'_>, air: Option<AirSide>) -> EarthOutput {
+    let clouds = maps.has(MapLayer::Clouds);
+    let normals = maps.has(MapLayer::Normals);
+    let shading = match config.shading {
+        Shading::Paper => ShadingVariant::Paper(PaperLayers {
+            clouds,
+            normals,
+            air,
+        }),
+        Shading::Sunlit => ShadingVariant::Sunlit(SunlitLayers {
+            clouds,
+            cloud_shadows: clouds && config.cloud_shadows,
+            normals,
+            night_lights: maps.has(MapLayer::NightLights),
+            water: maps.has(MapLayer::Water),
+            moonlight: config.moonlight,
+            eclipse: false,
+            detail: config.detail,
+            air,
+        }),
+    };
+    match config.output {
+        SurfaceOutput::Color => EarthOutput::Picture(shading, config.format.target_color()),
+        SurfaceOutput::Geolocation => EarthOutput::Geolocation,
+        SurfaceOutput::Truth => EarthOutput::Truth(TruthLayers {
+            clouds,
+            normals,
+            water: maps.has(MapLayer::Water),
+        }),
+    }
+}
