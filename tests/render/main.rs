@@ -1,5 +1,6 @@
 //! What the Earth draws, through its public interface on a real adapter: places, tiles, relief, tracks, the host's formats.
 
+mod changes;
 #[path = "../common/mod.rs"]
 mod common;
 mod detail;
