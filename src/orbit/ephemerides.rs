@@ -30,8 +30,8 @@ impl Ephemerides {
 
     /// Reads a file of states. Which kind it is, the text itself says:
     ///
-    /// - an OEM of CCSDS 502.0 begins with `CCSDS_OEM_VERS` (KVN) or `<` (XML). States in ICRF, GCRF, EME2000, TEME or
-    ///   ITRF…, times in UTC, TAI, TT or GPS; others are refused. Where it names no interpolation,
+    /// - an OEM of CCSDS 502.0 begins with `CCSDS_OEM_VERS` (KVN) or `<` (XML). States in ICRF, GCRF, EME2000, TEME,
+    ///   ITRF… or GTOD, times in UTC, TAI, TT or GPS; others are refused. Where it names no interpolation,
     ///   [`Interpolation::WITH_VELOCITIES`](super::interpolated::Interpolation::WITH_VELOCITIES) is taken.
     /// - CZML begins with `[`. Every packet with a sampled `position` is an object; `INERTIAL` is taken as GCRF, `FIXED` as
     ///   ITRF. Points that stand still are passed over.

@@ -37,7 +37,9 @@ impl Frame {
     }
 
     /// The frame that a CCSDS file names, about the Earth's centre: `ICRF`, `GCRF`, `EME2000`, `TEME`, `ITRF2000`,
-    /// `ITRF-97`…; letter case aside. Realisations of ITRF differ by centimetres and are taken as one.
+    /// `ITRF-97`…; letter case aside. Realisations of ITRF differ by centimetres and are taken as one. `ICRS` is what
+    /// nyx-space calls ICRF. `GTOD` and `TDR` (true of date, turning with the Earth) are [`Frame::Pef`], `GRC`
+    /// (Greenwich rotating coordinates) is taken with polar motion as Orekit takes it.
     pub fn from_ccsds_name(name: &str) -> Option<Self> {
         let name = name.to_ascii_uppercase();
         // Behind the name stands at most the year or number of a realisation.
@@ -50,7 +52,9 @@ impl Frame {
         match name.as_str() {
             "TEME" | "TEMEOFDATE" => Some(Self::Teme),
             "EME2000" | "J2000" => Some(Self::Eme2000),
-            "PEF" => Some(Self::Pef),
+            "PEF" | "GTOD" | "TDR" => Some(Self::Pef),
+            "GRC" => Some(Self::Itrf),
+            "ICRS" => Some(Self::Gcrf),
             _ if begins("ITRF") => Some(Self::Itrf),
             _ if begins("ICRF") || begins("GCRF") => Some(Self::Gcrf),
             _ => None,

@@ -111,7 +111,7 @@ impl<'o> Draft<'o> {
         let frame = Frame::from_ccsds_name(&frame.value).ok_or_else(|| {
             frame.unsupported(
                 origin,
-                "known frames are ICRF, GCRF, EME2000, TEME and ITRF…",
+                "known frames are ICRF, GCRF, EME2000, TEME, ITRF… and GTOD",
             )
         })?;
         if let Some(date) = meta.get("REF_FRAME_EPOCH") {
