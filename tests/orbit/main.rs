@@ -9,6 +9,7 @@ mod interpolated;
 mod oem;
 mod oem_bad_input;
 mod omm;
+mod simulators;
 mod table;
 mod track;
 mod verification;
