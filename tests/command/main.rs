@@ -15,6 +15,7 @@ mod reference;
 mod report;
 mod several;
 mod shipped;
+mod simulators;
 mod terrain;
 mod truth;
 mod usage;

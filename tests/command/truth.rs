@@ -4,12 +4,12 @@ use crate::{Place, SMALL, names};
 use std::path::Path;
 
 /// Header and numbers of an array.
-struct Array {
-    shape: Vec<usize>,
-    values: Vec<f64>,
+pub(crate) struct Array {
+    pub(crate) shape: Vec<usize>,
+    pub(crate) values: Vec<f64>,
 }
 
-fn numpy(path: &Path) -> Array {
+pub(crate) fn numpy(path: &Path) -> Array {
     let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00");
     let end = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
