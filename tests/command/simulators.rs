@@ -80,7 +80,7 @@ fn what_is_below_is_in_the_middle_of_the_picture() {
         let off = metres(lat_deg, seen);
         println!("{file}: the ground in the middle is {off:.1?} m off");
         // A pixel of this picture is 12 km wide.
-        assert!(off.iter().all(|off| off.abs() < 150.0), "{file}: {off:?}");
+        assert!(off.iter().all(|off| off.abs() < 20.0), "{file}: {off:?}");
     }
 }
 
