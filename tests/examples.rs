@@ -6,6 +6,9 @@ mod embed;
 #[allow(dead_code)]
 #[path = "../examples/minimal.rs"]
 mod minimal;
+#[allow(dead_code)]
+#[path = "../examples/views.rs"]
+mod views;
 
 use image::RgbaImage;
 
@@ -36,4 +39,22 @@ fn a_host_with_its_own_formats_units_and_axes_draws_the_earth() {
     let lit = picture.pixels().filter(|pixel| pixel[2] > 40).count();
     // The limb with its air crosses the picture, below it lies ground in daylight.
     assert!(lit > picture.pixels().len() / 10, "{lit} pixels are lit");
+}
+
+#[test]
+fn four_views_of_one_earth_are_drawn_side_by_side() {
+    let rgba = pollster::block_on(views::draw()).expect("a picture");
+    let (width, height) = views::SIZE;
+    let picture = RgbaImage::from_raw(width, height, rgba).expect("of that size");
+    let lit = |x: u32, y: u32| {
+        let (x, y) = (x * width / 2, y * height / 2);
+        let pixels = (0..height / 2).flat_map(|dy| (0..width / 2).map(move |dx| (x + dx, y + dy)));
+        let is_lit = |(x, y): &(u32, u32)| picture.get_pixel(*x, *y).0[..3].iter().any(|c| *c > 30);
+        f64::from(pixels.filter(is_lit).count() as u32) / f64::from(width * height / 4)
+    };
+    // The telescope sees ground alone; the whole disc has space about it, the others the limb.
+    assert!(lit(0, 1) > 0.99, "telescope {}", lit(0, 1));
+    for (x, y, name) in [(0, 0, "station"), (1, 0, "disc"), (1, 1, "limb")] {
+        assert!((0.15..0.95).contains(&lit(x, y)), "{name} {}", lit(x, y));
+    }
 }
