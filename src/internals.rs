@@ -16,6 +16,9 @@ pub mod light;
 #[cfg(feature = "command")]
 #[path = "measure/mod.rs"]
 pub mod measure;
-#[cfg(feature = "command")]
+#[cfg(feature = "offscreen")]
+#[path = "offscreen/mod.rs"]
+pub mod offscreen;
+#[cfg(feature = "playback")]
 #[path = "play/mod.rs"]
 pub mod play;

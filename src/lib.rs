@@ -27,6 +27,7 @@
 //! | [`Quality`], [`ScaledTarget`] | what may be changed while the Earth is drawn; a picture drawn smaller than it is shown |
 //! | [`GroundOptions`], [`SurfaceSettings`] | ground with relief, and the surface that draws it |
 //! | [`TileOptions`] | imagery larger than memory, streamed |
+//! | [`OffscreenEarth`] | an Earth with a device of its own, drawn into memory: for programs without wgpu |
 //! | [`orbit::Feed`] | where a satellite is, for [`tracks::Tracks`] and for your camera |
 //!
 //! # Modules
@@ -45,6 +46,7 @@
 //! | [`scene`] | the TOML file, defaults, checks with line and key | GPU |
 //! | [`gpu`] | adapter, targets, shaders, one file per drawable | files, orbits |
 //! | [`earth`] | the façade | the command |
+//! | `offscreen` | an Earth that is drawn into memory | files, the command |
 //! | [`celestial`] | stars, the Milky Way, Sun and Moon behind the Earth | files but the star catalogue, the command |
 //! | [`tracks`] | trails, ground tracks, footprints and markers of feeds | files, the command |
 //! | `play` | clock, cameras, window, stills, video | |
@@ -56,8 +58,8 @@
 //! # Features
 //!
 //! A host pays for what it draws. `default-features = false` is the Earth and its air from maps held whole, and no more;
-//! `celestial`, `orbit`, `tracks`, `live`, `packs`, `pack-build`, `terrain` and `scene` add their modules, `command` (default) is all of them, the
-//! window, the video writer and the command line. Without `terrain` there is no value of [`GroundOptions`], without `packs` none of
+//! `celestial`, `orbit`, `tracks`, `live`, `packs`, `pack-build`, `terrain`, `scene` and `offscreen` add their modules, `playback` plays scenes without
+//! a window, `command` (default) is all of them, the window, the video writer and the command line. Without `terrain` there is no value of [`GroundOptions`], without `packs` none of
 //! [`TileOptions`], and the compiler drops all that would use one. The host chooses wgpu's backends, by the features `vulkan`,
 //! `gles`, `metal` and `dx12` or by its own dependency on wgpu, which is also [`wgpu`] here.
 
@@ -76,9 +78,13 @@ pub mod tracks;
 
 pub use {glam, wgpu};
 
-pub(crate) use internals::{air, earth, globe, gpu, imagery, light};
 #[cfg(feature = "command")]
-pub(crate) use internals::{measure, play};
+pub(crate) use internals::measure;
+#[cfg(feature = "offscreen")]
+pub(crate) use internals::offscreen;
+#[cfg(feature = "playback")]
+pub(crate) use internals::play;
+pub(crate) use internals::{air, earth, globe, gpu, imagery, light};
 
 pub use air::{AirOptions, Atmosphere};
 pub use earth::{
@@ -95,6 +101,8 @@ pub use globe::{
     SurfaceKind, SurfaceSettings, clipmap::ClipmapOptions, contours::ContourOptions,
     contours::PageOptions, projected_grid::GridOptions, quadtree::QuadtreeOptions,
 };
+#[cfg(feature = "offscreen")]
+pub use gpu::GpuContext;
 pub use gpu::{
     FrameTargets, GpuMap, MapError, MapFade, ScaledTarget, ShaderError, TruthTargets, TruthTexel,
 };
@@ -108,3 +116,8 @@ pub use imagery::{
     tile::Storage,
 };
 pub use light::{Adaptation, Exposure, Tone, exposure_factor};
+#[cfg(feature = "offscreen")]
+pub use offscreen::{
+    Drawing, LayerDtype, LayerValues, OffscreenEarth, OffscreenError, TRUTH_LAYERS, TruthLayer,
+    TruthPicture,
+};

@@ -441,7 +441,7 @@ impl Earth {
     }
 
     /// The surface that draws ground with relief, as scenes name it; `None` without relief.
-    #[cfg(feature = "command")]
+    #[cfg(feature = "playback")]
     pub(crate) fn surface_name(&self) -> Option<&'static str> {
         self.first.planner.ground().map(|surface| surface.name())
     }

@@ -82,7 +82,7 @@ impl EarthOptions {
     }
 
     /// Whether this device can draw an Earth with these options, as far as that can be said before anything is made.
-    pub(super) fn check(&self, device: &wgpu::Device) -> Result<(), EarthError> {
+    pub(crate) fn check(&self, device: &wgpu::Device) -> Result<(), EarthError> {
         self.exposure.check().map_err(EarthError::Exposure)?;
         self.light.check()?;
         let haze = self.air.aerosol_optical_depth;

@@ -47,6 +47,32 @@ fn read_part(
     lines: &Range<u32>,
     patience: Option<Duration>,
 ) -> Result<Vec<u8>, PictureError> {
+    let bytes = (texel_bytes * texture.width()) as usize * lines.len();
+    let mut pixels: Vec<u8> = Vec::with_capacity(bytes);
+    each_row(
+        device,
+        queue,
+        texture,
+        texel_bytes,
+        lines,
+        patience,
+        &mut |row| {
+            pixels.extend_from_slice(row);
+        },
+    )?;
+    Ok(pixels)
+}
+
+/// Hands over the rows of some lines of a texture, without padding, as they lie in the device's buffer.
+pub(super) fn each_row(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    texture: &wgpu::Texture,
+    texel_bytes: u32,
+    lines: &Range<u32>,
+    patience: Option<Duration>,
+    take: &mut dyn FnMut(&[u8]),
+) -> Result<(), PictureError> {
     let (width, height) = (texture.width(), lines.end - lines.start);
     let padded = (texel_bytes * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let buffer = device.create_buffer(&wgpu::BufferDescriptor {
@@ -83,11 +109,10 @@ fn read_part(
     let limit = patience.map(|patience| (index, patience));
     let mapped = map(device, &buffer, limit).map_err(PictureError::ReadBack)?;
     let row = (texel_bytes * width) as usize;
-    let mut pixels: Vec<u8> = Vec::with_capacity(row * height as usize);
     for line in mapped.chunks_exact(padded as usize) {
-        pixels.extend_from_slice(&line[..row]);
+        take(&line[..row]);
     }
-    Ok(pixels)
+    Ok(())
 }
 
 /// Maps a buffer (usage `MAP_READ`) when what was submitted to write it is done; with a limit, waits for that submission

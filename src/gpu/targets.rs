@@ -1,6 +1,8 @@
 //! Colour and depth textures for programs that have none, and reading a picture back.
 
 use super::DepthBuffer;
+#[cfg(feature = "offscreen")]
+use super::read_back::each_row;
 use super::read_back::{PictureError, read_rows};
 use std::time::Duration;
 
@@ -78,6 +80,65 @@ impl FrameTargets {
             wgpu::TextureFormat::Rgba16Float => read_halves(device, queue, &self.picture, None),
             _ => read_floats(device, queue, &self.picture),
         }
+    }
+
+    /// The colour format.
+    #[cfg(feature = "offscreen")]
+    pub(crate) fn format(&self) -> wgpu::TextureFormat {
+        self.picture.format()
+    }
+
+    /// Reads a picture of 8 bits a channel back to where it is wanted: four bytes a pixel, rows without padding. Waits for the device.
+    #[cfg(feature = "offscreen")]
+    pub(crate) fn read_back_into(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        rgba: &mut [u8],
+    ) -> Result<(), PictureError> {
+        let lines = 0..self.picture.height();
+        let mut rows = rgba.chunks_exact_mut(4 * self.picture.width() as usize);
+        each_row(device, queue, &self.picture, 4, &lines, None, &mut |row| {
+            if let Some(wanted) = rows.next() {
+                wanted.copy_from_slice(row);
+            }
+        })
+    }
+
+    /// The same of light, as [`Self::read_light`].
+    #[cfg(feature = "offscreen")]
+    pub(crate) fn read_light_into(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        light: &mut [f32],
+    ) -> Result<(), PictureError> {
+        let (lines, halves) = (0..self.picture.height(), wgpu::TextureFormat::Rgba16Float);
+        let is_half = self.picture.format() == halves;
+        let texel = if is_half { 8 } else { 16 };
+        let mut rows = light.chunks_exact_mut(4 * self.picture.width() as usize);
+        each_row(
+            device,
+            queue,
+            &self.picture,
+            texel,
+            &lines,
+            None,
+            &mut |row| {
+                let Some(wanted) = rows.next() else { return };
+                if is_half {
+                    let numbers = row.as_chunks::<2>().0.iter();
+                    for (wanted, half) in wanted.iter_mut().zip(numbers) {
+                        *wanted = float_of_half(u16::from_le_bytes(*half));
+                    }
+                } else {
+                    let numbers = row.as_chunks::<4>().0.iter();
+                    for (wanted, number) in wanted.iter_mut().zip(numbers) {
+                        *wanted = f32::from_le_bytes(*number);
+                    }
+                }
+            },
+        )
     }
 
     /// Reads a picture of 8 bits a channel back: four bytes a pixel (RGBA), rows without padding. Waits for the device.

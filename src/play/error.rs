@@ -8,6 +8,7 @@ use crate::frames::EarthOrientationError;
 use crate::gpu::{ContextError, PictureError, TimerError};
 use crate::imagery::ImageryError;
 use crate::imagery::pack::PackError;
+use crate::offscreen::OffscreenError;
 use crate::orbit::OrbitError;
 use crate::scene::SceneError;
 use crate::tracks::TracksError;
@@ -85,6 +86,9 @@ pub enum PlayError {
     /// The renderer.
     #[error(transparent)]
     Earth(#[from] EarthError),
+    /// Textures and what is drawn to them.
+    #[error(transparent)]
+    Offscreen(#[from] OffscreenError),
     /// The adapter.
     #[error(transparent)]
     Context(#[from] ContextError),
@@ -176,70 +180,9 @@ pub enum PlayError {
     /// A camera at a satellite, and no satellite.
     #[error("the scene has no satellite, which this needs; give it an [orbit] table")]
     NoSatellite,
-    /// The picture is larger than the adapter draws.
-    #[error(
-        "a picture of {width} × {height} pixels is larger than {adapter} draws, at most {limit} pixels a side; \
-         take a smaller size"
-    )]
-    TooLarge {
-        /// Width asked for.
-        width: u32,
-        /// Height asked for.
-        height: u32,
-        /// The adapter.
-        adapter: String,
-        /// Its limit.
-        limit: u32,
-    },
-    /// The picture needs more memory than this program takes.
-    #[error(
-        "a picture of {width} × {height} pixels with {samples} samples each needs {mib} MiB, more than the {limit_mib} \
-         MiB allowed; take a smaller size, or samples = 1 in [output]"
-    )]
-    TooMuchMemory {
-        /// Width asked for.
-        width: u32,
-        /// Height asked for.
-        height: u32,
-        /// Samples a pixel.
-        samples: u32,
-        /// What it would take, MiB.
-        mib: u64,
-        /// What is allowed, MiB.
-        limit_mib: u64,
-    },
-    /// Truth that needs more memory than this program takes.
-    #[error(
-        "the truth layers of {width} × {height} pixels need {mib} MiB, more than the {limit_mib} MiB allowed; take a \
-         smaller size"
-    )]
-    TruthTooLarge {
-        /// Width asked for.
-        width: u32,
-        /// Height asked for.
-        height: u32,
-        /// What they would take, MiB.
-        mib: u64,
-        /// What is allowed, MiB.
-        limit_mib: u64,
-    },
     /// A view of which there is no picture.
     #[error("there are no truth layers of this view: its eye or projection is not finite")]
     NoTruth,
-    /// The device refused the picture's textures.
-    #[error(
-        "{adapter} cannot hold a picture of {width} × {height} pixels: {cause}; take a smaller size"
-    )]
-    NoRoom {
-        /// Width asked for.
-        width: u32,
-        /// Height asked for.
-        height: u32,
-        /// The adapter.
-        adapter: String,
-        /// The device's words.
-        cause: String,
-    },
     /// Events of a motion that is not integrated.
     #[error(
         "{satellite} has no events: they are found where motion is integrated; write source = \"numerical\", and what to look for with events = [\"nodes\", \"apsides\", \"eclipses\"] in [orbit]"

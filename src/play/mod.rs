@@ -2,7 +2,8 @@
 //!
 //! [`Flight`] is a scene made ready; at any instant it gives a [`Moment`]: where the eye is and what lights the Earth.
 //! An [`OffscreenRenderer`] draws moments without a display. Three ways lead out: [`write_still`], [`export()`] (frames and video)
-//! and [`play_in_window`].
+//! and [`play_in_window`]. Those two, and pictures with their files, are of the feature `command`; without it [`ScenePictures`] gives the
+//! pictures of a scene in memory.
 //!
 //! | file | what |
 //! |---|---|
@@ -19,9 +20,10 @@
 //! | `craft/` | the spacecraft that the chase camera follows |
 //! | `tracks/` | trails, ground tracks, footprints and names of its satellites |
 //! | `sky`, `sky_parts` | what is beyond the Earth |
+//! | `pictures` | a scene's pictures in memory, for programs that call us |
 //! | `offscreen`, `still`, `stats`, `export`, `video/` | the offscreen renderer; pictures, their numbers, films |
 //! | `radiance` | a picture's light as a file |
-//! | `truth`, `truth_layers`, `truth_manifest` | what is where its pixels look, as files |
+//! | `truth`, `truth_manifest` | what is where its pixels look, as files |
 //! | `float_files` | arrays and pictures of floats |
 //! | `output` | files that are complete or not there |
 //! | `window`, `window_renderer`, `surface` | the window: its events, its renderer, its surface |
@@ -32,64 +34,93 @@
 //! | `quality_control` | the scene's resolution, and what is given up to hold its frame time |
 //! | `frame_cost` | what its frames cost, for adaptive quality |
 
+// What of a file only the command needs is left unused without it.
+
 pub mod camera;
 pub mod clock;
+#[cfg(feature = "command")]
 mod controls;
 mod craft;
 mod egui_pass;
 mod ephemeris;
 mod error;
 mod event_table;
+#[cfg(feature = "command")]
 mod export;
 mod flight;
+#[cfg(feature = "command")]
 mod float_files;
+#[cfg(feature = "command")]
 mod frame_cost;
+#[cfg(feature = "command")]
 mod keys;
+#[cfg(feature = "command")]
 mod live;
 mod maps;
+#[cfg_attr(not(feature = "command"), allow(dead_code))]
 mod offscreen;
+#[cfg_attr(not(feature = "command"), allow(dead_code))]
 mod output;
+#[cfg(feature = "command")]
 mod overlay;
+#[cfg(feature = "command")]
 mod panel;
 mod pass_table;
+mod pictures;
 mod place_text;
 mod progress;
 mod quality_control;
+#[cfg(feature = "command")]
 mod radiance;
 mod relief;
 mod satellites;
 mod sky;
 mod sky_parts;
 mod stats;
+#[cfg(feature = "command")]
 mod still;
+#[cfg(feature = "command")]
 mod surface;
+#[cfg(feature = "command")]
 mod timeline;
+#[cfg_attr(not(feature = "command"), allow(dead_code))]
 mod tracks;
+#[cfg(feature = "command")]
 mod truth;
-mod truth_layers;
+#[cfg(feature = "command")]
 mod truth_manifest;
+#[cfg(feature = "command")]
 mod video;
+#[cfg(feature = "command")]
 mod window;
+#[cfg(feature = "command")]
 mod window_renderer;
 
 pub use craft::CraftPose;
 pub use ephemeris::{Axes, Ephemeris, EphemerisRequest, Layout, Selection, Span, omm, select};
 pub use error::{PlayError, VideoError, WindowError};
 pub use event_table::EventTable;
+#[cfg(feature = "command")]
 pub use export::{ExportRequest, export};
 pub use flight::{Flight, Moment, SatelliteState, ViewRequest};
 pub use maps::{DroppedLayer, earth_options};
+#[cfg(feature = "command")]
 pub(crate) use offscreen::rgba_image;
-pub use offscreen::{OffscreenRenderer, TimedFrame, target_bytes};
+pub use offscreen::{OffscreenRenderer, TimedFrame};
 pub use output::{OutputError, PendingFile};
 pub use pass_table::{PassRequest, PassTable};
+pub use pictures::{ScenePictures, take_starter_files};
 pub use place_text::GroundPlace;
 pub use progress::Progress;
 pub use quality_control::{HeldQuality, QualityControl, scene_quality};
 pub use relief::read_ground;
 pub use satellites::Satellite;
 pub use stats::{EyePosition, PictureStats, SatelliteLight, SubsolarPoint};
+#[cfg(feature = "command")]
 pub use still::{StillRequest, write_still};
+#[cfg(feature = "command")]
 pub(crate) use tracks::TracksLayer;
+#[cfg(feature = "command")]
 pub use video::EncoderChoice;
+#[cfg(feature = "command")]
 pub use window::{WindowRequest, play_in_window};

@@ -8,12 +8,10 @@ use super::tracks::{TrackDetail, TracksLayer};
 use crate::celestial::CelestialOptions;
 use crate::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart, PictureError, ScaledTarget};
 use crate::imagery::tile::TileKey;
+use crate::offscreen::{check_memory, new_targets, supported_samples};
 use crate::{Adaptation, Earth, EarthError, EarthOptions, Exposure, EyeView, FrameStats, Quality};
 use image::RgbaImage;
 use std::time::{Duration, Instant};
-
-/// Most memory that the textures and the read-back buffer of one picture may take, MiB.
-pub const MAX_PICTURE_MIB: u64 = 4096;
 
 /// An Earth with textures to draw it into.
 pub struct OffscreenRenderer {
@@ -260,6 +258,18 @@ impl OffscreenRenderer {
         Ok(self.targets.read_light(&self.gpu.device, &self.gpu.queue)?)
     }
 
+    /// Reads back what was drawn last to where it is wanted: four bytes a pixel. Waits for the device.
+    pub fn read_into(&self, rgba: &mut [u8]) -> Result<(), PlayError> {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        Ok(self.targets.read_back_into(device, queue, rgba)?)
+    }
+
+    /// The same as light, of a renderer that is open for it: four numbers a pixel.
+    pub fn read_light_into(&self, light: &mut [f32]) -> Result<(), PlayError> {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        Ok(self.targets.read_light_into(device, queue, light)?)
+    }
+
     /// Draws an instant twice and times the second time: the first fills caches and compiles what drivers compile late.
     pub fn measure(&mut self, moment: &Moment) -> Result<TimedFrame, PlayError> {
         self.time(moment)?;
@@ -425,92 +435,6 @@ pub(super) fn render_in_order(
     }
 }
 
-/// `wanted` samples a pixel where the adapter does them for this colour format and our depth format, else 1.
-pub(super) fn supported_samples(
-    adapter: &wgpu::Adapter,
-    color: wgpu::TextureFormat,
-    wanted: u32,
-) -> u32 {
-    let does = |format| {
-        let flags = adapter.get_texture_format_features(format).flags;
-        flags.sample_count_supported(wanted)
-    };
-    if wanted <= 1 || (does(color) && does(FrameTargets::DEPTH)) {
-        return wanted.max(1);
-    }
-    tracing::warn!(
-        "{} does not do {wanted} samples a pixel; edges are drawn with one",
-        adapter.get_info().name
-    );
-    1
-}
-
-/// Bytes of the textures that a frame of this size is drawn to, of 8 bits a channel: colour, its samples where there are
-/// several a pixel, and their depth.
-pub fn target_bytes((width, height): (u32, u32), samples: u32) -> u64 {
-    let multisampled = if samples > 1 { u64::from(samples) } else { 0 };
-    u64::from(width) * u64::from(height) * 4 * (1 + multisampled + u64::from(samples))
-}
-
-/// The textures and the read-back buffer.
-fn check_memory(size: (u32, u32), options: &EarthOptions) -> Result<(), PlayError> {
-    let (width, height) = size;
-    let samples = options.samples;
-    let pixel = options.color_format.block_copy_size(None).unwrap_or(4);
-    let pixels = u64::from(width) * u64::from(height);
-    // Of light, copies in numbers of 32 bits too.
-    let copies = if pixel > 4 {
-        u64::from(pixel) + 2 * 16
-    } else {
-        0
-    };
-    let mib = (target_bytes(size, samples) + pixels * (4 + copies)) >> 20;
-    if mib <= MAX_PICTURE_MIB {
-        return Ok(());
-    }
-    Err(PlayError::TooMuchMemory {
-        width,
-        height,
-        samples,
-        mib,
-        limit_mib: MAX_PICTURE_MIB,
-    })
-}
-
-fn new_targets(
-    gpu: &GpuContext,
-    size: (u32, u32),
-    format: wgpu::TextureFormat,
-    samples: u32,
-) -> Result<FrameTargets, PlayError> {
-    let (width, height) = size;
-    let adapter = gpu.adapter.get_info().name;
-    let limit = gpu.device.limits().max_texture_dimension_2d;
-    if width == 0 || height == 0 || width > limit || height > limit {
-        return Err(PlayError::TooLarge {
-            width,
-            height,
-            adapter,
-            limit,
-        });
-    }
-    // Without the scopes a device that is out of memory would end the program in the middle of a word.
-    let memory = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-    let validation = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-    let targets = FrameTargets::with_color(&gpu.device, format, size, samples);
-    let refused = pollster::block_on(validation.pop());
-    let full = pollster::block_on(memory.pop());
-    match full.or(refused) {
-        None => Ok(targets),
-        Some(cause) => Err(PlayError::NoRoom {
-            width,
-            height,
-            adapter,
-            cause: cause.to_string(),
-        }),
-    }
-}
-
 /// Texels that were read back, as encoders and comparisons take them.
 pub(crate) fn rgba_image(
     width: u32,
@@ -519,34 +443,4 @@ pub(crate) fn rgba_image(
 ) -> Result<RgbaImage, PictureError> {
     RgbaImage::from_raw(width, height, texels)
         .ok_or_else(|| PictureError::ReadBack("short read".into()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{EarthLayers, LayerImage};
-
-    #[test]
-    fn the_largest_picture_fits_with_one_sample_and_not_with_four() {
-        let day = LayerImage::from_rgba8(1, 1, vec![0; 4]).expect("a map");
-        let mut options = EarthOptions::new(EarthLayers {
-            day,
-            clouds: None,
-            normals: None,
-            night_lights: None,
-            water: None,
-        });
-        let mut check = |size, samples, format| {
-            options.samples = samples;
-            options.color_format = format;
-            check_memory(size, &options)
-        };
-        let (shown, light) = (FrameTargets::COLOR, wgpu::TextureFormat::Rgba32Float);
-        assert!(check((1280, 720), 4, shown).is_ok());
-        assert!(check((16_384, 16_384), 1, shown).is_ok());
-        let refused = check((16_384, 16_384), 4, shown).expect_err("too much");
-        assert!(refused.to_string().contains("samples = 1"), "{refused}");
-        assert!(check((4096, 4096), 1, light).is_ok());
-        assert!(check((16_384, 16_384), 1, light).is_err());
-    }
 }

@@ -1,8 +1,8 @@
 //! The window's surface: colour in sRGB, its samples and depth.
 
 use super::error::{PlayError, WindowError};
-use super::offscreen::supported_samples;
 use crate::gpu::{GpuContext, ScaledTarget, color_texture};
+use crate::offscreen::supported_samples;
 use crate::{EarthError, Quality};
 use wgpu::TextureFormat::{Bgra8Unorm, Bgra8UnormSrgb, Rgba8Unorm, Rgba8UnormSrgb};
 

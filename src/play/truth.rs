@@ -6,14 +6,14 @@
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
 use super::float_files::{write_exr_header, write_exr_line, write_npy_header};
-use super::offscreen::MAX_PICTURE_MIB;
 use super::output::{OutputError, PendingFile, make_folder};
-use super::truth_layers::{Dtype, LAYERS, PICTURE, Pixel};
-use super::truth_manifest::TruthManifest;
-use crate::gpu::{GpuContext, SurfaceOutput, TruthTargets};
-use crate::imagery::LayerImage;
+use super::truth_manifest::{PICTURE, TruthManifest};
+use crate::gpu::GpuContext;
 use crate::imagery::tile::TileKey;
-use crate::{Earth, EarthOptions, Exposure, TruthView};
+use crate::offscreen::{
+    LayerDtype, TRUTH_LAYERS, TruthPixel, check_truth_memory, new_truth_targets, set_truth,
+};
+use crate::{Earth, EarthOptions, TruthView};
 use rayon::prelude::*;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -51,14 +51,14 @@ impl TruthFolder {
     /// # Errors
     /// A place that cannot be written to; a picture that takes more memory than this program does.
     pub fn create(folder: &Path, size: (u32, u32)) -> Result<Self, PlayError> {
-        check_memory(size)?;
+        check_truth_memory(size)?;
         let missing = folder.ancestors().take_while(|path| !path.exists());
         let missing = missing.filter(|path| !path.as_os_str().is_empty());
         let made = MadeFolders(missing.map(Path::to_owned).collect());
         make_folder(folder)?;
         let file = |name: &str, ending| PendingFile::create(&folder.join(name), "layers", ending);
         Ok(Self {
-            arrays: LAYERS
+            arrays: TRUTH_LAYERS
                 .iter()
                 .map(|layer| file(&layer.file(), "npy"))
                 .collect::<Result<_, _>>()?,
@@ -78,12 +78,12 @@ impl TruthFolder {
         moment: &Moment,
     ) -> Result<Vec<TileKey>, PlayError> {
         let has_water = options.layers.water.is_some();
-        set_options(&mut options)?;
+        set_truth(&mut options)?;
         let view = TruthView::new(&moment.view, &moment.sky, options.figure, size);
         let view = view.ok_or(PlayError::NoTruth)?;
         let (device, queue) = (&gpu.device, &gpu.queue);
         let mut earth = Earth::new(device, queue, &options)?;
-        let targets = new_targets(gpu, size)?;
+        let targets = new_truth_targets(gpu, size)?;
         let wait = flight.scene().output.wait();
         let (_, missing) = earth.prepare_complete(queue, &moment.view, &moment.sky, size, wait);
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
@@ -99,7 +99,7 @@ impl TruthFolder {
         for first in (0..height).step_by(band as usize) {
             let texels = targets.read(device, queue, first..first.saturating_add(band))?;
             for (y, line) in (first..).zip(texels.chunks_exact(width as usize)) {
-                let pixels = line.par_iter().zip(0..width).map(|(texel, x)| Pixel {
+                let pixels = line.par_iter().zip(0..width).map(|(texel, x)| TruthPixel {
                     point: view.point(x, y, texel),
                     limb_distance_rad: view.limb_distance_rad(x, y),
                     has_water,
@@ -139,60 +139,10 @@ impl TruthFolder {
     }
 }
 
-/// The same Earth as numbers. What shows nowhere in them is left out.
-fn set_options(options: &mut EarthOptions) -> Result<(), PlayError> {
-    options.diagnostics.output = SurfaceOutput::Truth;
-    options.color_format = SurfaceOutput::TRUTH[0];
-    options.samples = 1;
-    options.exposure = Exposure::default();
-    if options.light.detail {
-        tracing::info!("the truth is without made detail");
-        options.light.detail = false;
-    }
-    // A source of tiles wants the whole maps that it goes with.
-    if options.tiles.is_none() {
-        let nothing = LayerImage::from_rgba8(1, 1, vec![0; 4]).map_err(PlayError::Imagery)?;
-        options.layers.day = nothing;
-        options.layers.night_lights = None;
-    }
-    Ok(())
-}
-
 /// Bytes of texels that are read back and worked on at once.
 const BAND_BYTES: u64 = 64 << 20;
 /// Of a pixel, with all copies on the way.
 const BAND_PIXEL_BYTES: u64 = 400;
-
-fn check_memory((width, height): (u32, u32)) -> Result<(), PlayError> {
-    let pixels = u64::from(width) * u64::from(height);
-    let mib = (pixels * TruthTargets::PIXEL_BYTES + BAND_BYTES) >> 20;
-    match mib <= MAX_PICTURE_MIB {
-        true => Ok(()),
-        false => Err(PlayError::TruthTooLarge {
-            width,
-            height,
-            mib,
-            limit_mib: MAX_PICTURE_MIB,
-        }),
-    }
-}
-
-fn new_targets(gpu: &GpuContext, size: (u32, u32)) -> Result<TruthTargets, PlayError> {
-    let memory = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-    let validation = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-    let targets = TruthTargets::new(&gpu.device, size);
-    let refused = pollster::block_on(validation.pop());
-    let full = pollster::block_on(memory.pop());
-    match full.or(refused) {
-        None => Ok(targets),
-        Some(cause) => Err(PlayError::NoRoom {
-            width: size.0,
-            height: size.1,
-            adapter: gpu.adapter.get_info().name,
-            cause: cause.to_string(),
-        }),
-    }
-}
 
 /// The files of the layers, as they are written line by line.
 struct Lines<'f> {
@@ -204,8 +154,8 @@ struct Lines<'f> {
 
 impl<'f> Lines<'f> {
     fn begin(folder: &'f TruthFolder, size: (u32, u32)) -> Result<Self, OutputError> {
-        let mut arrays = Vec::with_capacity(LAYERS.len());
-        for (file, layer) in folder.arrays.iter().zip(LAYERS) {
+        let mut arrays = Vec::with_capacity(TRUTH_LAYERS.len());
+        for (file, layer) in folder.arrays.iter().zip(TRUTH_LAYERS) {
             let mut out = file.open()?;
             let shape = layer.shape(size);
             write_npy_header(&mut out, layer.dtype.name(), &shape)
@@ -213,7 +163,7 @@ impl<'f> Lines<'f> {
             arrays.push((file, out));
         }
         let mut channels: Vec<_> = (0..)
-            .zip(LAYERS)
+            .zip(TRUTH_LAYERS)
             .flat_map(|(n, layer)| {
                 let names = layer.channels().into_iter();
                 names.enumerate().map(move |(k, name)| (name, (n, k)))
@@ -231,26 +181,28 @@ impl<'f> Lines<'f> {
         })
     }
 
-    fn write(&mut self, y: u32, pixels: &[Pixel]) -> Result<(), OutputError> {
-        let mut channels = Vec::with_capacity(LAYERS.len());
-        for ((file, out), layer) in self.arrays.iter_mut().zip(LAYERS) {
+    fn write(&mut self, y: u32, pixels: &[TruthPixel]) -> Result<(), OutputError> {
+        let mut channels = Vec::with_capacity(TRUTH_LAYERS.len());
+        for ((file, out), layer) in self.arrays.iter_mut().zip(TRUTH_LAYERS) {
             let mut of_layer = vec![Vec::with_capacity(pixels.len()); layer.channels().len()];
             for pixel in pixels {
                 let values = layer.values(pixel);
                 let written = match layer.dtype {
-                    Dtype::F64 => {
+                    LayerDtype::F64 => {
                         let near = values[0] as f32;
                         of_layer[0].push(near);
                         of_layer[1].push((values[0] - f64::from(near)) as f32);
                         out.write_all(&values[0].to_le_bytes())
                     }
-                    Dtype::F32 => of_layer
-                        .iter_mut()
-                        .zip(values)
-                        .try_for_each(|(all, value)| {
-                            all.push(value as f32);
-                            out.write_all(&(value as f32).to_le_bytes())
-                        }),
+                    LayerDtype::F32 => {
+                        of_layer
+                            .iter_mut()
+                            .zip(values)
+                            .try_for_each(|(all, value)| {
+                                all.push(value as f32);
+                                out.write_all(&(value as f32).to_le_bytes())
+                            })
+                    }
                 };
                 written.map_err(|source| write_error(file, source))?;
             }
@@ -300,15 +252,8 @@ mod tests {
         std::fs::write(root.path().join(MANIFEST), "old").expect("writes");
         let truth = TruthFolder::create(root.path(), (4, 3)).expect("taken");
         // The first layer cannot be given its name.
-        std::fs::create_dir(root.path().join(LAYERS[0].file())).expect("made");
+        std::fs::create_dir(root.path().join(TRUTH_LAYERS[0].file())).expect("made");
         truth.commit().expect_err("in the way");
         assert!(!root.path().join(MANIFEST).exists());
-    }
-
-    #[test]
-    fn what_no_memory_holds_is_refused() {
-        assert!(check_memory((8192, 8192)).is_ok());
-        let refused = check_memory((16_384, 16_384)).expect_err("too much");
-        assert!(refused.to_string().contains("16384"), "{refused}");
     }
 }

@@ -1,9 +1,12 @@
 //! The page beside the layers of truth: what they are, and the view that they are of.
 
 use super::flight::{Flight, Moment};
-use super::truth_layers::{LAYERS, PICTURE};
 use crate::TruthView;
 use crate::frames::{Ellipsoid, rfc3339};
+use crate::offscreen::TRUTH_LAYERS;
+
+/// The picture of all layers.
+pub const PICTURE: &str = "truth.exr";
 
 /// What `truth.json` holds.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -108,7 +111,7 @@ impl TruthManifest {
             },
             sun_itrf: moment.sky.sun_itrf.to_array(),
             moon_itrf_m: moment.sky.moon_itrf_m.map(|moon| moon.to_array()),
-            layers: LAYERS
+            layers: TRUTH_LAYERS
                 .iter()
                 .map(|layer| LayerEntry {
                     name: layer.name,

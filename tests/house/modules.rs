@@ -17,12 +17,14 @@ const MODULES: &[(&str, &[&str])] = &[
     ("scene", &["frames", "orbit", "globe", "air", "light"]),
     ("gpu", &["frames", "globe", "air", "light", "imagery"]),
     ("earth", &["frames", "elevation", "globe", "air", "light", "imagery", "gpu"]),
+    // Drawn into memory.
+    ("offscreen", &["light", "imagery", "gpu", "earth"]),
     // Drawn behind the Earth.
     ("celestial", &["frames", "air", "imagery", "gpu", "earth"]),
     // Drawn with the Earth, for any feed: knows no scene.
     ("tracks", &["frames", "orbit", "globe", "air", "gpu", "earth"]),
-    ("play", &["frames", "orbit", "elevation", "light", "imagery", "scene", "gpu", "earth", "celestial", "tracks"]),
-    ("measure", &["frames", "orbit", "elevation", "globe", "air", "light", "imagery", "scene", "gpu", "earth", "play"]),
+    ("play", &["frames", "orbit", "elevation", "light", "imagery", "scene", "gpu", "earth", "offscreen", "celestial", "tracks"]),
+    ("measure", &["frames", "orbit", "elevation", "globe", "air", "light", "imagery", "scene", "gpu", "earth", "offscreen", "play"]),
     ("cli", &["frames", "orbit", "globe", "imagery", "scene", "gpu", "play", "measure"]),
 ];
 

@@ -6,10 +6,10 @@ use crate::gpu::{BcSupport, GpuContext};
 use crate::imagery::tile::MapLayer;
 use crate::measure::frame_timer::milliseconds;
 use crate::measure::{FrameTimer, median};
+use crate::offscreen::target_bytes;
 use crate::play::clock::frame_epoch;
 use crate::play::{
     Flight, Moment, OffscreenRenderer, PlayError, Progress, TimedFrame, TracksLayer, earth_options,
-    target_bytes,
 };
 use crate::scene::Scene;
 use crate::{Atmosphere, EarthOptions, Shading};

@@ -2,19 +2,16 @@
 
 use crate::TruthPoint;
 
-/// The picture of all layers.
-pub const PICTURE: &str = "truth.exr";
-
 /// What a layer's numbers are stored as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dtype {
+pub enum LayerDtype {
     /// 32-bit floats.
     F32,
     /// 64-bit floats.
     F64,
 }
 
-impl Dtype {
+impl LayerDtype {
     /// NumPy's name.
     pub fn name(self) -> &'static str {
         match self {
@@ -26,7 +23,7 @@ impl Dtype {
 
 /// What is known of a pixel.
 #[derive(Clone, Copy, Debug)]
-pub struct Pixel {
+pub struct TruthPixel {
     /// What is there; `None` where no ground is seen.
     pub point: Option<TruthPoint>,
     /// [`crate::TruthView::limb_distance_rad`].
@@ -37,7 +34,7 @@ pub struct Pixel {
 
 /// A layer.
 #[derive(Clone, Copy, Debug)]
-pub struct Layer {
+pub struct TruthLayer {
     /// Its name; its file has `.npy` after it.
     pub name: &'static str,
     /// The unit of its numbers, "1" where they have none.
@@ -45,7 +42,7 @@ pub struct Layer {
     /// What they are.
     pub what: &'static str,
     /// How they are stored.
-    pub dtype: Dtype,
+    pub dtype: LayerDtype,
     value: Value,
 }
 
@@ -56,28 +53,33 @@ enum Value {
     /// Of ground, three numbers.
     Vector(fn(&TruthPoint) -> [f64; 3]),
     /// Of any pixel.
-    Pixel(fn(&Pixel) -> f64),
+    Pixel(fn(&TruthPixel) -> f64),
 }
 
-const fn layer(name: &'static str, unit: &'static str, what: &'static str, value: Value) -> Layer {
-    Layer {
+const fn layer(
+    name: &'static str,
+    unit: &'static str,
+    what: &'static str,
+    value: Value,
+) -> TruthLayer {
+    TruthLayer {
         name,
         unit,
         what,
-        dtype: Dtype::F32,
+        dtype: LayerDtype::F32,
         value,
     }
 }
 
-const fn wide(layer: Layer) -> Layer {
-    Layer {
-        dtype: Dtype::F64,
+const fn wide(layer: TruthLayer) -> TruthLayer {
+    TruthLayer {
+        dtype: LayerDtype::F64,
         ..layer
     }
 }
 
 /// All layers.
-pub const LAYERS: &[Layer] = &[
+pub const TRUTH_LAYERS: &[TruthLayer] = &[
     wide(layer(
         "lat_deg",
         "degree",
@@ -149,10 +151,18 @@ pub const LAYERS: &[Layer] = &[
     ),
 ];
 
-impl Layer {
+impl TruthLayer {
     /// The name of its file.
     pub fn file(&self) -> String {
         format!("{}.npy", self.name)
+    }
+
+    /// Numbers a pixel.
+    pub fn components(&self) -> usize {
+        match self.value {
+            Value::Vector(_) => 3,
+            _ => 1,
+        }
     }
 
     /// The axes of its array for a picture of this width and height.
@@ -168,13 +178,13 @@ impl Layer {
         let name = self.name;
         match (self.value, self.dtype) {
             (Value::Vector(_), _) => ["x", "y", "z"].map(|axis| format!("{name}.{axis}")).into(),
-            (_, Dtype::F64) => vec![name.to_owned(), format!("{name}_rest")],
-            (_, Dtype::F32) => vec![name.to_owned()],
+            (_, LayerDtype::F64) => vec![name.to_owned(), format!("{name}_rest")],
+            (_, LayerDtype::F32) => vec![name.to_owned()],
         }
     }
 
     /// Its values at a pixel; where it has one, that is the first. NaN where there is none.
-    pub fn values(&self, pixel: &Pixel) -> [f64; 3] {
+    pub fn values(&self, pixel: &TruthPixel) -> [f64; 3] {
         let one = |value| [value, f64::NAN, f64::NAN];
         match self.value {
             Value::Ground(of) => one(pixel.point.as_ref().map_or(f64::NAN, of)),

@@ -1,0 +1,102 @@
+//! What can go wrong between an Earth and its picture in memory.
+
+use crate::EarthError;
+use crate::gpu::{ContextError, PictureError};
+use crate::imagery::ImageryError;
+
+/// What can go wrong between an Earth and its picture in memory.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OffscreenError {
+    /// The adapter.
+    #[error(transparent)]
+    Context(#[from] ContextError),
+    /// The Earth.
+    #[error(transparent)]
+    Earth(#[from] EarthError),
+    /// The maps.
+    #[error(transparent)]
+    Imagery(#[from] ImageryError),
+    /// Reading a picture back.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// The picture is larger than the adapter draws.
+    #[error(
+        "a picture of {width} × {height} pixels is larger than {adapter} draws, at most {limit} pixels a side; \
+         take a smaller size"
+    )]
+    TooLarge {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+        /// The adapter.
+        adapter: String,
+        /// Its limit.
+        limit: u32,
+    },
+    /// The picture needs more memory than this program takes.
+    #[error(
+        "a picture of {width} × {height} pixels with {samples} samples each needs {mib} MiB, more than the {limit_mib} \
+         MiB allowed; take a smaller size, or samples = 1 in [output]"
+    )]
+    TooMuchMemory {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+        /// Samples a pixel.
+        samples: u32,
+        /// What it would take, MiB.
+        mib: u64,
+        /// What is allowed, MiB.
+        limit_mib: u64,
+    },
+    /// Truth that needs more memory than this program takes.
+    #[error(
+        "the truth layers of {width} × {height} pixels need {mib} MiB, more than the {limit_mib} MiB allowed; take a \
+         smaller size"
+    )]
+    TruthTooLarge {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+        /// What they would take, MiB.
+        mib: u64,
+        /// What is allowed, MiB.
+        limit_mib: u64,
+    },
+    /// A view of which there is no picture.
+    #[error(
+        "there is no picture of this view: its eye, projection or sky is not finite, its projection has no inverse, or its eye is \
+         beyond 1e24 m"
+    )]
+    NoPicture,
+    /// A buffer that the picture does not fit.
+    #[error("a picture of {width} × {height} pixels has {needed} values, the buffer {got}")]
+    Length {
+        /// Width of the picture.
+        width: u32,
+        /// Height of the picture.
+        height: u32,
+        /// How many there are.
+        needed: usize,
+        /// How many the buffer has.
+        got: usize,
+    },
+    /// The device refused the picture's textures.
+    #[error(
+        "{adapter} cannot hold a picture of {width} × {height} pixels: {cause}; take a smaller size"
+    )]
+    NoRoom {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+        /// The adapter.
+        adapter: String,
+        /// The device's words.
+        cause: String,
+    },
+}

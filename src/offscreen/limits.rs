@@ -1,0 +1,185 @@
+//! The textures of pictures in memory, and how large they may be.
+
+use super::error::OffscreenError;
+use crate::EarthOptions;
+use crate::gpu::{FrameTargets, GpuContext, TruthTargets};
+
+/// Most memory that the textures and the read-back buffer of one picture may take, MiB.
+pub const MAX_PICTURE_MIB: u64 = 4096;
+
+/// `wanted` samples a pixel where the adapter does them for this colour format and our depth format, else 1.
+pub fn supported_samples(adapter: &wgpu::Adapter, color: wgpu::TextureFormat, wanted: u32) -> u32 {
+    let does = |format| {
+        let flags = adapter.get_texture_format_features(format).flags;
+        flags.sample_count_supported(wanted)
+    };
+    if wanted <= 1 || (does(color) && does(FrameTargets::DEPTH)) {
+        return wanted.max(1);
+    }
+    tracing::warn!(
+        "{} does not do {wanted} samples a pixel; edges are drawn with one",
+        adapter.get_info().name
+    );
+    1
+}
+
+/// Bytes of the textures that a frame of this size is drawn to, of 8 bits a channel: colour, its samples where there are
+/// several a pixel, and their depth.
+pub fn target_bytes((width, height): (u32, u32), samples: u32) -> u64 {
+    let multisampled = if samples > 1 { u64::from(samples) } else { 0 };
+    u64::from(width) * u64::from(height) * 4 * (1 + multisampled + u64::from(samples))
+}
+
+/// Refuses pictures whose textures and read-back buffer would take more than [`MAX_PICTURE_MIB`].
+pub fn check_memory(size: (u32, u32), options: &EarthOptions) -> Result<(), OffscreenError> {
+    let (width, height) = size;
+    let samples = options.samples;
+    let pixel = options.color_format.block_copy_size(None).unwrap_or(4);
+    let pixels = u64::from(width) * u64::from(height);
+    // Of light, copies in numbers of 32 bits too.
+    let copies = if pixel > 4 {
+        u64::from(pixel) + 2 * 16
+    } else {
+        0
+    };
+    let mib = (target_bytes(size, samples) + pixels * (4 + copies)) >> 20;
+    if mib <= MAX_PICTURE_MIB {
+        return Ok(());
+    }
+    Err(OffscreenError::TooMuchMemory {
+        width,
+        height,
+        samples,
+        mib,
+        limit_mib: MAX_PICTURE_MIB,
+    })
+}
+
+/// Most bytes of truth that are read back and worked on at once.
+const TRUTH_BAND_BYTES: u64 = 64 << 20;
+
+/// Refuses truth layers whose textures would take more than [`MAX_PICTURE_MIB`].
+pub fn check_truth_memory((width, height): (u32, u32)) -> Result<(), OffscreenError> {
+    let pixels = u64::from(width) * u64::from(height);
+    let mib = (pixels * TruthTargets::PIXEL_BYTES + TRUTH_BAND_BYTES) >> 20;
+    match mib <= MAX_PICTURE_MIB {
+        true => Ok(()),
+        false => Err(OffscreenError::TruthTooLarge {
+            width,
+            height,
+            mib,
+            limit_mib: MAX_PICTURE_MIB,
+        }),
+    }
+}
+
+/// The textures of a picture, made within what the device holds.
+pub fn new_targets(
+    gpu: &GpuContext,
+    size: (u32, u32),
+    format: wgpu::TextureFormat,
+    samples: u32,
+) -> Result<FrameTargets, OffscreenError> {
+    let make = || FrameTargets::with_color(&gpu.device, format, size, samples);
+    made(gpu, size, make)
+}
+
+/// The textures of truth layers, made within what the device holds.
+pub fn new_truth_targets(
+    gpu: &GpuContext,
+    size: (u32, u32),
+) -> Result<TruthTargets, OffscreenError> {
+    made(gpu, size, || TruthTargets::new(&gpu.device, size))
+}
+
+/// Refuses pictures that are empty or larger than the device draws.
+pub fn check_size(gpu: &GpuContext, (width, height): (u32, u32)) -> Result<(), OffscreenError> {
+    let limit = gpu.device.limits().max_texture_dimension_2d;
+    match (1..=limit).contains(&width) && (1..=limit).contains(&height) {
+        true => Ok(()),
+        false => Err(OffscreenError::TooLarge {
+            width,
+            height,
+            adapter: gpu.adapter.get_info().name,
+            limit,
+        }),
+    }
+}
+
+/// Refuses buffers that a picture with so many numbers a pixel does not fit.
+pub fn check_length(
+    (width, height): (u32, u32),
+    channels: usize,
+    got: usize,
+) -> Result<(), OffscreenError> {
+    let needed = width as usize * height as usize * channels;
+    match got == needed {
+        true => Ok(()),
+        false => Err(OffscreenError::Length {
+            width,
+            height,
+            needed,
+            got,
+        }),
+    }
+}
+
+fn made<T>(
+    gpu: &GpuContext,
+    size: (u32, u32),
+    make: impl FnOnce() -> T,
+) -> Result<T, OffscreenError> {
+    check_size(gpu, size)?;
+    // Without the scopes a device that is out of memory would end the program in the middle of a word.
+    let memory = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+    let validation = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let targets = make();
+    let refused = pollster::block_on(validation.pop());
+    let full = pollster::block_on(memory.pop());
+    match full.or(refused) {
+        None => Ok(targets),
+        Some(cause) => Err(OffscreenError::NoRoom {
+            width: size.0,
+            height: size.1,
+            adapter: gpu.adapter.get_info().name,
+            cause: cause.to_string(),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{EarthLayers, LayerImage};
+
+    #[test]
+    fn the_largest_picture_fits_with_one_sample_and_not_with_four() {
+        let day = LayerImage::from_rgba8(1, 1, vec![0; 4]).expect("a map");
+        let mut options = EarthOptions::new(EarthLayers {
+            day,
+            clouds: None,
+            normals: None,
+            night_lights: None,
+            water: None,
+        });
+        let mut check = |size, samples, format| {
+            options.samples = samples;
+            options.color_format = format;
+            check_memory(size, &options)
+        };
+        let (shown, light) = (FrameTargets::COLOR, wgpu::TextureFormat::Rgba32Float);
+        assert!(check((1280, 720), 4, shown).is_ok());
+        assert!(check((16_384, 16_384), 1, shown).is_ok());
+        let refused = check((16_384, 16_384), 4, shown).expect_err("too much");
+        assert!(refused.to_string().contains("samples = 1"), "{refused}");
+        assert!(check((4096, 4096), 1, light).is_ok());
+        assert!(check((16_384, 16_384), 1, light).is_err());
+    }
+
+    #[test]
+    fn truth_that_no_memory_holds_is_refused() {
+        assert!(check_truth_memory((8192, 8192)).is_ok());
+        let refused = check_truth_memory((16_384, 16_384)).expect_err("too much");
+        assert!(refused.to_string().contains("16384"), "{refused}");
+    }
+}

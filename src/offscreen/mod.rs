@@ -1,0 +1,341 @@
+//! An Earth with a device and textures of its own, and its pictures read back into memory: for programs without wgpu.
+//!
+//! | file | what |
+//! |---|---|
+//! | `mod.rs` | the Earth: shown colour, light, and what is where pixels look |
+//! | `truth.rs` | the numbers of a picture's pixels as arrays |
+//! | `truth_layers.rs` | which layers there are: names, units, values |
+//! | `limits.rs` | textures, and how large pictures may be |
+//! | `error.rs` | what can go wrong |
+
+mod error;
+mod limits;
+mod truth;
+mod truth_layers;
+
+pub use error::OffscreenError;
+pub(crate) use limits::check_length;
+pub use limits::{MAX_PICTURE_MIB, target_bytes};
+#[cfg(feature = "playback")]
+pub(crate) use limits::{check_memory, check_size, new_targets, supported_samples};
+#[cfg(feature = "command")]
+pub(crate) use limits::{check_truth_memory, new_truth_targets};
+#[cfg(feature = "command")]
+pub(crate) use truth::set_truth;
+pub use truth::{LayerValues, TruthPicture};
+pub use truth_layers::{LayerDtype, TRUTH_LAYERS, TruthLayer, TruthPixel};
+
+use crate::gpu::{FrameTargets, GpuContext, TruthTargets};
+use crate::imagery::tile::TileKey;
+use crate::imagery::{EarthLayers, LayerImage};
+use crate::{DiagnosticOptions, Earth, EarthOptions, EyeView, FrameStats, Sky, TruthView};
+use std::time::Duration;
+
+/// An Earth that is drawn into memory, by a device of its own or one that is shared by clones of its [`GpuContext`].
+///
+/// It draws three kinds of pictures, each by an [`Earth`] with textures that are made when the first of its kind is asked for: a
+/// program that asks for one kind pays for that one. The maps of its options are kept in memory for the others.
+///
+/// Every picture is complete when the call returns: the device is waited for. One picture is drawn at a time (`&mut self`); it may
+/// be moved to other threads.
+pub struct OffscreenEarth {
+    gpu: GpuContext,
+    options: EarthOptions,
+    size: (u32, u32),
+    shown: Option<Drawn<FrameTargets>>,
+    light: Option<Drawn<FrameTargets>>,
+    truth: Option<Drawn<TruthTargets>>,
+}
+
+/// An Earth of one kind, and what it is drawn to.
+struct Drawn<T> {
+    earth: Earth,
+    targets: T,
+}
+
+/// What was drawn, and what is missing in it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Drawing {
+    /// What was drawn.
+    pub stats: FrameStats,
+    /// Tiles that did not come in the time that was given: drawn with something coarser.
+    pub missing: Vec<TileKey>,
+}
+
+impl OffscreenEarth {
+    /// Opens the best adapter, or the best of those whose name contains `adapter`, letter case aside, for pictures of any kind. Waits.
+    ///
+    /// # Errors
+    /// No adapter, none of that name, or one that gives no device.
+    pub fn open_gpu(adapter: Option<&str>) -> Result<GpuContext, OffscreenError> {
+        let float = GpuContext::FLOAT_TARGET;
+        Ok(pollster::block_on(GpuContext::open_with(adapter, float))?)
+    }
+
+    /// An Earth of these options for pictures of `size`, width and height in pixels. Colour format, depth and diagnostics of the
+    /// options are chosen here. Nothing is uploaded before the first picture.
+    ///
+    /// # Errors
+    /// A picture that is empty, larger than the device draws, or takes more than [`MAX_PICTURE_MIB`].
+    pub fn new(
+        gpu: GpuContext,
+        mut options: EarthOptions,
+        size: (u32, u32),
+    ) -> Result<Self, OffscreenError> {
+        options.color_format = FrameTargets::COLOR;
+        options.depth = FrameTargets::REVERSED_DEPTH;
+        options.diagnostics = DiagnosticOptions::default();
+        options.samples =
+            limits::supported_samples(&gpu.adapter, FrameTargets::COLOR, options.samples);
+        options.check(&gpu.device)?;
+        limits::check_size(&gpu, size)?;
+        limits::check_memory(size, &options)?;
+        Ok(Self {
+            gpu,
+            options,
+            size,
+            shown: None,
+            light: None,
+            truth: None,
+        })
+    }
+
+    /// Width and height of the next picture, pixels.
+    pub fn size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    /// Draws pictures of another size from now on. Textures are made anew, maps stay where they are.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; the size is then as it was.
+    pub fn set_size(&mut self, size: (u32, u32)) -> Result<(), OffscreenError> {
+        limits::check_size(&self.gpu, size)?;
+        limits::check_memory(size, &self.options)?;
+        self.size = size;
+        Ok(())
+    }
+
+    /// Width over height.
+    pub fn aspect(&self) -> f64 {
+        f64::from(self.size.0) / f64::from(self.size.1)
+    }
+
+    /// Adapter, device and queue.
+    pub fn gpu(&self) -> &GpuContext {
+        &self.gpu
+    }
+
+    /// What the Earth is made of.
+    pub fn options(&self) -> &EarthOptions {
+        &self.options
+    }
+
+    /// Draws the Earth as it is shown and writes it to `rgba`: four bytes a pixel (red, green, blue in sRGB, and opacity, which is
+    /// 255 on the ground), rows from the top, without padding. Waits for tiles of a pack, at most `wait`.
+    ///
+    /// # Errors
+    /// A view of which there is no picture, a buffer of another length than width × height × 4, a device that has no room or is lost.
+    pub fn draw_color(
+        &mut self,
+        view: &EyeView,
+        sky: &Sky,
+        wait: Duration,
+        rgba: &mut [u8],
+    ) -> Result<Drawing, OffscreenError> {
+        check_length(self.size, 4, rgba.len())?;
+        self.check_view(view, sky)?;
+        let (gpu, options) = (&self.gpu, &mut self.options);
+        let shown = Self::of_kind(&mut self.shown, gpu, options, self.size, |_| ())?;
+        let drawing = shown.draw(&self.gpu, view, sky, wait);
+        shown
+            .targets
+            .read_back_into(&self.gpu.device, &self.gpu.queue, rgba)?;
+        Ok(drawing)
+    }
+
+    /// Draws the Earth's light and writes it to `light`: four 32-bit floats a pixel, scene-referred and linear, before exposure and tone
+    /// curve (a white sheet that faces the Sun in space is 1); red, green, blue, and what is no light. Each pixel is the light along the
+    /// ray through its middle. Where the adapter cannot blend 32-bit floats, the light was held in 16-bit ones. The ground is without
+    /// made detail: what is measured is what is known.
+    ///
+    /// # Errors
+    /// As [`Self::draw_color`]; the buffer has width × height × 4 numbers.
+    pub fn draw_light(
+        &mut self,
+        view: &EyeView,
+        sky: &Sky,
+        wait: Duration,
+        light: &mut [f32],
+    ) -> Result<Drawing, OffscreenError> {
+        check_length(self.size, 4, light.len())?;
+        self.check_view(view, sky)?;
+        let format = self.gpu.float_format();
+        let drawn = Self::of_kind(
+            &mut self.light,
+            &self.gpu,
+            &mut self.options,
+            self.size,
+            |options| {
+                // 32-bit numbers of what the device can blend.
+                options.color_format = format;
+                options.samples = 1;
+                options.light.detail = false;
+            },
+        )?;
+        let drawing = drawn.draw(&self.gpu, view, sky, wait);
+        drawn
+            .targets
+            .read_light_into(&self.gpu.device, &self.gpu.queue, light)?;
+        Ok(drawing)
+    }
+
+    /// Draws what is where each pixel looks, to be asked for layer by layer.
+    ///
+    /// # Errors
+    /// As [`Self::draw_color`].
+    pub fn draw_truth(
+        &mut self,
+        view: &EyeView,
+        sky: &Sky,
+        wait: Duration,
+    ) -> Result<(TruthPicture, Drawing), OffscreenError> {
+        let truth_view = TruthView::new(view, sky, self.options.figure, self.size);
+        let truth_view = truth_view.ok_or(OffscreenError::NoPicture)?;
+        limits::check_truth_memory(self.size)?;
+        let (gpu, size) = (&self.gpu, self.size);
+        let targets = match self.truth.take() {
+            Some(drawn) if drawn.targets.size() == size => drawn,
+            Some(drawn) => Drawn {
+                targets: limits::new_truth_targets(gpu, size)?,
+                ..drawn
+            },
+            None => Drawn {
+                earth: make_truth_earth(gpu, &mut self.options)?,
+                targets: limits::new_truth_targets(gpu, size)?,
+            },
+        };
+        let drawn = self.truth.insert(targets);
+        let drawing = drawn.draw(gpu, view, sky, wait);
+        let lines = 0..size.1;
+        let texels = drawn.targets.read(&gpu.device, &gpu.queue, lines)?;
+        let has_water = self.options.layers.water.is_some();
+        Ok((
+            TruthPicture::new(truth_view, size, texels, has_water),
+            drawing,
+        ))
+    }
+
+    fn of_kind<'d>(
+        kept: &'d mut Option<Drawn<FrameTargets>>,
+        gpu: &GpuContext,
+        options: &mut EarthOptions,
+        size: (u32, u32),
+        choose: impl FnOnce(&mut EarthOptions),
+    ) -> Result<&'d mut Drawn<FrameTargets>, OffscreenError> {
+        let drawn = match kept.take() {
+            Some(drawn) if drawn.targets.size() == size => drawn,
+            Some(drawn) => {
+                let (format, samples) = (drawn.targets.format(), drawn.earth.quality().samples);
+                Drawn {
+                    targets: limits::new_targets(gpu, size, format, samples)?,
+                    ..drawn
+                }
+            }
+            None => {
+                let (mut format, mut samples) = (options.color_format, options.samples);
+                let earth = make_earth(gpu, options, |options| {
+                    choose(options);
+                    (format, samples) = (options.color_format, options.samples);
+                })?;
+                Drawn {
+                    targets: limits::new_targets(gpu, size, format, samples)?,
+                    earth,
+                }
+            }
+        };
+        Ok(kept.insert(drawn))
+    }
+
+    fn check_view(&self, view: &EyeView, sky: &Sky) -> Result<(), OffscreenError> {
+        let found = TruthView::new(view, sky, self.options.figure, self.size);
+        found.map(|_| ()).ok_or(OffscreenError::NoPicture)
+    }
+}
+
+/// What begins a pass.
+trait Targets {
+    fn begin<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e>;
+    fn pixels(&self) -> (u32, u32);
+}
+
+impl Targets for FrameTargets {
+    fn begin<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
+        self.begin_pass(encoder)
+    }
+
+    fn pixels(&self) -> (u32, u32) {
+        self.size()
+    }
+}
+
+impl Targets for TruthTargets {
+    fn begin<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
+        self.begin_pass(encoder)
+    }
+
+    fn pixels(&self) -> (u32, u32) {
+        self.size()
+    }
+}
+
+impl<T: Targets> Drawn<T> {
+    fn draw(&mut self, gpu: &GpuContext, view: &EyeView, sky: &Sky, wait: Duration) -> Drawing {
+        let size = self.targets.pixels();
+        let (stats, missing) = self
+            .earth
+            .prepare_complete(&gpu.queue, view, sky, size, wait);
+        let label = Some("terrella offscreen");
+        let mut encoder = gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
+        self.earth.render(&mut self.targets.begin(&mut encoder));
+        gpu.queue.submit([encoder.finish()]);
+        Drawing { stats, missing }
+    }
+}
+
+/// Makes an Earth of options that `choose` has changed in what is no map. Maps are moved, not copied.
+fn make_earth(
+    gpu: &GpuContext,
+    options: &mut EarthOptions,
+    choose: impl FnOnce(&mut EarthOptions),
+) -> Result<Earth, OffscreenError> {
+    let none = EarthLayers {
+        day: LayerImage::from_rgba8(1, 1, vec![0; 4])?,
+        clouds: None,
+        normals: None,
+        night_lights: None,
+        water: None,
+    };
+    let maps = std::mem::replace(&mut options.layers, none);
+    let mut own = options.clone();
+    own.layers = maps;
+    choose(&mut own);
+    let earth = Earth::new(&gpu.device, &gpu.queue, &own);
+    options.layers = own.layers;
+    Ok(earth?)
+}
+
+/// The same Earth as numbers. Maps that show nowhere in them are not uploaded.
+fn make_truth_earth(gpu: &GpuContext, options: &mut EarthOptions) -> Result<Earth, OffscreenError> {
+    let before = (options.color_format, options.samples, options.exposure);
+    let detail = options.light.detail;
+    let hidden = truth::set_truth(options)?;
+    let earth = Earth::new(&gpu.device, &gpu.queue, options);
+    (options.color_format, options.samples, options.exposure) = before;
+    options.light.detail = detail;
+    options.diagnostics = DiagnosticOptions::default();
+    hidden.give_back(options);
+    Ok(earth?)
+}

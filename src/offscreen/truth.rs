@@ -1,0 +1,152 @@
+//! The numbers of a picture's pixels as arrays.
+
+use super::error::OffscreenError;
+use super::truth_layers::{LayerDtype, TruthLayer, TruthPixel};
+use crate::gpu::{SurfaceOutput, TruthTexel};
+use crate::imagery::LayerImage;
+use crate::{EarthOptions, Exposure, TruthView};
+use rayon::prelude::*;
+
+/// Lines of pixels that are worked on at once.
+const BAND_LINES: usize = 64;
+
+/// What is where each pixel of a picture looks.
+#[derive(Clone, Debug)]
+pub struct TruthPicture {
+    view: TruthView,
+    size: (u32, u32),
+    texels: Vec<TruthTexel>,
+    has_water: bool,
+}
+
+/// A layer's numbers, row by row from the top, as [`TruthLayer::dtype`] says.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LayerValues {
+    /// 32-bit floats.
+    F32(Vec<f32>),
+    /// 64-bit floats.
+    F64(Vec<f64>),
+}
+
+impl TruthPicture {
+    pub(super) fn new(
+        view: TruthView,
+        size: (u32, u32),
+        texels: Vec<TruthTexel>,
+        has_water: bool,
+    ) -> Self {
+        Self {
+            view,
+            size,
+            texels,
+            has_water,
+        }
+    }
+
+    /// Width and height, pixels.
+    pub fn size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    /// The rays of its pixels.
+    pub fn view(&self) -> &TruthView {
+        &self.view
+    }
+
+    /// The numbers of some layers, in their order; each pixel is looked at once for all of them. Vectors are three numbers a pixel, one
+    /// after another. NaN where there is none.
+    pub fn layers(&self, wanted: &[&TruthLayer]) -> Vec<LayerValues> {
+        let count = self.texels.len();
+        let mut values: Vec<_> = wanted
+            .iter()
+            .map(|layer| match layer.dtype {
+                LayerDtype::F32 => LayerValues::F32(Vec::with_capacity(count * layer.components())),
+                LayerDtype::F64 => LayerValues::F64(Vec::with_capacity(count * layer.components())),
+            })
+            .collect();
+        let width = self.size.0 as usize;
+        for (first, band) in (0..)
+            .step_by(BAND_LINES)
+            .zip(self.texels.chunks(BAND_LINES * width))
+        {
+            let pixels: Vec<TruthPixel> = (0..band.len())
+                .into_par_iter()
+                .map(|i| self.pixel((i % width) as u32, first + (i / width) as u32, &band[i]))
+                .collect();
+            for (layer, values) in wanted.iter().zip(&mut values) {
+                let components = layer.components();
+                let numbers = pixels.iter().flat_map(|pixel| {
+                    let numbers = layer.values(pixel);
+                    numbers.into_iter().take(components)
+                });
+                match values {
+                    LayerValues::F32(all) => all.extend(numbers.map(|number| number as f32)),
+                    LayerValues::F64(all) => all.extend(numbers),
+                }
+            }
+        }
+        values
+    }
+
+    /// Distance of the drawn ground from the eye along the camera's axis, metres: the depth of a pinhole camera. Infinite where no
+    /// ground is seen. Found in f64 on each pixel's ray; no depth buffer is read.
+    pub fn depth_m(&self) -> Vec<f32> {
+        let width = self.size.0 as usize;
+        let [corner, right, down] = self.view.corner_right_down();
+        let texels = self.texels.par_iter().enumerate();
+        texels
+            .map(|(i, texel)| {
+                let (x, y) = ((i % width) as u32, (i / width) as u32);
+                let Some(point) = self.view.point(x, y, texel) else {
+                    return f32::INFINITY;
+                };
+                // Rays end on the plane one metre ahead.
+                let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+                (point.range_m / (corner + x * right + y * down).length()) as f32
+            })
+            .collect()
+    }
+
+    fn pixel(&self, x: u32, y: u32, texel: &TruthTexel) -> TruthPixel {
+        TruthPixel {
+            point: self.view.point(x, y, texel),
+            limb_distance_rad: self.view.limb_distance_rad(x, y),
+            has_water: self.has_water,
+        }
+    }
+}
+
+/// Maps that [`set_truth`] has taken out.
+pub(crate) struct HiddenMaps(Option<(LayerImage, Option<LayerImage>)>);
+
+impl HiddenMaps {
+    /// Puts them back.
+    pub fn give_back(self, options: &mut EarthOptions) {
+        if let Some((day, night_lights)) = self.0 {
+            options.layers.day = day;
+            options.layers.night_lights = night_lights;
+        }
+    }
+}
+
+/// The same Earth as numbers. What shows nowhere in them is left out.
+pub(crate) fn set_truth(options: &mut EarthOptions) -> Result<HiddenMaps, OffscreenError> {
+    // A source of tiles wants the whole maps that it goes with.
+    let hidden = match options.tiles {
+        Some(_) => None,
+        None => {
+            let nothing = LayerImage::from_rgba8(1, 1, vec![0; 4])?;
+            let day = std::mem::replace(&mut options.layers.day, nothing);
+            Some((day, options.layers.night_lights.take()))
+        }
+    };
+    options.diagnostics.output = SurfaceOutput::Truth;
+    options.color_format = SurfaceOutput::TRUTH[0];
+    options.samples = 1;
+    options.exposure = Exposure::default();
+    if options.light.detail {
+        tracing::info!("the truth is without made detail");
+        options.light.detail = false;
+    }
+    Ok(HiddenMaps(hidden))
+}
