@@ -1,0 +1,52 @@
+"""A realistic Earth as NumPy arrays.
+
+>>> import terrella
+>>> scene = terrella.Scene("config/iss.toml")
+>>> scene.frame().save("iss.png")
+
+``Scene`` plays a scene file at any instant; ``Earth`` is the Earth alone, seen by a ``Camera`` of yours; ``Catalogue`` and
+``Ephemerides`` say where satellites are. Lengths are metres, angles degrees where a name says so, axes Earth-fixed (ITRF: x to 0° E
+on the equator, z to the north pole). Pictures have their first row at the top.
+"""
+
+from ._earth import Earth, Frame, Scene
+from ._film import Film
+from ._native import (
+    Camera,
+    Catalogue,
+    DeviceError,
+    Ephemerides,
+    Epoch,
+    Error,
+    OrbitError,
+    SceneError,
+    __version__,
+    geodetic_from_itrf,
+    itrf_from_geodetic,
+    readings,
+    sun_itrf_m,
+    transform,
+    truth_layers,
+)
+
+__all__ = [
+    "Camera",
+    "Catalogue",
+    "DeviceError",
+    "Earth",
+    "Ephemerides",
+    "Epoch",
+    "Error",
+    "Film",
+    "Frame",
+    "OrbitError",
+    "Scene",
+    "SceneError",
+    "__version__",
+    "geodetic_from_itrf",
+    "itrf_from_geodetic",
+    "readings",
+    "sun_itrf_m",
+    "transform",
+    "truth_layers",
+]

@@ -1,0 +1,103 @@
+"""Films, by the program ffmpeg."""
+
+import os
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+
+class Film:
+    """An H.264 film (MP4) of frames that are written one by one. It is complete or not there.
+
+    >>> with terrella.Film("iss.mp4", scene.size, scene.frame_rate_hz) as film:
+    ...     for frame in tqdm(scene.frames(), total=len(scene.times())):
+    ...         film.write(frame)
+
+    ``crf`` is x264's quality, 0 to 51, 18 by default. Needs ``ffmpeg`` with libx264 on the search path.
+    """
+
+    def __init__(self, path, size, frame_rate_hz, *, crf=18):
+        from .  import _native
+
+        width, height = size
+        if width % 2 or height % 2 or width < 2 or height < 2:
+            raise ValueError(f"size: H.264 needs an even width and height, not {width} × {height}")
+        if not 0 < float(frame_rate_hz) <= 1000:
+            raise ValueError(f"frame_rate_hz: {frame_rate_hz} is not more than 0 and at most 1000")
+        if not 0 <= int(crf) <= 51:
+            raise ValueError(f"crf: {crf} is not from 0 to 51")
+        program = shutil.which("ffmpeg")
+        if program is None:
+            raise _native.Error("ffmpeg was not found on the search path; install it (on Debian and Ubuntu "
+                                "`apt-get install ffmpeg`), or write frames by Frame.save")
+        self._path = Path(path)
+        if self._path.suffix.lower() != ".mp4":
+            raise ValueError(f"path: {path} does not end in .mp4")
+        self._unfinished = self._path.with_name(f"{self._path.stem}.{os.getpid()}.part.mp4")
+        self._size = (width, height)
+        self._errors = tempfile.TemporaryFile()
+        self._ffmpeg = subprocess.Popen(
+            [program, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{width}x{height}",
+             "-r", str(frame_rate_hz), "-i", "-", "-c:v", "libx264", "-crf", str(int(crf)), "-pix_fmt", "yuv420p",
+             "-movflags", "+faststart", os.fspath(self._unfinished)],
+            stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=self._errors)
+
+    def write(self, frame):
+        """Writes the next frame: a ``Frame``, or an array of height × width × 4 bytes."""
+        import numpy
+
+        color = numpy.ascontiguousarray(getattr(frame, "color", frame))
+        width, height = self._size
+        if color.shape != (height, width, 4) or color.dtype != numpy.uint8:
+            raise ValueError(f"frame: an array of shape {(height, width, 4)} and dtype uint8 is needed, not of {color.shape} and {color.dtype}")
+        if self._ffmpeg is None:
+            raise ValueError("frame: the film is finished")
+        try:
+            self._ffmpeg.stdin.write(color.data)
+        except OSError:
+            self._fail()
+
+    def close(self):
+        """Finishes the film and gives the file its name."""
+        if self._ffmpeg is None:
+            return
+        try:
+            self._ffmpeg.stdin.close()
+        except OSError:
+            self._fail()
+        if self._ffmpeg.wait() != 0 or not self._unfinished.exists():
+            self._fail()
+        self._ffmpeg = None
+        self._errors.close()
+        self._unfinished.replace(self._path)
+
+    def _fail(self):
+        from . import _native
+
+        status = self._ffmpeg.wait()
+        self._errors.seek(0)
+        words = self._errors.read().decode(errors="replace").strip()[-500:]
+        self._discard()
+        raise _native.Error(f"{self._path}: ffmpeg failed ({status}): {words}")
+
+    def _discard(self):
+        if self._ffmpeg is not None:
+            self._ffmpeg.kill()
+            self._ffmpeg.wait()
+            try:
+                self._ffmpeg.stdin.close()
+            except OSError:
+                pass
+            self._ffmpeg = None
+        self._errors.close()
+        self._unfinished.unlink(missing_ok=True)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, value, traceback):
+        if kind is None:
+            self.close()
+        else:
+            self._discard()

@@ -1,0 +1,88 @@
+"""An Earth in a notebook that turns under the mouse. Needs the extra ``terrella[notebook]`` (jupyter_rfb).
+
+>>> from terrella.notebook import View
+>>> View(terrella.Earth((640, 360)), "2018-06-21T08:00:00Z")
+"""
+
+import math
+import threading
+
+from jupyter_rfb import RemoteFrameBuffer
+
+from ._native import Camera
+
+
+class View(RemoteFrameBuffer):
+    """The Earth seen from above a place: drag to fly, turn the wheel to climb. The kernel is free while a picture is drawn."""
+
+    LOWEST_M = 2e5
+    HIGHEST_M = 1e8
+
+    def __init__(self, earth, time, *, lat_deg=20.0, lon_deg=10.0, height_m=1.2e7, fov_deg=45.0):
+        # Before the widget begins: it may ask for a frame at once.
+        self._earth = earth
+        self._time = time
+        self.place = [float(lat_deg), float(lon_deg), float(height_m)]
+        self._fov_deg = fov_deg
+        self._dragged = None
+        self._wanted = threading.Event()
+        self._lock = threading.Lock()
+        self._drawn = None
+        # What cannot be drawn is said here and not in a thread.
+        self._draw()
+        super().__init__()
+        width, height = earth.size
+        self.css_width, self.css_height = f"{width}px", f"{height}px"
+
+    def camera(self):
+        """Where the eye is now."""
+        lat_deg, lon_deg, height_m = self.place
+        return Camera.geodetic(lat_deg, lon_deg, height_m, fov_deg=self._fov_deg)
+
+    def set_time(self, time):
+        """Shows another instant."""
+        self._time = time
+        self._draw()
+        self.request_draw()
+
+    def _draw(self):
+        self._drawn = self._earth.color(self.camera(), self._time)[:, :, :3]
+
+    def _draw_in_thread(self):
+        try:
+            while self._wanted.is_set():
+                self._wanted.clear()
+                self._draw()
+                self.request_draw()
+        finally:
+            self._lock.release()
+
+    def _moved(self):
+        self._wanted.set()
+        if self._lock.acquire(blocking=False):
+            threading.Thread(target=self._draw_in_thread, daemon=True).start()
+
+    def get_frame(self):
+        """Called by the widget: the picture drawn last."""
+        return self._drawn
+
+    def handle_event(self, event):
+        """Called by the widget: what the mouse does."""
+        kind = event["event_type"]
+        if kind == "pointer_down":
+            self._dragged = event["x"], event["y"]
+        elif kind == "pointer_up":
+            self._dragged = None
+        elif kind == "pointer_move" and self._dragged is not None:
+            (x, y), self._dragged = self._dragged, (event["x"], event["y"])
+            # The ground below the middle follows the pointer.
+            pixel_m = 2 * self.place[2] * math.tan(math.radians(self._fov_deg) / 2) / self._earth.size[1]
+            pixel_deg = min(math.degrees(pixel_m / 6.4e6), 0.5)
+            narrowing = max(math.cos(math.radians(self.place[0])), 0.1)
+            self.place[0] = min(max(self.place[0] + (event["y"] - y) * pixel_deg, -89.9), 89.9)
+            self.place[1] = (self.place[1] - (event["x"] - x) * pixel_deg / narrowing + 180) % 360 - 180
+            self._moved()
+        elif kind == "wheel":
+            height_m = self.place[2] * math.exp(event["dy"] / 500)
+            self.place[2] = min(max(height_m, self.LOWEST_M), self.HIGHEST_M)
+            self._moved()

@@ -1,0 +1,183 @@
+//! Satellites of files: where they are at any instants, as arrays.
+
+use crate::errors::of_orbit;
+use crate::times::{PyEpoch, epochs};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use terrella::frames::{Epoch, Orientation};
+use terrella::orbit::{Catalogue, Ephemerides, EphemerisFeed, Feed, Frame, OrbitError, Sgp4Feed};
+
+/// Most states that one call gives.
+const MAX_STATES: usize = 1 << 27;
+const FRAMES: [Frame; 5] = [
+    Frame::Itrf,
+    Frame::Teme,
+    Frame::Gcrf,
+    Frame::Eme2000,
+    Frame::Pef,
+];
+
+/// A frame by its name, letter case aside.
+pub fn frame_named(wanted: &str, argument: &str) -> PyResult<Frame> {
+    let found = FRAMES
+        .into_iter()
+        .find(|frame| frame.name().eq_ignore_ascii_case(wanted));
+    found.ok_or_else(|| {
+        let known: Vec<_> = FRAMES
+            .iter()
+            .map(|frame| frame.name().to_lowercase())
+            .collect();
+        PyValueError::new_err(format!(
+            "{argument}: {wanted:?} is none of {}",
+            known.join(", ")
+        ))
+    })
+}
+
+type Pair<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
+
+/// Positions and velocities, satellites × instants × 3. `outside` says what becomes of instants at which one is not known.
+pub fn states_of<'py>(
+    py: Python<'py>,
+    feeds: &[&dyn Feed],
+    epochs: &[Epoch],
+    frame: Frame,
+    outside: &str,
+) -> PyResult<Pair<'py>> {
+    let keeps_going = match outside {
+        "raise" => false,
+        "nan" => true,
+        _ => {
+            return Err(PyValueError::new_err(format!(
+                "outside: {outside:?} is neither \"raise\" nor \"nan\""
+            )));
+        }
+    };
+    let count = feeds
+        .len()
+        .checked_mul(epochs.len())
+        .filter(|count| *count <= MAX_STATES);
+    let count = count.ok_or_else(|| {
+        PyValueError::new_err(format!(
+            "times: {} satellites at {} instants are more than the {MAX_STATES} states that one call gives",
+            feeds.len(),
+            epochs.len()
+        ))
+    })?;
+    let computed = py.detach(|| computed(feeds, epochs, frame, keeps_going, count));
+    let (positions, velocities) = computed.map_err(|error| of_orbit(&error))?;
+    let shape = [feeds.len(), epochs.len(), 3];
+    let array = |numbers| -> PyResult<Bound<'py, PyAny>> {
+        Ok(PyArray1::from_vec(py, numbers).reshape(shape)?.into_any())
+    };
+    Ok((array(positions)?, array(velocities)?))
+}
+
+fn computed(
+    feeds: &[&dyn Feed],
+    epochs: &[Epoch],
+    frame: Frame,
+    keeps_going: bool,
+    count: usize,
+) -> Result<(Vec<f64>, Vec<f64>), OrbitError> {
+    let mut positions = Vec::with_capacity(3 * count);
+    let mut velocities = Vec::with_capacity(3 * count);
+    for feed in feeds {
+        for epoch in epochs {
+            match feed.state_at(*epoch) {
+                Ok(state) => {
+                    let state = state.in_frame(frame, &Orientation::default());
+                    positions.extend(state.position_m.to_array());
+                    velocities.extend(state.velocity_m_s.to_array());
+                }
+                Err(_) if keeps_going => {
+                    positions.extend([f64::NAN; 3]);
+                    velocities.extend([f64::NAN; 3]);
+                }
+                Err(error) => return Err(error),
+            }
+        }
+    }
+    Ok((positions, velocities))
+}
+
+macro_rules! file_of_feeds {
+    ($class:ident, $name:literal, $read:ident, $feed:ty, $doc:literal) => {
+        #[doc = $doc]
+        #[pyclass(frozen, name = $name, module = "terrella")]
+        pub struct $class {
+            feeds: Vec<$feed>,
+            /// What is wrong with other records of the file: the first thousand.
+            #[pyo3(get)]
+            faults: Vec<String>,
+        }
+
+        #[pymethods]
+        impl $class {
+            #[new]
+            #[pyo3(signature = (path, *, strict = false))]
+            fn new(py: Python<'_>, path: PathBuf, strict: bool) -> PyResult<Self> {
+                let read = py.detach(|| $read::from_file(&path, strict));
+                let read = read.map_err(|error| of_orbit(&error))?;
+                Ok(Self {
+                    faults: read.faults.iter().map(ToString::to_string).collect(),
+                    feeds: read.feeds,
+                })
+            }
+
+            /// Names of the satellites, in the order of the file.
+            #[getter]
+            fn names(&self) -> Vec<String> {
+                self.feeds
+                    .iter()
+                    .map(|feed| feed.name().to_owned())
+                    .collect()
+            }
+
+            /// First and last instant at which each is known.
+            #[getter]
+            fn validity(&self) -> Vec<(PyEpoch, PyEpoch)> {
+                let spans = self.feeds.iter().map(Feed::validity);
+                spans
+                    .map(|(first, last)| (PyEpoch(first), PyEpoch(last)))
+                    .collect()
+            }
+
+            fn __len__(&self) -> usize {
+                self.feeds.len()
+            }
+
+            /// Positions and velocities, metres and metres a second: satellites × instants × 3 each. `frame` is itrf, teme, gcrf, eme2000 or pef,
+            /// and velocities are those seen in it. Instants at which a satellite is not known raise, or are NaN with outside="nan".
+            #[pyo3(signature = (times, frame = "itrf", *, outside = "raise"))]
+            fn propagate<'py>(
+                &self,
+                py: Python<'py>,
+                times: &Bound<'py, PyAny>,
+                frame: &str,
+                outside: &str,
+            ) -> PyResult<Pair<'py>> {
+                let (frame, epochs) = (frame_named(frame, "frame")?, epochs(times, "times")?);
+                let feeds: Vec<_> = self.feeds.iter().map(|feed| feed as &dyn Feed).collect();
+                states_of(py, &feeds, &epochs, frame, outside)
+            }
+        }
+    };
+}
+
+file_of_feeds!(
+    PyCatalogue,
+    "Catalogue",
+    Catalogue,
+    Sgp4Feed,
+    "Satellites of a file of mean elements (TLE, or OMM in KVN, XML, JSON or CSV), flown by SGP4.\n\nSets that are spoilt are listed in `faults`; with strict=True they are refused."
+);
+file_of_feeds!(
+    PyEphemerides,
+    "Ephemerides",
+    Ephemerides,
+    EphemerisFeed,
+    "Objects of a file of states (OEM, CZML, CSV), interpolated as the file says.\n\nWhat is spoilt is listed in `faults`; with strict=True it is refused."
+);

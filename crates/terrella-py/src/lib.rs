@@ -1,0 +1,31 @@
+//! The native part of the Python package `terrella`: what the package in `python/terrella` stands on.
+//!
+//! Everything that takes long lets go of the interpreter. Arrays that come back are written once, by the library, and handed to NumPy
+//! as they are.
+
+mod arguments;
+mod earth;
+mod errors;
+mod feeds;
+mod frames;
+mod owned;
+mod pictures;
+mod scene;
+mod times;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    errors::add(module)?;
+    module.add_class::<times::PyEpoch>()?;
+    module.add_class::<earth::PyCamera>()?;
+    module.add_class::<earth::PyEarth>()?;
+    module.add_class::<scene::PyScene>()?;
+    module.add_class::<feeds::PyCatalogue>()?;
+    module.add_class::<feeds::PyEphemerides>()?;
+    frames::add(module)?;
+    times::add(module)?;
+    pictures::add(module)?;
+    module.add("__version__", env!("CARGO_PKG_VERSION"))
+}

@@ -1,0 +1,238 @@
+//! Instants: as people, `datetime` and NumPy write them, and time scales.
+
+use crate::arguments::numpy;
+use crate::errors::of_any;
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use std::collections::hash_map::DefaultHasher;
+use std::hash::{Hash, Hasher};
+use terrella::frames::{Duration, Epoch, TimeScale, ccsds_time, rfc3339, utc_from_rfc3339};
+
+/// Most instants that one call takes.
+const MAX_TIMES: usize = 1 << 24;
+const NS_PER_S: i128 = 1_000_000_000;
+
+/// An instant, exact to the nanosecond, leap seconds included: of a text like "2018-01-15T12:00:00Z" (UTC, or with an offset), a datetime with a
+/// time zone, a numpy.datetime64 (UTC), or another Epoch. Adding seconds or a timedelta adds elapsed time.
+#[pyclass(frozen, name = "Epoch", module = "terrella", eq, ord)]
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+pub struct PyEpoch(pub Epoch);
+
+#[pymethods]
+impl PyEpoch {
+    #[new]
+    fn new(time: &Bound<'_, PyAny>) -> PyResult<Self> {
+        epoch(time, "time").map(Self)
+    }
+
+    /// The instant in UTC, like 2018-01-15T12:00:00Z.
+    #[getter]
+    fn utc(&self) -> String {
+        rfc3339(self.0)
+    }
+
+    /// The reading of the clocks of UTC, TAI, TT or GPS, as CCSDS writes it.
+    #[pyo3(signature = (scale))]
+    fn text(&self, scale: &str) -> PyResult<String> {
+        Ok(ccsds_time(self.0, time_scale(scale)?))
+    }
+
+    /// Elapsed seconds from another instant to this, through leap seconds.
+    fn seconds_since(&self, other: &Bound<'_, PyAny>) -> PyResult<f64> {
+        Ok((self.0 - epoch(other, "other")?).to_seconds())
+    }
+
+    fn __add__(&self, elapsed: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Ok(Self(self.0 + elapsed_of(elapsed, "elapsed")?))
+    }
+
+    fn __hash__(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        self.0
+            .to_tai_duration()
+            .total_nanoseconds()
+            .hash(&mut hasher);
+        hasher.finish()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Epoch('{}')", rfc3339(self.0))
+    }
+
+    fn __str__(&self) -> String {
+        rfc3339(self.0)
+    }
+}
+
+/// A duration from a `timedelta`, or seconds.
+pub fn elapsed_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Duration> {
+    let seconds = match value.call_method0("total_seconds") {
+        Ok(seconds) => seconds.extract::<f64>(),
+        Err(_) => value.extract::<f64>(),
+    };
+    let seconds = seconds.map_err(|_| {
+        PyTypeError::new_err(format!(
+            "{name}: a datetime.timedelta or seconds are needed"
+        ))
+    })?;
+    if !(seconds.abs() < 1e10) {
+        return Err(PyValueError::new_err(format!(
+            "{name}: {seconds} s is no elapsed time"
+        )));
+    }
+    Ok(Duration::from_seconds(seconds))
+}
+
+/// An instant from an Epoch, a text like 2018-01-15T12:00:00Z, a datetime with a time zone, or a numpy.datetime64 (UTC).
+pub fn epoch(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Epoch> {
+    if let Ok(epoch) = value.cast::<PyEpoch>() {
+        return Ok(epoch.get().0);
+    }
+    if let Ok(text) = value.extract::<String>() {
+        return parsed(&text, name);
+    }
+    if let (Ok(zone), Ok(text)) = (value.getattr("tzinfo"), value.call_method0("isoformat")) {
+        if zone.is_none() {
+            return Err(PyValueError::new_err(format!(
+                "{name}: {text} has no time zone; write datetime(…, tzinfo=timezone.utc)"
+            )));
+        }
+        return parsed(&text.extract::<String>()?, name);
+    }
+    if kind_of(value).as_deref() == Some("M")
+        && let Ok(0) = value.getattr("ndim").and_then(|n| n.extract::<usize>())
+    {
+        let one = numpy(value.py())?.call_method1("atleast_1d", (value,))?;
+        let times = of_datetime64(&one, name)?;
+        return times
+            .first()
+            .copied()
+            .ok_or_else(|| PyValueError::new_err(format!("{name}: empty")));
+    }
+    Err(PyTypeError::new_err(format!(
+        "{name}: an instant is a terrella.Epoch, a text like \"2018-01-15T12:00:00Z\", a datetime with a time zone, or a \
+         numpy.datetime64 (UTC), not {}",
+        value.get_type()
+    )))
+}
+
+/// Instants in a row: an array of datetime64, or a sequence of what [`epoch`] takes, or one alone.
+pub fn epochs(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Epoch>> {
+    if kind_of(value).as_deref() == Some("M") {
+        let row = numpy(value.py())?.call_method1("atleast_1d", (value,))?;
+        return of_datetime64(&row, name);
+    }
+    if value.extract::<String>().is_ok() || value.is_instance_of::<PyEpoch>() {
+        return Ok(vec![epoch(value, name)?]);
+    }
+    let items = match value.try_iter() {
+        Ok(items) => items,
+        Err(_) => return Ok(vec![epoch(value, name)?]),
+    };
+    let mut epochs = Vec::new();
+    for (n, item) in items.enumerate() {
+        if n == MAX_TIMES {
+            return Err(too_many(name));
+        }
+        epochs.push(epoch(&item?, &format!("{name}[{n}]"))?);
+    }
+    Ok(epochs)
+}
+
+fn too_many(name: &str) -> PyErr {
+    PyValueError::new_err(format!(
+        "{name}: more than the {MAX_TIMES} instants that one call takes"
+    ))
+}
+
+fn parsed(text: &str, name: &str) -> PyResult<Epoch> {
+    utc_from_rfc3339(text).map_err(|error| PyValueError::new_err(format!("{name}: {error}")))
+}
+
+fn kind_of(value: &Bound<'_, PyAny>) -> Option<String> {
+    let kind = value.getattr("dtype").ok()?.getattr("kind").ok()?;
+    kind.extract().ok()
+}
+
+fn of_datetime64(row: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Epoch>> {
+    // Microseconds first: years that nanoseconds do not hold would wrap around.
+    let whole = integers(row, "datetime64[us]", name)?;
+    // 1900-01-01 to 2100-01-01, the dates that every feed and the Sun are known for.
+    const FIRST_US: i64 = -2_208_988_800_000_000;
+    const END_US: i64 = 4_102_444_800_000_000;
+    if let Some(n) = whole.iter().position(|us| !(FIRST_US..END_US).contains(us)) {
+        let what = match whole[n] {
+            i64::MIN => "NaT is no instant".to_owned(),
+            us => format!("{us} µs after 1970 is not in the years 1900 to 2099"),
+        };
+        return Err(PyValueError::new_err(format!("{name}[{n}]: {what}")));
+    }
+    let ns = integers(row, "datetime64[ns]", name)?;
+    Ok(ns
+        .into_iter()
+        .map(|ns| {
+            let utc = Epoch::from_unix_duration(Duration::from_total_nanoseconds(ns.into()));
+            // In TAI, so that what is added to it is elapsed time.
+            Epoch::from_tai_duration(utc.to_tai_duration())
+        })
+        .collect())
+}
+
+fn integers(row: &Bound<'_, PyAny>, unit: &str, name: &str) -> PyResult<Vec<i64>> {
+    let row = row
+        .call_method1("astype", (unit,))?
+        .call_method1("astype", ("int64",))?;
+    let row = row
+        .cast::<PyArray1<i64>>()
+        .map_err(|_| PyValueError::new_err(format!("{name}: an array with one axis is needed")))?;
+    if row.readonly().as_array().len() > MAX_TIMES {
+        return Err(too_many(name));
+    }
+    row.to_vec().map_err(of_any)
+}
+
+fn time_scale(name: &str) -> PyResult<TimeScale> {
+    TimeScale::from_name(&name.to_ascii_uppercase()).ok_or_else(|| {
+        PyValueError::new_err(format!("scale: {name:?} is none of UTC, TAI, TT, GPS"))
+    })
+}
+
+/// The reading of clocks of a scale that runs evenly, as datetime64[ns].
+/// The readings of clocks of TAI, TT or GPS at instants, as datetime64[ns].
+#[pyfunction]
+fn readings<'py>(
+    py: Python<'py>,
+    times: &Bound<'py, PyAny>,
+    scale: &str,
+) -> PyResult<Bound<'py, PyAny>> {
+    let scale = time_scale(scale)?;
+    let ahead = ahead_of_tai(scale)?;
+    let epochs = epochs(times, "times")?;
+    // TAI counts from 1900-01-01, datetime64 from 1970-01-01.
+    const FROM_1900_TO_1970_S: i128 = 2_208_988_800;
+    let ns: Vec<i64> = epochs
+        .iter()
+        .map(|epoch| {
+            let tai = epoch.to_tai_duration().total_nanoseconds();
+            (tai + ahead - FROM_1900_TO_1970_S * NS_PER_S) as i64
+        })
+        .collect();
+    PyArray1::from_vec(py, ns).call_method1("view", ("datetime64[ns]",))
+}
+
+/// How far a scale's clocks are ahead of TAI's, nanoseconds.
+fn ahead_of_tai(scale: TimeScale) -> PyResult<i128> {
+    match scale {
+        TimeScale::Tai => Ok(0),
+        TimeScale::Tt => Ok(32_184_000_000),
+        TimeScale::Gps => Ok(-19 * NS_PER_S),
+        _ => Err(PyValueError::new_err(
+            "scale: UTC has leap seconds that datetime64 cannot write; take Epoch.utc, or TAI, TT or GPS",
+        )),
+    }
+}
+
+pub fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(readings, module)?)
+}
