@@ -1,0 +1,188 @@
+//! The Earth on a device of its own.
+
+use crate::camera::TerrellaCamera;
+use crate::failure::{Failure, TerrellaStatus, answer};
+use crate::handles;
+use crate::options::{TerrellaOptions, Wanted};
+use crate::picture::{Draws, TerrellaDrawn, TerrellaFormat, draw_into, tell_drawn, wait};
+use crate::pointers::{check_out, read, write};
+use crate::time::TerrellaTime;
+use crate::truth::{TerrellaLayerBuffer, WantedLayers, depth_buffer};
+use std::ffi::c_void;
+use std::time::Duration;
+use terrella::{Drawing, EyeView, OffscreenEarth, Sky};
+
+/// An Earth on a device of its own. A handle, no address. Any thread may use it; calls from several are done one after another.
+pub struct TerrellaEarth {
+    _private: [u8; 0],
+}
+
+const KIND: &str = "an Earth";
+
+/// Opens an adapter and makes an Earth. Free it by `terrella_earth_free`.
+///
+/// # Safety
+/// `options` points to options whose texts end with zero bytes; `earth` has room.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn terrella_earth_new(
+    options: *const TerrellaOptions,
+    earth: *mut *mut TerrellaEarth,
+) -> TerrellaStatus {
+    answer(|| {
+        check_out(earth, "earth")?;
+        // SAFETY: the caller's promise.
+        let wanted = unsafe { Wanted::read(options) }?;
+        let gpu = OffscreenEarth::open_gpu(wanted.adapter.as_deref())?;
+        let made = OffscreenEarth::new(gpu, wanted.options, wanted.size)?;
+        // SAFETY: the caller's promise.
+        unsafe { write(earth, "earth", handles::insert(KIND, made)) }
+    })
+}
+
+/// Gives an Earth back. Null is refused, and so is one that is freed already.
+#[unsafe(no_mangle)]
+pub extern "C" fn terrella_earth_free(earth: *mut TerrellaEarth) -> TerrellaStatus {
+    answer(|| handles::remove(earth, KIND, "earth"))
+}
+
+/// Draws pictures of another size from now on. On failure the size is as it was.
+#[unsafe(no_mangle)]
+pub extern "C" fn terrella_earth_resize(
+    earth: *mut TerrellaEarth,
+    width: u32,
+    height: u32,
+) -> TerrellaStatus {
+    answer(|| {
+        handles::with(earth, KIND, "earth", |earth: &mut OffscreenEarth| {
+            Ok(earth.set_size((width, height))?)
+        })
+    })
+}
+
+struct View<'e> {
+    earth: &'e mut OffscreenEarth,
+    view: EyeView,
+    sky: Sky,
+    wait: Duration,
+}
+
+impl Draws for View<'_> {
+    fn size(&self) -> (u32, u32) {
+        self.earth.size()
+    }
+
+    fn color(&mut self, rgba: &mut [u8]) -> Result<Drawing, Failure> {
+        Ok(self
+            .earth
+            .draw_color(&self.view, &self.sky, self.wait, rgba)?)
+    }
+
+    fn light(&mut self, light: &mut [f32]) -> Result<Drawing, Failure> {
+        Ok(self
+            .earth
+            .draw_light(&self.view, &self.sky, self.wait, light)?)
+    }
+}
+
+/// View and sky of a call.
+///
+/// # Safety
+/// `camera` is null or points to a camera.
+unsafe fn asked(
+    camera: *const TerrellaCamera,
+    time: TerrellaTime,
+) -> Result<(EyeView, Sky), Failure> {
+    // SAFETY: the caller's promise.
+    let view = unsafe { read(camera, "camera") }?.view("camera")?;
+    Ok((view, Sky::at(time.epoch("time")?)))
+}
+
+/// Draws a picture and writes it to `pixels`, rows from the top without padding: `bytes` is width × height × 4, 8 or 16 by its format. Waits for
+/// the device; and for tiles, at most `wait_s` seconds, 0 for live pictures that take what is there. `drawn` may be null.
+///
+/// # Safety
+/// `camera` points to a camera; `pixels` to so many bytes, which nobody else uses during the call; `drawn` is null or has room.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn terrella_earth_draw(
+    earth: *mut TerrellaEarth,
+    camera: *const TerrellaCamera,
+    time: TerrellaTime,
+    wait_s: f64,
+    format: TerrellaFormat,
+    pixels: *mut c_void,
+    bytes: usize,
+    drawn: *mut TerrellaDrawn,
+) -> TerrellaStatus {
+    answer(|| {
+        // SAFETY: the caller's promise.
+        let (view, sky) = unsafe { asked(camera, time) }?;
+        let wait = wait(wait_s)?;
+        handles::with(earth, KIND, "earth", |earth: &mut OffscreenEarth| {
+            let mut source = View {
+                earth,
+                view,
+                sky,
+                wait,
+            };
+            // SAFETY: the caller's promise.
+            unsafe { draw_into(&mut source, format, pixels, bytes, drawn) }
+        })
+    })
+}
+
+/// Writes the distance of the ground along the camera's axis, metres, to `depth_m`: `count` is width × height. Infinite where no ground is seen.
+///
+/// # Safety
+/// `camera` points to a camera; `depth_m` to so many floats, which nobody else uses during the call.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn terrella_earth_depth(
+    earth: *mut TerrellaEarth,
+    camera: *const TerrellaCamera,
+    time: TerrellaTime,
+    wait_s: f64,
+    depth_m: *mut f32,
+    count: usize,
+) -> TerrellaStatus {
+    answer(|| {
+        // SAFETY: the caller's promise.
+        let (view, sky) = unsafe { asked(camera, time) }?;
+        let wait = wait(wait_s)?;
+        handles::with(earth, KIND, "earth", |earth: &mut OffscreenEarth| {
+            // SAFETY: the caller's promise.
+            let to = unsafe { depth_buffer(depth_m, count, earth.size()) }?;
+            let (truth, _) = earth.draw_truth(&view, &sky, wait)?;
+            to.copy_from_slice(&truth.depth_m());
+            Ok(())
+        })
+    })
+}
+
+/// Writes truth layers, each to its own room; the view is drawn once for all of them. `drawn` may be null.
+///
+/// # Safety
+/// `camera` points to a camera; `layers` to so many values, whose texts end with zero bytes and whose rooms have as many bytes as they say, do not
+/// overlap, and are used by nobody else during the call; `drawn` is null or has room.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn terrella_earth_truth(
+    earth: *mut TerrellaEarth,
+    camera: *const TerrellaCamera,
+    time: TerrellaTime,
+    wait_s: f64,
+    layers: *const TerrellaLayerBuffer,
+    count: usize,
+    drawn: *mut TerrellaDrawn,
+) -> TerrellaStatus {
+    answer(|| {
+        // SAFETY: the caller's promise.
+        let (view, sky) = unsafe { asked(camera, time) }?;
+        let wait = wait(wait_s)?;
+        handles::with(earth, KIND, "earth", |earth: &mut OffscreenEarth| {
+            // SAFETY: the caller's promise.
+            let wanted = unsafe { WantedLayers::read(layers, count, earth.size()) }?;
+            let (truth, drawing) = earth.draw_truth(&view, &sky, wait)?;
+            wanted.fill(&truth);
+            // SAFETY: the caller's promise.
+            unsafe { tell_drawn(drawn, &drawing) }
+        })
+    })
+}

@@ -1,0 +1,183 @@
+//! Statuses, and the words that go with them.
+
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use terrella::internals::play::PlayError;
+use terrella::{EarthError, OffscreenError};
+
+/// What a call answers. `terrella_message` has the words.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(non_camel_case_types, reason = "the names that C has")]
+pub enum TerrellaStatus {
+    /// Done.
+    TERRELLA_OK = 0,
+    /// A pointer that must point somewhere is null.
+    TERRELLA_NULL = 1,
+    /// An argument has a value that it may not have.
+    TERRELLA_ARGUMENT = 2,
+    /// A handle that is freed already, never was one, or is one of something else.
+    TERRELLA_HANDLE = 3,
+    /// A scene, or an instant that is asked of it, is at fault.
+    TERRELLA_SCENE = 4,
+    /// A file that cannot be read or holds what it should not.
+    TERRELLA_FILE = 5,
+    /// No adapter, or one that has no room, cannot do what is asked, or was lost.
+    TERRELLA_DEVICE = 6,
+    /// The handle was made before `fork`, and this is the child.
+    TERRELLA_FORKED = 7,
+    /// The library broke down; what the call was about cannot be used any more. Please report it.
+    TERRELLA_BROKEN = 8,
+}
+
+/// Why a call failed.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    pub status: TerrellaStatus,
+    pub words: String,
+}
+
+impl Failure {
+    pub fn new(status: TerrellaStatus, words: impl Into<String>) -> Self {
+        Self {
+            status,
+            words: words.into(),
+        }
+    }
+
+    pub fn argument(words: impl Into<String>) -> Self {
+        Self::new(TerrellaStatus::TERRELLA_ARGUMENT, words)
+    }
+
+    pub fn device(words: impl ToString) -> Self {
+        Self::new(TerrellaStatus::TERRELLA_DEVICE, words.to_string())
+    }
+
+    pub fn file(words: impl ToString) -> Self {
+        Self::new(TerrellaStatus::TERRELLA_FILE, words.to_string())
+    }
+}
+
+impl From<OffscreenError> for Failure {
+    fn from(error: OffscreenError) -> Self {
+        let words = error.to_string();
+        match error {
+            OffscreenError::Earth(EarthError::Exposure(_)) => {
+                Self::argument(format!("options.exposure_ev: {words}"))
+            }
+            OffscreenError::NoPicture => Self::argument(format!("camera: {words}")),
+            OffscreenError::TooLarge { .. }
+            | OffscreenError::TooMuchMemory { .. }
+            | OffscreenError::TruthTooLarge { .. } => Self::argument(format!("size: {words}")),
+            OffscreenError::Imagery(_) => Self::file(words),
+            _ => Self::device(words),
+        }
+    }
+}
+
+impl From<PlayError> for Failure {
+    fn from(error: PlayError) -> Self {
+        let words = error.to_string();
+        match error {
+            PlayError::Offscreen(error) => error.into(),
+            PlayError::Context(_)
+            | PlayError::Earth(_)
+            | PlayError::Picture(_)
+            | PlayError::DeviceLost(_) => Self::device(words),
+            error if error.is_bad_scene() => Self::new(TerrellaStatus::TERRELLA_SCENE, words),
+            _ => Self::file(words),
+        }
+    }
+}
+
+thread_local! {
+    static MESSAGE: RefCell<CString> = RefCell::new(CString::default());
+}
+
+fn tell(words: String) {
+    // A zero byte would end the text early.
+    let words = CString::new(words.replace('\0', "?")).unwrap_or_default();
+    MESSAGE.with(|message| {
+        if let Ok(mut message) = message.try_borrow_mut() {
+            *message = words;
+        }
+    });
+}
+
+/// Does the work of a call, lets no panic out and keeps the words of what failed.
+pub(crate) fn answer(work: impl FnOnce() -> Result<(), Failure>) -> TerrellaStatus {
+    match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(Ok(())) => TerrellaStatus::TERRELLA_OK,
+        Ok(Err(failure)) => {
+            tell(failure.words);
+            failure.status
+        }
+        Err(panic) => {
+            let words = panic.downcast_ref::<String>().map(String::as_str);
+            let words = words.or_else(|| panic.downcast_ref::<&str>().copied());
+            tell(format!(
+                "the library broke down, please report it: {}",
+                words.unwrap_or("no words")
+            ));
+            TerrellaStatus::TERRELLA_BROKEN
+        }
+    }
+}
+
+/// What went wrong in the last call of this thread that failed, in UTF-8; an empty text before. It stands until this thread's next call that
+/// fails.
+#[unsafe(no_mangle)]
+pub extern "C" fn terrella_message() -> *const c_char {
+    MESSAGE.with(|message| match message.try_borrow() {
+        Ok(message) => message.as_ptr(),
+        Err(_) => c"".as_ptr(),
+    })
+}
+
+/// The name of a status, for logs: "TERRELLA_OK" and so on; "no status" for a number that is none. It stands for ever.
+#[unsafe(no_mangle)]
+pub extern "C" fn terrella_status_name(status: u32) -> *const c_char {
+    let name: &'static CStr = match status {
+        0 => c"TERRELLA_OK",
+        1 => c"TERRELLA_NULL",
+        2 => c"TERRELLA_ARGUMENT",
+        3 => c"TERRELLA_HANDLE",
+        4 => c"TERRELLA_SCENE",
+        5 => c"TERRELLA_FILE",
+        6 => c"TERRELLA_DEVICE",
+        7 => c"TERRELLA_FORKED",
+        8 => c"TERRELLA_BROKEN",
+        _ => c"no status",
+    };
+    name.as_ptr()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message() -> String {
+        // SAFETY: it points to this thread's text, which ends with a zero byte and is copied before another call.
+        unsafe { CStr::from_ptr(terrella_message()) }
+            .to_string_lossy()
+            .into_owned()
+    }
+
+    #[test]
+    fn a_panic_stays_inside() {
+        let status = answer(|| panic!("deliberate"));
+        assert_eq!(status, TerrellaStatus::TERRELLA_BROKEN);
+        assert!(message().contains("deliberate"), "{}", message());
+    }
+
+    #[test]
+    fn words_are_kept_for_their_thread() {
+        answer(|| Err(Failure::argument("a\0b")));
+        assert_eq!(message(), "a?b");
+        let other = std::thread::spawn(message).join().expect("a thread");
+        assert_eq!(other, "");
+        assert_eq!(answer(|| Ok(())), TerrellaStatus::TERRELLA_OK);
+        assert_eq!(message(), "a?b");
+    }
+}

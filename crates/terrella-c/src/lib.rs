@@ -1,0 +1,28 @@
+//! The C interface of Terrella; `include/terrella.h` is made from it by cbindgen, and `docs/embedding/c.md` shows how it is used.
+//!
+//! No function lets a panic out. Handles are no addresses but numbers in a table, so that one that is null, freed or of another kind
+//! is seen and answered with a status.
+
+mod camera;
+mod earth;
+mod failure;
+mod handles;
+mod options;
+mod picture;
+mod pointers;
+mod scene;
+mod time;
+mod truth;
+#[cfg(all(unix, not(target_vendor = "apple")))]
+mod vulkan;
+
+pub use camera::*;
+pub use earth::*;
+pub use failure::*;
+pub use options::*;
+pub use picture::*;
+pub use scene::*;
+pub use time::*;
+pub use truth::*;
+#[cfg(all(unix, not(target_vendor = "apple")))]
+pub use vulkan::*;

@@ -1,0 +1,118 @@
+//! What an Earth is made of, and where maps are.
+
+use crate::failure::{Failure, TerrellaStatus, answer};
+use crate::pointers::{read, text_if_any, write};
+use std::ffi::c_char;
+use std::path::PathBuf;
+use terrella::internals::imagery::LayerSelection;
+use terrella::{Atmosphere, EarthOptions, Exposure, find_textures, load_layers};
+
+/// What an Earth is made of. Fill it by `terrella_options_default` and change what you want otherwise.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct TerrellaOptions {
+    /// Width of pictures, pixels.
+    pub width: u32,
+    /// Height of pictures, pixels.
+    pub height: u32,
+    /// Samples a pixel of shown pictures, 1 or 4.
+    pub samples: u32,
+    /// Folder of maps; null takes that of the environment variable TERRELLA_TEXTURES, else `textures` or `../share/terrella/textures` beside the
+    /// program, else that of the source tree that the library was built from.
+    pub textures: *const c_char,
+    /// Part of the name of the graphics adapter, letter case aside; null takes the best.
+    pub adapter: *const c_char,
+    /// How bright light is shown, EV.
+    pub exposure_ev: f64,
+    /// Whether exposure is metered in each picture, in place of `exposure_ev`.
+    pub auto_exposure: bool,
+    /// Whether the air is drawn.
+    pub air: bool,
+    /// Whether clouds are drawn.
+    pub clouds: bool,
+    /// Whether city lights are drawn.
+    pub night_lights: bool,
+}
+
+/// Fills options with the defaults: 800 × 450 pixels, one sample each, the starter maps, the best adapter.
+///
+/// # Safety
+/// `options` has room.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn terrella_options_default(options: *mut TerrellaOptions) -> TerrellaStatus {
+    let exposure_ev = match Exposure::default() {
+        Exposure::Ev(ev) => ev,
+        Exposure::Auto => 0.0,
+    };
+    let default = TerrellaOptions {
+        width: 800,
+        height: 450,
+        samples: 1,
+        textures: std::ptr::null(),
+        adapter: std::ptr::null(),
+        exposure_ev,
+        auto_exposure: Exposure::default() == Exposure::Auto,
+        air: true,
+        clouds: true,
+        night_lights: true,
+    };
+    // SAFETY: the caller's promise.
+    answer(|| unsafe { write(options, "options", default) })
+}
+
+/// The same as the library has them.
+pub(crate) struct Wanted {
+    pub size: (u32, u32),
+    pub adapter: Option<String>,
+    pub options: EarthOptions,
+}
+
+impl Wanted {
+    /// Reads options and the maps that they name.
+    ///
+    /// # Safety
+    /// `options` is null or points to options whose texts end with zero bytes.
+    pub unsafe fn read(options: *const TerrellaOptions) -> Result<Self, Failure> {
+        // SAFETY: the caller's promise.
+        let options = unsafe { read(options, "options") }?;
+        // SAFETY: the caller's promise about its texts.
+        let textures = unsafe { text_if_any(options.textures, "options.textures") }?;
+        // SAFETY: the same.
+        let adapter = unsafe { text_if_any(options.adapter, "options.adapter") }?;
+        if !matches!(options.samples, 1 | 4) {
+            return Err(Failure::argument(format!(
+                "options.samples: {} is neither 1 nor 4",
+                options.samples
+            )));
+        }
+        let exposure = match options.auto_exposure {
+            true => Exposure::Auto,
+            false => Exposure::Ev(options.exposure_ev),
+        };
+        let folder = folder(textures)?;
+        let wanted = LayerSelection {
+            clouds: options.clouds,
+            night_lights: options.night_lights,
+            ..LayerSelection::default()
+        };
+        let mut earth = EarthOptions::new(load_layers(&folder, wanted).map_err(Failure::file)?);
+        earth.samples = options.samples;
+        earth.exposure = exposure;
+        if !options.air {
+            earth.atmosphere = Atmosphere::None;
+        }
+        Ok(Self {
+            size: (options.width, options.height),
+            adapter: adapter.map(str::to_owned),
+            options: earth,
+        })
+    }
+}
+
+/// The folder of maps.
+pub(crate) fn folder(given: Option<&str>) -> Result<PathBuf, Failure> {
+    match given {
+        Some(folder) => Ok(PathBuf::from(folder)),
+        None => find_textures().map_err(Failure::file),
+    }
+}

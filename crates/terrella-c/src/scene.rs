@@ -1,0 +1,244 @@
+//! Scene files, drawn at any instant.
+
+use crate::failure::{Failure, TerrellaStatus, answer};
+use crate::handles;
+use crate::options::folder;
+use crate::picture::{Draws, TerrellaDrawn, TerrellaFormat, draw_into, tell_drawn};
+use crate::pointers::{check_out, text, text_if_any, write};
+use crate::time::TerrellaTime;
+use crate::truth::{TerrellaLayerBuffer, WantedLayers, depth_buffer};
+use std::ffi::{c_char, c_void};
+use std::path::Path;
+use terrella::Drawing;
+use terrella::frames::Epoch;
+use terrella::internals::play::{ScenePictures, take_starter_files};
+use terrella::scene::Scene;
+
+/// A scene file with a device of its own. A handle, no address. Any thread may use it; calls from several are done one after another.
+pub struct TerrellaScene {
+    _private: [u8; 0],
+}
+
+const KIND: &str = "a scene";
+
+/// What a scene says of its pictures.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TerrellaSceneInfo {
+    /// Width of pictures, pixels.
+    pub width: u32,
+    /// Height of pictures, pixels.
+    pub height: u32,
+    /// The first frame.
+    pub start: TerrellaTime,
+    /// Where playback ends.
+    pub end: TerrellaTime,
+    /// Frames of one playback.
+    pub frames: u64,
+    /// Frames a second of playback.
+    pub frame_rate_hz: f64,
+    /// Satellites.
+    pub satellites: usize,
+}
+
+/// Reads a scene file and opens what it names, and an adapter. `width` and `height` are those of the pictures, both 0 the scene's own; `textures` is
+/// the folder of what the scene names no file for, null as in `TerrellaOptions`; `adapter` part of an adapter's name, null the best. Free it by
+/// `terrella_scene_free`.
+///
+/// # Safety
+/// Texts end with zero bytes; `scene` has room.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn terrella_scene_open(
+    path: *const c_char,
+    width: u32,
+    height: u32,
+    textures: *const c_char,
+    adapter: *const c_char,
+    scene: *mut *mut TerrellaScene,
+) -> TerrellaStatus {
+    answer(|| {
+        check_out(scene, "scene")?;
+        // SAFETY: the caller's promise about its texts, here and below.
+        let path = unsafe { text(path, "path") }?;
+        // SAFETY: the same.
+        let textures = unsafe { text_if_any(textures, "textures") }?;
+        // SAFETY: the same.
+        let adapter = unsafe { text_if_any(adapter, "adapter") }?;
+        let size = match (width, height) {
+            (0, 0) => None,
+            size => Some(size),
+        };
+        let mut read = Scene::load(Path::new(path))
+            .map_err(|error| Failure::new(TerrellaStatus::TERRELLA_SCENE, error.to_string()))?;
+        take_starter_files(&mut read, &folder(textures)?);
+        let pictures = ScenePictures::of_scene(read, adapter, size)?;
+        // SAFETY: the caller's promise.
+        unsafe { write(scene, "scene", handles::insert(KIND, pictures)) }
+    })
+}
+
+/// Gives a scene back. Null is refused, and so is one that is freed already.
+#[unsafe(no_mangle)]
+pub extern "C" fn terrella_scene_free(scene: *mut TerrellaScene) -> TerrellaStatus {
+    answer(|| handles::remove(scene, KIND, "scene"))
+}
+
+/// What a scene says of its pictures.
+///
+/// # Safety
+/// `info` has room.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn terrella_scene_info(
+    scene: *mut TerrellaScene,
+    info: *mut TerrellaSceneInfo,
+) -> TerrellaStatus {
+    answer(|| {
+        handles::with(scene, KIND, "scene", |pictures: &mut ScenePictures| {
+            let (flight, (width, height)) = (pictures.flight(), pictures.size());
+            let time = &flight.scene().time;
+            let told = TerrellaSceneInfo {
+                width,
+                height,
+                start: TerrellaTime::of(time.start),
+                end: TerrellaTime::of(time.end()),
+                frames: time.frame_count(),
+                frame_rate_hz: time.frame_rate_hz,
+                satellites: flight.satellites().len(),
+            };
+            // SAFETY: the caller's promise.
+            unsafe { write(info, "info", told) }
+        })
+    })
+}
+
+/// Where a satellite of a scene is at an instant: Earth-fixed axes (ITRF), metres and metres a second, three numbers each. `index` counts from 0 in the
+/// scene's order; `velocity_m_s` may be null.
+///
+/// # Safety
+/// Each has room for three numbers.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn terrella_scene_satellite(
+    scene: *mut TerrellaScene,
+    index: usize,
+    time: TerrellaTime,
+    position_m: *mut f64,
+    velocity_m_s: *mut f64,
+) -> TerrellaStatus {
+    answer(|| {
+        let epoch = time.epoch("time")?;
+        handles::with(scene, KIND, "scene", |pictures: &mut ScenePictures| {
+            let satellites = pictures.flight().satellites();
+            let satellite = satellites.get(index).ok_or_else(|| {
+                Failure::argument(format!("index: {index} is not below {}", satellites.len()))
+            })?;
+            let state = satellite.feed().state_at(epoch);
+            let state = state
+                .map_err(|error| Failure::new(TerrellaStatus::TERRELLA_SCENE, error.to_string()))?;
+            let itrf = state.in_itrf();
+            // SAFETY: the caller's promise: room for three numbers.
+            unsafe { write(position_m.cast(), "position_m", itrf.position_m.to_array()) }?;
+            if velocity_m_s.is_null() {
+                return Ok(());
+            }
+            // SAFETY: the same.
+            unsafe {
+                write(
+                    velocity_m_s.cast(),
+                    "velocity_m_s",
+                    itrf.velocity_m_s.to_array(),
+                )
+            }
+        })
+    })
+}
+
+struct Instant<'p> {
+    pictures: &'p mut ScenePictures,
+    epoch: Epoch,
+}
+
+impl Draws for Instant<'_> {
+    fn size(&self) -> (u32, u32) {
+        self.pictures.size()
+    }
+
+    fn color(&mut self, rgba: &mut [u8]) -> Result<Drawing, Failure> {
+        Ok(self.pictures.draw_color(self.epoch, rgba)?)
+    }
+
+    fn light(&mut self, light: &mut [f32]) -> Result<Drawing, Failure> {
+        Ok(self.pictures.draw_light(self.epoch, light)?)
+    }
+}
+
+/// Draws an instant of a scene as the command `terrella` draws it, and writes it to `pixels` as `terrella_earth_draw` does. Waits for tiles as long as the
+/// scene says. `drawn` may be null.
+///
+/// # Safety
+/// As `terrella_earth_draw`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn terrella_scene_draw(
+    scene: *mut TerrellaScene,
+    time: TerrellaTime,
+    format: TerrellaFormat,
+    pixels: *mut c_void,
+    bytes: usize,
+    drawn: *mut TerrellaDrawn,
+) -> TerrellaStatus {
+    answer(|| {
+        let epoch = time.epoch("time")?;
+        handles::with(scene, KIND, "scene", |pictures: &mut ScenePictures| {
+            let mut source = Instant { pictures, epoch };
+            // SAFETY: the caller's promise.
+            unsafe { draw_into(&mut source, format, pixels, bytes, drawn) }
+        })
+    })
+}
+
+/// As `terrella_earth_depth`, with the scene's camera: of the ground, without a spacecraft before it.
+///
+/// # Safety
+/// As `terrella_earth_depth`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn terrella_scene_depth(
+    scene: *mut TerrellaScene,
+    time: TerrellaTime,
+    depth_m: *mut f32,
+    count: usize,
+) -> TerrellaStatus {
+    answer(|| {
+        let epoch = time.epoch("time")?;
+        handles::with(scene, KIND, "scene", |pictures: &mut ScenePictures| {
+            // SAFETY: the caller's promise.
+            let to = unsafe { depth_buffer(depth_m, count, pictures.size()) }?;
+            let (truth, _) = pictures.draw_truth(epoch)?;
+            to.copy_from_slice(&truth.depth_m());
+            Ok(())
+        })
+    })
+}
+
+/// As `terrella_earth_truth`, with the scene's camera: of the ground, without a spacecraft before it.
+///
+/// # Safety
+/// As `terrella_earth_truth`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn terrella_scene_truth(
+    scene: *mut TerrellaScene,
+    time: TerrellaTime,
+    layers: *const TerrellaLayerBuffer,
+    count: usize,
+    drawn: *mut TerrellaDrawn,
+) -> TerrellaStatus {
+    answer(|| {
+        let epoch = time.epoch("time")?;
+        handles::with(scene, KIND, "scene", |pictures: &mut ScenePictures| {
+            // SAFETY: the caller's promise.
+            let wanted = unsafe { WantedLayers::read(layers, count, pictures.size()) }?;
+            let (truth, drawing) = pictures.draw_truth(epoch)?;
+            wanted.fill(&truth);
+            // SAFETY: the caller's promise.
+            unsafe { tell_drawn(drawn, &drawing) }
+        })
+    })
+}

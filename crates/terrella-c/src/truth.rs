@@ -1,0 +1,174 @@
+//! What is where pixels look: names of layers, and their numbers.
+
+use crate::failure::{Failure, TerrellaStatus, answer};
+use crate::pointers::{buffer, row, text, write};
+use std::ffi::{CString, c_char, c_void};
+use std::sync::LazyLock;
+use terrella::{LayerDtype, LayerValues, TRUTH_LAYERS, TruthLayer, TruthPicture};
+
+/// What a truth layer is. Its texts stand for ever.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct TerrellaLayer {
+    /// Its name.
+    pub name: *const c_char,
+    /// The unit of its numbers, "1" where they have none.
+    pub unit: *const c_char,
+    /// What they are.
+    pub what: *const c_char,
+    /// Numbers a pixel.
+    pub components: u32,
+    /// Bytes of a number: 4 for float, 8 for double.
+    pub number_bytes: u32,
+}
+
+/// A truth layer that is wanted, and where its numbers go: row by row from the top; NaN where there is none.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct TerrellaLayerBuffer {
+    /// Its name.
+    pub name: *const c_char,
+    /// Room for its numbers, float or double as the layer says.
+    pub values: *mut c_void,
+    /// Bytes of that room: width × height × components × number_bytes.
+    pub bytes: usize,
+}
+
+/// Name, unit and meaning of each layer, for C.
+static TEXTS: LazyLock<Vec<[CString; 3]>> = LazyLock::new(|| {
+    let text = |text: &str| CString::new(text).unwrap_or_default();
+    let layers = TRUTH_LAYERS.iter();
+    layers
+        .map(|layer| [layer.name, layer.unit, layer.what].map(text))
+        .collect()
+});
+
+fn number_bytes(layer: &TruthLayer) -> usize {
+    match layer.dtype {
+        LayerDtype::F32 => 4,
+        LayerDtype::F64 => 8,
+    }
+}
+
+/// How many truth layers there are.
+#[unsafe(no_mangle)]
+pub extern "C" fn terrella_layer_count() -> usize {
+    TRUTH_LAYERS.len()
+}
+
+/// What the truth layer of this place is, from 0.
+///
+/// # Safety
+/// `layer` has room.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn terrella_layer(index: usize, layer: *mut TerrellaLayer) -> TerrellaStatus {
+    answer(|| {
+        let (Some(found), Some([name, unit, what])) = (TRUTH_LAYERS.get(index), TEXTS.get(index))
+        else {
+            return Err(Failure::argument(format!(
+                "index: {index} is not below {}",
+                TRUTH_LAYERS.len()
+            )));
+        };
+        let told = TerrellaLayer {
+            name: name.as_ptr(),
+            unit: unit.as_ptr(),
+            what: what.as_ptr(),
+            components: found.components() as u32,
+            number_bytes: number_bytes(found) as u32,
+        };
+        // SAFETY: the caller's promise.
+        unsafe { write(layer, "layer", told) }
+    })
+}
+
+/// The layers that are wanted, checked before anything is drawn.
+pub(crate) struct WantedLayers<'c> {
+    layers: Vec<&'static TruthLayer>,
+    values: Vec<Values<'c>>,
+}
+
+enum Values<'c> {
+    F32(&'c mut [f32]),
+    F64(&'c mut [f64]),
+}
+
+impl<'c> WantedLayers<'c> {
+    /// Reads what C wants of a picture of this size.
+    ///
+    /// # Safety
+    /// `wanted` is null or points to so many values; their texts end with zero bytes, their rooms have so many bytes and do not overlap, and nobody
+    /// else uses them during the call.
+    pub unsafe fn read(
+        wanted: *const TerrellaLayerBuffer,
+        count: usize,
+        (width, height): (u32, u32),
+    ) -> Result<Self, Failure> {
+        // SAFETY: the caller's promise.
+        let wanted = unsafe { row(wanted, count, "layers") }?;
+        let (mut layers, mut values) = (Vec::new(), Vec::new());
+        for (n, one) in wanted.iter().enumerate() {
+            // SAFETY: the caller's promise about its texts.
+            let name = unsafe { text(one.name, &format!("layers[{n}].name")) }?;
+            let Some(layer) = TRUTH_LAYERS.iter().find(|layer| layer.name == name) else {
+                let known: Vec<_> = TRUTH_LAYERS.iter().map(|layer| layer.name).collect();
+                return Err(Failure::argument(format!(
+                    "layers[{n}].name: there is no truth layer {name:?}; there are {}",
+                    known.join(", ")
+                )));
+            };
+            let numbers = width as usize * height as usize * layer.components();
+            let needed = numbers * number_bytes(layer);
+            if one.bytes != needed {
+                return Err(Failure::argument(format!(
+                    "layers[{n}].bytes: {name} of {width} × {height} pixels needs {needed} bytes, not {}",
+                    one.bytes
+                )));
+            }
+            let named = format!("layers[{n}].values");
+            values.push(match layer.dtype {
+                // SAFETY: the caller's promise: so many bytes; alignment is checked.
+                LayerDtype::F32 => {
+                    Values::F32(unsafe { buffer(one.values.cast(), numbers, &named) }?)
+                }
+                // SAFETY: the same.
+                LayerDtype::F64 => {
+                    Values::F64(unsafe { buffer(one.values.cast(), numbers, &named) }?)
+                }
+            });
+            layers.push(layer);
+        }
+        Ok(Self { layers, values })
+    }
+
+    /// Writes their numbers.
+    pub fn fill(self, truth: &TruthPicture) {
+        for (to, from) in self.values.into_iter().zip(truth.layers(&self.layers)) {
+            match (to, from) {
+                (Values::F32(to), LayerValues::F32(from)) => to.copy_from_slice(&from),
+                (Values::F64(to), LayerValues::F64(from)) => to.copy_from_slice(&from),
+                // Both are chosen by the layer's own type.
+                (Values::F32(_), LayerValues::F64(_)) | (Values::F64(_), LayerValues::F32(_)) => {}
+            }
+        }
+    }
+}
+
+/// Writes depth to a buffer of C.
+///
+/// # Safety
+/// `depth_m` is null or points to so many floats, which nobody else uses during the call.
+pub(crate) unsafe fn depth_buffer<'c>(
+    depth_m: *mut f32,
+    count: usize,
+    (width, height): (u32, u32),
+) -> Result<&'c mut [f32], Failure> {
+    let needed = width as usize * height as usize;
+    if count != needed {
+        return Err(Failure::argument(format!(
+            "count: a picture of {width} × {height} pixels has {needed} depths, not {count}"
+        )));
+    }
+    // SAFETY: the caller's promise.
+    unsafe { buffer(depth_m, count, "depth_m") }
+}
