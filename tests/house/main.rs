@@ -27,7 +27,20 @@ fn none(violations: Vec<String>) {
 /// Applies a rule to every source file of `src/`.
 #[track_caller]
 fn holds_in_src(rule: Rule) {
-    let files = Repository::open().rust_files("src");
+    holds_in(&["src"], rule);
+}
+
+/// Applies a rule to every source file of `src/` and of the packages for other languages.
+#[track_caller]
+fn holds_in_products(rule: Rule) {
+    holds_in(&["src", "crates"], rule);
+}
+
+#[track_caller]
+fn holds_in(folders: &[&str], rule: Rule) {
+    let repository = Repository::open();
+    let files = folders.iter().map(|folder| repository.rust_files(folder));
+    let files: Vec<_> = files.flatten().collect();
     assert!(!files.is_empty(), "no source file was found");
     none(files.iter().flat_map(rule).collect());
 }
@@ -73,22 +86,22 @@ fn modules_without_a_gpu_do_not_name_it() {
 
 #[test]
 fn gpu_objects_are_labelled() {
-    holds_in_src(rules::labels_gpu_objects);
+    holds_in_products(rules::labels_gpu_objects);
 }
 
 #[test]
 fn nothing_is_left_unfinished() {
-    holds_in_src(rules::leaves_nothing_unfinished);
+    holds_in_products(rules::leaves_nothing_unfinished);
 }
 
 #[test]
 fn errors_of_the_library_are_typed() {
-    holds_in_src(rules::keeps_anyhow_in_the_command);
+    holds_in_products(rules::keeps_anyhow_in_the_command);
 }
 
 #[test]
 fn nothing_is_unwrapped() {
-    holds_in_src(rules::unwraps_nothing);
+    holds_in_products(rules::unwraps_nothing);
 }
 
 #[test]
@@ -96,6 +109,7 @@ fn files_are_short() {
     let repository = Repository::open();
     let mut files = repository.rust_files("src");
     files.extend(repository.rust_files("xtask/src"));
+    files.extend(repository.rust_files("crates"));
     none(files.iter().flat_map(rules::is_short).collect());
 }
 

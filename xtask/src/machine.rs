@@ -45,9 +45,17 @@ pub struct Machine {
     /// Debian names of the packages that are missing of what a window of the tests needs: a display server without a screen, and
     /// the libraries.
     pub test_window_packages: Vec<&'static str>,
+    /// Debian names of the packages that are missing of what the tests of the C and Python packages run.
+    pub face_packages: Vec<&'static str>,
     /// How packages can be installed.
     pub installer: Installer,
 }
+
+/// Pythons that the tests try, as `crates/terrella-py/tests/python.rs` does.
+const PYTHONS: [&str; 2] = ["python3", "/usr/bin/python3"];
+
+/// What a Python must have for the tests.
+const PYTHON_TESTS: &str = "import sys, numpy, pytest; sys.exit(sys.version_info < (3, 10))";
 
 /// The display server of the tests.
 const DISPLAY_SERVER: (&str, &str) = ("Xvfb", "xvfb");
@@ -103,6 +111,10 @@ impl Machine {
                 true => for_tests(&|library| host.has_library(library), &has_program),
                 false => Vec::new(),
             },
+            face_packages: match linux {
+                true => for_faces(&has_file, &works),
+                false => Vec::new(),
+            },
             installer: if linux {
                 installer()
             } else {
@@ -135,6 +147,30 @@ fn for_tests(
         missing.push(package);
     }
     missing
+}
+
+fn for_faces(
+    has_file: &dyn Fn(&str) -> bool,
+    works: &dyn Fn(&str, &[&str]) -> bool,
+) -> Vec<&'static str> {
+    let mut missing = Vec::new();
+    if !["/usr/include", "/usr/local/include"]
+        .iter()
+        .any(|folder| has_file(&format!("{folder}/vulkan/vulkan.h")))
+    {
+        missing.push("libvulkan-dev");
+    }
+    if !PYTHONS
+        .iter()
+        .any(|python| works(python, &["-c", PYTHON_TESTS]))
+    {
+        missing.extend(["python3", "python3-numpy", "python3-pytest"]);
+    }
+    missing
+}
+
+fn has_file(path: &str) -> bool {
+    Path::new(path).is_file()
 }
 
 /// The program is in one of the folders of programs.
@@ -204,6 +240,19 @@ mod tests {
         assert_eq!(for_tests(&|_| true, &|_| false), ["xvfb"]);
         let all = for_tests(&|_| false, &|name| name == "Xvfb");
         assert_eq!(all.len(), X11_LIBRARIES.len());
+    }
+
+    #[test]
+    fn faces_are_tested_by_what_the_machine_has() {
+        assert_eq!(for_faces(&|_| true, &|_, _| true), [""; 0]);
+        assert_eq!(for_faces(&|_| false, &|_, _| true), ["libvulkan-dev"]);
+        let python = ["python3", "python3-numpy", "python3-pytest"];
+        assert_eq!(for_faces(&|_| true, &|_, _| false), python);
+        // The system's own does where the first is without.
+        assert_eq!(
+            for_faces(&|_| true, &|python, _| python.starts_with('/')),
+            [""; 0]
+        );
     }
 
     #[test]

@@ -4,6 +4,7 @@ mod big_pack;
 mod by_hand;
 mod cargo;
 mod demo;
+mod faces;
 mod lean;
 mod machine;
 mod numbers;
@@ -47,6 +48,18 @@ enum Command {
     Prepare {
         #[command(flatten)]
         install: Install,
+    },
+    /// Build the C library and put it below a folder, with header, maps, and what pkg-config and CMake look for.
+    CLibrary {
+        /// Folder to put it in: `include`, `lib` and `share` below it.
+        #[arg(long, value_name = "DIR")]
+        prefix: PathBuf,
+    },
+    /// Build the wheel of the Python package, for Python 3.10 and later.
+    Wheel {
+        /// Folder to write it to.
+        #[arg(long, default_value = "target/wheels", value_name = "DIR")]
+        out: PathBuf,
     },
     /// Build the smallest host from nothing; say how many crates, seconds and bytes that takes.
     Lean {
@@ -122,6 +135,8 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Demo { install, no_window } => demo::run(install.policy(), !no_window),
         Command::Test { install, arguments } => test::run(install.policy(), &arguments),
         Command::Prepare { install } => prepare::run(install.policy(), prepare::Window::ForTests),
+        Command::CLibrary { prefix } => faces::c_library(&prefix),
+        Command::Wheel { out } => faces::wheel(&out),
         Command::Lean { features } => lean::run(&features),
         Command::BigPack {
             data,
