@@ -56,7 +56,7 @@ int main(int argc, char **argv) {
     // Its device, with the extensions that Terrella asks for and the features that there are. Family 0 draws on every driver we know;
     // a program asks for VK_QUEUE_GRAPHICS_BIT.
     TerrellaVulkanHost host = {0};
-    host.get_instance_proc_addr = (const void *)vkGetInstanceProcAddr;
+    host.get_instance_proc_addr = (PFN_vkVoidFunction)vkGetInstanceProcAddr;
     host.instance = instance;
     host.physical_device = physical;
     host.api_version = VK_API_VERSION_1_1;
@@ -111,13 +111,13 @@ int main(int argc, char **argv) {
     VkDeviceMemory buffer_memory =
         memory(physical, device, needed, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
     vk(vkBindBufferMemory(device, buffer, buffer_memory, 0));
-    VkCommandPoolCreateInfo pool_info = {VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+    VkCommandPoolCreateInfo pool_info = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     VkCommandPool pool;
     vk(vkCreateCommandPool(device, &pool_info, NULL, &pool));
     VkCommandBufferAllocateInfo commands_info = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, .commandPool = pool, .commandBufferCount = 1};
     VkCommandBuffer commands;
     vk(vkAllocateCommandBuffers(device, &commands_info, &commands));
-    VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     vk(vkBeginCommandBuffer(commands, &begin));
     VkBufferImageCopy copy = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1}, .imageExtent = {WIDTH, HEIGHT, 1}};
     vkCmdCopyImageToBuffer(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, buffer, 1, &copy);

@@ -24,14 +24,14 @@ pub struct TerrellaOptions {
     pub adapter: *const c_char,
     /// How bright light is shown, EV.
     pub exposure_ev: f64,
-    /// Whether exposure is metered in each picture, in place of `exposure_ev`.
-    pub auto_exposure: bool,
-    /// Whether the air is drawn.
-    pub air: bool,
-    /// Whether clouds are drawn.
-    pub clouds: bool,
-    /// Whether city lights are drawn.
-    pub night_lights: bool,
+    /// Whether exposure is metered in each picture, 0 or 1, in place of `exposure_ev`.
+    pub auto_exposure: u8,
+    /// Whether the air is drawn, 0 or 1.
+    pub air: u8,
+    /// Whether clouds are drawn, 0 or 1.
+    pub clouds: u8,
+    /// Whether city lights are drawn, 0 or 1.
+    pub night_lights: u8,
 }
 
 /// Fills options with the defaults: 800 × 450 pixels, one sample each, the starter maps, the best adapter.
@@ -51,10 +51,10 @@ pub unsafe extern "C" fn terrella_options_default(options: *mut TerrellaOptions)
         textures: std::ptr::null(),
         adapter: std::ptr::null(),
         exposure_ev,
-        auto_exposure: Exposure::default() == Exposure::Auto,
-        air: true,
-        clouds: true,
-        night_lights: true,
+        auto_exposure: (Exposure::default() == Exposure::Auto).into(),
+        air: 1,
+        clouds: 1,
+        night_lights: 1,
     };
     // SAFETY: the caller's promise.
     answer(|| unsafe { write(options, "options", default) })
@@ -85,20 +85,20 @@ impl Wanted {
                 options.samples
             )));
         }
-        let exposure = match options.auto_exposure {
+        let exposure = match options.auto_exposure != 0 {
             true => Exposure::Auto,
             false => Exposure::Ev(options.exposure_ev),
         };
         let folder = folder(textures)?;
         let wanted = LayerSelection {
-            clouds: options.clouds,
-            night_lights: options.night_lights,
+            clouds: options.clouds != 0,
+            night_lights: options.night_lights != 0,
             ..LayerSelection::default()
         };
         let mut earth = EarthOptions::new(load_layers(&folder, wanted).map_err(Failure::file)?);
         earth.samples = options.samples;
         earth.exposure = exposure;
-        if !options.air {
+        if options.air == 0 {
             earth.atmosphere = Atmosphere::None;
         }
         Ok(Self {

@@ -5,8 +5,8 @@ use crate::pointers::{buffer, check_out, text, write};
 use std::ffi::c_char;
 use terrella::frames::{Duration, Epoch, rfc3339, utc_from_rfc3339};
 
-/// An instant: nanoseconds of international atomic time (TAI) since 1900-01-01T00:00:00 TAI divided by 10^9, and the rest. Differences are elapsed
-/// time, through leap seconds too. Made by `terrella_time_utc` or `terrella_time_unix`.
+/// An instant, in international atomic time (TAI) since 1900-01-01T00:00:00 TAI. Differences are elapsed time, through leap seconds too. Made by
+/// `terrella_time_utc` or `terrella_time_unix`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TerrellaTime {
@@ -115,7 +115,7 @@ pub unsafe extern "C" fn terrella_time_add(
     })
 }
 
-/// Writes an instant as a text in UTC, like "2018-01-15T12:00:00Z", with a zero byte at its end: 40 bytes are enough.
+/// Writes an instant as a text in UTC, like "2018-01-15T12:00:00.000Z", with a zero byte at its end: 40 bytes are enough.
 ///
 /// # Safety
 /// `text` has room for `bytes` bytes.

@@ -24,8 +24,8 @@ const KIND: &str = "an Earth on Vulkan";
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct TerrellaVulkanHost {
-    /// The function vkGetInstanceProcAddr.
-    pub get_instance_proc_addr: *const c_void,
+    /// The function vkGetInstanceProcAddr, as a PFN_vkVoidFunction.
+    pub get_instance_proc_addr: Option<unsafe extern "C" fn()>,
     /// The VkInstance.
     pub instance: *mut c_void,
     /// The VkPhysicalDevice.
@@ -110,16 +110,16 @@ struct Opened {
 /// # Safety
 /// As the fields of [`TerrellaVulkanHost`] say.
 unsafe fn open(host: &TerrellaVulkanHost) -> Result<Opened, Failure> {
+    let null = |name: &str| Failure::new(TerrellaStatus::TERRELLA_NULL, format!("{name} is null"));
+    let function = host
+        .get_instance_proc_addr
+        .ok_or_else(|| null("host.get_instance_proc_addr"))?;
     for (pointer, name) in [
-        (host.get_instance_proc_addr, "host.get_instance_proc_addr"),
-        (host.instance.cast_const(), "host.instance"),
-        (host.physical_device.cast_const(), "host.physical_device"),
+        (host.instance, "host.instance"),
+        (host.physical_device, "host.physical_device"),
     ] {
         if pointer.is_null() {
-            return Err(Failure::new(
-                TerrellaStatus::TERRELLA_NULL,
-                format!("{name} is null"),
-            ));
+            return Err(null(name));
         }
     }
     if host.api_version < vk::API_VERSION_1_1 {
@@ -127,11 +127,9 @@ unsafe fn open(host: &TerrellaVulkanHost) -> Result<Opened, Failure> {
             "host.api_version: Vulkan 1.1 is needed; write VK_API_VERSION_1_1 or later where the instance is made",
         ));
     }
-    // SAFETY: not null, and by the caller's promise that function.
+    // SAFETY: by the caller's promise that function.
     let get_instance_proc_addr = unsafe {
-        std::mem::transmute::<*const c_void, vk::PFN_vkGetInstanceProcAddr>(
-            host.get_instance_proc_addr,
-        )
+        std::mem::transmute::<unsafe extern "C" fn(), vk::PFN_vkGetInstanceProcAddr>(function)
     };
     let functions = ash::StaticFn {
         get_instance_proc_addr,

@@ -211,3 +211,13 @@ fn examples_are_clean_under_the_sanitizer() {
         run(&build(&program, out.path()), out.path(), &arguments);
     }
 }
+
+#[test]
+fn the_page_shows_the_example() {
+    let read = |path: &str| {
+        let path = folder().join(path);
+        std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+    };
+    let page = read("../../docs/embedding/c.md");
+    assert!(page.contains(&format!("```c\n{}```", read("examples/still.c"))));
+}

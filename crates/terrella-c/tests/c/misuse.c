@@ -52,7 +52,7 @@ int main(int argc, char **argv) {
     EXPECT(terrella_time_text(noon, text, 5), TERRELLA_ARGUMENT, "bytes");
     EXPECT(terrella_time_text(noon, NULL, 40), TERRELLA_NULL, "text");
     EXPECT(terrella_time_text(noon, text, sizeof text), TERRELLA_OK, "");
-    if (strcmp(text, "2018-06-21T12:00:00Z") != 0) failures++, fprintf(stderr, "%s\n", text);
+    if (strcmp(text, "2018-06-21T12:00:00.000Z") != 0) failures++, fprintf(stderr, "%s\n", text);
 
     EXPECT(terrella_camera_geodetic(91, 0, 1e7, 0, -90, 45, 1, &camera), TERRELLA_ARGUMENT, "lat_deg");
     EXPECT(terrella_camera_geodetic(0, 0, 1e7, 0, -90, NAN, 1, &camera), TERRELLA_ARGUMENT, "fov_deg");

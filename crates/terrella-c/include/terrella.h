@@ -1,0 +1,441 @@
+// The C interface of Terrella, a realistic Earth. Made from crates/terrella-c by cbindgen: do not edit; a test compares.
+//
+// Lengths are metres, angles degrees where a name says so, axes Earth-fixed (ITRF: x to 0 degrees east on the equator, z to the north pole).
+// Pictures have their first row at the top. Texts are UTF-8.
+//
+// Every call answers a status; terrella_message has the words of the last failure of the calling thread. No call ends the program, and none
+// lets an exception or a panic out.
+//
+// Threads: any thread may call anything, and a handle may be used by several: calls with one handle are done one after another. Handles of
+// TerrellaVulkanEarth use the caller's queue, which only the caller can guard. Handles do not outlive a fork: the child makes its own.
+
+
+#ifndef TERRELLA_H
+#define TERRELLA_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+// What a call answers. `terrella_message` has the words.
+typedef enum {
+  // Done.
+  TERRELLA_OK = 0,
+  // A pointer that must point somewhere is null.
+  TERRELLA_NULL = 1,
+  // An argument has a value that it may not have.
+  TERRELLA_ARGUMENT = 2,
+  // A handle that is freed already, never was one, or is one of something else.
+  TERRELLA_HANDLE = 3,
+  // A scene, or an instant that is asked of it, is at fault.
+  TERRELLA_SCENE = 4,
+  // A file that cannot be read or holds what it should not.
+  TERRELLA_FILE = 5,
+  // No adapter, or one that has no room, cannot do what is asked, or was lost.
+  TERRELLA_DEVICE = 6,
+  // The handle was made before `fork`, and this is the child.
+  TERRELLA_FORKED = 7,
+  // The library broke down; what the call was about cannot be used any more. Please report it.
+  TERRELLA_BROKEN = 8,
+} TerrellaStatus;
+
+// An Earth on a device of its own. A handle, no address. Any thread may use it; calls from several are done one after another.
+typedef struct TerrellaEarth TerrellaEarth;
+
+// A scene file with a device of its own. A handle, no address. Any thread may use it; calls from several are done one after another.
+typedef struct TerrellaScene TerrellaScene;
+
+// An Earth on a program's own Vulkan device. A handle, no address. Calls are the caller's to order: nobody else submits to the queue meanwhile.
+typedef struct TerrellaVulkanEarth TerrellaVulkanEarth;
+
+// Where the eye stands and what it sees. Filled by `terrella_camera_geodetic` or `terrella_camera_look`, or by hand.
+typedef struct {
+  // The eye: Earth-fixed axes (ITRF: x to 0° E on the equator, z to the north pole), metres.
+  double eye_itrf_m[3];
+  // Rotation from Earth-fixed axes to those of the view (x right, y up, −z forward), row by row.
+  double view_from_itrf[9];
+  // Projection from view to clip space as Vulkan has it (z from 0 to 1) but y upwards, row by row. Depth reversed: nearer is larger.
+  double clip_from_view[16];
+} TerrellaCamera;
+
+// What an Earth is made of. Fill it by `terrella_options_default` and change what you want otherwise.
+typedef struct {
+  // Width of pictures, pixels.
+  uint32_t width;
+  // Height of pictures, pixels.
+  uint32_t height;
+  // Samples a pixel of shown pictures, 1 or 4.
+  uint32_t samples;
+  // Folder of maps; null takes that of the environment variable TERRELLA_TEXTURES, else `textures` or `../share/terrella/textures` beside the
+  // program, else that of the source tree that the library was built from.
+  const char *textures;
+  // Part of the name of the graphics adapter, letter case aside; null takes the best.
+  const char *adapter;
+  // How bright light is shown, EV.
+  double exposure_ev;
+  // Whether exposure is metered in each picture, 0 or 1, in place of `exposure_ev`.
+  uint8_t auto_exposure;
+  // Whether the air is drawn, 0 or 1.
+  uint8_t air;
+  // Whether clouds are drawn, 0 or 1.
+  uint8_t clouds;
+  // Whether city lights are drawn, 0 or 1.
+  uint8_t night_lights;
+} TerrellaOptions;
+
+// An instant, in international atomic time (TAI) since 1900-01-01T00:00:00 TAI. Differences are elapsed time, through leap seconds too. Made by
+// `terrella_time_utc` or `terrella_time_unix`.
+typedef struct {
+  // Whole seconds.
+  int64_t tai_s;
+  // Nanoseconds after that, 0 to 999 999 999.
+  uint32_t tai_ns;
+} TerrellaTime;
+
+// How the pixels of a picture are written: a number that begins with `TERRELLA_RGBA`.
+typedef uint32_t TerrellaFormat;
+
+// What was drawn.
+typedef struct {
+  // Triangles.
+  uint64_t triangles;
+  // Tiles of a pack that did not come in time: drawn with something coarser.
+  uint64_t missing_tiles;
+  // By how much light was exposed, EV.
+  double exposure_ev;
+} TerrellaDrawn;
+
+// A truth layer that is wanted, and where its numbers go: row by row from the top; NaN where there is none.
+typedef struct {
+  // Its name.
+  const char *name;
+  // Room for its numbers, float or double as the layer says.
+  void *values;
+  // Bytes of that room: width × height × components × number_bytes.
+  size_t bytes;
+} TerrellaLayerBuffer;
+
+// What a scene says of its pictures.
+typedef struct {
+  // Width of pictures, pixels.
+  uint32_t width;
+  // Height of pictures, pixels.
+  uint32_t height;
+  // The first frame.
+  TerrellaTime start;
+  // Where playback ends.
+  TerrellaTime end;
+  // Frames of one playback.
+  uint64_t frames;
+  // Frames a second of playback.
+  double frame_rate_hz;
+  // Satellites.
+  size_t satellites;
+} TerrellaSceneInfo;
+
+// What a truth layer is. Its texts stand for ever.
+typedef struct {
+  // Its name.
+  const char *name;
+  // The unit of its numbers, "1" where they have none.
+  const char *unit;
+  // What they are.
+  const char *what;
+  // Numbers a pixel.
+  uint32_t components;
+  // Bytes of a number: 4 for float, 8 for double.
+  uint32_t number_bytes;
+} TerrellaLayer;
+
+// A program's Vulkan objects. They outlive what is made with them.
+typedef struct {
+  // The function vkGetInstanceProcAddr, as a PFN_vkVoidFunction.
+  void (*get_instance_proc_addr)(void);
+  // The VkInstance.
+  void *instance;
+  // The VkPhysicalDevice.
+  void *physical_device;
+  // The VkDevice, made with all extensions that `terrella_vulkan_extension` names and with the features that the physical device has (as
+  // vkGetPhysicalDeviceFeatures gives them). May be null where only extensions are asked for.
+  void *device;
+  // The version of Vulkan that the instance was made for, as VK_MAKE_API_VERSION; at least 1.1.
+  uint32_t api_version;
+  // Family of the queue; it draws.
+  uint32_t queue_family;
+  // The queue's place in its family.
+  uint32_t queue_index;
+  // Names of the device's enabled extensions.
+  const char *const *device_extensions;
+  // How many those are.
+  size_t device_extension_count;
+} TerrellaVulkanHost;
+
+// What an image is left ready for: a number that begins with `TERRELLA_LAYOUT`.
+typedef uint32_t TerrellaLayout;
+
+// An image of the program to draw into.
+typedef struct {
+  // The VkImage: two-dimensional, one level, one layer, one sample, exclusive to the queue's family, usage VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT and
+  // what `layout` needs. What is in it is lost.
+  uint64_t image;
+  // Width, pixels.
+  uint32_t width;
+  // Height, pixels.
+  uint32_t height;
+  // What it is left ready for.
+  TerrellaLayout layout;
+} TerrellaVulkanImage;
+
+// The Earth as it is shown: red, green, blue in sRGB and opacity, a byte each.
+#define TERRELLA_RGBA8 0
+
+// Light, scene-referred and linear (a white sheet that faces the Sun in space is 1): red, green, blue and what is no light, IEEE halves.
+#define TERRELLA_RGBA16F 1
+
+// The same as 32-bit floats.
+#define TERRELLA_RGBA32F 2
+
+// To be copied from: VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL. The image has VK_IMAGE_USAGE_TRANSFER_SRC_BIT.
+#define TERRELLA_LAYOUT_TRANSFER 0
+
+// To be read by shaders: VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL. The image has VK_IMAGE_USAGE_SAMPLED_BIT.
+#define TERRELLA_LAYOUT_SHADER 1
+
+// To be drawn over: VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL.
+#define TERRELLA_LAYOUT_ATTACHMENT 2
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+// A camera above a place: latitude and longitude in degrees (geodetic, WGS84), height in metres. With heading 0 and pitch −90 it looks straight
+// down, north upwards; heading turns it clockwise from north, pitch raises it, 0 is level. `fov_deg` is the vertical field of view, `aspect`
+// width over height.
+//
+// # Safety
+// `camera` has room.
+TerrellaStatus terrella_camera_geodetic(double lat_deg,
+                                        double lon_deg,
+                                        double height_m,
+                                        double heading_deg,
+                                        double pitch_deg,
+                                        double fov_deg,
+                                        double aspect,
+                                        TerrellaCamera *camera);
+
+// A camera at `eye_itrf_m` (three numbers, metres) that looks along `forward` with `up` upwards on screen (three numbers each, of any length).
+//
+// # Safety
+// Each points to three numbers; `camera` has room.
+TerrellaStatus terrella_camera_look(const double *eye_itrf_m,
+                                    const double *forward,
+                                    const double *up,
+                                    double fov_deg,
+                                    double aspect,
+                                    TerrellaCamera *camera);
+
+// Opens an adapter and makes an Earth. Free it by `terrella_earth_free`.
+//
+// # Safety
+// `options` points to options whose texts end with zero bytes; `earth` has room.
+TerrellaStatus terrella_earth_new(const TerrellaOptions *options, TerrellaEarth **earth);
+
+// Gives an Earth back. Null is refused, and so is one that is freed already.
+TerrellaStatus terrella_earth_free(TerrellaEarth *earth);
+
+// Draws pictures of another size from now on. On failure the size is as it was.
+TerrellaStatus terrella_earth_resize(TerrellaEarth *earth, uint32_t width, uint32_t height);
+
+// Draws a picture and writes it to `pixels`, rows from the top without padding: `bytes` is width × height × 4, 8 or 16 by its format. Waits for
+// the device; and for tiles, at most `wait_s` seconds, 0 for live pictures that take what is there. `drawn` may be null.
+//
+// # Safety
+// `camera` points to a camera; `pixels` to so many bytes, which nobody else uses during the call; `drawn` is null or has room.
+TerrellaStatus terrella_earth_draw(TerrellaEarth *earth,
+                                   const TerrellaCamera *camera,
+                                   TerrellaTime time,
+                                   double wait_s,
+                                   TerrellaFormat format,
+                                   void *pixels,
+                                   size_t bytes,
+                                   TerrellaDrawn *drawn);
+
+// Writes the distance of the ground along the camera's axis, metres, to `depth_m`: `count` is width × height. Infinite where no ground is seen.
+//
+// # Safety
+// `camera` points to a camera; `depth_m` to so many floats, which nobody else uses during the call.
+TerrellaStatus terrella_earth_depth(TerrellaEarth *earth,
+                                    const TerrellaCamera *camera,
+                                    TerrellaTime time,
+                                    double wait_s,
+                                    float *depth_m,
+                                    size_t count);
+
+// Writes truth layers, each to its own room; the view is drawn once for all of them. `drawn` may be null.
+//
+// # Safety
+// `camera` points to a camera; `layers` to so many values, whose texts end with zero bytes and whose rooms have as many bytes as they say, do not
+// overlap, and are used by nobody else during the call; `drawn` is null or has room.
+TerrellaStatus terrella_earth_truth(TerrellaEarth *earth,
+                                    const TerrellaCamera *camera,
+                                    TerrellaTime time,
+                                    double wait_s,
+                                    const TerrellaLayerBuffer *layers,
+                                    size_t count,
+                                    TerrellaDrawn *drawn);
+
+// What went wrong in the last call of this thread that failed, in UTF-8; an empty text before. It stands until this thread's next call that
+// fails.
+const char *terrella_message(void);
+
+// The name of a status, for logs: "TERRELLA_OK" and so on; "no status" for a number that is none. It stands for ever.
+const char *terrella_status_name(uint32_t status);
+
+// Fills options with the defaults: 800 × 450 pixels, one sample each, the starter maps, the best adapter.
+//
+// # Safety
+// `options` has room.
+TerrellaStatus terrella_options_default(TerrellaOptions *options);
+
+// Writes a picture of `TERRELLA_RGBA8` to a PNG file, without its opacity. The file is complete or not there; one of that name is replaced.
+//
+// # Safety
+// `path` ends with a zero byte; `rgba` points to width × height × 4 bytes.
+TerrellaStatus terrella_write_png(const char *path, const uint8_t *rgba, uint32_t width, uint32_t height);
+
+// Reads a scene file and opens what it names, and an adapter. `width` and `height` are those of the pictures, both 0 the scene's own; `textures` is
+// the folder of what the scene names no file for, null as in `TerrellaOptions`; `adapter` part of an adapter's name, null the best. Free it by
+// `terrella_scene_free`.
+//
+// # Safety
+// Texts end with zero bytes; `scene` has room.
+TerrellaStatus terrella_scene_open(const char *path,
+                                   uint32_t width,
+                                   uint32_t height,
+                                   const char *textures,
+                                   const char *adapter,
+                                   TerrellaScene **scene);
+
+// Gives a scene back. Null is refused, and so is one that is freed already.
+TerrellaStatus terrella_scene_free(TerrellaScene *scene);
+
+// What a scene says of its pictures.
+//
+// # Safety
+// `info` has room.
+TerrellaStatus terrella_scene_info(TerrellaScene *scene, TerrellaSceneInfo *info);
+
+// Where a satellite of a scene is at an instant: Earth-fixed axes (ITRF), metres and metres a second, three numbers each. `index` counts from 0 in the
+// scene's order; `velocity_m_s` may be null.
+//
+// # Safety
+// Each has room for three numbers.
+TerrellaStatus terrella_scene_satellite(TerrellaScene *scene,
+                                        size_t index,
+                                        TerrellaTime time,
+                                        double *position_m,
+                                        double *velocity_m_s);
+
+// Draws an instant of a scene as the command `terrella` draws it, and writes it to `pixels` as `terrella_earth_draw` does. Waits for tiles as long as the
+// scene says. `drawn` may be null.
+//
+// # Safety
+// As `terrella_earth_draw`.
+TerrellaStatus terrella_scene_draw(TerrellaScene *scene,
+                                   TerrellaTime time,
+                                   TerrellaFormat format,
+                                   void *pixels,
+                                   size_t bytes,
+                                   TerrellaDrawn *drawn);
+
+// As `terrella_earth_depth`, with the scene's camera: of the ground, without a spacecraft before it.
+//
+// # Safety
+// As `terrella_earth_depth`.
+TerrellaStatus terrella_scene_depth(TerrellaScene *scene, TerrellaTime time, float *depth_m, size_t count);
+
+// As `terrella_earth_truth`, with the scene's camera: of the ground, without a spacecraft before it.
+//
+// # Safety
+// As `terrella_earth_truth`.
+TerrellaStatus terrella_scene_truth(TerrellaScene *scene,
+                                    TerrellaTime time,
+                                    const TerrellaLayerBuffer *layers,
+                                    size_t count,
+                                    TerrellaDrawn *drawn);
+
+// An instant from a text like "2018-01-15T12:00:00Z" or "2018-01-15T13:30:00.25+01:30" (RFC 3339); leap seconds are read.
+//
+// # Safety
+// `text` ends with a zero byte; `time` has room.
+TerrellaStatus terrella_time_utc(const char *text, TerrellaTime *time);
+
+// An instant from seconds since 1970-01-01T00:00:00Z as POSIX counts them, without leap seconds.
+//
+// # Safety
+// `time` has room.
+TerrellaStatus terrella_time_unix(double unix_s, TerrellaTime *time);
+
+// An instant so many seconds later, or earlier.
+//
+// # Safety
+// `later` has room; it may be where `time` came from.
+TerrellaStatus terrella_time_add(TerrellaTime time, double elapsed_s, TerrellaTime *later);
+
+// Writes an instant as a text in UTC, like "2018-01-15T12:00:00.000Z", with a zero byte at its end: 40 bytes are enough.
+//
+// # Safety
+// `text` has room for `bytes` bytes.
+TerrellaStatus terrella_time_text(TerrellaTime time, char *text, size_t bytes);
+
+// How many truth layers there are.
+size_t terrella_layer_count(void);
+
+// What the truth layer of this place is, from 0.
+//
+// # Safety
+// `layer` has room.
+TerrellaStatus terrella_layer(size_t index, TerrellaLayer *layer);
+
+// Names an extension that the host's device must be made with: the one of this place, from 0. Null where there are no more. Asked before vkCreateDevice.
+// Names stand for ever.
+//
+// # Safety
+// `host` points to Vulkan objects as its fields say; `device` and `device_extensions` are not looked at. `name` has room.
+TerrellaStatus terrella_vulkan_extension(const TerrellaVulkanHost *host,
+                                         size_t index,
+                                         const char **name);
+
+// Makes an Earth on the host's device, for images of a format: VK_FORMAT_R8G8B8A8_UNORM (37) or _SRGB (43), VK_FORMAT_B8G8R8A8_UNORM (44) or _SRGB
+// (50) for the Earth as it is shown, VK_FORMAT_R16G16B16A16_SFLOAT (97) for its light. `width`, `height` and `adapter` of the options are not used.
+//
+// # Safety
+// `host` points to Vulkan objects as its fields say, which outlive the Earth; texts end with zero bytes; `earth` has room. Nobody submits to the
+// queue during the call.
+TerrellaStatus terrella_vulkan_earth_new(const TerrellaVulkanHost *host,
+                                         const TerrellaOptions *options,
+                                         uint32_t vk_format,
+                                         TerrellaVulkanEarth **earth);
+
+// Gives an Earth on Vulkan back, when the device has done what was drawn. Before the host's device goes away.
+TerrellaStatus terrella_vulkan_earth_free(TerrellaVulkanEarth *earth);
+
+// Draws into an image of the host: submits to its queue and does not wait, so that what is submitted to that queue later sees the picture, and the image
+// stays until the queue has done it. The picture stands as Vulkan has it, its first row at the top. Waits for tiles, at most `wait_s` seconds. `drawn`
+// may be null.
+//
+// # Safety
+// `camera` points to a camera, `image` to a description that is true of an image of the host's device; nobody else submits to the queue or uses the image
+// during the call; `drawn` is null or has room.
+TerrellaStatus terrella_vulkan_draw(TerrellaVulkanEarth *earth,
+                                    const TerrellaCamera *camera,
+                                    TerrellaTime time,
+                                    double wait_s,
+                                    const TerrellaVulkanImage *image,
+                                    TerrellaDrawn *drawn);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* TERRELLA_H */
