@@ -38,6 +38,7 @@
 //! |---|---|---|
 //! | [`frames`] | ellipsoid, time scales, Earth rotation, Sun; f64 | anything below |
 //! | [`orbit`] | readers and propagators: a state at an epoch | GPU |
+//! | [`basilisk`] | simulations of Basilisk: their sockets, messages and files, what is kept of them | GPU |
 //! | [`elevation`] | heights of the ground: grids, their pyramids, readers of elevation data | GPU |
 //! | [`globe`] | the block sphere, and surfaces with relief: vertices, culling, level of detail | GPU, files |
 //! | [`air`] | density, scattering tables, the billboard | GPU, files |
@@ -58,11 +59,13 @@
 //! # Features
 //!
 //! A host pays for what it draws. `default-features = false` is the Earth and its air from maps held whole, and no more;
-//! `celestial`, `orbit`, `tracks`, `live`, `packs`, `pack-build`, `terrain`, `scene` and `offscreen` add their modules, `playback` plays scenes without
+//! `celestial`, `orbit`, `tracks`, `live`, `basilisk`, `packs`, `pack-build`, `terrain`, `scene` and `offscreen` add their modules, `playback` plays scenes without
 //! a window, `command` (default) is all of them, the window, the video writer and the command line. Without `terrain` there is no value of [`GroundOptions`], without `packs` none of
 //! [`TileOptions`], and the compiler drops all that would use one. The host chooses wgpu's backends, by the features `vulkan`,
 //! `gles`, `metal` and `dx12` or by its own dependency on wgpu, which is also [`wgpu`] here.
 
+#[cfg(feature = "basilisk")]
+pub mod basilisk;
 #[cfg(feature = "celestial")]
 pub mod celestial;
 #[cfg(feature = "terrain")]

@@ -171,6 +171,7 @@ fn tracks_allocate_nothing_of_their_own() {
         let moment = TrackMoment {
             epoch: start + Span::from_seconds(2.0 * f64::from(frame)),
             orientation: Orientation::default(),
+            turn: None,
             view: &view,
             target: (640, 400).into(),
         };

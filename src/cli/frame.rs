@@ -1,6 +1,6 @@
 //! `terrella frame`
 
-use super::progress::{Bars, stop_on_interrupt};
+use super::progress::{Bars, stop_on_interrupt, stop_on_interrupt_with};
 use super::values;
 use super::{Cli, Common, load};
 use clap::error::ErrorKind;
@@ -67,6 +67,9 @@ enum Renderer {
 pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
     refuse_conflicts(args, common);
     let flight = Flight::open(load(&args.scene, args.strict)?)?;
+    if let Some(simulation) = flight.simulation() {
+        stop_on_interrupt_with(Some(simulation.stopper()));
+    }
     let bars = Bars::new(common.quiet);
     if args.renderer == Renderer::Gpu {
         let request = StillRequest {

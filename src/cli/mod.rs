@@ -10,10 +10,12 @@ mod play;
 mod progress;
 mod quiet_driver;
 mod report;
+mod serve;
 mod terrain;
 mod values;
 
 use clap::{Args, Parser, Subcommand};
+use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 use terrella::internals::measure::bench::BenchError;
@@ -58,6 +60,8 @@ struct Common {
 enum Command {
     /// Play a scene in a window, or write it as frames or video
     Play(play::PlayArgs),
+    /// Answer Basilisk simulations without a display: draw the pictures and depth maps that their cameras ask for
+    Serve(serve::ServeArgs),
     /// Write one picture of a scene
     Frame(frame::FrameArgs),
     /// Benchmark frames of a scene at twelve heights, each beside its floor: the least that it could cost
@@ -82,6 +86,7 @@ impl Command {
         match self {
             Self::Check(_) | Self::Orbit(_) | Self::Pack(_) => false,
             Self::Play(_)
+            | Self::Serve(_)
             | Self::Frame(_)
             | Self::Bench(_)
             | Self::Doctor
@@ -94,7 +99,7 @@ impl Command {
 /// Runs the command that the arguments name.
 pub fn run() -> ExitCode {
     // Bad usage ends here with clap's message and exit code 2.
-    let cli = Cli::parse();
+    let cli = Cli::parse_from(vizard_args(std::env::args_os()));
     log_to_stderr(&cli.common);
     if cli.command.draws() {
         quiet_driver::quieten();
@@ -102,6 +107,7 @@ pub fn run() -> ExitCode {
     let common = &cli.common;
     let done = match &cli.command {
         Command::Play(args) => play::run(args, common),
+        Command::Serve(args) => serve::run(args, common),
         Command::Frame(args) => frame::run(args, common),
         Command::Bench(args) => bench::run(args, common),
         Command::Check(args) => check::run(args, common),
@@ -120,6 +126,21 @@ pub fn run() -> ExitCode {
             ExitCode::from(exit_code(&error))
         }
     }
+}
+
+/// The arguments, with those that Basilisk's scripts start their viewer with (`--args -directComm tcp://localhost:5556`, or `-noDisplay`)
+/// put as ours.
+fn vizard_args(args: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut args: Vec<_> = args.collect();
+    let is = |index: usize, word: &str| args.get(index).is_some_and(|arg| arg == word);
+    let at = if is(1, "--args") { 2 } else { 1 };
+    let command = match () {
+        () if is(at, "-directComm") => "play",
+        () if is(at, "-noDisplay") => "serve",
+        () => return args,
+    };
+    args.splice(1..=at, [command.into(), "--listen".into()]);
+    args
 }
 
 /// The error and its causes on one line; most messages name their cause already, and none is given twice.
@@ -207,6 +228,27 @@ mod tests {
     fn the_arguments_hold_together() {
         use clap::CommandFactory;
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn the_viewers_own_arguments_are_understood() {
+        let put = |args: &[&str]| {
+            let put = vizard_args(args.iter().map(OsString::from));
+            put.iter()
+                .map(|arg| arg.to_string_lossy().into_owned())
+                .collect::<Vec<_>>()
+        };
+        let live = ["terrella", "play", "--listen", "tcp://localhost:5556"];
+        let address = "tcp://localhost:5556";
+        assert_eq!(put(&["terrella", "--args", "-directComm", address]), live);
+        assert_eq!(put(&["terrella", "-directComm", address]), live);
+        let headless = ["terrella", "serve", "--listen", address];
+        assert_eq!(put(&["terrella", "-noDisplay", address]), headless);
+        for args in [live, headless] {
+            Cli::try_parse_from(args).expect("good arguments");
+            assert_eq!(put(&args), args);
+        }
+        assert_eq!(put(&["terrella"]), ["terrella"]);
     }
 
     #[test]

@@ -1,10 +1,12 @@
 //! `terrella play`
 
-use super::progress::{Bars, stop_on_interrupt};
+use super::Common;
+use super::progress::{Bars, stop_on_interrupt, stop_on_interrupt_with};
+use super::serve::simulation_scene;
 use super::values;
-use super::{Common, load};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
+use terrella::basilisk::Endpoint;
 use terrella::internals::play::{
     EncoderChoice, ExportRequest, Flight, WindowRequest, export, play_in_window,
 };
@@ -13,7 +15,11 @@ use terrella::internals::play::{
 #[derive(Debug, Args)]
 pub struct PlayArgs {
     /// The scene file
-    scene: PathBuf,
+    #[arg(required_unless_present = "listen")]
+    scene: Option<PathBuf>,
+    /// Simulations of Basilisk: where they connect, instead of the scene's; without a scene the built-in one, config/basilisk.toml
+    #[arg(long, value_name = "tcp://ADDRESS:PORT")]
+    listen: Option<Endpoint>,
     /// Refuse files of orbits in which anything is spoilt; else bad states and records are listed and passed over
     #[arg(long)]
     strict: bool,
@@ -49,7 +55,14 @@ enum Encoder {
 
 /// Opens the window, or writes frames and video.
 pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
-    let flight = Flight::open(load(&args.scene, args.strict)?)?;
+    let scene = simulation_scene(args.scene.as_deref(), args.listen.as_ref(), args.strict)?;
+    let flight = Flight::open(scene)?;
+    // Whoever waits is answered before the program ends.
+    if let Some(simulation) = flight.simulation() {
+        stop_on_interrupt_with(Some(simulation.stopper()));
+    } else if args.frames.is_some() || args.video.is_some() {
+        stop_on_interrupt();
+    }
     let bars = Bars::new(common.quiet);
     let adapter = common.adapter.as_deref();
     if args.frames.is_none() && args.video.is_none() {
@@ -72,6 +85,5 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
         size: args.size,
         adapter,
     };
-    stop_on_interrupt();
     Ok(export(&flight, &request, &bars)?)
 }

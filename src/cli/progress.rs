@@ -11,9 +11,17 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// From now on the first Ctrl-C (or request to terminate) asks work to stop, and the second ends the program at once.
 pub fn stop_on_interrupt() {
-    let handler = || {
+    stop_on_interrupt_with(None::<fn()>);
+}
+
+/// The same; the first one also does this at once, whatever the program is busy with.
+pub fn stop_on_interrupt_with(first: Option<impl Fn() + Send + 'static>) {
+    let handler = move || {
         if INTERRUPTED.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
+        }
+        if let Some(first) = &first {
+            first();
         }
     };
     if let Err(error) = ctrlc::set_handler(handler) {

@@ -167,6 +167,7 @@ pub(super) fn moment(view: &EyeView, sky: &Sky) -> Moment {
         satellite: None,
         craft: None,
         eye_velocity_m_s: None,
+        turn: None,
     }
 }
 

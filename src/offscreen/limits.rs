@@ -1,7 +1,6 @@
 //! The textures of pictures in memory, and how large they may be.
 
 use super::error::OffscreenError;
-use crate::EarthOptions;
 use crate::gpu::{FrameTargets, GpuContext, TruthTargets};
 
 /// Most memory that the textures and the read-back buffer of one picture may take, MiB.
@@ -31,10 +30,13 @@ pub fn target_bytes((width, height): (u32, u32), samples: u32) -> u64 {
 }
 
 /// Refuses pictures whose textures and read-back buffer would take more than [`MAX_PICTURE_MIB`].
-pub fn check_memory(size: (u32, u32), options: &EarthOptions) -> Result<(), OffscreenError> {
+pub fn check_memory(
+    size: (u32, u32),
+    format: wgpu::TextureFormat,
+    samples: u32,
+) -> Result<(), OffscreenError> {
     let (width, height) = size;
-    let samples = options.samples;
-    let pixel = options.color_format.block_copy_size(None).unwrap_or(4);
+    let pixel = format.block_copy_size(None).unwrap_or(4);
     let pixels = u64::from(width) * u64::from(height);
     // Of light, copies in numbers of 32 bits too.
     let copies = if pixel > 4 {
@@ -150,23 +152,10 @@ fn made<T>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{EarthLayers, LayerImage};
 
     #[test]
     fn the_largest_picture_fits_with_one_sample_and_not_with_four() {
-        let day = LayerImage::from_rgba8(1, 1, vec![0; 4]).expect("a map");
-        let mut options = EarthOptions::new(EarthLayers {
-            day,
-            clouds: None,
-            normals: None,
-            night_lights: None,
-            water: None,
-        });
-        let mut check = |size, samples, format| {
-            options.samples = samples;
-            options.color_format = format;
-            check_memory(size, &options)
-        };
+        let check = |size, samples, format| check_memory(size, format, samples);
         let (shown, light) = (FrameTargets::COLOR, wgpu::TextureFormat::Rgba32Float);
         assert!(check((1280, 720), 4, shown).is_ok());
         assert!(check((16_384, 16_384), 1, shown).is_ok());

@@ -89,7 +89,7 @@ impl OffscreenEarth {
             limits::supported_samples(&gpu.adapter, FrameTargets::COLOR, options.samples);
         options.check(&gpu.device)?;
         limits::check_size(&gpu, size)?;
-        limits::check_memory(size, &options)?;
+        limits::check_memory(size, options.color_format, options.samples)?;
         Ok(Self {
             gpu,
             options,
@@ -111,7 +111,7 @@ impl OffscreenEarth {
     /// As [`Self::new`]; the size is then as it was.
     pub fn set_size(&mut self, size: (u32, u32)) -> Result<(), OffscreenError> {
         limits::check_size(&self.gpu, size)?;
-        limits::check_memory(size, &self.options)?;
+        limits::check_memory(size, self.options.color_format, self.options.samples)?;
         self.size = size;
         Ok(())
     }

@@ -4,7 +4,7 @@ use super::camera::Look;
 use super::clock::{AtEnd, Clock};
 use super::flight::{Flight, ViewRequest};
 use super::keys::Action;
-use super::live::LiveStatus;
+use super::live_status::LiveStatus;
 use super::timeline::TimeLine;
 use crate::frames::Geodetic;
 use crate::scene::CameraMode;

@@ -107,6 +107,18 @@ pub enum PlayError {
     /// The window.
     #[error(transparent)]
     Window(#[from] WindowError),
+    /// A camera of a simulation cannot be drawn.
+    #[error("no picture for the simulation: {cause}")]
+    NoCameraPicture {
+        /// Why, and of which camera.
+        cause: String,
+    },
+    /// A scene whose satellites do not come from a simulation that runs.
+    #[error("{}: there is no simulation to serve; write source = \"basilisk\" in [orbit], without a file", scene.display())]
+    NoSimulation {
+        /// The scene's file.
+        scene: PathBuf,
+    },
     /// The work was stopped from outside.
     #[error(
         "interrupted after {done} of {wanted} frames; an unfinished video is taken away, finished frames stay"

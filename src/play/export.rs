@@ -1,5 +1,6 @@
 //! A flight as numbered pictures and as video. While one frame is written the next one is drawn.
 
+use super::basilisk::with_camera_service;
 use super::clock::frame_epoch;
 use super::error::PlayError;
 use super::flight::Flight;
@@ -8,6 +9,7 @@ use super::output::{FrameFolder, PendingFile};
 use super::progress::Progress;
 use super::quality_control::scene_quality;
 use super::video::{EncoderChoice, FrameSink, VideoFormat, check_size, open_video};
+use crate::basilisk::Meeting;
 use crate::gpu::GpuContext;
 use crate::imagery::tile::TileKey;
 use crate::orbit::live::Pacing;
@@ -43,13 +45,15 @@ pub fn export(
     progress: &dyn Progress,
 ) -> Result<(), PlayError> {
     let scene = flight.scene();
-    let is_lockstep = flight
-        .live_clock()
-        .is_some_and(|feed| feed.options().pacing == Pacing::Lockstep);
+    let is_lockstep = match (flight.simulation(), flight.live_clock()) {
+        (Some(simulation), _) => matches!(simulation.options().meeting, Meeting::Listen(_)),
+        (None, Some(feed)) => feed.options().pacing == Pacing::Lockstep,
+        (None, None) => false,
+    };
     if !is_lockstep {
         flight.refuse_live(
             "nobody waits for the pictures of a film in broadcast",
-            "write pacing = \"lockstep\" in [orbit] and have the simulator ask for each frame, or draw one picture with `terrella frame`",
+            "write pacing = \"lockstep\" in [orbit] and have the simulator ask for each frame (of Basilisk: liveStream, and listen in place of subscribe), or draw one picture with `terrella frame`",
         )?;
     }
     let size = request.size.unwrap_or(scene.output.size.into());
@@ -94,7 +98,9 @@ pub fn export(
     let wait = scene.output.wait();
     let mut missing_tiles = MissingTiles::default();
     if is_lockstep {
-        return export_lockstep(flight, sinks, &mut renderer, frame_count, progress);
+        return with_camera_service(flight, request.adapter, || {
+            export_lockstep(flight, sinks, &mut renderer, frame_count, progress)
+        });
     }
     write_while_drawing(sinks, |push| {
         for index in 0..frame_count {

@@ -13,6 +13,7 @@ use crate::frames::{
 use crate::gpu::BcSupport;
 use crate::orbit::{Feed, Frame, OrbitError, OrbitState};
 use crate::scene::{CameraMode, Scene};
+use crate::tracks::EarthTurn;
 use crate::{EarthOptions, EyeView, Sky};
 use glam::DVec3;
 
@@ -53,6 +54,8 @@ pub struct Moment {
     /// How the eye moves about the Earth's centre, metres a second, in axes that do not turn, written along those of ITRF; `None`
     /// stands over the ground.
     pub eye_velocity_m_s: Option<DVec3>,
+    /// How the Earth stands and turns where a simulation says so and not the date.
+    pub turn: Option<EarthTurn>,
 }
 
 /// A satellite at an instant.
@@ -203,6 +206,10 @@ impl Flight {
 
     /// The view of an instant.
     pub fn view_at(&self, epoch: Epoch, request: &ViewRequest) -> Result<Moment, PlayError> {
+        if let Some(simulation) = self.simulation() {
+            let latest = simulation.latest().ok_or(PlayError::NoSatellite)?;
+            return self.simulated(&latest, request);
+        }
         let state = match self.feed().map(|feed| feed.state_at(epoch)) {
             Some(Ok(state)) => Some(motion(&state, &self.orientation_at(epoch))),
             // The ground is there without it, and its simulator may be late.
@@ -210,8 +217,21 @@ impl Flight {
             Some(Err(error)) => return Err(error.into()),
             None => None,
         };
+        let pose = self.pose(request.mode, state.as_ref())?;
+        Ok(self.moment(epoch, request, pose, state))
+    }
+
+    /// Where the eye stands and looks for a satellite that moves so.
+    ///
+    /// # Errors
+    /// Without a satellite, a mode that flies with one.
+    pub(super) fn pose(
+        &self,
+        mode: CameraMode,
+        state: Option<&OrbitalMotion>,
+    ) -> Result<Pose, PlayError> {
         let camera = &self.scene.camera;
-        let pose = match (request.mode, &state) {
+        Ok(match (mode, state) {
             (CameraMode::Geodetic, _) => self.ground_pose(),
             (_, None) => return Err(PlayError::NoSatellite),
             (CameraMode::Nadir, Some(state)) => Pose::nadir(state, camera.up, &self.ellipsoid),
@@ -220,8 +240,7 @@ impl Flight {
                 Pose::horizon(state, &self.ellipsoid, camera.fov_deg.to_radians())
             }
             (CameraMode::Chase, Some(state)) => Pose::chase(state, &self.ellipsoid),
-        };
-        Ok(self.moment(epoch, request, pose, state))
+        })
     }
 
     /// Above the scene's place, looking down.
@@ -241,8 +260,20 @@ impl Flight {
         pose: Pose,
         state: Option<OrbitalMotion>,
     ) -> Moment {
-        let fov_rad = request.look.fov_rad(self.scene.camera.fov_deg.to_radians());
         let sky = self.sky_at(epoch);
+        self.moment_under(epoch, request, pose, state, sky)
+    }
+
+    /// The same under a sky that is not the date's.
+    pub(super) fn moment_under(
+        &self,
+        epoch: Epoch,
+        request: &ViewRequest,
+        pose: Pose,
+        state: Option<OrbitalMotion>,
+        sky: Sky,
+    ) -> Moment {
+        let fov_rad = request.look.fov_rad(self.scene.camera.fov_deg.to_radians());
         let craft = match (request.mode, &state) {
             (CameraMode::Chase, Some(state)) => Some(CraftPose::new(state, &self.ellipsoid, &sky)),
             _ => None,
@@ -266,6 +297,7 @@ impl Flight {
                     error_m: self.feed().and_then(|feed| feed.error_m(epoch)),
                 }
             }),
+            turn: None,
         }
     }
 

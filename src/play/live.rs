@@ -1,8 +1,11 @@
 //! Scenes whose time a simulator gives: which instant a picture shows, who is answered, and what the window reports.
 
+use super::camera::Look;
 use super::error::PlayError;
 use super::flight::{Flight, Moment, ViewRequest};
 use super::keys::Action;
+use super::live_status::LiveStatus;
+use crate::basilisk::{Meeting, Simulation, StepPace, StepRequest};
 use crate::frames::Epoch;
 use crate::orbit::live::{FrameRequest, LiveFeed, Pacing, PacketCounters};
 use crate::orbit::{Feed, Freshness};
@@ -13,19 +16,6 @@ use std::time::{Duration, Instant};
 pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(4);
 /// How often a window that stands still checks the age of its states.
 const AGE_CHECK_INTERVAL: Duration = Duration::from_millis(250);
-
-/// What the window reports of simulators.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LiveStatus {
-    /// The satellite whose simulator gives the time.
-    pub name: String,
-    /// How fast its time goes.
-    pub pace: String,
-    /// Lines of the panel, for every live satellite: what, and how it is.
-    pub rows: Vec<(&'static str, String)>,
-    /// What must not be overlooked: nothing has come yet, or nothing comes any more.
-    pub notice: Option<String>,
-}
 
 /// The window's time where a simulator gives it.
 pub(super) struct LivePlay<'f> {
@@ -268,15 +258,22 @@ impl Flight {
     /// # Errors
     /// Says what cannot be done and what to do.
     pub fn refuse_live(&self, work: &'static str, remedy: &'static str) -> Result<(), PlayError> {
-        match self.live_clock() {
+        let simulation = self.simulation().map(|one| one.endpoint().to_string());
+        let feed = || Some(self.live_clock()?.listens_on().to_string());
+        match simulation.or_else(feed) {
             None => Ok(()),
-            Some(feed) => Err(PlayError::Live {
+            Some(listens_on) => Err(PlayError::Live {
                 scene: self.scene().path.clone(),
-                listens_on: feed.listens_on().to_string(),
+                listens_on,
                 work,
                 remedy,
             }),
         }
+    }
+
+    /// Whether a simulator gives the time of all pictures.
+    pub fn is_timed_by_simulator(&self) -> bool {
+        self.simulation().is_some() || self.live_clock().is_some()
     }
 
     /// The view where the satellite is not known: above the place of a geodetic camera, by default the whole disc.
@@ -298,11 +295,15 @@ impl Flight {
         aspect: f64,
         is_cancelled: &dyn Fn() -> bool,
     ) -> Result<(Moment, Option<AwaitedFrame<'_>>), PlayError> {
+        if let Some(simulation) = self.simulation() {
+            return self.await_step(simulation, aspect, is_cancelled);
+        }
         let feed = self.live_clock().ok_or(PlayError::NoSatellite)?;
         let (epoch, asked) = match self.wait_for_input(feed, is_cancelled) {
-            Some(LiveInput::Frame(request)) => {
-                (request.state.epoch, Some(AwaitedFrame { feed, request }))
-            }
+            Some(LiveInput::Frame(request)) => (
+                request.state.epoch,
+                Some(AwaitedFrame::Frame { feed, request }),
+            ),
             Some(LiveInput::Time(epoch)) => (epoch, None),
             None => {
                 return Err(PlayError::Silent {
@@ -321,6 +322,47 @@ impl Flight {
                     asked.refuse(&error.to_string());
                 }
                 Err(error)
+            }
+        }
+    }
+
+    /// The same of a simulation: its next step, which waits until it is drawn; of one that waits for nobody the newest.
+    fn await_step<'f>(
+        &self,
+        simulation: &'f Simulation,
+        aspect: f64,
+        is_cancelled: &dyn Fn() -> bool,
+    ) -> Result<(Moment, Option<AwaitedFrame<'f>>), PlayError> {
+        simulation.set_pace(StepPace::Drawn);
+        let publishes = matches!(simulation.options().meeting, Meeting::Subscribe(_));
+        let (wait, begun) = (self.scene().output.wait(), Instant::now());
+        let request = ViewRequest {
+            mode: self.scene().camera.mode,
+            look: Look::default(),
+            aspect,
+        };
+        loop {
+            if publishes && let Some(latest) = simulation.latest() {
+                return Ok((self.simulated(&latest, &request)?, None));
+            }
+            if let Some(step) = simulation.next_step(POLL_INTERVAL) {
+                let moment = self.simulated(&step.snapshot, &request)?;
+                return Ok((moment, Some(AwaitedFrame::Step(step))));
+            }
+            if publishes {
+                std::thread::sleep(POLL_INTERVAL);
+            }
+            let counters = simulation.counters();
+            let has_left = counters.steps > 0 && counters.connected == 0;
+            let has_ended = has_left || simulation.is_over();
+            if is_cancelled() || has_ended || begun.elapsed() >= wait {
+                return Err(PlayError::Silent {
+                    listens_on: simulation.endpoint().to_string(),
+                    when: match has_ended {
+                        true => "before its end".to_owned(),
+                        false => format!("within {} s", self.scene().output.wait_s),
+                    },
+                });
             }
         }
     }
@@ -364,20 +406,36 @@ enum LiveInput {
 }
 
 /// A picture that a simulator waits for.
-pub(super) struct AwaitedFrame<'f> {
-    feed: &'f LiveFeed,
-    request: FrameRequest,
+pub(super) enum AwaitedFrame<'f> {
+    /// Of a satellite's state.
+    Frame {
+        feed: &'f LiveFeed,
+        request: FrameRequest,
+    },
+    /// Of a simulation's step.
+    Step(StepRequest<'f>),
 }
 
 impl AwaitedFrame<'_> {
     /// It is drawn. `false` where nobody waits for it any more.
     pub fn drawn(&self) -> bool {
-        self.feed.acknowledge(&self.request)
+        match self {
+            Self::Frame { feed, request } => feed.acknowledge(request),
+            Self::Step(step) => step.drawn(),
+        }
     }
 
     /// There is no picture.
     pub fn refuse(&self, reason: &str) {
-        self.feed.refuse(&self.request, reason);
+        match self {
+            Self::Frame { feed, request } => {
+                feed.refuse(request, reason);
+            }
+            // A simulation is told nothing and goes on; the reason is the user's to hear.
+            Self::Step(step) => {
+                step.drawn();
+            }
+        }
     }
 }
 

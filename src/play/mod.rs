@@ -11,7 +11,9 @@
 //! | `camera` | the four cameras, pure functions |
 //! | `flight` | scene and orbit to moments |
 //! | `satellites` | the scene's sources of motion, opened |
-//! | `live` | the time of scenes whose simulator gives it |
+//! | `live`, `live_status` | the time of scenes whose simulator gives it; what the window reports of it |
+//! | `basilisk/` | the same of simulations of Basilisk, and the pictures of their cameras |
+//! | `simulator_time` | the window's time by either of them |
 //! | `ephemeris` | where its satellites are, as tables and messages |
 //! | `pass_table` | when they pass over a place |
 //! | `event_table` | what was found along integrated motions |
@@ -36,6 +38,7 @@
 
 // What of a file only the command needs is left unused without it.
 
+mod basilisk;
 pub mod camera;
 pub mod clock;
 #[cfg(feature = "command")]
@@ -56,6 +59,8 @@ mod frame_cost;
 mod keys;
 #[cfg(feature = "command")]
 mod live;
+#[cfg(feature = "command")]
+mod live_status;
 mod maps;
 #[cfg_attr(not(feature = "command"), allow(dead_code))]
 mod offscreen;
@@ -74,6 +79,8 @@ mod quality_control;
 mod radiance;
 mod relief;
 mod satellites;
+#[cfg(feature = "command")]
+mod simulator_time;
 mod sky;
 mod sky_parts;
 mod stats;
@@ -96,6 +103,8 @@ mod window;
 #[cfg(feature = "command")]
 mod window_renderer;
 
+#[cfg(feature = "command")]
+pub use basilisk::{ServeRequest, serve};
 pub use craft::CraftPose;
 pub use ephemeris::{Axes, Ephemeris, EphemerisRequest, Layout, Selection, Span, omm, select};
 pub use error::{PlayError, VideoError, WindowError};

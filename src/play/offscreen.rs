@@ -69,7 +69,7 @@ impl OffscreenRenderer {
         options: &EarthOptions,
         size: (u32, u32),
     ) -> Result<Self, PlayError> {
-        check_memory(size, options)?;
+        check_memory(size, options.color_format, options.samples)?;
         let targets = new_targets(&gpu, size, options.color_format, options.samples)?;
         let earth = Earth::new(&gpu.device, &gpu.queue, options)?;
         Ok(Self {
@@ -103,10 +103,36 @@ impl OffscreenRenderer {
         if quality == *self.earth.quality() {
             return Ok(());
         }
-        let size = self.size();
-        let drawn_size = quality.drawn_size(size);
-        let device = &self.gpu.device;
         self.earth.set_quality(&self.gpu.queue, &quality)?;
+        self.make_targets(self.size(), samples)?;
+        self.samples = samples;
+        self.craft.set_samples(samples);
+        if let Some(sky) = &mut self.sky {
+            sky.follow(&self.gpu, &self.earth)?;
+        }
+        if let Some(tracks) = &mut self.tracks {
+            tracks.follow(&self.earth)?;
+        }
+        Ok(())
+    }
+
+    /// Draws pictures of another size from now on.
+    ///
+    /// # Errors
+    /// A size that takes more memory than this program does, or that the device has no room for.
+    pub fn resize(&mut self, size: (u32, u32)) -> Result<(), PlayError> {
+        if size == self.size() {
+            return Ok(());
+        }
+        check_memory(size, self.earth.format().color, self.samples)?;
+        self.make_targets(size, self.samples)
+    }
+
+    /// Makes the textures for pictures of a size, at the quality's scale.
+    fn make_targets(&mut self, size: (u32, u32), samples: u32) -> Result<(), PlayError> {
+        let format = self.earth.format().color;
+        let drawn_size = self.earth.quality().drawn_size(size);
+        let device = &self.gpu.device;
         self.smaller = match drawn_size == size {
             true => None,
             false => {
@@ -117,14 +143,6 @@ impl OffscreenRenderer {
         // The picture that is enlarged has its samples in the smaller one.
         let picture_samples = if self.smaller.is_some() { 1 } else { samples };
         self.targets = new_targets(&self.gpu, size, format, picture_samples)?;
-        self.samples = samples;
-        self.craft.set_samples(samples);
-        if let Some(sky) = &mut self.sky {
-            sky.follow(&self.gpu, &self.earth)?;
-        }
-        if let Some(tracks) = &mut self.tracks {
-            tracks.follow(&self.earth)?;
-        }
         Ok(())
     }
 

@@ -1,6 +1,7 @@
 //! The satellites of a scene, each source opened.
 
 use super::error::PlayError;
+use crate::basilisk::{Meeting, Simulation, SimulationError, SimulationOptions};
 use crate::frames::{Duration, EarthOrientation, Epoch, Orientation, utc_from_rfc3339};
 use crate::orbit::constants::EARTH_GM_M3_S2;
 use crate::orbit::kepler::{Anomaly, Drift, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize};
@@ -23,6 +24,7 @@ pub struct Satellite {
     feed: Arc<dyn Feed>,
     elements: Option<MeanElements>,
     live: Option<Arc<LiveFeed>>,
+    simulation: Option<Arc<Simulation>>,
     events: Option<Vec<Event>>,
     faults: Vec<String>,
     faults_left_out: usize,
@@ -41,6 +43,7 @@ impl Satellite {
             feed: Arc::new(feed),
             elements: None,
             live: None,
+            simulation: None,
             events: None,
             faults: Vec::new(),
             faults_left_out: 0,
@@ -70,6 +73,11 @@ impl Satellite {
     /// What a simulator sends, if its states come from one.
     pub fn live(&self) -> Option<&LiveFeed> {
         self.live.as_deref()
+    }
+
+    /// The simulation that it flies in, if that runs meanwhile.
+    pub fn simulation(&self) -> Option<&Arc<Simulation>> {
+        self.simulation.as_ref()
     }
 
     /// What was found along its motion, in order of time, if that is integrated.
@@ -146,6 +154,16 @@ pub(super) fn open(
             .map_err(|error| scene.refuse_orbit(index, "listen", &listen, error.to_string()));
         return Ok(opened?);
     }
+    if let Some(options) = &orbit.basilisk {
+        let endpoint = options.meeting.endpoint().to_string();
+        let key = match options.meeting {
+            Meeting::Listen(_) => "listen",
+            Meeting::Subscribe(_) => "subscribe",
+        };
+        let opened = simulation(options, scene.time.start, listener)
+            .map_err(|error| scene.refuse_orbit(index, key, &endpoint, error.to_string()));
+        return Ok(opened?);
+    }
     match (&orbit.motion, &orbit.file) {
         (Some(motion), _) => {
             let (start, default_name) = match motion {
@@ -193,6 +211,25 @@ fn live(options: &LiveOptions, listener: Listener) -> Result<Satellite, LiveErro
     let feed = Arc::new(feed);
     Ok(Satellite {
         live: Some(Arc::clone(&feed)),
+        ..Satellite::of(feed)
+    })
+}
+
+fn simulation(
+    options: &SimulationOptions,
+    start: Epoch,
+    listener: Listener,
+) -> Result<Satellite, SimulationError> {
+    let simulation = Arc::new(match listener {
+        Listener::Open => Simulation::open(options.clone(), start)?,
+        Listener::Closed => Simulation::unconnected(options.clone(), start)?,
+    });
+    if listener == Listener::Open {
+        tracing::info!("a simulation is waited for on {}", simulation.endpoint());
+    }
+    let feed = simulation.craft_feed(options.craft.as_deref());
+    Ok(Satellite {
+        simulation: Some(simulation),
         ..Satellite::of(feed)
     })
 }
@@ -287,6 +324,7 @@ fn source_key(source: OrbitSource) -> &'static str {
         OrbitSource::Kepler => "kepler",
         OrbitSource::Numerical => "numerical",
         OrbitSource::Live => "live",
+        OrbitSource::Basilisk => "basilisk",
     }
 }
 

@@ -50,9 +50,9 @@ pub fn write_still(
     let size = request.size.unwrap_or(scene.output.size.into());
     let aspect = f64::from(size.0) / f64::from(size.1);
     // In the order of what is cheapest to find out: the date, the files, the maps, the adapter.
-    let known = match flight.live_clock() {
-        None => Some(flight.at(epoch, aspect)?),
-        Some(_) => None,
+    let known = match flight.is_timed_by_simulator() {
+        false => Some(flight.at(epoch, aspect)?),
+        true => None,
     };
     let output = PendingFile::create(request.output, "pictures", "png")?;
     let stats = match request.stats {

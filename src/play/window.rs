@@ -1,11 +1,12 @@
 //! The window: winit's events in, pictures out.
 
+use super::basilisk::with_camera_service;
 use super::controls::{Controls, WindowTask};
 use super::error::{PlayError, WindowError};
 use super::flight::Flight;
 use super::keys::{Action, action_of};
-use super::live::LivePlay;
 use super::progress::Progress;
+use super::simulator_time::SimulatorTime;
 use super::timeline::{Coverage, PassSearch};
 use super::window_renderer::{Presented, WindowRenderer};
 use crate::EyeView;
@@ -50,6 +51,17 @@ pub fn play_in_window(
     // Before the maps are loaded: whether there is a display is known at once.
     let event_loop =
         EventLoop::new().map_err(|error| WindowError::NoDisplay(no_display(&error)))?;
+    with_camera_service(flight, request.adapter, || {
+        run_window(event_loop, flight, request, progress)
+    })
+}
+
+fn run_window(
+    event_loop: EventLoop<()>,
+    flight: &Flight,
+    request: &WindowRequest<'_>,
+    progress: &dyn Progress,
+) -> Result<(), PlayError> {
     std::thread::scope(|scope| {
         let proxy = event_loop.create_proxy();
         // A loop that has ended is woken no more.
@@ -60,7 +72,7 @@ pub fn play_in_window(
         let mut app = App {
             pass_search,
             controls: Controls::new(flight),
-            live: LivePlay::of(flight),
+            live: SimulatorTime::of(flight),
             flight,
             request,
             progress,
@@ -99,7 +111,7 @@ fn no_display(error: &winit::error::EventLoopError) -> String {
 struct App<'a> {
     flight: &'a Flight,
     /// Where a simulator gives the time.
-    live: Option<LivePlay<'a>>,
+    live: Option<SimulatorTime<'a>>,
     pass_search: PassSearch,
     request: &'a WindowRequest<'a>,
     controls: Controls,
@@ -241,6 +253,11 @@ impl ApplicationHandler for App<'_> {
         if self.message_ends.is_some_and(|end| end <= now) {
             (self.message_ends, self.controls.message) = (None, None);
             self.redraw();
+        }
+        let is_over = self.live.as_ref().is_some_and(SimulatorTime::is_over);
+        if is_over || self.progress.cancelled() {
+            event_loop.exit();
+            return;
         }
         let is_paused = self.controls.clock.is_paused();
         let mut poll_at = None;

@@ -65,7 +65,9 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         .map(|orbit| source.orbit(orbit, &tracks, time.start))
         .collect::<Result<Vec<_>, _>>()?;
     source.live_together(&orbits, &checked)?;
-    let has_live = checked.iter().any(|orbit| orbit.live.is_some());
+    source.basilisk_alone(&orbits, &checked)?;
+    let is_met = |orbit: &Orbit| orbit.live.is_some() || orbit.basilisk.is_some();
+    let has_live = checked.iter().any(is_met);
     if checked.is_empty() && camera.mode != CameraMode::Geodetic {
         checked.push(Orbit {
             track: source.track(&RawOrbit::default(), &tracks)?,

@@ -83,6 +83,16 @@ impl Scene {
         }
     }
 
+    /// Begins a scene that gives no start where its orbit does, `validity`: a recording has a time of its own.
+    pub fn begin_with(&mut self, validity: (Epoch, Epoch)) {
+        if self.line("time", "start").is_none() {
+            self.time.start = match self.time.speed > 0.0 {
+                true => validity.0,
+                false => validity.1,
+            };
+        }
+    }
+
     /// Lets the built-in satellite of that place fly a conic from the scene's start on, with a notice: its own elements,
     /// `elements`, hold for `validity` only.
     pub fn stand_in(&mut self, orbit: usize, elements: KeplerElements, validity: (Epoch, Epoch)) {

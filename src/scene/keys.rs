@@ -203,8 +203,9 @@ table!(RawTime = "time" {
 
 table_with_tracks!(RawOrbit = "orbit" {
     /// The kind of source, [`OrbitSource`](super::OrbitSource): "tle" by default.
-    source: String = "a string, the kind of source: \"tle\", \"omm\", \"oem\", \"czml\", \"csv\", \"kepler\", \"numerical\" or \"live\"";
-    /// The file of a source that is one; without it "tle" flies the built-in space station.
+    source: String = "a string, the kind of source: \"tle\", \"omm\", \"oem\", \"czml\", \"csv\", \"kepler\", \"numerical\", \"live\" or \"basilisk\"";
+    /// The file of a source that is one; without it "tle" flies the built-in space station, and "basilisk" meets a simulation
+    /// that runs.
     file: String = "a string, the path of a file of elements or states";
     /// Which satellite of the file; without a file, what it is called.
     name: String = "a string, the satellite's name";
@@ -270,8 +271,10 @@ table_with_tracks!(RawOrbit = "orbit" {
     // A list of any length.
     /// Which events are looked for besides the impact; none by default.
     events: Vec<String> = "a list of \"nodes\", \"apsides\" and \"eclipses\"";
-    /// Source "live": where the simulator's states come in.
+    /// Sources "live" and "basilisk": where the simulator is met; of the latter port 5556 of this machine by default.
     listen: String = "a string: \"stdin\", or \"tcp://\", \"udp://\" or \"ws://\" with an IP address and a port";
+    /// Source "basilisk": where a simulation publishes its steps, in place of listening.
+    subscribe: String = "a string: \"tcp://\" with an IP address and a port";
     /// Whether the port may be one that other machines reach.
     allow_remote: bool = "true or false", default false;
     // A list of any length.

@@ -8,7 +8,7 @@
 //! |---|---|
 //! | `keys.rs` | its declaration: name, type, range, default. **Begin here** |
 //! | `time.rs`, `orbit.rs`, `tracks.rs`, `camera.rs`, `earth.rs`, `sky.rs`, `output.rs` | a table each: the checked value that hosts read, its check, its text in the summary |
-//! | `orbit_check.rs`, `orbit_summary.rs`, `live.rs` | the same of `[orbit]`, which has the most keys |
+//! | `orbit_check.rs`, `orbit_summary.rs`, `live.rs`, `basilisk.rs` | the same of `[orbit]`, which has the most keys |
 //! | `relief.rs`, `surfaces.rs` | keys of `[earth]` that are about ground with relief |
 //! | `config/iss.toml` | its explanation for users: a test holds that every key stands there |
 //!
@@ -19,6 +19,7 @@
 //! defaults). Once the satellites are opened, [`Scene::check_dates`] and what else `dates` and `satellites` have. `summary` says in text what a scene
 //! comes to.
 
+mod basilisk;
 mod burns;
 mod camera;
 mod check;
@@ -168,7 +169,8 @@ impl Scene {
 
     /// Whether a simulator gives the time.
     pub fn is_live(&self) -> bool {
-        self.orbits.iter().any(|orbit| orbit.live.is_some())
+        let is_met = |orbit: &Orbit| orbit.live.is_some() || orbit.basilisk.is_some();
+        self.orbits.iter().any(is_met)
     }
 }
 

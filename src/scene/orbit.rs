@@ -1,6 +1,7 @@
 //! `[orbit]`, checked: a satellite and where its motion is from.
 
 use super::tracks::Track;
+use crate::basilisk::SimulationOptions;
 use crate::frames::Epoch;
 use crate::orbit::Frame;
 use crate::orbit::kepler::KeplerElements;
@@ -14,7 +15,8 @@ use std::path::PathBuf;
 pub struct Orbit {
     /// The kind of source.
     pub source: OrbitSource,
-    /// The file of a source that is one, absolute or relative to the working directory; `None` is the built-in ISS set.
+    /// The file of a source that is one, absolute or relative to the working directory; `None` is the built-in ISS set, or a
+    /// simulation of Basilisk that runs.
     pub file: Option<PathBuf>,
     /// Which satellite of the file, where `None` is its only one; without a file, what it is called.
     pub name: Option<String>,
@@ -25,6 +27,8 @@ pub struct Orbit {
     pub motion: Option<Motion>,
     /// How states of a simulator are taken: for [`OrbitSource::Live`].
     pub live: Option<LiveOptions>,
+    /// How a running simulation is met: for [`OrbitSource::Basilisk`] without a file.
+    pub basilisk: Option<SimulationOptions>,
     /// What is drawn of its path: trail, ground track, footprint, marker.
     pub track: Track,
 }
@@ -39,6 +43,7 @@ impl Orbit {
             strict: false,
             motion: None,
             live: None,
+            basilisk: None,
             track: Track::default(),
         }
     }
@@ -64,12 +69,17 @@ pub enum OrbitSource {
     Numerical,
     /// States that a simulator sends meanwhile.
     Live,
+    /// A simulation of Basilisk, running or saved.
+    Basilisk,
 }
 
 impl OrbitSource {
-    /// Whether it is read from a file.
+    /// Whether it is always read from a file.
     pub fn is_file(self) -> bool {
-        !matches!(self, Self::Kepler | Self::Numerical | Self::Live)
+        !matches!(
+            self,
+            Self::Kepler | Self::Numerical | Self::Live | Self::Basilisk
+        )
     }
 
     /// Whether the scene gives its start.

@@ -4,9 +4,9 @@ use super::burns::Method;
 use super::error::SceneError;
 use super::field::{Bounds, Field, PathKind, short_range_text, whole, written};
 use super::keys::{RawOrbit, RawTracks};
-use super::live;
 use super::orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters, OrbitSource};
 use super::text::SceneText;
+use super::{basilisk, live};
 use crate::frames::Epoch;
 use crate::orbit::Frame;
 use crate::orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
@@ -76,9 +76,21 @@ pub(super) fn foreign(source: OrbitSource, key: &str) -> Option<&'static str> {
     let (fits, why) = match key {
         "source" | "name" => (true, ""),
         key if super::tracks::KEYS.contains(&key) => (true, ""),
-        "file" | "strict" => (
+        "file" => (
+            source.is_file() || source == OrbitSource::Basilisk,
+            "is for sources that are read from files: \"tle\", \"omm\", \"oem\", \"czml\", \"csv\" and \"basilisk\"",
+        ),
+        "strict" => (
             source.is_file(),
-            "is for sources that are read from files: \"tle\", \"omm\", \"oem\", \"czml\" and \"csv\"",
+            "is for files of which parts can be passed over: \"tle\", \"omm\", \"oem\", \"czml\" and \"csv\"",
+        ),
+        "subscribe" => (
+            source == OrbitSource::Basilisk,
+            "is for source = \"basilisk\", simulations that publish their steps",
+        ),
+        key if basilisk::SHARED_KEYS.contains(&key) => (
+            matches!(source, OrbitSource::Live | OrbitSource::Basilisk),
+            "is for source = \"live\" and \"basilisk\", what a simulator sends",
         ),
         "j2" => (
             source == OrbitSource::Kepler,
@@ -176,10 +188,15 @@ impl SceneText<'_> {
             OrbitSource::Live => Some(self.live(orbit, name.as_deref())?),
             _ => None,
         };
+        let basilisk = match source {
+            OrbitSource::Basilisk => self.basilisk(orbit, name.as_deref(), file.is_some())?,
+            _ => None,
+        };
         Ok(Orbit {
             source,
             file,
             live,
+            basilisk,
             name,
             strict: strict.is_on(),
             motion,

@@ -6,7 +6,7 @@ use super::orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters, O
 use super::orbit_check::foreign;
 use super::time::utc;
 use super::tracks::TrackSpan;
-use super::{Scene, burns, live, tracks};
+use super::{Scene, basilisk, burns, live, tracks};
 use crate::orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
 use crate::orbit::numerical::AtmosphereModel;
 use glam::DVec3;
@@ -23,6 +23,7 @@ pub(super) fn value(orbit: &Orbit, key: &str) -> KeyText {
     }
     match (key, &orbit.motion) {
         ("source", _) => quoted(&written(&orbit.source)),
+        (key, _) if orbit.source == OrbitSource::Basilisk => basilisk::value(orbit, key),
         ("name", _) if orbit.live.is_some() && orbit.name.is_none() => {
             Err("it is called as its packets say")
         }
@@ -172,6 +173,7 @@ fn flies_by(orbit: &Orbit) -> String {
         }
         (OrbitSource::Numerical, _) => name("Numerical"),
         (OrbitSource::Live, _) => orbit.live.as_ref().map_or_else(String::new, live::flies_by),
+        (OrbitSource::Basilisk, _) => basilisk::flies_by(orbit),
     }
 }
 

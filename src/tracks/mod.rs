@@ -52,6 +52,7 @@ mod footprint;
 mod projection;
 mod satellite;
 mod style;
+mod turn;
 
 use crate::air::TOP;
 use crate::earth::{Earth, EarthView, EyeView, Viewport};
@@ -67,6 +68,7 @@ pub use footprint::{
 use projection::EyeProjection;
 use satellite::{Axes, Satellite};
 pub use style::{Footprint, TrackSpan, TrackStyle};
+pub use turn::EarthTurn;
 
 /// Most states that [`Tracks::prepare`] asks feeds for to grow their curves.
 pub const SAMPLES_A_FRAME: usize = 512;
@@ -118,6 +120,8 @@ pub struct TrackMoment<'m> {
     pub epoch: Epoch,
     /// The Earth's orientation now, as states are brought into Earth-fixed axes.
     pub orientation: Orientation,
+    /// How the Earth stands and turns where that is another than the epoch's: in a simulation that says so itself.
+    pub turn: Option<EarthTurn>,
     /// The view from the eye.
     pub view: &'m EyeView,
     /// The part of the target that the pass draws to.
@@ -276,7 +280,7 @@ impl Tracks {
             size: moment.target.size,
             ellipsoid: &ellipsoid,
         };
-        let mut axes = Axes::new(moment.epoch, moment.orientation);
+        let mut axes = Axes::new(moment.epoch, moment.orientation, moment.turn);
         let mut left = budget;
         let mut is_complete = true;
         for (index, (satellite, feed)) in self.satellites.iter_mut().zip(feeds).enumerate() {
@@ -325,6 +329,11 @@ impl Tracks {
         if self.is_shown {
             self.drawable.render(pass);
         }
+    }
+
+    /// What they are drawn in.
+    pub fn options(&self) -> &TracksOptions {
+        &self.options
     }
 
     /// Where names belong in the picture prepared last.

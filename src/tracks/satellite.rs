@@ -2,6 +2,7 @@
 
 use super::curve::{Curve, CurvePoint, STEP_RAD, TimeWindow};
 use super::style::{TrackSpan, TrackStyle};
+use super::turn::EarthTurn;
 use crate::frames::{Duration, EARTH_ROTATION_RATE_RAD_S, Ellipsoid, Epoch, Orientation};
 use crate::orbit::constants::EARTH_GM_M3_S2;
 use crate::orbit::{Feed, Frame, Freshness, OrbitState};
@@ -16,21 +17,39 @@ const UNSETTLED_S: f64 = 10.0;
 pub(super) struct Axes {
     pub now: Epoch,
     orientation: Orientation,
+    turn: Option<EarthTurn>,
     itrf_from: [Option<DMat3>; Frame::ALL.len()],
 }
 
 impl Axes {
-    pub fn new(now: Epoch, orientation: Orientation) -> Self {
+    pub fn new(now: Epoch, orientation: Orientation, turn: Option<EarthTurn>) -> Self {
         Self {
             now,
             orientation,
+            turn,
             itrf_from: [None; Frame::ALL.len()],
         }
     }
 
     pub fn itrf_from(&mut self, frame: Frame) -> DMat3 {
         let kept = &mut self.itrf_from[frame as usize];
-        *kept.get_or_insert_with(|| frame.itrf_from(self.now, &self.orientation))
+        *kept.get_or_insert_with(|| {
+            let by_date = |frame: Frame| frame.itrf_from(self.now, &self.orientation);
+            match self.turn {
+                Some(turn) if frame == Frame::Gcrf => turn.itrf_from_gcrf,
+                Some(turn) if !frame.is_earth_fixed() => {
+                    let gcrf_from_itrf = by_date(Frame::Gcrf).transpose();
+                    turn.itrf_from_gcrf * gcrf_from_itrf * by_date(frame)
+                }
+                _ => by_date(frame),
+            }
+        })
+    }
+
+    /// How fast the Earth turns, radians per second.
+    fn rate_rad_s(&self) -> f64 {
+        self.turn
+            .map_or(EARTH_ROTATION_RATE_RAD_S, |turn| turn.rate_rad_s)
     }
 }
 
@@ -162,6 +181,7 @@ impl Satellite {
         }
         let known = (reference.seconds(first), reference.seconds(last));
         let itrf_from_inertial = axes.itrf_from(reference.frame);
+        let rate_rad_s = axes.rate_rad_s();
         let sample = |t_s: f64| {
             // Seconds are rounded; the ends of what is known are not to be missed for that.
             let epoch = (reference.epoch + Duration::from_seconds(t_s)).clamp(first, last);
@@ -182,7 +202,7 @@ impl Satellite {
             let on_ground = |t_s: f64| {
                 let sample = sample(t_s)?;
                 // The Earth turns on from where it stands now.
-                let turned = EARTH_ROTATION_RATE_RAD_S * (t_s - now_s);
+                let turned = rate_rad_s * (t_s - now_s);
                 let place_itrf_m =
                     DMat3::from_rotation_z(-turned) * (itrf_from_inertial * sample.point_m);
                 Some(CurvePoint {

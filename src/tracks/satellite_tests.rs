@@ -47,7 +47,7 @@ fn both(trail: TrackSpan, ground_track: TrackSpan) -> TrackStyle {
 
 /// Follows a feed to an instant: whether its curves are whole, and the states that it took.
 fn follow(satellite: &mut Satellite, feed: &dyn Feed, at: Epoch) -> (bool, usize) {
-    let mut axes = Axes::new(at, Orientation::default());
+    let mut axes = Axes::new(at, Orientation::default(), None);
     let mut budget = 100_000;
     let is_whole = satellite.follow(feed, &mut axes, &WGS84, &mut budget);
     (is_whole, 100_000 - budget)
@@ -55,7 +55,7 @@ fn follow(satellite: &mut Satellite, feed: &dyn Feed, at: Epoch) -> (bool, usize
 
 /// The trail in Earth-fixed axes of that instant, and the ground track, with seconds from then.
 fn curves(satellite: &Satellite, at: Epoch) -> [Vec<(f64, DVec3)>; 2] {
-    let mut axes = Axes::new(at, Orientation::default());
+    let mut axes = Axes::new(at, Orientation::default(), None);
     let reference = satellite
         .reference
         .unwrap_or_else(|| panic!("nothing is known"));

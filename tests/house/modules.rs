@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 const MODULES: &[(&str, &[&str])] = &[
     ("frames", &[]),
     ("orbit", &["frames"]),
+    ("basilisk", &["frames", "orbit"]),
     ("elevation", &["frames"]),
     ("globe", &["frames", "elevation"]),
     ("air", &["frames"]),

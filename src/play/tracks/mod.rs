@@ -4,6 +4,8 @@
 //! A scene of which no satellite shows anything has no layer: nothing is made.
 
 mod labels;
+mod roster;
+mod style;
 
 use super::egui_pass::EguiTarget;
 use super::error::PlayError;
@@ -12,13 +14,12 @@ use super::satellites::orientation_at;
 use crate::frames::EarthOrientation;
 use crate::gpu::GpuContext;
 use crate::orbit::Feed;
-use crate::scene::{Orbit, TrackSpan as SceneTrackSpan};
-use crate::tracks::{
-    Footprint, TrackLabel, TrackMoment, TrackSpan, TrackStats, TrackStyle, Tracks, TracksOptions,
-};
+use crate::tracks::{TrackLabel, TrackMoment, TrackStats, Tracks, TracksOptions};
 use crate::{Earth, FrameStats};
 use labels::Labels;
+use roster::RosterTracks;
 use std::sync::Arc;
+use style::style;
 
 /// The tracks of a picture or a window.
 pub struct TracksLayer {
@@ -27,6 +28,8 @@ pub struct TracksLayer {
     orientation: Option<EarthOrientation>,
     labels: Option<Labels>,
     is_complete: bool,
+    /// Where a simulation says what there is.
+    roster: Option<RosterTracks>,
 }
 
 /// How much of a curve is computed within a frame.
@@ -54,6 +57,17 @@ impl TracksLayer {
     pub fn of(flight: &Flight, gpu: &GpuContext, earth: &Earth) -> Result<Option<Self>, PlayError> {
         let scene = flight.scene();
         let width_px = scene.track_px as f32;
+        let options = TracksOptions::of(earth);
+        if let Some(roster) = RosterTracks::of(flight) {
+            return Ok(Some(Self {
+                tracks: Tracks::new(&gpu.device, &options, &[])?,
+                feeds: Vec::new(),
+                orientation: flight.earth_orientation().cloned(),
+                labels: Some(Labels::new(&gpu.device, options.color_format)),
+                is_complete: false,
+                roster: Some(roster),
+            }));
+        }
         let shown = scene.orbits.iter().zip(flight.satellites()).enumerate();
         let (styles, feeds): (Vec<_>, Vec<_>) = shown
             .filter(|(_, (orbit, _))| !orbit.track.is_off())
@@ -65,14 +79,29 @@ impl TracksLayer {
             return Ok(None);
         }
         let has_names = styles.iter().any(|style| style.marker);
-        let options = TracksOptions::of(earth);
         Ok(Some(Self {
             tracks: Tracks::new(&gpu.device, &options, &styles)?,
             feeds,
             orientation: flight.earth_orientation().cloned(),
             labels: has_names.then(|| Labels::new(&gpu.device, options.color_format)),
             is_complete: false,
+            roster: None,
         }))
+    }
+
+    /// Makes the tracks anew where a simulation has other craft or places than before.
+    fn follow_roster(&mut self, gpu: &GpuContext) {
+        let Some((styles, feeds)) = self.roster.as_mut().and_then(RosterTracks::changed) else {
+            return;
+        };
+        match Tracks::new(&gpu.device, self.tracks.options(), &styles) {
+            Ok(tracks) => {
+                self.tracks = tracks;
+                self.feeds = feeds;
+            }
+            // The styles are those of a scene, which are checked; the shaders were good before.
+            Err(error) => tracing::warn!("tracks stay as they were: {error}"),
+        }
     }
 
     /// Follows the Earth to another quality.
@@ -89,10 +118,12 @@ impl TracksLayer {
         detail: TrackDetail,
         stats: &mut FrameStats,
     ) -> TrackStats {
+        self.follow_roster(gpu);
         let orientation = orientation_at(self.orientation.as_ref(), moment.epoch);
         let when = TrackMoment {
             epoch: moment.epoch,
             orientation: orientation.unwrap_or_default(),
+            turn: moment.turn,
             view: &moment.view,
             target: size.into(),
         };
@@ -145,35 +176,5 @@ impl TracksLayer {
             };
             labels.write(target, names);
         }
-    }
-}
-
-/// The style of a satellite's track, from the scene's units to the drawable's.
-fn style(index: usize, orbit: &Orbit, width_px: f32) -> TrackStyle {
-    let track = &orbit.track;
-    let defaults = TrackStyle::new(index);
-    let span = |span: Option<SceneTrackSpan>, defaults| {
-        span.map(|span| match span {
-            SceneTrackSpan::Usual => defaults,
-            SceneTrackSpan::Minutes {
-                before_min,
-                after_min,
-            } => TrackSpan::Seconds {
-                before_s: 60.0 * before_min,
-                after_s: 60.0 * after_min,
-            },
-        })
-    };
-    TrackStyle {
-        color: track.color.unwrap_or(defaults.color),
-        width_px,
-        trail: span(track.trail, TrackSpan::TRAIL),
-        ground_track: span(track.ground_track, TrackSpan::GROUND_TRACK),
-        footprint: track.footprint.map(|footprint| Footprint {
-            half_angle_rad: footprint.half_angle_deg.map(f64::to_radians),
-            is_filled: footprint.fill,
-        }),
-        subpoint: track.subpoint,
-        marker: track.marker,
     }
 }

@@ -89,6 +89,7 @@ impl Rig {
         let moment = TrackMoment {
             epoch: now(),
             orientation: Orientation::default(),
+            turn: None,
             view,
             target: SIZE.into(),
         };

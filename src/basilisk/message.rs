@@ -1,0 +1,411 @@
+//! Basilisk's messages (`vizMessage.proto` of Basilisk 2.12): what of them is drawn, as plain values, with limits.
+//!
+//! Lengths in the messages are metres, gravity parameters and radii of bodies aside, which are not used. Repeated numbers that
+//! are fewer than they should be are taken as absent, as proto3 leaves out what is zero.
+
+use super::wire::{Field, Fields, Numbers, Value, Wholes, WireFault, put_varint};
+use glam::{DMat3, DVec3};
+
+/// Most bytes of one message.
+pub const MAX_MESSAGE_BYTES: usize = 16 << 20;
+/// Most celestial bodies that are read of one message.
+pub const MAX_BODIES: usize = 64;
+/// Most spacecraft.
+pub const MAX_CRAFT: usize = 1000;
+/// Most cameras.
+pub const MAX_CAMERAS: usize = 64;
+/// Most ground locations.
+pub const MAX_LOCATIONS: usize = 1000;
+/// Most characters of a name.
+pub const MAX_NAME_CHARS: usize = 128;
+
+/// One message: a step of the simulation.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Message {
+    /// Count of the message, from 1; skipped steps count.
+    pub frame_number: i64,
+    /// Simulated time since the epoch, nanoseconds.
+    pub elapsed_ns: f64,
+    /// Planets, moons and the Sun.
+    pub bodies: Vec<Body>,
+    /// Spacecraft.
+    pub craft: Vec<Craft>,
+    /// Cameras whose pictures the simulation asks for.
+    pub cameras: Vec<Camera>,
+    /// When simulated time is 0, UTC; only where it is new.
+    pub epoch: Option<EpochDate>,
+    /// Places on the ground that are new or changed.
+    pub locations: Vec<Location>,
+    /// The simulation asks the viewer to end.
+    pub ends_viewer: bool,
+    /// What it holds that is not drawn.
+    pub undrawn: Undrawn,
+}
+
+/// A planet, a moon or the Sun.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Body {
+    /// Lower case: `earth`, `sun`, `mars barycenter` ….
+    pub name: String,
+    /// Metres from the simulation's origin, J2000 axes.
+    pub position_m: DVec3,
+    /// Metres a second.
+    pub velocity_m_s: DVec3,
+    /// Rotation from inertial axes to those fixed in the body; `None` where none is said.
+    pub fixed_from_inertial: Option<DMat3>,
+}
+
+/// A spacecraft.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Craft {
+    /// Its `ModelTag`.
+    pub name: String,
+    /// Metres from the simulation's origin, J2000 axes.
+    pub position_m: DVec3,
+    /// Metres a second.
+    pub velocity_m_s: DVec3,
+    /// Attitude of the body against inertial axes, σ_BN: modified Rodrigues parameters.
+    pub mrp_bn: DVec3,
+}
+
+/// A camera.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Camera {
+    /// Its number, which requests for pictures name.
+    pub id: i64,
+    /// The spacecraft that it is fixed to.
+    pub parent: String,
+    /// Vertical field of view, edge to edge, degrees.
+    pub fov_deg: f64,
+    /// Width and height, pixels; `None` where none are said.
+    pub size: Option<[i64; 2]>,
+    /// Its place on the craft, metres, body axes.
+    pub position_b_m: DVec3,
+    /// Its attitude as it is written (`cameraDir_B`): modified Rodrigues parameters.
+    pub mrp: DVec3,
+    /// Whether a depth map is asked for in place of a picture.
+    pub is_depth: bool,
+    /// Distances at which depth begins and ends, metres.
+    pub clip_m: Option<[f64; 2]>,
+    /// What is behind everything: a word or a path.
+    pub skybox: String,
+}
+
+/// A place on the ground.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Location {
+    /// Its name; a later one of the same name takes its place.
+    pub name: String,
+    /// What is written beside it, where that is another text.
+    pub label: String,
+    /// The body that it stands on.
+    pub body: String,
+    /// Metres from the body's centre, axes fixed in it.
+    pub position_fixed_m: DVec3,
+    /// Upwards there, axes fixed in the body; zero where none is said.
+    pub up: DVec3,
+    /// Red, green, blue.
+    pub color: Option<[u8; 3]>,
+    /// Whether it is not to be shown.
+    pub is_hidden: bool,
+}
+
+/// When simulated time is 0, UTC.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EpochDate {
+    /// Year.
+    pub year: i64,
+    /// 1…12.
+    pub month: i64,
+    /// From 1.
+    pub day: i64,
+    /// 0…23.
+    pub hour: i64,
+    /// 0…59.
+    pub minute: i64,
+    /// 0…60, with decimals.
+    pub second: f64,
+}
+
+/// Parts of messages that are not drawn, as a set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Undrawn(u32);
+
+/// Their names, as a user knows them, by their bit.
+const UNDRAWN: [&str; 17] = [
+    "maps on the ground (quadMaps)",
+    "dialogs (vizEventDialogs)",
+    "reaction wheels",
+    "thrusters",
+    "coarse sun sensors",
+    "generic sensors",
+    "sprites of spacecraft",
+    "transceivers",
+    "storage devices",
+    "lights of spacecraft",
+    "logos of spacecraft",
+    "shapes of spacecraft (multiShapes)",
+    "ellipsoids about spacecraft",
+    "spacecraft models by key",
+    "fields of view of ground locations",
+    "lines to targets",
+    "more parts than a message may have",
+];
+const QUAD_MAPS: u32 = 0;
+const DIALOGS: u32 = 1;
+const LOCATION_FIELDS: u32 = 14;
+const TARGET_LINES: u32 = 15;
+const TOO_MANY: u32 = 16;
+
+impl Undrawn {
+    fn add(&mut self, bit: u32) {
+        self.0 |= 1 << bit;
+    }
+
+    /// The names of what is in this set and not in the other.
+    pub fn names_beyond(self, known: Self) -> impl Iterator<Item = &'static str> {
+        let new = self.0 & !known.0;
+        let named = UNDRAWN.iter().enumerate();
+        named
+            .filter(move |(bit, _)| new & (1 << bit) != 0)
+            .map(|(_, name)| *name)
+    }
+
+    /// Adds all of another set.
+    pub fn join(&mut self, other: Self) {
+        self.0 |= other.0;
+    }
+}
+
+/// Adds one to a list, unless that has as many as it may.
+fn push<T>(list: &mut Vec<T>, most: usize, one: T, undrawn: &mut Undrawn) {
+    match list.len() < most {
+        true => list.push(one),
+        false => undrawn.add(TOO_MANY),
+    }
+}
+
+impl Message {
+    /// Reads a message.
+    ///
+    /// # Errors
+    /// Bytes that are no such message.
+    pub fn read(bytes: &[u8]) -> Result<Self, WireFault> {
+        let mut message = Self::default();
+        let mut undrawn = Undrawn::default();
+        for field in Fields::of(bytes) {
+            let field = field?;
+            match field.number {
+                1 => (message.frame_number, message.elapsed_ns) = time_stamp(field.bytes()?)?,
+                2 => {
+                    let body = body(field.bytes()?)?;
+                    push(&mut message.bodies, MAX_BODIES, body, &mut undrawn);
+                }
+                3 => {
+                    let craft = craft(field.bytes()?, &mut undrawn)?;
+                    push(&mut message.craft, MAX_CRAFT, craft, &mut undrawn);
+                }
+                4 => {
+                    let camera = camera(field.bytes()?)?;
+                    push(&mut message.cameras, MAX_CAMERAS, camera, &mut undrawn);
+                }
+                5 => undrawn.add(QUAD_MAPS),
+                8 => message.epoch = Some(epoch(field.bytes()?)?),
+                9 => {
+                    let location = location(field.bytes()?, &mut undrawn)?;
+                    push(
+                        &mut message.locations,
+                        MAX_LOCATIONS,
+                        location,
+                        &mut undrawn,
+                    );
+                }
+                10 => message.ends_viewer = live_settings(field.bytes()?, &mut undrawn)?,
+                11 => undrawn.add(DIALOGS),
+                _ => {}
+            }
+        }
+        message.undrawn = undrawn;
+        Ok(message)
+    }
+}
+
+/// Frame number, and simulated nanoseconds since the epoch.
+pub fn time_stamp(bytes: &[u8]) -> Result<(i64, f64), WireFault> {
+    let (mut number, mut elapsed_ns) = (0, 0.0);
+    for field in Fields::of(bytes) {
+        let field = field?;
+        match field.number {
+            1 => number = field.whole()?,
+            2 => elapsed_ns = field.number()?,
+            _ => {}
+        }
+    }
+    Ok((number, elapsed_ns))
+}
+
+/// A date.
+pub fn epoch(bytes: &[u8]) -> Result<EpochDate, WireFault> {
+    let mut date = EpochDate::default();
+    for field in Fields::of(bytes) {
+        let field = field?;
+        match field.number {
+            1 => date.year = field.whole()?,
+            2 => date.month = field.whole()?,
+            3 => date.day = field.whole()?,
+            4 => date.hour = field.whole()?,
+            5 => date.minute = field.whole()?,
+            6 => date.second = field.number()?,
+            _ => {}
+        }
+    }
+    Ok(date)
+}
+
+fn vector(numbers: Numbers<3>) -> DVec3 {
+    numbers.all().copied().map_or(DVec3::ZERO, DVec3::from)
+}
+
+fn body(bytes: &[u8]) -> Result<Body, WireFault> {
+    let mut body = Body::default();
+    let (mut position, mut velocity) = (Numbers::default(), Numbers::default());
+    let mut rotation = Numbers::<9>::default();
+    for field in Fields::of(bytes) {
+        let field = field?;
+        match field.number {
+            1 => body.name = field.text(MAX_NAME_CHARS)?.trim().to_lowercase(),
+            2 => position.add(&field)?,
+            3 => velocity.add(&field)?,
+            4 => rotation.add(&field)?,
+            _ => {}
+        }
+    }
+    body.position_m = vector(position);
+    body.velocity_m_s = vector(velocity);
+    // Row by row.
+    body.fixed_from_inertial = rotation
+        .all()
+        .map(|rows| DMat3::from_cols_array(rows).transpose());
+    Ok(body)
+}
+
+fn craft(bytes: &[u8], undrawn: &mut Undrawn) -> Result<Craft, WireFault> {
+    let mut craft = Craft::default();
+    let (mut position, mut velocity) = (Numbers::default(), Numbers::default());
+    let mut mrp = Numbers::default();
+    for field in Fields::of(bytes) {
+        let field = field?;
+        let is_there = !matches!(field.value, Value::Bytes([]));
+        match field.number {
+            1 => craft.name = field.text(MAX_NAME_CHARS)?,
+            2 => position.add(&field)?,
+            3 => velocity.add(&field)?,
+            4 => mrp.add(&field)?,
+            5 => undrawn.add(2),
+            6 => undrawn.add(3),
+            7 => undrawn.add(4),
+            8 => undrawn.add(5),
+            9 if is_there => undrawn.add(6),
+            10 => undrawn.add(7),
+            11 => undrawn.add(8),
+            12 => undrawn.add(9),
+            16 if is_there => undrawn.add(10),
+            17 => undrawn.add(11),
+            18 => undrawn.add(12),
+            13 if is_there => undrawn.add(13),
+            _ => {}
+        }
+    }
+    craft.position_m = vector(position);
+    craft.velocity_m_s = vector(velocity);
+    craft.mrp_bn = vector(mrp);
+    Ok(craft)
+}
+
+fn camera(bytes: &[u8]) -> Result<Camera, WireFault> {
+    let mut camera = Camera::default();
+    let mut size = Wholes::<2>::default();
+    let (mut position, mut mrp) = (Numbers::default(), Numbers::default());
+    let mut clip = Numbers::<2>::default();
+    for field in Fields::of(bytes) {
+        let field = field?;
+        match field.number {
+            1 => camera.id = field.whole()?,
+            2 => camera.parent = field.text(MAX_NAME_CHARS)?,
+            3 => camera.fov_deg = field.number()?,
+            4 => size.add(&field)?,
+            7 => position.add(&field)?,
+            8 => mrp.add(&field)?,
+            10 => camera.skybox = field.text(MAX_NAME_CHARS)?,
+            16 => camera.is_depth = field.whole()? == 1,
+            17 => clip.add(&field)?,
+            _ => {}
+        }
+    }
+    camera.size = size.all().copied();
+    camera.position_b_m = vector(position);
+    camera.mrp = vector(mrp);
+    camera.clip_m = clip.all().copied();
+    Ok(camera)
+}
+
+fn location(bytes: &[u8], undrawn: &mut Undrawn) -> Result<Location, WireFault> {
+    let place = read_location(bytes)?;
+    if Fields::of(bytes).flatten().any(|field| {
+        let above_zero = |field: &Field<'_>| field.number().is_ok_and(|value| value > 0.0);
+        matches!(field.number, 5 | 7) && above_zero(&field)
+    }) {
+        undrawn.add(LOCATION_FIELDS);
+    }
+    Ok(place)
+}
+
+/// A place on the ground.
+pub fn read_location(bytes: &[u8]) -> Result<Location, WireFault> {
+    let mut place = Location::default();
+    let (mut position, mut up) = (Numbers::default(), Numbers::default());
+    let mut color = Wholes::<4>::default();
+    for field in Fields::of(bytes) {
+        let field = field?;
+        match field.number {
+            1 => place.name = field.text(MAX_NAME_CHARS)?,
+            2 => place.body = field.text(MAX_NAME_CHARS)?.trim().to_lowercase(),
+            3 => position.add(&field)?,
+            4 => up.add(&field)?,
+            6 => color.add(&field)?,
+            9 => place.is_hidden = field.is_true()?,
+            10 => place.label = field.text(MAX_NAME_CHARS)?,
+            _ => {}
+        }
+    }
+    place.position_fixed_m = vector(position);
+    place.up = vector(up);
+    // A default is written as −1, 0, 0, 0.
+    let color = color.all().and_then(|[red, green, blue, _]| {
+        let part = |value: &i64| u8::try_from(*value).ok();
+        Some([part(red)?, part(green)?, part(blue)?])
+    });
+    place.color = color;
+    Ok(place)
+}
+
+/// Whether the viewer is asked to end.
+fn live_settings(bytes: &[u8], undrawn: &mut Undrawn) -> Result<bool, WireFault> {
+    let mut ends = false;
+    for field in Fields::of(bytes) {
+        let field = field?;
+        match field.number {
+            1 => undrawn.add(TARGET_LINES),
+            3 => ends = field.is_true()?,
+            _ => {}
+        }
+    }
+    Ok(ends)
+}
+
+/// What the viewer answers to a request for input: the frame that it has, and nothing that a user did.
+pub fn viewer_input(frame_number: i64) -> Vec<u8> {
+    let mut bytes = vec![0x08];
+    put_varint(&mut bytes, frame_number.cast_unsigned());
+    bytes
+}

@@ -1,0 +1,52 @@
+//! Simulations of [Basilisk](https://avslab.github.io/basilisk/), met where they look for their viewer.
+//!
+//! A script of Basilisk with `vizSupport.enableUnityVisualization` speaks ZeroMQ to a viewer. Here is that viewer's side: the wire
+//! protocol, the messages, and what is kept of them. Nothing in here draws.
+//!
+//! ```text
+//! liveStream, noDisplay   REQ ──► endpoint ─ zmtp ─ server ─┐
+//! broadcastStream         PUB ──► endpoint ─ zmtp ─ subscriber ─┼─► message ─► world ─► Snapshot ─► history, feeds
+//! saveFile                .bin ─► recording ──────────────┘
+//! ```
+//!
+//! | to | look in |
+//! |---|---|
+//! | read a field of a message | `message.rs` (which fields), `wire.rs` (Protocol Buffers) |
+//! | see what becomes of a step | `world.rs`: places about the Earth's centre, epoch, what is told to a user |
+//! | see where a camera looks | `camera.rs`, `attitude.rs` |
+//! | see who is answered when | `server.rs`, `shared.rs` |
+//! | change limits | `message.rs` (sizes), `zmtp.rs` (frames, times), `server.rs` (connections) |
+//!
+//! # Trust
+//!
+//! Endpoints are of this machine alone unless [`SimulationOptions::allow_remote`] is set. Nothing is encrypted and nobody is asked
+//! who he is. A message has at most 16 MiB, a simulation 1000 spacecraft and 262 144 states that are kept of them; four simulators
+//! may be connected. What cannot be read is counted, told once, and answered all the same.
+
+mod attitude;
+mod camera;
+mod endpoint;
+mod feeds;
+mod history;
+mod message;
+mod options;
+mod server;
+mod shared;
+mod simulation;
+mod subscriber;
+mod wire;
+mod world;
+mod zmtp;
+
+pub use camera::{CameraPose, camera_pose};
+pub use endpoint::{BadEndpoint, Endpoint};
+pub use feeds::{CraftFeed, PlaceFeed};
+pub use message::{
+    Body, Camera, Craft, EpochDate, Location, MAX_CAMERAS, MAX_CRAFT, MAX_LOCATIONS,
+    MAX_MESSAGE_BYTES, Message, Undrawn,
+};
+pub use options::{Meeting, SimulationError, SimulationOptions};
+pub use shared::{Counters, Roster, StepPace};
+pub use simulation::{Painter, PictureRequest, Simulation, StepRequest};
+pub use wire::WireFault;
+pub use world::{CraftState, Place, Snapshot, UpdateFault, World};

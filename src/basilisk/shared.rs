@@ -1,0 +1,483 @@
+//! What the threads of a simulation share: its newest instant, where its craft have been, and who waits for what.
+
+use super::history::History;
+use super::message::{Camera, Message};
+use super::options::SimulationOptions;
+use super::wire::WireFault;
+use super::world::{Place, Snapshot, UpdateFault, World};
+use crate::frames::Epoch;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// How long the first picture may be waited for while maps are loaded and the renderer is made.
+const OPENING_TIME: Duration = Duration::from_secs(120);
+/// Most pictures and steps that are waited for at once: one a connection.
+const MAX_WAITING: usize = 8;
+/// Most sentences that are told to a user in a run.
+const MAX_NOTES: usize = 256;
+
+/// What has come and what became of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Steps that were taken.
+    pub steps: u64,
+    /// Messages that could not be read or drawn.
+    pub bad: u64,
+    /// Pictures that were answered.
+    pub pictures: u64,
+    /// Pictures that were asked for and answered with none.
+    pub no_pictures: u64,
+    /// Answers that nobody drew for in time.
+    pub timed_out: u64,
+    /// Connections that were made.
+    pub connections: u64,
+    /// Simulators that are connected now.
+    pub connected: u64,
+    /// Longest time that a step waited for its answer, microseconds.
+    pub slowest_step_us: u64,
+    /// Time that all steps waited for their answers, microseconds.
+    pub steps_us: u64,
+    /// Longest time that a picture was waited for, microseconds.
+    pub slowest_picture_us: u64,
+    /// Time that all pictures were waited for, microseconds.
+    pub pictures_us: u64,
+}
+
+/// Names of what is drawn of a simulation beside the Earth.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Roster {
+    /// Spacecraft, in the order of the messages.
+    pub craft: Vec<Arc<str>>,
+    /// Places on the ground.
+    pub places: Arc<[Place]>,
+}
+
+/// Whether a simulator waits until its steps are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StepPace {
+    /// It waits until that is known.
+    #[default]
+    Undecided,
+    /// Each step is answered at once; pictures show the newest.
+    Free,
+    /// Each step is answered when it is drawn.
+    Drawn,
+}
+
+/// Whether there is somebody who draws pictures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Painter {
+    #[default]
+    None,
+    Opening,
+    Ready,
+}
+
+/// Something that a simulator waits for.
+#[derive(Debug)]
+struct Waiting {
+    ticket: u64,
+    snapshot: Arc<Snapshot>,
+    /// The camera of a picture; `None` for a step.
+    camera: Option<Camera>,
+    is_taken: bool,
+    answer: Option<Vec<u8>>,
+}
+
+#[derive(Debug, Default)]
+struct Inner {
+    latest: Option<Arc<Snapshot>>,
+    serial: u64,
+    last_came: Option<Instant>,
+    /// Which session the histories are of.
+    author: u64,
+    histories: BTreeMap<Arc<str>, History>,
+    roster: Arc<Roster>,
+    roster_serial: u64,
+    counters: Counters,
+    notes: Vec<String>,
+    told: BTreeSet<String>,
+    /// The world of the session that spoke last, for one that goes on without saying all again.
+    world: Option<World>,
+    pace: StepPace,
+    painter: Painter,
+    waiting: VecDeque<Waiting>,
+    next_ticket: u64,
+    next_session: u64,
+    is_over: bool,
+}
+
+/// What the threads share.
+#[derive(Debug)]
+pub struct Shared {
+    pub options: SimulationOptions,
+    /// When simulated time is 0 where no message says so.
+    start: Epoch,
+    inner: Mutex<Inner>,
+    changed: Condvar,
+    is_stopped: AtomicBool,
+}
+
+/// Why a message gives nothing.
+#[derive(Debug, thiserror::Error)]
+pub enum BadUpdate {
+    #[error("a message of the simulation cannot be read: it {0}")]
+    Wire(#[from] WireFault),
+    #[error("a message of the simulation cannot be drawn: {0}")]
+    Update(#[from] UpdateFault),
+}
+
+/// One connection's view of its simulation.
+#[derive(Debug)]
+pub struct Session {
+    number: u64,
+    world: Option<World>,
+    /// The instant of its last message.
+    pub snapshot: Option<Arc<Snapshot>>,
+    /// The count of its last message.
+    pub frame_number: i64,
+}
+
+impl Shared {
+    pub fn new(options: SimulationOptions, start: Epoch) -> Self {
+        Self {
+            options,
+            start,
+            inner: Mutex::default(),
+            changed: Condvar::new(),
+            is_stopped: AtomicBool::new(false),
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Inner> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether all threads are to end.
+    pub fn is_stopped(&self) -> bool {
+        self.is_stopped.load(Ordering::Acquire)
+    }
+
+    /// Ends all threads; whoever waits is answered.
+    pub fn stop(&self) {
+        self.is_stopped.store(true, Ordering::Release);
+        let _inner = self.lock();
+        self.changed.notify_all();
+    }
+
+    /// A connection's beginning.
+    pub fn session(&self) -> Session {
+        let mut inner = self.lock();
+        inner.counters.connections += 1;
+        inner.counters.connected += 1;
+        inner.next_session += 1;
+        Session {
+            number: inner.next_session,
+            world: None,
+            snapshot: None,
+            frame_number: 0,
+        }
+    }
+
+    /// And its end.
+    pub fn leave(&self, session: &mut Session) {
+        let mut inner = self.lock();
+        inner.counters.connected = inner.counters.connected.saturating_sub(1);
+        if session.world.is_some() {
+            inner.world = session.world.take();
+        }
+    }
+
+    /// Takes a message of a session.
+    ///
+    /// # Errors
+    /// What is wrong with it; nothing is drawn of it then.
+    pub fn take(&self, session: &mut Session, bytes: &[u8]) -> Result<Arc<Snapshot>, BadUpdate> {
+        let message = Message::read(bytes);
+        let taken = message.map_err(BadUpdate::from).and_then(|message| {
+            session.frame_number = message.frame_number;
+            let ends_viewer = message.ends_viewer;
+            let has_epoch = message.epoch.is_some();
+            let world = session.world.get_or_insert_with(|| {
+                // A simulation that goes on with a new viewer does not say its epoch again.
+                let before = self.lock().world.clone().filter(|_| !has_epoch);
+                before.unwrap_or_else(|| World::new(self.start))
+            });
+            let taken = world.take(message);
+            self.tell(world.notes());
+            Ok((taken?, ends_viewer))
+        });
+        let (snapshot, ends_viewer) = match taken {
+            Ok(taken) => taken,
+            Err(error) => {
+                self.lock().counters.bad += 1;
+                self.tell(&[error.to_string()]);
+                return Err(error);
+            }
+        };
+        let snapshot = Arc::new(snapshot);
+        session.snapshot = Some(Arc::clone(&snapshot));
+        self.publish(session.number, &snapshot, ends_viewer);
+        Ok(snapshot)
+    }
+
+    /// Tells a user, each sentence once.
+    pub fn tell(&self, notes: &[String]) {
+        let mut inner = self.lock();
+        let new: Vec<_> = notes
+            .iter()
+            .filter(|note| !inner.told.contains(*note))
+            .cloned()
+            .collect();
+        for note in new {
+            if inner.told.len() < MAX_NOTES {
+                tracing::warn!("{note}");
+                inner.told.insert(note.clone());
+                inner.notes.push(note);
+            }
+        }
+    }
+
+    fn publish(&self, author: u64, snapshot: &Arc<Snapshot>, ends_viewer: bool) {
+        let mut inner = self.lock();
+        let inner = &mut *inner;
+        if inner.author != author {
+            let others = inner.counters.connected > 1 && inner.author != 0;
+            inner.author = author;
+            inner.histories.clear();
+            if others {
+                tracing::info!("another simulation is drawn now");
+            }
+        }
+        inner.serial += 1;
+        inner.counters.steps += 1;
+        inner.last_came = Some(Instant::now());
+        inner.is_over |= ends_viewer;
+        let most = History::most(snapshot.craft.len());
+        if inner.histories.len() > snapshot.craft.len() {
+            let is_there = |name: &Arc<str>| snapshot.craft(Some(name)).is_some();
+            inner.histories.retain(|name, _| is_there(name));
+        }
+        for craft in &snapshot.craft {
+            let history = inner.histories.entry(Arc::clone(&craft.name)).or_default();
+            history.add(snapshot.elapsed_s, craft, most);
+        }
+        let names = snapshot.craft.iter().map(|craft| &craft.name);
+        let is_same =
+            inner.roster.craft.iter().eq(names.clone()) && *inner.roster.places == *snapshot.places;
+        if !is_same {
+            inner.roster = Arc::new(Roster {
+                craft: names.cloned().collect(),
+                places: Arc::clone(&snapshot.places),
+            });
+            inner.roster_serial += 1;
+        }
+        inner.latest = Some(Arc::clone(snapshot));
+        self.changed.notify_all();
+    }
+
+    /// Waits, for a simulator, until a step is drawn, or a picture: its bytes, empty where there is none. Ends with the time that the
+    /// options give, and when all ends.
+    pub fn ask(&self, snapshot: &Arc<Snapshot>, camera: Option<Camera>) -> Vec<u8> {
+        let begun = Instant::now();
+        let is_picture = camera.is_some();
+        let mut inner = self.lock();
+        let is_settled = |inner: &Inner| match is_picture {
+            true => inner.painter != Painter::Opening,
+            false => inner.pace != StepPace::Undecided,
+        };
+        while !is_settled(&inner) && !self.is_stopped() && begun.elapsed() < OPENING_TIME {
+            inner = self.pause(inner, OPENING_TIME.saturating_sub(begun.elapsed()));
+        }
+        let is_drawn = match is_picture {
+            true => inner.painter == Painter::Ready,
+            false => inner.pace == StepPace::Drawn,
+        };
+        if !is_drawn || self.is_stopped() || inner.waiting.len() >= MAX_WAITING {
+            return Vec::new();
+        }
+        let ticket = inner.next_ticket;
+        inner.next_ticket += 1;
+        inner.waiting.push_back(Waiting {
+            ticket,
+            snapshot: Arc::clone(snapshot),
+            camera,
+            is_taken: false,
+            answer: None,
+        });
+        self.changed.notify_all();
+        let deadline = Instant::now() + self.options.timeout;
+        loop {
+            let place = inner.waiting.iter().position(|one| one.ticket == ticket);
+            let Some(place) = place else {
+                return Vec::new();
+            };
+            let is_answered = inner.waiting.get(place).is_some_and(|w| w.answer.is_some());
+            let left = deadline.saturating_duration_since(Instant::now());
+            if is_answered || left.is_zero() || self.is_stopped() {
+                let ended = inner.waiting.remove(place);
+                inner.counters.timed_out += u64::from(!is_answered && left.is_zero());
+                return ended.and_then(|ended| ended.answer).unwrap_or_default();
+            }
+            inner = self.pause(inner, left);
+        }
+    }
+
+    fn pause<'g>(&self, inner: MutexGuard<'g, Inner>, time: Duration) -> MutexGuard<'g, Inner> {
+        let waited = self.changed.wait_timeout(inner, time);
+        waited.unwrap_or_else(PoisonError::into_inner).0
+    }
+
+    /// Counts an answer to a step or a request for a picture, and how long it took.
+    pub fn count(&self, is_picture: bool, has_picture: bool, took: Duration) {
+        let us = u64::try_from(took.as_micros()).unwrap_or(u64::MAX);
+        let counters = &mut self.lock().counters;
+        match is_picture {
+            true => {
+                counters.pictures += u64::from(has_picture);
+                counters.no_pictures += u64::from(!has_picture);
+                counters.pictures_us = counters.pictures_us.saturating_add(us);
+                counters.slowest_picture_us = counters.slowest_picture_us.max(us);
+            }
+            false => {
+                counters.steps_us = counters.steps_us.saturating_add(us);
+                counters.slowest_step_us = counters.slowest_step_us.max(us);
+            }
+        }
+    }
+
+    /// The next step or picture that is waited for and nobody has taken yet; waits for one at most so long.
+    pub fn next(
+        &self,
+        wants_picture: bool,
+        wait: Duration,
+    ) -> Option<(u64, Arc<Snapshot>, Option<Camera>)> {
+        let deadline = Instant::now() + wait;
+        let mut inner = self.lock();
+        loop {
+            let mut waiting = inner.waiting.iter_mut();
+            let next = waiting.find(|one| !one.is_taken && one.camera.is_some() == wants_picture);
+            if let Some(next) = next {
+                next.is_taken = true;
+                return Some((next.ticket, Arc::clone(&next.snapshot), next.camera.clone()));
+            }
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() || self.is_stopped() {
+                return None;
+            }
+            inner = self.pause(inner, left);
+        }
+    }
+
+    /// Answers what was taken. `false` where nobody waits any more.
+    pub fn answer(&self, ticket: u64, bytes: Vec<u8>) -> bool {
+        let mut inner = self.lock();
+        let mut waiting = inner.waiting.iter_mut();
+        match waiting.find(|one| one.ticket == ticket) {
+            Some(one) if one.answer.is_none() => {
+                one.answer = Some(bytes);
+                self.changed.notify_all();
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Says who waits for what from now on.
+    pub fn set_pace(&self, pace: StepPace) {
+        let mut inner = self.lock();
+        inner.pace = pace;
+        if pace == StepPace::Free {
+            for one in inner.waiting.iter_mut().filter(|one| one.camera.is_none()) {
+                one.answer.get_or_insert_default();
+            }
+        }
+        self.changed.notify_all();
+    }
+
+    fn set_painter(&self, painter: Painter) {
+        let mut inner = self.lock();
+        inner.painter = painter;
+        if painter == Painter::None {
+            for one in inner.waiting.iter_mut().filter(|one| one.camera.is_some()) {
+                one.answer.get_or_insert_default();
+            }
+        }
+        self.changed.notify_all();
+    }
+
+    /// Somebody will draw pictures soon.
+    pub fn painter_opens(&self) {
+        self.set_painter(Painter::Opening);
+    }
+
+    /// Somebody draws pictures.
+    pub fn painter_is_ready(&self) {
+        self.set_painter(Painter::Ready);
+    }
+
+    /// Nobody draws pictures any more.
+    pub fn painter_leaves(&self) {
+        self.set_painter(Painter::None);
+    }
+
+    pub fn latest(&self) -> Option<Arc<Snapshot>> {
+        self.lock().latest.clone()
+    }
+
+    /// How many instants have come; changes with each.
+    pub fn serial(&self) -> u64 {
+        self.lock().serial
+    }
+
+    /// Waits until more instants have come than `than`, at most so long.
+    pub fn wait_beyond(&self, than: u64, wait: Duration) -> Option<Arc<Snapshot>> {
+        let deadline = Instant::now() + wait;
+        let mut inner = self.lock();
+        while inner.serial <= than {
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() || self.is_stopped() {
+                return None;
+            }
+            inner = self.pause(inner, left);
+        }
+        inner.latest.clone()
+    }
+
+    pub fn age(&self) -> Option<Duration> {
+        self.lock().last_came.map(|came| came.elapsed())
+    }
+
+    pub fn counters(&self) -> Counters {
+        self.lock().counters
+    }
+
+    pub fn notes(&self) -> Vec<String> {
+        self.lock().notes.clone()
+    }
+
+    pub fn is_over(&self) -> bool {
+        self.lock().is_over
+    }
+
+    /// The roster, and a number that changes with it.
+    pub fn roster(&self) -> (Arc<Roster>, u64) {
+        let inner = self.lock();
+        (Arc::clone(&inner.roster), inner.roster_serial)
+    }
+
+    /// Runs with the newest instant and the history of a craft; of the first where none is named.
+    pub fn with_history<R>(
+        &self,
+        craft: Option<&str>,
+        read: impl FnOnce(&Snapshot, Option<&History>) -> R,
+    ) -> Option<R> {
+        let inner = self.lock();
+        let latest = inner.latest.as_ref()?;
+        let name = latest.craft(craft).map(|craft| &craft.name);
+        let history = name.and_then(|name| inner.histories.get(name));
+        Some(read(latest, history))
+    }
+}

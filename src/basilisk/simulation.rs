@@ -1,0 +1,268 @@
+//! A simulation that runs meanwhile, as the player meets it.
+
+use super::endpoint::{Endpoint, Listener};
+use super::feeds::{CraftFeed, PlaceFeed};
+use super::message::Camera;
+use super::options::{Meeting, SimulationError, SimulationOptions};
+use super::shared::{Counters, Roster, Shared, StepPace};
+use super::world::Snapshot;
+use super::{server, subscriber};
+use crate::frames::Epoch;
+use glam::DVec3;
+use std::sync::{Arc, OnceLock};
+use std::thread::{Builder, JoinHandle};
+use std::time::Duration;
+
+/// A simulation that is met: answers it, keeps what it says, hands out what it waits for.
+///
+/// Dropping it answers whoever waits, closes each connection right after an answer (or after a second in which nothing was asked),
+/// and ends its threads.
+#[derive(Debug)]
+pub struct Simulation {
+    shared: Arc<Shared>,
+    endpoint: Endpoint,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// A step that its simulator waits for. Dropping it lets the simulator go on.
+#[derive(Debug)]
+pub struct StepRequest<'s> {
+    /// What to draw.
+    pub snapshot: Arc<Snapshot>,
+    shared: &'s Shared,
+    ticket: u64,
+}
+
+/// A picture that a simulator waits for. Dropping it answers with none.
+#[derive(Debug)]
+pub struct PictureRequest<'s> {
+    /// What to draw.
+    pub snapshot: Arc<Snapshot>,
+    /// By which camera.
+    pub camera: Camera,
+    shared: &'s Shared,
+    ticket: u64,
+}
+
+impl StepRequest<'_> {
+    /// It is drawn. `false` where nobody waits for it any more.
+    pub fn drawn(&self) -> bool {
+        self.shared.answer(self.ticket, Vec::new())
+    }
+}
+
+impl Drop for StepRequest<'_> {
+    fn drop(&mut self) {
+        self.drawn();
+    }
+}
+
+impl PictureRequest<'_> {
+    /// Hands over the file of the picture. `false` where nobody waits for it any more.
+    pub fn answer(&self, file: Vec<u8>) -> bool {
+        self.shared.answer(self.ticket, file)
+    }
+}
+
+impl Drop for PictureRequest<'_> {
+    fn drop(&mut self) {
+        self.answer(Vec::new());
+    }
+}
+
+/// Somebody who draws pictures, from its making to its end, whichever that is.
+#[derive(Debug)]
+pub struct Painter<'s> {
+    shared: &'s Shared,
+}
+
+impl Painter<'_> {
+    /// From now on pictures are answered in time.
+    pub fn is_ready(&self) {
+        self.shared.painter_is_ready();
+    }
+}
+
+impl Drop for Painter<'_> {
+    fn drop(&mut self) {
+        self.shared.painter_leaves();
+    }
+}
+
+impl Simulation {
+    /// Meets a simulation. `start` is when simulated time is 0 where the simulation does not say so.
+    ///
+    /// # Errors
+    /// Settings that cannot be, a port that is taken.
+    pub fn open(options: SimulationOptions, start: Epoch) -> Result<Self, SimulationError> {
+        options.check()?;
+        let endpoint = options.meeting.endpoint().clone();
+        let listens = matches!(options.meeting, Meeting::Listen(_));
+        let shared = Arc::new(Shared::new(options, start));
+        let its = Arc::clone(&shared);
+        let thread = Builder::new().name("terrella-basilisk-listen".to_owned());
+        let (endpoint, thread) = match listens {
+            true => {
+                let bind = |source| SimulationError::Bind {
+                    endpoint: endpoint.clone(),
+                    source,
+                };
+                let listener = Listener::bind(&endpoint).map_err(bind)?;
+                let bound = listener.endpoint().map_err(bind)?;
+                (bound, thread.spawn(move || server::listen(&listener, &its)))
+            }
+            false => {
+                let its_endpoint = endpoint.clone();
+                let body = move || subscriber::follow(&its_endpoint, &its);
+                (endpoint, thread.spawn(body))
+            }
+        };
+        let thread = thread.map_err(|source| SimulationError::Thread { source })?;
+        Ok(Self {
+            shared,
+            endpoint,
+            thread: Some(thread),
+        })
+    }
+
+    /// One that meets nobody: to look at a scene without taking its port.
+    ///
+    /// # Errors
+    /// Settings that cannot be.
+    pub fn unconnected(options: SimulationOptions, start: Epoch) -> Result<Self, SimulationError> {
+        options.check()?;
+        Ok(Self {
+            endpoint: options.meeting.endpoint().clone(),
+            shared: Arc::new(Shared::new(options, start)),
+            thread: None,
+        })
+    }
+
+    /// How it was set up.
+    pub fn options(&self) -> &SimulationOptions {
+        &self.shared.options
+    }
+
+    /// Where it is met, with the port that was found for port 0.
+    pub fn endpoint(&self) -> &Endpoint {
+        &self.endpoint
+    }
+
+    /// Says whether simulators wait for their steps to be drawn; until this is said they wait.
+    pub fn set_pace(&self, pace: StepPace) {
+        self.shared.set_pace(pace);
+    }
+
+    /// The newest instant.
+    pub fn latest(&self) -> Option<Arc<Snapshot>> {
+        self.shared.latest()
+    }
+
+    /// How many instants have come; changes with each.
+    pub fn serial(&self) -> u64 {
+        self.shared.serial()
+    }
+
+    /// Waits until more instants have come than `than`, at most so long.
+    pub fn wait_beyond(&self, than: u64, wait: Duration) -> Option<Arc<Snapshot>> {
+        self.shared.wait_beyond(than, wait)
+    }
+
+    /// The next step that a simulator waits for with [`StepPace::Drawn`]; waits for one, at most so long.
+    pub fn next_step(&self, wait: Duration) -> Option<StepRequest<'_>> {
+        let (ticket, snapshot, _) = self.shared.next(false, wait)?;
+        Some(StepRequest {
+            snapshot,
+            shared: &self.shared,
+            ticket,
+        })
+    }
+
+    /// Announces that somebody will draw pictures: from now on they are waited for.
+    pub fn painter(&self) -> Painter<'_> {
+        self.shared.painter_opens();
+        Painter {
+            shared: &self.shared,
+        }
+    }
+
+    /// The next picture that a simulator waits for; waits for one, at most so long.
+    pub fn next_picture(&self, wait: Duration) -> Option<PictureRequest<'_>> {
+        let (ticket, snapshot, camera) = self.shared.next(true, wait)?;
+        Some(PictureRequest {
+            snapshot,
+            camera: camera?,
+            shared: &self.shared,
+            ticket,
+        })
+    }
+
+    /// How long ago the last step came; `None` before the first.
+    pub fn age(&self) -> Option<Duration> {
+        self.shared.age()
+    }
+
+    /// What has come and what became of it.
+    pub fn counters(&self) -> Counters {
+        self.shared.counters()
+    }
+
+    /// What a user should know about the simulation, a sentence each.
+    pub fn notes(&self) -> Vec<String> {
+        self.shared.notes()
+    }
+
+    /// Tells a user something about the simulation, once.
+    pub fn tell(&self, note: String) {
+        self.shared.tell(&[note]);
+    }
+
+    /// Answers whoever waits, and lets go of all, from any thread: for a program that is interrupted while it is busy.
+    pub fn stopper(&self) -> impl Fn() + Send + 'static {
+        let shared = Arc::clone(&self.shared);
+        move || shared.stop()
+    }
+
+    /// Whether it is met no more.
+    pub fn is_stopped(&self) -> bool {
+        self.shared.is_stopped()
+    }
+
+    /// Whether the simulation has asked its viewer to end.
+    pub fn is_over(&self) -> bool {
+        self.shared.is_over()
+    }
+
+    /// Spacecraft and places that are drawn beside the Earth, and a number that changes with them.
+    pub fn roster(&self) -> (Arc<Roster>, u64) {
+        self.shared.roster()
+    }
+
+    /// The motion of a craft; of the first where none is named.
+    pub fn craft_feed(&self, craft: Option<&str>) -> CraftFeed {
+        CraftFeed {
+            shared: Arc::clone(&self.shared),
+            craft: craft.map(str::to_owned),
+            name: OnceLock::new(),
+        }
+    }
+
+    /// A place on the ground that stands at `position_itrf_m`, metres, as a feed.
+    pub fn place_feed(&self, name: Arc<str>, position_itrf_m: DVec3) -> PlaceFeed {
+        PlaceFeed {
+            shared: Arc::clone(&self.shared),
+            name,
+            position_itrf_m,
+        }
+    }
+}
+
+impl Drop for Simulation {
+    fn drop(&mut self) {
+        self.shared.stop();
+        if let Some(thread) = self.thread.take() {
+            // A thread that panicked has said so itself.
+            let _ = thread.join();
+        }
+    }
+}

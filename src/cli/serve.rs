@@ -1,0 +1,90 @@
+//! `terrella serve`
+
+use super::progress::{Bars, stop_on_interrupt_with};
+use super::values;
+use super::{Common, load};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use terrella::basilisk::{Endpoint, Meeting};
+use terrella::internals::play::{Flight, ServeRequest, serve};
+use terrella::scene::Scene;
+
+/// The scene of simulations where none is given.
+const BUILT_IN: &str = include_str!("../../config/basilisk.toml");
+
+/// Arguments of `terrella serve`.
+#[derive(Debug, Args)]
+pub struct ServeArgs {
+    /// The scene file, with source = "basilisk" in [orbit]; without one the built-in scene, config/basilisk.toml
+    scene: Option<PathBuf>,
+    /// Where simulations connect, instead of the scene's
+    #[arg(long, value_name = "tcp://ADDRESS:PORT")]
+    listen: Option<Endpoint>,
+    /// End with the first simulation, when it has left
+    #[arg(long)]
+    once: bool,
+    /// End after so many seconds
+    #[arg(long, value_name = "N", value_parser = values::seconds)]
+    for_seconds: Option<f64>,
+}
+
+/// A scene of a simulation, met at `listen` where that is given.
+pub fn simulation_scene(
+    path: Option<&Path>,
+    listen: Option<&Endpoint>,
+    strict: bool,
+) -> anyhow::Result<Scene> {
+    let mut scene = match path {
+        Some(path) => load(path, strict)?,
+        None => Scene::from_toml(BUILT_IN, Path::new("basilisk.toml"))?,
+    };
+    if let Some(endpoint) = listen {
+        let options = scene
+            .orbits
+            .iter_mut()
+            .find_map(|orbit| orbit.basilisk.as_mut());
+        match options {
+            Some(options) => options.meeting = Meeting::Listen(endpoint.clone()),
+            None => anyhow::bail!(
+                "{}: --listen is for scenes with source = \"basilisk\" in [orbit]",
+                scene.path.display()
+            ),
+        }
+    }
+    Ok(scene)
+}
+
+/// Answers simulations until it is stopped.
+pub fn run(args: &ServeArgs, common: &Common) -> anyhow::Result<()> {
+    let scene = simulation_scene(args.scene.as_deref(), args.listen.as_ref(), false)?;
+    let flight = Flight::open(scene)?;
+    stop_on_interrupt_with(flight.simulation().map(|one| one.stopper()));
+    let bars = Bars::new(common.quiet);
+    let request = ServeRequest {
+        adapter: common.adapter.as_deref(),
+        for_seconds: args.for_seconds,
+        once: args.once,
+    };
+    let endpoint = flight.simulation().map(|one| one.endpoint().to_string());
+    let endpoint = endpoint.unwrap_or_default();
+    let ready = |adapter: &str| {
+        if !common.quiet {
+            eprintln!("simulations are answered on {endpoint}, drawn by {adapter}; Ctrl-C ends it");
+        }
+    };
+    let counters = serve(&flight, &request, &bars, ready)?;
+    let mean_ms = |us: u64, count: u64| us as f64 / 1e3 / count.max(1) as f64;
+    super::print(&format!(
+        "{} steps, answered after {:.3} ms on average, {:.1} ms at most\n{} pictures, after {:.1} ms on average, {:.1} ms at most; {} asked for and not drawn\n",
+        counters.steps,
+        mean_ms(counters.steps_us, counters.steps),
+        counters.slowest_step_us as f64 / 1e3,
+        counters.pictures,
+        mean_ms(
+            counters.pictures_us,
+            counters.pictures + counters.no_pictures
+        ),
+        counters.slowest_picture_us as f64 / 1e3,
+        counters.no_pictures,
+    ))
+}
