@@ -188,6 +188,15 @@ impl Stream {
         }
     }
 
+    /// Keeps what is written from now on until [`Self::end_writing`], so that the peer sees both at once: of TCP on Linux.
+    pub fn hold(&self) {
+        #[cfg(target_os = "linux")]
+        if let Self::Tcp(stream) = self {
+            // Without it the end comes a little later than the answer.
+            let _ = rustix::net::sockopt::set_tcp_cork(stream, true);
+        }
+    }
+
     /// Says that nothing more is written. What is on its way arrives.
     pub fn end_writing(&self) {
         // A connection that is gone already needs no goodbye.

@@ -15,6 +15,7 @@
 //! | see what becomes of a step | `world.rs`: places about the Earth's centre, epoch, what is told to a user |
 //! | see where a camera looks | `camera.rs`, `attitude.rs` |
 //! | see who is answered when | `server.rs`, `shared.rs` |
+//! | play a saved simulation | `recording.rs` |
 //! | change limits | `message.rs` (sizes), `zmtp.rs` (frames, times), `server.rs` (connections) |
 //!
 //! # Trust
@@ -30,6 +31,7 @@ mod feeds;
 mod history;
 mod message;
 mod options;
+mod recording;
 mod server;
 mod shared;
 mod simulation;
@@ -46,7 +48,9 @@ pub use message::{
     MAX_MESSAGE_BYTES, Message, Undrawn,
 };
 pub use options::{Meeting, SimulationError, SimulationOptions};
-pub use shared::{Counters, Roster, StepPace};
+pub use recording::{RecordedCraft, RecordedPlace, Recording, RecordingError};
+pub use shared::{Counters, StepPace};
 pub use simulation::{Painter, PictureRequest, Simulation, StepRequest};
 pub use wire::WireFault;
-pub use world::{CraftState, Place, Snapshot, UpdateFault, World};
+pub use world::{CraftState, Place, Roster, Snapshot, UpdateFault, World};
+pub use zmtp::{Connection as ZmtpConnection, ZmtpError};

@@ -1,8 +1,8 @@
 //! Two-way simulations: they connect, ask, and wait for every answer without a limit of their own.
 //!
 //! A simulator whose request is not answered hangs for good, so there is no way out of here without an answer: each request has
-//! a stand-in that is sent where its answer fails, even by a panic; and when this side ends, a connection is closed right after an
-//! answer, when nothing can be on its way, or after a second in which nothing was asked.
+//! a stand-in that is sent where its answer fails, even by a panic; and when this side ends, a connection is closed with an answer, in one
+//! segment, when nothing can be on its way, or after a second in which nothing was asked.
 
 use super::endpoint::{Listener, Stream};
 use super::message::{MAX_MESSAGE_BYTES, viewer_input};
@@ -130,15 +130,22 @@ fn serve(stream: Stream, shared: &Shared, state: &GuestState, begun: Instant) {
             }
         };
         state.is_asking.store(true, Ordering::Release);
-        let answered = attended.answer(&mut connection, request);
+        let answered = attended.answer(&mut connection, request, &is_leaving);
         state.asked_ms.store(now_ms(), Ordering::Relaxed);
         state.is_asking.store(false, Ordering::Release);
-        // Right after an answer nothing is on its way.
-        if answered.is_err() || is_leaving() {
-            break;
+        match answered {
+            Ok(Sent::More) => {}
+            Ok(Sent::Last) | Err(_) => break,
         }
     }
     connection.stream().end_writing();
+}
+
+/// Whether an answer is the last of its connection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sent {
+    More,
+    Last,
 }
 
 /// A session that is left however its thread ends.
@@ -236,7 +243,8 @@ impl Attended<'_> {
         &mut self,
         connection: &mut Connection<Stream>,
         frames: Vec<Vec<u8>>,
-    ) -> Result<(), ZmtpError> {
+        is_leaving: &dyn Fn() -> bool,
+    ) -> Result<Sent, ZmtpError> {
         let begun = Instant::now();
         // Before the empty frame stands the way back.
         let empty = frames.iter().position(Vec::is_empty);
@@ -263,7 +271,18 @@ impl Attended<'_> {
             }
             Request::Image(id) => image(self.picture(id)),
         };
-        let sent = pending.send(&answer);
+        // The simulator sees the end with its answer, before it can ask again into a connection that nobody reads.
+        let sent = match is_leaving() {
+            true => {
+                pending.connection.stream().hold();
+                Sent::Last
+            }
+            false => Sent::More,
+        };
+        let result = pending.send(&answer);
+        if sent == Sent::Last {
+            pending.connection.stream().end_writing();
+        }
         drop(pending);
         match (request, answer.last()) {
             (Request::Update(_), _) => self.shared.count(false, false, begun.elapsed()),
@@ -272,7 +291,7 @@ impl Attended<'_> {
             }
             _ => {}
         }
-        sent
+        result.map(|()| sent)
     }
 
     /// The picture of a camera at the instant of the session's last step; empty where there is none.

@@ -4,7 +4,7 @@ use super::history::History;
 use super::message::{Camera, Message};
 use super::options::SimulationOptions;
 use super::wire::WireFault;
-use super::world::{Place, Snapshot, UpdateFault, World};
+use super::world::{Roster, Snapshot, UpdateFault, World};
 use crate::frames::Epoch;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -43,15 +43,6 @@ pub struct Counters {
     pub slowest_picture_us: u64,
     /// Time that all pictures were waited for, microseconds.
     pub pictures_us: u64,
-}
-
-/// Names of what is drawn of a simulation beside the Earth.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Roster {
-    /// Spacecraft, in the order of the messages.
-    pub craft: Vec<Arc<str>>,
-    /// Places on the ground.
-    pub places: Arc<[Place]>,
 }
 
 /// Whether a simulator waits until its steps are drawn.

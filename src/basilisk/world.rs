@@ -76,6 +76,15 @@ pub struct Place {
     pub color: Option<[u8; 3]>,
 }
 
+/// Names of what is drawn of a simulation beside the Earth.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Roster {
+    /// Spacecraft, in the order of the messages.
+    pub craft: Vec<Arc<str>>,
+    /// Places on the ground.
+    pub places: Arc<[Place]>,
+}
+
 impl Snapshot {
     /// A craft by name; the first where none is given.
     pub fn craft(&self, name: Option<&str>) -> Option<&CraftState> {
@@ -190,6 +199,11 @@ impl World {
     /// When simulated time is 0.
     pub fn start(&self) -> Epoch {
         self.start
+    }
+
+    /// The places on the Earth.
+    pub fn places(&self) -> Arc<[Place]> {
+        Arc::clone(&self.places)
     }
 
     /// What a user should know, each sentence once, in the order in which it was found.

@@ -2,6 +2,7 @@
 
 use super::output::OutputError;
 use crate::EarthError;
+use crate::basilisk::RecordingError;
 use crate::celestial::CelestialError;
 use crate::elevation::HeightFileError;
 use crate::frames::EarthOrientationError;
@@ -107,6 +108,9 @@ pub enum PlayError {
     /// The window.
     #[error(transparent)]
     Window(#[from] WindowError),
+    /// A saved simulation cannot be read any more.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
     /// A camera of a simulation cannot be drawn.
     #[error("no picture for the simulation: {cause}")]
     NoCameraPicture {

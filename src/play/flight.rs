@@ -109,6 +109,9 @@ impl Flight {
         if let Some(satellite) = satellites.get(followed)
             && !scene.is_live()
         {
+            if let Some(recording) = satellite.recording() {
+                scene.begin_with(recording.validity());
+            }
             let ellipsoid = scene.earth.figure.ellipsoid();
             let impact = impact(satellite.feed(), orientation.as_ref(), &ellipsoid)
                 .map(|(_, place)| place.to_string());
@@ -209,6 +212,9 @@ impl Flight {
         if let Some(simulation) = self.simulation() {
             let latest = simulation.latest().ok_or(PlayError::NoSatellite)?;
             return self.simulated(&latest, request);
+        }
+        if let Some(moment) = self.recorded(epoch, request) {
+            return moment;
         }
         let state = match self.feed().map(|feed| feed.state_at(epoch)) {
             Some(Ok(state)) => Some(motion(&state, &self.orientation_at(epoch))),

@@ -1,7 +1,9 @@
 //! The satellites of a scene, each source opened.
 
 use super::error::PlayError;
-use crate::basilisk::{Meeting, Simulation, SimulationError, SimulationOptions};
+use crate::basilisk::{
+    Meeting, RecordedCraft, Recording, Simulation, SimulationError, SimulationOptions,
+};
 use crate::frames::{Duration, EarthOrientation, Epoch, Orientation, utc_from_rfc3339};
 use crate::orbit::constants::EARTH_GM_M3_S2;
 use crate::orbit::kepler::{Anomaly, Drift, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize};
@@ -25,6 +27,7 @@ pub struct Satellite {
     elements: Option<MeanElements>,
     live: Option<Arc<LiveFeed>>,
     simulation: Option<Arc<Simulation>>,
+    recording: Option<Arc<Recording>>,
     events: Option<Vec<Event>>,
     faults: Vec<String>,
     faults_left_out: usize,
@@ -44,6 +47,7 @@ impl Satellite {
             elements: None,
             live: None,
             simulation: None,
+            recording: None,
             events: None,
             faults: Vec::new(),
             faults_left_out: 0,
@@ -78,6 +82,11 @@ impl Satellite {
     /// The simulation that it flies in, if that runs meanwhile.
     pub fn simulation(&self) -> Option<&Arc<Simulation>> {
         self.simulation.as_ref()
+    }
+
+    /// The simulation that it flies in, if that was saved.
+    pub fn recording(&self) -> Option<&Arc<Recording>> {
+        self.recording.as_ref()
     }
 
     /// What was found along its motion, in order of time, if that is integrated.
@@ -163,6 +172,20 @@ pub(super) fn open(
         let opened = simulation(options, scene.time.start, listener)
             .map_err(|error| scene.refuse_orbit(index, key, &endpoint, error.to_string()));
         return Ok(opened?);
+    }
+    if let (OrbitSource::Basilisk, Some(file)) = (orbit.source, &orbit.file) {
+        let recording = Recording::open(file, scene.time.start, name);
+        let path = file.display().to_string();
+        let recording = recording
+            .map_err(|error| scene.refuse_orbit(index, "file", &path, error.to_string()))?;
+        for note in recording.notes() {
+            tracing::warn!("{note}");
+        }
+        let recording = Arc::new(recording);
+        return Ok(Satellite {
+            recording: Some(Arc::clone(&recording)),
+            ..Satellite::of(RecordedCraft::new(recording, name))
+        });
     }
     match (&orbit.motion, &orbit.file) {
         (Some(motion), _) => {

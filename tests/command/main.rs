@@ -3,6 +3,7 @@
 //! Tests that draw need an adapter and the maps of the starter pack, which a checkout has.
 
 mod bad_input;
+mod basilisk;
 mod bench;
 mod goldens;
 mod live;

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+#[path = "../../fuzz/bodies/basilisk.rs"]
+mod basilisk;
 #[cfg(feature = "command")]
 #[path = "../../fuzz/bodies/contour_cache.rs"]
 mod contour_cache;
@@ -45,6 +47,7 @@ pub const TARGETS: &[Target] = &[
     ("omm", omm::seeds, omm::run, 30_000),
     ("ephemeris", ephemeris::seeds, ephemeris::run, 30_000),
     ("live", live::seeds, live::run, 200_000),
+    ("basilisk", basilisk::seeds, basilisk::run, 30_000),
     (
         "earth_orientation",
         earth_orientation::seeds,
@@ -202,6 +205,11 @@ fn packets_of_simulators() {
 }
 
 #[test]
+fn messages_of_simulations() {
+    run("basilisk");
+}
+
+#[test]
 fn tables_of_the_earths_orientation() {
     run("earth_orientation");
 }
@@ -288,6 +296,17 @@ fn seeds_are_good() {
             let packet = received.packet;
             packet.expect("a good packet");
         }
+    }
+    {
+        use terrella::basilisk::{Message, Recording};
+        let [first, second, file, _] = <[Vec<u8>; 4]>::try_from(basilisk::seeds()).expect("four");
+        for message in [first, second] {
+            let message = Message::read(&message).expect("a good message");
+            assert_eq!((message.craft.len(), message.cameras.len()), (2, 1));
+        }
+        let start = terrella::Epoch::default();
+        let recording = Recording::read(std::io::Cursor::new(file), path, start, None);
+        assert_eq!(recording.expect("a good file").messages(), 3);
     }
     for seed in earth_orientation::seeds() {
         terrella::frames::EarthOrientation::from_finals2000a(&text(&seed), path)

@@ -1,5 +1,6 @@
-//! Live feeds: every transport over the machine's own network, both modes, and everything that may go wrong on the way.
+//! Live feeds and simulations: every transport over the machine's own network, both modes, and everything that may go wrong on the way.
 
+mod basilisk;
 mod broadcast;
 mod hostile;
 mod lockstep;

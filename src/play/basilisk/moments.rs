@@ -1,8 +1,8 @@
 //! Instants of a simulation as moments of a flight: where the eye is, what lights the Earth, how it stands.
 
 use crate::Sky;
-use crate::basilisk::{Camera, Simulation, Snapshot, camera_pose};
-use crate::frames::EARTH_ROTATION_RATE_RAD_S;
+use crate::basilisk::{Camera, Recording, Simulation, Snapshot, camera_pose};
+use crate::frames::{EARTH_ROTATION_RATE_RAD_S, Epoch};
 use crate::play::camera::{Look, OrbitalMotion, Pose};
 use crate::play::craft::CraftPose;
 use crate::play::error::PlayError;
@@ -51,6 +51,29 @@ impl Flight {
     pub(crate) fn shared_simulation(&self) -> Option<Arc<Simulation>> {
         let mut satellites = self.satellites().iter();
         satellites.find_map(|one| one.simulation()).cloned()
+    }
+
+    /// The view of an instant of a simulation that was saved; `None` for flights that are no such.
+    pub(crate) fn recorded(
+        &self,
+        epoch: Epoch,
+        request: &ViewRequest,
+    ) -> Option<Result<Moment, PlayError>> {
+        let recording = self.recording()?;
+        Some(match recording.snapshot_at(epoch) {
+            Ok(Some(snapshot)) => self.simulated(&snapshot, request),
+            Ok(None) => {
+                // The feed's words for it: from when to when it is known.
+                let unknown = self.feed().and_then(|feed| feed.state_at(epoch).err());
+                Err(unknown.map_or(PlayError::NoSatellite, PlayError::from))
+            }
+            Err(error) => Err(error.into()),
+        })
+    }
+
+    /// The saved simulation that this flight shows.
+    pub(crate) fn recording(&self) -> Option<&Arc<Recording>> {
+        self.satellites().iter().find_map(|one| one.recording())
     }
 
     /// The view of an instant of a simulation.

@@ -1,7 +1,7 @@
 //! Tracks of a simulation, whose craft and places are known once it says them.
 
 use super::style::style;
-use crate::basilisk::{Place, Simulation};
+use crate::basilisk::{Place, RecordedCraft, RecordedPlace, Recording, Roster, Simulation};
 use crate::frames::{Ellipsoid, Geodetic};
 use crate::orbit::Feed;
 use crate::play::flight::Flight;
@@ -19,39 +19,83 @@ const BASILISK_RADIUS_M: f64 = 6_378_136.6;
 
 /// What is drawn of a simulation's craft and places.
 pub struct RosterTracks {
-    simulation: Arc<Simulation>,
+    source: Source,
     orbit: Orbit,
     width_px: f32,
     ellipsoid: Ellipsoid,
-    serial: u64,
+}
+
+/// Who says what there is.
+enum Source {
+    /// A simulation that runs, and the number of what it said last.
+    Simulation(Arc<Simulation>, u64),
+    /// One that was saved, until its roster is handed out.
+    Recording(Arc<Recording>, bool),
+}
+
+impl Source {
+    fn of(flight: &Flight) -> Option<Self> {
+        match (flight.shared_simulation(), flight.recording()) {
+            (Some(simulation), _) => Some(Self::Simulation(simulation, 0)),
+            (None, Some(recording)) => Some(Self::Recording(Arc::clone(recording), true)),
+            (None, None) => None,
+        }
+    }
+
+    fn changed(&mut self) -> Option<Roster> {
+        match self {
+            Self::Simulation(simulation, known) => {
+                let (roster, serial) = simulation.roster();
+                let is_new = std::mem::replace(known, serial) != serial;
+                is_new.then(|| Roster::clone(&roster))
+            }
+            Self::Recording(recording, is_new) => {
+                std::mem::take(is_new).then(|| recording.roster().clone())
+            }
+        }
+    }
+
+    fn craft(&self, name: &str) -> Arc<dyn Feed> {
+        match self {
+            Self::Simulation(simulation, _) => Arc::new(simulation.craft_feed(Some(name))),
+            Self::Recording(recording, _) => {
+                Arc::new(RecordedCraft::new(Arc::clone(recording), Some(name)))
+            }
+        }
+    }
+
+    fn place(&self, name: &Arc<str>, at_m: DVec3) -> Arc<dyn Feed> {
+        let name = Arc::clone(name);
+        match self {
+            Self::Simulation(simulation, _) => Arc::new(simulation.place_feed(name, at_m)),
+            Self::Recording(recording, _) => {
+                Arc::new(RecordedPlace::new(Arc::clone(recording), name, at_m))
+            }
+        }
+    }
 }
 
 impl RosterTracks {
     /// Of a flight that is a simulation of which anything is drawn.
     pub fn of(flight: &Flight) -> Option<Self> {
-        let simulation = flight.shared_simulation()?;
+        let source = Source::of(flight)?;
         let orbit = flight.scene().orbits.first()?.clone();
         let is_wanted = !orbit.track.is_off();
         is_wanted.then(|| Self {
-            simulation,
+            source,
             orbit,
             width_px: flight.scene().track_px as f32,
             ellipsoid: *flight.ellipsoid(),
-            serial: 0,
         })
     }
 
     /// Styles and feeds, where they are others than those that were handed out last.
     pub fn changed(&mut self) -> Option<(Vec<TrackStyle>, Vec<Arc<dyn Feed>>)> {
-        let (roster, serial) = self.simulation.roster();
-        if serial == self.serial {
-            return None;
-        }
-        self.serial = serial;
+        let roster = self.source.changed()?;
         let (mut styles, mut feeds): (Vec<TrackStyle>, Vec<Arc<dyn Feed>>) = Default::default();
         for (index, name) in roster.craft.iter().take(MAX_TRACKS).enumerate() {
             styles.push(style(index, &self.orbit, self.width_px));
-            feeds.push(Arc::new(self.simulation.craft_feed(Some(name))));
+            feeds.push(self.source.craft(name));
         }
         let places = roster.places.iter().filter(|_| self.orbit.track.marker);
         for (index, place) in places.take(MAX_TRACKS).enumerate() {
@@ -66,14 +110,12 @@ impl RosterTracks {
                 marker: true,
             });
             let at_m = on_ground(place, &self.ellipsoid);
-            let name = Arc::clone(&place.name);
-            feeds.push(Arc::new(self.simulation.place_feed(name, at_m)));
+            feeds.push(self.source.place(&place.name, at_m));
         }
         if roster.craft.len().max(roster.places.len()) > MAX_TRACKS {
-            let note = format!(
+            tracing::warn!(
                 "tracks and names are drawn of the first {MAX_TRACKS} spacecraft and places"
             );
-            self.simulation.tell(note);
         }
         Some((styles, feeds))
     }

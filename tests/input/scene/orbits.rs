@@ -251,6 +251,63 @@ fn bad_live_satellites_are_refused_with_file_line_key_and_remedy() {
     Folder::new().refuses(BAD_LIVE);
 }
 
+#[rustfmt::skip]
+const BAD_BASILISK: &[Bad] = &[
+    ("[orbit]\nsubscribe = \"tcp://127.0.0.1:5570\"", 2, &["[orbit] subscribe", "is for source = \"basilisk\"", "\"tle\""]),
+    ("[orbit]\nsource = \"basilisk\"\nlisten = 5556", 3, &["[orbit] listen = 5556:", "must be a string"]),
+    ("[orbit]\nsource = \"basilisk\"\nlisten = \"udp://127.0.0.1:5556\"", 3, &["[orbit] listen = \"udp://127.0.0.1:5556\":", "tcp://127.0.0.1:5556"]),
+    ("[orbit]\nsource = \"basilisk\"\nlisten = \"tcp://0.0.0.0:5556\"", 3, &["[orbit] listen", "can steer the picture", "allow_remote = true"]),
+    ("[orbit]\nsource = \"basilisk\"\nsubscribe = \"tcp://192.0.2.1:5570\"", 3, &["[orbit] subscribe", "allow_remote = true"]),
+    ("[orbit]\nsource = \"basilisk\"\nlisten = \"tcp://127.0.0.1:1\"\nsubscribe = \"tcp://127.0.0.1:2\"", 3, &["[orbit] listen", "one of them"]),
+    ("[orbit]\nsource = \"basilisk\"\nsubscribe = \"tcp://127.0.0.1:2\"\ntimeout_s = 1", 4, &["[orbit] timeout_s = 1:", "publishes does not"]),
+    ("[orbit]\nsource = \"basilisk\"\ntimeout_s = 0", 3, &["[orbit] timeout_s = 0:", "from 0.001 to 3600 seconds"]),
+    ("[orbit]\nsource = \"basilisk\"\nrate = 2", 3, &["[orbit] rate = 2:", "is for source = \"live\""]),
+    ("[orbit]\nsource = \"basilisk\"\nstrict = true", 3, &["[orbit] strict = true:", "passed over"]),
+    ("[orbit]\nsource = \"basilisk\"\nfile = \"missing.bin\"", 3, &["[orbit] file = \"missing.bin\":"]),
+    ("[orbit]\nsource = \"basilisk\"\nfile = \"sat.tle\"\nlisten = \"tcp://127.0.0.1:1\"", 4, &["[orbit] listen", "simulations that run"]),
+    ("[[orbit]]\n[[orbit]]\nsource = \"basilisk\"", 3, &["[orbit] source = \"basilisk\":", "its own satellites"]),
+];
+
+#[test]
+fn bad_simulations_are_refused_with_file_line_key_and_remedy() {
+    Folder::new().refuses(BAD_BASILISK);
+}
+
+#[test]
+fn keys_of_simulations_reach_them() {
+    use terrella::basilisk::{Endpoint, Meeting, SimulationOptions};
+    let options = |keys: &str| {
+        let scene = scene(&format!("[orbit]\nsource = \"basilisk\"\n{keys}"));
+        assert!(scene.is_live());
+        let summary = scene.full_summary();
+        let met = scene.orbits[0].basilisk.clone().expect("it runs");
+        assert!(
+            summary.contains(&met.meeting.endpoint().to_string()),
+            "{summary}"
+        );
+        met
+    };
+    let usual = SimulationOptions::new(Meeting::Listen(Endpoint::TWO_WAY));
+    assert_eq!(options(""), usual);
+    let given = options(
+        "name = \"sat-1\"\nlisten = \"tcp://[::]:5557\"\nallow_remote = true\ntimeout_s = 2.5\nstale_after_s = 7",
+    );
+    let listen = "tcp://[::]:5557".parse().expect("an endpoint");
+    assert_eq!(
+        given,
+        SimulationOptions {
+            craft: Some("sat-1".to_owned()),
+            allow_remote: true,
+            timeout: std::time::Duration::from_millis(2500),
+            stale_after_s: 7.0,
+            ..SimulationOptions::new(Meeting::Listen(listen))
+        }
+    );
+    let published = options("subscribe = \"tcp://localhost:5570\"");
+    let endpoint = "tcp://127.0.0.1:5570".parse().expect("an endpoint");
+    assert_eq!(published.meeting, Meeting::Subscribe(endpoint));
+}
+
 #[test]
 fn live_keys_reach_the_feed() {
     let scene = scene(

@@ -1,0 +1,247 @@
+//! Pictures, films and files of simulations.
+
+use super::messages;
+use super::{Simulator, scene};
+use crate::{Place, names};
+use glam::{DMat3, DQuat, DVec3};
+use image::RgbImage;
+use std::net::SocketAddr;
+use terrella::basilisk::Endpoint;
+use terrella::frames::{Ellipsoid, Geodetic, itrf_from_gcrf};
+use terrella::internals::play::{
+    Flight, OffscreenRenderer, Progress, ServeRequest, ViewRequest, serve,
+};
+use terrella::scene::Scene;
+
+const SIZE: (u32, u32) = (192, 128);
+const FOV_DEG: f64 = 35.0;
+const HEIGHT_M: f64 = 12e6;
+
+struct Silent;
+
+impl Progress for Silent {
+    fn begin(&self, _what: &str, _steps: Option<u64>) {}
+    fn step(&self) {}
+    fn cancelled(&self) -> bool {
+        false
+    }
+    fn end(&self) {}
+}
+
+fn numbers_of(number: u64, matrix: DMat3) -> Vec<u8> {
+    messages::numbers(number, &matrix.transpose().to_cols_array())
+}
+
+/// A camera that looks straight down from above 20° N, 15° E, north upwards, on the Earth of the date: as Basilisk would write it.
+fn message(mode: u64) -> Vec<u8> {
+    let epoch = "2026-03-20T14:46:10Z".parse().expect("a date");
+    let rotation = itrf_from_gcrf(epoch);
+    let place = Geodetic::from_degrees(20.0, 15.0, HEIGHT_M);
+    let at_m = rotation.transpose() * Ellipsoid::WGS84.itrf_from_geodetic(place);
+    let down = -Ellipsoid::normal(place.lat_rad, place.lon_rad);
+    let east = DVec3::Z.cross(-down).normalize();
+    let south = down.cross(east);
+    // Body axes: x east, y south, z down; σ = q_v/(1 + q_w).
+    let inertial_from_body = rotation.transpose() * DMat3::from_cols(east, south, down);
+    let q = DQuat::from_mat3(&inertial_from_body);
+    let mrp = q.xyz() / (1.0 + q.w);
+    let origin_m = DVec3::new(1.4e11, -3e10, 2e9);
+    let earth = [
+        messages::bytes(1, b"earth"),
+        messages::numbers(2, &origin_m.to_array()),
+        numbers_of(4, rotation),
+    ];
+    let size = [u64::from(SIZE.0), u64::from(SIZE.1)];
+    messages::message(
+        1,
+        10.0,
+        &[
+            messages::bytes(2, &earth.concat()),
+            messages::craft(
+                "sat",
+                (origin_m + at_m).to_array(),
+                [0.0; 3],
+                mrp.to_array(),
+            ),
+            messages::camera(3, "sat", FOV_DEG, size, mode),
+            messages::epoch(),
+        ],
+    )
+}
+
+/// What the service answers.
+fn asked(mode: u64) -> RgbImage {
+    let text = scene(
+        "listen = \"tcp://127.0.0.1:0\"\ntimeout_s = 120",
+        "mode = \"chase\"",
+    );
+    let scene = Scene::from_toml(&text, "test.toml".as_ref()).expect("a good scene");
+    let flight = Flight::open(scene).expect("opens");
+    let Endpoint::Tcp(address) = *flight.simulation().expect("a simulation").endpoint() else {
+        panic!("no address");
+    };
+    let simulator = std::thread::spawn(move || {
+        let mut simulator = Simulator::connect(address);
+        assert!(simulator.update(&message(mode)));
+        simulator.ask(&[b"REQUEST_IMAGE_3"]).expect("an answer")
+    });
+    let request = ServeRequest {
+        once: true,
+        ..ServeRequest::default()
+    };
+    let counters = serve(&flight, &request, &Silent, |_| ()).expect("serves");
+    assert_eq!((counters.pictures, counters.no_pictures), (1, 0));
+    let answer = simulator.join().expect("no panic");
+    let picture = image::load_from_memory(&answer[1])
+        .expect("a picture")
+        .into_rgb8();
+    assert_eq!(picture.dimensions(), SIZE);
+    picture
+}
+
+/// Mean difference of two pictures, steps of 8 bits.
+fn difference(a: &RgbImage, b: &RgbImage) -> f64 {
+    let pairs = a.as_raw().iter().zip(b.as_raw());
+    let sum: f64 = pairs.map(|(a, b)| f64::from(a.abs_diff(*b))).sum();
+    sum / a.as_raw().len() as f64
+}
+
+#[test]
+fn a_camera_sees_what_one_sees_from_there() {
+    let seen = asked(0);
+    let text = "[time]\nstart = \"2026-03-20T14:46:10Z\"\n[camera]\nmode = \"geodetic\"\nlat_deg = 20\nlon_deg = 15\nheight_km = 12000\n\
+                fov_deg = 35\n[earth]\nnormals = false\nnight_lights = false\n[sky]\nstars = false\n[output]\nsamples = 1\n";
+    let scene = Scene::from_toml(text, "test.toml".as_ref()).expect("a good scene");
+    let flight = Flight::open(scene).expect("opens");
+    let gpu = pollster::block_on(terrella::internals::gpu::GpuContext::open(None));
+    let gpu = gpu.expect("an adapter");
+    let options = flight.earth_options(gpu.bc_support()).expect("maps");
+    let mut renderer = OffscreenRenderer::open(gpu, options, SIZE).expect("opens");
+    renderer.show_sky(&flight).expect("a sky");
+    let request = ViewRequest {
+        mode: flight.scene().camera.mode,
+        look: Default::default(),
+        aspect: renderer.aspect(),
+    };
+    let moment = flight
+        .view_at(flight.scene().time.start, &request)
+        .expect("a moment");
+    renderer.draw(&moment);
+    let there = image::DynamicImage::from(renderer.read().expect("reads")).into_rgb8();
+    let off = difference(&seen, &there);
+    assert!(off < 0.5, "{off}");
+    // Mirrored or turned it would be seen.
+    for other in [
+        image::imageops::flip_horizontal(&there),
+        image::imageops::flip_vertical(&there),
+        image::imageops::rotate180(&there),
+    ] {
+        let off = difference(&seen, &other);
+        assert!(off > 5.0, "{off}");
+    }
+}
+
+#[test]
+fn a_depth_map_has_the_disc_where_geometry_has_it() {
+    let map = asked(1);
+    let depth_m = |x: u32, y: u32| {
+        let [red, green, blue] = map.get_pixel(x, y).0.map(f64::from);
+        1e8 * (red / 255.0 + green / 255.0_f64.powi(2) + blue / 255.0_f64.powi(3))
+    };
+    // Half a pixel off the middle, 12 000 km down.
+    let middle_m = depth_m(96, 64);
+    assert!((middle_m - HEIGHT_M).abs() < 2000.0, "{middle_m}");
+    let is_ground = |x: u32| map.get_pixel(x, 64).0 != [255; 3];
+    let across = (0..SIZE.0).filter(|x| is_ground(*x)).count() as f64;
+    // sin of the limb's angle R/(R + h); its tangent over that of half the field of view, of 64 pixels.
+    let radius_m = 6.3745e6;
+    let angle = f64::asin(radius_m / (radius_m + HEIGHT_M));
+    let wide = (angle.tan() / (FOV_DEG / 2.0).to_radians().tan() * 128.0).min(f64::from(SIZE.0));
+    assert!((across - wide).abs() < 2.0, "{across} of {wide}");
+}
+
+fn free_port() -> u16 {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("binds");
+    listener.local_addr().expect("bound").port()
+}
+
+#[test]
+fn a_film_has_one_frame_for_each_step_and_its_simulator_goes_on() {
+    let place = Place::new();
+    let port = free_port();
+    let listen =
+        format!("listen = \"tcp://127.0.0.1:{port}\"\ntimeout_s = 60\ntrail = true\nmarker = true");
+    place.scene("basilisk.toml", &scene(&listen, "mode = \"nadir\""));
+    let player = place
+        .command(&["play", "basilisk.toml", "--frames", "frames"])
+        .spawn()
+        .expect("starts");
+    let address = SocketAddr::from(([127, 0, 0, 1], port));
+    let mut simulator = Simulator::connect(address);
+    for frame in 1..=5 {
+        assert!(simulator.update(&messages::step(frame, 300.0 * frame as f64)));
+        // Its camera is answered in the same flight.
+        let answer = simulator.ask(&[b"REQUEST_IMAGE_1"]).expect("an answer");
+        let picture = image::load_from_memory(&answer[1]).expect("a picture");
+        assert_eq!((picture.width(), picture.height()), (96, 64));
+    }
+    // It leaves: the film ends whole, at once.
+    drop(simulator);
+    let output = player.wait_with_output().expect("ends");
+    assert!(output.status.success());
+    let files = names(&place.path("frames"));
+    assert_eq!(files.len(), 5, "{files:?}");
+    let bytes = |name: &String| std::fs::read(place.path("frames").join(name)).expect("reads");
+    let pictures: std::collections::BTreeSet<_> = files.iter().map(bytes).collect();
+    assert_eq!(pictures.len(), 5, "two frames are the same");
+}
+
+#[test]
+fn a_saved_simulation_is_played_by_its_own_time() {
+    let place = Place::new();
+    let steps: Vec<_> = (1..=40)
+        .map(|n| messages::step(n, 30.0 * n as f64))
+        .collect();
+    let file = messages::file(&steps);
+    std::fs::write(place.path("flight.bin"), &file).expect("writes");
+    let text = scene("file = \"flight.bin\"\ntrail = true", "mode = \"chase\"");
+    place.scene("saved.toml", &text.replace("duration_s = 1000\n", ""));
+    place.succeed(&["play", "saved.toml", "--frames", "frames"]);
+    // 1170 s at ten times real time, ten frames a second.
+    assert_eq!(names(&place.path("frames")).len(), 1170);
+    place.succeed(&[
+        "frame",
+        "saved.toml",
+        "-o",
+        "a.png",
+        "--at",
+        "2026-03-20T14:56:00Z",
+    ]);
+    let late = place.fail(
+        1,
+        &[
+            "frame",
+            "saved.toml",
+            "-o",
+            "b.png",
+            "--at",
+            "2027-01-01T00:00:00Z",
+        ],
+    );
+    assert!(late.contains("2026-03-20T15:06:00"), "{late}");
+    // Spoilt from the middle on.
+    let cut = file.len() / 2;
+    std::fs::write(place.path("flight.bin"), &file[..cut]).expect("writes");
+    let output = place.succeed(&["frame", "saved.toml", "-o", "c.png"]);
+    assert!(
+        crate::words(&output).contains("spoilt from byte"),
+        "{}",
+        crate::words(&output)
+    );
+    std::fs::write(place.path("flight.bin"), b"no simulation").expect("writes");
+    let refused = place.fail(2, &["frame", "saved.toml", "-o", "d.png"]);
+    assert!(
+        refused.contains("[orbit] file") && refused.contains("saveFile"),
+        "{refused}"
+    );
+}
