@@ -313,7 +313,8 @@ mod tests {
         assert_eq!(fields, [Err(WireFault::Short)]);
         // A group, and field 0.
         for tag in [0x0b, 0x02] {
-            let fields: Vec<_> = Fields::of(&[tag, 0]).collect();
+            let bytes = [tag, 0];
+            let fields: Vec<_> = Fields::of(&bytes).collect();
             assert!(matches!(fields[..], [Err(WireFault::Field { .. })]));
         }
     }

@@ -12,6 +12,9 @@ use glam::DVec3;
 /// Nearer than this a satellite is no dot, metres: it is then the eye's own, or a craft that is seen.
 pub const NEAREST_MARKER_M: f64 = 1000.0;
 
+/// What is lower than this is marked as a place on the ground, by a ring about a point, metres.
+const GROUND_MARKER_M: f64 = 10_000.0;
+
 /// Radii of a marker and of the ring on the ground, pixels, for lines 2 pixels wide.
 const MARKER_PX: f32 = 4.0;
 const RING_PX: f32 = 6.0;
@@ -102,7 +105,11 @@ impl Satellite {
         if let Some(place) = place_itrf_m.filter(|_| self.style.marker)
             && place.distance(eye.itrf_m) >= NEAREST_MARKER_M
         {
-            mark(place, 0, MARKER_PX);
+            // The slope of the ground would cut a dot on it.
+            match eye.ellipsoid.geodetic_from_itrf(place).height_m < GROUND_MARKER_M {
+                true => mark(place, TRACK_ON_GROUND, RING_PX),
+                false => mark(place, 0, MARKER_PX),
+            }
             let at_px = eye
                 .pixel(place)
                 .filter(|_| !is_hidden(eye.itrf_m, place, eye.ellipsoid));
