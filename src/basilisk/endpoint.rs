@@ -4,6 +4,8 @@ use std::fmt;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
 #[cfg(unix)]
+use std::os::unix::fs::FileTypeExt;
+#[cfg(unix)]
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -97,10 +99,11 @@ impl Listener {
             }
             #[cfg(unix)]
             Endpoint::Ipc(path) => {
-                // A socket that nobody answers at was left behind by a program that ended.
-                if UnixStream::connect(path)
-                    .is_err_and(|error| error.kind() == ErrorKind::ConnectionRefused)
-                {
+                // A socket that nobody answers at was left behind by a program that ended. A file is refused the same way, and stays.
+                let is_socket = std::fs::symlink_metadata(path)
+                    .is_ok_and(|found| found.file_type().is_socket());
+                let is_refused = |error: io::Error| error.kind() == ErrorKind::ConnectionRefused;
+                if is_socket && UnixStream::connect(path).is_err_and(is_refused) {
                     std::fs::remove_file(path)?;
                 }
                 let listener = UnixListener::bind(path)?;

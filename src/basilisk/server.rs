@@ -33,7 +33,7 @@ struct Guest {
 
 #[derive(Default)]
 struct GuestState {
-    /// Milliseconds after the listener's start at which it asked last.
+    /// Milliseconds after the listener's start at which it asked last; 0 before it has.
     asked_ms: AtomicU64,
     is_asking: AtomicBool,
     is_dismissed: AtomicBool,
@@ -89,7 +89,6 @@ fn dismiss_one(guests: &[Guest]) {
 
 fn serve(stream: Stream, shared: &Shared, state: &GuestState, begun: Instant) {
     let now_ms = || u64::try_from(begun.elapsed().as_millis()).unwrap_or(u64::MAX);
-    state.asked_ms.store(now_ms(), Ordering::Relaxed);
     let is_leaving = || shared.is_stopped() || state.is_dismissed.load(Ordering::Acquire);
     let connection = stream.set_timeouts(LOOK, WRITE).map_err(ZmtpError::from);
     let connection = connection.and_then(|()| {

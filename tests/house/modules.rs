@@ -15,7 +15,7 @@ const MODULES: &[(&str, &[&str])] = &[
     ("light", &["frames", "air"]),
     // Maps and drawables know nothing of satellites.
     ("imagery", &["elevation", "globe"]),
-    ("scene", &["frames", "orbit", "globe", "air", "light"]),
+    ("scene", &["frames", "orbit", "basilisk", "globe", "air", "light"]),
     ("gpu", &["frames", "globe", "air", "light", "imagery"]),
     ("earth", &["frames", "elevation", "globe", "air", "light", "imagery", "gpu"]),
     // Drawn into memory.
@@ -24,9 +24,9 @@ const MODULES: &[(&str, &[&str])] = &[
     ("celestial", &["frames", "air", "imagery", "gpu", "earth"]),
     // Drawn with the Earth, for any feed: knows no scene.
     ("tracks", &["frames", "orbit", "globe", "air", "gpu", "earth"]),
-    ("play", &["frames", "orbit", "elevation", "light", "imagery", "scene", "gpu", "earth", "offscreen", "celestial", "tracks"]),
+    ("play", &["frames", "orbit", "basilisk", "elevation", "light", "imagery", "scene", "gpu", "earth", "offscreen", "celestial", "tracks"]),
     ("measure", &["frames", "orbit", "elevation", "globe", "air", "light", "imagery", "scene", "gpu", "earth", "offscreen", "play"]),
-    ("cli", &["frames", "orbit", "globe", "imagery", "scene", "gpu", "play", "measure"]),
+    ("cli", &["frames", "orbit", "basilisk", "globe", "imagery", "scene", "gpu", "play", "measure"]),
 ];
 
 /// Names that `lib.rs` exports from modules, with their modules: `crate::Earth` is `earth`.
