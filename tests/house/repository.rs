@@ -102,11 +102,6 @@ impl Repository {
             "tests/goldens/README.md",
         ];
         let folders = folders.iter().map(|path| (*path).to_string());
-        let embedding = self.file_names("docs/embedding", "md");
-        let embedding = embedding
-            .into_iter()
-            .map(|name| format!("docs/embedding/{name}"));
-        let docs = docs.chain(embedding);
         top.into_iter()
             .chain(docs)
             .chain(embedding)
