@@ -77,7 +77,6 @@ fn lens(fov_deg: f64, aspect: f64) -> Result<(f64, f64), Failure> {
 ///
 /// # Safety
 /// `camera` has room.
-#[expect(clippy::too_many_arguments, reason = "as C has them: plain values")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_camera_geodetic(
     lat_deg: f64,

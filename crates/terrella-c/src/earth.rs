@@ -102,7 +102,6 @@ unsafe fn asked(
 ///
 /// # Safety
 /// `camera` points to a camera; `pixels` to so many bytes, which nobody else uses during the call; `drawn` is null or has room.
-#[expect(clippy::too_many_arguments, reason = "as C has them: plain values")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_earth_draw(
     earth: *mut TerrellaEarth,

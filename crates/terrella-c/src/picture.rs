@@ -37,7 +37,7 @@ impl TerrellaDrawn {
         Self {
             triangles: u64::from(drawing.stats.triangles),
             missing_tiles: drawing.missing.len() as u64,
-            exposure_ev: f64::from(drawing.stats.exposure_ev),
+            exposure_ev: drawing.stats.exposure_ev,
         }
     }
 }

@@ -103,7 +103,7 @@ pub unsafe extern "C" fn terrella_time_add(
 ) -> TerrellaStatus {
     answer(|| {
         let epoch = time.epoch("time")?;
-        if !(elapsed_s.abs() < 1e10) {
+        if !elapsed_s.is_finite() || elapsed_s.abs() >= 1e10 {
             return Err(Failure::argument(format!(
                 "elapsed_s: {elapsed_s} s is no elapsed time"
             )));

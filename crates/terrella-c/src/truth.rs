@@ -126,14 +126,17 @@ impl<'c> WantedLayers<'c> {
                 )));
             }
             let named = format!("layers[{n}].values");
+            let to = one.values;
             values.push(match layer.dtype {
-                // SAFETY: the caller's promise: so many bytes; alignment is checked.
                 LayerDtype::F32 => {
-                    Values::F32(unsafe { buffer(one.values.cast(), numbers, &named) }?)
+                    // SAFETY: the caller's promise: so many bytes; alignment is checked.
+                    let numbers = unsafe { buffer(to.cast(), numbers, &named) };
+                    Values::F32(numbers?)
                 }
-                // SAFETY: the same.
                 LayerDtype::F64 => {
-                    Values::F64(unsafe { buffer(one.values.cast(), numbers, &named) }?)
+                    // SAFETY: the same.
+                    let numbers = unsafe { buffer(to.cast(), numbers, &named) };
+                    Values::F64(numbers?)
                 }
             });
             layers.push(layer);

@@ -76,7 +76,7 @@ pub fn elapsed_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Duration> {
             "{name}: a datetime.timedelta or seconds are needed"
         ))
     })?;
-    if !(seconds.abs() < 1e10) {
+    if !seconds.is_finite() || seconds.abs() >= 1e10 {
         return Err(PyValueError::new_err(format!(
             "{name}: {seconds} s is no elapsed time"
         )));
