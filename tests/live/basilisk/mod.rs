@@ -43,9 +43,15 @@ pub fn frame(flags: u8, body: &[u8]) -> Vec<u8> {
 }
 
 impl Peer {
+    /// Connects, again and again as libzmq does where it is turned away.
     pub fn connect(address: SocketAddr) -> Self {
-        let peer = Self::of(TcpStream::connect(address).expect("connects"));
-        peer.greet("REQ")
+        let mut met = None;
+        super::until("there is room", || {
+            let peer = Self::of(TcpStream::connect(address).expect("connects"));
+            met = peer.try_greet("REQ");
+            met.is_some()
+        });
+        met.expect("met")
     }
 
     pub fn of(stream: TcpStream) -> Self {
@@ -53,7 +59,12 @@ impl Peer {
         Self(stream)
     }
 
-    pub fn greet(mut self, kind: &str) -> Self {
+    pub fn greet(self, kind: &str) -> Self {
+        self.try_greet(kind).expect("greeted")
+    }
+
+    /// `None` where it is turned away.
+    fn try_greet(mut self, kind: &str) -> Option<Self> {
         let mut greeting = [0; 64];
         (greeting[0], greeting[9], greeting[10], greeting[11]) = (0xff, 0x7f, 3, 1);
         greeting[12..16].copy_from_slice(b"NULL");
@@ -61,16 +72,16 @@ impl Peer {
         ready.push(kind.len() as u8);
         ready.extend(kind.as_bytes());
         ready.extend(b"\x08Identity\0\0\0\0");
-        self.0.write_all(&greeting).expect("writes");
-        self.0.write_all(&frame(4, &ready)).expect("writes");
+        self.0.write_all(&greeting).ok()?;
+        self.0.write_all(&frame(4, &ready)).ok()?;
         let mut its = [0; 64];
-        self.0.read_exact(&mut its).expect("a greeting");
+        self.0.read_exact(&mut its).ok()?;
         assert_eq!((its[0], its[9], its[10]), (0xff, 0x7f, 3));
         assert_eq!(&its[12..17], b"NULL\0");
-        let (flags, its) = self.frame().expect("a command");
+        let (flags, its) = self.frame()?;
         assert_eq!(flags, 4);
         assert!(its.starts_with(b"\x05READY\x0bSocket-Type"));
-        self
+        Some(self)
     }
 
     pub fn frame(&mut self) -> Option<(u8, Vec<u8>)> {
