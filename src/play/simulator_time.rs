@@ -10,7 +10,7 @@ use std::time::Duration;
 /// The window's time where a simulator gives it.
 pub(super) enum SimulatorTime<'f> {
     /// Of live states.
-    Live(LivePlay<'f>),
+    Live(Box<LivePlay<'f>>),
     /// Of Basilisk.
     Basilisk(SimulationPlay<'f>),
 }
@@ -19,7 +19,7 @@ impl<'f> SimulatorTime<'f> {
     /// `None` for scenes that have their own time.
     pub fn of(flight: &'f Flight) -> Option<Self> {
         let simulation = SimulationPlay::of(flight).map(Self::Basilisk);
-        simulation.or_else(|| LivePlay::of(flight).map(Self::Live))
+        simulation.or_else(|| LivePlay::of(flight).map(Box::new).map(Self::Live))
     }
 
     /// Whether a new picture is due.

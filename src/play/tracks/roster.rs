@@ -17,6 +17,9 @@ const MARKER_HEIGHT_M: f64 = 10.0;
 /// The radius of the sphere that Basilisk puts places on the Earth on, metres.
 const BASILISK_RADIUS_M: f64 = 6_378_136.6;
 
+/// The motions of craft and places, in the order of their styles.
+type Feeds = Vec<Arc<dyn Feed>>;
+
 /// What is drawn of a simulation's craft and places.
 pub struct RosterTracks {
     source: Source,
@@ -90,9 +93,9 @@ impl RosterTracks {
     }
 
     /// Styles and feeds, where they are others than those that were handed out last.
-    pub fn changed(&mut self) -> Option<(Vec<TrackStyle>, Vec<Arc<dyn Feed>>)> {
+    pub fn changed(&mut self) -> Option<(Vec<TrackStyle>, Feeds)> {
         let roster = self.source.changed()?;
-        let (mut styles, mut feeds): (Vec<TrackStyle>, Vec<Arc<dyn Feed>>) = Default::default();
+        let (mut styles, mut feeds) = (Vec::new(), Feeds::new());
         for (index, name) in roster.craft.iter().take(MAX_TRACKS).enumerate() {
             styles.push(style(index, &self.orbit, self.width_px));
             feeds.push(self.source.craft(name));
