@@ -3,8 +3,9 @@
 use crate::cargo;
 use crate::process::{self, repository_root, say};
 use anyhow::{Context, bail};
+use serde_json::Value;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Largest wheel, bytes: maps and all.
@@ -18,18 +19,22 @@ pub fn c_library(prefix: &Path) -> anyhow::Result<()> {
         );
     }
     let root = repository_root();
-    let arguments = [
+    let mut command = cargo::cargo();
+    command.args([
         "rustc",
         "--release",
         "--locked",
         "--package",
         "terrella-c",
         "--lib",
-    ];
-    // The libraries that a program needs beside the static one are told by the compiler.
-    let asked = ["--", "--print", "native-static-libs"];
-    let mut command = cargo::cargo();
-    command.args(arguments).args(asked);
+    ]);
+    // Cargo says where the libraries are, the compiler what a program needs beside the static one.
+    command.args([
+        "--message-format=json-render-diagnostics",
+        "--",
+        "--print",
+        "native-static-libs",
+    ]);
     let what = process::shown(&command);
     say(&what);
     let output = command
@@ -43,14 +48,9 @@ pub fn c_library(prefix: &Path) -> anyhow::Result<()> {
     let libraries = told
         .lines()
         .find_map(|line| line.split("native-static-libs: ").nth(1));
-    let libraries = match libraries {
-        Some(libraries) => libraries.trim().to_owned(),
-        // Told only when it compiles: what it was is beside the library.
-        None => fs::read_to_string(built(&root)?.join("terrella_c.libs"))
-            .context("the compiler did not say what the static library needs; touch crates/terrella-c/src/lib.rs and run this again")?,
-    };
-    fs::write(built(&root)?.join("terrella_c.libs"), &libraries)?;
-    lay_out(&root, prefix, &libraries)?;
+    let libraries = libraries.context("the compiler did not say what the static library needs")?;
+    let built = built(&String::from_utf8_lossy(&output.stdout));
+    lay_out(&root, &built, prefix, libraries.trim())?;
     say(format_args!(
         "{} has it; PKG_CONFIG_PATH={}",
         prefix.display(),
@@ -59,24 +59,28 @@ pub fn c_library(prefix: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn built(root: &Path) -> anyhow::Result<std::path::PathBuf> {
-    let metadata = cargo::output(&[
-        "metadata",
-        "--format-version",
-        "1",
-        "--no-deps",
-        "--offline",
-    ])?;
-    let metadata: serde_json::Value = serde_json::from_str(&metadata)?;
-    let target = metadata
-        .get("target_directory")
-        .and_then(|path| path.as_str());
-    let target = target.map_or_else(|| root.join("target"), Into::into);
-    Ok(target.join("release"))
+/// The libraries in cargo's messages.
+fn built(messages: &str) -> Vec<PathBuf> {
+    let messages = messages
+        .lines()
+        .filter_map(|line| serde_json::from_str::<Value>(line).ok());
+    let ours = messages.filter(|message| {
+        let name = message.get("target").and_then(|target| target.get("name"));
+        name.is_some_and(|name| name == "terrella_c")
+    });
+    let files = ours.filter_map(|message| message.get("filenames")?.as_array().cloned());
+    let files = files.flatten();
+    files
+        .filter_map(|file| file.as_str().map(PathBuf::from))
+        .collect()
 }
 
-fn lay_out(root: &Path, prefix: &Path, libraries: &str) -> anyhow::Result<()> {
-    let (package, built) = (root.join("crates/terrella-c"), built(root)?);
+fn lay_out(root: &Path, built: &[PathBuf], prefix: &Path, libraries: &str) -> anyhow::Result<()> {
+    let library = |name: &str| {
+        let found = built.iter().find(|path| path.ends_with(name));
+        found.with_context(|| format!("cargo made no {name}"))
+    };
+    let package = root.join("crates/terrella-c");
     let [include, lib, pc, cmake, share] = [
         "include",
         "lib",
@@ -92,7 +96,7 @@ fn lay_out(root: &Path, prefix: &Path, libraries: &str) -> anyhow::Result<()> {
         &package.join("include/terrella.h"),
         &include.join("terrella.h"),
     )?;
-    copy(&built.join("libterrella_c.a"), &lib.join("libterrella_c.a"))?;
+    copy(library("libterrella_c.a")?, &lib.join("libterrella_c.a"))?;
     copy(
         &built.join("libterrella_c.so"),
         &lib.join("libterrella_c.so.0"),
@@ -186,6 +190,18 @@ pub fn wheel(out: &Path) -> anyhow::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn libraries_are_found_in_messages() {
+        let messages = r#"{"reason":"compiler-artifact","target":{"name":"terrella"},"filenames":["/t/libterrella.rlib"]}
+no message
+{"reason":"compiler-artifact","target":{"name":"terrella_c"},"filenames":["/t/libterrella_c.so","/t/libterrella_c.a"]}"#;
+        let found = [
+            Path::new("/t/libterrella_c.so"),
+            Path::new("/t/libterrella_c.a"),
+        ];
+        assert_eq!(built(messages), found);
+    }
 
     #[test]
     fn templates_are_filled() {

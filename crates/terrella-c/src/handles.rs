@@ -62,10 +62,12 @@ fn check<'t>(
         return Err(Failure::new(TerrellaStatus::TERRELLA_NULL, words));
     }
     let Some(entry) = table.entries.get(&number) else {
-        return Err(wrong(match number <= table.last && number.is_multiple_of(STEP) {
-            true => format!("{name} is freed already"),
-            false => format!("{name} is no handle of this library"),
-        }));
+        return Err(wrong(
+            match number <= table.last && number.is_multiple_of(STEP) {
+                true => format!("{name} is freed already"),
+                false => format!("{name} is no handle of this library"),
+            },
+        ));
     };
     match entry.kind == kind {
         true => Ok(entry),
