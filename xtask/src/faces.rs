@@ -98,7 +98,7 @@ fn lay_out(root: &Path, built: &[PathBuf], prefix: &Path, libraries: &str) -> an
     )?;
     copy(library("libterrella_c.a")?, &lib.join("libterrella_c.a"))?;
     copy(
-        &built.join("libterrella_c.so"),
+        library("libterrella_c.so")?,
         &lib.join("libterrella_c.so.0"),
     )?;
     let link = lib.join("libterrella_c.so");
