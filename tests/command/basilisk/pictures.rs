@@ -223,7 +223,7 @@ fn a_saved_simulation_is_played_by_its_own_time() {
         "2026-03-20T14:56:00Z",
     ]);
     let late = place.fail(
-        1,
+        2,
         &[
             "frame",
             "saved.toml",
