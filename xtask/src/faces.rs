@@ -5,8 +5,9 @@ use crate::process::{self, repository_root, say};
 use anyhow::{Context, bail};
 use serde_json::Value;
 use std::fs;
+use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 /// Largest wheel, bytes: maps and all.
 const MAX_WHEEL_BYTES: u64 = 25_000_000;
@@ -34,22 +35,45 @@ pub fn c_library(prefix: &Path) -> anyhow::Result<()> {
         "--",
         "--print",
         "native-static-libs",
+        // Of the shared library, what only debuggers read.
+        "-C",
+        "strip=symbols",
     ]);
     let what = process::shown(&command);
     say(&what);
-    let output = command
-        .output()
-        .with_context(|| format!("cannot start `{what}`"))?;
-    let told = String::from_utf8_lossy(&output.stderr);
-    if !output.status.success() {
-        eprint!("{told}");
-        return Err(process::ChildFailed::new(what, output.status).into());
+    let child = command
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn();
+    let mut child = child.with_context(|| format!("cannot start `{what}`"))?;
+    // What it says is shown as it comes: this takes minutes.
+    let errors = child.stderr.take();
+    let reader = std::thread::spawn(move || {
+        let lines = errors
+            .into_iter()
+            .flat_map(|pipe| BufReader::new(pipe).lines());
+        let mut told = String::new();
+        for line in lines.map_while(Result::ok) {
+            eprintln!("{line}");
+            told += &line;
+            told.push('\n');
+        }
+        told
+    });
+    let mut messages = String::new();
+    if let Some(mut stdout) = child.stdout.take() {
+        stdout.read_to_string(&mut messages)?;
+    }
+    let status = child.wait()?;
+    let told = reader.join().unwrap_or_default();
+    if !status.success() {
+        return Err(process::ChildFailed::new(what, status).into());
     }
     let libraries = told
         .lines()
         .find_map(|line| line.split("native-static-libs: ").nth(1));
     let libraries = libraries.context("the compiler did not say what the static library needs")?;
-    let built = built(&String::from_utf8_lossy(&output.stdout));
+    let built = built(&messages);
     lay_out(&root, &built, prefix, libraries.trim())?;
     say(format_args!(
         "{} has it; PKG_CONFIG_PATH={}",
