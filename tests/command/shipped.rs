@@ -3,7 +3,10 @@
 use crate::Place;
 use std::path::{Path, PathBuf};
 
-/// Those of `config/`, but the one that waits for a simulator.
+/// Those that wait for a simulator.
+const WAITING: [&str; 2] = ["basilisk.toml", "live.toml"];
+
+/// Those of `config/`, but the ones that wait.
 fn scenes() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("config");
     let files = std::fs::read_dir(folder).expect("a folder");
@@ -15,7 +18,7 @@ fn scenes() -> Vec<PathBuf> {
     let mut scenes: Vec<_> = files.filter(is_scene).collect();
     scenes.sort();
     assert!(scenes.len() > 20);
-    scenes.retain(|path| !path.ends_with("live.toml"));
+    scenes.retain(|path| !WAITING.iter().any(|name| path.ends_with(name)));
     scenes
 }
 
@@ -35,6 +38,15 @@ fn every_scene_is_checked_and_drawn_with_something_in_its_picture() {
         assert!(brightest > Some(24), "{scene}: {brightest:?}");
         let first = picture.get_pixel(0, 0);
         assert!(picture.pixels().any(|pixel| pixel != first), "{scene}");
+    }
+}
+
+#[test]
+fn scenes_that_wait_for_a_simulator_are_checked() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("config");
+    for name in WAITING {
+        let scene = folder.join(name);
+        Place::new().succeed(&["-q", "check", scene.to_str().expect("UTF-8")]);
     }
 }
 
