@@ -30,6 +30,9 @@ mod endpoint;
 mod feeds;
 mod history;
 mod message;
+#[cfg(test)]
+#[path = "../../tests/common/basilisk.rs"]
+mod messages;
 mod options;
 mod recording;
 mod server;

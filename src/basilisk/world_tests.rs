@@ -1,8 +1,7 @@
 use super::*;
 use glam::DVec3;
 
-#[path = "../../tests/common/basilisk.rs"]
-mod messages;
+use crate::basilisk::messages;
 
 fn start() -> Epoch {
     "2018-01-15T12:00:00Z".parse().expect("a date")
