@@ -316,8 +316,8 @@ impl Earth {
         }
     }
 
-    /// The exposure that [`Exposure::Auto`] would take for a view, EV; `None` where no picture is defined. For hosts that follow
-    /// it in time ([`crate::Adaptation`]) or expose a float target themselves.
+    /// The exposure that [`Exposure::Auto`](crate::Exposure::Auto) would take for a view, EV; `None` where no picture is defined. For
+    /// hosts that follow it in time ([`crate::Adaptation`]) or expose a float target themselves.
     pub fn metered_ev(&mut self, view: &EyeView, sky: &Sky) -> Option<f64> {
         let planner = &mut self.first.planner;
         let ellipsoid = planner.ellipsoid();

@@ -27,7 +27,7 @@ impl TileOptions {
 pub(super) enum TileDriver {}
 
 #[derive(Clone, Default)]
-pub(super) struct TileLevels;
+pub(super) struct TileLevels(());
 
 impl TileDriver {
     pub fn new(options: &TileOptions, _: &EarthLayers, _: Visibility) -> Result<Self, EarthError> {

@@ -5,6 +5,8 @@
 mod camera_service;
 #[cfg(feature = "command")]
 mod depth;
+#[cfg(feature = "command")]
+mod eyes;
 mod moments;
 #[cfg(feature = "command")]
 mod service;
