@@ -3,7 +3,8 @@
 use super::plan::Planner;
 use super::tile_view::TileView;
 use super::tiles::TileLevels;
-use super::{Earth, EarthError, EyeView, FrameStats, Sky, Viewport};
+use super::{Earth, EarthError, EyeView, FrameStats, Quality, Sky, Viewport};
+use crate::globe::{BlockSet, Meshes};
 #[cfg(feature = "celestial")]
 use crate::gpu::FrameUniforms;
 use crate::gpu::{AirDrawable, AirTextures, FramePlan, SurfaceView};
@@ -47,6 +48,42 @@ pub struct ViewFrame<'a> {
 }
 
 impl EarthView {
+    /// A view that nothing was prepared of.
+    pub(super) fn new(
+        planner: Planner,
+        surface: SurfaceView,
+        air: Option<AirDrawable>,
+        version: Version,
+    ) -> Self {
+        Self {
+            plan: planner.empty_plan(),
+            planner,
+            surface,
+            air,
+            levels: TileLevels::default(),
+            drawn: None,
+            stats: FrameStats::default(),
+            version,
+        }
+    }
+
+    /// Draws with this quality, its meshes and its air from now on. Nothing is drawn until it is bound and prepared.
+    pub(super) fn set_quality(
+        &mut self,
+        device: &wgpu::Device,
+        quality: &Quality,
+        meshes: Meshes,
+        air: Option<AirDrawable>,
+    ) {
+        self.surface.reset(device, meshes.grids());
+        self.planner.set_quality(quality, meshes);
+        self.plan = self.planner.empty_plan();
+        self.air = air;
+        // What is chosen now does not depend on what was chosen before.
+        self.levels = TileLevels::default();
+        self.drawn = None;
+    }
+
     /// What was prepared last. Tiles and textures are those of the whole Earth.
     pub fn stats(&self) -> &FrameStats {
         &self.stats
@@ -104,7 +141,7 @@ impl EarthView {
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        tiled: Option<crate::globe::BlockSet>,
+        tiled: Option<BlockSet>,
     ) {
         if self.drawn.is_none() {
             return;
@@ -136,16 +173,7 @@ impl Earth {
         let grids = planner.meshes().grids();
         let mut surface = SurfaceView::new(&self.device, grids, &config);
         self.surface.bind_view(&self.device, &config, &mut surface);
-        Ok(EarthView {
-            plan: planner.empty_plan(),
-            planner,
-            surface,
-            air,
-            levels: TileLevels::default(),
-            drawn: None,
-            stats: FrameStats::default(),
-            version: self.first.version,
-        })
+        Ok(EarthView::new(planner, surface, air, self.first.version))
     }
 
     /// Has a view drawn with the pipelines that there are now. Answers false of a view of another Earth.
@@ -159,17 +187,13 @@ impl Earth {
         if view.version == now {
             return true;
         }
-        view.planner
-            .set_quality(&self.quality, self.first.planner.meshes().clone());
+        let meshes = self.first.planner.meshes().clone();
         let air = self.first.air.as_ref();
-        view.air = air.map(|air| air.for_another_view(&self.device));
-        let grids = view.planner.meshes().grids();
-        view.surface.reset(&self.device, grids);
+        let air = air.map(|air| air.for_another_view(&self.device));
+        view.set_quality(&self.device, &self.quality, meshes, air);
         let config = self.config(view.air.as_ref(), &view.planner);
         self.surface
             .bind_view(&self.device, &config, &mut view.surface);
-        view.plan = view.planner.empty_plan();
-        view.levels = TileLevels::default();
         view.version = now;
         true
     }

@@ -82,8 +82,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use surface_config::{SurfaceStyle, surface_config};
 pub use surface_light::{AIRGLOW_LUMINANCE, CITY_RADIANCE, SurfaceLight};
+use tiles::TileDriver;
 pub use tiles::TileOptions;
-use tiles::{TileDriver, TileLevels};
 pub use truth::{TruthPoint, TruthView};
 #[cfg(feature = "celestial")]
 pub(crate) use view::ItrfView;
@@ -184,19 +184,11 @@ impl Earth {
         if let Some(error) = refused {
             return Err(EarthError::Refused(error.to_string()));
         }
-        let first = EarthView {
-            plan: planner.empty_plan(),
-            planner,
-            surface: view,
-            air,
-            levels: TileLevels::default(),
-            drawn: None,
-            stats: FrameStats::default(),
-            version: Version {
-                earth: EARTHS.fetch_add(1, Ordering::Relaxed),
-                pipelines: 0,
-            },
+        let version = Version {
+            earth: EARTHS.fetch_add(1, Ordering::Relaxed),
+            pipelines: 0,
         };
+        let first = EarthView::new(planner, view, air, version);
         Ok(Self {
             first,
             surface,

@@ -2,7 +2,6 @@
 
 use super::earth_view::Version;
 use super::surface_config::{SurfaceStyle, surface_config};
-use super::tiles::TileLevels;
 use super::{Earth, EarthError, Quality, air_textures, resolved};
 use crate::air::{AirOptions, Atmosphere};
 use crate::frames::Ellipsoid;
@@ -174,26 +173,21 @@ impl Earth {
             return Err(EarthError::OutOfDate);
         }
         let (device, quality) = (&self.device, ready.quality);
-        first.air = match ready.air {
+        let air = match ready.air {
             ReadyAir::None => None,
             ReadyAir::Kept => first.air.take(),
             ReadyAir::Made(air) => Some(*air),
         };
-        if let Some(air) = &first.air {
+        if let Some(air) = &air {
             let albedo = first.planner.exposure.albedo().texels(&quality.maps);
             air.textures().set_albedo(queue, &albedo);
         }
-        let (air, ground) = (first.air.as_ref(), first.planner.ground());
-        let air = air.map(AirDrawable::textures);
+        first.set_quality(device, &quality, ready.meshes, air);
+        let ground = first.planner.ground();
+        let air = first.air.as_ref().map(AirDrawable::textures);
         let config = surface_config(device, self.style, ready.format, &quality, air, ground);
-        first.surface.reset(device, ready.meshes.grids());
         self.surface
             .set_pipelines(device, ready.surface, &config, &mut first.surface);
-        first.planner.set_quality(&quality, ready.meshes);
-        first.plan = first.planner.empty_plan();
-        // What is chosen now does not depend on what was chosen before.
-        first.levels = TileLevels::default();
-        first.drawn = None;
         first.version.pipelines += 1;
         if let Some(tiles) = &mut self.tiles {
             tiles.set_quality(&quality);
