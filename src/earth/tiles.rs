@@ -240,10 +240,9 @@ impl TileDriver {
         tiles: &mut Vec<(Block, BlockTiles)>,
     ) {
         // Where several views ask for a block, the one that sees it finest is asked for first, and that counts.
-        let order = |w: &Wanted| (w.pixel_m, w.turn);
         self.wanted.sort_unstable_by(|a, b| {
-            let ((a, turn_a), (b, turn_b)) = (order(a), order(b));
-            a.total_cmp(&b).then(turn_a.cmp(&turn_b))
+            let by_size = a.pixel_m.total_cmp(&b.pixel_m);
+            by_size.then(a.turn.cmp(&b.turn))
         });
         self.requests
             .extend(self.wanted.iter().map(|wanted| wanted.request));

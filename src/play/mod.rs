@@ -36,8 +36,7 @@
 //! | `quality_control` | the scene's resolution, and what is given up to hold its frame time |
 //! | `frame_cost` | what its frames cost, for adaptive quality |
 
-// What of a file only the command needs is left unused without it.
-
+// Where a file is built without the command, what only that needs of it is left unused.
 mod basilisk;
 pub mod camera;
 pub mod clock;
