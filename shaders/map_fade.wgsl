@@ -1,4 +1,5 @@
 // Two maps blended into a third, level by level: of each the hardware takes the level that is as fine as the target.
+import common/whole_target.wgsl;
 
 // | group | binding | what                                    |
 // |-------|---------|-----------------------------------------|
@@ -14,19 +15,6 @@
 struct MapFade {
     // 0…1, in x.
     weight: vec4f,
-}
-
-struct Varying {
-    @builtin(position) clip: vec4f,
-    // Of the maps, 0…1 from their upper left corner.
-    @location(0) uv: vec2f,
-}
-
-// One triangle over the whole target.
-@vertex
-fn vertex(@builtin(vertex_index) index: u32) -> Varying {
-    let uv = vec2f(f32(index & 1u), f32(index >> 1u)) * 2.0;
-    return Varying(vec4f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y, 0.5, 1.0), uv);
 }
 
 @fragment

@@ -38,6 +38,7 @@ files![
     "common/ray.wgsl",
     "common/tone/filmic.wgsl",
     "common/tone/neutral.wgsl",
+    "common/whole_target.wgsl",
     "earth.wgsl",
     "earth/bindings.wgsl",
     "earth/fragment/color.wgsl",
