@@ -106,14 +106,18 @@ impl GpuMap {
         } else if format.sample_type(None, None) != Some(filterable) {
             format!("its format {format:?} is not filtered by every device")
         } else {
-            let texels = u64::from(size.width) * u64::from(size.height);
-            let texel = u64::from(format.block_copy_size(None).unwrap_or(0));
-            let block = format.block_dimensions();
+            let unit = u64::from(format.block_copy_size(None).unwrap_or(0));
+            let (across, down) = format.block_dimensions();
+            let level_bytes = |level: u32| {
+                let side =
+                    |length: u32, unit: u32| u64::from((length >> level).max(1).div_ceil(unit));
+                side(size.width, across) * side(size.height, down) * unit
+            };
             return Ok(Self {
                 layer,
                 held: GpuLayer {
                     view: super::view(texture),
-                    bytes: texels * texel / u64::from(block.0 * block.1),
+                    bytes: (0..texture.mip_level_count()).map(level_bytes).sum(),
                 },
                 albedo: None,
             });
@@ -135,7 +139,7 @@ impl GpuMap {
         self.layer
     }
 
-    /// Bytes of its texels.
+    /// Bytes of its texels, mip levels included.
     pub fn bytes(&self) -> u64 {
         self.held.bytes
     }

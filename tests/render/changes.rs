@@ -89,6 +89,9 @@ fn a_fade_begins_with_one_map_and_ends_with_the_other() {
     let mut rig = Rig::new(&EarthOptions::new(layers(first.clone())), SIZE);
     let [from, to] = [&first, &second].map(|image| upload(MapLayer::Clouds, image));
     let fade = MapFade::new(&gpu.device, MapLayer::Clouds, (128, 64)).expect("drawn to");
+    // 128 × 64 texels of a byte, and seven levels below.
+    let bytes = [8192, 2048, 512, 128, 32, 8, 2, 1];
+    assert_eq!(fade.map().bytes(), bytes.iter().sum::<u64>());
     let set = |map: &GpuMap, rig: &mut Rig| {
         rig.earth
             .set_map(&common::gpu().queue, map)
