@@ -102,7 +102,7 @@ def test_what_earths_refuse(earth):
         earth.color(CAMERA, NOON, wait_s=float("nan"))
     with pytest.raises(ValueError, match="layers.*no_such"):
         earth.truth(CAMERA, NOON, ["no_such"])
-    with pytest.raises(TypeError, match="camera"):
+    with pytest.raises(TypeError, match="Camera"):
         earth.color("a camera", NOON)
     with pytest.raises(ValueError, match="samples"):
         terrella.Earth((16, 16), samples=3)
