@@ -1,7 +1,7 @@
 //! The drawable of satellites' tracks: lines, marks and fills of plain values. `crate::tracks` makes them of satellites.
 
 use super::shader::ShaderModule;
-use super::{AirSide, AirTextures, FrameUniforms, PassFormat};
+use super::{AirSide, AirTextures, Binding, FrameUniforms, PassFormat};
 use super::{PipelineDescription, ShaderError, TrackKind, TracksVariant};
 use bytemuck::{Pod, Zeroable};
 
@@ -94,6 +94,8 @@ pub(crate) struct TracksDrawable {
     frame: wgpu::Buffer,
     /// One without air; else that of an eye outside of it, and that of an eye inside.
     bind_groups: Vec<wgpu::BindGroup>,
+    /// One for each bind group.
+    layouts: Vec<wgpu::BindGroupLayout>,
     side: usize,
     pub shader_bytes: u64,
 }
@@ -107,6 +109,8 @@ struct Batch {
     count: u32,
 }
 
+const LABEL: &str = "terrella tracks";
+
 /// Lines are drawn with a point before the first and one after the last, which no segment comes to.
 const PADDING: usize = 2;
 
@@ -117,14 +121,13 @@ impl TracksDrawable {
         kinds: TrackKinds,
         air: Option<&AirTextures>,
     ) -> Result<Self, ShaderError> {
-        let frame = super::uniform_buffer::<TrackUniforms>(device, "terrella tracks");
+        let frame = super::uniform_buffer::<TrackUniforms>(device, LABEL);
         let sides = AirSide::of_air(air.is_some());
-        let (mut layouts, mut bind_groups) = (Vec::new(), Vec::new());
-        for side in sides {
-            let (layout, bind_group) = bind(device, &frame, air.zip(*side));
-            layouts.push(layout);
-            bind_groups.push(bind_group);
-        }
+        let bound = sides.iter().map(|side| {
+            let bindings = bindings(&frame, air.zip(*side));
+            super::bind(device, LABEL, bindings)
+        });
+        let (layouts, bind_groups): (Vec<_>, Vec<_>) = bound.unzip();
         let mut shader_bytes = 0;
         let mut batch = |is_wanted: bool, kind: TrackKind, label: &'static str, buffers: &[_]| {
             if !is_wanted {
@@ -188,9 +191,31 @@ impl TracksDrawable {
             )?,
             frame,
             bind_groups,
+            layouts,
             side: 0,
             shader_bytes,
         })
+    }
+
+    /// The same for another view, through that view's air if there is any: with these pipelines, and buffers of its own.
+    pub fn for_another_view(&self, device: &wgpu::Device, air: Option<&AirTextures>) -> Self {
+        let frame = super::uniform_buffer::<TrackUniforms>(device, LABEL);
+        let sides = AirSide::of_air(air.is_some()).iter().zip(&self.layouts);
+        let bind_groups = sides.map(|(side, layout)| {
+            let bindings = bindings(&frame, air.zip(*side));
+            super::bind_to(device, LABEL, layout, bindings)
+        });
+        let batch = |batch: &Option<Batch>| batch.as_ref().map(Batch::for_another_view);
+        Self {
+            lines: batch(&self.lines),
+            marks: batch(&self.marks),
+            fills: batch(&self.fills),
+            bind_groups: bind_groups.collect(),
+            frame,
+            layouts: self.layouts.clone(),
+            side: 0,
+            shader_bytes: self.shader_bytes,
+        }
     }
 
     /// Draws for an eye on this side of the air from now on.
@@ -273,12 +298,11 @@ impl TracksDrawable {
     }
 }
 
-/// Group 0, its layout first.
-fn bind(
-    device: &wgpu::Device,
-    frame: &wgpu::Buffer,
-    air: Option<(&AirTextures, AirSide)>,
-) -> (wgpu::BindGroupLayout, wgpu::BindGroup) {
+/// Group 0.
+fn bindings<'a>(
+    frame: &'a wgpu::Buffer,
+    air: Option<(&'a AirTextures, AirSide)>,
+) -> Vec<Binding<'a>> {
     let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
     let mut bindings = vec![(
         super::uniform_entry(0, stages, size_of::<TrackUniforms>()),
@@ -290,10 +314,20 @@ fn bind(
     if let Some((air, side)) = air {
         bindings.extend(air.bindings(side));
     }
-    super::bind(device, "terrella tracks", bindings)
+    bindings
 }
 
 impl Batch {
+    /// The same pipelines, and nothing to draw.
+    fn for_another_view(&self) -> Self {
+        Self {
+            pipelines: self.pipelines.clone(),
+            buffer: None,
+            label: self.label,
+            count: 0,
+        }
+    }
+
     /// Writes things of which `count` are drawn.
     fn write<T: Pod>(
         &mut self,

@@ -30,7 +30,7 @@ pub(super) struct TimeWindow {
 }
 
 /// A sampled curve. Between calls its samples go without a gap from the first to the last.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Curve {
     samples: VecDeque<CurvePoint>,
     /// Most samples that are kept.

@@ -103,14 +103,6 @@ impl TracksOptions {
             air: earth.air_textures().cloned(),
         }
     }
-
-    /// Those of a further view of an Earth, as it is drawn now.
-    pub fn of_view(earth: &Earth, view: &EarthView) -> Self {
-        Self {
-            air: view.air_textures().cloned(),
-            ..Self::of(earth)
-        }
-    }
 }
 
 /// The moment, the eye and the satellites that a frame shows.
@@ -220,8 +212,28 @@ impl Tracks {
         })
     }
 
-    /// Follows an Earth to another quality: another sample count, with air or without. What was prepared must be prepared
-    /// anew.
+    /// The same tracks for a further view of their Earth: with these pipelines and the samples taken so far. Like the first they are
+    /// prepared once a frame.
+    pub fn new_view(&self, view: &EarthView) -> Self {
+        let options = TracksOptions {
+            air: view.air_textures().cloned(),
+            ..self.options.clone()
+        };
+        let air = options.air.as_ref();
+        Self {
+            satellites: self.satellites.clone(),
+            drawable: self.drawable.for_another_view(&self.device, air),
+            options,
+            kinds: self.kinds,
+            device: self.device.clone(),
+            buffers: TrackBuffers::default(),
+            stats: TrackStats::default(),
+            is_shown: false,
+        }
+    }
+
+    /// Follows an Earth to another quality or look: another sample count, another air or none. What was prepared must be prepared
+    /// anew, and those for further views be made anew from it.
     ///
     /// # Errors
     /// None that [`Self::new`] did not have.

@@ -54,6 +54,7 @@ impl Axes {
 }
 
 /// A satellite with the curves that are kept of it.
+#[derive(Clone)]
 pub(super) struct Satellite {
     pub style: TrackStyle,
     pub trail: Option<Curve>,

@@ -1,6 +1,7 @@
 //! Pictures of tracks: what the globe hides, what the air lies over, where lines stand on screen, what is absent when off.
 
 mod rig;
+mod views;
 
 use crate::common;
 use glam::DVec3;

@@ -9,7 +9,7 @@ use terrella::internals::gpu::{Attachments, DepthBuffer, color_texture, read_tex
 use terrella::orbit::constants::EARTH_GM_M3_S2;
 use terrella::orbit::{Feed, Frame, OrbitError, OrbitState};
 use terrella::tracks::{TrackMoment, TrackSpan, TrackStats, TrackStyle, Tracks, TracksOptions};
-use terrella::{Earth, EarthOptions, EyeView, Sky};
+use terrella::{Earth, EarthOptions, EyeView, Sky, ViewFrame};
 
 pub const WGS84: Ellipsoid = Ellipsoid::WGS84;
 pub const SIZE: (u32, u32) = (480, 360);
@@ -62,6 +62,17 @@ impl Feed for Circle {
     }
 }
 
+/// What a frame of a view shows.
+fn moment(view: &EyeView) -> TrackMoment<'_> {
+    TrackMoment {
+        epoch: now(),
+        orientation: Orientation::default(),
+        turn: None,
+        view,
+        target: SIZE.into(),
+    }
+}
+
 pub struct Rig {
     options: EarthOptions,
     earth: Earth,
@@ -86,18 +97,49 @@ impl Rig {
         let gpu = common::gpu();
         let sky = Sky::new(self.sun);
         self.earth.prepare(&gpu.queue, view, &sky, SIZE);
-        let moment = TrackMoment {
-            epoch: now(),
-            orientation: Orientation::default(),
-            turn: None,
-            view,
-            target: SIZE.into(),
-        };
-        let stats = self.tracks.prepare_complete(&gpu.queue, &moment, [feed]);
+        let stats = self
+            .tracks
+            .prepare_complete(&gpu.queue, &moment(view), [feed]);
         (self.picture(true), self.picture(false), stats)
     }
 
+    /// The picture of a further view with its tracks, prepared together with the first, whose eye this is.
+    pub fn draw_further(
+        &mut self,
+        first: &EyeView,
+        eye: &EyeView,
+        feed: &dyn Feed,
+    ) -> (RgbaImage, TrackStats) {
+        let gpu = common::gpu();
+        let sky = Sky::new(self.sun);
+        let mut view = self.earth.new_view().expect("a view");
+        let mut tracks = self.tracks.new_view(&view);
+        let frame = ViewFrame {
+            view: &mut view,
+            eye,
+            sky: &sky,
+            target: SIZE.into(),
+        };
+        self.earth
+            .prepare_views(&gpu.queue, first, &sky, SIZE, &mut [frame]);
+        let stats = tracks.prepare_complete(&gpu.queue, &moment(eye), [feed]);
+        let drawn = self.drawn(|pass| {
+            self.earth.render_view(&view, pass);
+            tracks.render(pass);
+        });
+        (drawn, stats)
+    }
+
     fn picture(&self, with_tracks: bool) -> RgbaImage {
+        self.drawn(|pass| {
+            self.earth.render(pass);
+            if with_tracks {
+                self.tracks.render(pass);
+            }
+        })
+    }
+
+    fn drawn(&self, draw: impl FnOnce(&mut wgpu::RenderPass<'_>)) -> RgbaImage {
         let gpu = common::gpu();
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
         let format = self.options.color_format;
@@ -110,10 +152,7 @@ impl Rig {
             DepthBuffer::ReversedZ(_) => attachments.begin_pass(&mut encoder, &view),
             depth => plain_pass(&mut encoder, &view, depth),
         };
-        self.earth.render(&mut pass);
-        if with_tracks {
-            self.tracks.render(&mut pass);
-        }
+        draw(&mut pass);
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
         let texels = read_texture(&gpu.device, &gpu.queue, &texture).expect("a picture");
