@@ -91,9 +91,9 @@ pub(crate) use internals::{air, earth, globe, gpu, imagery, light};
 
 pub use air::{AirOptions, Atmosphere};
 pub use earth::{
-    AdaptiveQuality, DepthBuffer, DiagnosticOptions, Diagnostics, Earth, EarthError, EarthOptions,
-    EarthView, EyeView, FrameStats, GroundOptions, Quality, QualityChange, QualityLadder,
-    QualityLadderError, QualityLevel, QualityMaker, QualityReduction, QualityStep, ReadyQuality,
+    AdaptiveQuality, ChangeMaker, DepthBuffer, DiagnosticOptions, Diagnostics, Earth, EarthError,
+    EarthOptions, EarthView, EyeView, FrameStats, GroundOptions, Look, Quality, QualityChange,
+    QualityLadder, QualityLadderError, QualityLevel, QualityReduction, QualityStep, ReadyChange,
     Sky, SurfaceLight, SurfaceOutput, TILED_SUBDIVISION, TileOptions, TruthPoint, TruthView,
     ViewFrame, Viewport,
 };

@@ -28,10 +28,12 @@ pub struct EarthView {
     pub(super) version: Version,
 }
 
-/// What a view was made for: an Earth, and its pipelines of some quality.
+/// What a view was made for: an Earth, its ground, and its pipelines of some quality and look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Version {
     pub earth: u64,
+    /// How often it was given another ground.
+    pub grounds: u64,
     pub pipelines: u64,
 }
 
@@ -182,12 +184,24 @@ impl Earth {
         if view.version.earth != now.earth {
             return false;
         }
-        let albedo = self.first.planner.exposure.albedo();
-        view.planner.exposure.set_albedo(albedo);
+        let first = &self.first.planner;
         if view.version == now {
+            view.planner.exposure.set_albedo(first.exposure.albedo());
             return true;
         }
-        let meshes = self.first.planner.meshes().clone();
+        if view.version.grounds != now.grounds {
+            let Ok(another) = self.new_view() else {
+                tracing::warn!("a view is not drawn: its ground could not be made");
+                return false;
+            };
+            let before = std::mem::replace(view, another);
+            view.planner.exposure.share(&before.planner.exposure);
+            return true;
+        }
+        // Before the air is set: what there is is not made again.
+        view.planner.exposure.share(&first.exposure);
+        view.planner.set_look(&self.look);
+        let meshes = first.meshes().clone();
         let air = self.first.air.as_ref();
         let air = air.map(|air| air.for_another_view(&self.device));
         view.set_quality(&self.device, &self.quality, meshes, air);

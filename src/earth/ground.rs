@@ -23,6 +23,15 @@ pub struct GroundOptions {
     pub tolerance_px: f64,
 }
 
+impl GroundOptions {
+    /// Whether the ground is the same: made by the same surface from the same heights.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.elevation, &other.elevation)
+            && self.surface == other.surface
+            && self.tolerance_px == other.tolerance_px
+    }
+}
+
 impl fmt::Debug for GroundOptions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("GroundOptions")

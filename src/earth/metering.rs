@@ -1,7 +1,7 @@
 //! The exposure of frames: fixed, or metered from what is in view.
 
 use super::view::ItrfView;
-use super::{EarthOptions, EyeView, Sky, Viewport};
+use super::{EarthOptions, EyeView, Look, Sky, Viewport};
 use crate::air::{AirOptions, AirTables, Atmosphere};
 use crate::frames::{Ellipsoid, MoonShadow};
 use crate::imagery::NeighbourhoodAlbedo;
@@ -50,9 +50,26 @@ impl ExposureControl {
 
     /// Draws with this air from now on.
     pub fn set_air(&mut self, atmosphere: Atmosphere) {
-        self.air = (atmosphere != Atmosphere::None).then_some(self.air_options);
-        self.meter = None;
+        let air = (atmosphere != Atmosphere::None).then_some(self.air_options);
+        if self.air != air {
+            self.air = air;
+            self.meter = None;
+        }
         self.make_ready();
+    }
+
+    /// Draws with this light from now on, and with this content of the air from the next [`Self::set_air`] on.
+    pub fn set_look(&mut self, look: &Look) {
+        self.moon_gain = look.light.moon_gain();
+        self.has_eclipses = look.light.eclipses;
+        self.air_options = look.air;
+    }
+
+    /// Meters from now on with what another meters with.
+    pub fn share(&mut self, other: &Self) {
+        let exposure = self.exposure;
+        *self = other.clone();
+        self.set(exposure);
     }
 
     /// What the maps' neighbourhoods reflect.

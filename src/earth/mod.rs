@@ -18,7 +18,8 @@
 //! | `tiles.rs` | which tiles of a pack a frame requests and is drawn with; `no_tiles.rs` without the feature `packs` |
 //! | `tile_view.rs` | what tiles are chosen by, and how fine they came out |
 //! | `changes.rs` | what is changed while it is drawn |
-//! | `quality_maker.rs` | how another quality is made, off the frame's thread |
+//! | `look.rs` | what it is drawn as, besides maps and quality |
+//! | `change_maker.rs` | how another quality or look is made, off the frame's thread |
 //! | `quality.rs` | what can be reduced to draw faster |
 //! | `quality_ladder.rs`, `quality_ladder/` | in which order, as it was measured; the recorded measurement |
 //! | `adaptive_quality.rs` | when quality is reduced, to hold a frame time |
@@ -26,12 +27,14 @@
 //! | `diagnostics.rs` | what is not for pictures: where pixels look, edges of triangles, what the shaders hold |
 
 mod adaptive_quality;
+mod change_maker;
 mod changes;
 mod diagnostics;
 mod earth_view;
 mod error;
 #[cfg_attr(not(feature = "terrain"), path = "no_ground.rs")]
 mod ground;
+mod look;
 mod metering;
 mod options;
 #[cfg(feature = "command")]
@@ -39,7 +42,6 @@ mod pixel_lattice;
 mod plan;
 mod quality;
 mod quality_ladder;
-mod quality_maker;
 mod sky;
 mod stats;
 mod surface_config;
@@ -50,9 +52,9 @@ mod tiles;
 mod truth;
 mod view;
 
-use crate::air::{AirModel, AirOptions, AirTables, Atmosphere};
+use crate::air::{AirModel, AirTables, Atmosphere};
 pub use crate::globe::Shading;
-use crate::globe::{BLOCK_COUNT, Block};
+use crate::globe::{BLOCK_COUNT, Block, Figure};
 use crate::gpu::{
     AirDrawable, AirTextures, BlockTiles, PassFormat, SurfaceConfig, SurfaceDrawable, SurfaceView,
 };
@@ -60,11 +62,13 @@ pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::NeighbourhoodAlbedo;
 use crate::imagery::tile::TileKey;
 pub use adaptive_quality::{AdaptiveQuality, QualityChange};
+pub use change_maker::{ChangeMaker, ReadyChange};
 pub use diagnostics::{DiagnosticOptions, Diagnostics};
 use earth_view::Version;
 pub use earth_view::{EarthView, ViewFrame};
 pub use error::EarthError;
 pub use ground::GroundOptions;
+pub use look::Look;
 #[cfg(feature = "command")]
 pub(crate) use metering::metered_ev;
 pub use options::EarthOptions;
@@ -73,7 +77,6 @@ pub use pixel_lattice::PixelLattice;
 use plan::Planner;
 pub use quality::{Quality, QualityReduction, TILED_SUBDIVISION};
 pub use quality_ladder::{QualityLadder, QualityLadderError, QualityLevel, QualityStep};
-pub use quality_maker::{QualityMaker, ReadyQuality};
 pub use sky::Sky;
 #[cfg(feature = "celestial")]
 pub(crate) use sky::{moonlight, moonlight_of_phase};
@@ -109,7 +112,8 @@ pub struct Earth {
     tiles: Option<TileDriver>,
     /// The blocks in sight of any view, with their tiles. Empty without a pack.
     chosen: Vec<(Block, BlockTiles)>,
-    air_options: AirOptions,
+    figure: Figure,
+    look: Look,
     device: wgpu::Device,
     style: SurfaceStyle,
     format: PassFormat,
@@ -126,6 +130,7 @@ impl Earth {
         options: &EarthOptions,
     ) -> Result<Self, EarthError> {
         options.check(device)?;
+        let look = Look::of(options);
         let mut quality = Quality::of(options);
         if options.diagnostics.output != SurfaceOutput::Color {
             quality.atmosphere = Atmosphere::None;
@@ -148,14 +153,8 @@ impl Earth {
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let air = match quality.atmosphere {
             Atmosphere::Billboard => {
-                let textures = air_textures(
-                    device,
-                    queue,
-                    &options.air,
-                    &options.light,
-                    planner.exposure.albedo(),
-                    &quality,
-                );
+                let albedo = planner.exposure.albedo();
+                let textures = air_textures(device, queue, &look, albedo, &quality);
                 let night = options.light.night_light();
                 Some(AirDrawable::new(device, format, textures, night)?)
             }
@@ -186,6 +185,7 @@ impl Earth {
         }
         let version = Version {
             earth: EARTHS.fetch_add(1, Ordering::Relaxed),
+            grounds: 0,
             pipelines: 0,
         };
         let first = EarthView::new(planner, view, air, version);
@@ -194,7 +194,8 @@ impl Earth {
             surface,
             tiles,
             chosen: Vec::with_capacity(BLOCK_COUNT as usize),
-            air_options: options.air,
+            figure: options.figure,
+            look,
             device: device.clone(),
             style,
             format,
@@ -466,6 +467,13 @@ impl Earth {
         self.first.air.is_some()
     }
 
+    /// Whether its own view, as it was prepared last, waits for nothing: its tiles are there, and its ground is as fine as it will be.
+    /// So an Earth of another pack can be prepared beside the one that is drawn, until it takes that one's place.
+    pub fn is_settled(&self) -> bool {
+        let has_tiles = self.tiles.as_ref().is_none_or(TileDriver::is_settled);
+        self.first.is_settled() && self.uploaded_tiles == 0 && has_tiles
+    }
+
     /// Whether blocks are drawn with tiles.
     pub fn has_tiles(&self) -> bool {
         self.tiles.is_some()
@@ -491,14 +499,13 @@ fn render_halo(view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {
 fn air_textures(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
-    options: &AirOptions,
-    light: &SurfaceLight,
+    look: &Look,
     albedo: &NeighbourhoodAlbedo,
     quality: &Quality,
 ) -> AirTextures {
-    let (model, tables) = (AirModel::new(options), AirTables::shared(options));
+    let (model, tables) = (AirModel::new(&look.air), AirTables::shared(&look.air));
     let albedo = albedo.texels(&quality.maps);
-    let (clouds_m, moonlight) = (light.cloud_height_m, light.moonlight);
+    let (clouds_m, moonlight) = (look.light.cloud_height_m, look.light.moonlight);
     AirTextures::new(device, queue, model, &tables, &albedo, clouds_m, moonlight)
 }
 

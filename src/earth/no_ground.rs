@@ -9,6 +9,12 @@ use crate::globe::{Block, BlockGrid, Figure, Surface, SurfaceStats};
 #[derive(Clone, Debug)]
 pub enum GroundOptions {}
 
+impl GroundOptions {
+    pub(super) fn is_same(&self, _: &Self) -> bool {
+        match *self {}
+    }
+}
+
 pub(super) enum GroundDriver {}
 
 impl GroundDriver {

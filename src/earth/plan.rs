@@ -7,7 +7,7 @@ use super::quality::TILED_SUBDIVISION;
 use super::sky::LIGHTS_OUT;
 use super::tile_view::TileView;
 use super::view::ItrfView;
-use super::{EarthError, EarthOptions, FrameStats, Quality, Sky};
+use super::{EarthError, EarthOptions, FrameStats, Look, Quality, Sky};
 use crate::air::{Atmosphere, Billboard, TOP};
 use crate::frames::{Ellipsoid, MOON_RADIUS_M, MoonShadow};
 use crate::globe::{
@@ -75,6 +75,18 @@ impl Planner {
         self.meshes = meshes;
         self.has_air = quality.atmosphere == Atmosphere::Billboard;
         self.exposure.set_air(quality.atmosphere);
+    }
+
+    /// Plans for this light and air from now on; its ground is not touched.
+    pub fn set_look(&mut self, look: &Look) {
+        self.moon_gain = look.light.moon_gain();
+        self.has_eclipses = look.light.eclipses;
+        self.exposure.set_look(look);
+    }
+
+    /// Plans with another ground from now on, or with the smooth ellipsoid.
+    pub fn set_ground(&mut self, ground: Option<GroundDriver>) {
+        self.ground = ground;
     }
 
     /// The figure of the Earth.

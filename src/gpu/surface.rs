@@ -105,10 +105,13 @@ impl SurfaceDrawable {
     pub fn set_pipelines(
         &mut self,
         device: &wgpu::Device,
+        queue: &wgpu::Queue,
         pipelines: SurfacePipelines,
         config: &SurfaceConfig<'_>,
         first: &mut SurfaceView,
     ) {
+        queue.write_buffer(&self.light, 0, bytemuck::bytes_of(&config.light));
+        self.crossing = config.crosses_blocks && matches!(self.imagery, Imagery::Tiles { .. });
         self.maps.arrange(pipelines.maps.clone());
         self.pipelines = pipelines;
         self.bind_maps(device);

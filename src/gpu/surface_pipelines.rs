@@ -7,6 +7,7 @@ use super::shader::{
     SunlitLayers, TruthLayers,
 };
 use super::surface_config::SurfaceConfig;
+use super::surface_view::SurfaceView;
 use super::tiles::TILES_BYTES;
 use super::{AirSide, FrameUniforms, SurfaceLightUniforms, SurfaceOutput};
 use super::{PipelineDescription, ShaderError};
@@ -48,6 +49,14 @@ pub(super) struct SurfacePass {
 }
 
 impl SurfaceMaker {
+    /// The same for the form of another view.
+    pub fn for_view(&self, view: &SurfaceView) -> Self {
+        Self {
+            mesh: MeshForm::of(view.mesh(), self.has_tiles),
+            ..self.clone()
+        }
+    }
+
     /// Makes what a configuration needs.
     pub fn make(
         &self,

@@ -59,6 +59,32 @@ pub fn plain(color: [u8; 3]) -> EarthLayers {
     day_only(map(64, |_, _| color))
 }
 
+/// Ground in waves of 2000 m, drawn by this surface.
+#[cfg(feature = "terrain")]
+pub fn waves(kind: terrella::SurfaceKind) -> terrella::GroundOptions {
+    use terrella::elevation::{Bounds, Elevation, HeightRange};
+    struct Waves;
+    impl Elevation for Waves {
+        fn height_m(&self, lat_rad: f64, lon_rad: f64, _: f64) -> f64 {
+            2000.0 * (90.0 * lat_rad).sin() * (60.0 * lon_rad).cos()
+        }
+        fn range_m(&self, _: &Bounds) -> HeightRange {
+            HeightRange {
+                low_m: -2000.0,
+                high_m: 2000.0,
+            }
+        }
+        fn finest_spacing_rad(&self, _: f64, _: f64) -> f64 {
+            1e-3
+        }
+    }
+    terrella::GroundOptions {
+        elevation: std::sync::Arc::new(Waves),
+        surface: kind.settings(terrella::Subdivision::Auto),
+        tolerance_px: 0.5,
+    }
+}
+
 /// An Earth with its own targets.
 pub struct Rig {
     pub earth: Earth,

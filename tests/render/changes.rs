@@ -215,15 +215,15 @@ fn a_quality_is_made_by_another_thread_while_frames_go_on() {
         maps: [true, false, true, true, true],
         ..*rig.earth.quality()
     };
-    let maker = rig.earth.quality_maker(&gpu.queue);
-    let late = maker.make(&quality).expect("a sound quality");
-    let made = std::thread::spawn(move || maker.make(&quality));
+    let maker = rig.earth.change_maker(&gpu.queue);
+    let late = maker.quality(&quality).expect("a sound quality");
+    let made = std::thread::spawn(move || maker.quality(&quality));
     assert!(rig.draw(&view(), SUN).0 == before);
     let ready = made.join().expect("no panic").expect("a sound quality");
     assert_eq!(ready.quality(), &quality);
     assert!(rig.draw(&view(), SUN).0 == before);
     rig.earth
-        .set_ready_quality(&gpu.queue, ready)
+        .set_ready(&gpu.queue, ready)
         .expect("of this Earth");
     assert_eq!(rig.earth.quality(), &quality);
     let mut set = Rig::new(&options, SIZE);
@@ -231,12 +231,10 @@ fn a_quality_is_made_by_another_thread_while_frames_go_on() {
     let after = rig.draw(&view(), SUN).0;
     assert!(after != before && after == set.draw(&view(), SUN).0);
     // What was made for the Earth as it was before does not fit any more, nor does it another Earth.
-    let foreign = rig.earth.quality_maker(&gpu.queue).make(&quality);
-    let foreign = set
-        .earth
-        .set_ready_quality(&gpu.queue, foreign.expect("sound"));
+    let foreign = rig.earth.change_maker(&gpu.queue).quality(&quality);
+    let foreign = set.earth.set_ready(&gpu.queue, foreign.expect("sound"));
     assert!(matches!(foreign, Err(EarthError::OutOfDate)));
-    let error = rig.earth.set_ready_quality(&gpu.queue, late);
+    let error = rig.earth.set_ready(&gpu.queue, late);
     assert!(matches!(error, Err(EarthError::OutOfDate)));
     assert!(rig.draw(&view(), SUN).0 == after);
 }

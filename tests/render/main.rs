@@ -6,6 +6,7 @@ mod common;
 mod detail;
 mod embedding;
 mod light;
+mod looks;
 mod night;
 mod picture;
 mod precision;

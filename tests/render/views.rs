@@ -10,16 +10,16 @@ use terrella::{
     Earth, EarthOptions, EarthView, Exposure, EyeView, Quality, Sky, ViewFrame, Viewport,
 };
 
-const SIZE: (u32, u32) = (160, 90);
+pub const SIZE: (u32, u32) = (160, 90);
 const WAIT: Duration = Duration::from_secs(10);
 
-fn hills(lat: f64, lon: f64) -> [u8; 3] {
+pub fn hills(lat: f64, lon: f64) -> [u8; 3] {
     let wave = |angle: f64| (120.0 + 80.0 * angle.sin()).round() as u8;
     [wave(0.3 * lat), wave(0.25 * lon), wave(0.2 * (lat + lon))]
 }
 
 /// From orbit, from far, from within the air, and from another side.
-fn eyes() -> [EyeView; 4] {
+pub fn eyes() -> [EyeView; 4] {
     let eye = |lat, lon, height_m, pitch_deg, fov_deg| {
         let place = Geodetic::from_degrees(lat, lon, height_m);
         tilted(place, 70.0, pitch_deg, fov_deg, 16.0 / 9.0)
@@ -32,12 +32,12 @@ fn eyes() -> [EyeView; 4] {
     ]
 }
 
-fn sky() -> Sky {
+pub fn sky() -> Sky {
     Sky::new(DVec3::new(0.8, 0.55, 0.25).normalize())
 }
 
 /// What an Earth of its own draws of each eye, when it has all it wants.
-fn alone(options: &EarthOptions, eyes: &[EyeView]) -> Vec<RgbaImage> {
+pub fn alone(options: &EarthOptions, eyes: &[EyeView]) -> Vec<RgbaImage> {
     let mut rig = Rig::new(options, SIZE);
     let sun = sky().sun_itrf;
     let drawn = eyes.iter().map(|eye| rig.draw_complete(eye, sun));
@@ -60,7 +60,7 @@ fn read(draw: impl FnOnce(&mut wgpu::RenderPass<'_>), samples: u32) -> RgbaImage
 }
 
 /// Prepares all eyes at once, the first by the Earth itself, and draws them in the order of the views.
-fn together(earth: &mut Earth, views: &mut [EarthView], eyes: &[EyeView]) -> Vec<RgbaImage> {
+pub fn together(earth: &mut Earth, views: &mut [EarthView], eyes: &[EyeView]) -> Vec<RgbaImage> {
     let sky = sky();
     let mut frames: Vec<_> = views
         .iter_mut()
@@ -148,32 +148,10 @@ fn views_of_tiles_are_as_alone() {
 #[cfg(feature = "terrain")]
 #[test]
 fn views_of_relief_are_as_alone() {
-    use std::sync::Arc;
-    use terrella::elevation::{Bounds, Elevation, HeightRange};
-    use terrella::{GroundOptions, SurfaceKind};
-
-    struct Waves;
-    impl Elevation for Waves {
-        fn height_m(&self, lat_rad: f64, lon_rad: f64, _: f64) -> f64 {
-            2000.0 * (90.0 * lat_rad).sin() * (60.0 * lon_rad).cos()
-        }
-        fn range_m(&self, _: &Bounds) -> HeightRange {
-            HeightRange {
-                low_m: -2000.0,
-                high_m: 2000.0,
-            }
-        }
-        fn finest_spacing_rad(&self, _: f64, _: f64) -> f64 {
-            1e-3
-        }
-    }
+    use terrella::SurfaceKind;
     for kind in SurfaceKind::ALL.iter().copied() {
         let mut options = EarthOptions::new(plain([120, 130, 90]));
-        options.ground = Some(GroundOptions {
-            elevation: Arc::new(Waves),
-            surface: kind.settings(terrella::Subdivision::Auto),
-            tolerance_px: 0.5,
-        });
+        options.ground = Some(crate::common::waves(kind));
         let eyes = [eyes()[0], eyes()[2]];
         let gpu = gpu();
         // A surface's mesh depends on what it drew before: each eye has an Earth that drew nothing else.

@@ -1,0 +1,311 @@
+//! What another quality or another look needs, made by any thread while the Earth is drawn.
+
+use super::earth_view::Version;
+use super::ground::GroundDriver;
+use super::surface_config::{SurfaceStyle, surface_config};
+use super::{Earth, EarthError, EyeView, Look, Quality, Viewport, air_textures, resolved};
+use crate::air::Atmosphere;
+use crate::globe::{BLOCK_COUNT, Figure, Meshes};
+use crate::gpu::{
+    AirDrawable, AirTextures, PassFormat, SurfaceMaker, SurfaceOutput, SurfacePipelines,
+    SurfaceView,
+};
+use crate::imagery::NeighbourhoodAlbedo;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Makes what other qualities and looks of one Earth need, on any thread: [`Earth::change_maker`].
+///
+/// ```no_run
+/// # fn frame(earth: &mut terrella::Earth, queue: &terrella::wgpu::Queue, wanted: terrella::Quality) -> Result<(), terrella::EarthError> {
+/// let maker = earth.change_maker(queue);
+/// let making = std::thread::spawn(move || maker.quality(&wanted));
+/// // Frames go on as before, until `making.is_finished()`.
+/// let ready = making.join().expect("it does not panic")?;
+/// earth.set_ready(queue, ready)
+/// # }
+/// ```
+#[derive(Clone)]
+pub struct ChangeMaker {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    surface: SurfaceMaker,
+    /// Those that there are; the Earth may have been made without air.
+    air: Option<AirTextures>,
+    albedo: Arc<NeighbourhoodAlbedo>,
+    style: SurfaceStyle,
+    look: Look,
+    quality: Quality,
+    format: PassFormat,
+    figure: Figure,
+    has_tiles: bool,
+    version: Version,
+}
+
+/// All that an Earth needs to be drawn with another quality or another look: [`Earth::set_ready`].
+pub struct ReadyChange {
+    quality: Quality,
+    look: Look,
+    format: PassFormat,
+    meshes: Meshes,
+    ground: ReadyGround,
+    air: ReadyAir,
+    surface: SurfacePipelines,
+    version: Version,
+}
+
+/// The air after a change.
+enum ReadyAir {
+    None,
+    /// The one that there is.
+    Kept,
+    Made(Box<AirDrawable>),
+}
+
+/// The ground after a change.
+enum ReadyGround {
+    /// As it is.
+    Kept,
+    Made(Box<MadeGround>),
+}
+
+struct MadeGround {
+    /// None of the smooth ellipsoid.
+    driver: Option<GroundDriver>,
+    view: SurfaceView,
+}
+
+impl ReadyChange {
+    /// The quality after it.
+    pub fn quality(&self) -> &Quality {
+        &self.quality
+    }
+
+    /// The look after it.
+    pub fn look(&self) -> &Look {
+        &self.look
+    }
+
+    /// Makes another ground as fine as it will be for an eye, so that it does not have to become so while it is drawn; at most for
+    /// so long. Without it such ground begins coarse, as after a jump of the eye. Answers whether it is as fine as that; ground
+    /// that stays as it is always is.
+    pub fn settle(
+        &mut self,
+        view: &EyeView,
+        target: impl Into<Viewport>,
+        timeout: Duration,
+    ) -> bool {
+        let (ReadyGround::Made(made), Some(view)) = (&mut self.ground, view.in_itrf(target.into()))
+        else {
+            return true;
+        };
+        let Some(driver) = &mut made.driver else {
+            return true;
+        };
+        let deadline = Instant::now() + timeout;
+        let mut blocks = Vec::with_capacity(BLOCK_COUNT as usize);
+        while !driver.is_settled() && Instant::now() < deadline {
+            blocks.clear();
+            driver.plan(self.meshes.grid(), &view, &mut blocks);
+        }
+        driver.is_settled()
+    }
+}
+
+impl ChangeMaker {
+    /// Makes what a quality needs: pipelines and meshes. It takes tens of milliseconds, and much more where drivers compile slowly.
+    ///
+    /// # Errors
+    /// As [`Earth::new`].
+    pub fn quality(&self, quality: &Quality) -> Result<ReadyChange, EarthError> {
+        self.make(quality, &self.look)
+    }
+
+    /// Makes what a look needs: pipelines, and the tables of another air, which take most of a second.
+    ///
+    /// # Errors
+    /// As [`Earth::new`].
+    pub fn look(&self, look: &Look) -> Result<ReadyChange, EarthError> {
+        look.check()?;
+        self.make(&self.quality, look)
+    }
+
+    fn make(&self, quality: &Quality, look: &Look) -> Result<ReadyChange, EarthError> {
+        let mut quality = *quality;
+        if !Quality::SCALES.contains(&quality.scale) {
+            return Err(EarthError::Scale(quality.scale));
+        }
+        if self.style.diagnostics.output != SurfaceOutput::Color {
+            quality.atmosphere = Atmosphere::None;
+        }
+        let style = SurfaceStyle {
+            light: look.light,
+            ..self.style
+        };
+        let ellipsoid = self.figure.ellipsoid();
+        let meshes = super::plan::meshes(ellipsoid, quality.subdivision, self.has_tiles)?;
+        let format = PassFormat {
+            samples: quality.samples,
+            ..self.format
+        };
+        let device = &self.device;
+        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let air = self.make_air(&quality, look, format)?;
+        let textures = match &air {
+            ReadyAir::None => None,
+            ReadyAir::Kept => self.air.as_ref(),
+            ReadyAir::Made(air) => Some(air.textures()),
+        };
+        let (ground, surface) = if look.has_ground_of(&self.look) {
+            let config = surface_config(device, style, format, &quality, textures, None);
+            (ReadyGround::Kept, self.surface.make(device, &config)?)
+        } else {
+            let driver = look.ground.as_ref();
+            let driver =
+                driver.map(|ground| GroundDriver::new(ground, self.figure, &device.limits()));
+            let driver = driver.transpose()?;
+            if style.diagnostics.wireframe && driver.as_ref().is_some_and(|d| !d.has_edges()) {
+                return Err(EarthError::NoEdges);
+            }
+            let drawn = driver.as_ref().map(GroundDriver::surface);
+            let config = surface_config(device, style, format, &quality, textures, drawn);
+            let view = SurfaceView::new(device, meshes.grids(), &config);
+            let pipelines = self.surface.for_view(&view).make(device, &config)?;
+            let made = Box::new(MadeGround { driver, view });
+            (ReadyGround::Made(made), pipelines)
+        };
+        if let Some(error) = resolved(scope.pop()) {
+            return Err(EarthError::Refused(error.to_string()));
+        }
+        Ok(ReadyChange {
+            quality,
+            look: look.clone(),
+            format,
+            meshes,
+            ground,
+            air,
+            surface,
+            version: self.version,
+        })
+    }
+
+    fn make_air(
+        &self,
+        quality: &Quality,
+        look: &Look,
+        format: PassFormat,
+    ) -> Result<ReadyAir, EarthError> {
+        let has_textures = look.has_air_textures_of(&self.look);
+        let night = look.light.night_light();
+        let fits = quality.samples == self.format.samples
+            && has_textures
+            && night == self.look.light.night_light();
+        Ok(match (quality.atmosphere, &self.air) {
+            (Atmosphere::None, _) => ReadyAir::None,
+            (Atmosphere::Billboard, Some(_)) if fits => ReadyAir::Kept,
+            (Atmosphere::Billboard, before) => {
+                let before = before.clone().filter(|_| has_textures);
+                let textures = before.unwrap_or_else(|| {
+                    air_textures(&self.device, &self.queue, look, &self.albedo, quality)
+                });
+                let air = AirDrawable::new(&self.device, format, textures, night)?;
+                ReadyAir::Made(Box::new(air))
+            }
+        })
+    }
+}
+
+impl Earth {
+    /// How well it is drawn.
+    pub fn quality(&self) -> &Quality {
+        &self.quality
+    }
+
+    /// What it is drawn as.
+    pub fn look(&self) -> &Look {
+        &self.look
+    }
+
+    /// Draws better or worse from the next [`Self::prepare`] on. Maps and tiles stay on the GPU; pipelines and the
+    /// lattice are made anew, which takes longer than a frame: [`Self::change_maker`] has another thread do it.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; the Earth is then as it was.
+    pub fn set_quality(
+        &mut self,
+        queue: &wgpu::Queue,
+        quality: &Quality,
+    ) -> Result<(), EarthError> {
+        let ready = self.change_maker(queue).quality(quality)?;
+        self.set_ready(queue, ready)
+    }
+
+    /// Draws with another ground, light or air from the next [`Self::prepare`] on, as [`Self::set_quality`]: maps and tiles stay.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; the Earth is then as it was.
+    pub fn set_look(&mut self, queue: &wgpu::Queue, look: &Look) -> Result<(), EarthError> {
+        let ready = self.change_maker(queue).look(look)?;
+        self.set_ready(queue, ready)
+    }
+
+    /// What makes other qualities and looks ready for this Earth as it is now.
+    pub fn change_maker(&self, queue: &wgpu::Queue) -> ChangeMaker {
+        ChangeMaker {
+            device: self.device.clone(),
+            queue: queue.clone(),
+            surface: self.surface.maker(&self.first.surface),
+            air: self.air_textures().cloned(),
+            albedo: self.first.planner.exposure.albedo().clone(),
+            style: self.style,
+            look: self.look.clone(),
+            quality: self.quality,
+            format: self.format,
+            figure: self.figure,
+            has_tiles: self.tiles.is_some(),
+            version: self.first.version,
+        }
+    }
+
+    /// Draws so from the next [`Self::prepare`] on. Nothing is compiled: it binds textures and makes some buffers. If the sample count
+    /// differs, the next pass must have it; what else is drawn through this air ([`Celestial`](crate::Celestial),
+    /// [`Tracks`](crate::Tracks)) has to be made anew.
+    ///
+    /// # Errors
+    /// [`EarthError::OutOfDate`] of what was made for another Earth, or before this one was changed; the Earth is then as it was.
+    pub fn set_ready(&mut self, queue: &wgpu::Queue, ready: ReadyChange) -> Result<(), EarthError> {
+        let first = &mut self.first;
+        if ready.version != first.version {
+            return Err(EarthError::OutOfDate);
+        }
+        let (device, quality) = (&self.device, ready.quality);
+        let air = match ready.air {
+            ReadyAir::None => None,
+            ReadyAir::Kept => first.air.take(),
+            ReadyAir::Made(air) => Some(*air),
+        };
+        if let Some(air) = &air {
+            let albedo = first.planner.exposure.albedo().texels(&quality.maps);
+            air.textures().set_albedo(queue, &albedo);
+        }
+        (self.style.light, self.look) = (ready.look.light, ready.look);
+        first.planner.set_look(&self.look);
+        if let ReadyGround::Made(made) = ready.ground {
+            first.planner.set_ground(made.driver);
+            first.surface = made.view;
+            first.version.grounds += 1;
+        }
+        first.set_quality(device, &quality, ready.meshes, air);
+        let ground = first.planner.ground();
+        let air = first.air.as_ref().map(AirDrawable::textures);
+        let config = surface_config(device, self.style, ready.format, &quality, air, ground);
+        self.surface
+            .set_pipelines(device, queue, ready.surface, &config, &mut first.surface);
+        first.version.pipelines += 1;
+        if let Some(tiles) = &mut self.tiles {
+            tiles.set_quality(&quality);
+        }
+        (self.format, self.quality) = (ready.format, quality);
+        Ok(())
+    }
+}

@@ -1,0 +1,54 @@
+//! What an Earth is drawn as, besides its maps and its quality.
+
+use super::{EarthError, EarthOptions, GroundOptions, SurfaceLight};
+use crate::air::AirOptions;
+
+/// What an Earth is drawn as, besides its maps and its quality: what [`Earth::change_maker`](crate::Earth::change_maker) changes
+/// while it is drawn. What is meant is said at the same fields of [`EarthOptions`].
+#[derive(Clone, Debug, Default)]
+pub struct Look {
+    /// Ground with relief; `None` is the smooth ellipsoid.
+    pub ground: Option<GroundOptions>,
+    /// What of the light on the surface can be chosen.
+    pub light: SurfaceLight,
+    /// What the air holds.
+    pub air: AirOptions,
+}
+
+impl Look {
+    /// That of an Earth that is made with these options.
+    pub fn of(options: &EarthOptions) -> Self {
+        Self {
+            ground: options.ground.clone(),
+            light: options.light,
+            air: options.air,
+        }
+    }
+
+    /// Whether its numbers are in their ranges.
+    pub(super) fn check(&self) -> Result<(), EarthError> {
+        self.light.check()?;
+        let haze = self.air.aerosol_optical_depth;
+        if (0.0..=AirOptions::MAX_AEROSOL).contains(&haze) {
+            Ok(())
+        } else {
+            Err(EarthError::Aerosol(haze))
+        }
+    }
+
+    /// Whether the ground is the same: made by the same surface from the same heights.
+    pub(super) fn has_ground_of(&self, other: &Self) -> bool {
+        match (&self.ground, &other.ground) {
+            (None, None) => true,
+            (Some(ground), Some(other)) => ground.is_same(other),
+            _ => false,
+        }
+    }
+
+    /// Whether textures of the air are the same.
+    pub(super) fn has_air_textures_of(&self, other: &Self) -> bool {
+        self.air == other.air
+            && self.light.cloud_height_m == other.light.cloud_height_m
+            && self.light.moonlight == other.light.moonlight
+    }
+}

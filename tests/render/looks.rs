@@ -1,0 +1,182 @@
+//! Ground, light and air that are changed while the Earth is drawn: its pictures are then those of one that was made so.
+
+use crate::common::{self, gpu, map, plain};
+use crate::views::{SIZE, alone, eyes, hills, sky, together};
+use std::time::Duration;
+use terrella::internals::imagery::{EarthLayers, LayerImage};
+use terrella::{Earth, EarthError, EarthOptions, Exposure, Look, Quality};
+
+fn layers() -> EarthLayers {
+    let texels = (0..64 * 32_u32).map(|n| (n % 64 * 3 + n / 64) as u8);
+    EarthLayers {
+        clouds: Some(LayerImage::from_r8(64, 32, texels.collect()).expect("a sound map")),
+        ..common::day_only(map(128, hills))
+    }
+}
+
+fn with_look(options: &EarthOptions, look: &Look) -> EarthOptions {
+    let mut options = options.clone();
+    options.ground = look.ground.clone();
+    options.light = look.light;
+    options.air = look.air;
+    options
+}
+
+/// Gives an Earth one look after the other, and has it drawn from two eyes with each as an Earth that was made so.
+fn each_look_is_as_made(options: &EarthOptions, looks: &[Look]) {
+    let eyes = [eyes()[0], eyes()[2]];
+    let gpu = gpu();
+    let mut earth = Earth::new(&gpu.device, &gpu.queue, options).expect("sound options");
+    let mut views = [earth.new_view().expect("a view")];
+    let mut before = together(&mut earth, &mut views, &eyes);
+    for (n, look) in looks.iter().enumerate() {
+        let (maker, wanted) = (earth.change_maker(&gpu.queue), look.clone());
+        let made = std::thread::spawn(move || maker.look(&wanted));
+        let ready = made.join().expect("no panic").expect("a sound look");
+        earth.set_ready(&gpu.queue, ready).expect("of this Earth");
+        let drawn = together(&mut earth, &mut views, &eyes);
+        let made_so = with_look(options, look);
+        // A surface's mesh depends on what it drew before: each eye has an Earth that drew nothing else.
+        for (view, drawn) in drawn.iter().enumerate() {
+            let expected = alone(&made_so, &eyes[view..=view]);
+            assert!(*drawn == expected[0], "view {view} of look {n}");
+        }
+        assert!(drawn != before, "look {n} must be seen");
+        before = drawn;
+    }
+}
+
+#[test]
+fn another_light_and_another_air_are_drawn_as_if_made_so() {
+    let mut options = EarthOptions::new(layers());
+    options.exposure = Exposure::Auto;
+    let first = Look::of(&options);
+    let mut high = first.clone();
+    high.light.cloud_height_m = 15_000.0;
+    high.light.cloud_shadows = true;
+    let mut hazy = high.clone();
+    hazy.air.aerosol_optical_depth = 0.4;
+    let mut moonlit = hazy.clone();
+    moonlit.light.moonlight = true;
+    moonlit.light.airglow = true;
+    moonlit.light.relief_exaggeration = 3.0;
+    moonlit.light.wind_m_s = 15.0;
+    moonlit.light.cloud_relief_m = 0.0;
+    each_look_is_as_made(&options, &[high, hazy, moonlit, first]);
+}
+
+#[cfg(feature = "terrain")]
+#[test]
+fn another_ground_is_drawn_as_if_made_so() {
+    use terrella::SurfaceKind;
+    let options = EarthOptions::new(layers());
+    let flat = Look::of(&options);
+    let ground = |kind| Look {
+        ground: Some(common::waves(kind)),
+        ..flat.clone()
+    };
+    let mut looks: Vec<_> = SurfaceKind::ALL.iter().copied().map(ground).collect();
+    looks.push(flat.clone());
+    each_look_is_as_made(&options, &looks);
+}
+
+#[cfg(all(feature = "terrain", feature = "packs"))]
+#[test]
+fn tiles_stay_when_the_ground_changes() {
+    use crate::common::tiles::FunctionTiles;
+    use std::sync::Arc;
+    use terrella::internals::imagery::tile::TileSource;
+    use terrella::{SurfaceKind, TileOptions};
+    let tiles = Arc::new(FunctionTiles::new(&[256, 128, 64, 32], hills));
+    let mut options = EarthOptions::new(common::day_only(tiles.whole(3)));
+    options.tiles = Some(TileOptions {
+        texture_bytes: 64_000_000,
+        ..TileOptions::new(tiles as Arc<dyn TileSource>)
+    });
+    let eye = [eyes()[0]];
+    let gpu = gpu();
+    let mut earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("sound options");
+    together(&mut earth, &mut [], &eye);
+    for kind in SurfaceKind::ALL.iter().copied() {
+        let look = Look {
+            ground: Some(common::waves(kind)),
+            ..Look::of(&options)
+        };
+        let mut ready = earth.change_maker(&gpu.queue).look(&look).expect("sound");
+        let is_settled = ready.settle(&eye[0], SIZE, Duration::from_secs(20));
+        assert!(is_settled, "{kind:?}");
+        earth.set_ready(&gpu.queue, ready).expect("of this Earth");
+        // The first frame has all its tiles: they are those of before.
+        let stats = earth.prepare(&gpu.queue, &eye[0], &sky(), SIZE);
+        assert_eq!(stats.tiles.requested, stats.tiles.resident, "{kind:?}");
+        let drawn = together(&mut earth, &mut [], &eye);
+        let expected = alone(&with_look(&options, &look), &eye);
+        assert!(drawn == expected, "{kind:?}");
+    }
+}
+
+#[cfg(feature = "terrain")]
+#[test]
+fn ground_that_was_settled_by_the_thread_is_there_at_once() {
+    use terrella::SurfaceKind;
+    let options = EarthOptions::new(plain([120, 130, 90]));
+    let eye = eyes()[2];
+    let gpu = gpu();
+    let look = Look {
+        ground: Some(common::waves(SurfaceKind::Quadtree)),
+        ..Look::of(&options)
+    };
+    let mut triangles = Vec::new();
+    for settles in [true, false] {
+        let mut earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("sound options");
+        let mut ready = earth.change_maker(&gpu.queue).look(&look).expect("sound");
+        if settles {
+            assert!(ready.settle(&eye, SIZE, Duration::from_secs(20)));
+        } else {
+            assert!(!ready.settle(&eye, SIZE, Duration::ZERO), "it takes time");
+        }
+        earth.set_ready(&gpu.queue, ready).expect("of this Earth");
+        let at_once = earth.prepare(&gpu.queue, &eye, &sky(), SIZE).triangles;
+        let wait = Duration::from_secs(20);
+        let (after, _) = earth.prepare_complete(&gpu.queue, &eye, &sky(), SIZE, wait);
+        assert!(earth.is_settled());
+        triangles.push((at_once, after.triangles));
+    }
+    assert_eq!(triangles[0].0, triangles[0].1);
+    assert!(triangles[1].0 < triangles[1].1, "{triangles:?}");
+}
+
+#[test]
+fn looks_that_cannot_be_drawn_leave_the_earth_as_it_was() {
+    let options = EarthOptions::new(plain([90, 120, 60]));
+    let gpu = gpu();
+    let eye = [eyes()[0]];
+    let mut earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("sound options");
+    let before = together(&mut earth, &mut [], &eye);
+    let mut hazy = Look::of(&options);
+    hazy.air.aerosol_optical_depth = f64::NAN;
+    let error = earth.set_look(&gpu.queue, &hazy).expect_err("no number");
+    assert!(matches!(error, EarthError::Aerosol(_)), "{error}");
+    let mut stormy = Look::of(&options);
+    stormy.light.wind_m_s = 1e9;
+    earth.set_look(&gpu.queue, &stormy).expect_err("a storm");
+    stormy.light.wind_m_s = 20.0;
+    // Made before the quality changed, it does not fit any more.
+    let late = earth.change_maker(&gpu.queue).look(&stormy).expect("sound");
+    assert_eq!(late.look().light.wind_m_s, 20.0);
+    let quality = Quality {
+        subdivision: terrella::Subdivision::Cells(7),
+        ..*earth.quality()
+    };
+    let first = *earth.quality();
+    earth.set_quality(&gpu.queue, &quality).expect("sound");
+    let error = earth.set_ready(&gpu.queue, late).expect_err("late");
+    assert!(matches!(error, EarthError::OutOfDate), "{error}");
+    earth.set_quality(&gpu.queue, &first).expect("sound");
+    assert!(together(&mut earth, &mut [], &eye) == before);
+    // A quality after a look keeps the look.
+    earth.set_look(&gpu.queue, &stormy).expect("sound");
+    earth.set_quality(&gpu.queue, &quality).expect("sound");
+    assert_eq!(earth.look().light, stormy.light);
+    assert_eq!(earth.quality(), &quality);
+}
