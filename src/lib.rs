@@ -91,11 +91,11 @@ pub(crate) use internals::{air, earth, globe, gpu, imagery, light};
 
 pub use air::{AirOptions, Atmosphere};
 pub use earth::{
-    AdaptiveQuality, ChangeMaker, DepthBuffer, DiagnosticOptions, Diagnostics, Earth, EarthError,
-    EarthOptions, EarthView, EyeView, FrameStats, GroundOptions, Look, Quality, QualityChange,
-    QualityLadder, QualityLadderError, QualityLevel, QualityReduction, QualityStep, ReadyChange,
-    Sky, SurfaceLight, SurfaceOutput, TILED_SUBDIVISION, TileOptions, TruthPoint, TruthView,
-    ViewFrame, Viewport,
+    AdaptiveQuality, Appearance, ChangeMaker, DepthBuffer, DiagnosticOptions, Diagnostics, Earth,
+    EarthError, EarthOptions, EarthView, EyeView, FrameStats, GroundOptions, Quality,
+    QualityChange, QualityLadder, QualityLadderError, QualityLevel, QualityReduction, QualityStep,
+    ReadyChange, Sky, SurfaceLight, SurfaceOutput, TILED_SUBDIVISION, TileOptions, TruthPoint,
+    TruthView, ViewFrame, Viewport,
 };
 pub use frames::Epoch;
 pub use globe::{Figure, LevelRule, Shading, Subdivision, Visibility};

@@ -1,9 +1,9 @@
-//! What another quality or another look needs, made by any thread while the Earth is drawn.
+//! What another quality or another appearance needs, made by any thread while the Earth is drawn.
 
 use super::earth_view::Version;
 use super::ground::GroundDriver;
 use super::surface_config::{SurfaceStyle, surface_config};
-use super::{Earth, EarthError, EyeView, Look, Quality, Viewport, air_textures, resolved};
+use super::{Appearance, Earth, EarthError, EyeView, Quality, Viewport, air_textures, resolved};
 use crate::air::Atmosphere;
 use crate::globe::{BLOCK_COUNT, Figure, Meshes};
 use crate::gpu::{
@@ -14,7 +14,7 @@ use crate::imagery::NeighbourhoodAlbedo;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Makes what other qualities and looks of one Earth need, on any thread: [`Earth::change_maker`].
+/// Makes what other qualities and appearances of one Earth need, on any thread: [`Earth::change_maker`].
 ///
 /// ```no_run
 /// # fn frame(earth: &mut terrella::Earth, queue: &terrella::wgpu::Queue, wanted: terrella::Quality) -> Result<(), terrella::EarthError> {
@@ -34,7 +34,7 @@ pub struct ChangeMaker {
     air: Option<AirTextures>,
     albedo: Arc<NeighbourhoodAlbedo>,
     style: SurfaceStyle,
-    look: Look,
+    appearance: Appearance,
     quality: Quality,
     format: PassFormat,
     figure: Figure,
@@ -42,10 +42,10 @@ pub struct ChangeMaker {
     version: Version,
 }
 
-/// All that an Earth needs to be drawn with another quality or another look: [`Earth::set_ready`].
+/// All that an Earth needs to be drawn with another quality or another appearance: [`Earth::set_ready`].
 pub struct ReadyChange {
     quality: Quality,
-    look: Look,
+    appearance: Appearance,
     format: PassFormat,
     meshes: Meshes,
     ground: ReadyGround,
@@ -81,9 +81,9 @@ impl ReadyChange {
         &self.quality
     }
 
-    /// The look after it.
-    pub fn look(&self) -> &Look {
-        &self.look
+    /// The appearance after it.
+    pub fn appearance(&self) -> &Appearance {
+        &self.appearance
     }
 
     /// Makes another ground as fine as it will be for an eye, so that it does not have to become so while it is drawn; at most for
@@ -118,19 +118,19 @@ impl ChangeMaker {
     /// # Errors
     /// As [`Earth::new`].
     pub fn quality(&self, quality: &Quality) -> Result<ReadyChange, EarthError> {
-        self.make(quality, &self.look)
+        self.make(quality, &self.appearance)
     }
 
-    /// Makes what a look needs: pipelines, and the tables of another air, which take most of a second.
+    /// Makes what a appearance needs: pipelines, and the tables of another air, which take most of a second.
     ///
     /// # Errors
     /// As [`Earth::new`].
-    pub fn look(&self, look: &Look) -> Result<ReadyChange, EarthError> {
-        look.check()?;
-        self.make(&self.quality, look)
+    pub fn appearance(&self, appearance: &Appearance) -> Result<ReadyChange, EarthError> {
+        appearance.check()?;
+        self.make(&self.quality, appearance)
     }
 
-    fn make(&self, quality: &Quality, look: &Look) -> Result<ReadyChange, EarthError> {
+    fn make(&self, quality: &Quality, appearance: &Appearance) -> Result<ReadyChange, EarthError> {
         let mut quality = *quality;
         if !Quality::SCALES.contains(&quality.scale) {
             return Err(EarthError::Scale(quality.scale));
@@ -139,7 +139,7 @@ impl ChangeMaker {
             quality.atmosphere = Atmosphere::None;
         }
         let style = SurfaceStyle {
-            light: look.light,
+            light: appearance.light,
             ..self.style
         };
         let ellipsoid = self.figure.ellipsoid();
@@ -150,17 +150,17 @@ impl ChangeMaker {
         };
         let device = &self.device;
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let air = self.make_air(&quality, look, format)?;
+        let air = self.make_air(&quality, appearance, format)?;
         let textures = match &air {
             ReadyAir::None => None,
             ReadyAir::Kept => self.air.as_ref(),
             ReadyAir::Made(air) => Some(air.textures()),
         };
-        let (ground, surface) = if look.has_ground_of(&self.look) {
+        let (ground, surface) = if appearance.has_ground_of(&self.appearance) {
             let config = surface_config(device, style, format, &quality, textures, None);
             (ReadyGround::Kept, self.surface.make(device, &config)?)
         } else {
-            let driver = look.ground.as_ref();
+            let driver = appearance.ground.as_ref();
             let driver =
                 driver.map(|ground| GroundDriver::new(ground, self.figure, &device.limits()));
             let driver = driver.transpose()?;
@@ -179,7 +179,7 @@ impl ChangeMaker {
         }
         Ok(ReadyChange {
             quality,
-            look: look.clone(),
+            appearance: appearance.clone(),
             format,
             meshes,
             ground,
@@ -192,21 +192,21 @@ impl ChangeMaker {
     fn make_air(
         &self,
         quality: &Quality,
-        look: &Look,
+        appearance: &Appearance,
         format: PassFormat,
     ) -> Result<ReadyAir, EarthError> {
-        let has_textures = look.has_air_textures_of(&self.look);
-        let night = look.light.night_light();
+        let has_textures = appearance.has_air_textures_of(&self.appearance);
+        let night = appearance.light.night_light();
         let fits = quality.samples == self.format.samples
             && has_textures
-            && night == self.look.light.night_light();
+            && night == self.appearance.light.night_light();
         Ok(match (quality.atmosphere, &self.air) {
             (Atmosphere::None, _) => ReadyAir::None,
             (Atmosphere::Billboard, Some(_)) if fits => ReadyAir::Kept,
             (Atmosphere::Billboard, before) => {
                 let before = before.clone().filter(|_| has_textures);
                 let textures = before.unwrap_or_else(|| {
-                    air_textures(&self.device, &self.queue, look, &self.albedo, quality)
+                    air_textures(&self.device, &self.queue, appearance, &self.albedo, quality)
                 });
                 let air = AirDrawable::new(&self.device, format, textures, night)?;
                 ReadyAir::Made(Box::new(air))
@@ -222,8 +222,8 @@ impl Earth {
     }
 
     /// What it is drawn as.
-    pub fn look(&self) -> &Look {
-        &self.look
+    pub fn appearance(&self) -> &Appearance {
+        &self.appearance
     }
 
     /// Draws better or worse from the next [`Self::prepare`] on. Maps and tiles stay on the GPU; pipelines and the
@@ -244,12 +244,16 @@ impl Earth {
     ///
     /// # Errors
     /// As [`Self::new`]; the Earth is then as it was.
-    pub fn set_look(&mut self, queue: &wgpu::Queue, look: &Look) -> Result<(), EarthError> {
-        let ready = self.change_maker(queue).look(look)?;
+    pub fn set_appearance(
+        &mut self,
+        queue: &wgpu::Queue,
+        appearance: &Appearance,
+    ) -> Result<(), EarthError> {
+        let ready = self.change_maker(queue).appearance(appearance)?;
         self.set_ready(queue, ready)
     }
 
-    /// What makes other qualities and looks ready for this Earth as it is now.
+    /// What makes other qualities and appearances ready for this Earth as it is now.
     pub fn change_maker(&self, queue: &wgpu::Queue) -> ChangeMaker {
         ChangeMaker {
             device: self.device.clone(),
@@ -258,7 +262,7 @@ impl Earth {
             air: self.air_textures().cloned(),
             albedo: self.first.planner.exposure.albedo().clone(),
             style: self.style,
-            look: self.look.clone(),
+            appearance: self.appearance.clone(),
             quality: self.quality,
             format: self.format,
             figure: self.figure,
@@ -288,8 +292,8 @@ impl Earth {
             let albedo = first.planner.exposure.albedo().texels(&quality.maps);
             air.textures().set_albedo(queue, &albedo);
         }
-        (self.style.light, self.look) = (ready.look.light, ready.look);
-        first.planner.set_look(&self.look);
+        (self.style.light, self.appearance) = (ready.appearance.light, ready.appearance);
+        first.planner.set_appearance(&self.appearance);
         if let ReadyGround::Made(made) = ready.ground {
             first.planner.set_ground(made.driver);
             first.surface = made.view;

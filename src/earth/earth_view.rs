@@ -28,7 +28,7 @@ pub struct EarthView {
     pub(super) version: Version,
 }
 
-/// What a view was made for: an Earth, its ground, and its pipelines of some quality and look.
+/// What a view was made for: an Earth, its ground, and its pipelines of some quality and appearance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Version {
     pub earth: u64,
@@ -200,7 +200,7 @@ impl Earth {
         }
         // Before the air is set: what there is is not made again.
         view.planner.exposure.share(&first.exposure);
-        view.planner.set_look(&self.look);
+        view.planner.set_appearance(&self.appearance);
         let meshes = first.meshes().clone();
         let air = self.first.air.as_ref();
         let air = air.map(|air| air.for_another_view(&self.device));

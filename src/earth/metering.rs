@@ -1,7 +1,7 @@
 //! The exposure of frames: fixed, or metered from what is in view.
 
 use super::view::ItrfView;
-use super::{EarthOptions, EyeView, Look, Sky, Viewport};
+use super::{Appearance, EarthOptions, EyeView, Sky, Viewport};
 use crate::air::{AirOptions, AirTables, Atmosphere};
 use crate::frames::{Ellipsoid, MoonShadow};
 use crate::imagery::NeighbourhoodAlbedo;
@@ -59,10 +59,10 @@ impl ExposureControl {
     }
 
     /// Draws with this light from now on, and with this content of the air from the next [`Self::set_air`] on.
-    pub fn set_look(&mut self, look: &Look) {
-        self.moon_gain = look.light.moon_gain();
-        self.has_eclipses = look.light.eclipses;
-        self.air_options = look.air;
+    pub fn set_appearance(&mut self, appearance: &Appearance) {
+        self.moon_gain = appearance.light.moon_gain();
+        self.has_eclipses = appearance.light.eclipses;
+        self.air_options = appearance.air;
     }
 
     /// Meters from now on with what another meters with.

@@ -18,8 +18,8 @@
 //! | `tiles.rs` | which tiles of a pack a frame requests and is drawn with; `no_tiles.rs` without the feature `packs` |
 //! | `tile_view.rs` | what tiles are chosen by, and how fine they came out |
 //! | `changes.rs` | what is changed while it is drawn |
-//! | `look.rs` | what it is drawn as, besides maps and quality |
-//! | `change_maker.rs` | how another quality or look is made, off the frame's thread |
+//! | `appearance.rs` | what it is drawn as, besides maps and quality |
+//! | `change_maker.rs` | how another quality or appearance is made, off the frame's thread |
 //! | `quality.rs` | what can be reduced to draw faster |
 //! | `quality_ladder.rs`, `quality_ladder/` | in which order, as it was measured; the recorded measurement |
 //! | `adaptive_quality.rs` | when quality is reduced, to hold a frame time |
@@ -27,6 +27,7 @@
 //! | `diagnostics.rs` | what is not for pictures: where pixels look, edges of triangles, what the shaders hold |
 
 mod adaptive_quality;
+mod appearance;
 mod change_maker;
 mod changes;
 mod diagnostics;
@@ -34,7 +35,6 @@ mod earth_view;
 mod error;
 #[cfg_attr(not(feature = "terrain"), path = "no_ground.rs")]
 mod ground;
-mod look;
 mod metering;
 mod options;
 #[cfg(feature = "command")]
@@ -62,13 +62,13 @@ pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::NeighbourhoodAlbedo;
 use crate::imagery::tile::TileKey;
 pub use adaptive_quality::{AdaptiveQuality, QualityChange};
+pub use appearance::Appearance;
 pub use change_maker::{ChangeMaker, ReadyChange};
 pub use diagnostics::{DiagnosticOptions, Diagnostics};
 use earth_view::Version;
 pub use earth_view::{EarthView, ViewFrame};
 pub use error::EarthError;
 pub use ground::GroundOptions;
-pub use look::Look;
 #[cfg(feature = "command")]
 pub(crate) use metering::metered_ev;
 pub use options::EarthOptions;
@@ -113,7 +113,7 @@ pub struct Earth {
     /// The blocks in sight of any view, with their tiles. Empty without a pack.
     chosen: Vec<(Block, BlockTiles)>,
     figure: Figure,
-    look: Look,
+    appearance: Appearance,
     device: wgpu::Device,
     style: SurfaceStyle,
     format: PassFormat,
@@ -130,7 +130,7 @@ impl Earth {
         options: &EarthOptions,
     ) -> Result<Self, EarthError> {
         options.check(device)?;
-        let look = Look::of(options);
+        let appearance = Appearance::of(options);
         let mut quality = Quality::of(options);
         if options.diagnostics.output != SurfaceOutput::Color {
             quality.atmosphere = Atmosphere::None;
@@ -154,7 +154,7 @@ impl Earth {
         let air = match quality.atmosphere {
             Atmosphere::Billboard => {
                 let albedo = planner.exposure.albedo();
-                let textures = air_textures(device, queue, &look, albedo, &quality);
+                let textures = air_textures(device, queue, &appearance, albedo, &quality);
                 let night = options.light.night_light();
                 Some(AirDrawable::new(device, format, textures, night)?)
             }
@@ -195,7 +195,7 @@ impl Earth {
             tiles,
             chosen: Vec::with_capacity(BLOCK_COUNT as usize),
             figure: options.figure,
-            look,
+            appearance,
             device: device.clone(),
             style,
             format,
@@ -499,13 +499,16 @@ fn render_halo(view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {
 fn air_textures(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
-    look: &Look,
+    appearance: &Appearance,
     albedo: &NeighbourhoodAlbedo,
     quality: &Quality,
 ) -> AirTextures {
-    let (model, tables) = (AirModel::new(&look.air), AirTables::shared(&look.air));
+    let (model, tables) = (
+        AirModel::new(&appearance.air),
+        AirTables::shared(&appearance.air),
+    );
     let albedo = albedo.texels(&quality.maps);
-    let (clouds_m, moonlight) = (look.light.cloud_height_m, look.light.moonlight);
+    let (clouds_m, moonlight) = (appearance.light.cloud_height_m, appearance.light.moonlight);
     AirTextures::new(device, queue, model, &tables, &albedo, clouds_m, moonlight)
 }
 

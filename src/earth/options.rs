@@ -1,7 +1,7 @@
 //! What is fixed when an Earth is made.
 
 use super::{
-    DiagnosticOptions, EarthError, GroundOptions, Look, Quality, SurfaceLight, TileOptions,
+    Appearance, DiagnosticOptions, EarthError, GroundOptions, Quality, SurfaceLight, TileOptions,
 };
 use crate::air::{AirOptions, Atmosphere};
 use crate::globe::{Figure, Shading, Subdivision, Visibility};
@@ -86,7 +86,7 @@ impl EarthOptions {
     /// Whether this device can draw an Earth with these options, as far as that can be said before anything is made.
     pub(crate) fn check(&self, device: &wgpu::Device) -> Result<(), EarthError> {
         self.exposure.check().map_err(EarthError::Exposure)?;
-        Look::of(self).check()?;
+        Appearance::of(self).check()?;
         let lines = wgpu::Features::POLYGON_MODE_LINE;
         if self.diagnostics.wireframe && !device.features().contains(lines) {
             return Err(EarthError::NoLines);

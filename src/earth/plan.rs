@@ -7,7 +7,7 @@ use super::quality::TILED_SUBDIVISION;
 use super::sky::LIGHTS_OUT;
 use super::tile_view::TileView;
 use super::view::ItrfView;
-use super::{EarthError, EarthOptions, FrameStats, Look, Quality, Sky};
+use super::{Appearance, EarthError, EarthOptions, FrameStats, Quality, Sky};
 use crate::air::{Atmosphere, Billboard, TOP};
 use crate::frames::{Ellipsoid, MOON_RADIUS_M, MoonShadow};
 use crate::globe::{
@@ -78,10 +78,10 @@ impl Planner {
     }
 
     /// Plans for this light and air from now on; its ground is not touched.
-    pub fn set_look(&mut self, look: &Look) {
-        self.moon_gain = look.light.moon_gain();
-        self.has_eclipses = look.light.eclipses;
-        self.exposure.set_look(look);
+    pub fn set_appearance(&mut self, appearance: &Appearance) {
+        self.moon_gain = appearance.light.moon_gain();
+        self.has_eclipses = appearance.light.eclipses;
+        self.exposure.set_appearance(appearance);
     }
 
     /// Plans with another ground from now on, or with the smooth ellipsoid.

@@ -232,7 +232,7 @@ impl Tracks {
         }
     }
 
-    /// Follows an Earth to another quality or look: another sample count, another air or none. What was prepared must be prepared
+    /// Follows an Earth to another quality or appearance: another sample count, another air or none. What was prepared must be prepared
     /// anew, and those for further views be made anew from it.
     ///
     /// # Errors

@@ -1,12 +1,12 @@
 //! What the Earth draws, through its public interface on a real adapter: places, tiles, relief, tracks, the host's formats.
 
+mod appearances;
 mod changes;
 #[path = "../common/mod.rs"]
 mod common;
 mod detail;
 mod embedding;
 mod light;
-mod looks;
 mod night;
 mod picture;
 mod precision;

@@ -6,7 +6,7 @@ use crate::air::AirOptions;
 /// What an Earth is drawn as, besides its maps and its quality: what [`Earth::change_maker`](crate::Earth::change_maker) changes
 /// while it is drawn. What is meant is said at the same fields of [`EarthOptions`].
 #[derive(Clone, Debug, Default)]
-pub struct Look {
+pub struct Appearance {
     /// Ground with relief; `None` is the smooth ellipsoid.
     pub ground: Option<GroundOptions>,
     /// What of the light on the surface can be chosen.
@@ -15,7 +15,7 @@ pub struct Look {
     pub air: AirOptions,
 }
 
-impl Look {
+impl Appearance {
     /// That of an Earth that is made with these options.
     pub fn of(options: &EarthOptions) -> Self {
         Self {

@@ -4,7 +4,7 @@ use crate::common::{self, gpu, map, plain};
 use crate::views::{SIZE, alone, eyes, hills, sky, together};
 use std::time::Duration;
 use terrella::internals::imagery::{EarthLayers, LayerImage};
-use terrella::{Earth, EarthError, EarthOptions, Exposure, Look, Quality};
+use terrella::{Appearance, Earth, EarthError, EarthOptions, Exposure, Quality};
 
 fn layers() -> EarthLayers {
     let texels = (0..64 * 32_u32).map(|n| (n % 64 * 3 + n / 64) as u8);
@@ -14,34 +14,34 @@ fn layers() -> EarthLayers {
     }
 }
 
-fn with_look(options: &EarthOptions, look: &Look) -> EarthOptions {
+fn with_appearance(options: &EarthOptions, appearance: &Appearance) -> EarthOptions {
     let mut options = options.clone();
-    options.ground = look.ground.clone();
-    options.light = look.light;
-    options.air = look.air;
+    options.ground = appearance.ground.clone();
+    options.light = appearance.light;
+    options.air = appearance.air;
     options
 }
 
-/// Gives an Earth one look after the other, and has it drawn from two eyes with each as an Earth that was made so.
-fn each_look_is_as_made(options: &EarthOptions, looks: &[Look]) {
+/// Gives an Earth one appearance after the other, and has it drawn from two eyes with each as an Earth that was made so.
+fn each_appearance_is_as_made(options: &EarthOptions, appearances: &[Appearance]) {
     let eyes = [eyes()[0], eyes()[2]];
     let gpu = gpu();
     let mut earth = Earth::new(&gpu.device, &gpu.queue, options).expect("sound options");
     let mut views = [earth.new_view().expect("a view")];
     let mut before = together(&mut earth, &mut views, &eyes);
-    for (n, look) in looks.iter().enumerate() {
-        let (maker, wanted) = (earth.change_maker(&gpu.queue), look.clone());
-        let made = std::thread::spawn(move || maker.look(&wanted));
-        let ready = made.join().expect("no panic").expect("a sound look");
+    for (n, appearance) in appearances.iter().enumerate() {
+        let (maker, wanted) = (earth.change_maker(&gpu.queue), appearance.clone());
+        let made = std::thread::spawn(move || maker.appearance(&wanted));
+        let ready = made.join().expect("no panic").expect("a sound appearance");
         earth.set_ready(&gpu.queue, ready).expect("of this Earth");
         let drawn = together(&mut earth, &mut views, &eyes);
-        let made_so = with_look(options, look);
+        let made_so = with_appearance(options, appearance);
         // A surface's mesh depends on what it drew before: each eye has an Earth that drew nothing else.
         for (view, drawn) in drawn.iter().enumerate() {
             let expected = alone(&made_so, &eyes[view..=view]);
-            assert!(*drawn == expected[0], "view {view} of look {n}");
+            assert!(*drawn == expected[0], "view {view} of appearance {n}");
         }
-        assert!(drawn != before, "look {n} must be seen");
+        assert!(drawn != before, "appearance {n} must be seen");
         before = drawn;
     }
 }
@@ -50,7 +50,7 @@ fn each_look_is_as_made(options: &EarthOptions, looks: &[Look]) {
 fn another_light_and_another_air_are_drawn_as_if_made_so() {
     let mut options = EarthOptions::new(layers());
     options.exposure = Exposure::Auto;
-    let first = Look::of(&options);
+    let first = Appearance::of(&options);
     let mut high = first.clone();
     high.light.cloud_height_m = 15_000.0;
     high.light.cloud_shadows = true;
@@ -62,7 +62,7 @@ fn another_light_and_another_air_are_drawn_as_if_made_so() {
     moonlit.light.relief_exaggeration = 3.0;
     moonlit.light.wind_m_s = 15.0;
     moonlit.light.cloud_relief_m = 0.0;
-    each_look_is_as_made(&options, &[high, hazy, moonlit, first]);
+    each_appearance_is_as_made(&options, &[high, hazy, moonlit, first]);
 }
 
 #[cfg(feature = "terrain")]
@@ -70,14 +70,14 @@ fn another_light_and_another_air_are_drawn_as_if_made_so() {
 fn another_ground_is_drawn_as_if_made_so() {
     use terrella::SurfaceKind;
     let options = EarthOptions::new(layers());
-    let flat = Look::of(&options);
-    let ground = |kind| Look {
+    let flat = Appearance::of(&options);
+    let ground = |kind| Appearance {
         ground: Some(common::waves(kind)),
         ..flat.clone()
     };
-    let mut looks: Vec<_> = SurfaceKind::ALL.iter().copied().map(ground).collect();
-    looks.push(flat.clone());
-    each_look_is_as_made(&options, &looks);
+    let mut appearances: Vec<_> = SurfaceKind::ALL.iter().copied().map(ground).collect();
+    appearances.push(flat.clone());
+    each_appearance_is_as_made(&options, &appearances);
 }
 
 #[cfg(all(feature = "terrain", feature = "packs"))]
@@ -98,11 +98,14 @@ fn tiles_stay_when_the_ground_changes() {
     let mut earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("sound options");
     together(&mut earth, &mut [], &eye);
     for kind in SurfaceKind::ALL.iter().copied() {
-        let look = Look {
+        let appearance = Appearance {
             ground: Some(common::waves(kind)),
-            ..Look::of(&options)
+            ..Appearance::of(&options)
         };
-        let mut ready = earth.change_maker(&gpu.queue).look(&look).expect("sound");
+        let mut ready = earth
+            .change_maker(&gpu.queue)
+            .appearance(&appearance)
+            .expect("sound");
         let is_settled = ready.settle(&eye[0], SIZE, Duration::from_secs(20));
         assert!(is_settled, "{kind:?}");
         earth.set_ready(&gpu.queue, ready).expect("of this Earth");
@@ -110,7 +113,7 @@ fn tiles_stay_when_the_ground_changes() {
         let stats = earth.prepare(&gpu.queue, &eye[0], &sky(), SIZE);
         assert_eq!(stats.tiles.requested, stats.tiles.resident, "{kind:?}");
         let drawn = together(&mut earth, &mut [], &eye);
-        let expected = alone(&with_look(&options, &look), &eye);
+        let expected = alone(&with_appearance(&options, &appearance), &eye);
         assert!(drawn == expected, "{kind:?}");
     }
 }
@@ -122,14 +125,17 @@ fn ground_that_was_settled_by_the_thread_is_there_at_once() {
     let options = EarthOptions::new(plain([120, 130, 90]));
     let eye = eyes()[2];
     let gpu = gpu();
-    let look = Look {
+    let appearance = Appearance {
         ground: Some(common::waves(SurfaceKind::Quadtree)),
-        ..Look::of(&options)
+        ..Appearance::of(&options)
     };
     let mut triangles = Vec::new();
     for settles in [true, false] {
         let mut earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("sound options");
-        let mut ready = earth.change_maker(&gpu.queue).look(&look).expect("sound");
+        let mut ready = earth
+            .change_maker(&gpu.queue)
+            .appearance(&appearance)
+            .expect("sound");
         if settles {
             assert!(ready.settle(&eye, SIZE, Duration::from_secs(20)));
         } else {
@@ -153,17 +159,24 @@ fn looks_that_cannot_be_drawn_leave_the_earth_as_it_was() {
     let eye = [eyes()[0]];
     let mut earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("sound options");
     let before = together(&mut earth, &mut [], &eye);
-    let mut hazy = Look::of(&options);
+    let mut hazy = Appearance::of(&options);
     hazy.air.aerosol_optical_depth = f64::NAN;
-    let error = earth.set_look(&gpu.queue, &hazy).expect_err("no number");
+    let error = earth
+        .set_appearance(&gpu.queue, &hazy)
+        .expect_err("no number");
     assert!(matches!(error, EarthError::Aerosol(_)), "{error}");
-    let mut stormy = Look::of(&options);
+    let mut stormy = Appearance::of(&options);
     stormy.light.wind_m_s = 1e9;
-    earth.set_look(&gpu.queue, &stormy).expect_err("a storm");
+    earth
+        .set_appearance(&gpu.queue, &stormy)
+        .expect_err("a storm");
     stormy.light.wind_m_s = 20.0;
     // Made before the quality changed, it does not fit any more.
-    let late = earth.change_maker(&gpu.queue).look(&stormy).expect("sound");
-    assert_eq!(late.look().light.wind_m_s, 20.0);
+    let late = earth
+        .change_maker(&gpu.queue)
+        .appearance(&stormy)
+        .expect("sound");
+    assert_eq!(late.appearance().light.wind_m_s, 20.0);
     let quality = Quality {
         subdivision: terrella::Subdivision::Cells(7),
         ..*earth.quality()
@@ -174,9 +187,9 @@ fn looks_that_cannot_be_drawn_leave_the_earth_as_it_was() {
     assert!(matches!(error, EarthError::OutOfDate), "{error}");
     earth.set_quality(&gpu.queue, &first).expect("sound");
     assert!(together(&mut earth, &mut [], &eye) == before);
-    // A quality after a look keeps the look.
-    earth.set_look(&gpu.queue, &stormy).expect("sound");
+    // A quality after a appearance keeps the appearance.
+    earth.set_appearance(&gpu.queue, &stormy).expect("sound");
     earth.set_quality(&gpu.queue, &quality).expect("sound");
-    assert_eq!(earth.look().light, stormy.light);
+    assert_eq!(earth.appearance().light, stormy.light);
     assert_eq!(earth.quality(), &quality);
 }
