@@ -1,6 +1,7 @@
 //! `[earth]`: the globe, its layers and its air, and the imagery pack that they may come from. Its keys of ground with relief
 //! are read in [`relief`](super::relief).
 
+use super::dated_maps::{DatedMaps, dated_maps_value};
 use super::error::{SceneError, printable};
 use super::field::{Field, KeyText, PathKind, UNKNOWN, quoted, range_text, whole, written};
 use super::keys::RawEarth;
@@ -66,6 +67,8 @@ pub struct EarthTable {
     pub pack: Option<PackTable>,
     /// Ground with relief; `None` draws the smooth ellipsoid.
     pub relief: Option<ReliefTable>,
+    /// Maps that change with the date.
+    pub dated_maps: Vec<DatedMaps>,
 }
 
 /// The keys of `[earth]` that say how light falls on sea, land and clouds.
@@ -154,7 +157,7 @@ impl SceneText<'_> {
             None if look == Look::Paper => 0.0,
             None => AirOptions::default().aerosol_optical_depth,
         };
-        Ok(EarthTable {
+        let mut table = EarthTable {
             aerosol_optical_depth,
             light: self.surface_light(earth, look, shading)?,
             look,
@@ -171,7 +174,10 @@ impl SceneText<'_> {
             textures: self.path(&earth.textures(), PathKind::Folder)?,
             pack: self.pack(earth)?,
             relief: self.relief(earth)?,
-        })
+            dated_maps: Vec::new(),
+        };
+        table.dated_maps = self.dated_maps(earth, &table)?;
+        Ok(table)
     }
 
     fn surface_light(
@@ -336,6 +342,7 @@ pub(super) fn value(earth: &EarthTable, key: &str) -> KeyText {
                 None => Err("no pack: whole maps are drawn"),
             }
         }
+        "day_maps" | "cloud_maps" | "night_light_maps" | "map_fade" => dated_maps_value(earth, key),
         "surface" | "elevation" | "tolerance_px" | "sea_floor" | "denoise" | "clipmap"
         | "contours" | "projected_grid" | "quadtree" => relief_value(earth.relief.as_ref(), key),
         _ => Err(UNKNOWN),

@@ -28,6 +28,8 @@ pub(super) const MAX_BURNS: usize = 1000;
 pub(super) const BURN_S: RangeInclusive<f64> = 1e-3..=3.2e7;
 /// Each part of a burn's acceleration, m/s².
 pub(super) const BURN_M_S2: RangeInclusive<f64> = -1e3..=1e3;
+/// Most maps of a layer that change with the date.
+pub(super) const MAX_DATED_MAPS: usize = 1000;
 /// Most files of heights.
 pub(super) const MAX_ELEVATION_FILES: usize = 1000;
 
@@ -417,6 +419,15 @@ table!(RawEarth = "earth" {
     textures: String = "a string, the path of a folder of maps";
     /// Folder of an imagery pack, in place of maps.
     pack: String = "a string, the path of an imagery pack's folder";
+    // Lists, checked by dated_maps.rs.
+    /// Day maps that change with the date.
+    day_maps: toml::Value = "a list of maps with their dates, or of twelve files, from January on";
+    /// Cloud maps that change with the date.
+    cloud_maps: toml::Value = "a list of maps with their dates, or of twelve files, from January on";
+    /// Maps of city lights that change with the date.
+    night_light_maps: toml::Value = "a list of maps with their dates, or of twelve files, from January on";
+    /// Whether maps that change with the date pass into each other.
+    map_fade: bool = "true or false", default true;
     /// Open water, where the maps have it; on by default with shading = "sunlit".
     water: bool = "true or false";
     /// Packs: how the level of a block is chosen, "screen" by default.

@@ -10,6 +10,7 @@
 //! | `time.rs`, `orbit.rs`, `tracks.rs`, `camera.rs`, `earth.rs`, `sky.rs`, `output.rs` | a table each: the checked value that hosts read, its check, its text in the summary |
 //! | `orbit_check.rs`, `orbit_summary.rs`, `live.rs`, `basilisk.rs` | the same of `[orbit]`, which has the most keys |
 //! | `relief.rs`, `surfaces.rs` | keys of `[earth]` that are about ground with relief |
+//! | `dated_maps.rs` | keys of `[earth]` that are about maps that change with the date |
 //! | `config/iss.toml` | its explanation for users: a test holds that every key stands there |
 //!
 //! # How a scene is read
@@ -23,6 +24,7 @@ mod basilisk;
 mod burns;
 mod camera;
 mod check;
+mod dated_maps;
 mod dates;
 mod earth;
 mod error;
@@ -51,6 +53,7 @@ use std::path::{Path, PathBuf};
 use text::SceneText;
 
 pub use camera::{Camera, CameraMode, CameraUp};
+pub use dated_maps::{BetweenMaps, DatedLayer, DatedMaps, MapTimes};
 pub use earth::{EarthTable, Look, PackTable, StorageChoice, SurfaceLightTable};
 pub use error::{KeyLocation, SceneError};
 #[cfg(feature = "playback")]
