@@ -18,7 +18,8 @@ impl Earth {
     /// host draws to, or a [`MapFade`](crate::MapFade)'s. It costs a bind group, or with a pack one for each block.
     ///
     /// What ground and clouds lend to the light of the air, and to metering, follows an uploaded map; of a texture it is not known, and
-    /// stays as it was. So where one map fades into another, set the other at the end.
+    /// stays as it was. So where one map fades into another, set [`MapFade::map_between`](crate::MapFade::map_between) from time to time,
+    /// or the other at the end.
     ///
     /// # Errors
     /// A map that the Earth was made without or draws with tiles, and one of another device; the Earth is then as it was.

@@ -139,6 +139,12 @@ impl GpuMap {
         self.layer
     }
 
+    /// Width and height, texels.
+    pub fn size(&self) -> (u32, u32) {
+        let texture = self.held.view.texture();
+        (texture.width(), texture.height())
+    }
+
     /// Bytes of its texels, mip levels included.
     pub fn bytes(&self) -> u64 {
         self.held.bytes
@@ -265,6 +271,18 @@ impl MapFade {
     /// The map that is drawn to: give it to the Earth once.
     pub fn map(&self) -> &GpuMap {
         &self.map
+    }
+
+    /// The same with what two maps lend to the light of the air, mixed so: to give the Earth from time to time while one passes into
+    /// the other.
+    pub fn map_between(&self, (from, to): (&GpuMap, &GpuMap), weight: f32) -> GpuMap {
+        let albedo = from.albedo.as_ref().zip(to.albedo.as_ref());
+        let weight = if weight > 0.0 { weight.min(1.0) } else { 0.0 };
+        let albedo = albedo.map(|(from, to)| Arc::new(MapAlbedo::between(from, to, weight)));
+        GpuMap {
+            albedo,
+            ..self.map.clone()
+        }
     }
 
     /// Draws what lies between two maps: `weight` 0 is `from`, 1 is `to`; what is no number is 0. Once for each submission of

@@ -83,6 +83,15 @@ impl MapAlbedo {
         };
         Some(Self { layer, means })
     }
+
+    /// What lies between two: `weight` 0 is `from`, 1 is `to`.
+    pub fn between(from: &Self, to: &Self, weight: f32) -> Self {
+        let pairs = from.means.iter().zip(&to.means);
+        Self {
+            layer: from.layer,
+            means: pairs.map(|(from, to)| from.lerp(*to, weight)).collect(),
+        }
+    }
 }
 
 fn color(texel: &[u8]) -> Vec3 {

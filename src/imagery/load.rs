@@ -203,15 +203,36 @@ fn to_rgba<const N: usize>(texels: &[u8], rgb_of: impl Fn(&[u8; N]) -> [u8; 3]) 
     rgba
 }
 
+/// Loads a day map from a file of its own, in place of that of a folder: with the sea of the folder's water map and elevations, where
+/// they are selected.
+///
+/// # Errors
+/// A map that fails, with its path, the cause and what to do.
+pub fn load_day_map(
+    path: &Path,
+    dir: &Path,
+    selection: LayerSelection,
+) -> Result<LayerImage, ImageryError> {
+    let sea = LayerSelection {
+        normals: false,
+        ..selection
+    };
+    read_color(path, "day")?.image(&load_terrain(dir, sea)?)
+}
+
 fn load_clouds(dir: &Path) -> Result<LayerImage, ImageryError> {
-    load_grey(&dir.join("clouds.png"), "clouds")
+    load_grey_map(&dir.join("clouds.png"), "clouds")
 }
 
 fn load_night_lights(dir: &Path) -> Result<LayerImage, ImageryError> {
-    load_grey(&dir.join("night_lights.png"), "night lights")
+    load_grey_map(&dir.join("night_lights.png"), "night lights")
 }
 
-fn load_grey(path: &Path, layer: &'static str) -> Result<LayerImage, ImageryError> {
+/// Loads a map of cover or intensity (8-bit grey) of a whole round; `layer` is what messages call it.
+///
+/// # Errors
+/// A map that fails, with its path, the cause and what to do.
+pub fn load_grey_map(path: &Path, layer: &'static str) -> Result<LayerImage, ImageryError> {
     let file = MapFile::read(path, layer, "8-bit grey", |texels| {
         texels == TexelKind::grey(8)
     })?;
@@ -251,7 +272,7 @@ fn load_terrain(dir: &Path, selection: LayerSelection) -> Result<Terrain, Imager
 }
 
 fn load_water(dir: &Path) -> Result<Option<LayerImage>, ImageryError> {
-    match load_grey(&dir.join("water.png"), "water") {
+    match load_grey_map(&dir.join("water.png"), "water") {
         Ok(map) => Ok(Some(map)),
         Err(ImageryError::Missing { path, .. }) => {
             tracing::info!(

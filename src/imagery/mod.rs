@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `texel.rs` | how texels are stored |
 //! | `layer.rs` | a map in memory with its mip levels, and all maps of an Earth |
+//! | `between.rs` | what lies between two maps |
 //! | `albedo.rs` | what neighbourhoods reflect, for the air over them |
 //! | `load.rs` | a folder of maps read from disk, with limits before every allocation |
 //! | `decode.rs` | PNG and JPEG files |
@@ -19,6 +20,7 @@
 //! | `error.rs` | what can be wrong |
 
 mod albedo;
+mod between;
 #[cfg(feature = "pack-build")]
 pub mod build;
 mod decode;
@@ -42,7 +44,9 @@ pub use albedo::{CLOUD_ALBEDO, MapAlbedo, NEIGHBOURHOODS, NeighbourhoodAlbedo};
 pub use error::ImageryError;
 pub use find::{TEXTURES_VARIABLE, find_textures};
 pub use layer::{EarthLayers, LayerImage};
-pub use load::{LayerSelection, MAX_FILE_BYTES, load_color_map, load_layers};
+pub use load::{
+    LayerSelection, MAX_FILE_BYTES, load_color_map, load_day_map, load_grey_map, load_layers,
+};
 pub use sea::FLOOR_SEEN_M;
 pub use slopes::{
     ELEVATION_OFFSET_M, POLE_FADE_DEG, SLOPE_EXAGGERATION, SlopeMap, slopes_from_clouds,

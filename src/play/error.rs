@@ -84,6 +84,20 @@ pub enum PlayError {
         /// What it keeps.
         kept: String,
     },
+    /// Two maps of a layer that change into each other and are not alike.
+    #[error(
+        "[earth] {key}: {} and {} are not of one size; maps that pass into each other must be, or write map_fade = false",
+        files[0].display(), files[1].display()
+    )]
+    UnlikeMaps {
+        /// The key that names them.
+        key: &'static str,
+        /// Their files.
+        files: Box<[PathBuf; 2]>,
+    },
+    /// The thread that reads maps cannot begin.
+    #[error("no thread to read maps with: {0}")]
+    NoThread(#[source] std::io::Error),
     /// The renderer.
     #[error(transparent)]
     Earth(#[from] EarthError),

@@ -84,6 +84,7 @@ pub fn export(
     let has_tiles = options.tiles.is_some();
     progress.end();
     let mut renderer = OffscreenRenderer::open(gpu, options, size)?;
+    renderer.show_dated_maps(flight)?;
     renderer.show_sky(flight)?;
     renderer.show_tracks(flight)?;
     renderer.set_quality(&scene_quality(&scene.quality, *renderer.earth().quality()))?;

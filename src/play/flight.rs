@@ -3,7 +3,7 @@
 use super::camera::{Look, OrbitalMotion, Pose};
 use super::craft::CraftPose;
 use super::error::PlayError;
-use super::maps::{DroppedLayer, check_pack, dropped_layers, earth_options};
+use super::maps::{DroppedLayer, check_pack, dropped_layers, earth_options, earth_options_at};
 use super::place_text::GroundPlace;
 use super::satellites::{self, Listener, Satellite, orientation_at};
 use super::sky_parts::dropped_parts;
@@ -321,6 +321,11 @@ impl Flight {
     /// compressed textures; it matters to packs alone.
     pub fn earth_options(&self, bc: BcSupport) -> Result<EarthOptions, PlayError> {
         earth_options(&self.scene, bc)
+    }
+
+    /// The same with the maps of an epoch, where they change with the date.
+    pub fn earth_options_at(&self, epoch: Epoch, bc: BcSupport) -> Result<EarthOptions, PlayError> {
+        earth_options_at(&self.scene, epoch, bc)
     }
 }
 

@@ -1,26 +1,38 @@
 //! A scene's maps: a folder of whole maps, or a pack with its tiles.
 
+use super::dated_maps::set_dated_layers;
 use super::error::PlayError;
 use super::relief::ground_options;
+use crate::frames::Epoch;
 use crate::gpu::BcSupport;
 use crate::imagery::pack::{Pack, PackTiles};
 use crate::imagery::tile::{MapLayer, Storage};
 use crate::imagery::{
     LayerSelection, SLOPE_EXAGGERATION, find_textures, load_layers, slopes_from_clouds,
 };
-use crate::scene::{PackTable, Scene, StorageChoice};
+use crate::scene::{DatedLayer, PackTable, Scene, StorageChoice};
 use crate::{EarthOptions, SurfaceLight, TileOptions};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Loads the maps that a scene wants and no others, and gathers its options. `bc` is what the adapter does with
+/// Loads the maps that a scene wants at its start and no others, and gathers its options. `bc` is what the adapter does with
 /// compressed textures.
 pub fn earth_options(scene: &Scene, bc: BcSupport) -> Result<EarthOptions, PlayError> {
+    earth_options_at(scene, scene.time.start, bc)
+}
+
+/// The same with the maps of an epoch, where they change with the date.
+pub(super) fn earth_options_at(
+    scene: &Scene,
+    epoch: Epoch,
+    bc: BcSupport,
+) -> Result<EarthOptions, PlayError> {
     let table = &scene.earth;
     let mut options = match &table.pack {
         Some(pack) => pack_options(scene, pack, bc)?,
         None => folder_options(scene)?,
     };
+    set_dated_layers(scene, epoch, &mut options.layers)?;
     options.figure = table.figure;
     options.subdivision = table.subdivision;
     options.visibility = table.visibility;
@@ -95,10 +107,10 @@ fn selection_in(
 ) -> Result<(LayerSelection, Vec<DroppedLayer>), PlayError> {
     let table = &scene.earth;
     let wanted = LayerSelection {
-        clouds: table.clouds,
+        clouds: table.clouds && !is_dated(scene, DatedLayer::Clouds),
         // The paper's are those of its clouds.
         normals: table.normals && !table.is_paper(),
-        night_lights: table.night_lights,
+        night_lights: table.night_lights && !is_dated(scene, DatedLayer::NightLights),
         water: table.water,
     };
     let missing = wanted.missing_in(folder);
@@ -108,6 +120,12 @@ fn selection_in(
     });
     let dropped = told(scene, dropped.collect())?;
     Ok((wanted.without(&missing), dropped))
+}
+
+/// Whether a map comes from files with dates.
+fn is_dated(scene: &Scene, layer: DatedLayer) -> bool {
+    let maps = &scene.earth.dated_maps;
+    maps.iter().any(|maps| maps.layer == layer)
 }
 
 /// Refuses maps that are not there in a strict scene.
@@ -235,9 +253,15 @@ fn wanted_layers(
     let mut layers = vec![MapLayer::Day];
     let mut dropped = Vec::new();
     for (layer, is_wanted) in [
-        (MapLayer::Clouds, earth.clouds),
+        (
+            MapLayer::Clouds,
+            earth.clouds && !is_dated(scene, DatedLayer::Clouds),
+        ),
         (MapLayer::Normals, earth.normals),
-        (MapLayer::NightLights, earth.night_lights),
+        (
+            MapLayer::NightLights,
+            earth.night_lights && !is_dated(scene, DatedLayer::NightLights),
+        ),
         (MapLayer::Water, earth.water),
     ] {
         match (is_wanted, has(layer), scene.line("earth", layer.name())) {

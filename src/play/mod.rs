@@ -18,6 +18,7 @@
 //! | `pass_table` | when they pass over a place |
 //! | `event_table` | what was found along integrated motions |
 //! | `maps` | the scene's maps: a folder or a pack |
+//! | `dated_maps/` | those of them that change with the date |
 //! | `relief` | its heights |
 //! | `craft/` | the spacecraft that the chase camera follows |
 //! | `tracks/` | trails, ground tracks, footprints and names of its satellites |
@@ -43,6 +44,7 @@ pub mod clock;
 #[cfg(feature = "command")]
 mod controls;
 mod craft;
+mod dated_maps;
 mod egui_pass;
 mod ephemeris;
 mod error;

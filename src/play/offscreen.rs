@@ -1,6 +1,7 @@
 //! The offscreen renderer, of stills, frames and video: an adapter of its own, an Earth, and textures to draw into.
 
 use super::craft::CraftLayer;
+use super::dated_maps::DatedMapsLayer;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
 use super::sky::SkyLayer;
@@ -18,6 +19,7 @@ pub struct OffscreenRenderer {
     gpu: GpuContext,
     earth: Earth,
     craft: CraftLayer,
+    dated_maps: Option<DatedMapsLayer>,
     sky: Option<SkyLayer>,
     tracks: Option<TracksLayer>,
     targets: FrameTargets,
@@ -76,6 +78,7 @@ impl OffscreenRenderer {
             gpu,
             earth,
             craft: CraftLayer::new(options)?,
+            dated_maps: None,
             sky: None,
             tracks: None,
             targets,
@@ -150,6 +153,12 @@ impl OffscreenRenderer {
     pub fn drawn_size(&self) -> (u32, u32) {
         let smaller = self.smaller.as_ref();
         smaller.map_or(self.size(), ScaledTarget::drawn_size)
+    }
+
+    /// Draws the maps of each picture's date from now on, where they change with it; without, those that it was opened with.
+    pub fn show_dated_maps(&mut self, flight: &Flight) -> Result<(), PlayError> {
+        self.dated_maps = DatedMapsLayer::of(flight, &self.gpu)?;
+        Ok(())
     }
 
     /// Draws what is beyond the Earth from now on, where a flight's scene asks for any of it.
@@ -238,6 +247,7 @@ impl OffscreenRenderer {
     /// Draws an instant when all tiles that it wants have come, or `wait` is over. Answers the tiles that are missing.
     pub fn draw_complete(&mut self, moment: &Moment, wait: Duration) -> (FrameStats, Vec<TileKey>) {
         let size = self.drawn_size();
+        self.prepare_maps(moment, wait);
         let (view, sky) = (&moment.view, &moment.sky);
         let (mut stats, missing) =
             self.earth
@@ -358,8 +368,15 @@ impl OffscreenRenderer {
         self.wait()
     }
 
+    fn prepare_maps(&mut self, moment: &Moment, wait: Duration) {
+        if let Some(maps) = &mut self.dated_maps {
+            maps.prepare(&self.gpu, &mut self.earth, moment.epoch, wait);
+        }
+    }
+
     fn prepare(&mut self, moment: &Moment) -> FrameStats {
         let size = self.drawn_size();
+        self.prepare_maps(moment, Duration::ZERO);
         let mut stats = self
             .earth
             .prepare(&self.gpu.queue, &moment.view, &moment.sky, size);

@@ -8,7 +8,7 @@ use crate::frames::Epoch;
 use crate::gpu::GpuContext;
 use crate::imagery::tile::TileKey;
 use crate::offscreen::{Drawing, OffscreenEarth, TruthPicture};
-use crate::scene::Scene;
+use crate::scene::{BetweenMaps, Scene};
 use crate::{EarthOptions, FrameStats};
 use std::path::Path;
 use std::time::Duration;
@@ -44,7 +44,7 @@ pub struct ScenePictures {
     options: Option<EarthOptions>,
     shown: Option<OffscreenRenderer>,
     light: Option<OffscreenRenderer>,
-    truth: Option<OffscreenEarth>,
+    truth: Option<(OffscreenEarth, Vec<BetweenMaps>)>,
 }
 
 impl ScenePictures {
@@ -148,6 +148,7 @@ impl ScenePictures {
                 options.light.detail = false;
                 let gpu = self.gpu.clone();
                 let mut made = OffscreenRenderer::open_for_light(gpu, options, self.size)?;
+                made.show_dated_maps(&self.flight)?;
                 made.show_sky(&self.flight)?;
                 made
             }
@@ -165,14 +166,21 @@ impl ScenePictures {
     pub fn draw_truth(&mut self, epoch: Epoch) -> Result<(TruthPicture, Drawing), PlayError> {
         let moment = self.moment(epoch)?;
         let wait = self.flight.scene().output.wait();
-        let earth = match self.truth.take() {
-            Some(earth) => earth,
+        let dated = self.flight.scene().earth.dated_maps.iter();
+        let maps: Vec<_> = dated.map(|maps| maps.at(epoch)).collect();
+        let made = self.truth.take().filter(|(_, made_for)| *made_for == maps);
+        let earth = match made {
+            Some((earth, _)) => earth,
             None => {
-                let options = self.options()?.clone();
+                let options = match maps.is_empty() {
+                    true => self.options()?.clone(),
+                    // It has no maps that pass into each other.
+                    false => self.flight.earth_options_at(epoch, self.gpu.bc_support())?,
+                };
                 OffscreenEarth::new(self.gpu.clone(), options, self.size)?
             }
         };
-        let earth = self.truth.insert(earth);
+        let (earth, _) = self.truth.insert((earth, maps));
         Ok(earth.draw_truth(&moment.view, &moment.sky, wait)?)
     }
 
@@ -191,6 +199,7 @@ impl ScenePictures {
                 let options = self.options()?.clone();
                 let flight = &self.flight;
                 let mut made = OffscreenRenderer::open(self.gpu.clone(), options, self.size)?;
+                made.show_dated_maps(flight)?;
                 made.show_sky(flight)?;
                 made.show_tracks(flight)?;
                 let quality = scene_quality(&flight.scene().quality, *made.earth().quality());

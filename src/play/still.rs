@@ -70,7 +70,7 @@ pub fn write_still(
     wanted.set(GpuContext::FLOAT_TARGET, radiance.is_some());
     let gpu = pollster::block_on(GpuContext::open_with(request.adapter, wanted))?;
     progress.begin("loading maps", None);
-    let mut options = flight.earth_options(gpu.bc_support())?;
+    let mut options = flight.earth_options_at(epoch, gpu.bc_support())?;
     options.diagnostics.wireframe = request.wireframe;
     progress.end();
     let for_truth = truth.map(|folder| (folder, gpu.clone(), options.clone()));
@@ -84,6 +84,7 @@ pub fn write_still(
         (file, gpu.clone(), options)
     });
     let mut renderer = OffscreenRenderer::open(gpu, options, size)?;
+    renderer.show_dated_maps(flight)?;
     renderer.show_sky(flight)?;
     renderer.show_tracks(flight)?;
     renderer.set_quality(&scene_quality(&scene.quality, *renderer.earth().quality()))?;
@@ -163,6 +164,7 @@ fn draw_light(
     moment: &Moment,
 ) -> Result<Vec<[f32; 4]>, PlayError> {
     let mut renderer = OffscreenRenderer::open_for_light(gpu, options, size)?;
+    renderer.show_dated_maps(flight)?;
     renderer.show_sky(flight)?;
     renderer.draw_complete(moment, flight.scene().output.wait());
     renderer.read_light()

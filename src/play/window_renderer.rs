@@ -2,6 +2,7 @@
 
 use super::controls::Controls;
 use super::craft::CraftLayer;
+use super::dated_maps::DatedMapsLayer;
 use super::egui_pass::EguiTarget;
 use super::error::{PlayError, WindowError};
 use super::flight::{Flight, Moment};
@@ -39,6 +40,7 @@ pub struct WindowRenderer {
     surface: WindowSurface,
     earth: Earth,
     craft: CraftLayer,
+    dated_maps: Option<DatedMapsLayer>,
     sky: Option<SkyLayer>,
     tracks: Option<TracksLayer>,
     gpu: GpuContext,
@@ -145,6 +147,7 @@ impl WindowRenderer {
             overlay: Overlay::new(&window, &gpu.device, surface.format()),
             surface,
             craft: CraftLayer::new(&options)?,
+            dated_maps: DatedMapsLayer::of(flight, &gpu)?,
             sky: SkyLayer::of(flight, &gpu, &earth)?,
             tracks: TracksLayer::of(flight, &gpu, &earth)?,
             earth,
@@ -195,7 +198,9 @@ impl WindowRenderer {
     pub fn is_loading(&self) -> bool {
         let tracks = self.tracks.as_ref();
         let is_growing = tracks.is_some_and(|tracks| !tracks.is_complete());
+        let maps = self.dated_maps.as_ref();
         is_growing
+            || maps.is_some_and(DatedMapsLayer::is_loading)
             || self.last.is_some_and(|(_, stats)| {
                 let tiles = stats.tiles;
                 tiles.queued + tiles.loading + tiles.waiting_upload > 0
@@ -399,6 +404,9 @@ impl WindowRenderer {
         view: &wgpu::TextureView,
     ) -> FrameStats {
         let (size, drawn_size) = (self.surface.size(), self.surface.drawn_size());
+        if let Some(maps) = &mut self.dated_maps {
+            maps.prepare(&self.gpu, &mut self.earth, moment.epoch, Duration::ZERO);
+        }
         let mut stats = self
             .earth
             .prepare(&self.gpu.queue, &moment.view, &moment.sky, drawn_size);

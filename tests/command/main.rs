@@ -5,6 +5,7 @@
 mod bad_input;
 mod basilisk;
 mod bench;
+mod dated_maps;
 mod goldens;
 mod live;
 mod orbit;

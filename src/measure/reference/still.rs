@@ -199,7 +199,7 @@ fn load(
     progress: &dyn Progress,
 ) -> Result<(Reference, Vec<String>), StillError> {
     // Tiles are read as plain texels.
-    let mut earth = flight.earth_options(BcSupport::None)?;
+    let mut earth = flight.earth_options_at(moment.epoch, BcSupport::None)?;
     if earth.exposure == Exposure::Auto
         && let Some(ev) = metered_ev(&earth, &moment.view, &moment.sky)
     {

@@ -85,6 +85,7 @@ impl<'f> CameraService<'f> {
         let gpu = pollster::block_on(GpuContext::open(adapter))?;
         let options = flight.earth_options(gpu.bc_support())?;
         let mut renderer = OffscreenRenderer::open(gpu, options, FIRST_SIZE)?;
+        renderer.show_dated_maps(flight)?;
         renderer.show_sky(flight)?;
         let quality = scene_quality(&flight.scene().quality, *renderer.earth().quality());
         renderer.set_quality(&quality)?;
