@@ -139,13 +139,14 @@ pub enum PlayError {
     },
     /// The work was stopped from outside.
     #[error(
-        "interrupted after {done} of {wanted} frames; an unfinished video is taken away, finished frames stay"
+        "interrupted after {done}{} frames; an unfinished video is taken away, finished frames stay",
+        wanted.map_or_else(String::new, |wanted| format!(" of {wanted}"))
     )]
     Interrupted {
         /// Frames drawn.
         done: u64,
-        /// Frames wanted.
-        wanted: u64,
+        /// Frames wanted, where that is known.
+        wanted: Option<u64>,
     },
     /// No satellite of the name that is asked for, or no satellite at all.
     #[error("{}: satellite {wanted:?}: {remedy}", scene.display())]

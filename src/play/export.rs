@@ -57,7 +57,8 @@ pub fn export(
         )?;
     }
     let size = request.size.unwrap_or(scene.output.size.into());
-    let frame_count = scene.time.frame_count();
+    let wanted = frames_wanted(flight);
+    let frame_count = wanted.unwrap_or(u64::MAX);
     let mut sinks: Vec<Box<dyn FrameSink>> = Vec::new();
     if request.video.is_some() {
         check_size(size)?;
@@ -73,7 +74,7 @@ pub fn export(
     }
     if let Some(folder) = request.frames {
         sinks.push(Box::new(PngSequence {
-            folder: FrameFolder::open(folder, frame_count, request.overwrite)?,
+            folder: FrameFolder::open(folder, wanted.unwrap_or(1), request.overwrite)?,
             next: 0,
         }));
     }
@@ -89,18 +90,20 @@ pub fn export(
     renderer.show_tracks(flight)?;
     renderer.set_quality(&scene_quality(&scene.quality, *renderer.earth().quality()))?;
     tracing::info!(
-        "{frame_count} frames of {} × {} on {}",
+        "{} frames of {} × {} on {}",
+        wanted.map_or("as many as there are steps:".to_owned(), |count| count
+            .to_string()),
         size.0,
         size.1,
         renderer.adapter_info().name
     );
-    progress.begin("frames", Some(frame_count));
+    progress.begin("frames", wanted);
     let aspect = renderer.aspect();
     let wait = scene.output.wait();
     let mut missing_tiles = MissingTiles::default();
     if is_lockstep {
         return with_camera_service(flight, request.adapter, || {
-            export_lockstep(flight, sinks, &mut renderer, frame_count, progress)
+            export_lockstep(flight, sinks, &mut renderer, wanted, progress)
         });
     }
     write_while_drawing(sinks, |push| {
@@ -108,7 +111,7 @@ pub fn export(
             if progress.cancelled() {
                 return Err(PlayError::Interrupted {
                     done: index,
-                    wanted: frame_count,
+                    wanted,
                 });
             }
             let moment = flight.at(frame_epoch(&scene.time, index), aspect)?;
@@ -135,13 +138,21 @@ pub fn export(
     Ok(())
 }
 
+/// How many frames a film has. A simulation of Basilisk says itself when it ends: without a duration in the scene there is one
+/// for each of its steps, and nobody knows how many.
+fn frames_wanted(flight: &Flight) -> Option<u64> {
+    let scene = flight.scene();
+    let is_given = scene.line("time", "duration_s").is_some();
+    (flight.simulation().is_none() || is_given).then(|| scene.time.frame_count())
+}
+
 /// One frame for each picture that a simulator asks for and gets: until the scene's number of frames, or until it is
 /// silent for as long as the scene waits, or its stream ends.
 fn export_lockstep(
     flight: &Flight,
     sinks: Vec<Box<dyn FrameSink>>,
     renderer: &mut OffscreenRenderer,
-    frame_count: u64,
+    wanted: Option<u64>,
     progress: &dyn Progress,
 ) -> Result<(), PlayError> {
     let aspect = renderer.aspect();
@@ -150,13 +161,10 @@ fn export_lockstep(
     let mut missing_tiles = MissingTiles::default();
     let mut done = 0;
     write_while_drawing(sinks, |push| {
-        while done < frame_count {
+        while wanted.is_none_or(|wanted| done < wanted) {
             let awaited = flight.await_moment(aspect, &|| progress.cancelled());
             if progress.cancelled() {
-                return Err(PlayError::Interrupted {
-                    done,
-                    wanted: frame_count,
-                });
+                return Err(PlayError::Interrupted { done, wanted });
             }
             let (moment, asked) = match awaited {
                 Ok((moment, Some(asked))) => (moment, asked),

@@ -198,6 +198,37 @@ fn a_film_has_one_frame_for_each_step_and_its_simulator_goes_on() {
     assert_eq!(pictures.len(), 5, "two frames are the same");
 }
 
+/// A scene without a duration has the simulation's: no step is left out, and nobody is left waiting.
+#[test]
+fn a_film_without_a_duration_is_as_long_as_the_simulation() {
+    const STEPS: u64 = 12;
+    let place = Place::new();
+    let port = free_port();
+    let listen = format!("listen = \"tcp://127.0.0.1:{port}\"\ntimeout_s = 60");
+    let film = |name: &str, text: &str| {
+        place.scene("basilisk.toml", text);
+        let player = place
+            .command(&["play", "basilisk.toml", "--frames", name])
+            .spawn()
+            .expect("starts");
+        let mut simulator = Simulator::connect(SocketAddr::from(([127, 0, 0, 1], port)));
+        let answered = (1..=STEPS)
+            .take_while(|frame| simulator.update(&messages::step(*frame, 10.0 * *frame as f64)))
+            .count();
+        drop(simulator);
+        assert!(player.wait_with_output().expect("ends").status.success());
+        (answered as u64, names(&place.path(name)).len() as u64)
+    };
+    // 5580 s by default; at this speed that would be three frames.
+    let text = scene(&listen, "mode = \"nadir\"").replace("speed = 10\n", "speed = 18600\n");
+    assert_eq!(
+        film("open", &text.replace("duration_s = 1000\n", "")),
+        (STEPS, STEPS)
+    );
+    let (_, frames) = film("given", &text.replace("= 1000\n", "= 5580\n"));
+    assert_eq!(frames, 3);
+}
+
 #[test]
 fn a_saved_simulation_is_played_by_its_own_time() {
     let place = Place::new();
