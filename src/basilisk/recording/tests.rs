@@ -1,3 +1,4 @@
+use super::index::MAX_NOTED;
 use super::*;
 
 use crate::basilisk::messages;
@@ -119,7 +120,7 @@ fn a_long_file_is_noted_in_part_and_found_all_the_same() {
     }
     let recording = open(&saved("long", &bytes)).expect("opens");
     assert_eq!(recording.messages(), count);
-    assert!(recording.noted.len() <= MAX_NOTED);
+    assert!(recording.index.noted.len() <= MAX_NOTED);
     for elapsed_s in [1.0, 2.0, 65_537.0, 131_073.5, count as f64] {
         let snapshot = recording.snapshot_at(recording.at(elapsed_s));
         let snapshot = snapshot.expect("reads").expect("known");

@@ -1,0 +1,36 @@
+//! What is wrong with a saved simulation.
+
+use std::io;
+use std::path::PathBuf;
+
+/// Why a file cannot be played.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordingError {
+    /// The system.
+    #[error("{}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: io::Error,
+    },
+    /// Not one message.
+    #[error("{}: no message of Basilisk in it ({cause}); it is what saveFile writes that is played", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with its beginning.
+        cause: String,
+    },
+    /// A message that was there when the file was opened.
+    #[error("{}: the message at byte {offset} cannot be played: {cause}", path.display())]
+    Message {
+        /// The file.
+        path: PathBuf,
+        /// Where the message begins.
+        offset: u64,
+        /// What is wrong with it.
+        cause: String,
+    },
+}
