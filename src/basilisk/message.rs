@@ -38,6 +38,8 @@ pub struct Message {
     pub locations: Vec<Location>,
     /// The simulation asks the viewer to end.
     pub ends_viewer: bool,
+    /// Characters whose keys the script listens to; only where settings come.
+    pub live_keys: Option<String>,
     /// What it holds that is not drawn.
     pub undrawn: Undrawn,
 }
@@ -210,6 +212,7 @@ impl Message {
                     push(&mut message.cameras, MAX_CAMERAS, camera, &mut undrawn);
                 }
                 5 => undrawn.add(QUAD_MAPS),
+                7 => message.live_keys = Some(live_keys(field.bytes()?)?),
                 8 => message.epoch = Some(epoch(field.bytes()?)?),
                 9 => {
                     let location = location(field.bytes()?, &mut undrawn)?;
@@ -403,9 +406,30 @@ fn live_settings(bytes: &[u8], undrawn: &mut Undrawn) -> Result<bool, WireFault>
     Ok(ends)
 }
 
-/// What the viewer answers to a request for input: the frame that it has, and nothing that a user did.
-pub fn viewer_input(frame_number: i64) -> Vec<u8> {
+/// The keys that a script listens to, of its settings.
+fn live_keys(bytes: &[u8]) -> Result<String, WireFault> {
+    let mut keys = String::new();
+    for field in Fields::of(bytes) {
+        let field = field?;
+        if field.number == 52 {
+            keys = field.text(MAX_NAME_CHARS)?;
+        }
+    }
+    Ok(keys)
+}
+
+/// What the viewer answers to a request for input: the frame that it has, and the keys that were pressed.
+pub fn viewer_input(frame_number: i64, keys: &str) -> Vec<u8> {
     let mut bytes = vec![0x08];
     put_varint(&mut bytes, frame_number.cast_unsigned());
+    if !keys.is_empty() {
+        // keyInputs, a message of one string.
+        let mut inner = vec![0x0a];
+        put_varint(&mut inner, keys.len() as u64);
+        inner.extend_from_slice(keys.as_bytes());
+        bytes.push(0x12);
+        put_varint(&mut bytes, inner.len() as u64);
+        bytes.extend(inner);
+    }
     bytes
 }

@@ -15,6 +15,7 @@
 //! | see what becomes of a step | `world.rs`: places about the Earth's centre, epoch, what is told to a user |
 //! | see where a camera looks | `camera.rs`, `attitude.rs` |
 //! | see who is answered when | `server.rs`, `shared.rs` |
+//! | send a script what a user does | `keys.rs` |
 //! | play a saved simulation | `recording/`: what is held of a file (`index.rs`), and how it is played |
 //! | change limits | `message.rs` (sizes), `zmtp.rs` (frames, times), `server.rs` (connections) |
 //!
@@ -29,6 +30,7 @@ mod camera;
 mod endpoint;
 mod feeds;
 mod history;
+mod keys;
 mod message;
 #[cfg(test)]
 #[path = "../../tests/common/basilisk.rs"]

@@ -192,11 +192,16 @@ impl<'r> Request<'r> {
         match self {
             Self::Ping => vec![b"PONG".to_vec()],
             Self::Update(_) => vec![b"OK".to_vec()],
-            Self::Input => vec![b"VIZARD_INPUT".to_vec(), viewer_input(frame_number)],
+            Self::Input => input(frame_number, ""),
             Self::Image(_) => image(Vec::new()),
             Self::Unknown => vec![b"ERROR".to_vec()],
         }
     }
+}
+
+/// What a user did since it was asked last.
+fn input(frame_number: i64, keys: &str) -> Vec<Vec<u8>> {
+    vec![b"VIZARD_INPUT".to_vec(), viewer_input(frame_number, keys)]
 }
 
 /// A picture's answer: its length, and its file. None has length 0.
@@ -260,7 +265,8 @@ impl Attended<'_> {
             is_answered: false,
         };
         let answer = match request {
-            Request::Ping | Request::Input | Request::Unknown => request.stand_in(frame_number),
+            Request::Ping | Request::Unknown => request.stand_in(frame_number),
+            Request::Input => input(frame_number, &self.shared.take_keys(&self.session)),
             Request::Update(message) => {
                 if let Ok(snapshot) = self.shared.take(&mut self.session, message) {
                     self.shared.ask(&snapshot, None);

@@ -1,6 +1,7 @@
 //! What the threads of a simulation share: its newest instant, where its craft have been, and who waits for what.
 
 use super::history::History;
+use super::keys::ScriptKeys;
 use super::message::{Camera, Message};
 use super::options::SimulationOptions;
 use super::wire::WireFault;
@@ -98,6 +99,8 @@ struct Inner {
     next_ticket: u64,
     next_session: u64,
     is_over: bool,
+    /// By session.
+    keys: BTreeMap<u64, ScriptKeys>,
 }
 
 /// What the threads share.
@@ -176,6 +179,7 @@ impl Shared {
     pub fn leave(&self, session: &mut Session) {
         let mut inner = self.lock();
         inner.counters.connected = inner.counters.connected.saturating_sub(1);
+        inner.keys.remove(&session.number);
         if session.world.is_some() {
             inner.world = session.world.take();
         }
@@ -191,6 +195,10 @@ impl Shared {
             session.frame_number = message.frame_number;
             let ends_viewer = message.ends_viewer;
             let has_epoch = message.epoch.is_some();
+            if let Some(keys) = &message.live_keys {
+                let mut inner = self.lock();
+                inner.keys.entry(session.number).or_default().listen(keys);
+            }
             let world = session.world.get_or_insert_with(|| {
                 // A simulation that goes on with a new viewer does not say its epoch again.
                 let before = self.lock().world.clone().filter(|_| !has_epoch);
@@ -412,6 +420,27 @@ impl Shared {
     /// Nobody draws pictures any more.
     pub fn painter_leaves(&self) {
         self.set_painter(Painter::None);
+    }
+
+    /// A key was pressed: as the script of the simulation that is drawn spells it, where it listens to that one.
+    pub fn press(&self, key: char) -> Option<char> {
+        let mut inner = self.lock();
+        let author = inner.author;
+        inner.keys.get_mut(&author)?.press(key)
+    }
+
+    /// The characters whose keys the script of the simulation that is drawn listens to.
+    pub fn heard_keys(&self) -> String {
+        let inner = self.lock();
+        let keys = inner.keys.get(&inner.author);
+        keys.map_or_else(String::new, |keys| keys.heard().to_owned())
+    }
+
+    /// What was pressed for a session since it asked last.
+    pub fn take_keys(&self, session: &Session) -> String {
+        let mut inner = self.lock();
+        let keys = inner.keys.get_mut(&session.number);
+        keys.map_or_else(String::new, ScriptKeys::take)
     }
 
     pub fn latest(&self) -> Option<Arc<Snapshot>> {

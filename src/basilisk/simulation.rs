@@ -197,6 +197,17 @@ impl Simulation {
         })
     }
 
+    /// A key was pressed, as a character. Where the script of the simulation that is drawn listens to it (`keyboardLiveInput`) it is
+    /// told when it asks next, and this answers the character as the script spells it.
+    pub fn press(&self, key: char) -> Option<char> {
+        self.shared.press(key)
+    }
+
+    /// The characters whose keys that script listens to.
+    pub fn heard_keys(&self) -> String {
+        self.shared.heard_keys()
+    }
+
     /// How long ago the last step came; `None` before the first.
     pub fn age(&self) -> Option<Duration> {
         self.shared.age()

@@ -6,6 +6,7 @@ use super::keys::Action;
 use super::live::LivePlay;
 use super::live_status::LiveStatus;
 use std::time::Duration;
+use winit::keyboard::Key;
 
 /// The window's time where a simulator gives it.
 pub(super) enum SimulatorTime<'f> {
@@ -68,6 +69,14 @@ impl<'f> SimulatorTime<'f> {
             Self::Live(live) => live.drawn(),
             // It was answered when it came.
             Self::Basilisk(_) => {}
+        }
+    }
+
+    /// A key was pressed: what to tell of it where it goes to whoever gives the time and not to the window.
+    pub fn press(&self, key: &Key) -> Option<String> {
+        match self {
+            Self::Live(_) => None,
+            Self::Basilisk(play) => play.press(key),
         }
     }
 

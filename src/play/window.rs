@@ -199,6 +199,12 @@ impl ApplicationHandler for App<'_> {
             WindowEvent::KeyboardInput { event, .. }
                 if event.state == ElementState::Pressed && !response.consumed =>
             {
+                let live = self.live.as_ref().filter(|_| !event.repeat);
+                if let Some(told) = live.and_then(|live| live.press(&event.logical_key)) {
+                    self.show_message(told);
+                    self.redraw();
+                    return;
+                }
                 let repeats = |action: Action| matches!(action, Action::Zoom(_) | Action::Skip(_));
                 let action = action_of(&event.logical_key);
                 if let Some(action) = action.filter(|action| !event.repeat || repeats(*action)) {

@@ -6,6 +6,7 @@ use crate::play::keys::Action;
 use crate::play::live_status::LiveStatus;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use winit::keyboard::Key;
 
 /// How often a window asks for the simulation's next step.
 const POLL_INTERVAL: Duration = Duration::from_millis(4);
@@ -94,6 +95,19 @@ impl<'f> SimulationPlay<'f> {
         ))
     }
 
+    /// A key was pressed: what to tell of it where it goes to the script and not to the window.
+    pub fn press(&self, key: &Key) -> Option<String> {
+        let Key::Character(text) = key else {
+            return None;
+        };
+        let mut characters = text.chars();
+        let (Some(key), None) = (characters.next(), characters.next()) else {
+            return None;
+        };
+        let sent = self.simulation.press(key)?;
+        Some(format!("sent to the simulation: {sent}"))
+    }
+
     /// The state of the simulation, for the panel.
     pub fn status(&self, is_paused: bool) -> LiveStatus {
         let counters = self.simulation.counters();
@@ -114,6 +128,10 @@ impl<'f> SimulationPlay<'f> {
             ("simulation", state),
             ("steps", counters.steps.to_string()),
         ];
+        let heard = self.simulation.heard_keys();
+        if !heard.is_empty() {
+            rows.push(("keys", format!("{heard} go to the script")));
+        }
         if counters.bad > 0 {
             rows.push(("bad", format!("{} messages", counters.bad)));
         }

@@ -1,6 +1,8 @@
 //! Simulations of Basilisk: pictures of their cameras against another way to the same view, films of every step, files, and the real
 //! simulator where it is installed.
 
+#[cfg(target_os = "linux")]
+mod keys;
 mod pictures;
 mod real;
 
@@ -20,6 +22,11 @@ fn scene(orbit: &str, camera: &str) -> String {
         "[time]\nspeed = 10\nframe_rate_hz = 10\nduration_s = 1000\n[orbit]\nsource = \"basilisk\"\n{orbit}\n[camera]\n{camera}\n\
          [earth]\nnormals = false\nnight_lights = false\n[sky]\nstars = false\n[output]\nsize = [64, 36]\nsamples = 1\nwait_s = 5\n"
     )
+}
+
+fn free_port() -> u16 {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("binds");
+    listener.local_addr().expect("bound").port()
 }
 
 /// A simulator that asks as Basilisk's module does.

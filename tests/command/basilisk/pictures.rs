@@ -1,5 +1,6 @@
 //! Pictures, films and files of simulations.
 
+use super::free_port;
 use super::messages;
 use super::{Simulator, scene};
 use crate::{Place, names};
@@ -158,11 +159,6 @@ fn a_depth_map_has_the_disc_where_geometry_has_it() {
     let angle = f64::asin(radius_m / (radius_m + HEIGHT_M));
     let wide = (angle.tan() / (FOV_DEG / 2.0).to_radians().tan() * 128.0).min(f64::from(SIZE.0));
     assert!((across - wide).abs() < 2.0, "{across} of {wide}");
-}
-
-fn free_port() -> u16 {
-    let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("binds");
-    listener.local_addr().expect("bound").port()
 }
 
 #[test]

@@ -36,6 +36,40 @@ fn requests_are_answered_as_basilisk_expects() {
     assert!(feed.state_at(start()).is_err());
 }
 
+/// The settings of a script that listens to keys.
+fn listening(frame: u64, keys: &str) -> Vec<u8> {
+    let settings = messages::bytes(52, keys.as_bytes());
+    let parts = [
+        messages::earth([0.0; 3], [0.0; 3], 0.0),
+        messages::bytes(7, &settings),
+    ];
+    messages::message(frame, frame as f64, &parts)
+}
+
+#[test]
+fn keys_are_told_to_the_script_that_listens_to_them() {
+    let (simulation, address) = open(options());
+    simulation.set_pace(StepPace::Free);
+    let input = |peer: &mut Peer| peer.ask(&[b"REQUEST_INPUT"]).expect("an answer")[1].clone();
+    let mut deaf = Peer::connect(address);
+    deaf.update(&messages::step(1, 10.0));
+    assert_eq!(simulation.press('b'), None);
+    let mut peer = Peer::connect(address);
+    peer.update(&listening(1, "bé"));
+    assert_eq!(simulation.heard_keys(), "bé");
+    let told = ['B', 'é', 'x'].map(|key| simulation.press(key));
+    assert_eq!(told, [Some('b'), Some('é'), None]);
+    assert_eq!(input(&mut deaf), [0x08, 1]);
+    assert_eq!(input(&mut peer), b"\x08\x01\x12\x05\x0a\x03b\xc3\xa9");
+    // Once.
+    assert_eq!(input(&mut peer), [0x08, 1]);
+    // Settings come only at first; the keys stay.
+    peer.update(&messages::step(2, 20.0));
+    assert_eq!(simulation.press('b'), Some('b'));
+    peer.update(&listening(3, ""));
+    assert_eq!(simulation.press('b'), None);
+}
+
 #[test]
 fn a_picture_is_of_the_step_just_received() {
     let (simulation, address) = open(options());
