@@ -163,6 +163,21 @@ fn examples_draw_the_same_earth() {
     // The same view with one sample a pixel in place of four: edges differ, nothing else.
     let off = difference(&drawn, &picture(&vulkan));
     assert!(off < 1.0, "{off}");
+    // Drawn into memory that another process has: not one byte is another.
+    for (name, arguments) in [
+        ("share_vulkan", &[][..]),
+        ("share_vulkan_asan", &["-fsanitize=address,undefined"][..]),
+    ] {
+        let share = Build {
+            source: "examples/share_vulkan.c",
+            arguments,
+            libraries: &["-lvulkan", "-lm"],
+            name,
+        };
+        let shared = out.path().join(name).with_extension("png");
+        run(&build(&share, out.path()), out.path(), &[&shared]);
+        assert_eq!(picture(&shared), picture(&vulkan), "{name}");
+    }
 }
 
 #[test]
