@@ -72,6 +72,11 @@ pub fn of_orbit(error: &orbit::OrbitError) -> PyErr {
     OrbitError::new_err(error.to_string())
 }
 
+/// A motion that cannot begin, or not go on.
+pub fn of_start(error: impl std::fmt::Display) -> PyErr {
+    OrbitError::new_err(error.to_string())
+}
+
 /// Anything else, in its own words.
 pub fn of_any(error: impl std::fmt::Display) -> PyErr {
     Error::new_err(error.to_string())

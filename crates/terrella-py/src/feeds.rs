@@ -7,7 +7,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use terrella::frames::{Epoch, Orientation};
-use terrella::orbit::{Catalogue, Ephemerides, EphemerisFeed, Feed, Frame, OrbitError, Sgp4Feed};
+use terrella::orbit::{Catalogue, Ephemerides, Feed, Frame, OrbitError};
 
 /// Most states that one call gives.
 const MAX_STATES: usize = 1 << 27;
@@ -103,81 +103,100 @@ fn computed(
     Ok((positions, velocities))
 }
 
-macro_rules! file_of_feeds {
-    ($class:ident, $name:literal, $read:ident, $feed:ty, $doc:literal) => {
-        #[doc = $doc]
-        #[pyclass(frozen, name = $name, module = "terrella")]
-        pub struct $class {
-            feeds: Vec<$feed>,
-            /// What is wrong with other records of the file: the first thousand.
-            #[pyo3(get)]
-            faults: Vec<String>,
-        }
-
-        #[pymethods]
-        impl $class {
-            #[new]
-            #[pyo3(signature = (path, *, strict = false))]
-            fn new(py: Python<'_>, path: PathBuf, strict: bool) -> PyResult<Self> {
-                let read = py.detach(|| $read::from_file(&path, strict));
-                let read = read.map_err(|error| of_orbit(&error))?;
-                Ok(Self {
-                    faults: read.faults.iter().map(ToString::to_string).collect(),
-                    feeds: read.feeds,
-                })
-            }
-
-            /// Names of the satellites, in the order of the file.
-            #[getter]
-            fn names(&self) -> Vec<String> {
-                self.feeds
-                    .iter()
-                    .map(|feed| feed.name().to_owned())
-                    .collect()
-            }
-
-            /// First and last instant at which each is known.
-            #[getter]
-            fn validity(&self) -> Vec<(PyEpoch, PyEpoch)> {
-                let spans = self.feeds.iter().map(Feed::validity);
-                spans
-                    .map(|(first, last)| (PyEpoch(first), PyEpoch(last)))
-                    .collect()
-            }
-
-            fn __len__(&self) -> usize {
-                self.feeds.len()
-            }
-
-            /// Positions and velocities, metres and metres a second: satellites × instants × 3 each. `frame` is itrf, teme, gcrf, eme2000 or pef,
-            /// and velocities are those seen in it. Instants at which a satellite is not known raise, or are NaN with outside="nan".
-            #[pyo3(signature = (times, frame = "itrf", *, outside = "raise"))]
-            fn propagate<'py>(
-                &self,
-                py: Python<'py>,
-                times: &Bound<'py, PyAny>,
-                frame: &str,
-                outside: &str,
-            ) -> PyResult<Pair<'py>> {
-                let (frame, epochs) = (frame_named(frame, "frame")?, epochs(times, "times")?);
-                let feeds: Vec<_> = self.feeds.iter().map(|feed| feed as &dyn Feed).collect();
-                states_of(py, &feeds, &epochs, frame, outside)
-            }
-        }
-    };
+/// Satellites whose places are known over a time: what every kind of them can be asked.
+#[pyclass(frozen, subclass, name = "Satellites", module = "terrella")]
+pub struct PySatellites {
+    feeds: Vec<Box<dyn Feed>>,
 }
 
-file_of_feeds!(
-    PyCatalogue,
-    "Catalogue",
-    Catalogue,
-    Sgp4Feed,
-    "Satellites of a file of mean elements (TLE, or OMM in KVN, XML, JSON or CSV), flown by SGP4.\n\nSets that are spoilt are listed in `faults`; with strict=True they are refused."
-);
-file_of_feeds!(
-    PyEphemerides,
-    "Ephemerides",
-    Ephemerides,
-    EphemerisFeed,
-    "Objects of a file of states (OEM, CZML, CSV), interpolated as the file says.\n\nWhat is spoilt is listed in `faults`; with strict=True it is refused."
-);
+impl PySatellites {
+    /// Any number of one kind.
+    pub fn new<F: Feed + 'static>(feeds: impl IntoIterator<Item = F>) -> Self {
+        let boxed = |feed| -> Box<dyn Feed> { Box::new(feed) };
+        Self {
+            feeds: feeds.into_iter().map(boxed).collect(),
+        }
+    }
+}
+
+#[pymethods]
+impl PySatellites {
+    /// Names of the satellites, in the order of the file.
+    #[getter]
+    fn names(&self) -> Vec<String> {
+        let names = self.feeds.iter().map(|feed| feed.name().to_owned());
+        names.collect()
+    }
+
+    /// First and last instant at which each is known.
+    #[getter]
+    fn validity(&self) -> Vec<(PyEpoch, PyEpoch)> {
+        let spans = self.feeds.iter().map(|feed| feed.validity());
+        spans
+            .map(|(first, last)| (PyEpoch(first), PyEpoch(last)))
+            .collect()
+    }
+
+    fn __len__(&self) -> usize {
+        self.feeds.len()
+    }
+
+    /// Positions and velocities, metres and metres a second: satellites × instants × 3 each. `frame` is itrf, teme, gcrf, eme2000 or pef,
+    /// and velocities are those seen in it. Instants at which a satellite is not known raise, or are NaN with outside="nan".
+    #[pyo3(signature = (times, frame = "itrf", *, outside = "raise"))]
+    fn propagate<'py>(
+        &self,
+        py: Python<'py>,
+        times: &Bound<'py, PyAny>,
+        frame: &str,
+        outside: &str,
+    ) -> PyResult<Pair<'py>> {
+        let (frame, epochs) = (frame_named(frame, "frame")?, epochs(times, "times")?);
+        let feeds: Vec<_> = self.feeds.iter().map(AsRef::as_ref).collect();
+        states_of(py, &feeds, &epochs, frame, outside)
+    }
+}
+
+/// Satellites of a file of mean elements (TLE, or OMM in KVN, XML, JSON or CSV), flown by SGP4.
+///
+/// Sets that are spoilt are listed in `faults`; with strict=True they are refused.
+#[pyclass(frozen, extends = PySatellites, name = "Catalogue", module = "terrella")]
+pub struct PyCatalogue {
+    /// What is wrong with other records of the file: the first thousand.
+    #[pyo3(get)]
+    faults: Vec<String>,
+}
+
+#[pymethods]
+impl PyCatalogue {
+    #[new]
+    #[pyo3(signature = (path, *, strict = false))]
+    fn new(py: Python<'_>, path: PathBuf, strict: bool) -> PyResult<(Self, PySatellites)> {
+        let read = py.detach(|| Catalogue::from_file(&path, strict));
+        let read = read.map_err(|error| of_orbit(&error))?;
+        let faults = read.faults.iter().map(ToString::to_string).collect();
+        Ok((Self { faults }, PySatellites::new(read.feeds)))
+    }
+}
+
+/// Objects of a file of states (OEM, CZML, CSV), interpolated as the file says.
+///
+/// What is spoilt is listed in `faults`; with strict=True it is refused.
+#[pyclass(frozen, extends = PySatellites, name = "Ephemerides", module = "terrella")]
+pub struct PyEphemerides {
+    /// What is wrong with other records of the file: the first thousand.
+    #[pyo3(get)]
+    faults: Vec<String>,
+}
+
+#[pymethods]
+impl PyEphemerides {
+    #[new]
+    #[pyo3(signature = (path, *, strict = false))]
+    fn new(py: Python<'_>, path: PathBuf, strict: bool) -> PyResult<(Self, PySatellites)> {
+        let read = py.detach(|| Ephemerides::from_file(&path, strict));
+        let read = read.map_err(|error| of_orbit(&error))?;
+        let faults = read.faults.iter().map(ToString::to_string).collect();
+        Ok((Self { faults }, PySatellites::new(read.feeds)))
+    }
+}

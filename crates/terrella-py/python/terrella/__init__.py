@@ -4,8 +4,8 @@
 >>> scene = terrella.Scene("config/iss.toml")
 >>> scene.frame().save("iss.png")
 
-``Scene`` plays a scene file at any instant; ``Earth`` is the Earth alone, seen by a ``Camera`` of yours; ``Catalogue`` and
-``Ephemerides`` say where satellites are. Lengths are metres, angles degrees where a name says so, axes Earth-fixed (ITRF: x to 0° E
+``Scene`` plays a scene file at any instant; ``Earth`` is the Earth alone, seen by a ``Camera`` of yours; ``Catalogue``,
+``Ephemerides``, ``KeplerOrbit`` and ``IntegratedOrbit`` say where satellites are. Lengths are metres, angles degrees where a name says so, axes Earth-fixed (ITRF: x to 0° E
 on the equator, z to the north pole). Pictures have their first row at the top.
 """
 
@@ -18,7 +18,10 @@ from ._native import (
     Ephemerides,
     Epoch,
     Error,
+    IntegratedOrbit,
+    KeplerOrbit,
     OrbitError,
+    Satellites,
     SceneError,
     __version__,
     geodetic_from_itrf,
@@ -39,7 +42,10 @@ __all__ = [
     "Error",
     "Film",
     "Frame",
+    "IntegratedOrbit",
+    "KeplerOrbit",
     "OrbitError",
+    "Satellites",
     "Scene",
     "SceneError",
     "__version__",

@@ -97,12 +97,9 @@ class Scene:
         self, times: Times, frame: FrameName = "itrf", *, outside: Literal["raise", "nan"] = "raise"
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 
-class Catalogue:
-    def __init__(self, path: str | os.PathLike[str], *, strict: bool = False) -> None: ...
+class Satellites:
     @property
     def names(self) -> list[str]: ...
-    @property
-    def faults(self) -> list[str]: ...
     @property
     def validity(self) -> list[tuple[Epoch, Epoch]]: ...
     def __len__(self) -> int: ...
@@ -110,18 +107,78 @@ class Catalogue:
         self, times: Times, frame: FrameName = "itrf", *, outside: Literal["raise", "nan"] = "raise"
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 
-class Ephemerides:
+class Catalogue(Satellites):
     def __init__(self, path: str | os.PathLike[str], *, strict: bool = False) -> None: ...
     @property
-    def names(self) -> list[str]: ...
+    def faults(self) -> list[str]: ...
+
+class Ephemerides(Satellites):
+    def __init__(self, path: str | os.PathLike[str], *, strict: bool = False) -> None: ...
     @property
     def faults(self) -> list[str]: ...
+
+class KeplerOrbit(Satellites):
+    def __init__(
+        self,
+        time: Time,
+        *,
+        last: Time,
+        inclination_deg: float,
+        eccentricity: float = 0.0,
+        semi_major_axis_m: float | None = None,
+        periapsis_m: float | None = None,
+        raan_deg: float = 0.0,
+        argument_of_periapsis_deg: float = 0.0,
+        true_anomaly_deg: float | None = None,
+        mean_anomaly_deg: float | None = None,
+        frame: Literal["gcrf", "teme", "eme2000"] = "gcrf",
+        j2: bool = False,
+        first: Time | None = None,
+        name: str = "satellite",
+    ) -> None: ...
+    @staticmethod
+    def from_state(
+        time: Time,
+        position_m: ArrayLike,
+        velocity_m_s: ArrayLike,
+        *,
+        last: Time,
+        frame: Literal["gcrf", "teme", "eme2000"] = "gcrf",
+        j2: bool = False,
+        first: Time | None = None,
+        name: str = "satellite",
+    ) -> KeplerOrbit: ...
     @property
-    def validity(self) -> list[tuple[Epoch, Epoch]]: ...
-    def __len__(self) -> int: ...
-    def propagate(
-        self, times: Times, frame: FrameName = "itrf", *, outside: Literal["raise", "nan"] = "raise"
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+    def impact(self) -> Epoch | None: ...
+
+class IntegratedOrbit(Satellites):
+    def __init__(
+        self,
+        time: Time,
+        position_m: ArrayLike,
+        velocity_m_s: ArrayLike,
+        *,
+        last: Time,
+        first: Time | None = None,
+        frame: FrameName = "gcrf",
+        gravity_degree: int = 8,
+        gravity_order: int | None = None,
+        air: Literal["us1976", "exponential"] | None = None,
+        sun: bool = False,
+        moon: bool = False,
+        sunlight: bool = False,
+        mass_kg: float = 1000.0,
+        drag_area_m2: float = 10.0,
+        drag_coefficient: float = 2.2,
+        sunlit_area_m2: float = 10.0,
+        reflectivity: float = 1.3,
+        relative_tolerance: float = 1e-10,
+        name: str = "satellite",
+    ) -> None: ...
+    @property
+    def impact(self) -> Epoch | None: ...
+    @property
+    def steps(self) -> int: ...
 
 def transform(
     positions_m: ArrayLike,
