@@ -1,0 +1,37 @@
+//! Why a camera does not see the Earth.
+
+use bevy::render::render_resource::TextureFormat;
+use terrella::frames::Epoch;
+use terrella::{EarthError, ImageryError};
+
+/// Why a camera does not see the Earth. It is logged once, and stands in the camera's
+/// [`EarthCameraStatus`](crate::EarthCameraStatus) as long as it holds.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum EarthFault {
+    /// The maps could not be read.
+    #[error("the Earth's maps cannot be read: {0}")]
+    Maps(#[from] ImageryError),
+    /// The Earth cannot be drawn as its component says.
+    #[error("the Earth cannot be made: {0}")]
+    Earth(#[from] EarthError),
+    /// More than one entity is an Earth.
+    #[error("{0} entities have the component Earth and one can be drawn; despawn the others")]
+    Several(usize),
+    /// An instant that the sky is not computed of.
+    #[error("the Earth's epoch is {0}; it must be in the years 1 to 9999")]
+    Epoch(Epoch),
+    /// Light in eight bits without an encoding.
+    #[error(
+        "the camera draws to {0:?}, which holds linear light in few bits; give it the component Hdr, or a target whose format is sRGB"
+    )]
+    Format(TextureFormat),
+    /// A projection without a vanishing point.
+    #[error("the camera's projection is no perspective; the Earth is drawn through a perspective")]
+    Projection,
+    /// A camera that mirrors or stretches.
+    #[error(
+        "the camera's transform mirrors or stretches its world; scale all three axes alike, by a positive number"
+    )]
+    Transform,
+}
