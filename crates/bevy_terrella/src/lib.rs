@@ -1,0 +1,96 @@
+//! The Earth in [Bevy](https://bevy.org): Terrella drawn in Bevy's own pass, with its depth.
+//!
+//! ```no_run
+//! use bevy::prelude::*;
+//! use bevy_terrella::{Earth, EarthCamera, EarthClock, EarthFrame, TerrellaPlugin};
+//! use terrella::frames::Geodetic;
+//!
+//! fn add(app: &mut App) {
+//!     app.add_plugins(TerrellaPlugin).add_systems(Startup, |mut commands: Commands| {
+//!         let place = Geodetic::from_degrees(28.0, 30.0, 420_000.0);
+//!         commands.spawn((Earth::default(), EarthFrame::local(place), EarthClock::default()));
+//!         commands.spawn((Camera3d::default(), EarthCamera::default()));
+//!     });
+//! }
+//! ```
+//!
+//! | component | on | says |
+//! |---|---|---|
+//! | [`Earth`] | one entity | maps and look |
+//! | [`EarthFrame`] | the same | where the world's origin and axes are on the Earth, in f64 |
+//! | [`EarthEpoch`], [`EarthClock`] | the same | when it is; how fast that goes on |
+//! | [`EarthSky`] | the same | what lights it then, computed |
+//! | [`EarthCamera`] | each `Camera3d` that sees it | exposure |
+//! | [`EarthCameraStatus`] | the same | whether it is drawn, what was drawn, or why not |
+//! | [`EarthSun`] | a `DirectionalLight` | makes it the Sun |
+//!
+//! # One frame
+//!
+//! ```text
+//!  main world                          render world
+//!  EarthClock ─► EarthEpoch ─► EarthSky
+//!                    │            │
+//!  EarthFrame ───────┴────────────┴─► extract ─► prepare ──────────► draw, once a camera, in Core3d:
+//!  EarthCamera ──────────────────────►    │      PrepareResources    after the opaque pass,
+//!  EarthCameraStatus ◄── report ◄─────────┴──────── (all cameras     before the transparent one
+//!                      (next frame)                  in one call)
+//! ```
+//!
+//! `prepare` is one call for all cameras of a format and sample count, because Bevy submits them together; each camera has an
+//! [`EarthView`](terrella::EarthView) of its own. Where a camera needs an Earth that is not there yet, a task makes it.
+//! On a new device (`RenderStartup`) all is made anew.
+//!
+//! What Bevy draws from its prepass (ambient occlusion, depth of field, motion vectors) does not know of the Earth, which is not in it.
+
+mod earth;
+mod fault;
+mod frame;
+mod render;
+mod sun;
+mod time;
+
+pub use earth::{Earth, EarthCamera, EarthCameraStatus, EarthMaps};
+pub use fault::EarthFault;
+pub use frame::EarthFrame;
+pub use sun::EarthSun;
+pub use terrella;
+pub use time::{EarthClock, EarthEpoch, EarthSky};
+
+use bevy::app::{App, Plugin, PostUpdate, PreUpdate};
+use bevy::ecs::schedule::{IntoScheduleConfigs, SystemSet};
+use bevy::transform::TransformSystems;
+
+/// Draws the [`Earth`] for every [`EarthCamera`]. Add it after Bevy's `RenderPlugin` (`DefaultPlugins`); without one it draws nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TerrellaPlugin;
+
+/// When the plugin's systems of the main world run.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TerrellaSystems {
+    /// [`EarthClock`] advances [`EarthEpoch`]: in `PreUpdate`.
+    Clock,
+    /// [`EarthSky`] is computed: in `PostUpdate`.
+    Sky,
+    /// [`EarthSun`] aims its light: in `PostUpdate`, after [`Self::Sky`] and before transforms are propagated.
+    Sun,
+}
+
+impl Plugin for TerrellaPlugin {
+    fn build(&self, app: &mut App) {
+        let (sky, sun) = (TerrellaSystems::Sky, TerrellaSystems::Sun);
+        let order = (sky, sun).chain().before(TransformSystems::Propagate);
+        app.register_type::<EarthFrame>()
+            .register_type::<EarthClock>()
+            .register_type::<EarthSun>()
+            .configure_sets(PostUpdate, order)
+            .add_systems(
+                PreUpdate,
+                time::advance_epochs.in_set(TerrellaSystems::Clock),
+            )
+            .add_systems(
+                PostUpdate,
+                (time::compute_skies.in_set(sky), sun::aim_suns.in_set(sun)),
+            );
+        render::build(app);
+    }
+}

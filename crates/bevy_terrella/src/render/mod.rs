@@ -1,0 +1,53 @@
+//! The render world's part.
+//!
+//! | file | what |
+//! |---|---|
+//! | `extract.rs` | from the main world: the Earth and its cameras; back to it: what became of them |
+//! | `eye.rs` | a camera of Bevy's as the library's view |
+//! | `planet.rs` | an Earth for one format and sample count: made by a task, with a view for each camera |
+//! | `prepare.rs` | all pictures of a frame |
+//! | `draw.rs` | one camera's pass |
+
+mod draw;
+mod extract;
+mod eye;
+mod planet;
+mod prepare;
+
+use bevy::app::App;
+use bevy::core_pipeline::core_3d::{main_opaque_pass_3d, main_transparent_pass_3d};
+use bevy::core_pipeline::{Core3d, Core3dSystems};
+use bevy::ecs::schedule::IntoScheduleConfigs;
+use bevy::ecs::system::ResMut;
+use bevy::render::{ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems};
+use planet::Planets;
+
+/// Adds the systems of the render world, where there is one.
+pub(crate) fn build(app: &mut App) {
+    let Some(render) = app.get_sub_app_mut(RenderApp) else {
+        tracing::warn!("without Bevy's RenderPlugin before TerrellaPlugin no Earth is drawn");
+        return;
+    };
+    render
+        .init_resource::<extract::SeenEarth>()
+        .init_resource::<extract::Reports>()
+        .init_resource::<Planets>()
+        .add_systems(RenderStartup, forget)
+        .add_systems(ExtractSchedule, (extract::report, extract::extract).chain())
+        .add_systems(
+            Render,
+            prepare::prepare.in_set(RenderSystems::PrepareResources),
+        )
+        .add_systems(
+            Core3d,
+            draw::draw
+                .after(main_opaque_pass_3d)
+                .before(main_transparent_pass_3d)
+                .in_set(Core3dSystems::MainPass),
+        );
+}
+
+/// Bevy has a new device: what was made on the old one is of no use.
+fn forget(mut planets: ResMut<Planets>) {
+    *planets = Planets::default();
+}
