@@ -44,7 +44,7 @@ fn centre(texel: u32, source: u32, level: u32) -> (i64, f32) {
 
 /// Catmull–Rom between `b` and `c`, held between them.
 #[inline]
-fn cubic([a, b, c, d]: [f32; 4], t: f32) -> f32 {
+pub(super) fn cubic([a, b, c, d]: [f32; 4], t: f32) -> f32 {
     let value =
         b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)));
     value.clamp(b.min(c), b.max(c))

@@ -6,7 +6,9 @@
 //! last row. Wrong bits that still decode cannot be told from a picture.
 
 use super::sof::{Header, read_header};
-use super::{FileContext, FileKind, RowSource, SampleKind, SourceInfo, SourceLimits, check_size};
+use super::{
+    Extent, FileContext, FileKind, RowSource, SampleKind, SourceInfo, SourceLimits, check_size,
+};
 use crate::imagery::build::error::BuildError;
 use mozjpeg::Decompress;
 use mozjpeg::decompress::DecompressStarted;
@@ -32,9 +34,10 @@ impl<R: BufRead + Seek> JpegRows<R> {
         mut reader: R,
         context: FileContext,
         limits: SourceLimits,
+        extent: Extent,
     ) -> Result<Self, BuildError> {
         let header = read_header(&mut reader, &context)?;
-        check_size(&context, header.width, header.height)?;
+        check_size(&context, header.width, header.height, extent)?;
         let coefficients = header.coefficient_bytes();
         if !header.in_strips && coefficients > limits.buffer_bytes {
             return Err(context.too_large(

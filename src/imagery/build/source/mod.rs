@@ -18,6 +18,9 @@ pub const MIN_SOURCE_HEIGHT: u32 = 16;
 /// Largest height of a map, texels; its width is twice that. 8 rows of the largest tiles.
 pub const MAX_SOURCE_HEIGHT: u32 = 65_536;
 
+/// Longest side of a part of a map, texels.
+pub const MAX_PIECE_SIDE: u32 = 262_144;
+
 /// What one sample is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SampleKind {
@@ -88,10 +91,24 @@ impl SourceInfo {
     }
 }
 
+/// How much of the Earth a file must hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Extent {
+    /// All of it: twice as wide as high, and what it says of its place must agree.
+    WholeEarth,
+    /// Any part; where it lies is asked elsewhere.
+    Piece,
+}
+
 /// A map read from north to south.
 pub trait RowSource {
     /// Its size and texels.
     fn info(&self) -> SourceInfo;
+
+    /// What was left out so far and is to be told, each once.
+    fn notes(&mut self) -> Vec<String> {
+        Vec::new()
+    }
 
     /// Fills a row of [`SourceInfo::row_bytes`] bytes. Called at most once for each row.
     ///
@@ -181,9 +198,19 @@ pub fn open_source(path: &Path, limits: SourceLimits) -> Result<Box<dyn RowSourc
 /// # Errors
 /// As [`open_source`].
 pub fn read_source<R: BufRead + Seek + 'static>(
+    reader: R,
+    path: &Path,
+    limits: SourceLimits,
+) -> Result<Box<dyn RowSource>, BuildError> {
+    read_extent(reader, path, limits, Extent::WholeEarth)
+}
+
+/// Reads a picture of any part of the Earth.
+pub(super) fn read_extent<R: BufRead + Seek + 'static>(
     mut reader: R,
     path: &Path,
     limits: SourceLimits,
+    extent: Extent,
 ) -> Result<Box<dyn RowSource>, BuildError> {
     let context = FileContext::new(path);
     let mut magic = Vec::with_capacity(8);
@@ -194,12 +221,17 @@ pub fn read_source<R: BufRead + Seek + 'static>(
         .map_err(|error| context.unreadable(error))?;
     let source: Box<dyn RowSource> = match magic.as_slice() {
         [0x89, b'P', b'N', b'G', ..] => {
-            Box::new(png::PngRows::open(reader, context.clone(), limits)?)
+            Box::new(png::PngRows::open(reader, context.clone(), limits, extent)?)
         }
-        [0xFF, 0xD8, ..] => Box::new(jpeg::JpegRows::open(reader, context.clone(), limits)?),
-        [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => {
-            Box::new(tiff::TiffRows::open(reader, context.clone(), limits)?)
-        }
+        [0xFF, 0xD8, ..] => Box::new(jpeg::JpegRows::open(
+            reader,
+            context.clone(),
+            limits,
+            extent,
+        )?),
+        [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => Box::new(
+            tiff::TiffRows::open(reader, context.clone(), limits, extent)?,
+        ),
         _ => {
             return Err(context.refused(
                 "is neither PNG nor JPEG nor TIFF",
@@ -210,8 +242,24 @@ pub fn read_source<R: BufRead + Seek + 'static>(
     Ok(source)
 }
 
-/// Refuses what is no map of the whole Earth. Readers call it with the sizes of the header, before they allocate.
-fn check_size(context: &FileContext, width: u32, height: u32) -> Result<(), BuildError> {
+/// Refuses what is no map of the whole Earth, or no part of one. Readers call it with the sizes of the header, before they
+/// allocate.
+fn check_size(
+    context: &FileContext,
+    width: u32,
+    height: u32,
+    extent: Extent,
+) -> Result<(), BuildError> {
+    if extent == Extent::Piece {
+        let sides = 1..=MAX_PIECE_SIDE;
+        if sides.contains(&width) && sides.contains(&height) {
+            return Ok(());
+        }
+        return Err(context.refused(
+            format!("is {width} x {height} texels"),
+            format!("give maps of at most {MAX_PIECE_SIDE} texels a side"),
+        ));
+    }
     if !(MIN_SOURCE_HEIGHT..=MAX_SOURCE_HEIGHT).contains(&height)
         || width.abs_diff(height.saturating_mul(2)) > 1
     {
@@ -219,7 +267,7 @@ fn check_size(context: &FileContext, width: u32, height: u32) -> Result<(), Buil
             format!("is {width} x {height} texels"),
             format!(
                 "give an equirectangular map of the whole Earth, twice as wide as high, from {MIN_SOURCE_HEIGHT} to \
-                 {MAX_SOURCE_HEIGHT} texels high"
+                 {MAX_SOURCE_HEIGHT} texels high, or a mosaic (a TOML file or a folder) of maps that say where they lie"
             ),
         ));
     }

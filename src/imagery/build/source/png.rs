@@ -1,6 +1,8 @@
 //! PNG maps: grey, palette and colour of 8 or 16 bits.
 
-use super::{FileContext, FileKind, RowSource, SampleKind, SourceInfo, SourceLimits, check_size};
+use super::{
+    Extent, FileContext, FileKind, RowSource, SampleKind, SourceInfo, SourceLimits, check_size,
+};
 use crate::imagery::build::error::BuildError;
 use png::{BitDepth, DecodingError, Limits, Reader, Transformations};
 use std::io::{BufRead, Seek};
@@ -24,6 +26,7 @@ impl<R: BufRead + Seek> PngRows<R> {
         reader: R,
         context: FileContext,
         limits: SourceLimits,
+        extent: Extent,
     ) -> Result<Self, BuildError> {
         let with_file = |error| decode_error(&context, error);
         let mut decoder = png::Decoder::new_with_limits(
@@ -37,7 +40,7 @@ impl<R: BufRead + Seek> PngRows<R> {
         decoder.set_ignore_text_chunk(true);
         decoder.set_ignore_iccp_chunk(true);
         let (width, height) = decoder.read_header_info().map_err(with_file)?.size();
-        check_size(&context, width, height)?;
+        check_size(&context, width, height, extent)?;
         let mut reader = decoder.read_info().map_err(with_file)?;
         if reader.info().is_animated() {
             return Err(context.refused("is an animation", "give a PNG with one picture"));

@@ -1,6 +1,8 @@
 //! TIFF maps: strips or tiles, uncompressed, LZW, deflate or PackBits, also BigTIFF and GeoTIFF.
 
-use super::{FileContext, FileKind, RowSource, SampleKind, SourceInfo, SourceLimits, check_size};
+use super::{
+    Extent, FileContext, FileKind, RowSource, SampleKind, SourceInfo, SourceLimits, check_size,
+};
 use crate::elevation::geo_tags::GeoTags;
 use crate::imagery::build::error::BuildError;
 use std::io::{BufRead, Seek};
@@ -27,11 +29,12 @@ impl<R: BufRead + Seek> TiffRows<R> {
         reader: R,
         context: FileContext,
         limits: SourceLimits,
+        extent: Extent,
     ) -> Result<Self, BuildError> {
         let with_file = |error| decode_error(&context, error);
         let mut decoder = Decoder::new(reader).map_err(with_file)?;
         let (width, height) = decoder.dimensions().map_err(with_file)?;
-        check_size(&context, width, height)?;
+        check_size(&context, width, height, extent)?;
         let colour = decoder.colortype().map_err(with_file)?;
         let (channels, bits) = match colour {
             ColorType::Gray(bits) => (1, bits),
@@ -70,7 +73,9 @@ impl<R: BufRead + Seek> TiffRows<R> {
                 ));
             }
         };
-        if let Some(complaint) = GeoTags::read(&mut decoder).complaint(width, height) {
+        if extent == Extent::WholeEarth
+            && let Some(complaint) = GeoTags::read(&mut decoder).complaint(width, height)
+        {
             return Err(context.refused(
                 complaint,
                 "warp it to the whole globe (`gdalwarp -t_srs EPSG:4326 -te -180 -90 180 90`)",
