@@ -1,6 +1,8 @@
 //! What distinguishes one build from another: all that decides what is written, and the maps by size, time and their ends.
 
 use super::error::BuildError;
+use super::input::MapInput;
+use super::mosaic::Mosaic;
 use super::source::FileContext;
 use super::{BuildOptions, Map};
 use std::fmt::Write;
@@ -30,10 +32,25 @@ pub(super) fn of(options: &BuildOptions, maps: &[Map<'_>]) -> Result<String, Bui
             map.path,
             map.meaning,
             map.levels,
-            of_file(map.path)?
+            match &map.input {
+                MapInput::File(path) => of_file(path)?,
+                MapInput::Mosaic(mosaic) => of_mosaic(mosaic),
+            }
         );
     }
     Ok(blake3::hash(text.as_bytes()).to_hex().to_string())
+}
+
+/// Of what a mosaic is made of, and of sizes and times of all its files: there may be thousands of them.
+fn of_mosaic(mosaic: &Mosaic) -> String {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(mosaic.identity().as_bytes());
+    for path in mosaic.files() {
+        let known = std::fs::metadata(&path).ok();
+        let known = known.map(|known| (known.len(), known.modified().ok()));
+        hasher.update(format!("{} {known:?}\n", path.display()).as_bytes());
+    }
+    hasher.finalize().to_hex().to_string()
 }
 
 fn of_file(path: &Path) -> Result<String, BuildError> {

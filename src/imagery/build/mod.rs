@@ -3,6 +3,8 @@
 //! | file | what |
 //! |---|---|
 //! | `source/` | PNG, JPEG and TIFF read a row at a time |
+//! | `mosaic/` | several of them as one map |
+//! | `input.rs` | a map of either kind |
 //! | `values.rs` | texels as linear light, cover or slopes |
 //! | `resample.rs` | rows at another size |
 //! | `bands.rs` | rows gathered into rows of blocks with borders |
@@ -23,8 +25,10 @@ mod cut;
 mod error;
 mod fingerprint;
 mod folder;
+mod input;
 mod journal;
 mod memory;
+pub mod mosaic;
 mod plan;
 mod resample;
 mod run;
@@ -40,6 +44,7 @@ use super::pack::{LayerEntry, LevelEntry, Manifest, TileFile};
 use super::tile::{MapLayer, Storage, TileShape};
 use crate::globe::BLOCK_COUNT;
 use folder::{BuildFolder, Disk, Writer};
+use input::MapInput;
 use plan::{Means, Plan};
 use run::Job;
 use source::{SourceInfo, SourceLimits};
@@ -68,7 +73,7 @@ pub enum Relief {
     },
 }
 
-/// What is built from what, and how.
+/// What is built from what, and how. Maps are files of the whole Earth or mosaics: see [`mosaic`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct BuildOptions {
     /// Surface colour, sRGB.
@@ -243,6 +248,7 @@ impl BuildProgress for () {
 struct Map<'a> {
     layer: MapLayer,
     path: &'a Path,
+    input: MapInput,
     meaning: Meaning,
     info: SourceInfo,
     levels: Vec<TileShape>,
@@ -293,6 +299,7 @@ fn build_with(
         let job = Job {
             layer: map.layer,
             path: map.path,
+            input: &map.input,
             meaning: map.meaning,
             info: map.info,
             limits,
@@ -330,7 +337,11 @@ fn look<'a>(
     limits: SourceLimits,
     progress: &dyn BuildProgress,
 ) -> Result<Map<'a>, BuildError> {
-    let source = source::open_source(path, limits)?;
+    let input = MapInput::open(path, limits)?;
+    for note in input.notes() {
+        progress.note(note);
+    }
+    let source = input.rows(limits)?;
     let info = source.info();
     // Refuses texels of the wrong kind.
     drop(ValueRows::new(source, meaning, path)?);
@@ -362,6 +373,7 @@ fn look<'a>(
     Ok(Map {
         layer,
         path,
+        input,
         meaning,
         info,
         levels,
@@ -409,15 +421,26 @@ fn manifest(
     });
     Manifest {
         name: options.pack_name(),
-        attribution: options.attribution.clone(),
+        attribution: attribution(options, maps),
         storages: options.storages.clone(),
         layers: layers.collect(),
     }
 }
 
-/// File name and size, in characters that a manifest can hold.
+/// The lines asked for, then those that maps bring along, each once.
+fn attribution(options: &BuildOptions, maps: &[Map<'_>]) -> Vec<String> {
+    let mut lines = options.attribution.clone();
+    for line in maps.iter().flat_map(|map| map.input.attribution()) {
+        if !lines.contains(line) {
+            lines.push(line.clone());
+        }
+    }
+    lines
+}
+
+/// Name and size, in characters that a manifest can hold.
 fn source_text(map: &Map<'_>) -> String {
-    let name = map.path.file_name().unwrap_or_default().to_string_lossy();
+    let name = map.input.name(map.path);
     let name: String = name
         .chars()
         .map(|c| if c.is_control() { '?' } else { c })

@@ -5,6 +5,7 @@ use super::bc;
 use super::cut::cut;
 use super::error::BuildError;
 use super::folder::BuildFolder;
+use super::input::MapInput;
 use super::memory::Pool;
 use super::plan::Plan;
 use super::resample::{Resampler, Sizes};
@@ -15,6 +16,7 @@ use crate::globe::{BLOCK_COUNT, COLUMNS, ROWS};
 use crate::imagery::pack::write_ktx2;
 use crate::imagery::tile::{MapLayer, Storage, TileShape};
 use rayon::Scope;
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -24,6 +26,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub(super) struct Job<'a> {
     pub layer: MapLayer,
     pub path: &'a Path,
+    pub input: &'a MapInput,
     pub meaning: Meaning,
     pub info: source::SourceInfo,
     pub limits: source::SourceLimits,
@@ -44,6 +47,14 @@ impl Failure {
         let mut first = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         first.get_or_insert(error);
     }
+}
+
+/// What is known when a pass is over.
+struct PassDone {
+    /// Slopes beyond what can be stored.
+    saturated_texels: u64,
+    /// What was left out of the map.
+    notes: Vec<String>,
 }
 
 /// What the threads of a pass share.
@@ -69,7 +80,7 @@ impl Job<'_> {
             .thread_name(|n| format!("terrella encode {n}"))
             .build()
             .map_err(|error| BuildError::Threads(error.to_string()))?;
-        let mut saturated_texels = 0;
+        let (mut saturated_texels, mut told) = (0, BTreeSet::new());
         for (n, columns) in passes.iter().enumerate() {
             let levels = self.missing_levels(columns);
             if levels.is_empty() {
@@ -84,7 +95,14 @@ impl Job<'_> {
                 .begin(&what, Some(u64::from(self.info.height)));
             let done = self.pass::<C>(&threads, columns, &levels);
             self.progress.end();
-            saturated_texels = done?;
+            let done = done?;
+            saturated_texels = done.saturated_texels;
+            for note in done.notes {
+                // Every pass finds the same.
+                if told.insert(note.clone()) {
+                    self.progress.note(&note);
+                }
+            }
         }
         Ok(saturated_texels)
     }
@@ -124,7 +142,7 @@ impl Job<'_> {
         threads: &rayon::ThreadPool,
         columns: &Range<u32>,
         levels: &[TileShape],
-    ) -> Result<u64, BuildError> {
+    ) -> Result<PassDone, BuildError> {
         let shared = Shared {
             job: self,
             pool: Pool::new(self.plan.band_bytes),
@@ -155,8 +173,8 @@ impl Job<'_> {
         scope: &Scope<'s>,
         columns: &Range<u32>,
         levels: &[TileShape],
-    ) -> Result<u64, BuildError> {
-        let opened = source::open_source(self.path, self.limits)?;
+    ) -> Result<PassDone, BuildError> {
+        let opened = self.input.rows(self.limits)?;
         if opened.info() != self.info {
             return Err(
                 source::FileContext::new(self.path).damaged("it has changed while it was read")
@@ -197,7 +215,10 @@ impl Job<'_> {
         for (_, bands) in work {
             bands.finish(&mut give);
         }
-        Ok(rows.saturated_texels())
+        Ok(PassDone {
+            saturated_texels: rows.saturated_texels(),
+            notes: rows.notes(),
+        })
     }
 }
 

@@ -143,6 +143,11 @@ impl ValueRows {
         }
     }
 
+    /// What was left out of the map and is to be told.
+    pub(super) fn notes(&mut self) -> Vec<String> {
+        self.source.notes()
+    }
+
     /// Fills the next row: width × channels values.
     pub(super) fn next_row(&mut self, out: &mut [f32]) -> Result<(), BuildError> {
         let Self {

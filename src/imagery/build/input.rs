@@ -1,0 +1,85 @@
+//! A map of the whole Earth that a pack is built from: one file, or a mosaic.
+
+use super::error::BuildError;
+use super::mosaic::Mosaic;
+use super::source::{self, FileContext, RowSource, SourceLimits};
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// A map that has been looked at.
+pub(super) enum MapInput {
+    /// One file of the whole Earth.
+    File(PathBuf),
+    /// Several that say where they lie.
+    Mosaic(Box<Mosaic>),
+}
+
+impl MapInput {
+    /// A folder is a mosaic, and a file that ends in `.toml` and is no picture.
+    pub(super) fn open(path: &Path, limits: SourceLimits) -> Result<Self, BuildError> {
+        let is_mosaic = path.is_dir() || (is_named_toml(path) && !is_picture(path)?);
+        if !is_mosaic {
+            return Ok(Self::File(path.to_path_buf()));
+        }
+        let mosaic = Mosaic::open(path, None, limits)?;
+        Ok(Self::Mosaic(Box::new(mosaic)))
+    }
+
+    /// Reads it from its first row.
+    pub(super) fn rows(&self, limits: SourceLimits) -> Result<Box<dyn RowSource>, BuildError> {
+        match self {
+            Self::File(path) => source::open_source(path, limits),
+            Self::Mosaic(mosaic) => Ok(Box::new(mosaic.rows(limits))),
+        }
+    }
+
+    /// What packs call it: its own name, or that of its file.
+    pub(super) fn name(&self, path: &Path) -> String {
+        match self {
+            Self::Mosaic(mosaic) if mosaic.name().is_some() => {
+                mosaic.name().unwrap_or_default().to_string()
+            }
+            _ => path
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned(),
+        }
+    }
+
+    /// What is to be told before it is read.
+    pub(super) fn notes(&self) -> &[String] {
+        match self {
+            Self::File(_) => &[],
+            Self::Mosaic(mosaic) => mosaic.notes(),
+        }
+    }
+
+    /// Whose data it is, as far as it says.
+    pub(super) fn attribution(&self) -> &[String] {
+        match self {
+            Self::File(_) => &[],
+            Self::Mosaic(mosaic) => mosaic.attribution(),
+        }
+    }
+}
+
+fn is_named_toml(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
+}
+
+fn is_picture(path: &Path) -> Result<bool, BuildError> {
+    let mut magic = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(4).read_to_end(&mut magic))
+        .map_err(|error| FileContext::new(path).unreadable(error))?;
+    Ok(matches!(
+        magic.as_slice(),
+        [0x89, b'P', b'N', b'G']
+            | [0xFF, 0xD8, ..]
+            | [b'I', b'I', 42 | 43, 0]
+            | [b'M', b'M', 0, 42 | 43]
+    ))
+}

@@ -1,0 +1,344 @@
+//! Several maps as one: files and tiles that say where they lie, over one another, on one grid of latitudes and longitudes.
+//!
+//! | file | what |
+//! |---|---|
+//! | `description.rs` | what a mosaic is made of: a TOML file, or a folder |
+//! | `place.rs`, `georeference.rs` | where a part lies, and where files say it |
+//! | `target.rs`, `axis.rs` | the grid that is made, and what its texels are made of |
+//! | `raster.rs`, `tiles.rs`, `texels.rs` | rows of a file or of tiles, and their texels as numbers |
+//! | `piece.rs`, `compose.rs` | a part on the grid; all of them over one another |
+//! | `matching.rs` | colours of a part scaled to those below it |
+//!
+//! Parts are read once, from north to south, and hold a few rows each. A row of one part that lies texel on texel on the grid is taken
+//! over byte for byte; all others are averaged or interpolated in linear light. Damaged parts and tiles are left out and told; parts
+//! that are not there, or do not say where they lie, are errors.
+
+mod axis;
+mod compose;
+mod description;
+mod georeference;
+mod matching;
+mod piece;
+mod place;
+mod raster;
+mod target;
+#[cfg(test)]
+mod tests;
+mod texels;
+mod tiles;
+
+pub use description::{Description, MAX_DESCRIPTION_BYTES, MOSAIC_FILE, Part, PartSource};
+pub use place::{Bounds, Crs, MERCATOR_END_DEG, Place};
+pub use target::Target;
+pub use texels::Encoding;
+pub use tiles::TileSet;
+
+use super::error::BuildError;
+use super::source::{
+    FileContext, MAX_PIECE_SIDE, MAX_SOURCE_HEIGHT, MIN_SOURCE_HEIGHT, RowSource, SampleKind,
+    SourceInfo, SourceLimits,
+};
+use compose::Composer;
+use piece::Piece;
+use std::path::{Path, PathBuf};
+use texels::{TexelKind, Writer};
+
+/// A mosaic that has been looked at: all parts are there and say where they lie.
+#[derive(Clone, Debug)]
+pub struct Mosaic {
+    path: PathBuf,
+    description: Description,
+    pieces: Vec<Piece>,
+    target: Target,
+    kind: TexelKind,
+    info: SourceInfo,
+    notes: Vec<String>,
+}
+
+impl Mosaic {
+    /// Looks at the mosaic at a path, a description or a folder, for the whole Earth or a part of it.
+    ///
+    /// # Errors
+    /// [`BuildError`] with the part and what to do.
+    pub fn open(
+        path: &Path,
+        window: Option<&Bounds>,
+        limits: SourceLimits,
+    ) -> Result<Self, BuildError> {
+        let description = Description::read(path)?;
+        Self::of(description, path, window, limits)
+    }
+
+    /// Looks at the parts of a description; `path` is its name in messages.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn of(
+        description: Description,
+        path: &Path,
+        window: Option<&Bounds>,
+        limits: SourceLimits,
+    ) -> Result<Self, BuildError> {
+        let context = FileContext::new(path);
+        let mut notes = Vec::new();
+        let mut pieces = Vec::new();
+        for part in &description.parts {
+            match Piece::look(part, path, limits) {
+                Ok(piece) => pieces.push(piece),
+                Err(error @ BuildError::Damaged { .. }) => {
+                    notes.push(format!("{error}; it is left out"));
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        if description.is_unordered {
+            // The coarsest lies lowest; equal ones in the order of their names.
+            pieces.sort_by(|a, b| b.place.column_deg.total_cmp(&a.place.column_deg));
+        }
+        let Some(first) = pieces.first() else {
+            return Err(
+                context.refused("has no part that is whole", "copy or fetch its files again")
+            );
+        };
+        let sample = first.kind().sample;
+        let kind = TexelKind {
+            channels: pieces
+                .iter()
+                .map(|piece| piece.kind().channels)
+                .max()
+                .unwrap_or(1),
+            sample,
+        };
+        let other = pieces.iter().find(|piece| {
+            let is_integer = matches!(sample, SampleKind::U16 | SampleKind::I16);
+            piece.kind().sample != sample || (is_integer && piece.info.file != first.info.file)
+        });
+        if let Some(other) = other {
+            return Err(FileContext::new(other.part.from.name()).refused(
+                format!(
+                    "holds {} texels of another kind of file or number than the other parts",
+                    other.kind().sample
+                ),
+                "convert all parts of a mosaic to one kind",
+            ));
+        }
+        if kind.is_colour() && matches!(sample, SampleKind::I16 | SampleKind::F32) {
+            return Err(context.refused(
+                format!("holds {sample} colour"),
+                "convert it to 8 or 16 bits",
+            ));
+        }
+        let finest_deg = pieces
+            .iter()
+            .map(|piece| piece.place.column_deg)
+            .fold(360.0, f64::min);
+        let target = target(&description, window, finest_deg, &context)?;
+        if window.is_none()
+            && description.width.is_none()
+            && 360.0 / finest_deg > 1.001 * f64::from(target.columns)
+        {
+            notes.push(format!(
+                "its finest part would make a map of {:.0} texels round the Earth; the widest that is taken has {}",
+                360.0 / finest_deg,
+                target.columns
+            ));
+        }
+        let buffer_bytes = most_bytes(&pieces, &target);
+        if buffer_bytes > limits.buffer_bytes {
+            return Err(context.too_large(
+                "its parts that lie side by side",
+                buffer_bytes,
+                limits,
+                "give fewer or smaller parts, a smaller width, or allow more --memory",
+            ));
+        }
+        notes.extend(matching::match_pieces(&mut pieces, kind, path, limits)?);
+        Ok(Self {
+            info: SourceInfo {
+                file: pieces[0].info.file,
+                width: target.columns,
+                height: target.rows,
+                channels: kind.channels,
+                sample,
+                buffer_bytes,
+            },
+            path: path.to_path_buf(),
+            description,
+            pieces,
+            target,
+            kind,
+            notes,
+        })
+    }
+
+    /// Size and texels of the map that it is.
+    pub fn info(&self) -> SourceInfo {
+        self.info
+    }
+
+    /// The grid of that map.
+    pub fn target(&self) -> Target {
+        self.target
+    }
+
+    /// What it is called, if it says so.
+    pub fn name(&self) -> Option<&str> {
+        self.description.name.as_deref()
+    }
+
+    /// Whose data it is.
+    pub fn attribution(&self) -> &[String] {
+        &self.description.attribution
+    }
+
+    /// What was left out or changed when it was looked at.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// All files that it is made of; of tiles those that are there.
+    pub(super) fn files(&self) -> impl Iterator<Item = PathBuf> + '_ {
+        self.description.parts.iter().flat_map(|part| {
+            let files: Box<dyn Iterator<Item = PathBuf>> = match &part.from {
+                PartSource::File(path, _) => Box::new(std::iter::once(path.clone())),
+                PartSource::Tiles(set, _) => Box::new(set.rows.clone().flat_map(move |row| {
+                    set.columns.clone().map(move |column| set.file(row, column))
+                })),
+            };
+            files
+        })
+    }
+
+    /// What it is made of, in words that differ for what gives other texels.
+    pub(super) fn identity(&self) -> String {
+        format!("{:?} {:?}", self.description, self.target)
+    }
+
+    /// Its rows.
+    pub fn rows(&self, limits: SourceLimits) -> MosaicRows {
+        MosaicRows {
+            given: 0,
+            writer: Writer::new(self.kind, self.description.fill.as_deref()),
+            state: Composer::new(
+                self.pieces.clone(),
+                self.target,
+                self.kind,
+                self.path.clone(),
+                limits,
+            ),
+            info: self.info,
+            empty: 0,
+            told: false,
+        }
+    }
+}
+
+/// The grid: the width asked for, or as fine as the finest part.
+fn target(
+    description: &Description,
+    window: Option<&Bounds>,
+    finest_deg: f64,
+    context: &FileContext,
+) -> Result<Target, BuildError> {
+    let texel_deg = match description.width {
+        Some(width) => {
+            let heights = MIN_SOURCE_HEIGHT..=MAX_SOURCE_HEIGHT;
+            if window.is_none() && (width % 2 != 0 || !heights.contains(&(width / 2))) {
+                return Err(context.refused(
+                    format!("has a width of {width} texels"),
+                    format!(
+                        "give an even number from {} to {}",
+                        2 * MIN_SOURCE_HEIGHT,
+                        2 * MAX_SOURCE_HEIGHT
+                    ),
+                ));
+            }
+            360.0 / f64::from(width.max(1))
+        }
+        None => finest_deg,
+    };
+    let Some(window) = window else {
+        return Ok(Target::earth_of(texel_deg));
+    };
+    let part = Target::part(window, texel_deg);
+    let sides = 1..=MAX_PIECE_SIDE;
+    if !sides.contains(&part.columns) || !sides.contains(&part.rows) {
+        return Err(context.refused(
+            format!(
+                "would have {} x {} texels in that region",
+                part.columns, part.rows
+            ),
+            format!(
+                "give a smaller region or a coarser level: at most {MAX_PIECE_SIDE} texels a side"
+            ),
+        ));
+    }
+    Ok(part)
+}
+
+/// The most bytes that pieces hold that are open at the same time.
+fn most_bytes(pieces: &[Piece], target: &Target) -> u64 {
+    let mut changes: Vec<(u32, i64)> = pieces
+        .iter()
+        .flat_map(|piece| {
+            let (first, end) = piece.rows(target);
+            // Bounded by the limit of each reader.
+            let bytes = piece.bytes(target) as i64;
+            [(first, bytes), (end.max(first + 1), -bytes)]
+        })
+        .collect();
+    changes.sort_unstable();
+    let (mut now, mut most) = (0_i64, 0_i64);
+    for (_, change) in changes {
+        now = now.saturating_add(change);
+        most = most.max(now);
+    }
+    // The row that is made: values, weights and what is left.
+    most as u64 + u64::from(target.columns) * 20
+}
+
+/// Rows of a mosaic.
+pub struct MosaicRows {
+    state: Composer,
+    writer: Writer,
+    info: SourceInfo,
+    given: u32,
+    /// Texels that no part covers.
+    empty: u64,
+    told: bool,
+}
+
+impl RowSource for MosaicRows {
+    fn info(&self) -> SourceInfo {
+        self.info
+    }
+
+    fn next_row(&mut self, row: &mut [u8]) -> Result<(), BuildError> {
+        if !self.state.plain(self.given, row)? {
+            self.state.row(self.given)?;
+            self.empty += self
+                .state
+                .weights
+                .iter()
+                .filter(|weight| **weight == 0.0)
+                .count() as u64;
+            self.writer
+                .write(&self.state.values, &self.state.weights, row);
+        }
+        self.given += 1;
+        Ok(())
+    }
+
+    fn notes(&mut self) -> Vec<String> {
+        let mut notes = self.state.notes();
+        if self.given == self.info.height && self.empty > 0 && !self.told {
+            self.told = true;
+            let all = u64::from(self.info.width) * u64::from(self.info.height);
+            notes.push(format!(
+                "{:.2} % of the map lie in no part of the mosaic and are filled; a coarser map below all parts would cover them",
+                100.0 * self.empty as f64 / all as f64
+            ));
+        }
+        notes
+    }
+}
