@@ -148,7 +148,10 @@ fn world_files(path: &Path) -> Vec<PathBuf> {
 }
 
 /// Where a world file says that its map lies: sizes and turns of a texel, then the centre of the first one.
-pub(super) fn world_place(text: &str) -> Result<Place, String> {
+///
+/// # Errors
+/// What is wrong with it.
+pub fn world_place(text: &str) -> Result<Place, String> {
     let numbers: Vec<f64> = text
         .split_whitespace()
         .map_while(|word| word.parse().ok())

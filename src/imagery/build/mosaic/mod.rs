@@ -28,6 +28,7 @@ mod texels;
 mod tiles;
 
 pub use description::{Description, MAX_DESCRIPTION_BYTES, MOSAIC_FILE, Part, PartSource};
+pub use georeference::world_place;
 pub use place::{Bounds, Crs, MERCATOR_END_DEG, Place};
 pub use target::Target;
 pub use texels::Encoding;
