@@ -5,6 +5,9 @@
 pub mod air;
 #[path = "earth/mod.rs"]
 pub mod earth;
+#[cfg(feature = "fetch")]
+#[path = "fetch/mod.rs"]
+pub mod fetch;
 #[path = "globe/mod.rs"]
 pub mod globe;
 #[path = "gpu/mod.rs"]

@@ -44,6 +44,7 @@
 //! | [`air`] | density, scattering tables, the billboard | GPU, files |
 //! | [`light`] | exposure, tone curves, metering | GPU, files |
 //! | [`imagery`] | maps and packs on disk, checks, mip levels, slopes, streaming | GPU, orbits |
+//! | `fetch` | maps from their public sources into a cache; all of the network that there is | GPU, orbits |
 //! | [`scene`] | the TOML file, defaults, checks with line and key | GPU |
 //! | [`gpu`] | adapter, targets, shaders, one file per drawable | files, orbits |
 //! | [`earth`] | the façade | the command |

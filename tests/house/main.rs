@@ -90,6 +90,20 @@ fn gpu_objects_are_labelled() {
 }
 
 #[test]
+fn one_file_asks_servers() {
+    holds_in_products(rules::asks_no_server);
+    let files = Repository::open().rust_files("src");
+    let asking = files
+        .iter()
+        .filter(|file| !file.find(&["ureq", ":", ":"]).is_empty());
+    assert_eq!(
+        asking.count(),
+        1,
+        "the file that the rule lets through is gone"
+    );
+}
+
+#[test]
 fn nothing_is_left_unfinished() {
     holds_in_products(rules::leaves_nothing_unfinished);
 }

@@ -15,6 +15,8 @@ const MODULES: &[(&str, &[&str])] = &[
     ("light", &["frames", "air"]),
     // Maps and drawables know nothing of satellites.
     ("imagery", &["elevation", "globe"]),
+    // Maps from the network, for packs.
+    ("fetch", &["imagery"]),
     ("scene", &["frames", "orbit", "basilisk", "globe", "air", "light"]),
     ("gpu", &["frames", "globe", "air", "light", "imagery"]),
     ("earth", &["frames", "elevation", "globe", "air", "light", "imagery", "gpu"]),
@@ -26,7 +28,7 @@ const MODULES: &[(&str, &[&str])] = &[
     ("tracks", &["frames", "orbit", "globe", "air", "gpu", "earth"]),
     ("play", &["frames", "orbit", "basilisk", "elevation", "light", "imagery", "scene", "gpu", "earth", "offscreen", "celestial", "tracks"]),
     ("measure", &["frames", "orbit", "elevation", "globe", "air", "light", "imagery", "scene", "gpu", "earth", "offscreen", "play"]),
-    ("cli", &["frames", "orbit", "basilisk", "globe", "imagery", "scene", "gpu", "play", "measure"]),
+    ("cli", &["frames", "orbit", "basilisk", "globe", "imagery", "fetch", "scene", "gpu", "play", "measure"]),
 ];
 
 /// Names that `lib.rs` exports from modules, with their modules: `crate::Earth` is `earth`.

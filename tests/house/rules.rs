@@ -15,6 +15,7 @@ const WITHOUT_GPU: &[&str] = &[
     "air",
     "light",
     "imagery",
+    "fetch",
     "scene",
 ];
 
@@ -96,6 +97,17 @@ pub fn labels_gpu_objects(file: &File) -> Vec<String> {
         }
     }
     violations
+}
+
+/// The one file that reaches the network on its own account.
+const HTTP_FILE: &str = "src/fetch/http.rs";
+
+/// Only one file asks servers for anything: nothing reaches the network unless `pack fetch` is run.
+pub fn asks_no_server(file: &File) -> Vec<String> {
+    if file.path == HTTP_FILE {
+        return Vec::new();
+    }
+    all(file, &["ureq"], &format!("only {HTTP_FILE} may use HTTP"))
 }
 
 /// No marker of unfinished work.
@@ -248,6 +260,13 @@ mod tests {
         assert_eq!(count("BufferDescriptor { label: Some(&name), size }"), 0);
         assert_eq!(count("InstanceDescriptor { flags }"), 0);
         assert_eq!(count("fn f() -> BufferDescriptor { g() }"), 0);
+    }
+
+    #[test]
+    fn servers() {
+        let text = "//! no ureq here\nuse ureq::Agent;";
+        assert_eq!(count(asks_no_server, "src/fetch/download.rs", text), 1);
+        assert_eq!(count(asks_no_server, HTTP_FILE, text), 0);
     }
 
     #[test]

@@ -1,0 +1,35 @@
+//! Maps fetched from their public sources into a cache that `pack build` reads. Nothing else of the program reaches the network.
+//!
+//! | file | what |
+//! |---|---|
+//! | `source.rs`, `sources/` | descriptions of sources; those that come with the program |
+//! | `named.rs` | a source by its name or by the path of its description |
+//! | `address.rs` | addresses of tiles, and where redirects may lead |
+//! | `plan.rs` | which tiles a region needs |
+//! | `http.rs` | HTTP: the only file that uses it |
+//! | `pace.rs`, `download.rs` | how fast, by how many threads, and what is asked for again |
+//! | `check.rs`, `cache.rs` | what a picture must be before it is kept; what is kept, with checksums |
+//! | `layer.rs` | all of it for one map, and the mosaic that `pack build` reads |
+//! | `heights.rs` | heights written as a GeoTIFF |
+
+mod address;
+mod cache;
+mod check;
+mod download;
+mod error;
+mod heights;
+mod http;
+mod layer;
+mod named;
+mod pace;
+mod plan;
+mod source;
+
+pub use download::Fetched;
+pub use error::FetchError;
+pub use heights::write_heights;
+pub use http::ClientOptions;
+pub use layer::{Estimate, FetchOptions, Layer, LayerDone, Request};
+pub use named::{find_source, source_names};
+pub use plan::Fineness;
+pub use source::{MAX_SOURCE_BYTES, Source, SourceLayer};
