@@ -1,7 +1,9 @@
 //! `terrella pack`: imagery packs, one file for each of its commands.
 
 mod build;
+mod fetch;
 mod info;
+mod options;
 mod preview;
 mod verify;
 
@@ -19,6 +21,8 @@ pub struct PackArgs {
 enum PackCommand {
     /// Build a pack from maps of the whole Earth
     Build(Box<build::BuildArgs>),
+    /// Fetch maps from their public sources and build a pack from them; nothing else of terrella reaches the network
+    Fetch(Box<fetch::FetchArgs>),
     /// List what a pack holds: maps, levels, sizes, attribution
     Info(info::InfoArgs),
     /// Read every tile of a pack and name the bad ones
@@ -34,6 +38,7 @@ enum PackCommand {
 pub fn run(args: &PackArgs, common: &Common) -> anyhow::Result<()> {
     match &args.command {
         PackCommand::Build(args) => build::run(args, common),
+        PackCommand::Fetch(args) => fetch::run(args, common),
         PackCommand::Info(args) => info::run(args),
         PackCommand::Verify(args) => verify::run(args, common),
         PackCommand::Preview(args) => preview::run(args),

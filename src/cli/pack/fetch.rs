@@ -1,0 +1,341 @@
+//! `terrella pack fetch`: maps from their public sources, and a pack from them.
+
+use super::options::{PackOptions, Shown};
+use super::{bytes, print};
+use crate::cli::Common;
+use crate::cli::progress::stop_on_interrupt;
+use anyhow::{Context, bail};
+use clap::Args;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+use terrella::internals::fetch::{
+    ClientOptions, FetchOptions, Fineness, Layer, LayerDone, Request, SourceLayer, find_source,
+    source_names, write_heights,
+};
+use terrella::internals::imagery::SLOPE_EXAGGERATION;
+use terrella::internals::imagery::build::mosaic::Bounds;
+use terrella::internals::imagery::build::source::SourceLimits;
+use terrella::internals::imagery::build::{BuildOptions, Relief, build};
+
+/// Arguments of `terrella pack fetch`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "A source is one of --list or a TOML file of your own (docs/packs.md), with @TIME where it has times: \
+    blue_marble@2004-06, viirs_snpp@2024-06-21. What was stopped goes on when the same command is run again; what is in the cache \
+    is not fetched again. `terrella pack build --day CACHE/day` builds from the cache without the network."
+)]
+pub struct FetchArgs {
+    /// Sources, each NAME, NAME@TIME or FILE.toml; several of one map lie over one another, the last on top
+    #[arg(required_unless_present = "list", value_name = "SOURCE")]
+    sources: Vec<String>,
+    /// The pack's folder
+    #[arg(short, long, value_name = "DIR", required_unless_present_any = ["list", "dry_run", "download_only", "heights"])]
+    output: Option<PathBuf>,
+    /// Texels round the Earth at least: the coarsest level that has as many is fetched, or the finest there is
+    #[arg(long, value_name = "TEXELS", default_value_t = 21_600, value_parser = clap::value_parser!(u32).range(16..=10_000_000))]
+    width: u32,
+    /// Level to fetch, instead of --width
+    #[arg(long, value_name = "N", conflicts_with = "width")]
+    level: Option<u32>,
+    /// Fetch a part of the Earth only: west, south, east and north in degrees; coarser ground lies round it
+    #[arg(long, value_name = "W,S,E,N", allow_hyphen_values = true, value_parser = parse_region)]
+    region: Option<Bounds>,
+    /// With --region: texels round the Earth of the ground round it, from the same source; 0 for none
+    #[arg(
+        long,
+        value_name = "TEXELS",
+        default_value_t = 2048,
+        requires = "region"
+    )]
+    ground_width: u32,
+    /// With --region: degrees over which it fades into the ground
+    #[arg(
+        long,
+        value_name = "DEGREES",
+        default_value_t = 0.25,
+        requires = "region"
+    )]
+    feather: f64,
+    /// A map of the whole Earth below all that is fetched, for poles and gaps; for one kind of map at a time
+    #[arg(long, value_name = "MAP")]
+    under: Option<PathBuf>,
+    /// Folder for what is fetched [default: that of the output with .cache added]
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
+    /// Say what would be fetched, without a request to anybody
+    #[arg(long)]
+    dry_run: bool,
+    /// Fetch into the cache and build nothing
+    #[arg(long, conflicts_with_all = ["output", "heights"])]
+    download_only: bool,
+    /// Write heights as a GeoTIFF for `[earth.relief]` instead of a pack
+    #[arg(long, value_name = "FILE.tif", conflicts_with = "output")]
+    heights: Option<PathBuf>,
+    /// List the sources that come with terrella, whose they are and their terms
+    #[arg(long)]
+    list: bool,
+    /// Requests under way at once [default: the source's, mostly 4]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32))]
+    connections: Option<u32>,
+    /// Requests begun in a second [default: the source's, mostly 20]
+    #[arg(long, value_name = "PER_S", value_parser = parse_rate)]
+    rate: Option<f64>,
+    /// How often a file is asked for again after a failure
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=20))]
+    retries: u32,
+    /// Longest wait for a server, seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..=3600))]
+    timeout: u64,
+    /// Go on without files that cannot be fetched; they are told
+    #[arg(long)]
+    allow_missing: bool,
+    /// Host that redirects may lead to, beside the one asked; may be given several times
+    #[arg(long, value_name = "HOST")]
+    redirect_host: Vec<String>,
+    /// Certificates (PEM) of authorities to trust instead of the usual ones
+    #[arg(long, value_name = "FILE")]
+    ca: Option<PathBuf>,
+    /// How many times steeper than the truth slopes are, of a source of heights
+    #[arg(long, value_name = "TIMES", default_value_t = SLOPE_EXAGGERATION)]
+    exaggeration: f64,
+    #[command(flatten)]
+    pack: PackOptions,
+}
+
+/// `5,44,12,48` as bounds.
+fn parse_region(text: &str) -> Result<Bounds, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|word| word.trim().parse()).collect();
+    match numbers
+        .ok()
+        .and_then(|numbers| <[f64; 4]>::try_from(numbers).ok())
+    {
+        Some(edges) => Bounds::new(edges),
+        None => Err("write west, south, east and north in degrees, as in 5,44,12,48".to_string()),
+    }
+}
+
+fn parse_rate(text: &str) -> Result<f64, String> {
+    let rate = text
+        .parse()
+        .ok()
+        .filter(|rate: &f64| (0.01..=1000.0).contains(rate));
+    rate.ok_or_else(|| "must be from 0.01 to 1000 requests a second".to_string())
+}
+
+/// Fetches, and builds what was asked for.
+pub fn run(args: &FetchArgs, common: &Common) -> anyhow::Result<()> {
+    if args.list {
+        return list();
+    }
+    if !(0.0..=90.0).contains(&args.feather) {
+        bail!("--feather: must be from 0 to 90 degrees");
+    }
+    let requests = args.sources.iter().map(|text| Request::find(text));
+    let layers = Layer::group(requests.collect::<Result<_, _>>()?);
+    let options = options(args)?;
+    if args.dry_run {
+        return dry_run(&layers, &options);
+    }
+    if args.output.is_some() && !layers.iter().any(|layer| layer.layer == SourceLayer::Day) {
+        bail!(
+            "a pack needs a day map: add a source of one, such as blue_marble, or fetch with --download-only and use `pack build`"
+        );
+    }
+    if args.heights.is_some()
+        && layers
+            .iter()
+            .any(|layer| layer.layer != SourceLayer::Elevation)
+    {
+        bail!("--heights: give sources of heights only, such as terrarium");
+    }
+    if args.under.is_some() && layers.len() > 1 {
+        bail!(
+            "--under: is a map of one kind; fetch one kind of map at a time with --download-only, then use `pack build`"
+        );
+    }
+    stop_on_interrupt();
+    let shown = Shown::new(common.quiet);
+    let mut done = Vec::new();
+    for layer in &layers {
+        let fetched = layer.fetch(&options, &shown)?;
+        for (what, fetched) in &fetched.fetched {
+            tracing::info!(
+                what,
+                new = fetched.new,
+                kept = fetched.kept,
+                missing = fetched.missing,
+                retries = fetched.retries,
+                "fetched"
+            );
+            if !common.quiet {
+                eprintln!(
+                    "{what}: {} files fetched ({}), {} there already, {} requests repeated",
+                    fetched.new,
+                    bytes(fetched.bytes),
+                    fetched.kept,
+                    fetched.retries
+                );
+            }
+        }
+        done.push(fetched);
+    }
+    if let Some(path) = &args.heights {
+        return heights(args, &done[0], path, &shown, common);
+    }
+    let Some(output) = &args.output else {
+        return Ok(());
+    };
+    let manifest = build(&build_options(args, &done, output)?, &shown)?;
+    tracing::info!(pack = %output.display(), name = manifest.name, "built");
+    Ok(())
+}
+
+fn options(args: &FetchArgs) -> anyhow::Result<FetchOptions> {
+    let beside = args.output.as_ref().or(args.heights.as_ref()).map(|path| {
+        let mut name = path.file_name().unwrap_or_default().to_os_string();
+        name.push(".cache");
+        path.with_file_name(name)
+    });
+    let cache = match (args.cache.clone().or(beside), args.dry_run) {
+        (Some(cache), _) => cache,
+        // Nothing is written there.
+        (None, true) => PathBuf::new(),
+        (None, false) => bail!("--cache: say where to keep what is fetched"),
+    };
+    Ok(FetchOptions {
+        cache,
+        fineness: args
+            .level
+            .map_or(Fineness::Width(args.width), Fineness::Level),
+        region: args.region,
+        ground_width: args.ground_width,
+        feather_deg: args.feather,
+        under: args.under.clone(),
+        connections: args.connections,
+        requests_per_s: args.rate,
+        retries: args.retries,
+        allow_missing: args.allow_missing,
+        client: ClientOptions {
+            timeout: Duration::from_secs(args.timeout),
+            authorities: args.ca.clone(),
+            redirect_hosts: args.redirect_host.clone(),
+        },
+    })
+}
+
+/// The options of a pack of what was fetched.
+fn build_options(
+    args: &FetchArgs,
+    done: &[LayerDone],
+    output: &Path,
+) -> anyhow::Result<BuildOptions> {
+    let of = |layer| {
+        done.iter()
+            .find(|done| done.layer == layer)
+            .map(|done| done.mosaic.clone())
+    };
+    let day = of(SourceLayer::Day).context("a pack needs a day map")?;
+    Ok(BuildOptions {
+        clouds: of(SourceLayer::Clouds),
+        relief: of(SourceLayer::Elevation).map(|path| Relief::Elevation {
+            path,
+            offset_m: Some(0.0),
+            exaggeration: args.exaggeration,
+        }),
+        night_lights: of(SourceLayer::NightLights),
+        water: of(SourceLayer::Water),
+        ..args.pack.build_options(&day, output)
+    })
+}
+
+fn heights(
+    args: &FetchArgs,
+    done: &LayerDone,
+    path: &Path,
+    shown: &Shown,
+    common: &Common,
+) -> anyhow::Result<()> {
+    let limits = SourceLimits {
+        buffer_bytes: args.pack.memory_bytes() / 2,
+    };
+    let region = args.region.unwrap_or(Bounds::EARTH);
+    let (columns, rows) = write_heights(&done.mosaic, &region, path, limits, shown)?;
+    if !common.quiet {
+        eprintln!("{}: {columns} x {rows} heights", path.display());
+    }
+    Ok(())
+}
+
+fn dry_run(layers: &[Layer], options: &FetchOptions) -> anyhow::Result<()> {
+    let mut text = String::new();
+    let (mut files, mut total) = (0, 0);
+    for layer in layers {
+        for estimate in layer.estimate(options)? {
+            let size = estimate
+                .bytes
+                .map_or("of unknown size".to_string(), |count| {
+                    format!("about {}", bytes(count))
+                });
+            // Writing to a string cannot fail.
+            let _ = writeln!(
+                text,
+                "{:<13} {}: {} files, {size}\n              {}",
+                layer.layer.name(),
+                estimate.what,
+                estimate.files,
+                estimate.example
+            );
+            files += estimate.files;
+            total += estimate.bytes.unwrap_or(0);
+        }
+    }
+    let _ = writeln!(
+        text,
+        "{files} files, about {} where it is known; nothing was fetched",
+        bytes(total)
+    );
+    print(&text)
+}
+
+fn list() -> anyhow::Result<()> {
+    let mut text = String::new();
+    for name in source_names() {
+        let source = find_source(name)?;
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{name}  ({})\n  {}",
+            source.layer.name(),
+            source.title
+        );
+        for line in &source.attribution {
+            let _ = writeln!(text, "  attribution: {line}");
+        }
+        let _ = writeln!(
+            text,
+            "  terms: {}\n  source: {}\n",
+            source.licence, source.citation
+        );
+    }
+    print(&text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regions_and_rates_are_read() {
+        assert!(
+            parse_region("-10, -5,10,5").is_ok_and(|b| b.west_deg == -10.0 && b.north_deg == 5.0)
+        );
+        for bad in ["", "1,2,3", "1,2,3,4,5", "a,b,c,d", "0,10,5,10"] {
+            assert!(parse_region(bad).is_err(), "{bad}");
+        }
+        assert_eq!(parse_rate("2.5"), Ok(2.5));
+        for bad in ["0", "-1", "nan", "x", "2000"] {
+            assert!(parse_rate(bad).is_err(), "{bad}");
+        }
+    }
+}
