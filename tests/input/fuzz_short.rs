@@ -11,12 +11,17 @@ mod contour_cache;
 mod earth_orientation;
 #[path = "../../fuzz/bodies/ephemeris.rs"]
 mod ephemeris;
+#[cfg(feature = "fetch")]
+#[path = "../../fuzz/bodies/fetch_source.rs"]
+mod fetch_source;
 #[path = "../../fuzz/bodies/heights.rs"]
 mod heights;
 #[path = "../../fuzz/bodies/live.rs"]
 mod live;
 #[path = "../../fuzz/bodies/manifest.rs"]
 mod manifest;
+#[path = "../../fuzz/bodies/mosaic.rs"]
+mod mosaic;
 #[path = "../../fuzz/bodies/omm.rs"]
 mod omm;
 #[cfg(feature = "command")]
@@ -71,6 +76,14 @@ pub const TARGETS: &[Target] = &[
     #[cfg(feature = "command")]
     ("patch_cache", patch_cache::seeds, patch_cache::run, 30_000),
     ("source", source::seeds, source::run, 30_000),
+    ("mosaic", mosaic::seeds, mosaic::run, 100_000),
+    #[cfg(feature = "fetch")]
+    (
+        "fetch_source",
+        fetch_source::seeds,
+        fetch_source::run,
+        30_000,
+    ),
     ("heights", heights::seeds, heights::run, 30_000),
     ("sidecar", sidecar::seeds, sidecar::run, 30_000),
 ];
@@ -175,6 +188,17 @@ fn maps() {
 }
 
 #[test]
+fn mosaics_and_world_files() {
+    run("mosaic");
+}
+
+#[cfg(feature = "fetch")]
+#[test]
+fn sources_of_maps() {
+    run("fetch_source");
+}
+
+#[test]
 fn files_of_heights() {
     run("heights");
 }
@@ -250,6 +274,18 @@ fn seeds_are_good() {
         };
         // All but the one of separate planes.
         assert_eq!(source::seeds().iter().filter(good).count(), 8);
+    }
+    {
+        use terrella::internals::imagery::build::mosaic::{Description, world_place};
+        let seeds = mosaic::seeds();
+        for seed in &seeds[..3] {
+            Description::from_toml(&text(seed), path).expect("a good mosaic");
+        }
+        world_place(&text(&seeds[3])).expect("a good world file");
+    }
+    #[cfg(feature = "fetch")]
+    for seed in fetch_source::seeds() {
+        terrella::internals::fetch::Source::from_toml(&text(&seed), path).expect("a good source");
     }
     {
         use terrella::elevation::{GridLimits, read};
