@@ -1,0 +1,181 @@
+//! A server of tiles on this machine, as good or as bad as a test wants it.
+
+use std::collections::HashMap;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// What is sent back.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    pub status: &'static str,
+    pub headers: Vec<(&'static str, String)>,
+    pub body: Vec<u8>,
+    /// What the header says of the length; nothing for `None`, and the connection's end is the body's.
+    pub length: Option<usize>,
+    /// Pause after every byte.
+    pub pause: Duration,
+}
+
+impl Answer {
+    /// A picture of this type.
+    pub fn picture(media: &str, body: Vec<u8>) -> Self {
+        Self {
+            status: "200 OK",
+            headers: vec![("Content-Type", media.to_string())],
+            length: Some(body.len()),
+            body,
+            pause: Duration::ZERO,
+        }
+    }
+
+    /// A failure with a word of HTML.
+    pub fn failure(status: &'static str) -> Self {
+        Self {
+            status,
+            ..Self::picture("text/html", b"<html>no</html>".to_vec())
+        }
+    }
+
+    pub fn with(mut self, name: &'static str, value: &str) -> Self {
+        self.headers.push((name, value.to_string()));
+        self
+    }
+}
+
+/// What answers a path, asked for the n-th time, from 0 on.
+type Answering = dyn Fn(&str, usize) -> Answer + Send + Sync;
+
+pub struct Server {
+    pub port: u16,
+    state: Arc<State>,
+}
+
+struct State {
+    answer: Box<Answering>,
+    is_over: AtomicBool,
+    asked: Mutex<HashMap<String, usize>>,
+    requests: Mutex<Vec<Instant>>,
+    busy: AtomicUsize,
+    most_busy: AtomicUsize,
+}
+
+impl Server {
+    pub fn new(answer: impl Fn(&str, usize) -> Answer + Send + Sync + 'static) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let port = listener.local_addr().expect("an address").port();
+        let state = Arc::new(State {
+            answer: Box::new(answer),
+            is_over: AtomicBool::new(false),
+            asked: Mutex::default(),
+            requests: Mutex::default(),
+            busy: AtomicUsize::new(0),
+            most_busy: AtomicUsize::new(0),
+        });
+        let shared = Arc::clone(&state);
+        std::thread::spawn(move || {
+            for stream in listener.incoming() {
+                if shared.is_over.load(Ordering::Relaxed) {
+                    return;
+                }
+                let (Ok(stream), state) = (stream, Arc::clone(&shared)) else {
+                    continue;
+                };
+                std::thread::spawn(move || serve(stream, &state));
+            }
+        });
+        Self { port, state }
+    }
+
+    pub fn url(&self, path: &str) -> String {
+        format!("http://127.0.0.1:{}{path}", self.port)
+    }
+
+    /// How often each path was asked for.
+    pub fn asked(&self) -> HashMap<String, usize> {
+        self.state.asked.lock().expect("whole").clone()
+    }
+
+    /// All requests.
+    pub fn count(&self) -> usize {
+        self.asked().values().sum()
+    }
+
+    /// When requests came.
+    pub fn times(&self) -> Vec<Instant> {
+        self.state.requests.lock().expect("whole").clone()
+    }
+
+    /// Most requests that were under way at once.
+    pub fn most_busy(&self) -> usize {
+        self.state.most_busy.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.state.is_over.store(true, Ordering::Relaxed);
+        let _ = TcpStream::connect(("127.0.0.1", self.port));
+    }
+}
+
+fn serve(stream: TcpStream, state: &State) {
+    let mut reader = BufReader::new(stream.try_clone().expect("a copy"));
+    // Connections are kept until something breaks.
+    while answer_one(&mut reader, &stream, state).is_some() {}
+}
+
+fn answer_one(reader: &mut impl BufRead, mut stream: &TcpStream, state: &State) -> Option<()> {
+    let mut first = String::new();
+    if reader.take(4096).read_line(&mut first).ok()? == 0 {
+        return None;
+    }
+    loop {
+        let mut line = String::new();
+        reader.read_line(&mut line).ok()?;
+        if line.trim().is_empty() {
+            break;
+        }
+    }
+    state.requests.lock().expect("whole").push(Instant::now());
+    let path = first.split(' ').nth(1)?.to_string();
+    let nth = {
+        let mut asked = state.asked.lock().expect("whole");
+        let count = asked.entry(path.clone()).or_default();
+        *count += 1;
+        *count - 1
+    };
+    let busy = 1 + state.busy.fetch_add(1, Ordering::Relaxed);
+    state.most_busy.fetch_max(busy, Ordering::Relaxed);
+    let sent = send(stream, &(state.answer)(&path, nth));
+    state.busy.fetch_sub(1, Ordering::Relaxed);
+    if sent.is_none() {
+        let _ = stream.flush();
+        let _ = stream.shutdown(std::net::Shutdown::Both);
+    }
+    sent
+}
+
+/// `None` once the connection is of no more use.
+fn send(mut stream: &TcpStream, answer: &Answer) -> Option<()> {
+    let mut head = format!("HTTP/1.1 {}\r\n", answer.status);
+    for (name, value) in &answer.headers {
+        head.push_str(&format!("{name}: {value}\r\n"));
+    }
+    match answer.length {
+        Some(length) => head.push_str(&format!("Content-Length: {length}\r\n\r\n")),
+        None => head.push_str("Connection: close\r\n\r\n"),
+    }
+    stream.write_all(head.as_bytes()).ok()?;
+    if answer.pause.is_zero() {
+        stream.write_all(&answer.body).ok()?;
+    } else {
+        for byte in &answer.body {
+            stream.write_all(&[*byte]).ok()?;
+            std::thread::sleep(answer.pause);
+        }
+    }
+    (answer.length == Some(answer.body.len())).then_some(())
+}
