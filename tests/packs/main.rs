@@ -1,6 +1,8 @@
-//! Packs of tiles: on disk, being built, and streamed.
+//! Packs of tiles: on disk, being built, fetched, and streamed.
 
 #[cfg(feature = "pack-build")]
 mod build;
+#[cfg(feature = "fetch")]
+mod fetch;
 mod on_disk;
 mod streaming;

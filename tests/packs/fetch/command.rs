@@ -1,0 +1,284 @@
+//! `terrella pack fetch` as a user runs it, and killed.
+
+use super::server::{Answer, Server};
+use super::{SIDE, colour, description, place, png, tile};
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+use terrella::elevation::GridLimits;
+
+fn terrella(arguments: &[&str], folder: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_terrella"));
+    command
+        .args(arguments)
+        .current_dir(folder)
+        .env_remove("RUST_LOG");
+    command
+}
+
+/// Exit code, standard output, standard error.
+fn run(arguments: &[&str], folder: &Path) -> (Option<i32>, String, String) {
+    let output = terrella(arguments, folder)
+        .output()
+        .expect("the program runs");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
+    (
+        output.status.code(),
+        text(output.stdout),
+        text(output.stderr),
+    )
+}
+
+fn good() -> Server {
+    Server::new(|path, _| {
+        let [level, row, column] = place(path);
+        Answer::picture("image/png", png(&tile(level, row, column, colour)))
+    })
+}
+
+/// A folder with the description of a server's source.
+fn place_of(server: &Server) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("local.toml"), description(server)).expect("written");
+    folder
+}
+
+const PACK: [&str; 8] = [
+    "pack",
+    "fetch",
+    "local.toml",
+    "--level",
+    "4",
+    "--pixels",
+    "day=32,16",
+    "-o",
+];
+
+#[test]
+fn one_command_makes_a_pack_and_names_whose_it_is() {
+    let (server, command) = (good(), [&PACK[..], &["earth"]].concat());
+    let folder = place_of(&server);
+    let (code, told, complaint) = run(&[&command[..], &["--dry-run"]].concat(), folder.path());
+    assert_eq!(code, Some(0), "{complaint}");
+    assert!(
+        told.contains("128 files")
+            && told.contains("/4/0/0.png")
+            && told.contains("nothing was fetched"),
+        "{told}"
+    );
+    assert_eq!(
+        (server.count(), folder.path().join("earth.cache").exists()),
+        (0, false)
+    );
+
+    let (code, _, complaint) = run(&command, folder.path());
+    assert_eq!(code, Some(0), "{complaint}");
+    assert!(
+        complaint.contains("local, level 4: 128 files fetched"),
+        "{complaint}"
+    );
+    let (_, told, _) = run(&["pack", "info", "earth"], folder.path());
+    assert!(
+        told.contains("  Waves by the tests") && told.contains("from local, 512 x 256"),
+        "{told}"
+    );
+    assert_eq!(
+        run(&["--quiet", "pack", "verify", "earth"], folder.path()).0,
+        Some(0)
+    );
+
+    // From the cache without the network.
+    drop(server);
+    let again = [
+        "--quiet",
+        "pack",
+        "build",
+        "--day",
+        "earth.cache/day",
+        "--pixels",
+        "day=32,16",
+        "--name",
+        "earth",
+        "-o",
+        "again",
+    ];
+    let (code, _, complaint) = run(&again, folder.path());
+    assert_eq!(code, Some(0), "{complaint}");
+    let manifest = |pack: &str| {
+        fs::read_to_string(folder.path().join(pack).join("pack.toml")).expect("a manifest")
+    };
+    assert_eq!(manifest("earth"), manifest("again"));
+}
+
+#[test]
+fn a_fetch_that_is_killed_goes_on_to_the_same_pack() {
+    let server = Server::new(|path, _| {
+        let [level, row, column] = place(path);
+        std::thread::sleep(Duration::from_millis(5));
+        Answer::picture("image/png", png(&tile(level, row, column, colour)))
+    });
+    let folder = place_of(&server);
+    for tiles in [20, 60] {
+        let mut child = terrella(&[&PACK[..], &["killed"]].concat(), folder.path())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the program runs");
+        while server.count() < tiles {
+            assert!(
+                child.try_wait().expect("a child").is_none(),
+                "over before {tiles} tiles"
+            );
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        child.kill().expect("can be killed");
+        child.wait().expect("a child");
+        assert!(!folder.path().join("killed").join("pack.toml").exists());
+    }
+    let (code, _, complaint) = run(&[&PACK[..], &["killed"]].concat(), folder.path());
+    assert_eq!(code, Some(0), "{complaint}");
+    // At each kill three tiles may have been under way.
+    assert!(
+        server.count() <= 128 + 6,
+        "{} requests for 128 tiles",
+        server.count()
+    );
+    let whole = [
+        &PACK[..],
+        &["whole", "--cache", "killed.cache", "--name", "killed"],
+    ]
+    .concat();
+    assert_eq!(run(&whole, folder.path()).0, Some(0));
+    let manifest = |pack: &str| {
+        fs::read_to_string(folder.path().join(pack).join("pack.toml")).expect("a manifest")
+    };
+    assert_eq!(manifest("killed"), manifest("whole"));
+}
+
+#[test]
+fn heights_become_a_file_that_relief_reads() {
+    // Web Mercator: heights are the latitude, in tenths of a degree.
+    let server = Server::new(|path, _| {
+        let [level, row, _] = place(path);
+        let step = 360.0 / f64::from(SIDE << level);
+        let texels: Vec<u8> = (0..SIDE * SIDE)
+            .flat_map(|n| {
+                let northing = 180.0 - (f64::from(row * SIDE + n / SIDE) + 0.5) * step;
+                let latitude_deg = northing.to_radians().sinh().atan().to_degrees();
+                let code = (32_768.0 + 10.0 * latitude_deg) * 256.0;
+                let code = code.round() as u32;
+                [(code >> 16) as u8, (code >> 8) as u8, code as u8]
+            })
+            .collect();
+        Answer::picture("image/png", png(&texels))
+    });
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = description(&server)
+        .replace("{z}/{row}/{column}", "{z}/{y}/{x}")
+        .replace("\"day\"", "\"elevation\"")
+        .replace(
+            "media",
+            "crs = \"EPSG:3857\"\nencoding = \"terrarium\"\nmedia",
+        );
+    fs::write(folder.path().join("local.toml"), text).expect("written");
+    let command = [
+        "pack",
+        "fetch",
+        "local.toml",
+        "--level",
+        "4",
+        "--region",
+        "-40,20,50,60",
+        "--ground-width",
+        "0",
+        "--heights",
+        "alps.tif",
+    ];
+    let (code, _, complaint) = run(&command, folder.path());
+    assert_eq!(code, Some(0), "{complaint}");
+    assert!(complaint.contains("ends at 85.05 degrees"), "{complaint}");
+    let read =
+        terrella::elevation::open_heights(&folder.path().join("alps.tif"), &GridLimits::default());
+    let grid = read.expect("heights").grid;
+    for latitude_deg in [25.0_f64, 40.0, 55.0] {
+        let height_m = grid
+            .height_m(latitude_deg.to_radians(), 0.1)
+            .expect("inside");
+        assert!(
+            (height_m - 10.0 * latitude_deg).abs() < 1.0,
+            "{latitude_deg}: {height_m}"
+        );
+    }
+}
+
+#[test]
+fn bad_usage_is_named() {
+    let server = good();
+    let folder = place_of(&server);
+    for (arguments, words) in [
+        (&["pack", "fetch", "-o", "x"][..], "SOURCE"),
+        (&["pack", "fetch", "local.toml"], "--output"),
+        (
+            &["pack", "fetch", "blue_marbel", "-o", "x"],
+            "did you mean blue_marble?",
+        ),
+        (
+            &["pack", "fetch", "blue_marble@2004-13", "-o", "x"],
+            "write it as in 2004-08",
+        ),
+        (
+            &["pack", "fetch", "viirs_snpp", "-o", "x"],
+            "viirs_snpp@2024-06-21",
+        ),
+        (
+            &["pack", "fetch", "black_marble", "-o", "x"],
+            "a pack needs a day map",
+        ),
+        (
+            &["pack", "fetch", "local.toml", "--level", "9", "-o", "x"],
+            "levels 0 to 4",
+        ),
+        (
+            &[
+                "pack",
+                "fetch",
+                "local.toml",
+                "--region",
+                "1,2,3",
+                "-o",
+                "x",
+            ],
+            "west, south, east and north",
+        ),
+        (
+            &[
+                "pack",
+                "fetch",
+                "local.toml",
+                "--ca",
+                "local.toml",
+                "-o",
+                "x",
+            ],
+            "holds no certificate",
+        ),
+        (
+            &["pack", "fetch", "local.toml", "--heights", "x.tif"],
+            "sources of heights only",
+        ),
+    ] {
+        let (code, _, complaint) = run(arguments, folder.path());
+        assert!(
+            code != Some(0) && complaint.contains(words),
+            "{arguments:?}: {complaint}"
+        );
+    }
+    assert_eq!(server.count(), 0);
+    let (code, told, _) = run(&["pack", "fetch", "--list"], folder.path());
+    assert!(
+        code == Some(0)
+            && told.contains("attribution: NASA Earth Observatory")
+            && told.contains("terms: "),
+        "{told}"
+    );
+}
