@@ -60,7 +60,7 @@
 //! # Features
 //!
 //! A host pays for what it draws. `default-features = false` is the Earth and its air from maps held whole, and no more;
-//! `celestial`, `orbit`, `tracks`, `live`, `basilisk`, `packs`, `pack-build`, `terrain`, `scene` and `offscreen` add their modules, `playback` plays scenes without
+//! `celestial`, `orbit`, `tracks`, `live`, `basilisk`, `packs`, `pack-build`, `fetch`, `terrain`, `scene` and `offscreen` add their modules, `playback` plays scenes without
 //! a window, `command` (default) is all of them, the window, the video writer and the command line. Without `terrain` there is no value of [`GroundOptions`], without `packs` none of
 //! [`TileOptions`], and the compiler drops all that would use one. The host chooses wgpu's backends, by the features `vulkan`,
 //! `gles`, `metal` and `dx12` or by its own dependency on wgpu, which is also [`wgpu`] here.

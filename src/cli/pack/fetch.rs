@@ -69,7 +69,7 @@ pub struct FetchArgs {
     /// Fetch into the cache and build nothing
     #[arg(long, conflicts_with_all = ["output", "heights"])]
     download_only: bool,
-    /// Write heights as a GeoTIFF for `[earth.relief]` instead of a pack
+    /// Write heights as a GeoTIFF for the elevation of a scene, instead of a pack
     #[arg(long, value_name = "FILE.tif", conflicts_with = "output")]
     heights: Option<PathBuf>,
     /// List the sources that come with terrella, whose they are and their terms
