@@ -119,22 +119,44 @@ impl Composer {
         }
     }
 
-    /// Copies a row, if it is a row of the topmost piece there as it stands.
+    /// Copies a row, if all that is seen of it are rows of pieces as they stand.
     pub(super) fn plain(&mut self, row: u32, bytes: &mut [u8]) -> Result<bool, BuildError> {
+        let mut seen = Vec::new();
+        let mut is_covered = false;
         for n in (0..self.pieces.len()).rev() {
             let Some(rows) = self.open(n, row)? else {
                 continue;
             };
-            let done = rows.plain(row).map(|found| match found {
-                Some(found) => {
-                    bytes.copy_from_slice(found);
-                    true
-                }
-                None => false,
-            });
-            return Ok(self.taken(n, done)?.unwrap_or(false));
+            seen.push(n);
+            if rows.covers_all() {
+                is_covered = true;
+                break;
+            }
         }
-        Ok(false)
+        self.left.fill(1.0);
+        let size = bytes.len() / self.left.len();
+        // From below, so that higher ones come on top.
+        for n in seen.into_iter().rev() {
+            let State::Open(rows) = &mut self.states[n] else {
+                return Ok(false);
+            };
+            let done = rows.plain(row).map(|texels| texels.map(<[u8]>::to_vec));
+            let Some(Some(texels)) = self.taken(n, done)? else {
+                return Ok(false);
+            };
+            let State::Open(rows) = &self.states[n] else {
+                return Ok(false);
+            };
+            for span in &rows.spans {
+                // All are runs of the raster's own texels.
+                let from = span.is_same_from.unwrap_or_default() as usize;
+                let count = span.taps.len();
+                bytes[span.first * size..][..count * size]
+                    .copy_from_slice(&texels[from * size..][..count * size]);
+                self.left[span.first..][..count].fill(0.0);
+            }
+        }
+        Ok(is_covered || self.left.iter().all(|left| *left == 0.0))
     }
 
     /// Makes a row: the highest piece first, each where those above let it be seen.

@@ -197,16 +197,25 @@ impl PieceRows {
         })
     }
 
-    /// The bytes of a row, where they are those of the raster.
+    /// Whether every column of the target is one of its own, at full weight wherever there is a texel.
+    pub(super) fn covers_all(&self) -> bool {
+        self.columns == self.target.columns as usize
+            && self.column_feather.is_none()
+            && self.spans.iter().all(is_covered)
+    }
+
+    /// The texels of the raster's row that a row of the target is, if it is one as it stands: spans say where they lie.
     pub(super) fn plain(&mut self, row: u32) -> Result<Option<&[u8]>, BuildError> {
-        let covers_all = self.columns == self.target.columns as usize
-            && self.spans.len() == 1
-            && self.spans[0].is_same_from == Some(0)
-            && self.scratch.1.len() == self.columns;
-        if !covers_all || !self.reader.is_plain() || self.row_feather(row) < 1.0 {
+        let is_same = self.spans.iter().all(|span| span.is_same_from.is_some());
+        if !is_same
+            || self.column_feather.is_some()
+            || !self.reader.is_plain()
+            || self.row_feather(row) < 1.0
+        {
             return Ok(None);
         }
-        let Some(texel) = self.target.row_tap(&self.place, self.height, row).single() else {
+        let tap = self.target.row_tap(&self.place, self.height, row);
+        let Some(texel) = tap.single() else {
             return Ok(None);
         };
         if texel < self.next && self.raw_row != Some(texel) {
