@@ -299,3 +299,39 @@ fn descriptions_and_caches_of_others_are_refused() {
         .expect_err("no folder");
     assert!(matches!(error, FetchError::Cache { .. }), "{error}");
 }
+
+#[test]
+fn certificates_are_looked_at() {
+    let server = Server::with_tls(|path, _| good(path));
+    let text = description(&server).replace("http://", "https://");
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut options = options(folder.path());
+    let error = layer(&text)
+        .fetch(&options, &())
+        .expect_err("an unknown authority");
+    let said = error.to_string();
+    assert!(
+        matches!(error, FetchError::Refused { .. })
+            && said.contains("certificate is not good")
+            && said.contains("--ca"),
+        "{said}"
+    );
+    assert_eq!((server.count(), files(folder.path()).len()), (0, 0));
+
+    let authority = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/tls/authority.pem");
+    options.client.authorities = Some(authority);
+    let done = layer(&text).fetch(&options, &()).expect("fetched");
+    assert_eq!(done.fetched[0].1.new, 8);
+    // A name that the certificate has not.
+    let other = text
+        .replace("127.0.0.1", "127.0.0.2")
+        .replace("\"local\"", "\"other\"");
+    let said = layer(&other)
+        .fetch(&options, &())
+        .expect_err("another name")
+        .to_string();
+    assert!(
+        said.contains("certificate") && said.contains("not valid for name"),
+        "{said}"
+    );
+}

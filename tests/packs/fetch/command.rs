@@ -155,6 +155,31 @@ fn a_fetch_that_is_killed_goes_on_to_the_same_pack() {
     assert_eq!(manifest("killed"), manifest("whole"));
 }
 
+/// A limit of one kilobyte a file stands for a full disk: a tile has three.
+#[cfg(unix)]
+#[test]
+fn a_disk_that_is_full_is_named_and_nothing_half_written_stays() {
+    let server = good();
+    let folder = place_of(&server);
+    let script = format!(
+        "trap '' XFSZ; ulimit -f 1; exec {:?} pack fetch local.toml --level 2 -o earth",
+        env!("CARGO_BIN_EXE_terrella")
+    );
+    let output = Command::new("bash")
+        .args(["-c", &script])
+        .current_dir(folder.path())
+        .output()
+        .expect("bash runs");
+    let complaint = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{complaint}");
+    assert!(
+        complaint.contains("earth.cache") && complaint.contains("make room"),
+        "{complaint}"
+    );
+    assert_eq!(super::files(&folder.path().join("earth.cache")).len(), 0);
+    assert!(!folder.path().join("earth").exists());
+}
+
 #[test]
 fn heights_become_a_file_that_relief_reads() {
     // Web Mercator: heights are the latitude, in tenths of a degree.

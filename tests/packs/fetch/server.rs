@@ -1,7 +1,8 @@
 //! A server of tiles on this machine, as good or as bad as a test wants it.
 
+use rustls::pki_types::{CertificateDer, PrivateKeyDer, pem::PemObject};
 use std::collections::HashMap;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -64,6 +65,33 @@ struct State {
 
 impl Server {
     pub fn new(answer: impl Fn(&str, usize) -> Answer + Send + Sync + 'static) -> Self {
+        Self::start(answer, |stream, state| serve(stream, state))
+    }
+
+    /// With a certificate of an authority of the tests, for 127.0.0.1.
+    pub fn with_tls(answer: impl Fn(&str, usize) -> Answer + Send + Sync + 'static) -> Self {
+        let file = |name: &str| format!("{}/tests/data/tls/{name}", env!("CARGO_MANIFEST_DIR"));
+        let certificate = CertificateDer::from_pem_file(file("server.pem")).expect("a certificate");
+        let key = PrivateKeyDer::from_pem_file(file("server.key")).expect("a key");
+        let provider = Arc::new(rustls::crypto::ring::default_provider());
+        let config = rustls::ServerConfig::builder_with_provider(provider)
+            .with_safe_default_protocol_versions()
+            .expect("versions")
+            .with_no_client_auth()
+            .with_single_cert(vec![certificate], key)
+            .expect("a certificate and its key");
+        let config = Arc::new(config);
+        Self::start(answer, move |stream, state| {
+            let connection =
+                rustls::ServerConnection::new(Arc::clone(&config)).expect("a connection");
+            serve(rustls::StreamOwned::new(connection, stream), state);
+        })
+    }
+
+    fn start(
+        answer: impl Fn(&str, usize) -> Answer + Send + Sync + 'static,
+        serve: impl Fn(TcpStream, &State) + Clone + Send + 'static,
+    ) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
         let port = listener.local_addr().expect("an address").port();
         let state = Arc::new(State {
@@ -83,6 +111,7 @@ impl Server {
                 let (Ok(stream), state) = (stream, Arc::clone(&shared)) else {
                     continue;
                 };
+                let serve = serve.clone();
                 std::thread::spawn(move || serve(stream, &state));
             }
         });
@@ -121,24 +150,19 @@ impl Drop for Server {
     }
 }
 
-fn serve(stream: TcpStream, state: &State) {
-    let mut reader = BufReader::new(stream.try_clone().expect("a copy"));
+fn serve(mut stream: impl Read + Write, state: &State) {
     // Connections are kept until something breaks.
-    while answer_one(&mut reader, &stream, state).is_some() {}
+    while answer_one(&mut stream, state).is_some() {}
 }
 
-fn answer_one(reader: &mut impl BufRead, mut stream: &TcpStream, state: &State) -> Option<()> {
-    let mut first = String::new();
-    if reader.take(4096).read_line(&mut first).ok()? == 0 {
-        return None;
+fn answer_one(stream: &mut (impl Read + Write), state: &State) -> Option<()> {
+    let mut head = Vec::new();
+    while !head.ends_with(b"\r\n\r\n") && head.len() < 16_384 {
+        let mut byte = [0];
+        stream.read_exact(&mut byte).ok()?;
+        head.push(byte[0]);
     }
-    loop {
-        let mut line = String::new();
-        reader.read_line(&mut line).ok()?;
-        if line.trim().is_empty() {
-            break;
-        }
-    }
+    let first = String::from_utf8_lossy(&head).into_owned();
     state.requests.lock().expect("whole").push(Instant::now());
     let path = first.split(' ').nth(1)?.to_string();
     let nth = {
@@ -151,15 +175,12 @@ fn answer_one(reader: &mut impl BufRead, mut stream: &TcpStream, state: &State) 
     state.most_busy.fetch_max(busy, Ordering::Relaxed);
     let sent = send(stream, &(state.answer)(&path, nth));
     state.busy.fetch_sub(1, Ordering::Relaxed);
-    if sent.is_none() {
-        let _ = stream.flush();
-        let _ = stream.shutdown(std::net::Shutdown::Both);
-    }
+    stream.flush().ok()?;
     sent
 }
 
 /// `None` once the connection is of no more use.
-fn send(mut stream: &TcpStream, answer: &Answer) -> Option<()> {
+fn send(stream: &mut impl Write, answer: &Answer) -> Option<()> {
     let mut head = format!("HTTP/1.1 {}\r\n", answer.status);
     for (name, value) in &answer.headers {
         head.push_str(&format!("{name}: {value}\r\n"));
