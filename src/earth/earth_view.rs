@@ -26,6 +26,8 @@ pub struct EarthView {
     pub(super) drawn: Option<TileView>,
     pub(super) stats: FrameStats,
     pub(super) version: Version,
+    /// Whether it was told that it is of another Earth.
+    pub(super) is_refused: bool,
 }
 
 /// What a view was made for: an Earth, its ground, and its pipelines of some quality and appearance.
@@ -66,6 +68,7 @@ impl EarthView {
             drawn: None,
             stats: FrameStats::default(),
             version,
+            is_refused: false,
         }
     }
 

@@ -223,7 +223,7 @@ impl Earth {
     /// since tiles that one picture is drawn with are not written for another. The answer is of the first view; bytes of tiles
     /// are counted there.
     ///
-    /// A view of another Earth is not drawn, and a warning is given.
+    /// A view of another Earth is not drawn, and a warning is given once.
     pub fn prepare_views(
         &mut self,
         queue: &wgpu::Queue,
@@ -331,7 +331,9 @@ impl Earth {
             if self.follow(other.view) {
                 other.view.choose(other.eye, other.sky, other.target);
             } else {
-                tracing::warn!("a view of another Earth is not drawn");
+                if !std::mem::replace(&mut other.view.is_refused, true) {
+                    tracing::warn!("a view of another Earth is not drawn");
+                }
                 other.view.drawn = None;
             }
         }
