@@ -4,6 +4,7 @@
 >>> View(terrella.Earth((640, 360)), "2018-06-21T08:00:00Z")
 """
 
+import asyncio
 import math
 import threading
 
@@ -48,19 +49,21 @@ class View(RemoteFrameBuffer):
     def _draw(self):
         self._drawn = self._earth.color(self.camera(), self._time)[:, :, :3]
 
-    def _draw_in_thread(self):
+    def _draw_in_thread(self, loop):
         try:
             while self._wanted.is_set():
                 self._wanted.clear()
                 self._draw()
-                self.request_draw()
+                # Asked for outside the kernel's loop, a draw would never come.
+                loop.call_soon_threadsafe(self.request_draw)
         finally:
             self._lock.release()
 
     def _moved(self):
         self._wanted.set()
         if self._lock.acquire(blocking=False):
-            threading.Thread(target=self._draw_in_thread, daemon=True).start()
+            loop = asyncio.get_running_loop()
+            threading.Thread(target=self._draw_in_thread, args=[loop], daemon=True).start()
 
     def get_frame(self):
         """Called by the widget: the picture drawn last."""
