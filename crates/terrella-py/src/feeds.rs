@@ -3,6 +3,7 @@
 use crate::errors::of_orbit;
 use crate::times::{PyEpoch, epochs};
 use numpy::{PyArray1, PyArrayMethods};
+use pyo3::PyClass;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -117,6 +118,11 @@ impl PySatellites {
             feeds: feeds.into_iter().map(boxed).collect(),
         }
     }
+
+    /// As a kind of its own, with what that kind knows beside.
+    pub fn told_by<T: PyClass<BaseType = Self>>(self, kind: T) -> PyClassInitializer<T> {
+        PyClassInitializer::from(self).add_subclass(kind)
+    }
 }
 
 #[pymethods]
@@ -171,11 +177,11 @@ pub struct PyCatalogue {
 impl PyCatalogue {
     #[new]
     #[pyo3(signature = (path, *, strict = false))]
-    fn new(py: Python<'_>, path: PathBuf, strict: bool) -> PyResult<(Self, PySatellites)> {
+    fn new(py: Python<'_>, path: PathBuf, strict: bool) -> PyResult<PyClassInitializer<Self>> {
         let read = py.detach(|| Catalogue::from_file(&path, strict));
         let read = read.map_err(|error| of_orbit(&error))?;
         let faults = read.faults.iter().map(ToString::to_string).collect();
-        Ok((Self { faults }, PySatellites::new(read.feeds)))
+        Ok(PySatellites::new(read.feeds).told_by(Self { faults }))
     }
 }
 
@@ -193,10 +199,10 @@ pub struct PyEphemerides {
 impl PyEphemerides {
     #[new]
     #[pyo3(signature = (path, *, strict = false))]
-    fn new(py: Python<'_>, path: PathBuf, strict: bool) -> PyResult<(Self, PySatellites)> {
+    fn new(py: Python<'_>, path: PathBuf, strict: bool) -> PyResult<PyClassInitializer<Self>> {
         let read = py.detach(|| Ephemerides::from_file(&path, strict));
         let read = read.map_err(|error| of_orbit(&error))?;
         let faults = read.faults.iter().map(ToString::to_string).collect();
-        Ok((Self { faults }, PySatellites::new(read.feeds)))
+        Ok(PySatellites::new(read.feeds).told_by(Self { faults }))
     }
 }

@@ -61,9 +61,9 @@ pub struct PyKeplerOrbit {
 }
 
 impl PyKeplerOrbit {
-    fn of(feed: KeplerFeed) -> (Self, PySatellites) {
+    fn of(feed: KeplerFeed) -> PyClassInitializer<Self> {
         let impact = feed.impact();
-        (Self { impact }, PySatellites::new([feed]))
+        PySatellites::new([feed]).told_by(Self { impact })
     }
 }
 
@@ -97,7 +97,7 @@ impl PyKeplerOrbit {
         j2: bool,
         first: Option<&Bound<'_, PyAny>>,
         name: &str,
-    ) -> PyResult<(Self, PySatellites)> {
+    ) -> PyResult<PyClassInitializer<Self>> {
         let at = epoch(time, "time")?;
         let axis = ("semi_major_axis_m", semi_major_axis_m);
         let size = match one_of(axis, ("periapsis_m", periapsis_m))? {
@@ -199,7 +199,7 @@ impl PyIntegratedOrbit {
         reflectivity: f64,
         relative_tolerance: f64,
         name: &str,
-    ) -> PyResult<(Self, PySatellites)> {
+    ) -> PyResult<PyClassInitializer<Self>> {
         let at = epoch(time, "time")?;
         let state = state(at, position_m, velocity_m_s, frame)?;
         let (first, last) = span(at, first, last)?;
@@ -226,7 +226,7 @@ impl PyIntegratedOrbit {
         let feed = py.detach(|| NumericalFeed::new(name, &state, &model, &craft, &options));
         let feed = feed.map_err(of_start)?;
         let (impact, steps) = (feed.impact(), feed.steps());
-        Ok((Self { impact, steps }, PySatellites::new([feed])))
+        Ok(PySatellites::new([feed]).told_by(Self { impact, steps }))
     }
 
     /// When it meets the ground, if it does so within its span.
