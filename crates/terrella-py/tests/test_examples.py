@@ -25,6 +25,11 @@ def test_a_catalogue(root, tmp_path):
     assert "km high" in told and "51." in told, told
 
 
+def test_motions(root, tmp_path):
+    told = run(root, tmp_path, "motions.py")
+    assert re.fullmatch(r"\d+ km after a day, \d{3,4} steps\n", told), told
+
+
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
 def test_a_film(root, tmp_path):
     pytest.importorskip("tqdm", reason="tqdm is not installed")
