@@ -60,7 +60,7 @@ impl Planets {
         self.0.clear();
     }
 
-    /// Draws what was prepared for a camera. Answers false where nothing was.
+    /// Whether there is a picture for a camera.
     pub fn is_prepared(&self, camera: Entity) -> bool {
         self.seat(camera).is_some()
     }
@@ -237,5 +237,24 @@ impl Drawn {
             tell(*camera, EarthCameraStatus::Drawn(stats));
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_earth_that_no_camera_sees_is_let_go_of_after_its_time() {
+        let mut planets = Planets::default();
+        planets
+            .0
+            .push(Planet::new((TextureFormat::Rgba8UnormSrgb, 4)));
+        for _ in 0..IDLE_FRAMES {
+            planets.age();
+        }
+        assert_eq!(planets.0.len(), 1);
+        planets.age();
+        assert_eq!(planets.0.len(), 0);
     }
 }
