@@ -1,0 +1,150 @@
+//! Apps without a window, drawn into memory.
+
+use bevy::app::{App, PluginsState};
+use bevy::asset::{Assets, Handle};
+use bevy::image::Image;
+use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::render::gpu_readback::{Readback, ReadbackComplete};
+use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
+use bevy::render::render_resource::{TextureFormat, TextureUsages};
+use bevy::window::ExitCondition;
+use bevy::winit::WinitPlugin;
+use bevy_terrella::EarthCameraStatus;
+use std::error::Error;
+use std::time::{Duration, Instant};
+
+/// Eight bits a channel, encoded.
+pub const SRGB: TextureFormat = TextureFormat::Rgba8UnormSrgb;
+
+/// Longest that a picture is waited for.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A picture in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    pub size: (u32, u32),
+    /// Rows one after another, without padding, as the target stores them.
+    pub bytes: Vec<u8>,
+}
+
+impl Picture {
+    /// Writes an 8-bit picture as a PNG, opaque.
+    pub fn save(&self, path: impl AsRef<std::path::Path>) -> Result<(), Box<dyn Error>> {
+        let file = std::io::BufWriter::new(std::fs::File::create(path)?);
+        let mut encoder = png::Encoder::new(file, self.size.0, self.size.1);
+        encoder.set_color(png::ColorType::Rgb);
+        let rgb = self.bytes.chunks_exact(4).flat_map(|pixel| &pixel[..3]);
+        let rgb: Vec<u8> = rgb.copied().collect();
+        Ok(encoder.write_header()?.write_image_data(&rgb)?)
+    }
+}
+
+/// Bevy with all that draws, and neither a window nor a thread for rendering: after `update` the frame is submitted. What it draws with
+/// is there when it is drawn: pipelines are not awaited in later frames.
+pub fn app() -> App {
+    let mut app = App::new();
+    let window = WindowPlugin {
+        primary_window: None,
+        exit_condition: ExitCondition::DontExit,
+        ..default()
+    };
+    let render = RenderPlugin {
+        synchronous_pipeline_compilation: true,
+        ..default()
+    };
+    app.add_plugins(
+        DefaultPlugins
+            .set(window)
+            .set(render)
+            .disable::<WinitPlugin>()
+            .disable::<PipelinedRenderingPlugin>(),
+    );
+    app
+}
+
+/// Ends what `App::run` would do before the first frame.
+pub fn start(app: &mut App) {
+    while app.plugins_state() == PluginsState::Adding {
+        bevy::tasks::tick_global_task_pools_on_main_thread();
+    }
+    app.finish();
+    app.cleanup();
+}
+
+/// A texture to draw to, which can be read back.
+pub fn target(app: &mut App, (width, height): (u32, u32), format: TextureFormat) -> Handle<Image> {
+    let mut image = Image::new_target_texture(width, height, format, None);
+    image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+    app.world_mut().resource_mut::<Assets<Image>>().add(image)
+}
+
+/// What has been read back last.
+#[derive(Resource)]
+struct Read(Vec<u8>);
+
+/// Runs frames until all cameras see the Earth, then one more, and reads that back.
+pub fn draw(app: &mut App, image: &Handle<Image>) -> Result<Picture, Box<dyn Error>> {
+    wait(app, |status| status.is_drawn())?;
+    read(app, image)
+}
+
+/// Runs frames until this holds of all cameras.
+pub fn wait(
+    app: &mut App,
+    holds: impl Fn(&EarthCameraStatus) -> bool,
+) -> Result<(), Box<dyn Error>> {
+    let begin = Instant::now();
+    // What a frame became of is known in the one after next.
+    app.update();
+    app.update();
+    loop {
+        let mut cameras = app.world_mut().query::<&EarthCameraStatus>();
+        let world = app.world();
+        if cameras.iter(world).all(&holds) {
+            return Ok(());
+        }
+        if begin.elapsed() > PATIENCE {
+            let found: Vec<_> = cameras.iter(world).collect();
+            return Err(format!("after {PATIENCE:?} it does not hold: {found:?}").into());
+        }
+        app.update();
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// Draws a frame and reads it back.
+pub fn read(app: &mut App, image: &Handle<Image>) -> Result<Picture, Box<dyn Error>> {
+    let begin = Instant::now();
+    app.world_mut().remove_resource::<Read>();
+    let reader = app.world_mut().spawn(Readback::texture(image.clone()));
+    let reader = reader.id();
+    app.world_mut().entity_mut(reader).observe(
+        |done: On<ReadbackComplete>, mut commands: Commands| {
+            commands.insert_resource(Read(done.data.clone()));
+        },
+    );
+    while !app.world().contains_resource::<Read>() {
+        if begin.elapsed() > PATIENCE {
+            return Err(format!("no picture came within {PATIENCE:?}").into());
+        }
+        app.update();
+    }
+    app.world_mut().despawn(reader);
+    let read = app.world_mut().remove_resource::<Read>();
+    let read = read.ok_or("the picture is gone")?.0;
+    let images = app.world().resource::<Assets<Image>>();
+    let image = images.get(image).ok_or("the target is gone")?;
+    let size = image.size();
+    // Rows may be padded to 256 bytes.
+    let row = read.len() / size.y as usize;
+    let texel = image.texture_descriptor.format.block_copy_size(None);
+    let texel = texel.ok_or("a format of blocks")? as usize;
+    let rows = read
+        .chunks_exact(row)
+        .flat_map(|row| &row[..texel * size.x as usize]);
+    Ok(Picture {
+        size: (size.x, size.y),
+        bytes: rows.copied().collect(),
+    })
+}
