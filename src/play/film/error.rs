@@ -1,0 +1,59 @@
+//! Why a folder of frames is refused.
+
+use std::path::PathBuf;
+
+/// Why frames cannot be written to a folder, or not these.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FilmError {
+    /// The folder holds something already.
+    #[error("{}: is not empty; choose another folder, give --resume to go on with the film in it, or --overwrite to replace frames in it", path.display())]
+    NotEmpty {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The folder holds something, and no film.
+    #[error("{}: there is no film to go on with: it holds files and no frames.json; choose another folder, or give --overwrite to replace frames in it", path.display())]
+    NoFilm {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The folder holds frames of another film.
+    #[error("{}: holds frames of another film: {differences}; choose another folder, or give --overwrite to draw all frames anew", path.display())]
+    OtherFilm {
+        /// The folder.
+        path: PathBuf,
+        /// What is different, in words.
+        differences: String,
+    },
+    /// The page of a folder cannot be understood.
+    #[error("{}: {problem}; choose another folder, or give --overwrite to draw all frames anew", path.display())]
+    BadPage {
+        /// The page.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// Another run writes to the folder.
+    #[error("{}: another run is writing frames to this folder; wait for its end, or give each run a folder of its own (frames are numbered by their place in the film, so that folders can be joined)", path.display())]
+    Busy {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// Frames that the film does not have.
+    #[error("there are no frames {wanted}: the film has {frame_count} frames, from 0 to {}", frame_count.saturating_sub(1))]
+    NoSuchFrames {
+        /// The range asked for.
+        wanted: String,
+        /// How many frames there are.
+        frame_count: u64,
+    },
+    /// A file that makes the film what it is cannot be read.
+    #[error("{}: {source}; the scene names it, and a film is known by what its scene names", path.display())]
+    Input {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+}
