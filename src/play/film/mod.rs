@@ -1,0 +1,27 @@
+//! Films as folders of frames: numbered pictures, and a page that says what each of them is.
+//!
+//! A folder of frames can be left and gone on with: its page, `frames.json`, names the film that it holds and every frame that is
+//! done, with a checksum, and is good JSON at any moment, also where the program is killed.
+//!
+//! | file | what |
+//! |---|---|
+//! | `range` | which frames are wanted |
+//! | `key` | what makes a film another film: program, scene, what the scene names, settings |
+//! | `folder` | names of frames, and one run at a time in a folder |
+//! | `page` | `frames.json`: written frame by frame, read again |
+//! | `record` | what the page says of a frame |
+//! | `error` | why a folder is refused |
+
+mod error;
+mod folder;
+mod key;
+mod page;
+mod range;
+mod record;
+
+pub use error::FilmError;
+pub use folder::{Existing, FrameFolder};
+pub use key::{FilmKey, checksum};
+pub use page::{FilmPage, PageHead};
+pub use range::FrameRange;
+pub use record::FrameRecord;
