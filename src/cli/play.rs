@@ -1,14 +1,16 @@
 //! `terrella play`
 
-use super::Common;
 use super::progress::{Bars, stop_on_interrupt, stop_on_interrupt_with};
 use super::serve::simulation_scene;
 use super::values;
-use clap::{Args, ValueEnum};
+use super::{Cli, Common};
+use clap::error::ErrorKind;
+use clap::{Args, CommandFactory, ValueEnum};
 use std::path::PathBuf;
 use terrella::basilisk::Endpoint;
 use terrella::internals::play::{
-    EncoderChoice, ExportRequest, Flight, WindowRequest, export, play_in_window,
+    EncoderChoice, Existing, ExportRequest, Flight, FrameRange, WindowRequest, export,
+    play_in_window,
 };
 
 /// Arguments of `terrella play`.
@@ -29,6 +31,12 @@ pub struct PlayArgs {
     /// With --frames: accept a folder that is not empty, and replace frames in it
     #[arg(long, requires = "frames")]
     overwrite: bool,
+    /// With --frames: go on with the film in this folder: frames of it that are whole are kept, the others drawn
+    #[arg(long, requires = "frames", conflicts_with_all = ["overwrite", "video"])]
+    resume: bool,
+    /// Only these frames of the film, FIRST..END without the last, FIRST..=LAST with it; either number may be left out
+    #[arg(long, value_name = "RANGE", value_parser = values::frame_range)]
+    range: Option<FrameRange>,
     /// Write an MP4 video (H.264) instead of opening a window
     #[arg(long, value_name = "FILE.mp4")]
     video: Option<PathBuf>,
@@ -55,6 +63,7 @@ enum Encoder {
 
 /// Opens the window, or writes frames and video.
 pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
+    refuse_conflicts(args);
     let scene = simulation_scene(args.scene.as_deref(), args.listen.as_ref(), args.strict)?;
     let flight = Flight::open(scene)?;
     // Whoever waits is answered before the program ends.
@@ -75,7 +84,12 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
     }
     let request = ExportRequest {
         frames: args.frames.as_deref(),
-        overwrite: args.overwrite,
+        existing: match (args.overwrite, args.resume) {
+            (true, _) => Existing::Overwrite,
+            (_, true) => Existing::Resume,
+            _ => Existing::Refuse,
+        },
+        range: args.range.unwrap_or_default(),
         video: args.video.as_deref(),
         encoder: match args.encoder {
             Encoder::Auto => EncoderChoice::Auto,
@@ -86,4 +100,14 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
         adapter,
     };
     Ok(export(&flight, &request, &bars)?)
+}
+
+/// Ends the program, as clap does, where options have no meaning together.
+fn refuse_conflicts(args: &PlayArgs) {
+    if args.range.is_some() && args.frames.is_none() && args.video.is_none() {
+        let message = "--range is for frames that are written: give --frames or --video too";
+        Cli::command()
+            .error(ErrorKind::MissingRequiredArgument, message)
+            .exit()
+    }
 }

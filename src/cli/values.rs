@@ -3,6 +3,7 @@
 use terrella::SurfaceKind;
 use terrella::frames::{Epoch, Geodetic, utc_from_rfc3339};
 use terrella::internals::measure::surfaces::{SurfacePath, SurfacesPart};
+use terrella::internals::play::FrameRange;
 use terrella::scene::{Camera, Output};
 
 /// `1280x720`.
@@ -24,6 +25,11 @@ pub fn size(text: &str) -> Result<(u32, u32), String> {
         }
         _ => Err("write it as WIDTHxHEIGHT in pixels, for example 1280x720".into()),
     }
+}
+
+/// `240..480`.
+pub fn frame_range(text: &str) -> Result<FrameRange, String> {
+    text.parse()
 }
 
 /// A surface with relief, as scenes write it.

@@ -1,5 +1,7 @@
 //! What can go wrong between a scene and a picture.
 
+#[cfg(feature = "command")]
+use super::film::FilmError;
 use super::output::OutputError;
 use crate::EarthError;
 use crate::basilisk::RecordingError;
@@ -116,6 +118,10 @@ pub enum PlayError {
     /// Writing files.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// A folder of frames.
+    #[cfg(feature = "command")]
+    #[error(transparent)]
+    Film(#[from] FilmError),
     /// Encoding video.
     #[error(transparent)]
     Video(#[from] VideoError),
@@ -243,6 +249,10 @@ pub enum PlayError {
 impl PlayError {
     /// Whether the scene, or a date asked for, is at fault, and not the machine.
     pub fn is_bad_scene(&self) -> bool {
+        #[cfg(feature = "command")]
+        if matches!(self, Self::Film(FilmError::NoSuchFrames { .. })) {
+            return true;
+        }
         matches!(
             self,
             Self::Scene(_)

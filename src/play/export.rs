@@ -3,18 +3,20 @@
 use super::basilisk::with_camera_service;
 use super::clock::frame_epoch;
 use super::error::PlayError;
+use super::film::{
+    Existing, FilmKey, FilmPage, FrameFolder, FrameRange, FrameRecord, PageHead, checksum,
+};
 use super::flight::Flight;
 use super::offscreen::OffscreenRenderer;
-use super::output::{FrameFolder, PendingFile};
+use super::output::{OutputError, PendingFile, png_of};
 use super::progress::Progress;
 use super::quality_control::scene_quality;
-use super::video::{EncoderChoice, FrameSink, VideoFormat, check_size, open_video};
+use super::video::{EncoderChoice, FilmFrame, FrameSink, VideoFormat, check_size, open_video};
 use crate::basilisk::Meeting;
 use crate::gpu::GpuContext;
 use crate::imagery::tile::TileKey;
 use crate::orbit::live::Pacing;
-use image::RgbaImage;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::mpsc::sync_channel;
 
@@ -26,8 +28,10 @@ const FRAMES_AHEAD: usize = 2;
 pub struct ExportRequest<'r> {
     /// Folder for PNG frames.
     pub frames: Option<&'r Path>,
-    /// Whether that folder may hold something already.
-    pub overwrite: bool,
+    /// What becomes of what that folder holds already.
+    pub existing: Existing,
+    /// The frames that are wanted.
+    pub range: FrameRange,
     /// The MP4 to write.
     pub video: Option<&'r Path>,
     /// Encoder of the video.
@@ -57,8 +61,15 @@ pub fn export(
         )?;
     }
     let size = request.size.unwrap_or(scene.output.size.into());
-    let wanted = frames_wanted(flight);
-    let frame_count = wanted.unwrap_or(u64::MAX);
+    let count = frames_wanted(flight);
+    let frame_count = count.unwrap_or(1);
+    let wanted = request.range.of(frame_count)?;
+    if is_lockstep && !(request.range.is_all() && request.existing != Existing::Resume) {
+        flight.refuse_live(
+            "which frames there are is the simulator's to say",
+            "leave --range and --resume out",
+        )?;
+    }
     let mut sinks: Vec<Box<dyn FrameSink>> = Vec::new();
     if request.video.is_some() {
         check_size(size)?;
@@ -72,12 +83,23 @@ pub fn export(
         };
         sinks.push(open_video(file, format, request.encoder)?);
     }
-    if let Some(folder) = request.frames {
-        sinks.push(Box::new(PngSequence {
-            folder: FrameFolder::open(folder, wanted.unwrap_or(1), request.overwrite)?,
-            next: 0,
-        }));
+    let mut kept = BTreeMap::new();
+    let mut folder = None;
+    if let Some(path) = request.frames {
+        let opened = FrameFolder::open(path, frame_count, "png", request.existing)?;
+        let film = FilmKey::new(scene, size)?;
+        if request.existing == Existing::Resume {
+            kept = FilmPage::read_kept(&opened, &film, frame_count, &wanted)?;
+        }
+        folder = Some((opened, film));
     }
+    let is_kept = |index: &u64| kept.contains_key(index);
+    let lacking: BTreeSet<u64> = wanted.clone().filter(|index| !is_kept(index)).collect();
+    if lacking.is_empty() {
+        tracing::info!("all frames are there");
+        return Ok(());
+    }
+    let kept_count = wanted.clone().filter(is_kept).count();
 
     progress.begin("loading maps", None);
     let gpu = pollster::block_on(GpuContext::open(request.adapter))?;
@@ -89,32 +111,60 @@ pub fn export(
     renderer.show_sky(flight)?;
     renderer.show_tracks(flight)?;
     renderer.set_quality(&scene_quality(&scene.quality, *renderer.earth().quality()))?;
+    if let Some((folder, film)) = folder {
+        let start = frame_epoch(&scene.time, 0);
+        let adapter = renderer.adapter_info().name;
+        let head = PageHead::new(scene, start, film, adapter);
+        sinks.push(Box::new(PngSequence {
+            page: FilmPage::begin(&folder, &head, kept)?,
+            folder,
+        }));
+    }
     tracing::info!(
         "{} frames of {} × {} on {}",
-        wanted.map_or("as many as there are steps:".to_owned(), |count| count
+        count.map_or("as many as there are steps:".to_owned(), |_| lacking
+            .len()
             .to_string()),
         size.0,
         size.1,
         renderer.adapter_info().name
     );
-    progress.begin("frames", wanted);
+    if kept_count > 0 {
+        tracing::info!("{kept_count} frames are there already and kept");
+    }
+    progress.begin("frames", count.map(|_| lacking.len() as u64));
     let aspect = renderer.aspect();
     let wait = scene.output.wait();
     let mut missing_tiles = MissingTiles::default();
     if is_lockstep {
         return with_camera_service(flight, request.adapter, || {
-            export_lockstep(flight, sinks, &mut renderer, wanted, progress)
+            export_lockstep(flight, sinks, &mut renderer, count, progress)
         });
     }
     write_while_drawing(sinks, |push| {
-        for index in 0..frame_count {
+        let mut done = 0;
+        // Where exposure is metered a frame's hangs on those before, drawn or not.
+        let first = match renderer.meters_exposure() {
+            true => 0,
+            false => wanted.start,
+        };
+        for index in first..wanted.end {
             if progress.cancelled() {
                 return Err(PlayError::Interrupted {
-                    done: index,
-                    wanted,
+                    done,
+                    wanted: Some(lacking.len() as u64),
                 });
             }
-            let moment = flight.at(frame_epoch(&scene.time, index), aspect)?;
+            let is_drawn = lacking.contains(&index);
+            if !is_drawn && !renderer.meters_exposure() {
+                continue;
+            }
+            let epoch = frame_epoch(&scene.time, index);
+            let moment = flight.at(epoch, aspect)?;
+            renderer.follow_light(&moment, 1.0 / scene.time.frame_rate_hz)?;
+            if !is_drawn {
+                continue;
+            }
             if has_tiles {
                 // The next frame's tiles are read while this one is drawn and written.
                 let next = flight.at(frame_epoch(&scene.time, index + 1), aspect);
@@ -123,12 +173,17 @@ pub fn export(
                         .map_or(&[], |next| std::slice::from_ref(&next.view)),
                 );
             }
-            renderer.follow_light(&moment, 1.0 / scene.time.frame_rate_hz)?;
-            let (_, missing) = renderer.draw_complete(&moment, wait);
+            let (drawn, missing) = renderer.draw_complete(&moment, wait);
             missing_tiles.add(index, &missing);
-            if !push(renderer.read()?) {
+            let (start, ev) = (scene.time.start, drawn.exposure_ev);
+            let frame = FilmFrame {
+                record: FrameRecord::new(index, start, epoch, &moment.view, ev),
+                picture: renderer.read()?,
+            };
+            if !push(frame) {
                 break;
             }
+            done += 1;
             progress.step();
         }
         Ok(())
@@ -177,8 +232,12 @@ fn export_lockstep(
                 }
             };
             renderer.follow_light(&moment, frame_s)?;
-            let (_, missing) = renderer.draw_complete(&moment, wait);
-            let frame = renderer.read()?;
+            let (drawn, missing) = renderer.draw_complete(&moment, wait);
+            let (start, ev) = (flight.scene().time.start, drawn.exposure_ev);
+            let frame = FilmFrame {
+                record: FrameRecord::new(done, start, moment.epoch, &moment.view, ev),
+                picture: renderer.read()?,
+            };
             if !asked.drawn() {
                 tracing::warn!(
                     "a frame came too late for the simulator and is left out of the film"
@@ -233,9 +292,9 @@ impl MissingTiles {
 /// answers whether more are wanted. The sinks are finished only if both sides were without error.
 fn write_while_drawing(
     mut sinks: Vec<Box<dyn FrameSink>>,
-    produce: impl FnOnce(&mut dyn FnMut(RgbaImage) -> bool) -> Result<(), PlayError>,
+    produce: impl FnOnce(&mut dyn FnMut(FilmFrame) -> bool) -> Result<(), PlayError>,
 ) -> Result<(), PlayError> {
-    let (sender, receiver) = sync_channel::<RgbaImage>(FRAMES_AHEAD);
+    let (sender, receiver) = sync_channel::<FilmFrame>(FRAMES_AHEAD);
     std::thread::scope(|scope| {
         let writer = scope.spawn(move || {
             for frame in receiver {
@@ -253,21 +312,30 @@ fn write_while_drawing(
     })
 }
 
-/// PNG files in a folder, each complete when it appears.
+/// PNG files in a folder, each complete when it appears, and their page.
 struct PngSequence {
     folder: FrameFolder,
-    next: u64,
+    page: FilmPage,
 }
 
 impl FrameSink for PngSequence {
-    fn push(&mut self, frame: &RgbaImage) -> Result<(), PlayError> {
-        self.folder.pending(self.next)?.write_png(frame)?;
-        self.next += 1;
-        Ok(())
+    fn push(&mut self, frame: &FilmFrame) -> Result<(), PlayError> {
+        let index = frame.record.index;
+        let path = self.folder.path(index);
+        let png = png_of(&frame.picture);
+        let png = png.map_err(|source| OutputError::Encode { path, source })?;
+        self.folder.pending(index)?.write_whole(&png)?;
+        let record = FrameRecord {
+            file: self.folder.name(index),
+            bytes: png.len() as u64,
+            blake3: checksum(&png),
+            ..frame.record.clone()
+        };
+        self.page.add(&record)
     }
 
     fn finish(self: Box<Self>) -> Result<(), PlayError> {
-        Ok(())
+        self.page.finish()
     }
 }
 
@@ -284,9 +352,13 @@ mod tests {
     }
 
     impl FrameSink for Probe<'_> {
-        fn push(&mut self, frame: &RgbaImage) -> Result<(), PlayError> {
+        fn push(&mut self, frame: &FilmFrame) -> Result<(), PlayError> {
             let index = self.pushed.fetch_add(1, Ordering::Relaxed);
-            assert_eq!(u32::from(frame.get_pixel(0, 0)[0]), index, "out of order");
+            assert_eq!(
+                u32::from(frame.picture.get_pixel(0, 0)[0]),
+                index,
+                "out of order"
+            );
             if index == self.fail_at {
                 return Err(PlayError::DeviceLost("probe".into()));
             }
@@ -313,7 +385,14 @@ mod tests {
         let result = write_while_drawing(vec![Box::new(probe)], |push| {
             for index in 0..20 {
                 drawn += 1;
-                if !push(RgbaImage::from_pixel(1, 1, image::Rgba([index; 4]))) {
+                let epoch = crate::Epoch::from_tai_seconds(0.0);
+                let view =
+                    crate::EyeView::itrf(glam::DVec3::X, glam::DVec3::Y, glam::DVec3::Z, 1.0, 1.0);
+                let frame = FilmFrame {
+                    record: FrameRecord::new(index.into(), epoch, epoch, &view, 0.0),
+                    picture: image::RgbaImage::from_pixel(1, 1, image::Rgba([index; 4])),
+                };
+                if !push(frame) {
                     break;
                 }
             }

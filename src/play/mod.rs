@@ -25,6 +25,7 @@
 //! | `sky`, `sky_parts` | what is beyond the Earth |
 //! | `pictures` | a scene's pictures in memory, for programs that call us |
 //! | `offscreen`, `still`, `stats`, `export`, `video/` | the offscreen renderer; pictures, their numbers, films |
+//! | `film/` | folders of frames: ranges, going on with a film, the page `frames.json` |
 //! | `radiance` | a picture's light as a file |
 //! | `truth`, `truth_manifest` | what is where its pixels look, as files |
 //! | `float_files` | arrays and pictures of floats |
@@ -51,6 +52,8 @@ mod error;
 mod event_table;
 #[cfg(feature = "command")]
 mod export;
+#[cfg(feature = "command")]
+mod film;
 mod flight;
 #[cfg(feature = "command")]
 mod float_files;
@@ -112,6 +115,8 @@ pub use error::{PlayError, VideoError, WindowError};
 pub use event_table::EventTable;
 #[cfg(feature = "command")]
 pub use export::{ExportRequest, export};
+#[cfg(feature = "command")]
+pub use film::{Existing, FilmError, FrameRange};
 pub use flight::{Flight, Moment, SatelliteState, ViewRequest};
 pub use maps::{DroppedLayer, earth_options};
 #[cfg(feature = "command")]

@@ -63,15 +63,17 @@ pub enum OutputError {
         /// The file.
         path: PathBuf,
     },
-    /// The folder for frames holds something already.
-    #[error("{}: is not empty; choose another folder, or give --overwrite to replace frames in it", path.display())]
-    NotEmpty {
-        /// Folder that was to be written to.
-        path: PathBuf,
-    },
     /// The system refuses.
     #[error("{}: cannot be written: {source}", path.display())]
     Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: std::io::Error,
+    },
+    /// There is no room.
+    #[error("{}: cannot be written: {source}; make room. What is finished stays, and `terrella play` goes on with frames by --resume", path.display())]
+    Full {
         /// The file or folder.
         path: PathBuf,
         /// Error of the operating system.
@@ -87,6 +89,18 @@ pub enum OutputError {
     },
 }
 
+impl OutputError {
+    /// For what the system refuses of a file or folder.
+    pub fn write(path: &Path, source: std::io::Error) -> Self {
+        use std::io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
+        let path = path.to_owned();
+        match source.kind() {
+            StorageFull | QuotaExceeded | FileTooLarge => Self::Full { path, source },
+            _ => Self::Write { path, source },
+        }
+    }
+}
+
 /// A file on its way: it exists under a temporary name beside its final one, and vanishes if it is not committed.
 #[derive(Debug)]
 pub struct PendingFile {
@@ -100,6 +114,16 @@ impl PendingFile {
         target: &Path,
         what: &'static str,
         extension: &'static str,
+    ) -> Result<Self, OutputError> {
+        Self::create_as(target, what, extension, ".terrella-")
+    }
+
+    /// The same with a temporary name that begins so.
+    pub(super) fn create_as(
+        target: &Path,
+        what: &'static str,
+        extension: &'static str,
+        prefix: &str,
     ) -> Result<Self, OutputError> {
         let fits = target
             .extension()
@@ -141,16 +165,13 @@ impl PendingFile {
             });
         }
         let mut builder = tempfile::Builder::new();
-        builder.prefix(".terrella-").suffix(".part");
+        builder.prefix(prefix).suffix(".part");
         // Not the 0600 of a secret: what any new file gets under the user's mask.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let temporary = builder
             .tempfile_in(folder)
-            .map_err(|source| OutputError::Write {
-                path: target.into(),
-                source,
-            })?;
+            .map_err(|source| OutputError::write(target, source))?;
         Ok(Self {
             temporary: temporary.into_temp_path(),
             target: target.into(),
@@ -186,16 +207,11 @@ impl PendingFile {
 
     /// Writes a picture as PNG and gives the file its name. Space is opaque: the alpha channel is not kept.
     pub fn write_png(self, picture: &RgbaImage) -> Result<(), OutputError> {
-        let file = self.open()?;
-        let (width, height) = picture.dimensions();
-        let rgb: Vec<u8> = picture.pixels().flat_map(|p| [p[0], p[1], p[2]]).collect();
-        image::codecs::png::PngEncoder::new(file)
-            .write_image(&rgb, width, height, image::ExtendedColorType::Rgb8)
-            .map_err(|source| OutputError::Encode {
-                path: self.target.clone(),
-                source,
-            })?;
-        self.commit()
+        let png = png_of(picture).map_err(|source| OutputError::Encode {
+            path: self.target.clone(),
+            source,
+        })?;
+        self.write_whole(&png)
     }
 
     /// Gives the complete file its name, replacing what had it.
@@ -203,18 +219,27 @@ impl PendingFile {
         let Self { temporary, target } = self;
         temporary
             .persist(&target)
-            .map_err(|error| OutputError::Write {
-                path: target,
-                source: error.error,
-            })
+            .map_err(|error| OutputError::write(&target, error.error))
     }
 
     fn write_error(&self, source: std::io::Error) -> OutputError {
-        OutputError::Write {
-            path: self.target.clone(),
-            source,
-        }
+        OutputError::write(&self.target, source)
     }
+}
+
+/// A picture as the bytes of a PNG, without its alpha channel. In memory: an encoder that writes to a file may lose what the disk
+/// refuses at its end.
+pub(super) fn png_of(picture: &RgbaImage) -> Result<Vec<u8>, image::ImageError> {
+    let (width, height) = picture.dimensions();
+    let rgb: Vec<u8> = picture.pixels().flat_map(|p| [p[0], p[1], p[2]]).collect();
+    let mut png = Vec::new();
+    image::codecs::png::PngEncoder::new(&mut png).write_image(
+        &rgb,
+        width,
+        height,
+        image::ExtendedColorType::Rgb8,
+    )?;
+    Ok(png)
 }
 
 /// Makes a folder and those above it, where they are not there.
@@ -225,62 +250,7 @@ pub(super) fn make_folder(folder: &Path) -> Result<(), OutputError> {
             found: "a file",
         });
     }
-    std::fs::create_dir_all(folder).map_err(|source| OutputError::Write {
-        path: folder.into(),
-        source,
-    })
-}
-
-/// A folder of numbered frames.
-#[derive(Debug)]
-pub struct FrameFolder {
-    folder: PathBuf,
-    digits: usize,
-}
-
-impl FrameFolder {
-    /// Makes the folder, or takes an empty one, or with `overwrite` one with files in it, and tries to write there.
-    ///
-    /// Overwriting replaces frames of the same number and touches nothing else.
-    pub fn open(folder: &Path, frame_count: u64, overwrite: bool) -> Result<Self, OutputError> {
-        let refused = |source| OutputError::Write {
-            path: folder.into(),
-            source,
-        };
-        make_folder(folder)?;
-        let last = frame_count.saturating_sub(1);
-        let frames = Self {
-            folder: folder.into(),
-            digits: last.to_string().len().max(5),
-        };
-        let mut entries = std::fs::read_dir(folder).map_err(refused)?;
-        if !overwrite && entries.next().is_some() {
-            return Err(OutputError::NotEmpty {
-                path: folder.into(),
-            });
-        }
-        if overwrite && frames.path(frame_count).exists() {
-            tracing::warn!(
-                "{} holds frames of a longer film; those from {} on stay",
-                folder.display(),
-                frames.path(frame_count).display()
-            );
-        }
-        // Shows whether files can be made there.
-        frames.pending(0)?;
-        Ok(frames)
-    }
-
-    /// The file of a frame: `frame_00000.png` and on, with as many digits as the last one needs.
-    pub fn path(&self, index: u64) -> PathBuf {
-        self.folder
-            .join(format!("frame_{index:0digits$}.png", digits = self.digits))
-    }
-
-    /// Begins the file of a frame.
-    pub fn pending(&self, index: u64) -> Result<PendingFile, OutputError> {
-        PendingFile::create(&self.path(index), "frames", "png")
-    }
+    std::fs::create_dir_all(folder).map_err(|source| OutputError::write(folder, source))
 }
 
 #[cfg(test)]
@@ -363,30 +333,5 @@ mod tests {
         std::fs::set_permissions(at("d.png"), rights).expect("sets");
         assert!(refusal(at("d.png")).contains("write-protected"));
         assert_eq!(names(folder.path()), ["b.png", "d.png", "file"]);
-    }
-
-    #[test]
-    fn frames_go_into_an_empty_folder() {
-        let root = tempfile::tempdir().expect("a folder");
-        let folder = root.path().join("new/frames");
-        let frames = FrameFolder::open(&folder, 3, false).expect("made");
-        assert!(frames.path(0).ends_with("frame_00000.png"));
-        assert!(names(&folder).is_empty());
-        frames
-            .pending(2)
-            .expect("begins")
-            .write_whole(b"x")
-            .expect("writes");
-        assert!(matches!(
-            FrameFolder::open(&folder, 3, false),
-            Err(OutputError::NotEmpty { .. })
-        ));
-        FrameFolder::open(&folder, 3, true).expect("overwrites");
-        let many = FrameFolder::open(&root.path().join("many"), 1_000_000, false).expect("made");
-        assert!(many.path(7).ends_with("frame_000007.png"));
-        assert!(matches!(
-            FrameFolder::open(&folder.join("frame_00002.png"), 3, false),
-            Err(OutputError::InTheWay { .. })
-        ));
     }
 }

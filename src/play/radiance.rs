@@ -57,10 +57,7 @@ impl RadianceFile {
             RadianceKind::Exr => write_exr(&mut out, light),
         };
         let written = written.and_then(|()| out.flush());
-        written.map_err(|source| OutputError::Write {
-            path: self.file.target().into(),
-            source,
-        })?;
+        written.map_err(|source| OutputError::write(self.file.target(), source))?;
         self.file.commit()
     }
 }

@@ -223,10 +223,7 @@ impl<'f> Lines<'f> {
 }
 
 fn write_error(file: &PendingFile, source: io::Error) -> OutputError {
-    OutputError::Write {
-        path: file.target().into(),
-        source,
-    }
+    OutputError::write(file.target(), source)
 }
 
 #[cfg(test)]

@@ -4,10 +4,9 @@
 //! a few megabytes a minute, and bounded here.
 
 use super::yuv::YuvPlanes;
-use super::{FrameSink, VideoFormat, write_error};
+use super::{FilmFrame, FrameSink, VideoFormat, write_error};
 use crate::play::error::{PlayError, VideoError};
 use crate::play::output::PendingFile;
-use image::RgbaImage;
 use muxide::api::{Muxer, MuxerBuilder, VideoCodec};
 use openh264::OpenH264API;
 use openh264::encoder::{
@@ -99,8 +98,8 @@ impl BuiltinEncoder {
 }
 
 impl FrameSink for BuiltinEncoder {
-    fn push(&mut self, frame: &RgbaImage) -> Result<(), PlayError> {
-        self.planes.fill(frame);
+    fn push(&mut self, frame: &FilmFrame) -> Result<(), PlayError> {
+        self.planes.fill(&frame.picture);
         self.packet.clear();
         let kind = match self.encoder.encode(&self.planes) {
             Ok(stream) => {

@@ -1,9 +1,8 @@
 //! The `ffmpeg` program, fed with raw frames through a pipe.
 
-use super::{FrameSink, VideoFormat, write_error};
+use super::{FilmFrame, FrameSink, VideoFormat, write_error};
 use crate::play::error::{PlayError, VideoError};
 use crate::play::output::PendingFile;
-use image::RgbaImage;
 use std::io::{Read, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::thread::JoinHandle;
@@ -126,9 +125,9 @@ impl Ffmpeg {
 }
 
 impl FrameSink for Ffmpeg {
-    fn push(&mut self, frame: &RgbaImage) -> Result<(), PlayError> {
+    fn push(&mut self, frame: &FilmFrame) -> Result<(), PlayError> {
         let written = match &mut self.process.input {
-            Some(input) => input.write_all(frame.as_raw()),
+            Some(input) => input.write_all(frame.picture.as_raw()),
             None => Ok(()),
         };
         match written {

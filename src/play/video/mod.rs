@@ -8,13 +8,22 @@ mod ffmpeg;
 mod yuv;
 
 use super::error::{PlayError, VideoError};
+use super::film::FrameRecord;
 use super::output::{OutputError, PendingFile};
 use image::RgbaImage;
+
+/// A frame of a film, drawn.
+pub struct FilmFrame {
+    /// What its page says of it, but for its file.
+    pub record: FrameRecord,
+    /// What is shown.
+    pub picture: RgbaImage,
+}
 
 /// Takes frames in their order.
 pub trait FrameSink: Send {
     /// Takes the next frame.
-    fn push(&mut self, frame: &RgbaImage) -> Result<(), PlayError>;
+    fn push(&mut self, frame: &FilmFrame) -> Result<(), PlayError>;
     /// All frames were given: completes what is written and gives it its name. A sink that is dropped without it
     /// leaves no incomplete file under a final name.
     fn finish(self: Box<Self>) -> Result<(), PlayError>;
@@ -83,10 +92,7 @@ pub fn open_video(
 }
 
 fn write_error(file: &PendingFile, source: std::io::Error) -> PlayError {
-    PlayError::Output(OutputError::Write {
-        path: file.target().into(),
-        source,
-    })
+    OutputError::write(file.target(), source).into()
 }
 
 #[cfg(test)]
