@@ -298,9 +298,10 @@ fn frames_are_numbered_whole_and_not_mixed_with_others() {
         "frame_00001.png",
         "frame_00002.png",
         "frame_00003.png",
+        "frames.json",
     ];
     assert_eq!(names(&frames), expected);
-    for name in expected {
+    for name in &expected[..4] {
         assert_eq!(png_size(&frames.join(name)), (64, 36));
     }
     let words = place.fail(1, &arguments);

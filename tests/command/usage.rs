@@ -28,6 +28,8 @@ fn every_command_has_help() {
                 "--encoder",
                 "--for-seconds",
                 "--overwrite",
+                "--range",
+                "--resume",
             ],
         ),
         (
@@ -118,6 +120,19 @@ fn bad_usage_is_2() {
         &["play", "small.toml", "--for-seconds", "-1"],
         &["play", "small.toml", "--for-seconds", "inf"],
         &["play", "small.toml", "--overwrite"],
+        &["play", "small.toml", "--resume"],
+        &["play", "small.toml", "--range", "0..2"],
+        &["play", "small.toml", "--frames", "a", "--range", "2..2"],
+        &["play", "small.toml", "--frames", "a", "--range", "two"],
+        &["play", "small.toml", "--frames", "a", "--range", "0..5"],
+        &[
+            "play",
+            "small.toml",
+            "--frames",
+            "a",
+            "--resume",
+            "--overwrite",
+        ],
         &["play", "small.toml", "--encoder", "builtin"],
         &[
             "play",
