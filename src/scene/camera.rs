@@ -1,35 +1,12 @@
 //! `[camera]`: where the eye is and what it looks at.
 
+use super::camera_keys::{CameraKey, keys_value, stand_on_ground};
+use super::camera_mode::{CameraMode, CameraUp};
 use super::error::SceneError;
 use super::field::{KeyText, NO_ORBIT, UNKNOWN, quoted, written};
 use super::keys::{LAT_DEG, LON_DEG, RawCamera};
 use super::text::SceneText;
 use std::ops::RangeInclusive;
-
-/// Where the eye looks from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum CameraMode {
-    /// At the satellite, straight down.
-    Nadir,
-    /// At the satellite, forward along the track with the horizon in the upper third.
-    Horizon,
-    /// Behind and above the satellite, looking at it, the Earth below.
-    Chase,
-    /// Above a place on the ground, straight down, north up.
-    Geodetic,
-}
-
-/// What is upwards on screen when the eye looks straight down from a satellite.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum CameraUp {
-    /// The direction of flight.
-    #[default]
-    Flight,
-    /// North.
-    North,
-}
 
 /// `[camera]`
 #[derive(Clone, Debug, PartialEq)]
@@ -53,6 +30,8 @@ pub struct Camera {
     pub heading_deg: f64,
     /// Geodetic mode: how far above the horizontal the eye looks, degrees; −90 is straight down.
     pub pitch_deg: f64,
+    /// What it does at moments of the flight, in their order; none stays as it is.
+    pub keys: Vec<CameraKey>,
 }
 
 impl Camera {
@@ -70,9 +49,11 @@ impl SceneText<'_> {
         let stands = [&lat, &lon, &height, &heading, &pitch]
             .into_iter()
             .find(|field| field.is_given());
-        let default_mode = match stands {
-            Some(_) => CameraMode::Geodetic,
-            None => CameraMode::Nadir,
+        let keys = camera.keys();
+        let raw_keys = keys.given.map_or(&[][..], |keys| keys.get_ref());
+        let default_mode = match stands.is_some() || stand_on_ground(raw_keys) {
+            true => CameraMode::Geodetic,
+            false => CameraMode::Nadir,
         };
         let mode = self.choice(&camera.mode(), default_mode)?;
         if let Some(field) = stands
@@ -136,6 +117,7 @@ impl SceneText<'_> {
             height_km,
             heading_deg,
             pitch_deg,
+            keys: self.camera_keys(keys.given, mode)?,
         })
     }
 }
@@ -172,6 +154,7 @@ pub(super) fn value(camera: &Camera, key: &str, has_satellites: bool) -> KeyText
         "height_km" => place(camera.height_km),
         "heading_deg" => place(camera.heading_deg),
         "pitch_deg" => place(camera.pitch_deg),
+        "keys" => keys_value(&camera.keys),
         _ => Err(UNKNOWN),
     }
 }

@@ -1,6 +1,6 @@
 //! Checks a scene: table by table, and what the tables say of each other.
 
-use super::camera::CameraMode;
+use super::camera_mode::CameraMode;
 use super::error::SceneError;
 use super::keys::{MAX_ORBITS, RawOrbit, RawScene};
 use super::orbit::Orbit;
@@ -51,6 +51,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         let advice = "follow names one of the scene's own satellites and it has none; give it an [orbit] table, or leave follow out";
         return Err(source.refuse_at("camera", "follow", follow.span(), advice));
     }
+    let raw_keys = camera.keys().given.map(toml::Spanned::span);
     let camera = source.camera(&camera)?;
     let earth = source.earth(&earth)?;
     let sky = source.sky(&sky, &earth)?;
@@ -68,6 +69,21 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     source.basilisk_alone(&orbits, &checked)?;
     let is_met = |orbit: &Orbit| orbit.live.is_some() || orbit.basilisk.is_some();
     let has_live = checked.iter().any(is_met);
+    if let Some(keys) = raw_keys {
+        if has_live {
+            let advice = "keys are moments of the scene's own time, and here a simulator gives the time; leave them out";
+            return Err(source.refuse_at("camera", "keys", keys, advice));
+        }
+        if output
+            .exposure_ev()
+            .given
+            .is_some_and(|ev| ev.get_ref().as_str() == Some("auto"))
+            && camera.keys.iter().any(|key| key.exposure_ev.is_some())
+        {
+            let advice = "keys that set exposure_ev have no meaning with exposure_ev = \"auto\" in [output]; leave the one or the other out";
+            return Err(source.refuse_at("camera", "keys", keys, advice));
+        }
+    }
     if checked.is_empty() && camera.mode != CameraMode::Geodetic {
         checked.push(Orbit {
             track: source.track(&RawOrbit::default(), &tracks)?,

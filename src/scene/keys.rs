@@ -9,6 +9,7 @@ use crate::orbit::numerical::Spacecraft;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
+use std::collections::BTreeMap;
 use std::ops::{Range, RangeInclusive};
 use toml::Spanned;
 
@@ -30,6 +31,8 @@ pub(super) const BURN_S: RangeInclusive<f64> = 1e-3..=3.2e7;
 pub(super) const BURN_M_S2: RangeInclusive<f64> = -1e3..=1e3;
 /// Most maps of a layer that change with the date.
 pub(super) const MAX_DATED_MAPS: usize = 1000;
+/// Most keys of a camera.
+pub(super) const MAX_CAMERA_KEYS: usize = 10_000;
 /// Most files of heights.
 pub(super) const MAX_ELEVATION_FILES: usize = 1000;
 
@@ -348,6 +351,9 @@ impl<'de> Deserialize<'de> for RawOrbits {
     }
 }
 
+/// One of `[[camera.keys]]`, checked by camera_keys.rs.
+pub(super) type RawCameraKey = BTreeMap<String, Spanned<toml::Value>>;
+
 table!(RawCamera = "camera" {
     /// Where the eye looks from: "nadir" by default, "geodetic" where a place is given.
     mode: String = "a string: \"nadir\", \"horizon\", \"chase\" or \"geodetic\"";
@@ -369,6 +375,9 @@ table!(RawCamera = "camera" {
     heading_deg: f64 = "a number of degrees", in TURN_DEG, default 0.0;
     /// Geodetic mode: how far above the horizontal it looks; by default straight down.
     pitch_deg: f64 = "a number of degrees", in -90.0..=90.0, default -90.0;
+    // A list of tables of any keys.
+    /// What the camera does at moments of the flight.
+    keys: Vec<RawCameraKey> = "a list of tables: write [[camera.keys]] on a line of its own for each, and below it time_s and what is set there";
 });
 
 table!(RawEarth = "earth" {

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `keys.rs` | its declaration: name, type, range, default. **Begin here** |
 //! | `time.rs`, `orbit.rs`, `tracks.rs`, `camera.rs`, `earth.rs`, `sky.rs`, `output.rs` | a table each: the checked value that hosts read, its check, its text in the summary |
+//! | `camera_keys.rs` | `[[camera.keys]]` |
 //! | `orbit_check.rs`, `orbit_summary.rs`, `live.rs`, `basilisk.rs` | the same of `[orbit]`, which has the most keys |
 //! | `relief.rs`, `surfaces.rs` | keys of `[earth]` that are about ground with relief |
 //! | `dated_maps.rs` | keys of `[earth]` that are about maps that change with the date |
@@ -23,6 +24,8 @@
 mod basilisk;
 mod burns;
 mod camera;
+mod camera_keys;
+mod camera_mode;
 mod check;
 mod dated_maps;
 mod dates;
@@ -54,6 +57,9 @@ use text::SceneText;
 
 pub use camera::{Camera, CameraMode, CameraUp};
 pub use dated_maps::{BetweenMaps, DatedLayer, DatedMaps, MapTimes};
+pub use camera::Camera;
+pub use camera_keys::CameraKey;
+pub use camera_mode::{CameraMode, CameraUp};
 pub use earth::{EarthTable, Look, PackTable, StorageChoice, SurfaceLightTable};
 pub use error::{KeyLocation, SceneError};
 #[cfg(feature = "playback")]

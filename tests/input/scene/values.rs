@@ -4,7 +4,7 @@ use super::{Folder, scene, utc};
 use terrella::internals::air::Atmosphere;
 use terrella::internals::earth::Shading;
 use terrella::internals::globe::{Figure, LevelRule, Subdivision, Visibility};
-use terrella::scene::{CameraMode, EarthTable, Look, Scene, StorageChoice};
+use terrella::scene::{CameraKey, CameraMode, EarthTable, Look, Scene, StorageChoice};
 use terrella::{Exposure, Tone};
 
 #[test]
@@ -35,6 +35,53 @@ fn light_is_shown_as_the_scene_says() {
     assert_eq!(output("").tone, Tone::Neutral);
     assert_eq!(output("tone = \"filmic\"").tone, Tone::Filmic);
     assert_eq!(output("tone = \"linear\"").tone, Tone::Linear);
+}
+
+#[test]
+fn a_camera_has_keys_in_their_order() {
+    let text = "[[camera.keys]]\ntime_s = -5\nfov_deg = 40\n\
+        [[camera.keys]]\ntime_s = 7.5\nlat_deg = 1\nlon_deg = 2.5\nheight_km = 3\nheading_deg = 4\npitch_deg = -5\nexposure_ev = 1\n";
+    let camera = scene(text).camera;
+    assert_eq!(
+        camera.mode,
+        CameraMode::Geodetic,
+        "keys stand over the ground"
+    );
+    let keys = [
+        CameraKey {
+            time_s: -5.0,
+            fov_deg: Some(40.0),
+            ..CameraKey::default()
+        },
+        CameraKey {
+            time_s: 7.5,
+            place: Some([1.0, 2.5, 3.0]),
+            facing_deg: Some([4.0, -5.0]),
+            exposure_ev: Some(1.0),
+            ..CameraKey::default()
+        },
+    ];
+    assert_eq!(camera.keys, keys);
+    // As the summary writes them.
+    let summary = scene(text).summary();
+    let line = summary.lines().find(|line| line.trim().starts_with("keys"));
+    let line = line
+        .expect("in the summary")
+        .trim()
+        .trim_start_matches("keys");
+    let list = line.rsplit_once("line").expect("where from").0.trim();
+    assert_eq!(scene(&format!("[camera]\nkeys = {list}")).camera.keys, keys);
+    let at_satellite =
+        "[camera]\nmode = \"horizon\"\n[[camera.keys]]\ntime_s = 0\nyaw_deg = 10\npitch_deg = 3";
+    assert_eq!(
+        scene(at_satellite).camera.keys[0].turn_deg,
+        Some([10.0, 3.0])
+    );
+    let chasing = "[camera]\nmode = \"chase\"\nkeys = [{ time_s = 0, offset_m = [-30, 0, -5.5] }]";
+    assert_eq!(
+        scene(chasing).camera.keys[0].offset_m,
+        Some([-30.0, 0.0, -5.5])
+    );
 }
 
 #[test]
