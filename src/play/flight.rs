@@ -1,6 +1,7 @@
 //! A scene made ready to be played: where the eye is and what lights it at any instant.
 
 use super::camera::{Look, OrbitalMotion, Pose};
+use super::camera_path::CameraPath;
 use super::craft::CraftPose;
 use super::error::PlayError;
 use super::maps::{DroppedLayer, check_pack, dropped_layers, earth_options, earth_options_at};
@@ -25,6 +26,8 @@ pub struct Flight {
     followed: usize,
     orientation: Option<EarthOrientation>,
     ellipsoid: Ellipsoid,
+    /// What the scene's camera does in the course of time.
+    path: CameraPath,
 }
 
 /// How one picture of an instant is wanted.
@@ -56,6 +59,8 @@ pub struct Moment {
     pub eye_velocity_m_s: Option<DVec3>,
     /// How the Earth stands and turns where a simulation says so and not the date.
     pub turn: Option<EarthTurn>,
+    /// The exposure value of the instant, where the scene keys it.
+    pub exposure_ev: Option<f64>,
 }
 
 /// A satellite at an instant.
@@ -124,6 +129,7 @@ impl Flight {
         }
         Ok(Self {
             ellipsoid: scene.earth.figure.ellipsoid(),
+            path: CameraPath::new(&scene),
             scene,
             satellites,
             followed,
@@ -223,8 +229,32 @@ impl Flight {
             Some(Err(error)) => return Err(error.into()),
             None => None,
         };
-        let pose = self.pose(request.mode, state.as_ref())?;
+        let pose = self.keyed_pose(epoch, request.mode, state.as_ref())?;
         Ok(self.moment(epoch, request, pose, state))
+    }
+
+    /// The pose of an instant, by the keys of the scene's camera where it is that one.
+    fn keyed_pose(
+        &self,
+        epoch: Epoch,
+        mode: CameraMode,
+        state: Option<&OrbitalMotion>,
+    ) -> Result<Pose, PlayError> {
+        let (path, ellipsoid) = (&self.path, &self.ellipsoid);
+        if mode != self.scene.camera.mode {
+            return self.pose(mode, state);
+        }
+        Ok(match (mode, state) {
+            (CameraMode::Geodetic, _) => path.ground_pose(epoch, ellipsoid),
+            (CameraMode::Chase, Some(state)) => {
+                let chased = path.chase_pose(epoch, state, ellipsoid);
+                chased.map_or_else(|| self.pose(mode, Some(state)), Ok)?
+            }
+            (CameraMode::Horizon, Some(state)) => {
+                path.turned(epoch, Pose::horizon(state, ellipsoid, path.fov_rad(epoch)))
+            }
+            _ => path.turned(epoch, self.pose(mode, state)?),
+        })
     }
 
     /// Where the eye stands and looks for a satellite that moves so.
@@ -279,7 +309,7 @@ impl Flight {
         state: Option<OrbitalMotion>,
         sky: Sky,
     ) -> Moment {
-        let fov_rad = request.look.fov_rad(self.scene.camera.fov_deg.to_radians());
+        let fov_rad = request.look.fov_rad(self.path.fov_rad(epoch));
         let craft = match (request.mode, &state) {
             (CameraMode::Chase, Some(state)) => Some(CraftPose::new(state, &self.ellipsoid, &sky)),
             _ => None,
@@ -304,6 +334,7 @@ impl Flight {
                 }
             }),
             turn: None,
+            exposure_ev: self.path.exposure_ev(epoch),
         }
     }
 

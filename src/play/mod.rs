@@ -9,6 +9,7 @@
 //! |---|---|
 //! | `clock` | simulated time, exact frame instants |
 //! | `camera` | the four cameras, pure functions |
+//! | `camera_path`, `spline` | what a scene's keys make of its camera in the course of time |
 //! | `flight` | scene and orbit to moments |
 //! | `satellites` | the scene's sources of motion, opened |
 //! | `live`, `live_status` | the time of scenes whose simulator gives it; what the window reports of it |
@@ -41,6 +42,7 @@
 // Where a file is built without the command, what only that needs of it is left unused.
 mod basilisk;
 pub mod camera;
+mod camera_path;
 pub mod clock;
 #[cfg(feature = "command")]
 mod controls;
@@ -87,6 +89,7 @@ mod satellites;
 mod simulator_time;
 mod sky;
 mod sky_parts;
+mod spline;
 mod stats;
 #[cfg(feature = "command")]
 mod still;

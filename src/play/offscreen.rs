@@ -246,6 +246,7 @@ impl OffscreenRenderer {
 
     /// Draws an instant when all tiles that it wants have come, or `wait` is over. Answers the tiles that are missing.
     pub fn draw_complete(&mut self, moment: &Moment, wait: Duration) -> (FrameStats, Vec<TileKey>) {
+        self.expose(moment);
         let size = self.drawn_size();
         self.prepare_maps(moment, wait);
         let (view, sky) = (&moment.view, &moment.sky);
@@ -374,7 +375,18 @@ impl OffscreenRenderer {
         }
     }
 
+    /// Takes the exposure that the moment has of its own.
+    fn expose(&mut self, moment: &Moment) {
+        if let Some(ev) = moment.exposure_ev
+            // Keys lie in the range, and what is between them too.
+            && let Err(error) = self.earth.set_exposure(Exposure::Ev(ev))
+        {
+            tracing::warn!("the exposure stays as it is: {error}");
+        }
+    }
+
     fn prepare(&mut self, moment: &Moment) -> FrameStats {
+        self.expose(moment);
         let size = self.drawn_size();
         self.prepare_maps(moment, Duration::ZERO);
         let mut stats = self

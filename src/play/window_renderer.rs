@@ -340,6 +340,11 @@ impl WindowRenderer {
 
     /// Exposes as the view asks for, followed in the time since the frame before.
     fn follow_light(&mut self, moment: &Moment, interval: Option<Duration>) {
+        if let Some(ev) = moment.exposure_ev
+            && let Err(error) = self.earth.set_exposure(Exposure::Ev(ev))
+        {
+            tracing::warn!("the exposure stays as it is: {error}");
+        }
         let Some(adaptation) = &mut self.adaptation else {
             return;
         };

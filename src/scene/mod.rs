@@ -55,11 +55,10 @@ use std::path::{Path, PathBuf};
 
 use text::SceneText;
 
-pub use camera::{Camera, CameraMode, CameraUp};
-pub use dated_maps::{BetweenMaps, DatedLayer, DatedMaps, MapTimes};
 pub use camera::Camera;
 pub use camera_keys::CameraKey;
 pub use camera_mode::{CameraMode, CameraUp};
+pub use dated_maps::{BetweenMaps, DatedLayer, DatedMaps, MapTimes};
 pub use earth::{EarthTable, Look, PackTable, StorageChoice, SurfaceLightTable};
 pub use error::{KeyLocation, SceneError};
 #[cfg(feature = "playback")]

@@ -96,6 +96,7 @@ mod tests {
             craft: None,
             eye_velocity_m_s: None,
             turn: None,
+            exposure_ev: None,
         };
         let size = (241, 161);
         let map = depth_map(&moment, &sphere, [1e3, 1e8], size);
