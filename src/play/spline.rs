@@ -302,6 +302,34 @@ mod tests {
         assert!(NumberTrack::new(&[]).is_none() && SphereTrack::new(&[]).is_none());
     }
 
+    /// Of points close together the curve is the flat one of Barry and Goldman, its knots the sums of the square roots of distances.
+    #[test]
+    fn the_curve_is_centripetal() {
+        let scale = 1e-5;
+        let flat =
+            [(0.0, 0.0), (1.0, 0.0), (1.0, 9.0), (3.0, 9.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
+        let mut knots = vec![0.0];
+        for pair in flat.windows(2) {
+            knots.push(knots[knots.len() - 1] + (scale * (pair[1] - pair[0]).length()).sqrt());
+        }
+        let point = |flat: DVec3| DVec4::new(scale * flat.x, scale * flat.y, 1.0, 0.0).normalize();
+        let points: Vec<_> = knots.iter().copied().zip(flat.map(point)).collect();
+        let track = SphereTrack::new(&points).expect("points");
+        for part in [0.2, 0.5, 0.9] {
+            let u = knots[1] + part * (knots[2] - knots[1]);
+            let between = |a: DVec3, b: DVec3, i: usize, k: usize| {
+                a.lerp(b, (u - knots[i]) / (knots[k] - knots[i]))
+            };
+            let [a1, a2, a3] = [0, 1, 2].map(|i| between(flat[i], flat[i + 1], i, i + 1));
+            let wanted = between(between(a1, a2, 0, 2), between(a2, a3, 1, 3), 1, 2);
+            let found = track.at(u) / track.at(u).z / scale;
+            assert!(
+                (found.truncate().truncate() - wanted.truncate()).length() < 1e-4,
+                "{part}"
+            );
+        }
+    }
+
     /// An attitude and its opposite quaternion are one: the track takes the short way.
     #[test]
     fn attitudes_turn_the_short_way() {
