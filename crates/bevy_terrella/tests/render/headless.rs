@@ -23,6 +23,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// A picture in memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
+    /// Width and height, pixels.
     pub size: (u32, u32),
     /// Rows one after another, without padding, as the target stores them.
     pub bytes: Vec<u8>,

@@ -1,0 +1,88 @@
+//! The native host: Terrella on a device of its own, without Bevy.
+
+use crate::headless::Picture;
+use bevy::render::render_resource::TextureFormat;
+use std::sync::{Arc, OnceLock};
+use terrella::{
+    Earth, EarthLayers, EarthOptions, Exposure, EyeView, FrameTargets, LayerSelection, Sky,
+    find_textures, load_layers, wgpu,
+};
+
+/// The starter maps, read once.
+pub fn maps() -> Arc<EarthLayers> {
+    static MAPS: OnceLock<Arc<EarthLayers>> = OnceLock::new();
+    let load = || {
+        let folder = find_textures().expect("the starter maps");
+        Arc::new(load_layers(&folder, LayerSelection::default()).expect("whole maps"))
+    };
+    MAPS.get_or_init(load).clone()
+}
+
+/// A program that draws with wgpu.
+pub struct Native {
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+}
+
+impl Native {
+    /// A device of the adapter that Bevy takes. `None`, said aloud, where there is no adapter; then nothing can be drawn here.
+    pub fn open() -> Option<Self> {
+        let instance =
+            wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            ..Default::default()
+        }));
+        let Ok(adapter) = adapter else {
+            eprintln!("SKIPPED: there is no graphics adapter; install a Vulkan driver");
+            return None;
+        };
+        let opened = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("terrella native host"),
+            ..Default::default()
+        }));
+        let (device, queue) = opened.expect("a device of the adapter");
+        Some(Self { device, queue })
+    }
+
+    /// A picture as the program would draw it.
+    pub fn draw(
+        &self,
+        (format, samples): (TextureFormat, u32),
+        (eye, sky): (&EyeView, &Sky),
+        size: (u32, u32),
+        exposure: Exposure,
+    ) -> Picture {
+        let (device, queue) = (&self.device, &self.queue);
+        let mut earth = Earth::new(
+            device,
+            queue,
+            &EarthOptions {
+                color_format: format,
+                samples,
+                exposure,
+                ..EarthOptions::new(EarthLayers::clone(&maps()))
+            },
+        )
+        .expect("an Earth");
+        let targets = FrameTargets::with_color(device, format, size, samples);
+        earth.prepare(queue, eye, sky, size);
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
+            label: Some("terrella native host"),
+        });
+        earth.render(&mut targets.begin_pass(&mut encoder));
+        queue.submit([encoder.finish()]);
+        let bytes = match format {
+            TextureFormat::Rgba16Float => {
+                let light = targets.read_light(device, queue).expect("a picture");
+                light
+                    .iter()
+                    .flatten()
+                    .flat_map(|l| l.to_le_bytes())
+                    .collect()
+            }
+            _ => targets.read_back(device, queue).expect("a picture"),
+        };
+        Picture { size, bytes }
+    }
+}
