@@ -1,0 +1,46 @@
+//! The example, run.
+
+use crate::craft;
+use crate::native::Native;
+
+#[test]
+fn a_craft_is_drawn_before_the_earth() {
+    if Native::open().is_none() {
+        return;
+    }
+    let picture = craft::still((320, 180)).expect("a picture");
+    let pixels = picture.bytes.as_chunks::<4>().0;
+    let part = |is_it: fn(&[u8; 4]) -> bool| {
+        let found = pixels.iter().filter(|pixel| is_it(pixel)).count();
+        found as f64 / pixels.len() as f64
+    };
+    // The craft's panels are deep blue, the Earth in daylight below it is lighter, space above it black.
+    let panels = part(|[r, g, b, _]| *b > 90 && *r < 40 && *g < 55);
+    let (lit, space) = (part(|p| p[2] > 50), part(|p| p[..3] == [0, 0, 0]));
+    assert!((0.01..0.15).contains(&panels), "panels {panels}");
+    assert!((0.2..0.7).contains(&lit), "lit {lit}");
+    assert!((0.2..0.7).contains(&space), "space {space}");
+}
+
+#[test]
+fn code_on_the_page_stands_in_the_examples() {
+    let page = include_str!("../../../../docs/embedding/bevy.md");
+    let examples = [
+        include_str!("../../examples/smallest.rs"),
+        include_str!("../../examples/craft/main.rs"),
+    ];
+    let blocks: Vec<_> = page.split("```rust\n").skip(1).collect();
+    assert!(blocks.len() >= 2, "{} blocks of Rust", blocks.len());
+    for block in blocks {
+        let (block, _) = block.split_once("```").expect("an end of the block");
+        let lines = |text: &'static str| text.lines().map(str::trim).filter(|l| !l.is_empty());
+        let stands_in = |example: &'static str| {
+            let mut rest = lines(example);
+            lines(block).all(|line| rest.any(|other| other == line))
+        };
+        assert!(
+            examples.into_iter().any(stands_in),
+            "not in an example:\n{block}"
+        );
+    }
+}

@@ -1,0 +1,16 @@
+//! The Earth in Bevy, held against the native host's.
+
+mod cameras;
+mod compare;
+#[allow(dead_code)]
+#[path = "../../examples/craft/main.rs"]
+mod craft;
+mod depth;
+mod example;
+mod faults;
+mod native;
+mod one_frame;
+mod recovery;
+mod scene;
+
+use craft::headless;
