@@ -64,6 +64,10 @@ impl Repository {
         for entry in entries {
             let entry = entry.unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
             let path = folder.join(entry.file_name());
+            if entry.file_name() == "target" {
+                // What a build left in a package that is a workspace of its own.
+                continue;
+            }
             if entry.path().is_dir() {
                 self.collect(&path, paths);
             } else {
