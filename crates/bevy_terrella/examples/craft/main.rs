@@ -6,7 +6,7 @@
 //! ```
 
 #[path = "../../tests/render/headless.rs"]
-mod headless;
+pub mod headless;
 
 use bevy::camera::Hdr;
 use bevy::core_pipeline::tonemapping::Tonemapping;
