@@ -298,8 +298,12 @@ impl RawPart {
                 "{key} must be [first, end] within 0 and {most}, of at most {MAX_PIECE_SIDE} texels in all"
             ))
         };
+        let columns = range("columns", self.columns, 360.0)?;
+        let left_deg = 360.0 - tile_deg * f64::from(columns.start);
         let set = TileSet {
-            columns: range("columns", self.columns, 360.0)?,
+            // At least one: the first column begins west of the date line.
+            width: (left_deg / tile_deg * f64::from(side)).round().max(1.0) as u32,
+            columns,
             rows: range("rows", self.rows, 2.0 * crs.top_deg())?,
             path: path.clone(),
             tile_size: side,

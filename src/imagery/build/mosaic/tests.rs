@@ -282,6 +282,27 @@ fn web_mercator_is_laid_on_latitudes() {
 }
 
 #[test]
+fn tiles_that_reach_beyond_the_earth_are_cut_there() {
+    // As level 1 of GIBS: three columns of 144 degrees, two rows; what is beyond is black.
+    let folder = Folder::new();
+    for (row, column) in (0..2).flat_map(|row| (0..3).map(move |column| (row, column))) {
+        let tile = png(16, 16, |x, y| {
+            let is_earth = column * 16 + x < 40 && row * 16 + y < 20;
+            if is_earth {
+                [10 + 5 * (column * 16 + x) as u8; 3]
+            } else {
+                [0; 3]
+            }
+        });
+        folder.put(&format!("t/{row}/{column}.png"), &tile);
+    }
+    let tiles = "[[part]]\ntiles = \"t/{row}/{column}.png\"\ntile_size = 16\ntile_deg = 144\n";
+    let (map, notes) = folder.read(tiles);
+    assert_eq!((map.width, notes.len()), (40, 0));
+    assert!((0..20).all(|y| (0..40).all(|x| map.at(x, y) == [10 + 5 * x as u8; 3])));
+}
+
+#[test]
 fn what_cannot_be_a_mosaic_is_named() {
     let folder = Folder::new();
     folder.put("a.png", &png(64, 32, code));

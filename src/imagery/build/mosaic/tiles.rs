@@ -29,6 +29,8 @@ pub struct TileSet {
     pub columns: Range<u32>,
     /// Rows of the grid that are there, from the north.
     pub rows: Range<u32>,
+    /// Texels of all columns that lie on the Earth: the last tile of a row may reach beyond it.
+    pub width: u32,
 }
 
 impl TileSet {
@@ -43,7 +45,7 @@ impl TileSet {
     /// Width and height of all tiles, texels.
     pub fn size(&self) -> (u32, u32) {
         let side = |range: &Range<u32>| (range.len() as u32).saturating_mul(self.tile_size);
-        (side(&self.columns), side(&self.rows))
+        (side(&self.columns).min(self.width), side(&self.rows))
     }
 
     /// The first tile's kind of texels; tiles that are missing or damaged are passed over.
@@ -230,8 +232,9 @@ impl TileRows {
     /// A tile that broke in its middle is none.
     fn clear_tile(&mut self, place: u32) {
         let (width, side) = (self.info.width as usize, self.set.tile_size as usize);
+        let start = place as usize * side;
         for row in self.cover.chunks_exact_mut(width) {
-            row[place as usize * side..][..side].fill(0);
+            row[start..width.min(start + side)].fill(0);
         }
     }
 
@@ -257,13 +260,15 @@ impl TileRows {
         let (row_bytes, width) = (self.info.row_bytes(), self.info.width as usize);
         let texel = self.info.channels * info.sample.bytes();
         let (start, mut is_whole) = (place as usize * side, true);
+        let run = side.min(width - start);
         let (mut coded, mut row) = (vec![0; info.row_bytes()], RasterRow::default());
         for y in 0..side {
             source.next_row(&mut coded)?;
             without_alpha(&info, &coded, &mut row);
-            let out = &mut self.bytes[y * row_bytes + start * texel..][..side * texel];
-            copy_channels(&row.bytes, out, texel, info.sample.bytes());
-            self.cover[y * width + start..][..side].copy_from_slice(&row.cover);
+            let out = &mut self.bytes[y * row_bytes + start * texel..][..run * texel];
+            let seen = row.bytes.len() / side * run;
+            copy_channels(&row.bytes[..seen], out, texel, info.sample.bytes());
+            self.cover[y * width + start..][..run].copy_from_slice(&row.cover[..run]);
             is_whole &= row.is_whole;
         }
         Ok(is_whole)
