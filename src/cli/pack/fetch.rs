@@ -96,9 +96,9 @@ pub struct FetchArgs {
     /// Certificates (PEM) of authorities to trust instead of the usual ones
     #[arg(long, value_name = "FILE")]
     ca: Option<PathBuf>,
-    /// How many times steeper than the truth slopes are, of a source of heights
-    #[arg(long, value_name = "TIMES", default_value_t = SLOPE_EXAGGERATION)]
-    exaggeration: f64,
+    /// How many times steeper than the truth slopes are, of a source of heights [default: 4]
+    #[arg(long, value_name = "TIMES")]
+    exaggeration: Option<f64>,
     #[command(flatten)]
     pack: PackOptions,
 }
@@ -152,6 +152,17 @@ pub fn run(args: &FetchArgs, common: &Common) -> anyhow::Result<()> {
     if args.under.is_some() && layers.len() > 1 {
         bail!(
             "--under: is a map of one kind; fetch one kind of map at a time with --download-only, then use `pack build`"
+        );
+    }
+    let has_heights = layers
+        .iter()
+        .any(|layer| layer.layer == SourceLayer::Elevation);
+    if args.exaggeration.is_some() && !(has_heights && args.output.is_some()) {
+        bail!("--exaggeration: is for packs with a source of heights");
+    }
+    if args.output.is_none() && !args.pack.is_default() {
+        bail!(
+            "--name, --attribution, --storage, --pixels, --restart: are for packs; give --output, or leave them out"
         );
     }
     stop_on_interrupt();
@@ -241,7 +252,7 @@ fn build_options(
         relief: of(SourceLayer::Elevation).map(|path| Relief::Elevation {
             path,
             offset_m: Some(0.0),
-            exaggeration: args.exaggeration,
+            exaggeration: args.exaggeration.unwrap_or(SLOPE_EXAGGERATION),
         }),
         night_lights: of(SourceLayer::NightLights),
         water: of(SourceLayer::Water),

@@ -31,7 +31,7 @@ pub struct PackOptions {
     restart: bool,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 enum StorageArg {
     Plain,
     Bc,
@@ -54,6 +54,15 @@ impl PackOptions {
             restart: self.restart,
             ..BuildOptions::new(day, output)
         }
+    }
+
+    /// Whether nothing was asked for that only packs have.
+    pub fn is_default(&self) -> bool {
+        self.name.is_none()
+            && self.attribution.is_empty()
+            && self.storage == StorageArg::Both
+            && self.pixels.is_empty()
+            && !self.restart
     }
 
     /// Memory limit, bytes.
