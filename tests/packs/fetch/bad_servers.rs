@@ -68,7 +68,8 @@ fn what_may_come_right_is_asked_for_again() {
         ..good(path)
     };
     let silent = |path: &str| Answer {
-        body: Vec::new(),
+        body: vec![0x89],
+        pause: Duration::from_millis(2500),
         ..good(path)
     };
     let early = move |path: &str| Answer {
@@ -324,7 +325,7 @@ fn certificates_are_looked_at() {
     assert_eq!(done.fetched[0].1.new, 8);
     // A name that the certificate has not.
     let other = text
-        .replace("127.0.0.1", "127.0.0.2")
+        .replace("127.0.0.1", "localhost")
         .replace("\"local\"", "\"other\"");
     let said = layer(&other)
         .fetch(&options, &())

@@ -159,7 +159,14 @@ fn a_fetch_that_is_killed_goes_on_to_the_same_pack() {
 #[cfg(unix)]
 #[test]
 fn a_disk_that_is_full_is_named_and_nothing_half_written_stays() {
-    let server = good();
+    let server = Server::new(|path, _| {
+        let [level, row, column] = place(path);
+        let noise = |lon_deg: f64, lat_deg: f64| {
+            let code = (lon_deg * 7919.0 + lat_deg * 104_729.0).rem_euclid(251.0);
+            [code as u8, (code * 7.0) as u8, (code * 13.0) as u8]
+        };
+        Answer::picture("image/png", png(&tile(level, row, column, noise)))
+    });
     let folder = place_of(&server);
     let script = format!(
         "trap '' XFSZ; ulimit -f 1; exec {:?} pack fetch local.toml --level 2 -o earth",
@@ -226,9 +233,7 @@ fn heights_become_a_file_that_relief_reads() {
         terrella::elevation::open_heights(&folder.path().join("alps.tif"), &GridLimits::default());
     let grid = read.expect("heights").grid;
     for latitude_deg in [25.0_f64, 40.0, 55.0] {
-        let height_m = grid
-            .height_m(latitude_deg.to_radians(), 0.1)
-            .expect("inside");
+        let height_m = grid.height_m(latitude_deg.to_radians(), 0.1, 1e-3);
         assert!(
             (height_m - 10.0 * latitude_deg).abs() < 1.0,
             "{latitude_deg}: {height_m}"
@@ -286,6 +291,30 @@ fn bad_usage_is_named() {
                 "x",
             ],
             "holds no certificate",
+        ),
+        (
+            &[
+                "pack",
+                "fetch",
+                "local.toml",
+                "--exaggeration",
+                "2",
+                "-o",
+                "x",
+            ],
+            "--exaggeration",
+        ),
+        (
+            &[
+                "pack",
+                "fetch",
+                "local.toml",
+                "--download-only",
+                "--cache",
+                "c",
+                "--restart",
+            ],
+            "are for packs",
         ),
         (
             &["pack", "fetch", "local.toml", "--heights", "x.tif"],
