@@ -5,7 +5,7 @@
 //! | `description.rs` | what a mosaic is made of: a TOML file, or a folder |
 //! | `place.rs`, `georeference.rs` | where a part lies, and where files say it |
 //! | `target.rs`, `axis.rs` | the grid that is made, and what its texels are made of |
-//! | `raster.rs`, `tiles.rs`, `texels.rs` | rows of a file or of tiles, and their texels as numbers |
+//! | `raster.rs`, `tiles.rs`, `row.rs`, `texels.rs` | rows of a file or of tiles, and their texels as numbers |
 //! | `piece.rs`, `compose.rs` | a part on the grid; all of them over one another |
 //! | `matching.rs` | colours of a part scaled to those below it |
 //!
@@ -21,6 +21,7 @@ mod matching;
 mod piece;
 mod place;
 mod raster;
+mod row;
 mod target;
 #[cfg(test)]
 mod tests;

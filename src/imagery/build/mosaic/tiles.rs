@@ -1,6 +1,6 @@
 //! Tiles of one size that lie side by side, read as one raster: a row of tiles is decoded at a time.
 
-use super::raster::{RasterRow, without_alpha};
+use super::row::{RasterRow, without_alpha};
 use crate::imagery::build::error::BuildError;
 use crate::imagery::build::source::{
     Extent, FileContext, SampleKind, SourceInfo, SourceLimits, read_extent,
