@@ -42,6 +42,12 @@ impl FrameTargets {
         }
     }
 
+    /// Clears passes from now on to space that hides nothing: alpha is how much of what is behind is hidden.
+    #[cfg(feature = "offscreen")]
+    pub(crate) fn make_space_transparent(&mut self) {
+        self.attachments.space = wgpu::Color::TRANSPARENT;
+    }
+
     /// Width and height, pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.picture.width(), self.picture.height())
@@ -174,6 +180,8 @@ impl Default for PassPart {
 pub struct Attachments {
     multisampled: Option<wgpu::TextureView>,
     depth: wgpu::TextureView,
+    /// What colour is cleared to.
+    space: wgpu::Color,
 }
 
 impl Attachments {
@@ -191,6 +199,7 @@ impl Attachments {
         Self {
             multisampled: (samples > 1).then(|| attachment("terrella samples", format)),
             depth: attachment("terrella depth", FrameTargets::DEPTH),
+            space: wgpu::Color::BLACK,
         }
     }
 
@@ -219,10 +228,7 @@ impl Attachments {
             None => (target, None, wgpu::StoreOp::Store),
         };
         let (color, depth) = match part.is_first {
-            true => (
-                wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                wgpu::LoadOp::Clear(0.0),
-            ),
+            true => (wgpu::LoadOp::Clear(self.space), wgpu::LoadOp::Clear(0.0)),
             false => (wgpu::LoadOp::Load, wgpu::LoadOp::Load),
         };
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {

@@ -14,7 +14,12 @@ pub const SLOWEST: f64 = 1.0 / 16.0;
 /// Computed from the start each time, so that frame 100 000 is as exact as frame 1: index · speed / rate seconds in
 /// one rounding, then whole nanoseconds.
 pub fn frame_epoch(time: &Time, index: u64) -> Epoch {
-    time.start + (index as f64 * time.speed / time.frame_rate_hz) * Unit::Second
+    epoch_after(time, index as f64)
+}
+
+/// The instant after so many frames, which need not be whole.
+pub(super) fn epoch_after(time: &Time, frames: f64) -> Epoch {
+    time.start + (frames * time.speed / time.frame_rate_hz) * Unit::Second
 }
 
 /// Shortest range that is played by itself, as a fraction of the span.

@@ -26,6 +26,8 @@ pub struct OffscreenRenderer {
     /// What is drawn to where that is smaller than the picture.
     smaller: Option<ScaledTarget>,
     samples: u32,
+    /// Whether space hides nothing.
+    is_space_transparent: bool,
     /// Follows the exposure that frames ask for, where it is metered.
     adaptation: Option<Adaptation>,
 }
@@ -84,6 +86,7 @@ impl OffscreenRenderer {
             targets,
             smaller: None,
             samples: options.samples,
+            is_space_transparent: false,
             adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
         })
     }
@@ -146,7 +149,17 @@ impl OffscreenRenderer {
         // The picture that is enlarged has its samples in the smaller one.
         let picture_samples = if self.smaller.is_some() { 1 } else { samples };
         self.targets = new_targets(&self.gpu, size, format, picture_samples)?;
+        if self.is_space_transparent {
+            self.targets.make_space_transparent();
+        }
         Ok(())
+    }
+
+    /// Space hides nothing from now on: alpha of light is how much of what is behind is hidden. At full resolution alone.
+    #[cfg(feature = "command")]
+    pub fn make_space_transparent(&mut self) {
+        self.is_space_transparent = true;
+        self.targets.make_space_transparent();
     }
 
     /// Width and height that are drawn, pixels; [`Self::size`] where the quality's scale is 1.

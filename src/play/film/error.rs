@@ -48,6 +48,16 @@ pub enum FilmError {
         /// How many frames there are.
         frame_count: u64,
     },
+    /// A scene that is drawn in display colours, and settings that average light.
+    #[error("{}: --format png16 and exr, --alpha, --supersample and --shutter make pictures of light, and {what} have none; {remedy}, or leave those options out", scene.display())]
+    NoLight {
+        /// The scene's file.
+        scene: PathBuf,
+        /// What has no light.
+        what: &'static str,
+        /// What the user can do about it.
+        remedy: &'static str,
+    },
     /// A file that makes the film what it is cannot be read.
     #[error("{}: {source}; the scene names it, and a film is known by what its scene names", path.display())]
     Input {

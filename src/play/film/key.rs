@@ -1,6 +1,7 @@
 //! What makes a film another film: the program, the scene, the files that the scene names, and how it is drawn.
 
 use super::error::FilmError;
+use super::settings::PictureSettings;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -19,6 +20,8 @@ pub struct FilmKey {
     pub inputs: Vec<Input>,
     /// Width and height, pixels.
     pub size: [u32; 2],
+    /// How they are made and kept.
+    pub pictures: PictureSettings,
 }
 
 /// A file that a scene names.
@@ -36,7 +39,11 @@ impl FilmKey {
     ///
     /// # Errors
     /// A file that cannot be read any more.
-    pub fn new(scene: &Scene, size: (u32, u32)) -> Result<Self, FilmError> {
+    pub fn new(
+        scene: &Scene,
+        size: (u32, u32),
+        pictures: PictureSettings,
+    ) -> Result<Self, FilmError> {
         let mut inputs = Vec::new();
         for path in files_of(scene)? {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -54,6 +61,7 @@ impl FilmKey {
             },
             inputs,
             size: size.into(),
+            pictures,
         })
     }
 
@@ -87,6 +95,21 @@ impl FilmKey {
             words.push(format!(
                 "its pictures have {old_w} × {old_h} pixels, these {w} × {h}"
             ));
+        }
+        let settings = [
+            ("--format", self.pictures.format != found.pictures.format),
+            ("--alpha", self.pictures.alpha != found.pictures.alpha),
+            (
+                "--supersample",
+                self.pictures.supersample != found.pictures.supersample,
+            ),
+            (
+                "--shutter or --subframes",
+                self.pictures.shutter != found.pictures.shutter,
+            ),
+        ];
+        for (name, _) in settings.iter().filter(|(_, differs)| *differs) {
+            words.push(format!("it was drawn with another {name}"));
         }
         (!words.is_empty()).then(|| words.join("; "))
     }
@@ -159,7 +182,7 @@ mod tests {
         std::fs::write(root.path().join("a.tle"), elements).expect("writes");
         let key = |size| {
             let scene = Scene::load(&path).expect("a good scene");
-            FilmKey::new(&scene, size).expect("a film")
+            FilmKey::new(&scene, size, PictureSettings::default()).expect("a film")
         };
         let before = key((64, 36));
         assert_eq!(before.differences(&key((64, 36))), None);

@@ -23,6 +23,9 @@ pub struct FrameRecord {
     pub tai: String,
     /// The same as nanoseconds after the scene's start, exactly.
     pub elapsed_ns: i64,
+    /// When the shutter was opened and closed, nanoseconds after the scene's start; absent where an instant was drawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shutter_ns: Option<[i64; 2]>,
     /// What the light was multiplied by before it was shown: 2 to the power of it.
     pub exposure_ev: f64,
     /// Where the eye is and where it looks.
@@ -56,6 +59,7 @@ impl FrameRecord {
             tai: ccsds_time(epoch, TimeScale::Tai),
             // Scenes reach over two hundred years, 6.3e18 ns.
             elapsed_ns: i64::try_from(elapsed_ns).unwrap_or(i64::MAX),
+            shutter_ns: None,
             exposure_ev,
             camera: CameraRecord::of(view),
         }
