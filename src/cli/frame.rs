@@ -1,5 +1,6 @@
 //! `terrella frame`
 
+use super::picture_args::PictureArgs;
 use super::progress::{Bars, stop_on_interrupt, stop_on_interrupt_with};
 use super::values;
 use super::{Cli, Common, load};
@@ -22,7 +23,7 @@ pub struct FrameArgs {
     /// Refuse files of orbits in which anything is spoilt; else bad states and records are listed and passed over
     #[arg(long)]
     strict: bool,
-    /// The picture to write
+    /// The picture to write; with --format exr, OUT.exr
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
     /// The instant, for example 2018-01-15T12:30:00Z, instead of the scene's start
@@ -42,6 +43,8 @@ pub struct FrameArgs {
     /// Write statistics of the picture (times, memory, features, eye, Sun) to this file
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
+    #[command(flatten)]
+    pictures: PictureArgs,
     /// Renderer: a graphics adapter, or the slow and exact one that adapters are compared with
     #[arg(long, value_enum, default_value_t = Renderer::Gpu)]
     renderer: Renderer,
@@ -80,6 +83,7 @@ pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
             radiance: args.radiance.as_deref(),
             truth: args.truth.as_deref(),
             stats: args.stats.as_deref(),
+            pictures: args.pictures.settings(),
             wireframe: args.wireframe,
         };
         match write_still(&flight, &request, &bars) {
@@ -87,6 +91,7 @@ pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
                 if common.adapter.is_none()
                     && !args.wireframe
                     && args.radiance.is_none()
+                    && args.pictures.first_given().is_none()
                     && args.truth.is_none() =>
             {
                 tracing::warn!("{error}. The reference renderer draws instead, slowly");
@@ -121,6 +126,9 @@ fn refuse_conflicts(args: &FrameArgs, common: &Common) {
         }
         Renderer::Reference if args.radiance.is_some() => refuse(
             "--radiance is for a graphics adapter; the reference renderer writes a picture alone",
+        ),
+        Renderer::Reference if args.pictures.first_given().is_some() => refuse(
+            "--format, --alpha, --supersample and --shutter are for a graphics adapter; the reference renderer takes --samples",
         ),
         Renderer::Reference if args.truth.is_some() => refuse(
             "--truth is for a graphics adapter; the reference renderer writes a picture alone",

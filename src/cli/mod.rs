@@ -6,6 +6,7 @@ mod doctor;
 mod frame;
 mod orbit;
 mod pack;
+mod picture_args;
 mod play;
 mod progress;
 mod quiet_driver;

@@ -1,5 +1,6 @@
 //! `terrella play`
 
+use super::picture_args::PictureArgs;
 use super::progress::{Bars, stop_on_interrupt, stop_on_interrupt_with};
 use super::serve::simulation_scene;
 use super::values;
@@ -9,8 +10,8 @@ use clap::{Args, CommandFactory, ValueEnum};
 use std::path::PathBuf;
 use terrella::basilisk::Endpoint;
 use terrella::internals::play::{
-    EncoderChoice, Existing, ExportRequest, Flight, FrameRange, WindowRequest, export,
-    play_in_window,
+    EncoderChoice, Existing, ExportRequest, Flight, FrameRange, VideoCodec, VideoCoding,
+    WindowRequest, export, play_in_window,
 };
 
 /// Arguments of `terrella play`.
@@ -37,12 +38,20 @@ pub struct PlayArgs {
     /// Only these frames of the film, FIRST..END without the last, FIRST..=LAST with it; either number may be left out
     #[arg(long, value_name = "RANGE", value_parser = values::frame_range)]
     range: Option<FrameRange>,
+    #[command(flatten)]
+    pictures: PictureArgs,
     /// Write an MP4 video (H.264) instead of opening a window
     #[arg(long, value_name = "FILE.mp4")]
     video: Option<PathBuf>,
     /// With --video: the encoder
     #[arg(long, value_enum, default_value_t = Encoder::Auto, requires = "video")]
     encoder: Encoder,
+    /// With --video: the codec; other than h264 needs ffmpeg
+    #[arg(long, value_enum, default_value_t = Codec::H264, requires = "video")]
+    codec: Codec,
+    /// With --video: constant quality, 0 (best) to 51, of av1 to 63. Default: 18 (h264), 20 (h265), 24 (av1); needs ffmpeg
+    #[arg(long, value_name = "N", requires = "video", value_parser = clap::value_parser!(u32).range(0..=63))]
+    crf: Option<u32>,
     /// Width and height in pixels, instead of the scene's
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<(u32, u32)>,
@@ -59,6 +68,26 @@ enum Encoder {
     Ffmpeg,
     /// The built-in one (OpenH264), up to 3840x2160
     Builtin,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Codec {
+    /// H.264 (AVC), which plays everywhere
+    H264,
+    /// H.265 (HEVC)
+    H265,
+    /// AV1
+    Av1,
+}
+
+impl Codec {
+    fn codec(self) -> VideoCodec {
+        match self {
+            Self::H264 => VideoCodec::H264,
+            Self::H265 => VideoCodec::H265,
+            Self::Av1 => VideoCodec::Av1,
+        }
+    }
 }
 
 /// Opens the window, or writes frames and video.
@@ -89,12 +118,17 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
             (_, true) => Existing::Resume,
             _ => Existing::Refuse,
         },
+        pictures: args.pictures.settings(),
         range: args.range.unwrap_or_default(),
         video: args.video.as_deref(),
         encoder: match args.encoder {
             Encoder::Auto => EncoderChoice::Auto,
             Encoder::Ffmpeg => EncoderChoice::Ffmpeg,
             Encoder::Builtin => EncoderChoice::Builtin,
+        },
+        coding: VideoCoding {
+            codec: args.codec.codec(),
+            crf: args.crf,
         },
         size: args.size,
         adapter,
@@ -104,10 +138,32 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
 
 /// Ends the program, as clap does, where options have no meaning together.
 fn refuse_conflicts(args: &PlayArgs) {
-    if args.range.is_some() && args.frames.is_none() && args.video.is_none() {
-        let message = "--range is for frames that are written: give --frames or --video too";
-        Cli::command()
-            .error(ErrorKind::MissingRequiredArgument, message)
-            .exit()
+    let refuse = |kind, message: String| -> ! { Cli::command().error(kind, message).exit() };
+    let pictures = &args.pictures;
+    let range = args.range.map(|_| "--range");
+    if let Some(name) = range.or(pictures.first_given())
+        && args.frames.is_none()
+        && args.video.is_none()
+    {
+        let message =
+            format!("{name} is for frames that are written: give --frames or --video too");
+        refuse(ErrorKind::MissingRequiredArgument, message);
+    }
+    let codec = args.codec.codec();
+    if args.crf.is_some_and(|crf| crf > codec.max_crf()) {
+        let message = format!(
+            "--crf is 0 to {} with --codec {}",
+            codec.max_crf(),
+            codec.name()
+        );
+        refuse(ErrorKind::ValueValidation, message);
+    }
+    if pictures.format.is_some() && args.frames.is_none() {
+        let message = "--format is for pictures: give --frames too".to_owned();
+        refuse(ErrorKind::MissingRequiredArgument, message);
+    }
+    if pictures.alpha && args.video.is_some() {
+        let message = "--alpha is for pictures: videos have none; write --frames alone".to_owned();
+        refuse(ErrorKind::ArgumentConflict, message);
     }
 }

@@ -3,7 +3,7 @@
 use terrella::SurfaceKind;
 use terrella::frames::{Epoch, Geodetic, utc_from_rfc3339};
 use terrella::internals::measure::surfaces::{SurfacePath, SurfacesPart};
-use terrella::internals::play::FrameRange;
+use terrella::internals::play::{FrameRange, PictureSettings};
 use terrella::scene::{Camera, Output};
 
 /// `1280x720`.
@@ -30,6 +30,22 @@ pub fn size(text: &str) -> Result<(u32, u32), String> {
 /// `240..480`.
 pub fn frame_range(text: &str) -> Result<FrameRange, String> {
     text.parse()
+}
+
+/// Pixels along each side of one.
+pub fn supersample(text: &str) -> Result<u32, String> {
+    let number = text.parse::<u32>().ok();
+    number
+        .filter(|number| PictureSettings::SUPERSAMPLES.contains(number))
+        .ok_or_else(|| "it must be 1, 2 or 4".into())
+}
+
+/// A part of the time from frame to frame.
+pub fn shutter(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(part) if part > 0.0 && part <= 1.0 => Ok(part),
+        _ => Err("it must be a number more than 0 and at most 1, for example 0.5".into()),
+    }
 }
 
 /// A surface with relief, as scenes write it.

@@ -250,7 +250,10 @@ impl PlayError {
     /// Whether the scene, or a date asked for, is at fault, and not the machine.
     pub fn is_bad_scene(&self) -> bool {
         #[cfg(feature = "command")]
-        if matches!(self, Self::Film(FilmError::NoSuchFrames { .. })) {
+        if matches!(
+            self,
+            Self::Film(FilmError::NoSuchFrames { .. } | FilmError::NoLight { .. })
+        ) {
             return true;
         }
         matches!(
@@ -357,11 +360,19 @@ pub enum VideoError {
          choose --encoder builtin"
     )]
     NoFfmpeg,
-    /// `ffmpeg` is there without an encoder for H.264.
+    /// `ffmpeg` is there without the encoder.
     #[error(
-        "the installed ffmpeg has no libx264; install one that has, or choose --encoder builtin"
+        "the installed ffmpeg has no {encoder}; install one that has, or choose another --codec, or --encoder builtin, which writes H.264"
     )]
-    NoX264,
+    NoEncoder {
+        /// The encoder asked for.
+        encoder: &'static str,
+    },
+    /// A codec or quality that the built-in encoder does not have.
+    #[error(
+        "the built-in encoder writes H.264 of one quality; leave --codec and --crf out, or choose --encoder ffmpeg"
+    )]
+    BuiltinCoding,
     /// `ffmpeg` stopped.
     #[error("{}: ffmpeg failed ({status}): {words}", path.display())]
     Ffmpeg {

@@ -1,18 +1,20 @@
 //! A flight as numbered pictures and as video. While one frame is written the next one is drawn.
 
 use super::basilisk::with_camera_service;
-use super::clock::frame_epoch;
+use super::clock::{epoch_after, frame_epoch};
 use super::error::PlayError;
 use super::film::{
-    Existing, FilmKey, FilmPage, FrameFolder, FrameRange, FrameRecord, PageHead, checksum,
+    Existing, FilmKey, FilmPage, FilmPainter, FrameFolder, FrameRange, FrameRecord, PageHead,
+    PictureSettings, checksum,
 };
 use super::flight::Flight;
-use super::offscreen::OffscreenRenderer;
-use super::output::{OutputError, PendingFile, png_of};
+use super::output::{OutputError, PendingFile};
 use super::progress::Progress;
-use super::quality_control::scene_quality;
-use super::video::{EncoderChoice, FilmFrame, FrameSink, VideoFormat, check_size, open_video};
+use super::video::{
+    EncoderChoice, FilmFrame, FrameSink, VideoCoding, VideoFormat, check_size, open_video,
+};
 use crate::basilisk::Meeting;
+use crate::frames::Epoch;
 use crate::gpu::GpuContext;
 use crate::imagery::tile::TileKey;
 use crate::orbit::live::Pacing;
@@ -30,12 +32,16 @@ pub struct ExportRequest<'r> {
     pub frames: Option<&'r Path>,
     /// What becomes of what that folder holds already.
     pub existing: Existing,
+    /// How pictures are made and kept.
+    pub pictures: PictureSettings,
     /// The frames that are wanted.
     pub range: FrameRange,
     /// The MP4 to write.
     pub video: Option<&'r Path>,
     /// Encoder of the video.
     pub encoder: EncoderChoice,
+    /// Codec and quality of the video.
+    pub coding: VideoCoding,
     /// Width and height, pixels; `None` is the scene's.
     pub size: Option<(u32, u32)>,
     /// Part of the adapter's name; `None` takes the best.
@@ -70,6 +76,10 @@ pub fn export(
             "leave --range and --resume out",
         )?;
     }
+    if is_lockstep && request.pictures.shutter.is_some() {
+        flight.refuse_live("no other instant can be drawn", "leave --shutter out")?;
+    }
+    FilmPainter::check(flight, &request.pictures)?;
     let mut sinks: Vec<Box<dyn FrameSink>> = Vec::new();
     if request.video.is_some() {
         check_size(size)?;
@@ -80,14 +90,20 @@ pub fn export(
         let format = VideoFormat {
             size,
             frame_rate_hz: scene.time.frame_rate_hz,
+            coding: request.coding,
         };
         sinks.push(open_video(file, format, request.encoder)?);
     }
     let mut kept = BTreeMap::new();
     let mut folder = None;
     if let Some(path) = request.frames {
-        let opened = FrameFolder::open(path, frame_count, "png", request.existing)?;
-        let film = FilmKey::new(scene, size)?;
+        let opened = FrameFolder::open(
+            path,
+            frame_count,
+            request.pictures.format.ending(),
+            request.existing,
+        )?;
+        let film = FilmKey::new(scene, size, request.pictures)?;
         if request.existing == Existing::Resume {
             kept = FilmPage::read_kept(&opened, &film, frame_count, &wanted)?;
         }
@@ -102,22 +118,20 @@ pub fn export(
     let kept_count = wanted.clone().filter(is_kept).count();
 
     progress.begin("loading maps", None);
-    let gpu = pollster::block_on(GpuContext::open(request.adapter))?;
+    let features = FilmPainter::features(&request.pictures);
+    let gpu = pollster::block_on(GpuContext::open_with(request.adapter, features))?;
     let options = flight.earth_options(gpu.bc_support())?;
     let has_tiles = options.tiles.is_some();
     progress.end();
-    let mut renderer = OffscreenRenderer::open(gpu, options, size)?;
-    renderer.show_dated_maps(flight)?;
-    renderer.show_sky(flight)?;
-    renderer.show_tracks(flight)?;
-    renderer.set_quality(&scene_quality(&scene.quality, *renderer.earth().quality()))?;
+    let mut painter = FilmPainter::open(flight, gpu, options, size, request.pictures)?;
+    let adapter = painter.renderer().adapter_info().name;
     if let Some((folder, film)) = folder {
         let start = frame_epoch(&scene.time, 0);
-        let adapter = renderer.adapter_info().name;
-        let head = PageHead::new(scene, start, film, adapter);
-        sinks.push(Box::new(PngSequence {
+        let head = PageHead::new(scene, start, film, adapter.clone());
+        sinks.push(Box::new(FrameFiles {
             page: FilmPage::begin(&folder, &head, kept)?,
             folder,
+            pictures: request.pictures,
         }));
     }
     tracing::info!(
@@ -127,27 +141,24 @@ pub fn export(
             .to_string()),
         size.0,
         size.1,
-        renderer.adapter_info().name
+        adapter
     );
     if kept_count > 0 {
         tracing::info!("{kept_count} frames are there already and kept");
     }
     progress.begin("frames", count.map(|_| lacking.len() as u64));
-    let aspect = renderer.aspect();
-    let wait = scene.output.wait();
+    let aspect = painter.aspect();
     let mut missing_tiles = MissingTiles::default();
     if is_lockstep {
         return with_camera_service(flight, request.adapter, || {
-            export_lockstep(flight, sinks, &mut renderer, count, progress)
+            export_lockstep(flight, sinks, &mut painter, count, progress)
         });
     }
     write_while_drawing(sinks, |push| {
         let mut done = 0;
         // Where exposure is metered a frame's hangs on those before, drawn or not.
-        let first = match renderer.meters_exposure() {
-            true => 0,
-            false => wanted.start,
-        };
+        let is_metered = painter.renderer().meters_exposure();
+        let first = if is_metered { 0 } else { wanted.start };
         for index in first..wanted.end {
             if progress.cancelled() {
                 return Err(PlayError::Interrupted {
@@ -156,29 +167,37 @@ pub fn export(
                 });
             }
             let is_drawn = lacking.contains(&index);
-            if !is_drawn && !renderer.meters_exposure() {
+            if !is_drawn && !is_metered {
                 continue;
             }
             let epoch = frame_epoch(&scene.time, index);
             let moment = flight.at(epoch, aspect)?;
-            renderer.follow_light(&moment, 1.0 / scene.time.frame_rate_hz)?;
+            let frame_s = 1.0 / scene.time.frame_rate_hz;
+            painter.renderer().follow_light(&moment, frame_s)?;
             if !is_drawn {
                 continue;
             }
             if has_tiles {
                 // The next frame's tiles are read while this one is drawn and written.
                 let next = flight.at(frame_epoch(&scene.time, index + 1), aspect);
-                renderer.expect(
+                painter.renderer().expect(
                     next.as_ref()
                         .map_or(&[], |next| std::slice::from_ref(&next.view)),
                 );
             }
-            let (drawn, missing) = renderer.draw_complete(&moment, wait);
-            missing_tiles.add(index, &missing);
-            let (start, ev) = (scene.time.start, drawn.exposure_ev);
+            let after = |part: f64| epoch_after(&scene.time, index as f64 + part);
+            let painted = painter.paint(&moment, |part| flight.at(after(part), aspect))?;
+            missing_tiles.add(index, &painted.missing);
+            let (start, ev) = (scene.time.start, painted.exposure_ev);
+            let mut record = FrameRecord::new(index, start, epoch, &moment.view, ev);
+            record.shutter_ns = request.pictures.shutter.map(|shutter| {
+                let ns = |epoch: Epoch| (epoch - start).total_nanoseconds();
+                // Scenes reach over two hundred years, 6.3e18 ns.
+                [0.0, shutter.open].map(|part| ns(after(part)) as i64)
+            });
             let frame = FilmFrame {
-                record: FrameRecord::new(index, start, epoch, &moment.view, ev),
-                picture: renderer.read()?,
+                record,
+                picture: painted.picture,
             };
             if !push(frame) {
                 break;
@@ -206,12 +225,11 @@ fn frames_wanted(flight: &Flight) -> Option<u64> {
 fn export_lockstep(
     flight: &Flight,
     sinks: Vec<Box<dyn FrameSink>>,
-    renderer: &mut OffscreenRenderer,
+    painter: &mut FilmPainter,
     wanted: Option<u64>,
     progress: &dyn Progress,
 ) -> Result<(), PlayError> {
-    let aspect = renderer.aspect();
-    let wait = flight.scene().output.wait();
+    let aspect = painter.aspect();
     let frame_s = 1.0 / flight.scene().time.frame_rate_hz;
     let mut missing_tiles = MissingTiles::default();
     let mut done = 0;
@@ -231,12 +249,12 @@ fn export_lockstep(
                     continue;
                 }
             };
-            renderer.follow_light(&moment, frame_s)?;
-            let (drawn, missing) = renderer.draw_complete(&moment, wait);
-            let (start, ev) = (flight.scene().time.start, drawn.exposure_ev);
+            painter.renderer().follow_light(&moment, frame_s)?;
+            let painted = painter.paint(&moment, |_| Ok(moment))?;
+            let (start, ev) = (flight.scene().time.start, painted.exposure_ev);
             let frame = FilmFrame {
                 record: FrameRecord::new(done, start, moment.epoch, &moment.view, ev),
-                picture: renderer.read()?,
+                picture: painted.picture,
             };
             if !asked.drawn() {
                 tracing::warn!(
@@ -244,7 +262,7 @@ fn export_lockstep(
                 );
                 continue;
             }
-            missing_tiles.add(done, &missing);
+            missing_tiles.add(done, &painted.missing);
             if !push(frame) {
                 break;
             }
@@ -312,23 +330,24 @@ fn write_while_drawing(
     })
 }
 
-/// PNG files in a folder, each complete when it appears, and their page.
-struct PngSequence {
+/// Files of pictures in a folder, each complete when it appears, and their page.
+struct FrameFiles {
     folder: FrameFolder,
     page: FilmPage,
+    pictures: PictureSettings,
 }
 
-impl FrameSink for PngSequence {
+impl FrameSink for FrameFiles {
     fn push(&mut self, frame: &FilmFrame) -> Result<(), PlayError> {
         let index = frame.record.index;
         let path = self.folder.path(index);
-        let png = png_of(&frame.picture);
-        let png = png.map_err(|source| OutputError::Encode { path, source })?;
-        self.folder.pending(index)?.write_whole(&png)?;
+        let file = frame.picture.file(&self.pictures);
+        let file = file.map_err(|source| OutputError::NotEncoded { path, source })?;
+        self.folder.pending(index)?.write_whole(&file)?;
         let record = FrameRecord {
             file: self.folder.name(index),
-            bytes: png.len() as u64,
-            blake3: checksum(&png),
+            bytes: file.len() as u64,
+            blake3: checksum(&file),
             ..frame.record.clone()
         };
         self.page.add(&record)
@@ -342,6 +361,7 @@ impl FrameSink for PngSequence {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::play::film::FilmPicture;
     use std::sync::atomic::{AtomicU32, Ordering};
 
     /// Counts frames, fails at one of them, remembers whether it was finished.
@@ -355,7 +375,7 @@ mod tests {
         fn push(&mut self, frame: &FilmFrame) -> Result<(), PlayError> {
             let index = self.pushed.fetch_add(1, Ordering::Relaxed);
             assert_eq!(
-                u32::from(frame.picture.get_pixel(0, 0)[0]),
+                u32::from(frame.picture.shown().get_pixel(0, 0)[0]),
                 index,
                 "out of order"
             );
@@ -390,7 +410,11 @@ mod tests {
                     crate::EyeView::itrf(glam::DVec3::X, glam::DVec3::Y, glam::DVec3::Z, 1.0, 1.0);
                 let frame = FilmFrame {
                     record: FrameRecord::new(index.into(), epoch, epoch, &view, 0.0),
-                    picture: image::RgbaImage::from_pixel(1, 1, image::Rgba([index; 4])),
+                    picture: FilmPicture::Shown(image::RgbaImage::from_pixel(
+                        1,
+                        1,
+                        image::Rgba([index; 4]),
+                    )),
                 };
                 if !push(frame) {
                     break;

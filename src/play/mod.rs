@@ -26,7 +26,7 @@
 //! | `sky`, `sky_parts` | what is beyond the Earth |
 //! | `pictures` | a scene's pictures in memory, for programs that call us |
 //! | `offscreen`, `still`, `stats`, `export`, `video/` | the offscreen renderer; pictures, their numbers, films |
-//! | `film/` | folders of frames: ranges, going on with a film, the page `frames.json` |
+//! | `film/` | films and their pictures: formats, averaged light, ranges, going on with a film, the page `frames.json` |
 //! | `radiance` | a picture's light as a file |
 //! | `truth`, `truth_manifest` | what is where its pixels look, as files |
 //! | `float_files` | arrays and pictures of floats |
@@ -119,7 +119,7 @@ pub use event_table::EventTable;
 #[cfg(feature = "command")]
 pub use export::{ExportRequest, export};
 #[cfg(feature = "command")]
-pub use film::{Existing, FilmError, FrameRange};
+pub use film::{Existing, FilmError, FrameRange, PictureFormat, PictureSettings, Shutter};
 pub use flight::{Flight, Moment, SatelliteState, ViewRequest};
 pub use maps::{DroppedLayer, earth_options};
 #[cfg(feature = "command")]
@@ -139,6 +139,6 @@ pub use still::{StillRequest, write_still};
 #[cfg(feature = "command")]
 pub(crate) use tracks::TracksLayer;
 #[cfg(feature = "command")]
-pub use video::EncoderChoice;
+pub use video::{EncoderChoice, VideoCodec, VideoCoding};
 #[cfg(feature = "command")]
 pub use window::{WindowRequest, play_in_window};

@@ -79,6 +79,14 @@ pub enum OutputError {
         /// Error of the operating system.
         source: std::io::Error,
     },
+    /// A picture could not be put into its format.
+    #[error("{}: the picture could not be encoded: {source}", path.display())]
+    NotEncoded {
+        /// The file.
+        path: PathBuf,
+        /// What the encoder says.
+        source: std::io::Error,
+    },
     /// A picture could not be encoded.
     #[error("{}: the picture could not be encoded: {source}", path.display())]
     Encode {

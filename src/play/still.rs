@@ -1,9 +1,10 @@
 //! One picture, and its numbers.
 
 use super::error::PlayError;
+use super::film::{FilmPainter, FilmPicture, PictureSettings};
 use super::flight::{Flight, Moment};
 use super::offscreen::OffscreenRenderer;
-use super::output::PendingFile;
+use super::output::{OutputError, PendingFile};
 use super::progress::Progress;
 use super::quality_control::{HeldQuality, scene_quality};
 use super::radiance::{Radiance, RadianceFile};
@@ -13,6 +14,7 @@ use crate::EarthOptions;
 use crate::frames::Epoch;
 use crate::gpu::GpuContext;
 use crate::imagery::tile::TileKey;
+use hifitime::Unit;
 use std::path::Path;
 
 /// Which picture is wanted, and where it goes.
@@ -32,6 +34,8 @@ pub struct StillRequest<'r> {
     pub truth: Option<&'r Path>,
     /// The JSON to write its numbers to, if they are wanted.
     pub stats: Option<&'r Path>,
+    /// How the picture is made and kept.
+    pub pictures: PictureSettings,
     /// Whether the edges of the surface's triangles are drawn alone.
     pub wireframe: bool,
 }
@@ -46,6 +50,11 @@ pub fn write_still(
     if request.epoch.is_some() {
         flight.refuse_live("no other instant can be drawn", "leave the instant out")?;
     }
+    let pictures = &request.pictures;
+    if pictures.shutter.is_some() {
+        flight.refuse_live("no other instant can be drawn", "leave --shutter out")?;
+    }
+    FilmPainter::check(flight, pictures)?;
     let epoch = request.epoch.unwrap_or(scene.time.start);
     let size = request.size.unwrap_or(scene.output.size.into());
     let aspect = f64::from(size.0) / f64::from(size.1);
@@ -54,7 +63,7 @@ pub fn write_still(
         false => Some(flight.at(epoch, aspect)?),
         true => None,
     };
-    let output = PendingFile::create(request.output, "pictures", "png")?;
+    let output = PendingFile::create(request.output, "pictures", pictures.format.ending())?;
     let stats = match request.stats {
         Some(path) => Some(PendingFile::create(path, "numbers", "json")?),
         None => None,
@@ -68,12 +77,16 @@ pub fn write_still(
     let mut wanted = wgpu::Features::empty();
     wanted.set(wgpu::Features::POLYGON_MODE_LINE, request.wireframe);
     wanted.set(GpuContext::FLOAT_TARGET, radiance.is_some());
+    wanted |= FilmPainter::features(pictures);
     let gpu = pollster::block_on(GpuContext::open_with(request.adapter, wanted))?;
     progress.begin("loading maps", None);
     let mut options = flight.earth_options_at(epoch, gpu.bc_support())?;
     options.diagnostics.wireframe = request.wireframe;
     progress.end();
     let for_truth = truth.map(|folder| (folder, gpu.clone(), options.clone()));
+    let for_picture = pictures
+        .need_light()
+        .then(|| (gpu.clone(), options.clone()));
     let for_light = radiance.map(|file| {
         let mut options = options.clone();
         if options.light.detail {
@@ -112,11 +125,18 @@ pub fn write_still(
         }
         None => None,
     };
-    let picture = renderer.read()?;
+    let mut picture = FilmPicture::Shown(renderer.read()?);
     if let Some(numbers) = &mut numbers {
         numbers.quality = HeldQuality::find(&mut renderer, scene, &moment)?;
     }
     drop(renderer);
+    if let Some((gpu, options)) = for_picture {
+        let mut painter = FilmPainter::open(flight, gpu, options, size, *pictures)?;
+        let frame_s = scene.time.speed / scene.time.frame_rate_hz;
+        let after = |part: f64| moment.epoch + part * frame_s * Unit::Second;
+        let painted = painter.paint(&moment, |part| flight.at(after(part), aspect))?;
+        picture = painted.picture;
+    }
     let light = match for_light {
         Some((file, gpu, options)) => {
             let pixels = draw_light(flight, gpu, options, size, &moment)?;
@@ -133,7 +153,9 @@ pub fn write_still(
         None => None,
     };
     // Nothing can fail from here on but writing.
-    output.write_png(&picture)?;
+    let path = output.target().to_owned();
+    let file = picture.file(pictures);
+    output.write_whole(&file.map_err(|source| OutputError::NotEncoded { path, source })?)?;
     if let Some(asked) = asked {
         asked.drawn();
     }

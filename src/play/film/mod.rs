@@ -10,18 +10,29 @@
 //! | `folder` | names of frames, and one run at a time in a folder |
 //! | `page` | `frames.json`: written frame by frame, read again |
 //! | `record` | what the page says of a frame |
+//! | `settings` | how pictures are made and kept |
+//! | `painter` | draws them: as a screen shows them, or as light of many pixels and instants |
+//! | `develop` | from light to a picture, on the processor |
+//! | `picture` | a picture and its file: PNG, PNG with 16 bits, OpenEXR |
 //! | `error` | why a folder is refused |
 
+mod develop;
 mod error;
 mod folder;
 mod key;
 mod page;
+mod painter;
+mod picture;
 mod range;
 mod record;
+mod settings;
 
 pub use error::FilmError;
 pub use folder::{Existing, FrameFolder};
 pub use key::{FilmKey, checksum};
 pub use page::{FilmPage, PageHead};
+pub use painter::FilmPainter;
+pub use picture::FilmPicture;
 pub use range::FrameRange;
 pub use record::FrameRecord;
+pub use settings::{PictureFormat, PictureSettings, Shutter};

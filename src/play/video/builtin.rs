@@ -99,7 +99,7 @@ impl BuiltinEncoder {
 
 impl FrameSink for BuiltinEncoder {
     fn push(&mut self, frame: &FilmFrame) -> Result<(), PlayError> {
-        self.planes.fill(&frame.picture);
+        self.planes.fill(&frame.picture.shown());
         self.packet.clear();
         let kind = match self.encoder.encode(&self.planes) {
             Ok(stream) => {

@@ -1,6 +1,6 @@
 //! The `ffmpeg` program, fed with raw frames through a pipe.
 
-use super::{FilmFrame, FrameSink, VideoFormat, write_error};
+use super::{FilmFrame, FrameSink, VideoCodec, VideoFormat, write_error};
 use crate::play::error::{PlayError, VideoError};
 use crate::play::output::PendingFile;
 use std::io::{Read, Write};
@@ -13,16 +13,16 @@ const MAX_STDERR_BYTES: usize = 2_000;
 /// The ffmpeg on the search path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FfmpegInstalled {
-    /// An ffmpeg that encodes H.264 with libx264.
-    WithX264,
-    /// An ffmpeg that does not.
-    WithoutX264,
+    /// An ffmpeg with the encoder that is asked for.
+    WithEncoder,
+    /// An ffmpeg without it.
+    WithoutEncoder,
     /// None.
     No,
 }
 
-/// Looks for ffmpeg and asks it what it can.
-pub fn find() -> FfmpegInstalled {
+/// Looks for ffmpeg and asks it whether it has an encoder.
+pub fn find(encoder: &str) -> FfmpegInstalled {
     let answer = Command::new("ffmpeg")
         .args(["-hide_banner", "-loglevel", "error", "-encoders"])
         .stdin(Stdio::null())
@@ -32,11 +32,11 @@ pub fn find() -> FfmpegInstalled {
             let text = String::from_utf8_lossy(&answer.stdout);
             if text
                 .lines()
-                .any(|line| line.split_whitespace().nth(1) == Some("libx264"))
+                .any(|line| line.split_whitespace().nth(1) == Some(encoder))
             {
-                FfmpegInstalled::WithX264
+                FfmpegInstalled::WithEncoder
             } else {
-                FfmpegInstalled::WithoutX264
+                FfmpegInstalled::WithoutEncoder
             }
         }
         _ => FfmpegInstalled::No,
@@ -62,6 +62,21 @@ impl Ffmpeg {
     /// Starts ffmpeg.
     pub fn start(file: PendingFile, format: VideoFormat) -> Result<Self, PlayError> {
         let (width, height) = format.size;
+        let codec = format.coding.codec;
+        let crf = format.coding.crf.unwrap_or(codec.default_crf()).to_string();
+        // What encoders say of themselves, and how Apple's players know H.265.
+        let own: &[&str] = match codec {
+            VideoCodec::H264 => &["-preset", "medium"],
+            VideoCodec::H265 => &[
+                "-preset",
+                "medium",
+                "-tag:v",
+                "hvc1",
+                "-x265-params",
+                "log-level=error",
+            ],
+            VideoCodec::Av1 => &["-preset", "6"],
+        };
         let mut child = Command::new("ffmpeg")
             .args(["-hide_banner", "-loglevel", "error", "-y"])
             .args(["-f", "rawvideo", "-pix_fmt", "rgba"])
@@ -73,11 +88,15 @@ impl Ffmpeg {
                 "-vf",
                 "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p",
             ])
-            .args(["-c:v", "libx264", "-preset", "medium", "-crf", "18"])
+            .args(["-c:v", codec.encoder()])
+            .args(own)
+            .args(["-crf", &crf])
             .args(["-colorspace", "bt709", "-color_primaries", "bt709"])
             .args(["-color_trc", "bt709", "-color_range", "tv"])
             .args(["-movflags", "+faststart", "-f", "mp4"])
             .arg(file.temporary())
+            // SVT-AV1 speaks past ffmpeg.
+            .env("SVT_LOG", "1")
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
@@ -127,7 +146,7 @@ impl Ffmpeg {
 impl FrameSink for Ffmpeg {
     fn push(&mut self, frame: &FilmFrame) -> Result<(), PlayError> {
         let written = match &mut self.process.input {
-            Some(input) => input.write_all(frame.picture.as_raw()),
+            Some(input) => input.write_all(frame.picture.shown().as_raw()),
             None => Ok(()),
         };
         match written {

@@ -1,4 +1,4 @@
-//! Video: H.264 in MP4, by `ffmpeg` where it is installed, else by the built-in encoder.
+//! Video in MP4: H.264, H.265 or AV1 by `ffmpeg` where it is installed, else H.264 by the built-in encoder.
 //!
 //! Both write 4:2:0 in BT.709, limited range, tagged as such, with the index before the data so that a browser can
 //! begin to play at once. Half-size colour needs an even width and height.
@@ -8,16 +8,15 @@ mod ffmpeg;
 mod yuv;
 
 use super::error::{PlayError, VideoError};
-use super::film::FrameRecord;
+use super::film::{FilmPicture, FrameRecord};
 use super::output::{OutputError, PendingFile};
-use image::RgbaImage;
 
 /// A frame of a film, drawn.
 pub struct FilmFrame {
     /// What its page says of it, but for its file.
     pub record: FrameRecord,
-    /// What is shown.
-    pub picture: RgbaImage,
+    /// What is drawn.
+    pub picture: FilmPicture,
 }
 
 /// Takes frames in their order.
@@ -41,13 +40,73 @@ pub enum EncoderChoice {
     Builtin,
 }
 
-/// Size and rate of a video.
+/// How a video is coded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum VideoCodec {
+    /// H.264 (AVC): played everywhere.
+    #[default]
+    H264,
+    /// H.265 (HEVC).
+    H265,
+    /// AV1.
+    Av1,
+}
+
+impl VideoCodec {
+    /// ffmpeg's encoder.
+    fn encoder(self) -> &'static str {
+        match self {
+            Self::H264 => "libx264",
+            Self::H265 => "libx265",
+            Self::Av1 => "libsvtav1",
+        }
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::H264 => "h264",
+            Self::H265 => "h265",
+            Self::Av1 => "av1",
+        }
+    }
+
+    /// The worst quality there is; 0 is the best.
+    pub fn max_crf(self) -> u32 {
+        match self {
+            Self::H264 | Self::H265 => 51,
+            Self::Av1 => 63,
+        }
+    }
+
+    /// A quality at which losses are hard to see.
+    fn default_crf(self) -> u32 {
+        match self {
+            Self::H264 => 18,
+            Self::H265 => 20,
+            Self::Av1 => 24,
+        }
+    }
+}
+
+/// Codec and quality of a video.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct VideoCoding {
+    /// How it is coded.
+    pub codec: VideoCodec,
+    /// The encoder's constant quality, 0 (best) to [`VideoCodec::max_crf`]; `None` is one at which losses are hard to see.
+    pub crf: Option<u32>,
+}
+
+/// Size, rate and coding of a video.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VideoFormat {
     /// Width and height, pixels, both even.
     pub size: (u32, u32),
     /// Frames per second.
     pub frame_rate_hz: f64,
+    /// Codec and quality.
+    pub coding: VideoCoding,
 }
 
 /// Refuses sizes that no video can have.
@@ -71,19 +130,29 @@ pub fn open_video(
     choice: EncoderChoice,
 ) -> Result<Box<dyn FrameSink>, PlayError> {
     check_size(format.size)?;
+    let encoder = format.coding.codec.encoder();
     let found = match choice {
         EncoderChoice::Builtin => ffmpeg::FfmpegInstalled::No,
-        EncoderChoice::Auto | EncoderChoice::Ffmpeg => ffmpeg::find(),
+        EncoderChoice::Auto | EncoderChoice::Ffmpeg => ffmpeg::find(encoder),
     };
+    // What the built-in encoder cannot do is not left out without a word.
+    let needs_ffmpeg = format.coding != VideoCoding::default();
     match (choice, found) {
-        (EncoderChoice::Ffmpeg | EncoderChoice::Auto, ffmpeg::FfmpegInstalled::WithX264) => {
-            tracing::info!("encoding with ffmpeg, libx264");
+        (EncoderChoice::Ffmpeg | EncoderChoice::Auto, ffmpeg::FfmpegInstalled::WithEncoder) => {
+            tracing::info!("encoding with ffmpeg, {encoder}");
             Ok(Box::new(ffmpeg::Ffmpeg::start(file, format)?))
         }
-        (EncoderChoice::Ffmpeg, ffmpeg::FfmpegInstalled::WithoutX264) => {
-            Err(VideoError::NoX264.into())
+        (EncoderChoice::Builtin, _) if needs_ffmpeg => Err(VideoError::BuiltinCoding.into()),
+        (EncoderChoice::Ffmpeg, ffmpeg::FfmpegInstalled::WithoutEncoder) => {
+            Err(VideoError::NoEncoder { encoder }.into())
+        }
+        (EncoderChoice::Auto, ffmpeg::FfmpegInstalled::WithoutEncoder) if needs_ffmpeg => {
+            Err(VideoError::NoEncoder { encoder }.into())
         }
         (EncoderChoice::Ffmpeg, ffmpeg::FfmpegInstalled::No) => Err(VideoError::NoFfmpeg.into()),
+        (EncoderChoice::Auto, ffmpeg::FfmpegInstalled::No) if needs_ffmpeg => {
+            Err(VideoError::NoFfmpeg.into())
+        }
         (EncoderChoice::Auto | EncoderChoice::Builtin, _) => {
             tracing::info!("encoding with the built-in encoder, OpenH264");
             Ok(Box::new(builtin::BuiltinEncoder::start(file, format)?))
