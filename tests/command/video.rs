@@ -27,6 +27,11 @@ fn boxes(file: &[u8]) -> Vec<(String, &[u8])> {
 }
 
 fn check_video(path: &Path) {
+    check_video_of(path, "h264");
+}
+
+/// An index before the data, four frames, and the tags by which players know their colours.
+fn check_video_of(path: &Path, codec: &str) {
     let file = std::fs::read(path).expect("reads");
     let boxes = boxes(&file);
     let kinds: Vec<_> = boxes.iter().map(|(kind, _)| kind.as_str()).collect();
@@ -50,7 +55,7 @@ fn check_video(path: &Path) {
     );
     let asked = Command::new("ffprobe")
         .args(["-v", "error", "-count_frames", "-show_entries"])
-        .arg("stream=codec_name,width,height,color_space,nb_read_frames")
+        .arg("stream=codec_name,width,height,color_range,color_space,color_transfer,color_primaries,nb_read_frames")
         .args(["-of", "default=noprint_wrappers=1:nokey=1"])
         .arg(path)
         .output();
@@ -60,7 +65,7 @@ fn check_video(path: &Path) {
             let values: Vec<_> = text.lines().collect();
             assert_eq!(
                 values,
-                ["h264", "64", "36", "bt709", "4"],
+                [codec, "64", "36", "tv", "bt709", "bt709", "bt709", "4"],
                 "{}",
                 words(&answer)
             );
@@ -113,6 +118,62 @@ fn ffmpeg_writes_a_video_where_it_is_installed() {
     check_video(&place.path("a.mp4"));
 }
 
+#[test]
+fn other_codecs_and_qualities_are_written_by_ffmpeg() {
+    let place = Place::new();
+    let write = |name: &str, codec: &str, crf: &str| {
+        let video = ["play", "small.toml", "--size", "320x180", "--video", name];
+        place.run(&[&video[..], &["--codec", codec, "--crf", crf]].concat())
+    };
+    let mut sizes = Vec::new();
+    for (codec, crf, name) in [
+        ("h264", "10", "a.mp4"),
+        ("h264", "40", "b.mp4"),
+        ("h265", "28", "c.mp4"),
+        ("av1", "35", "d.mp4"),
+    ] {
+        let output = write(name, codec, crf);
+        let said = words(&output);
+        if output.status.code() != Some(0) {
+            assert!(said.contains("ffmpeg"), "{said}");
+            eprintln!("not checked: {said}");
+            continue;
+        }
+        assert_eq!(said, "", "no words but ours");
+        sizes.push(std::fs::metadata(place.path(name)).expect("there").len());
+        place.succeed(&[
+            "play",
+            "small.toml",
+            "--video",
+            "small.mp4",
+            "--codec",
+            codec,
+            "--crf",
+            crf,
+        ]);
+        check_video_of(
+            &place.path("small.mp4"),
+            if codec == "h265" { "hevc" } else { codec },
+        );
+    }
+    if let [best, worst, ..] = sizes[..] {
+        assert!(best > 2 * worst, "quality is bytes: {best} {worst}");
+    }
+    for arguments in [["--codec", "h265"], ["--crf", "20"]] {
+        let video = [
+            "play",
+            "small.toml",
+            "--video",
+            "x.mp4",
+            "--encoder",
+            "builtin",
+        ];
+        let said = place.fail(1, &[&video[..], &arguments].concat());
+        assert!(said.contains("one quality"), "{said}");
+    }
+    assert!(!place.path("x.mp4").exists());
+}
+
 /// Without ffmpeg on the search path the built-in encoder is taken, and asking for ffmpeg is refused.
 #[test]
 fn without_ffmpeg_the_built_in_encoder_is_taken() {
@@ -127,14 +188,15 @@ fn without_ffmpeg_the_built_in_encoder_is_taken() {
         .expect("starts");
     assert_eq!(output.status.code(), Some(0), "{}", words(&output));
     check_video(&place.path("a.mp4"));
-    let asked = [&arguments[..], &["--encoder", "ffmpeg"]].concat();
-    let output = place
-        .command(&asked)
-        .env("PATH", &empty)
-        .output()
-        .expect("starts");
-    assert_eq!(output.status.code(), Some(1));
-    assert!(words(&output).contains("install it"), "{}", words(&output));
+    for more in [["--encoder", "ffmpeg"], ["--codec", "av1"]] {
+        let output = place
+            .command(&[&arguments[..], &more].concat())
+            .env("PATH", &empty)
+            .output()
+            .expect("starts");
+        assert_eq!(output.status.code(), Some(1));
+        assert!(words(&output).contains("install it"), "{}", words(&output));
+    }
 }
 
 /// A film of many frames and the same as pictures, in the middle of it. `folder` is where the pictures go.

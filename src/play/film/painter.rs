@@ -103,6 +103,7 @@ impl FilmPainter {
                 (renderer, side)
             }
         };
+        renderer.show_dated_maps(flight)?;
         // What is beyond the Earth is space.
         if !settings.alpha {
             renderer.show_sky(flight)?;
