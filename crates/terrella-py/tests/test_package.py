@@ -74,6 +74,16 @@ def test_a_film(scene, tmp_path):
     probe = subprocess.run(
         [shutil.which("ffmpeg"), "-i", str(path), "-f", "framemd5", "-"], capture_output=True, text=True, check=True)
     assert sum(not line.startswith("#") for line in probe.stdout.splitlines()) == 5
+    # Tags by which players know the colours.
+    assert "yuv420p(tv, bt709" in probe.stderr
+
+
+def test_frames_of_a_part_of_a_film(scene):
+    part = list(scene.frames(1, 3))
+    assert [frame.time for frame in part] == scene.times()[1:3]
+    for first, end in [(2, 2), (-1, 3), (0, len(scene.times()) + 1)]:
+        with pytest.raises(ValueError, match="no frames"):
+            scene.frames(first, end)
 
 
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")

@@ -103,6 +103,10 @@ class Scene(_native.Scene):
         """An instant as it is shown, a ``Frame``."""
         return Frame(self.color(time), self.start if time is None else time)
 
-    def frames(self):
-        """All frames of the scene in their order, each drawn when it is asked for."""
-        return (self.frame(time) for time in self.times())
+    def frames(self, first=0, end=None):
+        """The frames of the scene in their order, each drawn when it is asked for: all, or those from ``first`` on, without ``end``."""
+        times = self.times()
+        end = len(times) if end is None else end
+        if not 0 <= first < end <= len(times):
+            raise ValueError(f"first, end: there are no frames {first}..{end} of {len(times)}")
+        return (self.frame(time) for time in times[first:end])

@@ -14,7 +14,7 @@ class Film:
     ...     for frame in tqdm(scene.frames(), total=len(scene.times())):
     ...         film.write(frame)
 
-    ``crf`` is x264's quality, 0 to 51, 18 by default. Needs ``ffmpeg`` with libx264 on the search path.
+    ``crf`` is x264's quality, 0 to 51, 18 by default. Colours are BT.709, of limited range, and tagged so. Needs ``ffmpeg`` with libx264 on the search path.
     """
 
     def __init__(self, path, size, frame_rate_hz, *, crf=18):
@@ -39,7 +39,11 @@ class Film:
         self._errors = tempfile.TemporaryFile()
         self._ffmpeg = subprocess.Popen(
             [program, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{width}x{height}",
-             "-r", str(frame_rate_hz), "-i", "-", "-c:v", "libx264", "-crf", str(int(crf)), "-pix_fmt", "yuv420p",
+             "-r", str(frame_rate_hz), "-i", "-",
+             # Convert with BT.709 and say so: without the filter ffmpeg would convert with BT.601.
+             "-vf", "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p",
+             "-c:v", "libx264", "-crf", str(int(crf)), "-colorspace", "bt709", "-color_primaries", "bt709",
+             "-color_trc", "bt709", "-color_range", "tv",
              "-movflags", "+faststart", os.fspath(self._unfinished)],
             stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=self._errors)
 
