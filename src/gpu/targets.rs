@@ -43,7 +43,7 @@ impl FrameTargets {
     }
 
     /// Clears passes from now on to space that hides nothing: alpha is how much of what is behind is hidden.
-    #[cfg(feature = "offscreen")]
+    #[cfg(feature = "playback")]
     pub(crate) fn make_space_transparent(&mut self) {
         self.attachments.space = wgpu::Color::TRANSPARENT;
     }

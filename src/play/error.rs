@@ -324,6 +324,16 @@ pub enum VideoError {
         /// An even height near it.
         even_height: u32,
     },
+    /// Smaller than the encoder of AV1 takes.
+    #[error(
+        "the encoder of AV1 writes videos from 64 × 64 pixels on, not {width} × {height}; take a larger size, or --codec h264"
+    )]
+    Av1Size {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+    },
     /// Larger than the built-in encoder takes.
     #[error(
         "the built-in encoder writes videos from 16 × 16 to 3840 × 2160 pixels (or upright), not {width} × {height}; \

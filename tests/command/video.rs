@@ -27,11 +27,11 @@ fn boxes(file: &[u8]) -> Vec<(String, &[u8])> {
 }
 
 fn check_video(path: &Path) {
-    check_video_of(path, "h264");
+    check_video_of(path, "h264", ["64", "36"]);
 }
 
 /// An index before the data, four frames, and the tags by which players know their colours.
-fn check_video_of(path: &Path, codec: &str) {
+fn check_video_of(path: &Path, codec: &str, [width, height]: [&str; 2]) {
     let file = std::fs::read(path).expect("reads");
     let boxes = boxes(&file);
     let kinds: Vec<_> = boxes.iter().map(|(kind, _)| kind.as_str()).collect();
@@ -65,7 +65,7 @@ fn check_video_of(path: &Path, codec: &str) {
             let values: Vec<_> = text.lines().collect();
             assert_eq!(
                 values,
-                [codec, "64", "36", "tv", "bt709", "bt709", "bt709", "4"],
+                [codec, width, height, "tv", "bt709", "bt709", "bt709", "4"],
                 "{}",
                 words(&answer)
             );
@@ -135,26 +135,14 @@ fn other_codecs_and_qualities_are_written_by_ffmpeg() {
         let output = write(name, codec, crf);
         let said = words(&output);
         if output.status.code() != Some(0) {
-            assert!(said.contains("ffmpeg"), "{said}");
+            assert!(said.contains("install"), "{said}");
             eprintln!("not checked: {said}");
             continue;
         }
         assert_eq!(said, "", "no words but ours");
         sizes.push(std::fs::metadata(place.path(name)).expect("there").len());
-        place.succeed(&[
-            "play",
-            "small.toml",
-            "--video",
-            "small.mp4",
-            "--codec",
-            codec,
-            "--crf",
-            crf,
-        ]);
-        check_video_of(
-            &place.path("small.mp4"),
-            if codec == "h265" { "hevc" } else { codec },
-        );
+        let tag = if codec == "h265" { "hevc" } else { codec };
+        check_video_of(&place.path(name), tag, ["320", "180"]);
     }
     if let [best, worst, ..] = sizes[..] {
         assert!(best > 2 * worst, "quality is bytes: {best} {worst}");

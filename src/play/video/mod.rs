@@ -123,6 +123,18 @@ pub fn check_size(size: (u32, u32)) -> Result<(), VideoError> {
     })
 }
 
+/// Least width and height of SVT-AV1's videos, pixels.
+const AV1_LEAST: u32 = 64;
+
+/// Refuses sizes that a codec's encoder does not write.
+fn check_codec_size(format: VideoFormat) -> Result<(), VideoError> {
+    let (width, height) = format.size;
+    match format.coding.codec == VideoCodec::Av1 && width.min(height) < AV1_LEAST {
+        true => Err(VideoError::Av1Size { width, height }),
+        false => Ok(()),
+    }
+}
+
 /// Begins a video: chooses the encoder and starts it.
 pub fn open_video(
     file: PendingFile,
@@ -130,6 +142,7 @@ pub fn open_video(
     choice: EncoderChoice,
 ) -> Result<Box<dyn FrameSink>, PlayError> {
     check_size(format.size)?;
+    check_codec_size(format)?;
     let encoder = format.coding.codec.encoder();
     let found = match choice {
         EncoderChoice::Builtin => ffmpeg::FfmpegInstalled::No,
@@ -174,5 +187,16 @@ mod tests {
         let refused = check_size((641, 360)).expect_err("odd").to_string();
         assert!(refused.contains("642 × 360"), "{refused}");
         assert!(check_size((640, 361)).is_err());
+        let of = |codec, size| {
+            check_codec_size(VideoFormat {
+                size,
+                frame_rate_hz: 30.0,
+                coding: VideoCoding { codec, crf: None },
+            })
+        };
+        of(VideoCodec::H264, (32, 16)).expect("small");
+        of(VideoCodec::Av1, (64, 64)).expect("the least");
+        let refused = of(VideoCodec::Av1, (640, 62)).expect_err("too low");
+        assert!(refused.to_string().contains("64 × 64"), "{refused}");
     }
 }
