@@ -189,7 +189,13 @@ impl Scene {
         };
         uses.push((
             "camera",
-            format!("{eye}; {}° from bottom to top", camera.fov_deg),
+            match camera.keys.len() {
+                0 => format!("{eye}; {}° from bottom to top", camera.fov_deg),
+                keys => format!(
+                    "{eye}; {}° from bottom to top; what its {keys} keys set goes through them",
+                    camera.fov_deg
+                ),
+            },
         ));
         let maps = match (&self.earth.pack, &self.earth.textures) {
             (Some(pack), _) => format!("the pack {}, those that it has", pack.folder.display()),
