@@ -145,7 +145,7 @@ pub enum PlayError {
     },
     /// The work was stopped from outside.
     #[error(
-        "interrupted after {done}{} frames; an unfinished video is taken away, finished frames stay",
+        "interrupted after {done}{} frames; an unfinished video is taken away, finished frames stay, and --resume goes on with them",
         wanted.map_or_else(String::new, |wanted| format!(" of {wanted}"))
     )]
     Interrupted {

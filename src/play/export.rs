@@ -4,8 +4,8 @@ use super::basilisk::with_camera_service;
 use super::clock::{epoch_after, frame_epoch};
 use super::error::PlayError;
 use super::film::{
-    Existing, FilmKey, FilmPage, FilmPainter, FrameFolder, FrameRange, FrameRecord, PageHead,
-    PictureSettings, checksum,
+    Existing, FilmKey, FilmPage, FilmPainter, FrameFolder, FrameRange, FrameRecord, KeptFrames,
+    PageHead, PictureSettings, checksum,
 };
 use super::flight::Flight;
 use super::output::{OutputError, PendingFile};
@@ -18,7 +18,7 @@ use crate::frames::Epoch;
 use crate::gpu::GpuContext;
 use crate::imagery::tile::TileKey;
 use crate::orbit::live::Pacing;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::mpsc::sync_channel;
 
@@ -94,7 +94,7 @@ pub fn export(
         };
         sinks.push(open_video(file, format, request.encoder)?);
     }
-    let mut kept = BTreeMap::new();
+    let mut kept = KeptFrames::default();
     let mut folder = None;
     if let Some(path) = request.frames {
         let opened = FrameFolder::open(
@@ -109,7 +109,7 @@ pub fn export(
         }
         folder = Some((opened, film));
     }
-    let is_kept = |index: &u64| kept.contains_key(index);
+    let is_kept = |index: &u64| kept.entries.contains_key(index);
     let lacking: BTreeSet<u64> = wanted.clone().filter(|index| !is_kept(index)).collect();
     if lacking.is_empty() {
         tracing::info!("all frames are there");
@@ -125,11 +125,16 @@ pub fn export(
     progress.end();
     let mut painter = FilmPainter::open(flight, gpu, options, size, request.pictures)?;
     let adapter = painter.renderer().adapter_info().name;
+    if let Some(before) = kept.adapter.as_ref().filter(|name| **name != adapter) {
+        tracing::warn!(
+            "the frames that are kept were drawn by {before}, the others will be by {adapter}: they may differ a little; --overwrite draws all anew"
+        );
+    }
     if let Some((folder, film)) = folder {
         let start = frame_epoch(&scene.time, 0);
         let head = PageHead::new(scene, start, film, adapter.clone());
         sinks.push(Box::new(FrameFiles {
-            page: FilmPage::begin(&folder, &head, kept)?,
+            page: FilmPage::begin(&folder, &head, kept.entries)?,
             folder,
             pictures: request.pictures,
         }));

@@ -138,6 +138,7 @@ fn a_film_goes_on_where_it_was_left() {
         drawn,
         "a frame that was there is not written again"
     );
+    assert!(!words(&output).contains("may differ a little"));
     // As if drawn in one go.
     place.succeed(&["play", "small.toml", "--frames", "b"]);
     let (a, b) = (names(&place.path("a")), names(&place.path("b")));
@@ -192,7 +193,23 @@ fn films_are_not_mixed() {
     std::fs::remove_file(place.path("a/frames.json")).expect("removes");
     assert!(place.fail(1, &resume).contains("no frames.json"));
     std::fs::write(place.path("a/frames.json"), before).expect("writes");
-    place.succeed(&resume);
+    let output = place.succeed(&resume);
+    assert!(!crate::words(&output).contains("may differ"), "one adapter");
+    // Frames of another adapter are kept, with a warning.
+    let text = std::fs::read_to_string(place.path("a/frames.json")).expect("reads");
+    let adapter = page(&place.path("a"))["adapter"].to_string();
+    std::fs::write(
+        place.path("a/frames.json"),
+        text.replace(&adapter, "\"another\""),
+    )
+    .expect("writes");
+    std::fs::remove_file(place.path("a").join(frame(3))).expect("removes");
+    let output = place.succeed(&resume);
+    assert!(
+        crate::words(&output).contains("drawn by another"),
+        "{}",
+        crate::words(&output)
+    );
     let words = place.fail(1, &play);
     assert!(
         words.contains("--overwrite") && words.contains("--resume"),

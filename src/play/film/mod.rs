@@ -30,7 +30,7 @@ mod settings;
 pub use error::FilmError;
 pub use folder::{Existing, FrameFolder};
 pub use key::{FilmKey, checksum};
-pub use page::{FilmPage, PageHead};
+pub use page::{FilmPage, KeptFrames, PageHead};
 pub use painter::FilmPainter;
 pub use picture::FilmPicture;
 pub use range::FrameRange;

@@ -28,7 +28,7 @@ const FORMAT: &str = "terrella frames 1";
 /// What ends the list of frames, and the document.
 const END: &str = "\n  ]\n}\n";
 /// Most bytes of an entry, and of all that is before the first.
-const MAX_ENTRY_BYTES: u64 = 4 << 10;
+const MAX_ENTRY_BYTES: u64 = 1 << 10;
 const MAX_HEAD_BYTES: u64 = 16 << 20;
 
 /// What stands before the frames.
@@ -71,6 +71,15 @@ impl PageHead {
     }
 }
 
+/// What is kept of an earlier run.
+#[derive(Debug, Default)]
+pub struct KeptFrames {
+    /// The entries of its frames.
+    pub entries: BTreeMap<u64, String>,
+    /// The adapter that drew last; `None` where no frame is kept.
+    pub adapter: Option<String>,
+}
+
 /// The page of a film that is being written.
 #[derive(Debug)]
 pub struct FilmPage {
@@ -94,7 +103,7 @@ impl FilmPage {
         film: &FilmKey,
         frame_count: u64,
         wanted: &Range<u64>,
-    ) -> Result<BTreeMap<u64, String>, FilmError> {
+    ) -> Result<KeptFrames, FilmError> {
         let path = folder.folder().join(NAME);
         let bad = |problem: String| FilmError::BadPage {
             path: path.clone(),
@@ -119,7 +128,7 @@ impl FilmPage {
                     true => Err(FilmError::NoFilm {
                         path: folder.folder().into(),
                     }),
-                    false => Ok(BTreeMap::new()),
+                    false => Ok(KeptFrames::default()),
                 };
             }
             Err(error) => return Err(bad(error.to_string())),
@@ -184,7 +193,12 @@ impl FilmPage {
             };
             is_whole.then(|| (record.index, entry.get().to_owned()))
         });
-        Ok(kept.collect())
+        let entries: BTreeMap<_, _> = kept.collect();
+        let adapter = serde_json::from_str(of("adapter")?).ok();
+        Ok(KeptFrames {
+            adapter: adapter.filter(|_| !entries.is_empty()),
+            entries,
+        })
     }
 
     /// Writes the page of a film with the frames that are kept.
