@@ -208,7 +208,7 @@ mod tests {
 
     #[test]
     fn light_is_encoded_as_srgb() {
-        let light = [0.0, 0.002, 0.214_041_14, 1.0, 7.0].map(|v: f32| [v, v, v, 1.0]);
+        let light = [0.0, 0.002, 0.5, 1.0, 7.0].map(|v: f32| [v, v, v, 1.0]);
         let shown = picture(light.to_vec());
         let codes: Vec<_> = shown
             .shown_16(false)
@@ -217,10 +217,10 @@ mod tests {
             .iter()
             .map(|p| u16::from_be_bytes([p[0], p[1]]))
             .collect();
-        // 0.2140 is code 0.5 of sRGB.
-        assert_eq!(codes, [0, 1693, 32768, 65535, 65535]);
+        // 12.92 · 0.002, and 1.055 · 0.5^(1/2.4) − 0.055 = 0.73536.
+        assert_eq!(codes, [0, 1693, 48192, 65535, 65535]);
         let eight = shown.shown_8(false);
-        for (x, code) in [(0, 0.0), (1, 6.6), (2, 127.5), (3, 255.0)] {
+        for (x, code) in [(0, 0.0), (1, 6.6), (2, 187.5), (3, 255.0)] {
             let found = f64::from(eight.get_pixel(x, 0)[0]);
             assert!((found - code).abs() <= 1.01, "{x}: {found}");
             assert_eq!(eight.get_pixel(x, 0)[3], 255);
