@@ -28,7 +28,7 @@ pub(super) fn match_pieces(
         }
         let means = means(&pieces[..n], &pieces[n..=n], kind, description, limits)?;
         let name = pieces[n].part.from.name().display().to_string();
-        let Some((below, own)) = means else {
+        let Some([below, own]) = means else {
             notes.push(format!(
                 "{name}: has nothing below it, so its colours stay as they are"
             ));
@@ -57,7 +57,7 @@ fn means(
     kind: TexelKind,
     description: &Path,
     limits: SourceLimits,
-) -> Result<Option<([f64; 3], [f64; 3])>, BuildError> {
+) -> Result<Option<[[f64; 3]; 2]>, BuildError> {
     let target = Target::earth(GRID);
     let mut below = Composer::new(
         below.to_vec(),
@@ -94,6 +94,6 @@ fn means(
             }
         }
     }
-    let mean = |sums: [f64; 3]| sums.map(|sum| sum / area);
-    Ok((area > 0.0).then(|| (mean(sums[0]), mean(sums[1]))))
+    let means = sums.map(|sums| sums.map(|sum| sum / area));
+    Ok((area > 0.0).then_some(means))
 }
