@@ -65,7 +65,7 @@ struct State {
 
 impl Server {
     pub fn new(answer: impl Fn(&str, usize) -> Answer + Send + Sync + 'static) -> Self {
-        Self::start(answer, |stream, state| serve(stream, state))
+        Self::start(answer, serve)
     }
 
     /// With a certificate of an authority of the tests, for 127.0.0.1.
