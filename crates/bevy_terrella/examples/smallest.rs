@@ -1,5 +1,6 @@
 //! The Earth from the space station's height, in a window.
 
+use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy_terrella::terrella::frames::{Epoch, Geodetic};
 use bevy_terrella::{Earth, EarthCamera, EarthClock, EarthEpoch, EarthFrame, TerrellaPlugin};
@@ -25,6 +26,8 @@ fn spawn(mut commands: Commands) {
     commands.spawn((
         Camera3d::default(),
         EarthCamera::default(),
+        // Of what Bevy draws itself; Bevy's default needs its feature `tonemapping_luts`.
+        Tonemapping::None,
         Transform::default().looking_to(Vec3::new(0.0, -0.4, -1.0), Vec3::Y),
     ));
 }
