@@ -70,6 +70,9 @@ enum Next {
     End(&'static str),
 }
 
+/// What one request gave: bytes, or why not and what is to be done.
+type Answered = Result<u64, (String, Next)>;
+
 impl GetError {
     fn next(&self) -> Next {
         match self {
@@ -268,7 +271,7 @@ impl Shared<'_> {
     }
 
     /// Asks once. The outer error ends everything, the inner one is this request's.
-    fn once(&self, wanted: &Wanted) -> Result<Result<u64, (String, Next)>, FetchError> {
+    fn once(&self, wanted: &Wanted) -> Result<Answered, FetchError> {
         let job = self.job;
         let mut part = job.shelf.begin(&wanted.file)?;
         let is_over = || self.is_over();
