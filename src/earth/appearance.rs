@@ -1,10 +1,10 @@
 //! What an Earth is drawn as, besides its maps and its quality.
 
-use super::{EarthError, EarthOptions, GroundOptions, SurfaceLight};
+use super::{EarthError, GroundOptions, SurfaceLight};
 use crate::air::AirOptions;
 
 /// What an Earth is drawn as, besides its maps and its quality: what [`Earth::change_maker`](crate::Earth::change_maker) changes
-/// while it is drawn. What is meant is said at the same fields of [`EarthOptions`].
+/// while it is drawn. What is meant is said at the same fields of [`EarthOptions`](crate::EarthOptions).
 #[derive(Clone, Debug, Default)]
 pub struct Appearance {
     /// Ground with relief; `None` is the smooth ellipsoid.
@@ -16,15 +16,6 @@ pub struct Appearance {
 }
 
 impl Appearance {
-    /// That of an Earth that is made with these options.
-    pub fn of(options: &EarthOptions) -> Self {
-        Self {
-            ground: options.ground.clone(),
-            light: options.light,
-            air: options.air,
-        }
-    }
-
     /// Whether its numbers are in their ranges.
     pub(super) fn check(&self) -> Result<(), EarthError> {
         self.light.check()?;

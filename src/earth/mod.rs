@@ -130,7 +130,7 @@ impl Earth {
         options: &EarthOptions,
     ) -> Result<Self, EarthError> {
         options.check(device)?;
-        let appearance = Appearance::of(options);
+        let appearance = options.appearance();
         let mut quality = Quality::of(options);
         if options.diagnostics.output != SurfaceOutput::Color {
             quality.atmosphere = Atmosphere::None;

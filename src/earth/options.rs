@@ -83,10 +83,19 @@ impl EarthOptions {
         }
     }
 
+    /// What of them can be changed while the Earth is drawn, besides quality and maps.
+    pub fn appearance(&self) -> Appearance {
+        Appearance {
+            ground: self.ground.clone(),
+            light: self.light,
+            air: self.air,
+        }
+    }
+
     /// Whether this device can draw an Earth with these options, as far as that can be said before anything is made.
     pub(crate) fn check(&self, device: &wgpu::Device) -> Result<(), EarthError> {
         self.exposure.check().map_err(EarthError::Exposure)?;
-        Appearance::of(self).check()?;
+        self.appearance().check()?;
         let lines = wgpu::Features::POLYGON_MODE_LINE;
         if self.diagnostics.wireframe && !device.features().contains(lines) {
             return Err(EarthError::NoLines);

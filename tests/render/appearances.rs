@@ -50,7 +50,7 @@ fn each_appearance_is_as_made(options: &EarthOptions, appearances: &[Appearance]
 fn another_light_and_another_air_are_drawn_as_if_made_so() {
     let mut options = EarthOptions::new(layers());
     options.exposure = Exposure::Auto;
-    let first = Appearance::of(&options);
+    let first = options.appearance();
     let mut high = first.clone();
     high.light.cloud_height_m = 15_000.0;
     high.light.cloud_shadows = true;
@@ -70,7 +70,7 @@ fn another_light_and_another_air_are_drawn_as_if_made_so() {
 fn another_ground_is_drawn_as_if_made_so() {
     use terrella::SurfaceKind;
     let options = EarthOptions::new(layers());
-    let flat = Appearance::of(&options);
+    let flat = options.appearance();
     let ground = |kind| Appearance {
         ground: Some(common::waves(kind)),
         ..flat.clone()
@@ -100,7 +100,7 @@ fn tiles_stay_when_the_ground_changes() {
     for kind in SurfaceKind::ALL.iter().copied() {
         let appearance = Appearance {
             ground: Some(common::waves(kind)),
-            ..Appearance::of(&options)
+            ..options.appearance()
         };
         let mut ready = earth
             .change_maker(&gpu.queue)
@@ -127,7 +127,7 @@ fn ground_that_was_settled_by_the_thread_is_there_at_once() {
     let gpu = gpu();
     let appearance = Appearance {
         ground: Some(common::waves(SurfaceKind::Quadtree)),
-        ..Appearance::of(&options)
+        ..options.appearance()
     };
     let mut triangles = Vec::new();
     for settles in [true, false] {
@@ -159,13 +159,13 @@ fn looks_that_cannot_be_drawn_leave_the_earth_as_it_was() {
     let eye = [eyes()[0]];
     let mut earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("sound options");
     let before = together(&mut earth, &mut [], &eye);
-    let mut hazy = Appearance::of(&options);
+    let mut hazy = options.appearance();
     hazy.air.aerosol_optical_depth = f64::NAN;
     let error = earth
         .set_appearance(&gpu.queue, &hazy)
         .expect_err("no number");
     assert!(matches!(error, EarthError::Aerosol(_)), "{error}");
-    let mut stormy = Appearance::of(&options);
+    let mut stormy = options.appearance();
     stormy.light.wind_m_s = 1e9;
     earth
         .set_appearance(&gpu.queue, &stormy)
