@@ -272,8 +272,8 @@ impl Earth {
     }
 
     /// Draws so from the next [`Self::prepare`] on. Nothing is compiled: it binds textures and makes some buffers. If the sample count
-    /// differs, the next pass must have it; what else is drawn through this air ([`Celestial`](crate::Celestial),
-    /// [`Tracks`](crate::Tracks)) has to be made anew.
+    /// differs, the next pass must have it; what else is drawn through this air (`Celestial`,
+    /// `Tracks`) has to be made anew.
     ///
     /// # Errors
     /// [`EarthError::OutOfDate`] of what was made for another Earth, or before this one was changed; the Earth is then as it was.

@@ -1,8 +1,7 @@
 //! Ground, light and air that are changed while the Earth is drawn: its pictures are then those of one that was made so.
 
 use crate::common::{self, gpu, map, plain};
-use crate::views::{SIZE, alone, eyes, hills, sky, together};
-use std::time::Duration;
+use crate::views::{alone, eyes, hills, together};
 use terrella::internals::imagery::{EarthLayers, LayerImage};
 use terrella::{Appearance, Earth, EarthError, EarthOptions, Exposure, Quality};
 
@@ -84,7 +83,9 @@ fn another_ground_is_drawn_as_if_made_so() {
 #[test]
 fn tiles_stay_when_the_ground_changes() {
     use crate::common::tiles::FunctionTiles;
+    use crate::views::{SIZE, sky};
     use std::sync::Arc;
+    use std::time::Duration;
     use terrella::internals::imagery::tile::TileSource;
     use terrella::{SurfaceKind, TileOptions};
     let tiles = Arc::new(FunctionTiles::new(&[256, 128, 64, 32], hills));
@@ -121,6 +122,8 @@ fn tiles_stay_when_the_ground_changes() {
 #[cfg(feature = "terrain")]
 #[test]
 fn ground_that_was_settled_by_the_thread_is_there_at_once() {
+    use crate::views::{SIZE, sky};
+    use std::time::Duration;
     use terrella::SurfaceKind;
     let options = EarthOptions::new(plain([120, 130, 90]));
     let eye = eyes()[2];

@@ -52,6 +52,7 @@ impl DatedMapsLayer {
     }
 
     /// Whether maps of the last epoch have not come yet.
+    #[cfg(feature = "command")]
     pub fn is_loading(&self) -> bool {
         self.layers.iter().any(|layer| layer.is_loading)
     }
