@@ -1,13 +1,11 @@
 //! `day_maps`, `cloud_maps`, `night_light_maps` and `map_fade` of `[earth]`: maps that stand for dates or for months.
 
-use super::earth::EarthTable;
 use super::error::{SceneError, printable};
 use super::field::{Field, KeyText};
 use super::keys::{MAX_DATED_MAPS, RawEarth};
 use super::text::SceneText;
 use super::time::utc;
 use crate::frames::{Epoch, utc_from_rfc3339};
-use crate::globe::Shading;
 use std::path::{Path, PathBuf};
 use toml::{Spanned, Value};
 
@@ -152,6 +150,15 @@ fn middle_of(year: i32, month: i32) -> Epoch {
     begin + (end - begin) * 0.5
 }
 
+/// What of the rest of `[earth]` says which maps there may be.
+#[derive(Clone, Copy)]
+pub(super) struct DatedScene {
+    pub is_paper: bool,
+    pub clouds: bool,
+    pub night_lights: bool,
+    pub has_pack: bool,
+}
+
 const FORMS: &str = "a list of maps with their dates, [{ date = \"2018-01-15T00:00:00Z\", file = \"FILE\" }, …], or of twelve files, from January on";
 
 impl SceneText<'_> {
@@ -159,23 +166,23 @@ impl SceneText<'_> {
     pub(super) fn dated_maps(
         &self,
         earth: &RawEarth,
-        table: &EarthTable,
+        scene: DatedScene,
     ) -> Result<Vec<DatedMaps>, SceneError> {
         let fade = earth.map_fade();
         let mut all = Vec::new();
         for (layer, field, is_on) in [
             (DatedLayer::Day, earth.day_maps(), true),
-            (DatedLayer::Clouds, earth.cloud_maps(), table.clouds),
+            (DatedLayer::Clouds, earth.cloud_maps(), scene.clouds),
             (
                 DatedLayer::NightLights,
                 earth.night_light_maps(),
-                table.night_lights,
+                scene.night_lights,
             ),
         ] {
             let Some(given) = field.given.map(Spanned::get_ref) else {
                 continue;
             };
-            if table.shading == Shading::Paper {
+            if scene.is_paper {
                 let advice = "maps that change with the date are for shading = \"sunlit\"; leave them out, or take that shading";
                 return Err(self.refuse(&field, advice));
             }
@@ -184,7 +191,7 @@ impl SceneText<'_> {
                     "is for a map that the scene leaves out; leave one of the two keys out";
                 return Err(self.refuse(&field, advice));
             }
-            if layer == DatedLayer::Day && table.pack.is_some() {
+            if layer == DatedLayer::Day && scene.has_pack {
                 let advice = "a pack draws its own day map; leave out one of the two";
                 return Err(self.refuse(&field, advice));
             }
@@ -292,15 +299,14 @@ fn file_in(folder: &Path, name: &str) -> Result<PathBuf, String> {
 }
 
 /// The value of one of these keys as a scene would write it.
-pub(super) fn dated_maps_value(earth: &EarthTable, key: &str) -> KeyText {
+pub(super) fn dated_maps_value(dated: &[DatedMaps], key: &str) -> KeyText {
     if key == "map_fade" {
-        let first = earth.dated_maps.first();
+        let first = dated.first();
         return first
             .map(|maps| maps.fades.to_string())
             .ok_or("no map changes with the date");
     }
-    let maps = earth.dated_maps.iter();
-    let Some(maps) = maps.into_iter().find(|maps| maps.layer.key() == key) else {
+    let Some(maps) = dated.iter().find(|maps| maps.layer.key() == key) else {
         return Err("this map does not change with the date");
     };
     let file = |path: &PathBuf| format!("\"{}\"", printable(&path.display().to_string()));

@@ -1,7 +1,7 @@
 //! `[earth]`: the globe, its layers and its air, and the imagery pack that they may come from. Its keys of ground with relief
 //! are read in [`relief`](super::relief).
 
-use super::dated_maps::{DatedMaps, dated_maps_value};
+use super::dated_maps::{DatedMaps, DatedScene, dated_maps_value};
 use super::error::{SceneError, printable};
 use super::field::{Field, KeyText, PathKind, UNKNOWN, quoted, range_text, whole, written};
 use super::keys::RawEarth;
@@ -176,7 +176,13 @@ impl SceneText<'_> {
             relief: self.relief(earth)?,
             dated_maps: Vec::new(),
         };
-        table.dated_maps = self.dated_maps(earth, &table)?;
+        let dated = DatedScene {
+            is_paper: table.is_paper(),
+            clouds: table.clouds,
+            night_lights: table.night_lights,
+            has_pack: table.pack.is_some(),
+        };
+        table.dated_maps = self.dated_maps(earth, dated)?;
         Ok(table)
     }
 
@@ -342,7 +348,9 @@ pub(super) fn value(earth: &EarthTable, key: &str) -> KeyText {
                 None => Err("no pack: whole maps are drawn"),
             }
         }
-        "day_maps" | "cloud_maps" | "night_light_maps" | "map_fade" => dated_maps_value(earth, key),
+        "day_maps" | "cloud_maps" | "night_light_maps" | "map_fade" => {
+            dated_maps_value(&earth.dated_maps, key)
+        }
         "surface" | "elevation" | "tolerance_px" | "sea_floor" | "denoise" | "clipmap"
         | "contours" | "projected_grid" | "quadtree" => relief_value(earth.relief.as_ref(), key),
         _ => Err(UNKNOWN),
