@@ -1,6 +1,6 @@
 //! Scenes whose states a simulator sends: films of exactly what it asks for, stills, refusals, a player that is killed.
 
-use crate::{Place, names, words};
+use crate::{Place, frame_names, words};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{SocketAddr, TcpStream, UdpSocket};
 use std::process::{Child, ChildStdout, Stdio};
@@ -108,7 +108,7 @@ fn is_drawn(answer: &str, seq: u64) -> bool {
 
 /// Each is written and none is the same as another.
 fn assert_frames(place: &Place, count: usize) {
-    let files = names(&place.path("frames"));
+    let files = frame_names(&place.path("frames"));
     let expected: Vec<_> = (0..count).map(|k| format!("frame_{k:05}.png")).collect();
     assert_eq!(files, expected);
     let bytes = |name: &String| std::fs::read(place.path("frames").join(name)).expect("reads");

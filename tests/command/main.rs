@@ -123,6 +123,13 @@ impl Place {
     }
 }
 
+/// The pictures of a film's folder, without the page that it keeps of them.
+fn frame_names(folder: &Path) -> Vec<String> {
+    let mut names = names(folder);
+    assert_eq!(names.pop().as_deref(), Some("frames.json"));
+    names
+}
+
 fn names(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).expect("a folder");
     let mut names: Vec<_> = entries

@@ -3,7 +3,7 @@
 use super::free_port;
 use super::messages;
 use super::{Simulator, scene};
-use crate::{Place, names};
+use crate::{Place, frame_names};
 use glam::{DMat3, DQuat, DVec3};
 use image::RgbImage;
 use std::net::SocketAddr;
@@ -187,7 +187,7 @@ fn a_film_has_one_frame_for_each_step_and_its_simulator_goes_on() {
     drop(simulator);
     let output = player.wait_with_output().expect("ends");
     assert!(output.status.success());
-    let files = names(&place.path("frames"));
+    let files = frame_names(&place.path("frames"));
     assert_eq!(files.len(), 5, "{files:?}");
     let bytes = |name: &String| std::fs::read(place.path("frames").join(name)).expect("reads");
     let pictures: std::collections::BTreeSet<_> = files.iter().map(bytes).collect();
@@ -213,7 +213,7 @@ fn a_film_without_a_duration_is_as_long_as_the_simulation() {
             .count();
         drop(simulator);
         assert!(player.wait_with_output().expect("ends").status.success());
-        (answered as u64, names(&place.path(name)).len() as u64)
+        (answered as u64, frame_names(&place.path(name)).len() as u64)
     };
     // 5580 s by default; at this speed that would be three frames.
     let text = scene(&listen, "mode = \"nadir\"").replace("speed = 10\n", "speed = 18600\n");
@@ -240,7 +240,7 @@ fn a_saved_simulation_is_played_by_its_own_time() {
     place.scene("saved.toml", &text.replace("speed = 10\n", "speed = 100\n"));
     place.succeed(&["play", "saved.toml", "--frames", "frames"]);
     // 1170 s at a hundred times real time, ten frames a second.
-    assert_eq!(names(&place.path("frames")).len(), 117);
+    assert_eq!(frame_names(&place.path("frames")).len(), 117);
     place.succeed(&[
         "frame",
         "saved.toml",

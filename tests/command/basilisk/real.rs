@@ -3,7 +3,7 @@
 //! `TERRELLA_BASILISK_PYTHON` names the interpreter, by default `python3`. Without `bsk` these tests say loudly that they are skipped.
 
 use super::scene;
-use crate::{Place, names};
+use crate::{Place, frame_names};
 use std::process::{Child, Command, Stdio};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -64,7 +64,7 @@ fn the_script_of_the_page_is_filmed_unchanged() {
     );
     let _simulator = Ended(run(&place, &python, "leo.py", &page_script()));
     let output = place.succeed(&["play", "basilisk.toml", "--frames", "frames"]);
-    assert_eq!(names(&place.path("frames")).len(), 6);
+    assert_eq!(frame_names(&place.path("frames")).len(), 6);
     let said = crate::words(&output);
     for told in ["does not turn the Earth", "has no Sun"] {
         assert!(said.contains(told), "{said}");
