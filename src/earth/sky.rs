@@ -120,6 +120,23 @@ mod tests {
     }
 
     #[test]
+    fn a_date_beyond_all_ephemerides_has_a_sky_or_none_and_never_panics() {
+        use crate::frames::Duration;
+        let origin = Epoch::from_gregorian_utc(2000, 1, 1, 0, 0, 0, 0);
+        for years in [
+            -32_000.0, -20_000.0, -3000.0, 3000.0, 20_000.0, 32_000.0, 1e6,
+        ] {
+            let sky = Sky::at(origin + Duration::from_seconds(years * 3.156e7));
+            let is_sky = sky.with_unit_sun().is_some();
+            assert!(
+                is_sky || !sky.sun_itrf.is_finite() || !sky.sun_distance_m.is_finite(),
+                "{years}"
+            );
+            let _whatever = (sky.moon_shadow(), sky.moonlight());
+        }
+    }
+
+    #[test]
     fn the_moons_shadow_is_there_where_sun_and_moon_are() {
         let noon: Epoch = "2017-08-21T18:25:32Z".parse().expect("a date");
         let sky = Sky::at(noon);

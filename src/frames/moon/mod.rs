@@ -132,6 +132,10 @@ pub(super) fn retarded(epoch: Epoch, eye_gcrf_m: DVec3) -> (DVec3, f64) {
     for _ in 0..2 {
         moon = moon_position_gcrf_m(epoch - Duration::from_seconds(seconds));
         seconds = (moon - eye_gcrf_m).length() / LIGHT_M_S;
+        if !seconds.is_finite() {
+            // Of an epoch that the series does not reach, or an eye that is nowhere.
+            return (DVec3::NAN, 0.0);
+        }
     }
     (moon, seconds)
 }
