@@ -1,17 +1,15 @@
 //! Where a file of a mosaic lies: by its description, its GeoTIFF tags, its world file or NASA's names.
 
 use super::place::{Bounds, Crs, Place, place_in_name};
-use crate::elevation::geo_tags::{GeoTags, MODEL_TYPE, RASTER_TYPE};
+use crate::elevation::geo_tags::{GeoTags, MODEL_TYPE};
 use crate::imagery::build::error::BuildError;
-use crate::imagery::build::source::FileContext;
+use crate::imagery::build::source::{FileContext, MODEL_GEOGRAPHIC};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 use tiff::decoder::Decoder;
 
 const MODEL_PROJECTED: u16 = 1;
-const MODEL_GEOGRAPHIC: u16 = 2;
-const RASTER_POINT: u16 = 2;
 /// Key of the projected coordinate system, and Web Mercator's number.
 const PROJECTED_TYPE: u16 = 3072;
 const WEB_MERCATOR: u16 = 3857;
@@ -75,20 +73,8 @@ pub(super) fn tags_place<R: BufRead + Seek>(mut reader: R) -> Result<Option<Plac
         return Ok(None);
     };
     let tags = GeoTags::read(&mut decoder);
-    let (scale_x, scale_y, left, top) = match (&tags.matrix, &tags.scale, &tags.tie) {
-        (Some(m), ..) if m.len() == 16 => {
-            if m[1] != 0.0 || m[4] != 0.0 {
-                return Err("is rotated or sheared by its GeoTIFF matrix".to_string());
-            }
-            (m[0], -m[5], m[3], m[7])
-        }
-        (_, Some(scale), Some(tie)) if scale.len() >= 2 && tie.len() >= 6 => (
-            scale[0],
-            scale[1],
-            tie[3] - tie[0] * scale[0],
-            tie[4] + tie[1] * scale[1],
-        ),
-        _ => return Ok(None),
+    let Some(grid) = tags.grid()? else {
+        return Ok(None);
     };
     let (crs, unit) = match (tags.key(MODEL_TYPE), tags.key(PROJECTED_TYPE)) {
         (Some(MODEL_PROJECTED), Some(WEB_MERCATOR)) => (Crs::WebMercator, METRES_PER_DEG),
@@ -100,18 +86,12 @@ pub(super) fn tags_place<R: BufRead + Seek>(mut reader: R) -> Result<Option<Plac
             ));
         }
     };
-    // The point may be the texel's centre.
-    let half = if tags.key(RASTER_TYPE) == Some(RASTER_POINT) {
-        0.5
-    } else {
-        0.0
-    };
     Ok(Some(Place {
         crs,
-        west_deg: (left - half * scale_x) / unit,
-        north_deg: (top + half * scale_y) / unit,
-        column_deg: scale_x / unit,
-        row_deg: scale_y / unit,
+        west_deg: grid.left / unit,
+        north_deg: grid.top / unit,
+        column_deg: grid.scale_x / unit,
+        row_deg: grid.scale_y / unit,
     }))
 }
 

@@ -2,10 +2,51 @@
 
 use crate::elevation::geo_tags::{GeoTags, MODEL_TYPE, RASTER_TYPE};
 
-const MODEL_GEOGRAPHIC: u16 = 2;
+/// The value of [`MODEL_TYPE`] for longitudes and latitudes.
+pub(in crate::internals::imagery::build) const MODEL_GEOGRAPHIC: u16 = 2;
 const RASTER_POINT: u16 = 2;
 
+/// Where a map's texels lie by its tags, in the unit of its model: the corner of the first, and their size to the east and to the
+/// south.
+pub(in crate::internals::imagery::build) struct TagGrid {
+    pub left: f64,
+    pub top: f64,
+    pub scale_x: f64,
+    pub scale_y: f64,
+}
+
 impl GeoTags {
+    /// Where the texels lie; `None` of tags that do not say it, an error of those that turn the map.
+    pub(in crate::internals::imagery::build) fn grid(&self) -> Result<Option<TagGrid>, String> {
+        let (scale_x, scale_y, left, top) = match (&self.matrix, &self.scale, &self.tie) {
+            (Some(m), ..) if m.len() == 16 => {
+                if m[1] != 0.0 || m[4] != 0.0 {
+                    return Err("is rotated or sheared by its GeoTIFF matrix".to_string());
+                }
+                (m[0], -m[5], m[3], m[7])
+            }
+            (_, Some(scale), Some(tie)) if scale.len() >= 2 && tie.len() >= 6 => (
+                scale[0],
+                scale[1],
+                tie[3] - tie[0] * scale[0],
+                tie[4] + tie[1] * scale[1],
+            ),
+            _ => return Ok(None),
+        };
+        // The point may be the texel's centre.
+        let half = if self.key(RASTER_TYPE) == Some(RASTER_POINT) {
+            0.5
+        } else {
+            0.0
+        };
+        Ok(Some(TagGrid {
+            left: left - half * scale_x,
+            top: top + half * scale_y,
+            scale_x,
+            scale_y,
+        }))
+    }
+
     /// What is wrong if the map is not the whole globe with its left edge at 180° W, north up. Without tags nothing is.
     ///
     /// A texel of tolerance: maps whose texels stand on whole degrees (grid-registered, 21 601 × 10 801) are taken.
@@ -19,28 +60,16 @@ impl GeoTags {
         {
             return Some("is projected (its GeoTIFF model is not geographic)".to_string());
         }
-        let (scale_x, scale_y, left, top) = match (&self.matrix, &self.scale, &self.tie) {
-            (Some(m), ..) if m.len() == 16 => {
-                if m[1] != 0.0 || m[4] != 0.0 {
-                    return Some("is rotated or sheared by its GeoTIFF matrix".to_string());
-                }
-                (m[0], -m[5], m[3], m[7])
-            }
-            (_, Some(scale), Some(tie)) if scale.len() >= 2 && tie.len() >= 6 => (
-                scale[0],
-                scale[1],
-                tie[3] - tie[0] * scale[0],
-                tie[4] + tie[1] * scale[1],
-            ),
-            _ => return None,
+        let TagGrid {
+            left,
+            top,
+            scale_x,
+            scale_y,
+        } = match self.grid() {
+            Ok(Some(grid)) => grid,
+            Ok(None) => return None,
+            Err(complaint) => return Some(complaint),
         };
-        // The point may be the texel's centre.
-        let half = if self.key(RASTER_TYPE) == Some(RASTER_POINT) {
-            0.5
-        } else {
-            0.0
-        };
-        let (left, top) = (left - half * scale_x, top + half * scale_y);
         let (right, bottom) = (
             left + scale_x * f64::from(width),
             top - scale_y * f64::from(height),

@@ -7,6 +7,7 @@ mod sof;
 mod tiff;
 
 use super::error::BuildError;
+pub(super) use geo::MODEL_GEOGRAPHIC;
 use std::fmt;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
