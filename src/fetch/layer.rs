@@ -9,6 +9,7 @@ use super::plan::{Fineness, TilePlan};
 use super::source::{Files, Source, SourceLayer, Tiles};
 use crate::imagery::build::BuildProgress;
 use crate::imagery::build::mosaic::{Bounds, Crs, MOSAIC_FILE};
+use crate::imagery::pack::quoted;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -423,20 +424,6 @@ fn push_files(text: &mut String, files: &Files, folder: &str, is_there: impl Fn(
             let _ = writeln!(text, "bounds_deg = {bounds_deg:?}");
         }
     }
-}
-
-/// A TOML string.
-fn quoted(text: &str) -> String {
-    let mut quoted = String::from("\"");
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => quoted.extend(['\\', c]),
-            c if c.is_control() => quoted.push_str(&format!("\\u{:04x}", u32::from(c))),
-            c => quoted.push(c),
-        }
-    }
-    quoted.push('"');
-    quoted
 }
 
 #[cfg(test)]

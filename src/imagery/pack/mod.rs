@@ -105,6 +105,8 @@ mod verify;
 pub use container::{MAX_OVERHEAD_BYTES, read_ktx2, write_ktx2};
 pub use decode::decode_tile;
 pub use error::{MAX_MANIFEST_BYTES, ManifestPlace, PackError};
+#[cfg(feature = "fetch")]
+pub(crate) use manifest::quoted;
 pub use manifest::{
     FORMAT_VERSION, LayerEntry, LevelEntry, MANIFEST_FILE, MAX_ATTRIBUTION_LINES, MAX_NAME_CHARS,
     MAX_TEXT_CHARS, Manifest, TileFile, tile_path,

@@ -9,6 +9,8 @@ mod write;
 use crate::globe::Block;
 use crate::imagery::tile::{MapLayer, Storage, TileKey, TileShape};
 use std::path::PathBuf;
+#[cfg(feature = "fetch")]
+pub(crate) use write::quoted;
 
 /// Name of the manifest in the pack's folder.
 pub const MANIFEST_FILE: &str = "pack.toml";
