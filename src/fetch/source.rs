@@ -2,7 +2,7 @@
 
 use super::address::{template_complaint, url_complaint};
 use super::error::FetchError;
-use crate::imagery::build::mosaic::{Bounds, Crs, Encoding};
+use crate::imagery::build::mosaic::{Bounds, Crs, Encoding, syntax_complaint};
 use crate::imagery::pack::{MAX_ATTRIBUTION_LINES, MAX_TEXT_CHARS};
 use serde::Deserialize;
 use std::path::Path;
@@ -237,15 +237,8 @@ impl Source {
             path: path.to_path_buf(),
             cause,
         };
-        let source: Self = toml::from_str(text).map_err(|error| {
-            let before = text
-                .as_bytes()
-                .iter()
-                .take(error.span().map_or(0, |span| span.start));
-            let line = before.filter(|byte| **byte == b'\n').count() + 1;
-            let message: String = error.message().chars().take(300).collect();
-            wrong(format!("line {line}: {}", message.escape_debug()))
-        })?;
+        let source: Self =
+            toml::from_str(text).map_err(|error| wrong(syntax_complaint(text, &error)))?;
         match source.complaint() {
             None => Ok(source),
             Some((key, cause)) => {

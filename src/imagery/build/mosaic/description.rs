@@ -105,6 +105,17 @@ struct RawPart {
     encoding: Option<Encoding>,
 }
 
+/// What is wrong with the TOML of a description, and in which line; at most some hundred characters of one line.
+pub(crate) fn syntax_complaint(text: &str, error: &toml::de::Error) -> String {
+    let before = text
+        .as_bytes()
+        .iter()
+        .take(error.span().map_or(0, |span| span.start));
+    let line = before.filter(|byte| **byte == b'\n').count() + 1;
+    let message: String = error.message().chars().take(300).collect();
+    format!("line {line}: {}", message.escape_debug())
+}
+
 impl Description {
     /// Reads a description; files in it are beside `path`, which is also its name in messages.
     ///
@@ -114,15 +125,8 @@ impl Description {
         let context = FileContext::new(path);
         let wrong =
             |cause: String| context.refused(cause, "see docs/packs.md for what a mosaic is");
-        let raw: RawDescription = toml::from_str(text).map_err(|error| {
-            let before = text
-                .as_bytes()
-                .iter()
-                .take(error.span().map_or(0, |span| span.start));
-            let line = before.filter(|byte| **byte == b'\n').count() + 1;
-            let message: String = error.message().chars().take(300).collect();
-            wrong(format!("line {line}: {}", message.escape_debug()))
-        })?;
+        let raw: RawDescription =
+            toml::from_str(text).map_err(|error| wrong(syntax_complaint(text, &error)))?;
         let texts = &raw.attribution;
         if texts.len() > MAX_ATTRIBUTION_LINES
             || texts

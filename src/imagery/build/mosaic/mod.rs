@@ -28,6 +28,8 @@ mod tests;
 mod texels;
 mod tiles;
 
+#[cfg(feature = "fetch")]
+pub(crate) use description::syntax_complaint;
 pub use description::{Description, MAX_DESCRIPTION_BYTES, MOSAIC_FILE, Part, PartSource};
 pub use georeference::world_place;
 pub use place::{Bounds, Crs, MERCATOR_END_DEG, Place};
