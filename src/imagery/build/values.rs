@@ -238,7 +238,7 @@ fn read_colour(info: &SourceInfo, bytes: &[u8], linear: &[f32], out: &mut [f32])
 }
 
 /// One sample as a number: integers by their code.
-fn sample(kind: SampleKind, bytes: &[u8], index: usize) -> f32 {
+pub(super) fn sample(kind: SampleKind, bytes: &[u8], index: usize) -> f32 {
     let at = index * kind.bytes();
     match kind {
         SampleKind::U8 => f32::from(bytes[at]),

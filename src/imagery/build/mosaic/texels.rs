@@ -1,6 +1,7 @@
 //! Texels as numbers that may be averaged, and back: colour as linear light, everything else as it is stored.
 
 use crate::imagery::build::source::{SampleKind, SourceInfo};
+use crate::imagery::build::values::sample;
 use crate::imagery::srgb::{LINEAR_FROM_SRGB, SrgbEncoder, linear_from_encoded};
 
 /// How heights are written as colours.
@@ -105,7 +106,7 @@ impl Reader {
                 continue;
             }
             let at = |channel: usize| {
-                stored(
+                sample(
                     self.from.sample,
                     bytes,
                     x * channels + channel.min(channels - 1),
@@ -142,20 +143,6 @@ impl Reader {
             SampleKind::U8 => LINEAR_FROM_SRGB[code as u8 as usize],
             SampleKind::U16 => self.linear[code as u16 as usize],
             SampleKind::I16 | SampleKind::F32 => linear_from_encoded(f64::from(code)) as f32,
-        }
-    }
-}
-
-/// One sample as it is stored.
-#[inline]
-fn stored(kind: SampleKind, bytes: &[u8], index: usize) -> f32 {
-    let at = index * kind.bytes();
-    match kind {
-        SampleKind::U8 => f32::from(bytes[at]),
-        SampleKind::U16 => f32::from(u16::from_ne_bytes([bytes[at], bytes[at + 1]])),
-        SampleKind::I16 => f32::from(i16::from_ne_bytes([bytes[at], bytes[at + 1]])),
-        SampleKind::F32 => {
-            f32::from_ne_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
         }
     }
 }
