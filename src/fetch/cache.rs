@@ -152,42 +152,13 @@ impl Shelf {
 
     /// Begins a file beside its final place.
     pub(super) fn begin(&self, file: &str) -> Result<Part, FetchError> {
-        let path = self.path(file);
-        let fail = |source| FetchError::Cache {
-            path: path.clone(),
-            source,
-        };
-        let folder = path.parent().unwrap_or(&self.dir);
-        fs::create_dir_all(folder).map_err(fail)?;
-        let name = path
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
-        let part = folder.join(format!(".{name}.{PART}"));
-        let file = File::create(&part).map_err(fail)?;
-        Ok(Part {
-            file,
-            path: part,
-            hasher: blake3::Hasher::new(),
-            bytes: 0,
-        })
+        Part::beside(&self.path(file))
     }
 
     /// Puts a whole file under its final name and notes it.
     pub(super) fn finish(&self, part: Part, key: &str, file: &str) -> Result<u64, FetchError> {
-        let path = self.path(file);
-        let bytes = part.bytes;
-        let blake3 = part.hash();
-        let from = part.path.clone();
-        drop(part.into_file());
-        fs::rename(&from, &path).map_err(|source| {
-            let _ = fs::remove_file(&from);
-            FetchError::Cache {
-                path: path.clone(),
-                source,
-            }
-        })?;
+        let (bytes, blake3) = (part.bytes, part.hash());
+        part.put(&self.path(file))?;
         self.note(key, Kept::File { bytes, blake3 })?;
         Ok(bytes)
     }
@@ -222,8 +193,29 @@ impl Part {
         self.hasher.finalize().to_hex().to_string()
     }
 
-    fn into_file(self) -> File {
-        self.file
+    /// Begins one beside its final place, whose folder is made.
+    fn beside(path: &Path) -> Result<Self, FetchError> {
+        let fail = |source| failed(path, source);
+        let folder = path.parent().unwrap_or(Path::new(""));
+        fs::create_dir_all(folder).map_err(fail)?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let part = folder.join(format!(".{name}.{PART}"));
+        Ok(Self {
+            file: File::create(&part).map_err(fail)?,
+            path: part,
+            hasher: blake3::Hasher::new(),
+            bytes: 0,
+        })
+    }
+
+    /// Puts it to its final place, or takes it away where that fails.
+    fn put(self, path: &Path) -> Result<(), FetchError> {
+        let from = self.path;
+        drop(self.file);
+        fs::rename(&from, path).map_err(|source| {
+            let _ = fs::remove_file(&from);
+            failed(path, source)
+        })
     }
 
     /// Takes it away.
@@ -272,29 +264,22 @@ fn hash_of(path: &Path) -> io::Result<String> {
 
 /// Writes a file so that it is there with all its contents or not at all.
 pub(super) fn write_whole(path: &Path, contents: &[u8]) -> Result<(), FetchError> {
-    let fail = |source| FetchError::Cache {
+    let mut part = Part::beside(path)?;
+    let written = part.file.write_all(contents);
+    match written.and_then(|()| part.file.sync_data()) {
+        Ok(()) => part.put(path),
+        Err(source) => {
+            part.discard();
+            Err(failed(path, source))
+        }
+    }
+}
+
+fn failed(path: &Path, source: io::Error) -> FetchError {
+    FetchError::Cache {
         path: path.to_path_buf(),
         source,
-    };
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder).map_err(fail)?;
     }
-    let name = path
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned();
-    let part = path.with_file_name(format!(".{name}.{PART}"));
-    let written = File::create(&part).and_then(|mut file| {
-        file.write_all(contents)?;
-        file.sync_data()
-    });
-    written
-        .and_then(|()| fs::rename(&part, path))
-        .map_err(|source| {
-            let _ = fs::remove_file(&part);
-            fail(source)
-        })
 }
 
 #[cfg(test)]
