@@ -109,13 +109,17 @@ pub fn export(
         }
         folder = Some((opened, film));
     }
-    let is_kept = |index: &u64| kept.entries.contains_key(index);
-    let lacking: BTreeSet<u64> = wanted.clone().filter(|index| !is_kept(index)).collect();
-    if lacking.is_empty() {
+    // Of the frames that are wanted, which may be ten million.
+    let kept_frames: BTreeSet<u64> = kept
+        .entries
+        .range(wanted.clone())
+        .map(|(n, _)| *n)
+        .collect();
+    let lacking = wanted.end - wanted.start - kept_frames.len() as u64;
+    if lacking == 0 {
         tracing::info!("all frames are there");
         return Ok(());
     }
-    let kept_count = wanted.clone().filter(is_kept).count();
 
     progress.begin("loading maps", None);
     let features = FilmPainter::features(&request.pictures);
@@ -142,16 +146,16 @@ pub fn export(
     tracing::info!(
         "{} frames of {} × {} on {}",
         count.map_or("as many as there are steps:".to_owned(), |_| lacking
-            .len()
             .to_string()),
         size.0,
         size.1,
         adapter
     );
-    if kept_count > 0 {
-        tracing::info!("{kept_count} frames are there already and kept");
+    if !kept_frames.is_empty() {
+        let kept = kept_frames.len();
+        tracing::info!("{kept} frames are there already and kept");
     }
-    progress.begin("frames", count.map(|_| lacking.len() as u64));
+    progress.begin("frames", count.map(|_| lacking));
     let aspect = painter.aspect();
     let mut missing_tiles = MissingTiles::default();
     if is_lockstep {
@@ -168,10 +172,10 @@ pub fn export(
             if progress.cancelled() {
                 return Err(PlayError::Interrupted {
                     done,
-                    wanted: Some(lacking.len() as u64),
+                    wanted: Some(lacking),
                 });
             }
-            let is_drawn = lacking.contains(&index);
+            let is_drawn = wanted.contains(&index) && !kept_frames.contains(&index);
             if !is_drawn && !is_metered {
                 continue;
             }
