@@ -5,4 +5,6 @@ mod build;
 #[cfg(feature = "fetch")]
 mod fetch;
 mod on_disk;
+#[cfg(feature = "command")]
+mod program;
 mod streaming;

@@ -1,33 +1,13 @@
 //! `terrella pack build` as a user runs it, and killed.
 
 use super::maps::{png, rgb_map};
+use crate::program::{run, terrella};
 use image::ExtendedColorType;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
-
-fn terrella(arguments: &[&str], folder: &Path) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_terrella"));
-    command
-        .args(arguments)
-        .current_dir(folder)
-        .env_remove("RUST_LOG");
-    command
-}
-
-fn run(arguments: &[&str], folder: &Path) -> (Option<i32>, String, String) {
-    let output = terrella(arguments, folder)
-        .output()
-        .expect("the program runs");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
-    (
-        output.status.code(),
-        text(output.stdout),
-        text(output.stderr),
-    )
-}
 
 /// All files of a folder with their contents.
 fn contents(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
