@@ -21,6 +21,15 @@ fn bytes(path: &Path) -> Vec<u8> {
     std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
+/// The same files with the same bytes.
+fn assert_same_folders(a: &Path, b: &Path) {
+    let names_of_a = names(a);
+    assert_eq!(names_of_a, names(b));
+    for name in names_of_a {
+        assert!(bytes(&a.join(&name)) == bytes(&b.join(&name)), "{name}");
+    }
+}
+
 fn frame(number: u64) -> String {
     format!("frame_{number:05}.png")
 }
@@ -141,14 +150,7 @@ fn a_film_goes_on_where_it_was_left() {
     assert!(!words(&output).contains("may differ a little"));
     // As if drawn in one go.
     place.succeed(&["play", "small.toml", "--frames", "b"]);
-    let (a, b) = (names(&place.path("a")), names(&place.path("b")));
-    assert_eq!(a, b);
-    for name in a {
-        assert!(
-            bytes(&place.path("a").join(&name)) == bytes(&place.path("b").join(&name)),
-            "{name}"
-        );
-    }
+    assert_same_folders(&place.path("a"), &place.path("b"));
     // Nothing is left to do.
     let output = place.succeed(&[&["-v"], &play[..], &["--resume"]].concat());
     assert!(
@@ -244,14 +246,7 @@ fn a_film_that_is_killed_goes_on() {
     let said = format!("{done} frames are there already");
     assert!(words(&output).contains(&said), "{}", words(&output));
     place.succeed(&["play", "long.toml", "--frames", "b"]);
-    let (a, b) = (names(&place.path("a")), names(&place.path("b")));
-    assert_eq!(a, b);
-    for name in a {
-        assert!(
-            bytes(&place.path("a").join(&name)) == bytes(&place.path("b").join(&name)),
-            "{name}"
-        );
-    }
+    assert_same_folders(&place.path("a"), &place.path("b"));
 }
 
 /// A file may not become larger than so many bytes, which is to a program what a full disk is.
