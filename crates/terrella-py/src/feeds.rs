@@ -43,10 +43,11 @@ type Pair<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 pub fn states_of<'py>(
     py: Python<'py>,
     feeds: &[&dyn Feed],
-    epochs: &[Epoch],
-    frame: Frame,
+    times: &Bound<'py, PyAny>,
+    frame: &str,
     outside: &str,
 ) -> PyResult<Pair<'py>> {
+    let (frame, epochs) = (frame_named(frame, "frame")?, epochs(times, "times")?);
     let keeps_going = match outside {
         "raise" => false,
         "nan" => true,
@@ -67,7 +68,7 @@ pub fn states_of<'py>(
             epochs.len()
         ))
     })?;
-    let computed = py.detach(|| computed(feeds, epochs, frame, keeps_going, count));
+    let computed = py.detach(|| computed(feeds, &epochs, frame, keeps_going, count));
     let (positions, velocities) = computed.map_err(|error| of_orbit(&error))?;
     let shape = [feeds.len(), epochs.len(), 3];
     let array = |numbers| -> PyResult<Bound<'py, PyAny>> {
@@ -157,9 +158,8 @@ impl PySatellites {
         frame: &str,
         outside: &str,
     ) -> PyResult<Pair<'py>> {
-        let (frame, epochs) = (frame_named(frame, "frame")?, epochs(times, "times")?);
         let feeds: Vec<_> = self.feeds.iter().map(AsRef::as_ref).collect();
-        states_of(py, &feeds, &epochs, frame, outside)
+        states_of(py, &feeds, times, frame, outside)
     }
 }
 

@@ -1,10 +1,10 @@
 //! A scene file, drawn into arrays at any instant.
 
 use crate::errors::{SceneError, of_play};
-use crate::feeds::{frame_named, states_of};
+use crate::feeds::states_of;
 use crate::owned::Owned;
 use crate::pictures::{self, Layers};
-use crate::times::{PyEpoch, elapsed_of, epoch, epochs};
+use crate::times::{PyEpoch, elapsed_of, epoch};
 use numpy::{PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -181,9 +181,8 @@ impl PyScene {
         frame: &str,
         outside: &str,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
-        let (frame, epochs) = (frame_named(frame, "frame")?, epochs(times, "times")?);
         let feeds: Vec<_> = self.feeds.iter().map(|feed| feed.as_ref()).collect();
-        states_of(py, &feeds, &epochs, frame, outside)
+        states_of(py, &feeds, times, frame, outside)
     }
 }
 
