@@ -276,10 +276,7 @@ fn streaming_what_is_there_allocates_nothing_at_all() {
         layer,
         format: layer.tile_format(Storage::Plain),
         levels: [32, 24, 16]
-            .map(|pixels| LevelLayout {
-                shape: TileShape::new(pixels).unwrap(),
-                present: BlockSet::ALL,
-            })
+            .map(|pixels| LevelLayout::of_blocks(TileShape::new(pixels).unwrap(), BlockSet::ALL))
             .to_vec(),
     };
     let source = Arc::new(Grey(MapLayer::ALL.map(layout).to_vec()));
@@ -292,6 +289,7 @@ fn streaming_what_is_there_allocates_nothing_at_all() {
                     layer,
                     level: block % 2,
                     block,
+                    part: 0,
                 },
                 drawn: true,
             })

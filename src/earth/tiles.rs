@@ -161,7 +161,7 @@ impl TileDriver {
             pixels[tiled.layer.index()] = tiled
                 .levels
                 .iter()
-                .map(|level| level.shape.pixels)
+                .map(|level| level.shape.block_pixels())
                 .collect();
         }
         let mut stream = StreamOptions {
@@ -354,6 +354,7 @@ impl TileDriver {
                     layer,
                     level,
                     block: index as u8,
+                    part: 0,
                 },
                 drawn: levels.is_some(),
             };

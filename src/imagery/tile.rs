@@ -5,13 +5,22 @@
 //! that a filter finds the same texels on both sides of an edge: round the date line, and over a pole on the opposite
 //! meridian. Its side is padded to a multiple of eight (more border on the east and south), so that four mip levels
 //! halve it exactly and the base level is a whole number of compressed 4 × 4 blocks.
+//!
+//! Levels too fine for a tile of that size are cut further: each block into 2 × 2, 4 × 4 … *parts*, tiles of the same size as those of
+//! the finest level that is not cut. Parts of a block are numbered row by row from its north-west corner.
 
 use crate::globe::Block;
 pub use crate::globe::BlockSet;
 use std::fmt;
 
 /// Most levels of one map.
-pub const MAX_LEVELS: usize = 8;
+pub const MAX_LEVELS: usize = 10;
+
+/// Most parts along a block's side.
+pub const MAX_PARTS: u32 = 16;
+
+/// Most texels of a part's side, border not counted: with it a texture of 2048 texels.
+pub const MAX_PART_PIXELS: u32 = 2048 - 2 * TILE_BORDER;
 
 /// Mip levels of a tile, the base included. The border is half a texel wide at the last one: just what bilinear
 /// filtering reaches at an edge.
@@ -186,19 +195,45 @@ impl TileFormat {
     }
 }
 
-/// Size of the tiles of one level.
+/// Size of the tiles of one level, and how many of them a block has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TileShape {
-    /// Texels of a block's side, border not counted.
+    /// Texels of a tile's side, border not counted.
     pub pixels: u32,
+    /// Tiles along a block's side: 1, or a power of two where blocks are cut into parts.
+    pub parts: u32,
 }
 
 impl TileShape {
-    /// The shape of tiles with so many texels of their own a side; `None` outside [`MIN_PIXELS`]…[`MAX_PIXELS`].
+    /// The shape of tiles of whole blocks with so many texels of their own a side; `None` outside
+    /// [`MIN_PIXELS`]…[`MAX_PIXELS`].
     pub fn new(pixels: u32) -> Option<Self> {
         (MIN_PIXELS..=MAX_PIXELS)
             .contains(&pixels)
-            .then_some(Self { pixels })
+            .then_some(Self { pixels, parts: 1 })
+    }
+
+    /// The shape of tiles of so many texels, of which `parts` × `parts` make a block. `parts` is a power of two up to [`MAX_PARTS`], and
+    /// where it is not 1 a tile has at most [`MAX_PART_PIXELS`]; `None` otherwise.
+    pub fn cut(pixels: u32, parts: u32) -> Option<Self> {
+        let most = if parts == 1 {
+            MAX_PIXELS
+        } else {
+            MAX_PART_PIXELS
+        };
+        let is_good =
+            parts.is_power_of_two() && parts <= MAX_PARTS && (MIN_PIXELS..=most).contains(&pixels);
+        is_good.then_some(Self { pixels, parts })
+    }
+
+    /// Texels of a block's side, borders not counted.
+    pub fn block_pixels(self) -> u32 {
+        self.pixels * self.parts
+    }
+
+    /// Tiles of a block.
+    pub fn tiles_of_block(self) -> u16 {
+        (self.parts * self.parts) as u16
     }
 
     /// Texels of the tile's side: its own, the border, and the padding to a multiple of eight.
@@ -220,12 +255,12 @@ impl TileShape {
 
     /// Width of the whole map at this level, texels.
     pub fn map_width(self) -> u32 {
-        self.pixels * crate::globe::COLUMNS
+        self.block_pixels() * crate::globe::COLUMNS
     }
 
     /// Height of the whole map at this level, texels.
     pub fn map_height(self) -> u32 {
-        self.pixels * crate::globe::ROWS
+        self.block_pixels() * crate::globe::ROWS
     }
 }
 
@@ -238,9 +273,21 @@ pub struct TileKey {
     pub level: u8,
     /// [`Block::index`], 0…127.
     pub block: u8,
+    /// Which part of the block, row by row from its north-west corner; 0 at levels that are not cut.
+    pub part: u16,
 }
 
 impl TileKey {
+    /// The tile of a whole block.
+    pub fn whole(layer: MapLayer, level: u8, block: u8) -> Self {
+        Self {
+            layer,
+            level,
+            block,
+            part: 0,
+        }
+    }
+
     /// Block of the globe that the tile covers.
     pub fn block(self) -> Block {
         let index = u32::from(self.block);
@@ -260,17 +307,98 @@ impl fmt::Display for TileKey {
             "{} level {} block r{row}c{column}",
             self.layer.name(),
             u32::from(self.level) + 1
-        )
+        )?;
+        match self.part {
+            0 => Ok(()),
+            part => write!(f, " part {part}"),
+        }
+    }
+}
+
+/// A set of tiles of one level.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TileSet {
+    parts: u32,
+    words: Vec<u64>,
+}
+
+impl TileSet {
+    /// None of the tiles of a shape.
+    pub fn none(shape: TileShape) -> Self {
+        let tiles = crate::globe::BLOCK_COUNT as usize * usize::from(shape.tiles_of_block());
+        Self {
+            parts: shape.parts,
+            words: vec![0; tiles.div_ceil(64)],
+        }
+    }
+
+    /// All of them.
+    pub fn all(shape: TileShape) -> Self {
+        Self::of_blocks(shape, BlockSet::ALL)
+    }
+
+    /// All of these blocks.
+    pub fn of_blocks(shape: TileShape, blocks: BlockSet) -> Self {
+        let mut set = Self::none(shape);
+        for block in (0..crate::globe::BLOCK_COUNT as u8).filter(|block| blocks.contains(*block)) {
+            for part in 0..shape.tiles_of_block() {
+                set.insert(block, part);
+            }
+        }
+        set
+    }
+
+    fn place(&self, block: u8, part: u16) -> Option<(usize, u64)> {
+        let of_block = self.parts * self.parts;
+        if u32::from(block) >= crate::globe::BLOCK_COUNT || u32::from(part) >= of_block {
+            return None;
+        }
+        let tile = u32::from(block) * of_block + u32::from(part);
+        Some((tile as usize / 64, 1 << (tile % 64)))
+    }
+
+    /// Whether a part of a block, by its index, has a tile.
+    #[inline]
+    pub fn contains(&self, block: u8, part: u16) -> bool {
+        self.place(block, part)
+            .is_some_and(|(word, bit)| self.words[word] & bit != 0)
+    }
+
+    /// Adds a tile; those that there are not are passed over.
+    pub fn insert(&mut self, block: u8, part: u16) {
+        if let Some((word, bit)) = self.place(block, part) {
+            self.words[word] |= bit;
+        }
+    }
+
+    /// Number of tiles.
+    pub fn len(&self) -> u32 {
+        self.words.iter().map(|word| word.count_ones()).sum()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.words.iter().all(|word| *word == 0)
     }
 }
 
 /// One level of a map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LevelLayout {
     /// Size of its tiles.
     pub shape: TileShape,
-    /// Which blocks have a tile.
-    pub present: BlockSet,
+    /// Which tiles there are.
+    pub present: TileSet,
+}
+
+impl LevelLayout {
+    /// A level with all tiles of these blocks.
+    pub fn of_blocks(shape: TileShape, blocks: BlockSet) -> Self {
+        Self {
+            shape,
+            present: TileSet::of_blocks(shape, blocks),
+        }
+    }
 }
 
 /// One map of a source of tiles.
@@ -280,8 +408,20 @@ pub struct LayerLayout {
     pub layer: MapLayer,
     /// How [`TileSource::read`] gives its texels.
     pub format: TileFormat,
-    /// Its levels, the finest first, 1…[`MAX_LEVELS`]. The last has all blocks and at most [`MAX_COARSEST_PIXELS`].
+    /// Its levels, the finest first, 1…[`MAX_LEVELS`]. The last has all blocks and at most [`MAX_COARSEST_PIXELS`]. Levels that are cut
+    /// into parts come first, and their tiles are as large as those of the finest level that is not cut, which has a tile of
+    /// every block that has parts.
     pub levels: Vec<LevelLayout>,
+}
+
+impl LayerLayout {
+    /// How many of the levels are cut into parts: those before this place.
+    pub fn cut_levels(&self) -> usize {
+        self.levels
+            .iter()
+            .take_while(|level| level.shape.parts > 1)
+            .count()
+    }
 }
 
 /// The texels of a tile.
@@ -384,12 +524,10 @@ mod tests {
             assert_eq!(MapLayer::from_name(layer.name()), Some(layer));
             assert_eq!(MapLayer::ALL[layer.index()], layer);
         }
-        let key = TileKey {
-            layer: MapLayer::Day,
-            level: 2,
-            block: 28,
-        };
+        let key = TileKey::whole(MapLayer::Day, 2, 28);
         assert_eq!(key.to_string(), "day level 3 block r1c12");
+        let part = TileKey { part: 5, ..key };
+        assert_eq!(part.to_string(), "day level 3 block r1c12 part 5");
     }
 
     #[test]
@@ -401,5 +539,26 @@ mod tests {
         assert_eq!(set.len(), 2);
         assert!(set.contains(127) && !set.contains(128) && !set.contains(1));
         assert_eq!(BlockSet::ALL.len(), 128);
+        let shape = TileShape::cut(1350, 4).expect("in range");
+        let mut set = TileSet::none(shape);
+        for (block, part) in [(0, 0), (127, 15), (127, 16), (128, 0), (3, 7)] {
+            set.insert(block, part);
+        }
+        assert_eq!((set.len(), set.is_empty()), (3, false));
+        assert!(set.contains(127, 15) && set.contains(3, 7));
+        assert!(!set.contains(127, 16) && !set.contains(7, 3) && !set.contains(128, 0));
+        assert_eq!(TileSet::all(shape).len(), 2048);
+        assert_eq!(TileSet::of_blocks(shape, BlockSet(0b101)).len(), 32);
+    }
+
+    #[test]
+    fn blocks_are_cut_by_powers_of_two_into_tiles_of_one_size() {
+        let shape = TileShape::cut(1350, 4).expect("in range");
+        assert_eq!((shape.block_pixels(), shape.side()), (5400, 1360));
+        assert_eq!((shape.map_width(), shape.map_height()), (86_400, 43_200));
+        assert_eq!(TileShape::cut(1350, 1), TileShape::new(1350));
+        for (pixels, parts) in [(1350, 3), (1350, 0), (1350, 32), (15, 2), (2041, 2)] {
+            assert_eq!(TileShape::cut(pixels, parts), None, "{pixels} {parts}");
+        }
     }
 }

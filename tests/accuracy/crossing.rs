@@ -63,9 +63,8 @@ impl Coloured {
                 .for_each(|b| present.insert(b));
             present
         };
-        let level = |pixels, present| LevelLayout {
-            shape: TileShape::new(pixels).expect("a good size"),
-            present,
+        let level = |pixels, blocks| {
+            LevelLayout::of_blocks(TileShape::new(pixels).expect("a good size"), blocks)
         };
         Self(vec![LayerLayout {
             layer: MapLayer::Day,

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use terrella::internals::imagery::LayerImage;
 use terrella::internals::imagery::tile::{
     BlockSet, LayerLayout, LevelLayout, MapLayer, TILE_BORDER, TILE_MIPS, Tile, TileError,
-    TileFormat, TileKey, TileShape, TileSource,
+    TileFormat, TileKey, TileSet, TileShape, TileSource,
 };
 
 /// A day map that is a function of latitude and longitude, degrees.
@@ -18,9 +18,9 @@ pub struct FunctionTiles<F> {
 impl<F: Fn(f64, f64) -> [u8; 3] + Send + Sync> FunctionTiles<F> {
     /// Levels of so many texels per block side, the finest first, all blocks present.
     pub fn new(pixels: &[u32], f: F) -> Self {
-        let levels = pixels.iter().map(|pixels| LevelLayout {
-            shape: TileShape::new(*pixels).expect("a good size"),
-            present: BlockSet::ALL,
+        let levels = pixels.iter().map(|pixels| {
+            let shape = TileShape::new(*pixels).expect("a good size");
+            LevelLayout::of_blocks(shape, BlockSet::ALL)
         });
         Self {
             layers: vec![LayerLayout {
@@ -39,7 +39,8 @@ impl<F: Fn(f64, f64) -> [u8; 3] + Send + Sync> FunctionTiles<F> {
         (0..128)
             .filter(|block| keep(*block))
             .for_each(|block| present.insert(block));
-        self.layers[0].levels[level].present = present;
+        let level = &mut self.layers[0].levels[level];
+        level.present = TileSet::of_blocks(level.shape, present);
         self
     }
 

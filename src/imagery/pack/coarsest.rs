@@ -90,6 +90,7 @@ impl PackTiles {
                 layer: layout.layer,
                 level,
                 block,
+                part: 0,
             };
             match self.read_stored(key, &|| false) {
                 Ok(tile) => {
@@ -110,6 +111,7 @@ impl PackTiles {
             layer: layout.layer,
             level: layout.levels.len().saturating_sub(1) as u8,
             block,
+            part: 0,
         };
         Err(PackError::BlockLost {
             path: self.pack.dir().into(),
@@ -192,6 +194,7 @@ fn paste(map: &mut [u8], layout: &LayerLayout, block: u8, texels: &[u8]) {
         layer: layout.layer,
         level: 0,
         block,
+        part: 0,
     }
     .block();
     let pixels = coarsest_pixels(layout) as usize;

@@ -6,9 +6,7 @@ use super::error::PackError;
 use super::open::Pack;
 use super::tiles::PackTiles;
 use crate::globe::Block;
-use crate::imagery::tile::{
-    MapLayer, Storage, TileError, TileFormat, TileKey, TileShape, TileSource,
-};
+use crate::imagery::tile::{MapLayer, Storage, TileError, TileFormat, TileKey, TileSource};
 use crate::imagery::{EarthLayers, LayerImage, TexelFormat};
 use image::{Rgb, RgbImage};
 use std::sync::Arc;
@@ -88,15 +86,16 @@ pub fn preview(
                 layer: layout.layer,
                 level,
                 block: SAMPLE.index() as u8,
+                part: 0,
             };
             let left = 2 * (ROW_HEIGHT + MARGIN) + u32::from(level) * (ROW_HEIGHT + MARGIN);
-            if !entry.present.contains(key.block) {
+            if !entry.present.contains(key.block, key.part) {
                 fill(&mut sheet, (left, top), ABSENT);
                 continue;
             }
             match tiles.read_stored(key, &|| false) {
                 Ok(tile) => {
-                    let TileShape { pixels } = tile.shape;
+                    let pixels = tile.shape.pixels;
                     let tile = decode_tile(tile);
                     let format = match tile.format {
                         TileFormat::Rgba8Srgb => TexelFormat::Rgba8Srgb,

@@ -6,7 +6,7 @@ use super::error::PackError;
 use super::manifest::TileFile;
 use super::open::Pack;
 use crate::imagery::tile::{
-    BlockSet, LayerLayout, LevelLayout, MapLayer, Storage, Tile, TileError, TileFormat, TileKey,
+    LayerLayout, LevelLayout, MapLayer, Storage, Tile, TileError, TileFormat, TileKey, TileSet,
     TileShape, TileSource,
 };
 use std::fs::File;
@@ -54,10 +54,10 @@ impl PackTiles {
             })?;
             let format = layer.tile_format(storage);
             let levels = entry.levels.iter().map(|level| {
-                let mut present = BlockSet::default();
+                let mut present = TileSet::none(level.shape);
                 for (block, file) in (0..).zip(&level.tiles[place]) {
                     if file.is_some() {
-                        present.insert(block);
+                        present.insert(block, 0);
                     }
                 }
                 LevelLayout {

@@ -335,9 +335,8 @@ mod tests {
 
     #[test]
     fn a_tile_taken_since_the_last_look_is_not_queued_again() {
-        let level = |pixels| LevelLayout {
-            shape: TileShape::new(pixels).expect("in range"),
-            present: BlockSet::ALL,
+        let level = |pixels| {
+            LevelLayout::of_blocks(TileShape::new(pixels).expect("in range"), BlockSet::ALL)
         };
         let layers = vec![LayerLayout {
             layer: MapLayer::Day,
@@ -351,6 +350,7 @@ mod tests {
             layer: MapLayer::Day,
             level: 0,
             block,
+            part: 0,
         };
         let requests = [1, 2].map(|block| TileRequest {
             key: key(block),

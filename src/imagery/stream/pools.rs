@@ -74,12 +74,12 @@ pub(super) fn usable(layers: &[LayerLayout]) -> Vec<&LayerLayout> {
 fn demands(layers: &[&LayerLayout], coarser: usize) -> Vec<(Pool, u32)> {
     let demand = |layer: &&LayerLayout| {
         let level = layer.levels.len().checked_sub(2 + coarser)?;
-        let LevelLayout { shape, present } = layer.levels[level];
+        let LevelLayout { shape, present } = &layer.levels[level];
         let pool = Pool {
             layer: layer.layer,
             level: level as u8,
             format: layer.format,
-            shape,
+            shape: *shape,
             slots: 0,
         };
         Some((pool, present.len()))
@@ -136,7 +136,7 @@ fn slot_bytes(pool: &Pool) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::imagery::tile::{BlockSet, MapLayer, Storage, TileShape};
+    use crate::imagery::tile::{BlockSet, MapLayer, Storage, TileSet, TileShape};
 
     fn paper(storage: Storage) -> Vec<LayerLayout> {
         let layout = |layer: MapLayer| LayerLayout {
@@ -145,9 +145,9 @@ mod tests {
             levels: layer
                 .paper_pixels()
                 .iter()
-                .map(|pixels| LevelLayout {
-                    shape: TileShape::new(*pixels).expect("in range"),
-                    present: BlockSet::ALL,
+                .map(|pixels| {
+                    let shape = TileShape::new(*pixels).expect("in range");
+                    LevelLayout::of_blocks(shape, BlockSet::ALL)
                 })
                 .collect(),
         };
@@ -212,8 +212,9 @@ mod tests {
     #[test]
     fn there_are_no_more_slots_than_tiles() {
         let mut layers = paper(Storage::Bc);
-        layers[0].levels[0].present = BlockSet(0b111);
-        layers[1].levels[2].present = BlockSet::default();
+        let shape = layers[0].levels[0].shape;
+        layers[0].levels[0].present = TileSet::of_blocks(shape, BlockSet(0b111));
+        layers[1].levels[2].present = TileSet::none(layers[1].levels[2].shape);
         layers[4].levels.truncate(1);
         let pools = plan_pools(&layers, u64::MAX);
         assert_eq!(slots(&pools, MapLayer::Day), [3, 128, 128, 128]);
@@ -240,7 +241,7 @@ mod tests {
         let mut none = layers[0].clone();
         none.levels.clear();
         let mut many = layers[1].clone();
-        many.levels = vec![many.levels[0]; MAX_LEVELS + 1];
+        many.levels = vec![many.levels[0].clone(); MAX_LEVELS + 1];
         let twice = [layers[2].clone(), layers[2].clone()];
         let pools = plan_pools(&[none, many], 1 << 30);
         assert_eq!(pools, []);

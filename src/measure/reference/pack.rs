@@ -3,8 +3,7 @@
 use super::maps::{FullMap, FullMaps};
 use crate::imagery::TexelFormat;
 use crate::imagery::tile::{
-    BlockSet, LayerLayout, LevelLayout, TILE_BORDER, Tile, TileError, TileFormat, TileKey,
-    TileSource,
+    LayerLayout, LevelLayout, TILE_BORDER, Tile, TileError, TileFormat, TileKey, TileSource,
 };
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -120,12 +119,13 @@ fn read(
     block: u8,
     cancelled: &dyn Fn() -> bool,
 ) -> Result<Tile, TileError> {
-    let has = |level: &LevelLayout| BlockSet::contains(level.present, block);
+    let has = |level: &LevelLayout| level.present.contains(block, 0);
     let finer = layout.levels.iter().skip(level).take_while(|l| !has(l));
     let key = TileKey {
         layer: layout.layer,
         level: (level + finer.count()) as u8,
         block,
+        part: 0,
     };
     if cancelled() {
         return Err(TileError::Cancelled);
@@ -179,7 +179,7 @@ fn copy_row(tile: &Tile, y: usize, pixels: usize, line: &mut [u8]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::imagery::tile::{LevelLayout, MapLayer, TileShape};
+    use crate::imagery::tile::{BlockSet, LevelLayout, MapLayer, TileShape};
 
     /// A pack of tiles whose texels tell block and place. Its finest level has no block 5.
     struct Made {
@@ -188,9 +188,8 @@ mod tests {
 
     impl Made {
         fn new() -> Self {
-            let level = |pixels, present| LevelLayout {
-                shape: TileShape::new(pixels).expect("in range"),
-                present,
+            let level = |pixels, blocks| {
+                LevelLayout::of_blocks(TileShape::new(pixels).expect("in range"), blocks)
             };
             let all = BlockSet::ALL;
             let most = BlockSet(all.0 & !(1 << 5));
@@ -232,8 +231,8 @@ mod tests {
             }
             let layout = self.layouts.iter().find(|l| l.layer == key.layer);
             let layout = layout.ok_or(TileError::Absent(key))?;
-            let level = layout.levels[usize::from(key.level)];
-            if !level.present.contains(key.block) {
+            let level = &layout.levels[usize::from(key.level)];
+            if !level.present.contains(key.block, key.part) {
                 return Err(TileError::Absent(key));
             }
             let (side, pixels) = (level.shape.side() as usize, f64::from(level.shape.pixels));

@@ -35,6 +35,7 @@ fn tile(tiles: &PackTiles, layer: MapLayer, level: u8, block: Block) -> Tile {
         layer,
         level,
         block: block.index() as u8,
+        part: 0,
     };
     tiles
         .read(key, &|| false)

@@ -40,6 +40,7 @@ impl Fixture {
                             layer: *layer,
                             level,
                             block: block.index() as u8,
+                            part: 0,
                         };
                         (!gap(key)).then(|| {
                             let contents = write_ktx2(&tile(*storage, *layer, shape, block));
@@ -200,5 +201,6 @@ pub fn key(layer: MapLayer, level: u8, block: u8) -> TileKey {
         layer,
         level,
         block,
+        part: 0,
     }
 }

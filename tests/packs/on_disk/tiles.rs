@@ -8,7 +8,7 @@ use terrella::internals::imagery::pack::{
     MAX_OVERHEAD_BYTES, PackError, PackTiles, TileFile, decode_tile,
 };
 use terrella::internals::imagery::tile::{
-    BlockSet, MapLayer, Storage, Tile, TileError, TileKey, TileSource,
+    MapLayer, Storage, Tile, TileError, TileKey, TileSet, TileSource,
 };
 
 fn never() -> bool {
@@ -36,7 +36,7 @@ fn every_tile_is_read_as_it_was_written() {
             assert_eq!(layout.format, layout.layer.tile_format(storage));
             assert_eq!(decoded.format, layout.format.decoded());
             for (level, entry) in (0..).zip(&layout.levels) {
-                assert_eq!(entry.present, BlockSet::ALL);
+                assert_eq!(entry.present, TileSet::all(entry.shape));
                 for block in Block::all().step_by(13) {
                     let key = key(layout.layer, level, block.index() as u8);
                     let written = tile(storage, layout.layer, entry.shape, block);

@@ -5,7 +5,9 @@ use super::source::{layout, scramble};
 use proptest::prelude::*;
 use std::collections::HashMap;
 use terrella::internals::imagery::stream::{Pool, TileRequest, plan_pools};
-use terrella::internals::imagery::tile::{BlockSet, LayerLayout, MapLayer, Storage, TileKey};
+use terrella::internals::imagery::tile::{
+    BlockSet, LayerLayout, MapLayer, Storage, TileKey, TileSet,
+};
 
 /// One frame of an eye path.
 #[derive(Clone, Debug)]
@@ -47,6 +49,7 @@ fn requests(layers: &[LayerLayout], step: &Step) -> Vec<TileRequest> {
                 layer: layer.layer,
                 level: step.level + away as u8 + u8::from(noise.is_multiple_of(7)),
                 block,
+                part: 0,
             };
             let drawn = away <= step.reach;
             requests.push(TileRequest { key, drawn });
@@ -64,6 +67,7 @@ fn requests(layers: &[LayerLayout], step: &Step) -> Vec<TileRequest> {
             layer: MapLayer::Water,
             level: 255,
             block: 255,
+            part: 0,
         };
         requests.push(TileRequest { key, drawn: true });
         requests.extend_from_within(..requests.len() / 2);
@@ -106,7 +110,7 @@ fn allocated(
                     .count();
                 let has_room = promised.contains_key(&key)
                     || pool.is_some_and(|pool| full < pool.slots as usize);
-                if has_room && layout.levels[usize::from(level)].present.contains(block) {
+                if has_room && layout.levels[usize::from(level)].present.contains(block, 0) {
                     promised.entry(key).or_insert(drawn);
                     break;
                 }
@@ -171,7 +175,7 @@ fn maps() -> impl Strategy<Value = Vec<LayerLayout>> {
                 if absent.is_multiple_of(3) {
                     let seed = absent ^ level as u64;
                     let bits = u128::from(scramble(seed)) << 64 | u128::from(scramble(!seed));
-                    entry.present = BlockSet(bits);
+                    entry.present = TileSet::of_blocks(entry.shape, BlockSet(bits));
                 }
             }
             map

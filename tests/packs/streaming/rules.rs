@@ -26,6 +26,7 @@ fn key(level: u8, block: u8) -> TileKey {
         layer: MapLayer::Day,
         level,
         block,
+        part: 0,
     }
 }
 

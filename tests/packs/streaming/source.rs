@@ -19,10 +19,7 @@ pub fn layout(layer: MapLayer, storage: Storage, pixels: &[u32]) -> LayerLayout 
         format: layer.tile_format(storage),
         levels: pixels
             .iter()
-            .map(|pixels| LevelLayout {
-                shape: TileShape::new(*pixels).unwrap(),
-                present: BlockSet::ALL,
-            })
+            .map(|pixels| LevelLayout::of_blocks(TileShape::new(*pixels).unwrap(), BlockSet::ALL))
             .collect(),
     }
 }
@@ -31,8 +28,11 @@ pub fn layout(layer: MapLayer, storage: Storage, pixels: &[u32]) -> LayerLayout 
 pub fn tile(layers: &[LayerLayout], key: TileKey) -> Tile {
     let layer = layers.iter().find(|layer| layer.layer == key.layer);
     let layer = layer.unwrap();
-    let level = layer.levels[usize::from(key.level)];
-    assert!(level.present.contains(key.block), "{key} is not there");
+    let level = &layer.levels[usize::from(key.level)];
+    assert!(
+        level.present.contains(key.block, key.part),
+        "{key} is not there"
+    );
     let name = ((key.layer.index() as u64) << 16) | (u64::from(key.level) << 8);
     let seed = scramble(name | u64::from(key.block));
     let bytes = level.shape.bytes(layer.format) as u64;

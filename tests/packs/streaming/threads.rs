@@ -81,6 +81,7 @@ fn request(layer: MapLayer, level: u8, block: u8) -> TileRequest {
         layer,
         level,
         block,
+        part: 0,
     };
     TileRequest { key, drawn: true }
 }

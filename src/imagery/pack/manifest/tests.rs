@@ -66,6 +66,7 @@ fn a_manifest_comes_back() {
         layer: MapLayer::Day,
         level: 0,
         block: 2,
+        part: 0,
     };
     let (shape, file) = manifest.tile(Storage::Plain, key).expect("it is there");
     assert_eq!((shape.pixels, file), (337, TileFile::of(b"Day 337 1 2")));

@@ -49,6 +49,7 @@ impl TileCache {
             layer,
             level,
             block,
+            part: 0,
         };
         let allocation = layer.index() * BLOCK_COUNT as usize + usize::from(block);
         if request.drawn && self.allocations[allocation].frame == frame {
@@ -99,7 +100,7 @@ impl TileCache {
         };
         let Some(pool) = level.pool else { return false };
         let pool_state = &self.pool_states[usize::from(pool)];
-        level.present.contains(key.block)
+        level.present.contains(key.block, key.part)
             && (self.tiles[table_index(key)].is_promised(self.frame)
                 || pool_state.promised < pool_state.slots.len() as u32)
     }

@@ -30,6 +30,7 @@ impl TileCache {
                 layer,
                 level,
                 block,
+                part: 0,
             };
             let slot = self.drawable(key, level < allocation.goal)?;
             Some(ResidentTile { level, slot })

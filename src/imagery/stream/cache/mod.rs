@@ -8,8 +8,8 @@ use super::pools::usable;
 use super::{Pool, StreamCounters, TileRequest};
 use crate::globe::BLOCK_COUNT;
 use crate::imagery::tile::{
-    BlockSet, LayerLayout, LevelLayout, MAP_LAYERS, MAX_LEVELS, Tile, TileError, TileFormat,
-    TileKey, TileShape,
+    LayerLayout, LevelLayout, MAP_LAYERS, MAX_LEVELS, Tile, TileError, TileFormat, TileKey,
+    TileSet, TileShape,
 };
 use std::time::{Duration, Instant};
 
@@ -86,9 +86,9 @@ struct MapLevels {
     levels: Vec<Level>,
 }
 
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Level {
-    present: BlockSet,
+    present: TileSet,
     pool: Option<u16>,
     format: TileFormat,
     shape: TileShape,
@@ -211,7 +211,7 @@ impl TileCache {
         let mut maps: [MapLevels; MAP_LAYERS] = Default::default();
         for layout in usable(layers) {
             let level = |(place, level): (usize, &LevelLayout)| Level {
-                present: level.present,
+                present: level.present.clone(),
                 pool: pools
                     .iter()
                     .position(|pool| pool.layer == layout.layer && usize::from(pool.level) == place)
