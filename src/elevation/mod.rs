@@ -12,6 +12,7 @@ pub(crate) mod geo_tags;
 mod grid;
 mod ground;
 pub mod read;
+mod tiles;
 
 pub use denoise::{Denoise, Denoised};
 pub use fractal::fractal_heights_m;
@@ -21,6 +22,10 @@ pub use grid::{
 };
 pub use ground::Ground;
 pub use read::{HeightFile, HeightFileError, open_heights, open_heights_denoised};
+pub use tiles::{
+    HeightLayoutError, HeightSamples, HeightTileError, HeightTileKey, HeightTileLayout,
+    HeightTileSource,
+};
 
 use crate::frames::Ellipsoid;
 pub use crate::frames::HeightRange;

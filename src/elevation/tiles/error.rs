@@ -1,0 +1,33 @@
+//! What can be wrong with a tile of heights.
+
+use super::HeightTileKey;
+use std::error::Error;
+use std::sync::Arc;
+
+/// Why there are no heights of a tile.
+#[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum HeightTileError {
+    /// Nobody wanted it any more.
+    #[error("{0} was cancelled")]
+    Cancelled(HeightTileKey),
+    /// The source has no such tile.
+    #[error("{0} is not in the source; its range should have said so")]
+    Absent(HeightTileKey),
+    /// It could not be read.
+    #[error("{key} cannot be read: {cause}")]
+    Unreadable {
+        /// Which tile.
+        key: HeightTileKey,
+        /// Why, with the file and what to do about it.
+        cause: Arc<dyn Error + Send + Sync>,
+    },
+    /// It was read and is none.
+    #[error("{key} is not a tile of heights: {what}; make the pack anew")]
+    Unsound {
+        /// Which tile.
+        key: HeightTileKey,
+        /// What is wrong.
+        what: String,
+    },
+}
