@@ -262,6 +262,16 @@ impl TileShape {
     pub fn map_height(self) -> u32 {
         self.block_pixels() * crate::globe::ROWS
     }
+
+    /// Tiles of the whole map from west to east.
+    pub fn tile_columns(self) -> u32 {
+        self.parts * crate::globe::COLUMNS
+    }
+
+    /// Tiles of the whole map from north to south.
+    pub fn tile_rows(self) -> u32 {
+        self.parts * crate::globe::ROWS
+    }
 }
 
 /// One tile of a pack.

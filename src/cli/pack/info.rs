@@ -54,10 +54,17 @@ fn describe_layer(text: &mut String, manifest: &Manifest, entry: &LayerEntry) ->
         write!(
             text,
             "  level {number}  {:>4} per block  {map:>15}",
-            shape.pixels
+            shape.block_pixels()
         )?;
         let present = level.tiles.first().into_iter().flatten().flatten().count();
-        write!(text, "  {present:>3} blocks")?;
+        match shape.parts {
+            1 => write!(text, "  {present:>3} blocks")?,
+            parts => write!(
+                text,
+                "  {present:>3} parts of {} ({parts} × {parts} a block)",
+                shape.pixels
+            )?,
+        }
         for (storage, files) in manifest.storages.iter().zip(&level.tiles) {
             let total = files.iter().flatten().map(|file| file.bytes).sum();
             write!(text, "  {} {}", storage.name(), bytes(total))?;

@@ -25,6 +25,6 @@ impl TileName {
             column: block % COLUMNS,
             row: block / COLUMNS,
         };
-        Some(tile_path(self.storage, self.layer, shape, block))
+        Some(tile_path(self.storage, self.layer, shape, block, 0))
     }
 }

@@ -28,11 +28,11 @@ struct BlockTexels {
 impl PackTiles {
     /// The coarsest level of each of its maps, put together to whole maps of plain texels, whatever the storage.
     ///
-    /// Where a tile of that level is bad, the next finer one of its block that can be read is averaged down, by area
-    /// and in linear light. What is bad is returned beside the maps, in the order of maps and blocks.
+    /// Where a tile of that level is bad, the next finer one of its whole block that can be read is averaged down, by area
+    /// and in linear light: levels that are cut into parts stand in for nothing. What is bad is returned beside the maps, in the order of maps and blocks.
     ///
     /// # Errors
-    /// A block of which no level can be read.
+    /// A block of which no level that is not cut can be read.
     pub fn coarsest_maps(&self) -> Result<(EarthLayers, Vec<TileError>), PackError> {
         let layouts = self.layers();
         let mut maps: Vec<Vec<u8>> = layouts
@@ -85,7 +85,7 @@ impl PackTiles {
         let layout = &self.layers()[place];
         let pixels = coarsest_pixels(layout);
         let mut errors = Vec::new();
-        for level in (0..layout.levels.len() as u8).rev() {
+        for level in (layout.cut_levels() as u8..layout.levels.len() as u8).rev() {
             let key = TileKey {
                 layer: layout.layer,
                 level,

@@ -5,8 +5,11 @@ use crate::imagery::tile::{MapLayer, Storage, TileError, TileKey};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Most bytes of a manifest: eight levels of every map in both storages take a seventh of it.
-pub const MAX_MANIFEST_BYTES: u64 = 4 << 20;
+/// Most bytes of a manifest: all levels that every map can have, four of them cut into parts, in both storages take two thirds of it.
+pub const MAX_MANIFEST_BYTES: u64 = 32 << 20;
+
+/// Most commas and lines of a manifest, which no fewer values can have: the same take three quarters of it.
+pub const MAX_MANIFEST_VALUES: usize = 1_500_000;
 
 /// A key of a manifest.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -67,7 +70,8 @@ pub enum PackError {
     },
     /// The manifest is larger than any needs to be.
     #[error(
-        "{}: is larger than {MAX_MANIFEST_BYTES} bytes, the most that a manifest may have; is it a pack's?",
+        "{}: is larger than {MAX_MANIFEST_BYTES} bytes or has more than {MAX_MANIFEST_VALUES} values, the most that a \
+         manifest may have; is it a pack's?",
         path.display()
     )]
     TooLarge {

@@ -1,6 +1,6 @@
 //! Imagery packs: maps larger than memory, cut into tiles.
 //!
-//! # The format, version 1
+//! # The format, versions 1 and 2
 //!
 //! A pack is a folder. All it takes to read one is a TOML reader, a KTX2 reader and BLAKE3:
 //!
@@ -9,6 +9,7 @@
 //!     pack.toml                                    the manifest
 //!     tiles/<storage>/<layer>/<pixels>/r<row>c<column>.ktx2
 //!     tiles/plain/day/1350/r3c12.ktx2              for example
+//!     tiles/plain/day/5400/r13c51.ktx2             a part of the same block
 //! ```
 //!
 //! While a pack is being built there is a `build.journal` and no `pack.toml`: the manifest is the last file that is
@@ -23,14 +24,21 @@
 //!
 //! ## Levels
 //!
-//! A map has 1 to 8 levels, the finest first, with strictly falling n from 16 to 8184. The last, coarsest one has at
+//! A map has 1 to 8 levels (10 in version 2), the finest first, with strictly falling n from 16 to 8184. The last, coarsest one has at
 //! most 256 and all 128 blocks; in the others any block may be missing, and the next coarser tile is drawn there.
+//!
+//! In version 2 levels may be cut further, so that no tile is larger than a texture may be and a part of a block can be read alone: each block
+//! into q × q *parts* of p texels a side, n = q p, where q is 2, 4, 8 or 16 and p the n of the finest level that is not cut, at
+//! most 2040. So n is up to 32 640. Levels that are cut stand first. Their files are named by row and column among all 8 q rows and 16 q
+//! columns of parts. Any part may be missing. A block that has parts has a tile at the finest level that is not cut.
+//!
+//! Packs that need neither parts nor more than 8 levels are written as version 1.
 //!
 //! ## Tiles
 //!
-//! A tile has the n × n texels of its block and around them texels of the neighbours, so that filtering finds the same
+//! A tile has the n × n texels of its block, or the p × p of its part, and around them texels of the neighbours, so that filtering finds the same
 //! texels on both sides of an edge. There are 4 of these on the west and north, and on the east and south as many more
-//! as make the side s = n + 8, rounded up to a multiple of 8. Columns run on round the date line. Beyond a pole row
+//! as make the side s = n + 8 (p + 8), rounded up to a multiple of 8. Columns run on round the date line. Beyond a pole row
 //! −1 − k is row k of the opposite meridian, column i + W/2; beyond the south pole likewise.
 //!
 //! Each tile is a KTX2 file by itself with four mip levels of sides s, s/2, s/4 and s/8, in one of two storages:
@@ -52,7 +60,7 @@
 //! ## The manifest
 //!
 //! ```toml
-//! format = 1                      # this version; readers refuse others
+//! format = 1                      # the version; readers refuse later ones
 //! name = "Blue Marble"            # at most 200 characters, as all texts without control characters
 //! attribution = ["NASA"]          # at most 64 lines of 1000 characters
 //! columns = 16                    # these four are always so
@@ -75,8 +83,22 @@
 //! checksums = ["0123…", "", …]    # 128: the first 16 bytes of its BLAKE3 as 32 hexadecimal digits, small; "" for none
 //! ```
 //!
-//! A block has a tile in all storages or in none. No other key is allowed, and the file has at most 4 MiB. It holds no
-//! paths: those of tiles are made of the names above, so that no manifest can lead out of its folder.
+//! Of a level that is cut, with as many tables as there are blocks with parts, at least one:
+//!
+//! ```toml
+//! [[layer.level]]
+//! pixels = 5400                   # n
+//! side = 1360                     # s
+//! parts = 4                       # q
+//!
+//! [[layer.level.plain.block]]
+//! block = 60                      # 0 to 127, rising from table to table
+//! bytes = [12345, 0, …]           # q × q, row by row from the block's north-west corner; not all 0
+//! checksums = ["0123…", "", …]
+//! ```
+//!
+//! There is a tile in all storages or in none. No other key is allowed, and the file has at most 32 MiB and 1 500 000 commas and lines. It
+//! holds no paths: those of tiles are made of the names above, so that no manifest can lead out of its folder.
 //!
 //! # Files
 //!
@@ -104,7 +126,7 @@ mod verify;
 
 pub use container::{MAX_OVERHEAD_BYTES, read_ktx2, write_ktx2};
 pub use decode::decode_tile;
-pub use error::{MAX_MANIFEST_BYTES, ManifestPlace, PackError};
+pub use error::{MAX_MANIFEST_BYTES, MAX_MANIFEST_VALUES, ManifestPlace, PackError};
 #[cfg(feature = "fetch")]
 pub(crate) use manifest::quoted;
 pub use manifest::{

@@ -61,14 +61,15 @@ impl Pack {
         &self.manifest
     }
 
-    /// The file of a tile; `None` for a level that the manifest has not.
+    /// The file of a tile; `None` for a level or a part that the manifest has not.
     pub fn tile_path(&self, storage: Storage, key: TileKey) -> Option<PathBuf> {
         let entry = self.manifest.layer(key.layer)?;
         let level = entry.levels.get(usize::from(key.level))?;
-        Some(
-            self.dir
-                .join(tile_path(storage, key.layer, level.shape, key.block())),
-        )
+        if key.part >= level.shape.tiles_of_block() {
+            return None;
+        }
+        let path = tile_path(storage, key.layer, level.shape, key.block(), key.part);
+        Some(self.dir.join(path))
     }
 }
 

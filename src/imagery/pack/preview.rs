@@ -35,7 +35,7 @@ const SAMPLE: Block = Block { column: 8, row: 2 };
 ///
 /// A row for each map, in the manifest's order. In it, from left to right: the coarsest level as a whole, the block
 /// that is shown framed; then that block, from 0° to 22.5° E and 22.5° to 45° N, at every level, the finest first. A
-/// level without the block is a grey square, a bad tile a magenta one. Clouds, lights and water are shown as grey,
+/// level without the block, or a part of it, is a grey square, a bad tile a magenta one. Clouds, lights and water are shown as grey,
 /// slopes as the colours of a normal map, four times steeper than stored, for most ground is nearly flat.
 ///
 /// `storage` is the one that is shown, or else the pack's first.
@@ -74,7 +74,7 @@ pub fn preview(
             draw(
                 &mut sheet,
                 (MARGIN, top),
-                2 * ROW_HEIGHT,
+                (2 * ROW_HEIGHT, ROW_HEIGHT),
                 size,
                 texels,
                 map.format,
@@ -82,35 +82,40 @@ pub fn preview(
             frame_sample(&mut sheet, (MARGIN, top));
         }
         for (level, entry) in (0..).zip(&layout.levels) {
-            let key = TileKey {
-                layer: layout.layer,
-                level,
-                block: SAMPLE.index() as u8,
-                part: 0,
-            };
             let left = 2 * (ROW_HEIGHT + MARGIN) + u32::from(level) * (ROW_HEIGHT + MARGIN);
-            if !entry.present.contains(key.block, key.part) {
-                fill(&mut sheet, (left, top), ABSENT);
-                continue;
-            }
-            match tiles.read_stored(key, &|| false) {
-                Ok(tile) => {
-                    let pixels = tile.shape.pixels;
-                    let tile = decode_tile(tile);
-                    let format = match tile.format {
-                        TileFormat::Rgba8Srgb => TexelFormat::Rgba8Srgb,
-                        TileFormat::Rg8Snorm => TexelFormat::Rg8Snorm,
-                        _ => TexelFormat::R8Unorm,
-                    };
-                    let texels = inner_texels(&tile, pixels);
-                    let size = (pixels, pixels);
-                    draw(&mut sheet, (left, top), ROW_HEIGHT, size, &texels, format);
+            let parts = entry.shape.parts;
+            // 2, 4, 8 and 16 divide the height.
+            let side = ROW_HEIGHT / parts;
+            for part in 0..entry.shape.tiles_of_block() {
+                let key = TileKey {
+                    part,
+                    ..TileKey::whole(layout.layer, level, SAMPLE.index() as u8)
+                };
+                let part = u32::from(part);
+                let place = (left + part % parts * side, top + part / parts * side);
+                if !entry.present.contains(key.block, key.part) {
+                    fill(&mut sheet, place, side, ABSENT);
+                    continue;
                 }
-                Err(error) => {
-                    fill(&mut sheet, (left, top), BAD);
-                    // The coarsest maps have named their own already.
-                    if usize::from(level) + 1 < layout.levels.len() {
-                        errors.push(error);
+                match tiles.read_stored(key, &|| false) {
+                    Ok(tile) => {
+                        let pixels = tile.shape.pixels;
+                        let tile = decode_tile(tile);
+                        let format = match tile.format {
+                            TileFormat::Rgba8Srgb => TexelFormat::Rgba8Srgb,
+                            TileFormat::Rg8Snorm => TexelFormat::Rg8Snorm,
+                            _ => TexelFormat::R8Unorm,
+                        };
+                        let texels = inner_texels(&tile, pixels);
+                        let size = (pixels, pixels);
+                        draw(&mut sheet, place, (side, side), size, &texels, format);
+                    }
+                    Err(error) => {
+                        fill(&mut sheet, place, side, BAD);
+                        // The coarsest maps have named their own already.
+                        if usize::from(level) + 1 < layout.levels.len() {
+                            errors.push(error);
+                        }
                     }
                 }
             }
@@ -129,12 +134,11 @@ fn map_of(maps: &EarthLayers, layer: MapLayer) -> Option<&LayerImage> {
     }
 }
 
-/// Draws texels scaled to a width and half or all of it in height: each pixel the mean of the texels it covers, as
-/// stored, or the one it lies in.
+/// Draws texels scaled to a width and height: each pixel the mean of the texels it covers, as stored, or the one it lies in.
 fn draw(
     sheet: &mut RgbImage,
     (left, top): (u32, u32),
-    width: u32,
+    (width, height): (u32, u32),
     (texels_wide, texels_high): (u32, u32),
     texels: &[u8],
     format: TexelFormat,
@@ -149,11 +153,11 @@ fn draw(
         let end = (u64::from(at) + 1) * u64::from(texels) / u64::from(of);
         first as u32..(end as u32).max(first as u32 + 1)
     };
-    for y in 0..ROW_HEIGHT {
+    for y in 0..height {
         for x in 0..width {
             let mut sums = [0_u32; 3];
             let mut count = 0;
-            for texel_y in span(y, ROW_HEIGHT, texels_high) {
+            for texel_y in span(y, height, texels_high) {
                 for texel_x in span(x, width, texels_wide) {
                     for (sum, value) in sums.iter_mut().zip(color(texel_x, texel_y)) {
                         *sum += u32::from(value);
@@ -182,9 +186,9 @@ fn shown(texel: &[u8], format: TexelFormat) -> [u8; 3] {
     }
 }
 
-fn fill(sheet: &mut RgbImage, (left, top): (u32, u32), color: Rgb<u8>) {
-    for y in top..top + ROW_HEIGHT {
-        for x in left..left + ROW_HEIGHT {
+fn fill(sheet: &mut RgbImage, (left, top): (u32, u32), side: u32, color: Rgb<u8>) {
+    for y in top..top + side {
+        for x in left..left + side {
             sheet.put_pixel(x, y, color);
         }
     }

@@ -55,9 +55,10 @@ impl PackTiles {
             let format = layer.tile_format(storage);
             let levels = entry.levels.iter().map(|level| {
                 let mut present = TileSet::none(level.shape);
-                for (block, file) in (0..).zip(&level.tiles[place]) {
+                for ((block, part), file) in level.places().zip(&level.tiles[place]) {
                     if file.is_some() {
-                        present.insert(block, 0);
+                        // 0…127.
+                        present.insert(block.index() as u8, part);
                     }
                 }
                 LevelLayout {

@@ -4,7 +4,6 @@ use super::error::PackError;
 use super::manifest::{Manifest, TileFile, tile_path};
 use super::open::Pack;
 use super::tiles::read_tile;
-use crate::globe::Block;
 use crate::imagery::tile::{MapLayer, Storage, TileError, TileShape};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -111,12 +110,12 @@ fn listed_tiles(manifest: &Manifest) -> Vec<Listed> {
         for entry in &manifest.layers {
             for level in &entry.levels {
                 let files = level.tiles.get(place).into_iter().flatten();
-                for (block, file) in Block::all().zip(files) {
+                for ((block, part), file) in level.places().zip(files) {
                     listed.extend(file.map(|file| Listed {
                         storage: *storage,
                         layer: entry.layer,
                         shape: level.shape,
-                        path: tile_path(*storage, entry.layer, level.shape, block),
+                        path: tile_path(*storage, entry.layer, level.shape, block, part),
                         file,
                     }));
                 }

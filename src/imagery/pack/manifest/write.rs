@@ -1,6 +1,6 @@
 //! Writing a manifest.
 
-use super::{FORMAT_VERSION, Manifest, TileFile};
+use super::{LevelEntry, Manifest, TileFile};
 use crate::globe::{COLUMNS, ROWS};
 use crate::imagery::tile::{TILE_BORDER, TILE_MIPS};
 use std::fmt::Write;
@@ -15,10 +15,17 @@ impl Manifest {
              # the north pole eastwards, row by row; 0 and \"\" stand for a tile that there is not. Checksums are the\n\
              # first 16 bytes of BLAKE3.\n",
         );
+        let format = self.format();
+        if format > 1 {
+            text.push_str(
+                "# Levels with `parts` are cut further, each block into that many parts along its side; their lists are those of one\n\
+                 # block each, part by part, row by row from its north-west corner.\n",
+            );
+        }
         let attribution: Vec<_> = self.attribution.iter().map(|line| quoted(line)).collect();
         let storages: Vec<_> = self.storages.iter().map(|s| quoted(s.name())).collect();
         let head = [
-            ("format", FORMAT_VERSION.to_string()),
+            ("format", format.to_string()),
             ("name", quoted(&self.name)),
             ("attribution", list(&attribution, 1)),
             ("columns", COLUMNS.to_string()),
@@ -42,27 +49,52 @@ impl Manifest {
                 push_keys(&mut text, &[("exaggeration", format!("{exaggeration:?}"))]);
             }
             for level in &entry.levels {
-                text.push_str("\n[[layer.level]]\n");
-                let sizes = [
-                    ("pixels", level.shape.pixels.to_string()),
-                    ("side", level.shape.side().to_string()),
-                ];
-                push_keys(&mut text, &sizes);
-                for (storage, tiles) in self.storages.iter().zip(&level.tiles) {
-                    text.push_str(&format!("\n[layer.level.{}]\n", storage.name()));
-                    let bytes = |tile: &Option<TileFile>| tile.map_or(0, |tile| tile.bytes);
-                    let bytes: Vec<_> = tiles.iter().map(|t| bytes(t).to_string()).collect();
-                    let checksums: Vec<_> = tiles.iter().map(checksum).collect();
-                    let lists = [
-                        ("bytes", list(&bytes, COLUMNS as usize)),
-                        ("checksums", list(&checksums, 2)),
-                    ];
-                    push_keys(&mut text, &lists);
-                }
+                push_level(&mut text, self, level);
             }
         }
         text
     }
+}
+
+fn push_level(text: &mut String, manifest: &Manifest, level: &LevelEntry) {
+    text.push_str("\n[[layer.level]]\n");
+    let shape = level.shape;
+    let mut sizes = vec![
+        ("pixels", shape.block_pixels().to_string()),
+        ("side", shape.side().to_string()),
+    ];
+    if shape.parts > 1 {
+        sizes.push(("parts", shape.parts.to_string()));
+    }
+    push_keys(text, &sizes);
+    for (storage, tiles) in manifest.storages.iter().zip(&level.tiles) {
+        let name = storage.name();
+        if shape.parts == 1 {
+            text.push_str(&format!("\n[layer.level.{name}]\n"));
+            push_files(text, tiles, COLUMNS as usize);
+            continue;
+        }
+        let blocks = tiles.chunks(usize::from(shape.tiles_of_block()));
+        for (block, files) in blocks.enumerate() {
+            if files.iter().any(Option::is_some) {
+                text.push_str(&format!(
+                    "\n[[layer.level.{name}.block]]\nblock = {block}\n"
+                ));
+                push_files(text, files, shape.parts as usize);
+            }
+        }
+    }
+}
+
+fn push_files(text: &mut String, files: &[Option<TileFile>], per_line: usize) {
+    let bytes = |file: &Option<TileFile>| file.map_or(0, |file| file.bytes);
+    let bytes: Vec<_> = files.iter().map(|file| bytes(file).to_string()).collect();
+    let checksums: Vec<_> = files.iter().map(checksum).collect();
+    let lists = [
+        ("bytes", list(&bytes, per_line)),
+        ("checksums", list(&checksums, 2)),
+    ];
+    push_keys(text, &lists);
 }
 
 fn push_keys(text: &mut String, keys: &[(&str, String)]) {
