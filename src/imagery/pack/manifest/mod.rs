@@ -1,5 +1,7 @@
 //! What a pack says of itself: `pack.toml`.
 
+#[cfg(test)]
+mod cut_tests;
 mod fields;
 mod levels;
 mod read;

@@ -1,5 +1,5 @@
 use super::*;
-use crate::imagery::pack::error::{MAX_MANIFEST_BYTES, PackError};
+use crate::imagery::pack::error::{MAX_MANIFEST_BYTES, MAX_MANIFEST_VALUES, PackError};
 use crate::imagery::tile::{MAX_LEVELS, MapLayer, Storage, TileShape};
 use std::path::Path;
 
@@ -75,28 +75,39 @@ fn a_manifest_comes_back() {
 }
 
 #[test]
-fn the_largest_manifest_is_within_the_limit() {
+fn the_largest_manifest_is_within_the_limits() {
     let mut manifest = manifest();
     let file = Some(TileFile {
         bytes: 270_000_000,
         checksum: [0xff; 16],
     });
     manifest.attribution = vec!["ä".repeat(MAX_TEXT_CHARS); MAX_ATTRIBUTION_LINES];
+    let level = |shape: TileShape| LevelEntry {
+        shape,
+        tiles: vec![vec![file; 128 * usize::from(shape.tiles_of_block())]; 2],
+    };
+    let cut = [16, 8, 4, 2].map(|parts| TileShape::cut(106, parts).expect("in range"));
+    let whole = (4..MAX_LEVELS as u32).map(|n| TileShape::new(110 - n).expect("in range"));
+    let shapes: Vec<_> = cut.into_iter().chain(whole).collect();
     manifest.layers = MapLayer::ALL
         .map(|layer| LayerEntry {
             layer,
             source: "ä".repeat(MAX_TEXT_CHARS),
             exaggeration: None,
-            levels: (0..MAX_LEVELS as u32)
-                .map(|n| LevelEntry {
-                    shape: TileShape::new(100 + (7 - n)).expect("in range"),
-                    tiles: vec![vec![file; 128]; 2],
-                })
-                .collect(),
+            levels: shapes.iter().map(|shape| level(*shape)).collect(),
         })
         .into();
-    let len = manifest.to_toml().len() as u64;
-    assert!(len * 5 < MAX_MANIFEST_BYTES, "{len} bytes");
+    let text = manifest.to_toml();
+    let values = text.matches([',', '\n']).count();
+    assert!(
+        text.len() as u64 * 3 < MAX_MANIFEST_BYTES * 2,
+        "{} bytes",
+        text.len()
+    );
+    assert!(values * 9 < MAX_MANIFEST_VALUES * 8, "{values} values");
+    let many = ",".repeat(MAX_MANIFEST_VALUES + 1);
+    let error = read(&many).expect_err("too many");
+    assert!(matches!(error, PackError::TooLarge { .. }), "{error}");
 }
 
 #[test]
@@ -144,10 +155,10 @@ fn wrong_values_are_refused_with_line_and_key() {
     for (from, to, parts) in [
         (
             "format = 1",
-            "format = 2",
+            "format = 3",
             &[
-                "pack.toml:5: format: must be 1, the version that",
-                "found 2",
+                "pack.toml:5: format: must be 1 to 2, the versions that",
+                "found 3",
             ][..],
         ),
         ("format = 1", "format = \"1\"", &["whole number"]),
@@ -353,7 +364,9 @@ fn files_are_held_to_their_shape() {
     let mut many = manifest();
     let level = many.layers[1].levels[0].clone();
     many.layers[1].levels = vec![level; MAX_LEVELS + 1];
-    assert!(refusal(&many.to_toml()).contains("must have 1 to 8 items and has 9"));
+    assert!(refusal(&many.to_toml()).contains("must have 1 to 10 items and has 11"));
+    let as_1 = many.to_toml().replacen("format = 2", "format = 1", 1);
+    assert!(refusal(&as_1).contains("must have 1 to 8 items and has 11"));
     many.layers[1].levels.clear();
     assert!(refusal(&many.to_toml()).contains("layer.level: is missing"));
 }
@@ -417,16 +430,17 @@ fn what_is_no_toml_is_refused() {
         assert!(read(&hostile).is_err());
     }
     // A later version is named as such, whatever keys it has.
-    let said = refusal("format = 2\nnew_key = 1\n");
-    assert!(said.contains("format: must be 1"), "{said}");
+    let said = refusal("format = 3\nnew_key = 1\n");
+    assert!(said.contains("format: must be 1 to 2"), "{said}");
 }
 
 #[test]
 fn paths_are_made_of_known_names_only() {
+    let shape = TileShape::new(75).expect("in range");
     for storage in Storage::ALL {
         for layer in MapLayer::ALL {
             for block in Block::all() {
-                let path = tile_path(storage, layer, TileShape { pixels: 75 }, block);
+                let path = tile_path(storage, layer, shape, block, 0);
                 let mut parts = path.components();
                 assert!(parts.all(|part| matches!(part, std::path::Component::Normal(_))));
             }
@@ -436,8 +450,12 @@ fn paths_are_made_of_known_names_only() {
     let path = tile_path(
         Storage::Plain,
         MapLayer::NightLights,
-        TileShape { pixels: 1350 },
+        TileShape::new(1350).expect("in range"),
         block,
+        0,
     );
     assert_eq!(path, Path::new("tiles/plain/night_lights/1350/r3c12.ktx2"));
+    let shape = TileShape::cut(1350, 4).expect("in range");
+    let path = tile_path(Storage::Bc, MapLayer::Day, shape, block, 7);
+    assert_eq!(path, Path::new("tiles/bc/day/5400/r13c51.ktx2"));
 }
