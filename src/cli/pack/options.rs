@@ -23,7 +23,8 @@ pub struct PackOptions {
     #[arg(long, value_name = "MB", default_value_t = DEFAULT_MEMORY_BYTES / 1_000_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     memory: u64,
     /// Levels of a map in pixels per block (a 16th of its width), the finest first, as in day=5400,2700,1350,256; may
-    /// be given for each map [default: the paper's up to the map's own size]
+    /// be given for each map. Levels of more than 2040 are cut into parts and must be 2, 4, 8 or 16 times the finest other one
+    /// [default: the paper's up to the map's own size, and of finer maps those times 2, 4, 8 and 16]
     #[arg(long, value_name = "LAYER=N,N", value_parser = parse_pixels)]
     pixels: Vec<(MapLayer, Vec<u32>)>,
     /// Discard an unfinished build or a finished pack in the folder

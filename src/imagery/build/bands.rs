@@ -1,17 +1,21 @@
-//! A level's rows gathered into bands: all rows of one row of blocks with their borders.
+//! A level's rows gathered into bands: all rows of one row of tiles with their borders.
 
 use super::codes;
 use super::memory::{Permit, Pool};
-use crate::globe::ROWS;
 use crate::imagery::tile::{TILE_BORDER, TileShape};
 use std::ops::Range;
 
-/// Texels from a tile's west edge of one block to that of the next but for the block's own: border and padding.
+/// Texels of a tile's side that are its neighbours': border and padding.
 fn overlap(shape: TileShape) -> usize {
     (shape.side() - shape.pixels) as usize
 }
 
-/// Texels of a row that is kept for so many block columns.
+/// Columns of tiles of these columns of blocks.
+pub(super) fn tile_columns(shape: TileShape, blocks: &Range<u32>) -> Range<u32> {
+    blocks.start * shape.parts..blocks.end * shape.parts
+}
+
+/// Texels of a row that is kept for so many columns of tiles.
 pub(super) fn row_texels(shape: TileShape, columns: &Range<u32>) -> usize {
     columns.len() * shape.pixels as usize + overlap(shape)
 }
@@ -34,9 +38,9 @@ pub(super) fn band_bytes<const C: usize>(shape: TileShape, columns: &Range<u32>)
 /// A finished band.
 pub(super) struct Band {
     pub shape: TileShape,
-    /// Row of blocks, 0…7.
-    pub block_row: u32,
-    /// Columns of blocks.
+    /// Row of tiles.
+    pub tile_row: u32,
+    /// Columns of tiles.
     pub columns: Range<u32>,
     channels: usize,
     bytes: Vec<u8>,
@@ -45,8 +49,8 @@ pub(super) struct Band {
 }
 
 impl Band {
-    /// Row `y` of the tile of a column of blocks, border included.
-    pub(super) fn tile_row(&self, column: u32, y: u32) -> &[u8] {
+    /// Row `y` of the texels of a column's tile, border included.
+    pub(super) fn texels(&self, column: u32, y: u32) -> &[u8] {
         let row = row_texels(self.shape, &self.columns);
         let west = (column - self.columns.start) as usize * self.shape.pixels as usize;
         let start = (y as usize * row + west) * self.channels;
@@ -59,7 +63,7 @@ pub(super) struct Bands<const C: usize> {
     shape: TileShape,
     columns: Range<u32>,
     pool: Pool,
-    block_row: u32,
+    tile_row: u32,
     bytes: Vec<u8>,
     permit: Option<Permit>,
     /// Rows of the opposite meridian nearest to the north pole and to the south pole, the pole first.
@@ -74,7 +78,7 @@ impl<const C: usize> Bands<C> {
             shape,
             columns,
             pool: pool.clone(),
-            block_row: 0,
+            tile_row: 0,
             bytes: Vec::new(),
             permit: None,
         };
@@ -118,12 +122,12 @@ impl<const C: usize> Bands<C> {
         let place = self.place(y);
         codes::encode::<C>(values, &mut self.bytes[place * row_bytes..][..row_bytes]);
         let is_full = place + 1 == self.shape.side() as usize;
-        if !is_full || self.block_row + 1 == ROWS {
+        if !is_full || self.tile_row + 1 == self.shape.tile_rows() {
             return true;
         }
         let carried = self.bytes[self.shape.pixels as usize * row_bytes..].to_vec();
         self.hand_over(give);
-        self.block_row += 1;
+        self.tile_row += 1;
         if !self.begin() {
             return false;
         }
@@ -133,18 +137,18 @@ impl<const C: usize> Bands<C> {
 
     /// Where row `y` of the level lies in the current band.
     fn place(&self, y: u32) -> usize {
-        (y + TILE_BORDER - self.block_row * self.shape.pixels) as usize
+        (y + TILE_BORDER - self.tile_row * self.shape.pixels) as usize
     }
 
     fn hand_over(&mut self, give: &mut impl FnMut(Band)) {
         let row_bytes = self.row_bytes();
-        if self.block_row == 0 {
+        if self.tile_row == 0 {
             for (k, row) in self.caps[0].iter().enumerate() {
                 let place = TILE_BORDER as usize - 1 - k;
                 mirror::<C>(row, &mut self.bytes[place * row_bytes..][..row_bytes]);
             }
         }
-        if self.block_row + 1 == ROWS {
+        if self.tile_row + 1 == self.shape.tile_rows() {
             for (k, row) in self.caps[1].iter().enumerate() {
                 let place = (TILE_BORDER + self.shape.pixels) as usize + k;
                 mirror::<C>(row, &mut self.bytes[place * row_bytes..][..row_bytes]);
@@ -155,7 +159,7 @@ impl<const C: usize> Bands<C> {
         };
         give(Band {
             shape: self.shape,
-            block_row: self.block_row,
+            tile_row: self.tile_row,
             columns: self.columns.clone(),
             channels: C,
             bytes: std::mem::take(&mut self.bytes),

@@ -4,7 +4,7 @@ use super::bands::Band;
 use super::codes;
 use crate::imagery::tile::{MapLayer, Storage, TILE_MIPS, Tile};
 
-/// The uncompressed tile of a column of blocks. Mip levels are means of 2 × 2 texels of the unrounded level above, the
+/// The uncompressed tile of a column. Mip levels are means of 2 × 2 texels of the unrounded level above, the
 /// first of the base as it is stored; sides halve exactly.
 pub(super) fn cut<const C: usize>(band: &Band, layer: MapLayer, column: u32) -> Tile {
     let format = layer.tile_format(Storage::Plain);
@@ -14,7 +14,7 @@ pub(super) fn cut<const C: usize>(band: &Band, layer: MapLayer, column: u32) -> 
     let decoded = codes::decoded::<C>();
     let mut values = vec![0.0; side as usize * C];
     for y in 0..side {
-        let row = band.tile_row(column, y);
+        let row = band.texels(column, y);
         push_texels::<C>(row, &mut texels);
         for (value, byte) in values.iter_mut().zip(row) {
             *value = decoded[usize::from(*byte)];

@@ -4,13 +4,15 @@
 //! terrella build 1
 //! <fingerprint of maps and options>
 //! plain day 1350 0 123456 <checksum>
+//! plain day 2700/2 0/3 123456 <checksum>
 //! ```
+//!
+//! Storage, map, texels per block, block, bytes; of levels that are cut with the parts along a block's side, and the part.
 //!
 //! A line that has no end, or is not understood, was cut off: it and all after it do not count.
 
 use super::error::BuildError;
 use super::tile_name::TileName;
-use crate::globe::BLOCK_COUNT;
 use crate::imagery::pack::TileFile;
 use crate::imagery::tile::{MapLayer, Storage};
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -22,8 +24,8 @@ pub(super) const JOURNAL_FILE: &str = "build.journal";
 
 const FIRST_LINE: &str = "terrella build 1";
 
-/// A journal of every tile that can be has less: 5 maps × 8 levels × 128 blocks × 2 storages × 100 bytes.
-const MAX_BYTES: u64 = 2 << 20;
+/// A journal of every tile that can be has less: 5 maps × 128 blocks × 346 tiles of all levels × 2 storages × 100 bytes.
+const MAX_BYTES: u64 = 64 << 20;
 
 /// The open, locked journal.
 pub(super) struct Journal {
@@ -99,11 +101,12 @@ impl Journal {
         Ok(())
     }
 
-    /// The tiles noted when it was opened. What was cut off is taken away, so that new lines begin well.
+    /// The tiles noted when it was opened, once. What was cut off is taken away, so that new lines begin well.
     pub(super) fn tiles(&mut self) -> Vec<(TileName, TileFile)> {
         let mut tiles = Vec::new();
         let mut good = 0;
-        for (n, line) in self.text.split_inclusive('\n').enumerate() {
+        let text = std::mem::take(&mut self.text);
+        for (n, line) in text.split_inclusive('\n').enumerate() {
             let Some(whole) = line.strip_suffix('\n') else {
                 break;
             };
@@ -113,7 +116,7 @@ impl Journal {
             }
             good += line.len();
         }
-        if good < self.text.len() {
+        if good < text.len() {
             // If this fails, notes on the same line as the cut one are not understood next time: tiles are made again.
             let _ = self.file.set_len(good as u64);
             let _ = self.file.seek(SeekFrom::End(0));
@@ -128,12 +131,15 @@ impl Journal {
             .iter()
             .map(|byte| format!("{byte:02x}"))
             .collect();
+        let (pixels, block) = (name.pixels, name.block);
+        let place = match name.parts {
+            1 => format!("{pixels} {block}"),
+            parts => format!("{pixels}/{parts} {block}/{}", name.part),
+        };
         let line = format!(
-            "{} {} {} {} {} {checksum}\n",
+            "{} {} {place} {} {checksum}\n",
             name.storage.name(),
             name.layer.name(),
-            name.pixels,
-            name.block,
             file.bytes
         );
         self.file
@@ -159,15 +165,18 @@ fn parse(line: &str) -> Option<(TileName, TileFile)> {
     let storage = Storage::ALL
         .into_iter()
         .find(|kind| kind.name() == *storage)?;
+    let (pixels, parts) = pixels.split_once('/').unwrap_or((pixels, "1"));
+    let (block, part) = block.split_once('/').unwrap_or((block, "0"));
     let name = TileName {
         storage,
         layer: MapLayer::from_name(layer)?,
         pixels: pixels.parse().ok()?,
-        block: block
-            .parse()
-            .ok()
-            .filter(|block| u32::from(*block) < BLOCK_COUNT)?,
+        parts: parts.parse().ok()?,
+        block: block.parse().ok()?,
+        part: part.parse().ok()?,
     };
+    // Of a tile that can be.
+    name.path()?;
     let mut checksum = [0; 16];
     if digits.len() != 32 || !digits.is_ascii() {
         return None;

@@ -10,7 +10,8 @@
 //! | `bands.rs` | rows gathered into rows of blocks with borders |
 //! | `cut.rs`, `codes.rs` | tiles with mip levels; values as bytes |
 //! | `bc.rs` | tiles compressed in blocks |
-//! | `plan.rs`, `memory.rs` | levels, passes, and who may hold how much |
+//! | `ladder.rs` | which levels a map gets |
+//! | `plan.rs`, `memory.rs` | passes, and who may hold how much |
 //! | `folder.rs`, `journal.rs` | whole files, and going on after an end |
 //! | `run.rs` | one map, from its file to its tiles |
 //!
@@ -27,6 +28,7 @@ mod fingerprint;
 mod folder;
 mod input;
 mod journal;
+mod ladder;
 mod memory;
 pub mod mosaic;
 mod plan;
@@ -41,8 +43,8 @@ mod values;
 pub use error::BuildError;
 
 use super::pack::{LayerEntry, LevelEntry, Manifest, TileFile};
-use super::tile::{MapLayer, Storage, TileShape};
-use crate::globe::BLOCK_COUNT;
+use super::tile::{MAX_PART_PIXELS, MapLayer, Storage, TileShape};
+use crate::globe::Block;
 use folder::{BuildFolder, Disk, Writer};
 use input::MapInput;
 use plan::{Means, Plan};
@@ -95,7 +97,8 @@ pub struct BuildOptions {
     /// How tiles are kept, each kind once.
     pub storages: Vec<Storage>,
     /// Levels of a map, texels per block, the finest first; by default the paper's up to the first that holds all
-    /// detail of the map.
+    /// detail of the map, and finer ones that are cut into parts where the map has more. Levels of more than
+    /// [`MAX_PART_PIXELS`](crate::imagery::tile::MAX_PART_PIXELS) are cut: they are the finest other level times 2, 4, 8 or 16.
     pub pixels: Vec<(MapLayer, Vec<u32>)>,
     /// Most memory of the process, bytes.
     pub memory_bytes: u64,
@@ -260,15 +263,33 @@ struct Map<'a> {
 /// # Errors
 /// [`BuildError`] with what is wrong and what to do. What has been built stays for the next run.
 pub fn build(options: &BuildOptions, progress: &dyn BuildProgress) -> Result<Manifest, BuildError> {
-    build_with(options, progress, &Disk, None)
+    build_with(options, progress, &Disk, Division::default())
 }
 
-/// The build with other means of writing and, for tests, so many columns of blocks a pass.
+/// How work and maps are divided; other than by default in tests.
+#[derive(Clone, Copy, Debug)]
+struct Division {
+    /// Columns of blocks a pass; by default what the memory allows.
+    columns: Option<u32>,
+    /// Most texels of a tile's side before a level is cut into parts.
+    most_pixels: u32,
+}
+
+impl Default for Division {
+    fn default() -> Self {
+        Self {
+            columns: None,
+            most_pixels: MAX_PART_PIXELS,
+        }
+    }
+}
+
+/// The build with other means of writing.
 fn build_with(
     options: &BuildOptions,
     progress: &dyn BuildProgress,
     writer: &dyn Writer,
-    columns: Option<u32>,
+    division: Division,
 ) -> Result<Manifest, BuildError> {
     options.check()?;
     let processors = || std::thread::available_parallelism().map_or(1, usize::from);
@@ -281,8 +302,9 @@ fn build_with(
     };
     let mut maps = Vec::new();
     for (layer, path, meaning) in options.maps() {
-        let mut map = look(options, layer, path, meaning, means, limits, progress)?;
-        map.plan.columns = columns.unwrap_or(map.plan.columns);
+        let what = (layer, path, meaning);
+        let mut map = look(options, what, means, limits, division.most_pixels, progress)?;
+        map.plan.columns = division.columns.unwrap_or(map.plan.columns);
         maps.push(map);
     }
     let draft = manifest(options, &maps, |_| Some(TileFile::of(b"draft")));
@@ -330,11 +352,10 @@ fn build_with(
 /// Opens a map, and decides its levels and how its work is divided.
 fn look<'a>(
     options: &BuildOptions,
-    layer: MapLayer,
-    path: &'a Path,
-    meaning: Meaning,
+    (layer, path, meaning): (MapLayer, &'a Path, Meaning),
     means: Means,
     limits: SourceLimits,
+    most_pixels: u32,
     progress: &dyn BuildProgress,
 ) -> Result<Map<'a>, BuildError> {
     let input = MapInput::open(path, limits)?;
@@ -352,9 +373,13 @@ fn look<'a>(
             layer.name()
         ));
     }
-    let ladder = plan::ladder(layer, info.width, options.asked_pixels(layer))?;
+    let asked = options.asked_pixels(layer);
+    let ladder = ladder::ladder(layer, info.width, asked, most_pixels)?;
     if !ladder.left_out.is_empty() {
-        let finest = ladder.levels.first().map_or(0, |shape| shape.pixels);
+        let finest = ladder
+            .levels
+            .first()
+            .map_or(0, |shape| shape.block_pixels());
         let left_out: Vec<_> = ladder.left_out.iter().map(u32::to_string).collect();
         progress.note(&format!(
             "{}: {finest} pixels per block hold all its detail; the {} levels {} are left out (--pixels forces them)",
@@ -362,6 +387,9 @@ fn look<'a>(
             layer.name(),
             left_out.join(", ")
         ));
+    }
+    if let Some(dropped) = &ladder.dropped {
+        progress.note(&format!("{}: {dropped}", path.display()));
     }
     let levels = ladder.levels;
     let plan = match meaning.channels() {
@@ -387,17 +415,18 @@ fn manifest(
     file: impl Fn(TileName) -> Option<TileFile>,
 ) -> Manifest {
     let tiles = |layer: MapLayer, shape: TileShape, storage: Storage| {
-        (0..BLOCK_COUNT)
-            .map(|block| {
-                file(TileName {
-                    storage,
-                    layer,
-                    pixels: shape.pixels,
-                    // 0…127.
-                    block: block as u8,
-                })
+        let of_block = |block: Block| {
+            (0..shape.tiles_of_block()).map(move |part| TileName {
+                storage,
+                layer,
+                pixels: shape.block_pixels(),
+                parts: shape.parts,
+                // 0…127.
+                block: block.index() as u8,
+                part,
             })
-            .collect()
+        };
+        Block::all().flat_map(of_block).map(&file).collect()
     };
     let layers = maps.iter().map(|map| LayerEntry {
         layer: map.layer,

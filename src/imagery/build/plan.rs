@@ -1,85 +1,18 @@
-//! Which levels a map gets, and how its work is divided so that it fits into the memory allowed.
+//! How the work on a map is divided so that it fits into the memory allowed.
 
-use super::bands::{band_bytes, row_texels};
+use super::bands::{band_bytes, row_texels, tile_columns};
 use super::error::BuildError;
 use super::resample::Resampler;
 use super::source::SourceInfo;
 use crate::globe::COLUMNS;
-use crate::imagery::tile::{
-    MAX_COARSEST_PIXELS, MAX_LEVELS, MAX_PIXELS, MIN_PIXELS, MapLayer, Storage, TileShape,
-};
+use crate::imagery::tile::{MapLayer, Storage, TileShape};
 use std::ops::Range;
 
 /// What the program itself takes, and what the allocator keeps of what was given back.
 const BASE_BYTES: u64 = 48 << 20;
 
-/// Levels of a map and those of the usual ladder that are left out.
-#[derive(Debug, PartialEq, Eq)]
-pub(super) struct Ladder {
-    /// The finest first.
-    pub levels: Vec<TileShape>,
-    pub left_out: Vec<u32>,
-}
-
-/// The levels for a map of this width: those asked for, or the paper's up to the first that holds all its detail.
-pub(super) fn ladder(
-    layer: MapLayer,
-    source_width: u32,
-    asked: Option<&[u32]>,
-) -> Result<Ladder, BuildError> {
-    if let Some(pixels) = asked {
-        return Ok(Ladder {
-            levels: check_pixels(layer, pixels)?,
-            left_out: Vec::new(),
-        });
-    }
-    let paper = layer.paper_pixels();
-    let finest = paper
-        .iter()
-        .rposition(|pixels| pixels * COLUMNS >= source_width)
-        .unwrap_or(0);
-    Ok(Ladder {
-        levels: check_pixels(layer, &paper[finest..])?,
-        left_out: paper[..finest].to_vec(),
-    })
-}
-
-fn check_pixels(layer: MapLayer, pixels: &[u32]) -> Result<Vec<TileShape>, BuildError> {
-    let refuse = |cause: String| {
-        let words: Vec<_> = pixels.iter().map(u32::to_string).collect();
-        Err(BuildError::Pixels {
-            layer,
-            pixels: words.join(","),
-            cause,
-        })
-    };
-    if pixels.is_empty() || pixels.len() > MAX_LEVELS {
-        return refuse(format!("give 1 to {MAX_LEVELS} levels"));
-    }
-    let mut shapes = Vec::new();
-    for pixels in pixels {
-        match TileShape::new(*pixels) {
-            Some(shape) => shapes.push(shape),
-            None => {
-                return refuse(format!(
-                    "a level has {MIN_PIXELS} to {MAX_PIXELS} pixels per block"
-                ));
-            }
-        }
-    }
-    if pixels.windows(2).any(|pair| pair[0] <= pair[1]) {
-        return refuse("levels must fall, the finest first".to_string());
-    }
-    if pixels
-        .last()
-        .is_some_and(|last| *last > MAX_COARSEST_PIXELS)
-    {
-        return refuse(format!(
-            "the coarsest level is always held and may have at most {MAX_COARSEST_PIXELS} pixels per block: add one"
-        ));
-    }
-    Ok(shapes)
-}
+/// What is kept of each tile that is there: its line of the journal, its name and its file.
+const NOTED_BYTES: u64 = 250;
 
 /// How much may be held and by how many.
 #[derive(Clone, Copy, Debug)]
@@ -133,11 +66,12 @@ pub(super) fn plan<const C: usize>(
     let mut needed = u64::MAX;
     for (columns, threads) in few_passes.into_iter().chain(all) {
         let fixed = BASE_BYTES
+            + noted_bytes(levels, storages)
             + reading_bytes::<C>(info, levels, columns)
             + threads as u64 * encoding_bytes(layer, levels, storages);
         let bands: u64 = levels
             .iter()
-            .map(|shape| band_bytes::<C>(*shape, &(0..columns)))
+            .map(|shape| band_bytes::<C>(*shape, &tile_columns(*shape, &(0..columns))))
             .sum();
         let total = fixed.saturating_add(bands);
         needed = needed.min(total);
@@ -158,12 +92,20 @@ pub(super) fn plan<const C: usize>(
     })
 }
 
+/// Bytes for what is known of the tiles of a map.
+fn noted_bytes(levels: &[TileShape], storages: &[Storage]) -> u64 {
+    let tiles = levels
+        .iter()
+        .map(|shape| u64::from(shape.tile_columns()) * u64::from(shape.tile_rows()));
+    tiles.sum::<u64>() * storages.len() as u64 * NOTED_BYTES
+}
+
 /// Bytes for the source, its rows and the rows of all levels.
 fn reading_bytes<const C: usize>(info: &SourceInfo, levels: &[TileShape], columns: u32) -> u64 {
     // The row as it is read, as numbers, and a few rows of heights.
     let rows = info.row_bytes() as u64 + u64::from(info.width) * (4 * C as u64 + 48);
     let of_level = |shape: &TileShape| {
-        let texels = row_texels(*shape, &(0..columns));
+        let texels = row_texels(*shape, &tile_columns(*shape, &(0..columns)));
         let carried = u64::from(shape.side() - shape.pixels) * 2 * (texels * C) as u64;
         Resampler::<C>::bytes(texels) + carried
     };
@@ -191,43 +133,9 @@ fn encoding_bytes(layer: MapLayer, levels: &[TileShape], storages: &[Storage]) -
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::imagery::build::ladder::ladder;
     use crate::imagery::build::source::{FileKind, SampleKind};
-
-    fn pixels(shapes: &[TileShape]) -> Vec<u32> {
-        shapes.iter().map(|shape| shape.pixels).collect()
-    }
-
-    #[test]
-    fn the_ladder_ends_at_the_first_level_that_holds_the_source() {
-        let of = |width| {
-            let ladder = ladder(MapLayer::Day, width, None).expect("good");
-            (pixels(&ladder.levels), ladder.left_out)
-        };
-        assert_eq!(of(21_600), (vec![1350, 675, 450, 270, 135], vec![]));
-        assert_eq!(of(86_400), (vec![1350, 675, 450, 270, 135], vec![]));
-        assert_eq!(of(10_800), (vec![675, 450, 270, 135], vec![1350]));
-        assert_eq!(of(5_400), (vec![450, 270, 135], vec![1350, 675]));
-        assert_eq!(of(64), (vec![135], vec![1350, 675, 450, 270]));
-    }
-
-    #[test]
-    fn bad_ladders_are_refused_with_what_is_allowed() {
-        for (asked, word) in [
-            (&[][..], "1 to 8"),
-            (&[2000; 9][..], "1 to 8"),
-            (&[9000, 100][..], "8184"),
-            (&[300, 100, 15][..], "16 to"),
-            (&[100, 100][..], "fall"),
-            (&[100, 200][..], "fall"),
-            (&[1350, 257][..], "256"),
-        ] {
-            let error = ladder(MapLayer::Clouds, 100, Some(asked)).expect_err("bad");
-            assert!(error.to_string().contains(word), "{error}");
-            assert!(error.to_string().contains("--pixels clouds="), "{error}");
-        }
-        let good = ladder(MapLayer::Day, 64, Some(&[5400, 256])).expect("good");
-        assert_eq!(pixels(&good.levels), [5400, 256]);
-    }
+    use crate::imagery::tile::MAX_PART_PIXELS;
 
     fn info(width: u32) -> SourceInfo {
         SourceInfo {
@@ -241,7 +149,7 @@ mod tests {
     }
 
     fn plan_of(asked: &[u32], memory_mb: u64) -> Result<Plan, BuildError> {
-        let levels = ladder(MapLayer::Day, 16, Some(asked))?.levels;
+        let levels = ladder(MapLayer::Day, asked[0] * 16, Some(asked), MAX_PART_PIXELS)?.levels;
         let means = Means {
             memory_bytes: memory_mb * 1_000_000,
             threads: 2,
@@ -263,10 +171,30 @@ mod tests {
         assert_eq!(plan.passes().count(), 1);
         let small = plan_of(&paper, 220).expect("fits");
         assert!(small.columns < 16, "{small:?}");
-        let large = plan_of(&[5400, 1350, 256], 1024).expect("fits");
+        let large = plan_of(&[1920, 900, 256], 256).expect("fits");
         assert!(large.columns < 16, "{large:?}");
         let places: Vec<u32> = large.passes().flatten().collect();
         assert_eq!(places, (0..16).collect::<Vec<_>>());
+    }
+
+    /// 86 400 and 345 600 texels round the Earth within the usual memory.
+    #[test]
+    fn parts_of_blocks_take_more_passes_and_no_more_memory() {
+        for (ladder, most_passes) in [
+            (&[5400, 2700, 1350, 675, 450, 270, 135][..], 4),
+            (&[21_600, 10_800, 5400, 2700, 1350, 675, 450, 270, 135], 16),
+        ] {
+            let plan = plan_of(ladder, 512).expect("fits");
+            assert!(
+                plan.threads == 2 && plan.passes().count() <= most_passes,
+                "{plan:?}"
+            );
+            let BuildError::Memory { needed_mb, .. } = plan_of(ladder, 60).expect_err("too little")
+            else {
+                panic!("another error");
+            };
+            assert!(needed_mb < 400, "{needed_mb} MB");
+        }
     }
 
     #[test]

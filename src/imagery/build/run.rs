@@ -1,6 +1,6 @@
 //! One map, from its file to its tiles: a thread reads and resamples, a pool of threads encodes and writes.
 
-use super::bands::{Band, Bands, first_texel, polar_rows, row_texels};
+use super::bands::{Band, Bands, first_texel, polar_rows, row_texels, tile_columns};
 use super::bc;
 use super::cut::cut;
 use super::error::BuildError;
@@ -12,7 +12,6 @@ use super::resample::{Resampler, Sizes};
 use super::tile_name::TileName;
 use super::values::{Meaning, ValueRows};
 use super::{BuildProgress, source};
-use crate::globe::{BLOCK_COUNT, COLUMNS, ROWS};
 use crate::imagery::pack::write_ktx2;
 use crate::imagery::tile::{MapLayer, Storage, TileShape};
 use rayon::Scope;
@@ -110,9 +109,8 @@ impl Job<'_> {
     /// Levels of which a tile in these columns is missing.
     fn missing_levels(&self, columns: &Range<u32>) -> Vec<TileShape> {
         let is_missing = |shape: &&TileShape| {
-            (0..ROWS).any(|row| {
-                columns
-                    .clone()
+            (0..shape.tile_rows()).any(|row| {
+                tile_columns(**shape, columns)
                     .any(|column| !self.missing_storages(**shape, row, column).is_empty())
             })
         };
@@ -120,14 +118,7 @@ impl Job<'_> {
     }
 
     fn name(&self, storage: Storage, shape: TileShape, row: u32, column: u32) -> TileName {
-        let block = row * COLUMNS + column;
-        debug_assert!(block < BLOCK_COUNT);
-        TileName {
-            storage,
-            layer: self.layer,
-            pixels: shape.pixels,
-            block: block as u8,
-        }
+        TileName::new(storage, self.layer, shape, row, column)
     }
 
     fn missing_storages(&self, shape: TileShape, row: u32, column: u32) -> Vec<Storage> {
@@ -188,13 +179,14 @@ impl Job<'_> {
                 source: (width, height),
                 level: (shape.map_width(), shape.map_height()),
             };
+            let columns = tile_columns(*shape, columns);
             let resampler = Resampler::<C>::new(
                 sizes,
-                first_texel(*shape, columns),
-                row_texels(*shape, columns),
+                first_texel(*shape, &columns),
+                row_texels(*shape, &columns),
                 polar_rows(*shape),
             );
-            let bands = Bands::<C>::new(*shape, columns.clone(), &shared.pool);
+            let bands = Bands::<C>::new(*shape, columns, &shared.pool);
             work.push((resampler, bands.ok_or(BuildError::Cancelled)?));
         }
         let mut give = |band: Band| encode_band::<C>(shared, scope, band);
@@ -232,7 +224,7 @@ fn encode_band<'s, const C: usize>(shared: &'s Shared<'s>, scope: &Scope<'s>, ba
                 column,
                 shared
                     .job
-                    .missing_storages(band.shape, band.block_row, column),
+                    .missing_storages(band.shape, band.tile_row, column),
             )
         })
         .filter(|(_, storages)| !storages.is_empty())
@@ -272,10 +264,8 @@ fn encode_tile<const C: usize>(
             Storage::Plain => write_ktx2(&plain),
             Storage::Bc => write_ktx2(&bc::compress(&plain, job.layer)),
         };
-        job.folder.put(
-            job.name(*storage, band.shape, band.block_row, column),
-            &file,
-        )?;
+        job.folder
+            .put(job.name(*storage, band.shape, band.tile_row, column), &file)?;
     }
     Ok(())
 }

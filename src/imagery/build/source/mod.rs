@@ -16,8 +16,8 @@ use std::path::{Path, PathBuf};
 /// Smallest height of a map, texels.
 pub const MIN_SOURCE_HEIGHT: u32 = 16;
 
-/// Largest height of a map, texels; its width is twice that. 8 rows of the largest tiles.
-pub const MAX_SOURCE_HEIGHT: u32 = 65_536;
+/// Largest height of a map, texels; its width is twice that.
+pub const MAX_SOURCE_HEIGHT: u32 = 131_072;
 
 /// Longest side of a part of a map, texels.
 pub const MAX_PIECE_SIDE: u32 = 262_144;
