@@ -1,8 +1,10 @@
 //! Where texels land: against closed forms, and texel for texel.
 
 use super::noise;
-use crate::globe::{Block, COLUMNS};
-use crate::imagery::build::bands::{Band, Bands, first_texel, polar_rows, row_texels};
+use crate::globe::COLUMNS;
+use crate::imagery::build::bands::{
+    Band, Bands, first_texel, polar_rows, row_texels, tile_columns,
+};
 use crate::imagery::build::codes;
 use crate::imagery::build::cut::cut;
 use crate::imagery::build::memory::Pool;
@@ -154,27 +156,24 @@ fn slopes_turn_round_beyond_a_pole() {
     }
 }
 
-/// All tiles of a map of noise that is as large as the level, made in passes of so many columns.
+/// All tiles, by row and column, of a map of noise that is as large as the level, made in passes of so many columns of blocks.
 fn tiles<const C: usize>(
     shape: TileShape,
     columns: u32,
     layer: MapLayer,
-) -> (Vec<u8>, Vec<(Block, Tile)>) {
+) -> (Vec<u8>, Vec<((u32, u32), Tile)>) {
     let (width, height) = (shape.map_width(), shape.map_height());
     let bytes = noise((width * height) as usize * C);
     let decoded = codes::decoded::<C>();
     let mut tiles = Vec::new();
     for start in (0..COLUMNS).step_by(columns as usize) {
-        let columns: Range<u32> = start..start + columns;
+        let columns: Range<u32> = tile_columns(shape, &(start..start + columns));
         let pool = Pool::new(u64::MAX);
         let mut bands = Bands::<C>::new(shape, columns.clone(), &pool).expect("goes on");
         let mut give = |band: Band| {
             for column in band.columns.clone() {
-                let block = Block {
-                    column,
-                    row: band.block_row,
-                };
-                tiles.push((block, cut::<C>(&band, layer, column)));
+                let place = (band.tile_row, column);
+                tiles.push((place, cut::<C>(&band, layer, column)));
             }
         };
         let mut resampler = Resampler::<C>::new(
@@ -228,14 +227,19 @@ fn map_texel<const C: usize>(map: &[u8], shape: TileShape, column: i64, row: i64
     })
 }
 
-fn check_tiles<const C: usize>(pixels: u32, columns: u32, layer: MapLayer) {
-    let shape = TileShape::new(pixels).expect("in range");
+fn check_tiles<const C: usize>(shape: TileShape, columns: u32, layer: MapLayer) {
+    let pixels = shape.pixels;
     let (map, tiles) = tiles::<C>(shape, columns, layer);
-    let mut blocks: Vec<u32> = tiles.iter().map(|(block, _)| block.index()).collect();
-    blocks.sort_unstable();
-    assert_eq!(blocks, (0..128).collect::<Vec<_>>());
+    let across = shape.tile_columns();
+    let mut places: Vec<u32> = tiles
+        .iter()
+        .map(|((row, column), _)| row * across + column)
+        .collect();
+    places.sort_unstable();
+    assert_eq!(places, (0..across * across / 2).collect::<Vec<_>>());
     let stored = if C == 3 { 4 } else { C };
-    for (Block { column, row }, tile) in tiles {
+    for ((row, column), tile) in tiles {
+        assert_eq!(tile.shape, shape);
         assert_eq!(tile.texels.len(), shape.bytes(tile.format));
         for (n, texel) in tile.mip(0).chunks_exact(stored).enumerate() {
             let side = i64::from(shape.side());
@@ -253,11 +257,22 @@ fn check_tiles<const C: usize>(pixels: u32, columns: u32, layer: MapLayer) {
 #[test]
 fn every_texel_of_every_tile_with_its_border_is_the_map_s() {
     // 17 has the widest padding; all widths of passes.
+    let shape = |pixels| TileShape::new(pixels).expect("in range");
     for (pixels, columns) in [(16, 16), (17, 8), (17, 1), (20, 4), (24, 2)] {
-        check_tiles::<1>(pixels, columns, MapLayer::Water);
+        check_tiles::<1>(shape(pixels), columns, MapLayer::Water);
     }
-    check_tiles::<3>(17, 16, MapLayer::Day);
-    check_tiles::<2>(17, 4, MapLayer::Normals);
+    check_tiles::<3>(shape(17), 16, MapLayer::Day);
+    check_tiles::<2>(shape(17), 4, MapLayer::Normals);
+}
+
+#[test]
+fn every_texel_of_every_part_with_its_border_is_the_map_s() {
+    let shape = |pixels, parts| TileShape::cut(pixels, parts).expect("in range");
+    for (pixels, parts, columns) in [(17, 2, 16), (17, 2, 1), (20, 4, 4), (16, 4, 2)] {
+        check_tiles::<1>(shape(pixels, parts), columns, MapLayer::Water);
+    }
+    check_tiles::<3>(shape(17, 2), 8, MapLayer::Day);
+    check_tiles::<2>(shape(16, 4), 16, MapLayer::Normals);
 }
 
 #[test]

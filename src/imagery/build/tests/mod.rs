@@ -1,6 +1,7 @@
 //! Tests of what a build is made of, and of builds that are stopped.
 
 mod geometry;
+mod parts;
 mod stopped;
 
 use image::{ImageFormat, RgbImage};

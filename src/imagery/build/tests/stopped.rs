@@ -2,7 +2,7 @@
 
 use super::write_day;
 use crate::imagery::build::folder::{Disk, Writer};
-use crate::imagery::build::{BuildError, BuildOptions, BuildProgress, build, build_with};
+use crate::imagery::build::{BuildError, BuildOptions, BuildProgress, Division, build, build_with};
 use crate::imagery::tile::{MapLayer, Storage};
 use std::collections::BTreeMap;
 use std::fs;
@@ -47,7 +47,7 @@ impl Writer for Failing {
 }
 
 /// Stops after so many rows.
-struct Stopping(AtomicU32);
+pub(super) struct Stopping(pub AtomicU32);
 
 impl BuildProgress for Stopping {
     fn begin(&self, _what: &str, _steps: Option<u64>) {}
@@ -79,7 +79,7 @@ fn options(folder: &Path, out: &str) -> BuildOptions {
 }
 
 /// All files of a folder with their contents.
-fn contents(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+pub(super) fn contents(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     fn walk(dir: &Path, root: &Path, found: &mut BTreeMap<PathBuf, Vec<u8>>) {
         for entry in fs::read_dir(dir).unwrap() {
             let path = entry.unwrap().path();
@@ -106,7 +106,8 @@ fn a_build_that_fails_anywhere_goes_on_to_the_same_bytes() {
     // The last fails at the manifest.
     for files in [0, 1, 100, 301, 512] {
         let options = options(folder.path(), &format!("after{files}"));
-        let error = build_with(&options, &(), &Failing::after(files), None).expect_err("no room");
+        let error = build_with(&options, &(), &Failing::after(files), Division::default())
+            .expect_err("no room");
         assert!(matches!(error, BuildError::Write { .. }), "{error}");
         assert!(
             error.to_string().contains("run the same command again"),
@@ -126,7 +127,7 @@ fn a_build_that_fails_anywhere_goes_on_to_the_same_bytes() {
             .count();
         assert_eq!(done as u32, files.min(512));
         let rest = Failing::after(513 - files);
-        build_with(&options, &(), &rest, None).expect("goes on");
+        build_with(&options, &(), &rest, Division::default()).expect("goes on");
         assert_eq!(rest.left.into_inner(), 0);
         assert!(contents(&options.out) == whole, "after {files}");
     }
@@ -158,7 +159,16 @@ fn passes_and_threads_do_not_change_a_byte() {
             threads: Some(threads),
             ..options(folder.path(), &format!("{columns}x{threads}"))
         };
-        build_with(&options, &(), &Disk, Some(columns)).expect("builds");
+        build_with(
+            &options,
+            &(),
+            &Disk,
+            Division {
+                columns: Some(columns),
+                ..Division::default()
+            },
+        )
+        .expect("builds");
         assert!(
             contents(&options.out) == first,
             "{columns} columns, {threads} threads"
@@ -194,7 +204,7 @@ fn bad_tiles_and_cut_journals_are_made_good() {
     build(&whole, &()).expect("builds");
     let whole = contents(&whole.out);
     let options = options(folder.path(), "mended");
-    build_with(&options, &(), &Failing::after(300), None).expect_err("no room");
+    build_with(&options, &(), &Failing::after(300), Division::default()).expect_err("no room");
     let journal = options.out.join("build.journal");
     let text = fs::read_to_string(&journal).unwrap();
     assert_eq!(text.lines().count(), 302);
@@ -208,7 +218,7 @@ fn bad_tiles_and_cut_journals_are_made_good() {
     changed[200] ^= 1;
     fs::write(options.out.join(&tiles[0]), changed).unwrap();
     fs::remove_file(options.out.join(&tiles[1])).unwrap();
-    build_with(&options, &(), &Failing::after(40), None).expect_err("no room");
+    build_with(&options, &(), &Failing::after(40), Division::default()).expect_err("no room");
     let text = fs::read_to_string(&journal).unwrap();
     let nonsense = text.replacen("day", "dey", 50).replacen("dey", "day", 49);
     fs::write(&journal, nonsense).unwrap();
@@ -220,7 +230,7 @@ fn bad_tiles_and_cut_journals_are_made_good() {
 fn other_maps_and_finished_packs_need_restart() {
     let folder = folder();
     let options = options(folder.path(), "pack");
-    build_with(&options, &(), &Failing::after(100), None).expect_err("no room");
+    build_with(&options, &(), &Failing::after(100), Division::default()).expect_err("no room");
     let other = BuildOptions {
         pixels: vec![(MapLayer::Day, vec![32, 16])],
         ..options.clone()
@@ -289,7 +299,7 @@ fn a_folder_of_something_else_is_left_alone() {
 fn two_builds_in_one_folder_are_told_apart() {
     let folder = folder();
     let options = options(folder.path(), "pack");
-    build_with(&options, &(), &Failing::after(10), None).expect_err("no room");
+    build_with(&options, &(), &Failing::after(10), Division::default()).expect_err("no room");
     let held = fs::File::open(options.out.join("build.journal")).unwrap();
     held.try_lock().expect("free");
     let error = build(&options, &()).expect_err("busy");
