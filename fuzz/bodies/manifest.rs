@@ -54,10 +54,34 @@ pub fn seeds() -> Vec<Vec<u8>> {
             &[(MapLayer::Day, &[150, 75]), (MapLayer::Normals, &[75])],
         ),
     ];
+    seeds.push(cut().to_toml().into_bytes());
     // Short ones, of which a change seldom hits a checksum.
     let head = String::from_utf8_lossy(&seeds[0]).into_owned();
     let head = head.split("bytes =").next().unwrap_or_default();
     seeds.push(format!("{head}bytes = [0, 1]\nchecksums = [\"\", \"0f\"]\n").into_bytes());
     seeds.push(b"format = 1\nname = \"x\"\nlayer = [{name = \"day\", level = [{}]}]\n".to_vec());
     seeds
+}
+
+/// A manifest of version 2: one block has parts, but for one of them.
+#[allow(dead_code, reason = "the fuzzer reads its corpus from files")]
+fn cut() -> Manifest {
+    let file = Some(TileFile::of(b"part"));
+    let mut parts = vec![None; 128 * 4];
+    parts[60 * 4..60 * 4 + 3].fill(file);
+    let level = |parts, tiles| LevelEntry {
+        shape: TileShape::cut(16, parts).expect("in range"),
+        tiles: vec![tiles],
+    };
+    Manifest {
+        name: "Earth".into(),
+        attribution: Vec::new(),
+        storages: vec![Storage::Bc],
+        layers: vec![LayerEntry {
+            layer: MapLayer::Day,
+            source: "a.tif".into(),
+            exaggeration: None,
+            levels: vec![level(2, parts), level(1, vec![file; 128])],
+        }],
+    }
 }

@@ -24,6 +24,23 @@ impl Fixture {
         layers: &[(MapLayer, &[u32])],
         gap: impl Fn(TileKey) -> bool,
     ) -> Self {
+        let shapes = |ladder: &[u32]| -> Vec<TileShape> {
+            let shape = |pixels: &u32| TileShape::new(*pixels).expect("in range");
+            ladder.iter().map(shape).collect()
+        };
+        let layers: Vec<_> = layers
+            .iter()
+            .map(|(layer, ladder)| (*layer, shapes(ladder)))
+            .collect();
+        Self::of_shapes(storages, &layers, gap)
+    }
+
+    /// The same with levels that may be cut into parts.
+    pub fn of_shapes(
+        storages: &[Storage],
+        layers: &[(MapLayer, Vec<TileShape>)],
+        gap: impl Fn(TileKey) -> bool,
+    ) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let mut manifest = Manifest {
             name: "Known texels".into(),
@@ -31,30 +48,30 @@ impl Fixture {
             storages: storages.to_vec(),
             layers: Vec::new(),
         };
-        for (layer, ladder) in layers {
-            let levels = (0..).zip(*ladder).map(|(level, pixels)| {
-                let shape = TileShape::new(*pixels).expect("in range");
-                let files = |storage: &Storage| {
-                    let file = |block: Block| {
+        for (layer, shapes) in layers {
+            let levels = (0..).zip(shapes).map(|(level, shape)| {
+                let mut entry = LevelEntry {
+                    shape: *shape,
+                    tiles: Vec::new(),
+                };
+                for storage in storages {
+                    let file = |(block, part): (Block, u16)| {
                         let key = TileKey {
                             layer: *layer,
                             level,
                             block: block.index() as u8,
-                            part: 0,
+                            part,
                         };
                         (!gap(key)).then(|| {
-                            let contents = write_ktx2(&tile(*storage, *layer, shape, block));
-                            let path = tile_path(*storage, *layer, shape, block);
+                            let contents = write_ktx2(&part_tile(*storage, *shape, key));
+                            let path = tile_path(*storage, *layer, *shape, block, part);
                             write(&folder.path().join(path), &contents);
                             TileFile::of(&contents)
                         })
                     };
-                    Block::all().map(file).collect()
-                };
-                LevelEntry {
-                    shape,
-                    tiles: storages.iter().map(files).collect(),
+                    entry.tiles.push(entry.places().map(file).collect());
                 }
+                entry
             });
             manifest.layers.push(LayerEntry {
                 layer: *layer,
@@ -140,12 +157,27 @@ pub fn texel(layer: MapLayer, width: u32, column: u32, row: u32) -> Vec<u8> {
 
 /// A block's tile with its neighbours' texels around it, over the date line and the poles too.
 pub fn tile(storage: Storage, layer: MapLayer, shape: TileShape, block: Block) -> Tile {
+    part_tile(
+        storage,
+        shape,
+        TileKey::whole(layer, 0, block.index() as u8),
+    )
+}
+
+/// The same of a part of a block; the key's level does not count.
+pub fn part_tile(storage: Storage, shape: TileShape, key: TileKey) -> Tile {
+    let (layer, part) = (key.layer, u32::from(key.part));
+    let Block { column, row } = key.block();
+    let first = [
+        (column * shape.parts + part % shape.parts) * shape.pixels,
+        (row * shape.parts + part / shape.parts) * shape.pixels,
+    ];
     let format = layer.tile_format(storage);
     let (width, height) = (i64::from(shape.map_width()), i64::from(shape.map_height()));
     let base = |x: u32, y: u32| {
         let border = i64::from(TILE_BORDER);
-        let mut column = i64::from(block.column * shape.pixels + x) - border;
-        let mut row = i64::from(block.row * shape.pixels + y) - border;
+        let mut column = i64::from(first[0] + x) - border;
+        let mut row = i64::from(first[1] + y) - border;
         if row < 0 || row >= height {
             row = if row < 0 {
                 -1 - row

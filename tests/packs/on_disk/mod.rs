@@ -6,5 +6,6 @@ mod command;
 mod fixture;
 mod mutations;
 mod open;
+mod parts;
 mod tiles;
 mod verify;
