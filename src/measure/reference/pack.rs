@@ -3,7 +3,7 @@
 use super::maps::{FullMap, FullMaps};
 use crate::imagery::TexelFormat;
 use crate::imagery::tile::{
-    LayerLayout, LevelLayout, TILE_BORDER, Tile, TileError, TileFormat, TileKey, TileSource,
+    LayerLayout, TILE_BORDER, Tile, TileError, TileFormat, TileKey, TileSource,
 };
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -82,23 +82,19 @@ fn whole_map(
     let mut texels = vec![0; row_bytes * height as usize];
     let pixels = shape.pixels as usize;
     let failed = AtomicBool::new(false);
-    // One strip of blocks after another to a thread: no two write to the same row.
+    // One strip of tiles after another to a thread: no two write to the same row.
     let strips = texels.par_chunks_mut(row_bytes * pixels).enumerate();
     strips.try_for_each(|(row, strip)| {
-        for column in 0..crate::globe::COLUMNS as usize {
+        for column in 0..shape.tile_columns() as usize {
             let stop = || cancelled() || failed.load(Ordering::Relaxed);
-            let block = (row * crate::globe::COLUMNS as usize + column) as u8;
-            let tile = read(source, layout, level, block, &stop).inspect_err(|_| {
+            let place = (row as u32, column as u32);
+            let found = read(source, layout, level, place, &stop).inspect_err(|_| {
                 failed.store(true, Ordering::Relaxed);
             })?;
             let own = pixels * format.texel_bytes();
             for (y, line) in strip.chunks_exact_mut(row_bytes).enumerate() {
-                copy_row(
-                    &tile,
-                    y,
-                    pixels,
-                    &mut line[column * own..(column + 1) * own],
-                );
+                let line = &mut line[column * own..(column + 1) * own];
+                copy_row(&found, y, pixels, line);
             }
         }
         Ok(())
@@ -111,42 +107,75 @@ fn whole_map(
     })
 }
 
-/// The block's tile at this level or the next coarser one that there is; the coarsest has all.
+/// A tile and which part of it is wanted.
+struct Found {
+    tile: Tile,
+    /// Parts along its side, and the row and column of the one that is wanted.
+    parts: u32,
+    row: u32,
+    column: u32,
+}
+
+/// What lies in a row and column of tiles of this level, from the tile there or that of the next coarser level that has one; the
+/// coarsest has all.
 fn read(
     source: &dyn TileSource,
     layout: &LayerLayout,
     level: usize,
-    block: u8,
+    (row, column): (u32, u32),
     cancelled: &dyn Fn() -> bool,
-) -> Result<Tile, TileError> {
-    let has = |level: &LevelLayout| level.present.contains(block, 0);
-    let finer = layout.levels.iter().skip(level).take_while(|l| !has(l));
-    let key = TileKey {
-        layer: layout.layer,
-        level: (level + finer.count()) as u8,
-        block,
-        part: 0,
-    };
+) -> Result<Found, TileError> {
     if cancelled() {
         return Err(TileError::Cancelled);
     }
-    source.read(key, cancelled)
+    let finest = layout.levels[level].shape.parts;
+    // What holds the place at a level: parts of a block, of which the finer level has as many or more.
+    let at = |level: usize| {
+        let parts = layout.levels[level].shape.parts;
+        let of_tile = finest / parts;
+        let (own_row, own_column) = (row / of_tile, column / of_tile);
+        let block = own_row / parts * crate::globe::COLUMNS + own_column / parts;
+        let part = own_row % parts * parts + own_column % parts;
+        // 0…127, and below 256.
+        (block as u8, part as u16, of_tile)
+    };
+    let has = |level: &usize| {
+        let (block, part, _) = at(*level);
+        layout.levels[*level].present.contains(block, part)
+    };
+    let last = layout.levels.len() - 1;
+    let level = (level..last).find(has).unwrap_or(last);
+    let (block, part, parts) = at(level);
+    let key = TileKey {
+        part,
+        // Fewer than 256.
+        ..TileKey::whole(layout.layer, level as u8, block)
+    };
+    Ok(Found {
+        tile: source.read(key, cancelled)?,
+        parts,
+        row: row % parts,
+        column: column % parts,
+    })
 }
 
-/// Row `y` of a block of `pixels` a side, from a tile that has as many or fewer.
-fn copy_row(tile: &Tile, y: usize, pixels: usize, line: &mut [u8]) {
+/// Row `y` of the `pixels` rows of what was found, from a tile that has as many texels there or fewer.
+fn copy_row(found: &Found, y: usize, pixels: usize, line: &mut [u8]) {
+    let tile = &found.tile;
     let texel_bytes = tile.format.unit_bytes() as usize;
     let (own, border) = (tile.shape.pixels as usize, TILE_BORDER as usize);
     let tile_row = tile.shape.side() as usize * texel_bytes;
     let texels = tile.mip(0);
-    if own == pixels {
+    if own == pixels && found.parts == 1 {
         let start = (y + border) * tile_row + border * texel_bytes;
         line.copy_from_slice(&texels[start..start + line.len()]);
         return;
     }
-    // Place of a texel's centre on the smaller tile; its border holds what is beyond an edge.
-    let place = |at: usize| {
-        let at = (at as f64 + 0.5) * own as f64 / pixels as f64 - 0.5 + border as f64;
+    // Place of a texel's centre on the coarser tile; its border holds what is beyond an edge.
+    let place = |at: usize, part: u32| {
+        let along = (part as usize * pixels + at) as f64 + 0.5;
+        let all = pixels as f64 * f64::from(found.parts);
+        let at = along * own as f64 / all - 0.5 + border as f64;
         (at as usize, at.fract())
     };
     let is_signed = tile.format == TileFormat::Rg8Snorm;
@@ -157,9 +186,9 @@ fn copy_row(tile: &Tile, y: usize, pixels: usize, line: &mut [u8]) {
             f64::from(byte)
         }
     };
-    let (row, down) = place(y);
+    let (row, down) = place(y, found.row);
     for (x, texel) in line.chunks_exact_mut(texel_bytes).enumerate() {
-        let (column, across) = place(x);
+        let (column, across) = place(x, found.column);
         for (channel, byte) in texel.iter_mut().enumerate() {
             let at = |row: usize, column: usize| {
                 value(texels[row * tile_row + column * texel_bytes + channel])
@@ -279,6 +308,70 @@ mod tests {
         let slopes = found.maps.layers[2].as_ref().expect("slopes");
         assert_eq!(slopes.texels[2 * 3] as i8, -(ramp(3.0, 16.0) as i8));
         assert!(found.maps.check().is_ok());
+    }
+
+    /// A map of the place alone, a cut level of which half of block 5's parts are absent, over that of whole blocks.
+    struct Cut(Vec<LayerLayout>);
+
+    impl TileSource for Cut {
+        fn layers(&self) -> &[LayerLayout] {
+            &self.0
+        }
+
+        fn read(&self, key: TileKey, _: &dyn Fn() -> bool) -> Result<Tile, TileError> {
+            let layout = &self.0[0];
+            let level = &layout.levels[usize::from(key.level)];
+            if !level.present.contains(key.block, key.part) {
+                return Err(TileError::Absent(key));
+            }
+            let parts = level.shape.parts;
+            let part = u32::from(key.part);
+            let first = [part % parts, part / parts].map(|part| f64::from(part * 20) - 4.0);
+            let all = f64::from(level.shape.block_pixels());
+            let side = level.shape.side();
+            let mut texels = Vec::new();
+            for (y, x) in (0..side).flat_map(|y| (0..side).map(move |x| (y, x))) {
+                let [x, y] = [first[0] + f64::from(x), first[1] + f64::from(y)]
+                    .map(|at| ((at + 0.5) / all * 120.0 + 60.0) as u8);
+                texels.extend([x, y, key.block, 255]);
+            }
+            texels.resize(level.shape.bytes(layout.format), 0);
+            Ok(Tile {
+                format: layout.format,
+                shape: level.shape,
+                texels,
+            })
+        }
+    }
+
+    #[test]
+    fn parts_are_put_together_and_those_that_lack_come_from_the_block() {
+        let whole = TileShape::new(20).expect("in range");
+        let cut = TileShape::cut(20, 4).expect("in range");
+        let mut sparse = LevelLayout::of_blocks(cut, BlockSet(0b100_0000));
+        for part in (0..16).step_by(2) {
+            sparse.present.insert(5, part);
+        }
+        let made = Cut(vec![LayerLayout {
+            layer: MapLayer::Day,
+            format: TileFormat::Rgba8Srgb,
+            levels: vec![sparse, LevelLayout::of_blocks(whole, BlockSet::ALL)],
+        }]);
+        let found = whole_maps(&made, u64::MAX, &|| false).expect("maps");
+        let day = found.maps.layers[0].as_ref().expect("a day map");
+        assert_eq!((day.width, day.height), (1280, 640));
+        for (n, texel) in day.texels.chunks_exact(4).enumerate() {
+            let (x, y) = (n % 1280, n / 1280);
+            let block = (y / 80 * 16 + x / 80) as u8;
+            assert_eq!(texel[2], block, "{x} {y}");
+            for (value, at) in [(texel[0], x % 80), (texel[1], y % 80)] {
+                let exact = (at as f64 + 0.5) / 80.0 * 120.0 + 60.0;
+                assert!(
+                    (f64::from(value) - exact).abs() <= 1.3,
+                    "{x} {y}: {value} {exact}"
+                );
+            }
+        }
     }
 
     #[test]
