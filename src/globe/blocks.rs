@@ -16,7 +16,7 @@ pub const BLOCK_COUNT: u32 = COLUMNS * ROWS;
 const FINEST: u32 = 48;
 
 /// Longitude and latitude span of a block: 22.5°, radians.
-const SPAN_RAD: f64 = FRAC_PI_8;
+pub(super) const SPAN_RAD: f64 = FRAC_PI_8;
 
 /// The subdivision asked for is outside 1…48.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

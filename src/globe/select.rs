@@ -53,10 +53,8 @@ impl BlockGrid {
     /// too large by at most 0.34 %.
     pub fn distance_m(&self, block: Block, eye_itrf_m: DVec3) -> f64 {
         let eye = self.ellipsoid().scaled_from_itrf() * eye_itrf_m;
-        let length = eye.length();
-        // |e|² + 1 − 2m = (|e| − 1)² + 2(|e| − m), where nothing cancels for an eye above the block: m = |e|.
-        let beside = (length - self.rects[block.index() as usize].max_dot(eye)).max(0.0);
-        ((length - 1.0).powi(2) + 2.0 * beside).sqrt() * self.ellipsoid().equatorial_radius_m
+        let rect = &self.rects[block.index() as usize];
+        rect.distance(eye) * self.ellipsoid().equatorial_radius_m
     }
 
     /// Smallest and largest sine of the Sun's elevation over the block. Exact on a sphere; on the Earth to 0.004.

@@ -18,6 +18,6 @@ mod tests;
 
 #[cfg(feature = "terrain")]
 pub use context::{BoundVisibility, CullingContext, GroundBound, NormalCone};
-pub use frustum::{Containment, Frustum};
+pub use frustum::{Containment, Frustum, ScaledFrustum};
 pub use horizon::{GroundShell, Horizon, is_within_angle};
 pub use rect::{ScaledRect, max_toward};

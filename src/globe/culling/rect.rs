@@ -28,6 +28,14 @@ impl ScaledRect {
             along.dot(north).max(along.dot(south))
         }
     }
+
+    /// Distance from a point of scaled space, on or above the unit sphere, to the nearest of the rectangle.
+    pub fn distance(&self, eye: DVec3) -> f64 {
+        let length = eye.length();
+        // |e|² + 1 − 2m = (|e| − 1)² + 2(|e| − m), where nothing cancels for an eye above the rectangle: m = |e|.
+        let beside = (length - self.max_dot(eye)).max(0.0);
+        ((length - 1.0).powi(2) + 2.0 * beside).sqrt()
+    }
 }
 
 /// Largest horizontal component of `v` towards any meridian within `half_width_rad` (at most π/2) of the meridian `lon` (cos,
