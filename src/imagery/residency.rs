@@ -2,18 +2,23 @@
 
 use super::tile::{MAX_LEVELS, MapLayer, TileFormat, TileKey, TileShape};
 
-/// A fixed number of slots for tiles of one level of one map: a texture array.
+/// Most slots of a pool that holds parts: the layers of a texture that every adapter takes.
+pub const MAX_PART_SLOTS: u32 = 256;
+
+/// A fixed number of slots for tiles of one level of one map, or of a level and all that are cut into parts of its size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pool {
     /// The map.
     pub layer: MapLayer,
-    /// The level, 0 the finest; never the coarsest, which is held as a whole.
+    /// The level, 0 the finest, that is not cut; never the coarsest, which is held as a whole.
     pub level: u8,
+    /// Whether it holds the finer levels too, which are cut: then its slots are the layers of one texture.
+    pub has_parts: bool,
     /// How texels are stored.
     pub format: TileFormat,
     /// Size of its tiles.
     pub shape: TileShape,
-    /// Number of slots, 1…128.
+    /// Number of slots, 1…128, or with parts up to [`MAX_PART_SLOTS`].
     pub slots: u32,
 }
 
@@ -40,6 +45,60 @@ pub struct ResidentTile {
     pub level: u8,
     /// Where its texels are.
     pub slot: TileSlot,
+}
+
+/// A square of a block, and the tile that it is drawn with: that of a part that holds it, or the whole block's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PartCell {
+    /// The tile's slot, in the pool of the block's own tile.
+    pub index: u16,
+    /// How often the block is halved to get the part; 0 of the whole block.
+    pub depth: u8,
+}
+
+/// What the parts of a block are drawn with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PartTable {
+    /// The map.
+    pub layer: MapLayer,
+    /// The block, by its index.
+    pub block: u8,
+    /// The slot of the block's own tile.
+    pub own: u16,
+    /// How often the block is halved: it has 2^depth × 2^depth cells, row by row from the north-west.
+    pub depth: u8,
+    /// The first of them in [`PartTables::cells`].
+    pub first: u32,
+}
+
+/// What blocks are drawn with whose tiles are in pools with parts: a table for each map of each of these.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PartTables {
+    /// The tables.
+    pub tables: Vec<PartTable>,
+    /// The cells of all of them.
+    pub cells: Vec<PartCell>,
+}
+
+impl PartTables {
+    /// The table of a block of a map.
+    pub fn of(&self, layer: MapLayer, block: u8) -> Option<&PartTable> {
+        let mut tables = self.tables.iter();
+        tables.find(|table| (table.layer, table.block) == (layer, block))
+    }
+
+    /// The cells of a table.
+    pub fn cells(&self, table: &PartTable) -> &[PartCell] {
+        let first = table.first as usize;
+        let cells = self.cells.get(first..first + (1 << (2 * table.depth)));
+        cells.unwrap_or_default()
+    }
+
+    /// Forgets all; keeps the memory.
+    pub fn clear(&mut self) {
+        self.tables.clear();
+        self.cells.clear();
+    }
 }
 
 /// A part of a tile on its way into a slot: whole rows of one mip level.

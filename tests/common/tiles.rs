@@ -33,6 +33,19 @@ impl<F: Fn(f64, f64) -> [u8; 3] + Send + Sync> FunctionTiles<F> {
         }
     }
 
+    /// With levels before the finest that are cut into so many parts along a block's side, the finest first.
+    pub fn cut(mut self, parts: &[u32]) -> Self {
+        let levels = &mut self.layers[0].levels;
+        let pixels = levels[0].shape.pixels;
+        let cut = parts.iter().map(|parts| {
+            let shape = TileShape::cut(pixels, *parts).expect("a good size");
+            LevelLayout::of_blocks(shape, BlockSet::ALL)
+        });
+        let cut: Vec<_> = cut.collect();
+        levels.splice(0..0, cut);
+        self
+    }
+
     /// Keeps a level's tile only where `keep` says so, given the block's index.
     pub fn keep(mut self, level: usize, keep: impl Fn(u8) -> bool) -> Self {
         let mut present = BlockSet::default();
@@ -75,11 +88,16 @@ impl<F: Fn(f64, f64) -> [u8; 3] + Send + Sync> TileSource for FunctionTiles<F> {
         let (width, height) = (i64::from(shape.map_width()), i64::from(shape.map_height()));
         let side = shape.side() as i64;
         let block = key.block();
-        let first = |place: u32| i64::from(place * shape.pixels) - i64::from(TILE_BORDER);
+        let first = |place: u32, part: u32| {
+            i64::from((place * shape.parts + part) * shape.pixels) - i64::from(TILE_BORDER)
+        };
+        let part = u32::from(key.part);
+        let west = first(block.column, part % shape.parts);
+        let north = first(block.row, part / shape.parts);
         let mut texels = Vec::with_capacity(shape.bytes(TileFormat::Rgba8Srgb));
         for j in 0..side {
             for i in 0..side {
-                let (mut x, mut y) = (first(block.column) + i, first(block.row) + j);
+                let (mut x, mut y) = (west + i, north + j);
                 // Over a pole: the same row on the opposite meridian.
                 if y < 0 || y >= height {
                     y = if y < 0 { -1 - y } else { 2 * height - 1 - y };

@@ -24,16 +24,22 @@
 //! and from there in each coarser pool. A stand-in that is finer than its block's own tile gives way as soon as its slot
 //! is needed. Decoded tiles can fill their memory while the very tile that would free a slot is still queued; then the
 //! coarser stand-ins of their pools give way too, and tiles that are only expected soon are dropped.
+//!
+//! In a pool with parts of blocks a block's own tile is requested wherever its parts are, and stands in for all of them. So whatever
+//! else is drawn in their place, finer or coarser, gives way as soon as its slot is needed.
 
 mod cache;
 mod loader;
 mod pools;
 
-pub use super::residency::{Pool, ResidentTile, StreamCounters, TileSlot, Upload};
+pub use super::residency::{
+    PartCell, PartTable, PartTables, Pool, ResidentTile, StreamCounters, TileSlot, Upload,
+};
 pub use cache::{LoadError, LoadId, PendingLoad, TileCache};
 pub use pools::plan_pools;
 
 use super::tile::{MapLayer, TileKey, TileSource};
+use crate::globe::Part;
 use loader::Loader;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -119,6 +125,21 @@ impl TileStream {
     /// nobody waits for.
     pub fn draw(&mut self, layer: MapLayer, block: u8) -> Option<ResidentTile> {
         self.cache.draw(layer, block)
+    }
+
+    /// Adds a table of what the parts of a block are drawn with, `own` being what [`Self::draw`] answered for it; none if that is not the
+    /// tile that parts are finer than. `wanted` are parts of it in sight, each with the level asked for, whose parts are as large as it
+    /// or larger; of those that lie in one another the last counts. Where that level is not resident a finer part that nobody waits
+    /// for is drawn, else a coarser one, else the block's own tile.
+    pub fn draw_parts(
+        &mut self,
+        layer: MapLayer,
+        block: u8,
+        own: ResidentTile,
+        wanted: &[(Part, u8)],
+        tables: &mut PartTables,
+    ) {
+        self.cache.draw_parts(layer, block, own, wanted, tables);
     }
 
     /// Gives parts of decoded tiles to `write`, at most `budget` bytes but at least one row unless the budget is 0. A

@@ -1,6 +1,6 @@
 //! How a budget of texture memory is split into pools of tile-sized slots.
 
-use crate::imagery::residency::Pool;
+use crate::imagery::residency::{MAX_PART_SLOTS, Pool};
 use crate::imagery::tile::{LayerLayout, LevelLayout, MAX_LEVELS};
 
 /// Blocks of one level that a view commonly needs: those about the eye to its horizon, or a row round a pole.
@@ -20,10 +20,15 @@ const BLOCKS_OF_A_VIEW: u32 = 24;
 ///   ones under the eye.
 /// - What a step leaves over flows to the finer ones, and in the end back from the finest to the coarsest.
 ///
+/// Levels that are cut into parts share the pool of the finest level that is not, which has twice as many slots as it would have
+/// without.
+///
 /// A map that breaks the contract of [`LayerLayout`] gets no pool.
 pub fn plan_pools(layers: &[LayerLayout], texture_bytes: u64) -> Vec<Pool> {
     let layers = usable(layers);
-    let steps = layers.iter().map(|layer| layer.levels.len() - 1);
+    let steps = layers
+        .iter()
+        .map(|layer| layer.levels.len() - layer.cut_levels() - 1);
     let steps = steps.max().unwrap_or(0);
     let mut plan = Plan {
         steps: (0..steps)
@@ -57,32 +62,54 @@ pub fn plan_pools(layers: &[LayerLayout], texture_bytes: u64) -> Vec<Pool> {
         .collect()
 }
 
-/// The maps that keep the contract: one for each [`MapLayer`](crate::imagery::tile::MapLayer), 1…[`MAX_LEVELS`] levels.
+/// The maps that keep the contract: one for each [`MapLayer`](crate::imagery::tile::MapLayer), 1…[`MAX_LEVELS`] levels, those that
+/// are cut into parts first and of one size with the next, which is not the coarsest.
 pub(super) fn usable(layers: &[LayerLayout]) -> Vec<&LayerLayout> {
     let mut kept: Vec<&LayerLayout> = Vec::new();
     for layer in layers {
         let is_new = kept.iter().all(|other| other.layer != layer.layer);
-        if is_new && (1..=MAX_LEVELS).contains(&layer.levels.len()) {
+        if is_new && (1..=MAX_LEVELS).contains(&layer.levels.len()) && is_cut_well(layer) {
             kept.push(layer);
         }
     }
     kept
 }
 
+fn is_cut_well(layer: &LayerLayout) -> bool {
+    let cut = layer.cut_levels();
+    let Some(own) = layer.levels.get(cut) else {
+        return false;
+    };
+    let falls = |pair: &[LevelLayout]| pair[0].shape.parts > pair[1].shape.parts;
+    let of_one_size = |level: &LevelLayout| level.shape.pixels == own.shape.pixels;
+    layer.levels[cut..]
+        .iter()
+        .all(|level| level.shape.parts == 1)
+        && (cut == 0
+            || cut + 1 < layer.levels.len()
+                && layer.levels[..=cut].windows(2).all(falls)
+                && layer.levels[..cut].iter().all(of_one_size))
+}
+
 /// The pools of the levels that have so many streamed ones below them, still without slots, each with the number of its
 /// tiles.
 fn demands(layers: &[&LayerLayout], coarser: usize) -> Vec<(Pool, u32)> {
     let demand = |layer: &&LayerLayout| {
-        let level = layer.levels.len().checked_sub(2 + coarser)?;
-        let LevelLayout { shape, present } = &layer.levels[level];
+        let cut = layer.cut_levels();
+        let level = (layer.levels.len() - cut).checked_sub(2 + coarser)? + cut;
+        let has_parts = cut > 0 && level == cut;
+        let held = if has_parts { 0..=level } else { level..=level };
+        let tiles = layer.levels[held].iter().map(|level| level.present.len());
+        let most = if has_parts { MAX_PART_SLOTS } else { u32::MAX };
         let pool = Pool {
             layer: layer.layer,
             level: level as u8,
+            has_parts,
             format: layer.format,
-            shape: *shape,
+            shape: layer.levels[level].shape,
             slots: 0,
         };
-        Some((pool, present.len()))
+        Some((pool, tiles.sum::<u32>().min(most)))
     };
     layers.iter().filter_map(demand).collect()
 }
@@ -98,7 +125,7 @@ impl Plan {
     fn cost(&self, step: usize, blocks: u32) -> u64 {
         let pools = self.steps[step].iter();
         pools
-            .map(|(pool, tiles)| slot_bytes(pool) * u64::from(blocks.min(*tiles)))
+            .map(|(pool, tiles)| slot_bytes(pool) * u64::from(slots_for(pool, blocks).min(*tiles)))
             .sum()
     }
 
@@ -106,7 +133,10 @@ impl Plan {
     fn grow(&mut self, step: usize, allowance: u64) {
         let pools = &self.steps[step];
         let most = pools.iter().map(|(_, tiles)| *tiles).max().unwrap_or(0);
-        let have = pools.iter().map(|(pool, _)| pool.slots).max().unwrap_or(0);
+        let have = pools
+            .iter()
+            .map(|(pool, _)| pool.slots / slots_for(pool, 1));
+        let have = have.max().unwrap_or(0);
         let taken = self.cost(step, have);
         let blocks = (have..=most)
             .take_while(|blocks| self.cost(step, *blocks) - taken <= allowance)
@@ -114,7 +144,7 @@ impl Plan {
         let Some(blocks) = blocks else { return };
         self.left -= self.cost(step, blocks) - taken;
         for (pool, tiles) in &mut self.steps[step] {
-            pool.slots = blocks.min(*tiles);
+            pool.slots = slots_for(pool, blocks).min(*tiles);
         }
     }
 
@@ -127,6 +157,11 @@ impl Plan {
             }
         }
     }
+}
+
+/// Slots for so many blocks: with parts also for as many of these.
+fn slots_for(pool: &Pool, blocks: u32) -> u32 {
+    if pool.has_parts { 2 * blocks } else { blocks }
 }
 
 fn slot_bytes(pool: &Pool) -> u64 {

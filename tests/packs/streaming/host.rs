@@ -3,8 +3,10 @@
 use super::source::{scramble, tile};
 use std::collections::{HashMap, HashSet};
 use std::time::{Duration, Instant};
+use terrella::internals::globe::Part;
 use terrella::internals::imagery::stream::{
-    LoadError, LoadId, Pool, ResidentTile, StreamCounters, TileCache, TileRequest, TileSlot, Upload,
+    LoadError, LoadId, PartTables, Pool, ResidentTile, StreamCounters, TileCache, TileRequest,
+    TileSlot, Upload,
 };
 use terrella::internals::imagery::tile::{
     LayerLayout, MAX_LEVELS, MapLayer, TILE_MIPS, Tile, TileError, TileKey, TileShape,
@@ -55,6 +57,8 @@ pub struct Host {
     uploaded: u64,
     evictions: u64,
     truth: Truth,
+    /// The parts asked for in the last frame that were drawn, each with the coarsest level that any of it was drawn with.
+    pub parts_drawn: Vec<(TileKey, u8)>,
 }
 
 /// What the tiles must be.
@@ -98,6 +102,7 @@ impl Host {
                 tiles: HashMap::new(),
                 names: HashMap::new(),
             },
+            parts_drawn: Vec::new(),
         }
     }
 
@@ -125,6 +130,97 @@ impl Host {
         self.now += Duration::from_secs(61);
     }
 
+    /// Levels of a map that are cut into parts.
+    fn cut(&self, layer: MapLayer) -> u8 {
+        let mut layouts = self.truth.layers.iter();
+        let layout = layouts.find(|layout| layout.layer == layer);
+        layout.map_or(0, |layout| layout.cut_levels()) as u8
+    }
+
+    /// Tiles along a block's side at a level.
+    fn parts(&self, layer: MapLayer, level: u8) -> u32 {
+        let mut layouts = self.truth.layers.iter();
+        let layout = layouts.find(|layout| layout.layer == layer).unwrap();
+        layout.levels[usize::from(level)].shape.parts
+    }
+
+    /// Draws the parts that are asked for of a block; each cell must be there. Returns the coarsest level that each is drawn with.
+    fn draw_parts(
+        &mut self,
+        requests: &[TileRequest],
+        own_key: TileKey,
+        own: ResidentTile,
+        pictures: &mut Vec<(TileSlot, TileKey)>,
+    ) -> Vec<(TileKey, u8)> {
+        let TileKey { layer, block, .. } = own_key;
+        let cut = self.cut(layer);
+        let of_block = requests.iter().filter(|request| {
+            let key = request.key;
+            request.drawn && (key.layer, key.block) == (layer, block) && key.level < cut
+        });
+        let mut keys: Vec<TileKey> = of_block.map(|request| request.key).collect();
+        keys.sort_by_key(|key| std::cmp::Reverse(key.level));
+        keys.dedup();
+        let wanted: Vec<_> = keys
+            .iter()
+            .map(|key| {
+                let parts = self.parts(layer, key.level);
+                let part = Part {
+                    block: key.block(),
+                    depth: parts.ilog2() as u8,
+                    row: key.part / parts as u16,
+                    column: key.part % parts as u16,
+                };
+                (part, key.level)
+            })
+            .collect();
+        let mut tables = PartTables::default();
+        let before = self.cache.counters();
+        self.cache
+            .draw_parts(layer, block, own, &wanted, &mut tables);
+        if own.level != cut {
+            assert_eq!(tables, PartTables::default());
+            return Vec::new();
+        }
+        let after = self.cache.counters();
+        let counted = after.hits + after.fallbacks - before.hits - before.fallbacks;
+        assert_eq!(counted as usize, wanted.len());
+        let table = tables.tables[0];
+        let cells = tables.cells(&table);
+        let mut levels = Vec::new();
+        for (n, cell) in cells.iter().enumerate() {
+            let place = Part {
+                block: own_key.block(),
+                depth: table.depth,
+                row: (n >> table.depth) as u16,
+                column: (n & ((1 << table.depth) - 1)) as u16,
+            };
+            let level = (0..=cut).find(|level| self.parts(layer, *level) == 1 << cell.depth);
+            let level = level.expect("a level of this depth");
+            let slot = TileSlot {
+                pool: own.slot.pool,
+                index: cell.index,
+            };
+            let key = TileKey {
+                level,
+                part: place.index_at(cell.depth),
+                ..own_key
+            };
+            self.check_slot(slot, key);
+            pictures.push((slot, key));
+            levels.push((place, level));
+        }
+        // Each part by the cells in it, or the one that it lies in.
+        let drawn = wanted.iter().zip(keys).map(|((part, _), key)| {
+            let depth = part.depth.min(table.depth);
+            let in_part = levels
+                .iter()
+                .filter(|(place, _)| place.index_at(depth) == part.index_at(depth));
+            (key, in_part.map(|(_, level)| *level).max().expect("a cell"))
+        });
+        drawn.collect()
+    }
+
     /// One frame. Returns the level that each map of each block was drawn with.
     pub fn frame(
         &mut self,
@@ -139,6 +235,7 @@ impl Host {
         self.begin_loads();
         let mut drawn = HashMap::new();
         let mut pictures = Vec::new();
+        self.parts_drawn.clear();
         if draws {
             for request in requests.iter().filter(|request| request.drawn) {
                 let TileKey { layer, block, .. } = request.key;
@@ -152,20 +249,22 @@ impl Host {
                 }
                 let got = self.cache.draw(layer, block);
                 drawn.insert((layer, block), got.map(|tile| tile.level));
-                let Some(ResidentTile { level, slot }) = got else {
+                let Some(tile) = got else {
                     continue;
                 };
-                let key = TileKey {
-                    level,
-                    ..request.key
-                };
-                self.check_slot(slot, key);
-                pictures.push((slot, key));
+                let key = TileKey::whole(layer, tile.level, block);
+                self.check_slot(tile.slot, key);
+                pictures.push((tile.slot, key));
+                if self.cut(layer) > 0 {
+                    let parts = self.draw_parts(requests, key, tile, &mut pictures);
+                    self.parts_drawn.extend(parts);
+                }
             }
             let StreamCounters {
                 hits, fallbacks, ..
             } = self.cache.counters();
-            assert_eq!((hits + fallbacks) as usize, drawn.len());
+            let counted = drawn.len() + self.parts_drawn.len();
+            assert_eq!((hits + fallbacks) as usize, counted);
         }
         self.upload(budget);
         for (slot, key) in pictures {
@@ -277,11 +376,13 @@ impl Host {
     fn upload(&mut self, budget: u64) {
         let (mut written, mut evictions) = (0_u64, 0);
         let pools = self.cache.pools().to_vec();
+        let cut = MapLayer::ALL.map(|layer| self.cut(layer));
         let slots = &mut self.slots;
         let mut write = |part: Upload<'_>| {
             let Upload { slot, key, .. } = part;
             let pool = &pools[usize::from(slot.pool)];
-            assert_eq!((pool.layer, pool.level), (key.layer, key.level));
+            let level = key.level.max(cut[key.layer.index()]);
+            assert_eq!((pool.layer, pool.level), (key.layer, level));
             assert!(u32::from(slot.index) < pool.slots);
             let (rows, row_bytes) = pool.format.rows(pool.shape.mip_side(part.mip));
             assert!(part.mip < TILE_MIPS && part.first_row + part.rows <= rows);

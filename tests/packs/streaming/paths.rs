@@ -1,9 +1,10 @@
 //! Random eye paths over a simulated loader that is slow, fails and is told to stop.
 
 use super::host::{Host, Loading};
-use super::source::{layout, scramble};
+use super::source::{cut_layout, layout, scramble};
 use proptest::prelude::*;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use terrella::internals::globe::Part;
 use terrella::internals::imagery::stream::{Pool, TileRequest, plan_pools};
 use terrella::internals::imagery::tile::{
     BlockSet, LayerLayout, MapLayer, Storage, TileKey, TileSet,
@@ -34,6 +35,38 @@ fn distance(one: u8, other: u8) -> u32 {
     u32::from(columns.min(16 - columns).max(rows))
 }
 
+/// Requests parts of a part, none in another, some of it not at all.
+fn push_parts(
+    layer: &LayerLayout,
+    part: Part,
+    finest: u8,
+    drawn: bool,
+    noise: u64,
+    requests: &mut Vec<TileRequest>,
+) {
+    let noise = scramble(noise ^ u64::from(part.index_at(part.depth)) << 8);
+    let depth = |level: u8| layer.levels[usize::from(level)].shape.parts.ilog2() as u8;
+    let level = (finest..layer.cut_levels() as u8).find(|level| depth(*level) == part.depth);
+    match level {
+        Some(level) if noise % 3 > 0 || level == finest => {
+            if noise % 5 > 0 {
+                let key = TileKey {
+                    layer: layer.layer,
+                    level,
+                    block: part.block.index() as u8,
+                    part: part.index_at(part.depth),
+                };
+                requests.push(TileRequest { key, drawn });
+            }
+        }
+        _ => {
+            for quarter in part.quarters() {
+                push_parts(layer, quarter, finest, drawn, noise, requests);
+            }
+        }
+    }
+}
+
 /// What an eye requests: nearest blocks first and finest, then what is expected beyond.
 fn requests(layers: &[LayerLayout], step: &Step) -> Vec<TileRequest> {
     let mut blocks: Vec<u8> = (0..128)
@@ -52,10 +85,19 @@ fn requests(layers: &[LayerLayout], step: &Step) -> Vec<TileRequest> {
                 part: 0,
             };
             let drawn = away <= step.reach;
+            let cut = layer.cut_levels() as u8;
+            if key.level < cut {
+                let part = Part::whole(key.block());
+                push_parts(layer, part, key.level, drawn, noise, &mut requests);
+            }
+            let key = TileKey {
+                level: key.level.max(cut),
+                ..key
+            };
             requests.push(TileRequest { key, drawn });
             if noise % 5 == 1 {
                 // The same block is soon to be asked for finer.
-                let level = key.level.saturating_sub(1);
+                let level = key.level.saturating_sub(1).max(cut);
                 let key = TileKey { level, ..key };
                 requests.push(TileRequest { key, drawn: false });
             }
@@ -77,6 +119,47 @@ fn requests(layers: &[LayerLayout], step: &Step) -> Vec<TileRequest> {
     requests
 }
 
+/// The same for a part, or the next coarser one.
+fn promise_part(
+    layout: &LayerLayout,
+    request: &TileRequest,
+    slots: usize,
+    promised: &mut HashMap<TileKey, bool>,
+) {
+    let cut = layout.cut_levels() as u8;
+    let asked = request.key;
+    let parts = |level: u8| layout.levels[usize::from(level)].shape.parts as u16;
+    for level in asked.level..cut {
+        let (fine, coarse) = (parts(asked.level), parts(level));
+        let step = fine / coarse;
+        let key = TileKey {
+            level,
+            part: asked.part / fine / step * coarse + asked.part % fine / step,
+            ..asked
+        };
+        let of_pool = |k: &&TileKey| k.layer == key.layer && k.level <= cut;
+        let has_room =
+            promised.contains_key(&key) || promised.keys().filter(of_pool).count() < slots;
+        let present = &layout.levels[usize::from(level)].present;
+        if has_room && present.contains(key.block, key.part) {
+            promised.entry(key).or_insert(request.drawn);
+            return;
+        }
+    }
+}
+
+/// Whether a part is another, or holds it.
+fn holds(layout: &LayerLayout, key: TileKey, other: TileKey) -> bool {
+    let parts = |key: TileKey| layout.levels[usize::from(key.level)].shape.parts as u16;
+    let (coarse, fine) = (parts(key), parts(other));
+    let is_near = (key.layer, key.block) == (other.layer, other.block) && key.level >= other.level;
+    is_near && {
+        let step = fine / coarse;
+        let (row, column) = (other.part / fine / step, other.part % fine / step);
+        key.part == row * coarse + column
+    }
+}
+
 /// What the rules say that each map of each block is allocated to when every tile can be read: the oracle.
 fn allocated(
     layers: &[LayerLayout],
@@ -85,13 +168,29 @@ fn allocated(
 ) -> HashMap<TileKey, bool> {
     let mut promised: HashMap<TileKey, bool> = HashMap::new();
     let mut seen = Vec::new();
-    for drawn in [true, false] {
+    let mut seen_parts: HashSet<TileKey> = HashSet::new();
+    // Whole blocks before parts.
+    let turns = [(true, false), (true, true), (false, false), (false, true)];
+    for (drawn, of_parts) in turns {
         for request in requests.iter().filter(|request| request.drawn == drawn) {
             let TileKey { layer, block, .. } = request.key;
             let Some(layout) = layers.iter().find(|layout| layout.layer == layer) else {
                 continue;
             };
-            if block > 127 || drawn && seen.contains(&(layer, block)) {
+            let cut = layout.cut_levels() as u8;
+            if block > 127 || (request.key.level < cut) != of_parts {
+                continue;
+            }
+            if of_parts {
+                let own = TileKey::whole(layer, cut, block);
+                if seen_parts.insert(request.key) && promised.contains_key(&own) {
+                    let slots = pools.iter().find(|p| (p.layer, p.level) == (layer, cut));
+                    let slots = slots.map_or(0, |pool| pool.slots as usize);
+                    promise_part(layout, request, slots, &mut promised);
+                }
+                continue;
+            }
+            if drawn && seen.contains(&(layer, block)) {
                 continue;
             }
             if drawn {
@@ -106,7 +205,7 @@ fn allocated(
                 let pool = pools.iter().find(|p| (p.layer, p.level) == (layer, level));
                 let full = promised
                     .keys()
-                    .filter(|k| (k.layer, k.level) == (layer, level))
+                    .filter(|k| (k.layer, k.level.max(cut)) == (layer, level))
                     .count();
                 let has_room = promised.contains_key(&key)
                     || pool.is_some_and(|pool| full < pool.slots as usize);
@@ -163,19 +262,36 @@ fn maps() -> impl Strategy<Value = Vec<LayerLayout>> {
         &[16],
     ]);
     let absent = any::<u64>();
-    let map = (levels, prop::bool::ANY, absent);
+    let parts = prop::sample::select(vec![&[][..], &[2_u32], &[4, 2], &[4], &[8, 2]]);
+    let map = (levels, prop::bool::ANY, absent, parts);
     prop::collection::vec(map, 1..4).prop_map(|maps| {
         let places = maps.into_iter().zip(MapLayer::ALL);
-        let map = |((pixels, is_bc, absent), layer): ((&[u32], bool, u64), MapLayer)| {
+        type Map<'a> = (&'a [u32], bool, u64, &'a [u32]);
+        let map = |((pixels, is_bc, absent, parts), layer): (Map<'_>, MapLayer)| {
             let storage = if is_bc { Storage::Bc } else { Storage::Plain };
-            let mut map = layout(layer, storage, pixels);
+            let mut map = match parts.is_empty() {
+                true => layout(layer, storage, pixels),
+                false => cut_layout(layer, 20, parts, &[16, 16]),
+            };
             let streamed = map.levels.len() - 1;
+            let cut = map.cut_levels();
             for (level, entry) in map.levels[..streamed].iter_mut().enumerate() {
                 // A third of all maps lack some tiles.
                 if absent.is_multiple_of(3) {
                     let seed = absent ^ level as u64;
                     let bits = u128::from(scramble(seed)) << 64 | u128::from(scramble(!seed));
                     entry.present = TileSet::of_blocks(entry.shape, BlockSet(bits));
+                    if level < cut {
+                        // Some parts of every block.
+                        entry.present = TileSet::none(entry.shape);
+                        for tile in (0..).filter(|n| scramble(seed ^ n) % 3 > 0).take(1 << 13) {
+                            let of_block = u64::from(entry.shape.tiles_of_block());
+                            let (block, part) = (tile / of_block, tile % of_block);
+                            entry.present.insert(block.min(255) as u8, part as u16);
+                        }
+                    } else if level == cut && cut > 0 {
+                        entry.present = TileSet::all(entry.shape);
+                    }
                 }
             }
             map
@@ -241,13 +357,25 @@ proptest! {
         let before = host.counters();
         let drawn = host.frame(&still, true, 150);
         for ((layer, block), level) in drawn {
-            let of_block = |key: &&TileKey| (key.layer, key.block) == (layer, block);
+            let layout = maps.iter().find(|map| map.layer == layer);
+            let cut = layout.map_or(0, |layout| layout.cut_levels()) as u8;
+            let of_block = |key: &&TileKey| {
+                (key.layer, key.block) == (layer, block) && key.level >= cut
+            };
             let mut drawn_keys = promised.iter().filter(|(_, drawn)| **drawn);
             let expected = drawn_keys.find(|(key, _)| of_block(key)).map(|(key, _)| key.level);
             prop_assert_eq!(level, expected, "{:?} {}", layer, block);
         }
         for key in promised.keys() {
             prop_assert!(host.is_resident(*key), "{} was promised", key);
+        }
+        for (asked, level) in &host.parts_drawn {
+            // What was promised in its place, or the block's own tile; or something finer that is still there.
+            let layout = maps.iter().find(|map| map.layer == asked.layer).expect("a map");
+            let holders = promised.keys().filter(|key| holds(layout, **key, *asked));
+            let target = holders.map(|key| key.level).min();
+            let own = layout.cut_levels() as u8;
+            prop_assert!(*level <= target.unwrap_or(own), "{}: {}", asked, level);
         }
         let after = host.counters();
         prop_assert_eq!(after.fallbacks, 0);

@@ -24,6 +24,19 @@ pub fn layout(layer: MapLayer, storage: Storage, pixels: &[u32]) -> LayerLayout 
     }
 }
 
+/// A map whose finest levels are cut: texels of a tile's side, and how many parts lie along a block's side at each of them, the finest
+/// first; and the sides of the coarser ones.
+pub fn cut_layout(layer: MapLayer, pixels: u32, parts: &[u32], coarser: &[u32]) -> LayerLayout {
+    let whole = [&[pixels][..], coarser].concat();
+    let mut layout = layout(layer, Storage::Plain, &whole);
+    let cut = parts.iter().map(|parts| {
+        let shape = TileShape::cut(pixels, *parts).unwrap();
+        LevelLayout::of_blocks(shape, BlockSet::ALL)
+    });
+    layout.levels = cut.chain(layout.levels.iter().cloned()).collect();
+    layout
+}
+
 /// The tile of these layouts.
 pub fn tile(layers: &[LayerLayout], key: TileKey) -> Tile {
     let layer = layers.iter().find(|layer| layer.layer == key.layer);
@@ -34,7 +47,7 @@ pub fn tile(layers: &[LayerLayout], key: TileKey) -> Tile {
         "{key} is not there"
     );
     let name = ((key.layer.index() as u64) << 16) | (u64::from(key.level) << 8);
-    let seed = scramble(name | u64::from(key.block));
+    let seed = scramble(name | u64::from(key.part) << 32 | u64::from(key.block));
     let bytes = level.shape.bytes(layer.format) as u64;
     Tile {
         format: layer.format,

@@ -1,6 +1,6 @@
 //! Allocation of the pools' slots to requested tiles.
 
-use super::{Allocation, Level, PendingUpload, TileCache, TileRequest, TileStage, table_index};
+use super::{Allocation, Level, PendingUpload, TileCache, TileRequest, TileStage};
 use crate::globe::BLOCK_COUNT;
 use crate::imagery::tile::{MAX_LEVELS, TileKey};
 use std::time::Instant;
@@ -11,7 +11,8 @@ impl TileCache {
     ///
     /// Requests for the picture come before those that are only expected. Each is promised a slot: at the level asked for,
     /// or, where the pool is promised to others or there is no such tile, at the next coarser one that can be had. A tile
-    /// that could not be read is passed over likewise; when it is due to be tried again it is loaded beside its stand-in.
+    /// that could not be read is passed over likewise; when it is due to be tried again it is loaded beside its stand-in. Requests for
+    /// parts come after those for the tiles of whole blocks, which they need.
     pub fn allocate(&mut self, now: Instant, requests: &[TileRequest], reserved_bytes: u64) {
         self.frame += 1;
         self.promises = 0;
@@ -24,9 +25,18 @@ impl TileCache {
         }
         self.queue.clear();
         self.targets.clear();
+        self.stand_ins.clear();
         for drawn in [true, false] {
-            for request in requests.iter().filter(|request| request.drawn == drawn) {
-                self.allocate_one(now, request);
+            let of_kind = |request: &&TileRequest| request.drawn == drawn;
+            for request in requests.iter().filter(of_kind) {
+                if !self.is_cut(request.key) {
+                    self.allocate_one(now, request);
+                }
+            }
+            for request in requests.iter().filter(of_kind) {
+                if self.is_cut(request.key) {
+                    self.allocate_part(now, request);
+                }
             }
         }
         for pool_state in &mut self.pool_states {
@@ -37,6 +47,10 @@ impl TileCache {
         self.sort_pending();
     }
 
+    fn is_cut(&self, key: TileKey) -> bool {
+        usize::from(key.level) < self.maps[key.layer.index()].cut
+    }
+
     fn allocate_one(&mut self, now: Instant, request: &TileRequest) {
         let (frame, TileKey { layer, block, .. }) = (self.frame, request.key);
         let levels = self.maps[layer.index()].levels.len() as u8;
@@ -45,17 +59,12 @@ impl TileCache {
         }
         let coarsest = levels - 1;
         let asked = request.key.level.min(coarsest);
-        let at = |level| TileKey {
-            layer,
-            level,
-            block,
-            part: 0,
-        };
+        let at = |level| TileKey::whole(layer, level, block);
         let allocation = layer.index() * BLOCK_COUNT as usize + usize::from(block);
         if request.drawn && self.allocations[allocation].frame == frame {
             return;
         }
-        let state = &mut self.tiles[table_index(at(asked))];
+        let state = &mut self.tiles[self.places.of(at(asked))];
         if asked < coarsest && state.asked != frame {
             state.asked = frame;
             self.counters.requested[usize::from(asked)] += 1;
@@ -66,7 +75,7 @@ impl TileCache {
                 continue;
             }
             target.get_or_insert(level);
-            match self.tiles[table_index(at(level))].retry_at {
+            match self.tile(at(level)).retry_at {
                 None => {
                     goal = Some(level);
                     break;
@@ -94,23 +103,23 @@ impl TileCache {
     }
 
     /// There is such a tile, and its pool has a slot for it that is not promised to a more urgent one.
-    fn can_promise(&self, key: TileKey) -> bool {
+    pub(super) fn can_promise(&self, key: TileKey) -> bool {
         let Some(level) = self.level(key) else {
             return false;
         };
         let Some(pool) = level.pool else { return false };
         let pool_state = &self.pool_states[usize::from(pool)];
         level.present.contains(key.block, key.part)
-            && (self.tiles[table_index(key)].is_promised(self.frame)
+            && (self.tile(key).is_promised(self.frame)
                 || pool_state.promised < pool_state.slots.len() as u32)
     }
 
-    fn promise(&mut self, key: TileKey, is_drawn: bool) {
+    pub(super) fn promise(&mut self, key: TileKey, is_drawn: bool) {
         let Some(pool) = self.pool_of(key) else {
             return;
         };
         let (state, pool_state) = (
-            &mut self.tiles[table_index(key)],
+            &mut self.tiles[self.places.of(key)],
             &mut self.pool_states[pool],
         );
         if state.is_promised(self.frame) {
@@ -134,12 +143,10 @@ impl TileCache {
     /// Cancels what is under way and no longer requested.
     fn cancel_unrequested(&mut self) {
         for load in &mut self.pending_loads {
-            load.cancel = !self.tiles[table_index(load.key)].is_promised(self.frame);
+            load.cancel = !self.tiles[self.places.of(load.key)].is_promised(self.frame);
             load.was_cancelled |= load.cancel;
         }
-        self.drop_pending(|cache, pending| {
-            !cache.tiles[table_index(pending.key)].is_promised(cache.frame)
-        });
+        self.drop_pending(|cache, pending| !cache.tile(pending.key).is_promised(cache.frame));
     }
 
     /// Sees to it that decoded tiles without a slot do not keep out a load of this frame's picture for ever.
@@ -148,15 +155,13 @@ impl TileCache {
             return;
         };
         let bytes = self.level(head).map_or(0, Level::bytes);
-        let lacks_memory = self.tiles[table_index(head)].is_drawn
+        let lacks_memory = self.tile(head).is_drawn
             && reserved_bytes > 0
             && reserved_bytes.saturating_add(bytes) > self.decoded_limit;
         if !lacks_memory {
             return;
         }
-        self.drop_pending(|cache, pending| {
-            pending.is_blocked && !cache.tiles[table_index(pending.key)].is_drawn
-        });
+        self.drop_pending(|cache, pending| pending.is_blocked && !cache.tile(pending.key).is_drawn);
         for place in 0..self.pending_uploads.len() {
             let PendingUpload {
                 key, is_blocked, ..
@@ -179,7 +184,7 @@ impl TileCache {
             self.retired.push(tile);
             self.counters.cancelled += 1;
             let pool = self.pool_of(key);
-            let state = &mut self.tiles[table_index(key)];
+            let state = &mut self.tiles[self.places.of(key)];
             if let (Some(slot), Some(pool)) = (state.slot(), pool) {
                 self.pool_states[pool].slots[usize::from(slot)].tile = None;
             }

@@ -1,6 +1,6 @@
 //! What a block is drawn with.
 
-use super::{TileCache, TileStage, table_index};
+use super::{TileCache, TileStage};
 use crate::globe::BLOCK_COUNT;
 use crate::imagery::stream::{ResidentTile, TileSlot};
 use crate::imagery::tile::{MapLayer, TileKey};
@@ -19,19 +19,14 @@ impl TileCache {
         }
         let coarsest = levels - 1;
         let coarser = allocation.goal..coarsest;
-        // A map that the eye asks for no finer is drawn as it is.
+        // A map that the eye asks for no finer is drawn as it is. Parts are no tiles of the whole block.
         let finer = if allocation.goal < coarsest {
-            0..allocation.goal
+            self.maps[layer.index()].cut as u8..allocation.goal
         } else {
             0..0
         };
         let drawn = coarser.chain(finer.rev()).find_map(|level| {
-            let key = TileKey {
-                layer,
-                level,
-                block,
-                part: 0,
-            };
+            let key = TileKey::whole(layer, level, block);
             let slot = self.drawable(key, level < allocation.goal)?;
             Some(ResidentTile { level, slot })
         });
@@ -45,9 +40,9 @@ impl TileCache {
     }
 
     /// The slot of a tile that may be drawn; marks it.
-    fn drawable(&mut self, key: TileKey, is_finer: bool) -> Option<TileSlot> {
+    pub(super) fn drawable(&mut self, key: TileKey, is_finer: bool) -> Option<TileSlot> {
         let pool = self.pool_of(key)?;
-        let state = &self.tiles[table_index(key)];
+        let state = &self.tiles[self.places.of(key)];
         let TileStage::Resident(index) = state.stage else {
             return None;
         };

@@ -2,15 +2,17 @@
 
 mod allocate;
 mod draw;
+mod parts;
+mod places;
 mod upload;
 
 use super::pools::usable;
 use super::{Pool, StreamCounters, TileRequest};
 use crate::globe::BLOCK_COUNT;
 use crate::imagery::tile::{
-    LayerLayout, LevelLayout, MAP_LAYERS, MAX_LEVELS, Tile, TileError, TileFormat, TileKey,
-    TileSet, TileShape,
+    LayerLayout, LevelLayout, MAP_LAYERS, Tile, TileError, TileFormat, TileKey, TileSet, TileShape,
 };
+use places::TilePlaces;
 use std::time::{Duration, Instant};
 
 /// Why a load gave no tile.
@@ -63,12 +65,15 @@ pub struct PendingLoad {
 /// [`Self::finish`] when it is there or has failed. [`super::TileStream`] does it with threads.
 pub struct TileCache {
     maps: [MapLevels; MAP_LAYERS],
+    places: TilePlaces,
     pools: Vec<Pool>,
     pool_states: Vec<PoolState>,
     tiles: Vec<TileState>,
     allocations: Vec<Allocation>,
     queue: Vec<TileKey>,
     targets: Vec<TileKey>,
+    /// Parts that stand in for targets which cannot be read.
+    stand_ins: Vec<TileKey>,
     pending_loads: Vec<PendingLoad>,
     pending_uploads: Vec<PendingUpload>,
     retired: Vec<Tile>,
@@ -84,6 +89,8 @@ pub struct TileCache {
 #[derive(Clone, Default)]
 struct MapLevels {
     levels: Vec<Level>,
+    /// How many of them are cut into parts.
+    cut: usize,
 }
 
 #[derive(Clone)]
@@ -148,6 +155,8 @@ struct TileState {
     promised: u64,
     /// The last frame that it was asked for in.
     asked: u64,
+    /// Of a part, when it was asked for last: the level that a slot was promised at.
+    target: u8,
     /// The promise is for this frame's picture.
     is_drawn: bool,
     /// Place among the promises, 0 the most urgent.
@@ -196,31 +205,30 @@ impl TileState {
     }
 }
 
-/// Where a tile stands in the table of all tiles.
-fn table_index(key: TileKey) -> usize {
-    (key.layer.index() * MAX_LEVELS + usize::from(key.level)) * BLOCK_COUNT as usize
-        + usize::from(key.block)
-}
-
-const ALL_TILES: usize = MAP_LAYERS * MAX_LEVELS * BLOCK_COUNT as usize;
-
 impl TileCache {
     /// For a source's maps and pools made by [`super::plan_pools`] from them. `decoded_bytes` is the limit that the host
     /// keeps for tiles under way or waiting.
     pub fn new(layers: &[LayerLayout], pools: Vec<Pool>, decoded_bytes: u64) -> Self {
         let mut maps: [MapLevels; MAP_LAYERS] = Default::default();
-        for layout in usable(layers) {
+        let usable = usable(layers);
+        let places = TilePlaces::new(&usable);
+        for layout in usable {
+            let cut = layout.cut_levels();
             let level = |(place, level): (usize, &LevelLayout)| Level {
                 present: level.present.clone(),
                 pool: pools
                     .iter()
-                    .position(|pool| pool.layer == layout.layer && usize::from(pool.level) == place)
+                    .position(|pool| {
+                        pool.layer == layout.layer && usize::from(pool.level) == place.max(cut)
+                    })
                     .map(|pool| pool as u16),
                 format: layout.format,
                 shape: level.shape,
             };
-            maps[layout.layer.index()].levels =
-                layout.levels.iter().enumerate().map(level).collect();
+            maps[layout.layer.index()] = MapLevels {
+                levels: layout.levels.iter().enumerate().map(level).collect(),
+                cut,
+            };
         }
         let slots: u32 = pools.iter().map(|pool| pool.slots).sum();
         let pool_state = |pool: &Pool| PoolState {
@@ -232,10 +240,12 @@ impl TileCache {
             maps,
             pool_states: pools.iter().map(pool_state).collect(),
             pools,
-            tiles: vec![TileState::default(); ALL_TILES],
+            tiles: vec![TileState::default(); places.len()],
+            places,
             allocations: vec![Allocation::default(); MAP_LAYERS * BLOCK_COUNT as usize],
             queue: Vec::with_capacity(slots as usize),
-            targets: Vec::with_capacity(MAP_LAYERS * BLOCK_COUNT as usize),
+            targets: Vec::with_capacity(MAP_LAYERS * BLOCK_COUNT as usize + slots as usize),
+            stand_ins: Vec::with_capacity(slots as usize),
             pending_loads: Vec::with_capacity(64),
             pending_uploads: Vec::with_capacity(64),
             retired: Vec::with_capacity(64),
@@ -284,34 +294,51 @@ impl TileCache {
 
     /// Drawn requests of this frame that are not resident at the level asked for after allocation, though they could be.
     pub fn missing(&self) -> impl Iterator<Item = TileKey> + '_ {
-        let is_missing =
-            |key: &TileKey| !matches!(self.tiles[table_index(*key)].stage, TileStage::Resident(_));
+        let is_missing = |key: &TileKey| !self.is_resident(*key);
         self.targets.iter().copied().filter(is_missing)
     }
 
     /// Whether nothing is left to wait for: all that this frame draws is resident, or could not be read and what
     /// stands in for it is resident. A tile that failed once is tried again by and by and not waited for.
     pub fn is_settled(&self) -> bool {
-        let is_resident =
-            |key: TileKey| matches!(self.tiles[table_index(key)].stage, TileStage::Resident(_));
-        self.targets.iter().all(|key| {
+        let could_not_be_read = |key: TileKey| self.tile(key).retry_at.is_some();
+        let stands_in = |key: TileKey| self.is_resident(key) || could_not_be_read(key);
+        let is_there = |key: TileKey| {
             let allocation = key.layer.index() * BLOCK_COUNT as usize + usize::from(key.block);
             let level = self.allocations[allocation].goal;
-            let goal = TileKey { level, ..*key };
-            is_resident(*key)
-                || self.tiles[table_index(*key)].retry_at.is_some()
+            let goal = TileKey {
+                level,
+                part: 0,
+                ..key
+            };
+            self.is_resident(key)
+                || could_not_be_read(key)
                     && (self.level(goal).is_none_or(|level| level.pool.is_none())
-                        || is_resident(goal))
-        })
+                        || self.is_resident(goal))
+        };
+        self.targets.iter().all(|key| is_there(*key))
+            && self.stand_ins.iter().all(|key| stands_in(*key))
+    }
+
+    fn is_resident(&self, key: TileKey) -> bool {
+        matches!(self.tile(key).stage, TileStage::Resident(_))
+    }
+
+    fn tile(&self, key: TileKey) -> &TileState {
+        &self.tiles[self.places.of(key)]
+    }
+
+    fn tile_mut(&mut self, key: TileKey) -> &mut TileState {
+        &mut self.tiles[self.places.of(key)]
     }
 
     /// A thread has taken a tile from the queue. False, and nothing else, if it is not there to be taken.
     pub fn begin(&mut self, key: TileKey, id: LoadId) -> bool {
         let known = self.level(key).is_some();
-        if !known || self.tiles[table_index(key)].stage != TileStage::Away {
+        if !known || self.tile(key).stage != TileStage::Away {
             return false;
         }
-        self.tiles[table_index(key)].stage = TileStage::Loading;
+        self.tile_mut(key).stage = TileStage::Loading;
         self.queue.retain(|queued| *queued != key);
         self.pending_loads.push(PendingLoad {
             key,
@@ -337,7 +364,7 @@ impl TileCache {
             (Ok(tile), Some(level)) => check(tile, level.format, level.shape),
             (result, _) => result,
         };
-        let state = &mut self.tiles[table_index(key)];
+        let state = &mut self.tiles[self.places.of(key)];
         state.stage = TileStage::Away;
         match result {
             Ok(tile) => {
@@ -377,7 +404,9 @@ impl TileCache {
         let level = self.maps[key.layer.index()]
             .levels
             .get(usize::from(key.level))?;
-        (u32::from(key.block) < BLOCK_COUNT).then_some(level)
+        let is_there =
+            u32::from(key.block) < BLOCK_COUNT && key.part < level.shape.tiles_of_block();
+        is_there.then_some(level)
     }
 
     /// The pool of a tile's level.
@@ -387,9 +416,9 @@ impl TileCache {
 
     /// The tile begun first, then the most urgent: one that is half in its slot is of no use yet.
     fn sort_pending(&mut self) {
-        let tiles = &self.tiles;
+        let (tiles, places) = (&self.tiles, self.places);
         self.pending_uploads.sort_unstable_by_key(|pending| {
-            let state = &tiles[table_index(pending.key)];
+            let state = &tiles[places.of(pending.key)];
             (state.slot().is_none(), state.rank)
         });
     }

@@ -1,7 +1,7 @@
 //! Where a decoded tile becomes resident: its upload into a slot, part by part; the tile used longest ago is evicted where
 //! no slot is empty.
 
-use super::{PendingUpload, TileCache, TileStage, table_index};
+use super::{PendingUpload, TileCache, TileStage};
 use crate::imagery::stream::{TileSlot, Upload};
 use crate::imagery::tile::{TILE_MIPS, TileKey};
 
@@ -28,13 +28,13 @@ impl TileCache {
             }
             let PendingUpload { key, tile, .. } = self.pending_uploads.remove(next);
             self.retired.push(tile);
-            self.tiles[table_index(key)].stage = TileStage::Resident(slot.index);
+            self.tile_mut(key).stage = TileStage::Resident(slot.index);
             self.counters.resident[usize::from(key.level)] += 1;
             self.counters.completed += 1;
         }
         for place in 0..self.pending_uploads.len() {
             let key = self.pending_uploads[place].key;
-            let has_slot = self.tiles[table_index(key)].slot().is_some();
+            let has_slot = self.tile(key).slot().is_some();
             self.pending_uploads[place].is_blocked = !has_slot && !self.has_slot_to_take(key);
         }
         self.counters.uploaded_bytes += written;
@@ -44,7 +44,7 @@ impl TileCache {
     /// The slot that a tile is being written to; takes one if it has none yet.
     fn slot_for(&mut self, key: TileKey) -> Option<TileSlot> {
         let pool = self.pool_of(key)?;
-        let index = match self.tiles[table_index(key)].slot() {
+        let index = match self.tile(key).slot() {
             Some(index) => index,
             None => self.take_slot(key, pool)?,
         };
@@ -59,7 +59,7 @@ impl TileCache {
             return false;
         };
         let pool_state = &self.pool_states[pool];
-        let kept = if self.tiles[table_index(key)].is_drawn {
+        let kept = if self.tile(key).is_drawn {
             0
         } else {
             pool_state.lacking_drawn
@@ -72,16 +72,16 @@ impl TileCache {
         if !self.has_slot_to_take(key) {
             return None;
         }
-        let (frame, tiles) = (self.frame, &self.tiles);
+        let (frame, tiles, places) = (self.frame, &self.tiles, self.places);
         let slots = self.pool_states[pool].slots.iter().enumerate();
         let (index, slot) = slots
             .filter(|(_, slot)| match slot.tile {
                 None => true,
-                Some(held) => slot.drawn != frame && !tiles[table_index(held)].is_promised(frame),
+                Some(held) => slot.drawn != frame && !tiles[places.of(held)].is_promised(frame),
             })
             .min_by_key(|(_, slot)| slot.tile.map(|_| slot.used))?;
         if let Some(held) = slot.tile {
-            self.tiles[table_index(held)].stage = TileStage::Away;
+            self.tile_mut(held).stage = TileStage::Away;
             self.counters.resident[usize::from(held.level)] -= 1;
             self.counters.evictions += 1;
         }
@@ -90,7 +90,7 @@ impl TileCache {
         (slot.tile, slot.used) = (Some(key), frame);
         pool_state.available -= 1;
         pool_state.held += 1;
-        let state = &mut self.tiles[table_index(key)];
+        let state = &mut self.tiles[self.places.of(key)];
         pool_state.lacking_drawn -= u32::from(state.is_drawn);
         let index = index as u16;
         state.stage = TileStage::Uploading(index);
