@@ -20,7 +20,8 @@ import earth/surface_point.wgsl;
 
 // How maps are read there: fn sample_map(map, filtering, layer, at: SurfacePoint) -> vec4f.
 @if(!geolocation && !tiles) import earth/maps/whole_maps.wgsl;
-@if(!geolocation && tiles) import earth/maps/tiles.wgsl;
+@if(!geolocation && tiles && !parts) import earth/maps/tiles.wgsl;
+@if(!geolocation && parts) import earth/maps/tile_parts.wgsl;
 @if(per_block_tiles) import earth/maps/per_block_tiles.wgsl;
 
 // How the ground leans: fn surface_normal(at: SurfacePoint) -> vec3f.

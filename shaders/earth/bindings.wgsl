@@ -16,7 +16,8 @@
 // | 1     | 3, 8    | city lights                 | night_lights     |
 // | 1     | 4, 9    | open water                  | water            |
 //
-// Group 1 is the whole Earth's, or with tiles each block's own: maps then are tiles of its block or whole maps.
+// Group 1 is the whole Earth's, or with tiles each block's own: maps then are tiles of its block or whole maps. With parts they are
+// arrays: of one such map, or of the tiles of a block's own size, among which are those of its parts.
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 
@@ -36,13 +37,18 @@
 // One tree after another.
 @if(cast) @group(0) @binding(6) var<storage, read> contour_nodes: array<ContourNode>;
 
-@if(picture) @group(1) @binding(0) var day_map: texture_2d<f32>;
+@if(picture && !parts) @group(1) @binding(0) var day_map: texture_2d<f32>;
+@if(picture && parts) @group(1) @binding(0) var day_map: texture_2d_array<f32>;
 @if(picture) @group(1) @binding(5) var day_sampler: sampler;
-@if(clouds) @group(1) @binding(1) var cloud_map: texture_2d<f32>;
+@if(clouds && !parts) @group(1) @binding(1) var cloud_map: texture_2d<f32>;
+@if(clouds && parts) @group(1) @binding(1) var cloud_map: texture_2d_array<f32>;
 @if(clouds) @group(1) @binding(6) var cloud_sampler: sampler;
-@if(normals) @group(1) @binding(2) var slope_map: texture_2d<f32>;
+@if(normals && !parts) @group(1) @binding(2) var slope_map: texture_2d<f32>;
+@if(normals && parts) @group(1) @binding(2) var slope_map: texture_2d_array<f32>;
 @if(normals) @group(1) @binding(7) var slope_sampler: sampler;
-@if(night_lights) @group(1) @binding(3) var light_map: texture_2d<f32>;
+@if(night_lights && !parts) @group(1) @binding(3) var light_map: texture_2d<f32>;
+@if(night_lights && parts) @group(1) @binding(3) var light_map: texture_2d_array<f32>;
 @if(night_lights) @group(1) @binding(8) var light_sampler: sampler;
-@if(water) @group(1) @binding(4) var water_map: texture_2d<f32>;
+@if(water && !parts) @group(1) @binding(4) var water_map: texture_2d<f32>;
+@if(water && parts) @group(1) @binding(4) var water_map: texture_2d_array<f32>;
 @if(water) @group(1) @binding(9) var water_sampler: sampler;

@@ -19,6 +19,8 @@ pub(super) struct MapArrangement {
     layout: wgpu::BindGroupLayout,
     repeat: wgpu::Sampler,
     clamp: wgpu::Sampler,
+    /// Whether maps are bound as arrays, of one or more layers.
+    are_arrays: bool,
 }
 
 /// Binding of a map's sampler less that of its texture.
@@ -33,6 +35,7 @@ impl Maps {
         display_values: bool,
         shown: [bool; MAP_LAYERS],
         anisotropy: u16,
+        are_arrays: bool,
     ) -> Self {
         let whole = MapLayer::ALL.map(|layer| {
             let image = layers.get(layer)?;
@@ -48,7 +51,7 @@ impl Maps {
         let there = whole.each_ref().map(Option::is_some);
         Self {
             whole,
-            arrangement: MapArrangement::new(device, there, shown, anisotropy),
+            arrangement: MapArrangement::new(device, there, shown, anisotropy, are_arrays),
         }
     }
 
@@ -87,15 +90,20 @@ impl Maps {
     ) -> wgpu::BindGroup {
         let mut entries = Vec::with_capacity(2 * MAP_LAYERS);
         let MapArrangement { repeat, clamp, .. } = &self.arrangement;
+        let arrays: [_; MAP_LAYERS] = std::array::from_fn(|n| {
+            let is_bound = self.arrangement.are_arrays && tiles[n].is_none();
+            let whole = self.whole[n].as_ref().filter(|_| is_bound)?;
+            Some(array_view(whole.view.texture()))
+        });
         let shown = self.whole.iter().zip(self.arrangement.shown);
-        let shown = (0..).zip(shown).zip(tiles);
-        for ((binding, (whole, shown)), tile) in shown {
+        let shown = (0..).zip(shown).zip(tiles.into_iter().zip(&arrays));
+        for ((binding, (whole, shown)), (tile, array)) in shown {
             let Some(whole) = whole.as_ref().filter(|_| shown) else {
                 continue;
             };
             let (view, sampler) = match tile {
                 Some(tile) => (tile, clamp),
-                None => (&whole.view, repeat),
+                None => (array.as_ref().unwrap_or(&whole.view), repeat),
             };
             entries.push(wgpu::BindGroupEntry {
                 binding,
@@ -114,6 +122,14 @@ impl Maps {
     }
 }
 
+/// A texture as an array, be it of one layer.
+pub(super) fn array_view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    })
+}
+
 impl MapArrangement {
     /// Of the maps that are `there` those that are `shown`.
     pub fn new(
@@ -121,6 +137,7 @@ impl MapArrangement {
         there: [bool; MAP_LAYERS],
         shown: [bool; MAP_LAYERS],
         anisotropy: u16,
+        are_arrays: bool,
     ) -> Self {
         let sampler = |label, address_mode_u| {
             device.create_sampler(&wgpu::SamplerDescriptor {
@@ -140,8 +157,12 @@ impl MapArrangement {
             .zip(shown)
             .filter(|(_, shown)| *shown)
             .flat_map(|(binding, _)| {
+                let dimension = match are_arrays {
+                    true => wgpu::TextureViewDimension::D2Array,
+                    false => wgpu::TextureViewDimension::D2,
+                };
                 [
-                    super::texture_entry(binding, wgpu::TextureViewDimension::D2),
+                    super::texture_entry(binding, dimension),
                     super::sampler_entry(binding + SAMPLERS),
                 ]
             })
@@ -154,6 +175,7 @@ impl MapArrangement {
             }),
             repeat: sampler("terrella whole maps", wgpu::AddressMode::Repeat),
             clamp: sampler("terrella tiles", wgpu::AddressMode::ClampToEdge),
+            are_arrays,
         }
     }
 

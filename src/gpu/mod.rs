@@ -65,7 +65,7 @@ pub(crate) use contours::PageMesh;
 pub(crate) use grid::GridMesh;
 pub(crate) use layers::GpuLayer;
 pub(crate) use pipeline::PipelineDescription;
-pub(crate) use plan::{AirPlan, BlockTiles, FramePlan};
+pub(crate) use plan::{AirPlan, BlockTiles, ChosenTiles, FramePlan};
 pub use read_back::PictureError;
 #[cfg(feature = "celestial")]
 pub(crate) use shader::GLARE_RADIUS_RAD;

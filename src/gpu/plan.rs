@@ -5,13 +5,20 @@ use super::{AirSide, FrameUniforms};
 use crate::air::Billboard;
 use crate::frames::Ellipsoid;
 use crate::globe::{BLOCK_COUNT, Block, BlockGrid, BlockSet, TangentCone};
-use crate::imagery::residency::ResidentTile;
+use crate::imagery::residency::{PartTables, ResidentTile};
 use crate::imagery::tile::MAP_LAYERS;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 
 /// The tiles that a block is drawn with, by [`crate::imagery::tile::MapLayer::index`]; `None` is the whole map.
 pub(crate) type BlockTiles = [Option<ResidentTile>; MAP_LAYERS];
+
+/// What the blocks in sight are drawn with, and parts of them.
+#[derive(Default)]
+pub(crate) struct ChosenTiles {
+    pub blocks: Vec<(Block, BlockTiles)>,
+    pub parts: PartTables,
+}
 
 /// All that a frame draws but the patches of ground with relief: these stay with the surface that made them.
 ///

@@ -10,7 +10,7 @@ use super::surface_pipelines::{
 };
 use super::surface_view::{PassGroups, SurfaceView};
 use super::tiles::TileTextures;
-use super::{Binding, BlockTiles, FramePlan, GpuMap, MapError, ShaderError, SurfaceLightUniforms};
+use super::{Binding, ChosenTiles, FramePlan, GpuMap, MapError, ShaderError, SurfaceLightUniforms};
 use crate::globe::{Block, BlockSet, Shading};
 use crate::imagery::EarthLayers;
 use crate::imagery::residency::{Pool, Upload};
@@ -24,6 +24,11 @@ pub(crate) struct SurfaceDrawable {
     /// Whether triangles that lie in several blocks are drawn with the tiles of each.
     crossing: bool,
     pub texture_bytes: u64,
+}
+
+/// Whether blocks with tiles may be cut into parts.
+fn has_parts(pools: Option<&[Pool]>) -> bool {
+    pools.is_some_and(|pools| pools.iter().any(|pool| pool.has_parts))
 }
 
 /// What blocks are drawn with.
@@ -56,6 +61,7 @@ impl SurfaceDrawable {
             display_values,
             config.shown,
             config.anisotropy,
+            has_parts(pools),
         );
         let imagery = match pools {
             Some(pools) => Imagery::Tiles {
@@ -75,6 +81,7 @@ impl SurfaceDrawable {
             mesh: MeshForm::of(first.mesh(), pools.is_some()),
             maps: maps.there(),
             has_tiles: pools.is_some(),
+            has_parts: has_parts(pools),
         };
         let drawable = Self {
             pipelines: maker.make(device, config)?,
@@ -95,6 +102,10 @@ impl SurfaceDrawable {
             mesh: MeshForm::of(view.mesh(), has_tiles),
             maps: self.maps.there(),
             has_tiles,
+            has_parts: match &self.imagery {
+                Imagery::Tiles { tiles, .. } => tiles.has_parts(),
+                Imagery::Whole(_) => false,
+            },
         }
     }
 
@@ -198,16 +209,17 @@ impl SurfaceDrawable {
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        chosen: &[(Block, BlockTiles)],
+        chosen: &ChosenTiles,
     ) -> u64 {
         let Imagery::Tiles { tiles, .. } = &mut self.imagery else {
             return 0;
         };
-        for (block, chosen) in chosen {
+        for (block, chosen) in &chosen.blocks {
             tiles.choose(device, &self.maps, *block, *chosen);
         }
+        tiles.place_parts(&chosen.parts);
         if self.crossing {
-            tiles.find_tiled(chosen.iter().map(|(block, _)| *block));
+            tiles.find_tiled(chosen.blocks.iter().map(|(block, _)| *block));
         }
         tiles.flush(queue)
     }
@@ -280,7 +292,7 @@ impl SurfaceDrawable {
             }
         }
         if let Imagery::Tiles { tiles, .. } = &self.imagery {
-            bindings.push((tiles_entry(), bound(3, tiles.placements())));
+            bindings.push((tiles_entry(tiles.has_parts()), bound(3, tiles.placements())));
         }
         if reads_light(variant) {
             bindings.push((light_entry(), bound(12, &self.light)));

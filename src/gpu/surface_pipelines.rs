@@ -8,7 +8,7 @@ use super::shader::{
 };
 use super::surface_config::SurfaceConfig;
 use super::surface_view::SurfaceView;
-use super::tiles::TILES_BYTES;
+use super::tiles::tiles_bytes;
 use super::{AirSide, FrameUniforms, SurfaceLightUniforms, SurfaceOutput};
 use super::{PipelineDescription, ShaderError};
 use crate::globe::Shading;
@@ -21,6 +21,8 @@ pub(crate) struct SurfaceMaker {
     /// Which maps there are.
     pub(super) maps: [bool; MAP_LAYERS],
     pub(super) has_tiles: bool,
+    /// Whether blocks with tiles may be cut into parts.
+    pub(super) has_parts: bool,
 }
 
 /// What follows from a configuration.
@@ -63,13 +65,20 @@ impl SurfaceMaker {
         device: &wgpu::Device,
         config: &SurfaceConfig<'_>,
     ) -> Result<SurfacePipelines, ShaderError> {
-        let maps = MapArrangement::new(device, self.maps, config.shown, config.anisotropy);
+        let maps = MapArrangement::new(
+            device,
+            self.maps,
+            config.shown,
+            config.anisotropy,
+            self.has_parts,
+        );
         let sides = AirSide::of_air(config.air.is_some());
         let mut passes = Vec::with_capacity(sides.len());
         for &side in sides {
             let all = EarthVariant {
                 form: self.mesh.vertex,
                 output: output(&maps, config, side),
+                parts: self.has_parts,
             };
             let pass = |variant| self.pass(device, config, &maps, variant);
             let eclipsed = all.eclipsed().filter(|_| config.eclipses);
@@ -144,7 +153,7 @@ impl SurfaceMaker {
                 entries.push(air.sunlight_binding().0);
             }
         }
-        entries.extend(self.has_tiles.then(tiles_entry));
+        entries.extend(self.has_tiles.then(|| tiles_entry(self.has_parts)));
         entries.extend(reads_light(variant).then(light_entry));
         entries.extend_from_slice(&self.mesh.entries);
         entries
@@ -158,8 +167,8 @@ pub(super) fn frame_entry() -> wgpu::BindGroupLayoutEntry {
 }
 
 /// Layout of where tiles lie.
-pub(super) fn tiles_entry() -> wgpu::BindGroupLayoutEntry {
-    super::uniform_entry(3, wgpu::ShaderStages::FRAGMENT, TILES_BYTES)
+pub(super) fn tiles_entry(has_parts: bool) -> wgpu::BindGroupLayoutEntry {
+    super::uniform_entry(3, wgpu::ShaderStages::FRAGMENT, tiles_bytes(has_parts))
 }
 
 /// Layout of the surface's light.

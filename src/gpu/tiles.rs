@@ -1,23 +1,90 @@
 //! Tiles on the GPU: fixed pools of textures, and for each block the bind group of the tiles that it is drawn with.
 
 use super::BlockTiles;
-use super::maps::Maps;
+use super::maps::{Maps, array_view};
+use super::shader::{PART_CELL_WORDS, PART_INDEX_BITS};
 use crate::globe::{BLOCK_COUNT, Block, BlockSet, COLUMNS, ROWS};
-use crate::imagery::residency::{Pool, Upload};
+use crate::imagery::residency::{PartCell, PartTables, Pool, Upload};
 use crate::imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER, TILE_MIPS, TileFormat, TileShape};
 use glam::Vec4;
 
 type Placements = [[Vec4; MAP_LAYERS]; BLOCK_COUNT as usize];
 const PLACEMENTS_BYTES: usize = size_of::<Placements>();
 
-/// Bytes of `Tiles` of `shaders/earth/maps/tile_placements.wgsl`: placements, and the set of blocks that have tiles.
-pub(super) const TILES_BYTES: usize = PLACEMENTS_BYTES + size_of::<BlockSet>();
+/// Where the cells of blocks with parts stand: after the placements and the set of blocks that have tiles.
+const CELLS_START: usize = PLACEMENTS_BYTES + size_of::<BlockSet>();
+
+/// Most cells.
+const MAX_CELLS: usize = 8 * PART_CELL_WORDS as usize;
+
+/// Bytes of `Tiles` of `shaders/earth/maps/tile_placements.wgsl`: placements, the set of blocks that have tiles, and cells.
+pub(super) fn tiles_bytes(has_parts: bool) -> usize {
+    CELLS_START
+        + if has_parts {
+            size_of::<u16>() * MAX_CELLS
+        } else {
+            0
+        }
+}
 
 struct PoolTextures {
     layer: usize,
     format: TileFormat,
     shape: TileShape,
-    slots: Vec<(wgpu::Texture, wgpu::TextureView)>,
+    slots: Slots,
+    bytes: u64,
+}
+
+/// Where tiles are.
+enum Slots {
+    /// Each in a texture of its own.
+    Textures(Vec<(wgpu::Texture, wgpu::TextureView)>),
+    /// Of blocks and their parts: in layers of one texture.
+    Layers(wgpu::Texture, wgpu::TextureView),
+}
+
+impl PoolTextures {
+    fn new(device: &wgpu::Device, pool: &Pool, display_values: bool, has_parts: bool) -> Self {
+        let slots = match pool.has_parts {
+            true => {
+                let texture = slot_texture(device, pool, display_values, pool.slots);
+                let view = array_view(&texture);
+                Slots::Layers(texture, view)
+            }
+            false => {
+                let slot = |_| {
+                    let texture = slot_texture(device, pool, display_values, 1);
+                    let view = match has_parts {
+                        true => array_view(&texture),
+                        false => super::view(&texture),
+                    };
+                    (texture, view)
+                };
+                Slots::Textures((0..pool.slots).map(slot).collect())
+            }
+        };
+        Self {
+            layer: pool.layer.index(),
+            format: pool.format,
+            shape: pool.shape,
+            slots,
+            bytes: pool.bytes(),
+        }
+    }
+
+    /// The texture of a slot, and its layer there.
+    fn slot(&self, index: u16) -> Option<(&wgpu::Texture, &wgpu::TextureView, u32)> {
+        match &self.slots {
+            Slots::Textures(slots) => {
+                let (texture, view) = slots.get(usize::from(index))?;
+                Some((texture, view, 0))
+            }
+            Slots::Layers(texture, view) => {
+                let layer = u32::from(index);
+                (layer < texture.depth_or_array_layers()).then_some((texture, view, layer))
+            }
+        }
+    }
 }
 
 struct BlockMaps {
@@ -33,6 +100,9 @@ pub(crate) struct TileTextures {
     buffer: wgpu::Buffer,
     is_stale: bool,
     tiled: BlockSet,
+    /// The cells of blocks with parts, two to a word.
+    cells: Vec<u32>,
+    has_parts: bool,
     /// Bytes of all slots.
     pub bytes: u64,
 }
@@ -40,21 +110,12 @@ pub(crate) struct TileTextures {
 impl TileTextures {
     /// Makes the textures of all pools, so that none has to be made while the Earth is drawn.
     pub fn new(device: &wgpu::Device, maps: &Maps, pools: &[Pool], display_values: bool) -> Self {
+        let has_parts = pools.iter().any(|pool| pool.has_parts);
         let pools: Vec<_> = pools
             .iter()
-            .map(|pool| PoolTextures {
-                layer: pool.layer.index(),
-                format: pool.format,
-                shape: pool.shape,
-                slots: (0..pool.slots)
-                    .map(|_| slot_texture(device, pool, display_values))
-                    .collect(),
-            })
+            .map(|pool| PoolTextures::new(device, pool, display_values, has_parts))
             .collect();
-        let bytes = pools
-            .iter()
-            .map(|pool| pool.slots.len() as u64 * pool.shape.bytes(pool.format) as u64)
-            .sum();
+        let bytes = pools.iter().map(|pool| pool.bytes).sum();
         let whole = [None; MAP_LAYERS];
         let blocks = (0..BLOCK_COUNT)
             .map(|_| BlockMaps {
@@ -70,9 +131,16 @@ impl TileTextures {
             pools,
             blocks,
             placements,
-            buffer: super::uniform_buffer::<[u8; TILES_BYTES]>(device, "terrella tile placements"),
+            buffer: device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("terrella tile placements"),
+                size: tiles_bytes(has_parts) as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
             is_stale: true,
             tiled: BlockSet::default(),
+            cells: Vec::new(),
+            has_parts,
             bytes,
         }
     }
@@ -82,9 +150,14 @@ impl TileTextures {
         &self.buffer
     }
 
+    /// Whether blocks may be cut into parts.
+    pub fn has_parts(&self) -> bool {
+        self.has_parts
+    }
+
     /// Whether there are tiles of this map.
     pub fn has(&self, layer: MapLayer) -> bool {
-        let of_layer = |pool: &PoolTextures| pool.layer == layer.index() && !pool.slots.is_empty();
+        let of_layer = |pool: &PoolTextures| pool.layer == layer.index() && pool.bytes > 0;
         self.pools.iter().any(of_layer)
     }
 
@@ -98,7 +171,7 @@ impl TileTextures {
         let Some(pool) = self.pools.get(usize::from(part.slot.pool)) else {
             return;
         };
-        let Some((texture, _)) = pool.slots.get(usize::from(part.slot.index)) else {
+        let Some((texture, _, layer)) = pool.slot(part.slot.index) else {
             return;
         };
         let unit = pool.format.unit_side();
@@ -111,7 +184,7 @@ impl TileTextures {
                 origin: wgpu::Origin3d {
                     x: 0,
                     y: part.first_row * unit,
-                    z: 0,
+                    z: layer,
                 },
                 aspect: wgpu::TextureAspect::All,
             },
@@ -132,14 +205,28 @@ impl TileTextures {
     /// Has a block drawn with these tiles. Does nothing where it is already, so a view at rest costs nothing.
     pub fn choose(&mut self, device: &wgpu::Device, maps: &Maps, block: Block, tiles: BlockTiles) {
         let index = block.index() as usize;
+        // In a pool with parts all that is bound is the pool.
+        let tiles = tiles.map(|tile| {
+            let mut tile = tile?;
+            let pool = self.pools.get(usize::from(tile.slot.pool))?;
+            if let Slots::Layers(..) = pool.slots {
+                tile.slot.index = 0;
+            }
+            Some(tile)
+        });
         if self.blocks[index].tiles == tiles {
             return;
         }
         let mut placements = [whole_map(block); MAP_LAYERS];
         for tile in tiles.into_iter().flatten() {
-            if let Some(pool) = self.pools.get(usize::from(tile.slot.pool)) {
-                placements[pool.layer] = in_tile(pool.shape);
-            }
+            let Some(pool) = self.pools.get(usize::from(tile.slot.pool)) else {
+                continue;
+            };
+            placements[pool.layer] = match pool.slots {
+                Slots::Textures(_) => in_tile(pool.shape),
+                // Until its cells are placed.
+                Slots::Layers(..) => self.placements[index][pool.layer],
+            };
         }
         let bind_group = bind(device, &self.pools, maps, tiles);
         self.blocks[index] = BlockMaps { tiles, bind_group };
@@ -147,6 +234,47 @@ impl TileTextures {
             self.placements[index] = placements;
             self.is_stale = true;
         }
+    }
+
+    /// Has the parts of blocks drawn so: each block with a tile in a pool with parts has a table. Where there are more cells than the
+    /// buffer holds, the last blocks are drawn with their own tiles.
+    pub fn place_parts(&mut self, tables: &PartTables) {
+        if !self.has_parts {
+            return;
+        }
+        let mut cells = CellWriter {
+            words: &mut self.cells,
+            len: 0,
+            is_changed: false,
+        };
+        for (n, table) in tables.tables.iter().enumerate() {
+            let block = usize::from(table.block);
+            let layer = table.layer.index();
+            let Some(tile) = self.blocks.get(block).and_then(|block| block.tiles[layer]) else {
+                continue;
+            };
+            let Some(pool) = self.pools.get(usize::from(tile.slot.pool)) else {
+                continue;
+            };
+            let own = [PartCell {
+                index: table.own,
+                depth: 0,
+            }];
+            let of_table = tables.cells(table);
+            // A cell is kept for each table that is still to come.
+            let others = tables.tables.len() - n - 1;
+            let (depth, drawn) = match cells.len + of_table.len() + others <= MAX_CELLS {
+                true => (table.depth, of_table),
+                false => (0, &own[..]),
+            };
+            let placement = in_parts(pool.shape, cells.len, depth);
+            drawn.iter().for_each(|cell| cells.push(*cell));
+            if self.placements[block][layer] != placement {
+                self.placements[block][layer] = placement;
+                self.is_stale = true;
+            }
+        }
+        self.is_stale |= cells.is_changed;
     }
 
     /// Makes the bind groups of all blocks anew, the maps having been arranged otherwise.
@@ -186,7 +314,11 @@ impl TileTextures {
         );
         let tiled = self.tiled.0.to_le_bytes();
         queue.write_buffer(&self.buffer, PLACEMENTS_BYTES as u64, &tiled);
-        TILES_BYTES as u64
+        let cells: &[u8] = bytemuck::cast_slice(&self.cells);
+        if !cells.is_empty() {
+            queue.write_buffer(&self.buffer, CELLS_START as u64, cells);
+        }
+        (CELLS_START + cells.len()) as u64
     }
 }
 
@@ -199,7 +331,7 @@ fn bind(
     let views = tiles.map(|tile| {
         let slot = tile?.slot;
         let pool = pools.get(usize::from(slot.pool))?;
-        let (_, view) = pool.slots.get(usize::from(slot.index))?;
+        let (_, view, _) = pool.slot(slot.index)?;
         Some(view)
     });
     maps.bind(device, "terrella block", views)
@@ -224,19 +356,52 @@ fn in_tile(shape: TileShape) -> Vec4 {
     )
 }
 
+/// Where the cells of a block begin, how often it is halved for one, and its tiles: see `shaders/earth/maps/tile_parts.wgsl`.
+fn in_parts(shape: TileShape, first: usize, depth: u8) -> Vec4 {
+    let side = f64::from(shape.side());
+    Vec4::new(
+        first as f32,
+        f32::from(depth),
+        (-f64::from(TILE_BORDER) / side) as f32,
+        (f64::from(shape.pixels) / side) as f32,
+    )
+}
+
+/// Writes cells, two to a word, and sees whether they are others than before.
+struct CellWriter<'a> {
+    words: &'a mut Vec<u32>,
+    len: usize,
+    is_changed: bool,
+}
+
+impl CellWriter<'_> {
+    fn push(&mut self, cell: PartCell) {
+        let code = u32::from(cell.index) | u32::from(cell.depth) << PART_INDEX_BITS;
+        let (word, shift) = (self.len / 2, 16 * (self.len % 2));
+        self.len += 1;
+        if word == self.words.len() {
+            self.words.push(0);
+        }
+        let changed = self.words[word] & !(0xffff << shift) | code << shift;
+        self.is_changed |= changed != self.words[word];
+        self.words[word] = changed;
+    }
+}
+
 fn slot_texture(
     device: &wgpu::Device,
     pool: &Pool,
     display_values: bool,
-) -> (wgpu::Texture, wgpu::TextureView) {
+    layers: u32,
+) -> wgpu::Texture {
     let side = pool.shape.side();
     let label = format!("terrella {} tile", pool.layer.name());
-    let texture = device.create_texture(&wgpu::TextureDescriptor {
+    device.create_texture(&wgpu::TextureDescriptor {
         label: Some(&label),
         size: wgpu::Extent3d {
             width: side,
             height: side,
-            depth_or_array_layers: 1,
+            depth_or_array_layers: layers,
         },
         mip_level_count: TILE_MIPS,
         sample_count: 1,
@@ -244,9 +409,7 @@ fn slot_texture(
         format: texture_format(pool.format, display_values),
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
-    });
-    let view = super::view(&texture);
-    (texture, view)
+    })
 }
 
 fn texture_format(format: TileFormat, display_values: bool) -> wgpu::TextureFormat {

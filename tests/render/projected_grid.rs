@@ -72,6 +72,7 @@ fn on_the_adapter(frame: &GridFrame, tiles: &HeightTiles, edit: (&str, &str)) ->
     let variant = EarthVariant {
         form: VertexForm::ProjectedGrid { tiles: false },
         output: EarthOutput::Geolocation,
+        parts: false,
     };
     let text = variant.source().unwrap().text;
     assert!(text.contains(edit.0), "{} is not in the shader", edit.0);

@@ -14,7 +14,7 @@ fn cover_at(at: SurfacePoint, lift: Lifted, pixels: f32) -> f32 {
     var moved = at;
     moved.uv += map_shift(CLOUDS, at, vec2f(textureDimensions(cloud_map)), lift.uv);
     var cover = sample_map(cloud_map, cloud_sampler, CLOUDS, moved).r;
-    @if(detail) if cover > 0.01 && cover < 0.99 { cover = uneven_share(cover, CLOUD_CONTRAST, detail(lift.up, texel_radii(CLOUDS, at, cloud_map), pixels * pixel_radii(at), 0.75)); }
+    @if(detail) if cover > 0.01 && cover < 0.99 { cover = uneven_share(cover, CLOUD_CONTRAST, detail(lift.up, texel_radii(CLOUDS, at, textureDimensions(cloud_map)), pixels * pixel_radii(at), 0.75)); }
     return cover;
 }
 

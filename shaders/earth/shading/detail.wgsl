@@ -22,9 +22,9 @@ struct Detail {
     slope: vec3f,
 }
 
-// Size of a map's texel from north to south, equatorial radii.
-fn texel_radii(layer: u32, at: SurfacePoint, map: texture_2d<f32>) -> f32 {
-    return PI / map_texels(layer, at, vec2f(textureDimensions(map))).y;
+// Size of a texel of a map of so many from north to south, equatorial radii.
+fn texel_radii(layer: u32, at: SurfacePoint, texels: vec2u) -> f32 {
+    return PI / map_texels(layer, at, vec2f(texels)).y;
 }
 
 // Size of a pixel on the ground, the larger one, equatorial radii.

@@ -5,7 +5,7 @@ import rust::WATER;
 // How much a coast is bent between the map's texels.
 @if(detail) const COAST_CONTRAST: f32 = 2.3;
 
-@if(detail) fn coast_detail(at: SurfacePoint, share: f32) -> f32 { return uneven_share(share, COAST_CONTRAST, detail(at.up, texel_radii(WATER, at, water_map), pixel_radii(at), 0.4)); }
+@if(detail) fn coast_detail(at: SurfacePoint, share: f32) -> f32 { return uneven_share(share, COAST_CONTRAST, detail(at.up, texel_radii(WATER, at, textureDimensions(water_map)), pixel_radii(at), 0.4)); }
 
 // The map is one half at the coast, which is drawn as wide as a pixel where texels are larger than pixels; else the map's own
 // mean is what the pixel shows.

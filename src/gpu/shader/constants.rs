@@ -17,6 +17,12 @@ pub(crate) const WHOLE_MAP: u32 = 2 * BLOCK_COUNT;
 /// With a block's index added: as much of what lies in several blocks as lies in that one, drawn with its tiles.
 pub(crate) const PER_BLOCK_TILES: u32 = BLOCK_COUNT;
 
+/// Words of four numbers that cells of blocks with parts may take, each with eight of them: with all else that says where tiles lie a
+/// buffer of 64 KiB, which every adapter takes.
+pub(crate) const PART_CELL_WORDS: u32 = 3072;
+/// Bits of such a cell that say which layer of the array it is drawn with.
+pub(crate) const PART_INDEX_BITS: u32 = 12;
+
 /// Flag of a truth texel whose place is land, by half at least.
 pub(crate) const TRUTH_LAND: u32 = 1 << 8;
 /// Flag of one where the middle of the Sun's disc is above the horizon.
@@ -78,6 +84,8 @@ const SHARED: &[(&str, Value)] = &[
     ("TILE_BORDER", U32(TILE_BORDER)),
     ("WHOLE_MAP", U32(WHOLE_MAP)),
     ("PER_BLOCK_TILES", U32(PER_BLOCK_TILES)),
+    ("PART_CELL_WORDS", U32(PART_CELL_WORDS)),
+    ("PART_INDEX_BITS", U32(PART_INDEX_BITS)),
     // Light.
     ("SUN_RADIUS_RAD", F32(SUN_RADIUS_RAD)),
     ("MOON_PER_SUN", F32(MOON_RADIUS_M / SUN_RADIUS_M)),

@@ -11,6 +11,8 @@ pub struct EarthVariant {
     pub form: VertexForm,
     /// What the fragment stage writes.
     pub output: EarthOutput,
+    /// Whether blocks that have tiles may be cut into parts with tiles of their own.
+    pub parts: bool,
 }
 
 /// How the surface's mesh is made.
@@ -269,8 +271,40 @@ impl ShaderVariant for EarthVariant {
 
     fn all() -> Vec<Self> {
         let outputs = EarthOutput::all();
-        let of_form = |form| outputs.iter().map(move |&output| Self { form, output });
-        VertexForm::all().into_iter().flat_map(of_form).collect()
+        let forms = VertexForm::all();
+        let whole = forms.iter().flat_map(|&form| {
+            outputs.iter().map(move |&output| Self {
+                form,
+                output,
+                parts: false,
+            })
+        });
+        // What parts are read by meets maps alone: outputs with all of them and with none.
+        let reads_all = |output: &EarthOutput| match output {
+            EarthOutput::Picture(ShadingVariant::Sunlit(layers), target) => {
+                let all = layers.clouds
+                    && layers.normals
+                    && layers.night_lights
+                    && layers.water
+                    && layers.cloud_shadows;
+                let bare = *layers == SunlitLayers::default();
+                (all || bare) && *target == TargetColor::USUAL[0]
+            }
+            EarthOutput::Picture(ShadingVariant::Paper(_), target) => {
+                *target == TargetColor::USUAL[0]
+            }
+            EarthOutput::Truth(_) | EarthOutput::Geolocation => true,
+        };
+        let outputs: Vec<_> = outputs.iter().copied().filter(reads_all).collect();
+        let with_parts = forms.iter().filter(|form| form.has_tiles());
+        let cut = with_parts.flat_map(|&form| {
+            outputs.iter().map(move |&output| Self {
+                form,
+                output,
+                parts: true,
+            })
+        });
+        whole.chain(cut).collect()
     }
 
     fn needs(&self) -> Vec<ShaderCapability> {
@@ -325,6 +359,7 @@ impl ShaderVariant for EarthVariant {
             ),
             ("tiles", form.has_tiles()),
             ("per_block_tiles", form.has_per_block_tiles()),
+            ("parts", self.parts),
             ("picture", shading.is_some()),
             ("geolocation", self.output == EarthOutput::Geolocation),
             ("truth", is_truth),

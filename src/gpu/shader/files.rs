@@ -49,6 +49,7 @@ files![
     "earth/fragment/truth.wgsl",
     "earth/maps/block_at.wgsl",
     "earth/maps/per_block_tiles.wgsl",
+    "earth/maps/tile_parts.wgsl",
     "earth/maps/tile_placements.wgsl",
     "earth/maps/tiles.wgsl",
     "earth/maps/whole_maps.wgsl",

@@ -31,6 +31,7 @@ fn on_the_adapter(pixels: &[PixelRay]) -> Vec<Placed> {
     let text = EarthVariant {
         form: VertexForm::BlockLattice { tiles: false },
         output: EarthOutput::Geolocation,
+        parts: false,
     }
     .source()
     .unwrap()

@@ -157,6 +157,7 @@ fn sunlit(form: VertexForm, layers: SunlitLayers) -> EarthVariant {
     EarthVariant {
         form,
         output: EarthOutput::Picture(ShadingVariant::Sunlit(layers), TargetColor::Radiance),
+        parts: false,
     }
 }
 
@@ -379,6 +380,7 @@ fn a_picture_s_shader_draws_no_geolocation() {
     let geolocation = EarthVariant {
         form: BLOCKS,
         output: EarthOutput::Geolocation,
+        parts: false,
     };
     let written = "vec4f(at.uv, at.center_uv)";
     assert!(code(geolocation).contains(written));
@@ -393,6 +395,7 @@ fn truth_has_no_light_and_light_no_truth() {
         code(EarthVariant {
             form: BLOCKS,
             output: EarthOutput::Truth(layers),
+            parts: false,
         })
     };
     let all = truth(TruthLayers {
@@ -426,6 +429,7 @@ fn the_paper_has_no_light_of_ours() {
             ShadingVariant::Paper(layers),
             TargetColor::Display(Tone::Neutral),
         ),
+        parts: false,
     };
     for name in [
         "struct Light",
@@ -447,6 +451,7 @@ fn a_target_of_light_is_not_exposed() {
         code(EarthVariant {
             form: BLOCKS,
             output: EarthOutput::Picture(ShadingVariant::Sunlit(layers), target),
+            parts: false,
         })
     };
     let curves = ["fn neutral", "fn filmic"];

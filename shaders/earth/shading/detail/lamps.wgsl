@@ -16,7 +16,7 @@ const STREET_DENSITY: f32 = 1.758;
 // How much brighter a place is than the map has it; the mean is 1.
 fn lamps_apart(at: SurfacePoint) -> f32 {
     let pixel = pixel_radii(at);
-    let texel = texel_radii(NIGHT_LIGHTS, at, light_map);
+    let texel = texel_radii(NIGHT_LIGHTS, at, textureDimensions(light_map));
     var light = uneven_factor(TOWN_CONTRAST, detail(at.up, texel, max(pixel, 0.4 * FINEST_TOWN), 1.0));
     for (var i = 0; i < 2; i++) {
         let spacing = STREETS[i];

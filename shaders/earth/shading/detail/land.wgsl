@@ -7,7 +7,7 @@ const LAND_ROUGHNESS: f32 = 0.7;
 
 // The same surface with its land uneven: brighter and darker, and rougher where it is steep.
 fn with_detail(at: SurfacePoint, surface: Surface) -> Surface {
-    let made = detail(at.up, texel_radii(DAY, at, day_map), pixel_radii(at), 0.75);
+    let made = detail(at.up, texel_radii(DAY, at, textureDimensions(day_map)), pixel_radii(at), 0.75);
     let level = made.slope - dot(made.slope, at.up) * at.up;
     let steepness = length(cross(surface.normal, at.up));
     var out = surface;
