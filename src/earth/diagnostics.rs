@@ -57,6 +57,7 @@ impl Earth {
         let shader = self.surface.features();
         // Tiles come with packs; an Earth without one has nothing to switch off.
         let of_packs: &[&str] = match self.tiles {
+            Some(_) if shader.contains(&"parts") => &["tiles", "parts"],
             Some(_) => &["tiles"],
             None => &[],
         };

@@ -16,6 +16,7 @@
 //! | `stats.rs` | what a frame drew |
 //! | `ground.rs` | ground with relief, where there is any; `no_ground.rs` without the feature `terrain` |
 //! | `tiles.rs` | which tiles of a pack a frame requests and is drawn with; `no_tiles.rs` without the feature `packs` |
+//! | `tile_parts.rs` | which parts of blocks a frame requests |
 //! | `tile_view.rs` | what tiles are chosen by, and how fine they came out |
 //! | `changes.rs` | what is changed while it is drawn |
 //! | `appearance.rs` | what it is drawn as, besides maps and quality |
@@ -46,6 +47,8 @@ mod sky;
 mod stats;
 mod surface_config;
 mod surface_light;
+#[cfg(feature = "packs")]
+mod tile_parts;
 mod tile_view;
 #[cfg_attr(not(feature = "packs"), path = "no_tiles.rs")]
 mod tiles;
@@ -53,10 +56,10 @@ mod truth;
 mod view;
 
 use crate::air::{AirModel, AirTables, Atmosphere};
+use crate::globe::Figure;
 pub use crate::globe::Shading;
-use crate::globe::{BLOCK_COUNT, Block, Figure};
 use crate::gpu::{
-    AirDrawable, AirTextures, BlockTiles, PassFormat, SurfaceConfig, SurfaceDrawable, SurfaceView,
+    AirDrawable, AirTextures, ChosenTiles, PassFormat, SurfaceConfig, SurfaceDrawable, SurfaceView,
 };
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::NeighbourhoodAlbedo;
@@ -111,7 +114,7 @@ pub struct Earth {
     surface: SurfaceDrawable,
     tiles: Option<TileDriver>,
     /// The blocks in sight of any view, with their tiles. Empty without a pack.
-    chosen: Vec<(Block, BlockTiles)>,
+    chosen: ChosenTiles,
     figure: Figure,
     appearance: Appearance,
     device: wgpu::Device,
@@ -136,7 +139,8 @@ impl Earth {
             quality.atmosphere = Atmosphere::None;
         }
         let tiles = options.tiles.as_ref();
-        let tiles = tiles.map(|t| TileDriver::new(t, &options.layers, options.visibility));
+        let tiles =
+            tiles.map(|t| TileDriver::new(t, &options.layers, options.visibility, options.figure));
         let tiles = tiles.transpose()?;
         let planner = Planner::new(options, &quality, &device.limits())?;
         if options.diagnostics.wireframe && !planner.has_edges() {
@@ -193,7 +197,7 @@ impl Earth {
             first,
             surface,
             tiles,
-            chosen: Vec::with_capacity(BLOCK_COUNT as usize),
+            chosen: ChosenTiles::default(),
             figure: options.figure,
             appearance,
             device: device.clone(),

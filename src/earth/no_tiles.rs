@@ -3,8 +3,8 @@
 use super::quality::Quality;
 use super::tile_view::{TileDetail, TileView};
 use super::{EarthError, EyeView};
-use crate::globe::{Block, BlockGrid, Visibility};
-use crate::gpu::BlockTiles;
+use crate::globe::{Block, BlockGrid, Figure, Visibility};
+use crate::gpu::ChosenTiles;
 use crate::imagery::EarthLayers;
 use crate::imagery::residency::{Pool, StreamCounters, Upload};
 use crate::imagery::tile::TileKey;
@@ -30,7 +30,12 @@ pub(super) enum TileDriver {}
 pub(super) struct TileLevels(());
 
 impl TileDriver {
-    pub fn new(options: &TileOptions, _: &EarthLayers, _: Visibility) -> Result<Self, EarthError> {
+    pub fn new(
+        options: &TileOptions,
+        _: &EarthLayers,
+        _: Visibility,
+        _: Figure,
+    ) -> Result<Self, EarthError> {
         match *options {}
     }
 
@@ -54,12 +59,7 @@ impl TileDriver {
         match *self {}
     }
 
-    pub fn choose(
-        &mut self,
-        _: &BlockGrid,
-        _: Option<&TileView>,
-        _: &mut Vec<(Block, BlockTiles)>,
-    ) {
+    pub fn choose(&mut self, _: &BlockGrid, _: Option<&TileView>, _: &mut ChosenTiles) {
         match *self {}
     }
 

@@ -247,6 +247,7 @@ impl Planner {
             sun_itrf: sky.sun_itrf,
             moon_itrf: (self.moon_gain * moon_light > 0.0).then_some(moon_itrf),
             pixel_rad: view.pixel_rad(),
+            clip_from_eye: view.clip_from_eye,
         }
     }
 

@@ -1,7 +1,7 @@
 //! What tiles are chosen by, and how fine they came out.
 
 use crate::imagery::tile::MAX_LEVELS;
-use glam::DVec3;
+use glam::{DMat4, DVec3};
 
 /// What a frame's choice depends on beside the blocks.
 #[derive(Clone, Copy, Debug)]
@@ -13,6 +13,8 @@ pub(super) struct TileView {
     pub moon_itrf: Option<DVec3>,
     /// Angle of a screen pixel.
     pub pixel_rad: f64,
+    /// From eye-relative ITRF metres to clip space.
+    pub clip_from_eye: DMat4,
 }
 
 /// How fine the maps are that a frame is drawn with.

@@ -2,17 +2,21 @@
 
 use super::quality::Quality;
 use super::sky::{LIGHTS_OUT, ROOM_SIN};
+use super::tile_parts::{PartLevels, PartRequests};
 use super::tile_view::{TileDetail, TileView};
 use super::{EarthError, EyeView};
+use crate::frames::HeightRange;
 use crate::globe::{
-    BLOCK_COUNT, Block, BlockGrid, BlockSet, LevelRule, Visibility, paper_level, screen_level,
-    select_blocks, texels_per_pixel,
+    BLOCK_COUNT, Block, BlockGrid, BlockSet, Figure, LevelRule, PartSight, Visibility, paper_level,
+    screen_level, select_blocks, texels_per_pixel,
 };
-use crate::gpu::{BlockTiles, GLINT_ENDS_SIN};
+use crate::gpu::{BlockTiles, ChosenTiles, GLINT_ENDS_SIN};
 use crate::imagery::EarthLayers;
 use crate::imagery::residency::{Pool, StreamCounters, Upload};
 use crate::imagery::stream::{StreamOptions, TileRequest, TileStream};
-use crate::imagery::tile::{LayerLayout, MAP_LAYERS, MAX_LEVELS, MapLayer, TileKey, TileSource};
+use crate::imagery::tile::{
+    LayerLayout, MAP_LAYERS, MAX_LEVELS, MapLayer, TileKey, TileShape, TileSource,
+};
 use glam::DVec3;
 use std::fmt;
 use std::sync::Arc;
@@ -106,19 +110,24 @@ impl fmt::Debug for TileOptions {
     }
 }
 
+/// Heights between which all ground lies that parts may be seen of, metres.
+const ANY_GROUND: HeightRange = HeightRange {
+    low_m: -500.0,
+    high_m: 9_000.0,
+};
+
 /// Level of a block that was not requested in the frame before.
-const NONE: u8 = u8::MAX;
+pub(super) const NONE: u8 = u8::MAX;
 
 pub(super) struct TileDriver {
     stream: TileStream,
-    rule: LevelRule,
-    max_texel_px: f64,
+    rule: TileRule,
     /// Which maps are drawn, by [`MapLayer::index`].
     shown: [bool; MAP_LAYERS],
     upload_bytes: u64,
     visibility: Visibility,
-    /// Texels per block side of each map's levels, by [`MapLayer::index`]; empty where a map has no tiles.
-    pixels: [Vec<u32>; MAP_LAYERS],
+    /// By [`MapLayer::index`].
+    ladders: [Ladder; MAP_LAYERS],
     expected: Vec<EyeView>,
     /// What blocks are drawn with in this frame, and which they are.
     chosen: Box<[BlockTiles; BLOCK_COUNT as usize]>,
@@ -127,7 +136,65 @@ pub(super) struct TileDriver {
     near: Vec<(f64, Block)>,
     expected_blocks: Vec<Block>,
     wanted: Vec<Wanted>,
+    parts: PartRequests,
     requests: Vec<TileRequest>,
+}
+
+/// How levels are chosen.
+#[derive(Clone, Copy)]
+pub(super) struct TileRule {
+    rule: LevelRule,
+    max_texel_px: f64,
+    radius_m: f64,
+}
+
+impl TileRule {
+    /// The level of a map at a distance, in a view whose pixels are so large; `before` in the frame before.
+    pub fn level(
+        &self,
+        ladder: &Ladder,
+        distance_m: f64,
+        pixel_rad: f64,
+        before: Option<u8>,
+    ) -> u8 {
+        let level = match self.rule {
+            LevelRule::Paper => paper_level(distance_m, ladder.pixels.len()),
+            LevelRule::Screen => screen_level(
+                &ladder.pixels,
+                self.radius_m,
+                distance_m,
+                pixel_rad,
+                self.max_texel_px,
+                before.filter(|level| *level != NONE).map(usize::from),
+            ),
+        };
+        level as u8
+    }
+}
+
+/// The levels of a map, the finest first.
+#[derive(Default)]
+pub(super) struct Ladder {
+    /// Texels per block side; empty where a map has no tiles.
+    pub pixels: Vec<u32>,
+    /// How often blocks are halved for the tiles of those that are cut into parts.
+    pub depths: Vec<u8>,
+}
+
+impl Ladder {
+    fn new(layout: &LayerLayout) -> Self {
+        let shapes = || layout.levels.iter().map(|level| level.shape);
+        let cut = shapes().take(layout.cut_levels());
+        Self {
+            pixels: shapes().map(TileShape::block_pixels).collect(),
+            depths: cut.map(|shape| shape.parts.ilog2() as u8).collect(),
+        }
+    }
+
+    /// The finest level with tiles of whole blocks.
+    pub fn whole(&self) -> u8 {
+        self.depths.len() as u8
+    }
 }
 
 /// A request, and how urgent it is: the size of a pixel on its block, metres, then its turn.
@@ -137,13 +204,31 @@ struct Wanted {
     request: TileRequest,
 }
 
-/// The levels that the blocks of one view were given in the frame before, for the hysteresis.
+/// The levels that the blocks of one view were given in this frame and the one before, for the hysteresis.
 #[derive(Clone)]
-pub(super) struct TileLevels([[u8; BLOCK_COUNT as usize]; MAP_LAYERS]);
+pub(super) struct TileLevels {
+    now: [[u8; BLOCK_COUNT as usize]; MAP_LAYERS],
+    before: [[u8; BLOCK_COUNT as usize]; MAP_LAYERS],
+    parts: [PartLevels; MAP_LAYERS],
+}
 
 impl Default for TileLevels {
     fn default() -> Self {
-        Self([[NONE; BLOCK_COUNT as usize]; MAP_LAYERS])
+        Self {
+            now: [[NONE; BLOCK_COUNT as usize]; MAP_LAYERS],
+            before: [[NONE; BLOCK_COUNT as usize]; MAP_LAYERS],
+            parts: Default::default(),
+        }
+    }
+}
+
+impl TileLevels {
+    fn begin(&mut self, ladders: &[Ladder; MAP_LAYERS]) {
+        self.before = self.now;
+        self.now = [[NONE; BLOCK_COUNT as usize]; MAP_LAYERS];
+        for (parts, ladder) in self.parts.iter_mut().zip(ladders) {
+            parts.begin(ladder);
+        }
     }
 }
 
@@ -152,17 +237,14 @@ impl TileDriver {
         options: &TileOptions,
         layers: &EarthLayers,
         visibility: Visibility,
+        figure: Figure,
     ) -> Result<Self, EarthError> {
-        let mut pixels = [const { Vec::new() }; MAP_LAYERS];
+        let mut ladders: [Ladder; MAP_LAYERS] = Default::default();
         for tiled in options.source.layers() {
             if layers.get(tiled.layer).is_none() {
                 return Err(EarthError::NoWholeMap(tiled.layer.name()));
             }
-            pixels[tiled.layer.index()] = tiled
-                .levels
-                .iter()
-                .map(|level| level.shape.block_pixels())
-                .collect();
+            ladders[tiled.layer.index()] = Ladder::new(tiled);
         }
         let mut stream = StreamOptions {
             texture_bytes: options.texture_bytes.saturating_sub(layers.texture_bytes()),
@@ -173,25 +255,29 @@ impl TileDriver {
         }
         Ok(Self {
             stream: TileStream::new(options.source.clone(), &stream),
-            rule: options.rule,
-            max_texel_px: options.max_texel_px,
+            rule: TileRule {
+                rule: options.rule,
+                max_texel_px: options.max_texel_px,
+                radius_m: figure.ellipsoid().equatorial_radius_m,
+            },
             shown: [true; MAP_LAYERS],
             upload_bytes: options.upload_bytes,
             visibility,
-            pixels,
+            ladders,
             expected: Vec::with_capacity(MAX_EXPECTED),
             chosen: Box::new([[None; MAP_LAYERS]; BLOCK_COUNT as usize]),
             in_sight: BlockSet::default(),
             near: Vec::with_capacity(BLOCK_COUNT as usize),
             expected_blocks: Vec::with_capacity(BLOCK_COUNT as usize),
             wanted: Vec::with_capacity(MAP_LAYERS * BLOCK_COUNT as usize),
+            parts: PartRequests::default(),
             requests: Vec::with_capacity((1 + MAX_EXPECTED) * MAP_LAYERS * BLOCK_COUNT as usize),
         })
     }
 
     /// Requests from now on what this quality needs. Tiles that are there stay until others need their place.
     pub fn set_quality(&mut self, quality: &Quality) {
-        self.max_texel_px = quality.texel_px;
+        self.rule.max_texel_px = quality.texel_px;
         self.shown = quality.maps;
         self.shown[MapLayer::Day.index()] = true;
     }
@@ -210,6 +296,7 @@ impl TileDriver {
     /// Begins a frame.
     pub fn begin(&mut self) {
         self.wanted.clear();
+        self.parts.clear();
         self.requests.clear();
         self.in_sight = BlockSet::default();
     }
@@ -222,23 +309,19 @@ impl TileDriver {
         blocks: &[Block],
         levels: &mut TileLevels,
     ) {
-        let before = std::mem::take(levels);
+        levels.begin(&self.ladders);
+        let sight = self.sight(grid, view);
         sort_by_distance(&mut self.near, grid, view.eye_itrf_m, blocks);
         for place in 0..self.near.len() {
             let (distance_m, block) = self.near[place];
             self.in_sight.insert(block.index() as u8);
-            self.request(grid, view, distance_m, block, Some((&before, &mut *levels)));
+            self.request(grid, view, &sight, distance_m, block, Some(levels));
         }
     }
 
     /// Chooses tiles for the views that were added, and prefetches, after them, what the first one is expected to see soon. Lists each
     /// block in sight with those that are there.
-    pub fn choose(
-        &mut self,
-        grid: &BlockGrid,
-        first: Option<&TileView>,
-        tiles: &mut Vec<(Block, BlockTiles)>,
-    ) {
+    pub fn choose(&mut self, grid: &BlockGrid, first: Option<&TileView>, tiles: &mut ChosenTiles) {
         // Where several views ask for a block, the one that sees it finest is asked for first, and that counts.
         self.wanted.sort_unstable_by(|a, b| {
             let by_size = a.pixel_m.total_cmp(&b.pixel_m);
@@ -246,22 +329,34 @@ impl TileDriver {
         });
         self.requests
             .extend(self.wanted.iter().map(|wanted| wanted.request));
+        self.parts.request(&mut self.requests);
         if let Some(first) = first {
             self.request_expected(grid, first);
         }
         self.stream.update(Instant::now(), &self.requests);
-        tiles.clear();
+        tiles.blocks.clear();
+        tiles.parts.clear();
         for block in Block::all() {
             let index = block.index() as u8;
             if !self.in_sight.contains(index) {
                 continue;
             }
             let drawn = MapLayer::ALL.map(|layer| {
-                let has_tiles = !self.pixels[layer.index()].is_empty() && self.shown[layer.index()];
-                has_tiles.then(|| self.stream.draw(layer, index)).flatten()
+                let ladder = &self.ladders[layer.index()];
+                if ladder.pixels.is_empty() || !self.shown[layer.index()] {
+                    return None;
+                }
+                let own = self.stream.draw(layer, index)?;
+                if own.level == ladder.whole() && own.level > 0 {
+                    let wanted = self.parts.of(layer, index);
+                    self.stream
+                        .draw_parts(layer, index, own, wanted, &mut tiles.parts);
+                    self.parts.note_drawn(layer, index, ladder, &tiles.parts);
+                }
+                Some(own)
             });
             self.chosen[usize::from(index)] = drawn;
-            tiles.push((block, drawn));
+            tiles.blocks.push((block, drawn));
         }
     }
 
@@ -269,7 +364,7 @@ impl TileDriver {
     pub fn detail(&self, grid: &BlockGrid, view: &TileView, blocks: &[Block]) -> TileDetail {
         let mut fewest = f64::INFINITY;
         let mut day_levels = [0; MAX_LEVELS];
-        let pixels = &self.pixels[MapLayer::Day.index()];
+        let pixels = &self.ladders[MapLayer::Day.index()].pixels;
         let coarsest = pixels.len().saturating_sub(1);
         for block in blocks {
             if lit_at_most(grid, *block, view) <= DARK {
@@ -277,14 +372,28 @@ impl TileDriver {
             }
             let day = self.chosen[block.index() as usize][MapLayer::Day.index()];
             let level = day.map_or(coarsest, |tile| tile.level.into());
-            if let Some(blocks) = day_levels.get_mut(level) {
-                *blocks += 1;
+            let mut note = |level: usize, distance_m| {
+                if let Some(tiles) = day_levels.get_mut(level) {
+                    *tiles += 1;
+                }
+                if let Some(pixels) = pixels.get(level) {
+                    let radius_m = self.rule.radius_m;
+                    let sharp = texels_per_pixel(*pixels, radius_m, distance_m, view.pixel_rad);
+                    fewest = fewest.min(sharp);
+                }
+            };
+            // Parts are drawn where the block's own tile is, which they are finer than.
+            let is_own = level == usize::from(self.ladders[MapLayer::Day.index()].whole());
+            let index = block.index() as u8;
+            if is_own && self.parts.is_out_of_sight(MapLayer::Day, index) {
+                continue;
             }
-            if let Some(pixels) = pixels.get(level) {
-                let radius_m = grid.ellipsoid().equatorial_radius_m;
-                let distance_m = grid.distance_m(*block, view.eye_itrf_m);
-                let sharp = texels_per_pixel(*pixels, radius_m, distance_m, view.pixel_rad);
-                fewest = fewest.min(sharp);
+            let parts = self.parts.drawn(MapLayer::Day, index);
+            match parts.is_empty() || !is_own {
+                true => note(level, grid.distance_m(*block, view.eye_itrf_m)),
+                false => parts
+                    .iter()
+                    .for_each(|part| note(usize::from(part.drawn), part.distance_m)),
             }
         }
         TileDetail {
@@ -320,47 +429,54 @@ impl TileDriver {
         self.stream.wait(timeout);
     }
 
-    /// Requests a block's tiles. Levels, of the frame before and of this one, are given for a block of a picture: there those chosen
-    /// are kept for the next frame's hysteresis.
+    /// What a view sees of parts, of whatever ground there may be.
+    fn sight(&self, grid: &BlockGrid, view: &TileView) -> PartSight {
+        PartSight::new(
+            grid.ellipsoid(),
+            ANY_GROUND,
+            view.eye_itrf_m,
+            &view.clip_from_eye,
+        )
+    }
+
+    /// Requests a block's tiles, and those of its parts in sight. Levels are given for a block of a picture: there those chosen are
+    /// kept for the next frame's hysteresis.
     fn request(
         &mut self,
         grid: &BlockGrid,
         view: &TileView,
+        sight: &PartSight,
         distance_m: f64,
         block: Block,
-        mut levels: Option<(&TileLevels, &mut TileLevels)>,
+        mut levels: Option<&mut TileLevels>,
     ) {
         let index = block.index() as usize;
         for layer in MapLayer::ALL {
-            let pixels = &self.pixels[layer.index()];
-            let is_drawn = !pixels.is_empty() && self.shown[layer.index()];
+            let ladder = &self.ladders[layer.index()];
+            let is_drawn = !ladder.pixels.is_empty() && self.shown[layer.index()];
             if !is_drawn || !shows(grid, layer, block, view) {
                 continue;
             }
-            let before = levels.as_ref().map(|(l, _)| l.0[layer.index()][index]);
-            let level = match self.rule {
-                LevelRule::Paper => paper_level(distance_m, pixels.len()),
-                LevelRule::Screen => screen_level(
-                    pixels,
-                    grid.ellipsoid().equatorial_radius_m,
-                    distance_m,
+            let before = levels.as_ref().map(|l| l.before[layer.index()][index]);
+            let level = self.rule.level(ladder, distance_m, view.pixel_rad, before);
+            if level < ladder.whole() {
+                let parts = levels.as_mut().map(|l| &mut l.parts[layer.index()]);
+                self.parts.find(
+                    &self.rule,
+                    ladder,
+                    sight,
                     view.pixel_rad,
-                    self.max_texel_px,
-                    before.filter(|level| *level != NONE).map(usize::from),
-                ),
-            } as u8;
+                    (layer, block),
+                    parts,
+                );
+            }
             let request = TileRequest {
-                key: TileKey {
-                    layer,
-                    level,
-                    block: index as u8,
-                    part: 0,
-                },
+                key: TileKey::whole(layer, level.max(ladder.whole()), index as u8),
                 drawn: levels.is_some(),
             };
             match &mut levels {
-                Some((_, levels)) => {
-                    levels.0[layer.index()][index] = level;
+                Some(levels) => {
+                    levels.now[layer.index()][index] = level;
                     self.wanted.push(Wanted {
                         pixel_m: distance_m * view.pixel_rad,
                         turn: self.wanted.len() as u32,
@@ -381,11 +497,18 @@ impl TileDriver {
             let blocks = &mut self.expected_blocks;
             select_blocks(grid, self.visibility, itrf_m, &clip_from_eye, blocks);
             sort_by_distance(&mut self.near, grid, itrf_m, blocks);
+            let seen = TileView {
+                eye_itrf_m: itrf_m,
+                clip_from_eye,
+                ..*view
+            };
+            let sight = self.sight(grid, &seen);
             for place in 0..self.near.len() {
                 let (distance_m, block) = self.near[place];
-                self.request(grid, view, distance_m, block, None);
+                self.request(grid, view, &sight, distance_m, block, None);
             }
         }
+        self.parts.request_expected(&mut self.requests);
     }
 }
 

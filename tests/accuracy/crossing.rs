@@ -273,13 +273,38 @@ fn it_shows_what_blocks_show() {
     }
 }
 
+fn waves(lat: f64, lon: f64) -> [u8; 3] {
+    let wave = |angle: f64| (110.0 + 100.0 * angle.to_radians().sin()).round() as u8;
+    [wave(16.0 * lat), wave(16.0 * lon), wave(lon)]
+}
+
 #[test]
 fn tiles_lie_where_the_whole_map_says() {
-    let source = Arc::new(FunctionTiles::new(&[64, 32], |lat, lon| {
-        let wave = |angle: f64| (110.0 + 100.0 * angle.to_radians().sin()).round() as u8;
-        [wave(16.0 * lat), wave(16.0 * lon), wave(lon)]
-    }));
-    for (name, surface) in surfaces() {
+    lie_where_the_whole_map_says(&surfaces(), FunctionTiles::new(&[64, 32], waves));
+}
+
+#[test]
+fn parts_lie_where_the_whole_map_says() {
+    let others = [
+        ("cast", SurfaceSettings::CastContours(Default::default())),
+        (
+            "quadtree",
+            SurfaceKind::Quadtree.settings(Default::default()),
+        ),
+        ("blocks", SurfaceKind::Blocks.settings(Default::default())),
+    ];
+    let all = [&surfaces()[..], &others].concat();
+    lie_where_the_whole_map_says(&all, FunctionTiles::new(&[32, 16], waves).cut(&[2]));
+}
+
+/// The finest level is 1024 texels round the Earth.
+fn lie_where_the_whole_map_says<F: Fn(f64, f64) -> [u8; 3] + Send + Sync + 'static>(
+    surfaces: &[(&'static str, SurfaceSettings)],
+    source: FunctionTiles<F>,
+) {
+    let source = Arc::new(source);
+    let coarsest = source.layers()[0].levels.len() - 1;
+    for &(name, surface) in surfaces {
         let of = |level, with_tiles: bool| {
             let mut options = options(surface, false);
             options.layers.day = source.whole(level);
@@ -290,7 +315,7 @@ fn tiles_lie_where_the_whole_map_says() {
             });
             Rig::new(&options, SIZE)
         };
-        let (mut whole, mut tiled) = (of(0, false), of(1, true));
+        let (mut whole, mut tiled) = (of(0, false), of(coarsest, true));
         // At the pole a texel has the colours of all longitudes.
         let views = views()
             .into_iter()

@@ -18,6 +18,7 @@ mod quality;
 mod relief;
 mod scaled;
 #[cfg(feature = "packs")]
+mod tile_parts;
 mod tiles;
 #[cfg(feature = "tracks")]
 mod tracks;
