@@ -1,6 +1,5 @@
 //! What can go wrong between a scene and a picture.
 
-#[cfg(feature = "command")]
 use super::film::FilmError;
 use super::output::OutputError;
 use crate::EarthError;
@@ -119,7 +118,6 @@ pub enum PlayError {
     #[error(transparent)]
     Output(#[from] OutputError),
     /// A folder of frames.
-    #[cfg(feature = "command")]
     #[error(transparent)]
     Film(#[from] FilmError),
     /// Encoding video.
@@ -249,7 +247,6 @@ pub enum PlayError {
 impl PlayError {
     /// Whether the scene, or a date asked for, is at fault, and not the machine.
     pub fn is_bad_scene(&self) -> bool {
-        #[cfg(feature = "command")]
         if matches!(
             self,
             Self::Film(FilmError::NoSuchFrames { .. } | FilmError::NoLight { .. })

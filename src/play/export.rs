@@ -1,11 +1,11 @@
 //! A flight as numbered pictures and as video. While one frame is written the next one is drawn.
 
 use super::basilisk::with_camera_service;
-use super::clock::{epoch_after, frame_epoch};
+use super::clock::frame_epoch;
 use super::error::PlayError;
 use super::film::{
-    Existing, FilmKey, FilmPage, FilmPainter, FrameFolder, FrameRange, FrameRecord, KeptFrames,
-    PageHead, PictureSettings, checksum,
+    Existing, FilmFrames, FilmKey, FilmPage, FilmPainter, FrameFolder, FrameRange, FrameRecord,
+    KeptFrames, PageHead, PictureSettings, checksum,
 };
 use super::flight::Flight;
 use super::output::{OutputError, PendingFile};
@@ -14,7 +14,6 @@ use super::video::{
     EncoderChoice, FilmFrame, FrameSink, VideoCoding, VideoFormat, check_size, open_video,
 };
 use crate::basilisk::Meeting;
-use crate::frames::Epoch;
 use crate::gpu::GpuContext;
 use crate::imagery::tile::TileKey;
 use crate::orbit::live::Pacing;
@@ -125,10 +124,9 @@ pub fn export(
     let features = FilmPainter::features(&request.pictures);
     let gpu = pollster::block_on(GpuContext::open_with(request.adapter, features))?;
     let options = flight.earth_options(gpu.bc_support())?;
-    let has_tiles = options.tiles.is_some();
     progress.end();
-    let mut painter = FilmPainter::open(flight, gpu, options, size, request.pictures)?;
-    let adapter = painter.renderer().adapter_info().name;
+    let mut frames = FilmFrames::open(flight, gpu, options, size, request.pictures)?;
+    let adapter = frames.painter().renderer().adapter_info().name;
     if let Some(before) = kept.adapter.as_ref().filter(|name| **name != adapter) {
         tracing::warn!(
             "the frames that are kept were drawn by {before}, the others will be by {adapter}: they may differ a little; --overwrite draws all anew"
@@ -156,17 +154,16 @@ pub fn export(
         tracing::info!("{kept} frames are there already and kept");
     }
     progress.begin("frames", count.map(|_| lacking));
-    let aspect = painter.aspect();
     let mut missing_tiles = MissingTiles::default();
     if is_lockstep {
         return with_camera_service(flight, request.adapter, || {
-            export_lockstep(flight, sinks, &mut painter, count, progress)
+            export_lockstep(flight, sinks, frames.painter(), count, progress)
         });
     }
     write_while_drawing(sinks, |push| {
         let mut done = 0;
         // Where exposure is metered a frame's hangs on those before, drawn or not.
-        let is_metered = painter.renderer().meters_exposure();
+        let is_metered = frames.painter().renderer().meters_exposure();
         let first = if is_metered { 0 } else { wanted.start };
         for index in first..wanted.end {
             if progress.cancelled() {
@@ -176,37 +173,15 @@ pub fn export(
                 });
             }
             let is_drawn = wanted.contains(&index) && !kept_frames.contains(&index);
-            if !is_drawn && !is_metered {
-                continue;
-            }
-            let epoch = frame_epoch(&scene.time, index);
-            let moment = flight.at(epoch, aspect)?;
-            let frame_s = 1.0 / scene.time.frame_rate_hz;
-            painter.renderer().follow_light(&moment, frame_s)?;
             if !is_drawn {
+                frames.follow(flight, index)?;
                 continue;
             }
-            if has_tiles {
-                // The next frame's tiles are read while this one is drawn and written.
-                let next = flight.at(frame_epoch(&scene.time, index + 1), aspect);
-                painter.renderer().expect(
-                    next.as_ref()
-                        .map_or(&[], |next| std::slice::from_ref(&next.view)),
-                );
-            }
-            let after = |part: f64| epoch_after(&scene.time, index as f64 + part);
-            let painted = painter.paint(&moment, |part| flight.at(after(part), aspect))?;
-            missing_tiles.add(index, &painted.missing);
-            let (start, ev) = (scene.time.start, painted.exposure_ev);
-            let mut record = FrameRecord::new(index, start, epoch, &moment.view, ev);
-            record.shutter_ns = request.pictures.shutter.map(|shutter| {
-                let ns = |epoch: Epoch| (epoch - start).total_nanoseconds();
-                // Scenes reach over two hundred years, 6.3e18 ns.
-                [0.0, shutter.open].map(|part| ns(after(part)) as i64)
-            });
+            let drawn = frames.draw(flight, index)?;
+            missing_tiles.add(index, &drawn.missing);
             let frame = FilmFrame {
-                record,
-                picture: painted.picture,
+                record: drawn.record,
+                picture: drawn.picture,
             };
             if !push(frame) {
                 break;

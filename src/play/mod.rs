@@ -54,10 +54,10 @@ mod error;
 mod event_table;
 #[cfg(feature = "command")]
 mod export;
-#[cfg(feature = "command")]
+#[cfg_attr(not(feature = "command"), allow(dead_code, unused_imports))]
 mod film;
 mod flight;
-#[cfg(feature = "command")]
+#[cfg_attr(not(feature = "command"), allow(dead_code))]
 mod float_files;
 #[cfg(feature = "command")]
 mod frame_cost;
@@ -118,8 +118,10 @@ pub use error::{PlayError, VideoError, WindowError};
 pub use event_table::EventTable;
 #[cfg(feature = "command")]
 pub use export::{ExportRequest, export};
-#[cfg(feature = "command")]
-pub use film::{Existing, FilmError, FrameRange, PictureFormat, PictureSettings, Shutter};
+pub use film::{
+    Existing, FilmError, FilmFrames, FilmKey, FilmPainter, FilmRequest, FrameRange, FrameRecord,
+    PictureFormat, PictureSettings, SharedFolder, Shutter, checksum,
+};
 pub use flight::{Flight, Moment, SatelliteState, ViewRequest};
 pub use maps::{DroppedLayer, earth_options};
 #[cfg(feature = "command")]
@@ -127,7 +129,7 @@ pub(crate) use offscreen::rgba_image;
 pub use offscreen::{OffscreenRenderer, TimedFrame};
 pub use output::{OutputError, PendingFile};
 pub use pass_table::{PassRequest, PassTable};
-pub use pictures::{ScenePictures, take_starter_files};
+pub use pictures::{ScenePictures, Shot, take_starter_files};
 pub use place_text::GroundPlace;
 pub use progress::Progress;
 pub use quality_control::{HeldQuality, QualityControl, scene_quality};

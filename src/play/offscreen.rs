@@ -156,7 +156,6 @@ impl OffscreenRenderer {
     }
 
     /// Space hides nothing from now on: alpha of light is how much of what is behind is hidden. At full resolution alone.
-    #[cfg(feature = "command")]
     pub fn make_space_transparent(&mut self) {
         self.is_space_transparent = true;
         self.targets.make_space_transparent();
@@ -272,15 +271,29 @@ impl OffscreenRenderer {
     }
 
     /// Where exposure is metered, exposes the next picture as its view asks for, followed in the time since the last, seconds,
-    /// and not at once: for pictures of a film.
-    pub fn follow_light(&mut self, moment: &Moment, elapsed_s: f64) -> Result<(), PlayError> {
-        if let Some(adaptation) = &mut self.adaptation
-            && let Some(metered_ev) = self.earth.metered_ev(&moment.view, &moment.sky)
-        {
-            let ev = adaptation.follow(metered_ev, elapsed_s);
-            self.earth.set_exposure(Exposure::Ev(ev))?;
-        }
-        Ok(())
+    /// and not at once: for pictures of a film. Answers the exposure value, where one is metered.
+    pub fn follow_light(
+        &mut self,
+        moment: &Moment,
+        elapsed_s: f64,
+    ) -> Result<Option<f64>, PlayError> {
+        let Some(adaptation) = &mut self.adaptation else {
+            return Ok(None);
+        };
+        let Some(metered_ev) = self.earth.metered_ev(&moment.view, &moment.sky) else {
+            return Ok(None);
+        };
+        let ev = adaptation.follow(metered_ev, elapsed_s);
+        self.earth.set_exposure(Exposure::Ev(ev))?;
+        Ok(Some(ev))
+    }
+
+    /// Exposes the next pictures so, those apart that have an exposure of their own ([`Moment::exposure_ev`]).
+    ///
+    /// # Errors
+    /// An exposure value out of [`Exposure::RANGE_EV`].
+    pub fn set_exposure(&mut self, exposure: Exposure) -> Result<(), PlayError> {
+        Ok(self.earth.set_exposure(exposure)?)
     }
 
     /// Says where the eye will be soon, so that tiles are there when it comes.

@@ -9,7 +9,7 @@ use crate::gpu::GpuContext;
 use crate::imagery::tile::TileKey;
 use crate::offscreen::{Drawing, OffscreenEarth, TruthPicture};
 use crate::scene::{BetweenMaps, Scene};
-use crate::{EarthOptions, FrameStats};
+use crate::{EarthOptions, Exposure, EyeView, FrameStats};
 use std::path::Path;
 use std::time::Duration;
 
@@ -29,6 +29,29 @@ pub fn take_starter_files(scene: &mut Scene, folder: &Path) {
     }
     if scene.sky.folder.is_none() {
         scene.sky.folder = Some(folder.to_owned());
+    }
+}
+
+/// What is pictured: an instant, by the scene's camera and exposure or by others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shot {
+    /// The instant.
+    pub epoch: Epoch,
+    /// Where the eye is and what it sees; `None` is the scene's camera. A camera of the caller's flies with no satellite: it needs none
+    /// to be known at the instant, and no craft is before it.
+    pub view: Option<EyeView>,
+    /// The exposure value; `None` is the scene's exposure.
+    pub exposure_ev: Option<f64>,
+}
+
+impl From<Epoch> for Shot {
+    /// By the scene's camera and exposure.
+    fn from(epoch: Epoch) -> Self {
+        Self {
+            epoch,
+            view: None,
+            exposure_ev: None,
+        }
     }
 }
 
@@ -107,13 +130,32 @@ impl ScenePictures {
         self.size
     }
 
-    /// The view of an instant, with the scene's camera.
+    /// The view that is pictured.
     ///
     /// # Errors
-    /// An instant at which the satellite is not known.
-    pub fn moment(&self, epoch: Epoch) -> Result<Moment, PlayError> {
-        let aspect = f64::from(self.size.0) / f64::from(self.size.1);
-        self.flight.at(epoch, aspect)
+    /// An instant at which the satellite that the scene's camera flies with is not known.
+    pub fn moment(&self, shot: impl Into<Shot>) -> Result<Moment, PlayError> {
+        let shot = shot.into();
+        let mut moment = match shot.view {
+            None => self.flight.at(shot.epoch, self.aspect())?,
+            Some(view) => Moment {
+                epoch: shot.epoch,
+                view,
+                sky: self.flight.sky_at(shot.epoch),
+                satellite: None,
+                craft: None,
+                eye_velocity_m_s: None,
+                turn: None,
+                exposure_ev: None,
+            },
+        };
+        moment.exposure_ev = shot.exposure_ev.or(moment.exposure_ev);
+        Ok(moment)
+    }
+
+    /// Width over height.
+    pub fn aspect(&self) -> f64 {
+        f64::from(self.size.0) / f64::from(self.size.1)
     }
 
     /// Draws an instant as it is shown and writes it to `rgba`: four bytes a pixel, rows from the top. With all that the scene shows:
@@ -121,11 +163,20 @@ impl ScenePictures {
     ///
     /// # Errors
     /// An instant at which the satellite is not known, maps that cannot be read, a buffer of another length, a device without room.
-    pub fn draw_color(&mut self, epoch: Epoch, rgba: &mut [u8]) -> Result<Drawing, PlayError> {
+    pub fn draw_color(
+        &mut self,
+        shot: impl Into<Shot>,
+        rgba: &mut [u8],
+    ) -> Result<Drawing, PlayError> {
         self.check_buffer(rgba.len())?;
-        let moment = self.moment(epoch)?;
+        let moment = self.moment(shot)?;
         let wait = self.flight.scene().output.wait();
+        let exposure = match moment.exposure_ev {
+            Some(ev) => Exposure::Ev(ev),
+            None => self.options()?.exposure,
+        };
         let shown = self.shown()?;
+        shown.set_exposure(exposure)?;
         let drawing = draw(shown, &moment, wait);
         shown.read_into(rgba)?;
         Ok(drawing)
@@ -136,9 +187,13 @@ impl ScenePictures {
     ///
     /// # Errors
     /// As [`Self::draw_color`].
-    pub fn draw_light(&mut self, epoch: Epoch, light: &mut [f32]) -> Result<Drawing, PlayError> {
+    pub fn draw_light(
+        &mut self,
+        shot: impl Into<Shot>,
+        light: &mut [f32],
+    ) -> Result<Drawing, PlayError> {
         self.check_buffer(light.len())?;
-        let moment = self.moment(epoch)?;
+        let moment = self.moment(shot)?;
         let wait = self.flight.scene().output.wait();
         let renderer = match self.light.take() {
             Some(renderer) => renderer,
@@ -163,8 +218,12 @@ impl ScenePictures {
     ///
     /// # Errors
     /// As [`Self::draw_color`].
-    pub fn draw_truth(&mut self, epoch: Epoch) -> Result<(TruthPicture, Drawing), PlayError> {
-        let moment = self.moment(epoch)?;
+    pub fn draw_truth(
+        &mut self,
+        shot: impl Into<Shot>,
+    ) -> Result<(TruthPicture, Drawing), PlayError> {
+        let moment = self.moment(shot)?;
+        let epoch = moment.epoch;
         let wait = self.flight.scene().output.wait();
         let dated = self.flight.scene().earth.dated_maps.iter();
         let maps: Vec<_> = dated.map(|maps| maps.at(epoch)).collect();

@@ -79,12 +79,7 @@ impl FrameFolder {
             _lock: lock,
         };
         // What a run that was killed left: nobody else writes here now.
-        for entry in std::fs::read_dir(folder).map_err(refused)? {
-            let entry = entry.map_err(refused)?;
-            if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
-                std::fs::remove_file(entry.path()).map_err(refused)?;
-            }
-        }
+        frames.remove_unfinished()?;
         if existing == Existing::Overwrite && frames.path(frame_count).exists() {
             tracing::warn!(
                 "{} holds frames of a longer film; those from {} on stay",
@@ -95,6 +90,21 @@ impl FrameFolder {
         // Shows whether files can be made there.
         frames.pending(0)?;
         Ok(frames)
+    }
+
+    /// Takes away frames that are not whole. Only while nobody writes any.
+    ///
+    /// # Errors
+    /// A folder that cannot be read, files that cannot be taken away.
+    pub fn remove_unfinished(&self) -> Result<(), OutputError> {
+        let refused = |source| OutputError::write(&self.folder, source);
+        for entry in std::fs::read_dir(&self.folder).map_err(refused)? {
+            let entry = entry.map_err(refused)?;
+            if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
+                std::fs::remove_file(entry.path()).map_err(refused)?;
+            }
+        }
+        Ok(())
     }
 
     /// The folder.

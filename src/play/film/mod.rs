@@ -11,6 +11,8 @@
 //! | `page` | `frames.json`: written frame by frame, read again |
 //! | `record` | what the page says of a frame |
 //! | `settings` | how pictures are made and kept |
+//! | `frames` | draws the frames of a scene's film, in any order |
+//! | `shared_folder` | a folder that several processes fill |
 //! | `painter` | draws them: as a screen shows them, or as light of many pixels and instants |
 //! | `develop` | from light to a picture, on the processor |
 //! | `picture` | a picture and its file: PNG, PNG with 16 bits, OpenEXR |
@@ -19,6 +21,7 @@
 mod develop;
 mod error;
 mod folder;
+mod frames;
 mod key;
 mod page;
 mod painter;
@@ -26,9 +29,11 @@ mod picture;
 mod range;
 mod record;
 mod settings;
+mod shared_folder;
 
 pub use error::FilmError;
 pub use folder::{Existing, FrameFolder};
+pub use frames::FilmFrames;
 pub use key::{FilmKey, checksum};
 pub use page::{FilmPage, KeptFrames, PageHead};
 pub use painter::FilmPainter;
@@ -36,3 +41,4 @@ pub use picture::FilmPicture;
 pub use range::FrameRange;
 pub use record::FrameRecord;
 pub use settings::{PictureFormat, PictureSettings, Shutter};
+pub use shared_folder::{FilmRequest, SharedFolder};

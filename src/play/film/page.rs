@@ -228,9 +228,17 @@ impl FilmPage {
     /// # Errors
     /// A page that cannot be written; it is then as it was.
     pub fn add(&mut self, record: &FrameRecord) -> Result<(), PlayError> {
+        let entry = serde_json::to_string(record);
+        let entry = entry.map_err(|error| OutputError::write(&self.path, error.into()))?;
+        self.add_entry(record.index, entry)
+    }
+
+    /// Adds the frame of this number, as its record was written: what is read and written again may differ in a number's last digit.
+    ///
+    /// # Errors
+    /// As [`Self::add`].
+    pub fn add_entry(&mut self, index: u64, entry: String) -> Result<(), PlayError> {
         let failed = |path: &Path, source| PlayError::from(OutputError::write(path, source));
-        let entry =
-            serde_json::to_string(record).map_err(|error| failed(&self.path, error.into()))?;
         let added = [separator(self.entries.len()), &entry].concat();
         let text = [&added, END].concat();
         let written = self.write_at_end(text.as_bytes());
@@ -245,7 +253,7 @@ impl FilmPage {
             return Err(failed(&self.path, source));
         }
         self.end_at += added.len() as u64;
-        self.entries.insert(record.index, entry);
+        self.entries.insert(index, entry);
         Ok(())
     }
 
