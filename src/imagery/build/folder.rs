@@ -1,7 +1,7 @@
 //! The folder that a pack is built in: what may be there, and files that are whole or not there.
 
 use super::error::BuildError;
-use super::journal::{JOURNAL_FILE, Journal};
+use super::journal::{JOURNAL_FILE, Journal, is_share_journal, share_journal_file};
 use super::tile_name::TileName;
 use crate::imagery::pack::{MANIFEST_FILE, Manifest, TileFile};
 use std::collections::BTreeMap;
@@ -76,13 +76,21 @@ impl<'a> BuildFolder<'a> {
         };
         fs::create_dir_all(dir).map_err(write_error)?;
         let present = Present::look(dir)?;
-        if present.manifest && !present.journal && !restart {
+        if present.is_finished() && !restart {
             return Err(BuildError::Finished {
                 path: dir.to_path_buf(),
             });
         }
-        let mut journal = Journal::open(dir)?;
+        let mut journal = Journal::open(dir, JOURNAL_FILE)?;
+        // Whoever makes a share is let finish.
+        for name in &present.shares {
+            drop(Journal::open(dir, name)?);
+        }
         if restart {
+            for name in &present.shares {
+                let path = dir.join(name);
+                fs::remove_file(&path).map_err(|source| BuildError::Write { path, source })?;
+            }
             // Without its manifest it is no pack any more; then the rest may go.
             for (name, is_there) in [(MANIFEST_FILE, present.manifest), (TILES, present.tiles)] {
                 let path = dir.join(name);
@@ -102,17 +110,59 @@ impl<'a> BuildFolder<'a> {
             }
             journal.begin(fingerprint)?;
         }
-        let noted = journal.tiles();
+        let mut noted = journal.tiles();
+        if !restart {
+            noted.extend(present.noted_by_shares(dir, fingerprint));
+        }
+        Ok(Self::with(dir, writer, journal, noted))
+    }
+
+    /// Opens the folder for a share of a build, by a process that makes that share alone: it notes its tiles in a journal of its own. What
+    /// others have noted counts as done.
+    pub(super) fn open_share(
+        dir: &Path,
+        fingerprint: &str,
+        share: &str,
+        writer: &'a dyn Writer,
+    ) -> Result<Self, BuildError> {
+        let present = Present::look(dir)?;
+        if present.is_finished() {
+            return Err(BuildError::Finished {
+                path: dir.to_path_buf(),
+            });
+        }
+        let others = Journal::tiles_of(&dir.join(JOURNAL_FILE), fingerprint);
+        let mut journal = Journal::open(dir, &share_journal_file(share))?;
+        if !journal.has_fingerprint(fingerprint) {
+            if !journal.is_empty() {
+                return Err(BuildError::OtherBuild {
+                    path: dir.to_path_buf(),
+                });
+            }
+            journal.begin(fingerprint)?;
+        }
+        let mut noted = journal.tiles();
+        noted.extend(others);
+        noted.extend(present.noted_by_shares(dir, fingerprint));
+        Ok(Self::with(dir, writer, journal, noted))
+    }
+
+    fn with(
+        dir: &Path,
+        writer: &'a dyn Writer,
+        journal: Journal,
+        noted: Vec<(TileName, TileFile)>,
+    ) -> Self {
         let is_whole = |(name, file): &(TileName, TileFile)| {
             name.path()
                 .is_some_and(|path| holds(&dir.join(path), *file))
         };
         let done = noted.into_iter().filter(is_whole).collect();
-        Ok(Self {
+        Self {
             dir: dir.to_path_buf(),
             writer,
             state: Mutex::new(State { journal, done }),
-        })
+        }
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -159,6 +209,10 @@ impl<'a> BuildFolder<'a> {
             .state
             .into_inner()
             .unwrap_or_else(PoisonError::into_inner);
+        for name in Present::look(&self.dir)?.shares {
+            let path = self.dir.join(name);
+            fs::remove_file(&path).map_err(|source| BuildError::Write { path, source })?;
+        }
         state.journal.remove()
     }
 }
@@ -176,6 +230,8 @@ fn sync_folder(dir: &Path) -> io::Result<()> {
 struct Present {
     manifest: bool,
     journal: bool,
+    /// Names of journals of shares.
+    shares: Vec<String>,
     tiles: bool,
 }
 
@@ -188,6 +244,7 @@ impl Present {
         let mut present = Self {
             manifest: false,
             journal: false,
+            shares: Vec::new(),
             tiles: false,
         };
         let other = |name: &str| BuildError::NotEmpty {
@@ -201,16 +258,32 @@ impl Present {
             match name.as_str() {
                 MANIFEST_FILE if kind.is_file() => present.manifest = true,
                 JOURNAL_FILE if kind.is_file() => present.journal = true,
+                name if is_share_journal(name) && kind.is_file() => {
+                    present.shares.push(name.to_string());
+                }
                 TILES if kind.is_dir() => present.tiles = true,
                 // Left by a fall between writing and renaming.
                 name if name == format!(".{MANIFEST_FILE}.{PART}") => {}
                 _ => return Err(other(&name)),
             }
         }
-        if present.tiles && !present.manifest && !present.journal {
+        if present.tiles && !present.manifest && !present.journal && present.shares.is_empty() {
             return Err(other(TILES));
         }
         Ok(present)
+    }
+
+    /// Whether a pack is there and nothing is being built.
+    fn is_finished(&self) -> bool {
+        self.manifest && !self.journal && self.shares.is_empty()
+    }
+
+    /// What processes that make shares of this build have noted.
+    fn noted_by_shares(&self, dir: &Path, fingerprint: &str) -> Vec<(TileName, TileFile)> {
+        let shares = self.shares.iter();
+        shares
+            .flat_map(|name| Journal::tiles_of(&dir.join(name), fingerprint))
+            .collect()
     }
 }
 

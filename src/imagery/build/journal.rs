@@ -22,6 +22,16 @@ use std::path::{Path, PathBuf};
 /// Name of the journal in the pack's folder.
 pub(super) const JOURNAL_FILE: &str = "build.journal";
 
+/// How the journal of a share of a build is called, which a process of its own makes.
+pub(super) fn share_journal_file(share: &str) -> String {
+    format!("build-{share}.journal")
+}
+
+/// Whether a file is called like the journal of a share.
+pub(super) fn is_share_journal(name: &str) -> bool {
+    name.starts_with("build-") && name.ends_with(".journal")
+}
+
 const FIRST_LINE: &str = "terrella build 1";
 
 /// A journal of every tile that can be has less: 5 maps × 128 blocks × 346 tiles of all levels × 2 storages × 100 bytes.
@@ -36,9 +46,9 @@ pub(super) struct Journal {
 }
 
 impl Journal {
-    /// Opens or makes it and locks it.
-    pub(super) fn open(dir: &Path) -> Result<Self, BuildError> {
-        let path = dir.join(JOURNAL_FILE);
+    /// Opens or makes the one of this name and locks it.
+    pub(super) fn open(dir: &Path, name: &str) -> Result<Self, BuildError> {
+        let path = dir.join(name);
         let fail = |source| BuildError::Write {
             path: path.clone(),
             source,
@@ -71,6 +81,17 @@ impl Journal {
         Ok(Self { path, file, text })
     }
 
+    /// The tiles noted in a journal that is another process's or of another run; none where it is of another build.
+    pub(super) fn tiles_of(path: &Path, fingerprint: &str) -> Vec<(TileName, TileFile)> {
+        let mut bytes = Vec::new();
+        let read = File::open(path).and_then(|file| file.take(MAX_BYTES).read_to_end(&mut bytes));
+        let text = String::from_utf8(bytes).unwrap_or_default();
+        match read {
+            Ok(_) if begins_with(&text, fingerprint) => parse_all(&text).0,
+            _ => Vec::new(),
+        }
+    }
+
     /// Nothing was ever begun.
     pub(super) fn is_empty(&self) -> bool {
         self.text.is_empty()
@@ -78,8 +99,7 @@ impl Journal {
 
     /// Whether it is of this build.
     pub(super) fn has_fingerprint(&self, fingerprint: &str) -> bool {
-        self.text
-            .starts_with(&format!("{FIRST_LINE}\n{fingerprint}\n"))
+        begins_with(&self.text, fingerprint)
     }
 
     fn fail(&self, source: io::Error) -> BuildError {
@@ -103,19 +123,8 @@ impl Journal {
 
     /// The tiles noted when it was opened, once. What was cut off is taken away, so that new lines begin well.
     pub(super) fn tiles(&mut self) -> Vec<(TileName, TileFile)> {
-        let mut tiles = Vec::new();
-        let mut good = 0;
         let text = std::mem::take(&mut self.text);
-        for (n, line) in text.split_inclusive('\n').enumerate() {
-            let Some(whole) = line.strip_suffix('\n') else {
-                break;
-            };
-            if n >= 2 {
-                let Some(tile) = parse(whole) else { break };
-                tiles.push(tile);
-            }
-            good += line.len();
-        }
+        let (tiles, good) = parse_all(&text);
         if good < text.len() {
             // If this fails, notes on the same line as the cut one are not understood next time: tiles are made again.
             let _ = self.file.set_len(good as u64);
@@ -155,6 +164,27 @@ impl Journal {
     pub(super) fn remove(self) -> Result<(), BuildError> {
         fs::remove_file(&self.path).map_err(|error| self.fail(error))
     }
+}
+
+fn begins_with(text: &str, fingerprint: &str) -> bool {
+    text.starts_with(&format!("{FIRST_LINE}\n{fingerprint}\n"))
+}
+
+/// The tiles of a journal, and how many of its bytes are understood.
+fn parse_all(text: &str) -> (Vec<(TileName, TileFile)>, usize) {
+    let mut tiles = Vec::new();
+    let mut good = 0;
+    for (n, line) in text.split_inclusive('\n').enumerate() {
+        let Some(whole) = line.strip_suffix('\n') else {
+            break;
+        };
+        if n >= 2 {
+            let Some(tile) = parse(whole) else { break };
+            tiles.push(tile);
+        }
+        good += line.len();
+    }
+    (tiles, good)
 }
 
 fn parse(line: &str) -> Option<(TileName, TileFile)> {

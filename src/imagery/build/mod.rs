@@ -13,6 +13,7 @@
 //! | `ladder.rs` | which levels a map gets |
 //! | `plan.rs`, `memory.rs` | passes, and who may hold how much |
 //! | `folder.rs`, `journal.rs` | whole files, and going on after an end |
+//! | `shares.rs` | a build that several processes share |
 //! | `run.rs` | one map, from its file to its tiles |
 //!
 //! A source is read once for all levels; if the bands of all levels do not fit into the memory allowed, it is read
@@ -34,6 +35,7 @@ pub mod mosaic;
 mod plan;
 mod resample;
 mod run;
+mod shares;
 pub mod source;
 #[cfg(test)]
 mod tests;
@@ -41,15 +43,17 @@ mod tile_name;
 mod values;
 
 pub use error::BuildError;
+pub use shares::{BuildShare, SharesPlan, begin_shares, build_share};
 
 use super::pack::{LayerEntry, LevelEntry, Manifest, TileFile};
 use super::tile::{MAX_PART_PIXELS, MapLayer, Storage, TileShape};
-use crate::globe::Block;
+use crate::globe::{Block, COLUMNS};
 use folder::{BuildFolder, Disk, Writer};
 use input::MapInput;
 use plan::{Means, Plan};
 use run::Job;
 use source::{SourceInfo, SourceLimits};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use tile_name::TileName;
 use values::{Meaning, ValueRows};
@@ -291,51 +295,11 @@ fn build_with(
     writer: &dyn Writer,
     division: Division,
 ) -> Result<Manifest, BuildError> {
-    options.check()?;
-    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
-    let means = Means {
-        memory_bytes: options.memory_bytes,
-        threads: options.threads.unwrap_or_else(processors).clamp(1, 64),
-    };
-    let limits = SourceLimits {
-        buffer_bytes: means.source_bytes(),
-    };
-    let mut maps = Vec::new();
-    for (layer, path, meaning) in options.maps() {
-        let what = (layer, path, meaning);
-        let mut map = look(options, what, means, limits, division.most_pixels, progress)?;
-        map.plan.columns = division.columns.unwrap_or(map.plan.columns);
-        maps.push(map);
-    }
-    let draft = manifest(options, &maps, |_| Some(TileFile::of(b"draft")));
-    Manifest::from_toml(&draft.to_toml(), Path::new("manifest")).map_err(|error| {
-        BuildError::Option {
-            option: "--name, --attribution",
-            cause: error.to_string(),
-        }
-    })?;
-
-    let fingerprint = fingerprint::of(options, &maps)?;
-    let folder = BuildFolder::open(&options.out, &fingerprint, options.restart, writer)?;
-    for map in &maps {
-        let job = Job {
-            layer: map.layer,
-            path: map.path,
-            input: &map.input,
-            meaning: map.meaning,
-            info: map.info,
-            limits,
-            levels: &map.levels,
-            storages: &options.storages,
-            plan: map.plan,
-            folder: &folder,
-            progress,
-        };
-        let saturated_texels = match map.meaning.channels() {
-            3 => job.run::<3>(),
-            2 => job.run::<2>(),
-            _ => job.run::<1>(),
-        }?;
+    let prepared = Prepared::of(options, progress, division)?;
+    let folder = BuildFolder::open(&options.out, &prepared.fingerprint, options.restart, writer)?;
+    for map in &prepared.maps {
+        let job = prepared.job(map, 0..COLUMNS, &options.storages, &folder, progress);
+        let saturated_texels = run(&job)?;
         if saturated_texels > 0 {
             progress.note(&format!(
                 "{saturated_texels} of {} slopes are steeper than can be stored and drawn less steep; a smaller \
@@ -344,9 +308,90 @@ fn build_with(
             ));
         }
     }
-    let done = manifest(options, &maps, |name| folder.tile(name));
+    let done = manifest(options, &prepared.maps, |name| folder.tile(name));
     folder.finish(&done)?;
     Ok(done)
+}
+
+/// Makes the tiles of a map that lack. Gives the number of slopes beyond what can be stored.
+fn run(job: &Job<'_>) -> Result<u64, BuildError> {
+    match job.meaning.channels() {
+        3 => job.run::<3>(),
+        2 => job.run::<2>(),
+        _ => job.run::<1>(),
+    }
+}
+
+/// A build whose maps have been looked at.
+struct Prepared<'a> {
+    maps: Vec<Map<'a>>,
+    limits: SourceLimits,
+    fingerprint: String,
+}
+
+impl<'a> Prepared<'a> {
+    /// Looks at the maps, and divides the work.
+    fn of(
+        options: &'a BuildOptions,
+        progress: &dyn BuildProgress,
+        division: Division,
+    ) -> Result<Self, BuildError> {
+        options.check()?;
+        let processors = || std::thread::available_parallelism().map_or(1, usize::from);
+        let means = Means {
+            memory_bytes: options.memory_bytes,
+            threads: options.threads.unwrap_or_else(processors).clamp(1, 64),
+        };
+        let limits = SourceLimits {
+            buffer_bytes: means.source_bytes(),
+        };
+        let mut maps = Vec::new();
+        for (layer, path, meaning) in options.maps() {
+            let what = (layer, path, meaning);
+            let mut map = look(options, what, means, limits, division.most_pixels, progress)?;
+            map.plan.columns = division.columns.unwrap_or(map.plan.columns);
+            maps.push(map);
+        }
+        let draft = manifest(options, &maps, |_| Some(TileFile::of(b"draft")));
+        Manifest::from_toml(&draft.to_toml(), Path::new("manifest")).map_err(|error| {
+            BuildError::Option {
+                option: "--name, --attribution",
+                cause: error.to_string(),
+            }
+        })?;
+
+        let fingerprint = fingerprint::of(options, &maps)?;
+        Ok(Self {
+            maps,
+            limits,
+            fingerprint,
+        })
+    }
+
+    /// The work on some columns of a map.
+    fn job<'j>(
+        &'j self,
+        map: &'j Map<'_>,
+        columns: Range<u32>,
+        storages: &'j [Storage],
+        folder: &'j BuildFolder<'j>,
+        progress: &'j dyn BuildProgress,
+    ) -> Job<'j> {
+        Job {
+            layer: map.layer,
+            path: map.path,
+            input: &map.input,
+            meaning: map.meaning,
+            info: map.info,
+            limits: self.limits,
+            levels: &map.levels,
+            storages,
+            plan: map.plan,
+            columns,
+            folder,
+            progress,
+        }
+    }
 }
 
 /// Opens a map, and decides its levels and how its work is divided.

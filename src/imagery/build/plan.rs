@@ -4,7 +4,6 @@ use super::bands::{band_bytes, row_texels, tile_columns};
 use super::error::BuildError;
 use super::resample::Resampler;
 use super::source::SourceInfo;
-use crate::globe::COLUMNS;
 use crate::imagery::tile::{MapLayer, Storage, TileShape};
 use std::ops::Range;
 
@@ -42,11 +41,13 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// The ranges of columns, from the west.
-    pub(super) fn passes(self) -> impl Iterator<Item = Range<u32>> {
-        (0..COLUMNS)
+    /// The ranges of columns of which `wanted` is made, from the west.
+    pub(super) fn passes(self, wanted: &Range<u32>) -> impl Iterator<Item = Range<u32>> {
+        let end = wanted.end;
+        wanted
+            .clone()
             .step_by(self.columns as usize)
-            .map(move |start| start..start + self.columns)
+            .map(move |start| start..(start + self.columns).min(end))
     }
 }
 
@@ -133,6 +134,7 @@ fn encoding_bytes(layer: MapLayer, levels: &[TileShape], storages: &[Storage]) -
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::globe::COLUMNS;
     use crate::imagery::build::ladder::ladder;
     use crate::imagery::build::source::{FileKind, SampleKind};
     use crate::imagery::tile::MAX_PART_PIXELS;
@@ -168,12 +170,12 @@ mod tests {
         let paper = [1350, 675, 450, 270, 135];
         let plan = plan_of(&paper, 512).expect("fits");
         assert_eq!((plan.columns, plan.threads), (16, 2));
-        assert_eq!(plan.passes().count(), 1);
+        assert_eq!(plan.passes(&(0..COLUMNS)).count(), 1);
         let small = plan_of(&paper, 220).expect("fits");
         assert!(small.columns < 16, "{small:?}");
         let large = plan_of(&[1920, 900, 256], 256).expect("fits");
         assert!(large.columns < 16, "{large:?}");
-        let places: Vec<u32> = large.passes().flatten().collect();
+        let places: Vec<u32> = large.passes(&(0..COLUMNS)).flatten().collect();
         assert_eq!(places, (0..16).collect::<Vec<_>>());
     }
 
@@ -186,7 +188,7 @@ mod tests {
         ] {
             let plan = plan_of(ladder, 512).expect("fits");
             assert!(
-                plan.threads == 2 && plan.passes().count() <= most_passes,
+                plan.threads == 2 && plan.passes(&(0..COLUMNS)).count() <= most_passes,
                 "{plan:?}"
             );
             let BuildError::Memory { needed_mb, .. } = plan_of(ladder, 60).expect_err("too little")

@@ -33,6 +33,8 @@ pub(super) struct Job<'a> {
     pub levels: &'a [TileShape],
     pub storages: &'a [Storage],
     pub plan: Plan,
+    /// The columns of blocks that are made.
+    pub columns: Range<u32>,
     pub folder: &'a BuildFolder<'a>,
     pub progress: &'a dyn BuildProgress,
 }
@@ -73,7 +75,7 @@ impl Shared<'_> {
 impl Job<'_> {
     /// Makes all tiles that are not there yet. Gives the number of slopes beyond what can be stored.
     pub(super) fn run<const C: usize>(&self) -> Result<u64, BuildError> {
-        let passes: Vec<Range<u32>> = self.plan.passes().collect();
+        let passes: Vec<Range<u32>> = self.plan.passes(&self.columns).collect();
         let threads = rayon::ThreadPoolBuilder::new()
             .num_threads(self.plan.threads)
             .thread_name(|n| format!("terrella encode {n}"))
@@ -104,6 +106,22 @@ impl Job<'_> {
             }
         }
         Ok(saturated_texels)
+    }
+
+    /// How many tiles are not there yet.
+    pub(super) fn missing_tiles(&self) -> u64 {
+        let storages = |shape: &TileShape, row, column| {
+            self.missing_storages(*shape, row, column).len() as u64
+        };
+        let of_level = |shape: &TileShape| -> u64 {
+            (0..shape.tile_rows())
+                .flat_map(|row| {
+                    tile_columns(*shape, &self.columns).map(move |column| (row, column))
+                })
+                .map(|(row, column)| storages(shape, row, column))
+                .sum()
+        };
+        self.levels.iter().map(of_level).sum()
     }
 
     /// Levels of which a tile in these columns is missing.
