@@ -135,7 +135,7 @@ mod tests {
         let clip = glam::dcamera::rh::proj::directx::perspective(3.0, 1.0, 1.0, 1e8)
             * glam::dcamera::rh::view::look_to_mat4(
                 DVec3::ZERO,
-                -eye_itrf_m,
+                -eye_itrf_m.normalize(),
                 DVec3::new(0.3, 0.2, 0.9),
             );
         PartSight::new(Ellipsoid::WGS84, RANGE, eye_itrf_m, &clip)
@@ -197,7 +197,7 @@ mod tests {
         let far = Part::whole(Block { column: 12, row: 3 });
         assert!(sight(eye).distance_m(far).is_none());
         let narrow = glam::dcamera::rh::proj::directx::perspective(0.1, 1.0, 1.0, 1e8)
-            * glam::dcamera::rh::view::look_to_mat4(DVec3::ZERO, -eye, DVec3::Z);
+            * glam::dcamera::rh::view::look_to_mat4(DVec3::ZERO, -eye.normalize(), DVec3::Z);
         let sight = PartSight::new(Ellipsoid::WGS84, RANGE, eye, &narrow);
         let below = Part::whole(Block { column: 9, row: 3 });
         let seen: Vec<_> = below
