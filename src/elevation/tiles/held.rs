@@ -1,0 +1,149 @@
+//! A tile of heights in memory.
+
+use super::{HeightSamples, HeightTileError, HeightTileKey, HeightTileLayout};
+use crate::elevation::{HIGHEST_M, HeightRange, LOWEST_M};
+
+/// Samples along a side of the squares whose ranges are held.
+const SQUARE: usize = 8;
+
+/// Heights of a tile, and the ranges of parts of it.
+pub(in crate::elevation) struct HeldTile {
+    pub key: HeightTileKey,
+    samples: HeightSamples,
+    /// Samples of a row, the border included.
+    row: usize,
+    border: usize,
+    side: usize,
+    /// Lowest and highest of each square of samples, row by row.
+    ranges: Vec<[f32; 2]>,
+    squares: usize,
+    /// Of all samples.
+    pub range: HeightRange,
+}
+
+impl HeldTile {
+    /// Takes what a source has read, once it is what the layout says.
+    pub fn new(
+        key: HeightTileKey,
+        layout: &HeightTileLayout,
+        samples: HeightSamples,
+    ) -> Result<Self, HeightTileError> {
+        let unsound = |what: String| HeightTileError::Unsound { key, what };
+        let row = layout.row_samples();
+        if samples.len() != layout.tile_samples() {
+            let (got, expected) = (samples.len(), layout.tile_samples());
+            return Err(unsound(format!(
+                "it has {got} samples in place of {expected}"
+            )));
+        }
+        if let HeightSamples::I16 {
+            offset_m, scale_m, ..
+        } = &samples
+            && !(offset_m.is_finite() && scale_m.is_finite() && *scale_m > 0.0)
+        {
+            return Err(unsound(format!(
+                "its steps are {scale_m} m from {offset_m} m"
+            )));
+        }
+        let squares = row.div_ceil(SQUARE);
+        let mut ranges = vec![[f32::INFINITY, f32::NEG_INFINITY]; squares * squares];
+        let mut range = HeightRange {
+            low_m: f64::INFINITY,
+            high_m: f64::NEG_INFINITY,
+        };
+        for n in 0..samples.len() {
+            let height_m = samples.at_m(n);
+            // False for what is no number.
+            if !(LOWEST_M..=HIGHEST_M).contains(&height_m) {
+                return Err(unsound(format!("it holds a height of {height_m} m")));
+            }
+            let [low, high] = &mut ranges[n / row / SQUARE * squares + n % row / SQUARE];
+            *low = low.min((height_m as f32).next_down());
+            *high = high.max((height_m as f32).next_up());
+            range.low_m = range.low_m.min(height_m);
+            range.high_m = range.high_m.max(height_m);
+        }
+        Ok(Self {
+            key,
+            samples,
+            row,
+            border: layout.border() as usize,
+            side: layout.side() as usize,
+            ranges,
+            squares,
+            range,
+        })
+    }
+
+    /// A sample, metres.
+    pub fn sample_m(&self, n: usize) -> f64 {
+        self.samples.at_m(n)
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        self.samples.bytes() + size_of_val(self.ranges.as_slice()) as u64 + size_of::<Self>() as u64
+    }
+
+    /// The height at a place of the level, counted in its samples' steps from 180° W and from the north pole; beyond the
+    /// outermost rows it goes over into the pole's, north first.
+    #[inline]
+    pub fn height_m(&self, x: f64, y: f64, rows: f64, poles_m: [f64; 2]) -> f64 {
+        let (x, y) = (x - 0.5, y - 0.5);
+        let (west, north) = (x.floor(), y.clamp(0.0, rows - 1.0).floor());
+        let along = x - west;
+        let column = self.place(west, self.key.column).min(self.row - 2);
+        let in_row = |row: f64| {
+            let at = self.place(row, self.key.row) * self.row + column;
+            let value = self.samples.at_m(at);
+            value + along * (self.samples.at_m(at + 1) - value)
+        };
+        let value = in_row(north);
+        if y < 0.0 {
+            return value + (-2.0 * y).min(1.0) * (poles_m[0] - value);
+        }
+        let down = y - north;
+        if y >= rows - 1.0 {
+            return value + (2.0 * down).min(1.0) * (poles_m[1] - value);
+        }
+        value + down * (in_row(north + 1.0) - value)
+    }
+
+    /// Column or row of the samples held, of one of the level. Of a place in the tile it and the next are there.
+    #[inline]
+    fn place(&self, of_level: f64, tile: u32) -> usize {
+        let from_tile = of_level - f64::from(tile) * self.side as f64 + self.border as f64;
+        // Negative numbers saturate at 0.
+        (from_tile as usize).min(self.row - 1)
+    }
+
+    /// Lowest and highest of all that is interpolated between two places, in samples' steps from the tile's own north-western corner.
+    /// May be a little too wide.
+    pub fn range_m(&self, west: f64, east: f64, north: f64, south: f64) -> HeightRange {
+        let first = |from: f64| {
+            ((from - 0.5).floor() + self.border as f64).clamp(0.0, (self.row - 1) as f64) as usize
+        };
+        let last = |to: f64| {
+            ((to - 0.5).floor() + 1.0 + self.border as f64).clamp(0.0, (self.row - 1) as f64)
+                as usize
+        };
+        let (columns, rows) = ((first(west), last(east)), (first(north), last(south)));
+        let (mut low_m, mut high_m) = (f64::INFINITY, f64::NEG_INFINITY);
+        if columns.1 - columns.0 <= SQUARE && rows.1 - rows.0 <= SQUARE {
+            for row in rows.0..=rows.1 {
+                for column in columns.0..=columns.1 {
+                    let height_m = self.samples.at_m(row * self.row + column);
+                    (low_m, high_m) = (low_m.min(height_m), high_m.max(height_m));
+                }
+            }
+        } else {
+            for row in rows.0 / SQUARE..=rows.1 / SQUARE {
+                for column in columns.0 / SQUARE..=columns.1 / SQUARE {
+                    let [low, high] = self.ranges[row * self.squares + column];
+                    (low_m, high_m) = (low_m.min(low.into()), high_m.max(high.into()));
+                }
+            }
+        }
+        HeightRange { low_m, high_m }
+    }
+}
