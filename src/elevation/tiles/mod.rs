@@ -7,10 +7,14 @@
 //! sample is the mean of the finer ones in its cell where those exist.
 
 mod error;
+mod held;
 mod layout;
+mod pyramid;
 
 pub use error::HeightTileError;
+pub(super) use held::HeldTile;
 pub use layout::{HeightLayoutError, HeightTileKey, HeightTileLayout};
+pub(super) use pyramid::{BESIDE, FEATHER, NONE, Node, TilePyramid, wider};
 
 use super::HeightRange;
 

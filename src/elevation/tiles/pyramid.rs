@@ -1,0 +1,458 @@
+//! The tiles that are in memory at one moment, and what the heights are by them.
+//!
+//! # Continuous, whatever is there
+//!
+//! Let h_k be the heights of level k and D_k(p) the distance of a place, in tiles of that level, from the nearest tile of it that is not in
+//! memory. The heights down to level k are g_k = g_(k+1) + w_k (h_k − g_(k+1)) with w_k = s(D_k / [`FEATHER`]), s smooth
+//! from 0 to 1; those of the coarsest level, which is always there, are as they are. h_k is continuous where tiles of level k
+//! are in memory, since they repeat samples of their neighbours, w_k is everywhere and 0 where one ends: so g_k is continuous, by
+//! induction. Towards the poles, where D_k is not (all meridians meet), all h_k go over into one height.
+//!
+//! Only tiles whose coarser one is in memory are, so that the way down from the coarsest finds them all.
+
+use super::held::HeldTile;
+use super::{HeightTileKey, HeightTileLayout, HeightTileSource};
+use crate::elevation::{Bounds, HeightGrid, HeightRange};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+
+/// Part of a tile over which its heights go over into the coarser ones beside a tile that is not there.
+pub(in crate::elevation) const FEATHER: f64 = 0.25;
+
+/// No node.
+pub(in crate::elevation) const NONE: u32 = u32::MAX;
+
+/// Tiles beside one, eastwards and southwards, by the bits of [`Node::missing`].
+pub(in crate::elevation) const BESIDE: [(i32, i32); 8] = [
+    (-1, -1),
+    (0, -1),
+    (1, -1),
+    (-1, 0),
+    (1, 0),
+    (-1, 1),
+    (0, 1),
+    (1, 1),
+];
+
+/// A range looks at tiles down to this part of the bounds, and takes the index's word for what is within them.
+const PART: f64 = 1.0 / 8.0;
+
+/// Most tiles that a search for the finest data looks at.
+const MOST_SEARCHED: usize = 256;
+
+/// A tile in memory, or one of the coarsest level, whose heights are the grid's.
+#[derive(Clone)]
+pub(in crate::elevation) struct Node {
+    pub key: HeightTileKey,
+    /// `None` at the coarsest level.
+    pub tile: Option<Arc<HeldTile>>,
+    /// Nodes of its quarters that are in memory.
+    pub children: [u32; 4],
+    /// Quarters that the source has, a bit each.
+    pub exists: u8,
+    /// What the source says of those: of them and of all finer ones.
+    pub below: [[f32; 2]; 4],
+    /// Tiles beside it that are not in memory, a bit each of [`BESIDE`]; those beyond a pole are none.
+    pub missing: u8,
+    /// Quarters that were asked for and are not there: bits 0…3 at a spacing of their own, 4…7 the finest that there is.
+    pub wanted: Arc<AtomicU8>,
+}
+
+/// A place as levels see it.
+#[derive(Clone, Copy)]
+struct Place {
+    lat_rad: f64,
+    lon_rad: f64,
+    /// Steps of the finest level's samples from 180° W and from the north pole.
+    x: f64,
+    y: f64,
+}
+
+impl Place {
+    /// The same in steps of a coarser level's samples: exact.
+    #[inline]
+    fn at(&self, level: u8) -> (f64, f64) {
+        let scale = f64::from_bits((1023 - u64::from(level)) << 52);
+        (self.x * scale, self.y * scale)
+    }
+}
+
+/// All tiles in memory. Never changed: when tiles come and go there is another.
+#[derive(Clone)]
+pub(in crate::elevation) struct TilePyramid {
+    pub layout: HeightTileLayout,
+    pub source: Arc<dyn HeightTileSource>,
+    /// The coarsest level.
+    pub base: Arc<HeightGrid>,
+    /// The coarsest level's tiles first, row by row.
+    pub nodes: Vec<Node>,
+    /// Something was asked for that is not there.
+    pub has_wants: Arc<AtomicBool>,
+    pub poles_m: [f64; 2],
+    /// Of everything, now and later.
+    pub range: HeightRange,
+}
+
+impl TilePyramid {
+    #[inline]
+    fn place(&self, lat_rad: f64, lon_rad: f64) -> Place {
+        let turns = (lon_rad + PI) * (1.0 / TAU);
+        let turns = turns - turns.floor();
+        // The difference of a small negative number from −1 is rounded to 1.
+        let turns = if turns >= 1.0 { 0.0 } else { turns };
+        let down = ((FRAC_PI_2 - lat_rad) * (1.0 / PI)).clamp(0.0, 1.0);
+        let side = f64::from(self.layout.side());
+        Place {
+            lat_rad,
+            lon_rad,
+            x: turns * (f64::from(self.layout.columns(0)) * side),
+            y: down * (f64::from(self.layout.rows(0)) * side),
+        }
+    }
+
+    /// The tile of a level that a place lies in.
+    #[inline]
+    fn key_at(&self, place: &Place, level: u8) -> HeightTileKey {
+        let (x, y) = place.at(level);
+        let side = self.layout.side();
+        HeightTileKey {
+            level,
+            column: (x as u32 / side).min(self.layout.columns(level) - 1),
+            row: (y as u32 / side).min(self.layout.rows(level) - 1),
+        }
+    }
+
+    pub(in crate::elevation) fn root(&self, key: HeightTileKey) -> u32 {
+        key.row * self.layout.columns(key.level) + key.column
+    }
+
+    /// The height at a finite place; see [`crate::elevation::Elevation::height_m`].
+    #[inline]
+    pub fn height_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64 {
+        let coarsest = self.layout.coarsest();
+        let steps = spacing_rad / self.layout.spacing_rad(0);
+        // Also where the spacing is not a number.
+        let (level, part) = if steps.is_nan() || steps <= 1.0 {
+            (0, 0.0)
+        } else {
+            // steps = 2^level·(1 + part), read from the number's own form.
+            let level = (steps.to_bits() >> 52).saturating_sub(1023);
+            let level = level.min(u64::from(coarsest)) as u8;
+            (level, steps / f64::from(level).exp2() - 1.0)
+        };
+        if level >= coarsest {
+            let base_rad = spacing_rad / self.layout.spacing_rad(coarsest);
+            return self
+                .base
+                .height_m(lat_rad, lon_rad, base_rad * self.base.finest_spacing_rad());
+        }
+        let place = self.place(lat_rad, lon_rad);
+        let is_any = spacing_rad.is_nan() || spacing_rad <= 0.0;
+        let (path, len) = self.path(&place, level, is_any);
+        let fine_m = self.blended(&path[..len], &place, is_any);
+        let deepest = coarsest - (len - 1) as u8;
+        if part == 0.0 || deepest > level {
+            return fine_m;
+        }
+        fine_m + part * (self.blended(&path[..len - 1], &place, is_any) - fine_m)
+    }
+
+    /// The nodes over a place from the coarsest down, to a level or as far as they go; notes what is not there.
+    #[inline]
+    fn path(&self, place: &Place, level: u8, is_any: bool) -> ([u32; 32], usize) {
+        let coarsest = self.layout.coarsest();
+        let mut path = [0; 32];
+        path[0] = self.root(self.key_at(place, coarsest));
+        let mut len = 1;
+        let mut at = coarsest;
+        while at > level {
+            at -= 1;
+            let quarter = self.key_at(place, at).quarter();
+            let node = &self.nodes[path[len - 1] as usize];
+            let child = node.children[quarter];
+            if child == NONE {
+                self.want(node, quarter, is_any);
+                break;
+            }
+            path[len] = child;
+            len += 1;
+        }
+        (path, len)
+    }
+
+    /// Notes that a quarter was asked for, if the source has it.
+    #[inline]
+    fn want(&self, node: &Node, quarter: usize, is_any: bool) {
+        if node.exists >> quarter & 1 == 0 {
+            return;
+        }
+        let bit = 1 << (quarter + if is_any { 4 } else { 0 });
+        // Looked at first: a line that nobody writes stays in every core's cache.
+        if node.wanted.load(Ordering::Relaxed) & bit == 0 {
+            node.wanted.fetch_or(bit, Ordering::Relaxed);
+            self.has_wants.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// g of the last node's level.
+    #[inline]
+    fn blended(&self, path: &[u32], place: &Place, is_any: bool) -> f64 {
+        let (mut height_m, mut beneath) = (0.0, 1.0);
+        for index in path.iter().rev() {
+            let node = &self.nodes[*index as usize];
+            let Some(tile) = &node.tile else {
+                let base_m = self.base.height_m(place.lat_rad, place.lon_rad, 0.0);
+                return height_m + beneath * base_m;
+            };
+            let level = node.key.level;
+            let (x, y) = place.at(level);
+            let weight = match node.missing {
+                0 => 1.0,
+                _ => self.weight(node, x, y, is_any),
+            };
+            if weight > 0.0 {
+                let rows = f64::from(self.layout.rows(level) * self.layout.side());
+                height_m += beneath * weight * tile.height_m(x, y, rows, self.poles_m);
+                beneath *= 1.0 - weight;
+                if beneath <= 0.0 {
+                    return height_m;
+                }
+            }
+        }
+        height_m
+    }
+
+    /// w of a place in a tile beside which some are missing, which are noted as asked for.
+    fn weight(&self, node: &Node, x: f64, y: f64, is_any: bool) -> f64 {
+        let side = f64::from(self.layout.side());
+        let (u, v) = (
+            x / side - f64::from(node.key.column),
+            y / side - f64::from(node.key.row),
+        );
+        let away = |way: i32, at: f64| match way {
+            -1 => at,
+            0 => 0.0,
+            _ => 1.0 - at,
+        };
+        let mut least = f64::INFINITY;
+        for (bit, (east, south)) in BESIDE.into_iter().enumerate() {
+            if node.missing >> bit & 1 == 0 {
+                continue;
+            }
+            let distance = away(east, u).max(away(south, v)).max(0.0);
+            if distance < FEATHER {
+                least = least.min(distance);
+                self.want_beside(node.key, (east, south), is_any);
+            }
+        }
+        let part = (least / FEATHER).min(1.0);
+        part * part * (3.0 - 2.0 * part)
+    }
+
+    /// Notes that a tile beside another is asked for. Where the coarser one over it is not there either, that one was beside
+    /// the coarser one over this, and is noted when that is looked at.
+    fn want_beside(&self, key: HeightTileKey, (east, south): (i32, i32), is_any: bool) {
+        let Some(beside) = self.layout.beside(key, east, south) else {
+            return;
+        };
+        if let Some(parent) = self.find(beside.parent()) {
+            self.want(&self.nodes[parent as usize], beside.quarter(), is_any);
+        }
+    }
+
+    /// The node of a tile, if it is in memory.
+    pub(in crate::elevation) fn find(&self, key: HeightTileKey) -> Option<u32> {
+        let up = self.layout.coarsest().checked_sub(key.level)?;
+        let over = |up: u8| HeightTileKey {
+            level: key.level + up,
+            column: key.column >> up,
+            row: key.row >> up,
+        };
+        let mut at = self.root(over(up));
+        for up in (0..up).rev() {
+            at = self.nodes[at as usize].children[over(up).quarter()];
+            if at == NONE {
+                return None;
+            }
+        }
+        Some(at)
+    }
+
+    /// Lowest and highest height inside bounds: of what is there now, or of all that there will ever be.
+    pub fn range_m(&self, bounds: &Bounds, coarsest_rad: f64, is_ever: bool) -> HeightRange {
+        let coarsest = self.layout.coarsest();
+        let scale = self.base.finest_spacing_rad() / self.layout.spacing_rad(coarsest);
+        let mut range = self.base.range_m(bounds, coarsest_rad * scale);
+        if coarsest == 0 {
+            return range;
+        }
+        let extent = (bounds.north_rad - bounds.south_rad).max(bounds.width_rad);
+        let tile_rad = self.layout.tile_rad(coarsest);
+        // A whole Earth of ranges is known.
+        if is_ever && extent >= 0.9 * PI {
+            return wider(range, self.range);
+        }
+        let (rows, columns) = (self.layout.rows(coarsest), self.layout.columns(coarsest));
+        let row = |lat: f64| ((FRAC_PI_2 - lat) / tile_rad).clamp(0.0, f64::from(rows - 1)) as u32;
+        let (north, south) = (row(bounds.north_rad + 1e-9), row(bounds.south_rad - 1e-9));
+        for row in north..=south {
+            for column in 0..columns {
+                let node = &self.nodes[(row * columns + column) as usize];
+                if self.layout.bounds(node.key).meets(bounds) {
+                    range = self.range_below(node, bounds, PART * extent, is_ever, range);
+                }
+            }
+        }
+        range
+    }
+
+    fn range_below(
+        &self,
+        node: &Node,
+        bounds: &Bounds,
+        least_rad: f64,
+        is_ever: bool,
+        mut range: HeightRange,
+    ) -> HeightRange {
+        let tile_rad = self.layout.tile_rad(node.key.level);
+        if let Some(tile) = &node.tile {
+            let own = self.layout.bounds(node.key);
+            let step = self.layout.spacing_rad(node.key.level);
+            let side = f64::from(self.layout.side());
+            let north = (own.north_rad - bounds.north_rad) / step;
+            let south = (own.north_rad - bounds.south_rad) / step;
+            // From the tile's middle, so that neither is taken for the other side of the Earth.
+            let from = own.west_rad + 0.5 * tile_rad;
+            let middle = bounds.west_rad + 0.5 * bounds.width_rad;
+            let off = (middle - from + PI).rem_euclid(TAU) - PI;
+            let (west, east) = match bounds.width_rad + tile_rad >= PI {
+                true => (0.0, side),
+                false => {
+                    let middle = off / step + 0.5 * side;
+                    let half = 0.5 * bounds.width_rad / step;
+                    (middle - half, middle + half)
+                }
+            };
+            // The last digit of an angle must not take a sample away.
+            let more = 1e-6;
+            range = wider(
+                range,
+                tile.range_m(
+                    (west - more).max(0.0),
+                    (east + more).min(side),
+                    (north - more).max(0.0),
+                    (south + more).min(side),
+                ),
+            );
+            // Beyond the outermost rows heights go over into the poles'.
+            if node.key.row == 0 && north < 0.5 {
+                range = wider(range, point(self.poles_m[0]));
+            }
+            if node.key.row + 1 == self.layout.rows(node.key.level) && south > side - 0.5 {
+                range = wider(range, point(self.poles_m[1]));
+            }
+        }
+        for quarter in 0..4 {
+            let Some(key) = node.key.child(quarter) else {
+                continue;
+            };
+            let there = node.children[quarter as usize];
+            let exists = node.exists >> quarter & 1 == 1;
+            if !exists || there == NONE && !is_ever || !self.layout.bounds(key).meets(bounds) {
+                continue;
+            }
+            if there != NONE && 0.5 * tile_rad > least_rad {
+                let child = &self.nodes[there as usize];
+                range = self.range_below(child, bounds, least_rad, is_ever, range);
+            } else {
+                let [low, high] = node.below[quarter as usize];
+                let of_source = HeightRange {
+                    low_m: low.into(),
+                    high_m: high.into(),
+                };
+                range = wider(range, of_source);
+            }
+        }
+        range
+    }
+
+    /// The finest level that the source has at a place.
+    fn finest_level(&self, place: &Place) -> u8 {
+        let mut level = self.layout.coarsest();
+        let mut node = Some(&self.nodes[self.root(self.key_at(place, level)) as usize]);
+        while level > 0 {
+            let key = self.key_at(place, level - 1);
+            let quarter = key.quarter();
+            let exists = match node {
+                Some(node) => node.exists >> quarter & 1 == 1,
+                None => self.source.range_m(key).is_some(),
+            };
+            if !exists {
+                break;
+            }
+            level -= 1;
+            node = node
+                .map(|node| node.children[quarter])
+                .filter(|child| *child != NONE)
+                .map(|child| &self.nodes[child as usize]);
+        }
+        level
+    }
+
+    /// See [`crate::elevation::Elevation::finest_spacing_rad`]: of all that the source has, be it in memory or not.
+    pub fn finest_spacing_rad(&self, lat_rad: f64, lon_rad: f64) -> f64 {
+        let level = self.finest_level(&self.place(lat_rad, lon_rad));
+        match level == self.layout.coarsest() {
+            true => self.base.detail_rad(),
+            false => self.layout.spacing_rad(level),
+        }
+    }
+
+    /// See [`crate::elevation::Elevation::finest_spacing_in`].
+    pub fn finest_spacing_in(&self, bounds: &Bounds) -> f64 {
+        let coarsest = self.layout.coarsest();
+        let roots = self.nodes
+            [..(self.layout.columns(coarsest) * self.layout.rows(coarsest)) as usize]
+            .iter()
+            .map(|node| node.key);
+        let mut level: Vec<_> = roots
+            .filter(|key| self.layout.bounds(*key).meets(bounds))
+            .collect();
+        let mut finest = self.base.detail_rad();
+        let mut searched = level.len();
+        while let Some(first) = level.first().copied() {
+            let quarters = level
+                .iter()
+                .flat_map(|key| (0..4).filter_map(|k| key.child(k)));
+            let below: Vec<_> = quarters
+                .filter(|key| self.layout.bounds(*key).meets(bounds))
+                .filter(|key| self.source.range_m(*key).is_some())
+                .collect();
+            if below.is_empty() {
+                break;
+            }
+            finest = self.layout.spacing_rad(first.level - 1);
+            searched += below.len();
+            if searched > MOST_SEARCHED {
+                return self.layout.spacing_rad(0);
+            }
+            level = below;
+        }
+        finest
+    }
+}
+
+pub(in crate::elevation) fn wider(a: HeightRange, b: HeightRange) -> HeightRange {
+    HeightRange {
+        low_m: a.low_m.min(b.low_m),
+        high_m: a.high_m.max(b.high_m),
+    }
+}
+
+fn point(height_m: f64) -> HeightRange {
+    HeightRange {
+        low_m: height_m,
+        high_m: height_m,
+    }
+}
