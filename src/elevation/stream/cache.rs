@@ -1,0 +1,470 @@
+//! Which tiles are asked for, loaded, in memory and given up: a state machine without threads or a clock.
+
+use super::viewer::Look;
+use super::{HeightStreamCounters, StreamedGroundError};
+use crate::elevation::tiles::{BESIDE, FEATHER, HeldTile, NONE, Node, TilePyramid, wider};
+use crate::elevation::{
+    Bounds, Georeference, GridLimits, HeightChange, HeightGrid, HeightRange, HeightTileError,
+    HeightTileKey, HeightTileLayout, HeightTileSource, Registration,
+};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+
+/// A tile is given up for another only if that one shows so many times more.
+const WORTH: f64 = 1.5;
+
+/// Changes that are remembered; who comes later takes everything for changed.
+const REMEMBERED: usize = 256;
+
+/// What somebody asked for and is not there.
+#[derive(Clone, Copy, Debug)]
+struct Request {
+    /// Only as the finest that there is: whether it shows is for the eyes to say.
+    is_any: bool,
+}
+
+/// The state.
+pub(super) struct HeightCache {
+    pyramid: Arc<TilePyramid>,
+    free: Vec<u32>,
+    budget_bytes: u64,
+    /// Of tiles in memory.
+    bytes: u64,
+    tiles: u32,
+    /// The most that a tile has taken so far.
+    tile_bytes: u64,
+    requests: BTreeMap<HeightTileKey, Request>,
+    /// What shall be loaded, most lacking first.
+    queue: Vec<HeightTileKey>,
+    /// Requests that there is no room for.
+    refused: Vec<HeightTileKey>,
+    arrived: Vec<HeldTile>,
+    failed: BTreeSet<HeightTileKey>,
+    version: u64,
+    log: VecDeque<(u64, HeightChange)>,
+}
+
+impl HeightCache {
+    /// Reads the coarsest level.
+    pub fn new(
+        source: Arc<dyn HeightTileSource>,
+        budget_bytes: u64,
+    ) -> Result<Self, StreamedGroundError> {
+        let layout = source.layout();
+        let base = read_base(source.as_ref(), &layout, budget_bytes)?;
+        let coarsest = layout.coarsest();
+        let poles_m = [1.0, -1.0].map(|side| {
+            let pole_rad = std::f64::consts::FRAC_PI_2 * side;
+            base.height_m(pole_rad, 0.0, 0.0)
+        });
+        let mut nodes = Vec::new();
+        let mut range = base.stats().range;
+        for row in 0..layout.rows(coarsest) {
+            for column in 0..layout.columns(coarsest) {
+                let key = HeightTileKey {
+                    level: coarsest,
+                    column,
+                    row,
+                };
+                let of_tile = source.range_m(key);
+                let of_tile = of_tile.ok_or(HeightTileError::Absent(key))?;
+                range = wider(range, of_tile);
+                nodes.push(node(source.as_ref(), key, None));
+            }
+        }
+        let bytes = base.stats().bytes;
+        let pyramid = TilePyramid {
+            layout,
+            source,
+            base: Arc::new(base),
+            nodes,
+            has_wants: Arc::new(AtomicBool::new(false)),
+            poles_m,
+            range,
+        };
+        Ok(Self {
+            pyramid: Arc::new(pyramid),
+            free: Vec::new(),
+            budget_bytes,
+            bytes,
+            tiles: 0,
+            tile_bytes: 4 * layout.tile_samples() as u64,
+            requests: BTreeMap::new(),
+            queue: Vec::new(),
+            refused: Vec::new(),
+            arrived: Vec::new(),
+            failed: BTreeSet::new(),
+            version: 0,
+            log: VecDeque::new(),
+        })
+    }
+
+    /// The tiles of now.
+    pub fn pyramid(&self) -> &Arc<TilePyramid> {
+        &self.pyramid
+    }
+
+    /// Grows with each change of heights.
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// What has changed since a version; `None` where that is too long ago to know.
+    pub fn changes_since(&self, version: u64) -> Option<Vec<HeightChange>> {
+        let is_known = self.version - version.min(self.version) <= self.log.len() as u64;
+        is_known.then(|| {
+            let later = self.log.iter().filter(|(of, _)| *of > version);
+            later.map(|(_, change)| *change).collect()
+        })
+    }
+
+    /// Takes a finished load.
+    pub fn finish(&mut self, key: HeightTileKey, result: Result<HeldTile, HeightTileError>) {
+        match result {
+            Ok(tile) => {
+                self.tile_bytes = tile.bytes();
+                self.arrived.push(tile);
+            }
+            Err(HeightTileError::Cancelled(_)) => {}
+            Err(error) => {
+                tracing::warn!("the ground is drawn coarser: {error}");
+                self.requests.remove(&key);
+                self.failed.insert(key);
+            }
+        }
+    }
+
+    /// Lets heights change: at most so many of the tiles that have come are taken in, and others given up for them.
+    pub fn take_over(&mut self, eyes: &[Look], most: usize) {
+        let layout = self.pyramid.layout;
+        // Coarse ones first: finer ones hang below them.
+        self.arrived.sort_unstable_by_key(|tile| {
+            let HeightTileKey { level, column, row } = tile.key;
+            (level, std::cmp::Reverse((row, column)))
+        });
+        let mut victims: Option<Vec<(f64, u32)>> = None;
+        for _ in 0..most {
+            let Some(tile) = self.arrived.pop() else {
+                return;
+            };
+            let key = tile.key;
+            let parent = self.pyramid.find(key.parent());
+            let (Some(parent), None) = (parent, self.pyramid.find(key)) else {
+                continue;
+            };
+            let worth = value(&layout, key, eyes);
+            let mut has_room = self.bytes + tile.bytes() <= self.budget_bytes;
+            while !has_room {
+                let victims = victims.get_or_insert_with(|| self.victims(eyes));
+                let Some((_, victim)) = victims.pop().filter(|v| v.0 * WORTH < worth) else {
+                    break;
+                };
+                // It may have been given a quarter meanwhile.
+                if victim != parent && self.is_leaf(victim) {
+                    self.remove(victim);
+                }
+                has_room = self.bytes + tile.bytes() <= self.budget_bytes;
+            }
+            if has_room {
+                self.requests.remove(&key);
+                self.insert(parent, tile);
+            }
+        }
+    }
+
+    /// Tiles that could be given up, what shows least last.
+    fn victims(&self, eyes: &[Look]) -> Vec<(f64, u32)> {
+        let nodes = (0..).zip(&self.pyramid.nodes);
+        let leaves = nodes.filter(|(index, _)| self.is_leaf(*index));
+        let layout = &self.pyramid.layout;
+        let mut victims: Vec<_> = leaves
+            .map(|(index, node)| (value(layout, node.key, eyes), index))
+            .collect();
+        victims.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        victims
+    }
+
+    fn is_leaf(&self, index: u32) -> bool {
+        let node = &self.pyramid.nodes[index as usize];
+        node.tile.is_some() && node.children == [NONE; 4]
+    }
+
+    /// Finds what shall be loaded.
+    pub fn plan(&mut self, eyes: &[Look]) {
+        self.note_wants();
+        self.queue.clear();
+        self.refused.clear();
+        let layout = self.pyramid.layout;
+        let mut wanted: Vec<(f64, HeightTileKey)> = Vec::new();
+        for (key, request) in &self.requests {
+            let worth = value(&layout, *key, eyes);
+            let has_come = self.arrived.iter().any(|tile| tile.key == *key);
+            if !has_come && (!request.is_any || shows(&layout, *key, eyes)) {
+                wanted.push((worth, *key));
+            }
+        }
+        wanted.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let free_bytes = self.budget_bytes.saturating_sub(self.bytes);
+        let free = free_bytes / self.tile_bytes.max(1);
+        let mut free = free.saturating_sub(self.arrived.len() as u64);
+        let mut victims: Option<Vec<(f64, u32)>> = None;
+        for (worth, key) in wanted {
+            let has_room = if free > 0 {
+                free -= 1;
+                true
+            } else {
+                let victims = victims.get_or_insert_with(|| self.victims(eyes));
+                victims.pop().is_some_and(|(of, _)| of * WORTH < worth)
+            };
+            match has_room {
+                true => self.queue.push(key),
+                false => self.refused.push(key),
+            }
+        }
+    }
+
+    /// Takes over what surfaces have noted. What a tile is asked for hangs on the coarser one over it: without that it is
+    /// forgotten, and asked for again when that has come.
+    fn note_wants(&mut self) {
+        let Self {
+            pyramid,
+            requests,
+            failed,
+            ..
+        } = self;
+        requests.retain(|key, _| pyramid.find(key.parent()).is_some());
+        if !pyramid.has_wants.swap(false, Ordering::Relaxed) {
+            return;
+        }
+        for node in &pyramid.nodes {
+            // They stay set while the tile is on its way, so that nobody notes it again and again.
+            let bits = node.wanted.load(Ordering::Relaxed);
+            for quarter in 0..4 {
+                let (own, any) = (bits >> quarter & 1 == 1, bits >> (quarter + 4) & 1 == 1);
+                let is_there = node.children[quarter as usize] != NONE;
+                let Some(key) = node
+                    .key
+                    .child(quarter)
+                    .filter(|_| (own || any) && !is_there)
+                else {
+                    continue;
+                };
+                if !failed.contains(&key) {
+                    let request = requests.entry(key).or_insert(Request { is_any: true });
+                    request.is_any &= !own;
+                }
+            }
+        }
+    }
+
+    /// What shall be loaded, most lacking first.
+    pub fn queue(&self) -> &[HeightTileKey] {
+        &self.queue
+    }
+
+    /// Whether something has been asked for since [`Self::plan`].
+    pub fn has_wants(&self) -> bool {
+        self.pyramid.has_wants.load(Ordering::Relaxed)
+    }
+
+    /// Whether loaded tiles wait to be taken in.
+    pub fn has_arrivals(&self) -> bool {
+        !self.arrived.is_empty()
+    }
+
+    /// Tiles that were asked for and that there is no room for, that could not be read, or that have not come yet.
+    pub fn missing(&self) -> Vec<HeightTileKey> {
+        let all = self.queue.iter().chain(&self.refused).chain(&self.failed);
+        all.copied().collect()
+    }
+
+    pub fn counters(&self) -> HeightStreamCounters {
+        HeightStreamCounters {
+            tiles: self.tiles,
+            bytes: self.bytes,
+            wanted: (self.queue.len() + self.arrived.len()) as u32,
+            refused: self.refused.len() as u32,
+            unreadable: self.failed.len() as u32,
+            changes: self.version,
+        }
+    }
+
+    fn insert(&mut self, parent: u32, tile: HeldTile) {
+        let key = tile.key;
+        self.bytes += tile.bytes();
+        self.tiles += 1;
+        let range = tile.range;
+        let free = self.free.pop();
+        let node = node(self.pyramid.source.as_ref(), key, Some(Arc::new(tile)));
+        let pyramid = self.changed();
+        let index = match free {
+            Some(index) => {
+                pyramid.nodes[index as usize] = node;
+                index
+            }
+            None => {
+                pyramid.nodes.push(node);
+                pyramid.nodes.len() as u32 - 1
+            }
+        };
+        pyramid.nodes[parent as usize].children[key.quarter()] = index;
+        // Whoever has noted it has it.
+        let noted = !(0b1_0001 << key.quarter());
+        pyramid.nodes[parent as usize]
+            .wanted
+            .fetch_and(noted, Ordering::Relaxed);
+        let mut missing = 0;
+        for (bit, (east, south)) in BESIDE.into_iter().enumerate() {
+            let Some(beside) = pyramid.layout.beside(key, east, south) else {
+                continue;
+            };
+            match pyramid.find(beside) {
+                Some(there) => pyramid.nodes[there as usize].missing &= !(1 << (7 - bit)),
+                None => missing |= 1 << bit,
+            }
+        }
+        pyramid.nodes[index as usize].missing = missing;
+        self.log(key, range);
+    }
+
+    fn remove(&mut self, index: u32) {
+        let pyramid = self.changed();
+        let key = pyramid.nodes[index as usize].key;
+        let Some(tile) = pyramid.nodes[index as usize].tile.take() else {
+            return;
+        };
+        if let Some(parent) = pyramid.find(key.parent()) {
+            pyramid.nodes[parent as usize].children[key.quarter()] = NONE;
+        }
+        for (bit, (east, south)) in BESIDE.into_iter().enumerate() {
+            let beside = pyramid.layout.beside(key, east, south);
+            if let Some(there) = beside.and_then(|beside| pyramid.find(beside)) {
+                pyramid.nodes[there as usize].missing |= 1 << (7 - bit);
+            }
+        }
+        self.bytes -= tile.bytes();
+        self.tiles -= 1;
+        self.free.push(index);
+        self.log(key, tile.range);
+    }
+
+    /// The tiles, to be changed: those that somebody draws with stay as they are.
+    fn changed(&mut self) -> &mut TilePyramid {
+        Arc::make_mut(&mut self.pyramid)
+    }
+
+    /// Notes where heights are others now: in the tile, and where those beside it go over into coarser ones before it.
+    fn log(&mut self, key: HeightTileKey, range: HeightRange) {
+        let layout = &self.pyramid.layout;
+        let own = layout.bounds(key);
+        let more_rad = FEATHER * layout.tile_rad(key.level);
+        let half_turn = std::f64::consts::FRAC_PI_2;
+        let bounds = Bounds {
+            south_rad: (own.south_rad - more_rad).max(-half_turn),
+            north_rad: (own.north_rad + more_rad).min(half_turn),
+            west_rad: own.west_rad - more_rad,
+            width_rad: own.width_rad + 2.0 * more_rad,
+        };
+        self.version += 1;
+        self.log.push_back((
+            self.version,
+            HeightChange {
+                bounds,
+                below_rad: 2.0 * layout.spacing_rad(key.level),
+                range,
+            },
+        ));
+        if self.log.len() > REMEMBERED {
+            self.log.pop_front();
+        }
+    }
+}
+
+/// How large the samples that stand in for a tile are seen, radians: of the eyes' most.
+fn value(layout: &HeightTileLayout, key: HeightTileKey, eyes: &[Look]) -> f64 {
+    let spacing_rad = layout.spacing_rad(key.level + 1);
+    if eyes.is_empty() {
+        return spacing_rad;
+    }
+    let bounds = layout.bounds(key);
+    let seen = eyes.iter().map(|eye| eye.seen_rad(&bounds, spacing_rad));
+    seen.fold(0.0, f64::max)
+}
+
+/// Whether they are seen larger than the ground may be off.
+fn shows(layout: &HeightTileLayout, key: HeightTileKey, eyes: &[Look]) -> bool {
+    let spacing_rad = layout.spacing_rad(key.level + 1);
+    let bounds = layout.bounds(key);
+    eyes.is_empty()
+        || eyes
+            .iter()
+            .any(|eye| eye.seen_rad(&bounds, spacing_rad) > eye.tolerance_rad())
+}
+
+fn node(source: &dyn HeightTileSource, key: HeightTileKey, tile: Option<Arc<HeldTile>>) -> Node {
+    let mut node = Node {
+        key,
+        tile,
+        children: [NONE; 4],
+        exists: 0,
+        below: [[0.0; 2]; 4],
+        missing: 0,
+        wanted: Arc::new(AtomicU8::new(0)),
+    };
+    for quarter in 0..4 {
+        let range = key.child(quarter).and_then(|key| source.range_m(key));
+        if let Some(HeightRange { low_m, high_m }) = range {
+            node.exists |= 1 << quarter;
+            let rounded = [(low_m as f32).next_down(), (high_m as f32).next_up()];
+            node.below[quarter as usize] = rounded;
+        }
+    }
+    node
+}
+
+/// The coarsest level as one grid.
+fn read_base(
+    source: &dyn HeightTileSource,
+    layout: &HeightTileLayout,
+    budget_bytes: u64,
+) -> Result<HeightGrid, StreamedGroundError> {
+    let level = layout.coarsest();
+    let (side, border, row) = (
+        layout.side() as usize,
+        layout.border() as usize,
+        layout.row_samples(),
+    );
+    let columns = layout.columns(level) as usize * side;
+    let rows = layout.rows(level) as usize * side;
+    let limits = GridLimits {
+        bytes: budget_bytes,
+    };
+    limits.check(columns as u32, rows as u32)?;
+    let mut heights_m = vec![0.0_f32; columns * rows];
+    for tile_row in 0..layout.rows(level) {
+        for tile_column in 0..layout.columns(level) {
+            let key = HeightTileKey {
+                level,
+                column: tile_column,
+                row: tile_row,
+            };
+            let samples = source.read(key, &|| false)?;
+            // Checks what was read, and only that.
+            let samples = HeldTile::new(key, layout, samples)?;
+            for j in 0..side {
+                let start = (tile_row as usize * side + j) * columns + tile_column as usize * side;
+                for i in 0..side {
+                    heights_m[start + i] = samples.sample_m((j + border) * row + i + border) as f32;
+                }
+            }
+        }
+    }
+    let place = Georeference::from_bounds(
+        Registration::Cells,
+        &Bounds::GLOBE,
+        columns as u32,
+        rows as u32,
+    )?;
+    Ok(HeightGrid::new(&place, heights_m, &limits)?)
+}
