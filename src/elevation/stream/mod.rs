@@ -1,0 +1,273 @@
+//! Heights larger than memory: tiles of a source, streamed as they are looked at.
+//!
+//! | file | what |
+//! |---|---|
+//! | `cache.rs` | which tiles are asked for, loaded, in memory and given up: a state machine without threads or a clock |
+//! | `loader.rs` | threads that read tiles |
+//! | `viewer.rs` | where heights are looked at from |
+//!
+//! What heights are while some tiles are there and others not, `tiles/pyramid.rs` says.
+//!
+//! # A frame
+//!
+//! [`StreamedGround::take_over`] takes in tiles that have come: the only moment at which heights change. Who draws then takes
+//! [`StreamedGround::now`], which never changes, tells its surface by [`StreamedGround::changes_since`] where heights have changed since
+//! the last time, and reads. Reading notes what is not there: a tile is wanted because a height was asked for that would be finer
+//! with it. Asked for at a spacing of its own it is always wanted; asked for as the finest that there is, if its coarser
+//! stand-in's samples are seen larger than the tolerance of some [`HeightViewer`].
+//!
+//! # Memory
+//!
+//! Up to the budget tiles stay. Then a tile is given up for one whose stand-in is seen half as large again as its own would be, so
+//! that two tiles never take turns; what finds no room that way stays coarse, and is counted.
+
+mod cache;
+mod loader;
+mod viewer;
+
+#[cfg(test)]
+pub(crate) mod test_source;
+#[cfg(test)]
+mod tests;
+
+pub use viewer::{HeightEye, HeightViewer};
+
+use super::{
+    Bounds, Elevation, GridError, Ground, HeightChange, HeightGrid, HeightRange, HeightTileError,
+    HeightTileKey, HeightTileSource,
+};
+use cache::HeightCache;
+use loader::HeightLoader;
+use std::fmt;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, TryLockError, Weak};
+use std::time::Duration;
+use viewer::Look;
+
+/// What a [`StreamedGround`] may use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HeightStreamOptions {
+    /// Bytes of heights in memory, the coarsest level's among them. 256 MiB by default. While a frame goes over to new tiles, tables
+    /// of some hundred bytes a tile are held twice.
+    pub memory_bytes: u64,
+    /// Loader threads, 1…16; by default 1 on a machine of one or two cores, else 2.
+    pub threads: usize,
+}
+
+impl Default for HeightStreamOptions {
+    fn default() -> Self {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        Self {
+            memory_bytes: 256 << 20,
+            threads: if cores <= 2 { 1 } else { 2 },
+        }
+    }
+}
+
+/// Why there is no ground of tiles.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StreamedGroundError {
+    /// A tile of the coarsest level, which must be there.
+    #[error("the coarsest heights must all be there: {0}")]
+    Tile(#[from] HeightTileError),
+    /// The coarsest level as a whole.
+    #[error("the coarsest level of heights {0}")]
+    Coarsest(#[from] GridError),
+}
+
+/// Counts of a stream of heights.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct HeightStreamCounters {
+    /// Tiles in memory.
+    pub tiles: u32,
+    /// Bytes of all heights in memory, the coarsest level's among them.
+    pub bytes: u64,
+    /// Tiles that are asked for and on their way.
+    pub wanted: u32,
+    /// Tiles that are asked for and that the budget has no room for: the ground stays coarser there.
+    pub refused: u32,
+    /// Tiles that were asked for and could not be read.
+    pub unreadable: u32,
+    /// How often a tile has come or gone since the start.
+    pub changes: u64,
+}
+
+/// Heights of a source of tiles, under any number of [`HeightGrid`]s. Give it to [`GroundOptions`](crate::GroundOptions).
+///
+/// As an [`Elevation`] it answers by the tiles that are in memory when it is asked; surfaces use [`Self::now`].
+pub struct StreamedGround {
+    cache: Mutex<HeightCache>,
+    loader: HeightLoader,
+    viewers: Mutex<Viewers>,
+    /// The grids over the tiles of now, and its version.
+    now: RwLock<(u64, Arc<Ground>)>,
+}
+
+#[derive(Default)]
+struct Viewers {
+    all: Vec<Weak<HeightViewer>>,
+    looks: Vec<Look>,
+    /// As when it was planned last.
+    planned: Vec<Look>,
+    rested: u32,
+    /// The loader has the plan, and nothing has happened since.
+    is_planned: bool,
+}
+
+/// Calls of [`StreamedGround::take_over`] after which requests are weighed anew while eyes move.
+const REST: u32 = 4;
+
+impl fmt::Debug for StreamedGround {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("StreamedGround")
+            .field("counters", &self.counters())
+            .finish_non_exhaustive()
+    }
+}
+
+impl StreamedGround {
+    /// Reads the coarsest level, and starts the threads. `over` lies over the tiles as it would over other grids.
+    ///
+    /// # Errors
+    /// A tile of the coarsest level that cannot be read, and more of them than the budget allows.
+    pub fn new(
+        source: Arc<dyn HeightTileSource>,
+        over: Ground,
+        options: &HeightStreamOptions,
+    ) -> Result<Self, StreamedGroundError> {
+        let cache = HeightCache::new(source.clone(), options.memory_bytes)?;
+        let now = Arc::new(over.over_tiles(cache.pyramid().clone()));
+        Ok(Self {
+            cache: Mutex::new(cache),
+            loader: HeightLoader::new(source, options.threads.clamp(1, 16)),
+            viewers: Mutex::default(),
+            now: RwLock::new((0, now)),
+        })
+    }
+
+    /// Somebody who looks at the ground: what is asked for as the finest that there is comes as fine as some viewer sees.
+    pub fn viewer(&self) -> Arc<HeightViewer> {
+        let viewer = Arc::new(HeightViewer::default());
+        self.viewers().all.push(Arc::downgrade(&viewer));
+        viewer
+    }
+
+    /// Takes in at most so many of the tiles that have come, and says what shall be loaded. Call it between frames. Never waits: if
+    /// another thread is here, it does nothing.
+    pub fn take_over(&self, most: usize) {
+        let Some(mut cache) = self.try_cache() else {
+            return;
+        };
+        let mut viewers = self.viewers();
+        viewers.all.retain(|viewer| viewer.strong_count() > 0);
+        let Viewers {
+            all,
+            looks,
+            planned,
+            rested,
+            is_planned,
+        } = &mut *viewers;
+        for (key, result) in self.loader.collect() {
+            cache.finish(key, result);
+            *is_planned = false;
+        }
+        looks.clear();
+        looks.extend(all.iter().filter_map(|v| v.upgrade()?.looks()));
+        let before = cache.version();
+        if cache.has_arrivals() {
+            cache.take_over(looks, most);
+            *is_planned = false;
+        }
+        let has_changed = cache.version() != before;
+        *rested += 1;
+        if !*is_planned || cache.has_wants() || looks != planned && *rested >= REST {
+            cache.plan(looks);
+            *is_planned = self.loader.hand_over(cache.queue());
+            planned.clone_from(looks);
+            *rested = 0;
+        }
+        drop(viewers);
+        if has_changed {
+            let mut now = self.now.write().unwrap_or_else(PoisonError::into_inner);
+            let tiles = cache.pyramid().clone();
+            *now = (cache.version(), Arc::new(now.1.over_tiles(tiles)));
+        }
+    }
+
+    /// The heights of now and their version: they do not change, whatever comes.
+    pub fn now(&self) -> (u64, Arc<Ground>) {
+        let now = self.now.read().unwrap_or_else(PoisonError::into_inner);
+        (now.0, now.1.clone())
+    }
+
+    /// Where heights have changed since a version; `None` where that is too long ago to know: everywhere, perhaps.
+    pub fn changes_since(&self, version: u64) -> Option<Vec<HeightChange>> {
+        self.cache().changes_since(version)
+    }
+
+    /// What the stream is doing.
+    pub fn counters(&self) -> HeightStreamCounters {
+        self.cache().counters()
+    }
+
+    /// Tiles that were asked for and are not there: on their way, without room, or unreadable.
+    pub fn missing(&self) -> Vec<HeightTileKey> {
+        self.cache().missing()
+    }
+
+    /// Whether there is nothing left to wait for: no height that was asked for will be finer.
+    pub fn is_settled(&self) -> bool {
+        let cache = self.cache();
+        cache.queue().is_empty()
+            && !cache.has_arrivals()
+            && !cache.has_wants()
+            && self.loader.is_idle()
+    }
+
+    /// Waits until a tile has come, or for so long.
+    pub fn wait(&self, timeout: Duration) {
+        self.loader.wait(timeout);
+    }
+
+    fn viewers(&self) -> MutexGuard<'_, Viewers> {
+        self.viewers.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn cache(&self) -> MutexGuard<'_, HeightCache> {
+        self.cache.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn try_cache(&self) -> Option<MutexGuard<'_, HeightCache>> {
+        match self.cache.try_lock() {
+            Ok(cache) => Some(cache),
+            Err(TryLockError::Poisoned(cache)) => Some(cache.into_inner()),
+            Err(TryLockError::WouldBlock) => None,
+        }
+    }
+}
+
+impl Elevation for StreamedGround {
+    fn height_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64 {
+        self.now().1.height_m(lat_rad, lon_rad, spacing_rad)
+    }
+
+    fn range_m(&self, bounds: &Bounds) -> HeightRange {
+        self.now().1.range_m(bounds)
+    }
+
+    fn range_up_to_m(&self, bounds: &Bounds, coarsest_rad: f64) -> HeightRange {
+        self.now().1.range_up_to_m(bounds, coarsest_rad)
+    }
+
+    fn finest_spacing_rad(&self, lat_rad: f64, lon_rad: f64) -> f64 {
+        self.now().1.finest_spacing_rad(lat_rad, lon_rad)
+    }
+
+    fn finest_spacing_in(&self, bounds: &Bounds) -> f64 {
+        self.now().1.finest_spacing_in(bounds)
+    }
+
+    fn streamed(&self) -> Option<&StreamedGround> {
+        Some(self)
+    }
+}
