@@ -1,14 +1,17 @@
-//! All heights of a scene: grids over one another, and the sea beneath them.
+//! All heights of a scene: grids over one another, and beneath them the sea, or tiles of a source.
 
+use super::tiles::TilePyramid;
 use super::{Bounds, Elevation, HeightGrid, HeightRange};
 use std::f64::consts::{FRAC_PI_2, TAU};
+use std::fmt;
 use std::sync::Arc;
 
 /// Parts into which the Earth is divided to find the grids of a place, along a parallel and along a meridian.
 const COLUMNS: usize = 72;
 const ROWS: usize = 36;
 
-/// Grids over one another, the finest on top, and a flat sea at height 0 beneath them all.
+/// Grids over one another, the finest on top, and beneath them all a flat sea at height 0, or the tiles of a
+/// [`StreamedGround`](super::StreamedGround).
 ///
 /// **Overlaps**: of two grids the one of the finer [`HeightGrid::finest_spacing_rad`] lies on top, of equal ones the one
 /// given first. A grid that is not of the whole Earth is feathered: over its outermost
@@ -20,14 +23,26 @@ const ROWS: usize = 36;
 /// **Spacings**: each grid averages its own samples; an average does not reach over a grid's border.
 ///
 /// Time of a height is that of one grid and a few nanoseconds for each grid over the same part (5° × 5°) of the Earth.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Ground {
     /// From the top down.
-    grids: Vec<Arc<HeightGrid>>,
+    grids: Arc<[Arc<HeightGrid>]>,
     /// Numbers of the grids that reach into each part, from the top down.
-    parts: Vec<Vec<u32>>,
+    parts: Arc<[Vec<u32>]>,
     /// Grids of the whole Earth are not below the sea.
     has_sea_surface: bool,
+    /// What lies beneath in place of the sea.
+    tiles: Option<Arc<TilePyramid>>,
+}
+
+impl fmt::Debug for Ground {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Ground")
+            .field("grids", &self.grids)
+            .field("has_sea_surface", &self.has_sea_surface)
+            .field("has_tiles", &self.tiles.is_some())
+            .finish()
+    }
 }
 
 impl Ground {
@@ -46,13 +61,22 @@ impl Ground {
             }
         }
         Self {
-            grids,
-            parts,
+            grids: grids.into(),
+            parts: parts.into(),
             has_sea_surface: false,
+            tiles: None,
         }
     }
 
-    /// The same with the sea's surface in place of its floor: of grids of the whole Earth no height is below 0. So is land
+    /// The same grids over tiles in place of the sea, or of other tiles.
+    pub(super) fn over_tiles(&self, tiles: Arc<TilePyramid>) -> Self {
+        Self {
+            tiles: Some(tiles),
+            ..self.clone()
+        }
+    }
+
+    /// The same with the sea's surface in place of its floor: of grids of the whole Earth, and of tiles, no height is below 0. So is land
     /// that lies lower, but for that of other grids.
     pub fn with_sea_surface(mut self) -> Self {
         self.has_sea_surface = true;
@@ -65,6 +89,21 @@ impl Ground {
         match self.has_sea_surface && grid.bounds().width_rad >= TAU - 1e-9 {
             true => 0.0,
             false => f64::NEG_INFINITY,
+        }
+    }
+
+    /// The height of what lies beneath all grids.
+    #[inline]
+    fn beneath_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64 {
+        match &self.tiles {
+            Some(tiles) => {
+                let height_m = tiles.height_m(lat_rad, lon_rad, spacing_rad);
+                match self.has_sea_surface {
+                    true => height_m.max(0.0),
+                    false => height_m,
+                }
+            }
+            None => 0.0,
         }
     }
 
@@ -101,10 +140,16 @@ impl Elevation for Ground {
         if !(lat_rad.is_finite() && lon_rad.is_finite()) {
             return 0.0;
         }
-        if let [grid] = self.grids.as_slice() {
+        if let [grid] = &*self.grids {
             return match grid.weighted(lat_rad, lon_rad, spacing_rad) {
-                Some((height_m, weight)) => weight * height_m.max(self.floor_m(grid)),
-                None => 0.0,
+                Some((height_m, weight)) if self.tiles.is_none() || weight >= 1.0 => {
+                    weight * height_m.max(self.floor_m(grid))
+                }
+                Some((height_m, weight)) => {
+                    let beneath_m = self.beneath_m(lat_rad, lon_rad, spacing_rad);
+                    weight * height_m.max(self.floor_m(grid)) + (1.0 - weight) * beneath_m
+                }
+                None => self.beneath_m(lat_rad, lon_rad, spacing_rad),
             };
         }
         let (mut height_m, mut beneath) = (0.0, 1.0);
@@ -113,35 +158,22 @@ impl Elevation for Ground {
                 height_m += beneath * weight * of_grid_m.max(self.floor_m(grid));
                 beneath *= 1.0 - weight;
                 if beneath <= 0.0 {
-                    break;
+                    return height_m;
                 }
             }
+        }
+        if self.tiles.is_some() {
+            height_m += beneath * self.beneath_m(lat_rad, lon_rad, spacing_rad);
         }
         height_m
     }
 
     fn range_m(&self, bounds: &Bounds) -> HeightRange {
-        self.range_up_to_m(bounds, f64::INFINITY)
+        self.range_of(bounds, f64::INFINITY, true)
     }
 
     fn range_up_to_m(&self, bounds: &Bounds, coarsest_rad: f64) -> HeightRange {
-        let (mut low_m, mut high_m) = (f64::INFINITY, f64::NEG_INFINITY);
-        for grid in &self.grids {
-            if !overlap(&grid.bounds(), bounds) {
-                continue;
-            }
-            let range = grid.range_m(bounds, coarsest_rad);
-            let floor_m = self.floor_m(grid);
-            low_m = low_m.min(range.low_m.max(floor_m));
-            high_m = high_m.max(range.high_m.max(floor_m));
-            if grid.rules(bounds) {
-                return HeightRange { low_m, high_m };
-            }
-        }
-        HeightRange {
-            low_m: low_m.min(0.0),
-            high_m: high_m.max(0.0),
-        }
+        self.range_of(bounds, coarsest_rad, false)
     }
 
     fn finest_spacing_rad(&self, lat_rad: f64, lon_rad: f64) -> f64 {
@@ -154,23 +186,70 @@ impl Elevation for Ground {
                 return grid.detail_rad();
             }
             if weight > 0.0 {
-                return grid.finest_spacing_rad();
+                return match &self.tiles {
+                    Some(tiles) => {
+                        let beneath_rad = tiles.finest_spacing_rad(lat_rad, lon_rad);
+                        grid.finest_spacing_rad().min(beneath_rad)
+                    }
+                    None => grid.finest_spacing_rad(),
+                };
             }
         }
-        f64::INFINITY
+        match &self.tiles {
+            Some(tiles) => tiles.finest_spacing_rad(lat_rad, lon_rad),
+            None => f64::INFINITY,
+        }
     }
 
     fn finest_spacing_in(&self, bounds: &Bounds) -> f64 {
-        for grid in &self.grids {
+        let beneath_rad = || match &self.tiles {
+            Some(tiles) => tiles.finest_spacing_in(bounds),
+            None => f64::INFINITY,
+        };
+        for grid in self.grids.iter() {
             if !overlap(&grid.bounds(), bounds) {
                 continue;
             }
             return match grid.rules(bounds) {
                 true => grid.detail_rad(),
-                false => grid.finest_spacing_rad(),
+                false => grid.finest_spacing_rad().min(beneath_rad()),
             };
         }
-        f64::INFINITY
+        beneath_rad()
+    }
+}
+
+impl Ground {
+    /// The range of what is there now, or of all that there will ever be.
+    fn range_of(&self, bounds: &Bounds, coarsest_rad: f64, is_ever: bool) -> HeightRange {
+        let (mut low_m, mut high_m) = (f64::INFINITY, f64::NEG_INFINITY);
+        for grid in self.grids.iter() {
+            if !overlap(&grid.bounds(), bounds) {
+                continue;
+            }
+            let range = grid.range_m(bounds, coarsest_rad);
+            let floor_m = self.floor_m(grid);
+            low_m = low_m.min(range.low_m.max(floor_m));
+            high_m = high_m.max(range.high_m.max(floor_m));
+            if grid.rules(bounds) {
+                return HeightRange { low_m, high_m };
+            }
+        }
+        let beneath = match &self.tiles {
+            Some(tiles) => tiles.range_m(bounds, coarsest_rad, is_ever),
+            None => HeightRange {
+                low_m: 0.0,
+                high_m: 0.0,
+            },
+        };
+        let floor_m = match self.has_sea_surface {
+            true => 0.0,
+            false => f64::NEG_INFINITY,
+        };
+        HeightRange {
+            low_m: low_m.min(beneath.low_m.max(floor_m)),
+            high_m: high_m.max(beneath.high_m.max(floor_m)),
+        }
     }
 }
 

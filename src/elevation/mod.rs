@@ -4,16 +4,20 @@
 //! within 107 m of WGS84, and no surface here distinguishes the two.
 //!
 //! [`Ground`] is what scenes use: any number of [`HeightGrid`]s over a sea at height 0. Grids are made from heights in
-//! memory or read from files (GeoTIFF, PNG with a sidecar, NetCDF classic).
+//! memory or read from files (GeoTIFF, PNG with a sidecar, NetCDF classic). In place of the sea it may lie over tiles of a
+//! [`HeightTileSource`], which may be larger than memory: [`StreamedGround`].
 
+mod change;
 mod denoise;
 mod fractal;
 pub(crate) mod geo_tags;
 mod grid;
 mod ground;
 pub mod read;
+mod stream;
 mod tiles;
 
+pub use change::HeightChange;
 pub use denoise::{Denoise, Denoised};
 pub use fractal::fractal_heights_m;
 pub use grid::{
@@ -22,6 +26,10 @@ pub use grid::{
 };
 pub use ground::Ground;
 pub use read::{HeightFile, HeightFileError, open_heights, open_heights_denoised};
+pub use stream::{
+    HeightEye, HeightStreamCounters, HeightStreamOptions, HeightViewer, StreamedGround,
+    StreamedGroundError,
+};
 pub use tiles::{
     HeightLayoutError, HeightSamples, HeightTileError, HeightTileKey, HeightTileLayout,
     HeightTileSource,
@@ -86,14 +94,20 @@ pub trait Elevation: Send + Sync {
     fn height_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64;
 
     /// Lowest and highest height that [`Self::height_m`] answers inside the bounds, at any spacing. May be too wide, never
-    /// too narrow.
+    /// too narrow: of a source whose heights become finer ([`Self::streamed`]), neither now nor later.
     fn range_m(&self, bounds: &Bounds) -> HeightRange;
 
     /// As [`Self::range_m`], for heights that are asked for at spacings up to `coarsest_rad` only. Where that is small
-    /// this is much narrower: at any spacing, also the mean of the whole Earth counts.
+    /// this is much narrower: at any spacing, also the mean of the whole Earth counts. A source whose heights become finer answers
+    /// for those that it has now.
     fn range_up_to_m(&self, bounds: &Bounds, coarsest_rad: f64) -> HeightRange {
         let _ = coarsest_rad;
         self.range_m(bounds)
+    }
+
+    /// For a source whose heights become finer while they are drawn: the stream that they come from. `None` of all others.
+    fn streamed(&self) -> Option<&StreamedGround> {
+        None
     }
 
     /// Angle between neighbouring samples of the finest data at a place, radians; infinite where heights do not vary, however
