@@ -1,7 +1,10 @@
 //! Where heights that were read before are others now.
 
 use super::{Bounds, HeightRange};
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_8, PI, TAU};
+
+/// No samples of tiles are farther apart than this, radians: so far from a change slopes may be others too.
+pub const COARSEST_STEP_RAD: f64 = FRAC_PI_8 / 16.0;
 
 /// Part of the Earth where a source's heights have become finer, or coarser.
 #[derive(Clone, Copy, Debug, PartialEq)]

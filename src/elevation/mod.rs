@@ -17,7 +17,7 @@ pub mod read;
 mod stream;
 mod tiles;
 
-pub use change::HeightChange;
+pub use change::{COARSEST_STEP_RAD, HeightChange};
 pub use denoise::{Denoise, Denoised};
 pub use fractal::fractal_heights_m;
 pub use grid::{
@@ -26,6 +26,8 @@ pub use grid::{
 };
 pub use ground::Ground;
 pub use read::{HeightFile, HeightFileError, open_heights, open_heights_denoised};
+#[cfg(test)]
+pub(crate) use stream::test_source::TestTiles;
 pub use stream::{
     HeightEye, HeightStreamCounters, HeightStreamOptions, HeightViewer, StreamedGround,
     StreamedGroundError,

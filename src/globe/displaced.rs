@@ -6,7 +6,7 @@
 use super::blocks::{Block, BlockGrid, BlockRow, SubdivisionError};
 use super::select::select_blocks_between;
 use super::surface::{GroundVertex, GroundView, Patch, Surface, SurfaceStats, TriangleList};
-use crate::elevation::{Bounds, Elevation};
+use crate::elevation::{Bounds, COARSEST_STEP_RAD, Elevation, HeightChange};
 use crate::frames::Ellipsoid;
 use glam::{DVec3, Vec2};
 use std::f64::consts::{FRAC_PI_8, PI};
@@ -170,6 +170,25 @@ impl Surface for DisplacedBlocks {
             + staged * size_of::<GroundVertex>()
             + triangles * size_of::<u32>()) as u64;
         stats
+    }
+
+    fn heights_changed(&mut self, changes: &[HeightChange], _: &dyn Elevation) {
+        let cell_rad = self.cell_rad();
+        // Slopes are taken between places so far away.
+        let beyond_rad = cell_rad.max(COARSEST_STEP_RAD);
+        for block in Block::all() {
+            let south_rad = block.center_lat_rad() - 0.5 * FRAC_PI_8;
+            let bounds = Bounds {
+                south_rad,
+                north_rad: south_rad + FRAC_PI_8,
+                west_rad: block.center_lon_rad() - 0.5 * FRAC_PI_8,
+                width_rad: FRAC_PI_8,
+            };
+            let touches = |change: &HeightChange| change.touches(&bounds, beyond_rad, cell_rad);
+            if changes.iter().any(touches) {
+                self.displaced[block.index() as usize] = None;
+            }
+        }
     }
 
     fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch)) {

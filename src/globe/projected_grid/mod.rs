@@ -44,7 +44,7 @@ pub use super::surface::{
 use super::{
     DrawKind, Figure, GridDraw, GroundVertex, GroundView, IndexRange, Patch, Surface, SurfaceStats,
 };
-use crate::elevation::Elevation;
+use crate::elevation::{Elevation, HeightChange};
 use crate::frames::{Ellipsoid, Geodetic};
 use glam::{DMat4, DVec2, DVec3, UVec2, Vec2};
 use std::sync::Arc;
@@ -204,7 +204,7 @@ impl GridFrame {
 }
 
 /// A grid on the screen, cast on the ellipsoid. One source of heights goes with it: a frame that is as the one before is not
-/// read again.
+/// read again, unless its heights have changed.
 #[derive(Debug)]
 pub struct ProjectedGrid {
     options: GridOptions,
@@ -498,6 +498,13 @@ impl Surface for ProjectedGrid {
             stats.samples_read = u64::from(stats.vertices);
         }
         stats
+    }
+
+    fn heights_changed(&mut self, changes: &[HeightChange], _: &dyn Elevation) {
+        self.raised = None;
+        if let Some(tiles) = &mut self.tiles {
+            tiles.heights_changed(changes);
+        }
     }
 
     fn crosses_blocks(&self) -> bool {

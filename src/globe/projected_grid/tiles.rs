@@ -11,7 +11,7 @@
 //! Near a pole a window of all longitudes is many tiles, and is cut: a coarser level serves the rest of the turn.
 
 use super::{Caster, GridFrame};
-use crate::elevation::Elevation;
+use crate::elevation::{Bounds, Elevation, HeightChange};
 use crate::frames::Ellipsoid;
 use crate::globe::culling::is_within_angle;
 use crate::globe::surface::{LEVELS, NO_SLOT, TILE_CELLS, TILE_SAMPLES, WINDOW_TILES};
@@ -77,6 +77,8 @@ pub struct TileCounts {
     pub loaded: u32,
     /// Of those, tiles that are still missing; a later update loads them.
     pub missing: u32,
+    /// Of those wanted, tiles that are drawn with heights that have changed since; a later update loads them anew.
+    pub stale: u32,
     /// Tiles that gave way.
     pub evicted: u32,
 }
@@ -85,6 +87,8 @@ pub struct TileCounts {
 struct Slot {
     tile: Option<HeightTile>,
     used: u64,
+    /// Heights have changed since it was loaded.
+    is_stale: bool,
 }
 
 /// Height tiles in a bounded number of slots.
@@ -124,6 +128,7 @@ impl HeightTiles {
                 Slot {
                     tile: None,
                     used: 0,
+                    is_stale: false,
                 };
                 slots
             ],
@@ -216,6 +221,13 @@ impl HeightTiles {
     ) -> u32 {
         if let Some(slot) = self.slots.iter().position(|slot| slot.tile == Some(tile)) {
             self.slots[slot].used = self.update;
+            // What it holds is drawn until there is time to load it anew.
+            if self.slots[slot].is_stale && may_load {
+                counts.loaded += 1;
+                self.load(slot, tile, ground);
+            } else {
+                counts.stale += u32::from(self.slots[slot].is_stale);
+            }
             return slot as u32;
         }
         // The slot that was not needed for longest, if it is not needed now.
@@ -230,9 +242,36 @@ impl HeightTiles {
         };
         counts.evicted += u32::from(self.slots[slot].tile.is_some());
         counts.loaded += 1;
+        self.load(slot, tile, ground);
+        slot as u32
+    }
+
+    /// Marks the tiles whose heights may have changed.
+    pub fn heights_changed(&mut self, changes: &[HeightChange]) {
+        for slot in &mut self.slots {
+            let Some(tile) = slot.tile else {
+                continue;
+            };
+            let step_rad = level_spacing_rad(tile.level);
+            let side_rad = step_rad * f64::from(TILE_CELLS);
+            let south_rad = f64::from(tile.row) * side_rad - FRAC_PI_2;
+            let bounds = Bounds {
+                south_rad,
+                north_rad: south_rad + side_rad,
+                west_rad: f64::from(tile.column) * side_rad - PI,
+                width_rad: side_rad,
+            };
+            slot.is_stale |= changes
+                .iter()
+                .any(|change| change.touches(&bounds, 0.0, 0.5 * step_rad));
+        }
+    }
+
+    fn load(&mut self, slot: usize, tile: HeightTile, ground: &dyn Elevation) {
         self.slots[slot] = Slot {
             tile: Some(tile),
             used: self.update,
+            is_stale: false,
         };
         self.written[slot] = self.update;
         self.changed.push(slot as u32);
@@ -245,7 +284,6 @@ impl HeightTiles {
             let lon_rad = at(tile.column, k % size) - PI;
             *height = ground.height_m(lat_rad, lon_rad, 0.5 * step) as f32;
         }
-        slot as u32
     }
 
     fn choose_windows(&mut self, frame: &GridFrame, ground: &dyn Elevation) {

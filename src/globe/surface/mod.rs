@@ -14,7 +14,7 @@ pub use grid::{
 pub use index_range::{IndexRange, merged_ranges};
 pub use patch::{GroundVertex, Patch, TriangleList};
 
-use crate::elevation::Elevation;
+use crate::elevation::{Elevation, HeightChange};
 use glam::{DMat4, DVec3};
 
 /// Where the eye is and what it sees of the ground.
@@ -49,6 +49,10 @@ pub trait Surface: Send + Sync {
     /// Selects the level of detail, and builds where needed, what the view needs. Allocates nothing in steady state, and never
     /// waits.
     fn prepare(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats;
+
+    /// Hears where heights have changed since the last [`Self::prepare`], from now on those of `ground`. What was made of them is
+    /// made anew by the next calls of that, within its budgets; no edge opens meanwhile, and nothing is left out.
+    fn heights_changed(&mut self, changes: &[HeightChange], ground: &dyn Elevation);
 
     /// Hands over each patch of the last view, near ones first where that is known; none of another kind.
     fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch));
