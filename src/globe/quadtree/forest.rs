@@ -1,8 +1,8 @@
 //! The forest over the Earth: one tree to each of the 16 × 8 blocks, in pages that are read when the eye comes near.
 
 use super::node::{Cut, Domain, Node};
-use super::page::{PAGE_NODES, PageReader, SquareInfo, quarter};
-use crate::elevation::Elevation;
+use super::page::{DEPTH, PAGE_NODES, PageReader, SquareInfo, bounds, quarter};
+use crate::elevation::{Elevation, HeightChange};
 use crate::frames::Ellipsoid;
 use crate::globe::blocks::{BLOCK_COUNT, COLUMNS, ROWS};
 
@@ -29,6 +29,12 @@ struct Page {
     patch: u8,
     /// The frame in which it was last asked for.
     asked: u64,
+    /// Errors of the quarters as this page knows them; what is read below one may know better.
+    own_error_m: [f32; PAGE_NODES],
+    /// The error of its node as this page knows it.
+    node_error_m: f32,
+    /// Heights have changed since it was read.
+    is_stale: bool,
 }
 
 struct Root {
@@ -53,6 +59,8 @@ pub struct Forest {
     /// Where the search for a page to give up goes on.
     hand: usize,
     max_pages: usize,
+    /// Pages whose heights have changed since they were read.
+    stale: u32,
     frame: u64,
     reader: PageReader,
 }
@@ -98,6 +106,7 @@ impl Forest {
             pages: Vec::with_capacity(max_pages),
             hand: 0,
             max_pages,
+            stale: 0,
             frame: 0,
             reader: PageReader::new(is_certain),
         };
@@ -129,6 +138,9 @@ impl Forest {
             split: 0,
             patch: 0,
             asked: self.frame,
+            own_error_m: infos.map(|info| info.error_m),
+            node_error_m: own.error_m,
+            is_stale: false,
         };
         (own, page)
     }
@@ -303,9 +315,85 @@ impl Forest {
             let holding = &mut self.pages[holder.page as usize];
             holding.below[holder.place as usize] = NONE;
             holding.pages_below -= 1;
+            let was_stale = std::mem::take(&mut self.pages[self.hand].is_stale);
+            self.stale -= u32::from(was_stale);
             return Some(self.hand as u32);
         }
         None
+    }
+
+    /// Hears where heights have changed: what is known of squares there is made to hold them at once, and is read anew by
+    /// [`Self::read_stale`].
+    pub fn heights_changed(&mut self, changes: &[HeightChange]) {
+        let Self {
+            ellipsoid,
+            roots,
+            pages,
+            stale,
+            ..
+        } = self;
+        for page in pages {
+            let bounds_of = |node: Node| bounds(node.square(DEPTH));
+            let of_page = bounds_of(page.node);
+            for change in changes.iter().filter(|c| c.touches(&of_page, 0.0, 0.0)) {
+                *stale += u32::from(!page.is_stale);
+                page.is_stale = true;
+                for (info, child) in page.infos.iter_mut().zip(page.node.children()) {
+                    if change.touches(&bounds_of(child), 0.0, 0.0) {
+                        info.widen(child, ellipsoid, &change.range);
+                    }
+                }
+                if page.node.level == 0 {
+                    let root = root_slot(page.node).place as usize;
+                    roots[root].info.widen(page.node, ellipsoid, &change.range);
+                }
+            }
+        }
+    }
+
+    /// Whether some pages were read before heights have changed.
+    pub fn is_stale(&self) -> bool {
+        self.stale > 0
+    }
+
+    /// Reads pages anew whose heights have changed, at most so many.
+    pub fn read_stale(&mut self, most: u32, ground: &dyn Elevation) {
+        let mut left = most;
+        for index in 0..self.pages.len() {
+            if left == 0 || self.stale == 0 {
+                return;
+            }
+            if self.pages[index].is_stale {
+                left -= 1;
+                self.stale -= 1;
+                self.read_again(index, ground);
+            }
+        }
+    }
+
+    fn read_again(&mut self, index: usize, ground: &dyn Elevation) {
+        let node = self.pages[index].node;
+        let (own, mut page) = self.read(node, ground);
+        let before = &mut self.pages[index];
+        // As the errors of squares whose own quarters have been read.
+        (page.below, page.pages_below) = (before.below, before.pages_below);
+        (page.split, page.patch, page.asked) = (before.split, before.patch, before.asked);
+        *before = page;
+        for place in 0..PAGE_NODES {
+            let below = self.pages[index].below[place];
+            if below != NONE {
+                let known_m = self.pages[below as usize].node_error_m;
+                let info = &mut self.pages[index].infos[place];
+                info.error_m = info.error_m.min(known_m);
+            }
+        }
+        if node.level == 0 {
+            self.roots[root_slot(node).place as usize].info = own;
+        } else if let Some(slot) = self.slot(node) {
+            let holder = &mut self.pages[slot.page as usize];
+            let place = slot.place as usize;
+            holder.infos[place].error_m = holder.own_error_m[place].min(own.error_m);
+        }
     }
 
     /// Lowest and highest height of the Earth, metres.

@@ -15,6 +15,7 @@
 //! every patch that a change touches: what is drawn is whole at all times, and at most late.
 
 mod bound;
+mod changed;
 mod forest;
 mod lod;
 mod node;

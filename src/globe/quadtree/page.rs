@@ -41,6 +41,26 @@ pub struct SquareInfo {
     pub high_m: f32,
 }
 
+impl SquareInfo {
+    /// Makes it hold ground of other heights than it was read from. Answers whether the ball has grown.
+    pub fn widen(&mut self, node: Node, ellipsoid: &Ellipsoid, range: &HeightRange) -> bool {
+        let (low_m, high_m) = (
+            f64::from(self.low_m).min(range.low_m),
+            f64::from(self.high_m).max(range.high_m),
+        );
+        let is_wider = low_m < f64::from(self.low_m) || high_m > f64::from(self.high_m);
+        if is_wider {
+            // Rounded outwards: it is not looked at again until it is read anew.
+            self.low_m = (low_m as f32).next_down();
+            self.high_m = (high_m as f32).next_up();
+            let shape = ball(node, ellipsoid, self.low_m.into(), self.high_m.into());
+            self.center_itrf_m = shape.center_itrf_m;
+            self.radius_m = rounded_up(shape.radius_m);
+        }
+        is_wider
+    }
+}
+
 /// Geodetic latitude and longitude of a point, radians. The poles and the date line are met exactly.
 pub fn lat_lon_rad((x, y): Point) -> (f64, f64) {
     let point_rad = PI / 8.0 / (1_u64 << DEPTH) as f64;
@@ -53,7 +73,7 @@ pub fn side_rad(level: u8) -> f64 {
 }
 
 /// The bounds of a square.
-fn bounds(square: Square) -> Bounds {
+pub fn bounds(square: Square) -> Bounds {
     let (north_rad, west_rad) = lat_lon_rad((square.x, square.y));
     let (south_rad, east_rad) = lat_lon_rad((square.x + square.size, square.y + square.size));
     Bounds {

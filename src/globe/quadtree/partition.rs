@@ -92,7 +92,7 @@ impl Quadtree {
     }
 
     /// Patches adjacent to a node and stand on finer steps than there are or were must be built anew.
-    fn steps_changed(&mut self, node: Node, step_m: f64) {
+    pub(super) fn steps_changed(&mut self, node: Node, step_m: f64) {
         for built in &mut self.patches {
             if !built.is_dirty && built.step_m < step_m && BLOCKS.is_adjacent(built.node, node) {
                 built.is_dirty = true;

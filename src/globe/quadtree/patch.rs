@@ -2,12 +2,13 @@
 
 use super::forest::{BLOCKS, Forest, Slot};
 use super::node::{Among, Cut, Node, Point, Square, among, child_among, ring};
-use super::page::{DEPTH, lat_lon_rad, side_rad};
-use crate::elevation::Elevation;
+use super::page::{DEPTH, bounds, lat_lon_rad, side_rad};
+use crate::elevation::{COARSEST_STEP_RAD, Elevation, HeightChange};
 use crate::frames::Geodetic;
 use crate::globe::blocks::Block;
 use crate::globe::culling::NormalCone;
 use crate::globe::surface::{GroundVertex, Patch, TriangleList};
+use bytemuck::bytes_of;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -69,6 +70,8 @@ pub struct BuiltPatch {
     /// The patches that touched it at the last build.
     beside: Vec<(Node, f64)>,
     has_new_steps: bool,
+    /// By vertex: its height has changed since it was computed. Empty where none has.
+    stale: Vec<bool>,
     places: Places,
     /// By vertex, the build that last needed it.
     needed: Vec<u32>,
@@ -134,6 +137,7 @@ impl BuiltPatch {
             normals: NormalCone::ALL,
             beside: Vec::new(),
             has_new_steps: true,
+            stale: Vec::new(),
             places: Places::default(),
             needed: Vec::new(),
             free: Vec::new(),
@@ -228,6 +232,7 @@ impl BuiltPatch {
         }
         scratch.ring = ring_points;
         self.leaves = leaves;
+        self.stale.clear();
         self.give_up_unneeded();
         self.hand_over(scratch);
         leaves
@@ -245,7 +250,14 @@ impl BuiltPatch {
             let index = place as usize;
             if self.needed[index] != self.build {
                 self.needed[index] = self.build;
-                if self.has_new_steps && self.is_on_edge(point) {
+                if self.stale.get(index).copied().unwrap_or(false) {
+                    let vertex = self.vertex(point, forest, ground);
+                    scratch.new_vertices += 1;
+                    if bytes_of(&vertex) != bytes_of(&self.patch.vertices[index]) {
+                        self.patch.vertices[index] = vertex;
+                        scratch.changed.push(place);
+                    }
+                } else if self.has_new_steps && self.is_on_edge(point) {
                     // The steps of a neighbour may have changed.
                     let height_m = self.patch.vertices[index].height_m;
                     let from_origin = self.place_from_origin(point, height_m, forest);
@@ -257,16 +269,7 @@ impl BuiltPatch {
             }
             return place;
         }
-        let (lat, lon) = lat_lon_rad(point);
-        // Rounded first, so that every patch computes the same place from it.
-        let height_m = ground.height_m(lat, lon, 0.0) as f32;
-        let spacing_rad = side_rad(self.node.level) / 64.0;
-        let slope = ground.slope(forest.ellipsoid(), lat, lon, spacing_rad);
-        let vertex = GroundVertex {
-            from_origin_m: self.place_from_origin(point, height_m, forest).as_vec3(),
-            height_m,
-            slope: slope.as_vec2(),
-        };
+        let vertex = self.vertex(point, forest, ground);
         scratch.new_vertices += 1;
         let place = if let Some(place) = self.free.pop() {
             self.patch.vertices[place as usize] = vertex;
@@ -280,6 +283,49 @@ impl BuiltPatch {
         self.places.insert(point, place);
         scratch.changed.push(place);
         place
+    }
+
+    fn vertex(&self, point: Point, forest: &Forest, ground: &dyn Elevation) -> GroundVertex {
+        let (lat, lon) = lat_lon_rad(point);
+        // Rounded first, so that every patch computes the same place from it.
+        let height_m = ground.height_m(lat, lon, 0.0) as f32;
+        let slope = ground.slope(forest.ellipsoid(), lat, lon, self.slope_rad());
+        GroundVertex {
+            from_origin_m: self.place_from_origin(point, height_m, forest).as_vec3(),
+            height_m,
+            slope: slope.as_vec2(),
+        }
+    }
+
+    /// How far to each side slopes are taken, radians, unless the data are coarser.
+    fn slope_rad(&self) -> f64 {
+        side_rad(self.node.level) / 64.0
+    }
+
+    /// Marks the vertices whose heights or slopes may have changed. Answers whether there are any.
+    pub fn heights_changed(&mut self, changes: &[HeightChange], ground: &dyn Elevation) -> bool {
+        let bounds = bounds(self.node.square(DEPTH));
+        let beyond_rad = self.slope_rad().max(COARSEST_STEP_RAD);
+        let is_near = |change: &&HeightChange| change.touches(&bounds, beyond_rad, 0.0);
+        if !changes.iter().any(|change| is_near(&change)) {
+            return false;
+        }
+        let slope_rad = self.slope_rad();
+        self.stale.resize(self.patch.vertices.len(), false);
+        let mut has_any = false;
+        for (point, place) in &self.places {
+            let (lat, lon) = lat_lon_rad(*point);
+            let reach_rad =
+                slope_rad.max(ground.finest_spacing_rad(lat, lon).min(COARSEST_STEP_RAD));
+            let near = changes.iter().filter(is_near);
+            for change in near {
+                if change.touches_place(lat, lon, reach_rad) {
+                    self.stale[*place as usize] = true;
+                    has_any = true;
+                }
+            }
+        }
+        has_any
     }
 
     /// Whether a point lies on the edge of the patch. Points are named as [`super::node::Domain::point`] names them.

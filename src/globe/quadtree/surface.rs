@@ -5,7 +5,7 @@ use super::lod::{LodView, SplitRule};
 use super::node::{Cut, Node, Side};
 use super::page::side_rad;
 use super::patch::{BuiltPatch, Scratch};
-use crate::elevation::{Elevation, HeightRange};
+use crate::elevation::{Elevation, HeightChange, HeightRange};
 use crate::frames::Ellipsoid;
 use crate::globe::culling::BoundVisibility;
 use crate::globe::surface::{GroundView, Patch, Surface, SurfaceStats};
@@ -475,6 +475,7 @@ impl Surface for Quadtree {
         if let Some(mut lod) = self.evaluate_view(&forest, view) {
             forest.start_frame();
             (self.work_done, self.changes) = (0, 0);
+            self.read_stale(&mut forest, ground);
             self.set_thresholds();
             self.improve(&mut forest, &lod, ground);
             // Leaves, and what is seen of them, have changed; very rarely for the worse.
@@ -490,6 +491,14 @@ impl Surface for Quadtree {
         }
         self.forest = Some(forest);
         self.stats
+    }
+
+    fn heights_changed(&mut self, changes: &[HeightChange], ground: &dyn Elevation) {
+        if let Some(mut forest) = self.forest.take() {
+            forest.heights_changed(changes);
+            self.mark_changed(&forest, changes, ground);
+            self.forest = Some(forest);
+        }
     }
 
     fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch)) {
