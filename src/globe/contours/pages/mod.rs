@@ -22,7 +22,7 @@ mod page;
 use super::gpu_layout::{ContourRay, contour_cast};
 use super::surface::lattice::{Cell, ball, chord_m};
 use super::surface::lookup::KeyMap;
-use crate::elevation::{Bounds, Elevation, HeightRange};
+use crate::elevation::{Bounds, Elevation, HeightChange, HeightRange};
 use crate::frames::Ellipsoid;
 use crate::globe::culling::{CullingContext, GroundBound};
 use crate::globe::{
@@ -113,6 +113,8 @@ fn slack_m(page: &Page, eye_itrf_m: DVec3) -> f64 {
 struct PageSlot {
     used: u64,
     is_cut: bool,
+    /// Heights have changed since it was built.
+    is_stale: bool,
     cell: Cell,
 }
 
@@ -167,6 +169,7 @@ impl ContourPages {
             self.slots.push(PageSlot {
                 used: 0,
                 is_cut: false,
+                is_stale: false,
                 cell,
             });
             self.slots.len() - 1
@@ -177,16 +180,40 @@ impl ContourPages {
                 None => return false,
             }
         };
-        self.clock += 1;
         self.slots[slot] = PageSlot {
             used: self.now,
             is_cut: false,
+            is_stale: false,
             cell,
         };
+        self.fill(slot, ground, reach);
+        true
+    }
+
+    /// Makes the page of a slot from the heights of now.
+    fn fill(&mut self, slot: usize, ground: &dyn Elevation, reach: HeightRange) {
+        self.clock += 1;
+        let cell = self.slots[slot].cell;
+        self.slots[slot].is_stale = false;
         let page = &mut self.pages[slot];
         page.build(cell, ground, &self.options.ellipsoid, reach);
         page.revision = self.clock;
-        true
+    }
+
+    /// Builds pages of the last view anew whose heights have changed: first those that were drawn. Answers how many.
+    fn build_stale(&mut self, ground: &dyn Elevation, reach: HeightRange) -> u64 {
+        let mut stale: Vec<(bool, u64, usize)> = (0..)
+            .zip(&self.slots)
+            .filter(|(_, slot)| slot.is_stale && slot.used + 1 >= self.now)
+            .map(|(k, slot)| (slot.is_cut, slot.cell.key(), k))
+            .collect();
+        // Allocates where heights have changed only.
+        stale.sort_unstable();
+        stale.truncate(self.options.built_per_frame as usize);
+        for (.., k) in &stale {
+            self.fill(*k, ground, reach);
+        }
+        stale.len() as u64
     }
 
     /// Finds pages by their cells again.
@@ -372,6 +399,7 @@ impl Surface for ContourPages {
         if built > 0 {
             self.index();
         }
+        built += self.build_stale(ground, reach);
         let tolerance_px = view.tolerance_px.max(0.0);
         self.select_lod(&culling, PART_OF_PAGES * tolerance_px);
         self.requests
@@ -427,6 +455,19 @@ impl Surface for ContourPages {
             as u64
             + self.by_key.bytes();
         stats
+    }
+
+    fn heights_changed(&mut self, changes: &[HeightChange], _: &dyn Elevation) {
+        for (slot, page) in self.slots.iter_mut().zip(&mut self.pages) {
+            // Posts are read one beyond the cell's edges, and slopes between them.
+            let (bounds, beyond_rad) =
+                (slot.cell.bounds(), slot.cell.side_rad() / f64::from(CELLS));
+            let touches = |change: &&HeightChange| change.touches(&bounds, beyond_rad, 0.0);
+            for change in changes.iter().filter(touches) {
+                slot.is_stale = true;
+                page.widen(change.range);
+            }
+        }
     }
 
     fn for_each_patch(&self, _: &mut dyn FnMut(&Patch)) {}

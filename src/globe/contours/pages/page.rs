@@ -249,6 +249,18 @@ impl Page {
         self.enclose(cell, &dem, &tree, ellipsoid, range);
     }
 
+    /// Makes it hold ground of other heights than it was built of, until it is built anew: nothing of that is culled, and beside it
+    /// prisms reach down as far as it may lie.
+    pub(super) fn widen(&mut self, range: HeightRange) {
+        let off_m = (range.high_m - self.low_m).max(self.high_m - range.low_m);
+        self.border_m = self.border_m.max(off_m);
+        let grows_m = (range.high_m - self.high_m).max(self.low_m - range.low_m);
+        // Along the normals of the cell's ground, which spread by far less than half a turn.
+        self.radius_m += grows_m.max(0.0);
+        self.low_m = self.low_m.min(range.low_m);
+        self.high_m = self.high_m.max(range.high_m);
+    }
+
     /// How far what is drawn on the border lies from the data, metres: at posts and between them.
     fn border_m(
         &self,

@@ -38,6 +38,20 @@ impl Cell {
         u64::from(self.level) << 56 | u64::from(self.y) << 28 | u64::from(self.x)
     }
 
+    /// The cell of a [`Self::key`].
+    pub fn of_key(key: u64) -> Self {
+        Self {
+            level: (key >> 56) as u8,
+            x: (key & 0xfff_ffff) as u32,
+            y: (key >> 28 & 0xfff_ffff) as u32,
+        }
+    }
+
+    /// Angle of its side, radians.
+    pub fn side_rad(self) -> f64 {
+        f64::from(self.steps()) * STEP_RAD
+    }
+
     /// All 128 blocks.
     pub fn roots() -> impl Iterator<Item = Self> {
         (0..COLUMNS * ROWS).map(|k| Self {

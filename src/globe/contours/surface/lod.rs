@@ -1,10 +1,10 @@
 //! Level of detail (LOD) of bicubic patches: which cells a view cuts.
 
-use super::ContourSurface;
 use super::knots::{DIAGONALS, SIDES};
 use super::lattice::{AROUND, Cell, PIECES, SEGMENTS, STEP_RAD, ball, chord_m};
 use super::mesh::vertices;
-use crate::elevation::{Bounds, Elevation, HeightRange};
+use super::{ContourSurface, OVERSHOOT};
+use crate::elevation::{Bounds, Elevation, HeightChange, HeightRange};
 use crate::globe::culling::{CullingContext, GroundBound};
 use glam::DVec3;
 use std::cmp::Ordering;
@@ -22,6 +22,8 @@ pub(super) struct CellInfo {
     pub center_m: DVec3,
     /// See [`Self::center_m`].
     pub radius_m: f64,
+    /// Heights have changed since it was evaluated. It still bounds them.
+    pub is_stale: bool,
 }
 
 /// A cell that should be cut.
@@ -115,9 +117,49 @@ impl ContourSurface {
             error_m: error_m as f32,
             low_m,
             high_m,
+            is_stale: false,
         };
         self.cell_infos.put(cell.key(), self.now, info);
         info
+    }
+
+    /// Forgets what was made of heights that have changed. What is known of cells is widened to hold them, and stays until it is
+    /// found anew.
+    pub(super) fn forget_changed(&mut self, changes: &[HeightChange]) {
+        let ellipsoid = self.options.ellipsoid;
+        // Knots of the cell, and of a coarser one beside it, reach so far beyond it.
+        let is_touched = |cell: Cell, change: &HeightChange| {
+            change.touches(&cell.bounds(), cell.side_rad(), 0.0)
+        };
+        self.cell_infos.retain(|key, info| {
+            let cell = Cell::of_key(key);
+            let mut is_wider = false;
+            for change in changes.iter().filter(|change| is_touched(cell, change)) {
+                let HeightRange { low_m, high_m } = change.range;
+                // Cubics may leave the range of their data.
+                let more_m =
+                    OVERSHOOT * (high_m.max(info.high_m.into()) - low_m.min(info.low_m.into()));
+                let (low, high) = (
+                    (low_m - more_m) as f32 - 1.0,
+                    (high_m + more_m) as f32 + 1.0,
+                );
+                is_wider |= low < info.low_m || high > info.high_m;
+                (info.low_m, info.high_m) = (info.low_m.min(low), info.high_m.max(high));
+                info.is_stale = true;
+            }
+            if is_wider {
+                let (low, high) = (info.low_m.into(), info.high_m.into());
+                (info.center_m, info.radius_m) = ball(&ellipsoid, cell, low, high);
+            }
+            true
+        });
+        let is_same = |cell: Cell| !changes.iter().any(|change| is_touched(cell, change));
+        self.known_knots.retain(|key, _| is_same(Cell::of_key(key)));
+        for slot in &mut self.slots {
+            if !is_same(Cell::of_key(slot.patch.key)) {
+                slot.coarser = None;
+            }
+        }
     }
 
     /// What is known of a cell, or else of the nearest one above it, with its own ball.
@@ -244,6 +286,10 @@ impl ContourSurface {
         evaluations: &mut u32,
     ) {
         let info = match self.cell_infos.get(cell.key(), self.now) {
+            Some(info) if info.is_stale && *evaluations > 0 => {
+                *evaluations -= 1;
+                self.evaluate_cell(ground, cell)
+            }
             Some(info) => info,
             None => {
                 // Not seen with what is known from above: not worth measuring.

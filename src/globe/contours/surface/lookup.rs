@@ -61,6 +61,15 @@ impl<T: Copy + Default> SetCache<T> {
         };
     }
 
+    /// Looks at all that is remembered; what `keep` says no to is forgotten.
+    pub fn retain(&mut self, mut keep: impl FnMut(u64, &mut T) -> bool) {
+        for entry in &mut self.entries {
+            if entry.key != u64::MAX && !keep(entry.key, &mut entry.value) {
+                entry.key = u64::MAX;
+            }
+        }
+    }
+
     /// Memory, bytes.
     pub fn bytes(&self) -> u64 {
         size_of_val(&self.entries[..]) as u64

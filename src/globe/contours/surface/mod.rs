@@ -25,7 +25,7 @@ mod mesh;
 #[cfg(test)]
 mod tests;
 
-use crate::elevation::{Bounds, Elevation, HeightRange};
+use crate::elevation::{Bounds, Elevation, HeightChange, HeightRange};
 use crate::frames::Ellipsoid;
 use crate::globe::culling::CullingContext;
 use crate::globe::{GroundView, Patch, Surface, SurfaceStats, TriangleList};
@@ -265,6 +265,10 @@ impl Surface for ContourSurface {
         stats.error_m = Some(error_m);
         stats.error_px = Some(error_px);
         stats
+    }
+
+    fn heights_changed(&mut self, changes: &[HeightChange], _: &dyn Elevation) {
+        self.forget_changed(changes);
     }
 
     fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch)) {
