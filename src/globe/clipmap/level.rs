@@ -25,7 +25,7 @@ impl HeightSource<'_> {
     /// side.
     ///
     /// The direction on the icosahedron's sphere is the ellipsoid's outward normal: latitudes are geodetic.
-    fn sample(&self, index: LatticeIndex, n: i64) -> (DVec3, GroundVertex) {
+    pub fn sample(&self, index: LatticeIndex, n: i64) -> (DVec3, GroundVertex) {
         let normal = self.icosahedron.direction(index, n);
         let lat_rad = normal.z.atan2(normal.x.hypot(normal.y));
         let lon_rad = normal.y.atan2(normal.x);
@@ -62,6 +62,8 @@ pub struct Level {
     pub buffers: Vec<ToroidalBuffer>,
     /// Where all buffers measure from, and the middle that this was chosen for.
     origin: Option<(DVec3, LatticeIndex)>,
+    /// Samples that are drawn have been read anew, and vertices are not set by them yet.
+    pub is_read_anew: bool,
     /// How far the whole level is drawn as the coarser one: 0 not at all, 1 altogether.
     pub fade: f64,
     /// What the indices were made for: middles of this level and of the finer one.
@@ -79,6 +81,7 @@ impl Level {
             pending: None,
             buffers: Vec::new(),
             origin: None,
+            is_read_anew: false,
             fade: 0.0,
             shape: None,
         }

@@ -34,6 +34,7 @@
 //! the data's ground bends. The tolerance is no bound of the error: the paper's cells are as wide as a 32nd of their distance,
 //! whatever the ground.
 
+mod changed;
 mod lattice;
 mod level;
 mod level_extent;
@@ -49,7 +50,7 @@ pub use lattice::{
 pub use level_extent::{DiamondExtent, IndexBox, LevelExtent};
 
 use super::surface::{GroundView, Patch, Surface, SurfaceStats};
-use crate::elevation::{Bounds, Elevation};
+use crate::elevation::{Bounds, Elevation, HeightChange};
 use crate::frames::Ellipsoid;
 use level::{HeightSource, Level};
 use level_update::{FinestData, SubEyePoint, is_base_visible};
@@ -218,6 +219,11 @@ impl Surface for Clipmap {
             &mut self.counts,
         );
         read += self.counts.samples;
+        let mut left = self
+            .options
+            .samples_per_prepare
+            .saturating_sub(self.counts.samples);
+        read += changed::read_left(&mut self.levels, &source, &mut left);
 
         self.drawn.clear();
         let mut stats = SurfaceStats {
@@ -253,6 +259,15 @@ impl Surface for Clipmap {
         }
         self.stats = stats;
         stats
+    }
+
+    fn heights_changed(&mut self, changes: &[HeightChange], ground: &dyn Elevation) {
+        let source = HeightSource {
+            ellipsoid: &self.options.ellipsoid,
+            icosahedron: &self.icosahedron,
+            ground,
+        };
+        changed::heights_changed(&mut self.levels, changes, &source);
     }
 
     fn crosses_blocks(&self) -> bool {

@@ -53,6 +53,8 @@ pub struct ToroidalBuffer {
     /// The samples as they are; [`Patch::vertices`] are those as they are drawn.
     own: Vec<GroundVertex>,
     pub patch: Patch,
+    /// A bit for each sample whose height has changed since it was read; empty where none has.
+    stale: Vec<u64>,
     /// A bit for each vertex that differs from the revision before.
     dirty: Vec<u64>,
     pub is_dirty: bool,
@@ -75,6 +77,7 @@ impl ToroidalBuffer {
                 indices: Default::default(),
                 block: None,
             },
+            stale: Vec::new(),
             dirty: vec![0; slots.div_ceil(64)],
             is_dirty: false,
         }
@@ -84,6 +87,7 @@ impl ToroidalBuffer {
     pub fn retake(&mut self, diamond: u8, key: u64, revision: u64) {
         self.diamond = diamond;
         self.tags.fill(NOTHING);
+        self.stale = Vec::new();
         self.patch.key = key;
         self.patch.revision = revision;
         self.dirty.fill(u64::MAX);
@@ -123,6 +127,66 @@ impl ToroidalBuffer {
         let slot = self.slot(index.i, index.j);
         self.tags[slot] = [index.i as u32, index.j as u32];
         self.own[slot] = vertex;
+        if let Some(bits) = self.stale.get_mut(slot / 64) {
+            *bits &= !(1 << (slot % 64));
+        }
+    }
+
+    /// Notes that heights of samples have changed, those of the points that `is_changed`.
+    pub fn mark_stale(&mut self, mut is_changed: impl FnMut(i64, i64) -> bool) {
+        for (slot, tag) in self.tags.iter().enumerate() {
+            let [i, j] = tag.map(i64::from);
+            if *tag != NOTHING && is_changed(i, j) {
+                self.stale.resize(self.dirty.len(), 0);
+                self.stale[slot / 64] |= 1 << (slot % 64);
+            }
+        }
+    }
+
+    /// Drops samples whose heights have changed, of the points that `is_meant`: they are read as if they had never been held.
+    pub fn drop_stale(&mut self, is_meant: impl Fn(i64, i64) -> bool) {
+        for word in 0..self.stale.len() {
+            let mut left = self.stale[word];
+            while left != 0 {
+                let slot = word * 64 + left.trailing_zeros() as usize;
+                left &= left - 1;
+                let [i, j] = self.tags[slot].map(i64::from);
+                if self.tags[slot] == NOTHING || is_meant(i, j) {
+                    self.tags[slot] = NOTHING;
+                    self.stale[word] &= !(1 << (slot % 64));
+                }
+            }
+        }
+    }
+
+    /// Gives points to `read`, which puts them anew, whose heights have changed and that `is_meant`, while there is budget.
+    pub fn take_stale(
+        &mut self,
+        is_meant: &impl Fn(i64, i64) -> bool,
+        budget: &mut u64,
+        read: &mut impl FnMut(&mut Self, i64, i64),
+    ) {
+        let mut are_any_left = false;
+        for word in 0..self.stale.len() {
+            let mut left = self.stale[word];
+            while left != 0 {
+                let slot = word * 64 + left.trailing_zeros() as usize;
+                left &= left - 1;
+                let [i, j] = self.tags[slot].map(i64::from);
+                if self.tags[slot] == NOTHING {
+                    // Lost since then.
+                    self.stale[word] &= !(1 << (slot % 64));
+                } else if is_meant(i, j) && *budget > 0 {
+                    *budget -= 1;
+                    read(self, i, j);
+                } else {
+                    are_any_left = true;
+                }
+            }
+        }
+        if !are_any_left && !self.stale.is_empty() {
+            self.stale = Vec::new();
+        }
     }
 
     /// Sets how a vertex is drawn.
