@@ -35,6 +35,8 @@ pub mod projected_grid;
 #[cfg(feature = "terrain")]
 pub mod quadtree;
 mod select;
+#[cfg(all(test, feature = "terrain"))]
+mod streamed_tests;
 #[cfg_attr(not(feature = "terrain"), path = "no_surface.rs")]
 mod surface;
 mod surface_stats;
@@ -62,6 +64,7 @@ pub use surface::{
     TriangleList, merged_ranges,
 };
 pub use surface::{DrawKind, Surface, SurfaceStats};
+pub use surface_stats::HeightTileStats;
 
 /// Which blocks are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

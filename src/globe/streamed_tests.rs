@@ -1,0 +1,301 @@
+//! Every surface over heights that become finer while it is drawn: closed at all times, and at last as if they had always been so.
+
+use super::*;
+use crate::elevation::{
+    Elevation, Ground, HeightEye, HeightStreamOptions, StreamedGround, TestTiles,
+};
+use crate::frames::{Ellipsoid, Geodetic};
+use glam::{DMat4, DVec3};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// A place, a height and a slope, by their bits.
+type Corner = ([u64; 3], u32, [u32; 2]);
+
+fn view(lat_deg: f64, lon_deg: f64, height_m: f64) -> GroundView {
+    let place = Geodetic::from_degrees(lat_deg, lon_deg, height_m);
+    let eye = Ellipsoid::WGS84.itrf_from_geodetic(place);
+    let north = DVec3::Z.cross(eye).cross(-eye).normalize();
+    let rotation = DMat4::look_to_rh(DVec3::ZERO, -eye.normalize(), north);
+    let projection = DMat4::perspective_rh(1.6, 1.0, 10.0, 1e8);
+    GroundView {
+        eye_itrf_m: eye,
+        clip_from_eye: projection * rotation,
+        pixel_rad: 2e-3,
+        tolerance_px: 1.0,
+    }
+}
+
+fn corners(patch: &Patch) -> Vec<Corner> {
+    let corner = |vertex: &GroundVertex| {
+        // No negative zeros.
+        let at = patch.origin_itrf_m + vertex.from_origin_m.as_dvec3() + DVec3::ZERO;
+        let slope = vertex.slope.to_array().map(f32::to_bits);
+        (
+            at.to_array().map(f64::to_bits),
+            vertex.height_m.to_bits(),
+            slope,
+        )
+    };
+    patch.vertices.iter().map(corner).collect()
+}
+
+fn triangles(surface: &dyn Surface) -> BTreeSet<[Corner; 3]> {
+    let mut all = BTreeSet::new();
+    surface.for_each_patch(&mut |patch| {
+        let corners = corners(patch);
+        for [a, b, c] in patch.indices.triangles.as_chunks::<3>().0 {
+            let mut of = [a, b, c].map(|k| corners[*k as usize]);
+            // From its least corner on.
+            let least = (0..3).min_by_key(|k| of[*k]).unwrap_or(0);
+            of.rotate_left(least);
+            all.insert(of);
+        }
+    });
+    all
+}
+
+/// Edges that have one side only must not lie beside each other: the end of what is drawn is one, a crack is two.
+fn assert_closed(surface: &dyn Surface, when: &str) {
+    let mut edges: HashMap<[[u64; 3]; 2], i32> = HashMap::new();
+    for triangle in triangles(surface) {
+        for k in 0..3 {
+            let (a, b) = (triangle[k].0, triangle[(k + 1) % 3].0);
+            if a != b {
+                *edges
+                    .entry(if a < b { [a, b] } else { [b, a] })
+                    .or_default() += 1;
+            }
+        }
+    }
+    let ends = edges.iter().filter(|(_, count)| **count == 1);
+    let ends: BTreeSet<[u64; 3]> = ends.flat_map(|(edge, _)| *edge).collect();
+    let mut by_direction: BTreeMap<[i64; 3], [u64; 3]> = BTreeMap::new();
+    for end in ends {
+        let at = DVec3::from_array(end.map(f64::from_bits));
+        let way = at * Ellipsoid::WGS84.scaled_from_itrf();
+        let key = (way.normalize() * 3e4).round().to_array().map(|x| x as i64);
+        if let Some(other) = by_direction.insert(key, end) {
+            let other = DVec3::from_array(other.map(f64::from_bits));
+            let (a, b) = (at.normalize(), other.normalize());
+            assert!(
+                a.distance(b) > 1e-7,
+                "{}: a crack of {} m {when}",
+                surface.name(),
+                at.distance(other)
+            );
+        }
+    }
+}
+
+struct Flight {
+    tiles: Arc<TestTiles>,
+    stream: StreamedGround,
+    viewer: Arc<crate::elevation::HeightViewer>,
+    version: u64,
+    heights: Arc<Ground>,
+}
+
+impl Flight {
+    fn new() -> Self {
+        // Three levels below the coarsest in one region, one elsewhere.
+        let inset = |key: crate::elevation::HeightTileKey| {
+            let scale = 1_u32 << key.level;
+            key.level >= 2
+                || (60..80).contains(&(key.column * scale)) && (10..24).contains(&(key.row * scale))
+        };
+        let tiles = Arc::new(TestTiles::new(4, 16, inset).gated());
+        let options = HeightStreamOptions::default();
+        let stream = StreamedGround::new(tiles.clone(), Ground::new([]), &options).expect("sound");
+        let viewer = stream.viewer();
+        let (version, heights) = stream.now();
+        Self {
+            tiles,
+            stream,
+            viewer,
+            version,
+            heights,
+        }
+    }
+
+    /// A frame, as an Earth makes it. Answers whether heights have changed.
+    fn frame(&mut self, surface: &mut dyn Surface, view: &GroundView) -> (bool, SurfaceStats) {
+        self.viewer.look(HeightEye {
+            eye_itrf_m: view.eye_itrf_m,
+            tolerance_rad: view.pixel_rad,
+        });
+        self.stream.take_over(2);
+        let changes = self
+            .stream
+            .changes_since(self.version)
+            .expect("not long ago");
+        (self.version, self.heights) = self.stream.now();
+        if !changes.is_empty() {
+            surface.heights_changed(&changes, self.heights.as_ref());
+        }
+        let stats = surface.prepare(view, self.heights.as_ref());
+        (!changes.is_empty(), stats)
+    }
+}
+
+fn settings() -> Vec<SurfaceSettings> {
+    let mut all: Vec<_> = SurfaceKind::ALL
+        .iter()
+        .map(|kind| kind.settings(Subdivision::Cells(24)))
+        .collect();
+    all.push(SurfaceSettings::CastContours(Default::default()));
+    all.push(SurfaceSettings::ProjectedGrid(
+        projected_grid::GridOptions {
+            on_gpu: true,
+            samples: (65, 65),
+            ..Default::default()
+        },
+    ));
+    for one in &mut all {
+        if let SurfaceSettings::ProjectedGrid(grid) = one {
+            grid.samples = (65, 65);
+        }
+    }
+    all
+}
+
+/// Prepares until nothing changes any more.
+fn settle(surface: &mut dyn Surface, view: &GroundView, heights: &dyn Elevation) {
+    let (mut before, mut quiet) = (SurfaceStats::default(), 0);
+    for _ in 0..3000 {
+        let stats = surface.prepare(view, heights);
+        quiet = if stats.samples_read == 0 && stats == before {
+            quiet + 1
+        } else {
+            0
+        };
+        before = stats;
+        if quiet > 12 {
+            return;
+        }
+    }
+    panic!("{} never settles", surface.name());
+}
+
+fn pages(surface: &dyn Surface) -> BTreeMap<[u64; 3], Vec<u8>> {
+    let mut all = BTreeMap::new();
+    surface.for_each_contour_page(&mut |page| {
+        all.insert(
+            page.origin_itrf_m.to_array().map(f64::to_bits),
+            page.nodes.to_vec(),
+        );
+    });
+    all
+}
+
+fn fly(settings: SurfaceSettings, view: &GroundView) {
+    let mut flight = Flight::new();
+    let mut surface = settings.make(Figure::Wgs84).expect("sound");
+    let (mut arrivals, mut quiet, mut before) = (0, 0, SurfaceStats::default());
+    let end = Instant::now() + Duration::from_secs(100);
+    while quiet < 14 {
+        assert!(Instant::now() < end, "{} never settles", surface.name());
+        flight.tiles.allow(1);
+        let (has_changed, stats) = flight.frame(surface.as_mut(), view);
+        let is_still = stats.samples_read == 0 && stats == before && flight.stream.is_settled();
+        before = stats;
+        quiet = if is_still { quiet + 1 } else { 0 };
+        if has_changed {
+            arrivals += 1;
+        } else if quiet == 0 && !flight.stream.is_settled() {
+            flight.stream.wait(Duration::from_millis(2));
+        }
+        if has_changed && arrivals % 3 == 0 {
+            assert_closed(surface.as_ref(), &format!("after {arrivals} arrivals"));
+            assert!(stats.patches > 0);
+        }
+    }
+    assert_closed(surface.as_ref(), "at last");
+    let mut fresh = settings.make(Figure::Wgs84).expect("sound");
+    settle(fresh.as_mut(), view, flight.heights.as_ref());
+    assert!(
+        flight.stream.is_settled(),
+        "{} asks for other heights",
+        surface.name()
+    );
+    match (surface.draw_kind(), fresh.draw_kind()) {
+        (DrawKind::Grid(grid), DrawKind::Grid(other)) => {
+            let [grid, other] = [grid, other].map(|grid| {
+                let uniforms = grid.uniforms.expect("ground is seen");
+                let slots = uniforms.slots.iter().flatten().flat_map(|s| s.to_array());
+                let slots = slots.map(|slot| (slot != u32::MAX).then(|| grid.slot(slot).to_vec()));
+                slots.collect::<Vec<_>>()
+            });
+            assert!(grid == other, "tiles differ");
+        }
+        (DrawKind::ContourPages(_), _) => {
+            let (pages, others) = (pages(surface.as_ref()), pages(fresh.as_ref()));
+            // Once cut, pages stay cut a little longer: those that both have are the same.
+            let both = pages.iter().filter(|(at, _)| others.contains_key(*at));
+            let same = both
+                .clone()
+                .filter(|(at, nodes)| others[*at] == **nodes)
+                .count();
+            assert!(
+                same > 3 && same == both.count(),
+                "{same} of {}",
+                pages.len()
+            );
+        }
+        _ if surface.name() == "quadtree" => {
+            // Leaves that were once divided stay so a little longer; points that both have are the same.
+            let heights = |surface: &dyn Surface| {
+                let corners = triangles(surface).into_iter().flatten();
+                corners
+                    .map(|(at, height, _)| (at, height))
+                    .collect::<BTreeMap<_, _>>()
+            };
+            let (own, others) = (heights(surface.as_ref()), heights(fresh.as_ref()));
+            let both = own.iter().filter(|(at, _)| others.contains_key(*at));
+            assert!(both.clone().count() * 10 > others.len() * 7);
+            for (at, height) in &own {
+                let at = DVec3::from_array(at.map(f64::from_bits));
+                let place = Ellipsoid::WGS84.geodetic_from_itrf(at);
+                let data = flight.heights.height_m(place.lat_rad, place.lon_rad, 0.0);
+                let off = (f64::from(f32::from_bits(*height)) - data).abs();
+                assert!(off < 0.5, "a vertex is {off} m off its data");
+            }
+        }
+        _ => {
+            let (own, others) = (triangles(surface.as_ref()), triangles(fresh.as_ref()));
+            let lost = others.difference(&own).count();
+            assert!(
+                own == others,
+                "{}: {lost} of {} differ",
+                surface.name(),
+                others.len()
+            );
+        }
+    }
+    if !matches!(settings, SurfaceSettings::Blocks(_)) {
+        assert!(arrivals > 10, "{}: {arrivals} arrivals", surface.name());
+    }
+}
+
+#[test]
+fn from_orbit_every_surface_becomes_what_it_would_have_been() {
+    for settings in settings() {
+        fly(settings, &view(46.0, 9.0, 2e5));
+    }
+}
+
+#[test]
+fn near_the_ground_every_surface_becomes_what_it_would_have_been() {
+    for settings in settings() {
+        // On the edge of four tiles.
+        fly(settings, &view(45.02, 0.01, 9e3));
+    }
+}
+
+#[test]
+fn at_a_pole_every_surface_becomes_what_it_would_have_been() {
+    for settings in settings() {
+        fly(settings, &view(89.6, 20.0, 3e5));
+    }
+}
