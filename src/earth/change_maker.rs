@@ -106,7 +106,12 @@ impl ReadyChange {
         let mut blocks = Vec::with_capacity(BLOCK_COUNT as usize);
         while !driver.is_settled() && Instant::now() < deadline {
             blocks.clear();
+            driver.take_over(true);
             driver.plan(self.meshes.grid(), &view, &mut blocks);
+            // Where nothing else is left to do.
+            if !driver.is_settled() {
+                driver.wait(Duration::from_millis(1));
+            }
         }
         driver.is_settled()
     }

@@ -1,21 +1,25 @@
 //! Ground with relief: the surface that a scene chose, and the heights that it is made from.
 
 use super::view::ItrfView;
-use crate::elevation::{Bounds, Elevation};
+use crate::elevation::{
+    Bounds, Elevation, Ground, HeightChange, HeightEye, HeightStreamCounters, HeightTileKey,
+    HeightViewer, StreamedGround,
+};
 use crate::globe::contours::ContourOptions;
 use crate::globe::projected_grid::GPU_TILES;
 use crate::globe::{
-    Block, BlockGrid, DrawKind, Figure, GroundView, Surface, SurfaceError, SurfaceSettings,
-    SurfaceStats, select_blocks_between,
+    Block, BlockGrid, DrawKind, Figure, GroundView, HeightTileStats, Surface, SurfaceError,
+    SurfaceSettings, SurfaceStats, select_blocks_between,
 };
 use crate::gpu::{GridMesh, PageMesh};
 use std::fmt;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// Ground with relief in place of the smooth ellipsoid.
 #[derive(Clone)]
 pub struct GroundOptions {
-    /// Where heights come from.
+    /// Where heights come from: in memory as a whole, or streamed ([`StreamedGround`](crate::elevation::StreamedGround)).
     pub elevation: Arc<dyn Elevation>,
     /// The surface that draws the ground, with its settings.
     pub surface: SurfaceSettings,
@@ -44,6 +48,8 @@ impl fmt::Debug for GroundOptions {
 /// Prepares the surface for each frame, and says when it is settled.
 pub(super) struct GroundDriver {
     elevation: Arc<dyn Elevation>,
+    /// Of heights that become finer while they are drawn.
+    followed: Option<Followed>,
     settings: SurfaceSettings,
     figure: Figure,
     surface: Box<dyn Surface>,
@@ -52,6 +58,19 @@ pub(super) struct GroundDriver {
     /// Frames since anything was read or drawn otherwise than the frame before.
     quiet: u32,
 }
+
+/// Heights of a stream as the last frame had them.
+struct Followed {
+    viewer: Arc<HeightViewer>,
+    version: u64,
+    heights: Arc<Ground>,
+}
+
+/// Tiles of heights that one frame may take in: each has its part of the ground made anew.
+const TILES_PER_FRAME: usize = 2;
+
+/// The finest that samples of heights are asked for where the tolerance asks for more, pixels.
+const LEAST_SAMPLE_PX: f64 = 0.5;
 
 /// A surface is settled when so many frames are alike: more than a level takes to fade in.
 const QUIET_FRAMES: u32 = 10;
@@ -92,8 +111,17 @@ impl GroundDriver {
         figure: Figure,
         tolerance_px: f64,
     ) -> Result<Self, SurfaceError> {
+        let followed = elevation.streamed().map(|stream| {
+            let (version, heights) = stream.now();
+            Followed {
+                viewer: stream.viewer(),
+                version,
+                heights,
+            }
+        });
         Ok(Self {
             elevation,
+            followed,
             surface: settings.make(figure)?,
             settings,
             figure,
@@ -109,6 +137,77 @@ impl GroundDriver {
         Self::made(elevation, self.settings, self.figure, self.tolerance_px)
     }
 
+    /// Takes in heights that have come, for all that are made from the same stream: between frames, and all of those that there
+    /// are where a picture waits for them.
+    pub fn take_over(&self, waits: bool) {
+        if let Some(stream) = self.elevation.streamed() {
+            stream.take_over(if waits { usize::MAX } else { TILES_PER_FRAME });
+        }
+    }
+
+    /// Waits until heights have come that a view has asked for, or for so long; not at all if none are on their way.
+    pub fn wait(&self, timeout: Duration) {
+        let stream = self.elevation.streamed();
+        if let Some(stream) = stream.filter(|stream| !stream.is_settled()) {
+            stream.wait(timeout);
+        }
+    }
+
+    /// Heights that were asked for and are not there.
+    pub fn missing(&self) -> Vec<HeightTileKey> {
+        let stream = self.elevation.streamed();
+        stream.map_or_else(Vec::new, StreamedGround::missing)
+    }
+
+    /// What their stream is doing.
+    pub fn height_tiles(&self) -> HeightTileStats {
+        let Some(stream) = self.elevation.streamed() else {
+            return HeightTileStats::default();
+        };
+        let HeightStreamCounters {
+            tiles,
+            bytes,
+            wanted,
+            refused,
+            unreadable,
+            changes,
+        } = stream.counters();
+        HeightTileStats {
+            tiles,
+            bytes,
+            wanted,
+            refused,
+            unreadable,
+            changes,
+        }
+    }
+
+    /// Goes over to the heights of now, and tells the surface where they are others.
+    fn follow(&mut self, eye_itrf_m: glam::DVec3, pixel_rad: f64) {
+        let (Some(stream), Some(followed)) = (self.elevation.streamed(), &mut self.followed) else {
+            return;
+        };
+        followed.viewer.look(HeightEye {
+            eye_itrf_m,
+            tolerance_rad: pixel_rad * self.tolerance_px.max(LEAST_SAMPLE_PX),
+        });
+        let (version, heights) = stream.now();
+        if version == followed.version {
+            return;
+        }
+        // Whoever has not looked for long does not know where: everywhere, then.
+        let everywhere = || HeightChange {
+            bounds: Bounds::GLOBE,
+            below_rad: f64::INFINITY,
+            range: heights.range_m(&Bounds::GLOBE),
+        };
+        let changes = stream.changes_since(followed.version);
+        let changes = changes.unwrap_or_else(|| vec![everywhere()]);
+        self.surface.heights_changed(&changes, heights.as_ref());
+        (followed.version, followed.heights) = (version, heights);
+        self.quiet = 0;
+    }
+
     /// Chooses what is drawn, and the blocks in sight, whose tiles it is drawn with.
     pub fn plan(
         &mut self,
@@ -117,7 +216,12 @@ impl GroundDriver {
         blocks: &mut Vec<Block>,
     ) -> SurfaceStats {
         let (eye_itrf_m, clip_from_eye) = (view.eye_itrf_m, view.clip_from_eye);
-        let range = self.elevation.range_m(&Bounds::GLOBE);
+        self.follow(eye_itrf_m, view.pixel_rad());
+        let heights: &dyn Elevation = match &self.followed {
+            Some(followed) => followed.heights.as_ref(),
+            None => self.elevation.as_ref(),
+        };
+        let range = heights.range_m(&Bounds::GLOBE);
         select_blocks_between(grid, range, eye_itrf_m, &clip_from_eye, blocks);
         let view = GroundView {
             eye_itrf_m,
@@ -125,7 +229,7 @@ impl GroundDriver {
             pixel_rad: view.pixel_rad(),
             tolerance_px: self.tolerance_px,
         };
-        let stats = self.surface.prepare(&view, self.elevation.as_ref());
+        let stats = self.surface.prepare(&view, heights);
         let is_quiet = stats.samples_read == 0 && stats == self.before;
         self.quiet = if is_quiet { self.quiet + 1 } else { 0 };
         self.before = stats;
@@ -134,7 +238,8 @@ impl GroundDriver {
 
     /// Whether a view that does not move would be drawn as it is now.
     pub fn is_settled(&self) -> bool {
-        self.quiet >= QUIET_FRAMES
+        let stream = self.elevation.streamed();
+        self.quiet >= QUIET_FRAMES && stream.is_none_or(StreamedGround::is_settled)
     }
 
     pub fn surface(&self) -> &dyn Surface {

@@ -100,6 +100,9 @@ pub use view::{EyeView, Viewport, infinite_reversed_z};
 /// Bytes of tiles uploaded at once where a picture waits for them.
 const WAITING_UPLOAD_BYTES: u64 = 64_000_000;
 
+/// How long a picture waits for heights before it looks at what else there is to do: surfaces become finer meanwhile.
+const HEIGHTS_WAIT: Duration = Duration::from_millis(2);
+
 /// Tells Earths apart.
 static EARTHS: AtomicU64 = AtomicU64::new(0);
 
@@ -242,7 +245,7 @@ impl Earth {
     /// As [`Self::prepare`], but waits until every tile that the view requests is on the GPU, and ground with relief is as fine
     /// as it will be, at most `timeout`: for
     /// pictures that are kept. Answers what is missing; such blocks are drawn with something coarser. A tile that cannot
-    /// be read is not waited for.
+    /// be read is not waited for. What is missing of heights, `missing_heights` says.
     ///
     /// Submits to `queue` what it uploads on the way.
     pub fn prepare_complete(
@@ -273,6 +276,9 @@ impl Earth {
             let others = || others.iter().map(|other| &*other.view);
             let is_settled = self.first.is_settled() && others().all(EarthView::is_settled);
             if !is_settled && Instant::now() < deadline {
+                if let Some(ground) = self.first.planner.ground_driver() {
+                    ground.wait(HEIGHTS_WAIT);
+                }
                 queue.submit([]);
                 continue;
             }
@@ -291,6 +297,14 @@ impl Earth {
             // Lets go of the copies that the uploads are made from.
             queue.submit([]);
         }
+    }
+
+    /// Tiles of heights that the ground of the last [`Self::prepare`] would have been drawn finer with: those on their way, those
+    /// that the budget has no room for, and those that cannot be read.
+    #[cfg(feature = "terrain")]
+    pub fn missing_heights(&self) -> Vec<crate::elevation::HeightTileKey> {
+        let ground = self.first.planner.ground_driver();
+        ground.map_or_else(Vec::new, ground::GroundDriver::missing)
     }
 
     /// Has what was prepared last drawn at these points of its picture, until the next [`Self::prepare`]: by a pass of as many
@@ -330,6 +344,9 @@ impl Earth {
         others: &mut [ViewFrame<'_>],
         upload_bytes: Option<u64>,
     ) -> FrameStats {
+        if let Some(ground) = self.first.planner.ground_driver() {
+            ground.take_over(upload_bytes.is_some());
+        }
         self.first.choose(eye, sky, target);
         for other in others.iter_mut() {
             if self.follow(other.view) {

@@ -3,7 +3,8 @@
 
 use super::EarthError;
 use super::view::ItrfView;
-use crate::globe::{Block, BlockGrid, Figure, Surface, SurfaceStats};
+use crate::globe::{Block, BlockGrid, Figure, HeightTileStats, Surface, SurfaceStats};
+use std::time::Duration;
 
 /// Ground with relief in place of the smooth ellipsoid. It needs the feature `terrain`; without, there is no value of this type.
 #[derive(Clone, Debug)]
@@ -23,6 +24,18 @@ impl GroundDriver {
     }
 
     pub fn for_another_view(&self) -> Result<Self, EarthError> {
+        match *self {}
+    }
+
+    pub fn take_over(&self, _: bool) {
+        match *self {}
+    }
+
+    pub fn wait(&self, _: Duration) {
+        match *self {}
+    }
+
+    pub fn height_tiles(&self) -> HeightTileStats {
         match *self {}
     }
 

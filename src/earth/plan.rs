@@ -114,6 +114,11 @@ impl Planner {
         self.ground.as_ref().map_or(&[], GroundDriver::features)
     }
 
+    /// What makes the ground with relief, if there is any.
+    pub fn ground_driver(&self) -> Option<&GroundDriver> {
+        self.ground.as_ref()
+    }
+
     /// Whether a view that does not move would be given the ground that it has now.
     pub fn is_ground_settled(&self) -> bool {
         self.ground.as_ref().is_none_or(GroundDriver::is_settled)
@@ -150,6 +155,7 @@ impl Planner {
         match &mut self.ground {
             Some(ground) => {
                 stats.ground = ground.plan(self.meshes.grid(), view, &mut plan.blocks);
+                stats.height_tiles = ground.height_tiles();
                 stats.blocks_visible = plan.blocks.len() as u32;
                 stats.triangles = stats.ground.triangles;
             }

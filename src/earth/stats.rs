@@ -1,7 +1,7 @@
 //! What a frame drew.
 
 use crate::frames::Geodetic;
-use crate::globe::SurfaceStats;
+use crate::globe::{HeightTileStats, SurfaceStats};
 use crate::imagery::residency::StreamCounters;
 use crate::imagery::tile::MAX_LEVELS;
 use std::time::Duration;
@@ -17,6 +17,8 @@ pub struct FrameStats {
     pub subdivision: u32,
     /// The ground's patches, all zero without relief.
     pub ground: SurfaceStats,
+    /// Tiles of the ground's heights, all zero unless they are streamed.
+    pub height_tiles: HeightTileStats,
     /// Bytes of the ground's vertices, triangles and heights on the GPU; 0 without relief.
     pub ground_bytes: u64,
     /// Triangles drawn, air included.
