@@ -5,7 +5,7 @@ use super::output::OutputError;
 use crate::EarthError;
 use crate::basilisk::RecordingError;
 use crate::celestial::CelestialError;
-use crate::elevation::HeightFileError;
+use crate::elevation::{HeightFileError, StreamedGroundError};
 use crate::frames::EarthOrientationError;
 use crate::gpu::{ContextError, PictureError, TimerError};
 use crate::imagery::ImageryError;
@@ -44,6 +44,18 @@ pub enum PlayError {
     /// The heights.
     #[error(transparent)]
     Heights(#[from] HeightFileError),
+    /// The heights of the scene's pack cannot be the ground.
+    #[error("heights of the pack: {0}")]
+    PackHeights(#[from] StreamedGroundError),
+    /// The scene asks for heights that its pack has not.
+    #[error(
+        "[earth] pack_heights: the pack {} has no heights; leave it out and name files by elevation = [\"FILE\", …]",
+        folder.display()
+    )]
+    NoPackHeights {
+        /// The pack's folder.
+        folder: PathBuf,
+    },
     /// The scene asks for a map that its pack has not.
     #[error(
         "{}:{line}: [earth] {layer}: the pack {} has no such map; write {layer} = false, leave it out, or build the pack with it",

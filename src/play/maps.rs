@@ -58,7 +58,7 @@ pub(super) fn earth_options_at(
     options.exposure = scene.output.exposure;
     options.tone = scene.output.tone;
     options.ground = match &table.relief {
-        Some(relief) => Some(ground_options(relief)?),
+        Some(relief) => Some(ground_options(relief, table.pack.as_ref())?),
         None => None,
     };
     Ok(options)

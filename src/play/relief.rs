@@ -2,18 +2,45 @@
 
 use super::error::PlayError;
 use crate::GroundOptions;
-use crate::elevation::{Denoise, GridLimits, Ground, open_heights_denoised};
+use crate::elevation::{
+    Denoise, Elevation, GridLimits, Ground, HeightGrid, HeightStreamOptions, HeightTileSource,
+    StreamedGround, open_heights_denoised,
+};
 use crate::imagery::find_textures;
-use crate::scene::ReliefTable;
+use crate::imagery::pack::Pack;
+use crate::scene::{PackTable, ReliefTable};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Reads the heights that a scene names, or the starter pack's.
-pub(super) fn ground_options(table: &ReliefTable) -> Result<GroundOptions, PlayError> {
-    let ground = read_ground(&table.elevation, table.sea_floor, table.denoise)?;
-    let ground = Arc::new(ground);
+/// Reads the heights that a scene names, or the starter pack's; those of its pack are streamed.
+pub(super) fn ground_options(
+    table: &ReliefTable,
+    pack: Option<&PackTable>,
+) -> Result<GroundOptions, PlayError> {
+    let elevation: Arc<dyn Elevation> = match (table.pack_heights_mb, pack) {
+        (Some(megabytes), Some(pack)) => {
+            let over = match table.elevation.is_empty() {
+                true => over_the_sea(Vec::new(), table.sea_floor),
+                false => read_ground(&table.elevation, table.sea_floor, table.denoise)?,
+            };
+            let pack = Pack::open(&pack.folder)?;
+            let tiles = height_tiles(&pack).ok_or_else(|| PlayError::NoPackHeights {
+                folder: pack.dir().to_owned(),
+            })?;
+            let options = HeightStreamOptions {
+                memory_bytes: (1e6 * megabytes) as u64,
+                ..HeightStreamOptions::default()
+            };
+            Arc::new(StreamedGround::new(tiles, over, &options)?)
+        }
+        _ => Arc::new(read_ground(
+            &table.elevation,
+            table.sea_floor,
+            table.denoise,
+        )?),
+    };
     Ok(GroundOptions {
-        elevation: ground,
+        elevation,
         surface: table.settings,
         tolerance_px: table.tolerance_px,
     })
@@ -61,9 +88,18 @@ pub fn read_ground(files: &[PathBuf], sea_floor: bool, denoise: bool) -> Result<
         }
         grids.push(Arc::new(heights.grid));
     }
+    Ok(over_the_sea(grids, sea_floor))
+}
+
+fn over_the_sea(grids: Vec<Arc<HeightGrid>>, sea_floor: bool) -> Ground {
     let ground = Ground::new(grids);
-    Ok(match sea_floor {
+    match sea_floor {
         true => ground,
         false => ground.with_sea_surface(),
-    })
+    }
+}
+
+/// A pack's heights. No version of the format that is read has any: THE PLACE TO CONNECT a pack's layer of heights.
+fn height_tiles(_: &Pack) -> Option<Arc<dyn HeightTileSource>> {
+    None
 }

@@ -351,8 +351,10 @@ pub(super) fn value(earth: &EarthTable, key: &str) -> KeyText {
         "day_maps" | "cloud_maps" | "night_light_maps" | "map_fade" => {
             dated_maps_value(&earth.dated_maps, key)
         }
-        "surface" | "elevation" | "tolerance_px" | "sea_floor" | "denoise" | "clipmap"
-        | "contours" | "projected_grid" | "quadtree" => relief_value(earth.relief.as_ref(), key),
+        "surface" | "elevation" | "pack_heights" | "ground_mb" | "tolerance_px" | "sea_floor"
+        | "denoise" | "clipmap" | "contours" | "projected_grid" | "quadtree" => {
+            relief_value(earth.relief.as_ref(), key)
+        }
         _ => Err(UNKNOWN),
     }
 }

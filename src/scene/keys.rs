@@ -451,8 +451,12 @@ table!(RawEarth = "earth" {
     upload_mb: f64 = "a number of megabytes", in 0.01..=1e4, default 4.0;
     /// What draws ground with relief: "quadtree" by default where heights are named, else "blocks".
     surface: String = "a string: \"blocks\", \"projected-grid\", \"quadtree\", \"contours\" or \"clipmap\"";
-    /// Files of heights; an empty list takes the starter pack's.
+    /// Files of heights; an empty list takes the starter pack's, or with pack_heights none.
     elevation: Vec<Spanned<String>> = "a list of strings, the paths of files of heights";
+    /// Packs: whether the pack's heights are the ground, beneath the files of `elevation`.
+    pack_heights: bool = "true or false", default false;
+    /// Packs: memory of their heights (10⁶ bytes), with pack_heights.
+    ground_mb: f64 = "a number of megabytes", in 1.0..=1e6, default 256.0;
     /// Most pixels by which the drawn ground may differ from its data.
     tolerance_px: f64 = "a number of pixels", in 0.0..=1000.0, default DEFAULT_TOLERANCE_PX;
     /// Whether the sea's floor is drawn, and not its surface.

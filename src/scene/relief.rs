@@ -15,8 +15,10 @@ pub struct ReliefTable {
     pub surface: SurfaceKind,
     /// And how, as `[earth.clipmap]` and the like set it.
     pub settings: SurfaceSettings,
-    /// Files of heights; none takes the starter pack's, of the whole Earth.
+    /// Files of heights; none takes the starter pack's, of the whole Earth, unless the scene's pack has them.
     pub elevation: Vec<PathBuf>,
+    /// Memory for the heights of the scene's pack, megabytes, where they lie beneath those of the files.
+    pub pack_heights_mb: Option<f64>,
     /// Most pixels by which the drawn ground may differ from its data.
     pub tolerance_px: f64,
     /// Whether the sea's floor is drawn, and not its surface, where a file of the whole Earth has it.
@@ -29,8 +31,10 @@ impl SceneText<'_> {
     /// Relief is drawn where a scene names heights, or a surface other than the blocks, which need none.
     pub(super) fn relief(&self, earth: &RawEarth) -> Result<Option<ReliefTable>, SceneError> {
         let elevation_field = earth.elevation();
+        let pack_heights_mb = self.pack_heights_mb(earth)?;
         // A smooth Earth is drawn as blocks.
-        let usual = match elevation_field.is_given() {
+        let names_heights = elevation_field.is_given() || pack_heights_mb.is_some();
+        let usual = match names_heights {
             true => SurfaceKind::default(),
             false => SurfaceKind::Blocks,
         };
@@ -39,7 +43,7 @@ impl SceneText<'_> {
         let elevation = self.paths(&elevation_field)?;
         let (tolerance_px, sea_floor) = (earth.tolerance_px(), earth.sea_floor());
         let denoise = earth.denoise();
-        if surface == SurfaceKind::Blocks && !elevation_field.is_given() {
+        if surface == SurfaceKind::Blocks && !names_heights {
             for (key, given) in [
                 (tolerance_px.key, tolerance_px.given.map(|v| v.span())),
                 (sea_floor.key, sea_floor.given.map(|v| v.span())),
@@ -59,12 +63,33 @@ impl SceneText<'_> {
             surface,
             settings,
             elevation,
+            pack_heights_mb,
             tolerance_px: self.number(&tolerance_px, |_, range| {
                 format!("must be from {range} pixels")
             })?,
             sea_floor: sea_floor.is_on(),
             denoise: denoise.is_on(),
         }))
+    }
+
+    /// The memory for the pack's heights, where a scene wants them.
+    fn pack_heights_mb(&self, earth: &RawEarth) -> Result<Option<f64>, SceneError> {
+        let (pack_heights, ground_mb) = (earth.pack_heights(), earth.ground_mb());
+        if !earth.pack().is_given() {
+            self.only_with_a_pack(&pack_heights)?;
+            self.only_with_a_pack(&ground_mb)?;
+        }
+        if !pack_heights.is_on() {
+            if ground_mb.is_given() {
+                let advice = "ground_mb is for heights of a pack; leave it out, or write pack_heights = true";
+                return Err(self.refuse(&ground_mb, advice));
+            }
+            return Ok(None);
+        }
+        let megabytes = self.number(&ground_mb, |_, range| {
+            format!("must be from {range} megabytes")
+        })?;
+        Ok(Some(megabytes))
     }
 
     /// A key that ground with relief takes no notice of.
@@ -119,14 +144,23 @@ pub(super) fn relief_value(relief: Option<&ReliefTable>, key: &str) -> KeyText {
     let Some(relief) = relief else {
         return match key {
             "surface" => Ok("\"blocks\"".to_owned()),
+            "pack_heights" => Ok("false".to_owned()),
             _ => Err("the smooth ellipsoid is drawn"),
         };
     };
     Ok(match key {
         "surface" => format!("\"{}\"", written(&relief.surface)),
         "elevation" if relief.elevation.is_empty() => {
-            return Err("the starter pack's heights are taken");
+            return Err(match relief.pack_heights_mb {
+                Some(_) => "the pack's heights are taken alone",
+                None => "the starter pack's heights are taken",
+            });
         }
+        "pack_heights" => relief.pack_heights_mb.is_some().to_string(),
+        "ground_mb" => match relief.pack_heights_mb {
+            Some(megabytes) => megabytes.to_string(),
+            None => return Err("no heights of a pack are taken"),
+        },
         "elevation" => {
             let files = relief.elevation.iter();
             let files = files.map(|file| format!("\"{}\"", printable(&file.display().to_string())));

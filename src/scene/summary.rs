@@ -211,9 +211,14 @@ impl Scene {
         }
         if let Some(relief) = &self.earth.relief {
             let files = match relief.elevation.len() {
+                0 if relief.pack_heights_mb.is_some() => "the pack's heights".to_owned(),
                 0 => "the starter pack's heights".to_owned(),
                 1 => "one file of heights".to_owned(),
                 count => format!("{count} files of heights"),
+            };
+            let files = match relief.pack_heights_mb {
+                Some(_) if !relief.elevation.is_empty() => format!("{files} over the pack's"),
+                _ => files,
             };
             uses.push((
                 "relief",

@@ -6,6 +6,44 @@ use terrella::internals::globe::quadtree::SplitRule;
 use terrella::internals::globe::{SurfaceKind, SurfaceSettings};
 
 #[test]
+fn heights_of_a_pack_are_the_ground_if_asked_for() {
+    let folder = Folder::new();
+    let load = |text: &str| {
+        folder
+            .load(&format!("[earth]\npack = \"maps\"\n{text}"))
+            .expect("good")
+    };
+    assert_eq!(load("").earth.relief, None);
+    let alone = load("pack_heights = true\n");
+    let relief = alone.earth.relief.as_ref().expect("relief");
+    assert_eq!(relief.surface, SurfaceKind::Quadtree);
+    assert_eq!(
+        (relief.elevation.len(), relief.pack_heights_mb),
+        (0, Some(256.0))
+    );
+    assert!(
+        alone.summary().contains("quadtree from the pack's heights"),
+        "{}",
+        alone.summary()
+    );
+    let under = load("pack_heights = true\nground_mb = 64\nelevation = [\"sat.tle\"]\n");
+    let relief = under.earth.relief.as_ref().expect("relief");
+    assert_eq!(
+        (relief.elevation.len(), relief.pack_heights_mb),
+        (1, Some(64.0))
+    );
+    assert!(
+        under
+            .summary()
+            .contains("one file of heights over the pack's"),
+        "{}",
+        under.summary()
+    );
+    let off = load("pack_heights = false\nelevation = []\n").earth.relief;
+    assert_eq!(off.expect("relief").pack_heights_mb, None);
+}
+
+#[test]
 fn relief_is_drawn_where_heights_or_its_surface_are_named() {
     let folder = Folder::new();
     let relief = |text: &str| folder.load(text).expect("good").earth.relief;
