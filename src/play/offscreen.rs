@@ -30,6 +30,8 @@ pub struct OffscreenRenderer {
     is_space_transparent: bool,
     /// Follows the exposure that frames ask for, where it is metered.
     adaptation: Option<Adaptation>,
+    /// Pictures that waited for heights in vain.
+    pictures_without_heights: u64,
 }
 
 /// A frame and how long it took.
@@ -88,6 +90,7 @@ impl OffscreenRenderer {
             samples: options.samples,
             is_space_transparent: false,
             adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
+            pictures_without_heights: 0,
         })
     }
 
@@ -265,9 +268,27 @@ impl OffscreenRenderer {
         let (mut stats, missing) =
             self.earth
                 .prepare_complete(&self.gpu.queue, view, sky, size, wait);
+        self.warn_of_missing_heights();
         self.prepare_others(moment, &mut stats);
         self.submit();
         (stats, missing)
+    }
+
+    /// Says that a picture's ground is coarser than its heights: of a film's pictures the first, and ever fewer of those after it.
+    fn warn_of_missing_heights(&mut self) {
+        let missing = self.earth.missing_heights();
+        let Some(first) = missing.first() else {
+            return;
+        };
+        self.pictures_without_heights += 1;
+        if self.pictures_without_heights.is_power_of_two() {
+            tracing::warn!(
+                "the ground lacks {} tiles of heights and is drawn coarser there ({first} among them; {} pictures so far); give it more time \
+                 (wait_s under [output]) or memory (ground_mb under [earth]), or run `terrella pack verify`",
+                missing.len(),
+                self.pictures_without_heights
+            );
+        }
     }
 
     /// Where exposure is metered, exposes the next picture as its view asks for, followed in the time since the last, seconds,
