@@ -17,6 +17,8 @@ mod quality;
 #[cfg(feature = "terrain")]
 mod relief;
 mod scaled;
+#[cfg(feature = "terrain")]
+mod streamed_heights;
 #[cfg(feature = "packs")]
 mod tile_parts;
 mod tiles;

@@ -101,6 +101,8 @@ pub struct StreamedGround {
     viewers: Mutex<Viewers>,
     /// The grids over the tiles of now, and its version.
     now: RwLock<(u64, Arc<Ground>)>,
+    /// As [`Self::take_over`] left them.
+    counters: Mutex<HeightStreamCounters>,
 }
 
 #[derive(Default)]
@@ -138,6 +140,7 @@ impl StreamedGround {
         let cache = HeightCache::new(source.clone(), options.memory_bytes)?;
         let now = Arc::new(over.over_tiles(cache.pyramid().clone()));
         Ok(Self {
+            counters: Mutex::new(cache.counters()),
             cache: Mutex::new(cache),
             loader: HeightLoader::new(source, options.threads.clamp(1, 16)),
             viewers: Mutex::default(),
@@ -187,6 +190,7 @@ impl StreamedGround {
             *rested = 0;
         }
         drop(viewers);
+        *self.counters.lock().unwrap_or_else(PoisonError::into_inner) = cache.counters();
         if has_changed {
             let mut now = self.now.write().unwrap_or_else(PoisonError::into_inner);
             let tiles = cache.pyramid().clone();
@@ -205,9 +209,9 @@ impl StreamedGround {
         self.cache().changes_since(version)
     }
 
-    /// What the stream is doing.
+    /// What the stream was doing at the end of the last [`Self::take_over`].
     pub fn counters(&self) -> HeightStreamCounters {
-        self.cache().counters()
+        *self.counters.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Tiles that were asked for and are not there: on their way, without room, or unreadable.
