@@ -5,7 +5,7 @@ use crate::elevation::{
     Elevation, Ground, HeightEye, HeightStreamOptions, StreamedGround, TestTiles,
 };
 use crate::frames::{Ellipsoid, Geodetic};
-use glam::{DMat4, DVec3};
+use glam::{DVec3, dcamera};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -17,8 +17,8 @@ fn view(lat_deg: f64, lon_deg: f64, height_m: f64) -> GroundView {
     let place = Geodetic::from_degrees(lat_deg, lon_deg, height_m);
     let eye = Ellipsoid::WGS84.itrf_from_geodetic(place);
     let north = DVec3::Z.cross(eye).cross(-eye).normalize();
-    let rotation = DMat4::look_to_rh(DVec3::ZERO, -eye.normalize(), north);
-    let projection = DMat4::perspective_rh(1.6, 1.0, 10.0, 1e8);
+    let rotation = dcamera::rh::view::look_to_mat4(DVec3::ZERO, -eye.normalize(), north);
+    let projection = dcamera::rh::proj::directx::perspective(1.6, 1.0, 10.0, 1e8);
     GroundView {
         eye_itrf_m: eye,
         clip_from_eye: projection * rotation,

@@ -33,7 +33,7 @@ mod tests;
 pub use viewer::{HeightEye, HeightViewer};
 
 use super::{
-    Bounds, Elevation, GridError, Ground, HeightChange, HeightGrid, HeightRange, HeightTileError,
+    Bounds, Elevation, GridError, Ground, HeightChange, HeightRange, HeightTileError,
     HeightTileKey, HeightTileSource,
 };
 use cache::HeightCache;

@@ -53,7 +53,8 @@ pub fn heights_changed(levels: &mut [Level], changes: &[HeightChange], source: &
             level.is_read_anew = true;
         }
         let on_edge = |i: i64, j: i64| i == 0 || j == 0 || i == n || j == n;
-        read_stale(level, on_edge, source, &mut u64::MAX);
+        let mut unbounded = u64::MAX;
+        read_stale(level, on_edge, source, &mut unbounded);
     }
 }
 
