@@ -163,12 +163,13 @@ impl TilePyramid {
     fn path(&self, place: &Place, level: u8, is_any: bool) -> ([u32; 32], usize) {
         let coarsest = self.layout.coarsest();
         let mut path = [0; 32];
-        path[0] = self.root(self.key_at(place, coarsest));
+        let key = self.key_at(place, level);
+        let up = coarsest - level;
+        path[0] = (key.row >> up) * self.layout.columns(coarsest) + (key.column >> up);
         let mut len = 1;
-        let mut at = coarsest;
-        while at > level {
-            at -= 1;
-            let quarter = self.key_at(place, at).quarter();
+        // Columns and rows of coarser tiles are halves of the finer ones', so their bits say the way.
+        for up in (0..up).rev() {
+            let quarter = ((key.row >> up & 1) << 1 | key.column >> up & 1) as usize;
             let node = &self.nodes[path[len - 1] as usize];
             let child = node.children[quarter];
             if child == NONE {
@@ -380,9 +381,15 @@ impl TilePyramid {
     /// The finest level that the source has at a place.
     fn finest_level(&self, place: &Place) -> u8 {
         let mut level = self.layout.coarsest();
-        let mut node = Some(&self.nodes[self.root(self.key_at(place, level)) as usize]);
+        let finest = self.key_at(place, 0);
+        let over = |level: u8| HeightTileKey {
+            level,
+            column: finest.column >> level,
+            row: finest.row >> level,
+        };
+        let mut node = Some(&self.nodes[self.root(over(level)) as usize]);
         while level > 0 {
-            let key = self.key_at(place, level - 1);
+            let key = over(level - 1);
             let quarter = key.quarter();
             let exists = match node {
                 Some(node) => node.exists >> quarter & 1 == 1,
