@@ -1,7 +1,9 @@
 //! A pack's manifest.
 
 use std::path::Path;
-use terrella::internals::imagery::pack::{LayerEntry, LevelEntry, Manifest, TileFile};
+use terrella::internals::imagery::pack::{
+    HeightKind, HeightsEntry, LayerEntry, LevelEntry, Manifest, TileFile,
+};
 use terrella::internals::imagery::tile::{MapLayer, Storage, TileShape};
 
 /// Reads any text; what is found good must be written and read back the same.
@@ -43,6 +45,7 @@ pub fn seeds() -> Vec<Vec<u8>> {
             attribution: vec!["NASA".into()],
             storages: storages.to_vec(),
             layers: layers.iter().map(layer).collect(),
+            heights: None,
         }
         .to_toml()
         .into_bytes()
@@ -63,7 +66,7 @@ pub fn seeds() -> Vec<Vec<u8>> {
     seeds
 }
 
-/// A manifest of version 2: one block has parts, but for one of them.
+/// A manifest of version 2: one block has parts, but for one of them, and there are heights.
 #[allow(dead_code, reason = "the fuzzer reads its corpus from files")]
 fn cut() -> Manifest {
     let file = Some(TileFile::of(b"part"));
@@ -83,5 +86,21 @@ fn cut() -> Manifest {
             exaggeration: None,
             levels: vec![level(2, parts), level(1, vec![file; 128])],
         }],
+        heights: Some(HeightsEntry {
+            sources: vec!["a.tif, 21600 x 10800".into()],
+            levels: 1,
+            columns: 16,
+            side: 16,
+            border: 1,
+            kind: HeightKind::I16 {
+                offset_m: -100.5,
+                scale_m: 0.25,
+            },
+            tiles: 128,
+            index: TileFile {
+                bytes: 12 + 37 * 128,
+                checksum: [7; 16],
+            },
+        }),
     }
 }

@@ -263,7 +263,7 @@ fn seeds_are_good() {
     let text = |seed: &Vec<u8>| String::from_utf8(seed.clone()).expect("text");
     let path = Path::new("seed");
     let good = |seed: &&Vec<u8>| Manifest::from_toml(&text(seed), path).is_ok();
-    assert_eq!(manifest::seeds().iter().filter(good).count(), 2);
+    assert_eq!(manifest::seeds().iter().filter(good).count(), 3);
     {
         use terrella::internals::imagery::build::source::{SourceLimits, read_source};
         let limits = SourceLimits {

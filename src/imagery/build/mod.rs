@@ -498,6 +498,7 @@ fn manifest(
         attribution: attribution(options, maps),
         storages: options.storages.clone(),
         layers: layers.collect(),
+        heights: None,
     }
 }
 

@@ -124,6 +124,20 @@ pub enum PackError {
         /// The map asked for.
         layer: MapLayer,
     },
+    /// The pack holds no heights.
+    #[error("{}: has no heights; build the pack with them (`terrella pack build --heights FILE`)", path.display())]
+    NoHeights {
+        /// The pack's folder.
+        path: PathBuf,
+    },
+    /// The index of heights is not as the manifest says.
+    #[error("{}: {cause}; build the pack again", path.display())]
+    HeightIndex {
+        /// The index.
+        path: PathBuf,
+        /// What is wrong with it.
+        cause: String,
+    },
     /// Nothing is left of a block that is always drawn: its tiles of every level are bad.
     #[error("{}: no level of {block} can be read, of its coarsest: {source}", path.display())]
     BlockLost {
@@ -160,6 +174,8 @@ impl PackError {
             | Self::Syntax { path, .. }
             | Self::NoStorage { path, .. }
             | Self::NoLayer { path, .. }
+            | Self::NoHeights { path }
+            | Self::HeightIndex { path, .. }
             | Self::BlockLost { path, .. }
             | Self::Map { path, .. } => path,
             Self::Key { place, .. } => &place.path,

@@ -32,7 +32,7 @@
 //! most 2040. So n is up to 32 640. Levels that are cut stand first. Their files are named by row and column among all 8 q rows and 16 q
 //! columns of parts. Any part may be missing. A block that has parts has a tile at the finest level that is not cut.
 //!
-//! Packs that need neither parts nor more than 8 levels are written as version 1.
+//! Packs that need neither parts nor more than 8 levels nor have heights are written as version 1.
 //!
 //! ## Tiles
 //!
@@ -97,6 +97,8 @@
 //! checksums = ["0123…", "", …]
 //! ```
 //!
+//! Since version 2 there may be a table `heights`; `heights/mod.rs` says what it and the folder of that name hold.
+//!
 //! There is a tile in all storages or in none. No other key is allowed, and the file has at most 32 MiB and 1 500 000 commas and lines. It
 //! holds no paths: those of tiles are made of the names above, so that no manifest can lead out of its folder.
 //!
@@ -107,6 +109,7 @@
 //! | `manifest/` | `pack.toml`: read, with line and key in every message, and written |
 //! | `container/` | a tile as KTX2: read and written |
 //! | `open.rs` | a pack's folder |
+//! | `heights/` | heights of the ground: their format, index and tiles |
 //! | `tiles.rs` | a pack as a source of tiles, each checked before it is used |
 //! | `decode.rs` | BC texels made plain |
 //! | `coarsest.rs` | the coarsest level as whole maps |
@@ -117,6 +120,7 @@ mod coarsest;
 mod container;
 mod decode;
 mod error;
+mod heights;
 mod manifest;
 mod open;
 #[cfg(feature = "pack-build")]
@@ -127,6 +131,13 @@ mod verify;
 pub use container::{MAX_OVERHEAD_BYTES, read_ktx2, write_ktx2};
 pub use decode::decode_tile;
 pub use error::{MAX_MANIFEST_BYTES, MAX_MANIFEST_VALUES, ManifestPlace, PackError};
+#[cfg(feature = "terrain")]
+pub use heights::PackHeights;
+pub use heights::{
+    HEIGHT_INDEX_FILE, HEIGHTS_FOLDER, HeightIndex, HeightKind, HeightPlace, HeightRecord,
+    HeightValues, HeightsEntry, MAX_HEIGHT_TILES, decode_heights, decode_index, encode_heights,
+    encode_index,
+};
 #[cfg(feature = "fetch")]
 pub(crate) use manifest::quoted;
 pub use manifest::{

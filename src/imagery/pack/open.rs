@@ -1,6 +1,7 @@
 //! Opening a pack: its folder and its manifest.
 
 use super::error::{MAX_MANIFEST_BYTES, PackError};
+use super::heights::HeightIndex;
 use super::manifest::{MANIFEST_FILE, Manifest, tile_path};
 use crate::imagery::tile::{Storage, TileKey};
 use std::io::{ErrorKind, Read};
@@ -59,6 +60,17 @@ impl Pack {
     /// What it says of itself.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
+    }
+
+    /// The index of its heights; `None` where it has none.
+    ///
+    /// # Errors
+    /// An index that is not there or not as the manifest says.
+    pub fn height_index(&self) -> Result<Option<HeightIndex>, PackError> {
+        let entry = self.manifest.heights.as_ref();
+        entry
+            .map(|entry| HeightIndex::read(&self.dir, entry))
+            .transpose()
     }
 
     /// The file of a tile; `None` for a level or a part that the manifest has not.

@@ -138,9 +138,6 @@ fn unless(cancelled: &dyn Fn() -> bool) -> Result<(), TileError> {
 }
 
 /// Reads a tile's file, which must be just what the manifest says.
-///
-/// The bytes are read once, hashed and decoded from memory: whatever happens to the file meanwhile, either they are
-/// those that the manifest knows or there is no tile.
 pub(super) fn read_tile(
     path: &Path,
     file: TileFile,
@@ -148,6 +145,23 @@ pub(super) fn read_tile(
     shape: TileShape,
     cancelled: &dyn Fn() -> bool,
 ) -> Result<Tile, TileError> {
+    let bytes = read_whole(path, file, cancelled)?;
+    unless(cancelled)?;
+    read_ktx2(&bytes, format, shape).map_err(|cause| TileError::Corrupt {
+        path: path.into(),
+        cause,
+    })
+}
+
+/// The bytes of a file, which must be just what the manifest says.
+///
+/// They are read once, hashed and decoded from memory: whatever happens to the file meanwhile, either they are those that the
+/// manifest knows or there are none. The caller has bounded the length.
+pub(super) fn read_whole(
+    path: &Path,
+    file: TileFile,
+    cancelled: &dyn Fn() -> bool,
+) -> Result<Vec<u8>, TileError> {
     let unreadable = |source| TileError::Unreadable {
         path: path.into(),
         source,
@@ -163,7 +177,7 @@ pub(super) fn read_tile(
     }
     let opened = File::open(path).map_err(unreadable)?;
     unless(cancelled)?;
-    // The manifest's length is bounded by the tile's shape. One byte more shows that the file has grown.
+    // One byte more shows that the file has grown.
     let mut bytes = Vec::with_capacity(file.bytes as usize + 1);
     opened
         .take(file.bytes + 1)
@@ -183,6 +197,5 @@ pub(super) fn read_tile(
     if TileFile::of(&bytes) != file {
         return Err(corrupt("its checksum is not that of the manifest".into()));
     }
-    unless(cancelled)?;
-    read_ktx2(&bytes, format, shape).map_err(corrupt)
+    Ok(bytes)
 }

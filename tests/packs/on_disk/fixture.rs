@@ -47,6 +47,7 @@ impl Fixture {
             attribution: vec!["Nobody's data".into()],
             storages: storages.to_vec(),
             layers: Vec::new(),
+            heights: None,
         };
         for (layer, shapes) in layers {
             let levels = (0..).zip(shapes).map(|(level, shape)| {

@@ -41,6 +41,7 @@ fn manifest() -> Manifest {
                 .map(level)
                 .into(),
         }],
+        heights: None,
     }
 }
 

@@ -161,6 +161,17 @@ impl<'a> Value<'a> {
 
     /// A finite number above zero.
     pub(super) fn positive(&self) -> Result<f64, PackError> {
+        self.number(|number| number > 0.0)
+            .ok_or_else(|| self.refuse("must be a finite number above 0"))
+    }
+
+    /// A finite number.
+    pub(super) fn finite(&self) -> Result<f64, PackError> {
+        self.number(|_| true)
+            .ok_or_else(|| self.refuse("must be a finite number"))
+    }
+
+    fn number(&self, is_good: impl Fn(f64) -> bool) -> Option<f64> {
         let number = match self.value.get_ref() {
             DeValue::Float(digits) => digits.as_str().parse().ok(),
             DeValue::Integer(digits) => i64::from_str_radix(digits.as_str(), digits.radix())
@@ -168,9 +179,7 @@ impl<'a> Value<'a> {
                 .map(|whole| whole as f64),
             _ => None,
         };
-        number
-            .filter(|number: &f64| number.is_finite() && *number > 0.0)
-            .ok_or_else(|| self.refuse("must be a finite number above 0"))
+        number.filter(|number: &f64| number.is_finite() && is_good(*number))
     }
 
     /// A string.

@@ -240,7 +240,7 @@ fn tile_file(
 }
 
 /// 16 bytes from 32 hexadecimal digits, small letters only: one checksum has one text.
-fn read_hex(digits: &str) -> Option<[u8; 16]> {
+pub(super) fn read_hex(digits: &str) -> Option<[u8; 16]> {
     let digit = |byte: u8| match byte {
         b'0'..=b'9' => Some(byte - b'0'),
         b'a'..=b'f' => Some(byte - b'a' + 10),

@@ -3,6 +3,7 @@
 #[cfg(test)]
 mod cut_tests;
 mod fields;
+mod heights;
 mod levels;
 mod read;
 #[cfg(test)]
@@ -10,6 +11,7 @@ mod tests;
 mod write;
 
 use crate::globe::Block;
+use crate::imagery::pack::heights::HeightsEntry;
 use crate::imagery::tile::{MapLayer, Storage, TileKey, TileShape};
 use std::path::PathBuf;
 #[cfg(feature = "fetch")]
@@ -44,6 +46,8 @@ pub struct Manifest {
     pub storages: Vec<Storage>,
     /// The maps, in the order of [`MapLayer::index`], each once; the day map always.
     pub layers: Vec<LayerEntry>,
+    /// Heights of the ground, if it has any.
+    pub heights: Option<HeightsEntry>,
 }
 
 /// One map of a manifest.
@@ -142,13 +146,13 @@ impl Manifest {
         file.map(|file| (level.shape, file))
     }
 
-    /// The version of the format that the pack needs: 1, or 2 with levels that are cut into parts or more than 8 of them.
+    /// The version of the format that the pack needs: 1, or 2 with heights, levels that are cut into parts or more than 8 of them.
     pub fn format(&self) -> u32 {
         let needs_2 = |entry: &LayerEntry| {
             entry.levels.len() > MAX_LEVELS_1
                 || entry.levels.iter().any(|level| level.shape.parts > 1)
         };
-        if self.layers.iter().any(needs_2) {
+        if self.heights.is_some() || self.layers.iter().any(needs_2) {
             2
         } else {
             1

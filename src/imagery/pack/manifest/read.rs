@@ -1,6 +1,7 @@
 //! Reading a manifest, of which nothing is believed.
 
 use super::fields::{Source, Table, Value, nearest};
+use super::heights::heights;
 use super::levels::levels;
 use super::{
     FORMAT_VERSION, LayerEntry, MAX_ATTRIBUTION_LINES, MAX_NAME_CHARS, MAX_TEXT_CHARS, Manifest,
@@ -10,7 +11,8 @@ use crate::imagery::pack::error::{MAX_MANIFEST_BYTES, MAX_MANIFEST_VALUES, PackE
 use crate::imagery::tile::{MAP_LAYERS, MapLayer, Storage, TILE_BORDER, TILE_MIPS};
 use std::path::Path;
 
-const ROOT_KEYS: [&str; 9] = [
+/// The last of them since version 2.
+const ROOT_KEYS: [&str; 10] = [
     "format",
     "name",
     "attribution",
@@ -20,6 +22,7 @@ const ROOT_KEYS: [&str; 9] = [
     "mips",
     "storages",
     "layer",
+    "heights",
 ];
 const LAYER_KEYS: [&str; 4] = ["name", "source", "exaggeration", "level"];
 
@@ -39,10 +42,13 @@ impl Manifest {
         let document = source.parse()?;
         let root = document.get_ref();
         // A later version may have any keys: it is named before they are looked at.
-        if let Some((_, value)) = root.iter().find(|(name, _)| name.get_ref() == "format") {
-            check_version(&Value::new(source, "format", value))?;
+        let mut known = &ROOT_KEYS[..];
+        if let Some((_, value)) = root.iter().find(|(name, _)| name.get_ref() == "format")
+            && check_version(&Value::new(source, "format", value))? == 1
+        {
+            known = &ROOT_KEYS[..ROOT_KEYS.len() - 1];
         }
-        let root = Table::root(source, root, &ROOT_KEYS)?;
+        let root = Table::root(source, root, known)?;
         let format = check_version(&root.need("format")?)?;
         for (key, value) in [
             ("columns", COLUMNS),
@@ -63,6 +69,10 @@ impl Manifest {
             attribution,
             layers: layers(&root.need("layer")?, &storages, format)?,
             storages,
+            heights: root
+                .get("heights")
+                .map(|value| heights(&value))
+                .transpose()?,
         })
     }
 }

@@ -35,6 +35,7 @@ fn manifest() -> Manifest {
             layer(MapLayer::Normals, &[75]),
             layer(MapLayer::Water, &[135]),
         ],
+        heights: None,
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{LevelEntry, Manifest, TileFile};
 use crate::globe::{COLUMNS, ROWS};
+use crate::imagery::pack::heights::{HeightKind, HeightsEntry};
 use crate::imagery::tile::{TILE_BORDER, TILE_MIPS};
 use std::fmt::Write;
 
@@ -52,8 +53,38 @@ impl Manifest {
                 push_level(&mut text, self, level);
             }
         }
+        if let Some(entry) = &self.heights {
+            push_heights(&mut text, entry);
+        }
         text
     }
+}
+
+fn push_heights(text: &mut String, entry: &HeightsEntry) {
+    text.push_str("\n[heights]\n");
+    let sources: Vec<_> = entry.sources.iter().map(|source| quoted(source)).collect();
+    let mut keys = vec![
+        ("sources", list(&sources, 1)),
+        ("levels", entry.levels.to_string()),
+        ("columns", entry.columns.to_string()),
+        ("side", entry.side.to_string()),
+        ("border", entry.border.to_string()),
+    ];
+    match entry.kind {
+        // With a fraction or an exponent, as TOML's floats have.
+        HeightKind::I16 { offset_m, scale_m } => keys.extend([
+            ("samples", quoted("i16")),
+            ("offset_m", format!("{offset_m:?}")),
+            ("scale_m", format!("{scale_m:?}")),
+        ]),
+        HeightKind::F32 => keys.push(("samples", quoted("f32"))),
+    }
+    keys.extend([
+        ("tiles", entry.tiles.to_string()),
+        ("index_bytes", entry.index.bytes.to_string()),
+        ("index_checksum", checksum(&Some(entry.index))),
+    ]);
+    push_keys(text, &keys);
 }
 
 fn push_level(text: &mut String, manifest: &Manifest, level: &LevelEntry) {
