@@ -1,0 +1,170 @@
+//! The samples of a tile: from the files, or means of finer tiles where those are.
+
+use crate::elevation::{Elevation, Ground};
+use crate::imagery::build::BuildError;
+use crate::imagery::build::folder::BuildFolder;
+use crate::imagery::pack::{
+    HeightKind, HeightPlace, HeightRecord, HeightValues, HeightsEntry, decode_heights,
+};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Finer tiles that are kept for each thread: the 16 that a tile with its border reaches, and some for its neighbours.
+const KEPT_A_THREAD: usize = 24;
+
+/// Bytes that so many threads hold at most.
+pub(super) fn working_bytes(threads: usize) -> u64 {
+    let side = u64::from(super::layout::MOST_SIDE) + 2;
+    // Kept tiles, one being made and one being decoded, of floats; and its compressed bytes.
+    side * side * 4 * threads as u64 * (KEPT_A_THREAD as u64 + 4)
+}
+
+/// Makes the tiles of a level.
+pub(super) struct TileMaker<'a> {
+    ground: &'a Ground,
+    pub entry: &'a HeightsEntry,
+    pub folder: &'a BuildFolder<'a>,
+    /// The last used at the end.
+    kept: Mutex<Vec<(HeightPlace, Arc<HeightValues>)>>,
+    most_kept: usize,
+}
+
+impl<'a> TileMaker<'a> {
+    pub(super) fn new(
+        ground: &'a Ground,
+        entry: &'a HeightsEntry,
+        folder: &'a BuildFolder<'a>,
+        threads: usize,
+    ) -> Self {
+        Self {
+            ground,
+            entry,
+            folder,
+            kept: Mutex::new(Vec::new()),
+            most_kept: KEPT_A_THREAD * threads,
+        }
+    }
+
+    /// The tiles of the next finer level in a tile's ground.
+    pub(super) fn beneath(&self, place: HeightPlace) -> impl Iterator<Item = HeightRecord> + '_ {
+        let level = place.level.checked_sub(1);
+        let quarters = level.into_iter().flat_map(move |level| {
+            (0..4).map(move |quarter| HeightPlace {
+                level,
+                row: 2 * place.row + quarter / 2,
+                column: 2 * place.column + quarter % 2,
+            })
+        });
+        quarters.filter_map(|place| self.folder.height(place))
+    }
+
+    /// All samples of a tile, its border included. What a sample is depends on its place alone: neighbours agree to the last bit.
+    pub(super) fn tile(&self, place: HeightPlace) -> Result<HeightValues, BuildError> {
+        let entry = self.entry;
+        let (side, border) = (i64::from(entry.side), i64::from(entry.border));
+        let round = i64::from(entry.round(place.level));
+        let mut last = None;
+        let mut metres = Vec::with_capacity(entry.tile_samples());
+        for y in -border..side + border {
+            let row = i64::from(place.row) * side + y;
+            // Beyond a pole, on the opposite meridian.
+            let (row, turn) = match row {
+                ..0 => (-1 - row, round / 2),
+                row if row >= round / 2 => (round - 1 - row, round / 2),
+                row => (row, 0),
+            };
+            for x in -border..side + border {
+                let column = i64::from(place.column) * side + x + turn;
+                // 0…2^30.
+                let at = (row as u32, column.rem_euclid(round) as u32);
+                metres.push(self.sample_m(place.level, at, &mut last)?);
+            }
+        }
+        Ok(match entry.kind {
+            HeightKind::I16 { offset_m, scale_m } => {
+                // `as` saturates.
+                let step = |metres: &f64| ((metres - offset_m) / scale_m).round() as i16;
+                HeightValues::I16(metres.iter().map(step).collect())
+            }
+            HeightKind::F32 => {
+                HeightValues::F32(metres.iter().map(|metres| *metres as f32).collect())
+            }
+        })
+    }
+
+    /// The sample in a row and column of a level. `last` is the finer tile that was looked at last.
+    fn sample_m(
+        &self,
+        level: u8,
+        (row, column): (u32, u32),
+        last: &mut Option<(HeightPlace, Option<Arc<HeightValues>>)>,
+    ) -> Result<f64, BuildError> {
+        let side = self.entry.side;
+        if let Some(level) = level.checked_sub(1) {
+            let place = HeightPlace {
+                level,
+                row: 2 * row / side,
+                column: 2 * column / side,
+            };
+            if last.as_ref().is_none_or(|(at, _)| *at != place) {
+                *last = Some((place, self.finer(place)?));
+            }
+            if let Some((_, Some(values))) = last {
+                let own = |at: u32| (2 * at % side + self.entry.border) as usize;
+                return Ok(self.mean_m(values, own(row), own(column)));
+            }
+        }
+        let spacing_rad = TAU / f64::from(self.entry.round(level));
+        let lat_rad = FRAC_PI_2 - (f64::from(row) + 0.5) * spacing_rad;
+        let lon_rad = -PI + (f64::from(column) + 0.5) * spacing_rad;
+        Ok(self.ground.height_m(lat_rad, lon_rad, spacing_rad))
+    }
+
+    /// The mean of four samples, metres: of this row and column and the next.
+    fn mean_m(&self, values: &HeightValues, row: usize, column: usize) -> f64 {
+        let width = self.entry.row_samples();
+        let first = row * width + column;
+        let four = [first, first + 1, first + width, first + width + 1];
+        match (values, self.entry.kind) {
+            (HeightValues::I16(steps), HeightKind::I16 { offset_m, scale_m }) => {
+                let sum: i32 = four.iter().map(|n| i32::from(steps[*n])).sum();
+                offset_m + scale_m * (0.25 * f64::from(sum))
+            }
+            (HeightValues::I16(steps), HeightKind::F32) => {
+                0.25 * four.iter().map(|n| f64::from(steps[*n])).sum::<f64>()
+            }
+            (HeightValues::F32(metres), _) => {
+                0.25 * four.iter().map(|n| f64::from(metres[*n])).sum::<f64>()
+            }
+        }
+    }
+
+    /// A tile of the next finer level, if there is one.
+    fn finer(&self, place: HeightPlace) -> Result<Option<Arc<HeightValues>>, BuildError> {
+        let Some(record) = self.folder.height(place) else {
+            return Ok(None);
+        };
+        let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        {
+            let mut kept = kept();
+            if let Some(at) = kept.iter().rposition(|(of, _)| *of == place) {
+                let found = kept.remove(at);
+                let values = Arc::clone(&found.1);
+                kept.push(found);
+                return Ok(Some(values));
+            }
+        }
+        let bytes = self.folder.read_height(self.entry, &record)?;
+        let values = decode_heights(&bytes, self.entry).map_err(|cause| BuildError::Damaged {
+            path: self.entry.path(place),
+            cause,
+        })?;
+        let values = Arc::new(values);
+        let mut kept = kept();
+        if kept.len() >= self.most_kept {
+            kept.remove(0);
+        }
+        kept.push((place, Arc::clone(&values)));
+        Ok(Some(values))
+    }
+}
