@@ -34,6 +34,10 @@ pub struct BuildArgs {
     /// Open water: white where there is some
     #[arg(long, value_name = "MAP")]
     water: Option<PathBuf>,
+    /// Heights of the ground for streamed relief: GeoTIFF, PNG or NetCDF classic as scenes read them, of the whole Earth or parts of it,
+    /// finer ones over coarser ones; held whole while their tiles are made, within --memory
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    heights: Vec<PathBuf>,
     /// The pack's folder
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -64,6 +68,7 @@ pub fn run(args: &BuildArgs, common: &Common) -> anyhow::Result<()> {
         relief: elevation.or_else(|| args.normals.clone().map(Relief::Normals)),
         night_lights: args.night.clone(),
         water: args.water.clone(),
+        heights: args.heights.clone(),
         ..args.pack.build_options(&args.day, &args.output)
     };
     stop_on_interrupt();

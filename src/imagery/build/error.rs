@@ -1,5 +1,6 @@
 //! Why a pack could not be built, said with the file, the cause and what to do.
 
+use crate::elevation::HeightFileError;
 use crate::imagery::tile::MapLayer;
 use std::path::PathBuf;
 
@@ -59,6 +60,26 @@ pub enum BuildError {
     Memory {
         /// Map that does not fit.
         layer: MapLayer,
+        /// What is allowed, megabytes.
+        allowed_mb: u64,
+        /// What is needed, megabytes.
+        needed_mb: u64,
+    },
+    /// Heights could not be read.
+    #[error(transparent)]
+    Heights(#[from] HeightFileError),
+    /// Heights are held whole while their tiles are made, and do not fit.
+    #[error(
+        "--memory {allowed_mb}: {} has {columns} x {rows} heights and needs {needed_mb} MB with what was read before it; allow that \
+         much or make them coarser (`gdalwarp -r average -tr LON LAT IN OUT`)", path.display()
+    )]
+    HeightsMemory {
+        /// The file.
+        path: PathBuf,
+        /// Samples of a row.
+        columns: u32,
+        /// Rows.
+        rows: u32,
         /// What is allowed, megabytes.
         allowed_mb: u64,
         /// What is needed, megabytes.

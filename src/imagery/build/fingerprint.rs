@@ -38,6 +38,15 @@ pub(super) fn of(options: &BuildOptions, maps: &[Map<'_>]) -> Result<String, Bui
             }
         );
     }
+    for path in &options.heights {
+        let sidecar = path.with_extension("toml");
+        let said = if sidecar.is_file() {
+            of_file(&sidecar)?
+        } else {
+            String::new()
+        };
+        let _ = writeln!(text, "heights {path:?} {} {said}", of_file(path)?);
+    }
     Ok(blake3::hash(text.as_bytes()).to_hex().to_string())
 }
 

@@ -1,9 +1,11 @@
 //! The folder that a pack is built in: what may be there, and files that are whole or not there.
 
 use super::error::BuildError;
-use super::journal::{JOURNAL_FILE, Journal, is_share_journal, share_journal_file};
+use super::journal::{JOURNAL_FILE, Journal, Noted, is_share_journal, share_journal_file};
 use super::tile_name::TileName;
-use crate::imagery::pack::{MANIFEST_FILE, Manifest, TileFile};
+use crate::imagery::pack::{
+    HEIGHTS_FOLDER, HeightPlace, HeightRecord, HeightsEntry, MANIFEST_FILE, Manifest, TileFile,
+};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
@@ -59,6 +61,8 @@ pub(super) struct BuildFolder<'a> {
 struct State {
     journal: Journal,
     done: BTreeMap<TileName, TileFile>,
+    /// Tiles of heights; before they are taken over, as noted.
+    heights: BTreeMap<HeightPlace, HeightRecord>,
 }
 
 impl<'a> BuildFolder<'a> {
@@ -92,11 +96,15 @@ impl<'a> BuildFolder<'a> {
                 fs::remove_file(&path).map_err(|source| BuildError::Write { path, source })?;
             }
             // Without its manifest it is no pack any more; then the rest may go.
-            for (name, is_there) in [(MANIFEST_FILE, present.manifest), (TILES, present.tiles)] {
+            for (name, is_there) in [
+                (MANIFEST_FILE, present.manifest),
+                (TILES, present.tiles),
+                (HEIGHTS_FOLDER, present.heights),
+            ] {
                 let path = dir.join(name);
                 let removed = match (is_there, name) {
                     (false, _) => Ok(()),
-                    (true, TILES) => fs::remove_dir_all(&path),
+                    (true, TILES | HEIGHTS_FOLDER) => fs::remove_dir_all(&path),
                     (true, _) => fs::remove_file(&path),
                 };
                 removed.map_err(|source| BuildError::Write { path, source })?;
@@ -147,22 +155,89 @@ impl<'a> BuildFolder<'a> {
         Ok(Self::with(dir, writer, journal, noted))
     }
 
-    fn with(
-        dir: &Path,
-        writer: &'a dyn Writer,
-        journal: Journal,
-        noted: Vec<(TileName, TileFile)>,
-    ) -> Self {
-        let is_whole = |(name, file): &(TileName, TileFile)| {
-            name.path()
-                .is_some_and(|path| holds(&dir.join(path), *file))
-        };
-        let done = noted.into_iter().filter(is_whole).collect();
+    fn with(dir: &Path, writer: &'a dyn Writer, journal: Journal, noted: Vec<Noted>) -> Self {
+        let (mut done, mut heights) = (BTreeMap::new(), BTreeMap::new());
+        for noted in noted {
+            match noted {
+                Noted::Tile(name, file) => {
+                    let path = name.path();
+                    if path.is_some_and(|path| holds(&dir.join(path), file)) {
+                        done.insert(name, file);
+                    }
+                }
+                Noted::Heights(record) => drop(heights.insert(record.place, record)),
+            }
+        }
         Self {
             dir: dir.to_path_buf(),
             writer,
-            state: Mutex::new(State { journal, done }),
+            state: Mutex::new(State {
+                journal,
+                done,
+                heights,
+            }),
         }
+    }
+
+    /// Keeps of the tiles of heights that were noted those that are whole.
+    pub(super) fn take_over_heights(&self, entry: &HeightsEntry) {
+        let is_whole = |record: &HeightRecord| {
+            entry.contains(record.place)
+                && holds(&self.dir.join(entry.path(record.place)), record.file)
+        };
+        self.state().heights.retain(|_, record| is_whole(record));
+    }
+
+    /// A tile of heights, once it is there.
+    pub(super) fn height(&self, place: HeightPlace) -> Option<HeightRecord> {
+        self.state().heights.get(&place).copied()
+    }
+
+    /// The bytes of a tile of heights that is there.
+    pub(super) fn read_height(
+        &self,
+        entry: &HeightsEntry,
+        record: &HeightRecord,
+    ) -> Result<Vec<u8>, BuildError> {
+        let path = self.dir.join(entry.path(record.place));
+        let mut bytes = Vec::new();
+        File::open(&path)
+            .and_then(|file| file.take(record.file.bytes + 1).read_to_end(&mut bytes))
+            .map_err(|source| BuildError::Unreadable {
+                path: path.clone(),
+                source,
+            })?;
+        if TileFile::of(&bytes) != record.file {
+            let cause = "it has changed since it was written".to_string();
+            return Err(BuildError::Damaged { path, cause });
+        }
+        Ok(bytes)
+    }
+
+    /// Writes a tile of heights and notes it.
+    pub(super) fn put_height(
+        &self,
+        entry: &HeightsEntry,
+        record: HeightRecord,
+        contents: &[u8],
+    ) -> Result<(), BuildError> {
+        self.write(&entry.path(record.place), contents)?;
+        let mut state = self.state();
+        state.journal.note_heights(&record)?;
+        state.heights.insert(record.place, record);
+        Ok(())
+    }
+
+    /// Writes the index of heights.
+    pub(super) fn put_height_index(&self, contents: &[u8]) -> Result<(), BuildError> {
+        self.write(&HeightsEntry::index_path(), contents)
+    }
+
+    /// Writes a file below the folder.
+    fn write(&self, path: &Path, contents: &[u8]) -> Result<(), BuildError> {
+        let path = self.dir.join(path);
+        let written = self.writer.write(&path, contents);
+        written.map_err(|source| BuildError::Write { path, source })
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -183,10 +258,7 @@ impl<'a> BuildFolder<'a> {
     /// Writes a tile and notes it.
     pub(super) fn put(&self, name: TileName, contents: &[u8]) -> Result<(), BuildError> {
         let file = TileFile::of(contents);
-        let path = self.dir.join(name.path().unwrap_or_default());
-        self.writer
-            .write(&path, contents)
-            .map_err(|source| BuildError::Write { path, source })?;
+        self.write(&name.path().unwrap_or_default(), contents)?;
         let mut state = self.state();
         state.journal.note(name, file)?;
         state.done.insert(name, file);
@@ -233,6 +305,7 @@ struct Present {
     /// Names of journals of shares.
     shares: Vec<String>,
     tiles: bool,
+    heights: bool,
 }
 
 impl Present {
@@ -246,6 +319,7 @@ impl Present {
             journal: false,
             shares: Vec::new(),
             tiles: false,
+            heights: false,
         };
         let other = |name: &str| BuildError::NotEmpty {
             path: dir.to_path_buf(),
@@ -262,13 +336,17 @@ impl Present {
                     present.shares.push(name.to_string());
                 }
                 TILES if kind.is_dir() => present.tiles = true,
+                HEIGHTS_FOLDER if kind.is_dir() => present.heights = true,
                 // Left by a fall between writing and renaming.
                 name if name == format!(".{MANIFEST_FILE}.{PART}") => {}
                 _ => return Err(other(&name)),
             }
         }
-        if present.tiles && !present.manifest && !present.journal && present.shares.is_empty() {
-            return Err(other(TILES));
+        let is_of_build = present.manifest || present.journal || !present.shares.is_empty();
+        for (name, is_there) in [(TILES, present.tiles), (HEIGHTS_FOLDER, present.heights)] {
+            if is_there && !is_of_build {
+                return Err(other(name));
+            }
         }
         Ok(present)
     }
@@ -279,7 +357,7 @@ impl Present {
     }
 
     /// What processes that make shares of this build have noted.
-    fn noted_by_shares(&self, dir: &Path, fingerprint: &str) -> Vec<(TileName, TileFile)> {
+    fn noted_by_shares(&self, dir: &Path, fingerprint: &str) -> Vec<Noted> {
         let shares = self.shares.iter();
         shares
             .flat_map(|name| Journal::tiles_of(&dir.join(name), fingerprint))

@@ -5,15 +5,17 @@
 //! <fingerprint of maps and options>
 //! plain day 1350 0 123456 <checksum>
 //! plain day 2700/2 0/3 123456 <checksum>
+//! heights 0 37 120 23456 <checksum> <lowest> <highest>
 //! ```
 //!
-//! Storage, map, texels per block, block, bytes; of levels that are cut with the parts along a block's side, and the part.
+//! Storage, map, texels per block, block, bytes; of levels that are cut with the parts along a block's side, and the part. Of heights level, row and
+//! column, bytes, and the bits of the lowest and the highest height.
 //!
 //! A line that has no end, or is not understood, was cut off: it and all after it do not count.
 
 use super::error::BuildError;
 use super::tile_name::TileName;
-use crate::imagery::pack::TileFile;
+use crate::imagery::pack::{HeightPlace, HeightRecord, TileFile};
 use crate::imagery::tile::{MapLayer, Storage};
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -34,8 +36,18 @@ pub(super) fn is_share_journal(name: &str) -> bool {
 
 const FIRST_LINE: &str = "terrella build 1";
 
-/// A journal of every tile that can be has less: 5 maps × 128 blocks × 346 tiles of all levels × 2 storages × 100 bytes.
-const MAX_BYTES: u64 = 64 << 20;
+/// First word of the line of a tile of heights.
+const HEIGHTS: &str = "heights";
+
+/// A journal of every tile that can be has less: 5 maps × 128 blocks × 346 tiles of all levels × 2 storages × 100 bytes, and as much for each of
+/// 2 097 152 tiles of heights.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// A line of the journal.
+pub(super) enum Noted {
+    Tile(TileName, TileFile),
+    Heights(HeightRecord),
+}
 
 /// The open, locked journal.
 pub(super) struct Journal {
@@ -82,7 +94,7 @@ impl Journal {
     }
 
     /// The tiles noted in a journal that is another process's or of another run; none where it is of another build.
-    pub(super) fn tiles_of(path: &Path, fingerprint: &str) -> Vec<(TileName, TileFile)> {
+    pub(super) fn tiles_of(path: &Path, fingerprint: &str) -> Vec<Noted> {
         let mut bytes = Vec::new();
         let read = File::open(path).and_then(|file| file.take(MAX_BYTES).read_to_end(&mut bytes));
         let text = String::from_utf8(bytes).unwrap_or_default();
@@ -122,7 +134,7 @@ impl Journal {
     }
 
     /// The tiles noted when it was opened, once. What was cut off is taken away, so that new lines begin well.
-    pub(super) fn tiles(&mut self) -> Vec<(TileName, TileFile)> {
+    pub(super) fn tiles(&mut self) -> Vec<Noted> {
         let text = std::mem::take(&mut self.text);
         let (tiles, good) = parse_all(&text);
         if good < text.len() {
@@ -135,11 +147,7 @@ impl Journal {
 
     /// Notes a tile.
     pub(super) fn note(&mut self, name: TileName, file: TileFile) -> Result<(), BuildError> {
-        let checksum: String = file
-            .checksum
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect();
+        let checksum = hex(file);
         let (pixels, block) = (name.pixels, name.block);
         let place = match name.parts {
             1 => format!("{pixels} {block}"),
@@ -151,6 +159,20 @@ impl Journal {
             name.layer.name(),
             file.bytes
         );
+        self.write(&line)
+    }
+
+    /// Notes a tile of heights.
+    pub(super) fn note_heights(&mut self, record: &HeightRecord) -> Result<(), BuildError> {
+        let HeightPlace { level, row, column } = record.place;
+        let [low, high] = [record.low_m, record.high_m].map(f32::to_bits);
+        let (bytes, checksum) = (record.file.bytes, hex(record.file));
+        self.write(&format!(
+            "{HEIGHTS} {level} {row} {column} {bytes} {checksum} {low:08x} {high:08x}\n"
+        ))
+    }
+
+    fn write(&mut self, line: &str) -> Result<(), BuildError> {
         self.file
             .write_all(line.as_bytes())
             .map_err(|error| self.fail(error))
@@ -170,8 +192,8 @@ fn begins_with(text: &str, fingerprint: &str) -> bool {
     text.starts_with(&format!("{FIRST_LINE}\n{fingerprint}\n"))
 }
 
-/// The tiles of a journal, and how many of its bytes are understood.
-fn parse_all(text: &str) -> (Vec<(TileName, TileFile)>, usize) {
+/// What a journal notes, and how many of its bytes are understood.
+fn parse_all(text: &str) -> (Vec<Noted>, usize) {
     let mut tiles = Vec::new();
     let mut good = 0;
     for (n, line) in text.split_inclusive('\n').enumerate() {
@@ -187,8 +209,26 @@ fn parse_all(text: &str) -> (Vec<(TileName, TileFile)>, usize) {
     (tiles, good)
 }
 
-fn parse(line: &str) -> Option<(TileName, TileFile)> {
+fn hex(file: TileFile) -> String {
+    let bytes = file.checksum.iter();
+    bytes.map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn parse(line: &str) -> Option<Noted> {
     let words: Vec<&str> = line.split(' ').collect();
+    if let [HEIGHTS, level, row, column, bytes, digits, low, high] = words.as_slice() {
+        let height_m = |bits: &str| u32::from_str_radix(bits, 16).ok().map(f32::from_bits);
+        return Some(Noted::Heights(HeightRecord {
+            place: HeightPlace {
+                level: level.parse().ok()?,
+                row: row.parse().ok()?,
+                column: column.parse().ok()?,
+            },
+            file: parse_file(bytes, digits)?,
+            low_m: height_m(low)?,
+            high_m: height_m(high)?,
+        }));
+    }
     let [storage, layer, pixels, block, bytes, digits] = words.as_slice() else {
         return None;
     };
@@ -207,6 +247,10 @@ fn parse(line: &str) -> Option<(TileName, TileFile)> {
     };
     // Of a tile that can be.
     name.path()?;
+    Some(Noted::Tile(name, parse_file(bytes, digits)?))
+}
+
+fn parse_file(bytes: &str, digits: &str) -> Option<TileFile> {
     let mut checksum = [0; 16];
     if digits.len() != 32 || !digits.is_ascii() {
         return None;
@@ -215,5 +259,5 @@ fn parse(line: &str) -> Option<(TileName, TileFile)> {
         *byte = u8::from_str_radix(&digits[2 * n..2 * n + 2], 16).ok()?;
     }
     let bytes = bytes.parse().ok()?;
-    Some((name, TileFile { bytes, checksum }))
+    Some(TileFile { bytes, checksum })
 }

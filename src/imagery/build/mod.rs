@@ -12,6 +12,7 @@
 //! | `bc.rs` | tiles compressed in blocks |
 //! | `ladder.rs` | which levels a map gets |
 //! | `plan.rs`, `memory.rs` | passes, and who may hold how much |
+//! | `heights/` | heights of the ground |
 //! | `folder.rs`, `journal.rs` | whole files, and going on after an end |
 //! | `shares.rs` | a build that several processes share |
 //! | `run.rs` | one map, from its file to its tiles |
@@ -27,6 +28,7 @@ mod cut;
 mod error;
 mod fingerprint;
 mod folder;
+mod heights;
 mod input;
 mod journal;
 mod ladder;
@@ -49,6 +51,7 @@ use super::pack::{LayerEntry, LevelEntry, Manifest, TileFile};
 use super::tile::{MAX_PART_PIXELS, MapLayer, Storage, TileShape};
 use crate::globe::{Block, COLUMNS};
 use folder::{BuildFolder, Disk, Writer};
+use heights::BuiltHeights;
 use input::MapInput;
 use plan::{Means, Plan};
 use run::Job;
@@ -92,6 +95,9 @@ pub struct BuildOptions {
     pub night_lights: Option<PathBuf>,
     /// Open water: white where there is some.
     pub water: Option<PathBuf>,
+    /// Heights of the ground, files of one part of the Earth or of all of it, finer ones over coarser ones: see
+    /// [`elevation::read`](crate::elevation::read).
+    pub heights: Vec<PathBuf>,
     /// The pack's folder: new, empty, or of the same build stopped before.
     pub out: PathBuf,
     /// What the pack is called; by default as its folder.
@@ -121,6 +127,7 @@ impl BuildOptions {
             relief: None,
             night_lights: None,
             water: None,
+            heights: Vec::new(),
             out: out.into(),
             name: None,
             attribution: Vec::new(),
@@ -297,6 +304,12 @@ fn build_with(
 ) -> Result<Manifest, BuildError> {
     let prepared = Prepared::of(options, progress, division)?;
     let folder = BuildFolder::open(&options.out, &prepared.fingerprint, options.restart, writer)?;
+    // First, and let go of before the maps take the memory.
+    let heights = match options.heights.as_slice() {
+        [] => None,
+        paths => Some(heights::build(paths, prepared.means, &folder, progress)?),
+    };
+    prepared.check(options, heights.as_ref())?;
     for map in &prepared.maps {
         let job = prepared.job(map, 0..COLUMNS, &options.storages, &folder, progress);
         let saturated_texels = run(&job)?;
@@ -308,7 +321,8 @@ fn build_with(
             ));
         }
     }
-    let done = manifest(options, &prepared.maps, |name| folder.tile(name));
+    let heights = heights.as_ref();
+    let done = manifest(options, &prepared.maps, heights, |name| folder.tile(name));
     folder.finish(&done)?;
     Ok(done)
 }
@@ -325,6 +339,7 @@ fn run(job: &Job<'_>) -> Result<u64, BuildError> {
 /// A build whose maps have been looked at.
 struct Prepared<'a> {
     maps: Vec<Map<'a>>,
+    means: Means,
     limits: SourceLimits,
     fingerprint: String,
 }
@@ -352,19 +367,30 @@ impl<'a> Prepared<'a> {
             map.plan.columns = division.columns.unwrap_or(map.plan.columns);
             maps.push(map);
         }
-        let draft = manifest(options, &maps, |_| Some(TileFile::of(b"draft")));
-        Manifest::from_toml(&draft.to_toml(), Path::new("manifest")).map_err(|error| {
-            BuildError::Option {
-                option: "--name, --attribution",
-                cause: error.to_string(),
-            }
-        })?;
-
         let fingerprint = fingerprint::of(options, &maps)?;
-        Ok(Self {
+        let prepared = Self {
             maps,
+            means,
             limits,
             fingerprint,
+        };
+        prepared.check(options, None)?;
+        Ok(prepared)
+    }
+
+    /// Refuses texts that no manifest may have.
+    fn check(
+        &self,
+        options: &BuildOptions,
+        heights: Option<&BuiltHeights>,
+    ) -> Result<(), BuildError> {
+        let draft = manifest(options, &self.maps, heights, |_| {
+            Some(TileFile::of(b"draft"))
+        });
+        let read = Manifest::from_toml(&draft.to_toml(), Path::new("manifest"));
+        read.map(drop).map_err(|error| BuildError::Option {
+            option: "--name, --attribution",
+            cause: error.to_string(),
         })
     }
 
@@ -457,6 +483,7 @@ fn look<'a>(
 fn manifest(
     options: &BuildOptions,
     maps: &[Map<'_>],
+    heights: Option<&BuiltHeights>,
     file: impl Fn(TileName) -> Option<TileFile>,
 ) -> Manifest {
     let tiles = |layer: MapLayer, shape: TileShape, storage: Storage| {
@@ -495,17 +522,23 @@ fn manifest(
     });
     Manifest {
         name: options.pack_name(),
-        attribution: attribution(options, maps),
+        attribution: attribution(options, maps, heights),
         storages: options.storages.clone(),
         layers: layers.collect(),
-        heights: None,
+        heights: heights.map(|heights| heights.entry.clone()),
     }
 }
 
 /// The lines asked for, then those that maps bring along, each once.
-fn attribution(options: &BuildOptions, maps: &[Map<'_>]) -> Vec<String> {
+fn attribution(
+    options: &BuildOptions,
+    maps: &[Map<'_>],
+    heights: Option<&BuiltHeights>,
+) -> Vec<String> {
     let mut lines = options.attribution.clone();
-    for line in maps.iter().flat_map(|map| map.input.attribution()) {
+    let of_maps = maps.iter().flat_map(|map| map.input.attribution());
+    let of_heights = heights.iter().flat_map(|heights| &heights.attribution);
+    for line in of_maps.chain(of_heights) {
         if !lines.contains(line) {
             lines.push(line.clone());
         }

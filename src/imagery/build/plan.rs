@@ -8,7 +8,7 @@ use crate::imagery::tile::{MapLayer, Storage, TileShape};
 use std::ops::Range;
 
 /// What the program itself takes, and what the allocator keeps of what was given back.
-const BASE_BYTES: u64 = 48 << 20;
+pub(super) const BASE_BYTES: u64 = 48 << 20;
 
 /// What is kept of each tile that is there: its line of the journal, its name and its file.
 const NOTED_BYTES: u64 = 250;

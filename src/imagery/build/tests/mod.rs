@@ -2,7 +2,7 @@
 
 mod geometry;
 mod parts;
-mod stopped;
+pub(super) mod stopped;
 
 use image::{ImageFormat, RgbImage};
 use std::path::Path;

@@ -12,13 +12,13 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use tempfile::TempDir;
 
 /// Writes so many files and then fails; where asked, leaves half a file beside the one that fails, as a full disk may.
-struct Failing {
+pub(in crate::internals::imagery::build) struct Failing {
     left: AtomicU32,
     leave_half: bool,
 }
 
 impl Failing {
-    fn after(files: u32) -> Self {
+    pub(in crate::internals::imagery::build) fn after(files: u32) -> Self {
         Self {
             left: AtomicU32::new(files),
             leave_half: files % 2 == 1,
@@ -47,7 +47,7 @@ impl Writer for Failing {
 }
 
 /// Stops after so many rows.
-pub(super) struct Stopping(pub AtomicU32);
+pub(in crate::internals::imagery::build) struct Stopping(pub AtomicU32);
 
 impl BuildProgress for Stopping {
     fn begin(&self, _what: &str, _steps: Option<u64>) {}
@@ -79,7 +79,7 @@ fn options(folder: &Path, out: &str) -> BuildOptions {
 }
 
 /// All files of a folder with their contents.
-pub(super) fn contents(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+pub(in crate::internals::imagery::build) fn contents(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     fn walk(dir: &Path, root: &Path, found: &mut BTreeMap<PathBuf, Vec<u8>>) {
         for entry in fs::read_dir(dir).unwrap() {
             let path = entry.unwrap().path();
