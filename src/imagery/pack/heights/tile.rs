@@ -73,7 +73,7 @@ pub fn decode_heights(bytes: &[u8], entry: &HeightsEntry) -> Result<HeightValues
     let mut raw = vec![0; count * entry.kind.bytes()];
     let damaged = |cause: String| format!("it cannot be decompressed: {cause}");
     let found = zstd::bulk::Decompressor::new()
-        .and_then(|mut decompressor| decompressor.decompress_to_buffer(bytes, &mut raw))
+        .and_then(|mut decompressor| decompressor.decompress_to_buffer(bytes, &mut raw[..]))
         .map_err(|error| damaged(error.to_string()))?;
     if found != raw.len() {
         let needed = raw.len();
