@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Bytes beside each byte that a grid holds while it is made: its heights as they are read, which of them are holes, means.
-const MAKING: f64 = 1.4;
+const MAKING: f64 = 1.85;
 
 /// Bytes that a grid of floats holds for each, its pyramids included, and a little more for odd sizes.
 const FLOAT_BYTES: f64 = 8.3;

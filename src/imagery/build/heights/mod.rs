@@ -51,8 +51,8 @@ pub(super) fn build(
         let what = format!("heights {}/{}", level + 1, levels.len());
         progress.begin(&what, Some(places.len() as u64));
         let maker = TileMaker::new(&files.ground, &entry, folder, means.threads);
-        let rows = places.chunk_by(|one, next| one.row == next.row);
-        let done = rows.into_iter().try_for_each(|row| {
+        let mut rows = places.chunk_by(|one, next| one.row == next.row);
+        let done = rows.try_for_each(|row| {
             threads.install(|| {
                 row.par_iter()
                     .try_for_each(|place| make(&maker, *place, progress))
