@@ -24,6 +24,8 @@ mod manifest;
 mod mosaic;
 #[path = "../../fuzz/bodies/omm.rs"]
 mod omm;
+#[path = "../../fuzz/bodies/pack_heights.rs"]
+mod pack_heights;
 #[cfg(feature = "command")]
 #[path = "../../fuzz/bodies/patch_cache.rs"]
 mod patch_cache;
@@ -47,6 +49,12 @@ pub type Target = (&'static str, fn() -> Vec<Vec<u8>>, fn(&[u8]), u32);
 pub const TARGETS: &[Target] = &[
     ("manifest", manifest::seeds, manifest::run, 10_000),
     ("tile", tile::seeds, tile::run, 100_000),
+    (
+        "pack_heights",
+        pack_heights::seeds,
+        pack_heights::run,
+        30_000,
+    ),
     ("scene", scene::seeds, scene::run, 100_000),
     ("tle", tle::seeds, tle::run, 200_000),
     ("omm", omm::seeds, omm::run, 30_000),
@@ -178,6 +186,11 @@ fn tiles() {
 }
 
 #[test]
+fn heights_of_packs() {
+    run("pack_heights");
+}
+
+#[test]
 fn scenes() {
     run("scene");
 }
@@ -264,6 +277,11 @@ fn seeds_are_good() {
     let path = Path::new("seed");
     let good = |seed: &&Vec<u8>| Manifest::from_toml(&text(seed), path).is_ok();
     assert_eq!(manifest::seeds().iter().filter(good).count(), 3);
+    assert!(
+        pack_heights::seeds()
+            .iter()
+            .all(|seed| pack_heights::is_good(seed))
+    );
     {
         use terrella::internals::imagery::build::source::{SourceLimits, read_source};
         let limits = SourceLimits {
