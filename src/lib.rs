@@ -110,6 +110,8 @@ pub use gpu::GpuContext;
 pub use gpu::{
     FrameTargets, GpuMap, MapError, MapFade, ScaledTarget, ShaderError, TruthTargets, TruthTexel,
 };
+#[cfg(all(feature = "packs", feature = "terrain"))]
+pub use imagery::pack::PackHeights;
 pub use imagery::{
     EarthLayers, ImageryError, LayerImage, LayerSelection, find_textures, load_layers,
     tile::{MapLayer, TileKey},
