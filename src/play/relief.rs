@@ -3,11 +3,11 @@
 use super::error::PlayError;
 use crate::GroundOptions;
 use crate::elevation::{
-    Denoise, Elevation, GridLimits, Ground, HeightGrid, HeightStreamOptions, HeightTileSource,
-    StreamedGround, open_heights_denoised,
+    Denoise, Elevation, GridLimits, Ground, HeightGrid, HeightStreamOptions, StreamedGround,
+    open_heights_denoised,
 };
 use crate::imagery::find_textures;
-use crate::imagery::pack::Pack;
+use crate::imagery::pack::{Pack, PackError};
 use crate::scene::{PackTable, ReliefTable};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -24,14 +24,15 @@ pub(super) fn ground_options(
                 false => read_ground(&table.elevation, table.sea_floor, table.denoise)?,
             };
             let pack = Pack::open(&pack.folder)?;
-            let tiles = height_tiles(&pack).ok_or_else(|| PlayError::NoPackHeights {
-                folder: pack.dir().to_owned(),
+            let tiles = pack.height_tiles().map_err(|error| match error {
+                PackError::NoHeights { path } => PlayError::NoPackHeights { folder: path },
+                error => error.into(),
             })?;
             let options = HeightStreamOptions {
                 memory_bytes: (1e6 * megabytes) as u64,
                 ..HeightStreamOptions::default()
             };
-            Arc::new(StreamedGround::new(tiles, over, &options)?)
+            Arc::new(StreamedGround::new(Arc::new(tiles), over, &options)?)
         }
         _ => Arc::new(read_ground(
             &table.elevation,
@@ -97,9 +98,4 @@ fn over_the_sea(grids: Vec<Arc<HeightGrid>>, sea_floor: bool) -> Ground {
         true => ground,
         false => ground.with_sea_surface(),
     }
-}
-
-/// A pack's heights. No version of the format that is read has any: THE PLACE TO CONNECT a pack's layer of heights.
-fn height_tiles(_: &Pack) -> Option<Arc<dyn HeightTileSource>> {
-    None
 }
