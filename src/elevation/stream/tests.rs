@@ -3,7 +3,8 @@
 use super::test_source::TestTiles;
 use super::*;
 use crate::elevation::{
-    FEATHER_SAMPLES, Georeference, GridLimits, HeightSamples, HeightTileLayout, Registration,
+    FEATHER_SAMPLES, Georeference, GridLimits, HeightGrid, HeightSamples, HeightTileLayout,
+    Registration,
 };
 use crate::frames::{Ellipsoid, Geodetic};
 use proptest::prelude::*;
