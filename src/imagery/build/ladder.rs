@@ -169,6 +169,13 @@ fn check_pixels(
     // The coarsest is one.
     let base = pixels.iter().copied().find(|n| *n <= most_pixels);
     let base = base.unwrap_or(MAX_COARSEST_PIXELS);
+    if pixels[0] > most_pixels && pixels.last() == Some(&base) {
+        let finest = pixels[0];
+        return refuse(format!(
+            "a level of more than {most_pixels} pixels per block is cut into parts of the finest other level, which may not be the              coarsest{}",
+            level_below(finest, most_pixels).map_or(String::new(), |n| format!(": add {n}"))
+        ));
+    }
     let mut shapes = Vec::new();
     for n in pixels {
         let parts = if *n <= most_pixels { 1 } else { n / base };
@@ -190,11 +197,8 @@ fn cannot_be_cut(pixels: u32, base: u32, most_pixels: u32) -> String {
         .filter(|n| *n > most_pixels)
         .map(|n| n.to_string())
         .collect();
-    let below = (1..=MAX_PARTS.ilog2())
-        .map(|power| 1 << power)
-        .find(|parts| pixels.is_multiple_of(*parts) && pixels / parts <= most_pixels);
-    let or = match below {
-        Some(parts) => format!(", or add {} below it", pixels / parts),
+    let or = match level_below(pixels, most_pixels) {
+        Some(below) => format!(", or add {below} below it"),
         None => String::new(),
     };
     let levels = match levels.as_slice() {
@@ -205,6 +209,15 @@ fn cannot_be_cut(pixels: u32, base: u32, most_pixels: u32) -> String {
         "a level of more than {most_pixels} pixels per block is cut into 2, 4, 8 or 16 parts of the finest other level a side, and \
          {pixels} is none of those times {base}; {levels}{or}"
     )
+}
+
+/// The largest tile that a level can be cut into.
+fn level_below(pixels: u32, most_pixels: u32) -> Option<u32> {
+    let parts = (1..=MAX_PARTS.ilog2()).map(|power| 1 << power);
+    let mut tiles = parts.filter(|parts| pixels.is_multiple_of(*parts));
+    tiles
+        .find(|parts| pixels / parts <= most_pixels)
+        .map(|parts| pixels / parts)
 }
 
 #[cfg(test)]
@@ -306,10 +319,12 @@ mod tests {
                 &[4050, 1350, 256][..],
                 &["4050 is none of those times 1350"],
             ),
-            (&[2041, 100][..], &["too small to be cut"]),
+            (&[2041, 100][..], &["may not be the coarsest"]),
+            (&[2041, 101, 100][..], &["too small to be cut"]),
             (&[43_200, 1350, 100][..], &["16 to"]),
+            (&[5400, 256][..], &["may not be the coarsest: add 1350"]),
             (
-                &[5400, 256][..],
+                &[5400, 256, 100][..],
                 &["of 256 these can be made: 2048, 4096", "add 1350 below"],
             ),
         ] {

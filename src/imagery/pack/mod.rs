@@ -30,7 +30,8 @@
 //! In version 2 levels may be cut further, so that no tile is larger than a texture may be and a part of a block can be read alone: each block
 //! into q × q *parts* of p texels a side, n = q p, where q is 2, 4, 8 or 16 and p the n of the finest level that is not cut, at
 //! most 2040. So n is up to 32 640. Levels that are cut stand first. Their files are named by row and column among all 8 q rows and 16 q
-//! columns of parts. Any part may be missing. A block that has parts has a tile at the finest level that is not cut.
+//! columns of parts. Any part may be missing. A block that has parts has a tile at the finest level that is not cut,
+//! which is not the coarsest.
 //!
 //! Packs that need neither parts nor more than 8 levels nor have heights are written as version 1.
 //!

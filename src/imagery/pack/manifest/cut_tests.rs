@@ -171,6 +171,10 @@ fn tiles_that_do_not_fit_one_another_are_refused() {
         "tiles of 16 pixels and the level before has tiles of 20",
     );
     refused(
+        &|levels| levels.truncate(3),
+        "has levels that are cut and no other but the coarsest",
+    );
+    refused(
         &|levels| levels.truncate(2),
         "the coarsest level of \"day\" has 40 pixels and may have at most 256, and no parts",
     );

@@ -117,7 +117,15 @@ fn shape(level: &Table<'_>, finer: Option<TileShape>) -> Result<TileShape, PackE
 /// A block that has parts has a tile at the finest level that is not cut.
 fn check_parts(value: &Value<'_>, layer: MapLayer, levels: &[LevelEntry]) -> Result<(), PackError> {
     let cut = levels.iter().take_while(|level| level.shape.parts > 1);
-    let Some(base) = levels.get(cut.clone().count()) else {
+    let base = cut.clone().count();
+    if base > 0 && base + 1 >= levels.len() {
+        return Err(value.refuse(format!(
+            "\"{}\" has levels that are cut and no other but the coarsest, which is never streamed; build the pack again with one \
+             between them",
+            layer.name()
+        )));
+    }
+    let Some(base) = levels.get(base) else {
         return Ok(());
     };
     for level in cut {
