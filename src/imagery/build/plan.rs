@@ -176,6 +176,8 @@ mod tests {
         let large = plan_of(&[1920, 900, 256], 256).expect("fits");
         assert!(large.columns < 16, "{large:?}");
         let places: Vec<u32> = large.passes(&(0..COLUMNS)).flatten().collect();
+        let some: Vec<_> = large.passes(&(8..12)).flatten().collect();
+        assert_eq!(some, [8, 9, 10, 11]);
         assert_eq!(places, (0..16).collect::<Vec<_>>());
     }
 

@@ -2,6 +2,7 @@
 
 mod geometry;
 mod parts;
+mod shares;
 pub(super) mod stopped;
 
 use image::{ImageFormat, RgbImage};
