@@ -84,9 +84,13 @@ impl EarthView {
         self.planner.set_quality(quality, meshes);
         self.plan = self.planner.empty_plan();
         self.air = air;
-        // What is chosen now does not depend on what was chosen before.
-        self.levels = TileLevels::default();
+        self.forget_levels();
         self.drawn = None;
+    }
+
+    /// What is chosen next does not depend on what was chosen before.
+    pub(super) fn forget_levels(&mut self) {
+        self.levels = TileLevels::default();
     }
 
     /// What was prepared last. Tiles and textures are those of the whole Earth.

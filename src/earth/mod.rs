@@ -245,7 +245,8 @@ impl Earth {
     /// As [`Self::prepare`], but waits until every tile that the view requests is on the GPU, and ground with relief is as fine
     /// as it will be, at most `timeout`: for
     /// pictures that are kept. Answers what is missing; such blocks are drawn with something coarser. A tile that cannot
-    /// be read is not waited for. What is missing of heights, `missing_heights` says.
+    /// be read is not waited for. What is missing of heights, `missing_heights` says. The levels of tiles hang on this view alone and not,
+    /// as else, on those of the frame before: the same view gives the same picture.
     ///
     /// Submits to `queue` what it uploads on the way.
     pub fn prepare_complete(
@@ -270,6 +271,10 @@ impl Earth {
         timeout: Duration,
     ) -> (FrameStats, Vec<TileKey>) {
         let (target, deadline) = (target.into(), Instant::now() + timeout);
+        self.first.forget_levels();
+        for other in others.iter_mut() {
+            other.view.forget_levels();
+        }
         loop {
             let budget = Some(WAITING_UPLOAD_BYTES);
             let stats = self.prepare_within(queue, view, sky, target, others, budget);
