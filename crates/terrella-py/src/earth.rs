@@ -18,7 +18,7 @@ use terrella::{Atmosphere, EarthOptions, Exposure, EyeView, OffscreenEarth, Sky,
 
 /// Where the eye stands and how it looks, for pictures of any size: an eye (Earth-fixed axes, metres), the direction it looks in, and the one
 /// that is upwards on screen, of any length. `fov_deg` is the vertical field of view.
-#[pyclass(frozen, name = "Camera", module = "terrella")]
+#[pyclass(frozen, from_py_object, name = "Camera", module = "terrella")]
 #[derive(Clone, Copy, Debug)]
 pub struct PyCamera(Lens);
 
@@ -123,7 +123,7 @@ fn fov(fov_deg: f64) -> PyResult<f64> {
 }
 
 impl PyCamera {
-    fn view(&self, aspect: f64) -> EyeView {
+    pub fn view(&self, aspect: f64) -> EyeView {
         match &self.0 {
             Lens::Looking { pose, fov_rad } => pose.view(*fov_rad, aspect),
             Lens::Matrices(view) => *view,

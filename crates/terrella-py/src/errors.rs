@@ -46,6 +46,9 @@ pub fn of_play(error: PlayError) -> PyErr {
         PlayError::Orbit(_) => OrbitError::new_err(words),
         PlayError::Context(_) | PlayError::DeviceLost(_) => DeviceError::new_err(words),
         PlayError::Offscreen(error) => of_offscreen(error),
+        PlayError::Earth(EarthError::Exposure(_)) => {
+            PyValueError::new_err(format!("exposure_ev: {words}"))
+        }
         error if error.is_bad_scene() => SceneError::new_err(words),
         _ => Error::new_err(words),
     }

@@ -1,5 +1,6 @@
 //! A scene file, drawn into arrays at any instant.
 
+use crate::earth::PyCamera;
 use crate::errors::{SceneError, of_play};
 use crate::feeds::states_of;
 use crate::owned::Owned;
@@ -12,7 +13,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use terrella::frames::Epoch;
 use terrella::internals::play::clock::frame_epoch;
-use terrella::internals::play::{ScenePictures, take_starter_files};
+use terrella::internals::play::{ScenePictures, Shot, take_starter_files};
 use terrella::orbit::Feed;
 use terrella::scene::Scene;
 
@@ -104,16 +105,21 @@ impl PyScene {
     /// An instant as it is shown: height × width × 4 bytes (uint8).
     ///
     /// `time` is an instant (see `Epoch`), or a `datetime.timedelta` after the start; without it the start.
-    #[pyo3(signature = (time = None))]
+    /// `camera` stands in place of the scene's, without the craft and at any date, `exposure_ev` in
+    /// place of its exposure.
+    #[pyo3(signature = (time = None, *, camera = None, exposure_ev = None))]
     fn color<'py>(
         &self,
         py: Python<'py>,
         time: Option<&Bound<'py, PyAny>>,
+        camera: Option<PyCamera>,
+        exposure_ev: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray3<u8>>> {
-        let (size, epoch) = (self.size, self.instant(time)?);
+        let (size, mut shot) = (self.size, self.shot(time, camera)?);
+        shot.exposure_ev = exposure_ev;
         let rgba = self.pictures.with(py, |pictures| {
             let mut rgba = vec![0; pictures::pixels(size) * 4];
-            pictures.draw_color(epoch, &mut rgba).map_err(of_play)?;
+            pictures.draw_color(shot, &mut rgba).map_err(of_play)?;
             Ok(rgba)
         })?;
         pictures::color(py, size, rgba)
@@ -122,16 +128,18 @@ impl PyScene {
     /// The light of an instant: height × width × 3 (float32), scene-referred and linear. Tracks are no light and are not in it.
     ///
     /// `time` is an instant (see `Epoch`), or a `datetime.timedelta` after the start; without it the start.
-    #[pyo3(signature = (time = None))]
+    /// `camera` stands in place of the scene's, without the craft and at any date.
+    #[pyo3(signature = (time = None, *, camera = None))]
     fn radiance<'py>(
         &self,
         py: Python<'py>,
         time: Option<&Bound<'py, PyAny>>,
+        camera: Option<PyCamera>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let (size, epoch) = (self.size, self.instant(time)?);
+        let (size, shot) = (self.size, self.shot(time, camera)?);
         let light = self.pictures.with(py, |pictures| {
             let mut light = vec![0.0; pictures::pixels(size) * 4];
-            pictures.draw_light(epoch, &mut light).map_err(of_play)?;
+            pictures.draw_light(shot, &mut light).map_err(of_play)?;
             Ok(light)
         })?;
         pictures::light(py, size, light)
@@ -140,15 +148,17 @@ impl PyScene {
     /// The distance of the ground along the camera's axis, metres: height × width (float32), infinite where no ground is seen; without craft.
     ///
     /// `time` is an instant (see `Epoch`), or a `datetime.timedelta` after the start; without it the start.
-    #[pyo3(signature = (time = None))]
+    /// `camera` stands in place of the scene's, without the craft and at any date.
+    #[pyo3(signature = (time = None, *, camera = None))]
     fn depth_m<'py>(
         &self,
         py: Python<'py>,
         time: Option<&Bound<'py, PyAny>>,
+        camera: Option<PyCamera>,
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let (size, epoch) = (self.size, self.instant(time)?);
+        let (size, shot) = (self.size, self.shot(time, camera)?);
         let depth = self.pictures.with(py, |pictures| {
-            Ok(pictures.draw_truth(epoch).map_err(of_play)?.0.depth_m())
+            Ok(pictures.draw_truth(shot).map_err(of_play)?.0.depth_m())
         })?;
         pictures::depth(py, size, depth)
     }
@@ -156,17 +166,19 @@ impl PyScene {
     /// Arrays by name of what is where each pixel looks, without craft: all truth layers, or those named.
     ///
     /// `time` is an instant (see `Epoch`), or a `datetime.timedelta` after the start; without it the start.
-    #[pyo3(signature = (time = None, layers = None))]
+    /// `camera` stands in place of the scene's, without the craft and at any date.
+    #[pyo3(signature = (time = None, layers = None, *, camera = None))]
     fn truth<'py>(
         &self,
         py: Python<'py>,
         time: Option<&Bound<'py, PyAny>>,
         layers: Option<Vec<String>>,
+        camera: Option<PyCamera>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let layers = Layers::named(layers)?;
-        let (size, epoch) = (self.size, self.instant(time)?);
+        let (size, shot) = (self.size, self.shot(time, camera)?);
         let values = self.pictures.with(py, |pictures| {
-            Ok(layers.of(&pictures.draw_truth(epoch).map_err(of_play)?.0))
+            Ok(layers.of(&pictures.draw_truth(shot).map_err(of_play)?.0))
         })?;
         layers.arrays(py, size, values)
     }
@@ -187,6 +199,15 @@ impl PyScene {
 }
 
 impl PyScene {
+    /// What is pictured.
+    fn shot(&self, time: Option<&Bound<'_, PyAny>>, camera: Option<PyCamera>) -> PyResult<Shot> {
+        let aspect = f64::from(self.size.0) / f64::from(self.size.1);
+        Ok(Shot {
+            view: camera.map(|camera| camera.view(aspect)),
+            ..Shot::from(self.instant(time)?)
+        })
+    }
+
     /// The instant that is meant: the scene's start, one of its own, or so long after its start.
     fn instant(&self, time: Option<&Bound<'_, PyAny>>) -> PyResult<Epoch> {
         let start = self.scene.time.start;

@@ -99,9 +99,9 @@ class Scene(_native.Scene):
     def __new__(cls, path, *, textures=None, **options):
         return super().__new__(cls, path, _textures(textures), **options)
 
-    def frame(self, time=None):
-        """An instant as it is shown, a ``Frame``."""
-        return Frame(self.color(time), self.start if time is None else time)
+    def frame(self, time=None, *, camera=None, exposure_ev=None):
+        """An instant as it is shown, a ``Frame``; by a ``Camera`` and an exposure other than the scene's where they are given."""
+        return Frame(self.color(time, camera=camera, exposure_ev=exposure_ev), self.start if time is None else time)
 
     def frames(self, first=0, end=None):
         """The frames of the scene in their order, each drawn when it is asked for: all, or those from ``first`` on, without ``end``."""
