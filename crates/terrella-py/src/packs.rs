@@ -1,0 +1,158 @@
+//! Imagery packs that several processes cut.
+
+use crate::arguments::within;
+use crate::errors::{Error, of_any};
+use pyo3::exceptions::{PyOSError, PyValueError};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use terrella::internals::imagery::SLOPE_EXAGGERATION;
+use terrella::internals::imagery::build::{
+    BuildError, BuildOptions, BuildPart, BuildProgress, Relief, begin_parts, build, build_part,
+};
+use terrella::internals::imagery::tile::{MapLayer, Storage};
+
+/// A part as Python has it: the map's name, its columns from the first to before the last, its texels, the tiles that it lacks.
+type Part = (String, u32, u32, u64, u64);
+
+/// A pack that is built from maps, as `terrella pack build` does.
+#[pyclass(frozen, name = "PackBuild", module = "terrella")]
+pub struct PyPackBuild(BuildOptions);
+
+/// Shows nothing, and stops where Python was interrupted.
+struct Interruptible;
+
+impl BuildProgress for Interruptible {
+    fn begin(&self, _what: &str, _steps: Option<u64>) {}
+    fn step(&self) {}
+    fn end(&self) {}
+    fn cancelled(&self) -> bool {
+        Python::attach(|py| py.check_signals().is_err())
+    }
+}
+
+#[pymethods]
+impl PyPackBuild {
+    #[new]
+    #[pyo3(signature = (out, day, *, clouds = None, normals = None, elevation = None, night_lights = None, water = None, name = None,
+        attribution = Vec::new(), storage = "both", pixels = Vec::new(), exaggeration = None, elevation_offset_m = None, memory_mb = 512.0,
+        threads = None, restart = false))]
+    #[expect(clippy::too_many_arguments, reason = "Python's are named")]
+    fn new(
+        out: PathBuf,
+        day: PathBuf,
+        clouds: Option<PathBuf>,
+        normals: Option<PathBuf>,
+        elevation: Option<PathBuf>,
+        night_lights: Option<PathBuf>,
+        water: Option<PathBuf>,
+        name: Option<String>,
+        attribution: Vec<String>,
+        storage: &str,
+        pixels: Vec<(String, Vec<u32>)>,
+        exaggeration: Option<f64>,
+        elevation_offset_m: Option<f64>,
+        memory_mb: f64,
+        threads: Option<usize>,
+        restart: bool,
+    ) -> PyResult<Self> {
+        let refused = |words: String| PyValueError::new_err(words);
+        let storages = match storage {
+            "plain" => vec![Storage::Plain],
+            "bc" => vec![Storage::Bc],
+            "both" => Storage::ALL.to_vec(),
+            other => {
+                return Err(refused(format!(
+                    "storage: {other:?} is none of plain, bc, both"
+                )));
+            }
+        };
+        if elevation.is_none() && (exaggeration.is_some() || elevation_offset_m.is_some()) {
+            return Err(refused(
+                "exaggeration, elevation_offset_m: they are for elevation, and there is none"
+                    .into(),
+            ));
+        }
+        let relief = match (elevation, normals) {
+            (Some(_), Some(_)) => {
+                return Err(refused("elevation, normals: give one of them".into()));
+            }
+            (Some(path), None) => Some(Relief::Elevation {
+                path,
+                offset_m: elevation_offset_m,
+                exaggeration: exaggeration.unwrap_or(SLOPE_EXAGGERATION),
+            }),
+            (None, normals) => normals.map(Relief::Normals),
+        };
+        let pixels = pixels
+            .into_iter()
+            .map(|(name, levels)| Ok((layer(&name)?, levels)))
+            .collect::<PyResult<_>>()?;
+        Ok(Self(BuildOptions {
+            clouds,
+            relief,
+            night_lights,
+            water,
+            name,
+            attribution,
+            storages,
+            pixels,
+            memory_bytes: (within(memory_mb, "memory_mb", 1.0, 1e6)? * 1e6) as u64,
+            threads,
+            restart,
+            ..BuildOptions::new(day, out)
+        }))
+    }
+
+    /// Begins the build, or goes on with one that was stopped, for so many workers: the parts of which tiles lack, the costliest first, and how
+    /// many tiles the pack has.
+    fn begin(&self, py: Python<'_>, workers: u32) -> PyResult<(Vec<Part>, u64)> {
+        let plan = py.detach(|| begin_parts(&self.0, workers, &()));
+        let plan = plan.map_err(of_build)?;
+        let parts = plan.parts.into_iter().map(|part| {
+            let name = part.layer.name().to_owned();
+            let columns = part.columns;
+            (name, columns.start, columns.end, part.texels, part.missing)
+        });
+        Ok((parts.collect(), plan.tiles))
+    }
+
+    /// Makes the tiles of a part that are not there; answers how many there were to make.
+    fn make(&self, py: Python<'_>, map: &str, first: u32, end: u32) -> PyResult<u64> {
+        let part = BuildPart {
+            layer: layer(map)?,
+            columns: first..end,
+            texels: 0,
+            missing: 0,
+        };
+        py.detach(|| build_part(&self.0, &part, &Interruptible))
+            .map_err(of_build)
+    }
+
+    /// Makes what is left and writes the manifest.
+    fn finish(&self, py: Python<'_>) -> PyResult<()> {
+        let built = py.detach(|| build(&self.0, &Interruptible));
+        built.map(|_| ()).map_err(of_build)
+    }
+}
+
+fn layer(name: &str) -> PyResult<MapLayer> {
+    MapLayer::from_name(name).ok_or_else(|| {
+        let known = MapLayer::ALL.map(MapLayer::name).join(", ");
+        PyValueError::new_err(format!("there is no map {name:?}; it is one of {known}"))
+    })
+}
+
+fn of_build(error: BuildError) -> PyErr {
+    let words = error.to_string();
+    match error {
+        // With the number by which a full disk is known.
+        BuildError::Write { path, source } => match source.raw_os_error() {
+            Some(number) => PyOSError::new_err((number, source.to_string(), path)),
+            None => Error::new_err(words),
+        },
+        BuildError::Option { .. } | BuildError::Pixels { .. } | BuildError::Memory { .. } => {
+            PyValueError::new_err(words)
+        }
+        error => of_any(error),
+    }
+}
