@@ -2,9 +2,61 @@
 
 import os
 import shutil
+import struct
 import subprocess
 import tempfile
 from pathlib import Path
+
+
+def _checked(path, size, frame_rate_hz, crf):
+    """The program ffmpeg; refuses what it would not make a film of."""
+    from . import _native
+
+    width, height = size
+    if width % 2 or height % 2 or width < 2 or height < 2:
+        raise ValueError(f"size: H.264 needs an even width and height, not {width} × {height}")
+    if not 0 < float(frame_rate_hz) <= 1000:
+        raise ValueError(f"frame_rate_hz: {frame_rate_hz} is not more than 0 and at most 1000")
+    if not 0 <= int(crf) <= 51:
+        raise ValueError(f"crf: {crf} is not from 0 to 51")
+    program = shutil.which("ffmpeg")
+    if program is None:
+        raise _native.Error("ffmpeg was not found on the search path; install it (on Debian and Ubuntu "
+                            "`apt-get install ffmpeg`), or write frames by Frame.save")
+    if Path(path).suffix.lower() != ".mp4":
+        raise ValueError(f"path: {path} does not end in .mp4")
+    return program
+
+
+def _coding(crf):
+    """Arguments for ffmpeg: H.264 that players show in the right colours."""
+    # Convert with BT.709 and say so: without the filter ffmpeg would convert with BT.601.
+    return ["-vf", "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p",
+            "-c:v", "libx264", "-crf", str(int(crf)), "-colorspace", "bt709", "-color_primaries", "bt709",
+            "-color_trc", "bt709", "-color_range", "tv", "-movflags", "+faststart"]
+
+
+def encode_frames(path, folder, first, count, frame_rate_hz, *, crf=18):
+    """An H.264 film (MP4) of numbered pictures in a folder: of ``count`` from the one named ``first`` on, ``frame_00000.png`` for example."""
+    from . import _native
+
+    with open(Path(folder) / first, "rb") as picture:
+        size = struct.unpack(">II", picture.read(24)[16:])
+    program = _checked(path, size, frame_rate_hz, crf)
+    path = Path(path)
+    number = Path(first).stem.rpartition("_")[2]
+    pattern = str(Path(folder).absolute()).replace("%", "%%") + f"/frame_%0{len(number)}d.png"
+    unfinished = path.with_name(f"{path.stem}.{os.getpid()}.part.mp4")
+    try:
+        ran = subprocess.run(
+            [program, "-y", "-loglevel", "error", "-framerate", str(frame_rate_hz), "-start_number", str(int(number)), "-i", pattern,
+             "-frames:v", str(count), *_coding(crf), os.fspath(unfinished)],
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        if ran.returncode != 0 or not unfinished.exists():
+            raise _native.Error(f"{path}: ffmpeg failed ({ran.returncode}): {ran.stderr.decode(errors='replace').strip()[-500:]}")
+        unfinished.replace(path)
+    finally:
+        unfinished.unlink(missing_ok=True)
 
 
 class Film:
@@ -18,33 +70,16 @@ class Film:
     """
 
     def __init__(self, path, size, frame_rate_hz, *, crf=18):
-        from .  import _native
-
         width, height = size
-        if width % 2 or height % 2 or width < 2 or height < 2:
-            raise ValueError(f"size: H.264 needs an even width and height, not {width} × {height}")
-        if not 0 < float(frame_rate_hz) <= 1000:
-            raise ValueError(f"frame_rate_hz: {frame_rate_hz} is not more than 0 and at most 1000")
-        if not 0 <= int(crf) <= 51:
-            raise ValueError(f"crf: {crf} is not from 0 to 51")
-        program = shutil.which("ffmpeg")
-        if program is None:
-            raise _native.Error("ffmpeg was not found on the search path; install it (on Debian and Ubuntu "
-                                "`apt-get install ffmpeg`), or write frames by Frame.save")
+        program = _checked(path, size, frame_rate_hz, crf)
         self._path = Path(path)
-        if self._path.suffix.lower() != ".mp4":
-            raise ValueError(f"path: {path} does not end in .mp4")
         self._unfinished = self._path.with_name(f"{self._path.stem}.{os.getpid()}.part.mp4")
         self._size = (width, height)
         self._errors = tempfile.TemporaryFile()
         self._ffmpeg = subprocess.Popen(
             [program, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{width}x{height}",
              "-r", str(frame_rate_hz), "-i", "-",
-             # Convert with BT.709 and say so: without the filter ffmpeg would convert with BT.601.
-             "-vf", "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p",
-             "-c:v", "libx264", "-crf", str(int(crf)), "-colorspace", "bt709", "-color_primaries", "bt709",
-             "-color_trc", "bt709", "-color_range", "tv",
-             "-movflags", "+faststart", os.fspath(self._unfinished)],
+             *_coding(crf), os.fspath(self._unfinished)],
             stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=self._errors)
 
     def write(self, frame):
