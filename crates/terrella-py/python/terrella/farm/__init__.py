@@ -1,0 +1,30 @@
+"""Many pictures on many workers: films, labelled data sets and imagery packs.
+
+>>> from terrella import farm
+>>> print(farm.film("config/iss.toml", "frames", video="iss.mp4", workers=2))
+
+Workers are processes of this machine, or those of a Dask cluster by its address. Each keeps its renderer warm, writes files itself and answers
+with names. A file appears under its name when it is whole; a run that was ended by anything goes on where it was when it is called again.
+"""
+
+from ._film import film
+from ._pack import pack
+from ._report import FarmError, Failure, Report
+from ._sweep import sweep
+from .distributions import Choice, Constant, Dates, LogUniform, Normal, OnSphere, Uniform
+
+__all__ = [
+    "Choice",
+    "Constant",
+    "Dates",
+    "FarmError",
+    "Failure",
+    "LogUniform",
+    "Normal",
+    "OnSphere",
+    "Report",
+    "Uniform",
+    "film",
+    "pack",
+    "sweep",
+]

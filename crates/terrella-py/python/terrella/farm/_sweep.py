@@ -1,0 +1,289 @@
+"""Labelled pictures of a scene from many places, drawn by many workers into shards."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+from .. import _native
+from .._earth import _textures
+from . import _files, _run, _worker
+from ._engine import Call, open_engine
+from ._formats import FORMATS
+from ._report import FarmError, Report
+from ._samples import ORDER, Plan
+from .distributions import Constant, Dates, Drawn, LogUniform, OnSphere, Uniform, as_distribution, told
+
+FORMAT = "terrella sweep 1"
+MANIFEST = "manifest.json"
+# Layers of a sweep that names none.
+DEFAULT_LAYERS = ("lat_deg", "lon_deg", "range_m", "land", "cloud_cover")
+_MOST_SAMPLES = 1_000_000_000
+
+
+def sweep(
+    scene: str | os.PathLike,
+    out: str | os.PathLike,
+    count: int,
+    *,
+    seed: int = 0,
+    size: tuple[int, int] = (256, 256),
+    layers: Sequence[str] = DEFAULT_LAYERS,
+    place: Drawn = OnSphere(),
+    height_m: Drawn = LogUniform(4e5, 4e6),
+    heading_deg: Drawn = Uniform(0.0, 360.0),
+    pitch_deg: Drawn = Uniform(-90.0, -40.0),
+    fov_deg: Drawn = 45.0,
+    time: Drawn | None = None,
+    exposure_ev: Drawn | None = None,
+    draw: Callable[[Any, int], dict] | None = None,
+    format: Literal["webdataset", "zarr"] = "webdataset",
+    samples_a_shard: int = 64,
+    workers: int | None = None,
+    address: Any = None,
+    overwrite: bool = False,
+    textures: str | os.PathLike | None = None,
+    adapter: str | None = None,
+    retries: int = 2,
+    progress: bool | _run.Progress | None = None,
+) -> Report:
+    """Draws `count` pictures of a scene from places, at instants and with exposures that are drawn from distributions, with truth layers, into a
+    data set in the folder `out`.
+
+    `place` gives a latitude and a longitude, `height_m` metres above the ellipsoid, `heading_deg` degrees clockwise from north, `pitch_deg`
+    degrees above the level, `fov_deg` the vertical field of view, `time` an instant (by default any of the scene's), `exposure_ev` exposure
+    values (by default the scene's exposure). Each is a distribution of `terrella.farm`, a value, or a function of a
+    `numpy.random.Generator`; `draw` is a function of one and the sample's number, and gives any of them by name in place of these. Functions
+    must stand in a module that workers can import. `layers` are names of `terrella.truth_layers()`.
+
+    A sample hangs on `seed` and on its number alone. `format` "webdataset" writes tar shards of `samples_a_shard` samples, "zarr" a Zarr
+    group. `manifest.json` says what is in it. `workers`, `address`, `overwrite`, `textures`, `adapter` and `retries` as for `film`.
+
+    Raises `FarmError` where something is left undone; what is done is kept, and the same call goes on.
+    """
+    scene, out = Path(scene).absolute(), Path(out).absolute()
+    if not 1 <= count <= _MOST_SAMPLES:
+        raise ValueError(f"count: {count} is not from 1 to {_MOST_SAMPLES}")
+    if not 0 <= seed < 1 << 64:
+        raise ValueError(f"seed: {seed} is not from 0 to 2**64 - 1")
+    if not 1 <= samples_a_shard <= 100_000:
+        raise ValueError(f"samples_a_shard: {samples_a_shard} is not from 1 to 100000")
+    if format not in FORMATS:
+        raise ValueError(f"format: {format!r} is none of {', '.join(FORMATS)}")
+    if not (len(size) == 2 and all(1 <= side <= 65536 for side in size)):
+        raise ValueError(f"size: {size} is not two numbers of pixels from 1 to 65536")
+    known = {name: (name, unit, dtype, what) for name, unit, dtype, what in _native.truth_layers()}
+    unknown = [name for name in layers if name not in known]
+    if unknown or len(set(layers)) != len(layers):
+        raise ValueError(f"layers: {', '.join(unknown) or 'one is named twice'}; there are {', '.join(known)}, each once")
+    _run.checked_retries(retries)
+    key = json.loads(_native.scene_key(scene))
+    given = {"place": place, "height_m": height_m, "heading_deg": heading_deg, "pitch_deg": pitch_deg, "fov_deg": fov_deg, "time": time,
+             "exposure_ev": exposure_ev}
+    distributions = {name: as_distribution(value, name) for name, value in given.items() if value is not None}
+    maps = _textures(textures)
+    if time is None:
+        distributions["time"] = _dates_of(scene, maps)
+    expected = _worker.expected_inputs(scene, maps)
+    definition = {
+        "format": FORMAT,
+        "program": key["program"],
+        "scene": {"file": scene.name, "blake3": key["scene_blake3"], "inputs": key["inputs"], "text": scene.read_text(encoding="utf-8")},
+        "maps_sha256": expected["maps"],
+        "size": list(size),
+        "layers": [{"name": name, "unit": known[name][1], "dtype": known[name][2], "what": known[name][3]} for name in layers],
+        "seed": seed,
+        "count": count,
+        "samples_a_shard": samples_a_shard,
+        "kind": format,
+        "drawn": {name: told(distributions[name]) for name in ORDER if name in distributions},
+        "draw": None if draw is None else told(as_distribution(draw, "draw")),
+    }
+    plan = Plan(seed, distributions, draw)
+    # What is wrong with all samples is said before any worker is started.
+    plan.sample(0).camera()
+    part = {"scene": str(scene), "textures": None if textures is None else str(maps), "out": str(out), "size": tuple(size),
+            "layers": list(layers), "adapter": adapter, "expected": expected, "plan": plan, "kind": format,
+            "scene_blake3": key["scene_blake3"]}
+    return _fill(out, definition, part, FORMATS[format], workers, address, overwrite, retries, progress)
+
+
+def _dates_of(scene: Path, maps: Path) -> Any:
+    first, last = (epoch.utc for epoch in _native.scene_dates(scene, maps))
+    return Constant(first) if first == last else Dates(first, last)
+
+
+def _fill(out: Path, definition: dict, part: dict, kind: Any, workers: int | None, address: Any, overwrite: bool, retries: int,
+          progress: Any) -> Report:
+    """Makes the shards that lack."""
+    _check_folder(out, definition, overwrite)
+    lock = _files.Lock(out)
+    try:
+        report = Report(out, "samples", wanted=definition["count"])
+        if overwrite:
+            kind.remove(out)
+            (out / MANIFEST).unlink(missing_ok=True)
+            for old in (out / _files.OWN).glob("journal-*.jsonl"):
+                old.unlink()
+        shards = _kept(out, definition, kind)
+        report.kept = sum(shard["samples"] for shard in shards.values())
+        calls = list(_calls(definition, part, set(shards)))
+        if not calls and (out / MANIFEST).exists() and json.loads((out / MANIFEST).read_text()).get("complete"):
+            _files.forget(out)
+            return report
+        _write_manifest(out, definition, shards, complete=False)
+        kind.begin(out, definition)
+
+        def take(call: Call, value: dict) -> None:
+            shards[value["shard"]["shard"]] = value["shard"]
+            report.done += call.count
+            report.bytes_written += value["shard"]["bytes"]
+            report.by_worker[value["worker"]] = report.by_worker.get(value["worker"], 0) + call.count
+            report.drawing_seconds += value["seconds"]
+            report.processor_seconds += value["processor_seconds"]
+            report.adapters.add(f"{value['adapter']}")
+            report.notes += value["notes"]
+
+        engine = open_engine(workers, address)
+        try:
+            _run.drive(engine, iter(calls), report, retries=retries, progress=_run.shown(progress, "samples"), take=take)
+        finally:
+            engine.close()
+            # What workers had begun that are no more.
+            for half in out.glob("**/.terrella-*.part"):
+                half.unlink(missing_ok=True)
+            if shards:
+                _keep(out, definition, shards)
+        _run.refuse_failures(report)
+        _write_manifest(out, definition, shards, complete=True)
+        _files.forget(out)
+        if len(report.adapters) > 1:
+            report.notes.append(f"drawn by several adapters ({', '.join(sorted(report.adapters))}): their pictures may differ a little")
+        return report
+    finally:
+        lock.release()
+
+
+def _keep(out: Path, definition: dict, shards: dict) -> None:
+    """What is done comes into the manifest, if there is room; else the journals have it."""
+    try:
+        _write_manifest(out, definition, shards, complete=False)
+    except OSError:
+        pass
+
+
+def _check_folder(out: Path, definition: dict, overwrite: bool) -> None:
+    """Refuses a folder that holds something else."""
+    out.mkdir(parents=True, exist_ok=True)
+    manifest = out / MANIFEST
+    if manifest.exists():
+        try:
+            found = json.loads(manifest.read_text(encoding="utf-8"))
+        except ValueError as error:
+            found = {"problem": str(error)}
+        if overwrite:
+            return
+        if found.get("format") != FORMAT:
+            raise FarmError(f"{manifest}: is no manifest of a sweep ({found.get('problem', found.get('format'))}); choose another folder, or "
+                            "give overwrite=True to draw all anew")
+        differences = [name for name in definition if definition[name] != found.get(name)]
+        if differences:
+            words = "; ".join(_difference(name, found.get(name), definition[name]) for name in differences)
+            raise FarmError(f"{out}: holds another sweep: {words}; choose another folder, or give overwrite=True to draw all anew")
+        return
+    other = [path.name for path in out.iterdir() if not path.name.startswith(".terrella")]
+    if other:
+        raise FarmError(f"{out}: holds {sorted(other)[0]} and no {MANIFEST}: it is no sweep; choose another folder")
+
+
+def _difference(name: str, found: Any, wanted: Any) -> str:
+    if name == "scene":
+        return "the scene, or a file that it names, has changed"
+    if name == "maps_sha256":
+        return "the maps have changed"
+    if name == "layers":
+        found, wanted = ([layer["name"] for layer in layers or []] for layers in (found, wanted))
+    if name == "drawn":
+        names = [one for one in {**(found or {}), **wanted} if (found or {}).get(one) != wanted.get(one)]
+        return "; ".join(f"{one} was {(found or {}).get(one)} and is {wanted.get(one)}" for one in names)
+    return f"{name} was {found} and is {wanted}"
+
+
+def _kept(out: Path, definition: dict, kind: Any) -> dict[int, dict]:
+    """The shards of earlier runs that are whole, by their numbers."""
+    known: dict[int, dict] = {}
+    manifest = out / MANIFEST
+    noted = list(_files.journals(out))
+    if manifest.exists():
+        noted += json.loads(manifest.read_text(encoding="utf-8")).get("shards", [])
+    for shard in noted:
+        number = shard.get("shard")
+        if isinstance(number, int) and number not in known and _is_of(shard, definition, kind) and kind.is_whole(out, shard):
+            known[number] = shard
+    return known
+
+
+def _is_of(shard: dict, definition: dict, kind: Any) -> bool:
+    first = shard["shard"] * definition["samples_a_shard"]
+    return (shard.get("first"), shard.get("file")) == (first, kind.name(shard["shard"])) and first < definition["count"]
+
+
+def _calls(definition: dict, part: dict, kept: set[int]) -> Iterator[Call]:
+    count, each = definition["count"], definition["samples_a_shard"]
+    for number, first in enumerate(range(0, count, each)):
+        if number not in kept:
+            samples = min(each, count - first)
+            yield Call(f"shard {number}", draw_part, {**part, "shard": number, "first": first, "samples": samples}, samples)
+
+
+def _write_manifest(out: Path, definition: dict, shards: dict, *, complete: bool) -> None:
+    ordered = [shards[number] for number in sorted(shards)]
+    text = json.dumps({**definition, "complete": complete, "shards": ordered}, indent=1, ensure_ascii=False)
+    _files.write_whole(out / MANIFEST, text.encode() + b"\n", durable=True)
+
+
+def draw_part(part: dict) -> dict:
+    """Draws a shard and writes it: runs in a worker."""
+    begin = time.monotonic()
+    out = Path(part["out"])
+    textures = _worker.check_inputs(part)
+    kind = FORMATS[part["kind"]]
+    journal = _worker.journal(out)
+    begin_processor = time.process_time()
+    # A worker that was lost in this run may have written it.
+    if (shard := _written(out, part, kind)) is None:
+        key = ("sweep", part["scene"], str(textures), part["size"], part["adapter"], json.dumps(part["expected"]))
+        scene = _worker.warm(key, lambda: _scene(part, textures))
+        begin_processor = time.process_time()
+        numbers = range(part["first"], part["first"] + part["samples"])
+        adapter = scene.adapter
+        shard = kind.write(out, part, adapter, (_sample(scene, part, index) for index in numbers), journal.note)
+    else:
+        adapter = shard["adapter"]
+    return {"shard": shard, "worker": _worker.name(), "adapter": adapter, "seconds": time.monotonic() - begin,
+            "processor_seconds": time.process_time() - begin_processor, "notes": []}
+
+
+def _written(out: Path, part: dict, kind: Any) -> dict | None:
+    if not kind.path(out, part["shard"]).exists():
+        return None
+    noted = (shard for shard in _files.journals(out) if shard.get("shard") == part["shard"])
+    return next((shard for shard in noted if kind.is_whole(out, shard)), None)
+
+
+def _scene(part: dict, textures: Path) -> Any:
+    return _native.Scene(part["scene"], textures, size=part["size"], adapter=part["adapter"])
+
+
+def _sample(scene: Any, part: dict, index: int) -> tuple[int, dict, Any, dict]:
+    """A sample: its number, what is known of it, its picture, its layers."""
+    chosen = part["plan"].sample(index)
+    camera, time = chosen.camera(), chosen.values["time"]
+    color = scene.color(time, camera=camera, exposure_ev=chosen.values.get("exposure_ev"))
+    truth = scene.truth(time, part["layers"], camera=camera) if part["layers"] else {}
+    known = {**chosen.told(), "seed": part["plan"].seed, "scene_blake3": part["scene_blake3"]}
+    return index, known, color, truth
