@@ -14,11 +14,16 @@ fn lay_out(folder: &Path, package: &Path) {
         .expect("a folder")
         .join("libterrella_native.so");
     assert!(built.is_file(), "no {}", built.display());
-    fs::create_dir_all(package).expect("made");
     let sources = folder.join("python/terrella");
-    for file in fs::read_dir(&sources).expect("the package").flatten() {
-        if file.path().is_file() {
-            fs::copy(file.path(), package.join(file.file_name())).expect("copied");
+    for (from, to) in [
+        (sources.clone(), package.to_owned()),
+        (sources.join("farm"), package.join("farm")),
+    ] {
+        fs::create_dir_all(&to).expect("made");
+        for file in fs::read_dir(&from).expect("the package").flatten() {
+            if file.path().is_file() {
+                fs::copy(file.path(), to.join(file.file_name())).expect("copied");
+            }
         }
     }
     fs::copy(built, package.join("_native.abi3.so")).expect("copied");
@@ -54,11 +59,24 @@ fn the_package_passes_its_tests() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
     let out = tempfile::tempdir().expect("a folder");
     lay_out(&folder, &out.path().join("terrella"));
-    let status = Command::new(&python)
+    let mut command = Command::new(&python);
+    // Beside which films and packs of many workers are held. Cargo builds it with the tests of the whole workspace.
+    let this = std::env::current_exe().expect("this program");
+    if let Some(program) = this.ancestors().nth(2).map(|debug| debug.join("terrella"))
+        && program.is_file()
+    {
+        command.env("TERRELLA_COMMAND", program);
+    }
+    // The caller's packages after it.
+    let found = std::env::var_os("PYTHONPATH").unwrap_or_default();
+    let folders = std::iter::once(out.path().to_owned())
+        .chain(std::env::split_paths(&found).filter(|folder| !folder.as_os_str().is_empty()));
+    let search = std::env::join_paths(folders).expect("paths without colons");
+    let status = command
         .args(["-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider"])
         .arg(folder.join("tests"))
         .current_dir(out.path())
-        .env("PYTHONPATH", out.path())
+        .env("PYTHONPATH", search)
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .status();
     assert!(
