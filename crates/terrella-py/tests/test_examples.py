@@ -37,11 +37,25 @@ def test_a_film(root, tmp_path):
     assert (tmp_path / "iss.mp4").stat().st_size > 1000
 
 
-def test_the_page_shows_what_runs(root):
-    """Each line of Python on the page is one of an example, of a docstring or of the widget's own words."""
-    page = (root / "docs/embedding/python.md").read_text(encoding="utf-8")
+@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
+def test_a_film_on_two_workers(root, tmp_path):
+    told = run(root, tmp_path, "farm_film.py", root / "config/iss.toml", "frames", "iss.mp4", "4")
+    assert "4 of 4 frames: 4 drawn" in told and "iss.mp4: put together" in told, told
+    assert (tmp_path / "iss.mp4").stat().st_size > 1000 and len(list((tmp_path / "frames").glob("*.png"))) == 4
+
+
+def test_a_labelled_data_set(root, tmp_path):
+    told = run(root, tmp_path, "farm_sweep.py", root / "config/full_disc.toml", "swept", "70")
+    assert "70 of 70 samples: 70 drawn" in told, told
+    assert sorted(path.name for path in (tmp_path / "swept").iterdir()) == ["manifest.json", "shard-000000.tar", "shard-000001.tar"]
+
+
+@pytest.mark.parametrize("name", ["docs/embedding/python.md", "docs/farm.md"])
+def test_the_pages_show_what_runs(root, name):
+    """Each line of Python on a page is one of an example, of a docstring or of the widget's own words."""
+    page = (root / name).read_text(encoding="utf-8")
     folder = root / "crates/terrella-py"
-    sources = [path.read_text(encoding="utf-8") for path in [*folder.glob("examples/*.py"), *folder.glob("python/terrella/*.py")]]
+    sources = [path.read_text(encoding="utf-8") for path in [*folder.glob("examples/*.py"), *folder.glob("python/terrella/**/*.py")]]
     known = {line.strip().removeprefix(">>> ").removeprefix("... ").strip() for text in sources for line in text.splitlines()}
     blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     assert blocks
