@@ -218,6 +218,16 @@ pub const RECORDINGS: &[Recording] = &[
     ),
     kept("streaming", "streaming.csv", "it needs a pack of 3 GB"),
     kept(
+        "farm",
+        "farm.csv",
+        "it is Python's: crates/terrella-py/benches/farm_growth.py makes it of its runs",
+    ),
+    kept(
+        "farm_growth",
+        "farm_growth.csv",
+        "crates/terrella-py/benches/farm_growth.py computes it",
+    ),
+    kept(
         "sky_places",
         "sky_places.csv",
         "its numbers stand in the output of several tests",

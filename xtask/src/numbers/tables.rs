@@ -83,6 +83,8 @@ pub const TABLES: &[Table] = &[
         surfaces::section(run, "published")
     }),
     table("surfaces_run", "surfaces", whereabouts),
+    table("farm", "farm", as_recorded),
+    table("farm_growth", "farm_growth", as_recorded),
     table("streaming", "streaming", as_recorded),
     table("sky_places", "sky_places", as_recorded),
     table("light_costs", "light_costs", as_recorded),
