@@ -85,10 +85,12 @@ def measured(runs):
     for run in runs.get(("sweep of 2000", 2, None), []):
         rows.append(("sweep of 2000 such samples, two workers: s in all; samples a second with the start; after it",
                      f"{format_number(run['wall_s'])}; {format_number(run['done'] / run['wall_s'])}; {format_number(run['rate'])}", "`farm.py big_sweep 1`"))
-    for storage in ("plain", "bc"):
-        of = {n: values(runs, f"pack {storage}", n, "wall_s") for n in (1, 2)}
-        rows.append((f"pack of four starter maps, {storage}, s: one worker; two; one over two",
-                     f"{spread(of[1])}; {spread(of[2])}; {spread(ratios(of[1], of[2]))}", f"`farm.py pack`, {len(of[1])} rounds"))
+    of = {n: values(runs, "pack plain", n, "wall_s") for n in (1, 2)}
+    rows.append(("pack of four starter maps, plain, s: one worker; two", f"{spread(of[1])}; {spread(of[2])}", f"`farm.py pack`, {len(of[1])} rounds"))
+    rows.append(("the same by the workers' processor time: two over one",
+                 spread([2 * one / two for one, two in zip(*(values(runs, "pack plain", n, "processor_s") for n in (1, 2)))]), f"{len(of[1])} rounds"))
+    of = values(runs, "pack bc", 1, "wall_s")
+    rows.append(("the same maps, compressed, one worker, s", spread(of), f"{len(of)} rounds"))
     rows += [
         ("calls a second that do nothing: pool; Dask on this machine",
          f"{spread(values(runs, 'engine', key='calls_a_second'))}; {spread(values(runs, 'engine', key='calls_a_second', address='local'))}", "`farm.py engines`"),
