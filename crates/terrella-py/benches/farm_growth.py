@@ -79,7 +79,7 @@ def measured(runs):
     rows += [
         ("sweep, 256 × 256, five truth layers, samples a second: one worker; two", f"{spread(of[1])}; {spread(of[2])}", rounds),
         ("the same: two over one", spread(ratios(of[2], of[1])), rounds),
-        ("the same by the workers' processor time", spread(by_processor(runs, "sweep")), rounds),
+        ("the same by the workers' processor time, the making of their renderers with it", spread(by_processor(runs, "sweep")), rounds),
         ("the same: bytes that are written, a sample", format_number(statistics.median(run["bytes_written"] / run["done"] for run in runs[("sweep", 2, None)])), rounds),
     ]
     for run in runs.get(("sweep of 2000", 2, None), []):
@@ -101,7 +101,12 @@ def measured(runs):
 
 def limits(runs, workers):
     """What takes how long, seconds, by the kind of work."""
-    middle = lambda *of, **where: statistics.median(values(runs, *of, **where))
+    def middle(*of, **where):
+        return statistics.median(values(runs, *of, **where))
+
+    def texels(levels):
+        return 128 * sum(level**2 for level in levels)
+
     calls_s = middle("engine", key="calls_a_second", address="local" if workers > 2 else None)
     start_s = middle("film", 1, "first_s")
     load_s = workers * MAPS_BYTES / DISK_BYTES_S
@@ -120,7 +125,6 @@ def limits(runs, workers):
         }
     made["film with video"] = {**made["film"], "one ffmpeg": MANY / middle("encode")}
     # Of the day map alone, compressed for graphics cards: what a texel costs, and what it costs to read the map once.
-    texels = lambda levels: 128 * sum(level**2 for level in levels)
     small = texels([675, 256]) + 3 * texels([256])
     cost_s = middle("pack bc", 1, "wall_s") / small
     read_s = middle("pack read", key="wall_s") / (4096 * 2048) * JPEG_TEXELS
