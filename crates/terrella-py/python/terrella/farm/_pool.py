@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import pickle
 import queue
@@ -117,8 +118,9 @@ class Pool(Engine):
     def close(self) -> None:
         workers, self._all = self._all, []
         for worker in workers:
-            # It ends when nobody is there any more to ask it.
-            worker.process.stdin.close()
+            # It ends when nobody is there any more to ask it. One that has died already is told so in vain.
+            with contextlib.suppress(OSError):
+                worker.process.stdin.close()
         for worker in workers:
             try:
                 worker.process.wait(timeout=10)
