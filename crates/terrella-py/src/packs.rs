@@ -7,12 +7,12 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 use terrella::internals::imagery::SLOPE_EXAGGERATION;
 use terrella::internals::imagery::build::{
-    BuildError, BuildOptions, BuildPart, BuildProgress, Relief, begin_parts, build, build_part,
+    BuildError, BuildOptions, BuildProgress, BuildShare, Relief, begin_shares, build, build_share,
 };
 use terrella::internals::imagery::tile::{MapLayer, Storage};
 
-/// A part as Python has it: the map's name, its columns from the first to before the last, its texels, the tiles that it lacks.
-type Part = (String, u32, u32, u64, u64);
+/// A share as Python has it: the map's name, its columns from the first to before the last, its texels, the tiles that it lacks.
+type Share = (String, u32, u32, u64, u64);
 
 /// A pack that is built from maps, as `terrella pack build` does.
 #[pyclass(frozen, name = "PackBuild", module = "terrella")]
@@ -103,28 +103,34 @@ impl PyPackBuild {
         }))
     }
 
-    /// Begins the build, or goes on with one that was stopped, for so many workers: the parts of which tiles lack, the costliest first, and how
+    /// Begins the build, or goes on with one that was stopped, for so many workers: the shares of which tiles lack, the costliest first, and how
     /// many tiles the pack has.
-    fn begin(&self, py: Python<'_>, workers: u32) -> PyResult<(Vec<Part>, u64)> {
-        let plan = py.detach(|| begin_parts(&self.0, workers, &()));
+    fn begin(&self, py: Python<'_>, workers: u32) -> PyResult<(Vec<Share>, u64)> {
+        let plan = py.detach(|| begin_shares(&self.0, workers, &()));
         let plan = plan.map_err(of_build)?;
-        let parts = plan.parts.into_iter().map(|part| {
-            let name = part.layer.name().to_owned();
-            let columns = part.columns;
-            (name, columns.start, columns.end, part.texels, part.missing)
+        let shares = plan.shares.into_iter().map(|share| {
+            let name = share.layer.name().to_owned();
+            let columns = share.columns;
+            (
+                name,
+                columns.start,
+                columns.end,
+                share.texels,
+                share.missing,
+            )
         });
-        Ok((parts.collect(), plan.tiles))
+        Ok((shares.collect(), plan.tiles))
     }
 
-    /// Makes the tiles of a part that are not there; answers how many there were to make.
+    /// Makes the tiles of a share that are not there; answers how many there were to make.
     fn make(&self, py: Python<'_>, map: &str, first: u32, end: u32) -> PyResult<u64> {
-        let part = BuildPart {
+        let share = BuildShare {
             layer: layer(map)?,
             columns: first..end,
             texels: 0,
             missing: 0,
         };
-        py.detach(|| build_part(&self.0, &part, &Interruptible))
+        py.detach(|| build_share(&self.0, &share, &Interruptible))
             .map_err(of_build)
     }
 
