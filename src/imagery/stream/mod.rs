@@ -129,8 +129,8 @@ impl TileStream {
 
     /// Adds a table of what the parts of a block are drawn with, `own` being what [`Self::draw`] answered for it; none if that is not the
     /// tile that parts are finer than. `wanted` are parts of it in sight, each with the level asked for, whose parts are as large as it
-    /// or larger; of those that lie in one another the last counts. Where that level is not resident a finer part that nobody waits
-    /// for is drawn, else a coarser one, else the block's own tile.
+    /// or larger; of those that lie in one another the last counts. Where the
+    /// level that a slot is promised at is not resident a finer part that nobody waits for is drawn, else a coarser one, else the block's own tile.
     pub fn draw_parts(
         &mut self,
         layer: MapLayer,

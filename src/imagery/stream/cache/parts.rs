@@ -100,12 +100,15 @@ impl TileCache {
         tables.cells.resize(first + cells, own);
         for (part, level) in wanted {
             let level = usize::from(*level).min(cut - 1);
-            self.count_part(TileKey {
+            let level = self.count_part(TileKey {
                 layer,
                 level: level as u8,
                 block,
                 part: part.index_at(self.depth_of(layer, level)),
             });
+            if level >= cut {
+                continue;
+            }
             let span = side >> part.depth.min(depth);
             let (north, west) = (
                 usize::from(part.row) * span,
@@ -143,11 +146,11 @@ impl TileCache {
         level.shape.parts.trailing_zeros() as u8
     }
 
-    /// The part that a cell is drawn with: at the level asked for, or else the nearest finer one, which is there only until others need
-    /// its slot, or else the nearest coarser one.
-    fn drawn_part(&mut self, layer: MapLayer, cell: Part, asked: usize) -> Option<PartCell> {
+    /// The part that a cell is drawn with: at the level that a slot is promised at, or else the nearest finer one, which is there only until
+    /// others need its slot, or else the nearest coarser one.
+    fn drawn_part(&mut self, layer: MapLayer, cell: Part, promised: usize) -> Option<PartCell> {
         let cut = self.maps[layer.index()].cut;
-        let levels = (0..=asked).rev().chain(asked + 1..cut);
+        let levels = (0..=promised).rev().chain(promised + 1..cut);
         for level in levels {
             let depth = self.depth_of(layer, level);
             let key = TileKey {
@@ -164,11 +167,11 @@ impl TileCache {
         None
     }
 
-    /// Counts a part that is asked for: it is there at the level that it was promised, or finer.
-    fn count_part(&mut self, key: TileKey) {
+    /// Counts a part that is asked for: it is there at the level that it was promised, or not. Answers that level.
+    fn count_part(&mut self, key: TileKey) -> usize {
         let state = self.tile(key);
         if state.asked != self.frame {
-            return;
+            return usize::from(key.level);
         }
         let cut = self.maps[key.layer.index()].cut as u8;
         let target = state.target.max(key.level);
@@ -182,6 +185,7 @@ impl TileCache {
         } else {
             self.counters.fallbacks += 1;
         }
+        usize::from(target)
     }
 }
 
