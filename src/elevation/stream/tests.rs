@@ -34,7 +34,7 @@ fn settle(ground: &StreamedGround) {
 
 /// Asks again and again, as surfaces do where heights have changed, until nothing comes of it.
 fn ask_until_settled(ground: &StreamedGround, ask: &dyn Fn()) {
-    loop {
+    for _ in 0..60 {
         let before = ground.counters().changes;
         ask();
         settle(ground);
@@ -42,6 +42,7 @@ fn ask_until_settled(ground: &StreamedGround, ask: &dyn Fn()) {
             return;
         }
     }
+    panic!("tiles take turns: {:?}", ground.counters());
 }
 
 /// Lets one tile come and takes it in; false if none is asked for.
@@ -311,19 +312,19 @@ fn far_eyes_do_not_ask_for_the_finest() {
     let viewer = ground.viewer();
     viewer.look(HeightEye {
         eye_itrf_m: Ellipsoid::WGS84.itrf_from_geodetic(Geodetic::from_degrees(0.0, 0.0, 4e7)),
-        tolerance_rad: 2e-3,
+        tolerance_rad: 8e-3,
     });
     for (lat, lon) in places(2000) {
         ground.height_m(lat, lon, 0.0);
     }
     settle(&ground);
-    let far = ground.counters();
+    assert_eq!(ground.counters().tiles, 0);
     // At a spacing of its own a height is asked for wherever the eye is.
     for (lat, lon) in places(2000) {
         ground.height_m(lat, lon, 1e-6);
     }
     settle(&ground);
-    assert!(ground.counters().tiles > far.tiles + 100);
+    assert!(ground.counters().tiles > 100);
     drop(viewer);
 }
 

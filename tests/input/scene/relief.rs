@@ -10,7 +10,7 @@ fn heights_of_a_pack_are_the_ground_if_asked_for() {
     let folder = Folder::new();
     let load = |text: &str| {
         folder
-            .load(&format!("[earth]\npack = \"maps\"\n{text}"))
+            .load(format!("[earth]\npack = \"maps\"\n{text}"))
             .expect("good")
     };
     assert_eq!(load("").earth.relief, None);
