@@ -139,10 +139,8 @@ impl HeightFiles {
         // Beneath all lies the sea.
         let low_m = stats.iter().map(|s| s.range.low_m).fold(0.0, f64::min);
         let high_m = stats.iter().map(|s| s.range.high_m).fold(0.0, f64::max);
-        // Parts of a metre, so that whole metres come through as they are.
-        let parts = (STEPS / (high_m - low_m).max(1.0))
-            .floor()
-            .clamp(1.0, 1000.0);
+        // Parts of a metre, so that whole metres come through as they are; a metre more for an offset of whole metres.
+        let parts = (STEPS / (high_m - low_m + 1.0)).floor().clamp(1.0, 1000.0);
         let scale_m = 1.0 / parts;
         let is_kept = |quantum_m: f64| 0.5 * scale_m <= MOST_LOSS_M || quantum_m >= scale_m;
         if stats.iter().all(|s| is_kept(s.quantum_m)) {
