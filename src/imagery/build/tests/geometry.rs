@@ -156,12 +156,15 @@ fn slopes_turn_round_beyond_a_pole() {
     }
 }
 
+/// Row and column, and the tile there.
+type PlacedTile = ((u32, u32), Tile);
+
 /// All tiles, by row and column, of a map of noise that is as large as the level, made in passes of so many columns of blocks.
 fn tiles<const C: usize>(
     shape: TileShape,
     columns: u32,
     layer: MapLayer,
-) -> (Vec<u8>, Vec<((u32, u32), Tile)>) {
+) -> (Vec<u8>, Vec<PlacedTile>) {
     let (width, height) = (shape.map_width(), shape.map_height());
     let bytes = noise((width * height) as usize * C);
     let decoded = codes::decoded::<C>();
