@@ -72,8 +72,8 @@ fn cut() -> Manifest {
     let file = Some(TileFile::of(b"part"));
     let mut parts = vec![None; 128 * 4];
     parts[60 * 4..60 * 4 + 3].fill(file);
-    let level = |parts, tiles| LevelEntry {
-        shape: TileShape::cut(16, parts).expect("in range"),
+    let level = |pixels, parts, tiles| LevelEntry {
+        shape: TileShape::cut(pixels, parts).expect("in range"),
         tiles: vec![tiles],
     };
     Manifest {
@@ -84,7 +84,11 @@ fn cut() -> Manifest {
             layer: MapLayer::Day,
             source: "a.tif".into(),
             exaggeration: None,
-            levels: vec![level(2, parts), level(1, vec![file; 128])],
+            levels: vec![
+                level(20, 2, parts),
+                level(20, 1, vec![file; 128]),
+                level(16, 1, vec![file; 128]),
+            ],
         }],
         heights: Some(HeightsEntry {
             sources: vec!["a.tif, 21600 x 10800".into()],

@@ -16,6 +16,7 @@
 //! | `stats.rs` | what a frame drew |
 //! | `ground.rs` | ground with relief, where there is any; `no_ground.rs` without the feature `terrain` |
 //! | `tiles.rs` | which tiles of a pack a frame requests and is drawn with; `no_tiles.rs` without the feature `packs` |
+//! | `tile_rule.rs` | how fine a map is asked for |
 //! | `tile_parts.rs` | which parts of blocks a frame requests |
 //! | `tile_view.rs` | what tiles are chosen by, and how fine they came out |
 //! | `changes.rs` | what is changed while it is drawn |
@@ -49,6 +50,8 @@ mod surface_config;
 mod surface_light;
 #[cfg(feature = "packs")]
 mod tile_parts;
+#[cfg(feature = "packs")]
+mod tile_rule;
 mod tile_view;
 #[cfg_attr(not(feature = "packs"), path = "no_tiles.rs")]
 mod tiles;

@@ -1,6 +1,6 @@
 //! Which parts of blocks a frame requests, where maps have levels that are cut into parts.
 
-use super::tiles::{Ladder, NONE, TileRule};
+use super::tile_rule::{Ladder, NONE, TileRule};
 use crate::globe::{BLOCK_COUNT, Block, BlockSet, Part, PartSight};
 use crate::imagery::residency::PartTables;
 use crate::imagery::stream::TileRequest;

@@ -3,20 +3,19 @@
 use super::quality::Quality;
 use super::sky::{LIGHTS_OUT, ROOM_SIN};
 use super::tile_parts::{PartLevels, PartRequests};
+use super::tile_rule::{Ladder, NONE, TileRule};
 use super::tile_view::{TileDetail, TileView};
 use super::{EarthError, EyeView};
 use crate::frames::HeightRange;
 use crate::globe::{
-    BLOCK_COUNT, Block, BlockGrid, BlockSet, Figure, LevelRule, PartSight, Visibility, paper_level,
-    screen_level, select_blocks, texels_per_pixel,
+    BLOCK_COUNT, Block, BlockGrid, BlockSet, Figure, LevelRule, PartSight, Visibility,
+    select_blocks, texels_per_pixel,
 };
 use crate::gpu::{BlockTiles, ChosenTiles, GLINT_ENDS_SIN};
 use crate::imagery::EarthLayers;
-use crate::imagery::residency::{Pool, StreamCounters, Upload};
+use crate::imagery::residency::{PartTable, Pool, StreamCounters, Upload};
 use crate::imagery::stream::{StreamOptions, TileRequest, TileStream};
-use crate::imagery::tile::{
-    LayerLayout, MAP_LAYERS, MAX_LEVELS, MapLayer, TileKey, TileShape, TileSource,
-};
+use crate::imagery::tile::{LayerLayout, MAP_LAYERS, MAX_LEVELS, MapLayer, TileKey, TileSource};
 use glam::DVec3;
 use std::fmt;
 use std::sync::Arc;
@@ -116,9 +115,6 @@ const ANY_GROUND: HeightRange = HeightRange {
     high_m: 9_000.0,
 };
 
-/// Level of a block that was not requested in the frame before.
-pub(super) const NONE: u8 = u8::MAX;
-
 pub(super) struct TileDriver {
     stream: TileStream,
     rule: TileRule,
@@ -138,63 +134,6 @@ pub(super) struct TileDriver {
     wanted: Vec<Wanted>,
     parts: PartRequests,
     requests: Vec<TileRequest>,
-}
-
-/// How levels are chosen.
-#[derive(Clone, Copy)]
-pub(super) struct TileRule {
-    rule: LevelRule,
-    max_texel_px: f64,
-    radius_m: f64,
-}
-
-impl TileRule {
-    /// The level of a map at a distance, in a view whose pixels are so large; `before` in the frame before.
-    pub fn level(
-        &self,
-        ladder: &Ladder,
-        distance_m: f64,
-        pixel_rad: f64,
-        before: Option<u8>,
-    ) -> u8 {
-        let level = match self.rule {
-            LevelRule::Paper => paper_level(distance_m, ladder.pixels.len()),
-            LevelRule::Screen => screen_level(
-                &ladder.pixels,
-                self.radius_m,
-                distance_m,
-                pixel_rad,
-                self.max_texel_px,
-                before.filter(|level| *level != NONE).map(usize::from),
-            ),
-        };
-        level as u8
-    }
-}
-
-/// The levels of a map, the finest first.
-#[derive(Default)]
-pub(super) struct Ladder {
-    /// Texels per block side; empty where a map has no tiles.
-    pub pixels: Vec<u32>,
-    /// How often blocks are halved for the tiles of those that are cut into parts.
-    pub depths: Vec<u8>,
-}
-
-impl Ladder {
-    fn new(layout: &LayerLayout) -> Self {
-        let shapes = || layout.levels.iter().map(|level| level.shape);
-        let cut = shapes().take(layout.cut_levels());
-        Self {
-            pixels: shapes().map(TileShape::block_pixels).collect(),
-            depths: cut.map(|shape| shape.parts.ilog2() as u8).collect(),
-        }
-    }
-
-    /// The finest level with tiles of whole blocks.
-    pub fn whole(&self) -> u8 {
-        self.depths.len() as u8
-    }
 }
 
 /// A request, and how urgent it is: the size of a pixel on its block, metres, then its turn.
@@ -358,6 +297,9 @@ impl TileDriver {
             self.chosen[usize::from(index)] = drawn;
             tiles.blocks.push((block, drawn));
         }
+        // Where not all find room, those halved most often come first: they are nearest.
+        let order = |table: &PartTable| (std::cmp::Reverse(table.depth), table.block, table.layer);
+        tiles.parts.tables.sort_unstable_by_key(order);
     }
 
     /// How fine the tiles are that were chosen, for one of the views.

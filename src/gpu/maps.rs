@@ -125,6 +125,7 @@ impl Maps {
 /// A texture as an array, be it of one layer.
 pub(super) fn array_view(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor {
+        label: Some("terrella map as an array"),
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()
     })

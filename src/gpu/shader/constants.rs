@@ -18,8 +18,8 @@ pub(crate) const WHOLE_MAP: u32 = 2 * BLOCK_COUNT;
 pub(crate) const PER_BLOCK_TILES: u32 = BLOCK_COUNT;
 
 /// Words of four numbers that cells of blocks with parts may take, each with eight of them: with all else that says where tiles lie a
-/// buffer of 64 KiB, which every adapter takes.
-pub(crate) const PART_CELL_WORDS: u32 = 3072;
+/// buffer of 16 KiB, which every adapter takes.
+pub(crate) const PART_CELL_WORDS: u32 = 380;
 /// Bits of such a cell that say which layer of the array it is drawn with.
 pub(crate) const PART_INDEX_BITS: u32 = 12;
 

@@ -109,6 +109,7 @@
 //! |---|---|
 //! | `manifest/` | `pack.toml`: read, with line and key in every message, and written |
 //! | `container/` | a tile as KTX2: read and written |
+//! | `file.rs` | a file that is just what the manifest says |
 //! | `open.rs` | a pack's folder |
 //! | `heights/` | heights of the ground: their format, index and tiles |
 //! | `tiles.rs` | a pack as a source of tiles, each checked before it is used |
@@ -121,6 +122,7 @@ mod coarsest;
 mod container;
 mod decode;
 mod error;
+mod file;
 mod heights;
 mod manifest;
 mod open;

@@ -3,14 +3,12 @@
 use super::container::read_ktx2;
 use super::decode::decode_tile;
 use super::error::PackError;
-use super::manifest::TileFile;
+use super::file::{TileFile, read_whole, unless};
 use super::open::Pack;
 use crate::imagery::tile::{
     LayerLayout, LevelLayout, MapLayer, Storage, Tile, TileError, TileFormat, TileKey, TileSet,
     TileShape, TileSource,
 };
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -129,14 +127,6 @@ impl TileSource for PackTiles {
     }
 }
 
-fn unless(cancelled: &dyn Fn() -> bool) -> Result<(), TileError> {
-    if cancelled() {
-        Err(TileError::Cancelled)
-    } else {
-        Ok(())
-    }
-}
-
 /// Reads a tile's file, which must be just what the manifest says.
 pub(super) fn read_tile(
     path: &Path,
@@ -151,51 +141,4 @@ pub(super) fn read_tile(
         path: path.into(),
         cause,
     })
-}
-
-/// The bytes of a file, which must be just what the manifest says.
-///
-/// They are read once, hashed and decoded from memory: whatever happens to the file meanwhile, either they are those that the
-/// manifest knows or there are none. The caller has bounded the length.
-pub(super) fn read_whole(
-    path: &Path,
-    file: TileFile,
-    cancelled: &dyn Fn() -> bool,
-) -> Result<Vec<u8>, TileError> {
-    let unreadable = |source| TileError::Unreadable {
-        path: path.into(),
-        source,
-    };
-    let corrupt = |cause: String| TileError::Corrupt {
-        path: path.into(),
-        cause,
-    };
-    unless(cancelled)?;
-    // Opening a pipe would wait for its writer.
-    if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
-        return Err(corrupt("it is not a file".into()));
-    }
-    let opened = File::open(path).map_err(unreadable)?;
-    unless(cancelled)?;
-    // One byte more shows that the file has grown.
-    let mut bytes = Vec::with_capacity(file.bytes as usize + 1);
-    opened
-        .take(file.bytes + 1)
-        .read_to_end(&mut bytes)
-        .map_err(unreadable)?;
-    let expected = file.bytes;
-    if bytes.len() as u64 > expected {
-        return Err(corrupt(format!("it is longer than {expected} bytes")));
-    }
-    if (bytes.len() as u64) < expected {
-        let found = bytes.len();
-        return Err(corrupt(format!(
-            "it has {found} bytes instead of {expected}"
-        )));
-    }
-    unless(cancelled)?;
-    if TileFile::of(&bytes) != file {
-        return Err(corrupt("its checksum is not that of the manifest".into()));
-    }
-    Ok(bytes)
 }

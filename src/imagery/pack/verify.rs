@@ -1,10 +1,11 @@
 //! Verifying a pack: every tile there, whole and decodable, and nothing else among them.
 
 use super::error::PackError;
+use super::file::read_whole;
 use super::heights::{HeightIndex, HeightRecord, HeightsEntry, decode_heights};
 use super::manifest::{Manifest, TileFile, tile_path};
 use super::open::Pack;
-use super::tiles::{read_tile, read_whole};
+use super::tiles::read_tile;
 use crate::imagery::tile::{MapLayer, Storage, TileError, TileShape};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

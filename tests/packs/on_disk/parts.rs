@@ -157,7 +157,7 @@ fn damaged_manifests_with_parts_are_refused_with_line_or_key() {
 fn the_contact_sheet_shows_parts_at_their_places() {
     use terrella::internals::imagery::pack::preview;
     // The block that is shown is 40.
-    let shapes = vec![shape(20, 4), shape(20, 1)];
+    let shapes = vec![shape(20, 4), shape(20, 1), shape(16, 1)];
     let fixture = Fixture::of_shapes(&[Storage::Plain], &[(MapLayer::Day, shapes)], |key| {
         key.level == 0 && (key.block != 40 || key.part == 6)
     });

@@ -2,8 +2,8 @@
 
 use super::{HeightKind, HeightPlace, HeightValues, HeightsEntry};
 use crate::imagery::pack::error::PackError;
+use crate::imagery::pack::file::read_whole;
 use crate::imagery::pack::manifest::TileFile;
-use crate::imagery::pack::tiles::read_whole;
 use crate::imagery::tile::TileError;
 use std::path::Path;
 

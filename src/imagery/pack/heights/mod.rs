@@ -62,7 +62,7 @@ pub use source::PackHeights;
 pub use tile::{HeightValues, decode_heights, encode_heights};
 
 use super::container::MAX_OVERHEAD_BYTES;
-use super::manifest::TileFile;
+use super::file::TileFile;
 use std::path::{Path, PathBuf};
 
 /// Most samples of a tile's side, border not counted.

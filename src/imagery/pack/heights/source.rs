@@ -5,8 +5,8 @@ use crate::elevation::{
     HeightRange, HeightSamples, HeightTileError, HeightTileKey, HeightTileLayout, HeightTileSource,
 };
 use crate::imagery::pack::error::PackError;
+use crate::imagery::pack::file::read_whole;
 use crate::imagery::pack::open::Pack;
-use crate::imagery::pack::tiles::read_whole;
 use crate::imagery::tile::TileError;
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -11,6 +11,7 @@ mod tests;
 mod write;
 
 use crate::globe::Block;
+pub use crate::imagery::pack::file::TileFile;
 use crate::imagery::pack::heights::HeightsEntry;
 use crate::imagery::tile::{MapLayer, Storage, TileKey, TileShape};
 use std::path::PathBuf;
@@ -88,27 +89,6 @@ impl LevelEntry {
         }
         let at = usize::from(block) * usize::from(of_block) + usize::from(part);
         *self.tiles.get(storage)?.get(at)?
-    }
-}
-
-/// What a tile's file must be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TileFile {
-    /// Its length.
-    pub bytes: u64,
-    /// The first 16 bytes of its BLAKE3 hash.
-    pub checksum: [u8; 16],
-}
-
-impl TileFile {
-    /// Of these contents.
-    pub fn of(contents: &[u8]) -> Self {
-        let mut checksum = [0; 16];
-        checksum.copy_from_slice(&blake3::hash(contents).as_bytes()[..16]);
-        Self {
-            bytes: contents.len() as u64,
-            checksum,
-        }
     }
 }
 
