@@ -351,6 +351,7 @@ pub(super) fn value(earth: &EarthTable, key: &str) -> KeyText {
         "day_maps" | "cloud_maps" | "night_light_maps" | "map_fade" => {
             dated_maps_value(&earth.dated_maps, key)
         }
+        "pack_heights" | "ground_mb" if earth.pack.is_none() => Err("no pack"),
         "surface" | "elevation" | "pack_heights" | "ground_mb" | "tolerance_px" | "sea_floor"
         | "denoise" | "clipmap" | "contours" | "projected_grid" | "quadtree" => {
             relief_value(earth.relief.as_ref(), key)

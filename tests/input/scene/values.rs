@@ -155,7 +155,7 @@ fn every_key_is_read() {
          height_km = 0.001\nheading_deg = -360\npitch_deg = 90\n\
          [earth]\nlook = \"paper\"\nstrict = true\nfigure = \"sphere\"\nsubdivision = 48\nvisibility = \"paper\"\n\
          shading = \"paper\"\nclouds = false\nnormals = false\nnight_lights = false\n\
-         atmosphere = \"none\"\ntextures = \"maps\"\nsurface = \"blocks\"\npack_heights = false\n\
+         atmosphere = \"none\"\ntextures = \"maps\"\nsurface = \"blocks\"\n\
          water = false\naerosol_optical_depth = 0\n\
          [output]\nsize = [16384, 1]\nsamples = 1\n\
          exposure_ev = 1.5\ntone = \"linear\"\n\
@@ -197,7 +197,7 @@ fn every_key_is_read() {
     assert_eq!(scene.earth.textures, Some(folder.path("maps")));
     assert_eq!(scene.output.size, [16384, 1]);
     assert_eq!(scene.output.samples, 1);
-    assert_eq!(scene.line("output", "samples"), Some(47));
+    assert_eq!(scene.line("output", "samples"), Some(46));
     let quality = &scene.quality;
     assert_eq!((quality.target_ms, quality.scale), (Some(20.0), 0.5));
     assert_eq!(quality.ladder, Some(folder.path("sat.tle")));

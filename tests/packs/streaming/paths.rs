@@ -48,8 +48,8 @@ fn push_parts(
     let depth = |level: u8| layer.levels[usize::from(level)].shape.parts.ilog2() as u8;
     let level = (finest..layer.cut_levels() as u8).find(|level| depth(*level) == part.depth);
     match level {
-        Some(level) if noise % 3 > 0 || level == finest => {
-            if noise % 5 > 0 {
+        Some(level) if !noise.is_multiple_of(3) || level == finest => {
+            if !noise.is_multiple_of(5) {
                 let key = TileKey {
                     layer: layer.layer,
                     level,
@@ -284,7 +284,10 @@ fn maps() -> impl Strategy<Value = Vec<LayerLayout>> {
                     if level < cut {
                         // Some parts of every block.
                         entry.present = TileSet::none(entry.shape);
-                        for tile in (0..).filter(|n| scramble(seed ^ n) % 3 > 0).take(1 << 13) {
+                        for tile in (0..)
+                            .filter(|n| !scramble(seed ^ n).is_multiple_of(3))
+                            .take(1 << 13)
+                        {
                             let of_block = u64::from(entry.shape.tiles_of_block());
                             let (block, part) = (tile / of_block, tile % of_block);
                             entry.present.insert(block.min(255) as u8, part as u16);
