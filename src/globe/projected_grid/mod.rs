@@ -502,6 +502,8 @@ impl Surface for ProjectedGrid {
 
     fn heights_changed(&mut self, changes: &[HeightChange], _: &dyn Elevation) {
         self.raised = None;
+        // Where the grid lay was chosen by the heights before; it is laid anew, as if these had always been there.
+        self.frame = None;
         if let Some(tiles) = &mut self.tiles {
             tiles.heights_changed(changes);
         }
