@@ -172,7 +172,8 @@ fn check_pixels(
     if pixels[0] > most_pixels && pixels.last() == Some(&base) {
         let finest = pixels[0];
         return refuse(format!(
-            "a level of more than {most_pixels} pixels per block is cut into parts of the finest other level, which may not be the              coarsest{}",
+            "a level of more than {most_pixels} pixels per block is cut into parts of the finest other level, which may not be the \
+             coarsest{}",
             level_below(finest, most_pixels).map_or(String::new(), |n| format!(": add {n}"))
         ));
     }
