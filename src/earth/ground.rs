@@ -19,7 +19,7 @@ use std::time::Duration;
 /// Ground with relief in place of the smooth ellipsoid.
 #[derive(Clone)]
 pub struct GroundOptions {
-    /// Where heights come from: in memory as a whole, or streamed ([`StreamedGround`](crate::elevation::StreamedGround)).
+    /// Where heights come from: in memory as a whole, or streamed ([`StreamedGround`]).
     pub elevation: Arc<dyn Elevation>,
     /// The surface that draws the ground, with its settings.
     pub surface: SurfaceSettings,

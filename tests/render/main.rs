@@ -21,6 +21,7 @@ mod scaled;
 mod streamed_heights;
 #[cfg(feature = "packs")]
 mod tile_parts;
+#[cfg(feature = "packs")]
 mod tiles;
 #[cfg(feature = "tracks")]
 mod tracks;

@@ -92,7 +92,7 @@ pub struct HeightStreamCounters {
     pub changes: u64,
 }
 
-/// Heights of a source of tiles, under any number of [`HeightGrid`]s. Give it to [`GroundOptions`](crate::GroundOptions).
+/// Heights of a source of tiles, under any number of [`HeightGrid`](super::HeightGrid)s. Give it to [`GroundOptions`](crate::GroundOptions).
 ///
 /// As an [`Elevation`] it answers by the tiles that are in memory when it is asked; surfaces use [`Self::now`].
 pub struct StreamedGround {

@@ -108,7 +108,7 @@ pub struct BuildOptions {
     pub storages: Vec<Storage>,
     /// Levels of a map, texels per block, the finest first; by default the paper's up to the first that holds all
     /// detail of the map, and finer ones that are cut into parts where the map has more. Levels of more than
-    /// [`MAX_PART_PIXELS`](crate::imagery::tile::MAX_PART_PIXELS) are cut: they are the finest other level times 2, 4, 8 or 16.
+    /// [`MAX_PART_PIXELS`] are cut: they are the finest other level times 2, 4, 8 or 16.
     pub pixels: Vec<(MapLayer, Vec<u32>)>,
     /// Most memory of the process, bytes.
     pub memory_bytes: u64,
