@@ -1,9 +1,8 @@
 //! Manifests with levels that are cut into parts: version 2.
 
+use super::tests::{read, refusal};
 use super::*;
-use crate::imagery::pack::error::PackError;
 use crate::imagery::tile::{MapLayer, Storage, TileKey, TileShape};
-use std::path::Path;
 
 fn file(contents: &str) -> Option<TileFile> {
     Some(TileFile::of(contents.as_bytes()))
@@ -43,17 +42,6 @@ fn manifest() -> Manifest {
         }],
         heights: None,
     }
-}
-
-fn read(text: &str) -> Result<Manifest, PackError> {
-    Manifest::from_toml(text, Path::new("earth/pack.toml"))
-}
-
-/// The words of refusal of a text, with line and key.
-fn refusal(text: &str) -> String {
-    let error = read(text).expect_err("refused");
-    assert!(matches!(error, PackError::Key { .. }), "{error}");
-    error.to_string()
 }
 
 #[test]

@@ -39,12 +39,12 @@ fn manifest() -> Manifest {
     }
 }
 
-fn read(text: &str) -> Result<Manifest, PackError> {
+pub(super) fn read(text: &str) -> Result<Manifest, PackError> {
     Manifest::from_toml(text, Path::new("earth/pack.toml"))
 }
 
 /// The words of refusal of a text, which must be refused at a key.
-fn refusal(text: &str) -> String {
+pub(super) fn refusal(text: &str) -> String {
     let error = read(text).expect_err("refused");
     assert!(matches!(error, PackError::Key { .. }), "{error}");
     error.to_string()
