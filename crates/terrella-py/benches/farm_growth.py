@@ -86,11 +86,11 @@ def measured(runs):
         rows.append(("sweep of 2000 such samples, two workers: s in all; samples a second with the start; after it",
                      f"{format_number(run['wall_s'])}; {format_number(run['done'] / run['wall_s'])}; {format_number(run['rate'])}", "`farm.py big_sweep 1`"))
     of = {n: values(runs, "pack plain", n, "wall_s") for n in (1, 2)}
-    rows.append(("pack of four starter maps, plain, s: one worker; two", f"{spread(of[1])}; {spread(of[2])}", f"`farm.py pack`, {len(of[1])} rounds"))
+    rows.append(("pack of four starter maps, plain, s: one worker; two; one over two", f"{spread(of[1])}; {spread(of[2])}; {spread(ratios(of[1], of[2]))}", f"`farm.py pack`, {len(of[1])} rounds"))
     rows.append(("the same by the workers' processor time: two over one",
                  spread([2 * one / two for one, two in zip(*(values(runs, "pack plain", n, "processor_s") for n in (1, 2)))]), f"{len(of[1])} rounds"))
-    of = values(runs, "pack bc", 1, "wall_s")
-    rows.append(("the same maps, compressed, one worker, s", spread(of), f"{len(of)} rounds"))
+    of = {n: values(runs, "pack bc", n, "wall_s") for n in (1, 2)}
+    rows.append(("the same maps, compressed, s: one worker; two; one over two", f"{spread(of[1])}; {spread(of[2])}; {spread(ratios(of[1], of[2]))}", f"{len(of[1])} rounds"))
     rows += [
         ("calls a second that do nothing: pool; Dask on this machine",
          f"{spread(values(runs, 'engine', key='calls_a_second'))}; {spread(values(runs, 'engine', key='calls_a_second', address='local'))}", "`farm.py engines`"),
@@ -182,7 +182,7 @@ def files():
     machine = json.loads((HERE / "farm_machine.json").read_text(encoding="utf-8"))
     made = {}
     for name, rows, method in [
-        ("farm.csv", measured(runs), "one worker on one core, two on one core each, by turns, on a machine that others used too"),
+        ("farm.csv", measured(runs), "one worker on one core, two on one core each, by turns"),
         ("farm_growth.csv", growth(runs), "computed from the runs of farm.csv"),
     ]:
         command = "python crates/terrella-py/benches/" + ("farm.py WHAT" if name == "farm.csv" else "farm_growth.py")

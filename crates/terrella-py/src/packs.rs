@@ -111,13 +111,7 @@ impl PyPackBuild {
         let shares = plan.shares.into_iter().map(|share| {
             let name = share.layer.name().to_owned();
             let columns = share.columns;
-            (
-                name,
-                columns.start,
-                columns.end,
-                share.texels,
-                share.missing,
-            )
+            (name, columns.start, columns.end, share.cost, share.missing)
         });
         Ok((shares.collect(), plan.tiles))
     }
@@ -127,7 +121,7 @@ impl PyPackBuild {
         let share = BuildShare {
             layer: layer(map)?,
             columns: first..end,
-            texels: 0,
+            cost: 0,
             missing: 0,
         };
         py.detach(|| build_share(&self.0, &share, &Interruptible))

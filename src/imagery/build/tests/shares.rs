@@ -51,7 +51,7 @@ fn shares_give_the_files_of_one_build() {
         let plan = begin_shares(&shared, workers, &()).expect("begins");
         assert_eq!(plan.tiles as usize + 1, contents(&whole.out).len());
         let missing: u64 = plan.shares.iter().map(|share| share.missing).sum();
-        let costs: Vec<_> = plan.shares.iter().map(|share| share.texels).collect();
+        let costs: Vec<_> = plan.shares.iter().map(|share| share.cost).collect();
         assert!(costs.is_sorted_by(|a, b| a >= b), "{costs:?}");
         if workers == 3 {
             assert_eq!(missing, plan.tiles);
@@ -86,9 +86,23 @@ fn share(layer: MapLayer, start: u32, end: u32) -> BuildShare {
     BuildShare {
         layer,
         columns: start..end,
-        texels: 0,
+        cost: 0,
         missing: 0,
     }
+}
+
+#[test]
+fn colours_cost_more_than_water() {
+    // The same picture is both maps, and water has the more texels: still it is the day that is divided among two.
+    let folder = tempfile::tempdir().expect("a folder");
+    let options = BuildOptions {
+        pixels: vec![(MapLayer::Day, vec![40, 16]), (MapLayer::Water, vec![48])],
+        ..options(folder.path(), "shared")
+    };
+    let plan = begin_shares(&options, 2, &()).expect("begins");
+    let of = |layer| plan.shares.iter().filter(|share| share.layer == layer);
+    let counts = [MapLayer::Day, MapLayer::Water].map(|layer| of(layer).count());
+    assert_eq!(counts, [2, 1], "{:?}", plan.shares);
 }
 
 #[test]
