@@ -2,11 +2,12 @@
 //!
 //! ```text
 //! cargo bench --bench streaming -- --pack DIR [--texture-mb N] [--upload-mb N] [--size WxH] [--flight orbit|spin]
-//!                                  [--seconds N] [--storage plain|bc|auto] [--tiles both|with|without] [--frames DIR]
+//!                                  [--turn-s N] [--seconds N] [--storage plain|bc|auto] [--tiles both|with|without]
+//!                                  [--frames DIR]
 //! ```
 //!
 //! Two flights: `orbit`, the International Space Station for 90 minutes at 60 ×, looking down; and `spin`, 200 km above
-//! the ground, once round the Earth in 20 s, looking at the horizon, the Sun always behind. Each frame is prepared,
+//! the ground, once round the Earth in 20 s (`--turn-s`; an orbit takes 5300 s), looking at the horizon, the Sun always behind. Each frame is prepared,
 //! submitted and waited for; its time is the whole, and that of `prepare` is told apart with and without the copying of
 //! tiles, beside the processor time of its thread, which does not grow with what else the machine does. Memory is the
 //! process's largest so far, so give one flight a process where it matters.
@@ -34,9 +35,8 @@ use terrella::{Earth, EyeView, Sky};
 /// As far ahead as the window looks, seconds.
 const EXPECTED_S: [f64; 3] = [0.5, 1.5, 4.0];
 
-/// Height of the spin, metres, and time of one turn, seconds.
+/// Height of the spin, metres.
 const SPIN_HEIGHT_M: f64 = 200e3;
-const SPIN_TURN_S: f64 = 20.0;
 
 fn main() {
     let arguments = Arguments::read();
@@ -87,7 +87,7 @@ fn main() {
                 targets,
                 size: arguments.size,
             };
-            let (view, sky) = course_at(*course, &flight, 0.0, renderer.aspect());
+            let (view, sky) = course_at(course, &flight, 0.0, renderer.aspect());
             if renderer.draw_first(&view, &sky) {
                 println!(
                     "\n{} {}: first complete coarse picture after {:.0} ms, {:.0} ms since the start",
@@ -98,7 +98,7 @@ fn main() {
                 );
             }
             let folder = format!("{} {}", course.name(), drawn.name());
-            let record = fly(&mut renderer, *course, &folder, &flight, &arguments);
+            let record = fly(&mut renderer, course, &folder, &flight, &arguments);
             record.print(&folder);
             flown.push((*drawn, record));
         }
@@ -157,8 +157,8 @@ fn course_at(course: Course, flight: &Flight, seconds: f64, aspect: f64) -> (Eye
                 .expect("within the elements' reach");
             (moment.view, moment.sky)
         }
-        Course::Spin => {
-            let angle = seconds / SPIN_TURN_S * std::f64::consts::TAU;
+        Course::Spin { turn_s } => {
+            let angle = seconds / turn_s * std::f64::consts::TAU;
             let tilt = DQuat::from_rotation_x(51.6_f64.to_radians());
             let (up, forward) = (
                 tilt * DVec3::new(angle.cos(), angle.sin(), 0.0),
@@ -183,7 +183,7 @@ fn fly(
     let aspect = renderer.aspect();
     let length_s = arguments.seconds.unwrap_or(match course {
         Course::Orbit => 90.0,
-        Course::Spin => 2.0 * SPIN_TURN_S,
+        Course::Spin { turn_s } => 2.0 * turn_s,
     });
     let mut record = Record::new(folder, arguments.frames.as_deref());
     let start = Instant::now();

@@ -3,17 +3,20 @@
 use std::path::PathBuf;
 
 /// The course of a flight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Course {
     Orbit,
-    Spin,
+    /// Once round the Earth in so many seconds.
+    Spin {
+        turn_s: f64,
+    },
 }
 
 impl Course {
     pub fn name(self) -> &'static str {
         match self {
             Self::Orbit => "orbit",
-            Self::Spin => "spin",
+            Self::Spin { .. } => "spin",
         }
     }
 }
@@ -42,7 +45,9 @@ pub struct Arguments {
     pub texture_mb: f64,
     pub upload_mb: f64,
     pub size: (u32, u32),
-    pub flight: Option<Course>,
+    /// `orbit` or `spin`; both where it is empty.
+    pub flight: String,
+    pub turn_s: f64,
     pub seconds: Option<f64>,
     pub storage: String,
     pub frames: Option<PathBuf>,
@@ -57,7 +62,8 @@ impl Arguments {
             texture_mb: 512.0,
             upload_mb: 4.0,
             size: (640, 360),
-            flight: None,
+            flight: String::new(),
+            turn_s: 20.0,
             seconds: None,
             storage: "auto".into(),
             frames: None,
@@ -77,6 +83,7 @@ impl Arguments {
                 "--pack" => read.pack = Some(value().into()),
                 "--texture-mb" => read.texture_mb = number(value()),
                 "--upload-mb" => read.upload_mb = number(value()),
+                "--turn-s" => read.turn_s = number(value()),
                 "--seconds" => read.seconds = Some(number(value())),
                 "--storage" => read.storage = value(),
                 "--frames" => read.frames = Some(value().into()),
@@ -96,11 +103,10 @@ impl Arguments {
                     };
                 }
                 "--flight" => {
-                    read.flight = Some(match value().as_str() {
-                        "orbit" => Course::Orbit,
-                        "spin" => Course::Spin,
-                        other => panic!("--flight is orbit or spin, not {other}"),
-                    });
+                    read.flight = value();
+                    if !["orbit", "spin"].contains(&read.flight.as_str()) {
+                        panic!("--flight is orbit or spin, not {}", read.flight);
+                    }
                 }
                 // A filter for other benchmarks.
                 _ if !word.starts_with('-') => {}
@@ -110,11 +116,14 @@ impl Arguments {
         read
     }
 
-    pub fn courses(&self) -> &[Course] {
-        match self.flight {
-            Some(Course::Orbit) => &[Course::Orbit],
-            Some(Course::Spin) => &[Course::Spin],
-            None => &[Course::Orbit, Course::Spin],
-        }
+    pub fn courses(&self) -> Vec<Course> {
+        let all = [
+            Course::Orbit,
+            Course::Spin {
+                turn_s: self.turn_s,
+            },
+        ];
+        let is_meant = |course: &Course| self.flight.is_empty() || self.flight == course.name();
+        all.into_iter().filter(is_meant).collect()
     }
 }
