@@ -81,6 +81,21 @@ impl Bounds {
         }
     }
 
+    /// Whether the two have a place in common, if only one on their edges.
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
+        let from_west = (other.west_rad - self.west_rad).rem_euclid(TAU);
+        let from_other = (self.west_rad - other.west_rad).rem_euclid(TAU);
+        let along = from_west <= self.width_rad || from_other <= other.width_rad;
+        // On a pole all meridians meet.
+        let pole = |bounds: &Self| {
+            let near = FRAC_PI_2 - 1e-9;
+            (bounds.north_rad >= near, bounds.south_rad <= -near)
+        };
+        let (a, b) = (pole(self), pole(other));
+        let at_pole = a.0 && b.0 || a.1 && b.1;
+        self.south_rad <= other.north_rad && other.south_rad <= self.north_rad && (along || at_pole)
+    }
+
     /// Whether a place lies inside or on the edge.
     pub fn contains(&self, lat_rad: f64, lon_rad: f64) -> bool {
         (self.south_rad..=self.north_rad).contains(&lat_rad)

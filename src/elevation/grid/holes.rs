@@ -11,9 +11,14 @@ pub(in crate::elevation) const LEFT: u8 = 9;
 /// Gives every sample of a level that is not a number the value of the next coarser level at its place.
 pub(super) fn fill(shape: &LevelShape, values: &mut [f32], coarse: &LevelShape, coarser: &[f32]) {
     for (row, values) in values.chunks_exact_mut(shape.columns).enumerate() {
-        fill_row(shape, row, 0..shape.columns, values, coarse, |row, column| {
-            f64::from(coarser[row * coarse.columns + column])
-        });
+        fill_row(
+            shape,
+            row,
+            0..shape.columns,
+            values,
+            coarse,
+            |row, column| f64::from(coarser[row * coarse.columns + column]),
+        );
     }
 }
 

@@ -1,10 +1,10 @@
 //! Heights at equal steps of latitude and longitude, held in memory.
 
-mod build;
+pub(super) mod build;
 mod georeference;
-mod holes;
-mod levels;
-mod placement;
+pub(super) mod holes;
+pub(super) mod levels;
+pub(super) mod placement;
 mod ranges;
 #[cfg(test)]
 mod tests;
@@ -218,11 +218,9 @@ impl HeightGrid {
             });
         }
         match &self.samples {
-            Samples::F32(values) => {
-                shape.interpolate(row, column, *poles_m, |row, column| {
-                    f64::from(values[row * shape.columns + column])
-                })
-            }
+            Samples::F32(values) => shape.interpolate(row, column, *poles_m, |row, column| {
+                f64::from(values[row * shape.columns + column])
+            }),
             Samples::I16 {
                 values,
                 offset_m,
@@ -246,7 +244,7 @@ impl HeightGrid {
 
     /// Height and weight of a place; no height where the weight is 0.
     #[inline]
-    pub(super) fn weighted(
+    pub(crate) fn weighted(
         &self,
         lat_rad: f64,
         lon_rad: f64,
@@ -292,7 +290,10 @@ impl HeightGrid {
                 return false;
             }
         }
-        self.coverage.is_none() || !self.ranges.has_left_hole(&self.place.lattice, rows, columns)
+        self.coverage.is_none()
+            || !self
+                .ranges
+                .has_left_hole(&self.place.lattice, rows, columns)
     }
 
     /// Lowest and highest height that the grid answers inside the bounds at spacings up to `coarsest_rad`; infinite for

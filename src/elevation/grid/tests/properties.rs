@@ -61,7 +61,7 @@ proptest! {
             lon = bounds.west_rad + (0.5 + 0.2 * u) * bounds.width_rad;
         }
         // On a column and on a row: there interpolation goes from one pair of samples to the next.
-        let SampleLattice { west_rad, lon_step_rad, north_rad, lat_step_rad, columns, rows, .. } = grid.place.lattice;
+        let super::super::georeference::SampleLattice { west_rad, lon_step_rad, north_rad, lat_step_rad, columns, rows, .. } = grid.place.lattice;
         let column = west_rad + (u.abs() * 0.5 * columns as f64).floor() * lon_step_rad;
         let row = north_rad - (v * rows as f64).floor() * lat_step_rad;
         let tiny = 1e-9;
