@@ -14,6 +14,9 @@ pub(crate) mod geo_tags;
 mod grid;
 mod ground;
 pub mod read;
+// Packs are built from them.
+#[cfg_attr(not(feature = "pack-build"), allow(dead_code))]
+pub(crate) mod spool;
 mod stream;
 mod tiles;
 
