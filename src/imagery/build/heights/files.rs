@@ -10,6 +10,7 @@ use crate::imagery::build::folder::{BuildFolder, ScratchFolder};
 use crate::imagery::build::plan::Means;
 use crate::imagery::build::{BuildError, BuildProgress};
 use crate::imagery::pack::{HeightKind, HeightsEntry, TileFile};
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
@@ -67,7 +68,11 @@ impl HeightFiles {
             if progress.cancelled() {
                 return Err(BuildError::Cancelled);
             }
-            let heights = match held(path, &budget.limits())? {
+            progress.begin(&file_name(path), Some(1));
+            let held = held(path, &budget.limits());
+            progress.step();
+            progress.end();
+            let heights = match held? {
                 Some((grid, attribution)) => {
                     budget.hold(grid.stats().bytes);
                     HeightSource::held(path, grid, attribution)
@@ -251,6 +256,10 @@ fn step_rad((columns, rows): (u32, u32), bounds: &Bounds, flat_rad: Option<f64>)
     step_rad.max(flat_rad.unwrap_or(0.0))
 }
 
+fn file_name(path: &Path) -> Cow<'_, str> {
+    path.file_name().unwrap_or_default().to_string_lossy()
+}
+
 /// What is told while a file is read into a scratch file.
 struct Host<'a> {
     path: &'a Path,
@@ -264,9 +273,8 @@ impl SpoolHost for Host<'_> {
     }
 
     fn begin(&self, rows: u64) {
-        let name = self.path.file_name().unwrap_or_default();
-        let name = name.to_string_lossy();
-        self.progress.begin(&name, Some(rows));
+        let what = format!("{}, part by part", file_name(self.path));
+        self.progress.begin(&what, Some(rows));
     }
 
     fn step(&self) {
@@ -313,8 +321,7 @@ impl View<'_> {
 
 /// Name and size, in characters that a manifest can hold.
 fn source_text(path: &Path, (columns, rows): (u32, u32)) -> String {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let name: String = name
+    let name: String = file_name(path)
         .chars()
         .map(|c| if c.is_control() { '?' } else { c })
         .take(500)

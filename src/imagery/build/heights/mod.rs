@@ -12,6 +12,8 @@ mod files;
 mod layout;
 mod samples;
 #[cfg(test)]
+mod spooled_tests;
+#[cfg(test)]
 mod tests;
 
 use super::folder::BuildFolder;
