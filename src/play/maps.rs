@@ -209,8 +209,8 @@ fn pack_options(
     let (storage, decode) = storage_of(&pack, table, bc)?;
     let has = |layer| pack.manifest().layer(layer).is_some();
     let (mut layers, dropped) = wanted_layers(scene, table, has)?;
-    warn_of(&dropped);
     check_heights(scene, table, &pack)?;
+    warn_of(&dropped);
     let is_paper = scene.earth.is_paper();
     layers.retain(|layer| *layer != MapLayer::Normals || !is_paper);
     let entry = pack.manifest().layer(MapLayer::Normals);

@@ -302,7 +302,8 @@ fn heights_of_a_pack_are_drawn_as_those_of_their_file() {
         let (scene, png) = (format!("{name}.toml"), format!("{name}.png"));
         place.scene(&scene, &text);
         let output = place.succeed(&["frame", &scene, "-o", &png]);
-        assert!(!words(&output).contains("missing"), "{}", words(&output));
+        // All tiles were waited for.
+        assert!(!words(&output).contains("wait_s"), "{}", words(&output));
         pictures.push(image::open(place.path(&png)).expect("a picture").to_rgb8());
     }
     let (worst, mean) = difference(&pictures[0], &pictures[1]);
@@ -310,7 +311,8 @@ fn heights_of_a_pack_are_drawn_as_those_of_their_file() {
     println!(
         "pack against file: worst {worst}, mean {mean:.4}; against none: mean {without:.2} of 255"
     );
-    assert!(mean < 0.5, "worst {worst}, mean {mean}");
+    // Triangles are not the same: coarser heights of a pack are means of the finer ones, those of a file are evened out besides.
+    assert!(mean < 1.5, "worst {worst}, mean {mean}");
     assert!(without > 5.0, "{without}");
 }
 

@@ -108,7 +108,7 @@ fn south_first(dir: &Path) -> PathBuf {
     for (y, x) in (0..rows).flat_map(|y| (0..columns).map(move |x| (y, x))) {
         let height = match is_hole(x, y) {
             true => -32_767,
-            false => (value(x, y, 3) / 10) as i16,
+            false => (value(x, y, 3) / 20) as i16,
         };
         head.extend(height.to_be_bytes());
     }
