@@ -14,10 +14,12 @@ struct Host {
 }
 
 impl Host {
-    const PATIENT: Self = Self {
-        free: None,
-        rows: AtomicU32::new(u32::MAX),
-    };
+    fn patient() -> Self {
+        Self {
+            free: None,
+            rows: AtomicU32::new(u32::MAX),
+        }
+    }
 }
 
 impl SpoolHost for Host {
@@ -130,7 +132,7 @@ fn windows() -> Vec<Bounds> {
 }
 
 fn spool(path: &Path, dir: &Path) -> HeightSpool {
-    HeightSpool::read(path, &dir.join("spool"), &Host::PATIENT).expect("reads")
+    HeightSpool::read(path, &dir.join("spool"), &Host::patient()).expect("reads")
 }
 
 /// Compares them everywhere; how many places had a height, and how many of those counted in part.
@@ -256,7 +258,7 @@ fn files_of_all_formats_are_spooled() {
         }
         let folder = tempfile::tempdir().expect("a folder");
         let scratch = folder.path().join("spool");
-        let spooled = HeightSpool::read(&path, &scratch, &Host::PATIENT);
+        let spooled = HeightSpool::read(&path, &scratch, &Host::patient());
         match (open_heights(&path, &GridLimits::default()), spooled) {
             (Ok(file), Ok(spool)) => {
                 compare(&file, &spool);
@@ -307,7 +309,7 @@ fn what_cannot_be_spooled_is_told_and_nothing_stays() {
         assert!(matches!(error, SpoolError::Stopped), "{error}");
     }
     let place = folder.path().join("none/spool");
-    let error = HeightSpool::read(&path, &place, &Host::PATIENT).expect_err("no folder");
+    let error = HeightSpool::read(&path, &place, &Host::patient()).expect_err("no folder");
     assert!(
         matches!(&error, SpoolError::Scratch { path, .. } if path.ends_with("none/spool-rows")),
         "{error}"

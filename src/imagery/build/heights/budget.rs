@@ -1,6 +1,6 @@
 //! Which files of heights are held in memory, and which are read part by part.
 
-use super::samples::working_bytes;
+use super::layout::MOST_SIDE;
 use crate::elevation::GridLimits;
 use crate::elevation::spool::{SpoolNeeds, look};
 use crate::imagery::build::BuildError;
@@ -15,6 +15,16 @@ const WINDOW_BYTES: u64 = 4 << 20;
 
 /// Bytes that are kept of tiles for each sample of a file.
 const NOTED_BYTES: f64 = 0.004;
+
+/// Finer tiles that are kept for each thread: the 16 that a tile with its border reaches, and some for its neighbours.
+pub(super) const KEPT_A_THREAD: usize = 24;
+
+/// Bytes of tiles that so many threads hold at most.
+fn working_bytes(threads: usize) -> u64 {
+    let side = u64::from(MOST_SIDE) + 2;
+    // Kept tiles, one being made and one being decoded, of floats; and its compressed bytes.
+    side * side * 4 * threads as u64 * (KEPT_A_THREAD as u64 + 4)
+}
 
 /// What may be held.
 pub(super) struct Budget {

@@ -1,5 +1,6 @@
 //! The samples of a tile: from the files, or means of finer tiles where those are.
 
+use super::budget::KEPT_A_THREAD;
 use super::files::{HeightFiles, View};
 use crate::elevation::Bounds;
 use crate::imagery::build::BuildError;
@@ -9,16 +10,6 @@ use crate::imagery::pack::{
 };
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::{Arc, Mutex, PoisonError};
-
-/// Finer tiles that are kept for each thread: the 16 that a tile with its border reaches, and some for its neighbours.
-const KEPT_A_THREAD: usize = 24;
-
-/// Bytes that so many threads hold at most.
-pub(super) fn working_bytes(threads: usize) -> u64 {
-    let side = u64::from(super::layout::MOST_SIDE) + 2;
-    // Kept tiles, one being made and one being decoded, of floats; and its compressed bytes.
-    side * side * 4 * threads as u64 * (KEPT_A_THREAD as u64 + 4)
-}
 
 /// Where the samples of a tile come from, kept from one to the next.
 #[derive(Default)]

@@ -172,7 +172,8 @@ fn tiles_do_not_tell_how_their_files_were_read() {
         "south_deg = 66, north_deg = 90, west_deg = -30, east_deg = 75",
         "cells",
     );
-    let makes: [(&str, &dyn Fn(&Path) -> Vec<PathBuf>, bool); 5] = [
+    type Make<'a> = &'a dyn Fn(&Path) -> Vec<PathBuf>;
+    let makes: [(&str, Make<'_>, bool); 5] = [
         (
             "cells",
             &|dir| vec![png(dir, "a", (500, 251), false, &cells)],
