@@ -55,7 +55,7 @@ impl Ground {
         for (number, grid) in grids.iter().enumerate() {
             let bounds = grid.bounds();
             for (part, numbers) in parts.iter_mut().enumerate() {
-                if overlap(&bounds, &part_bounds(part)) {
+                if bounds.overlaps(&part_bounds(part)) {
                     numbers.push(number as u32);
                 }
             }
@@ -207,7 +207,7 @@ impl Elevation for Ground {
             None => f64::INFINITY,
         };
         for grid in self.grids.iter() {
-            if !overlap(&grid.bounds(), bounds) {
+            if !grid.bounds().overlaps(bounds) {
                 continue;
             }
             return match grid.rules(bounds) {
@@ -224,7 +224,7 @@ impl Ground {
     fn range_of(&self, bounds: &Bounds, coarsest_rad: f64, is_ever: bool) -> HeightRange {
         let (mut low_m, mut high_m) = (f64::INFINITY, f64::NEG_INFINITY);
         for grid in self.grids.iter() {
-            if !overlap(&grid.bounds(), bounds) {
+            if !grid.bounds().overlaps(bounds) {
                 continue;
             }
             let range = grid.range_m(bounds, coarsest_rad);
@@ -275,19 +275,4 @@ fn part_bounds(part: usize) -> Bounds {
         west_rad: (part % COLUMNS) as f64 * width - MORE,
         width_rad: width + 2.0 * MORE,
     }
-}
-
-/// Whether two bounds have a place in common.
-fn overlap(a: &Bounds, b: &Bounds) -> bool {
-    let from_a = (b.west_rad - a.west_rad).rem_euclid(TAU);
-    let from_b = (a.west_rad - b.west_rad).rem_euclid(TAU);
-    let along = from_a <= a.width_rad || from_b <= b.width_rad;
-    // On a pole all meridians meet.
-    let pole = |bounds: &Bounds| {
-        let near = FRAC_PI_2 - 1e-9;
-        (bounds.north_rad >= near, bounds.south_rad <= -near)
-    };
-    let (a_pole, b_pole) = (pole(a), pole(b));
-    let at_pole = a_pole.0 && b_pole.0 || a_pole.1 && b_pole.1;
-    a.south_rad <= b.north_rad && b.south_rad <= a.north_rad && (along || at_pole)
 }

@@ -14,6 +14,9 @@ pub(crate) mod geo_tags;
 mod grid;
 mod ground;
 pub mod read;
+// Packs are built from them.
+#[cfg_attr(not(feature = "pack-build"), allow(dead_code))]
+pub(crate) mod spool;
 mod stream;
 mod tiles;
 
@@ -79,6 +82,21 @@ impl Bounds {
             west_rad: lon_rad - aside_rad,
             width_rad: 2.0 * aside_rad,
         }
+    }
+
+    /// Whether the two have a place in common, if only one on their edges.
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
+        let from_west = (other.west_rad - self.west_rad).rem_euclid(TAU);
+        let from_other = (self.west_rad - other.west_rad).rem_euclid(TAU);
+        let along = from_west <= self.width_rad || from_other <= other.width_rad;
+        // On a pole all meridians meet.
+        let pole = |bounds: &Self| {
+            let near = FRAC_PI_2 - 1e-9;
+            (bounds.north_rad >= near, bounds.south_rad <= -near)
+        };
+        let (a, b) = (pole(self), pole(other));
+        let at_pole = a.0 && b.0 || a.1 && b.1;
+        self.south_rad <= other.north_rad && other.south_rad <= self.north_rad && (along || at_pole)
     }
 
     /// Whether a place lies inside or on the edge.

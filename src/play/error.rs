@@ -49,10 +49,15 @@ pub enum PlayError {
     PackHeights(#[from] StreamedGroundError),
     /// The scene asks for heights that its pack has not.
     #[error(
-        "[earth] pack_heights: the pack {} has no heights; leave it out and name files by elevation = [\"FILE\", …]",
-        folder.display()
+        "{}:{line}: [earth] pack_heights: the pack {} has no heights; leave it out and name files by elevation = [\"FILE\", …], or build \
+         the pack with --heights",
+        scene.display(), folder.display()
     )]
     NoPackHeights {
+        /// The scene's file.
+        scene: PathBuf,
+        /// Its line.
+        line: usize,
         /// The pack's folder.
         folder: PathBuf,
     },
@@ -270,6 +275,7 @@ impl PlayError {
             Self::Scene(_)
                 | Self::NoSatellite
                 | Self::NoLayer { .. }
+                | Self::NoPackHeights { .. }
                 | Self::MissingLayer { .. }
                 | Self::NoStorage { .. }
                 | Self::UnknownSatellite { .. }

@@ -77,6 +77,7 @@ pub(super) fn dropped_layers(scene: &Scene) -> Result<Vec<DroppedLayer>, PlayErr
         let pack_on_disk = Pack::open(folder)?;
         let has = |layer| pack_on_disk.manifest().layer(layer).is_some();
         let (_, dropped) = wanted_layers(scene, pack, has)?;
+        check_heights(scene, pack, &pack_on_disk)?;
         return Ok(dropped);
     }
     let folder = match (&table.textures, table.strict) {
@@ -208,6 +209,7 @@ fn pack_options(
     let (storage, decode) = storage_of(&pack, table, bc)?;
     let has = |layer| pack.manifest().layer(layer).is_some();
     let (mut layers, dropped) = wanted_layers(scene, table, has)?;
+    check_heights(scene, table, &pack)?;
     warn_of(&dropped);
     let is_paper = scene.earth.is_paper();
     layers.retain(|layer| *layer != MapLayer::Normals || !is_paper);
@@ -282,6 +284,22 @@ fn wanted_layers(
         }
     }
     Ok((layers, told(scene, dropped)?))
+}
+
+/// Refuses a scene that asks for heights of a pack that has none.
+fn check_heights(scene: &Scene, table: &PackTable, pack: &Pack) -> Result<(), PlayError> {
+    let relief = scene.earth.relief.as_ref();
+    let is_wanted = relief.is_some_and(|relief| relief.pack_heights_mb.is_some());
+    match scene.line("earth", "pack_heights") {
+        Some(line) if is_wanted && pack.manifest().heights.is_none() => {
+            Err(PlayError::NoPackHeights {
+                scene: scene.path.clone(),
+                line,
+                folder: table.folder.clone(),
+            })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Which of the storages that a pack keeps is read, and whether it is decoded before it goes to the adapter; `None` if

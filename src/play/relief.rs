@@ -7,7 +7,7 @@ use crate::elevation::{
     open_heights_denoised,
 };
 use crate::imagery::find_textures;
-use crate::imagery::pack::{Pack, PackError};
+use crate::imagery::pack::Pack;
 use crate::scene::{PackTable, ReliefTable};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -24,10 +24,7 @@ pub(super) fn ground_options(
                 false => read_ground(&table.elevation, table.sea_floor, table.denoise)?,
             };
             let pack = Pack::open(&pack.folder)?;
-            let tiles = pack.height_tiles().map_err(|error| match error {
-                PackError::NoHeights { path } => PlayError::NoPackHeights { folder: path },
-                error => error.into(),
-            })?;
+            let tiles = pack.height_tiles()?;
             let options = HeightStreamOptions {
                 memory_bytes: (1e6 * megabytes) as u64,
                 ..HeightStreamOptions::default()

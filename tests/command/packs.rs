@@ -1,7 +1,7 @@
 //! Imagery packs from maps to pictures: built, verified, drawn in both storages; damaged and unfinished ones.
 
 use crate::{Place, png_size, words};
-use image::{Rgb, RgbImage};
+use image::{ImageBuffer, Luma, Rgb, RgbImage};
 use std::path::PathBuf;
 use terrella::internals::measure::bench::{BenchReport, BenchRow};
 use terrella::internals::play::PictureStats;
@@ -262,4 +262,78 @@ fn a_pack_is_measured_with_its_levels() {
         "{far:?}"
     );
     assert!(report.rows.iter().map(most).max() > Some(20));
+}
+
+/// Writes the heights of some mountains, 300 × 300 samples over 5.9° × 5.9°, whole metres from 0 to 6000 m; a pack of heights of 18 432 round
+/// the Earth has samples at the same places.
+fn mountains(place: &Place) {
+    let heights: ImageBuffer<Luma<u16>, _> = ImageBuffer::from_fn(300, 300, |x, y| {
+        let (x, y) = (f64::from(x), f64::from(y));
+        let ridges = (x * 0.11).sin() * (y * 0.083).cos();
+        Luma([(3000.0 * (1.0 + ridges)) as u16])
+    });
+    heights.save(place.path("alps.png")).expect("writes");
+    let text = "bounds = { south_deg = 42.1875, north_deg = 48.046875, west_deg = 42.1875, east_deg = 48.046875 }\n\
+                registration = \"cells\"\nunit = \"metres\"\n";
+    std::fs::write(place.path("alps.toml"), text).expect("writes");
+}
+
+/// A pack's heights are the ground of a scene as those of the file that they were made from are.
+#[test]
+fn heights_of_a_pack_are_drawn_as_those_of_their_file() {
+    let place = Place::new();
+    RgbImage::from_pixel(256, 128, Rgb([150, 140, 120]))
+        .save(place.path("day.png"))
+        .expect("writes");
+    mountains(&place);
+    let build = "--quiet pack build --day day.png --heights alps.png --pixels day=16 --storage plain -o earth";
+    place.succeed(&build.split(' ').collect::<Vec<_>>());
+    let mut pictures = Vec::new();
+    for (name, ground) in [
+        ("pack", "pack_heights = true"),
+        ("file", "elevation = [\"alps.png\"]"),
+        ("none", ""),
+    ] {
+        let text = format!(
+            "[camera]\nmode = \"geodetic\"\nlat_deg = 43\nlon_deg = 45\nheight_km = 40\nheading_deg = 0\npitch_deg = -25\n\
+             [time]\nstart = \"2018-03-20T05:00:00Z\"\nduration_s = 2\nspeed = 10\nframe_rate_hz = 10\n\
+             [earth]\npack = \"earth\"\natmosphere = \"none\"\n{ground}\n[output]\nsize = [256, 144]\n"
+        );
+        let (scene, png) = (format!("{name}.toml"), format!("{name}.png"));
+        place.scene(&scene, &text);
+        let output = place.succeed(&["frame", &scene, "-o", &png]);
+        // All tiles were waited for.
+        assert!(!words(&output).contains("wait_s"), "{}", words(&output));
+        pictures.push(image::open(place.path(&png)).expect("a picture").to_rgb8());
+    }
+    let (worst, mean) = difference(&pictures[0], &pictures[1]);
+    let (_, without) = difference(&pictures[0], &pictures[2]);
+    println!(
+        "pack against file: worst {worst}, mean {mean:.4}; against none: mean {without:.2} of 255"
+    );
+    // Triangles are not the same: coarser heights of a pack are means of the finer ones, those of a file are evened out besides.
+    assert!(mean < 1.5, "worst {worst}, mean {mean}");
+    assert!(without > 5.0, "{without}");
+}
+
+#[test]
+fn a_scene_that_wants_heights_of_a_pack_without_is_refused() {
+    let place = with_pack();
+    scene(
+        &place,
+        "a.toml",
+        "surface = \"quadtree\"\npack_heights = true",
+    );
+    let told = place.fail(2, &["frame", "a.toml", "-o", "a.png"]);
+    for word in [
+        "a.toml:15: [earth] pack_heights: ",
+        "the pack earth has no heights",
+        "elevation = [",
+        "--heights",
+    ] {
+        assert!(told.contains(word), "{told}");
+    }
+    // Known before anything is drawn.
+    assert_eq!(place.fail(2, &["check", "a.toml"]), told);
+    assert!(!place.names().contains(&"a.png".to_owned()));
 }

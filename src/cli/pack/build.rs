@@ -35,7 +35,7 @@ pub struct BuildArgs {
     #[arg(long, value_name = "MAP")]
     water: Option<PathBuf>,
     /// Heights of the ground for streamed relief: GeoTIFF, PNG or NetCDF classic as scenes read them, of the whole Earth or parts of it,
-    /// finer ones over coarser ones; held whole while their tiles are made, within --memory
+    /// finer ones over coarser ones; those that do not fit into --memory are read part by part through a scratch file in the pack's folder
     #[arg(long, value_name = "FILE", num_args = 1..)]
     heights: Vec<PathBuf>,
     /// The pack's folder

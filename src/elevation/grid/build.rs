@@ -3,10 +3,9 @@
 use super::georeference::{Georeference, SampleLattice};
 use super::holes::{coverage, fill};
 use super::levels::{LevelShape, average, even_out, shapes};
+use super::placement::Placement;
 use super::ranges::Ranges;
-use super::{
-    FEATHER_SAMPLES, GridError, GridStats, HIGHEST_M, HeightGrid, LOWEST_M, Level, Samples,
-};
+use super::{GridError, GridStats, HIGHEST_M, HeightGrid, LOWEST_M, Level, Samples};
 use crate::elevation::HeightRange;
 
 /// What one grid may take.
@@ -70,7 +69,8 @@ impl HeightGrid {
         limits: &GridLimits,
     ) -> Result<Self, GridError> {
         let Georeference { columns, rows, .. } = *georeference;
-        let lattice = georeference.lattice()?;
+        let place = Placement::new(georeference)?;
+        let lattice = place.lattice;
         limits.check(columns, rows)?;
         let expected = u64::from(columns) * u64::from(rows);
         if heights_m.len() as u64 != expected {
@@ -122,23 +122,13 @@ impl HeightGrid {
             levels: levels.len() as u32,
             bytes,
         };
-        let finest_rad = lattice
-            .lat_step_rad
-            .min(lattice.lon_step_rad * lattice.widest_cos());
-        let ramp = |count: usize| {
-            let side = (count - 1) as f64 + 2.0 * lattice.margin();
-            1.0 / FEATHER_SAMPLES.max(side / 16.0).min(0.25 * side)
-        };
         Ok(Self {
-            lattice,
-            bounds: georeference.bounds(),
+            steps_per_rad: 1.0 / place.finest_rad,
+            place,
             samples,
             levels,
             ranges,
             coverage,
-            finest_rad,
-            steps_per_rad: 1.0 / finest_rad,
-            ramps: (ramp(lattice.rows), ramp(lattice.columns)),
             stats,
         })
     }
@@ -155,23 +145,60 @@ fn drop_last_column(values: &mut Vec<f32>, columns: usize) {
 
 /// Lowest and highest; infinities become holes.
 fn known_range(heights_m: &mut [f32]) -> Result<HeightRange, GridError> {
-    let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
-    for height in heights_m {
-        if height.is_finite() {
-            low = low.min(*height);
-            high = high.max(*height);
-        } else {
-            *height = f32::NAN;
+    let mut known = KnownHeights::default();
+    known.add(heights_m);
+    known.range()
+}
+
+/// What is known of heights that are read part by part.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::elevation) struct KnownHeights {
+    low: f32,
+    high: f32,
+}
+
+impl Default for KnownHeights {
+    fn default() -> Self {
+        Self {
+            low: f32::INFINITY,
+            high: f32::NEG_INFINITY,
         }
     }
-    let (low_m, high_m) = (f64::from(low), f64::from(high));
-    if low > high {
-        return Err(GridError::Empty);
+}
+
+impl KnownHeights {
+    /// Looks at some; infinities become holes.
+    pub(in crate::elevation) fn add(&mut self, heights_m: &mut [f32]) {
+        for height in heights_m {
+            if height.is_finite() {
+                self.low = self.low.min(*height);
+                self.high = self.high.max(*height);
+            } else {
+                *height = f32::NAN;
+            }
+        }
     }
-    if low_m < LOWEST_M || high_m > HIGHEST_M {
-        return Err(GridError::NotEarth { low_m, high_m });
+
+    /// Refuses heights that no ground has, as soon as there are some.
+    pub(in crate::elevation) fn check(&self) -> Result<(), GridError> {
+        let (low_m, high_m) = (f64::from(self.low), f64::from(self.high));
+        if low_m < LOWEST_M || high_m > HIGHEST_M {
+            return Err(GridError::NotEarth { low_m, high_m });
+        }
+        Ok(())
     }
-    Ok(HeightRange { low_m, high_m })
+
+    /// Lowest and highest of all.
+    pub(in crate::elevation) fn range(&self) -> Result<HeightRange, GridError> {
+        if self.low > self.high {
+            return Err(GridError::Empty);
+        }
+        self.check()?;
+        Ok(HeightRange {
+            low_m: f64::from(self.low),
+            high_m: f64::from(self.high),
+        })
+    }
 }
 
 type Coverage = Option<(Vec<u8>, [f64; 2])>;
@@ -214,11 +241,10 @@ fn fill_holes(
         let least = |row: &[u8]| row.iter().copied().min().unwrap_or(0);
         let north = least(&coverage[..columns]);
         let south = least(&coverage[coverage.len() - columns..]);
-        let (north_row, south_row) = lattice.pole_rows();
-        if lattice.reaches_north && north_row == 0.0 {
+        if lattice.is_pole(0) {
             coverage[..columns].fill(north);
         }
-        if lattice.reaches_south && south_row == (lattice.rows - 1) as f64 {
+        if lattice.is_pole(lattice.rows - 1) {
             let start = coverage.len() - columns;
             coverage[start..].fill(south);
         }
@@ -229,21 +255,15 @@ fn fill_holes(
 
 /// A row that lies on a pole gets one height: its mean.
 fn one_value_at_poles(lattice: &SampleLattice, heights_m: &mut [f32]) {
-    let on_pole = |row: usize| {
-        let (north, south) = lattice.pole_rows();
-        let row = row as f64;
-        lattice.reaches_north && (row - north).abs() < 1e-9
-            || lattice.reaches_south && (row - south).abs() < 1e-9
-    };
     for (row, heights_m) in heights_m.chunks_exact_mut(lattice.columns).enumerate() {
-        if (row == 0 || row + 1 == lattice.rows) && on_pole(row) {
+        if lattice.is_pole(row) {
             let mean = mean(heights_m.iter().copied());
             heights_m.fill(mean as f32);
         }
     }
 }
 
-fn mean(heights_m: impl ExactSizeIterator<Item = f32>) -> f64 {
+pub(in crate::elevation) fn mean(heights_m: impl ExactSizeIterator<Item = f32>) -> f64 {
     let count = heights_m.len() as f64;
     heights_m.map(f64::from).sum::<f64>() / count
 }

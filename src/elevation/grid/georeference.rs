@@ -88,7 +88,7 @@ impl Georeference {
     }
 
     /// The lattice of its samples: checked, and moved by at most [`SNAP`] spacings where it all but meets a pole or itself behind a full turn.
-    pub(super) fn lattice(&self) -> Result<SampleLattice, GridError> {
+    pub(in crate::elevation) fn lattice(&self) -> Result<SampleLattice, GridError> {
         let Self { columns, rows, .. } = *self;
         let sides = 1..=MAX_SIDE;
         let least = u32::from(self.registration == Registration::Posts) + 1;
@@ -162,7 +162,7 @@ impl Georeference {
 
 /// Where samples lie, of a georeference that has been checked.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SampleLattice {
+pub(in crate::elevation) struct SampleLattice {
     /// Columns that are kept: one that repeats the first is not.
     pub columns: usize,
     pub rows: usize,
@@ -200,7 +200,7 @@ impl SampleLattice {
     /// Row and column of a place as real numbers, 0 at the centre of the first sample. Where the grid is not periodic,
     /// columns are counted from the nearer side.
     #[inline]
-    pub(super) fn locate(&self, lat_rad: f64, lon_rad: f64) -> (f64, f64) {
+    pub(in crate::elevation) fn locate(&self, lat_rad: f64, lon_rad: f64) -> (f64, f64) {
         let lat_rad = lat_rad.clamp(-FRAC_PI_2, FRAC_PI_2);
         let row = (self.north_rad - lat_rad) * self.rows_per_rad;
         if self.is_periodic {
@@ -218,20 +218,28 @@ impl SampleLattice {
     }
 
     /// Rows of the poles, real numbers as those of [`Self::locate`].
-    pub(super) fn pole_rows(&self) -> (f64, f64) {
+    pub(in crate::elevation) fn pole_rows(&self) -> (f64, f64) {
         (
             (self.north_rad - FRAC_PI_2) / self.lat_step_rad,
             (self.north_rad + FRAC_PI_2) / self.lat_step_rad,
         )
     }
 
+    /// Whether a row is an outermost one and lies on a pole.
+    pub(in crate::elevation) fn is_pole(&self, row: usize) -> bool {
+        let (north, south) = self.pole_rows();
+        let on_pole = |pole: f64| (row as f64 - pole).abs() < 1e-9;
+        (row == 0 || row + 1 == self.rows)
+            && (self.reaches_north && on_pole(north) || self.reaches_south && on_pole(south))
+    }
+
     /// Latitude of a row, radians.
-    pub(super) fn latitude_rad(&self, row: f64) -> f64 {
+    pub(in crate::elevation) fn latitude_rad(&self, row: f64) -> f64 {
         self.north_rad - row * self.lat_step_rad
     }
 
     /// The cosine of the covered latitude that is nearest to the equator.
-    pub(super) fn widest_cos(&self) -> f64 {
+    pub(in crate::elevation) fn widest_cos(&self) -> f64 {
         let south = self.latitude_rad((self.rows - 1) as f64);
         if self.north_rad >= 0.0 && south <= 0.0 {
             1.0
@@ -241,7 +249,7 @@ impl SampleLattice {
     }
 
     /// Half a cell beyond the outermost samples, or nothing.
-    pub(super) fn margin(&self) -> f64 {
+    pub(in crate::elevation) fn margin(&self) -> f64 {
         match self.registration {
             Registration::Cells => 0.5,
             Registration::Posts => 0.0,

@@ -3,13 +3,34 @@
 use super::levels::LevelShape;
 
 /// A hole up to so many samples from the nearest datum is filled from the coarser levels alone.
-pub(super) const FILLED: u8 = 4;
+pub(in crate::elevation) const FILLED: u8 = 4;
 
 /// From so many samples on, what lies beneath the grid is taken instead.
-pub(super) const LEFT: u8 = 9;
+pub(in crate::elevation) const LEFT: u8 = 9;
 
 /// Gives every sample of a level that is not a number the value of the next coarser level at its place.
 pub(super) fn fill(shape: &LevelShape, values: &mut [f32], coarse: &LevelShape, coarser: &[f32]) {
+    for (row, values) in values.chunks_exact_mut(shape.columns).enumerate() {
+        fill_row(
+            shape,
+            row,
+            0..shape.columns,
+            values,
+            coarse,
+            |row, column| f64::from(coarser[row * coarse.columns + column]),
+        );
+    }
+}
+
+/// The same for some columns of one row; `coarser` gives the next coarser level's sample of a row and column.
+pub(in crate::elevation) fn fill_row(
+    shape: &LevelShape,
+    row: usize,
+    columns: impl Iterator<Item = usize>,
+    values: &mut [f32],
+    coarse: &LevelShape,
+    coarser: impl Fn(usize, usize) -> f64,
+) {
     // Poles have no values yet: towards them the outermost row stays.
     let coarse = LevelShape {
         north_pole: None,
@@ -17,16 +38,14 @@ pub(super) fn fill(shape: &LevelShape, values: &mut [f32], coarse: &LevelShape, 
         ..*coarse
     };
     let base = |n: usize, ratio: f64| (n as f64 + 0.5) / ratio - 0.5;
-    for (row, values) in values.chunks_exact_mut(shape.columns).enumerate() {
-        for (column, value) in values.iter_mut().enumerate() {
-            if value.is_nan() {
-                *value = coarse.interpolate(
-                    base(row, shape.row_ratio),
-                    base(column, shape.column_ratio),
-                    [0.0; 2],
-                    |n| f64::from(coarser[n]),
-                ) as f32;
-            }
+    for (column, value) in columns.zip(values) {
+        if value.is_nan() {
+            *value = coarse.interpolate(
+                base(row, shape.row_ratio),
+                base(column, shape.column_ratio),
+                [0.0; 2],
+                &coarser,
+            ) as f32;
         }
     }
 }
@@ -34,7 +53,30 @@ pub(super) fn fill(shape: &LevelShape, values: &mut [f32], coarse: &LevelShape, 
 /// How far each sample is believed, 0…255 for 0…1: as data up to [`FILLED`] samples from a datum, then less up to
 /// [`LEFT`]. Diagonal neighbours count as neighbours. `None` if all is believed.
 pub(super) fn coverage(shape: &LevelShape, is_hole: &[bool]) -> Option<Vec<u8>> {
-    let (columns, rows) = (shape.columns, shape.rows);
+    let mut steps = steps_to_data(shape.columns, shape.is_periodic, is_hole);
+    if steps.iter().all(|steps| *steps <= FILLED) {
+        return None;
+    }
+    for steps in &mut steps {
+        *steps = believed(*steps);
+    }
+    Some(steps)
+}
+
+/// How far a sample is believed that lies so many steps from a datum, 0…255 for 0…1.
+pub(in crate::elevation) fn believed(steps: u8) -> u8 {
+    let part = f64::from(LEFT.saturating_sub(steps)) / f64::from(LEFT - FILLED);
+    (255.0 * part.min(1.0)).round() as u8
+}
+
+/// Steps from each sample of rows to the nearest datum, [`LEFT`] at most. What lies farther than that from a sample does not
+/// matter to it.
+pub(in crate::elevation) fn steps_to_data(
+    columns: usize,
+    is_periodic: bool,
+    is_hole: &[bool],
+) -> Vec<u8> {
+    let rows = is_hole.len() / columns.max(1);
     let mut steps: Vec<u8> = is_hole
         .iter()
         .map(|hole| if *hole { LEFT } else { 0 })
@@ -42,13 +84,13 @@ pub(super) fn coverage(shape: &LevelShape, is_hole: &[bool]) -> Option<Vec<u8>> 
     // Steps to the nearest datum, counted on from the neighbours seen before: rows downwards, then upwards. In a row
     // that closes on itself two rounds see all.
     let wrap = |column: isize| -> Option<usize> {
-        if shape.is_periodic {
+        if is_periodic {
             Some(column.rem_euclid(columns as isize) as usize)
         } else {
             usize::try_from(column).ok().filter(|c| *c < columns)
         }
     };
-    let rounds = if shape.is_periodic { 2 } else { 1 };
+    let rounds = if is_periodic { 2 } else { 1 };
     for _ in 0..rounds {
         for is_downwards in [true, false] {
             for n in 0..rows {
@@ -79,12 +121,5 @@ pub(super) fn coverage(shape: &LevelShape, is_hole: &[bool]) -> Option<Vec<u8>> 
             }
         }
     }
-    if steps.iter().all(|steps| *steps <= FILLED) {
-        return None;
-    }
-    let believed = |steps: u8| {
-        let part = f64::from(LEFT.saturating_sub(steps)) / f64::from(LEFT - FILLED);
-        (255.0 * part.min(1.0)).round() as u8
-    };
-    Some(steps.into_iter().map(believed).collect())
+    steps
 }

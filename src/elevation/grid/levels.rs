@@ -4,7 +4,7 @@ use super::georeference::{SampleLattice, floor};
 
 /// Size of a level and how rows and columns of the finest level become its own.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct LevelShape {
+pub(in crate::elevation) struct LevelShape {
     pub columns: usize,
     pub rows: usize,
     /// Its samples to one of the finest level, along a row and along a column.
@@ -34,13 +34,13 @@ impl LevelShape {
         }
     }
 
-    pub(super) fn samples(&self) -> usize {
+    pub(in crate::elevation) fn samples(&self) -> usize {
         self.columns * self.rows
     }
 
     /// Row and column in this level, from those in the finest.
     #[inline]
-    pub(super) fn own(&self, row: f64, column: f64) -> (f64, f64) {
+    pub(in crate::elevation) fn own(&self, row: f64, column: f64) -> (f64, f64) {
         (
             (row + 0.5) * self.row_ratio - 0.5,
             (column + 0.5) * self.column_ratio - 0.5,
@@ -48,21 +48,21 @@ impl LevelShape {
     }
 
     /// Bilinear interpolation at a row and column of the finest level. Beyond the outermost samples their value stays,
-    /// except that towards a pole the outermost row goes over into the pole's value (`poles`, north first).
+    /// except that towards a pole the outermost row goes over into the pole's value (`poles`, north first). `at` gives the sample of a row
+    /// and column.
     #[inline]
-    pub(super) fn interpolate(
+    pub(in crate::elevation) fn interpolate(
         &self,
         row: f64,
         column: f64,
         poles: [f64; 2],
-        at: impl Fn(usize) -> f64,
+        at: impl Fn(usize, usize) -> f64,
     ) -> f64 {
         let (row, column) = self.own(row, column);
         let (west, east, along) = self.neighbours(column);
         let in_row = |row: usize| {
-            let start = row * self.columns;
-            let west = at(start + west);
-            west + along * (at(start + east) - west)
+            let west = at(row, west);
+            west + along * (at(row, east) - west)
         };
         let last = (self.rows - 1) as f64;
         if row < 0.0 {
@@ -124,7 +124,7 @@ fn to_pole(row: f64, pole: f64, part: f64) -> f64 {
 /// Sizes of all levels, the finest first. Level k has samples about 2^k of the finest spacings apart on the ground: each
 /// side is divided by the power of two that comes nearest to that, so that the other spacing differs by √2 at most. What
 /// cannot be divided is cut into parts that are a little smaller.
-pub(super) fn shapes(lattice: &SampleLattice) -> Vec<LevelShape> {
+pub(in crate::elevation) fn shapes(lattice: &SampleLattice) -> Vec<LevelShape> {
     let step = (
         lattice.lat_step_rad,
         lattice.lon_step_rad * lattice.widest_cos(),
@@ -146,62 +146,96 @@ pub(super) fn shapes(lattice: &SampleLattice) -> Vec<LevelShape> {
     shapes
 }
 
-/// The samples of one side that a coarser sample spans: number of the first, and how much of each lies in it.
-fn spans(fine: usize, coarse: usize) -> Vec<(usize, Vec<f64>)> {
+/// The samples of a side that a coarser sample spans: number of the first, and how much of each lies in it.
+pub(in crate::elevation) type Span = (usize, Vec<f64>);
+
+/// Of each coarser sample of a side.
+pub(in crate::elevation) fn spans(
+    fine: usize,
+    coarse: usize,
+) -> impl ExactSizeIterator<Item = Span> {
     let ratio = fine as f64 / coarse as f64;
-    (0..coarse)
-        .map(|n| {
-            let (start, end) = (n as f64 * ratio, (n + 1) as f64 * ratio);
-            // Rounding must neither lose a sample nor reach one that is not there.
-            let first = ((start + 1e-9).floor() as usize).min(fine - 1);
-            let last = (((end - 1e-9).ceil() as usize).max(first + 1)).min(fine);
-            let part = |i: usize| (end.min((i + 1) as f64) - start.max(i as f64)).max(1e-9);
-            (first, (first..last).map(part).collect())
-        })
-        .collect()
+    (0..coarse).map(move |n| {
+        let (start, end) = (n as f64 * ratio, (n + 1) as f64 * ratio);
+        // Rounding must neither lose a sample nor reach one that is not there.
+        let first = ((start + 1e-9).floor() as usize).min(fine - 1);
+        let last = (((end - 1e-9).ceil() as usize).max(first + 1)).min(fine);
+        let part = |i: usize| (end.min((i + 1) as f64) - start.max(i as f64)).max(1e-9);
+        (first, (first..last).map(part).collect())
+    })
 }
 
 /// First and one past the last sample of a side that each coarser sample spans.
 pub(super) fn ranges(fine: usize, coarse: usize) -> impl Iterator<Item = (usize, usize)> {
-    let spans = spans(fine, coarse);
-    spans
-        .into_iter()
-        .map(|(first, parts)| (first, first + parts.len()))
+    spans(fine, coarse).map(|(first, parts)| (first, first + parts.len()))
 }
 
-/// The next coarser level: means by area on the ground, of what is a number.
-pub(super) fn average(
-    lattice: &SampleLattice,
-    fine: &LevelShape,
-    values: &[f32],
-    coarse: &LevelShape,
-) -> Vec<f32> {
-    let columns = spans(fine.columns, coarse.columns);
-    let mut out = Vec::with_capacity(coarse.samples());
-    let mut sums = vec![(0.0f64, 0.0f64); fine.columns];
-    for (first, parts) in spans(fine.rows, coarse.rows) {
-        sums.fill((0.0, 0.0));
-        for (n, part) in parts.iter().enumerate() {
+/// Means of rows of a level: rows of the next coarser one.
+pub(in crate::elevation) struct Averager<'a> {
+    lattice: &'a SampleLattice,
+    fine: &'a LevelShape,
+    columns: Vec<Span>,
+    sums: Vec<(f64, f64)>,
+}
+
+impl<'a> Averager<'a> {
+    pub(in crate::elevation) fn new(
+        lattice: &'a SampleLattice,
+        fine: &'a LevelShape,
+        coarse: &LevelShape,
+    ) -> Self {
+        Self {
+            lattice,
+            fine,
+            columns: spans(fine.columns, coarse.columns).collect(),
+            sums: vec![(0.0, 0.0); fine.columns],
+        }
+    }
+
+    /// Appends a coarser row to `out`: means by area on the ground, of what is a number. `values` are the rows that it spans, one after another.
+    pub(in crate::elevation) fn row(
+        &mut self,
+        (first, parts): &Span,
+        values: &[f32],
+        out: &mut Vec<f32>,
+    ) {
+        self.sums.fill((0.0, 0.0));
+        let rows = values.chunks_exact(self.fine.columns);
+        for ((n, part), values) in parts.iter().enumerate().zip(rows) {
             let row = first + n;
-            let base_row = (row as f64 + 0.5) / fine.row_ratio - 0.5;
-            let weight = part * lattice.latitude_rad(base_row).cos().max(1e-6);
-            let values = &values[row * fine.columns..(row + 1) * fine.columns];
-            for (sum, value) in sums.iter_mut().zip(values) {
+            let base_row = (row as f64 + 0.5) / self.fine.row_ratio - 0.5;
+            let weight = part * self.lattice.latitude_rad(base_row).cos().max(1e-6);
+            for (sum, value) in self.sums.iter_mut().zip(values) {
                 if !value.is_nan() {
                     sum.0 += weight * f64::from(*value);
                     sum.1 += weight;
                 }
             }
         }
-        out.extend(columns.iter().map(|(first, parts)| {
+        out.extend(self.columns.iter().map(|(first, parts)| {
             let (mut sum, mut weights) = (0.0, 0.0);
-            for (part, of) in parts.iter().zip(&sums[*first..]) {
+            for (part, of) in parts.iter().zip(&self.sums[*first..]) {
                 sum += part * of.0;
                 weights += part * of.1;
             }
             // 0/0 where nothing is known.
             (sum / weights) as f32
         }));
+    }
+}
+
+/// The next coarser level.
+pub(super) fn average(
+    lattice: &SampleLattice,
+    fine: &LevelShape,
+    values: &[f32],
+    coarse: &LevelShape,
+) -> Vec<f32> {
+    let mut out = Vec::with_capacity(coarse.samples());
+    let mut averager = Averager::new(lattice, fine, coarse);
+    for span in spans(fine.rows, coarse.rows) {
+        let end = (span.0 + span.1.len()) * fine.columns;
+        averager.row(&span, &values[span.0 * fine.columns..end], &mut out);
     }
     out
 }

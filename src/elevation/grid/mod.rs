@@ -1,9 +1,10 @@
 //! Heights at equal steps of latitude and longitude, held in memory.
 
-mod build;
+pub(super) mod build;
 mod georeference;
-mod holes;
-mod levels;
+pub(super) mod holes;
+pub(super) mod levels;
+pub(super) mod placement;
 mod ranges;
 #[cfg(test)]
 mod tests;
@@ -12,10 +13,10 @@ pub use build::GridLimits;
 pub use georeference::{Georeference, MAX_SIDE, Registration};
 
 use super::{Bounds, HeightRange};
-use georeference::SampleLattice;
 use levels::LevelShape;
+use placement::Placement;
 use ranges::Ranges;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::fmt;
 
 /// Lowest height that is taken for one of the Earth, metres. The Challenger Deep lies at −10 935 m.
@@ -157,19 +158,14 @@ struct Level {
 /// [`GridLimits`] allow, heights are rounded to 65 500 steps between lowest and highest if 2 and 2.7 bytes are allowed.
 /// One byte more where holes are left. While a grid is made, its heights and the means are held beside it.
 pub struct HeightGrid {
-    lattice: SampleLattice,
-    bounds: Bounds,
+    place: Placement,
     samples: Samples,
     /// The finest first.
     levels: Vec<Level>,
     ranges: Ranges,
     /// How far each sample is believed, 255 wholly, and that of both poles; nothing where all are.
     coverage: Option<(Vec<u8>, [f64; 2])>,
-    /// Of the first level, radians.
-    finest_rad: f64,
     steps_per_rad: f64,
-    /// What a row and a column from the border inwards add to the weight, before smoothing.
-    ramps: (f64, f64),
     stats: GridStats,
 }
 
@@ -177,7 +173,7 @@ impl fmt::Debug for HeightGrid {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // Not the samples.
         f.debug_struct("HeightGrid")
-            .field("lattice", &self.lattice)
+            .field("lattice", &self.place.lattice)
             .field("stats", &self.stats)
             .finish_non_exhaustive()
     }
@@ -186,7 +182,7 @@ impl fmt::Debug for HeightGrid {
 impl HeightGrid {
     /// Height at a place, metres, averaged over about `spacing_rad` to each side. Always finite for finite places.
     pub fn height_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64 {
-        let (row, column) = self.lattice.locate(lat_rad, lon_rad);
+        let (row, column) = self.place.lattice.locate(lat_rad, lon_rad);
         self.at(row, column, spacing_rad)
     }
 
@@ -217,19 +213,23 @@ impl HeightGrid {
             poles_m,
         } = &self.levels[level];
         if level > 0 {
-            return shape.interpolate(row, column, *poles_m, |n| f64::from(means_m[n]));
+            return shape.interpolate(row, column, *poles_m, |row, column| {
+                f64::from(means_m[row * shape.columns + column])
+            });
         }
         match &self.samples {
-            Samples::F32(values) => {
-                shape.interpolate(row, column, *poles_m, |n| f64::from(values[n]))
-            }
+            Samples::F32(values) => shape.interpolate(row, column, *poles_m, |row, column| {
+                f64::from(values[row * shape.columns + column])
+            }),
             Samples::I16 {
                 values,
                 offset_m,
                 scale_m,
             } => {
                 let poles = poles_m.map(|pole_m| (pole_m - offset_m) / scale_m);
-                let steps = shape.interpolate(row, column, poles, |n| f64::from(values[n]));
+                let steps = shape.interpolate(row, column, poles, |row, column| {
+                    f64::from(values[row * shape.columns + column])
+                });
                 offset_m + scale_m * steps
             }
         }
@@ -238,95 +238,62 @@ impl HeightGrid {
     /// How much a place's height counts against that of what lies beneath, 0…1, continuous: 0 outside the grid and on
     /// its border, 1 from some samples inside on ([`FEATHER_SAMPLES`]), except in holes.
     pub fn weight(&self, lat_rad: f64, lon_rad: f64) -> f64 {
-        let (row, column) = self.lattice.locate(lat_rad, lon_rad);
+        let (row, column) = self.place.lattice.locate(lat_rad, lon_rad);
         self.weight_at(row, column)
     }
 
     /// Height and weight of a place; no height where the weight is 0.
     #[inline]
-    pub(super) fn weighted(
+    pub(crate) fn weighted(
         &self,
         lat_rad: f64,
         lon_rad: f64,
         spacing_rad: f64,
     ) -> Option<(f64, f64)> {
-        let (row, column) = self.lattice.locate(lat_rad, lon_rad);
+        let (row, column) = self.place.lattice.locate(lat_rad, lon_rad);
         let weight = self.weight_at(row, column);
         (weight > 0.0).then(|| (self.at(row, column, spacing_rad), weight))
     }
 
     #[inline]
     fn weight_at(&self, row: f64, column: f64) -> f64 {
-        let inside = self.inside(row, column);
+        let inside = self.place.inside(row, column);
         match &self.coverage {
             Some((coverage, poles)) if inside > 0.0 => {
                 let shape = &self.levels[0].shape;
-                let of_255 = shape.interpolate(row, column, *poles, |n| f64::from(coverage[n]));
+                let of_255 = shape.interpolate(row, column, *poles, |row, column| {
+                    f64::from(coverage[row * shape.columns + column])
+                });
                 inside * (of_255 * (1.0 / 255.0))
             }
             _ => inside,
         }
     }
 
-    /// The part of the weight that the border takes.
-    #[inline]
-    fn inside(&self, row: f64, column: f64) -> f64 {
-        let SampleLattice {
-            columns,
-            rows,
-            is_periodic,
-            reaches_north,
-            reaches_south,
-            ..
-        } = self.lattice;
-        if is_periodic && reaches_north && reaches_south {
-            return 1.0;
-        }
-        let margin = self.lattice.margin();
-        let ramp = |from_border: f64, per_sample: f64| {
-            let part = (from_border * per_sample).clamp(0.0, 1.0);
-            part * part * (3.0 - 2.0 * part)
-        };
-        let mut weight = 1.0;
-        if !is_periodic {
-            let west = column + margin;
-            let east = (columns - 1) as f64 + margin - column;
-            weight *= ramp(west.min(east), self.ramps.1);
-        }
-        let north = if reaches_north {
-            f64::INFINITY
-        } else {
-            row + margin
-        };
-        let south = if reaches_south {
-            f64::INFINITY
-        } else {
-            (rows - 1) as f64 + margin - row
-        };
-        weight * ramp(north.min(south), self.ramps.0)
-    }
-
     /// Whether the grid alone says the height of every place inside the bounds. May say no too often.
     pub(super) fn rules(&self, bounds: &Bounds) -> bool {
         let (rows, columns) = self.span(bounds);
-        if self.lattice.is_periodic {
-            let whole = (0.0, (self.lattice.columns - 1) as f64);
+        if self.place.lattice.is_periodic {
+            let whole = (0.0, (self.place.lattice.columns - 1) as f64);
             let corners = [(rows.0, whole.0), (rows.1, whole.1)];
-            if corners.iter().any(|(r, c)| self.inside(*r, *c) < 1.0) {
+            if corners.iter().any(|(r, c)| self.place.inside(*r, *c) < 1.0) {
                 return false;
             }
         } else {
             // Inside ramps only, weights grow towards the middle: the corners have the least.
-            let west = (bounds.west_rad - self.bounds.west_rad).rem_euclid(TAU);
-            if west + bounds.width_rad > self.bounds.width_rad {
+            let west = (bounds.west_rad - self.place.bounds.west_rad).rem_euclid(TAU);
+            if west + bounds.width_rad > self.place.bounds.width_rad {
                 return false;
             }
             let corners = [(rows.0, columns.0), (rows.1, columns.1)];
-            if corners.iter().any(|(r, c)| self.inside(*r, *c) < 1.0) {
+            if corners.iter().any(|(r, c)| self.place.inside(*r, *c) < 1.0) {
                 return false;
             }
         }
-        self.coverage.is_none() || !self.ranges.has_left_hole(&self.lattice, rows, columns)
+        self.coverage.is_none()
+            || !self
+                .ranges
+                .has_left_hole(&self.place.lattice, rows, columns)
     }
 
     /// Lowest and highest height that the grid answers inside the bounds at spacings up to `coarsest_rad`; infinite for
@@ -347,14 +314,14 @@ impl HeightGrid {
     /// First and last row, first and last column of the bounds, real numbers of the finest level. Columns of a grid that
     /// goes round may go on behind its last; of others they stay inside it.
     fn span(&self, bounds: &Bounds) -> ((f64, f64), (f64, f64)) {
-        let (north, west) = self.lattice.locate(bounds.north_rad, bounds.west_rad);
-        let (south, _) = self.lattice.locate(bounds.south_rad, bounds.west_rad);
-        let width = bounds.width_rad.clamp(0.0, TAU) / self.lattice.lon_step_rad;
-        let columns = self.lattice.columns as f64;
-        let (west, east) = if self.lattice.is_periodic {
+        let (north, west) = self.place.lattice.locate(bounds.north_rad, bounds.west_rad);
+        let (south, _) = self.place.lattice.locate(bounds.south_rad, bounds.west_rad);
+        let width = bounds.width_rad.clamp(0.0, TAU) / self.place.lattice.lon_step_rad;
+        let columns = self.place.lattice.columns as f64;
+        let (west, east) = if self.place.lattice.is_periodic {
             (west, west + width.min(columns))
         } else {
-            let turn = TAU / self.lattice.lon_step_rad;
+            let turn = TAU / self.place.lattice.lon_step_rad;
             // Behind the meridian opposite the grid its other side is the nearer one.
             if west + width > 0.5 * (columns - 1.0) + 0.5 * turn {
                 (0.0, columns - 1.0)
@@ -369,12 +336,12 @@ impl HeightGrid {
 
     /// What the grid covers.
     pub fn bounds(&self) -> Bounds {
-        self.bounds
+        self.place.bounds
     }
 
     /// Samples of a row, and rows. A last sample that repeats the first of its row behind a full turn is not kept.
     pub fn size(&self) -> (u32, u32) {
-        (self.lattice.columns as u32, self.lattice.rows as u32)
+        self.place.size()
     }
 
     /// A sample, metres: the first column is the western, the first row the northern. The nearest beyond the edge.
@@ -387,38 +354,20 @@ impl HeightGrid {
 
     /// From the first to the last sample each way: half a spacing less than [`Self::bounds`] where samples are cells.
     pub fn sample_bounds(&self) -> Bounds {
-        let lattice = &self.lattice;
-        let tall_rad = (lattice.rows - 1) as f64 * lattice.lat_step_rad;
-        Bounds {
-            south_rad: lattice.north_rad - tall_rad,
-            north_rad: lattice.north_rad,
-            west_rad: lattice.west_rad,
-            width_rad: (lattice.columns - 1) as f64 * lattice.lon_step_rad,
-        }
+        self.place.sample_bounds()
     }
 
     /// Angle between neighbouring samples, radians: along a column or along the row nearest to the equator, whichever is
     /// less.
     pub fn finest_spacing_rad(&self) -> f64 {
-        self.finest_rad
+        self.place.finest_rad
     }
 
     /// Angle over which what the grid makes of the ground varies, inside it, radians: [`Self::finest_spacing_rad`], but of a
     /// grid of one height without holes the width of its feathered border, and infinite where that is of the whole Earth.
     pub fn detail_rad(&self) -> f64 {
-        if !self.is_flat() || self.coverage.is_some() {
-            return self.finest_rad;
-        }
-        let Bounds {
-            south_rad,
-            north_rad,
-            width_rad,
-            ..
-        } = self.bounds;
-        if width_rad >= TAU - 1e-9 && north_rad - south_rad >= PI - 1e-9 {
-            return f64::INFINITY;
-        }
-        ((north_rad - south_rad).min(width_rad) / 16.0).max(self.finest_rad)
+        self.place
+            .detail_rad(self.is_flat() && self.coverage.is_none())
     }
 
     /// Whether every height is the same.

@@ -23,7 +23,7 @@ mod tiff;
 pub use error::HeightFileError;
 pub use sidecar::{ByteOrder, HeightUnit, MAX_SIDECAR_BYTES, Sidecar, SidecarGeoreference};
 
-use super::{Denoise, Denoised, Georeference, GridLimits, HeightGrid};
+use super::{Denoise, Denoised, Georeference, GridError, GridLimits, HeightGrid};
 use error::FileContext;
 use std::fs::File;
 use std::io::{BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom};
@@ -55,7 +55,7 @@ struct Header {
 
 /// From stored numbers to metres.
 #[derive(Clone, Copy)]
-struct Conversion {
+pub(super) struct Conversion {
     scale_m: f64,
     offset_m: f64,
     no_data: Option<f64>,
@@ -82,6 +82,29 @@ enum Decoder<R: BufRead + Seek> {
     NetCdf(netcdf::NetCdf<R>),
 }
 
+/// A file that has been looked at: its heights are still to be read.
+pub(super) struct HeightReader<R: BufRead + Seek> {
+    context: FileContext,
+    decoder: Decoder<R>,
+    header: Header,
+    said: Sidecar,
+}
+
+impl HeightReader<BufReader<File>> {
+    /// Looks at a file, and at its sidecar if there is one.
+    pub(super) fn open(path: &Path) -> Result<Self, HeightFileError> {
+        let context = FileContext::new(path);
+        let file = File::open(path).map_err(|error| context.unreadable(error))?;
+        let metadata = file.metadata().map_err(|error| context.unreadable(error))?;
+        if !metadata.is_file() {
+            return Err(context.refused("is no file", "a GeoTIFF, PNG or NetCDF file", "give one"));
+        }
+        let sidecar = read_sidecar(&path.with_extension("toml"))?;
+        let reader = BufReader::with_capacity(1 << 16, file);
+        Self::new(reader, sidecar.as_ref(), path)
+    }
+}
+
 /// Reads heights from a file, and from its sidecar if there is one. The contents say what it is, not the name.
 ///
 /// # Errors
@@ -99,15 +122,7 @@ pub fn open_heights_denoised(
     limits: &GridLimits,
     denoise: Option<&Denoise>,
 ) -> Result<HeightFile, HeightFileError> {
-    let context = FileContext::new(path);
-    let file = File::open(path).map_err(|error| context.unreadable(error))?;
-    let metadata = file.metadata().map_err(|error| context.unreadable(error))?;
-    if !metadata.is_file() {
-        return Err(context.refused("is no file", "a GeoTIFF, PNG or NetCDF file", "give one"));
-    }
-    let sidecar = read_sidecar(&path.with_extension("toml"))?;
-    let reader = BufReader::with_capacity(1 << 16, file);
-    read(reader, sidecar.as_ref(), path, limits, denoise)
+    HeightReader::open(path)?.whole(limits, denoise)
 }
 
 /// The sidecar at a path, if there is a file.
@@ -138,96 +153,161 @@ pub fn read_heights<R: BufRead + Seek>(
     path: &Path,
     limits: &GridLimits,
 ) -> Result<HeightFile, HeightFileError> {
-    read(reader, sidecar, path, limits, None)
+    HeightReader::new(reader, sidecar, path)?.whole(limits, None)
 }
 
-fn read<R: BufRead + Seek>(
-    mut reader: R,
-    sidecar: Option<&Sidecar>,
-    path: &Path,
-    limits: &GridLimits,
-    denoise: Option<&Denoise>,
-) -> Result<HeightFile, HeightFileError> {
-    let context = FileContext::new(path);
-    let mut magic = Vec::with_capacity(8);
-    (&mut reader)
-        .take(8)
-        .read_to_end(&mut magic)
-        .and_then(|_| reader.seek(SeekFrom::Start(0)))
-        .map_err(|error| context.unreadable(error))?;
-    let formats = "a GeoTIFF, a PNG or a NetCDF classic file";
-    let nothing = Sidecar::default();
-    let said = sidecar.unwrap_or(&nothing);
-    let (source, header) = match magic.as_slice() {
-        [0x89, b'P', b'N', b'G', ..] => {
-            let (png, header) = png::Png::open(reader, &context, said.byte_order)?;
-            (Decoder::Png(Box::new(png)), header)
-        }
-        [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => {
-            let (tiff, header) = tiff::Tiff::open(reader, &context)?;
-            (Decoder::Tiff(Box::new(tiff)), header)
-        }
-        [b'C', b'D', b'F', 1 | 2, ..] => {
-            let (file, header) = netcdf::NetCdf::open(reader, &context, said.variable.as_deref())?;
-            (Decoder::NetCdf(file), header)
-        }
-        [b'C', b'D', b'F', ..] | [0x89, b'H', b'D', b'F', ..] => {
+impl<R: BufRead + Seek> HeightReader<R> {
+    fn new(mut reader: R, sidecar: Option<&Sidecar>, path: &Path) -> Result<Self, HeightFileError> {
+        let context = FileContext::new(path);
+        let mut magic = Vec::with_capacity(8);
+        (&mut reader)
+            .take(8)
+            .read_to_end(&mut magic)
+            .and_then(|_| reader.seek(SeekFrom::Start(0)))
+            .map_err(|error| context.unreadable(error))?;
+        let formats = "a GeoTIFF, a PNG or a NetCDF classic file";
+        let said = sidecar.cloned().unwrap_or_default();
+        let (decoder, header) = match magic.as_slice() {
+            [0x89, b'P', b'N', b'G', ..] => {
+                let (png, header) = png::Png::open(reader, &context, said.byte_order)?;
+                (Decoder::Png(Box::new(png)), header)
+            }
+            [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => {
+                let (tiff, header) = tiff::Tiff::open(reader, &context)?;
+                (Decoder::Tiff(Box::new(tiff)), header)
+            }
+            [b'C', b'D', b'F', 1 | 2, ..] => {
+                let (file, header) =
+                    netcdf::NetCdf::open(reader, &context, said.variable.as_deref())?;
+                (Decoder::NetCdf(file), header)
+            }
+            [b'C', b'D', b'F', ..] | [0x89, b'H', b'D', b'F', ..] => {
+                return Err(context.refused(
+                    "is a NetCDF file of a later form",
+                    "NetCDF classic",
+                    format!("convert it: `nccopy -k classic {} OUT.nc`", path.display()),
+                ));
+            }
+            _ => {
+                return Err(context.refused(
+                    "is none of the files that heights are read from",
+                    formats,
+                    format!(
+                        "convert it: `gdal_translate -of GTiff {} OUT.tif`",
+                        path.display()
+                    ),
+                ));
+            }
+        };
+        let is_png = matches!(decoder, Decoder::Png(_));
+        if said.byte_order.is_some() && !is_png {
             return Err(context.refused(
-                "is a NetCDF file of a later form",
-                "NetCDF classic",
-                format!("convert it: `nccopy -k classic {} OUT.nc`", path.display()),
+                "says its byte order itself, and so does the sidecar",
+                "one word on it",
+                "take byte_order out of the sidecar",
             ));
         }
-        _ => {
+        if said.variable.is_some() && !matches!(decoder, Decoder::NetCdf(_)) {
             return Err(context.refused(
-                "is none of the files that heights are read from",
-                formats,
-                format!(
-                    "convert it: `gdal_translate -of GTiff {} OUT.tif`",
-                    path.display()
-                ),
+                "has no variables, and the sidecar names one",
+                "a variable for NetCDF files only",
+                "take it out of the sidecar",
             ));
         }
-    };
-    let is_png = matches!(source, Decoder::Png(_));
-    if said.byte_order.is_some() && !is_png {
-        return Err(context.refused(
-            "says its byte order itself, and so does the sidecar",
-            "one word on it",
-            "take byte_order out of the sidecar",
-        ));
+        Ok(Self {
+            context,
+            decoder,
+            header,
+            said,
+        })
     }
-    if said.variable.is_some() && !matches!(source, Decoder::NetCdf(_)) {
-        return Err(context.refused(
-            "has no variables, and the sidecar names one",
-            "a variable for NetCDF files only",
-            "take it out of the sidecar",
-        ));
+
+    /// Samples of a row, and rows, as they are stored.
+    pub(super) fn size(&self) -> (u32, u32) {
+        (self.header.columns, self.header.rows)
     }
-    limits
-        .check(header.columns, header.rows)
-        .map_err(|error| context.grid(error))?;
-    let georeference = georeference(&header, said, &context)?;
-    let conversion = conversion(&header, said, &context)?;
-    // Checked above: the georeference has the file's size.
-    let count = header.columns as usize * header.rows as usize;
-    let mut heights_m = vec![0.0f32; count];
-    match source {
-        Decoder::Tiff(mut tiff) => tiff.read(&context, conversion, &mut heights_m)?,
-        Decoder::Png(mut png) => png.read(&context, conversion, &mut heights_m)?,
-        Decoder::NetCdf(mut file) => file.read(&context, conversion, &mut heights_m)?,
+
+    /// Where the samples lie.
+    pub(super) fn georeference(&self) -> Result<Georeference, HeightFileError> {
+        georeference(&self.header, &self.said, &self.context)
     }
-    if header.is_south_first {
-        flip_rows(&mut heights_m, header.columns as usize);
+
+    /// Whom to name for the heights.
+    pub(super) fn attribution(&self) -> Option<String> {
+        self.said.attribution.clone()
     }
-    let denoised = denoise.map(|denoise| denoise.clean(header.columns as usize, &mut heights_m));
-    let grid =
-        HeightGrid::new(&georeference, heights_m, limits).map_err(|error| context.grid(error))?;
-    Ok(HeightFile {
-        grid,
-        attribution: said.attribution.clone(),
-        denoised,
-    })
+
+    /// Makes errors about the grid that the heights make.
+    pub(super) fn refusal(&self) -> impl Fn(GridError) -> HeightFileError + use<R> {
+        let context = self.context.clone();
+        move |error| context.grid(error)
+    }
+
+    /// Bytes that reading holds at most, beside what becomes of the heights.
+    pub(super) fn working_bytes(&self) -> u64 {
+        match &self.decoder {
+            Decoder::Tiff(tiff) => tiff.working_bytes(),
+            Decoder::Png(png) => png.working_bytes(),
+            Decoder::NetCdf(file) => file.working_bytes(),
+        }
+    }
+
+    /// How stored numbers become metres.
+    pub(super) fn conversion(&self) -> Result<Conversion, HeightFileError> {
+        conversion(&self.header, &self.said, &self.context)
+    }
+
+    /// Reads all heights and hands each over once, in stretches of a row: row (0 is the northern), first column, metres. What has no data
+    /// is no finite number. Stops at the first error of `put`.
+    pub(super) fn read<E: From<HeightFileError>>(
+        self,
+        conversion: Conversion,
+        mut put: impl FnMut(usize, usize, &mut [f32]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let last = self.header.rows as usize - 1;
+        let is_south_first = self.header.is_south_first;
+        let mut put = |row: usize, column: usize, heights_m: &mut [f32]| match is_south_first {
+            true => put(last - row, column, heights_m),
+            false => put(row, column, heights_m),
+        };
+        match self.decoder {
+            Decoder::Tiff(mut tiff) => tiff.read(&self.context, conversion, &mut put),
+            Decoder::Png(mut png) => png.read(&self.context, conversion, &mut put),
+            Decoder::NetCdf(mut file) => file.read(&self.context, conversion, &mut put),
+        }
+    }
+
+    /// Reads all heights into a grid.
+    pub(super) fn whole(
+        self,
+        limits: &GridLimits,
+        denoise: Option<&Denoise>,
+    ) -> Result<HeightFile, HeightFileError> {
+        let (columns, rows) = self.size();
+        let context = self.context.clone();
+        limits
+            .check(columns, rows)
+            .map_err(|error| context.grid(error))?;
+        let georeference = self.georeference()?;
+        let conversion = self.conversion()?;
+        let attribution = self.attribution();
+        // Checked above.
+        let columns = columns as usize;
+        let mut heights_m = vec![0.0f32; columns * rows as usize];
+        self.read(conversion, |row, column, of_row: &mut [f32]| {
+            let start = row * columns + column;
+            heights_m[start..start + of_row.len()].copy_from_slice(of_row);
+            Ok::<_, HeightFileError>(())
+        })?;
+        let denoised = denoise.map(|denoise| denoise.clean(columns, &mut heights_m));
+        let grid = HeightGrid::new(&georeference, heights_m, limits)
+            .map_err(|error| context.grid(error))?;
+        Ok(HeightFile {
+            grid,
+            attribution,
+            denoised,
+        })
+    }
 }
 
 fn georeference(
@@ -284,13 +364,4 @@ fn conversion(
 
 fn sidecar_of(path: &Path) -> PathBuf {
     path.with_extension("toml")
-}
-
-/// Turns the order of the rows round.
-fn flip_rows(values: &mut [f32], columns: usize) {
-    let rows = values.len() / columns;
-    for row in 0..rows / 2 {
-        let (north, south) = values.split_at_mut((rows - 1 - row) * columns);
-        north[row * columns..(row + 1) * columns].swap_with_slice(&mut south[..columns]);
-    }
 }

@@ -212,6 +212,7 @@ impl<R: Read> HeaderReader<'_, R> {
 pub(super) struct NetCdf<R: BufRead + Seek> {
     reader: R,
     columns: usize,
+    rows: usize,
     kind: NumberType,
     begin: u64,
 }
@@ -311,24 +312,31 @@ impl<R: BufRead + Seek> NetCdf<R> {
         let file = Self {
             reader,
             columns: columns as usize,
+            rows: rows as usize,
             kind,
             begin,
         };
         Ok((file, header))
     }
 
-    /// Fills all rows.
-    pub(super) fn read(
+    /// Bytes that reading holds at most: a row as it is stored and as metres.
+    pub(super) fn working_bytes(&self) -> u64 {
+        self.columns as u64 * (self.kind.bytes() as u64 + 4)
+    }
+
+    /// Hands over all rows.
+    pub(super) fn read<E: From<HeightFileError>>(
         &mut self,
         context: &FileContext,
         conversion: Conversion,
-        heights_m: &mut [f32],
-    ) -> Result<(), HeightFileError> {
+        put: &mut impl FnMut(usize, usize, &mut [f32]) -> Result<(), E>,
+    ) -> Result<(), E> {
         let start = self.reader.seek(SeekFrom::Start(self.begin));
         start.map_err(|error| context.reading(error))?;
         let bytes = self.kind.bytes();
         let mut row = vec![0; self.columns * bytes];
-        for heights_m in heights_m.chunks_exact_mut(self.columns) {
+        let mut heights_m = vec![0.0; self.columns];
+        for number in 0..self.rows {
             let read = self.reader.read_exact(&mut row);
             read.map_err(|error| context.reading(error))?;
             for (height_m, value) in heights_m.iter_mut().zip(row.chunks_exact(bytes)) {
@@ -337,6 +345,7 @@ impl<R: BufRead + Seek> NetCdf<R> {
                     None => f32::NAN,
                 };
             }
+            put(number, 0, &mut heights_m)?;
         }
         Ok(())
     }

@@ -13,6 +13,7 @@ const DECODER_BYTES: usize = 64 << 20;
 pub(super) struct Png<R: BufRead + Seek> {
     reader: Reader<R>,
     columns: usize,
+    rows: usize,
     /// Little-endian samples, or `None` for those of 8 bits.
     is_little: Option<bool>,
 }
@@ -73,25 +74,32 @@ impl<R: BufRead + Seek> Png<R> {
         let png = Self {
             reader,
             columns: columns as usize,
+            rows: rows as usize,
             is_little,
         };
         Ok((png, header))
     }
 
-    /// Fills all rows.
-    pub(super) fn read(
+    /// Bytes that reading holds at most: a row as it is stored twice, and as metres.
+    pub(super) fn working_bytes(&self) -> u64 {
+        self.columns as u64 * (2 * 2 + 4) + (1 << 20)
+    }
+
+    /// Hands over all rows.
+    pub(super) fn read<E: From<HeightFileError>>(
         &mut self,
         context: &FileContext,
         conversion: Conversion,
-        heights_m: &mut [f32],
-    ) -> Result<(), HeightFileError> {
-        for heights_m in heights_m.chunks_exact_mut(self.columns) {
+        put: &mut impl FnMut(usize, usize, &mut [f32]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut heights_m = vec![0.0; self.columns];
+        for number in 0..self.rows {
             let row = self
                 .reader
                 .next_row()
                 .map_err(|error| png_error(context, error))?;
             let Some(row) = row else {
-                return Err(context.damaged("too few rows"));
+                return Err(context.damaged("too few rows").into());
             };
             let row = row.data();
             if let Some(is_little) = self.is_little {
@@ -109,11 +117,11 @@ impl<R: BufRead + Seek> Png<R> {
                     *height_m = conversion.metres(f64::from(*stored));
                 }
             }
+            put(number, 0, &mut heights_m)?;
         }
         // What is left must be whole too: checksums and the end chunk.
-        self.reader
-            .finish()
-            .map_err(|error| png_error(context, error))
+        let end = self.reader.finish();
+        Ok(end.map_err(|error| png_error(context, error))?)
     }
 }
 

@@ -23,6 +23,7 @@ pub(super) struct Tiff<R: BufRead + Seek> {
     rows: usize,
     chunk_columns: usize,
     chunk_rows: usize,
+    sample_bytes: u64,
 }
 
 impl<R: BufRead + Seek> Tiff<R> {
@@ -119,19 +120,29 @@ impl<R: BufRead + Seek> Tiff<R> {
             rows: rows as usize,
             chunk_columns: chunk_columns as usize,
             chunk_rows: chunk_rows as usize,
+            sample_bytes: u64::from(bits / 8),
         };
         Ok((tiff, header))
     }
 
-    /// Fills all rows, strip by strip or tile by tile.
-    pub(super) fn read(
+    /// Bytes that reading holds at most: a strip or tile decoded, its data, places and lengths of all.
+    pub(super) fn working_bytes(&self) -> u64 {
+        let chunk = (self.chunk_columns * self.chunk_rows) as u64 * self.sample_bytes;
+        let across = self.columns.div_ceil(self.chunk_columns) as u64;
+        let down = self.rows.div_ceil(self.chunk_rows) as u64;
+        2 * chunk + across * down * 16 + self.columns as u64 * 4 + (1 << 20)
+    }
+
+    /// Hands over all samples, strip by strip or tile by tile, each row by row.
+    pub(super) fn read<E: From<HeightFileError>>(
         &mut self,
         context: &FileContext,
         conversion: Conversion,
-        heights_m: &mut [f32],
-    ) -> Result<(), HeightFileError> {
+        put: &mut impl FnMut(usize, usize, &mut [f32]) -> Result<(), E>,
+    ) -> Result<(), E> {
         let across = self.columns.div_ceil(self.chunk_columns);
         let down = self.rows.div_ceil(self.chunk_rows);
+        let mut heights_m = vec![0.0; self.chunk_columns.min(self.columns)];
         for number in 0..across * down {
             let (first_row, first_column) = (
                 number / across * self.chunk_rows,
@@ -148,52 +159,53 @@ impl<R: BufRead + Seek> Tiff<R> {
                 || width < self.chunk_columns.min(self.columns - first_column)
                 || height < self.chunk_rows.min(self.rows - first_row)
             {
-                return Err(context.damaged("a strip or tile of the wrong size"));
+                let cause = "a strip or tile of the wrong size";
+                return Err(context.damaged(cause).into());
             }
-            let rows = heights_m
-                .chunks_exact_mut(self.columns)
-                .skip(first_row)
-                .take(height)
-                .map(|row| &mut row[first_column..first_column + width]);
+            let mut put_row =
+                |row: usize, heights_m: &mut [f32]| put(first_row + row, first_column, heights_m);
+            let (size, row) = ((width, height), &mut heights_m[..width]);
             let is_whole = match &chunk {
-                DecodingResult::U8(values) => convert_rows(values, rows, conversion),
-                DecodingResult::I8(values) => convert_rows(values, rows, conversion),
-                DecodingResult::U16(values) => convert_rows(values, rows, conversion),
-                DecodingResult::I16(values) => convert_rows(values, rows, conversion),
-                DecodingResult::U32(values) => convert_rows(values, rows, conversion),
-                DecodingResult::I32(values) => convert_rows(values, rows, conversion),
-                DecodingResult::F32(values) => convert_rows(values, rows, conversion),
-                DecodingResult::F64(values) => convert_rows(values, rows, conversion),
+                DecodingResult::U8(of) => convert_rows(of, size, conversion, row, &mut put_row),
+                DecodingResult::I8(of) => convert_rows(of, size, conversion, row, &mut put_row),
+                DecodingResult::U16(of) => convert_rows(of, size, conversion, row, &mut put_row),
+                DecodingResult::I16(of) => convert_rows(of, size, conversion, row, &mut put_row),
+                DecodingResult::U32(of) => convert_rows(of, size, conversion, row, &mut put_row),
+                DecodingResult::I32(of) => convert_rows(of, size, conversion, row, &mut put_row),
+                DecodingResult::F32(of) => convert_rows(of, size, conversion, row, &mut put_row),
+                DecodingResult::F64(of) => convert_rows(of, size, conversion, row, &mut put_row),
                 _ => {
                     let cause = "holds whole numbers of 64 bits or floats of 16";
-                    return Err(unsupported(context, cause.to_string()));
+                    return Err(unsupported(context, cause.to_string()).into());
                 }
-            };
+            }?;
             if !is_whole {
-                return Err(context.damaged("a strip or tile of too few samples"));
+                let cause = "a strip or tile of too few samples";
+                return Err(context.damaged(cause).into());
             }
         }
         Ok(())
     }
 }
 
-/// Converts a chunk's samples, as wide as its rows; whether there were enough.
-fn convert_rows<'a, T: Copy + Into<f64>>(
+/// Converts a chunk's samples, `(width, height)` of them, and hands over each row; whether there were enough.
+fn convert_rows<T: Copy + Into<f64>, E>(
     values: &[T],
-    rows: impl Iterator<Item = &'a mut [f32]>,
+    (width, height): (usize, usize),
     conversion: Conversion,
-) -> bool {
-    let mut left = values;
-    for row in rows {
-        let Some((values, rest)) = left.split_at_checked(row.len()) else {
-            return false;
-        };
-        for (height_m, value) in row.iter_mut().zip(values) {
+    heights_m: &mut [f32],
+    put_row: &mut impl FnMut(usize, &mut [f32]) -> Result<(), E>,
+) -> Result<bool, E> {
+    if values.len() < width * height {
+        return Ok(false);
+    }
+    for (row, values) in values.chunks_exact(width).take(height).enumerate() {
+        for (height_m, value) in heights_m.iter_mut().zip(values) {
             *height_m = conversion.metres((*value).into());
         }
-        left = rest;
+        put_row(row, heights_m)?;
     }
-    true
+    Ok(true)
 }
 
 fn unsupported(context: &FileContext, cause: String) -> HeightFileError {

@@ -1,6 +1,7 @@
 //! Why a pack could not be built, said with the file, the cause and what to do.
 
 use crate::elevation::HeightFileError;
+use crate::elevation::spool::SpoolError;
 use crate::imagery::tile::MapLayer;
 use std::path::PathBuf;
 
@@ -68,10 +69,10 @@ pub enum BuildError {
     /// Heights could not be read.
     #[error(transparent)]
     Heights(#[from] HeightFileError),
-    /// Heights are held whole while their tiles are made, and do not fit.
+    /// Not enough memory to read heights part by part.
     #[error(
-        "--memory {allowed_mb}: {} has {columns} x {rows} heights and needs {needed_mb} MB with what was read before it; allow that \
-         much or make them coarser (`gdalwarp -r average -tr LON LAT IN OUT`)", path.display()
+        "--memory {allowed_mb}: {} has {columns} x {rows} heights and needs {needed_mb} MB at least to be read part by part; allow \
+         that much or write it in tiles (`gdal_translate -co TILED=YES -co BIGTIFF=IF_SAFER IN OUT.tif`)", path.display()
     )]
     HeightsMemory {
         /// The file.
@@ -84,6 +85,30 @@ pub enum BuildError {
         allowed_mb: u64,
         /// What is needed, megabytes.
         needed_mb: u64,
+    },
+    /// No room for the scratch file that heights are read through.
+    #[error(
+        "{}: heights that do not fit into --memory are kept there while their tiles are made, {needed_mb} MB, and {free_mb} MB are \
+         free; make room or allow more memory, then run the same command again to go on", path.display()
+    )]
+    ScratchRoom {
+        /// The scratch file.
+        path: PathBuf,
+        /// What is needed, megabytes.
+        needed_mb: u64,
+        /// What is free, megabytes.
+        free_mb: u64,
+    },
+    /// A scratch file could not be written or read.
+    #[error(
+        "{}: {source}; heights that do not fit into --memory are kept there while their tiles are made: make room or allow more \
+         memory, then run the same command again to go on", path.display()
+    )]
+    Scratch {
+        /// The scratch file.
+        path: PathBuf,
+        /// The system's words.
+        source: std::io::Error,
     },
     /// The folder holds something that is not a pack.
     #[error("{}: holds {found}, which no pack has; give an empty folder or a new name", path.display())]
@@ -131,4 +156,23 @@ pub enum BuildError {
     /// Stopped on request.
     #[error("stopped; run the same command again to go on")]
     Cancelled,
+}
+
+impl From<SpoolError> for BuildError {
+    fn from(error: SpoolError) -> Self {
+        match error {
+            SpoolError::Heights(error) => Self::Heights(error),
+            SpoolError::Scratch { path, source } => Self::Scratch { path, source },
+            SpoolError::NoRoom {
+                path,
+                needed_bytes,
+                free_bytes,
+            } => Self::ScratchRoom {
+                path,
+                needed_mb: needed_bytes.div_ceil(1_000_000),
+                free_mb: free_bytes / 1_000_000,
+            },
+            SpoolError::Stopped => Self::Cancelled,
+        }
+    }
 }

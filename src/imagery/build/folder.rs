@@ -15,6 +15,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// Folder of the tiles.
 const TILES: &str = "tiles";
 
+/// Folder of what a build needs besides memory, while it runs.
+const SCRATCH: &str = "scratch";
+
 /// Ending of a file that is being written.
 const PART: &str = "part";
 
@@ -22,6 +25,9 @@ const PART: &str = "part";
 pub(super) trait Writer: Sync {
     /// Writes a file so that it is there with all its contents or not at all.
     fn write(&self, path: &Path, contents: &[u8]) -> io::Result<()>;
+
+    /// Bytes that are free in a folder, where that can be known.
+    fn free_bytes(&self, folder: &Path) -> Option<u64>;
 }
 
 /// Writes to disk: first beside the file, then renames.
@@ -48,6 +54,33 @@ impl Writer for Disk {
             let _ = fs::remove_file(&part);
         }
         written
+    }
+
+    #[cfg(unix)]
+    fn free_bytes(&self, folder: &Path) -> Option<u64> {
+        let known = rustix::fs::statvfs(folder).ok()?;
+        Some(known.f_bavail.saturating_mul(known.f_frsize))
+    }
+
+    #[cfg(not(unix))]
+    fn free_bytes(&self, _folder: &Path) -> Option<u64> {
+        None
+    }
+}
+
+/// The folder of scratch files, removed with this.
+pub(super) struct ScratchFolder(PathBuf);
+
+impl ScratchFolder {
+    pub(super) fn path(&self) -> &Path {
+        &self.0
+    }
+}
+
+impl Drop for ScratchFolder {
+    fn drop(&mut self) {
+        // The next build in this folder removes what stays.
+        let _ = fs::remove_dir_all(&self.0);
     }
 }
 
@@ -86,6 +119,11 @@ impl<'a> BuildFolder<'a> {
             });
         }
         let mut journal = Journal::open(dir, JOURNAL_FILE)?;
+        if present.scratch {
+            // Of a build that was killed: they are made anew.
+            let path = dir.join(SCRATCH);
+            fs::remove_dir_all(&path).map_err(|source| BuildError::Write { path, source })?;
+        }
         // Whoever makes a share is let finish.
         for name in &present.shares {
             drop(Journal::open(dir, name)?);
@@ -233,6 +271,20 @@ impl<'a> BuildFolder<'a> {
         self.write(&HeightsEntry::index_path(), contents)
     }
 
+    /// Makes the folder of scratch files.
+    pub(super) fn scratch(&self) -> Result<ScratchFolder, BuildError> {
+        let path = self.dir.join(SCRATCH);
+        match fs::create_dir(&path) {
+            Ok(()) => Ok(ScratchFolder(path)),
+            Err(source) => Err(BuildError::Write { path, source }),
+        }
+    }
+
+    /// Bytes that are free in a folder, where that can be known.
+    pub(super) fn free_bytes(&self, folder: &Path) -> Option<u64> {
+        self.writer.free_bytes(folder)
+    }
+
     /// Writes a file below the folder.
     fn write(&self, path: &Path, contents: &[u8]) -> Result<(), BuildError> {
         let path = self.dir.join(path);
@@ -306,6 +358,7 @@ struct Present {
     shares: Vec<String>,
     tiles: bool,
     heights: bool,
+    scratch: bool,
 }
 
 impl Present {
@@ -320,6 +373,7 @@ impl Present {
             shares: Vec::new(),
             tiles: false,
             heights: false,
+            scratch: false,
         };
         let other = |name: &str| BuildError::NotEmpty {
             path: dir.to_path_buf(),
@@ -337,13 +391,18 @@ impl Present {
                 }
                 TILES if kind.is_dir() => present.tiles = true,
                 HEIGHTS_FOLDER if kind.is_dir() => present.heights = true,
+                SCRATCH if kind.is_dir() => present.scratch = true,
                 // Left by a fall between writing and renaming.
                 name if name == format!(".{MANIFEST_FILE}.{PART}") => {}
                 _ => return Err(other(&name)),
             }
         }
         let is_of_build = present.manifest || present.journal || !present.shares.is_empty();
-        for (name, is_there) in [(TILES, present.tiles), (HEIGHTS_FOLDER, present.heights)] {
+        for (name, is_there) in [
+            (TILES, present.tiles),
+            (HEIGHTS_FOLDER, present.heights),
+            (SCRATCH, present.scratch),
+        ] {
             if is_there && !is_of_build {
                 return Err(other(name));
             }

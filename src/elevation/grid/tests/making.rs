@@ -2,7 +2,7 @@
 
 use super::super::*;
 use super::{degrees, grid_of};
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 #[test]
 fn holes_are_filled_and_counted() {
@@ -89,7 +89,10 @@ fn a_repeated_column_is_dropped_and_rows_at_poles_get_one_height() {
             10.0 * lon.cos()
         }
     });
-    assert_eq!((grid.lattice.columns, grid.lattice.is_periodic), (8, true));
+    assert_eq!(
+        (grid.place.lattice.columns, grid.place.lattice.is_periodic),
+        (8, true)
+    );
     assert!(grid.height_m(FRAC_PI_2, 1.0, 0.0).abs() < 1e-4);
     // 21 601 x 10 801 files that call their posts cells: half a cell too large all round.
     let place = Georeference {
@@ -102,7 +105,10 @@ fn a_repeated_column_is_dropped_and_rows_at_poles_get_one_height() {
         lon_step_rad: PI / 4.0,
     };
     let grid = HeightGrid::new(&place, vec![1.0; 45], &GridLimits::default()).unwrap();
-    assert_eq!((grid.lattice.columns, grid.weight(1.5, 3.1)), (8, 1.0));
+    assert_eq!(
+        (grid.place.lattice.columns, grid.weight(1.5, 3.1)),
+        (8, 1.0)
+    );
 }
 
 #[test]

@@ -57,11 +57,11 @@ proptest! {
         if turn > 5.0 { lon = PI }
         lat = lat.clamp(-FRAC_PI_2, FRAC_PI_2);
         // A local grid's far side is not asked for: there its nearer border changes.
-        if !grid.lattice.is_periodic {
+        if !grid.place.lattice.is_periodic {
             lon = bounds.west_rad + (0.5 + 0.2 * u) * bounds.width_rad;
         }
         // On a column and on a row: there interpolation goes from one pair of samples to the next.
-        let SampleLattice { west_rad, lon_step_rad, north_rad, lat_step_rad, columns, rows, .. } = grid.lattice;
+        let super::super::georeference::SampleLattice { west_rad, lon_step_rad, north_rad, lat_step_rad, columns, rows, .. } = grid.place.lattice;
         let column = west_rad + (u.abs() * 0.5 * columns as f64).floor() * lon_step_rad;
         let row = north_rad - (v * rows as f64).floor() * lat_step_rad;
         let tiny = 1e-9;
@@ -152,7 +152,7 @@ proptest! {
         prop_assert!((0.0..=1.0).contains(&weight));
         let there = grid.weight(lat + 1e-10 * turn.sin(), lon + 1e-10 * turn.cos());
         prop_assert!((weight - there).abs() < 1e-5);
-        let is_outside = !(0.0..=1.0).contains(&u) && !grid.lattice.is_periodic;
+        let is_outside = !(0.0..=1.0).contains(&u) && !grid.place.lattice.is_periodic;
         prop_assert!(!is_outside || weight == 0.0);
         // Alone in its bounds means alone in each place of them.
         let asked = Bounds { south_rad: lat, north_rad: lat + 0.01, west_rad: lon, width_rad: 0.02 };

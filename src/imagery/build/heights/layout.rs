@@ -17,6 +17,11 @@ const MOST_ROUND: u64 = 1 << 30;
 /// A level may be coarser than a file by so much and still hold it.
 const COARSER: f64 = 1.1;
 
+/// Whether a file is too fine for a level: it has a finer one wherever it lies.
+pub(super) fn is_finer(step_rad: f64, spacing_rad: f64) -> bool {
+    step_rad * COARSER < spacing_rad
+}
+
 /// Number of levels and side of their tiles, so that the samples of the finest are at most `finest_rad` apart, by no more than the rounding of
 /// the side less; `None` for more samples than there can be.
 pub(super) fn levels_for(finest_rad: f64) -> Option<(u8, u32)> {
@@ -56,7 +61,7 @@ pub(super) fn tiles(
         let spacing_rad = TAU / f64::from(entry.round(level + 1));
         let finer: Vec<_> = files
             .iter()
-            .filter(|(_, step_rad)| step_rad * COARSER < spacing_rad)
+            .filter(|(_, step_rad)| is_finer(*step_rad, spacing_rad))
             .collect();
         let mut places = Vec::new();
         for parent in levels.last().into_iter().flatten() {

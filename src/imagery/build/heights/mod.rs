@@ -2,13 +2,17 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `files.rs` | the files, one over another, within the memory allowed |
+//! | `files.rs` | the files, one over another |
+//! | `budget.rs` | which of them are held, and which are read part by part, within the memory allowed |
 //! | `layout.rs` | levels, and which tiles there are |
 //! | `samples.rs` | the samples of a tile: from the files, or means of finer tiles |
 
+mod budget;
 mod files;
 mod layout;
 mod samples;
+#[cfg(test)]
+mod spooled_tests;
 #[cfg(test)]
 mod tests;
 
@@ -38,19 +42,19 @@ pub(super) fn build(
     folder: &BuildFolder<'_>,
     progress: &dyn BuildProgress,
 ) -> Result<BuiltHeights, BuildError> {
-    let files = HeightFiles::open(paths, means, progress)?;
+    let files = HeightFiles::open(paths, means, folder, progress)?;
     let mut entry = files.layout()?;
     let levels = layout::tiles(&entry, &files.steps())?;
     folder.take_over_heights(&entry);
     let threads = rayon::ThreadPoolBuilder::new()
-        .num_threads(means.threads)
+        .num_threads(files.threads)
         .thread_name(|n| format!("terrella heights {n}"))
         .build()
         .map_err(|error| BuildError::Threads(error.to_string()))?;
     for (level, places) in levels.iter().enumerate() {
         let what = format!("heights {}/{}", level + 1, levels.len());
         progress.begin(&what, Some(places.len() as u64));
-        let maker = TileMaker::new(&files.ground, &entry, folder, means.threads);
+        let maker = TileMaker::new(&files, &entry, folder, files.threads);
         let mut rows = places.chunk_by(|one, next| one.row == next.row);
         let done = rows.try_for_each(|row| {
             threads.install(|| {
@@ -73,7 +77,7 @@ pub(super) fn build(
     entry.index = TileFile::of(&index);
     Ok(BuiltHeights {
         entry,
-        attribution: files.attribution,
+        attribution: files.attribution(),
     })
 }
 

@@ -1,6 +1,8 @@
 //! The samples of a tile: from the files, or means of finer tiles where those are.
 
-use crate::elevation::{Elevation, Ground};
+use super::budget::KEPT_A_THREAD;
+use super::files::{HeightFiles, View};
+use crate::elevation::Bounds;
 use crate::imagery::build::BuildError;
 use crate::imagery::build::folder::BuildFolder;
 use crate::imagery::pack::{
@@ -9,19 +11,18 @@ use crate::imagery::pack::{
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Finer tiles that are kept for each thread: the 16 that a tile with its border reaches, and some for its neighbours.
-const KEPT_A_THREAD: usize = 24;
-
-/// Bytes that so many threads hold at most.
-pub(super) fn working_bytes(threads: usize) -> u64 {
-    let side = u64::from(super::layout::MOST_SIDE) + 2;
-    // Kept tiles, one being made and one being decoded, of floats; and its compressed bytes.
-    side * side * 4 * threads as u64 * (KEPT_A_THREAD as u64 + 4)
+/// Where the samples of a tile come from, kept from one to the next.
+#[derive(Default)]
+struct Source<'a> {
+    /// The finer tile that was looked at last.
+    finer: Option<(HeightPlace, Option<Arc<HeightValues>>)>,
+    /// The files about the tile, so many columns farther east.
+    view: Option<(i64, View<'a>)>,
 }
 
 /// Makes the tiles of a level.
 pub(super) struct TileMaker<'a> {
-    ground: &'a Ground,
+    files: &'a HeightFiles,
     pub entry: &'a HeightsEntry,
     pub folder: &'a BuildFolder<'a>,
     /// The last used at the end.
@@ -31,13 +32,13 @@ pub(super) struct TileMaker<'a> {
 
 impl<'a> TileMaker<'a> {
     pub(super) fn new(
-        ground: &'a Ground,
+        files: &'a HeightFiles,
         entry: &'a HeightsEntry,
         folder: &'a BuildFolder<'a>,
         threads: usize,
     ) -> Self {
         Self {
-            ground,
+            files,
             entry,
             folder,
             kept: Mutex::new(Vec::new()),
@@ -63,7 +64,7 @@ impl<'a> TileMaker<'a> {
         let entry = self.entry;
         let (side, border) = (i64::from(entry.side), i64::from(entry.border));
         let round = i64::from(entry.round(place.level));
-        let mut last = None;
+        let mut source = Source::default();
         let mut metres = Vec::with_capacity(entry.tile_samples());
         for y in -border..side + border {
             let row = i64::from(place.row) * side + y;
@@ -77,7 +78,7 @@ impl<'a> TileMaker<'a> {
                 let column = i64::from(place.column) * side + x + turn;
                 // 0…2^30.
                 let at = (row as u32, column.rem_euclid(round) as u32);
-                metres.push(self.sample_m(place.level, at, &mut last)?);
+                metres.push(self.sample_m(place, at, turn, &mut source)?);
             }
         }
         Ok(match entry.kind {
@@ -92,32 +93,57 @@ impl<'a> TileMaker<'a> {
         })
     }
 
-    /// The sample in a row and column of a level. `last` is the finer tile that was looked at last.
+    /// The sample in a row and column of the level of `place`, whose tile is made: of its own rows, `turn` columns farther east.
     fn sample_m(
         &self,
-        level: u8,
+        place: HeightPlace,
         (row, column): (u32, u32),
-        last: &mut Option<(HeightPlace, Option<Arc<HeightValues>>)>,
+        turn: i64,
+        source: &mut Source<'a>,
     ) -> Result<f64, BuildError> {
         let side = self.entry.side;
-        if let Some(level) = level.checked_sub(1) {
-            let place = HeightPlace {
+        if let Some(level) = place.level.checked_sub(1) {
+            let finer = HeightPlace {
                 level,
                 row: 2 * row / side,
                 column: 2 * column / side,
             };
-            if last.as_ref().is_none_or(|(at, _)| *at != place) {
-                *last = Some((place, self.finer(place)?));
+            if source.finer.as_ref().is_none_or(|(at, _)| *at != finer) {
+                source.finer = Some((finer, self.finer(finer)?));
             }
-            if let Some((_, Some(values))) = last {
+            if let Some((_, Some(values))) = &source.finer {
                 let own = |at: u32| (2 * at % side + self.entry.border) as usize;
                 return Ok(self.mean_m(values, own(row), own(column)));
             }
         }
-        let spacing_rad = TAU / f64::from(self.entry.round(level));
+        let spacing_rad = TAU / f64::from(self.entry.round(place.level));
         let lat_rad = FRAC_PI_2 - (f64::from(row) + 0.5) * spacing_rad;
         let lon_rad = -PI + (f64::from(column) + 0.5) * spacing_rad;
-        Ok(self.ground.height_m(lat_rad, lon_rad, spacing_rad))
+        let view = match &source.view {
+            Some((of_turn, view)) if *of_turn == turn => view,
+            _ => {
+                // One at a time in memory.
+                source.view = None;
+                let view = self.files.view(&self.bounds(place, turn), spacing_rad)?;
+                &source.view.insert((turn, view)).1
+            }
+        };
+        Ok(view.height_m(lat_rad, lon_rad))
+    }
+
+    /// What the samples of a tile and its border lie in, so many columns farther east.
+    fn bounds(&self, place: HeightPlace, turn: i64) -> Bounds {
+        let spacing_rad = TAU / f64::from(self.entry.round(place.level));
+        let (side, border) = (f64::from(self.entry.side), f64::from(self.entry.border));
+        let first = |tile: u32| f64::from(tile) * side - border;
+        let across_rad = (side + 2.0 * border) * spacing_rad;
+        let north_rad = FRAC_PI_2 - first(place.row) * spacing_rad;
+        Bounds {
+            south_rad: (north_rad - across_rad).max(-FRAC_PI_2),
+            north_rad: north_rad.min(FRAC_PI_2),
+            west_rad: (first(place.column) + turn as f64) * spacing_rad - PI,
+            width_rad: across_rad,
+        }
     }
 
     /// The mean of four samples, metres: of this row and column and the next.

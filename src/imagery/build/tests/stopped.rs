@@ -27,6 +27,10 @@ impl Failing {
 }
 
 impl Writer for Failing {
+    fn free_bytes(&self, _folder: &Path) -> Option<u64> {
+        None
+    }
+
     fn write(&self, path: &Path, contents: &[u8]) -> io::Result<()> {
         let left = self
             .left
