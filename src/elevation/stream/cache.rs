@@ -17,6 +17,13 @@ const WORTH: f64 = 1.5;
 /// Changes that are remembered; who comes later takes everything for changed.
 const REMEMBERED: usize = 256;
 
+/// The key of a place in the table that holds no tile.
+const NOWHERE: HeightTileKey = HeightTileKey {
+    level: 0,
+    column: u32::MAX,
+    row: u32::MAX,
+};
+
 /// What somebody asked for and is not there.
 #[derive(Clone, Copy, Debug)]
 struct Request {
@@ -70,7 +77,7 @@ impl HeightCache {
                 let of_tile = source.range_m(key);
                 let of_tile = of_tile.ok_or(HeightTileError::Absent(key))?;
                 range = wider(range, of_tile);
-                nodes.push(node(source.as_ref(), key, None));
+                nodes.push(node(source.as_ref(), key, NONE, None));
             }
         }
         let bytes = base.stats().bytes;
@@ -82,6 +89,7 @@ impl HeightCache {
             has_wants: Arc::new(AtomicBool::new(false)),
             poles_m,
             range,
+            finest_rad: layout.spacing_rad(0),
         };
         Ok(Self {
             pyramid: Arc::new(pyramid),
@@ -296,7 +304,12 @@ impl HeightCache {
         self.tiles += 1;
         let range = tile.range;
         let free = self.free.pop();
-        let node = node(self.pyramid.source.as_ref(), key, Some(Arc::new(tile)));
+        let node = node(
+            self.pyramid.source.as_ref(),
+            key,
+            parent,
+            Some(Arc::new(tile)),
+        );
         let pyramid = self.changed();
         let index = match free {
             Some(index) => {
@@ -334,9 +347,11 @@ impl HeightCache {
         let Some(tile) = pyramid.nodes[index as usize].tile.take() else {
             return;
         };
-        if let Some(parent) = pyramid.find(key.parent()) {
-            pyramid.nodes[parent as usize].children[key.quarter()] = NONE;
-        }
+        let parent = pyramid.nodes[index as usize].parent;
+        pyramid.nodes[parent as usize].children[key.quarter()] = NONE;
+        // No place lies in what is no more, and nothing is above it.
+        pyramid.nodes[index as usize].key = NOWHERE;
+        pyramid.nodes[index as usize].parent = NONE;
         for (bit, (east, south)) in BESIDE.into_iter().enumerate() {
             let beside = pyramid.layout.beside(key, east, south);
             if let Some(there) = beside.and_then(|beside| pyramid.find(beside)) {
@@ -402,10 +417,16 @@ fn shows(layout: &HeightTileLayout, key: HeightTileKey, eyes: &[Look]) -> bool {
             .any(|eye| eye.seen_rad(&bounds, spacing_rad) > eye.tolerance_rad())
 }
 
-fn node(source: &dyn HeightTileSource, key: HeightTileKey, tile: Option<Arc<HeldTile>>) -> Node {
+fn node(
+    source: &dyn HeightTileSource,
+    key: HeightTileKey,
+    parent: u32,
+    tile: Option<Arc<HeldTile>>,
+) -> Node {
     let mut node = Node {
         key,
         tile,
+        parent,
         children: [NONE; 4],
         exists: 0,
         below: [[0.0; 2]; 4],
