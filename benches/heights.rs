@@ -1,7 +1,7 @@
 //! What streaming of heights costs the thread that draws: flights of every surface over tiles that take their time to load.
 //!
 //! ```text
-//! cargo bench --bench heights -- [flights] [settling] [reading] [--surface NAME] [--height-km N] [--rounds N] [--frames N]
+//! cargo bench --bench heights -- [flights] [settling] [reading] [--surface NAME] [--height-km N] [--rounds N] [--frames N] [--taken N]
 //! ```
 //!
 //! - `flights`: each surface at 200 km and at 2 km, 60 frames a second in real time, over tiles of which each takes 5 ms to
@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 use terrella::elevation::{
     Bounds, Elevation, Georeference, GridLimits, Ground, HeightEye, HeightGrid, HeightRange,
     HeightSamples, HeightStreamOptions, HeightTileError, HeightTileKey, HeightTileLayout,
-    HeightTileSource, HeightViewer, Registration, StreamedGround,
+    HeightTileSource, HeightViewer, Registration, StreamedGround, TILES_PER_FRAME,
 };
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::globe::{GroundView, Surface};
@@ -32,9 +32,6 @@ const TILE_TIME: Duration = Duration::from_millis(5);
 const FRAME_TIME: Duration = Duration::from_micros(16_667);
 /// More than this nobody may see in a frame.
 const MOST_MS: f64 = 4.0;
-/// Tiles that a frame may take over, as an Earth's.
-const TAKEN_PER_FRAME: usize = 2;
-
 /// Where flights begin, and the part of the Earth that has the finest tiles, degrees.
 const START_DEG: (f64, f64) = (46.0, 8.0);
 const DEEP_DEG: (f64, f64, f64, f64) = (40.0, 52.0, 0.0, 28.0);
@@ -287,11 +284,16 @@ impl Follower {
     }
 
     /// Frames until nothing changes any more; answers how many.
-    fn settle(&mut self, surface: &mut dyn Surface, view: &GroundView, paced: bool) -> u32 {
+    fn settle(
+        &mut self,
+        surface: &mut dyn Surface,
+        view: &GroundView,
+        paced: Option<usize>,
+    ) -> u32 {
         let (mut frames, mut quiet) = (0, 0);
         while quiet < 4 {
             let start = Instant::now();
-            let most = if paced { TAKEN_PER_FRAME } else { usize::MAX };
+            let most = paced.unwrap_or(usize::MAX);
             let (_, is_busy) = self.frame(surface, view, most);
             quiet = if is_busy || !self.stream.is_settled() {
                 0
@@ -300,7 +302,7 @@ impl Follower {
             };
             frames += 1;
             assert!(frames < 20_000, "{} never settles", surface.name());
-            if paced {
+            if paced.is_some() {
                 std::thread::sleep(FRAME_TIME.saturating_sub(start.elapsed()));
             } else if quiet == 0 && !self.stream.is_settled() {
                 self.stream.wait(Duration::from_millis(5));
@@ -386,7 +388,7 @@ fn flights(arguments: &Arguments) {
             let mut whole = Follower::new(&quick);
             let mut surface = make();
             for view in views.iter().step_by(6) {
-                whole.settle(surface.as_mut(), view, false);
+                whole.settle(surface.as_mut(), view, None);
             }
             let (mut resident, mut streamed) = (Vec::new(), Vec::new());
             let mut tiles = 0;
@@ -395,14 +397,14 @@ fn flights(arguments: &Arguments) {
                 let mut surface = make();
                 for view in &views {
                     let start = Instant::now();
-                    let frame = follower.frame(surface.as_mut(), view, TAKEN_PER_FRAME);
+                    let frame = follower.frame(surface.as_mut(), view, arguments.taken);
                     streamed.push(frame.0);
                     std::thread::sleep(FRAME_TIME.saturating_sub(start.elapsed()));
                 }
                 tiles = follower.stream.counters().tiles;
                 let mut surface = make();
                 for view in &views {
-                    let frame = whole.frame(surface.as_mut(), view, TAKEN_PER_FRAME);
+                    let frame = whole.frame(surface.as_mut(), view, arguments.taken);
                     resident.push(frame.0);
                 }
             }
@@ -447,7 +449,7 @@ fn settling(arguments: &Arguments) {
                     0.0,
                 );
                 let start = Instant::now();
-                let frames = follower.settle(surface.as_mut(), &view, true);
+                let frames = follower.settle(surface.as_mut(), &view, Some(arguments.taken));
                 runs.push((start.elapsed().as_secs_f64(), frames));
                 tiles = follower.stream.counters().tiles;
             }
@@ -561,6 +563,8 @@ struct Arguments {
     height_km: Option<f64>,
     rounds: u32,
     frames: u32,
+    /// Tiles that a frame may take over.
+    taken: usize,
 }
 
 impl Arguments {
@@ -571,6 +575,7 @@ impl Arguments {
             height_km: None,
             rounds: 3,
             frames: 360,
+            taken: TILES_PER_FRAME,
         };
         let mut arguments = std::env::args().skip(1);
         while let Some(argument) = arguments.next() {
@@ -579,6 +584,7 @@ impl Arguments {
                 "--surface" => own.surface = Some(value()),
                 "--height-km" => own.height_km = Some(value().parse().expect("a number")),
                 "--rounds" => own.rounds = value().parse().expect("a number"),
+                "--taken" => own.taken = value().parse().expect("a number"),
                 "--frames" => own.frames = value().parse().expect("a number"),
                 // Cargo's own.
                 "--bench" => {}

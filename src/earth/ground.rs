@@ -3,7 +3,7 @@
 use super::view::ItrfView;
 use crate::elevation::{
     Bounds, Elevation, Ground, HeightChange, HeightEye, HeightStreamCounters, HeightTileKey,
-    HeightViewer, StreamedGround,
+    HeightViewer, StreamedGround, TILES_PER_FRAME,
 };
 use crate::globe::contours::ContourOptions;
 use crate::globe::projected_grid::GPU_TILES;
@@ -65,9 +65,6 @@ struct Followed {
     version: u64,
     heights: Arc<Ground>,
 }
-
-/// Tiles of heights that one frame may take in: each has its part of the ground made anew.
-const TILES_PER_FRAME: usize = 2;
 
 /// The finest that samples of heights are asked for where the tolerance asks for more, pixels.
 const LEAST_SAMPLE_PX: f64 = 0.5;

@@ -30,7 +30,7 @@ pub use read::{HeightFile, HeightFileError, open_heights, open_heights_denoised}
 pub(crate) use stream::test_source::TestTiles;
 pub use stream::{
     HeightEye, HeightStreamCounters, HeightStreamOptions, HeightViewer, StreamedGround,
-    StreamedGroundError,
+    StreamedGroundError, TILES_PER_FRAME,
 };
 pub use tiles::{
     HeightLayoutError, HeightSamples, HeightTileError, HeightTileKey, HeightTileLayout,

@@ -210,6 +210,9 @@ fn what_was_read_before_says_nothing_of_a_height() {
         (height.to_bits(), now.finest_spacing_rad(lat, lon).to_bits())
     };
     let mut rounds = 0;
+    for (lat, lon) in places(400) {
+        ground.height_m(lat, lon, 0.0);
+    }
     while rounds < 60 && one_more(&tiles, &ground) {
         rounds += 1;
         let (_, now) = ground.now();

@@ -10,11 +10,13 @@ mod error;
 mod held;
 mod layout;
 mod pyramid;
+mod wants;
 
 pub use error::HeightTileError;
 pub(super) use held::HeldTile;
 pub use layout::{HeightLayoutError, HeightTileKey, HeightTileLayout};
 pub(super) use pyramid::{BESIDE, FEATHER, NONE, Node, TilePyramid, wider};
+pub(super) use wants::{NearEye, Wants};
 
 use super::HeightRange;
 

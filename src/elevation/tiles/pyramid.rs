@@ -11,7 +11,7 @@
 //! Only tiles whose coarser one is in memory are, so that the way down from the coarsest finds them all.
 
 use super::held::HeldTile;
-use super::{HeightTileKey, HeightTileLayout, HeightTileSource};
+use super::{HeightTileKey, HeightTileLayout, HeightTileSource, Wants};
 use crate::elevation::{Bounds, HeightGrid, HeightRange};
 use std::cell::Cell;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -92,6 +92,8 @@ pub(in crate::elevation) struct TilePyramid {
     pub nodes: Vec<Node>,
     /// Something was asked for that is not there.
     pub has_wants: Arc<AtomicBool>,
+    /// And beneath that.
+    pub wants: Arc<Wants>,
     pub poles_m: [f64; 2],
     /// Of everything, now and later.
     pub range: HeightRange,
@@ -182,7 +184,7 @@ impl TilePyramid {
         let at = self.finest_over(&place, level);
         let node = &self.nodes[at as usize];
         if node.key.level > level {
-            self.want(node, self.quarter_of(node, &place), is_any);
+            self.want_below(node, &place, level, is_any);
             return self.blended(at, &place, is_any);
         }
         let fine_m = self.blended(at, &place, is_any);
@@ -247,6 +249,25 @@ impl TilePyramid {
             at = node.parent;
         }
         self.root(self.key_at(place, self.layout.coarsest()))
+    }
+
+    /// Notes that finer tiles over a place were asked for, down to a level, or as far as somebody sees them.
+    #[inline]
+    fn want_below(&self, node: &Node, place: &Place, level: u8, is_any: bool) {
+        let quarter = self.quarter_of(node, place);
+        if node.exists >> quarter & 1 == 0 {
+            return;
+        }
+        self.want(node, quarter, is_any);
+        let level = match is_any {
+            true => self
+                .wants
+                .level_seen(place.lat_rad, place.lon_rad, self.finest_rad),
+            false => level,
+        };
+        if level + 1 < node.key.level {
+            self.wants.note(self.key_at(place, level), is_any);
+        }
     }
 
     /// Notes that a quarter was asked for, if the source has it.
@@ -365,8 +386,16 @@ impl TilePyramid {
         let (rows, columns) = (self.layout.rows(coarsest), self.layout.columns(coarsest));
         let row = |lat: f64| ((FRAC_PI_2 - lat) / tile_rad).clamp(0.0, f64::from(rows - 1)) as u32;
         let (north, south) = (row(bounds.north_rad + 1e-9), row(bounds.south_rad - 1e-9));
+        // All columns at a pole, where they meet.
+        let is_polar = north == 0 || south + 1 == rows;
+        let first = ((bounds.west_rad + PI) / tile_rad - 1e-6).floor();
+        let count = match is_polar {
+            true => columns,
+            false => ((bounds.width_rad / tile_rad) as u32 + 2).min(columns),
+        };
+        let first = first.rem_euclid(f64::from(columns)) as u32;
         for row in north..=south {
-            for column in 0..columns {
+            for column in (0..count).map(|k| (first + k) % columns) {
                 let node = &self.nodes[(row * columns + column) as usize];
                 if self.layout.bounds(node.key).meets(bounds) {
                     range = self.range_below(node, bounds, PART * extent, is_ever, range);
