@@ -57,6 +57,8 @@ pub(super) struct GroundDriver {
     before: SurfaceStats,
     /// Frames since anything was read or drawn otherwise than the frame before.
     quiet: u32,
+    /// Nothing that is drawn hangs on views, or on heights, of before the surface last forgot them.
+    has_forgotten: bool,
 }
 
 /// Heights of a stream as the last frame had them.
@@ -125,6 +127,7 @@ impl GroundDriver {
             tolerance_px,
             before: SurfaceStats::default(),
             quiet: 0,
+            has_forgotten: false,
         })
     }
 
@@ -203,6 +206,7 @@ impl GroundDriver {
         self.surface.heights_changed(&changes, heights.as_ref());
         (followed.version, followed.heights) = (version, heights);
         self.quiet = 0;
+        self.has_forgotten = false;
     }
 
     /// Chooses what is drawn, and the blocks in sight, whose tiles it is drawn with.
@@ -231,6 +235,17 @@ impl GroundDriver {
         self.quiet = if is_quiet { self.quiet + 1 } else { 0 };
         self.before = stats;
         stats
+    }
+
+    /// What is drawn next does not hang on views before.
+    pub fn forget_views(&mut self) {
+        self.surface.forget_views();
+        (self.quiet, self.has_forgotten) = (0, true);
+    }
+
+    /// Whether heights are the same since views were forgotten.
+    pub fn has_forgotten(&self) -> bool {
+        self.has_forgotten
     }
 
     /// Whether a view that does not move would be drawn as it is now.
