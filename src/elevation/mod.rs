@@ -14,6 +14,7 @@ pub(crate) mod geo_tags;
 mod grid;
 mod ground;
 pub mod read;
+mod samples;
 mod stream;
 mod tiles;
 
@@ -26,6 +27,7 @@ pub use grid::{
 };
 pub use ground::Ground;
 pub use read::{HeightFile, HeightFileError, open_heights, open_heights_denoised};
+pub use samples::HeightSamples;
 #[cfg(test)]
 pub(crate) use stream::test_source::TestTiles;
 pub use stream::{
@@ -33,8 +35,7 @@ pub use stream::{
     StreamedGroundError, TILES_PER_FRAME,
 };
 pub use tiles::{
-    HeightLayoutError, HeightSamples, HeightTileError, HeightTileKey, HeightTileLayout,
-    HeightTileSource,
+    HeightLayoutError, HeightTileError, HeightTileKey, HeightTileLayout, HeightTileSource,
 };
 
 use crate::frames::Ellipsoid;

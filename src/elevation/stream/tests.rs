@@ -201,6 +201,24 @@ fn at_any_time_heights_are_continuous_and_within_their_ranges() {
 }
 
 #[test]
+fn all_levels_over_a_place_are_asked_for_at_once_and_come_in_any_order() {
+    for spacing_steps in [0.0, 1.0] {
+        let (tiles, ground) = streamed(TestTiles::new(4, 16, |_| true).gated(), 1 << 30);
+        let finest = tiles.layout().spacing_rad(0);
+        let (lat, lon) = (0.3, 0.2);
+        ground.height_m(lat, lon, spacing_steps * finest);
+        ground.take_over(usize::MAX);
+        let asked: Vec<_> = ground.missing().iter().map(|key| key.level).collect();
+        assert_eq!(asked, [2, 1, 0], "coarse ones first");
+        tiles.allow(3);
+        settle(&ground);
+        assert_eq!(ground.counters().tiles, 3);
+        let whole = tiles.grid().height_m(lat, lon, 0.0);
+        assert!((ground.height_m(lat, lon, 0.0) - whole).abs() < 1e-6);
+    }
+}
+
+#[test]
 fn what_was_read_before_says_nothing_of_a_height() {
     let (tiles, ground) = streamed(TestTiles::new(4, 16, inset).gated(), 1 << 30);
     let finest = tiles.layout().spacing_rad(0);

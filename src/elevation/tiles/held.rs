@@ -1,7 +1,8 @@
 //! A tile of heights in memory.
 
 use super::pyramid::whole_below;
-use super::{HeightSamples, HeightTileError, HeightTileKey, HeightTileLayout};
+use super::{HeightTileError, HeightTileKey, HeightTileLayout};
+use crate::elevation::samples::HeightSamples;
 use crate::elevation::{HIGHEST_M, HeightRange, LOWEST_M};
 
 /// Samples along a side of the squares whose ranges are held.

@@ -295,7 +295,8 @@ impl ContourSurface {
         evaluations: &mut u32,
     ) {
         let info = match self.cell_infos.get(cell.key(), self.now) {
-            Some(info) if info.is_stale && *evaluations > 0 => {
+            // A part of the budget is kept for cells that nothing is known of.
+            Some(info) if info.is_stale && *evaluations > self.options.measured_per_frame / 2 => {
                 *evaluations -= 1;
                 self.evaluate_cell(ground, cell)
             }
