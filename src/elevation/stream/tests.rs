@@ -205,7 +205,8 @@ fn all_levels_over_a_place_are_asked_for_at_once_and_come_in_any_order() {
     for spacing_steps in [0.0, 1.0] {
         let (tiles, ground) = streamed(TestTiles::new(4, 16, |_| true).gated(), 1 << 30);
         let finest = tiles.layout().spacing_rad(0);
-        let (lat, lon) = (0.3, 0.2);
+        // In the middle of a tile of the finest level, where it alone counts.
+        let (lat, lon) = (0.27, 0.1227);
         ground.height_m(lat, lon, spacing_steps * finest);
         ground.take_over(usize::MAX);
         let asked: Vec<_> = ground.missing().iter().map(|key| key.level).collect();
