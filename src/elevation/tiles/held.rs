@@ -1,6 +1,6 @@
 //! A tile of heights in memory.
 
-use super::pyramid::whole_below;
+use super::whole::whole_below;
 use super::{HeightTileError, HeightTileKey, HeightTileLayout};
 use crate::elevation::samples::HeightSamples;
 use crate::elevation::{HIGHEST_M, HeightRange, LOWEST_M};

@@ -11,6 +11,7 @@
 //! Only tiles whose coarser one is in memory are, so that the way down from the coarsest finds them all.
 
 use super::held::HeldTile;
+use super::whole::whole_below;
 use super::{HeightTileKey, HeightTileLayout, HeightTileSource, Wants};
 use crate::elevation::{Bounds, HeightGrid, HeightRange};
 use std::cell::Cell;
@@ -110,20 +111,6 @@ thread_local! {
 #[inline]
 fn power_of_half(level: u8) -> f64 {
     f64::from_bits((1023 - u64::from(level)) << 52)
-}
-
-/// The largest whole number that is not above a number, without a call to a library.
-#[inline]
-pub(super) fn whole_below(value: f64) -> f64 {
-    if value.abs() >= (1_u64 << 52) as f64 {
-        return value;
-    }
-    let towards_zero = value as i64 as f64;
-    if towards_zero > value {
-        towards_zero - 1.0
-    } else {
-        towards_zero
-    }
 }
 
 impl TilePyramid {

@@ -5,7 +5,7 @@
 //! the same moment, some are lost, and asked for again when heights have changed there.
 
 use super::HeightTileKey;
-use super::pyramid::whole_below;
+use super::whole::whole_below;
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 
