@@ -84,13 +84,26 @@ impl EarthView {
         self.planner.set_quality(quality, meshes);
         self.plan = self.planner.empty_plan();
         self.air = air;
-        self.forget_levels();
+        self.levels = TileLevels::default();
         self.drawn = None;
     }
 
     /// What is chosen next does not depend on what was chosen before.
-    pub(super) fn forget_levels(&mut self) {
+    pub(super) fn forget_views(&mut self) {
         self.levels = TileLevels::default();
+        if let Some(ground) = self.planner.ground_driver_mut() {
+            ground.forget_views();
+        }
+    }
+
+    /// Forgets again if heights have changed since. Answers whether they had.
+    pub(super) fn forget_views_again(&mut self) -> bool {
+        let ground = self.planner.ground_driver_mut();
+        let Some(ground) = ground.filter(|ground| !ground.has_forgotten()) else {
+            return false;
+        };
+        ground.forget_views();
+        true
     }
 
     /// What was prepared last. Tiles and textures are those of the whole Earth.

@@ -3,7 +3,7 @@
 use super::view::ItrfView;
 use crate::elevation::{
     Bounds, Elevation, Ground, HeightChange, HeightEye, HeightStreamCounters, HeightTileKey,
-    HeightViewer, StreamedGround,
+    HeightViewer, StreamedGround, TILES_PER_FRAME,
 };
 use crate::globe::contours::ContourOptions;
 use crate::globe::projected_grid::GPU_TILES;
@@ -57,6 +57,8 @@ pub(super) struct GroundDriver {
     before: SurfaceStats,
     /// Frames since anything was read or drawn otherwise than the frame before.
     quiet: u32,
+    /// Nothing that is drawn hangs on views, or on heights, of before the surface last forgot them.
+    has_forgotten: bool,
 }
 
 /// Heights of a stream as the last frame had them.
@@ -65,9 +67,6 @@ struct Followed {
     version: u64,
     heights: Arc<Ground>,
 }
-
-/// Tiles of heights that one frame may take in: each has its part of the ground made anew.
-const TILES_PER_FRAME: usize = 2;
 
 /// The finest that samples of heights are asked for where the tolerance asks for more, pixels.
 const LEAST_SAMPLE_PX: f64 = 0.5;
@@ -128,6 +127,7 @@ impl GroundDriver {
             tolerance_px,
             before: SurfaceStats::default(),
             quiet: 0,
+            has_forgotten: false,
         })
     }
 
@@ -206,6 +206,7 @@ impl GroundDriver {
         self.surface.heights_changed(&changes, heights.as_ref());
         (followed.version, followed.heights) = (version, heights);
         self.quiet = 0;
+        self.has_forgotten = false;
     }
 
     /// Chooses what is drawn, and the blocks in sight, whose tiles it is drawn with.
@@ -234,6 +235,17 @@ impl GroundDriver {
         self.quiet = if is_quiet { self.quiet + 1 } else { 0 };
         self.before = stats;
         stats
+    }
+
+    /// What is drawn next does not hang on views before.
+    pub fn forget_views(&mut self) {
+        self.surface.forget_views();
+        (self.quiet, self.has_forgotten) = (0, true);
+    }
+
+    /// Whether heights are the same since views were forgotten.
+    pub fn has_forgotten(&self) -> bool {
+        self.has_forgotten
     }
 
     /// Whether a view that does not move would be drawn as it is now.

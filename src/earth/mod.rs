@@ -248,8 +248,8 @@ impl Earth {
     /// As [`Self::prepare`], but waits until every tile that the view requests is on the GPU, and ground with relief is as fine
     /// as it will be, at most `timeout`: for
     /// pictures that are kept. Answers what is missing; such blocks are drawn with something coarser. A tile that cannot
-    /// be read is not waited for. What is missing of heights, `missing_heights` says. The levels of tiles hang on this view alone and not,
-    /// as else, on those of the frame before: the same view gives the same picture.
+    /// be read is not waited for. What is missing of heights, `missing_heights` says. The levels of tiles, and the triangles of the ground,
+    /// hang on this view alone and not, as else, on those of the frame before: the same view gives the same picture.
     ///
     /// Submits to `queue` what it uploads on the way.
     pub fn prepare_complete(
@@ -274,23 +274,35 @@ impl Earth {
         timeout: Duration,
     ) -> (FrameStats, Vec<TileKey>) {
         let (target, deadline) = (target.into(), Instant::now() + timeout);
-        self.first.forget_levels();
+        self.first.forget_views();
         for other in others.iter_mut() {
-            other.view.forget_levels();
+            other.view.forget_views();
         }
         loop {
             let budget = Some(WAITING_UPLOAD_BYTES);
             let stats = self.prepare_within(queue, view, sky, target, others, budget);
-            let others = || others.iter().map(|other| &*other.view);
-            let is_settled = self.first.is_settled() && others().all(EarthView::is_settled);
-            if !is_settled && Instant::now() < deadline {
+            let views = || others.iter().map(|other| &*other.view);
+            let is_settled = self.first.is_settled() && views().all(EarthView::is_settled);
+            let is_drawn = self.first.drawn.is_some() || views().any(|view| view.drawn.is_some());
+            let is_in_time = Instant::now() < deadline;
+            if !is_settled && is_in_time {
                 if let Some(ground) = self.first.planner.ground_driver() {
                     ground.wait(HEIGHTS_WAIT);
                 }
                 queue.submit([]);
                 continue;
             }
-            let is_drawn = self.first.drawn.is_some() || others().any(|view| view.drawn.is_some());
+            // What was made while heights came hangs on the order in which they came.
+            let mut is_begun_anew = false;
+            if is_settled && is_in_time {
+                is_begun_anew = self.first.forget_views_again();
+                for other in others.iter_mut() {
+                    is_begun_anew |= other.view.forget_views_again();
+                }
+            }
+            if is_begun_anew {
+                continue;
+            }
             let Some(tiles) = self.tiles.as_mut().filter(|_| is_drawn) else {
                 return (stats, Vec::new());
             };

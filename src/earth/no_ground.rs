@@ -43,6 +43,14 @@ impl GroundDriver {
         match *self {}
     }
 
+    pub fn forget_views(&mut self) {
+        match *self {}
+    }
+
+    pub fn has_forgotten(&self) -> bool {
+        match *self {}
+    }
+
     pub fn is_settled(&self) -> bool {
         match *self {}
     }

@@ -119,6 +119,11 @@ impl Planner {
         self.ground.as_ref()
     }
 
+    /// The same, to be changed.
+    pub fn ground_driver_mut(&mut self) -> Option<&mut GroundDriver> {
+        self.ground.as_mut()
+    }
+
     /// Whether a view that does not move would be given the ground that it has now.
     pub fn is_ground_settled(&self) -> bool {
         self.ground.as_ref().is_none_or(GroundDriver::is_settled)

@@ -254,7 +254,7 @@ impl TileDriver {
         for place in 0..self.near.len() {
             let (distance_m, block) = self.near[place];
             self.in_sight.insert(block.index() as u8);
-            self.request(grid, view, &sight, distance_m, block, Some(levels));
+            self.request(grid, view, sight.as_ref(), distance_m, block, Some(levels));
         }
     }
 
@@ -371,14 +371,17 @@ impl TileDriver {
         self.stream.wait(timeout);
     }
 
-    /// What a view sees of parts, of whatever ground there may be.
-    fn sight(&self, grid: &BlockGrid, view: &TileView) -> PartSight {
-        PartSight::new(
-            grid.ellipsoid(),
-            ANY_GROUND,
-            view.eye_itrf_m,
-            &view.clip_from_eye,
-        )
+    /// What a view sees of parts, of whatever ground there may be; none where no map has any.
+    fn sight(&self, grid: &BlockGrid, view: &TileView) -> Option<PartSight> {
+        let has_parts = self.ladders.iter().any(|ladder| ladder.whole() > 0);
+        has_parts.then(|| {
+            PartSight::new(
+                grid.ellipsoid(),
+                ANY_GROUND,
+                view.eye_itrf_m,
+                &view.clip_from_eye,
+            )
+        })
     }
 
     /// Requests a block's tiles, and those of its parts in sight. Levels are given for a block of a picture: there those chosen are
@@ -387,7 +390,7 @@ impl TileDriver {
         &mut self,
         grid: &BlockGrid,
         view: &TileView,
-        sight: &PartSight,
+        sight: Option<&PartSight>,
         distance_m: f64,
         block: Block,
         mut levels: Option<&mut TileLevels>,
@@ -401,7 +404,7 @@ impl TileDriver {
             }
             let before = levels.as_ref().map(|l| l.before[layer.index()][index]);
             let level = self.rule.level(ladder, distance_m, view.pixel_rad, before);
-            if level < ladder.whole() {
+            if let Some(sight) = sight.filter(|_| level < ladder.whole()) {
                 let parts = levels.as_mut().map(|l| &mut l.parts[layer.index()]);
                 self.parts.find(
                     &self.rule,
@@ -447,7 +450,7 @@ impl TileDriver {
             let sight = self.sight(grid, &seen);
             for place in 0..self.near.len() {
                 let (distance_m, block) = self.near[place];
-                self.request(grid, view, &sight, distance_m, block, None);
+                self.request(grid, view, sight.as_ref(), distance_m, block, None);
             }
         }
         self.parts.request_expected(&mut self.requests);

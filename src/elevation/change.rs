@@ -6,6 +6,9 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_8, PI, TAU};
 /// No samples of tiles are farther apart than this, radians: so far from a change slopes may be others too.
 pub const COARSEST_STEP_RAD: f64 = FRAC_PI_8 / 16.0;
 
+/// Bounds meet where their angles are so near each other, radians: a micrometre of ground.
+const NEAR: f64 = 1e-13;
+
 /// Part of the Earth where a source's heights have become finer, or coarser.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightChange {
@@ -21,7 +24,16 @@ pub struct HeightChange {
 impl HeightChange {
     /// Whether heights inside some bounds, or up to an angle beyond them, may be others, asked for at a spacing.
     pub fn touches(&self, bounds: &Bounds, beyond_rad: f64, spacing_rad: f64) -> bool {
-        spacing_rad < self.below_rad && bounds.grown(beyond_rad).meets(&self.bounds)
+        spacing_rad < self.below_rad
+            && self.is_near_latitudes(bounds.south_rad, bounds.north_rad, beyond_rad)
+            && bounds.grown(beyond_rad).meets(&self.bounds)
+    }
+
+    /// Whether latitudes, or some up to an angle beyond them, are those of the change: most of the Earth is told apart by that
+    /// alone, at the price of two comparisons.
+    fn is_near_latitudes(&self, south_rad: f64, north_rad: f64, beyond_rad: f64) -> bool {
+        south_rad - beyond_rad.max(0.0) <= self.bounds.north_rad + NEAR
+            && self.bounds.south_rad <= north_rad + beyond_rad.max(0.0) + NEAR
     }
 
     /// Whether the height at a place, or at one up to an angle away, may be another.
@@ -40,6 +52,10 @@ impl Bounds {
     /// The least that hold all places up to an angle at the Earth's centre from these.
     pub fn grown(&self, angle_rad: f64) -> Self {
         let angle_rad = angle_rad.max(0.0);
+        let is_short_of_poles = self.south_rad > -FRAC_PI_2 && self.north_rad < FRAC_PI_2;
+        if angle_rad == 0.0 && is_short_of_poles && self.width_rad < TAU {
+            return *self;
+        }
         let (south_rad, north_rad) = (self.south_rad - angle_rad, self.north_rad + angle_rad);
         let has_pole = north_rad >= FRAC_PI_2 || south_rad <= -FRAC_PI_2;
         let poleward_rad = self.south_rad.abs().max(self.north_rad.abs());
@@ -63,8 +79,6 @@ impl Bounds {
 
     /// Whether two bounds have a place in common, or all but: to the last digits of their angles.
     pub fn meets(&self, other: &Self) -> bool {
-        // A micrometre of ground.
-        const NEAR: f64 = 1e-13;
         let from = (other.west_rad - self.west_rad).rem_euclid(TAU);
         let back = (self.west_rad - other.west_rad).rem_euclid(TAU);
         let along = |from: f64, width: f64| from <= width + NEAR || from >= TAU - NEAR;

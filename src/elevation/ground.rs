@@ -152,6 +152,10 @@ impl Elevation for Ground {
                 None => self.beneath_m(lat_rad, lon_rad, spacing_rad),
             };
         }
+        if self.grids.is_empty() {
+            // As below: no height is a negative zero.
+            return 0.0 + self.beneath_m(lat_rad, lon_rad, spacing_rad);
+        }
         let (mut height_m, mut beneath) = (0.0, 1.0);
         for grid in self.at(lat_rad, lon_rad) {
             if let Some((of_grid_m, weight)) = grid.weighted(lat_rad, lon_rad, spacing_rad) {

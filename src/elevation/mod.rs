@@ -14,6 +14,7 @@ pub(crate) mod geo_tags;
 mod grid;
 mod ground;
 pub mod read;
+mod samples;
 // Packs are built from them.
 #[cfg_attr(not(feature = "pack-build"), allow(dead_code))]
 pub(crate) mod spool;
@@ -29,15 +30,15 @@ pub use grid::{
 };
 pub use ground::Ground;
 pub use read::{HeightFile, HeightFileError, open_heights, open_heights_denoised};
+pub use samples::HeightSamples;
 #[cfg(test)]
 pub(crate) use stream::test_source::TestTiles;
 pub use stream::{
     HeightEye, HeightStreamCounters, HeightStreamOptions, HeightViewer, StreamedGround,
-    StreamedGroundError,
+    StreamedGroundError, TILES_PER_FRAME,
 };
 pub use tiles::{
-    HeightLayoutError, HeightSamples, HeightTileError, HeightTileKey, HeightTileLayout,
-    HeightTileSource,
+    HeightLayoutError, HeightTileError, HeightTileKey, HeightTileLayout, HeightTileSource,
 };
 
 use crate::frames::Ellipsoid;

@@ -191,6 +191,9 @@ impl Surface for DisplacedBlocks {
         }
     }
 
+    /// Nothing: blocks are chosen by the view alone.
+    fn forget_views(&mut self) {}
+
     fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch)) {
         for patch in &self.patches[..self.drawn] {
             draw(patch);

@@ -1,5 +1,6 @@
 //! Every surface over heights that become finer while it is drawn: closed at all times, and at last as if they had always been so.
 
+use super::surface::GridUniforms;
 use super::*;
 use crate::elevation::{
     Elevation, Ground, HeightEye, HeightStreamOptions, StreamedGround, TestTiles,
@@ -297,5 +298,99 @@ fn near_the_ground_every_surface_becomes_what_it_would_have_been() {
 fn at_a_pole_every_surface_becomes_what_it_would_have_been() {
     for settings in settings() {
         fly(settings, &view(89.6, 20.0, 3e5));
+    }
+}
+
+/// Each patch as it is handed over to be drawn: its place and its triangles.
+fn drawn(surface: &dyn Surface) -> BTreeMap<[u64; 3], Vec<[Corner; 3]>> {
+    let mut all: BTreeMap<_, Vec<_>> = BTreeMap::new();
+    surface.for_each_patch(&mut |patch| {
+        let corners = corners(patch);
+        let triangles = patch.indices.triangles.as_chunks::<3>().0.iter();
+        let triangles = triangles.map(|of| of.map(|k| corners[k as usize]));
+        let origin = patch.origin_itrf_m.to_array().map(f64::to_bits);
+        all.entry(origin).or_default().extend(triangles);
+    });
+    for triangles in all.values_mut() {
+        triangles.sort_unstable();
+    }
+    all
+}
+
+/// As an Earth does for pictures that are kept.
+fn complete(flight: &mut Flight, surface: &mut dyn Surface, view: &GroundView) {
+    let end = Instant::now() + Duration::from_secs(100);
+    surface.forget_views();
+    let (mut quiet, mut before, mut is_fresh) = (0, SurfaceStats::default(), true);
+    loop {
+        assert!(Instant::now() < end, "{} never settles", surface.name());
+        flight.tiles.allow(8);
+        let (has_changed, stats) = flight.frame(surface, view);
+        is_fresh &= !has_changed;
+        let is_still = stats.samples_read == 0 && stats == before && flight.stream.is_settled();
+        (quiet, before) = (if is_still { quiet + 1 } else { 0 }, stats);
+        if quiet < 10 {
+            continue;
+        }
+        if is_fresh {
+            return;
+        }
+        surface.forget_views();
+        (quiet, is_fresh) = (0, true);
+    }
+}
+
+#[test]
+fn a_picture_that_is_kept_is_the_same_whatever_was_before() {
+    let view_of = view;
+    let view = |height_m| view_of(45.3, 4.0, height_m);
+    for settings in settings() {
+        let made = |before: &[GroundView]| {
+            let mut flight = Flight::new();
+            let mut surface = settings.make(Figure::Wgs84).expect("sound");
+            for view in before {
+                for _ in 0..25 {
+                    flight.tiles.allow(2);
+                    flight.frame(surface.as_mut(), view);
+                }
+                complete(&mut flight, surface.as_mut(), view);
+            }
+            complete(&mut flight, surface.as_mut(), &view(6e4));
+            let grid = match surface.draw_kind() {
+                DrawKind::Grid(grid) => grid.uniforms.map(|of| {
+                    // Which slot a tile has is no part of the picture; its heights are.
+                    let slots = of.slots.iter().flatten().flat_map(|s| s.to_array());
+                    let slots = slots.filter(|slot| *slot != u32::MAX);
+                    let heights: Vec<f32> = slots.flat_map(|s| grid.slot(s).to_vec()).collect();
+                    let slots = bytemuck::Zeroable::zeroed();
+                    let placed = GridUniforms { slots, ..*of };
+                    (bytemuck::bytes_of(&placed).to_vec(), heights)
+                }),
+                _ => None,
+            };
+            (drawn(surface.as_ref()), pages(surface.as_ref()), grid)
+        };
+        let at_once = made(&[]);
+        let from_far = made(&[view(4e5), view_of(46.5, 2.0, 2e5)]);
+        let from_near = made(&[view(5e3), view_of(45.31, 4.02, 3e4)]);
+        let differ = |other: &(BTreeMap<[u64; 3], Vec<[Corner; 3]>>, _, _)| {
+            let same = other
+                .0
+                .iter()
+                .filter(|(at, of)| at_once.0.get(*at) == Some(*of));
+            other.0.len() - same.count()
+        };
+        let name = format!("{settings:?}");
+        assert!(
+            at_once == from_far,
+            "{} patches from far: {name}",
+            differ(&from_far)
+        );
+        assert!(
+            at_once == from_near,
+            "{} patches from near: {name}",
+            differ(&from_near)
+        );
+        assert!(!at_once.0.is_empty() || !at_once.1.is_empty() || at_once.2.is_some());
     }
 }

@@ -8,6 +8,8 @@ use crate::imagery::tile::{MAP_LAYERS, MapLayer};
 /// repeats, a tile ends at its border.
 pub(crate) struct Maps {
     whole: [Option<GpuLayer>; MAP_LAYERS],
+    /// The whole maps as arrays, where they are bound so.
+    arrays: [Option<wgpu::TextureView>; MAP_LAYERS],
     arrangement: MapArrangement,
 }
 
@@ -49,15 +51,27 @@ impl Maps {
             ))
         });
         let there = whole.each_ref().map(Option::is_some);
-        Self {
+        let mut maps = Self {
             whole,
+            arrays: Default::default(),
             arrangement: MapArrangement::new(device, there, shown, anisotropy, are_arrays),
+        };
+        maps.view_arrays();
+        maps
+    }
+
+    /// Makes the views of whole maps as arrays.
+    fn view_arrays(&mut self) {
+        for (array, whole) in self.arrays.iter_mut().zip(&self.whole) {
+            let whole = whole.as_ref().filter(|_| self.arrangement.are_arrays);
+            *array = whole.map(|whole| array_view(whole.view.texture()));
         }
     }
 
     /// Binds maps so from now on. Bind groups made before do not fit any more.
     pub fn arrange(&mut self, arrangement: MapArrangement) {
         self.arrangement = arrangement;
+        self.view_arrays();
     }
 
     /// Which maps there are.
@@ -68,7 +82,9 @@ impl Maps {
     /// Draws with another whole map from now on, and answers the one before. Bind groups made before still hold that.
     pub fn replace(&mut self, layer: MapLayer, map: GpuLayer) -> GpuLayer {
         let place = &mut self.whole[layer.index()];
-        place.replace(map.clone()).unwrap_or(map)
+        let before = place.replace(map.clone()).unwrap_or(map);
+        self.view_arrays();
+        before
     }
 
     /// Bytes of the whole maps, mip levels included.
@@ -90,13 +106,8 @@ impl Maps {
     ) -> wgpu::BindGroup {
         let mut entries = Vec::with_capacity(2 * MAP_LAYERS);
         let MapArrangement { repeat, clamp, .. } = &self.arrangement;
-        let arrays: [_; MAP_LAYERS] = std::array::from_fn(|n| {
-            let is_bound = self.arrangement.are_arrays && tiles[n].is_none();
-            let whole = self.whole[n].as_ref().filter(|_| is_bound)?;
-            Some(array_view(whole.view.texture()))
-        });
         let shown = self.whole.iter().zip(self.arrangement.shown);
-        let shown = (0..).zip(shown).zip(tiles.into_iter().zip(&arrays));
+        let shown = (0..).zip(shown).zip(tiles.into_iter().zip(&self.arrays));
         for ((binding, (whole, shown)), (tile, array)) in shown {
             let Some(whole) = whole.as_ref().filter(|_| shown) else {
                 continue;

@@ -5,8 +5,9 @@ use super::holes::{coverage, fill};
 use super::levels::{LevelShape, average, even_out, shapes};
 use super::placement::Placement;
 use super::ranges::Ranges;
-use super::{GridError, GridStats, HIGHEST_M, HeightGrid, LOWEST_M, Level, Samples};
+use super::{GridError, GridStats, HIGHEST_M, HeightGrid, LOWEST_M, Level};
 use crate::elevation::HeightRange;
+use crate::elevation::samples::HeightSamples;
 
 /// What one grid may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,7 +94,7 @@ impl HeightGrid {
         let (coverage, holes, left_holes) = fill_holes(&lattice, &shapes, &mut heights_m);
         one_value_at_poles(&lattice, &mut heights_m);
         let samples = match (is_short, is_whole) {
-            (false, _) => Samples::F32(heights_m),
+            (false, _) => HeightSamples::F32(heights_m),
             (true, true) => short(&heights_m, 0.0, 1.0),
             (true, false) => {
                 // A little less than the 65 536 there are: means in f32 may lie above the highest by their last digit.
@@ -103,7 +104,7 @@ impl HeightGrid {
         };
         let levels = pyramid(&lattice, &shapes, &samples);
         let ranges = Ranges::new(&samples, &levels, coverage.as_ref().map(|c| c.0.as_slice()));
-        let bytes = sample_bytes(&samples)
+        let bytes = samples.bytes()
             + levels
                 .iter()
                 .map(|level| level.means_m.len() as u64 * 4)
@@ -116,8 +117,8 @@ impl HeightGrid {
             left_holes,
             range,
             quantum_m: match samples {
-                Samples::F32(_) => 0.0,
-                Samples::I16 { scale_m, .. } => scale_m,
+                HeightSamples::F32(_) => 0.0,
+                HeightSamples::I16 { scale_m, .. } => scale_m,
             },
             levels: levels.len() as u32,
             bytes,
@@ -268,28 +269,21 @@ pub(in crate::elevation) fn mean(heights_m: impl ExactSizeIterator<Item = f32>) 
     heights_m.map(f64::from).sum::<f64>() / count
 }
 
-fn short(heights_m: &[f32], offset_m: f64, scale_m: f64) -> Samples {
+fn short(heights_m: &[f32], offset_m: f64, scale_m: f64) -> HeightSamples {
     let steps = |height: &f32| ((f64::from(*height) - offset_m) / scale_m).round() as i16;
-    Samples::I16 {
+    HeightSamples::I16 {
         values: heights_m.iter().map(steps).collect(),
         offset_m,
         scale_m,
     }
 }
 
-fn sample_bytes(samples: &Samples) -> u64 {
-    match samples {
-        Samples::F32(values) => values.len() as u64 * 4,
-        Samples::I16 { values, .. } => values.len() as u64 * 2,
-    }
-}
-
 /// All levels, from the samples as they are held.
-fn pyramid(lattice: &SampleLattice, shapes: &[LevelShape], samples: &Samples) -> Vec<Level> {
+fn pyramid(lattice: &SampleLattice, shapes: &[LevelShape], samples: &HeightSamples) -> Vec<Level> {
     let finest: Vec<f32>;
     let finest = match samples {
-        Samples::F32(values) => values.as_slice(),
-        Samples::I16 { values, .. } => {
+        HeightSamples::F32(values) => values.as_slice(),
+        HeightSamples::I16 { values, .. } => {
             finest = (0..values.len()).map(|n| samples.at_m(n) as f32).collect();
             finest.as_slice()
         }

@@ -12,6 +12,7 @@ mod tests;
 pub use build::GridLimits;
 pub use georeference::{Georeference, MAX_SIDE, Registration};
 
+use super::samples::HeightSamples;
 use super::{Bounds, HeightRange};
 use levels::LevelShape;
 use placement::Placement;
@@ -106,34 +107,10 @@ pub struct GridStats {
     pub bytes: u64,
 }
 
-/// Samples of the finest level.
-enum Samples {
-    F32(Vec<f32>),
-    /// Height = offset + scale × value.
-    I16 {
-        values: Vec<i16>,
-        offset_m: f64,
-        scale_m: f64,
-    },
-}
-
-impl Samples {
-    fn at_m(&self, n: usize) -> f64 {
-        match self {
-            Self::F32(values) => f64::from(values[n]),
-            Self::I16 {
-                values,
-                offset_m,
-                scale_m,
-            } => offset_m + scale_m * f64::from(values[n]),
-        }
-    }
-}
-
 /// A level of the pyramid.
 struct Level {
     shape: LevelShape,
-    /// Metres; empty in the finest level, whose samples are [`Samples`].
+    /// Metres; empty in the finest level, whose samples are the grid's.
     means_m: Vec<f32>,
     /// Heights of the poles, north first: the means of the outermost rows.
     poles_m: [f64; 2],
@@ -159,7 +136,7 @@ struct Level {
 /// One byte more where holes are left. While a grid is made, its heights and the means are held beside it.
 pub struct HeightGrid {
     place: Placement,
-    samples: Samples,
+    samples: HeightSamples,
     /// The finest first.
     levels: Vec<Level>,
     ranges: Ranges,
@@ -218,10 +195,12 @@ impl HeightGrid {
             });
         }
         match &self.samples {
-            Samples::F32(values) => shape.interpolate(row, column, *poles_m, |row, column| {
-                f64::from(values[row * shape.columns + column])
-            }),
-            Samples::I16 {
+            HeightSamples::F32(values) => {
+                shape.interpolate(row, column, *poles_m, |row, column| {
+                    f64::from(values[row * shape.columns + column])
+                })
+            }
+            HeightSamples::I16 {
                 values,
                 offset_m,
                 scale_m,

@@ -2,8 +2,9 @@
 
 use super::georeference::SampleLattice;
 use super::levels::{LevelShape, ranges};
-use super::{HeightGrid, Level, Samples};
+use super::{HeightGrid, Level};
 use crate::elevation::HeightRange;
+use crate::elevation::samples::HeightSamples;
 
 /// Rounding in interpolation, metres: a thousand times more than f64 loses at 10 km.
 const ROUNDING_M: f64 = 1e-6;
@@ -34,7 +35,7 @@ pub(super) struct Ranges {
 }
 
 impl Ranges {
-    pub(super) fn new(samples: &Samples, levels: &[Level], coverage: Option<&[u8]>) -> Self {
+    pub(super) fn new(samples: &HeightSamples, levels: &[Level], coverage: Option<&[u8]>) -> Self {
         let shape = levels[0].shape;
         let left_columns = shape.columns.div_ceil(FLAG_SIDE);
         let mut left = Vec::new();
@@ -47,10 +48,10 @@ impl Ranges {
             }
         }
         let cells = match samples {
-            Samples::F32(values) => {
+            HeightSamples::F32(values) => {
                 Cells::F32(pyramid(levels, |n| [values[n]; 2], |mean| [mean; 2]))
             }
-            Samples::I16 {
+            HeightSamples::I16 {
                 values,
                 offset_m,
                 scale_m,

@@ -2,7 +2,7 @@
 
 use super::viewer::Look;
 use super::{HeightStreamCounters, StreamedGroundError};
-use crate::elevation::tiles::{BESIDE, FEATHER, HeldTile, NONE, Node, TilePyramid, wider};
+use crate::elevation::tiles::{BESIDE, FEATHER, HeldTile, NONE, Node, TilePyramid, Wants, wider};
 use crate::elevation::{
     Bounds, Georeference, GridLimits, HeightChange, HeightGrid, HeightRange, HeightTileError,
     HeightTileKey, HeightTileLayout, HeightTileSource, Registration,
@@ -14,14 +14,26 @@ use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 /// A tile is given up for another only if that one shows so many times more.
 const WORTH: f64 = 1.5;
 
+/// Most tiles whose coarser ones are looked for in a frame.
+const CHAINS: usize = 512;
+
 /// Changes that are remembered; who comes later takes everything for changed.
 const REMEMBERED: usize = 256;
+
+/// The key of a place in the table that holds no tile.
+const NOWHERE: HeightTileKey = HeightTileKey {
+    level: 0,
+    column: u32::MAX,
+    row: u32::MAX,
+};
 
 /// What somebody asked for and is not there.
 #[derive(Clone, Copy, Debug)]
 struct Request {
     /// Only as the finest that there is: whether it shows is for the eyes to say.
     is_any: bool,
+    /// It has been loaded and waits to be taken in.
+    has_come: bool,
 }
 
 /// The state.
@@ -41,6 +53,8 @@ pub(super) struct HeightCache {
     refused: Vec<HeightTileKey>,
     arrived: Vec<HeldTile>,
     failed: BTreeSet<HeightTileKey>,
+    /// Requests may hang on tiles that will not come.
+    has_lost: bool,
     version: u64,
     log: VecDeque<(u64, HeightChange)>,
 }
@@ -70,7 +84,7 @@ impl HeightCache {
                 let of_tile = source.range_m(key);
                 let of_tile = of_tile.ok_or(HeightTileError::Absent(key))?;
                 range = wider(range, of_tile);
-                nodes.push(node(source.as_ref(), key, None));
+                nodes.push(node(source.as_ref(), key, NONE, None));
             }
         }
         let bytes = base.stats().bytes;
@@ -80,8 +94,10 @@ impl HeightCache {
             base: Arc::new(base),
             nodes,
             has_wants: Arc::new(AtomicBool::new(false)),
+            wants: Arc::new(Wants::new()),
             poles_m,
             range,
+            finest_rad: layout.spacing_rad(0),
         };
         Ok(Self {
             pyramid: Arc::new(pyramid),
@@ -95,6 +111,7 @@ impl HeightCache {
             refused: Vec::new(),
             arrived: Vec::new(),
             failed: BTreeSet::new(),
+            has_lost: false,
             version: 0,
             log: VecDeque::new(),
         })
@@ -121,9 +138,13 @@ impl HeightCache {
 
     /// Takes a finished load.
     pub fn finish(&mut self, key: HeightTileKey, result: Result<HeldTile, HeightTileError>) {
+        self.queue.retain(|queued| *queued != key);
         match result {
             Ok(tile) => {
                 self.tile_bytes = tile.bytes();
+                if let Some(request) = self.requests.get_mut(&key) {
+                    request.has_come = true;
+                }
                 self.arrived.push(tile);
             }
             Err(HeightTileError::Cancelled(_)) => {}
@@ -131,6 +152,7 @@ impl HeightCache {
                 tracing::warn!("the ground is drawn coarser: {error}");
                 self.requests.remove(&key);
                 self.failed.insert(key);
+                self.has_lost = true;
             }
         }
     }
@@ -144,15 +166,24 @@ impl HeightCache {
             (level, std::cmp::Reverse((row, column)))
         });
         let mut victims: Option<Vec<(f64, u32)>> = None;
-        for _ in 0..most {
+        let mut early = Vec::new();
+        let mut left = most;
+        while left > 0 {
             let Some(tile) = self.arrived.pop() else {
-                return;
+                break;
             };
             let key = tile.key;
             let parent = self.pyramid.find(key.parent());
             let (Some(parent), None) = (parent, self.pyramid.find(key)) else {
+                if parent.is_none() && self.requests.contains_key(&key.parent()) {
+                    // What it hangs below is still on its way.
+                    early.push(tile);
+                } else {
+                    self.requests.remove(&key);
+                }
                 continue;
             };
+            left -= 1;
             let worth = value(&layout, key, eyes);
             let mut has_room = self.bytes + tile.bytes() <= self.budget_bytes;
             while !has_room {
@@ -169,8 +200,11 @@ impl HeightCache {
             if has_room {
                 self.requests.remove(&key);
                 self.insert(parent, tile);
+            } else if let Some(request) = self.requests.get_mut(&key) {
+                request.has_come = false;
             }
         }
+        self.arrived.append(&mut early);
     }
 
     /// Tiles that could be given up, what shows least last.
@@ -192,19 +226,20 @@ impl HeightCache {
 
     /// Finds what shall be loaded.
     pub fn plan(&mut self, eyes: &[Look]) {
+        self.pyramid.wants.look(eyes.iter().map(Look::near));
         self.note_wants();
         self.queue.clear();
         self.refused.clear();
         let layout = self.pyramid.layout;
         let mut wanted: Vec<(f64, HeightTileKey)> = Vec::new();
-        for (key, request) in &self.requests {
-            let worth = value(&layout, *key, eyes);
-            let has_come = self.arrived.iter().any(|tile| tile.key == *key);
-            if !has_come && (!request.is_any || shows(&layout, *key, eyes)) {
+        for (key, request) in self.requests.iter().filter(|(_, r)| !r.has_come) {
+            let (worth, shows) = seen(&layout, *key, eyes);
+            if !request.is_any || shows {
                 wanted.push((worth, *key));
             }
         }
-        wanted.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        // A tile is seen at least twice as large as those beneath it, so it comes before them.
+        wanted.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(b.1.cmp(&a.1)));
         let free_bytes = self.budget_bytes.saturating_sub(self.bytes);
         let free = free_bytes / self.tile_bytes.max(1);
         let mut free = free.saturating_sub(self.arrived.len() as u64);
@@ -224,36 +259,66 @@ impl HeightCache {
         }
     }
 
-    /// Takes over what surfaces have noted. What a tile is asked for hangs on the coarser one over it: without that it is
-    /// forgotten, and asked for again when that has come.
+    /// Takes over what surfaces have noted: the next finer tile of one that is there, and those beneath, down to what was asked for.
     fn note_wants(&mut self) {
+        self.forget_lost();
         let Self {
             pyramid,
             requests,
             failed,
             ..
         } = self;
-        requests.retain(|key, _| pyramid.find(key.parent()).is_some());
-        if !pyramid.has_wants.swap(false, Ordering::Relaxed) {
+        let mut request = |key: HeightTileKey, is_any: bool| {
+            let request = requests.entry(key).or_insert(Request {
+                is_any: true,
+                has_come: false,
+            });
+            request.is_any &= is_any;
+        };
+        if pyramid.has_wants.swap(false, Ordering::Relaxed) {
+            for node in &pyramid.nodes {
+                // They stay set while the tile is on its way, so that nobody notes it again and again.
+                let bits = node.wanted.load(Ordering::Relaxed);
+                for quarter in 0..4 {
+                    let (own, any) = (bits >> quarter & 1 == 1, bits >> (quarter + 4) & 1 == 1);
+                    let is_there = node.children[quarter as usize] != NONE;
+                    let key = node.key.child(quarter);
+                    let Some(key) = key.filter(|_| (own || any) && !is_there) else {
+                        continue;
+                    };
+                    if !failed.contains(&key) {
+                        request(key, !own);
+                    }
+                }
+            }
+        }
+        pyramid.wants.take(CHAINS, |key, is_any| {
+            let mut level = pyramid.layout.coarsest();
+            while level > key.level {
+                level -= 1;
+                let above = key.over(level);
+                if pyramid.find(above).is_some() {
+                    continue;
+                }
+                if failed.contains(&above) || pyramid.source.range_m(above).is_none() {
+                    break;
+                }
+                request(above, is_any);
+            }
+        });
+    }
+
+    /// Forgets requests beneath tiles that are neither there nor asked for: they are asked for again when those have come.
+    fn forget_lost(&mut self) {
+        if !std::mem::take(&mut self.has_lost) {
             return;
         }
-        for node in &pyramid.nodes {
-            // They stay set while the tile is on its way, so that nobody notes it again and again.
-            let bits = node.wanted.load(Ordering::Relaxed);
-            for quarter in 0..4 {
-                let (own, any) = (bits >> quarter & 1 == 1, bits >> (quarter + 4) & 1 == 1);
-                let is_there = node.children[quarter as usize] != NONE;
-                let Some(key) = node
-                    .key
-                    .child(quarter)
-                    .filter(|_| (own || any) && !is_there)
-                else {
-                    continue;
-                };
-                if !failed.contains(&key) {
-                    let request = requests.entry(key).or_insert(Request { is_any: true });
-                    request.is_any &= !own;
-                }
+        // Coarse ones first: finer ones hang on them.
+        let all: Vec<_> = self.requests.keys().rev().copied().collect();
+        for key in all {
+            let parent = key.parent();
+            if self.pyramid.find(parent).is_none() && !self.requests.contains_key(&parent) {
+                self.requests.remove(&key);
             }
         }
     }
@@ -265,7 +330,7 @@ impl HeightCache {
 
     /// Whether something has been asked for since [`Self::plan`].
     pub fn has_wants(&self) -> bool {
-        self.pyramid.has_wants.load(Ordering::Relaxed)
+        self.pyramid.has_wants.load(Ordering::Relaxed) || self.pyramid.wants.has_any()
     }
 
     /// Whether loaded tiles wait to be taken in.
@@ -296,7 +361,12 @@ impl HeightCache {
         self.tiles += 1;
         let range = tile.range;
         let free = self.free.pop();
-        let node = node(self.pyramid.source.as_ref(), key, Some(Arc::new(tile)));
+        let node = node(
+            self.pyramid.source.as_ref(),
+            key,
+            parent,
+            Some(Arc::new(tile)),
+        );
         let pyramid = self.changed();
         let index = match free {
             Some(index) => {
@@ -334,9 +404,11 @@ impl HeightCache {
         let Some(tile) = pyramid.nodes[index as usize].tile.take() else {
             return;
         };
-        if let Some(parent) = pyramid.find(key.parent()) {
-            pyramid.nodes[parent as usize].children[key.quarter()] = NONE;
-        }
+        let parent = pyramid.nodes[index as usize].parent;
+        pyramid.nodes[parent as usize].children[key.quarter()] = NONE;
+        // No place lies in what is no more, and nothing is above it.
+        pyramid.nodes[index as usize].key = NOWHERE;
+        pyramid.nodes[index as usize].parent = NONE;
         for (bit, (east, south)) in BESIDE.into_iter().enumerate() {
             let beside = pyramid.layout.beside(key, east, south);
             if let Some(there) = beside.and_then(|beside| pyramid.find(beside)) {
@@ -346,6 +418,7 @@ impl HeightCache {
         self.bytes -= tile.bytes();
         self.tiles -= 1;
         self.free.push(index);
+        self.has_lost = true;
         self.log(key, tile.range);
     }
 
@@ -383,29 +456,35 @@ impl HeightCache {
 
 /// How large the samples that stand in for a tile are seen, radians: of the eyes' most.
 fn value(layout: &HeightTileLayout, key: HeightTileKey, eyes: &[Look]) -> f64 {
+    seen(layout, key, eyes).0
+}
+
+/// The same, and whether some eye sees them larger than the ground may be off.
+fn seen(layout: &HeightTileLayout, key: HeightTileKey, eyes: &[Look]) -> (f64, bool) {
     let spacing_rad = layout.spacing_rad(key.level + 1);
     if eyes.is_empty() {
-        return spacing_rad;
+        return (spacing_rad, true);
     }
     let bounds = layout.bounds(key);
-    let seen = eyes.iter().map(|eye| eye.seen_rad(&bounds, spacing_rad));
-    seen.fold(0.0, f64::max)
+    let (mut most, mut shows) = (0.0_f64, false);
+    for eye in eyes {
+        let seen = eye.seen_rad(&bounds, spacing_rad);
+        most = most.max(seen);
+        shows |= seen > eye.tolerance_rad();
+    }
+    (most, shows)
 }
 
-/// Whether they are seen larger than the ground may be off.
-fn shows(layout: &HeightTileLayout, key: HeightTileKey, eyes: &[Look]) -> bool {
-    let spacing_rad = layout.spacing_rad(key.level + 1);
-    let bounds = layout.bounds(key);
-    eyes.is_empty()
-        || eyes
-            .iter()
-            .any(|eye| eye.seen_rad(&bounds, spacing_rad) > eye.tolerance_rad())
-}
-
-fn node(source: &dyn HeightTileSource, key: HeightTileKey, tile: Option<Arc<HeldTile>>) -> Node {
+fn node(
+    source: &dyn HeightTileSource,
+    key: HeightTileKey,
+    parent: u32,
+    tile: Option<Arc<HeldTile>>,
+) -> Node {
     let mut node = Node {
         key,
         tile,
+        parent,
         children: [NONE; 4],
         exists: 0,
         below: [[0.0; 2]; 4],

@@ -43,6 +43,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, TryLockError, Weak}
 use std::time::Duration;
 use viewer::Look;
 
+/// Tiles that a frame takes over in an [`Earth`](crate::Earth), at most: each has its part of the ground made anew.
+pub const TILES_PER_FRAME: usize = 2;
+
 /// What a [`StreamedGround`] may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HeightStreamOptions {
@@ -116,7 +119,7 @@ struct Viewers {
     is_planned: bool,
 }
 
-/// Calls of [`StreamedGround::take_over`] after which requests are weighed anew while eyes move.
+/// Calls of [`StreamedGround::take_over`] after which requests are weighed anew while tiles are loaded.
 const REST: u32 = 4;
 
 impl fmt::Debug for StreamedGround {
@@ -183,7 +186,9 @@ impl StreamedGround {
         }
         let has_changed = cache.version() != before;
         *rested += 1;
-        if !*is_planned || cache.has_wants() || looks != planned && *rested >= REST {
+        let is_due = !*is_planned || cache.has_wants() || looks != planned;
+        // While the threads have enough to do, not in each frame.
+        if is_due && (*rested >= REST || cache.queue().is_empty()) {
             cache.plan(looks);
             *is_planned = self.loader.hand_over(cache.queue());
             planned.clone_from(looks);
@@ -192,6 +197,7 @@ impl StreamedGround {
         drop(viewers);
         *self.counters.lock().unwrap_or_else(PoisonError::into_inner) = cache.counters();
         if has_changed {
+            cache.pyramid().wants.forget_taken();
             let mut now = self.now.write().unwrap_or_else(PoisonError::into_inner);
             let tiles = cache.pyramid().clone();
             *now = (cache.version(), Arc::new(now.1.over_tiles(tiles)));

@@ -201,6 +201,57 @@ fn at_any_time_heights_are_continuous_and_within_their_ranges() {
 }
 
 #[test]
+fn all_levels_over_a_place_are_asked_for_at_once_and_come_in_any_order() {
+    for spacing_steps in [0.0, 1.0] {
+        let (tiles, ground) = streamed(TestTiles::new(4, 16, |_| true).gated(), 1 << 30);
+        let finest = tiles.layout().spacing_rad(0);
+        // In the middle of a tile of the finest level, where it alone counts.
+        let (lat, lon) = (0.27, 0.1227);
+        ground.height_m(lat, lon, spacing_steps * finest);
+        ground.take_over(usize::MAX);
+        let asked: Vec<_> = ground.missing().iter().map(|key| key.level).collect();
+        assert_eq!(asked, [2, 1, 0], "coarse ones first");
+        tiles.allow(3);
+        settle(&ground);
+        assert_eq!(ground.counters().tiles, 3);
+        let whole = tiles.grid().height_m(lat, lon, 0.0);
+        assert!((ground.height_m(lat, lon, 0.0) - whole).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn what_was_read_before_says_nothing_of_a_height() {
+    let (tiles, ground) = streamed(TestTiles::new(4, 16, inset).gated(), 1 << 30);
+    let finest = tiles.layout().spacing_rad(0);
+    let read = |now: &Ground, n: usize, (lat, lon): (f64, f64)| {
+        let spacing = [0.0, 1.3, 5.1, 0.0, 2.0][n % 5] * finest;
+        let height = now.height_m(lat, lon, spacing);
+        (height.to_bits(), now.finest_spacing_rad(lat, lon).to_bits())
+    };
+    let mut rounds = 0;
+    for (lat, lon) in places(400) {
+        ground.height_m(lat, lon, 0.0);
+    }
+    while rounds < 60 && one_more(&tiles, &ground) {
+        rounds += 1;
+        let (_, now) = ground.now();
+        let all: Vec<_> = places(400).enumerate().collect();
+        let forth: Vec<_> = all.iter().map(|(n, at)| read(&now, *n, *at)).collect();
+        for ((n, at), height) in all.iter().zip(&forth).rev() {
+            assert_eq!(read(&now, *n, *at), *height, "backwards at {at:?}");
+        }
+        let (n, at) = all[rounds % 400];
+        let fresh = std::thread::scope(|scope| scope.spawn(|| read(&now, n, at)).join());
+        assert_eq!(
+            fresh.expect("sound"),
+            forth[n],
+            "as the first of a thread at {at:?}"
+        );
+    }
+    assert!(rounds > 50, "{rounds} tiles came");
+}
+
+#[test]
 fn what_changes_lies_within_the_changes_that_are_told() {
     let (tiles, ground) = streamed(TestTiles::new(4, 16, inset).gated(), 40_000 + 700_000);
     let layout = tiles.layout();

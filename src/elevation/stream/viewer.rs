@@ -1,6 +1,7 @@
 //! Where heights are looked at from.
 
 use crate::elevation::Bounds;
+use crate::elevation::tiles::NearEye;
 use crate::frames::{Ellipsoid, Geodetic};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -44,6 +45,16 @@ impl Look {
 
     pub fn tolerance_rad(&self) -> f64 {
         self.eye.tolerance_rad
+    }
+
+    /// As whoever reads heights knows it.
+    pub fn near(&self) -> NearEye {
+        NearEye {
+            lat_rad: self.place.lat_rad,
+            lon_rad: self.place.lon_rad,
+            height_rad: (self.place.height_m - GROUND_M).max(NEAREST_M) / RADIUS_M,
+            tolerance_rad: self.eye.tolerance_rad,
+        }
     }
 
     /// How large the angle `spacing_rad` at the Earth's centre is seen where the bounds are nearest, radians.

@@ -1,6 +1,8 @@
 //! A tile of heights in memory.
 
-use super::{HeightSamples, HeightTileError, HeightTileKey, HeightTileLayout};
+use super::whole::whole_below;
+use super::{HeightTileError, HeightTileKey, HeightTileLayout};
+use crate::elevation::samples::HeightSamples;
 use crate::elevation::{HIGHEST_M, HeightRange, LOWEST_M};
 
 /// Samples along a side of the squares whose ranges are held.
@@ -89,14 +91,38 @@ impl HeldTile {
     /// outermost rows it goes over into the pole's, north first.
     #[inline]
     pub fn height_m(&self, x: f64, y: f64, rows: f64, poles_m: [f64; 2]) -> f64 {
+        match &self.samples {
+            HeightSamples::F32(values) => {
+                self.interpolate(x, y, rows, poles_m, |n| f64::from(values[n]))
+            }
+            HeightSamples::I16 {
+                values,
+                offset_m,
+                scale_m,
+            } => self.interpolate(x, y, rows, poles_m, |n| {
+                offset_m + scale_m * f64::from(values[n])
+            }),
+        }
+    }
+
+    #[inline]
+    fn interpolate(
+        &self,
+        x: f64,
+        y: f64,
+        rows: f64,
+        poles_m: [f64; 2],
+        sample_m: impl Fn(usize) -> f64,
+    ) -> f64 {
         let (x, y) = (x - 0.5, y - 0.5);
-        let (west, north) = (x.floor(), y.clamp(0.0, rows - 1.0).floor());
+        let west = whole_below(x);
+        let north = whole_below(y.clamp(0.0, rows - 1.0));
         let along = x - west;
         let column = self.place(west, self.key.column).min(self.row - 2);
         let in_row = |row: f64| {
             let at = self.place(row, self.key.row) * self.row + column;
-            let value = self.samples.at_m(at);
-            value + along * (self.samples.at_m(at + 1) - value)
+            let value = sample_m(at);
+            value + along * (sample_m(at + 1) - value)
         };
         let value = in_row(north);
         if y < 0.0 {

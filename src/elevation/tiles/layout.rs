@@ -34,6 +34,16 @@ impl HeightTileKey {
         }
     }
 
+    /// The tile of a coarser level over it, itself at its own.
+    pub(crate) fn over(self, level: u8) -> Self {
+        let up = level - self.level;
+        Self {
+            level,
+            column: self.column >> up,
+            row: self.row >> up,
+        }
+    }
+
     /// A quarter, of the next finer level: 0…3, north-west, north-east, south-west, south-east. `None` of the finest level.
     pub fn child(self, quarter: u32) -> Option<Self> {
         Some(Self {

@@ -10,66 +10,17 @@ mod error;
 mod held;
 mod layout;
 mod pyramid;
+mod wants;
+mod whole;
 
 pub use error::HeightTileError;
 pub(super) use held::HeldTile;
 pub use layout::{HeightLayoutError, HeightTileKey, HeightTileLayout};
 pub(super) use pyramid::{BESIDE, FEATHER, NONE, Node, TilePyramid, wider};
+pub(super) use wants::{NearEye, Wants};
 
 use super::HeightRange;
-
-/// Heights of a tile as they are stored.
-#[derive(Clone, Debug, PartialEq)]
-pub enum HeightSamples {
-    /// Metres.
-    F32(Vec<f32>),
-    /// Metres are offset + scale × value. Samples that two tiles share must come to the same metres in both, to the last bit: best is
-    /// one scale and offset for all tiles of a source.
-    I16 {
-        /// Steps.
-        values: Vec<i16>,
-        /// Metres at step 0; finite.
-        offset_m: f64,
-        /// Metres a step; finite and above 0.
-        scale_m: f64,
-    },
-}
-
-impl HeightSamples {
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        match self {
-            Self::F32(values) => values.len(),
-            Self::I16 { values, .. } => values.len(),
-        }
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// A sample, metres.
-    #[inline]
-    pub(crate) fn at_m(&self, n: usize) -> f64 {
-        match self {
-            Self::F32(values) => f64::from(values[n]),
-            Self::I16 {
-                values,
-                offset_m,
-                scale_m,
-            } => offset_m + scale_m * f64::from(values[n]),
-        }
-    }
-
-    /// Bytes held.
-    pub(crate) fn bytes(&self) -> u64 {
-        match self {
-            Self::F32(values) => size_of_val(values.as_slice()) as u64,
-            Self::I16 { values, .. } => size_of_val(values.as_slice()) as u64,
-        }
-    }
-}
+use super::samples::HeightSamples;
 
 /// A source of height tiles: a pack on disk, say.
 ///

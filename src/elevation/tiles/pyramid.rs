@@ -11,8 +11,10 @@
 //! Only tiles whose coarser one is in memory are, so that the way down from the coarsest finds them all.
 
 use super::held::HeldTile;
-use super::{HeightTileKey, HeightTileLayout, HeightTileSource};
+use super::whole::whole_below;
+use super::{HeightTileKey, HeightTileLayout, HeightTileSource, Wants};
 use crate::elevation::{Bounds, HeightGrid, HeightRange};
+use std::cell::Cell;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
@@ -47,6 +49,8 @@ pub(in crate::elevation) struct Node {
     pub key: HeightTileKey,
     /// `None` at the coarsest level.
     pub tile: Option<Arc<HeldTile>>,
+    /// The node over it; none over those of the coarsest level.
+    pub parent: u32,
     /// Nodes of its quarters that are in memory.
     pub children: [u32; 4],
     /// Quarters that the source has, a bit each.
@@ -73,7 +77,7 @@ impl Place {
     /// The same in steps of a coarser level's samples: exact.
     #[inline]
     fn at(&self, level: u8) -> (f64, f64) {
-        let scale = f64::from_bits((1023 - u64::from(level)) << 52);
+        let scale = power_of_half(level);
         (self.x * scale, self.y * scale)
     }
 }
@@ -89,16 +93,31 @@ pub(in crate::elevation) struct TilePyramid {
     pub nodes: Vec<Node>,
     /// Something was asked for that is not there.
     pub has_wants: Arc<AtomicBool>,
+    /// And beneath that.
+    pub wants: Arc<Wants>,
     pub poles_m: [f64; 2],
     /// Of everything, now and later.
     pub range: HeightRange,
+    /// Angle between samples of the finest level, radians.
+    pub finest_rad: f64,
+}
+
+thread_local! {
+    /// Where [`TilePyramid::finest_over`] ended: of any tiles, since it is only where the way begins.
+    static LAST: Cell<u32> = const { Cell::new(0) };
+}
+
+/// 2^−`level`, exactly.
+#[inline]
+fn power_of_half(level: u8) -> f64 {
+    f64::from_bits((1023 - u64::from(level)) << 52)
 }
 
 impl TilePyramid {
     #[inline]
     fn place(&self, lat_rad: f64, lon_rad: f64) -> Place {
         let turns = (lon_rad + PI) * (1.0 / TAU);
-        let turns = turns - turns.floor();
+        let turns = turns - whole_below(turns);
         // The difference of a small negative number from −1 is rounded to 1.
         let turns = if turns >= 1.0 { 0.0 } else { turns };
         let down = ((FRAC_PI_2 - lat_rad) * (1.0 / PI)).clamp(0.0, 1.0);
@@ -131,7 +150,7 @@ impl TilePyramid {
     #[inline]
     pub fn height_m(&self, lat_rad: f64, lon_rad: f64, spacing_rad: f64) -> f64 {
         let coarsest = self.layout.coarsest();
-        let steps = spacing_rad / self.layout.spacing_rad(0);
+        let steps = spacing_rad / self.finest_rad;
         // Also where the spacing is not a number.
         let (level, part) = if steps.is_nan() || steps <= 1.0 {
             (0, 0.0)
@@ -139,7 +158,7 @@ impl TilePyramid {
             // steps = 2^level·(1 + part), read from the number's own form.
             let level = (steps.to_bits() >> 52).saturating_sub(1023);
             let level = level.min(u64::from(coarsest)) as u8;
-            (level, steps / f64::from(level).exp2() - 1.0)
+            (level, steps * power_of_half(level) - 1.0)
         };
         if level >= coarsest {
             let base_rad = spacing_rad / self.layout.spacing_rad(coarsest);
@@ -149,37 +168,93 @@ impl TilePyramid {
         }
         let place = self.place(lat_rad, lon_rad);
         let is_any = spacing_rad.is_nan() || spacing_rad <= 0.0;
-        let (path, len) = self.path(&place, level, is_any);
-        let fine_m = self.blended(&path[..len], &place, is_any);
-        let deepest = coarsest - (len - 1) as u8;
-        if part == 0.0 || deepest > level {
+        let at = self.finest_over(&place, level);
+        let node = &self.nodes[at as usize];
+        if node.key.level > level {
+            self.want_below(node, &place, level, is_any);
+            return self.blended(at, &place, is_any);
+        }
+        let fine_m = self.blended(at, &place, is_any);
+        if part == 0.0 {
             return fine_m;
         }
-        fine_m + part * (self.blended(&path[..len - 1], &place, is_any) - fine_m)
+        fine_m + part * (self.blended(node.parent, &place, is_any) - fine_m)
     }
 
-    /// The nodes over a place from the coarsest down, to a level or as far as they go; notes what is not there.
+    /// Whether a place lies in a node's tile; of those on the Earth's eastern and southern end it may say no.
     #[inline]
-    fn path(&self, place: &Place, level: u8, is_any: bool) -> ([u32; 32], usize) {
-        let coarsest = self.layout.coarsest();
-        let mut path = [0; 32];
-        let key = self.key_at(place, level);
-        let up = coarsest - level;
-        path[0] = (key.row >> up) * self.layout.columns(coarsest) + (key.column >> up);
-        let mut len = 1;
-        // Columns and rows of coarser tiles are halves of the finer ones', so their bits say the way.
-        for up in (0..up).rev() {
-            let quarter = ((key.row >> up & 1) << 1 | key.column >> up & 1) as usize;
-            let node = &self.nodes[path[len - 1] as usize];
-            let child = node.children[quarter];
+    fn holds(&self, node: &Node, place: &Place) -> bool {
+        let (x, y) = place.at(node.key.level);
+        let side = self.layout.side();
+        let is_within =
+            |at: f64, tile: u32| (at as u32).wrapping_sub(tile.wrapping_mul(side)) < side;
+        is_within(x, node.key.column) && is_within(y, node.key.row)
+    }
+
+    /// The quarter of a node that a place in it lies in.
+    #[inline]
+    fn quarter_of(&self, node: &Node, place: &Place) -> usize {
+        let (x, y) = place.at(node.key.level - 1);
+        let side = self.layout.side();
+        let is_second = |at: f64, tile: u32| usize::from(at as u32 - 2 * tile * side >= side);
+        is_second(y, node.key.row) << 1 | is_second(x, node.key.column)
+    }
+
+    /// The finest node over a place down to a level.
+    ///
+    /// Places are mostly asked for beside each other: the way begins at the node where the last one of this thread ended, goes up
+    /// as far as it must, and down.
+    #[inline]
+    fn finest_over(&self, place: &Place, level: u8) -> u32 {
+        let mut at = LAST.get();
+        let mut node = match self.nodes.get(at as usize) {
+            Some(node) if node.key.level >= level && self.holds(node, place) => node,
+            _ => {
+                at = self.coarser_over(at, place, level);
+                &self.nodes[at as usize]
+            }
+        };
+        while node.key.level > level {
+            let child = node.children[self.quarter_of(node, place)];
             if child == NONE {
-                self.want(node, quarter, is_any);
                 break;
             }
-            path[len] = child;
-            len += 1;
+            at = child;
+            node = &self.nodes[at as usize];
         }
-        (path, len)
+        LAST.set(at);
+        at
+    }
+
+    /// The first node above one that a place lies in and that is not finer than a level.
+    fn coarser_over(&self, from: u32, place: &Place, level: u8) -> u32 {
+        let mut at = from;
+        while let Some(node) = self.nodes.get(at as usize) {
+            if node.key.level >= level && self.holds(node, place) {
+                return at;
+            }
+            at = node.parent;
+        }
+        self.root(self.key_at(place, self.layout.coarsest()))
+    }
+
+    /// Notes that finer tiles over a place were asked for, down to a level, or as far as somebody sees them.
+    #[inline]
+    fn want_below(&self, node: &Node, place: &Place, level: u8, is_any: bool) {
+        let quarter = self.quarter_of(node, place);
+        if node.exists >> quarter & 1 == 0 {
+            return;
+        }
+        self.want(node, quarter, is_any);
+        let level = match is_any {
+            true => self
+                .wants
+                .level_seen(place.lat_rad, place.lon_rad, self.finest_rad),
+            false => level,
+        };
+        if level + 1 < node.key.level {
+            self.wants.note(self.key_at(place, level), is_any);
+        }
     }
 
     /// Notes that a quarter was asked for, if the source has it.
@@ -196,12 +271,13 @@ impl TilePyramid {
         }
     }
 
-    /// g of the last node's level.
+    /// g of a node's level.
     #[inline]
-    fn blended(&self, path: &[u32], place: &Place, is_any: bool) -> f64 {
+    fn blended(&self, node: u32, place: &Place, is_any: bool) -> f64 {
         let (mut height_m, mut beneath) = (0.0, 1.0);
-        for index in path.iter().rev() {
-            let node = &self.nodes[*index as usize];
+        let mut at = node;
+        loop {
+            let node = &self.nodes[at as usize];
             let Some(tile) = &node.tile else {
                 let base_m = self.base.height_m(place.lat_rad, place.lon_rad, 0.0);
                 return height_m + beneath * base_m;
@@ -220,8 +296,8 @@ impl TilePyramid {
                     return height_m;
                 }
             }
+            at = node.parent;
         }
-        height_m
     }
 
     /// w of a place in a tile beside which some are missing, which are noted as asked for.
@@ -297,8 +373,16 @@ impl TilePyramid {
         let (rows, columns) = (self.layout.rows(coarsest), self.layout.columns(coarsest));
         let row = |lat: f64| ((FRAC_PI_2 - lat) / tile_rad).clamp(0.0, f64::from(rows - 1)) as u32;
         let (north, south) = (row(bounds.north_rad + 1e-9), row(bounds.south_rad - 1e-9));
+        // All columns at a pole, where they meet.
+        let is_polar = north == 0 || south + 1 == rows;
+        let first = ((bounds.west_rad + PI) / tile_rad - 1e-6).floor();
+        let count = match is_polar {
+            true => columns,
+            false => ((bounds.width_rad / tile_rad) as u32 + 2).min(columns),
+        };
+        let first = first.rem_euclid(f64::from(columns)) as u32;
         for row in north..=south {
-            for column in 0..columns {
+            for column in (0..count).map(|k| (first + k) % columns) {
                 let node = &self.nodes[(row * columns + column) as usize];
                 if self.layout.bounds(node.key).meets(bounds) {
                     range = self.range_below(node, bounds, PART * extent, is_ever, range);
@@ -380,29 +464,23 @@ impl TilePyramid {
 
     /// The finest level that the source has at a place.
     fn finest_level(&self, place: &Place) -> u8 {
-        let mut level = self.layout.coarsest();
+        let node = &self.nodes[self.finest_over(place, 0) as usize];
+        let mut level = node.key.level;
+        if level == 0 || node.exists >> self.quarter_of(node, place) & 1 == 0 {
+            return level;
+        }
+        level -= 1;
         let finest = self.key_at(place, 0);
-        let over = |level: u8| HeightTileKey {
-            level,
-            column: finest.column >> level,
-            row: finest.row >> level,
-        };
-        let mut node = Some(&self.nodes[self.root(over(level)) as usize]);
-        while level > 0 {
-            let key = over(level - 1);
-            let quarter = key.quarter();
-            let exists = match node {
-                Some(node) => node.exists >> quarter & 1 == 1,
-                None => self.source.range_m(key).is_some(),
+        let is_there = |level: u8| {
+            let key = HeightTileKey {
+                level,
+                column: finest.column >> level,
+                row: finest.row >> level,
             };
-            if !exists {
-                break;
-            }
+            self.source.range_m(key).is_some()
+        };
+        while level > 0 && is_there(level - 1) {
             level -= 1;
-            node = node
-                .map(|node| node.children[quarter])
-                .filter(|child| *child != NONE)
-                .map(|child| &self.nodes[child as usize]);
         }
         level
     }

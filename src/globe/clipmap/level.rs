@@ -248,6 +248,12 @@ impl Level {
         self.fade = 0.0;
     }
 
+    /// Draws nothing from now on, and measures from wherever it is drawn next; samples stay.
+    pub fn forget_view(&mut self) {
+        self.suspend();
+        self.origin = None;
+    }
+
     /// Sets all vertices within reach as they are to be drawn: as they are, or as far as [`Self::weight`] says as points of
     /// the coarser level's surface.
     pub fn blend_into(&mut self, coarser: Option<&Level>) {

@@ -132,6 +132,8 @@ pub struct Clipmap {
     clock: u64,
     counts: ClipmapCounts,
     stats: SurfaceStats,
+    /// Nobody sees levels come: they do not fade in until all samples are there.
+    is_at_rest: bool,
 }
 
 impl Clipmap {
@@ -153,6 +155,7 @@ impl Clipmap {
             clock: 0,
             counts: ClipmapCounts::default(),
             stats: SurfaceStats::default(),
+            is_at_rest: false,
         })
     }
 
@@ -209,16 +212,24 @@ impl Surface for Clipmap {
             read += globe.fill_globe(&source, &mut self.clock);
             self.levels.push(globe);
         }
+        let fade_prepares = match self.is_at_rest {
+            true => 0,
+            false => self.options.fade_prepares,
+        };
         level_update::update_levels(
             &mut self.levels,
             &mut self.found,
-            &self.options,
+            &ClipmapOptions {
+                fade_prepares,
+                ..self.options
+            },
             &eye,
             &source,
             &mut self.clock,
             &mut self.counts,
         );
         read += self.counts.samples;
+        self.is_at_rest &= self.counts.samples > 0;
         let mut left = self
             .options
             .samples_per_prepare
@@ -268,6 +279,14 @@ impl Surface for Clipmap {
             ground,
         };
         changed::heights_changed(&mut self.levels, changes, &source);
+    }
+
+    fn forget_views(&mut self) {
+        for level in self.levels.iter_mut().skip(1) {
+            level.forget_view();
+        }
+        self.found.fill_with(|| None);
+        self.is_at_rest = true;
     }
 
     fn crosses_blocks(&self) -> bool {

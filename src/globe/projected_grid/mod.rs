@@ -509,6 +509,11 @@ impl Surface for ProjectedGrid {
         }
     }
 
+    fn forget_views(&mut self) {
+        // Whose size the next would keep.
+        self.frame = None;
+    }
+
     fn crosses_blocks(&self) -> bool {
         true
     }

@@ -1,16 +1,20 @@
 //! What the forest does where heights have changed.
 //!
-//! All vertices there are computed anew by the next view, in all patches at once: so edges stay closed. What is known of squares is
-//! widened at once, so that nothing is culled that could be seen, and read anew over the next views: until then squares are divided
+//! Vertices there that two patches have are computed anew by the next view, in all patches at once: so edges stay closed. Those
+//! inside patches follow over the next views, near ones first. What is known of squares is widened at once, so that nothing is culled that could be seen, and read anew over the next views: until then squares are divided
 //! by what was known of them.
 
 use super::forest::Forest;
+use super::lod::LodView;
 use super::patch::step_m;
 use super::surface::{PAGE_WORK, Quadtree};
 use crate::elevation::{Elevation, HeightChange};
 
 /// Part of a frame's work that goes into squares whose heights have changed.
 const PART: u32 = 4;
+
+/// Vertices inside patches that a view computes anew because their heights have changed: about a millisecond.
+const RENEWED: u32 = 1200;
 
 impl Quadtree {
     /// Reads squares anew whose heights have changed, within a part of the frame's work.
@@ -20,12 +24,43 @@ impl Quadtree {
         }
         let most = (self.options.work / PART / PAGE_WORK).max(1);
         forest.read_stale(most, ground);
-        self.work_done = self.work_done.saturating_add(most * PAGE_WORK);
+        self.work_done = self
+            .work_done
+            .saturating_add(most.saturating_mul(PAGE_WORK));
         // What was found may ask for more, or less.
         self.changes += 1;
     }
 
-    /// Has the patches built anew whose vertices may have changed.
+    /// Computes vertices anew whose heights have changed, in the patches that are not built anew as a whole.
+    pub(super) fn renew(&mut self, forest: &Forest, lod: &LodView, ground: &dyn Elevation) {
+        let mut order = std::mem::take(&mut self.order);
+        order.clear();
+        order.extend(0..self.patches.len() as u32);
+        order.retain(|index| self.patches[*index as usize].is_stale());
+        order.sort_unstable_by(|a, b| {
+            let [a, b] = [a, b].map(|index| &self.patches[*index as usize]);
+            let by_sight = b.is_drawn.cmp(&a.is_drawn);
+            let by_distance = || a.distance_m.total_cmp(&b.distance_m);
+            by_sight.then_with(by_distance).then(a.node.cmp(&b.node))
+        });
+        let mut left = if self.is_begun_anew {
+            u32::MAX
+        } else {
+            RENEWED
+        };
+        for index in &order {
+            let built = &mut self.patches[*index as usize];
+            left = left.saturating_sub(built.renew(left, forest, ground, &mut self.scratch));
+            if let Some(slot) = forest.slot(built.node) {
+                built.is_drawn = lod.draws(forest.info(slot), &built.normals);
+            }
+            // The next view goes on with it.
+            self.changes += u32::from(built.is_stale());
+        }
+        self.order = order;
+    }
+
+    /// Has the vertices computed anew that may have changed.
     pub(super) fn mark_changed(
         &mut self,
         forest: &Forest,
@@ -37,7 +72,6 @@ impl Quadtree {
             if !built.heights_changed(changes, ground) {
                 continue;
             }
-            built.is_dirty = true;
             let node = built.node;
             let Some(slot) = forest.slot(node) else {
                 continue;

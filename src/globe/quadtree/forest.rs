@@ -61,6 +61,8 @@ pub struct Forest {
     max_pages: usize,
     /// Pages whose heights have changed since they were read.
     stale: u32,
+    /// The page that was looked at last for that.
+    reread: usize,
     frame: u64,
     reader: PageReader,
 }
@@ -107,6 +109,7 @@ impl Forest {
             hand: 0,
             max_pages,
             stale: 0,
+            reread: 0,
             frame: 0,
             reader: PageReader::new(is_certain),
         };
@@ -332,10 +335,15 @@ impl Forest {
             stale,
             ..
         } = self;
-        for page in pages {
+        // A square that is touched lies in one that is: the others are passed over with all beneath.
+        let mut below: Vec<u32> = (0..BLOCK_COUNT).collect();
+        while let Some(index) = below.pop() {
+            let page = &mut pages[index as usize];
             let bounds_of = |node: Node| bounds(node.square(DEPTH));
             let of_page = bounds_of(page.node);
+            let mut is_touched = false;
             for change in changes.iter().filter(|c| c.touches(&of_page, 0.0, 0.0)) {
+                is_touched = true;
                 *stale += u32::from(!page.is_stale);
                 page.is_stale = true;
                 for (info, child) in page.infos.iter_mut().zip(page.node.children()) {
@@ -348,6 +356,9 @@ impl Forest {
                     roots[root].info.widen(page.node, ellipsoid, &change.range);
                 }
             }
+            if is_touched {
+                below.extend(page.below.iter().filter(|index| **index != NONE));
+            }
         }
     }
 
@@ -359,14 +370,16 @@ impl Forest {
     /// Reads pages anew whose heights have changed, at most so many.
     pub fn read_stale(&mut self, most: u32, ground: &dyn Elevation) {
         let mut left = most;
-        for index in 0..self.pages.len() {
+        for _ in 0..self.pages.len() {
             if left == 0 || self.stale == 0 {
                 return;
             }
-            if self.pages[index].is_stale {
+            // Goes on where it ended: pages that change again and again keep no other waiting.
+            self.reread = (self.reread + 1) % self.pages.len();
+            if self.pages[self.reread].is_stale {
                 left -= 1;
                 self.stale -= 1;
-                self.read_again(index, ground);
+                self.read_again(self.reread, ground);
             }
         }
     }
@@ -393,6 +406,16 @@ impl Forest {
             let holder = &mut self.pages[slot.page as usize];
             let place = slot.place as usize;
             holder.infos[place].error_m = holder.own_error_m[place].min(own.error_m);
+        }
+    }
+
+    /// Merges everything: each block is one leaf, and a patch. What is known of squares stays.
+    pub fn merge_all(&mut self) {
+        for root in &mut self.roots {
+            (root.is_split, root.is_patch) = (false, true);
+        }
+        for page in &mut self.pages {
+            (page.split, page.patch) = (0, 0);
         }
     }
 

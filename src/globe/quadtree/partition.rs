@@ -4,7 +4,7 @@ use super::forest::{BLOCKS, Forest, Slot};
 use super::lod::LodView;
 use super::node::{Cut, Node};
 use super::patch::{BuiltPatch, MAX_PATCH_LEVEL};
-use super::surface::Quadtree;
+use super::surface::{MOST_SPARE, Quadtree};
 
 /// A patch with more leaves is divided into four.
 const MAX_PATCH_LEAVES: u32 = 256;
@@ -132,7 +132,7 @@ impl Quadtree {
         }
         let step_m = built.step_m;
         self.revision = self.revision.max(built.patch.revision);
-        if self.spare.len() < 64 {
+        if self.spare.len() < MOST_SPARE {
             self.spare.push(built);
         }
         step_m

@@ -72,6 +72,9 @@ pub struct BuiltPatch {
     has_new_steps: bool,
     /// By vertex: its height has changed since it was computed. Empty where none has.
     stale: Vec<bool>,
+    /// How many of those there are, and whether some lie on the edge.
+    stale_vertices: u32,
+    has_stale_edge: bool,
     places: Places,
     /// By vertex, the build that last needed it.
     needed: Vec<u32>,
@@ -89,6 +92,7 @@ pub struct Scratch {
     triangles: Vec<u32>,
     loop_: Vec<u32>,
     changed: Vec<u32>,
+    renewed: Vec<(u32, GroundVertex)>,
     /// Vertices computed since this was last set to 0.
     pub new_vertices: u64,
 }
@@ -138,6 +142,8 @@ impl BuiltPatch {
             beside: Vec::new(),
             has_new_steps: true,
             stale: Vec::new(),
+            stale_vertices: 0,
+            has_stale_edge: false,
             places: Places::default(),
             needed: Vec::new(),
             free: Vec::new(),
@@ -232,7 +238,7 @@ impl BuiltPatch {
         }
         scratch.ring = ring_points;
         self.leaves = leaves;
-        self.stale.clear();
+        self.forget_stale();
         self.give_up_unneeded();
         self.hand_over(scratch);
         leaves
@@ -257,7 +263,7 @@ impl BuiltPatch {
                         self.patch.vertices[index] = vertex;
                         scratch.changed.push(place);
                     }
-                } else if self.has_new_steps && self.is_on_edge(point) {
+                } else if self.has_new_steps && is_on_edge(self.node, point) {
                     // The steps of a neighbour may have changed.
                     let height_m = self.patch.vertices[index].height_m;
                     let from_origin = self.place_from_origin(point, height_m, forest);
@@ -315,25 +321,90 @@ impl BuiltPatch {
         let mut has_any = false;
         for (point, place) in &self.places {
             let (lat, lon) = lat_lon_rad(*point);
-            let reach_rad =
-                slope_rad.max(ground.finest_spacing_rad(lat, lon).min(COARSEST_STEP_RAD));
-            let near = changes.iter().filter(is_near);
-            for change in near {
-                if change.touches_place(lat, lon, reach_rad) {
-                    self.stale[*place as usize] = true;
-                    has_any = true;
+            // Asked for only where a change is near and does not hold the place.
+            let mut reach_rad = None;
+            let mut touches = |change: &HeightChange| {
+                change.bounds.contains(lat, lon) || {
+                    let reach_rad = reach_rad.get_or_insert_with(|| {
+                        slope_rad.max(ground.finest_spacing_rad(lat, lon).min(COARSEST_STEP_RAD))
+                    });
+                    change.touches_place(lat, lon, *reach_rad)
                 }
+            };
+            if changes.iter().filter(is_near).any(&mut touches) {
+                let stale = &mut self.stale[*place as usize];
+                self.stale_vertices += u32::from(!*stale);
+                *stale = true;
+                has_any = true;
+                self.has_stale_edge |= is_on_edge(self.node, *point);
             }
         }
         has_any
     }
 
-    /// Whether a point lies on the edge of the patch. Points are named as [`super::node::Domain::point`] names them.
-    fn is_on_edge(&self, (x, y): Point) -> bool {
-        let Square { x: x0, y: y0, size } = self.node.square(DEPTH);
-        let all = BLOCKS.columns << DEPTH;
-        let is_pole = y == 0 || y == BLOCKS.rows << DEPTH;
-        is_pole || x == x0 || x == (x0 + size) % all || y == y0 || y == y0 + size
+    /// Whether vertices are left that have other heights now.
+    pub fn is_stale(&self) -> bool {
+        self.stale_vertices > 0
+    }
+
+    fn forget_stale(&mut self) {
+        self.stale.clear();
+        (self.stale_vertices, self.has_stale_edge) = (0, false);
+    }
+
+    /// Computes stale vertices anew, at most so many of those inside; those on the edge all, since other patches have them too.
+    /// Answers how many.
+    pub fn renew(
+        &mut self,
+        most: u32,
+        forest: &Forest,
+        ground: &dyn Elevation,
+        scratch: &mut Scratch,
+    ) -> u32 {
+        let mut renewed = std::mem::take(&mut scratch.renewed);
+        renewed.clear();
+        let mut left = most;
+        if left > 0 || self.has_stale_edge {
+            for (point, place) in &self.places {
+                if !self.stale[*place as usize] {
+                    continue;
+                }
+                if !is_on_edge(self.node, *point) {
+                    if left == 0 {
+                        continue;
+                    }
+                    left -= 1;
+                }
+                renewed.push((*place, self.vertex(*point, forest, ground)));
+            }
+        }
+        self.has_stale_edge = false;
+        self.stale_vertices -= renewed.len() as u32;
+        scratch.new_vertices += renewed.len() as u64;
+        scratch.changed.clear();
+        for (place, vertex) in &renewed {
+            let index = *place as usize;
+            self.stale[index] = false;
+            if bytes_of(vertex) != bytes_of(&self.patch.vertices[index]) {
+                self.patch.vertices[index] = *vertex;
+                scratch.changed.push(*place);
+            }
+        }
+        if self.stale_vertices == 0 {
+            self.stale.clear();
+        }
+        let count = renewed.len() as u32;
+        scratch.renewed = renewed;
+        if !scratch.changed.is_empty() {
+            self.tell_changed(scratch);
+            // Of what goes on changing all faces may be seen.
+            self.normals = NormalCone::ALL;
+            self.patch.revision += 1;
+        }
+        if self.stale_vertices == 0 && count > 0 {
+            self.normals = normal_cone(&self.patch);
+        }
+        count
     }
 
     /// A point's place from the origin, metres, on the coarsest steps of all patches that have it: a multiple of this
@@ -345,7 +416,7 @@ impl BuiltPatch {
             lon_rad,
             height_m: f64::from(height_m),
         });
-        let step = if self.is_on_edge(point) {
+        let step = if is_on_edge(self.node, point) {
             self.coarsest_step_m(point)
         } else {
             self.step_m
@@ -400,6 +471,14 @@ impl BuiltPatch {
         } else if !scratch.changed.is_empty() {
             self.normals = normal_cone(&self.patch);
         }
+        self.tell_changed(scratch);
+        if !is_first && (is_new || !scratch.changed.is_empty()) {
+            self.patch.revision += 1;
+        }
+    }
+
+    /// Puts the list of changes into the patch.
+    fn tell_changed(&mut self, scratch: &mut Scratch) {
         self.patch.changed.clear();
         scratch.changed.sort_unstable();
         for place in &scratch.changed {
@@ -408,10 +487,15 @@ impl BuiltPatch {
                 _ => self.patch.changed.push(*place..place + 1),
             }
         }
-        if !is_first && (is_new || !scratch.changed.is_empty()) {
-            self.patch.revision += 1;
-        }
     }
+}
+
+/// Whether a point lies on the edge of a patch. Points are named as [`super::node::Domain::point`] names them.
+fn is_on_edge(node: Node, (x, y): Point) -> bool {
+    let Square { x: x0, y: y0, size } = node.square(DEPTH);
+    let all = BLOCKS.columns << DEPTH;
+    let is_pole = y == 0 || y == BLOCKS.rows << DEPTH;
+    is_pole || x == x0 || x == (x0 + size) % all || y == y0 || y == y0 + size
 }
 
 /// The normals of all faces of a patch.

@@ -58,6 +58,8 @@ const HYSTERESIS: f64 = 0.7;
 /// The same where there are as many leaves as there may be: one step of the table of ratios. What is kept counts among them, so
 /// that coarse leaves never wait for fine ones to be merged.
 const FULL_HYSTERESIS: f64 = 0.917;
+/// Most patches whose memory is kept for others.
+pub(super) const MOST_SPARE: usize = 64;
 /// Work of a division: eight new points.
 const SPLIT_WORK: u32 = 32;
 /// Steps of the table of ratios, for each doubling.
@@ -93,6 +95,8 @@ pub struct Quadtree {
     pub(super) stats: SurfaceStats,
     pub(super) rebuilt: u32,
     pub(super) changes: u32,
+    /// Divided anew from the blocks on: without a budget of work until it is done, so that it takes some views and not many.
+    pub(super) is_begun_anew: bool,
 }
 
 impl Quadtree {
@@ -125,6 +129,7 @@ impl Quadtree {
             stats: SurfaceStats::default(),
             rebuilt: 0,
             changes: 0,
+            is_begun_anew: false,
         }
     }
 
@@ -159,16 +164,21 @@ impl Quadtree {
             self.options.is_certain,
             ground,
         );
+        self.add_blocks(&forest);
+        self.forest = Some(forest);
+    }
+
+    /// Makes a patch of each block.
+    fn add_blocks(&mut self, forest: &Forest) {
         for y in 0..BLOCKS.rows {
             for x in 0..BLOCKS.columns {
                 let node = Node { level: 0, x, y };
                 self.by_node.insert(node, self.patches.len() as u32);
-                let patch = BuiltPatch::new(node, root_slot(node), &forest, self.revision);
+                let patch = BuiltPatch::new(node, root_slot(node), forest, self.revision);
                 self.patches.push(patch);
             }
         }
         self.leaves = self.patches.len() as u32;
-        self.forest = Some(forest);
     }
 
     /// Looks at patches, or only at those that have changed: are they seen, do they need work, how far are they off. Answers
@@ -472,6 +482,10 @@ impl Surface for Quadtree {
         let Some(mut forest) = self.forest.take() else {
             return self.stats;
         };
+        let work = self.options.work;
+        if self.is_begun_anew {
+            self.options.work = u32::MAX;
+        }
         if let Some(mut lod) = self.evaluate_view(&forest, view) {
             forest.start_frame();
             (self.work_done, self.changes) = (0, 0);
@@ -487,8 +501,11 @@ impl Surface for Quadtree {
             }
             self.repartition(&mut forest, &lod);
             self.build(&forest, &lod, ground);
+            self.renew(&forest, &lod, ground);
             self.count(&forest);
+            self.is_begun_anew &= self.changes > 0;
         }
+        self.options.work = work;
         self.forest = Some(forest);
         self.stats
     }
@@ -499,6 +516,27 @@ impl Surface for Quadtree {
             self.mark_changed(&forest, changes, ground);
             self.forest = Some(forest);
         }
+    }
+
+    fn forget_views(&mut self) {
+        let Some(mut forest) = self.forest.take() else {
+            return;
+        };
+        forest.merge_all();
+        self.by_node.clear();
+        self.drawn.clear();
+        for built in self.patches.drain(..) {
+            self.revision = self.revision.max(built.patch.revision);
+            if self.spare.len() < MOST_SPARE {
+                self.spare.push(built);
+            }
+        }
+        self.revision += 2;
+        self.add_blocks(&forest);
+        self.deepest_m = f64::INFINITY;
+        self.error_threshold = 1.0;
+        self.is_begun_anew = true;
+        self.forest = Some(forest);
     }
 
     fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch)) {

@@ -54,6 +54,10 @@ pub trait Surface: Send + Sync {
     /// made anew by the next calls of that, within its budgets; no edge opens meanwhile, and nothing is left out.
     fn heights_changed(&mut self, changes: &[HeightChange], ground: &dyn Elevation);
 
+    /// Forgets what was chosen for views before and is kept only so that an eye that moves does not toggle it. What the next calls of
+    /// [`Self::prepare`] come to for one view then hangs on that view and the heights alone, whatever was before.
+    fn forget_views(&mut self);
+
     /// Hands over each patch of the last view, near ones first where that is known; none of another kind.
     fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch));
 

@@ -200,7 +200,8 @@ impl ContourPages {
         page.revision = self.clock;
     }
 
-    /// Builds pages of the last view anew whose heights have changed: first those that were drawn. Answers how many.
+    /// Builds pages of the last view anew whose heights have changed: first those that were drawn, and half as many at most as a
+    /// frame may build, so that others are not kept waiting. Answers how many.
     fn build_stale(&mut self, ground: &dyn Elevation, reach: HeightRange) -> u64 {
         let mut stale: Vec<(bool, u64, usize)> = (0..)
             .zip(&self.slots)
@@ -209,7 +210,7 @@ impl ContourPages {
             .collect();
         // Allocates where heights have changed only.
         stale.sort_unstable();
-        stale.truncate(self.options.built_per_frame as usize);
+        stale.truncate(self.options.built_per_frame.div_ceil(2) as usize);
         for (.., k) in &stale {
             self.fill(*k, ground, reach);
         }
@@ -399,16 +400,15 @@ impl Surface for ContourPages {
         if built > 0 {
             self.index();
         }
-        built += self.build_stale(ground, reach);
+        let renewed = self.build_stale(ground, reach);
+        built += renewed;
         let tolerance_px = view.tolerance_px.max(0.0);
         self.select_lod(&culling, PART_OF_PAGES * tolerance_px);
         self.requests
             .sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.key().cmp(&b.1.key())));
-        for k in 0..self
-            .requests
-            .len()
-            .min(self.options.built_per_frame as usize)
-        {
+        // One that is asked for is always built, that all be there at last.
+        let most = u64::from(self.options.built_per_frame).saturating_sub(renewed);
+        for k in 0..self.requests.len().min(most.max(1) as usize) {
             if !self.build(self.requests[k].1, ground, reach) {
                 break;
             }
@@ -467,6 +467,12 @@ impl Surface for ContourPages {
                 slot.is_stale = true;
                 page.widen(change.range);
             }
+        }
+    }
+
+    fn forget_views(&mut self) {
+        for slot in &mut self.slots {
+            slot.is_cut = false;
         }
     }
 

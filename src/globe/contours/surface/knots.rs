@@ -37,6 +37,11 @@ impl CoarserNeighbours {
     }
 }
 
+/// The spacing that heights of a cell's knots are asked for at, radians.
+pub fn knots_spacing_rad(cell: Cell) -> f64 {
+    0.25 * f64::from(cell.steps() / PIECES) * STEP_RAD
+}
+
 /// Row and column of knot `m` along a side.
 fn along(side: usize, m: usize) -> [usize; 2] {
     let last = KNOTS - 1;
@@ -81,7 +86,7 @@ impl ContourSurface {
 
     fn read_knots(&mut self, ground: &dyn Elevation, cell: Cell) -> Knots {
         let step = cell.steps() / PIECES;
-        let spacing_rad = 0.25 * f64::from(step) * STEP_RAD;
+        let spacing_rad = knots_spacing_rad(cell);
         let [x, y] = cell.vertex(0, 0);
         // One more on each side; beyond a pole the pole again.
         let xs: [u32; KNOTS + 2] =

@@ -1,6 +1,6 @@
 //! Level of detail (LOD) of bicubic patches: which cells a view cuts.
 
-use super::knots::{DIAGONALS, SIDES};
+use super::knots::{DIAGONALS, SIDES, knots_spacing_rad};
 use super::lattice::{AROUND, Cell, PIECES, SEGMENTS, STEP_RAD, ball, chord_m};
 use super::mesh::vertices;
 use super::{ContourSurface, OVERSHOOT};
@@ -8,6 +8,7 @@ use crate::elevation::{Bounds, Elevation, HeightChange, HeightRange};
 use crate::globe::culling::{CullingContext, GroundBound};
 use glam::DVec3;
 use std::cmp::Ordering;
+use std::f64::consts::FRAC_PI_2;
 
 /// What is known of a cell: its error and its bound.
 #[derive(Clone, Copy, Debug, Default)]
@@ -153,12 +154,20 @@ impl ContourSurface {
             }
             true
         });
-        let is_same = |cell: Cell| !changes.iter().any(|change| is_touched(cell, change));
+        // Unlike errors, knots know heights at their own spacing alone, except a pole's.
+        let is_same = |cell: Cell| {
+            let bounds = cell.bounds();
+            let poleward_rad = bounds.north_rad.max(-bounds.south_rad) + cell.side_rad();
+            let spacing_rad = match poleward_rad >= FRAC_PI_2 {
+                true => 0.0,
+                false => knots_spacing_rad(cell),
+            };
+            let touches = |c: &HeightChange| c.touches(&bounds, cell.side_rad(), spacing_rad);
+            !changes.iter().any(touches)
+        };
         self.known_knots.retain(|key, _| is_same(Cell::of_key(key)));
         for slot in &mut self.slots {
-            if !is_same(Cell::of_key(slot.patch.key)) {
-                slot.coarser = None;
-            }
+            slot.is_stale |= !is_same(Cell::of_key(slot.patch.key));
         }
     }
 
@@ -286,7 +295,8 @@ impl ContourSurface {
         evaluations: &mut u32,
     ) {
         let info = match self.cell_infos.get(cell.key(), self.now) {
-            Some(info) if info.is_stale && *evaluations > 0 => {
+            // A part of the budget is kept for cells that nothing is known of.
+            Some(info) if info.is_stale && *evaluations > self.options.measured_per_frame / 2 => {
                 *evaluations -= 1;
                 self.evaluate_cell(ground, cell)
             }

@@ -74,6 +74,13 @@ pub fn indices() -> [Arc<TriangleList>; 16] {
     })
 }
 
+/// Whether some vertices of a cell take the slope of the ground about them, so that its knots do not say all.
+pub fn reads_slopes(cell: Cell) -> bool {
+    [0, SEGMENTS]
+        .iter()
+        .any(|j| cos_sin_lat(cell.vertex(0, *j)[1]).0 < POLAR.1)
+}
+
 /// Writes the vertices of a cell into a patch, and answers how many heights it read.
 ///
 /// Positions follow from lattice places and heights, in f64, then are rounded to the grain of the coarsest cell that

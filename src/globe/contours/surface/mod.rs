@@ -69,6 +69,9 @@ struct PatchSlot {
     used: u64,
     /// What its vertices were written with; none before they are.
     coarser: Option<CoarserNeighbours>,
+    knots: Knots,
+    /// Heights have changed since.
+    is_stale: bool,
     patch: Patch,
 }
 
@@ -149,6 +152,7 @@ impl ContourSurface {
             let vertices = std::mem::take(&mut self.slots[slot].patch.vertices);
             let changed = std::mem::take(&mut self.slots[slot].patch.changed);
             self.slots[slot].coarser = None;
+            self.slots[slot].is_stale = false;
             self.slots[slot].patch = Patch {
                 vertices,
                 changed,
@@ -159,6 +163,8 @@ impl ContourSurface {
         self.slots.push(PatchSlot {
             used: 0,
             coarser: None,
+            knots: Knots::default(),
+            is_stale: false,
             patch,
         });
         self.slots.len() - 1
@@ -223,25 +229,35 @@ impl Surface for ContourSurface {
             let coarser = self.coarser_neighbours(cell);
             let slot = self.slot(cell);
             self.slots[slot].used = self.now;
-            if self.slots[slot].coarser != Some(coarser) {
+            let is_other = self.slots[slot].coarser != Some(coarser);
+            if is_other || self.slots[slot].is_stale {
                 let knots = self.stitched_knots(ground, cell, coarser);
+                self.slots[slot].is_stale = false;
+                if !is_other && knots == self.slots[slot].knots && !mesh::reads_slopes(cell) {
+                    // What has changed lies between its knots, or beside it.
+                    self.drawn.push(slot as u32);
+                    continue;
+                }
                 self.clock += 1;
                 let PatchSlot {
                     coarser: was,
+                    knots: known,
                     patch,
                     ..
                 } = &mut self.slots[slot];
-                *was = Some(coarser);
+                (*was, *known) = (Some(coarser), knots);
                 patch.revision = self.clock;
                 patch.indices = self.indices[usize::from(coarser.sides)].clone();
                 let figure = &self.options.ellipsoid;
                 self.samples += mesh::write(figure, ground, cell, coarser, &knots, patch);
             }
-            let patch = &self.slots[slot].patch;
+            self.drawn.push(slot as u32);
+        }
+        for slot in &self.drawn {
+            let patch = &self.slots[*slot as usize].patch;
             stats.patches += 1;
             stats.vertices += patch.vertices.len() as u32;
             stats.triangles += patch.indices.triangles.len() as u32 / 3;
-            self.drawn.push(slot as u32);
         }
         self.by_key.clear();
         for (k, slot) in self.slots.iter().enumerate() {
@@ -270,6 +286,9 @@ impl Surface for ContourSurface {
     fn heights_changed(&mut self, changes: &[HeightChange], _: &dyn Elevation) {
         self.forget_changed(changes);
     }
+
+    /// Nothing: which cells were cut says only how many more may be in a frame.
+    fn forget_views(&mut self) {}
 
     fn for_each_patch(&self, draw: &mut dyn FnMut(&Patch)) {
         for slot in &self.drawn {

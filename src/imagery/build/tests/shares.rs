@@ -100,8 +100,10 @@ fn colours_cost_more_than_water() {
         ..options(folder.path(), "shared")
     };
     let plan = begin_shares(&options, 2, &()).expect("begins");
-    let of = |layer| plan.shares.iter().filter(|share| share.layer == layer);
-    let counts = [MapLayer::Day, MapLayer::Water].map(|layer| of(layer).count());
+    let counts = [MapLayer::Day, MapLayer::Water].map(|layer| {
+        let of = plan.shares.iter().filter(|share| share.layer == layer);
+        of.count()
+    });
     assert_eq!(counts, [2, 1], "{:?}", plan.shares);
 }
 

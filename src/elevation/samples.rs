@@ -1,0 +1,54 @@
+//! Heights as they are stored, of a grid and of a tile.
+
+/// Heights of a grid or a tile as they are stored.
+#[derive(Clone, Debug, PartialEq)]
+pub enum HeightSamples {
+    /// Metres.
+    F32(Vec<f32>),
+    /// Metres are offset + scale × value. Samples that two tiles share must come to the same metres in both, to the last bit: best is
+    /// one scale and offset for all tiles of a source.
+    I16 {
+        /// Steps.
+        values: Vec<i16>,
+        /// Metres at step 0; finite.
+        offset_m: f64,
+        /// Metres a step; finite and above 0.
+        scale_m: f64,
+    },
+}
+
+impl HeightSamples {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::F32(values) => values.len(),
+            Self::I16 { values, .. } => values.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// A sample, metres.
+    #[inline]
+    pub(crate) fn at_m(&self, n: usize) -> f64 {
+        match self {
+            Self::F32(values) => f64::from(values[n]),
+            Self::I16 {
+                values,
+                offset_m,
+                scale_m,
+            } => offset_m + scale_m * f64::from(values[n]),
+        }
+    }
+
+    /// Bytes held.
+    pub(crate) fn bytes(&self) -> u64 {
+        match self {
+            Self::F32(values) => size_of_val(values.as_slice()) as u64,
+            Self::I16 { values, .. } => size_of_val(values.as_slice()) as u64,
+        }
+    }
+}
