@@ -15,7 +15,7 @@ mod grid;
 mod ground;
 pub mod read;
 // Packs are built from them.
-#[cfg_attr(not(feature = "pack-build"), allow(dead_code))]
+#[cfg_attr(not(feature = "pack-build"), allow(dead_code, unused_imports))]
 pub(crate) mod spool;
 mod stream;
 mod tiles;
