@@ -16,7 +16,7 @@ mod ground;
 pub mod read;
 mod samples;
 // Packs are built from them.
-#[cfg_attr(not(feature = "pack-build"), allow(dead_code))]
+#[cfg_attr(not(feature = "pack-build"), allow(dead_code, unused_imports))]
 pub(crate) mod spool;
 mod stream;
 mod tiles;
