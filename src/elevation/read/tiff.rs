@@ -222,7 +222,7 @@ fn unsupported(context: &FileContext, cause: String) -> HeightFileError {
 fn tiff_error(context: &FileContext, error: TiffError) -> HeightFileError {
     match error {
         TiffError::IoError(error) => context.reading(error),
-        TiffError::UnsupportedError(error) => unsupported(context, error.to_string()),
+        TiffError::UnsupportedError(error) => unsupported(context, in_short(&error.to_string())),
         TiffError::LimitsExceeded => context.refused(
             "has tags or strips beyond all measure",
             "those of a picture",
@@ -231,6 +231,15 @@ fn tiff_error(context: &FileContext, error: TiffError) -> HeightFileError {
                 context.path().display()
             ),
         ),
-        other => context.damaged(other),
+        other => context.damaged(in_short(&other.to_string())),
+    }
+}
+
+/// The decoder's words, which may list thousands of the file's own numbers, as far as they can be read.
+fn in_short(words: &str) -> String {
+    const MOST: usize = 300;
+    match words.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}…", &words[..end]),
+        None => words.to_string(),
     }
 }
