@@ -37,6 +37,7 @@
 //! | module | knows | must not know |
 //! |---|---|---|
 //! | [`frames`] | ellipsoid, time scales, Earth rotation, Sun; f64 | anything below |
+//! | `loaders` | threads that load tiles beside the frame | anything below |
 //! | [`orbit`] | readers and propagators: a state at an epoch | GPU |
 //! | [`basilisk`] | simulations of Basilisk: their sockets, messages and files, what is kept of them | GPU |
 //! | [`elevation`] | heights of the ground: grids, their pyramids, readers of elevation data | GPU |
@@ -73,6 +74,8 @@ pub mod celestial;
 pub mod elevation;
 pub mod frames;
 pub mod internals;
+#[cfg(any(feature = "packs", feature = "terrain"))]
+mod loaders;
 #[cfg(feature = "orbit")]
 pub mod orbit;
 #[cfg(feature = "scene")]

@@ -2,14 +2,14 @@
 
 use super::view::ItrfView;
 use crate::elevation::{
-    Bounds, Elevation, Ground, HeightChange, HeightEye, HeightStreamCounters, HeightTileKey,
+    Bounds, Elevation, Ground, HeightChange, HeightEye, HeightTileKey, HeightTileStats,
     HeightViewer, StreamedGround, TILES_PER_FRAME,
 };
 use crate::globe::contours::ContourOptions;
 use crate::globe::projected_grid::GPU_TILES;
 use crate::globe::{
-    Block, BlockGrid, DrawKind, Figure, GroundView, HeightTileStats, Surface, SurfaceError,
-    SurfaceSettings, SurfaceStats, select_blocks_between,
+    Block, BlockGrid, DrawKind, Figure, GroundView, Surface, SurfaceError, SurfaceSettings,
+    SurfaceStats, select_blocks_between,
 };
 use crate::gpu::{GridMesh, PageMesh};
 use std::fmt;
@@ -161,25 +161,8 @@ impl GroundDriver {
 
     /// What their stream is doing.
     pub fn height_tiles(&self) -> HeightTileStats {
-        let Some(stream) = self.elevation.streamed() else {
-            return HeightTileStats::default();
-        };
-        let HeightStreamCounters {
-            tiles,
-            bytes,
-            wanted,
-            refused,
-            unreadable,
-            changes,
-        } = stream.counters();
-        HeightTileStats {
-            tiles,
-            bytes,
-            wanted,
-            refused,
-            unreadable,
-            changes,
-        }
+        let stream = self.elevation.streamed();
+        stream.map_or_else(HeightTileStats::default, StreamedGround::counters)
     }
 
     /// Goes over to the heights of now, and tells the surface where they are others.

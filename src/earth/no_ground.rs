@@ -3,7 +3,8 @@
 
 use super::EarthError;
 use super::view::ItrfView;
-use crate::globe::{Block, BlockGrid, Figure, HeightTileStats, Surface, SurfaceStats};
+use crate::frames::HeightTileStats;
+use crate::globe::{Block, BlockGrid, Figure, Surface, SurfaceStats};
 use std::time::Duration;
 
 /// Ground with relief in place of the smooth ellipsoid. It needs the feature `terrain`; without, there is no value of this type.

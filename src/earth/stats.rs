@@ -1,7 +1,8 @@
 //! What a frame drew.
 
 use crate::frames::Geodetic;
-use crate::globe::{HeightTileStats, SurfaceStats};
+use crate::frames::HeightTileStats;
+use crate::globe::SurfaceStats;
 use crate::imagery::residency::StreamCounters;
 use crate::imagery::tile::MAX_LEVELS;
 use std::time::Duration;

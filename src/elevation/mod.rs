@@ -34,15 +34,15 @@ pub use samples::HeightSamples;
 #[cfg(test)]
 pub(crate) use stream::test_source::TestTiles;
 pub use stream::{
-    HeightEye, HeightStreamCounters, HeightStreamOptions, HeightViewer, StreamedGround,
-    StreamedGroundError, TILES_PER_FRAME,
+    HeightEye, HeightStreamOptions, HeightViewer, StreamedGround, StreamedGroundError,
+    TILES_PER_FRAME,
 };
 pub use tiles::{
     HeightLayoutError, HeightTileError, HeightTileKey, HeightTileLayout, HeightTileSource,
 };
 
 use crate::frames::Ellipsoid;
-pub use crate::frames::HeightRange;
+pub use crate::frames::{HeightRange, HeightTileStats};
 use glam::DVec2;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -64,7 +64,6 @@ pub use surface::{
     TriangleList, merged_ranges,
 };
 pub use surface::{DrawKind, Surface, SurfaceStats};
-pub use surface_stats::HeightTileStats;
 
 /// Which blocks are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

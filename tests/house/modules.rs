@@ -7,14 +7,15 @@ use std::collections::{BTreeMap, BTreeSet};
 #[rustfmt::skip]
 const MODULES: &[(&str, &[&str])] = &[
     ("frames", &[]),
+    ("loaders", &[]),
     ("orbit", &["frames"]),
     ("basilisk", &["frames", "orbit"]),
-    ("elevation", &["frames"]),
+    ("elevation", &["frames", "loaders"]),
     ("globe", &["frames", "elevation"]),
     ("air", &["frames"]),
     ("light", &["frames", "air"]),
     // Maps and drawables know nothing of satellites.
-    ("imagery", &["elevation", "globe"]),
+    ("imagery", &["loaders", "elevation", "globe"]),
     // Maps from the network, for packs.
     ("fetch", &["imagery"]),
     ("scene", &["frames", "orbit", "basilisk", "globe", "air", "light"]),

@@ -1,12 +1,13 @@
 //! Which tiles are asked for, loaded, in memory and given up: a state machine without threads or a clock.
 
+use super::StreamedGroundError;
 use super::viewer::Look;
-use super::{HeightStreamCounters, StreamedGroundError};
 use crate::elevation::tiles::{BESIDE, FEATHER, HeldTile, NONE, Node, TilePyramid, Wants, wider};
 use crate::elevation::{
     Bounds, Georeference, GridLimits, HeightChange, HeightGrid, HeightRange, HeightTileError,
     HeightTileKey, HeightTileLayout, HeightTileSource, Registration,
 };
+use crate::frames::HeightTileStats;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
@@ -344,8 +345,8 @@ impl HeightCache {
         all.copied().collect()
     }
 
-    pub fn counters(&self) -> HeightStreamCounters {
-        HeightStreamCounters {
+    pub fn counters(&self) -> HeightTileStats {
+        HeightTileStats {
             tiles: self.tiles,
             bytes: self.bytes,
             wanted: (self.queue.len() + self.arrived.len()) as u32,

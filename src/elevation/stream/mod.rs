@@ -36,10 +36,12 @@ use super::{
     Bounds, Elevation, GridError, Ground, HeightChange, HeightRange, HeightTileError,
     HeightTileKey, HeightTileSource,
 };
+use crate::frames::HeightTileStats;
+use crate::loaders::{lock, try_lock};
 use cache::HeightCache;
 use loader::HeightLoader;
 use std::fmt;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, TryLockError, Weak};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, Weak};
 use std::time::Duration;
 use viewer::Look;
 
@@ -78,23 +80,6 @@ pub enum StreamedGroundError {
     Coarsest(#[from] GridError),
 }
 
-/// Counts of a stream of heights.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct HeightStreamCounters {
-    /// Tiles in memory.
-    pub tiles: u32,
-    /// Bytes of all heights in memory, the coarsest level's among them.
-    pub bytes: u64,
-    /// Tiles that are asked for and on their way.
-    pub wanted: u32,
-    /// Tiles that are asked for and that the budget has no room for: the ground stays coarser there.
-    pub refused: u32,
-    /// Tiles that were asked for and could not be read.
-    pub unreadable: u32,
-    /// How often a tile has come or gone since the start.
-    pub changes: u64,
-}
-
 /// Heights of a source of tiles, under any number of [`HeightGrid`](super::HeightGrid)s. Give it to [`GroundOptions`](crate::GroundOptions).
 ///
 /// As an [`Elevation`] it answers by the tiles that are in memory when it is asked; surfaces use [`Self::now`].
@@ -105,7 +90,7 @@ pub struct StreamedGround {
     /// The grids over the tiles of now, and its version.
     now: RwLock<(u64, Arc<Ground>)>,
     /// As [`Self::take_over`] left them.
-    counters: Mutex<HeightStreamCounters>,
+    counters: Mutex<HeightTileStats>,
 }
 
 #[derive(Default)]
@@ -161,7 +146,7 @@ impl StreamedGround {
     /// Takes in at most so many of the tiles that have come, and says what shall be loaded. Call it between frames. Never waits: if
     /// another thread is here, it does nothing.
     pub fn take_over(&self, most: usize) {
-        let Some(mut cache) = self.try_cache() else {
+        let Some(mut cache) = try_lock(&self.cache) else {
             return;
         };
         let mut viewers = self.viewers();
@@ -195,7 +180,7 @@ impl StreamedGround {
             *rested = 0;
         }
         drop(viewers);
-        *self.counters.lock().unwrap_or_else(PoisonError::into_inner) = cache.counters();
+        *lock(&self.counters) = cache.counters();
         if has_changed {
             cache.pyramid().wants.forget_taken();
             let mut now = self.now.write().unwrap_or_else(PoisonError::into_inner);
@@ -216,8 +201,8 @@ impl StreamedGround {
     }
 
     /// What the stream was doing at the end of the last [`Self::take_over`].
-    pub fn counters(&self) -> HeightStreamCounters {
-        *self.counters.lock().unwrap_or_else(PoisonError::into_inner)
+    pub fn counters(&self) -> HeightTileStats {
+        *lock(&self.counters)
     }
 
     /// Tiles that were asked for and are not there: on their way, without room, or unreadable.
@@ -240,19 +225,11 @@ impl StreamedGround {
     }
 
     fn viewers(&self) -> MutexGuard<'_, Viewers> {
-        self.viewers.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.viewers)
     }
 
     fn cache(&self) -> MutexGuard<'_, HeightCache> {
-        self.cache.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn try_cache(&self) -> Option<MutexGuard<'_, HeightCache>> {
-        match self.cache.try_lock() {
-            Ok(cache) => Some(cache),
-            Err(TryLockError::Poisoned(cache)) => Some(cache.into_inner()),
-            Err(TryLockError::WouldBlock) => None,
-        }
+        lock(&self.cache)
     }
 }
 

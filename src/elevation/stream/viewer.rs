@@ -3,9 +3,10 @@
 use crate::elevation::Bounds;
 use crate::elevation::tiles::NearEye;
 use crate::frames::{Ellipsoid, Geodetic};
+use crate::loaders::lock;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 /// Mean radius of the Earth, metres: good enough to say what is near.
 const RADIUS_M: f64 = 6_371_000.0;
@@ -78,10 +79,10 @@ pub struct HeightViewer(Mutex<Option<Look>>);
 impl HeightViewer {
     /// Looks from here from now on; what is no place is nobody.
     pub fn look(&self, eye: HeightEye) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Look::from(eye);
+        *lock(&self.0) = Look::from(eye);
     }
 
     pub(super) fn looks(&self) -> Option<Look> {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        *lock(&self.0)
     }
 }

@@ -7,22 +7,15 @@
 use super::cache::{LoadError, LoadId, TileCache, check};
 use super::pools::usable;
 use crate::imagery::tile::{LayerLayout, Tile, TileFormat, TileKey, TileShape, TileSource};
+use crate::loaders::{Loaders, lock, try_lock};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, TryLockError};
-use std::thread::{self, JoinHandle};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use thread_priority::{ThreadPriority, ThreadPriorityValue};
-
-/// Where decoder threads stand between the lowest priority, 0, and the highest, 99: on Linux a niceness of about 10.
-const PRIORITY: u8 = 25;
-
-/// How long a dropped stream waits for its threads. One that is stuck in a read is left to itself then.
-const JOIN_TIMEOUT: Duration = Duration::from_secs(2);
 
 pub(super) struct Loader {
     shared: Arc<Shared>,
-    threads: Vec<JoinHandle<()>>,
+    threads: Loaders,
     /// What the last look under the mutex found.
     reserved_bytes: u64,
     /// Lists that change places with the shared ones, so that nothing is allocated under the mutex.
@@ -37,7 +30,7 @@ struct Shared {
     work: Mutex<Work>,
     /// There may be something to do for a thread.
     to_do: Condvar,
-    /// A load or a thread has ended.
+    /// A load has ended.
     ended: Condvar,
     stop: AtomicBool,
     /// For each thread the number of the load that it shall give up; 0 is none.
@@ -58,7 +51,6 @@ struct Work {
     reserved_bytes: u64,
     /// Number of loads taken so far.
     loads: u64,
-    threads: usize,
 }
 
 impl Loader {
@@ -75,19 +67,10 @@ impl Loader {
             stop: AtomicBool::new(false),
             cancelled: (0..threads).map(|_| AtomicU64::new(0)).collect(),
         });
-        let start = |worker: usize| {
-            let own = Arc::clone(&shared);
-            shared.lock().threads += 1;
-            let name = format!("terrella tiles {worker}");
-            let thread = thread::Builder::new().name(name);
-            let thread = thread.spawn(move || own.work_until_stopped(worker));
-            if let Err(error) = &thread {
-                shared.lock().threads -= 1;
-                tracing::warn!("a decoder thread could not be started: {error}");
-            }
-            thread.ok()
-        };
-        let threads = (0..threads).filter_map(start).collect();
+        let own = Arc::clone(&shared);
+        let threads = Loaders::start("tiles", threads, move |worker| {
+            own.work_until_stopped(worker);
+        });
         Self {
             shared,
             threads,
@@ -110,7 +93,7 @@ impl Loader {
         report_error: impl FnMut(TileKey, LoadError),
     ) {
         let shared = Arc::clone(&self.shared);
-        if let Some(mut work) = shared.try_lock() {
+        if let Some(mut work) = try_lock(&shared.work) {
             self.exchange(&mut work);
         }
         self.report(cache, now, report_error);
@@ -123,7 +106,7 @@ impl Loader {
             let number = if load.cancel { number } else { 0 };
             self.shared.cancelled[worker].store(number, Ordering::Relaxed);
         }
-        if let Some(mut work) = self.shared.try_lock() {
+        if let Some(mut work) = try_lock(&self.shared.work) {
             self.shared.hand_over(&mut work, cache);
         }
     }
@@ -137,7 +120,7 @@ impl Loader {
         report_error: impl FnMut(TileKey, LoadError),
     ) -> bool {
         let shared = Arc::clone(&self.shared);
-        let mut work = shared.lock();
+        let mut work = lock(&shared.work);
         shared.hand_over(&mut work, cache);
         let waited = shared
             .ended
@@ -175,39 +158,16 @@ impl Loader {
 
 impl Drop for Loader {
     fn drop(&mut self) {
-        let shared = &self.shared;
-        shared.stop.store(true, Ordering::Relaxed);
-        let work = shared.lock();
-        shared.to_do.notify_all();
-        let waited = shared
-            .ended
-            .wait_timeout_while(work, JOIN_TIMEOUT, |work| work.threads > 0);
-        let left = waited.unwrap_or_else(PoisonError::into_inner).0.threads;
-        if left > 0 {
-            tracing::warn!("{left} decoder threads are stuck in a read and are left behind");
-            return;
-        }
-        for thread in self.threads.drain(..) {
-            // A thread catches what its source panics with: nothing is lost by not asking.
-            let _ = thread.join();
-        }
+        self.shared.stop.store(true, Ordering::Relaxed);
+        // Under the lock, so that no thread misses it between its look and its sleep.
+        let work = lock(&self.shared.work);
+        self.shared.to_do.notify_all();
+        drop(work);
+        self.threads.join();
     }
 }
 
 impl Shared {
-    /// The work. Nothing panics under the mutex, so that a poisoned one is as good.
-    fn lock(&self) -> MutexGuard<'_, Work> {
-        self.work.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn try_lock(&self) -> Option<MutexGuard<'_, Work>> {
-        match self.work.try_lock() {
-            Ok(work) => Some(work),
-            Err(TryLockError::Poisoned(work)) => Some(work.into_inner()),
-            Err(TryLockError::WouldBlock) => None,
-        }
-    }
-
     fn hand_over(&self, work: &mut Work, cache: &mut TileCache) {
         let retired = cache.retired();
         let has_retired = retired.len() > 0;
@@ -236,26 +196,20 @@ impl Shared {
     }
 
     fn work_until_stopped(&self, worker: usize) {
-        if let Ok(priority) = ThreadPriorityValue::try_from(PRIORITY) {
-            // Some systems do not let a program choose: then the frame and the threads share as equals.
-            let _ = ThreadPriority::Crossplatform(priority).set_for_current();
-        }
         while let Some((key, number)) = self.take(worker) {
             let result = self.load(key, worker, number);
-            let mut work = self.lock();
+            let mut work = lock(&self.work);
             if result.is_err() {
                 work.reserved_bytes -= self.bytes(key);
             }
             work.finished.push((key, result));
             self.ended.notify_all();
         }
-        self.lock().threads -= 1;
-        self.ended.notify_all();
     }
 
     /// Waits for a tile to load and takes it; frees retired tiles meanwhile. `None` when it is time to stop.
     fn take(&self, worker: usize) -> Option<(TileKey, u64)> {
-        let mut work = self.lock();
+        let mut work = lock(&self.work);
         loop {
             if self.stop.load(Ordering::Relaxed) {
                 return None;
@@ -264,7 +218,7 @@ impl Shared {
                 drop(work);
                 let bytes = tile.texels.len() as u64;
                 drop(tile);
-                work = self.lock();
+                work = lock(&self.work);
                 work.reserved_bytes -= bytes;
                 continue;
             }
@@ -327,7 +281,7 @@ mod tests {
 
         fn read(&self, key: TileKey, _: &dyn Fn() -> bool) -> Result<Tile, TileError> {
             while !self.1.load(Ordering::Relaxed) {
-                thread::sleep(Duration::from_millis(1));
+                std::thread::sleep(Duration::from_millis(1));
             }
             Err(TileError::Absent(key))
         }
@@ -358,14 +312,14 @@ mod tests {
         });
         cache.allocate(Instant::now(), &requests, 0);
         let shared = Arc::clone(&loader.shared);
-        shared.hand_over(&mut shared.lock(), &mut cache);
-        while shared.lock().started.is_empty() {
-            thread::sleep(Duration::from_millis(1));
+        shared.hand_over(&mut lock(&shared.work), &mut cache);
+        while lock(&shared.work).started.is_empty() {
+            std::thread::sleep(Duration::from_millis(1));
         }
         // The frame has not looked, and hands over what it still believes to be queued.
         assert_eq!(cache.queue(), [key(1), key(2)]);
-        shared.hand_over(&mut shared.lock(), &mut cache);
-        assert_eq!(shared.lock().queue, [key(2)]);
+        shared.hand_over(&mut lock(&shared.work), &mut cache);
+        assert_eq!(lock(&shared.work).queue, [key(2)]);
         loader.collect(&mut cache, Instant::now(), |_, _| {});
         assert_eq!(cache.queue(), [key(2)]);
         source.1.store(true, Ordering::Relaxed);
