@@ -9,6 +9,7 @@
 
 mod change;
 mod denoise;
+mod floor;
 mod fractal;
 pub(crate) mod geo_tags;
 mod grid;

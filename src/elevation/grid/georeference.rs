@@ -2,6 +2,7 @@
 
 use super::GridError;
 use crate::elevation::Bounds;
+use crate::elevation::floor::floor;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Most samples along one side of a grid.
@@ -179,21 +180,6 @@ pub(in crate::elevation) struct SampleLattice {
     rows_per_rad: f64,
     columns_per_rad: f64,
     middle_rad: f64,
-}
-
-/// The whole number below: `f64::floor` is a call where the processor may lack the instruction.
-#[inline]
-pub(super) fn floor(x: f64) -> f64 {
-    // Larger numbers are whole, and may not fit an i64.
-    if x.is_nan() || x.abs() > 4e15 {
-        return x;
-    }
-    let towards_zero = x as i64 as f64;
-    if towards_zero > x {
-        towards_zero - 1.0
-    } else {
-        towards_zero
-    }
 }
 
 impl SampleLattice {

@@ -1,6 +1,7 @@
 //! The pyramid of averages, and interpolation in one of its levels.
 
-use super::georeference::{SampleLattice, floor};
+use super::georeference::SampleLattice;
+use crate::elevation::floor::floor;
 
 /// Size of a level and how rows and columns of the finest level become its own.
 #[derive(Clone, Copy, Debug)]

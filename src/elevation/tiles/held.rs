@@ -1,7 +1,7 @@
 //! A tile of heights in memory.
 
-use super::whole::whole_below;
 use super::{HeightTileError, HeightTileKey, HeightTileLayout};
+use crate::elevation::floor::floor;
 use crate::elevation::samples::HeightSamples;
 use crate::elevation::{HIGHEST_M, HeightRange, LOWEST_M};
 
@@ -115,8 +115,8 @@ impl HeldTile {
         sample_m: impl Fn(usize) -> f64,
     ) -> f64 {
         let (x, y) = (x - 0.5, y - 0.5);
-        let west = whole_below(x);
-        let north = whole_below(y.clamp(0.0, rows - 1.0));
+        let west = floor(x);
+        let north = floor(y.clamp(0.0, rows - 1.0));
         let along = x - west;
         let column = self.place(west, self.key.column).min(self.row - 2);
         let in_row = |row: f64| {

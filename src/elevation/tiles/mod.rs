@@ -11,7 +11,6 @@ mod held;
 mod layout;
 mod pyramid;
 mod wants;
-mod whole;
 
 pub use error::HeightTileError;
 pub(super) use held::HeldTile;

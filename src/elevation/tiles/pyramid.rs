@@ -11,8 +11,8 @@
 //! Only tiles whose coarser one is in memory are, so that the way down from the coarsest finds them all.
 
 use super::held::HeldTile;
-use super::whole::whole_below;
 use super::{HeightTileKey, HeightTileLayout, HeightTileSource, Wants};
+use crate::elevation::floor::floor;
 use crate::elevation::{Bounds, HeightGrid, HeightRange};
 use std::cell::Cell;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -117,7 +117,7 @@ impl TilePyramid {
     #[inline]
     fn place(&self, lat_rad: f64, lon_rad: f64) -> Place {
         let turns = (lon_rad + PI) * (1.0 / TAU);
-        let turns = turns - whole_below(turns);
+        let turns = turns - floor(turns);
         // The difference of a small negative number from −1 is rounded to 1.
         let turns = if turns >= 1.0 { 0.0 } else { turns };
         let down = ((FRAC_PI_2 - lat_rad) * (1.0 / PI)).clamp(0.0, 1.0);

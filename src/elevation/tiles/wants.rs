@@ -5,7 +5,7 @@
 //! the same moment, some are lost, and asked for again when heights have changed there.
 
 use super::HeightTileKey;
-use super::whole::whole_below;
+use crate::elevation::floor::floor;
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 
@@ -137,7 +137,7 @@ impl Wants {
             let [lat, lon, height_rad, tolerance_rad] =
                 [0, 1, 2, 3].map(|k| f64::from_bits(eye[k].load(Ordering::Relaxed)));
             let turns = (lon_rad - lon) * (1.0 / TAU);
-            let aside = (turns - whole_below(turns + 0.5)) * TAU;
+            let aside = (turns - floor(turns + 0.5)) * TAU;
             // Degrees of longitude are shorter away from the equator: a wide bound, 1 − φ²/2 ≤ cos φ.
             let shorter = (1.0 - 0.5 * lat_rad * lat_rad).max(0.0);
             let (up, across) = (lat_rad - lat, aside * shorter);
