@@ -26,7 +26,7 @@ pub use sidecar::{ByteOrder, HeightUnit, MAX_SIDECAR_BYTES, Sidecar, SidecarGeor
 use super::{Denoise, Denoised, Georeference, GridError, GridLimits, HeightGrid};
 use error::FileContext;
 use std::fs::File;
-use std::io::{BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom};
+use std::io::{self, BufRead, BufReader, ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
 
 /// Heights of a file.
@@ -156,15 +156,18 @@ pub fn read_heights<R: BufRead + Seek>(
     HeightReader::new(reader, sidecar, path)?.whole(limits, None)
 }
 
+/// The first 8 bytes of a file, which say what it is; fewer where it ends. The reader goes back to where the file begins.
+pub(crate) fn first_bytes<R: Read + Seek>(mut reader: R) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(8);
+    (&mut reader).take(8).read_to_end(&mut bytes)?;
+    reader.rewind()?;
+    Ok(bytes)
+}
+
 impl<R: BufRead + Seek> HeightReader<R> {
     fn new(mut reader: R, sidecar: Option<&Sidecar>, path: &Path) -> Result<Self, HeightFileError> {
         let context = FileContext::new(path);
-        let mut magic = Vec::with_capacity(8);
-        (&mut reader)
-            .take(8)
-            .read_to_end(&mut magic)
-            .and_then(|_| reader.seek(SeekFrom::Start(0)))
-            .map_err(|error| context.unreadable(error))?;
+        let magic = first_bytes(&mut reader).map_err(|error| context.unreadable(error))?;
         let formats = "a GeoTIFF, a PNG or a NetCDF classic file";
         let said = sidecar.cloned().unwrap_or_default();
         let (decoder, header) = match magic.as_slice() {

@@ -3,8 +3,8 @@
 use super::error::BuildError;
 use super::mosaic::Mosaic;
 use super::source::{self, FileContext, RowSource, SourceLimits};
+use crate::elevation::read::first_bytes;
 use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// A map that has been looked at.
@@ -71,15 +71,13 @@ fn is_named_toml(path: &Path) -> bool {
 }
 
 fn is_picture(path: &Path) -> Result<bool, BuildError> {
-    let mut magic = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(4).read_to_end(&mut magic))
-        .map_err(|error| FileContext::new(path).unreadable(error))?;
+    let magic = File::open(path).and_then(first_bytes);
+    let magic = magic.map_err(|error| FileContext::new(path).unreadable(error))?;
     Ok(matches!(
         magic.as_slice(),
-        [0x89, b'P', b'N', b'G']
+        [0x89, b'P', b'N', b'G', ..]
             | [0xFF, 0xD8, ..]
-            | [b'I', b'I', 42 | 43, 0]
-            | [b'M', b'M', 0, 42 | 43]
+            | [b'I', b'I', 42 | 43, 0, ..]
+            | [b'M', b'M', 0, 42 | 43, ..]
     ))
 }

@@ -7,10 +7,11 @@ mod sof;
 mod tiff;
 
 use super::error::BuildError;
+use crate::elevation::read::first_bytes;
 pub(super) use geo::MODEL_GEOGRAPHIC;
 use std::fmt;
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+use std::io::{BufRead, BufReader, Seek};
 use std::path::{Path, PathBuf};
 
 /// Smallest height of a map, texels.
@@ -214,12 +215,7 @@ pub(super) fn read_extent<R: BufRead + Seek + 'static>(
     extent: Extent,
 ) -> Result<Box<dyn RowSource>, BuildError> {
     let context = FileContext::new(path);
-    let mut magic = Vec::with_capacity(8);
-    (&mut reader)
-        .take(8)
-        .read_to_end(&mut magic)
-        .and_then(|_| reader.seek(SeekFrom::Start(0)))
-        .map_err(|error| context.unreadable(error))?;
+    let magic = first_bytes(&mut reader).map_err(|error| context.unreadable(error))?;
     let source: Box<dyn RowSource> = match magic.as_slice() {
         [0x89, b'P', b'N', b'G', ..] => {
             Box::new(png::PngRows::open(reader, context.clone(), limits, extent)?)
