@@ -1,36 +1,21 @@
 //! Packs of heights that are read part by part, against those of heights that are held.
 
 use super::super::folder::{Disk, Writer};
-use super::super::tests::stopped::{Failing, Stopping, contents};
-use crate::imagery::build::{BuildError, BuildOptions, BuildProgress, Division, build, build_with};
+use super::super::tests::stopped::{Failing, Notes, Stopping, contents};
+use super::tests::{day_folder, options};
+use crate::imagery::build::{BuildError, BuildOptions, Division, build, build_with};
 use crate::imagery::pack::{HeightKind, verify};
-use crate::imagery::tile::{MapLayer, Storage};
-use image::{GrayImage, ImageBuffer, Luma};
+use image::{ImageBuffer, Luma};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 use std::sync::atomic::AtomicU32;
-use tempfile::TempDir;
 
-/// Keeps what is told of files that are read part by part.
-#[derive(Default)]
-struct Told(Mutex<Vec<String>>);
-
-impl BuildProgress for Told {
-    fn begin(&self, _what: &str, _steps: Option<u64>) {}
-    fn step(&self) {}
-    fn end(&self) {}
-    fn note(&self, text: &str) {
-        if text.contains("part by part") {
-            self.0.lock().expect("good").push(text.to_owned());
-        }
-    }
-}
-
-impl Told {
-    fn count(self) -> usize {
-        self.0.into_inner().expect("good").len()
-    }
+/// How many files were read part by part.
+fn spooled(notes: Notes) -> usize {
+    let all = notes.all();
+    all.iter()
+        .filter(|note| note.contains("part by part"))
+        .count()
 }
 
 /// 0…60 000, with ridges at other places for each `salt`.
@@ -117,24 +102,6 @@ fn south_first(dir: &Path) -> PathBuf {
     path
 }
 
-fn folder() -> TempDir {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let day = folder.path().join("day.png");
-    GrayImage::new(64, 32).save(day).expect("writable");
-    folder
-}
-
-fn options(dir: &Path, heights: &[PathBuf], out: &str) -> BuildOptions {
-    BuildOptions {
-        name: Some("heights".to_string()),
-        heights: heights.to_vec(),
-        storages: vec![Storage::Plain],
-        pixels: vec![(MapLayer::Day, vec![16])],
-        threads: Some(2),
-        ..BuildOptions::new(dir.join("day.png"), dir.join(out))
-    }
-}
-
 /// The same within the least memory that is enough: nothing of any size is held.
 fn little(options: BuildOptions, out: &str) -> BuildOptions {
     let options = BuildOptions {
@@ -212,18 +179,18 @@ fn tiles_do_not_tell_how_their_files_were_read() {
         ),
     ];
     for (name, make, is_float) in makes {
-        let folder = folder();
+        let folder = day_folder();
         let paths = make(folder.path());
         let much = options(folder.path(), &paths, "held");
-        let told = Told::default();
+        let told = Notes::default();
         let manifest = build(&much, &told).expect("builds");
-        assert_eq!(told.count(), 0, "{name}: held");
+        assert_eq!(spooled(told), 0, "{name}: held");
         let kind = manifest.heights.as_ref().expect("heights").kind;
         assert_eq!(kind == HeightKind::F32, is_float, "{name}: {kind:?}");
         let little = little(much.clone(), "parts");
-        let told = Told::default();
+        let told = Notes::default();
         build(&little, &told).expect("builds");
-        assert_eq!(told.count(), paths.len(), "{name}: none is held");
+        assert_eq!(spooled(told), paths.len(), "{name}: none is held");
         let (held, parts) = (contents(&much.out), contents(&little.out));
         assert!(held.len() > 128 + 128);
         for (file, bytes) in &held {
@@ -250,7 +217,7 @@ impl Writer for Full {
 
 #[test]
 fn builds_with_scratch_files_go_on_and_leave_none() {
-    let folder = folder();
+    let folder = day_folder();
     let cells = format!("{GLOBE}\nregistration = \"cells\"\nscale = 0.1");
     let paths = [png(folder.path(), "a", (500, 250), true, &cells)];
     let much = options(folder.path(), &paths, "held");

@@ -35,25 +35,31 @@ fn write_heights(dir: &Path, name: &str, size: (u32, u32), place: &str) -> PathB
 
 /// A file of the whole Earth, 512 × 256, and one of 8° × 6° over the date line, thirteen times finer.
 fn folder() -> (TempDir, Vec<PathBuf>) {
-    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = day_folder();
     let globe = "bounds = { south_deg = -90, north_deg = 90, west_deg = -180, east_deg = 180 }\nregistration = \"cells\"";
     let inset = "bounds = { south_deg = -3, north_deg = 3, west_deg = 176, east_deg = 184 }\nregistration = \"cells\"";
     let paths = vec![
         write_heights(folder.path(), "globe", (512, 256), globe),
         write_heights(folder.path(), "inset", (152, 114), inset),
     ];
-    GrayImage::new(64, 32)
-        .save(folder.path().join("day.png"))
-        .expect("writable");
     (folder, paths)
 }
 
-fn options(dir: &Path, heights: &[PathBuf], out: &str) -> BuildOptions {
+/// A folder with a small day map, which every pack has.
+pub(super) fn day_folder() -> TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let day = folder.path().join("day.png");
+    GrayImage::new(64, 32).save(day).expect("writable");
+    folder
+}
+
+pub(super) fn options(dir: &Path, heights: &[PathBuf], out: &str) -> BuildOptions {
     BuildOptions {
         name: Some("heights".to_string()),
         heights: heights.to_vec(),
         storages: vec![Storage::Plain],
         pixels: vec![(MapLayer::Day, vec![16])],
+        threads: Some(2),
         ..BuildOptions::new(dir.join("day.png"), dir.join(out))
     }
 }

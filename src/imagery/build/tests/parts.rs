@@ -1,6 +1,6 @@
 //! Builds with levels that are cut into parts. Levels are cut from 20 texels a block on here, so that maps are small.
 
-use super::stopped::{Stopping, contents};
+use super::stopped::{Notes, Stopping, contents};
 use super::write_day;
 use crate::imagery::build::folder::Disk;
 use crate::imagery::build::{
@@ -9,8 +9,8 @@ use crate::imagery::build::{
 use crate::imagery::pack::{Manifest, Pack, PackTiles, verify};
 use crate::imagery::tile::{MapLayer, Storage, TILE_BORDER, Tile, TileKey, TileSource};
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
-use std::sync::{Arc, Mutex};
 use tempfile::TempDir;
 
 const CUT: Division = Division {
@@ -145,19 +145,6 @@ fn stops_passes_threads_and_little_memory_do_not_change_a_byte() {
     assert!(contents(&little.out) == whole);
 }
 
-/// Keeps notes.
-#[derive(Default)]
-struct Notes(Mutex<Vec<String>>);
-
-impl BuildProgress for Notes {
-    fn begin(&self, _what: &str, _steps: Option<u64>) {}
-    fn step(&self) {}
-    fn end(&self) {}
-    fn note(&self, text: &str) {
-        self.0.lock().expect("not poisoned").push(text.to_owned());
-    }
-}
-
 #[test]
 fn detail_that_no_level_holds_is_told() {
     let folder = folder();
@@ -168,7 +155,7 @@ fn detail_that_no_level_holds_is_told() {
     };
     let notes = Notes::default();
     cut(&options, &notes).expect("builds");
-    let notes = notes.0.into_inner().expect("not poisoned");
+    let notes = notes.all();
     let told = "map.png: has 512 texels round the Earth and the finest day level 320; finer detail is averaged, --pixels day=40,20,16 keeps 640";
     assert!(notes.iter().any(|note| note.ends_with(told)), "{notes:?}");
 }

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
 use tempfile::TempDir;
 
@@ -63,6 +64,25 @@ impl BuildProgress for Stopping {
     fn end(&self) {}
     fn cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed) == 0
+    }
+}
+
+/// Keeps what is told.
+#[derive(Default)]
+pub(in crate::internals::imagery::build) struct Notes(Mutex<Vec<String>>);
+
+impl Notes {
+    pub(in crate::internals::imagery::build) fn all(self) -> Vec<String> {
+        self.0.into_inner().expect("not poisoned")
+    }
+}
+
+impl BuildProgress for Notes {
+    fn begin(&self, _what: &str, _steps: Option<u64>) {}
+    fn step(&self) {}
+    fn end(&self) {}
+    fn note(&self, text: &str) {
+        self.0.lock().expect("not poisoned").push(text.to_owned());
     }
 }
 
