@@ -5,7 +5,7 @@ use crate::elevation::floor::floor;
 use crate::elevation::samples::HeightSamples;
 use crate::elevation::{HIGHEST_M, HeightRange, LOWEST_M};
 
-/// Samples along a side of the squares whose ranges are held.
+/// Samples along a side of the smallest squares whose ranges are held.
 const SQUARE: usize = 8;
 
 /// Heights of a tile, and the ranges of parts of it.
@@ -16,8 +16,9 @@ pub(in crate::elevation) struct HeldTile {
     row: usize,
     border: usize,
     side: usize,
-    /// Lowest and highest of each square of samples, row by row.
+    /// Lowest and highest of each square of samples, row by row; then those of squares twice as wide, and so on.
     ranges: Vec<[f32; 2]>,
+    /// Of the smallest, along a side.
     squares: usize,
     /// Of all samples.
     pub range: HeightRange,
@@ -64,6 +65,21 @@ impl HeldTile {
             *high = high.max((height_m as f32).next_up());
             range.low_m = range.low_m.min(height_m);
             range.high_m = range.high_m.max(height_m);
+        }
+        let (mut start, mut across) = (0, squares);
+        while across > 1 {
+            let (fine, half) = (across, across.div_ceil(2));
+            for (row, column) in (0..half).flat_map(|row| (0..half).map(move |n| (row, n))) {
+                let mut all = [f32::INFINITY, f32::NEG_INFINITY];
+                for (j, i) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                    let (row, column) =
+                        ((2 * row + j).min(fine - 1), (2 * column + i).min(fine - 1));
+                    let [low, high] = ranges[start + row * fine + column];
+                    all = [all[0].min(low), all[1].max(high)];
+                }
+                ranges.push(all);
+            }
+            (start, across) = (start + fine * fine, half);
         }
         Ok(Self {
             key,
@@ -144,8 +160,13 @@ impl HeldTile {
     }
 
     /// Lowest and highest of all that is interpolated between two places, in samples' steps from the tile's own north-western corner.
-    /// May be a little too wide.
-    pub fn range_m(&self, west: f64, east: f64, north: f64, south: f64) -> HeightRange {
+    /// May be too wide, as if the places were `detail` steps further apart, or [`SQUARE`].
+    pub fn range_m(
+        &self,
+        (west, east): (f64, f64),
+        (north, south): (f64, f64),
+        detail: f64,
+    ) -> HeightRange {
         let first = |from: f64| {
             ((from - 0.5).floor() + self.border as f64).clamp(0.0, (self.row - 1) as f64) as usize
         };
@@ -154,19 +175,32 @@ impl HeldTile {
                 as usize
         };
         let (columns, rows) = ((first(west), last(east)), (first(north), last(south)));
+        let all = (0, self.row - 1);
+        if (columns, rows) == (all, all) {
+            return self.range;
+        }
+        // None of these is not a number, which `f64::min` would look for.
+        let least = |a: f64, b: f64| if b < a { b } else { a };
+        let most = |a: f64, b: f64| if b > a { b } else { a };
         let (mut low_m, mut high_m) = (f64::INFINITY, f64::NEG_INFINITY);
         if columns.1 - columns.0 <= SQUARE && rows.1 - rows.0 <= SQUARE {
             for row in rows.0..=rows.1 {
                 for column in columns.0..=columns.1 {
                     let height_m = self.samples.at_m(row * self.row + column);
-                    (low_m, high_m) = (low_m.min(height_m), high_m.max(height_m));
+                    (low_m, high_m) = (least(low_m, height_m), most(high_m, height_m));
                 }
             }
         } else {
-            for row in rows.0 / SQUARE..=rows.1 / SQUARE {
-                for column in columns.0 / SQUARE..=columns.1 / SQUARE {
-                    let [low, high] = self.ranges[row * self.squares + column];
-                    (low_m, high_m) = (low_m.min(low.into()), high_m.max(high.into()));
+            let (mut start, mut across, mut side) = (0, self.squares, SQUARE);
+            while across > 1 && (2 * side) as f64 <= detail {
+                start += across * across;
+                (across, side) = (across.div_ceil(2), 2 * side);
+            }
+            for row in rows.0 / side..=rows.1 / side {
+                let of_row = &self.ranges[start + row * across..][..across];
+                for [low, high] in &of_row[columns.0 / side..=columns.1 / side] {
+                    low_m = least(low_m, f64::from(*low));
+                    high_m = most(high_m, f64::from(*high));
                 }
             }
         }

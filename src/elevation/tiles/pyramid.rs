@@ -38,7 +38,7 @@ pub(in crate::elevation) const BESIDE: [(i32, i32); 8] = [
 ];
 
 /// A range looks at tiles down to this part of the bounds, and takes the index's word for what is within them.
-const PART: f64 = 1.0 / 8.0;
+const PART: f64 = 1.0 / 4.0;
 
 /// Most tiles that a search for the finest data looks at.
 const MOST_SEARCHED: usize = 256;
@@ -424,10 +424,10 @@ impl TilePyramid {
             range = wider(
                 range,
                 tile.range_m(
-                    (west - more).max(0.0),
-                    (east + more).min(side),
-                    (north - more).max(0.0),
-                    (south + more).min(side),
+                    ((west - more).max(0.0), (east + more).min(side)),
+                    ((north - more).max(0.0), (south + more).min(side)),
+                    // What is finer is not looked at more closely either.
+                    least_rad / step,
                 ),
             );
             // Beyond the outermost rows heights go over into the poles'.
