@@ -58,6 +58,9 @@ impl Eq for CutCandidate {}
 /// Squares along an edge of a cell whose data's range is looked at: one to each patch.
 const PARTS: usize = PIECES as usize;
 
+/// Patches that are written in the time in which a cell is measured, about.
+pub(super) const WRITTEN_PER_MEASURED: u32 = 12;
+
 impl ContourSurface {
     /// Evaluates the error of a cell: reads it and compares what would be drawn with the data.
     pub(super) fn evaluate_cell(&mut self, ground: &dyn Elevation, cell: Cell) -> CellInfo {
@@ -167,7 +170,10 @@ impl ContourSurface {
         };
         self.known_knots.retain(|key, _| is_same(Cell::of_key(key)));
         for slot in &mut self.slots {
-            slot.is_stale |= !is_same(Cell::of_key(slot.patch.key));
+            if !slot.is_stale && !is_same(Cell::of_key(slot.patch.key)) {
+                slot.is_stale = true;
+                self.to_rewrite += u32::from(slot.used == self.now);
+            }
         }
     }
 
@@ -257,12 +263,17 @@ impl ContourSurface {
         std::mem::swap(&mut self.cut_cells, &mut self.cut_before);
         self.cut_cells.clear();
         self.candidates.clear();
-        let mut evaluations = self.options.measured_per_frame;
+        // Patches are written anew all in one frame, so the time for them is taken from what can wait.
+        let rewritten = std::mem::take(&mut self.to_rewrite) / WRITTEN_PER_MEASURED;
+        let measured = self.options.measured_per_frame;
+        let mut evaluations = measured - rewritten.min(measured - measured / 4);
         let mut to_cut = self.options.cut_per_frame;
         for root in Cell::roots() {
-            // Blocks are known from the first frame on.
-            evaluations += u32::from(self.cell_infos.get(root.key(), self.now).is_none());
-            self.consider(culling, tolerance_px, ground, root, &mut evaluations);
+            // Blocks that are seen are known from the first frame on, beyond the budget.
+            let is_unknown = self.cell_infos.get(root.key(), self.now).is_none();
+            let mut left = evaluations + u32::from(is_unknown);
+            self.consider(culling, tolerance_px, ground, root, &mut left);
+            evaluations = evaluations.min(left);
         }
         while let Some(CutCandidate { cell, .. }) = self.candidates.pop() {
             if !self.is_cut(cell) {

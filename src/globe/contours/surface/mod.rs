@@ -45,7 +45,7 @@ pub struct ContourOptions {
     pub ellipsoid: Ellipsoid,
     /// Most cells that are cut for a view; patches are up to three times as many, and balancing adds to them. 16…900.
     pub max_cuts: u32,
-    /// Cells that are measured anew in a frame.
+    /// Cells that are measured anew in a frame; fewer, down to a quarter, where patches are written anew for heights that have changed.
     pub measured_per_frame: u32,
     /// Cells that are cut in a frame and were not in the last; what must be cut beside the last of them comes on top.
     pub cut_per_frame: u32,
@@ -93,6 +93,8 @@ pub struct ContourSurface {
     slots: Vec<PatchSlot>,
     by_key: KeyMap,
     drawn: Vec<u32>,
+    /// Of those drawn, how many are to be written anew since heights have changed.
+    to_rewrite: u32,
     indices: [Arc<TriangleList>; 16],
     samples: u64,
     #[cfg(test)]
@@ -122,6 +124,7 @@ impl ContourSurface {
             slots: Vec::new(),
             by_key: KeyMap::new(15),
             drawn: Vec::new(),
+            to_rewrite: 0,
             indices: mesh::indices(),
             samples: 0,
             #[cfg(test)]

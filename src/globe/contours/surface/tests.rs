@@ -1,3 +1,4 @@
+use super::lod::WRITTEN_PER_MEASURED;
 use super::*;
 use crate::elevation::{Bounds, HeightRange};
 use glam::Vec3;
@@ -102,7 +103,7 @@ fn view(
     }
 }
 
-fn settle(surface: &mut ContourSurface, view: &GroundView, ground: &Formula) -> SurfaceStats {
+fn settle(surface: &mut ContourSurface, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats {
     let mut stats = surface.prepare(view, ground);
     for _ in 0..400 {
         let before = stats;
@@ -327,6 +328,40 @@ fn a_view_that_rests_reads_and_writes_nothing() {
     keys.sort_unstable();
     keys.dedup();
     assert_eq!(keys.len(), again.len());
+}
+
+#[test]
+fn fewer_cells_are_measured_while_patches_are_written_anew() {
+    let (_, ground) = grounds().remove(1);
+    let view = view(46.5, 8.0, 20_000.0, None, 0.05);
+    let budget = options(300).measured_per_frame;
+    let stale = |surface: &mut ContourSurface| {
+        let mut count = 0;
+        surface.cell_infos.retain(|_, info| {
+            count += u32::from(info.is_stale);
+            true
+        });
+        count
+    };
+    // Heights have changed everywhere: at all spacings, and at those alone that no knot knows.
+    for below_rad in [f64::INFINITY, 1e-12] {
+        let mut surface = ContourSurface::new(options(300));
+        let patches = settle(&mut surface, &view, &ground).patches;
+        assert!(patches >= 2 * WRITTEN_PER_MEASURED, "{patches} patches");
+        let change = HeightChange {
+            bounds: Bounds::GLOBE,
+            below_rad,
+            range: ground.range_m(&Bounds::GLOBE),
+        };
+        surface.heights_changed(&[change], &ground);
+        let before = stale(&mut surface);
+        surface.prepare(&view, &ground);
+        let measured = before - stale(&mut surface);
+        // Half of the budget is kept for cells that nothing is known of, and there are none.
+        let written = if below_rad > 1.0 { patches } else { 0 };
+        let expected = (budget / 2).saturating_sub(written / WRITTEN_PER_MEASURED);
+        assert_eq!(measured, expected, "of {before}, {patches} patches");
+    }
 }
 
 /// A summit of 9 000 m that is 200 m wide, from a source that knows where it is.
