@@ -46,7 +46,7 @@ use std::time::Duration;
 use viewer::Look;
 
 /// Tiles that a frame takes over in an [`Earth`](crate::Earth), at most: each has its part of the ground made anew.
-pub const TILES_PER_FRAME: usize = 2;
+pub const TILES_PER_FRAME: usize = 4;
 
 /// What a [`StreamedGround`] may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
