@@ -47,15 +47,34 @@ pub(super) struct EarthAir {
     pub air: Air,
     colors: Colors,
     /// Over black ground, as an eye sees it: for places that differ little in the Sun's height.
-    sun: Table1d,
-    sky: Table1d,
+    sun: ByZenith,
+    sky: ByZenith,
 }
 
-/// How much finer the Sun's cosines are divided at the terminator, as the parameter of a sinh: there 5e-5 apart.
-const SUN_SPREAD: f64 = 6.0;
 /// Values of both tables.
 const SUN_VALUES: usize = 2048;
 const SKY_VALUES: usize = 256;
+
+/// Light by the zenith cosine of the Sun's middle, cubics between values that are densest at the terminator.
+#[derive(Debug)]
+pub(super) struct ByZenith(Table1d);
+
+/// How much finer the Sun's cosines are divided at the terminator, as the parameter of a sinh: 3e-5 apart there, of 2048.
+const SUN_SPREAD: f64 = 6.0;
+
+impl ByZenith {
+    fn fill(count: usize, light: impl Fn(f64) -> DVec3 + Sync) -> Self {
+        Self(Table1d::fill(count, |x| {
+            light((SUN_SPREAD * (2.0 * x - 1.0)).sinh() / SUN_SPREAD.sinh())
+        }))
+    }
+
+    pub fn at(&self, mu: f64) -> DVec3 {
+        let x = 0.5 + 0.5 * (mu * SUN_SPREAD.sinh()).asinh() / SUN_SPREAD;
+        // Cubics may swing below nothing where night begins.
+        self.0.at(x).max(DVec3::ZERO)
+    }
+}
 
 impl EarthAir {
     /// The Earth's air with an aerosol of this optical depth at 550 nm. Made once per process.
@@ -81,18 +100,8 @@ impl EarthAir {
     /// Computes the tables of an air.
     pub fn new(air: Air) -> Self {
         let colors = Colors::new();
-        let sun = Table1d::fill(SUN_VALUES, |x| {
-            colors.rgb(&disc(
-                0.0,
-                (SUN_SPREAD * (2.0 * x - 1.0)).sinh() / SUN_SPREAD.sinh(),
-                &air,
-            ))
-        });
-        let sky = Table1d::fill(SKY_VALUES, |x| {
-            colors.rgb(
-                &air.skylight_on_ground((SUN_SPREAD * (2.0 * x - 1.0)).sinh() / SUN_SPREAD.sinh()),
-            )
-        });
+        let sun = ByZenith::fill(SUN_VALUES, |mu| colors.rgb(&disc(0.0, mu, &air)));
+        let sky = ByZenith::fill(SKY_VALUES, |mu| colors.rgb(&air.skylight_on_ground(mu)));
         Self {
             air,
             colors,
@@ -103,19 +112,18 @@ impl EarthAir {
 
     /// The light over black ground where the Sun's middle stands at zenith cosine `mu`, before it goes up again.
     pub fn at(&self, mu: f64) -> Light {
-        let x = 0.5 + 0.5 * (mu * SUN_SPREAD.sinh()).asinh() / SUN_SPREAD;
         Light {
-            // Cubics may swing below nothing where night begins.
-            sun: self.sun.at(x).max(DVec3::ZERO),
-            sky: self.sky.at(x).max(DVec3::ZERO),
+            sun: self.sun.at(mu),
+            sky: self.sky.at(mu),
             own: DVec3::ONE,
         }
     }
 
-    /// The Sun's light on clouds at a height, radii, where its middle stands at zenith cosine `mu`.
-    pub fn on_clouds(&self, height: f64, mu: f64) -> DVec3 {
-        let light = self.colors.rgb(&disc(height, mu, &self.air));
-        light.max(DVec3::ZERO)
+    /// The Sun's light at a height, radii, on a sheet that faces it.
+    pub fn sun_at(&self, height: f64) -> ByZenith {
+        ByZenith::fill(SUN_VALUES, |mu| {
+            self.colors.rgb(&disc(height, mu, &self.air))
+        })
     }
 
     /// What the parts of [`Self::at`] are multiplied by to be what comes to the eye through `transmittance`, where the Sun
@@ -194,4 +202,31 @@ pub(super) fn without_air(mu: f64) -> Light {
 pub(super) fn smooth_step(from: f64, to: f64, x: f64) -> f64 {
     let x = ((x - from) / (to - from)).clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_between_the_values_of_a_table_is_that_of_the_disc() {
+        let earth = EarthAir::of(0.0);
+        for height in [0.0, 0.001] {
+            let table = earth.sun_at(height);
+            let off = |mu: f64| {
+                let exact = earth.colors.rgb(&disc(height, mu, &earth.air));
+                let off = table.at(mu) - exact.max(DVec3::ZERO);
+                off.abs().max_element()
+            };
+            let offs = |from: f64, to: f64| -> Vec<f64> {
+                let place = |i: i32| from + (to - from) * (f64::from(i) + 0.37) / 1000.0;
+                (0..1000).map(|i| off(place(i))).collect()
+            };
+            let day = offs(0.03, 1.0).into_iter().fold(0.0, f64::max);
+            let dusk = offs(-0.07, 0.03).iter().sum::<f64>() / 1000.0;
+            println!("{height}: {dusk:.1e} at dusk, {day:.1e} at most by day");
+            // The disc's chords set one by one, each at once: there a cubic is between before and after.
+            assert!(dusk < 5e-5 && day < 5e-5, "{height}: {dusk}, {day}");
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! The light that a place of the ground sends to the eye: the light model of the picture, from its definitions.
 
-use super::light::{EarthAir, Light, smooth_step, without_air};
+use super::light::{ByZenith, EarthAir, Light, smooth_step, without_air};
 use super::maps::{Decode, FullMaps, linear_from_srgb};
 use super::over_ground::{CloudLayer, Sea};
 use super::shading_point::ShadingPoint;
@@ -29,6 +29,8 @@ pub(super) struct GroundShader {
     clouds: CloudLayer,
     /// `None` without air.
     air: Option<Arc<EarthAir>>,
+    /// The Sun's light on clouds, where there is air.
+    sun_on_clouds: Option<ByZenith>,
     /// Only where there is air for it to light.
     surroundings: Option<Surroundings>,
 }
@@ -44,14 +46,17 @@ impl GroundShader {
         let surroundings = air
             .is_some()
             .then(|| Surroundings::new(&maps, &decode, CLOUD_ALBEDO));
+        let clouds = CloudLayer::new(&surface);
+        let sun_on_clouds = air.as_ref().map(|air| air.sun_at(clouds.height));
         Self {
             maps,
             decode,
             shading,
             sea: Sea::new(&surface),
-            clouds: CloudLayer::new(&surface),
+            clouds,
             surface,
             air,
+            sun_on_clouds,
             surroundings,
         }
     }
@@ -154,8 +159,8 @@ impl GroundShader {
             let mu_above = over.dot(sun);
             // What comes from there goes to the eye as what comes from the ground does.
             let sunlit = factors.own
-                * match &self.air {
-                    Some(air) => air.on_clouds(self.clouds.height, mu_above),
+                * match &self.sun_on_clouds {
+                    Some(sun) => sun.at(mu_above),
                     None => self.clouds.sunlight_without_air(mu_above),
                 };
             let reflected = sunlit * self.clouds.reflected(albedo, mu_above) + above.sky * albedo;
