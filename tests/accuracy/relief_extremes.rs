@@ -195,10 +195,27 @@ fn draw(
     }
 }
 
+/// Every third ground: together the longest test of the suite, on as many cores as there are for it.
+const PARTS: usize = 3;
+
 #[test]
-fn bad_ground_is_drawn_without_holes() {
+fn bad_ground_is_drawn_without_holes_first_part() {
+    is_drawn_without_holes(0);
+}
+
+#[test]
+fn bad_ground_is_drawn_without_holes_second_part() {
+    is_drawn_without_holes(1);
+}
+
+#[test]
+fn bad_ground_is_drawn_without_holes_third_part() {
+    is_drawn_without_holes(2);
+}
+
+fn is_drawn_without_holes(part: usize) {
     let mut wrong = Vec::new();
-    for (name, at, ground) in grounds() {
+    for (name, at, ground) in grounds().into_iter().skip(part).step_by(PARTS) {
         for (of, (view_name, .., is_held)) in VIEWS.iter().enumerate() {
             let view = view(&ground, at, of);
             let exact = TrueRelief::new(&view, SIZE, &FIGURE, &ground).filter(|_| *is_held);
