@@ -29,7 +29,7 @@ pub(super) struct GroundShader {
     clouds: CloudLayer,
     /// `None` without air.
     air: Option<Arc<EarthAir>>,
-    /// The Sun's light on clouds, where there is air.
+    /// The Sun's light on clouds, only where there are some and air.
     sun_on_clouds: Option<ByZenith>,
     /// Only where there is air for it to light.
     surroundings: Option<Surroundings>,
@@ -47,7 +47,11 @@ impl GroundShader {
             .is_some()
             .then(|| Surroundings::new(&maps, &decode, CLOUD_ALBEDO));
         let clouds = CloudLayer::new(&surface);
-        let sun_on_clouds = air.as_ref().map(|air| air.sun_at(clouds.height));
+        let has_clouds = shading == Shading::Sunlit && maps.get(MapLayer::Clouds).is_some();
+        let sun_on_clouds = air
+            .as_ref()
+            .filter(|_| has_clouds)
+            .map(|air| air.sun_at(clouds.height));
         Self {
             maps,
             decode,
