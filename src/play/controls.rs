@@ -29,6 +29,8 @@ pub struct Controls {
     pub panel: bool,
     /// Whether the help is shown.
     pub help: bool,
+    /// Whether the user is being asked to close the window.
+    pub asks_to_close: bool,
     /// The time line.
     pub line: TimeLine,
     /// The message on screen.
@@ -64,6 +66,7 @@ impl Controls {
             mode: scene.camera.mode,
             panel: true,
             help: false,
+            asks_to_close: false,
             line: TimeLine::new(flight),
             message: None,
             live: None,
@@ -94,6 +97,20 @@ impl Controls {
     /// Whether the time line is on screen.
     pub fn shows_line(&self) -> bool {
         self.panel && self.line.shown && self.live.is_none()
+    }
+
+    /// Whether something lies over the picture that Esc closes.
+    pub fn is_dialog_open(&self) -> bool {
+        self.help || self.asks_to_close
+    }
+
+    /// Closes the topmost dialog; where none is open, asks whether to close the window.
+    fn dismiss(&mut self) {
+        match (self.asks_to_close, self.help) {
+            (true, _) => self.asks_to_close = false,
+            (false, true) => self.help = false,
+            (false, false) => self.asks_to_close = true,
+        }
     }
 
     /// Does what the user asks; what only the window can do is handed back. `height_px` is the picture's, for drags.
@@ -139,6 +156,9 @@ impl Controls {
             Action::NextPass => return Some(WindowTask::NextPass),
             Action::Screenshot => return Some(WindowTask::Screenshot),
             Action::FullScreen => return Some(WindowTask::FullScreen),
+            Action::Dismiss => self.dismiss(),
+            Action::Confirm if self.asks_to_close => return Some(WindowTask::Quit),
+            Action::Confirm => {}
             Action::Quit => return Some(WindowTask::Quit),
         }
         None
@@ -307,6 +327,25 @@ mod tests {
         assert_eq!(controls.clock.range(), (0.0, 1.0));
         controls.apply(Action::Loop, 720.0);
         assert_eq!(controls.clock.at_end(), AtEnd::Stop);
+    }
+
+    #[test]
+    fn esc_closes_the_help_and_then_asks_before_it_closes_the_window() {
+        let mut controls = controls(PLACE);
+        controls.apply(Action::Help, 720.0);
+        assert_eq!(controls.apply(Action::Dismiss, 720.0), None);
+        assert!(!controls.help && !controls.asks_to_close);
+        // Enter answers a question and does nothing without one.
+        assert_eq!(controls.apply(Action::Confirm, 720.0), None);
+        assert_eq!(controls.apply(Action::Dismiss, 720.0), None);
+        assert!(controls.asks_to_close);
+        assert_eq!(controls.apply(Action::Dismiss, 720.0), None);
+        assert!(!controls.is_dialog_open());
+        controls.apply(Action::Dismiss, 720.0);
+        assert_eq!(
+            controls.apply(Action::Confirm, 720.0),
+            Some(WindowTask::Quit)
+        );
     }
 
     #[test]

@@ -53,6 +53,10 @@ pub enum Action {
     Place(f64, f64),
     /// Minimum elevation of a pass, degrees.
     MinElevation(f64),
+    /// Closes what is open over the picture; where nothing is, asks whether to close the window.
+    Dismiss,
+    /// Closes the window where that is being asked.
+    Confirm,
     /// Closes the window.
     Quit,
 }
@@ -209,9 +213,21 @@ pub const BINDINGS: &[Binding] = &[
         action: Action::Help,
     },
     Binding {
-        keys: "Q or Esc",
-        does: "close",
-        patterns: &[Char("q"), Named(NamedKey::Escape)],
+        keys: "Esc",
+        does: "close this help, leave full screen, or ask to close the window",
+        patterns: &[Named(NamedKey::Escape)],
+        action: Action::Dismiss,
+    },
+    Binding {
+        keys: "Enter",
+        does: "answer yes when asked to close the window",
+        patterns: &[Named(NamedKey::Enter)],
+        action: Action::Confirm,
+    },
+    Binding {
+        keys: "Q",
+        does: "close the window at once",
+        patterns: &[Char("q")],
         action: Action::Quit,
     },
 ];
@@ -249,7 +265,9 @@ mod tests {
         assert_eq!(char("+"), Some(Action::Faster));
         assert_eq!(char("-"), Some(Action::Slower));
         assert_eq!(named(NamedKey::F12), Some(Action::Screenshot));
-        assert_eq!(named(NamedKey::Escape), Some(Action::Quit));
+        assert_eq!(named(NamedKey::Escape), Some(Action::Dismiss));
+        assert_eq!(named(NamedKey::Enter), Some(Action::Confirm));
+        assert_eq!(char("q"), Some(Action::Quit));
         assert_eq!(char("z"), None);
         assert_eq!(named(NamedKey::Tab), None);
     }

@@ -1,5 +1,6 @@
 //! The panel, the help and messages over the picture.
 
+use super::clock::Clock;
 use super::controls::Controls;
 use super::flight::Moment;
 use super::keys::{Action, BINDINGS, MOUSE};
@@ -8,10 +9,18 @@ use super::timeline;
 use crate::frames::rfc3339;
 use crate::scene::CameraMode;
 use crate::{AdaptiveQuality, FrameStats};
-use egui::{Align2, Color32, Context, Grid, RichText, Ui, Vec2};
+use egui::{Align2, Color32, Context, Grid, RichText, ScrollArea, Ui, Vec2};
 
 /// Longer notices take several lines, points.
 const NOTICE_WIDTH: f32 = 420.0;
+/// Space between the window's edge and what is laid over the picture, points.
+const MARGIN: f32 = 8.0;
+/// Height of a window of egui without its content: title, frame, spacing, points.
+const WINDOW_CHROME: f32 = 44.0;
+/// Height of a line of buttons or text below a scrolled part, points.
+const FOOTER: f32 = 28.0;
+/// Width of the panel's names and of its frame, points.
+const NAMES_WIDTH: f32 = 104.0;
 
 /// What the panel shows beside the controls.
 pub struct PanelData<'p> {
@@ -33,51 +42,120 @@ pub struct PanelData<'p> {
     pub adapter: &'p str,
 }
 
-/// Lays everything out and answers what the user clicked.
+/// Lays everything out and answers what the user clicked. Nothing reaches over the window's edge down to 640 × 360 points:
+/// what is too high is scrolled, what is too wide takes several lines.
 pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec<Action> {
     let mut actions = Vec::new();
-    if controls.panel {
-        egui::Window::new("Terrella")
-            .anchor(Align2::LEFT_TOP, Vec2::splat(8.0))
-            .resizable(false)
-            .show(context, |ui| panel(ui, controls, data, &mut actions));
-    }
-    let mut bottom = 16.0;
+    let screen = context.content_rect();
+    let mut bottom = 2.0 * MARGIN;
     if controls.shows_line() {
-        bottom += timeline::HEIGHT;
-        timeline::show(context, &controls.line, &controls.clock, &mut actions);
+        bottom += timeline::show(context, &controls.line, &controls.clock, &mut actions);
     }
-    if controls.help {
-        egui::Window::new("Keys")
-            .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
+    let mut panel_right = screen.left();
+    if controls.panel {
+        let height = screen.height() - MARGIN - bottom - WINDOW_CHROME - FOOTER;
+        let window = egui::Window::new("Terrella")
+            .anchor(Align2::LEFT_TOP, Vec2::splat(MARGIN))
             .resizable(false)
-            .collapsible(false)
-            .show(context, help);
+            .show(context, |ui| {
+                panel(ui, controls, data, height, &mut actions)
+            });
+        panel_right = window.map_or(panel_right, |window| window.response.rect.right());
     }
     if let Some(notice) = controls.live.as_ref().and_then(|live| live.notice.as_ref()) {
-        egui::Area::new("notice".into())
-            .anchor(Align2::RIGHT_TOP, Vec2::new(-8.0, 8.0))
-            .show(context, |ui| {
-                egui::Frame::popup(ui.style()).show(ui, |ui| {
-                    // Else it wraps at the width of the notice before.
-                    ui.set_max_width(NOTICE_WIDTH);
-                    ui.label(RichText::new(notice).color(Color32::GOLD).size(16.0))
-                });
-            });
+        show_notice(context, notice, screen.right() - panel_right);
     }
     if let Some(message) = &controls.message {
         egui::Area::new("message".into())
             .anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -bottom))
             .show(context, |ui| {
-                egui::Frame::popup(ui.style()).show(ui, |ui| ui.label(message));
+                egui::Frame::popup(ui.style()).show(ui, |ui| {
+                    ui.set_max_width(screen.width() - 4.0 * MARGIN);
+                    ui.label(message)
+                });
             });
+    }
+    if controls.help {
+        show_help(context, &mut actions);
+    }
+    if controls.asks_to_close {
+        ask_to_close(context, &mut actions);
     }
     actions
 }
 
-fn panel(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut Vec<Action>) {
+/// What must not be overlooked, at the right, in the room beside the panel.
+fn show_notice(context: &Context, notice: &str, room: f32) {
+    let width = NOTICE_WIDTH.min(room - 4.0 * MARGIN).max(0.0);
+    egui::Area::new("notice".into())
+        .anchor(Align2::RIGHT_TOP, Vec2::new(-MARGIN, MARGIN))
+        .show(context, |ui| {
+            egui::Frame::popup(ui.style()).show(ui, |ui| {
+                // Else it wraps at the width of the notice before.
+                ui.set_max_width(width);
+                ui.label(RichText::new(notice).color(Color32::GOLD).size(16.0))
+            });
+        });
+}
+
+/// The keys, with two ways to close them.
+fn show_help(context: &Context, actions: &mut Vec<Action>) {
+    let screen = context.content_rect();
+    let mut is_open = true;
+    egui::Window::new("Keys")
+        .open(&mut is_open)
+        .order(egui::Order::Foreground)
+        .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
+        .resizable(false)
+        .collapsible(false)
+        .show(context, |ui| {
+            let height = screen.height() - 2.0 * MARGIN - WINDOW_CHROME - FOOTER;
+            ScrollArea::vertical().max_height(height).show(ui, help);
+            ui.weak("Esc, H or the cross closes this help.");
+        });
+    if !is_open {
+        actions.push(Action::Dismiss);
+    }
+}
+
+/// The question that Esc asks.
+fn ask_to_close(context: &Context, actions: &mut Vec<Action>) {
+    egui::Window::new("Close Terrella?")
+        .order(egui::Order::Foreground)
+        .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
+        .resizable(false)
+        .collapsible(false)
+        .show(context, |ui| {
+            ui.horizontal(|ui| {
+                if ui.button("Close (Enter)").clicked() {
+                    actions.push(Action::Confirm);
+                }
+                if ui.button("Stay (Esc)").clicked() {
+                    actions.push(Action::Dismiss);
+                }
+            });
+        });
+}
+
+/// `height`: most that the numbers take before they are scrolled, points.
+fn panel(
+    ui: &mut Ui,
+    controls: &Controls,
+    data: &PanelData<'_>,
+    height: f32,
+    actions: &mut Vec<Action>,
+) {
+    ScrollArea::vertical()
+        .max_height(height)
+        .show(ui, |ui| numbers(ui, controls, data));
+    buttons(ui, &controls.clock, actions);
+}
+
+fn numbers(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>) {
     let clock = &controls.clock;
-    Grid::new("numbers").num_columns(2).show(ui, |ui| {
+    let widest = ui.ctx().content_rect().width() - 2.0 * MARGIN - NAMES_WIDTH;
+    let grid = Grid::new("numbers").num_columns(2).max_col_width(widest);
+    grid.show(ui, |ui| {
         let mut row = |name: &str, value: String| {
             ui.label(name);
             ui.label(RichText::new(value).monospace());
@@ -141,6 +219,9 @@ fn panel(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut V
         }
         row("adapter", data.adapter.to_owned());
     });
+}
+
+fn buttons(ui: &mut Ui, clock: &Clock, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
         let pause = if clock.is_paused() { "play" } else { "pause" };
         let buttons = [
@@ -264,39 +345,5 @@ fn quality_text(adaptive: &AdaptiveQuality) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_frame_time_out_of_reach_is_told() {
-        let day = crate::LayerImage::from_rgba8(1, 1, vec![0; 4]).expect("a map");
-        let layers = crate::EarthLayers {
-            day,
-            clouds: None,
-            normals: None,
-            night_lights: None,
-            water: None,
-        };
-        let full = crate::Quality::of(&crate::EarthOptions::new(layers));
-        let levels = crate::QualityLadder::recorded().levels(full, false);
-        let last = levels.len() - 1;
-        let mut adaptive = AdaptiveQuality::new(10.0, levels);
-        assert_eq!(quality_text(&adaptive), "full, held to 10 ms");
-        for _ in 0..30 * last {
-            adaptive.observe(50.0);
-        }
-        let text = quality_text(&adaptive);
-        let end = "; 10 ms is out of reach, frames cost 50.0";
-        assert!(
-            text.starts_with("without ") && text.ends_with(end),
-            "{text}"
-        );
-    }
-
-    #[test]
-    fn speeds_read_well() {
-        assert_eq!(speed_text(-64.0, false), "-64 × real time");
-        assert_eq!(speed_text(0.25, true), "0.25 × real time, paused");
-        assert!(frame_text(Some(20.0), 3.0).contains("50 per second"));
-    }
-}
+#[path = "panel_tests.rs"]
+mod tests;

@@ -315,6 +315,14 @@ impl<'a> App<'a> {
             self.redraw();
             return;
         }
+        let window = renderer.window();
+        if action == Action::Dismiss
+            && !self.controls.is_dialog_open()
+            && window.fullscreen().is_some()
+        {
+            window.set_fullscreen(None);
+            return;
+        }
         match self.controls.apply(action, height_px) {
             None => {}
             Some(WindowTask::Quit) => event_loop.exit(),

@@ -11,8 +11,8 @@ use egui::{
     Sense, Stroke, TextEdit, Ui, Vec2, vec2,
 };
 
-/// How much of the window's bottom it takes, points.
-pub const HEIGHT: f32 = 96.0;
+/// Height of its content while its buttons take one line, points.
+const CONTENT_HEIGHT: f32 = 72.0;
 /// Height of the bar itself, points.
 const BAR_HEIGHT: f32 = 22.0;
 /// Room for a tick's label, points.
@@ -25,19 +25,20 @@ const LEFT_OUT: Color32 = Color32::from_rgb(34, 36, 42);
 const PASS: Color32 = Color32::from_rgb(86, 176, 110);
 const NOW: Color32 = Color32::from_rgb(240, 200, 90);
 
-/// Lays out the time line and adds what the user does to `actions`.
-pub fn show(context: &Context, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action>) {
+/// Lays out the time line and adds what the user does to `actions`. Returns how much of the window's bottom it takes, points.
+pub fn show(context: &Context, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action>) -> f32 {
     let width = context.content_rect().width() - 16.0;
-    egui::Window::new("time line")
+    let window = egui::Window::new("time line")
         .title_bar(false)
         .resizable(false)
         .anchor(Align2::CENTER_BOTTOM, vec2(0.0, -8.0))
-        .fixed_size(vec2(width - 12.0, HEIGHT - 24.0))
+        .fixed_size(vec2(width - 12.0, CONTENT_HEIGHT))
         .show(context, |ui| {
             ends(ui, clock);
             bar(ui, line, clock, actions);
             buttons(ui, line, clock, actions);
         });
+    window.map_or(0.0, |window| window.response.rect.height())
 }
 
 /// Begin, now and end, UTC.
@@ -84,14 +85,14 @@ fn bar(ui: &mut Ui, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action>) {
     for tick in ticks(clock.span(), (bar.width() / TICK_WIDTH) as usize) {
         let x = x_of(tick.fraction);
         painter.vline(x, bar.top()..=bar.bottom() + 3.0, Stroke::new(1.0, faint));
-        let at = Pos2::new(x, bar.bottom() + 10.0);
-        painter.text(
-            at,
-            Align2::CENTER_CENTER,
-            tick.label,
-            FontId::monospace(10.0),
-            faint,
-        );
+        let label = painter.layout_no_wrap(tick.label, FontId::monospace(10.0), faint);
+        let size = label.size();
+        // Labels at the ends stay within the bar.
+        let left = (x - 0.5 * size.x)
+            .min(bar.right() - size.x)
+            .max(bar.left());
+        let at = Pos2::new(left, bar.bottom() + 10.0 - 0.5 * size.y);
+        painter.galley(at, label, faint);
     }
     let x = x_of(clock.progress());
     painter.vline(
@@ -165,7 +166,8 @@ fn scrub(response: &Response, fraction_at: impl Fn(Pos2) -> f64, actions: &mut V
 }
 
 fn buttons(ui: &mut Ui, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action>) {
-    ui.horizontal(|ui| {
+    // Several lines in a narrow window.
+    ui.horizontal_wrapped(|ui| {
         let pause = if clock.is_paused() { "play" } else { "pause" };
         let loops = clock.at_end() == AtEnd::Loop;
         let is_long_enough = clock.range() != (0.0, 1.0);

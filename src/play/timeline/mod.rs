@@ -10,7 +10,7 @@ mod bar;
 mod pass_search;
 mod ticks;
 
-pub use bar::{HEIGHT, show};
+pub use bar::show;
 pub use pass_search::{PassQuery, PassResult, PassSearch};
 
 use super::clock::Clock;
