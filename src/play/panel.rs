@@ -110,8 +110,8 @@ fn show_help(context: &Context, actions: &mut Vec<Action>) {
         .collapsible(false)
         .show(context, |ui| {
             let height = screen.height() - 2.0 * MARGIN - WINDOW_CHROME - FOOTER;
-            ScrollArea::vertical().max_height(height).show(ui, help);
-            ui.weak("Esc, H or the cross closes this help.");
+            scrolled(ui, height, help);
+            ui.label("Esc, H or the cross closes this help.");
         });
     if !is_open {
         actions.push(Action::Dismiss);
@@ -145,10 +145,14 @@ fn panel(
     height: f32,
     actions: &mut Vec<Action>,
 ) {
-    ScrollArea::vertical()
-        .max_height(height)
-        .show(ui, |ui| numbers(ui, controls, data));
+    scrolled(ui, height, |ui| numbers(ui, controls, data));
     buttons(ui, &controls.clock, actions);
+}
+
+/// What is higher than `height` points is scrolled, with a bar that shows it.
+fn scrolled(ui: &mut Ui, height: f32, add: impl FnOnce(&mut Ui)) {
+    ui.style_mut().spacing.scroll = egui::style::ScrollStyle::solid();
+    ScrollArea::vertical().max_height(height).show(ui, add);
 }
 
 fn numbers(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>) {

@@ -155,7 +155,9 @@ fn nothing_is_cut_off_in_a_small_window() {
             name: "A SATELLITE WITH A LONG NAME".into(),
             pace: "in lockstep".into(),
             rows: vec![("simulator", "nothing has come since 12.3 s ago".into()); 6],
-            notice: Some("nothing has come from the simulator on tcp://127.0.0.1:5005 for 10.0 s".into()),
+            notice: Some(
+                "nothing has come from the simulator on tcp://127.0.0.1:5005 for 10.0 s".into(),
+            ),
         });
     });
 }
@@ -164,5 +166,9 @@ fn nothing_is_cut_off_in_a_small_window() {
 fn the_help_names_every_way_to_close_it() {
     let longest = Longest::new();
     let (texts, _) = longest.lay_out(SMALLEST, |controls| controls.help = true);
-    assert!(texts.iter().any(|(_, _, text)| text.contains("closes this help")));
+    assert!(
+        texts
+            .iter()
+            .any(|(_, _, text)| text.contains("closes this help"))
+    );
 }

@@ -88,9 +88,7 @@ fn bar(ui: &mut Ui, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action>) {
         let label = painter.layout_no_wrap(tick.label, FontId::monospace(10.0), faint);
         let size = label.size();
         // Labels at the ends stay within the bar.
-        let left = (x - 0.5 * size.x)
-            .min(bar.right() - size.x)
-            .max(bar.left());
+        let left = (x - 0.5 * size.x).min(bar.right() - size.x).max(bar.left());
         let at = Pos2::new(left, bar.bottom() + 10.0 - 0.5 * size.y);
         painter.galley(at, label, faint);
     }
