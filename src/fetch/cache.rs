@@ -10,6 +10,7 @@
 //! A line that has no end, or is not understood, does not count: its file is fetched again.
 
 use super::error::FetchError;
+use crate::durable;
 use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Write};
@@ -63,7 +64,7 @@ impl Shelf {
             path: path.clone(),
             source,
         };
-        fs::create_dir_all(dir).map_err(|source| FetchError::Cache {
+        durable::make_folders(dir).map_err(|source| FetchError::Cache {
             path: dir.to_path_buf(),
             source,
         })?;
@@ -197,7 +198,7 @@ impl Part {
     fn beside(path: &Path) -> Result<Self, FetchError> {
         let fail = |source| failed(path, source);
         let folder = path.parent().unwrap_or(Path::new(""));
-        fs::create_dir_all(folder).map_err(fail)?;
+        durable::make_folders(folder).map_err(fail)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let part = folder.join(format!(".{name}.{PART}"));
         Ok(Self {
@@ -212,7 +213,7 @@ impl Part {
     fn put(self, path: &Path) -> Result<(), FetchError> {
         let from = self.path;
         drop(self.file);
-        fs::rename(&from, path).map_err(|source| {
+        durable::replace(&from, path).map_err(|source| {
             let _ = fs::remove_file(&from);
             failed(path, source)
         })
@@ -265,8 +266,7 @@ fn hash_of(path: &Path) -> io::Result<String> {
 /// Writes a file so that it is there with all its contents or not at all.
 pub(super) fn write_whole(path: &Path, contents: &[u8]) -> Result<(), FetchError> {
     let mut part = Part::beside(path)?;
-    let written = part.file.write_all(contents);
-    match written.and_then(|()| part.file.sync_data()) {
+    match part.file.write_all(contents) {
         Ok(()) => part.put(path),
         Err(source) => {
             part.discard();

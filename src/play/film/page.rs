@@ -259,7 +259,8 @@ impl FilmPage {
 
     fn write_at_end(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.file.seek(SeekFrom::Start(self.end_at))?;
-        self.file.write_all(bytes)
+        self.file.write_all(bytes)?;
+        self.file.sync_data()
     }
 
     /// All frames that were wanted are there: brings them into their order.
