@@ -2,7 +2,7 @@
 
 use super::error::{SceneError, printable};
 use super::field::{Field, KeyText, PathKind, written};
-use super::keys::{MAX_ELEVATION_FILES, RawEarth};
+use super::keys::{MAX_ELEVATION_FILES, RawEarth, RawPath};
 use super::surfaces;
 use super::text::SceneText;
 use crate::globe::{Subdivision, SurfaceKind, SurfaceSettings, Visibility};
@@ -116,7 +116,7 @@ impl SceneText<'_> {
     /// Files relative to the scene's folder, all of them there.
     fn paths(
         &self,
-        field: &Field<'_, Vec<toml::Spanned<String>>>,
+        field: &Field<'_, Vec<toml::Spanned<RawPath>>>,
     ) -> Result<Vec<PathBuf>, SceneError> {
         let Some(given) = field.given else {
             return Ok(Vec::new());
