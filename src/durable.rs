@@ -47,7 +47,12 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
         return Ok(());
     };
     match opened.sync_all() {
-        Err(error) if matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => {
+        Err(error)
+            if matches!(
+                error.kind(),
+                ErrorKind::InvalidInput | ErrorKind::Unsupported
+            ) =>
+        {
             Ok(())
         }
         synced => synced,
@@ -65,7 +70,10 @@ pub(crate) fn make_folders(folder: &Path) -> io::Result<()> {
         .map(Path::to_owned)
         .collect();
     fs::create_dir_all(folder)?;
-    missing.iter().rev().try_for_each(|made| sync_folder_of(made))
+    missing
+        .iter()
+        .rev()
+        .try_for_each(|made| sync_folder_of(made))
 }
 
 #[cfg(test)]

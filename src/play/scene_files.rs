@@ -52,7 +52,10 @@ pub fn scene_files(scene: &Scene) -> Result<Vec<SceneFile>, PlayError> {
     if sky.is_on() {
         add("sky.folder", sky_files(scene));
     }
-    add("quality.ladder", scene.quality.ladder.iter().cloned().collect());
+    add(
+        "quality.ladder",
+        scene.quality.ladder.iter().cloned().collect(),
+    );
     Ok(all)
 }
 
@@ -87,7 +90,11 @@ mod tests {
                 "maps/water.png",
             ],
         ),
-        ("earth.pack", "[earth]\npack = \"pack\"", &["pack/pack.toml"]),
+        (
+            "earth.pack",
+            "[earth]\npack = \"pack\"",
+            &["pack/pack.toml"],
+        ),
         (
             "earth.day_maps",
             "[earth]\nday_maps = [{ date = \"2018-01-01T00:00:00Z\", file = \"a.png\" }, { date = \"2018-02-01T00:00:00Z\", file = \"b.png\" }]",
@@ -148,7 +155,11 @@ mod tests {
             let files = scene_files(&scene(root.path(), text)).expect("found");
             let found = files.iter().filter(|file| file.key == *key);
             let found: BTreeSet<_> = found
-                .map(|file| file.path.strip_prefix(root.path()).expect("beside the scene"))
+                .map(|file| {
+                    file.path
+                        .strip_prefix(root.path())
+                        .expect("beside the scene")
+                })
                 .collect();
             let expected: BTreeSet<_> = expected.iter().map(Path::new).collect();
             assert_eq!(found, expected, "{key}");
@@ -171,7 +182,10 @@ mod tests {
                 let words = film().differences(&before).expect("another film");
                 let name = path.file_name().expect("a name").display();
                 let said = format!("{name} ({key})");
-                assert!(words.starts_with("changed files: ") && words.contains(&said), "{words}");
+                assert!(
+                    words.starts_with("changed files: ") && words.contains(&said),
+                    "{words}"
+                );
                 std::fs::write(&path, file).expect("writes");
                 assert_eq!(film().differences(&before), None);
             }
@@ -194,7 +208,11 @@ mod tests {
             let words = now.differences(&before).expect("another film");
             let name = file.rsplit('/').next().expect("a name");
             assert!(words.contains(&format!("new files: {name}")), "{words}");
-            assert!(before.differences(&now).is_some_and(|words| words.contains("missing files")));
+            assert!(
+                before
+                    .differences(&now)
+                    .is_some_and(|words| words.contains("missing files"))
+            );
         }
     }
 

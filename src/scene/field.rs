@@ -1,7 +1,6 @@
 //! What every key needs: its value or default, a range, a choice of names, a path, and the text of a refusal.
 
 use super::error::{KeyLocation, SceneError, printable};
-use super::keys::RawPath;
 use super::text::{SceneText, nearest};
 use serde::Deserialize;
 use serde::de::value::StrDeserializer;
@@ -212,6 +211,11 @@ impl SceneText<'_> {
         }
     }
 }
+
+/// A path as a scene gives it, relative to the scene's folder. A key with a path has this type: tests find it by that.
+#[derive(Debug, Deserialize)]
+#[serde(transparent)]
+pub(super) struct RawPath(pub(super) String);
 
 /// What a path must lead to.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 //! scene leaves it out. The declaration makes the key's field in the table as written and a method of the same name that
 //! hands its rule to the checks, so that neither can differ from what is written here.
 
-use super::field::{Bounds, Field};
+use super::field::{Bounds, Field, RawPath};
 use crate::air::AirOptions;
 use crate::orbit::live::{LiveOptions, Transport};
 use crate::orbit::numerical::Spacecraft;
@@ -76,11 +76,6 @@ pub(super) const RENAMED: &[(&str, &str)] = &[
     ("node_deg", "raan_deg"),
     ("argument_deg", "argument_of_periapsis_deg"),
 ];
-
-/// A path as a scene gives it, relative to the scene's folder. A key with a path has this type: tests find it by that.
-#[derive(Debug, Deserialize)]
-#[serde(transparent)]
-pub(super) struct RawPath(pub(super) String);
 
 /// Maps with their dates, whose files are paths; checked by dated_maps.rs.
 #[derive(Debug, Deserialize)]

@@ -1,8 +1,8 @@
 //! `[earth]`: the keys of ground with relief.
 
 use super::error::{SceneError, printable};
-use super::field::{Field, KeyText, PathKind, written};
-use super::keys::{MAX_ELEVATION_FILES, RawEarth, RawPath};
+use super::field::{Field, KeyText, PathKind, RawPath, written};
+use super::keys::{MAX_ELEVATION_FILES, RawEarth};
 use super::surfaces;
 use super::text::SceneText;
 use crate::globe::{Subdivision, SurfaceKind, SurfaceSettings, Visibility};

@@ -109,7 +109,7 @@ impl<'a> BuildFolder<'a> {
             path: dir.to_path_buf(),
             source,
         };
-        fs::create_dir_all(dir).map_err(write_error)?;
+        durable::make_folders(dir).map_err(write_error)?;
         let present = Present::look(dir)?;
         if present.is_finished() && !restart {
             return Err(BuildError::Finished {
@@ -147,7 +147,7 @@ impl<'a> BuildFolder<'a> {
             }
             journal.begin(fingerprint)?;
         } else if !journal.has_fingerprint(fingerprint) {
-            if !journal.is_empty() {
+            if !journal.is_empty(fingerprint) {
                 return Err(BuildError::OtherBuild {
                     path: dir.to_path_buf(),
                 });
@@ -178,7 +178,7 @@ impl<'a> BuildFolder<'a> {
         let others = Journal::tiles_of(&dir.join(JOURNAL_FILE), fingerprint);
         let mut journal = Journal::open(dir, &share_journal_file(share))?;
         if !journal.has_fingerprint(fingerprint) {
-            if !journal.is_empty() {
+            if !journal.is_empty(fingerprint) {
                 return Err(BuildError::OtherBuild {
                     path: dir.to_path_buf(),
                 });

@@ -79,10 +79,7 @@ impl FilmKey {
     /// How another film differs, in words; `None` where it is the same.
     pub fn differences(&self, found: &Self) -> Option<String> {
         let mut words = Vec::new();
-        if self.program != found.program {
-            let (before, now) = (shown(&found.program), &self.program);
-            words.push(format!("it was drawn by {before}, this is {now}"));
-        }
+        words.extend(self.program_difference(&found.program));
         if self.scene_blake3 != found.scene_blake3 {
             words.push("the scene has changed".to_owned());
         }
@@ -100,6 +97,12 @@ impl FilmKey {
         let options = self.pictures.differences(&found.pictures);
         words.extend(options.map(|name| format!("it was drawn with another {name}")));
         (!words.is_empty()).then(|| words.join("; "))
+    }
+
+    /// How another program differs, in words.
+    pub(super) fn program_difference(&self, found: &str) -> Option<String> {
+        let (before, now) = (shown(found), &self.program);
+        (found != now).then(|| format!("it was drawn by {before}, this is {now}"))
     }
 }
 
@@ -127,7 +130,9 @@ fn input_differences(now: &[Input], before: &[Input]) -> Vec<String> {
         let missing = some.iter().filter(|(name, _)| !others.contains_key(*name));
         missing.map(|(_, input)| input.shown()).collect::<Vec<_>>()
     };
-    let both = now.iter().filter_map(|(name, input)| Some((input, before.get(name)?)));
+    let both = now
+        .iter()
+        .filter_map(|(name, input)| Some((input, before.get(name)?)));
     let changed = both.filter(|(now, before)| now.blake3 != before.blake3);
     let kinds = [
         ("changed", changed.map(|(input, _)| input.shown()).collect()),

@@ -138,8 +138,12 @@ impl SharedFolder {
     ///
     /// # Errors
     /// A page that cannot be written; files that cannot be taken away.
-    pub fn finish(&mut self) -> Result<(), PlayError> {
+    pub fn finish(&mut self, flight: &Flight) -> Result<(), PlayError> {
         self.folder.remove_unfinished()?;
+        if self.page.is_none() && self.kept.is_cut {
+            let adapter = self.kept.adapter.clone().unwrap_or_default();
+            self.begin(flight, &adapter)?;
+        }
         self.page.as_ref().map_or(Ok(()), FilmPage::finish)
     }
 }
