@@ -37,6 +37,7 @@
 //! | module | knows | must not know |
 //! |---|---|---|
 //! | [`frames`] | ellipsoid, time scales, Earth rotation, Sun; f64 | anything below |
+//! | `durable` | files that outlast a power failure: synced, then renamed | anything below |
 //! | `loaders` | threads that load tiles beside the frame | anything below |
 //! | [`orbit`] | readers and propagators: a state at an epoch | GPU |
 //! | [`basilisk`] | simulations of Basilisk: their sockets, messages and files, what is kept of them | GPU |
@@ -70,6 +71,9 @@
 pub mod basilisk;
 #[cfg(feature = "celestial")]
 pub mod celestial;
+#[cfg(any(feature = "pack-build", feature = "playback"))]
+#[cfg_attr(not(feature = "command"), allow(dead_code))]
+mod durable;
 #[cfg(feature = "terrain")]
 pub mod elevation;
 pub mod frames;

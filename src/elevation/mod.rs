@@ -30,7 +30,7 @@ pub use grid::{
     LOWEST_M, MAX_SIDE, Registration,
 };
 pub use ground::Ground;
-pub use read::{HeightFile, HeightFileError, open_heights, open_heights_denoised};
+pub use read::{HeightFile, HeightFileError, height_files, open_heights, open_heights_denoised};
 pub use samples::HeightSamples;
 #[cfg(test)]
 pub(crate) use stream::test_source::TestTiles;

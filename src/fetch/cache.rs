@@ -10,6 +10,7 @@
 //! A line that has no end, or is not understood, does not count: its file is fetched again.
 
 use super::error::FetchError;
+use crate::durable;
 use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Write};
@@ -63,7 +64,7 @@ impl Shelf {
             path: path.clone(),
             source,
         };
-        fs::create_dir_all(dir).map_err(|source| FetchError::Cache {
+        durable::make_folders(dir).map_err(|source| FetchError::Cache {
             path: dir.to_path_buf(),
             source,
         })?;
@@ -95,10 +96,12 @@ impl Shelf {
             .split_inclusive('\n')
             .filter_map(|line| line.strip_suffix('\n'));
         let mut kept = HashMap::new();
-        if text.is_empty() || lines.next() != Some(FIRST_LINE) {
+        let beginning = format!("{FIRST_LINE}\n{address}\n");
+        // One whose beginning is cut off notes nothing yet.
+        if beginning.starts_with(&*text) || lines.next() != Some(FIRST_LINE) {
             journal
                 .set_len(0)
-                .and_then(|()| writeln!(journal, "{FIRST_LINE}\n{address}"))
+                .and_then(|()| journal.write_all(beginning.as_bytes()))
                 .map_err(fail)?;
         } else {
             let found = lines.next().unwrap_or_default();
@@ -197,7 +200,7 @@ impl Part {
     fn beside(path: &Path) -> Result<Self, FetchError> {
         let fail = |source| failed(path, source);
         let folder = path.parent().unwrap_or(Path::new(""));
-        fs::create_dir_all(folder).map_err(fail)?;
+        durable::make_folders(folder).map_err(fail)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let part = folder.join(format!(".{name}.{PART}"));
         Ok(Self {
@@ -212,7 +215,7 @@ impl Part {
     fn put(self, path: &Path) -> Result<(), FetchError> {
         let from = self.path;
         drop(self.file);
-        fs::rename(&from, path).map_err(|source| {
+        durable::replace(&from, path).map_err(|source| {
             let _ = fs::remove_file(&from);
             failed(path, source)
         })
@@ -265,8 +268,7 @@ fn hash_of(path: &Path) -> io::Result<String> {
 /// Writes a file so that it is there with all its contents or not at all.
 pub(super) fn write_whole(path: &Path, contents: &[u8]) -> Result<(), FetchError> {
     let mut part = Part::beside(path)?;
-    let written = part.file.write_all(contents);
-    match written.and_then(|()| part.file.sync_data()) {
+    match part.file.write_all(contents) {
         Ok(()) => part.put(path),
         Err(source) => {
             part.discard();
@@ -321,6 +323,38 @@ mod tests {
         assert_eq!(shelf.kept("1/2", "1/2.png"), None);
         fs::remove_file(shelf.path("1/3.png")).expect("removed");
         assert_eq!(shelf.kept("1/3", "1/3.png"), None);
+    }
+
+    #[test]
+    fn a_journal_cut_anywhere_keeps_the_lines_before_the_cut() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let shelf = Shelf::open(dir.path(), ADDRESS).expect("opens");
+        put(&shelf, "1/2", b"tile");
+        put(&shelf, "1/3", b"tile");
+        drop(shelf);
+        let journal = dir.path().join(JOURNAL_FILE);
+        let text = fs::read(&journal).expect("bytes");
+        let ends: Vec<_> = (0..text.len()).filter(|n| text[*n] == b'\n').collect();
+        for length in 0..=text.len() {
+            for tail in [&b""[..], b"\0\0\xff\xfe"] {
+                // A cut in the first two lines leaves nothing to be damaged.
+                if length <= ends[1] && !tail.is_empty() {
+                    continue;
+                }
+                fs::write(&journal, [&text[..length], tail].concat()).expect("written");
+                let shelf = Shelf::open(dir.path(), ADDRESS)
+                    .unwrap_or_else(|error| panic!("{length}: {error}"));
+                for (key, end) in [("1/2", ends[2]), ("1/3", ends[3])] {
+                    let is_kept = shelf.kept(key, &format!("{key}.png")).is_some();
+                    assert_eq!(is_kept, length > end, "{key}, cut at {length}");
+                }
+                // What is noted from now on is known again.
+                put(&shelf, "1/4", b"tile");
+                drop(shelf);
+                let shelf = Shelf::open(dir.path(), ADDRESS).expect("opens");
+                assert!(shelf.kept("1/4", "1/4.png").is_some(), "{length}");
+            }
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Heights of a mosaic written as a GeoTIFF that the readers of `elevation` take.
 
 use super::error::FetchError;
+use crate::durable;
 use crate::imagery::build::BuildProgress;
 use crate::imagery::build::mosaic::{Bounds, Mosaic};
 use crate::imagery::build::source::{RowSource, SampleKind, SourceLimits};
@@ -63,7 +64,7 @@ pub fn write_heights(
         progress.note(&note);
     }
     let written = match written {
-        Ok(()) => std::fs::rename(&part, out)
+        Ok(()) => durable::replace(&part, out)
             .map_err(|error| wrong(format!("{error}; make room or correct the permissions"))),
         Err(Failure::Fetch(error)) => Err(error),
         Err(Failure::Tiff(error)) => Err(wrong(format!(

@@ -58,6 +58,18 @@ impl LayerSelection {
             .collect()
     }
 
+    /// The files that [`load_layers`] reads of a folder for these maps, as far as they are there.
+    pub fn files_in(self, dir: &Path) -> Vec<PathBuf> {
+        let day = DAY_NAMES.into_iter().find(|name| dir.join(name).exists());
+        // The depth of the sea is from the elevation map too.
+        let is_read = |layer| self.has(layer) || layer == MapLayer::Normals && self.water;
+        let optional = OPTIONAL_FILES.into_iter();
+        let optional = optional.filter(|(layer, _)| is_read(*layer));
+        let names = day.into_iter().chain(optional.map(|(_, name)| name));
+        let paths = names.map(|name| dir.join(name));
+        paths.filter(|path| path.exists()).collect()
+    }
+
     /// The same without some maps.
     pub fn without(mut self, layers: &[(MapLayer, &'static str)]) -> Self {
         for (layer, _) in layers {

@@ -117,6 +117,11 @@ pub fn export(
     let lacking = wanted.end - wanted.start - kept_frames.len() as u64;
     if lacking == 0 {
         tracing::info!("all frames are there");
+        if let Some((folder, film)) = folder.filter(|_| kept.is_cut) {
+            let adapter = kept.adapter.unwrap_or_default();
+            let head = PageHead::new(scene, frame_epoch(&scene.time, 0), film, adapter);
+            FilmPage::begin(&folder, &head, kept.entries)?;
+        }
         return Ok(());
     }
 

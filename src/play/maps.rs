@@ -5,14 +5,14 @@ use super::error::PlayError;
 use super::relief::ground_options;
 use crate::frames::Epoch;
 use crate::gpu::BcSupport;
-use crate::imagery::pack::{Pack, PackTiles};
+use crate::imagery::pack::{MANIFEST_FILE, Pack, PackTiles};
 use crate::imagery::tile::{MapLayer, Storage};
 use crate::imagery::{
     LayerSelection, SLOPE_EXAGGERATION, find_textures, load_layers, slopes_from_clouds,
 };
 use crate::scene::{DatedLayer, PackTable, Scene, StorageChoice};
 use crate::{EarthOptions, SurfaceLight, TileOptions};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Loads the maps that a scene wants at its start and no others, and gathers its options. `bc` is what the adapter does with
@@ -90,6 +90,24 @@ pub(super) fn dropped_layers(scene: &Scene) -> Result<Vec<DroppedLayer>, PlayErr
     };
     let (_, dropped) = selection_in(scene, &folder)?;
     Ok(dropped)
+}
+
+/// The files that [`earth_options`] reads of a scene's folder of maps or pack. Of a pack that is the manifest, which has the checksums of
+/// its tiles.
+pub(super) fn map_files(scene: &Scene) -> Result<Vec<PathBuf>, PlayError> {
+    if let Some(pack) = &scene.earth.pack {
+        return Ok(vec![pack.folder.join(MANIFEST_FILE)]);
+    }
+    let folder = maps_folder(scene)?;
+    let (selection, _) = selection_in(scene, &folder)?;
+    Ok(selection.files_in(&folder))
+}
+
+fn maps_folder(scene: &Scene) -> Result<PathBuf, PlayError> {
+    match &scene.earth.textures {
+        Some(folder) => Ok(folder.clone()),
+        None => Ok(find_textures()?),
+    }
 }
 
 /// A map that a scene is drawn without because it is not there.
@@ -174,10 +192,7 @@ fn storage_of(pack: &Pack, table: &PackTable, bc: BcSupport) -> Result<(Storage,
 }
 
 fn folder_options(scene: &Scene) -> Result<EarthOptions, PlayError> {
-    let folder = match &scene.earth.textures {
-        Some(folder) => folder.clone(),
-        None => find_textures()?,
-    };
+    let folder = maps_folder(scene)?;
     let table = &scene.earth;
     let is_paper = table.is_paper();
     let (selection, dropped) = selection_in(scene, &folder)?;

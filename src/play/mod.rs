@@ -24,6 +24,7 @@
 //! | `craft/` | the spacecraft that the chase camera follows |
 //! | `tracks/` | trails, ground tracks, footprints and names of its satellites |
 //! | `sky`, `sky_parts` | what is beyond the Earth |
+//! | `scene_files` | every file that its pictures come from |
 //! | `pictures` | a scene's pictures in memory, for programs that call us |
 //! | `offscreen`, `still`, `stats`, `export`, `video/` | the offscreen renderer; pictures, their numbers, films |
 //! | `film/` | films and their pictures: formats, averaged light, ranges, going on with a film, the page `frames.json` |
@@ -85,6 +86,7 @@ mod quality_control;
 mod radiance;
 mod relief;
 mod satellites;
+mod scene_files;
 #[cfg(feature = "command")]
 mod simulator_time;
 mod sky;
@@ -135,6 +137,7 @@ pub use progress::Progress;
 pub use quality_control::{HeldQuality, QualityControl, scene_quality};
 pub use relief::read_ground;
 pub use satellites::Satellite;
+pub use scene_files::{SceneFile, scene_files};
 pub use stats::{EyePosition, PictureStats, SatelliteLight, SubsolarPoint};
 #[cfg(feature = "command")]
 pub use still::{StillRequest, write_still};

@@ -1,9 +1,10 @@
 //! Output files: complete, or not there.
 //!
-//! A file is written under a temporary name in its own folder and renamed when it is complete, so that its final name
-//! never holds half of it, whatever stops the program. The temporary file is made before anything is drawn: a folder
+//! A file is written under a temporary name in its own folder, synced, and renamed when it is complete, so that its final name
+//! never holds half of it, whatever stops the program or the machine. The temporary file is made before anything is drawn: a folder
 //! that cannot be written to is found at once and not after an hour.
 
+use crate::durable;
 use image::{ImageEncoder, RgbaImage};
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -222,12 +223,15 @@ impl PendingFile {
         self.write_whole(&png)
     }
 
-    /// Gives the complete file its name, replacing what had it.
+    /// Gives the complete file its name, replacing what had it. It then outlasts a power failure.
     pub fn commit(self) -> Result<(), OutputError> {
         let Self { temporary, target } = self;
+        let failed = |source| OutputError::write(&target, source);
+        durable::sync_file(&temporary).map_err(failed)?;
         temporary
             .persist(&target)
-            .map_err(|error| OutputError::write(&target, error.error))
+            .map_err(|error| failed(error.error))?;
+        durable::sync_folder_of(&target).map_err(failed)
     }
 
     fn write_error(&self, source: std::io::Error) -> OutputError {
@@ -258,7 +262,7 @@ pub(super) fn make_folder(folder: &Path) -> Result<(), OutputError> {
             found: "a file",
         });
     }
-    std::fs::create_dir_all(folder).map_err(|source| OutputError::write(folder, source))
+    durable::make_folders(folder).map_err(|source| OutputError::write(folder, source))
 }
 
 #[cfg(test)]

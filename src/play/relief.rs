@@ -4,7 +4,7 @@ use super::error::PlayError;
 use crate::GroundOptions;
 use crate::elevation::{
     Denoise, Elevation, GridLimits, Ground, HeightGrid, HeightStreamOptions, StreamedGround,
-    open_heights_denoised,
+    height_files, open_heights_denoised,
 };
 use crate::imagery::find_textures;
 use crate::imagery::pack::Pack;
@@ -17,12 +17,10 @@ pub(super) fn ground_options(
     table: &ReliefTable,
     pack: Option<&PackTable>,
 ) -> Result<GroundOptions, PlayError> {
+    let over = read_grids(&named_heights(table)?, table.denoise)?;
+    let over = over_the_sea(over, table.sea_floor);
     let elevation: Arc<dyn Elevation> = match (table.pack_heights_mb, pack) {
         (Some(megabytes), Some(pack)) => {
-            let over = match table.elevation.is_empty() {
-                true => over_the_sea(Vec::new(), table.sea_floor),
-                false => read_ground(&table.elevation, table.sea_floor, table.denoise)?,
-            };
             let pack = Pack::open(&pack.folder)?;
             let tiles = pack.height_tiles()?;
             let options = HeightStreamOptions {
@@ -31,11 +29,7 @@ pub(super) fn ground_options(
             };
             Arc::new(StreamedGround::new(Arc::new(tiles), over, &options)?)
         }
-        _ => Arc::new(read_ground(
-            &table.elevation,
-            table.sea_floor,
-            table.denoise,
-        )?),
+        _ => Arc::new(over),
     };
     Ok(GroundOptions {
         elevation,
@@ -44,16 +38,34 @@ pub(super) fn ground_options(
     })
 }
 
+/// The files of heights that a scene names; where it names none, the starter pack's, unless its pack has heights.
+fn named_heights(table: &ReliefTable) -> Result<Vec<PathBuf>, PlayError> {
+    match table.pack_heights_mb {
+        Some(_) => Ok(table.elevation.clone()),
+        None => or_the_starter_packs(&table.elevation),
+    }
+}
+
+fn or_the_starter_packs(files: &[PathBuf]) -> Result<Vec<PathBuf>, PlayError> {
+    match files.is_empty() {
+        true => Ok(vec![find_textures()?.join("elevation.png")]),
+        false => Ok(files.to_owned()),
+    }
+}
+
+/// The files that [`ground_options`] reads, but for the tiles of a pack.
+pub(super) fn relief_files(table: &ReliefTable) -> Result<Vec<PathBuf>, PlayError> {
+    let named = named_heights(table)?;
+    Ok(named.iter().flat_map(|file| height_files(file)).collect())
+}
+
 /// The grids of these files, or the starter pack's, over one another; with `denoise`, without single wrong heights.
 pub fn read_ground(files: &[PathBuf], sea_floor: bool, denoise: bool) -> Result<Ground, PlayError> {
-    let starter;
-    let files = match files.is_empty() {
-        true => {
-            starter = [find_textures()?.join("elevation.png")];
-            &starter
-        }
-        false => files,
-    };
+    let grids = read_grids(&or_the_starter_packs(files)?, denoise)?;
+    Ok(over_the_sea(grids, sea_floor))
+}
+
+fn read_grids(files: &[PathBuf], denoise: bool) -> Result<Vec<Arc<HeightGrid>>, PlayError> {
     let denoise = denoise.then(Denoise::default);
     let mut grids = Vec::new();
     for file in files {
@@ -86,7 +98,7 @@ pub fn read_ground(files: &[PathBuf], sea_floor: bool, denoise: bool) -> Result<
         }
         grids.push(Arc::new(heights.grid));
     }
-    Ok(over_the_sea(grids, sea_floor))
+    Ok(grids)
 }
 
 fn over_the_sea(grids: Vec<Arc<HeightGrid>>, sea_floor: bool) -> Ground {

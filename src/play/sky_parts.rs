@@ -5,7 +5,7 @@ use super::maps::DroppedLayer;
 use crate::celestial::{CelestialOptions, StarCatalogue};
 use crate::imagery::{LayerImage, find_textures, load_color_map};
 use crate::scene::Scene;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Its files in a folder.
@@ -21,6 +21,29 @@ pub(super) fn dropped_parts(scene: &Scene) -> Result<Vec<DroppedLayer>, PlayErro
     match scene.sky.is_on() {
         true => Ok(read(scene, Reading::Names)?.1),
         false => Ok(Vec::new()),
+    }
+}
+
+/// The files that [`read`] reads, as far as they are there.
+pub(super) fn sky_files(scene: &Scene) -> Vec<PathBuf> {
+    let sky = &scene.sky;
+    let Ok(folder) = folder_of(scene) else {
+        return Vec::new();
+    };
+    let parts = [
+        (sky.stars, STARS),
+        (sky.milky_way, MILKY_WAY),
+        (sky.moon, MOON),
+    ];
+    let read = parts.into_iter().filter(|(is_on, _)| *is_on);
+    let paths = read.map(|(_, name)| folder.join(name));
+    paths.filter(|path| path.exists()).collect()
+}
+
+fn folder_of(scene: &Scene) -> Result<PathBuf, String> {
+    match &scene.sky.folder {
+        Some(folder) => Ok(folder.clone()),
+        None => find_textures().map_err(|error| error.to_string()),
     }
 }
 
@@ -43,10 +66,7 @@ pub(super) fn read(
 ) -> Result<(CelestialOptions, Vec<DroppedLayer>), PlayError> {
     let sky = &scene.sky;
     let mut dropped = Vec::new();
-    let folder = match &sky.folder {
-        Some(folder) => Ok(folder.clone()),
-        None => find_textures().map_err(|error| error.to_string()),
-    };
+    let folder = folder_of(scene);
     let mut drop = |layer, missing: String| {
         if scene.earth.strict {
             return Err(PlayError::MissingLayer {

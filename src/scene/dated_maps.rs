@@ -2,7 +2,7 @@
 
 use super::error::{SceneError, printable};
 use super::field::{Field, KeyText};
-use super::keys::{MAX_DATED_MAPS, RawEarth};
+use super::keys::{MAX_DATED_MAPS, RawDatedMaps, RawEarth};
 use super::text::SceneText;
 use super::time::utc;
 use crate::frames::{Epoch, utc_from_rfc3339};
@@ -30,6 +30,15 @@ impl DatedLayer {
             Self::Day => "day_maps",
             Self::Clouds => "cloud_maps",
             Self::NightLights => "night_light_maps",
+        }
+    }
+
+    /// The same with its table.
+    pub(crate) const fn path_key(self) -> &'static str {
+        match self {
+            Self::Day => "earth.day_maps",
+            Self::Clouds => "earth.cloud_maps",
+            Self::NightLights => "earth.night_light_maps",
         }
     }
 }
@@ -179,7 +188,7 @@ impl SceneText<'_> {
                 scene.night_lights,
             ),
         ] {
-            let Some(given) = field.given.map(Spanned::get_ref) else {
+            let Some(RawDatedMaps(given)) = field.given.map(Spanned::get_ref) else {
                 continue;
             };
             if scene.is_paper {
@@ -212,7 +221,7 @@ impl SceneText<'_> {
 
     fn maps_in(
         &self,
-        field: &Field<'_, Value>,
+        field: &Field<'_, RawDatedMaps>,
         given: &Value,
     ) -> Result<(Vec<PathBuf>, MapTimes), SceneError> {
         let refuse = |advice: String| self.refuse(field, advice);

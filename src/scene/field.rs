@@ -139,24 +139,24 @@ impl SceneText<'_> {
     /// A path relative to the scene's folder, of something that is there.
     pub(super) fn path(
         &self,
-        field: &Field<'_, String>,
+        field: &Field<'_, RawPath>,
         kind: PathKind,
     ) -> Result<Option<PathBuf>, SceneError> {
-        let Some(given) = field.given else {
+        let Some(RawPath(given)) = field.given.map(Spanned::get_ref) else {
             return Ok(None);
         };
         let (what, other) = match kind {
             PathKind::File => ("a file", "a folder"),
             PathKind::Folder => ("a folder", "a file"),
         };
-        if given.get_ref().is_empty() {
+        if given.is_empty() {
             let advice = format!(
                 "must not be empty; give the path of {what}, relative to the scene's folder"
             );
             return Err(self.refuse(field, advice));
         }
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        let path = folder.join(given.get_ref());
+        let path = folder.join(given);
         let shown = printable(&path.display().to_string());
         match std::fs::metadata(&path) {
             Ok(found) if found.is_dir() == (kind == PathKind::Folder) => Ok(Some(path)),
@@ -211,6 +211,11 @@ impl SceneText<'_> {
         }
     }
 }
+
+/// A path as a scene gives it, relative to the scene's folder. A key with a path has this type: tests find it by that.
+#[derive(Debug, Deserialize)]
+#[serde(transparent)]
+pub(super) struct RawPath(pub(super) String);
 
 /// What a path must lead to.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 //! scene leaves it out. The declaration makes the key's field in the table as written and a method of the same name that
 //! hands its rule to the checks, so that neither can differ from what is written here.
 
-use super::field::{Bounds, Field};
+use super::field::{Bounds, Field, RawPath};
 use crate::air::AirOptions;
 use crate::orbit::live::{LiveOptions, Transport};
 use crate::orbit::numerical::Spacecraft;
@@ -77,12 +77,20 @@ pub(super) const RENAMED: &[(&str, &str)] = &[
     ("argument_deg", "argument_of_periapsis_deg"),
 ];
 
+/// Maps with their dates, whose files are paths; checked by dated_maps.rs.
+#[derive(Debug, Deserialize)]
+#[serde(transparent)]
+pub(super) struct RawDatedMaps(pub(super) toml::Value);
+
 /// A key that a table knows.
 #[derive(Debug)]
 pub(super) struct Key {
     pub(super) name: &'static str,
     /// What its value must be, to be read after "must be".
     pub(super) expected: &'static str,
+    /// Whether it names files or folders.
+    #[cfg(test)]
+    pub(super) is_path: bool,
 }
 
 /// A table that a scene knows.
@@ -110,6 +118,24 @@ macro_rules! numeric {
 }
 
 numeric! { f64: f64, i64: i64, Vec<f64>: f64, Vec<i64>: i64, toml::Value: i64, }
+
+/// Whether values of a type name files or folders.
+#[cfg(test)]
+pub(super) trait NamesFiles {
+    const NAMES_FILES: bool;
+}
+
+#[cfg(test)]
+macro_rules! names_files {
+    ($($kind:ty: $names_files:literal,)*) => { $(impl NamesFiles for $kind { const NAMES_FILES: bool = $names_files; })* };
+}
+
+#[cfg(test)]
+names_files! {
+    RawPath: true, Vec<Spanned<RawPath>>: true, RawDatedMaps: true,
+    bool: false, f64: false, i64: false, String: false, toml::Value: false,
+    Vec<f64>: false, Vec<i64>: false, Vec<String>: false, Vec<RawCameraKey>: false,
+}
 
 /// The method of a key, with as much of a rule as its declaration has.
 macro_rules! method {
@@ -152,7 +178,12 @@ macro_rules! table {
         impl $name {
             pub(super) const TABLE: Table = Table {
                 name: $table,
-                keys: &[$(Key { name: stringify!($key), expected: $expected }),*],
+                keys: &[$(Key {
+                    name: stringify!($key),
+                    expected: $expected,
+                    #[cfg(test)]
+                    is_path: <$kind as NamesFiles>::NAMES_FILES,
+                }),*],
             };
 
             /// The keys that the file gives, with the span of their values.
@@ -203,7 +234,7 @@ table!(RawTime = "time" {
     /// Frames per second of playback.
     frame_rate_hz: f64 = "a number of frames per second", in 1.0..=240.0, default 30.0;
     /// Table of the Earth's orientation by date; without it UT1 is taken as UTC and polar motion as none.
-    orientation: String = "a string, the path of a file like finals2000A.all";
+    orientation: RawPath = "a string, the path of a file like finals2000A.all";
 });
 
 table_with_tracks!(RawOrbit = "orbit" {
@@ -211,7 +242,7 @@ table_with_tracks!(RawOrbit = "orbit" {
     source: String = "a string, the kind of source: \"tle\", \"omm\", \"oem\", \"czml\", \"csv\", \"kepler\", \"numerical\", \"live\" or \"basilisk\"";
     /// The file of a source that is one; without it "tle" flies the built-in space station, and "basilisk" meets a simulation
     /// that runs.
-    file: String = "a string, the path of a file of elements or states";
+    file: RawPath = "a string, the path of a file of elements or states";
     /// Which satellite of the file; without a file, what it is called.
     name: String = "a string, the satellite's name";
     /// Whether one bad record refuses the file.
@@ -425,16 +456,16 @@ table!(RawEarth = "earth" {
     /// moonlight, else 150 000.
     night_gain: f64 = "a number", in 0.0..=1e6;
     /// Folder of the maps, the starter pack by default.
-    textures: String = "a string, the path of a folder of maps";
+    textures: RawPath = "a string, the path of a folder of maps";
     /// Folder of an imagery pack, in place of maps.
-    pack: String = "a string, the path of an imagery pack's folder";
+    pack: RawPath = "a string, the path of an imagery pack's folder";
     // Lists, checked by dated_maps.rs.
     /// Day maps that change with the date.
-    day_maps: toml::Value = "a list of maps with their dates, or of twelve files, from January on";
+    day_maps: RawDatedMaps = "a list of maps with their dates, or of twelve files, from January on";
     /// Cloud maps that change with the date.
-    cloud_maps: toml::Value = "a list of maps with their dates, or of twelve files, from January on";
+    cloud_maps: RawDatedMaps = "a list of maps with their dates, or of twelve files, from January on";
     /// Maps of city lights that change with the date.
-    night_light_maps: toml::Value = "a list of maps with their dates, or of twelve files, from January on";
+    night_light_maps: RawDatedMaps = "a list of maps with their dates, or of twelve files, from January on";
     /// Whether maps that change with the date pass into each other.
     map_fade: bool = "true or false", default true;
     /// Open water, where the maps have it; on by default with shading = "sunlit".
@@ -452,7 +483,7 @@ table!(RawEarth = "earth" {
     /// What draws ground with relief: "quadtree" by default where heights are named, else "blocks".
     surface: String = "a string: \"blocks\", \"projected-grid\", \"quadtree\", \"contours\" or \"clipmap\"";
     /// Files of heights; an empty list takes the starter pack's, or with pack_heights none.
-    elevation: Vec<Spanned<String>> = "a list of strings, the paths of files of heights";
+    elevation: Vec<Spanned<RawPath>> = "a list of strings, the paths of files of heights";
     /// Packs: whether the pack's heights are the ground, beneath the files of `elevation`.
     pack_heights: bool = "true or false", default false;
     /// Packs: memory of their heights (10⁶ bytes), with pack_heights.
@@ -490,7 +521,7 @@ table!(RawSky = "sky" {
     /// How many times brighter than in truth stars and Milky Way are drawn.
     star_gain: f64 = "a number", in 0.0..=1e6, default 4e4;
     /// Folder of stars.bin, milky_way.jpg and moon.jpg, the starter pack by default.
-    folder: String = "a string, the path of a folder of star catalogue and maps";
+    folder: RawPath = "a string, the path of a folder of star catalogue and maps";
 });
 
 table!(RawOutput = "output" {
@@ -514,7 +545,7 @@ table!(RawQuality = "quality" {
     /// Part of width and height that is drawn and then enlarged, in the window and in pictures.
     scale: f64 = "a number", in 0.25..=1.0, default 1.0;
     /// The steps of quality, in place of those that were recorded for the adapter.
-    ladder: String = "a string, the path of a ladder.csv that `terrella report --quality` wrote";
+    ladder: RawPath = "a string, the path of a ladder.csv that `terrella report --quality` wrote";
 });
 
 /// A scene file; a table that is left out is `None`.

@@ -182,6 +182,15 @@ impl Scene {
     }
 }
 
+/// The keys that name files or folders, each with its table.
+#[cfg(all(test, feature = "playback"))]
+pub(crate) fn path_keys() -> impl Iterator<Item = (&'static str, &'static str)> {
+    keys::TABLES.iter().flat_map(|table| {
+        let paths = table.keys.iter().filter(|key| key.is_path);
+        paths.map(move |key| (table.name, key.name))
+    })
+}
+
 /// The line of every key that the file gave, by table and key.
 #[derive(Clone, Debug, Default)]
 struct KeyLines(BTreeMap<(&'static str, &'static str), usize>);

@@ -1,7 +1,7 @@
 //! `[earth]`: the keys of ground with relief.
 
 use super::error::{SceneError, printable};
-use super::field::{Field, KeyText, PathKind, written};
+use super::field::{Field, KeyText, PathKind, RawPath, written};
 use super::keys::{MAX_ELEVATION_FILES, RawEarth};
 use super::surfaces;
 use super::text::SceneText;
@@ -116,7 +116,7 @@ impl SceneText<'_> {
     /// Files relative to the scene's folder, all of them there.
     fn paths(
         &self,
-        field: &Field<'_, Vec<toml::Spanned<String>>>,
+        field: &Field<'_, Vec<toml::Spanned<RawPath>>>,
     ) -> Result<Vec<PathBuf>, SceneError> {
         let Some(given) = field.given else {
             return Ok(Vec::new());

@@ -219,6 +219,48 @@ fn films_are_not_mixed() {
     );
 }
 
+/// A page that is cut off keeps its entries up to the cut, and the film becomes that of one run.
+#[test]
+fn a_film_whose_page_is_cut_goes_on() {
+    let place = Place::new();
+    place.succeed(&["play", "small.toml", "--frames", "whole"]);
+    let text = bytes(&place.path("whole/frames.json"));
+    let list = text
+        .windows(11)
+        .position(|part| part == b"\"frames\": [")
+        .expect("a list");
+    let ends: Vec<_> = (list..text.len()).filter(|n| text[*n] == b'\n').collect();
+    // The list begins; in, just before and just behind the second entry; behind all entries; before the last brace.
+    for (cut, kept) in [
+        (ends[0], 0),
+        (ends[1] + 90, 1),
+        (ends[2] - 2, 1),
+        (ends[2] - 1, 2),
+        (ends[2] + 1, 2),
+        (ends[4], 4),
+        (text.len() - 2, 4),
+    ] {
+        let _ = std::fs::remove_dir_all(place.path("a"));
+        std::fs::create_dir(place.path("a")).expect("made");
+        for name in names(&place.path("whole")) {
+            std::fs::copy(place.path("whole").join(&name), place.path("a").join(&name))
+                .expect("copies");
+        }
+        std::fs::write(place.path("a/frames.json"), &text[..cut]).expect("writes");
+        let output = place.succeed(&["-v", "play", "small.toml", "--frames", "a", "--resume"]);
+        let said = format!("cut off or damaged; {kept} frames that it still names are kept");
+        assert!(words(&output).contains(&said), "{cut}: {}", words(&output));
+        assert_same_folders(&place.path("whole"), &place.path("a"));
+    }
+    // Of one that is cut before its first frame nobody knows what film it is.
+    std::fs::write(place.path("a/frames.json"), &text[..list - 100]).expect("writes");
+    let words = place.fail(1, &["play", "small.toml", "--frames", "a", "--resume"]);
+    assert!(
+        words.contains("its beginning is cut off") && words.contains("--overwrite"),
+        "{words}"
+    );
+}
+
 /// Killed in the middle: the page is good, and the film goes on from there to the same frames.
 #[cfg(unix)]
 #[test]
@@ -287,9 +329,9 @@ fn a_disk_that_fills_keeps_what_was_done() {
     {
         assert_eq!(crate::png_size(&place.path("a").join(name)), (64, 36));
     }
-    // A frame itself does not fit.
+    // A frame itself does not fit; the beginning of the page, of less than 2 KB, does.
     std::fs::remove_dir_all(place.path("a")).expect("removes");
-    let said = full(2);
+    let said = full(4);
     assert!(
         said.contains("frame_00000.png") && said.contains("make room"),
         "{said}"

@@ -6,6 +6,7 @@ mod bad_input;
 mod basilisk;
 mod bench;
 mod dated_maps;
+mod film_inputs;
 mod film_light;
 mod films;
 mod goldens;

@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 #[rustfmt::skip]
 const MODULES: &[(&str, &[&str])] = &[
     ("frames", &[]),
+    ("durable", &[]),
     ("loaders", &[]),
     ("orbit", &["frames"]),
     ("basilisk", &["frames", "orbit"]),
@@ -15,9 +16,9 @@ const MODULES: &[(&str, &[&str])] = &[
     ("air", &["frames"]),
     ("light", &["frames", "air"]),
     // Maps and drawables know nothing of satellites.
-    ("imagery", &["loaders", "elevation", "globe"]),
+    ("imagery", &["durable", "loaders", "elevation", "globe"]),
     // Maps from the network, for packs.
-    ("fetch", &["imagery"]),
+    ("fetch", &["durable", "imagery"]),
     ("scene", &["frames", "orbit", "basilisk", "globe", "air", "light"]),
     ("gpu", &["frames", "globe", "air", "light", "imagery"]),
     ("earth", &["frames", "elevation", "globe", "air", "light", "imagery", "gpu"]),
@@ -27,7 +28,7 @@ const MODULES: &[(&str, &[&str])] = &[
     ("celestial", &["frames", "air", "imagery", "gpu", "earth"]),
     // Drawn with the Earth, for any feed: knows no scene.
     ("tracks", &["frames", "orbit", "globe", "air", "gpu", "earth"]),
-    ("play", &["frames", "orbit", "basilisk", "elevation", "light", "imagery", "scene", "gpu", "earth", "offscreen", "celestial", "tracks"]),
+    ("play", &["frames", "durable", "orbit", "basilisk", "elevation", "light", "imagery", "scene", "gpu", "earth", "offscreen", "celestial", "tracks"]),
     ("measure", &["frames", "orbit", "elevation", "globe", "air", "light", "imagery", "scene", "gpu", "earth", "offscreen", "play"]),
     ("cli", &["frames", "orbit", "basilisk", "globe", "imagery", "fetch", "scene", "gpu", "play", "measure"]),
 ];

@@ -59,20 +59,25 @@ impl PyPictures {
     }
 }
 
-/// A scene as its file says it, and the same made ready with the maps that came along.
-fn open(path: &Path, textures: &Path) -> PyResult<(Scene, Flight)> {
-    let read = Scene::load(path).map_err(|error| SceneError::new_err(error.to_string()))?;
-    if let Some(live) = read.orbits.iter().find_map(|orbit| orbit.live.as_ref()) {
+/// A scene with the maps that came along.
+fn load(path: &Path, textures: &Path) -> PyResult<Scene> {
+    let mut scene = Scene::load(path).map_err(|error| SceneError::new_err(error.to_string()))?;
+    take_starter_files(&mut scene, textures);
+    Ok(scene)
+}
+
+/// The same made ready.
+fn open(path: &Path, textures: &Path) -> PyResult<Flight> {
+    let scene = load(path, textures)?;
+    if let Some(live) = scene.orbits.iter().find_map(|orbit| orbit.live.as_ref()) {
         return Err(of_play(PlayError::Live {
-            scene: read.path.clone(),
+            scene: scene.path.clone(),
             listens_on: live.transport.to_string(),
             work: "no frame can be drawn by itself",
             remedy: "play it with the command `terrella`",
         }));
     }
-    let mut scene = read.clone();
-    take_starter_files(&mut scene, textures);
-    Ok((read, Flight::open(scene).map_err(of_play)?))
+    Flight::open(scene).map_err(of_play)
 }
 
 /// The frames of a scene's film, each as the command draws it.
@@ -102,7 +107,7 @@ impl PyFilmFrames {
         let size = size.map(pictures::size).transpose()?;
         let PyPictures(settings) = pictures;
         let (flight, gpu, frames) = py.detach(|| {
-            let (_, flight) = open(&path, &textures)?;
+            let flight = open(&path, &textures)?;
             FilmPainter::check(&flight, &settings).map_err(|error| of_play(error.into()))?;
             let features = FilmPainter::features(&settings);
             let gpu = pollster::block_on(GpuContext::open_with(adapter.as_deref(), features));
@@ -196,7 +201,7 @@ impl PyFilmFolder {
             .parse()
             .map_err(|_| PyValueError::new_err(format!("frames: {first}..{end} holds no frame")))?;
         let held = py.detach(|| {
-            let (scene, flight) = open(&path, &textures)?;
+            let flight = open(&path, &textures)?;
             let PyPictures(settings) = pictures;
             FilmPainter::check(&flight, &settings).map_err(|error| of_play(error.into()))?;
             let request = FilmRequest {
@@ -206,7 +211,7 @@ impl PyFilmFolder {
                 range,
                 existing,
             };
-            let folder = SharedFolder::open(&scene, &flight, &request).map_err(of_play)?;
+            let folder = SharedFolder::open(&flight, &request).map_err(of_play)?;
             Ok::<_, PyErr>((flight, folder))
         })?;
         Ok(Self(Mutex::new(Some(held))))
@@ -275,7 +280,7 @@ impl PyFilmFolder {
 
     /// Brings the page into its order and takes away what is half written.
     fn finish(&self) -> PyResult<()> {
-        self.with(|_, folder| folder.finish().map_err(of_play))
+        self.with(|flight, folder| folder.finish(flight).map_err(of_play))
     }
 
     /// Lets go of the folder.
@@ -297,20 +302,21 @@ impl PyFilmFolder {
     }
 }
 
-/// What the pictures of a scene hang on beside their size, as JSON: the program, and checksums of the scene and of the files that it names.
+/// What the pictures of a scene depend on besides their size, as JSON: the program, and checksums of the scene and of all files that they come
+/// from.
 #[pyfunction]
-fn scene_key(py: Python<'_>, path: PathBuf) -> PyResult<String> {
+fn scene_key(py: Python<'_>, path: PathBuf, textures: PathBuf) -> PyResult<String> {
     py.detach(|| {
-        let scene = Scene::load(&path).map_err(|error| SceneError::new_err(error.to_string()))?;
+        let scene = load(&path, &textures)?;
         let key = FilmKey::new(&scene, scene.output.size.into(), PictureSettings::default());
-        serde_json::to_string(&key.map_err(|error| of_play(error.into()))?).map_err(of_any)
+        serde_json::to_string(&key.map_err(of_play)?).map_err(of_any)
     })
 }
 
 /// The first instant of a scene's playback, and its end.
 #[pyfunction]
 fn scene_dates(py: Python<'_>, path: PathBuf, textures: PathBuf) -> PyResult<(PyEpoch, PyEpoch)> {
-    let (_, flight) = py.detach(|| open(&path, &textures))?;
+    let flight = py.detach(|| open(&path, &textures))?;
     let time = &flight.scene().time;
     Ok((PyEpoch(time.start), PyEpoch(time.end())))
 }

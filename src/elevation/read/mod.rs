@@ -99,7 +99,7 @@ impl HeightReader<BufReader<File>> {
         if !metadata.is_file() {
             return Err(context.refused("is no file", "a GeoTIFF, PNG or NetCDF file", "give one"));
         }
-        let sidecar = read_sidecar(&path.with_extension("toml"))?;
+        let sidecar = read_sidecar(&sidecar_of(path))?;
         let reader = BufReader::with_capacity(1 << 16, file);
         Self::new(reader, sidecar.as_ref(), path)
     }
@@ -123,6 +123,12 @@ pub fn open_heights_denoised(
     denoise: Option<&Denoise>,
 ) -> Result<HeightFile, HeightFileError> {
     HeightReader::open(path)?.whole(limits, denoise)
+}
+
+/// The files that [`open_heights`] reads for a file of heights: itself, and its sidecar if there is one.
+pub fn height_files(path: &Path) -> Vec<PathBuf> {
+    let sidecar = Some(sidecar_of(path)).filter(|sidecar| sidecar.exists());
+    std::iter::once(path.to_owned()).chain(sidecar).collect()
 }
 
 /// The sidecar at a path, if there is a file.

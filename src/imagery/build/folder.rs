@@ -3,6 +3,7 @@
 use super::error::BuildError;
 use super::journal::{JOURNAL_FILE, Journal, Noted, is_share_journal, share_journal_file};
 use super::tile_name::TileName;
+use crate::durable;
 use crate::imagery::pack::{
     HEIGHTS_FOLDER, HeightPlace, HeightRecord, HeightsEntry, MANIFEST_FILE, Manifest, TileFile,
 };
@@ -30,13 +31,13 @@ pub(super) trait Writer: Sync {
     fn free_bytes(&self, folder: &Path) -> Option<u64>;
 }
 
-/// Writes to disk: first beside the file, then renames.
+/// Writes to disk: first beside the file, then renames. What is written outlasts a power failure.
 pub(super) struct Disk;
 
 impl Writer for Disk {
     fn write(&self, path: &Path, contents: &[u8]) -> io::Result<()> {
         if let Some(folder) = path.parent() {
-            fs::create_dir_all(folder)?;
+            durable::make_folders(folder)?;
         }
         let mut name = std::ffi::OsString::from(".");
         name.push(path.file_name().unwrap_or_default());
@@ -44,11 +45,8 @@ impl Writer for Disk {
         name.push(PART);
         let part = path.with_file_name(name);
         let written = File::create(&part)
-            .and_then(|mut file| {
-                file.write_all(contents)?;
-                file.sync_data()
-            })
-            .and_then(|()| fs::rename(&part, path));
+            .and_then(|mut file| file.write_all(contents))
+            .and_then(|()| durable::replace(&part, path));
         if written.is_err() {
             // The error that counts is the one above.
             let _ = fs::remove_file(&part);
@@ -111,7 +109,7 @@ impl<'a> BuildFolder<'a> {
             path: dir.to_path_buf(),
             source,
         };
-        fs::create_dir_all(dir).map_err(write_error)?;
+        durable::make_folders(dir).map_err(write_error)?;
         let present = Present::look(dir)?;
         if present.is_finished() && !restart {
             return Err(BuildError::Finished {
@@ -149,7 +147,7 @@ impl<'a> BuildFolder<'a> {
             }
             journal.begin(fingerprint)?;
         } else if !journal.has_fingerprint(fingerprint) {
-            if !journal.is_empty() {
+            if !journal.is_empty(fingerprint) {
                 return Err(BuildError::OtherBuild {
                     path: dir.to_path_buf(),
                 });
@@ -180,7 +178,7 @@ impl<'a> BuildFolder<'a> {
         let others = Journal::tiles_of(&dir.join(JOURNAL_FILE), fingerprint);
         let mut journal = Journal::open(dir, &share_journal_file(share))?;
         if !journal.has_fingerprint(fingerprint) {
-            if !journal.is_empty() {
+            if !journal.is_empty(fingerprint) {
                 return Err(BuildError::OtherBuild {
                     path: dir.to_path_buf(),
                 });
@@ -327,7 +325,6 @@ impl<'a> BuildFolder<'a> {
         let path = self.dir.join(MANIFEST_FILE);
         self.writer
             .write(&path, manifest.to_toml().as_bytes())
-            .and_then(|()| sync_folder(&self.dir))
             .map_err(|source| BuildError::Write { path, source })?;
         let state = self
             .state
@@ -338,15 +335,6 @@ impl<'a> BuildFolder<'a> {
             fs::remove_file(&path).map_err(|source| BuildError::Write { path, source })?;
         }
         state.journal.remove()
-    }
-}
-
-/// Names in a folder are kept by the folder.
-fn sync_folder(dir: &Path) -> io::Result<()> {
-    if cfg!(unix) {
-        File::open(dir)?.sync_all()
-    } else {
-        Ok(())
     }
 }
 

@@ -53,8 +53,10 @@ pub(super) enum Noted {
 pub(super) struct Journal {
     path: PathBuf,
     file: File,
-    /// What it held when it was opened.
+    /// What it held when it was opened, as far as it is text.
     text: String,
+    /// How many bytes it then had.
+    bytes: u64,
 }
 
 impl Journal {
@@ -83,30 +85,26 @@ impl Journal {
             Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
             Err(TryLockError::Error(error)) => return Err(fail(error)),
         }
-        let mut bytes = Vec::new();
-        (&mut file)
-            .take(MAX_BYTES)
-            .read_to_end(&mut bytes)
-            .map_err(fail)?;
-        // What is not text is not ours: no fingerprint will fit.
-        let text = String::from_utf8(bytes).unwrap_or_else(|_| "?".to_string());
-        Ok(Self { path, file, text })
+        let (text, bytes) = read_text(&mut file).map_err(fail)?;
+        Ok(Self {
+            path,
+            file,
+            text,
+            bytes,
+        })
     }
 
     /// The tiles noted in a journal that is another process's or of another run; none where it is of another build.
     pub(super) fn tiles_of(path: &Path, fingerprint: &str) -> Vec<Noted> {
-        let mut bytes = Vec::new();
-        let read = File::open(path).and_then(|file| file.take(MAX_BYTES).read_to_end(&mut bytes));
-        let text = String::from_utf8(bytes).unwrap_or_default();
-        match read {
-            Ok(_) if begins_with(&text, fingerprint) => parse_all(&text).0,
+        match File::open(path).and_then(|mut file| read_text(&mut file)) {
+            Ok((text, _)) if begins_with(&text, fingerprint) => parse_all(&text).0,
             _ => Vec::new(),
         }
     }
 
-    /// Nothing was ever begun.
-    pub(super) fn is_empty(&self) -> bool {
-        self.text.is_empty()
+    /// Whether no tile of any build was ever noted: it is empty, or the beginning of a journal of this build was cut off.
+    pub(super) fn is_empty(&self, fingerprint: &str) -> bool {
+        self.text.len() as u64 == self.bytes && beginning(fingerprint).starts_with(&self.text)
     }
 
     /// Whether it is of this build.
@@ -126,10 +124,11 @@ impl Journal {
         let begun = self
             .file
             .set_len(0)
-            .and_then(|()| writeln!(self.file, "{FIRST_LINE}\n{fingerprint}"))
+            .and_then(|()| self.file.write_all(beginning(fingerprint).as_bytes()))
             .and_then(|()| self.file.sync_all());
         begun.map_err(|error| self.fail(error))?;
         self.text.clear();
+        self.bytes = 0;
         Ok(())
     }
 
@@ -137,7 +136,7 @@ impl Journal {
     pub(super) fn tiles(&mut self) -> Vec<Noted> {
         let text = std::mem::take(&mut self.text);
         let (tiles, good) = parse_all(&text);
-        if good < text.len() {
+        if (good as u64) < self.bytes {
             // If this fails, notes on the same line as the cut one are not understood next time: tiles are made again.
             let _ = self.file.set_len(good as u64);
             let _ = self.file.seek(SeekFrom::End(0));
@@ -188,8 +187,26 @@ impl Journal {
     }
 }
 
+/// What a journal holds, as far as it is text, and how many bytes it has: a power failure may leave anything behind its last line.
+fn read_text(file: &mut File) -> io::Result<(String, u64)> {
+    let mut bytes = Vec::new();
+    file.take(MAX_BYTES).read_to_end(&mut bytes)?;
+    let length = bytes.len() as u64;
+    let text = String::from_utf8(bytes).unwrap_or_else(|error| {
+        let good = error.utf8_error().valid_up_to();
+        let mut bytes = error.into_bytes();
+        bytes.truncate(good);
+        String::from_utf8(bytes).unwrap_or_default()
+    });
+    Ok((text, length))
+}
+
+fn beginning(fingerprint: &str) -> String {
+    format!("{FIRST_LINE}\n{fingerprint}\n")
+}
+
 fn begins_with(text: &str, fingerprint: &str) -> bool {
-    text.starts_with(&format!("{FIRST_LINE}\n{fingerprint}\n"))
+    text.starts_with(&beginning(fingerprint))
 }
 
 /// What a journal notes, and how many of its bytes are understood.
@@ -260,4 +277,55 @@ fn parse_file(bytes: &str, digits: &str) -> Option<TileFile> {
     }
     let bytes = bytes.parse().ok()?;
     Some(TileFile { bytes, checksum })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TILES: [&str; 2] = [
+        "plain day 1350 0 123456 000102030405060708090a0b0c0d0e0f\n",
+        "heights 0 37 120 23456 000102030405060708090a0b0c0d0e0f 00000000 3f800000\n",
+    ];
+
+    /// Cut off anywhere, with or without what a power failure leaves behind it.
+    #[test]
+    fn a_cut_journal_keeps_the_lines_before_the_cut() {
+        let root = tempfile::tempdir().expect("a folder");
+        let path = root.path().join(JOURNAL_FILE);
+        let head = beginning("abc");
+        let text = [&head, TILES[0], TILES[1]].concat();
+        let ends = [head.len() + TILES[0].len(), text.len()];
+        for length in 0..=text.len() {
+            for tail in [&b""[..], b"\0\0\0", b"\xff\xfe\n"] {
+                fs::write(&path, [&text.as_bytes()[..length], tail].concat()).expect("writes");
+                let noted = ends.iter().filter(|end| length >= **end).count();
+                assert_eq!(Journal::tiles_of(&path, "abc").len(), noted, "{length}");
+                let mut journal = Journal::open(root.path(), JOURNAL_FILE).expect("opens");
+                assert_eq!(
+                    journal.has_fingerprint("abc"),
+                    length >= head.len(),
+                    "{length}"
+                );
+                let is_cut_head = tail.is_empty() && length <= head.len();
+                assert_eq!(journal.is_empty("abc"), is_cut_head, "{length}");
+                if !journal.has_fingerprint("abc") {
+                    continue;
+                }
+                // What is noted from now on is understood the next time.
+                assert_eq!(journal.tiles().len(), noted, "{length}");
+                journal.write(TILES[0]).expect("notes");
+                drop(journal);
+                assert_eq!(Journal::tiles_of(&path, "abc").len(), noted + 1, "{length}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_journal_of_another_build_is_not_empty() {
+        let root = tempfile::tempdir().expect("a folder");
+        fs::write(root.path().join(JOURNAL_FILE), beginning("other")).expect("writes");
+        let journal = Journal::open(root.path(), JOURNAL_FILE).expect("opens");
+        assert!(!journal.has_fingerprint("abc") && !journal.is_empty("abc"));
+    }
 }

@@ -59,7 +59,7 @@ pub enum FilmError {
         remedy: &'static str,
     },
     /// A file that makes the film what it is cannot be read.
-    #[error("{}: {source}; the scene names it, and a film is known by what its scene names", path.display())]
+    #[error("{}: {source}; the film's pictures come from this file, so --resume must compare it", path.display())]
     Input {
         /// The file or folder.
         path: PathBuf,

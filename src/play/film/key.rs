@@ -1,12 +1,22 @@
-//! What makes a film another film: the program, the scene, the files that the scene names, and how it is drawn.
+//! What makes a film another film: the program, the scene, the files that its pictures come from, and how it is drawn.
 
 use super::error::FilmError;
 use super::settings::PictureSettings;
+use crate::frames::{TimeScale, ccsds_time};
+use crate::play::error::PlayError;
+use crate::play::scene_files::{SceneFile, scene_files};
 use crate::scene::Scene;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+
+/// Most files that a message names of each kind of change.
+const MOST_NAMED: usize = 5;
+/// Most characters of a name in a message.
+const NAME_CHARS: usize = 80;
 
 /// What a film is known by. Frames of two films that are alike in this are the same on one machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,7 +26,9 @@ pub struct FilmKey {
     pub program: String,
     /// BLAKE3 of the scene's text.
     pub scene_blake3: String,
-    /// What the scene names.
+    /// The instant of frame 0, TAI: a scene may leave it to the clock, or to the file of its satellite.
+    pub start_tai: String,
+    /// The files that its pictures come from.
     pub inputs: Vec<Input>,
     /// Width and height, pixels.
     pub size: [u32; 2],
@@ -24,10 +36,12 @@ pub struct FilmKey {
     pub pictures: PictureSettings,
 }
 
-/// A file that a scene names.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+/// A file that pictures come from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Input {
+    /// The scene's key that leads to it.
+    pub key: String,
     /// Its name, without folders: a film may be gone on with elsewhere.
     pub file: String,
     /// BLAKE3 of its bytes.
@@ -35,23 +49,19 @@ pub struct Input {
 }
 
 impl FilmKey {
-    /// The film of a scene file with pictures of this size. Reads the files that the scene names.
+    /// The film of a scene, made ready, with pictures of this size. Reads all files that its pictures come from.
     ///
     /// # Errors
-    /// A file that cannot be read any more.
+    /// A file that cannot be found, or not be read any more.
     pub fn new(
         scene: &Scene,
         size: (u32, u32),
         pictures: PictureSettings,
-    ) -> Result<Self, FilmError> {
-        let mut inputs = Vec::new();
-        for path in files_of(scene)? {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            inputs.push(Input {
-                file: name.into_owned(),
-                blake3: checksum_of(&path)?,
-            });
-        }
+    ) -> Result<Self, PlayError> {
+        let inputs = scene_files(scene)?
+            .par_iter()
+            .map(Input::of)
+            .collect::<Result<_, _>>()?;
         Ok(Self {
             program: concat!("terrella ", env!("CARGO_PKG_VERSION")).to_owned(),
             // The built-in scene has no file, and is the program's.
@@ -59,6 +69,7 @@ impl FilmKey {
                 true => checksum_of(&scene.path)?,
                 false => checksum(scene.full_summary().as_bytes()),
             },
+            start_tai: ccsds_time(scene.time.start, TimeScale::Tai),
             inputs,
             size: size.into(),
             pictures,
@@ -68,99 +79,111 @@ impl FilmKey {
     /// How another film differs, in words; `None` where it is the same.
     pub fn differences(&self, found: &Self) -> Option<String> {
         let mut words = Vec::new();
-        if self.program != found.program {
-            words.push(format!(
-                "it was drawn by {}, this is {}",
-                found.program, self.program
-            ));
-        }
+        words.extend(self.program_difference(&found.program));
         if self.scene_blake3 != found.scene_blake3 {
             words.push("the scene has changed".to_owned());
         }
-        let changed = self
-            .inputs
-            .iter()
-            .filter(|input| !found.inputs.contains(input));
-        let names: Vec<_> = changed.map(|input| input.file.as_str()).collect();
-        if !names.is_empty() {
-            words.push(format!(
-                "what the scene names has changed ({})",
-                names.join(", ")
-            ));
-        } else if self.inputs.len() != found.inputs.len() {
-            words.push("the scene named other files".to_owned());
+        if self.start_tai != found.start_tai {
+            let (before, now) = (shown(&found.start_tai), &self.start_tai);
+            words.push(format!("it begins at {before} TAI, this at {now}"));
         }
-        let [[w, h], [old_w, old_h]] = [self.size, found.size];
+        words.extend(input_differences(&self.inputs, &found.inputs));
         if self.size != found.size {
+            let [[w, h], [old_w, old_h]] = [self.size, found.size];
             words.push(format!(
                 "its pictures have {old_w} × {old_h} pixels, these {w} × {h}"
             ));
         }
-        let settings = [
-            ("--format", self.pictures.format != found.pictures.format),
-            ("--alpha", self.pictures.alpha != found.pictures.alpha),
-            (
-                "--supersample",
-                self.pictures.supersample != found.pictures.supersample,
-            ),
-            (
-                "--shutter or --subframes",
-                self.pictures.shutter != found.pictures.shutter,
-            ),
-        ];
-        for (name, _) in settings.iter().filter(|(_, differs)| *differs) {
-            words.push(format!("it was drawn with another {name}"));
-        }
+        let options = self.pictures.differences(&found.pictures);
+        words.extend(options.map(|name| format!("it was drawn with another {name}")));
         (!words.is_empty()).then(|| words.join("; "))
     }
+
+    /// How another program differs, in words.
+    pub(super) fn program_difference(&self, found: &str) -> Option<String> {
+        let (before, now) = (shown(found), &self.program);
+        (found != now).then(|| format!("it was drawn by {before}, this is {now}"))
+    }
 }
 
-/// The files that a scene names, in the order of its keys; of a folder those directly in it, of a pack its manifest, which holds the
-/// checksums of its tiles.
-fn files_of(scene: &Scene) -> Result<Vec<PathBuf>, FilmError> {
-    let mut files = Vec::new();
-    files.extend(scene.time.orientation.clone());
-    files.extend(scene.orbits.iter().filter_map(|orbit| orbit.file.clone()));
-    if let Some(folder) = &scene.earth.textures {
-        files.extend(files_in(folder)?);
+impl Input {
+    fn of(file: &SceneFile) -> Result<Self, FilmError> {
+        let name = file.path.file_name().unwrap_or_default();
+        Ok(Self {
+            key: file.key.to_owned(),
+            file: name.to_string_lossy().into_owned(),
+            blake3: checksum_of(&file.path)?,
+        })
     }
-    if let Some(pack) = &scene.earth.pack {
-        files.push(pack.folder.join("pack.toml"));
+
+    /// Its name and key, for a message: they may come from a page that another program has changed.
+    fn shown(&self) -> String {
+        format!("{} ({})", shown(&self.file), shown(&self.key))
     }
-    let relief = scene.earth.relief.iter();
-    files.extend(relief.flat_map(|relief| relief.elevation.clone()));
-    if let Some(folder) = &scene.sky.folder {
-        files.extend(files_in(folder)?);
-    }
-    files.extend(scene.quality.ladder.clone());
-    Ok(files)
 }
 
-fn files_in(folder: &Path) -> Result<Vec<PathBuf>, FilmError> {
-    let unreadable = |source| FilmError::Input {
-        path: folder.to_owned(),
-        source,
+/// How the files of two films differ, in words. Files of one name in different folders are told apart by their order.
+fn input_differences(now: &[Input], before: &[Input]) -> Vec<String> {
+    let (now, before) = (numbered(now), numbered(before));
+    let only_in = |some: &Numbered<'_>, others: &Numbered<'_>| {
+        let others = others.clone();
+        let missing = some.iter().filter(|(name, _)| !others.contains_key(*name));
+        missing.map(|(_, input)| input.shown()).collect::<Vec<_>>()
     };
-    let mut files = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
-        let path = entry.map_err(unreadable)?.path();
-        if path.is_file() {
-            files.push(path);
-        }
+    let both = now
+        .iter()
+        .filter_map(|(name, input)| Some((input, before.get(name)?)));
+    let changed = both.filter(|(now, before)| now.blake3 != before.blake3);
+    let kinds = [
+        ("changed", changed.map(|(input, _)| input.shown()).collect()),
+        ("new", only_in(&now, &before)),
+        ("missing", only_in(&before, &now)),
+    ];
+    let told = kinds.into_iter().filter(|(_, names)| !names.is_empty());
+    told.map(|(how, names)| file_words(how, &names)).collect()
+}
+
+/// Files by their keys, their names and their numbers among those that are alike in both.
+type Numbered<'i> = BTreeMap<(&'i str, &'i str, usize), &'i Input>;
+
+fn numbered(inputs: &[Input]) -> Numbered<'_> {
+    let mut numbered = BTreeMap::new();
+    for input in inputs {
+        let alike = (1..).map(|n| (&*input.key, &*input.file, n));
+        let free = alike.into_iter().find(|name| !numbered.contains_key(name));
+        numbered.extend(free.map(|name| (name, input)));
     }
-    files.sort();
-    Ok(files)
+    numbered
+}
+
+fn file_words(how: &str, names: &[String]) -> String {
+    let named = names[..names.len().min(MOST_NAMED)].join(", ");
+    match names.len().saturating_sub(MOST_NAMED) {
+        0 => format!("{how} files: {named}"),
+        more => format!("{how} files: {named} and {more} more"),
+    }
+}
+
+/// A text of a page in a message: without control characters, and of bounded length.
+fn shown(text: &str) -> String {
+    let text: String = text.chars().take(NAME_CHARS).collect();
+    text.escape_debug().to_string()
 }
 
 fn checksum_of(path: &Path) -> Result<String, FilmError> {
-    let mut hasher = blake3::Hasher::new();
-    File::open(path)
-        .and_then(|mut file| io::copy(&mut file, &mut hasher))
-        .map_err(|source| FilmError::Input {
-            path: path.to_owned(),
-            source,
-        })?;
-    Ok(hasher.finalize().to_hex().to_string())
+    let read = || {
+        // Opening a pipe would wait for its writer, and a device may have no end.
+        if !std::fs::metadata(path)?.is_file() {
+            return Err(io::Error::other("it is not a regular file"));
+        }
+        let mut hasher = blake3::Hasher::new();
+        hasher.update_reader(File::open(path)?)?;
+        Ok(hasher.finalize().to_hex().to_string())
+    };
+    read().map_err(|source| FilmError::Input {
+        path: path.to_owned(),
+        source,
+    })
 }
 
 /// BLAKE3 of bytes, in hexadecimal digits.
@@ -189,7 +212,17 @@ mod tests {
         let words = |size| key(size).differences(&before).expect("another film");
         assert!(words((80, 36)).contains("64 × 36 pixels, these 80 × 36"));
         std::fs::write(root.path().join("a.tle"), format!("{elements}\n")).expect("writes");
-        assert!(words((64, 36)).contains("(a.tle)"), "{}", words((64, 36)));
+        let changed = words((64, 36));
+        assert_eq!(changed, "changed files: a.tle (orbit.file)");
+        let later = FilmKey {
+            start_tai: "2030-01-01T00:00:37.000".into(),
+            ..key((64, 36))
+        };
+        let moved = later.differences(&key((64, 36))).expect("another");
+        assert_eq!(
+            moved,
+            "it begins at 2018-01-15T12:00:37.000 TAI, this at 2030-01-01T00:00:37.000"
+        );
         std::fs::write(&path, format!("{text}# more\n")).expect("writes");
         assert!(words((64, 36)).contains("the scene has changed"));
         let older = FilmKey {
@@ -201,5 +234,47 @@ mod tests {
             words.contains("by terrella 0.0.9, this is terrella "),
             "{words}"
         );
+    }
+
+    fn input(file: &str, blake3: &str) -> Input {
+        Input {
+            key: "earth.cloud_maps".into(),
+            file: file.into(),
+            blake3: blake3.into(),
+        }
+    }
+
+    /// Two folders have a file of one name each: their order tells them apart.
+    #[test]
+    fn files_of_one_name_are_not_exchanged() {
+        let before = [input("x.png", "1"), input("x.png", "2")];
+        let now = [input("x.png", "2"), input("x.png", "1")];
+        assert!(input_differences(&before, &before).is_empty());
+        let words = input_differences(&now, &before);
+        assert_eq!(
+            words,
+            ["changed files: x.png (earth.cloud_maps), x.png (earth.cloud_maps)"]
+        );
+    }
+
+    #[test]
+    fn new_and_missing_files_are_named_and_many_are_counted() {
+        let many: Vec<_> = (0..7)
+            .map(|n| input(&format!("{n}\u{1b}.png"), "1"))
+            .collect();
+        let words = input_differences(&many, &[input("a", "1")]);
+        assert_eq!(words.len(), 2, "{words:?}");
+        assert!(words[0].starts_with("new files: 0\\u{1b}.png (earth.cloud_maps), "));
+        assert!(words[0].ends_with("4\\u{1b}.png (earth.cloud_maps) and 2 more"));
+        assert_eq!(words[1], "missing files: a (earth.cloud_maps)");
+        let long = input_differences(&[], &[input(&"a".repeat(10_000), "1")]);
+        assert!(long[0].len() < 200, "{long:?}");
+    }
+
+    #[test]
+    fn what_is_no_regular_file_is_not_waited_for() {
+        let root = tempfile::tempdir().expect("a folder");
+        let error = checksum_of(root.path()).expect_err("a folder");
+        assert!(error.to_string().contains("regular file"), "{error}");
     }
 }

@@ -1,14 +1,16 @@
 //! Films as folders of frames: numbered pictures, and a page that says what each of them is.
 //!
 //! A folder of frames can be left and gone on with: its page, `frames.json`, names the film that it holds and every frame that is
-//! done, with a checksum, and is good JSON at any moment, also where the program is killed.
+//! done, with a checksum, and is good JSON at any moment, also where the program is killed. Of one that is cut all the same, its entries up to
+//! the cut are kept.
 //!
 //! | file | what |
 //! |---|---|
 //! | `range` | which frames are wanted |
-//! | `key` | what makes a film another film: program, scene, what the scene names, settings |
+//! | `key` | what makes a film another film: program, scene, the files that its pictures come from, settings |
 //! | `folder` | names of frames, and one run at a time in a folder |
 //! | `page` | `frames.json`: written frame by frame, read again |
+//! | `page_text` | its text in parts, also where it is cut off |
 //! | `record` | what the page says of a frame |
 //! | `settings` | how pictures are made and kept |
 //! | `frames` | draws the frames of a scene's film, in any order |
@@ -24,6 +26,7 @@ mod folder;
 mod frames;
 mod key;
 mod page;
+mod page_text;
 mod painter;
 mod picture;
 mod range;

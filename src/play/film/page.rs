@@ -7,6 +7,7 @@
 use super::error::FilmError;
 use super::folder::FrameFolder;
 use super::key::{FilmKey, checksum};
+use super::page_text::{BEFORE_FRAMES, END, PageText};
 use super::record::FrameRecord;
 use crate::frames::{Epoch, TimeScale, ccsds_time};
 use crate::play::error::PlayError;
@@ -14,7 +15,6 @@ use crate::play::output::{OutputError, PendingFile};
 use crate::scene::Scene;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use serde_json::value::RawValue;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -25,8 +25,6 @@ use std::path::{Path, PathBuf};
 const NAME: &str = "frames.json";
 /// What kind of file it is.
 const FORMAT: &str = "terrella frames 1";
-/// What ends the list of frames, and the document.
-const END: &str = "\n  ]\n}\n";
 /// Most bytes of an entry, and of all that is before the first.
 const MAX_ENTRY_BYTES: u64 = 1 << 10;
 const MAX_HEAD_BYTES: u64 = 16 << 20;
@@ -78,6 +76,8 @@ pub struct KeptFrames {
     pub entries: BTreeMap<u64, String>,
     /// The adapter that drew last; `None` where no frame is kept.
     pub adapter: Option<String>,
+    /// Whether the page is cut off or damaged and must be written anew, also where no frame is missing.
+    pub is_cut: bool,
 }
 
 /// The page of a film that is being written.
@@ -94,7 +94,7 @@ pub struct FilmPage {
 
 impl FilmPage {
     /// The frames of an earlier run of this film that are whole, as their entries; of those in `wanted` the bytes are read, of others the
-    /// length.
+    /// length. A page that is cut off keeps its entries up to the cut.
     ///
     /// # Errors
     /// A folder that holds another film, or something else.
@@ -109,94 +109,48 @@ impl FilmPage {
             path: path.clone(),
             problem,
         };
-        let limit = MAX_HEAD_BYTES + frame_count.saturating_mul(MAX_ENTRY_BYTES);
-        let mut text = String::new();
-        match File::open(&path) {
-            Ok(file) => file
-                .take(limit + 1)
-                .read_to_string(&mut text)
-                .map_err(|error| bad(error.to_string()))?,
+        let text = match read_text(&path, frame_count) {
+            Ok(text) => text,
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                // Nothing but our lock is nothing.
-                let mut entries =
-                    std::fs::read_dir(folder.folder()).map_err(|error| bad(error.to_string()))?;
-                return match entries.any(|entry| {
-                    entry.is_ok_and(|entry| {
-                        !entry.file_name().to_string_lossy().starts_with(".terrella")
-                    })
-                }) {
-                    true => Err(FilmError::NoFilm {
-                        path: folder.folder().into(),
-                    }),
-                    false => Ok(KeptFrames::default()),
-                };
+                return nothing_kept(folder.folder());
             }
             Err(error) => return Err(bad(error.to_string())),
         };
-        if text.len() as u64 > limit {
-            return Err(bad(format!(
-                "is longer than a film of {frame_count} frames asks for"
-            )));
-        }
-        let page: BTreeMap<String, Box<RawValue>> = serde_json::from_str(&text)
-            .map_err(|error| bad(format!("is no page of frames: {error}")))?;
-        let of = |name: &str| {
-            let value = page.get(name).map(|value| value.get());
-            value.ok_or_else(|| bad(format!("is no page of frames: it has no {name}")))
+        let page = PageText::read(&text).map_err(|error| {
+            bad(format!(
+                "is no page of frames, or its beginning is cut off: {error}"
+            ))
+        })?;
+        let head = |name: &str| {
+            let no_page = || bad(format!("is no page of frames: it has no {name}"));
+            page.head(name).ok_or_else(no_page)
         };
-        if serde_json::from_str::<String>(of("format")?)
-            .ok()
-            .as_deref()
-            != Some(FORMAT)
-        {
-            return Err(bad(format!(
-                "its format is {} and not {FORMAT:?}",
-                of("format")?
-            )));
+        let format = head("format")?;
+        if serde_json::from_str::<String>(format).ok().as_deref() != Some(FORMAT) {
+            let format: String = format.chars().take(80).collect();
+            return Err(bad(format!("its format is {format} and not {FORMAT:?}")));
         }
-        let other = |differences| FilmError::OtherFilm {
-            path: folder.folder().into(),
-            differences,
-        };
-        // The program first: another version may know other settings.
-        let found: serde_json::Value =
-            serde_json::from_str(of("film")?).map_err(|error| bad(error.to_string()))?;
-        if let Some(program) = found["program"]
-            .as_str()
-            .filter(|program| *program != film.program)
-        {
-            return Err(other(format!(
-                "it was drawn by {program}, this is {}",
-                film.program
-            )));
+        if let Some(differences) = differences(film, head("film")?).map_err(bad)? {
+            return Err(FilmError::OtherFilm {
+                path: folder.folder().into(),
+                differences,
+            });
         }
-        let found: FilmKey =
-            serde_json::from_value(found).map_err(|error| bad(error.to_string()))?;
-        if let Some(differences) = film.differences(&found) {
-            return Err(other(differences));
+        let adapter = serde_json::from_str(head("adapter")?).ok();
+        let entries: BTreeMap<u64, String> = page
+            .entries
+            .into_par_iter()
+            .filter_map(|entry| Some((whole_frame(folder, &entry, frame_count, wanted)?, entry)))
+            .collect();
+        if page.is_cut {
+            let (path, kept) = (path.display(), entries.len());
+            tracing::warn!(
+                "{path}: is cut off or damaged; {kept} frames that it still names are kept, and all others are drawn again"
+            );
         }
-        let entries: Vec<Box<RawValue>> =
-            serde_json::from_str(of("frames")?).map_err(|error| bad(error.to_string()))?;
-        let kept = entries.par_iter().filter_map(|entry| {
-            let record: FrameRecord = serde_json::from_str(entry.get()).ok()?;
-            let is_ours = record.index < frame_count && record.file == folder.name(record.index);
-            let is_whole = is_ours && {
-                let path = folder.path(record.index);
-                match wanted.contains(&record.index) {
-                    true => {
-                        std::fs::read(&path).is_ok_and(|bytes| checksum(&bytes) == record.blake3)
-                    }
-                    false => {
-                        std::fs::metadata(&path).is_ok_and(|found| found.len() == record.bytes)
-                    }
-                }
-            };
-            is_whole.then(|| (record.index, entry.get().to_owned()))
-        });
-        let entries: BTreeMap<_, _> = kept.collect();
-        let adapter = serde_json::from_str(of("adapter")?).ok();
         Ok(KeptFrames {
             adapter: adapter.filter(|_| !entries.is_empty()),
+            is_cut: page.is_cut,
             entries,
         })
     }
@@ -259,7 +213,8 @@ impl FilmPage {
 
     fn write_at_end(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.file.seek(SeekFrom::Start(self.end_at))?;
-        self.file.write_all(bytes)
+        self.file.write_all(bytes)?;
+        self.file.sync_data()
     }
 
     /// All frames that were wanted are there: brings them into their order.
@@ -272,6 +227,71 @@ impl FilmPage {
     }
 }
 
+/// The text of a page of so many frames, as far as it is text.
+fn read_text(path: &Path, frame_count: u64) -> io::Result<String> {
+    let limit = MAX_HEAD_BYTES + frame_count.saturating_mul(MAX_ENTRY_BYTES);
+    let mut bytes = Vec::new();
+    File::open(path)?.take(limit + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > limit {
+        let problem = format!("is longer than a film of {frame_count} frames needs");
+        return Err(io::Error::other(problem));
+    }
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// A folder without a page: nothing is kept, and nothing but our own lock may be in it.
+fn nothing_kept(folder: &Path) -> Result<KeptFrames, FilmError> {
+    let unreadable = |error: io::Error| FilmError::BadPage {
+        path: folder.into(),
+        problem: error.to_string(),
+    };
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        let name = entry.map_err(unreadable)?.file_name();
+        if !name.to_string_lossy().starts_with(".terrella") {
+            return Err(FilmError::NoFilm {
+                path: folder.into(),
+            });
+        }
+    }
+    Ok(KeptFrames::default())
+}
+
+/// How the film of a page, as JSON, differs from this one.
+///
+/// # Errors
+/// What is no film, in words.
+fn differences(film: &FilmKey, found: &str) -> Result<Option<String>, String> {
+    let found: serde_json::Value =
+        serde_json::from_str(found).map_err(|error| error.to_string())?;
+    // The program first: another version may know other settings.
+    let program = found["program"].as_str();
+    if let Some(words) = program.and_then(|program| film.program_difference(program)) {
+        return Ok(Some(words));
+    }
+    let found: FilmKey = serde_json::from_value(found)
+        .map_err(|error| format!("was written by another build of terrella: {error}"))?;
+    Ok(film.differences(&found))
+}
+
+/// The number of an entry's frame, if it is of this film and its file is whole.
+fn whole_frame(
+    folder: &FrameFolder,
+    entry: &str,
+    frame_count: u64,
+    wanted: &Range<u64>,
+) -> Option<u64> {
+    let record: FrameRecord = serde_json::from_str(entry).ok()?;
+    if record.index >= frame_count || record.file != folder.name(record.index) {
+        return None;
+    }
+    let path = folder.path(record.index);
+    let is_whole = match wanted.contains(&record.index) {
+        true => std::fs::read(&path).is_ok_and(|bytes| checksum(&bytes) == record.blake3),
+        false => std::fs::metadata(&path).is_ok_and(|found| found.len() == record.bytes),
+    };
+    is_whole.then_some(record.index)
+}
+
 /// Writes a page as a new file. Answers it, and where [`END`] stands in it.
 fn write_anew(
     path: &Path,
@@ -279,7 +299,7 @@ fn write_anew(
     entries: &BTreeMap<u64, String>,
 ) -> Result<(File, u64), OutputError> {
     let head = head.trim_end().trim_end_matches('}').trim_end();
-    let mut text = format!("{head},\n  \"frames\": [");
+    let mut text = format!("{head}{BEFORE_FRAMES}");
     for (n, entry) in entries.values().enumerate() {
         text.push_str(separator(n));
         text.push_str(entry);
@@ -297,5 +317,72 @@ fn separator(before: usize) -> &'static str {
     match before {
         0 => "\n    ",
         _ => ",\n    ",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::folder::Existing;
+    use super::super::settings::PictureSettings;
+    use super::*;
+    use crate::EyeView;
+    use glam::DVec3;
+
+    const FRAMES: u64 = 3;
+
+    /// A film of three frames and its page, in the order of 0, 2, 1 until it is finished.
+    fn write_film(folder: &FrameFolder, film: &FilmKey, scene: &Scene) {
+        let start = scene.time.start;
+        let head = PageHead::new(scene, start, film.clone(), "an adapter".to_owned());
+        let mut page = FilmPage::begin(folder, &head, BTreeMap::new()).expect("begins");
+        let view = EyeView::itrf(DVec3::X, DVec3::Y, DVec3::Z, 1.0, 1.0);
+        for index in [0, 2, 1] {
+            let picture = [index as u8; 9];
+            let file = folder.pending(index).expect("begins");
+            file.write_whole(&picture).expect("writes");
+            page.add(&FrameRecord {
+                file: folder.name(index),
+                bytes: 9,
+                blake3: checksum(&picture),
+                ..FrameRecord::new(index, start, start, &view, 0.0)
+            })
+            .expect("adds");
+        }
+    }
+
+    /// Cut at every byte, and with what a power failure may leave behind the cut.
+    #[test]
+    fn a_page_cut_anywhere_keeps_the_entries_before_the_cut() {
+        let root = tempfile::tempdir().expect("a folder");
+        let scene = Scene::from_toml("[camera]\nmode = \"geodetic\"", &root.path().join("a.toml"));
+        let scene = scene.expect("a good scene");
+        let film = FilmKey::new(&scene, (64, 36), PictureSettings::default()).expect("a film");
+        let folder = root.path().join("f");
+        let folder = FrameFolder::open(&folder, FRAMES, "png", Existing::Resume).expect("made");
+        write_film(&folder, &film, &scene);
+        let path = folder.folder().join(NAME);
+        let whole = std::fs::read(&path).expect("reads");
+        let kept = || FilmPage::read_kept(&folder, &film, FRAMES, &(0..FRAMES));
+        assert_eq!(kept().expect("whole").entries.len(), 3);
+        let text = std::str::from_utf8(&whole).expect("text");
+        let list = text.find(BEFORE_FRAMES).expect("a list") + BEFORE_FRAMES.len();
+        let ends = [0, 2, 1].map(|index| {
+            let name = text.find(&folder.name(index)).expect("an entry");
+            name + text[name..].find("}}").expect("its end") + 2
+        });
+        for length in 0..text.trim_end().len() {
+            for tail in [&b""[..], b"\0\0\0\0", b"\xff\xfe{"] {
+                std::fs::write(&path, [&whole[..length], tail].concat()).expect("writes");
+                if length < list {
+                    let error = kept().expect_err("no film is known").to_string();
+                    assert!(error.contains("--overwrite"), "{length}: {error}");
+                    continue;
+                }
+                let kept = kept().unwrap_or_else(|error| panic!("{length}: {error}"));
+                let before = ends.iter().filter(|end| length >= **end).count();
+                assert_eq!(kept.entries.len(), before, "{length} {tail:?}");
+                assert!(kept.is_cut);
+            }
+        }
     }
 }

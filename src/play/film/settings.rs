@@ -63,6 +63,18 @@ impl PictureSettings {
             || self.supersample.is_some_and(|n| n > 1)
     }
 
+    /// The options by which others differ.
+    pub fn differences(&self, other: &Self) -> impl Iterator<Item = &'static str> {
+        let options = [
+            ("--format", self.format != other.format),
+            ("--alpha", self.alpha != other.alpha),
+            ("--supersample", self.supersample != other.supersample),
+            ("--shutter or --subframes", self.shutter != other.shutter),
+        ];
+        let differing = options.into_iter().filter(|(_, differs)| *differs);
+        differing.map(|(name, _)| name)
+    }
+
     /// N of N × N pixels, for a scene with so many samples a pixel.
     pub fn pixels_a_side(&self, samples: u32) -> u32 {
         // As many samples as the scene asks for, each with its own light.

@@ -10,7 +10,6 @@ use crate::play::clock::frame_epoch;
 use crate::play::error::PlayError;
 use crate::play::flight::Flight;
 use crate::play::output::OutputError;
-use crate::scene::Scene;
 use std::ops::Range;
 use std::path::Path;
 
@@ -40,20 +39,16 @@ pub struct FilmRequest<'r> {
 }
 
 impl SharedFolder {
-    /// Takes the folder. `scene` is the scene as its file says it, `flight` the same made ready.
+    /// Takes the folder.
     ///
     /// # Errors
     /// Frames that the film does not have; a folder that cannot be written to, holds something else or belongs to another run.
-    pub fn open(
-        scene: &Scene,
-        flight: &Flight,
-        request: &FilmRequest<'_>,
-    ) -> Result<Self, PlayError> {
+    pub fn open(flight: &Flight, request: &FilmRequest<'_>) -> Result<Self, PlayError> {
         let frame_count = flight.scene().time.frame_count();
         let wanted = request.range.of(frame_count)?;
         let ending = request.pictures.format.ending();
         let folder = FrameFolder::open(request.folder, frame_count, ending, request.existing)?;
-        let film = FilmKey::new(scene, request.size, request.pictures)?;
+        let film = FilmKey::new(flight.scene(), request.size, request.pictures)?;
         let kept = match request.existing {
             Existing::Resume => FilmPage::read_kept(&folder, &film, frame_count, &wanted)?,
             Existing::Refuse | Existing::Overwrite => KeptFrames::default(),
@@ -143,8 +138,12 @@ impl SharedFolder {
     ///
     /// # Errors
     /// A page that cannot be written; files that cannot be taken away.
-    pub fn finish(&mut self) -> Result<(), PlayError> {
+    pub fn finish(&mut self, flight: &Flight) -> Result<(), PlayError> {
         self.folder.remove_unfinished()?;
+        if self.page.is_none() && self.kept.is_cut {
+            let adapter = self.kept.adapter.clone().unwrap_or_default();
+            self.begin(flight, &adapter)?;
+        }
         self.page.as_ref().map_or(Ok(()), FilmPage::finish)
     }
 }

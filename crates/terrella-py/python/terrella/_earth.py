@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from . import _native
+from . import _native, _whole
 
 
 def _textures(folder):
@@ -47,7 +47,7 @@ class Frame:
         unfinished = path.with_name(path.name + f".{os.getpid()}.part")
         try:
             unfinished.write_bytes(self.png())
-            unfinished.replace(path)
+            _whole.replace(unfinished, path)
         finally:
             unfinished.unlink(missing_ok=True)
 

@@ -7,6 +7,8 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+from . import _whole
+
 
 def _checked(path, size, frame_rate_hz, crf):
     """The program ffmpeg; refuses what it would not make a film of."""
@@ -54,7 +56,7 @@ def encode_frames(path, folder, first, count, frame_rate_hz, *, crf=18):
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
         if ran.returncode != 0 or not unfinished.exists():
             raise _native.Error(f"{path}: ffmpeg failed ({ran.returncode}): {ran.stderr.decode(errors='replace').strip()[-500:]}")
-        unfinished.replace(path)
+        _whole.replace(unfinished, path)
     finally:
         unfinished.unlink(missing_ok=True)
 
@@ -109,7 +111,7 @@ class Film:
             self._fail()
         self._ffmpeg = None
         self._errors.close()
-        self._unfinished.replace(self._path)
+        _whole.replace(self._unfinished, self._path)
 
     def _fail(self):
         from . import _native

@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
 
+from .. import _whole
 from ._report import FarmError
 
 # What a run has of its own in the folder that it writes to.
@@ -52,10 +53,10 @@ class Hashed:
 
 
 @contextlib.contextmanager
-def pending(path: Path, *, prefix: str = ".terrella-", durable: bool = False) -> Iterator[tuple[Hashed, list]]:
+def pending(path: Path, *, prefix: str = ".terrella-", durable: bool = True) -> Iterator[tuple[Hashed, list]]:
     """A file under a temporary name beside its own, which it gets when all went well. What is put into the list is called before that.
 
-    `durable`: it outlives a fall of the machine.
+    `durable`: it outlasts a power failure.
     """
     handle, name = tempfile.mkstemp(prefix=prefix, suffix=".part", dir=path.parent)
     before: list = []
@@ -65,25 +66,19 @@ def pending(path: Path, *, prefix: str = ".terrella-", durable: bool = False) ->
         with os.fdopen(handle, "wb") as file:
             hashed = Hashed(file)
             yield hashed, before
-            file.flush()
-            if durable:
-                os.fsync(file.fileno())
         for call in before:
             call()
-        os.replace(name, path)
+        if durable:
+            _whole.replace(name, path)
+        else:
+            os.replace(name, path)
     except BaseException:
         with contextlib.suppress(OSError):
             os.unlink(name)
         raise
-    if durable and os.name == "posix":
-        folder = os.open(path.parent, os.O_RDONLY)
-        try:
-            os.fsync(folder)
-        finally:
-            os.close(folder)
 
 
-def write_whole(path: Path, contents: bytes, *, prefix: str = ".terrella-", durable: bool = False) -> None:
+def write_whole(path: Path, contents: bytes, *, prefix: str = ".terrella-", durable: bool = True) -> None:
     """Writes a file: it is complete or not there."""
     with pending(path, prefix=prefix, durable=durable) as (file, _):
         file.write(contents)

@@ -58,7 +58,7 @@ class WebDataset:
     def write(self, out: Path, part: dict, adapter: str, samples: Samples, note: Note) -> dict:
         number = part["shard"]
         shard: dict = {}
-        with _files.pending(self.path(out, number), durable=True) as (file, before):
+        with _files.pending(self.path(out, number)) as (file, before):
             with tarfile.open(fileobj=file, mode="w|", format=tarfile.USTAR_FORMAT) as tar:
                 for index, known, color, layers in samples:
                     _add(tar, f"{index:09}.png", _native.png(color))
@@ -137,12 +137,13 @@ class Zarr:
         number = part["shard"]
         shard: dict = {}
         total = 0
-        with _files.pending(self.path(out, number), durable=True) as (page, before):
+        with _files.pending(self.path(out, number)) as (page, before):
             for index, known, color, layers in samples:
                 chunks = {}
                 for name, values in {"color": color[..., :3], **layers}.items():
                     chunk = f"{name}/{index}" + ".0" * (np.ndim(values) if name == "color" or np.ndim(values) == 3 else 2)
-                    with _files.pending(out / chunk) as (file, _):
+                    # Chunks are many and small. One that a power failure takes is found by its checksum, and its shard made again.
+                    with _files.pending(out / chunk, durable=False) as (file, _):
                         file.write(np.ascontiguousarray(values).tobytes())
                     chunks[chunk] = (file.bytes, file.sha256)
                     total += file.bytes

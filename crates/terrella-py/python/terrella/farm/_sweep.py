@@ -81,11 +81,11 @@ def sweep(
     if unknown or len(set(layers)) != len(layers):
         raise ValueError(f"layers: {', '.join(unknown) or 'one is named twice'}; there are {', '.join(known)}, each once")
     _run.checked_retries(retries)
-    key = json.loads(_native.scene_key(scene))
+    maps = _textures(textures)
+    key = json.loads(_native.scene_key(scene, maps))
     given = {"place": place, "height_m": height_m, "heading_deg": heading_deg, "pitch_deg": pitch_deg, "fov_deg": fov_deg, "time": time,
              "exposure_ev": exposure_ev}
     distributions = {name: as_distribution(value, name) for name, value in given.items() if value is not None}
-    maps = _textures(textures)
     if time is None:
         distributions["time"] = _dates_of(scene, maps)
     expected = _worker.expected_inputs(scene, maps)
@@ -243,7 +243,7 @@ def _calls(definition: dict, part: dict, kept: set[int]) -> Iterator[Call]:
 def _write_manifest(out: Path, definition: dict, shards: dict, *, complete: bool) -> None:
     ordered = [shards[number] for number in sorted(shards)]
     text = json.dumps({**definition, "complete": complete, "shards": ordered}, indent=1, ensure_ascii=False)
-    _files.write_whole(out / MANIFEST, text.encode() + b"\n", durable=True)
+    _files.write_whole(out / MANIFEST, text.encode() + b"\n")
 
 
 def draw_part(part: dict) -> dict:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import functools
 import hashlib
+import json
 import os
 import pickle
 import queue
@@ -59,27 +60,13 @@ def name() -> str:
     return f"{socket.gethostname()}:{os.getpid()}"
 
 
-@functools.lru_cache(maxsize=4)
-def maps_digest(folder: str) -> str:
-    """SHA-256 of a folder of maps, names and contents."""
-    digest = hashlib.sha256()
-    for path in sorted(Path(folder).iterdir()):
-        if path.is_file() and path.suffix != ".md":
-            digest.update(f"{path.name} {path.stat().st_size}\n".encode())
-            digest.update(path.read_bytes())
-    return digest.hexdigest()
-
-
 def check_inputs(argument: dict) -> Path:
     """The folder of maps that this worker draws with. Refuses to draw another scene, or with other maps or another version, than was meant."""
     from .._earth import _textures
 
     textures = _textures(argument["textures"])
-    found = {
-        "version of terrella": _native.__version__,
-        "scene": _file_digest(argument["scene"]),
-        "maps": maps_digest(str(textures)),
-    }
+    scene, expected_json = argument["scene"], json.dumps(argument["expected"], sort_keys=True)
+    found = {**_inputs_of_run(scene, str(textures), expected_json), "scene": _file_digest(scene)}
     for what, expected in argument["expected"].items():
         if found[what] != expected:
             raise _native.SceneError(f"{argument['scene']}: on the worker {name()} the {what} is another than where the run was begun; "
@@ -88,8 +75,25 @@ def check_inputs(argument: dict) -> Path:
 
 
 def expected_inputs(scene: Path, textures: Path) -> dict:
-    """The same of the process that begins a run."""
-    return {"version of terrella": _native.__version__, "scene": _file_digest(scene), "maps": maps_digest(str(textures))}
+    """The same of the process that begins a run. Maps are all files that pictures come from but those of satellites and tables."""
+    files = json.loads(_native.scene_key(scene, textures))["inputs"]
+    is_map = [file["key"].startswith(("earth.", "sky.")) for file in files]
+    return {
+        "version of terrella": _native.__version__,
+        "scene": _file_digest(scene),
+        "maps": _digest([file for file, map_ in zip(files, is_map) if map_]),
+        "file of a satellite or table": _digest([file for file, map_ in zip(files, is_map) if not map_]),
+    }
+
+
+@functools.lru_cache(maxsize=4)
+def _inputs_of_run(scene: str, textures: str, _expected_json: str) -> dict:
+    """Read once for each run: files may be large, and a worker may live longer than a run."""
+    return expected_inputs(Path(scene), Path(textures))
+
+
+def _digest(files: list[dict]) -> str:
+    return hashlib.sha256(json.dumps(files, sort_keys=True).encode()).hexdigest()
 
 
 def _file_digest(path: Any) -> str:

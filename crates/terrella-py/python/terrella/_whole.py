@@ -1,0 +1,33 @@
+"""Files that are complete or not there, also after a power failure."""
+
+import errno
+import os
+from pathlib import Path
+
+
+def replace(unfinished, path):
+    """Gives a complete file its final name. Its data are synced before, its folder after it."""
+    # Windows syncs only what may be written to.
+    with open(unfinished, "r+b") as file:
+        os.fsync(file.fileno())
+    os.replace(unfinished, path)
+    sync_folder(Path(path).parent)
+
+
+def sync_folder(folder):
+    """Syncs the names in a folder, where the system can."""
+    if os.name != "posix":
+        return
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except OSError:
+        # It may be writable and not readable.
+        return
+    try:
+        os.fsync(handle)
+    except OSError as error:
+        # Some file systems cannot sync folders.
+        if error.errno not in (errno.EINVAL, errno.ENOTSUP):
+            raise
+    finally:
+        os.close(handle)
