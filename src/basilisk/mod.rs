@@ -17,13 +17,13 @@
 //! | see who is answered when | `server.rs`, `shared.rs` |
 //! | send a script what a user does | `keys.rs` |
 //! | play a saved simulation | `recording/`: what is held of a file (`index.rs`), and how it is played |
-//! | change limits | `message.rs` (sizes), `zmtp.rs` (frames, times), `server.rs` (connections) |
+//! | change limits | `message.rs` (sizes), `zmtp.rs` (frames, times), `orbit/connections.rs` (connections) |
 //!
 //! # Trust
 //!
 //! Endpoints are of this machine alone unless [`SimulationOptions::allow_remote`] is set. Nothing is encrypted and nobody is asked
 //! who he is. A message has at most 16 MiB, a simulation 1000 spacecraft and 262 144 states that are kept of them; four simulators
-//! may be connected. What cannot be read is counted, told once, and answered all the same.
+//! may be connected, of which a connection counts as one from its first good request on (`orbit/connections.rs`). What cannot be read is counted, told once, and answered all the same.
 
 mod attitude;
 mod camera;

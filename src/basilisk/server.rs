@@ -8,61 +8,33 @@ use super::endpoint::{Listener, Stream};
 use super::message::{MAX_MESSAGE_BYTES, viewer_input};
 use super::shared::{Session, Shared};
 use super::zmtp::{Connection, ZmtpError};
+use crate::orbit::connections::{Connections, GRACE, Standing};
 use std::cell::Cell;
+use std::io;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// How many simulators may be connected; the one silent longest makes place for a new one.
-pub const MAX_CONNECTIONS: usize = 4;
 /// How often a thread that waits for bytes looks whether all ends.
 pub const LOOK: Duration = Duration::from_millis(50);
 /// How long a peer may leave an answer unread.
 pub const WRITE: Duration = Duration::from_secs(5);
 /// How often the listening thread looks for a simulator.
 const LISTEN: Duration = Duration::from_millis(10);
-/// When all ends, how long a simulator is listened to that asks nothing at the moment.
-const GRACE: Duration = Duration::from_secs(1);
-
-/// A connection, as the listening thread sees it.
-struct Guest {
-    thread: JoinHandle<()>,
-    state: Arc<GuestState>,
-}
-
-#[derive(Default)]
-struct GuestState {
-    /// Milliseconds after the listener's start at which it asked last; 0 before it has.
-    asked_ms: AtomicU64,
-    is_asking: AtomicBool,
-    is_dismissed: AtomicBool,
-}
-
 /// Takes connections until all ends, and waits for their threads.
 pub fn listen(listener: &Listener, shared: &Arc<Shared>) {
-    let begun = Instant::now();
-    let mut guests: Vec<Guest> = Vec::new();
+    let mut connections = Connections::default();
     while !shared.is_stopped() {
-        guests.retain(|guest| !guest.thread.is_finished());
-        match listener.accept() {
-            Ok(Some(stream)) => {
-                if guests.len() >= MAX_CONNECTIONS {
-                    // The stream is dropped: its simulator comes again by itself.
-                    dismiss_one(&guests);
-                    continue;
-                }
-                let state = Arc::new(GuestState::default());
-                let (its_state, its_shared) = (Arc::clone(&state), Arc::clone(shared));
-                let body = move || serve(stream, &its_shared, &its_state, begun);
-                match Builder::new()
-                    .name("terrella-basilisk".to_owned())
-                    .spawn(body)
-                {
-                    Ok(thread) => guests.push(Guest { thread, state }),
-                    Err(error) => tracing::warn!("a simulator is turned away: {error}"),
-                }
-            }
+        connections.tidy();
+        let accepted = match connections.is_full() {
+            true => Ok(None),
+            false => listener.accept(),
+        };
+        match accepted {
+            Ok(Some(stream)) => match start(stream, shared) {
+                Ok((standing, thread)) => connections.add(standing, thread, ()),
+                Err(error) => tracing::warn!("a simulator is turned away: {error}"),
+            },
             Ok(None) => std::thread::sleep(LISTEN),
             Err(error) => {
                 tracing::debug!("a simulator did not get through: {error}");
@@ -70,26 +42,20 @@ pub fn listen(listener: &Listener, shared: &Arc<Shared>) {
             }
         }
     }
-    for guest in guests {
-        // One that panicked has said so itself.
-        let _ = guest.thread.join();
-    }
+    connections.end(|()| {});
 }
 
-/// Asks the connection to end that has asked nothing for longest; none that waits for an answer.
-fn dismiss_one(guests: &[Guest]) {
-    let idle = guests
-        .iter()
-        .filter(|guest| !guest.state.is_asking.load(Ordering::Acquire));
-    let silent = idle.min_by_key(|guest| guest.state.asked_ms.load(Ordering::Relaxed));
-    if let Some(guest) = silent {
-        guest.state.is_dismissed.store(true, Ordering::Release);
-    }
+/// Starts the thread of a connection.
+fn start(stream: Stream, shared: &Arc<Shared>) -> io::Result<(Arc<Standing>, JoinHandle<()>)> {
+    let standing = Arc::new(Standing::default());
+    let (its_standing, its_shared) = (Arc::clone(&standing), Arc::clone(shared));
+    let thread = Builder::new().name("terrella-basilisk".to_owned());
+    let thread = thread.spawn(move || serve(stream, &its_shared, &its_standing))?;
+    Ok((standing, thread))
 }
 
-fn serve(stream: Stream, shared: &Shared, state: &GuestState, begun: Instant) {
-    let now_ms = || u64::try_from(begun.elapsed().as_millis()).unwrap_or(u64::MAX);
-    let is_leaving = || shared.is_stopped() || state.is_dismissed.load(Ordering::Acquire);
+fn serve(stream: Stream, shared: &Shared, standing: &Standing) {
+    let is_leaving = || shared.is_stopped() || standing.is_dismissed();
     let connection = stream.set_timeouts(LOOK, WRITE).map_err(ZmtpError::from);
     let connection = connection.and_then(|()| {
         Connection::greet(
@@ -110,6 +76,7 @@ fn serve(stream: Stream, shared: &Shared, state: &GuestState, begun: Instant) {
     let mut attended = Attended {
         session: shared.session(),
         shared,
+        standing,
     };
     let leaves_since = Cell::new(None);
     let must_go = || {
@@ -128,11 +95,8 @@ fn serve(stream: Stream, shared: &Shared, state: &GuestState, begun: Instant) {
                 break;
             }
         };
-        state.is_asking.store(true, Ordering::Release);
-        let answered = attended.answer(&mut connection, request, &is_leaving);
-        state.asked_ms.store(now_ms(), Ordering::Relaxed);
-        state.is_asking.store(false, Ordering::Release);
-        match answered {
+        let _waiting = standing.wait();
+        match attended.answer(&mut connection, request, &is_leaving) {
             Ok(Sent::More) => {}
             Ok(Sent::Last) | Err(_) => break,
         }
@@ -151,6 +115,7 @@ enum Sent {
 struct Attended<'s> {
     session: Session,
     shared: &'s Shared,
+    standing: &'s Standing,
 }
 
 impl Drop for Attended<'_> {
@@ -185,6 +150,11 @@ impl<'r> Request<'r> {
                 None => Self::Unknown,
             },
         }
+    }
+
+    /// Whether only a simulator asks this; of an update that shows once it is read.
+    fn is_known(self) -> bool {
+        matches!(self, Self::Ping | Self::Input | Self::Image(Some(_)))
     }
 
     /// The answer that says nothing and lets the simulator go on.
@@ -264,11 +234,15 @@ impl Attended<'_> {
             stand_in: request.stand_in(frame_number),
             is_answered: false,
         };
+        if request.is_known() {
+            self.counts();
+        }
         let answer = match request {
             Request::Ping | Request::Unknown => request.stand_in(frame_number),
             Request::Input => input(frame_number, &self.shared.take_keys(&self.session)),
             Request::Update(message) => {
                 if let Ok(snapshot) = self.shared.take(&mut self.session, message) {
+                    self.counts();
                     self.shared.ask(&snapshot, None);
                 }
                 // A step that cannot be drawn is no reason to end a simulation; a user has been told.
@@ -297,6 +271,12 @@ impl Attended<'_> {
             _ => {}
         }
         result.map(|()| sent)
+    }
+
+    /// Something good has come: this is a simulator.
+    fn counts(&mut self) {
+        self.standing.took_good();
+        self.shared.enter(&mut self.session);
     }
 
     /// The picture of a camera at the instant of the session's last step; empty where there is none.

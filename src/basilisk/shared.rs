@@ -32,9 +32,9 @@ pub struct Counters {
     pub no_pictures: u64,
     /// Answers that nobody drew for in time.
     pub timed_out: u64,
-    /// Connections that were made.
+    /// Simulators that have connected. A connection counts from its first good request on.
     pub connections: u64,
-    /// Simulators that are connected now.
+    /// Of these, simulators that are connected now.
     pub connected: u64,
     /// Longest time that a step waited for its answer, microseconds.
     pub slowest_step_us: u64,
@@ -127,6 +127,8 @@ pub enum BadUpdate {
 #[derive(Debug)]
 pub struct Session {
     number: u64,
+    /// Whether it has said something good.
+    counts: bool,
     world: Option<World>,
     /// The instant of its last message.
     pub snapshot: Option<Arc<Snapshot>>,
@@ -164,21 +166,30 @@ impl Shared {
     /// A connection's beginning.
     pub fn session(&self) -> Session {
         let mut inner = self.lock();
-        inner.counters.connections += 1;
-        inner.counters.connected += 1;
         inner.next_session += 1;
         Session {
             number: inner.next_session,
+            counts: false,
             world: None,
             snapshot: None,
             frame_number: 0,
         }
     }
 
-    /// And its end.
+    /// Something good has come: from now on the connection counts.
+    pub fn enter(&self, session: &mut Session) {
+        if !std::mem::replace(&mut session.counts, true) {
+            let counters = &mut self.lock().counters;
+            counters.connections += 1;
+            counters.connected += 1;
+        }
+    }
+
+    /// A connection's end.
     pub fn leave(&self, session: &mut Session) {
         let mut inner = self.lock();
-        inner.counters.connected = inner.counters.connected.saturating_sub(1);
+        let counted = u64::from(session.counts);
+        inner.counters.connected = inner.counters.connected.saturating_sub(counted);
         inner.keys.remove(&session.number);
         if session.world.is_some() {
             inner.world = session.world.take();
@@ -216,6 +227,8 @@ impl Shared {
                 return Err(error);
             }
         };
+        // Before the step is seen: a service that ends with its simulators must not find a step and nobody connected.
+        self.enter(session);
         let snapshot = Arc::new(snapshot);
         session.snapshot = Some(Arc::clone(&snapshot));
         self.publish(session.number, &snapshot, ends_viewer);

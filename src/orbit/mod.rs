@@ -15,6 +15,8 @@
 //! integrators are our own stands in `oem/mod.rs`, `omm/mod.rs` and `numerical/integrate/mod.rs`.
 
 mod catalogue;
+#[cfg(any(feature = "basilisk", feature = "live"))]
+pub(crate) mod connections;
 pub mod constants;
 mod czml;
 mod entry;

@@ -173,6 +173,77 @@ fn a_simulator_that_is_gone_holds_nobody_up() {
     assert!(begun.elapsed() < Duration::from_secs(5));
 }
 
+/// Asks for a frame over a line of JSON, draws it, and reads the answer.
+fn ask_and_draw(feed: &LiveFeed, stream: &TcpStream, seq: u64) {
+    send_line(stream, &frame(seq, seq as f64));
+    assert_eq!(draw(feed, 1), [seq]);
+    assert_eq!(answer_line(stream)["seq"], seq);
+}
+
+#[test]
+fn connections_that_send_nothing_good_leave_a_simulator_alone() {
+    for junk in [&b""[..], b"\n", b"{\"seq\":1}\n", b"\x89TRL nothing\n"] {
+        let (feed, address) = open(lockstep(tcp()));
+        let simulator = connect(address);
+        ask_and_draw(&feed, &simulator, 1);
+        // It computes its next state: between two frames it is as silent as they are.
+        let mut others: Vec<_> = (0..6).map(|_| connect(address)).collect();
+        others
+            .iter_mut()
+            .for_each(|other| other.write_all(junk).unwrap());
+        until("all are accepted", || feed.counters().connections == 7);
+        ask_and_draw(&feed, &simulator, 2);
+        // It waits for its frame, and more come than are ever kept.
+        send_line(&simulator, &frame(3, 3.0));
+        let request = feed.wait_request(PATIENCE).unwrap();
+        others.extend((0..20).map(|_| connect(address)));
+        until("all are accepted", || feed.counters().connections == 27);
+        assert!(feed.acknowledge(&request));
+        assert_eq!(answer_line(&simulator)["seq"], 3);
+        ask_and_draw(&feed, &simulator, 4);
+    }
+}
+
+#[test]
+fn who_waits_for_a_frame_is_not_dismissed_for_simulators_that_send() {
+    let (feed, address) = open(lockstep(tcp()));
+    let simulator = connect(address);
+    send_line(&simulator, &frame(1, 1.0));
+    let request = feed.wait_request(PATIENCE).unwrap();
+    let mut others: Vec<_> = (0..6).map(|_| connect(address)).collect();
+    others
+        .iter()
+        .for_each(|other| send_line(other, &packet(1, 2.0)));
+    // Of those that wait for nothing the longest silent leaves.
+    until("2 are dismissed", || feed.counters().refused >= 2);
+    assert!(feed.acknowledge(&request));
+    assert_eq!(answer_line(&simulator)["seq"], 1);
+    assert!(matches!(others[0].read(&mut [0]), Ok(0) | Err(_)));
+}
+
+#[test]
+fn idle_connections_leave_a_simulator_over_websocket_alone() {
+    use tungstenite::Message;
+    let (feed, address) = open(lockstep(LiveOptions::new(Transport::WebSocket(loopback()))));
+    let url = format!("ws://{address}/");
+    let (mut simulator, _) = tungstenite::client(&url, connect(address)).unwrap();
+    let mut ask = |seq| {
+        let packet = frame(seq, seq as f64).to_json();
+        simulator.send(Message::text(packet)).unwrap();
+        assert_eq!(draw(&feed, 1), [seq]);
+        let answer = simulator.read().unwrap();
+        assert!(answer.to_text().unwrap().contains("ack"), "{answer}");
+    };
+    ask(1);
+    let idle: Vec<_> = (0..6)
+        .map(|_| tungstenite::client(&url, connect(address)).unwrap())
+        .collect();
+    let _not_even_greeted: Vec<_> = (0..6).map(|_| connect(address)).collect();
+    ask(2);
+    drop(idle);
+    ask(3);
+}
+
 #[test]
 fn a_frame_in_broadcast_is_refused_and_says_why() {
     let (feed, address) = open(tcp());

@@ -59,7 +59,10 @@
 //!
 //! Ports are bound to this machine only unless [`LiveOptions::allow_remote`] is set; web pages cannot connect unless
 //! [`LiveOptions::allowed_origins`] names them. Nothing is encrypted and nobody is asked who he is. A bad packet is counted and
-//! dropped; memory is bounded: 256 states, 4 connections, 4 KiB a packet.
+//! dropped; memory is bounded: 256 states, 4 KiB a packet, 4 simulators.
+//!
+//! A connection counts as a simulator from its first good packet on. Of more than four the one silent longest is dismissed, and never
+//! one that waits for a frame. Eight more may be connected that have sent nothing good; each has 300 s for its first packet.
 
 mod buffer;
 mod clock;
@@ -78,6 +81,7 @@ pub use packet::{MAX_PACKET_BYTES, Packet, PacketFault, PacketFormat, PacketKind
 pub use shared::PacketCounters;
 pub use split::{Received, Splitter};
 
+use super::connections::Standing;
 use super::entry::shortened;
 use super::{Feed, Freshness, OrbitError, OrbitState};
 use crate::frames::{Epoch, rfc3339, utc_from_rfc3339};
@@ -140,7 +144,7 @@ impl LiveFeed {
         let shared = Arc::new(Shared::new(options));
         let its = Arc::clone(&shared);
         serve::spawn("stream", move || {
-            serve::stream(&mut read, &mut write, &its, || {});
+            serve::stream(&mut read, &mut write, &its, &Standing::default());
             its.end();
         })?;
         Ok(Self::of(shared, None, None))

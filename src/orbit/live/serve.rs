@@ -1,22 +1,17 @@
 //! The threads that read standard input, TCP and UDP. They are the standard library's: each blocks on its socket for as long as
 //! nothing comes, which a pool of workers is not for.
 
-use super::lockstep::MAX_WAITING;
+use super::super::connections::{Connections, GRACE, Standing};
 use super::options::{LiveError, Pacing};
 use super::packet::MAX_PACKET_BYTES;
 use super::shared::{RateLimiter, Shared};
-use super::split::Splitter;
+use super::split::{Received, Splitter};
 use std::io::{ErrorKind, Read, Write};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// How many simulators may be connected; the one silent longest makes place for a new one.
-pub const MAX_CONNECTIONS: usize = 4;
-/// How many closed connections may still be in their last step; more than may wait for a frame.
-const MAX_ENDING: usize = 2 * MAX_WAITING;
 /// Bytes of one reading.
 const CHUNK: usize = 8192;
 /// How often a thread that waits for bytes looks whether the feed ends.
@@ -27,7 +22,7 @@ const LISTEN: Duration = Duration::from_millis(10);
 const WRITE: Duration = Duration::from_secs(1);
 
 /// What serves one connection until it ends.
-pub type Serve = fn(TcpStream, &Shared, &AtomicU64);
+pub type Serve = fn(TcpStream, &Shared, &Standing);
 
 pub fn spawn(
     name: &str,
@@ -48,15 +43,18 @@ pub fn is_nothing(kind: ErrorKind) -> bool {
 }
 
 /// Reads until the end, an error or the feed's own end. Any stream: a pipe, standard input, a connection.
-pub fn stream(read: &mut dyn Read, write: &mut dyn Write, shared: &Shared, heard: impl Fn()) {
+pub fn stream(read: &mut dyn Read, write: &mut dyn Write, shared: &Shared, standing: &Standing) {
     let mut splitter = Splitter::default();
     let mut allowance = RateLimiter::new(shared.options.max_packets_per_s);
     let mut chunk = [0; CHUNK];
     let mut is_first = true;
-    while !shared.is_stopped() {
+    let mut departure = Departure::default();
+    while !shared.is_stopped() && !departure.is_due(standing, splitter.waiting() > 0) {
         let bytes = match read.read(&mut chunk) {
             Ok(0) => {
                 while let Some(received) = splitter.finish() {
+                    let _waiting = standing.wait();
+                    note(&received, standing);
                     if !shared.take(received, |bytes| answer(&bytes, write)) {
                         return;
                     }
@@ -72,12 +70,12 @@ pub fn stream(read: &mut dyn Read, write: &mut dyn Write, shared: &Shared, heard
             shared.lock().counters.refused += 1;
             return;
         }
-        heard();
         splitter.push(bytes);
         while let Some(received) = splitter.next() {
             if shared.is_stopped() {
                 return;
             }
+            let _waiting = standing.wait();
             let is_waited_for = shared.options.pacing == Pacing::Lockstep;
             while is_waited_for && !shared.is_stopped() && !allowance.pause().is_zero() {
                 // Nothing may go missing: the sender waits instead.
@@ -88,6 +86,7 @@ pub fn stream(read: &mut dyn Read, write: &mut dyn Write, shared: &Shared, heard
                 shared.lock().counters.over_rate += 1;
                 continue;
             }
+            note(&received, standing);
             if !shared.take(received, |bytes| answer(&bytes, write)) {
                 return;
             }
@@ -96,6 +95,30 @@ pub fn stream(read: &mut dyn Read, write: &mut dyn Write, shared: &Shared, heard
             // A flood: the sender is held back too.
             std::thread::sleep(Duration::from_millis(1));
         }
+    }
+}
+
+/// When a dismissed connection leaves.
+#[derive(Debug, Default)]
+pub struct Departure {
+    noticed: Option<Instant>,
+}
+
+impl Departure {
+    /// Whether the connection is to end now; one with a packet half read stays a little longer, as its sender may wait for an answer.
+    pub fn is_due(&mut self, standing: &Standing, has_begun: bool) -> bool {
+        if !standing.is_dismissed() {
+            return false;
+        }
+        let noticed = self.noticed.get_or_insert_with(Instant::now);
+        !has_begun || noticed.elapsed() >= GRACE
+    }
+}
+
+/// A connection counts from its first good packet on.
+fn note(received: &Received, standing: &Standing) {
+    if received.packet.is_ok() {
+        standing.took_good();
     }
 }
 
@@ -123,7 +146,7 @@ pub fn stdin(shared: &Arc<Shared>) -> Result<(), LiveError> {
             &mut std::io::stdin(),
             &mut std::io::stdout(),
             &shared,
-            || {},
+            &Standing::default(),
         );
         shared.end();
     })
@@ -131,40 +154,12 @@ pub fn stdin(shared: &Arc<Shared>) -> Result<(), LiveError> {
 }
 
 /// Serves one TCP connection until it ends.
-pub fn tcp(connection: TcpStream, shared: &Shared, heard: &AtomicU64) {
-    let begun = Instant::now();
-    let first = heard.load(Ordering::Relaxed);
+pub fn tcp(connection: TcpStream, shared: &Shared, standing: &Standing) {
     let Ok(mut write) = connection.try_clone() else {
         return;
     };
     let mut read = connection;
-    stream(&mut read, &mut write, shared, || {
-        heard.store(
-            first + begun.elapsed().as_millis() as u64,
-            Ordering::Relaxed,
-        );
-    });
-}
-
-/// A connection and the thread that serves it.
-struct Link {
-    connection: TcpStream,
-    /// When it last said something, milliseconds since the feed was opened.
-    heard: Arc<AtomicU64>,
-    thread: JoinHandle<()>,
-}
-
-impl Link {
-    fn close(&self) {
-        // It may be closed by the other side.
-        let _ = self.connection.shutdown(Shutdown::Both);
-    }
-
-    fn end(self) {
-        self.close();
-        // A thread that panicked has said so itself.
-        let _ = self.thread.join();
-    }
+    stream(&mut read, &mut write, shared, standing);
 }
 
 /// Listens; each connection gets a thread. Gives the address that was bound.
@@ -183,15 +178,13 @@ pub fn listen(
 }
 
 fn accept(listener: &TcpListener, serve: Serve, shared: &Arc<Shared>) {
-    let begun = Instant::now();
-    let mut links: Vec<Link> = Vec::with_capacity(MAX_CONNECTIONS);
-    // Closed, and perhaps waiting for a frame still.
-    let mut ending: Vec<Link> = Vec::new();
+    let mut connections = Connections::default();
     while !shared.is_stopped() {
-        let ended = links.extract_if(.., |link| link.thread.is_finished());
-        let ended = ended.chain(ending.extract_if(.., |link| link.thread.is_finished()));
-        ended.for_each(Link::end);
-        if ending.len() >= MAX_ENDING {
+        let dismissed = connections.tidy();
+        if dismissed > 0 {
+            shared.lock().counters.refused += dismissed as u64;
+        }
+        if connections.is_full() {
             std::thread::sleep(LISTEN);
             continue;
         }
@@ -199,47 +192,35 @@ fn accept(listener: &TcpListener, serve: Serve, shared: &Arc<Shared>) {
             std::thread::sleep(LISTEN);
             continue;
         };
-        if links.len() >= MAX_CONNECTIONS {
-            let silent = links.iter().enumerate();
-            let silent = silent.min_by_key(|(_, link)| link.heard.load(Ordering::Relaxed));
-            if let Some(at) = silent.map(|(at, _)| at) {
-                shared.lock().counters.refused += 1;
-                let link = links.swap_remove(at);
-                link.close();
-                ending.push(link);
-            }
-        }
-        match start(connection, serve, shared, begun) {
-            Some(link) => {
+        let standing = Arc::new(Standing::default());
+        match start(connection, serve, shared, &standing) {
+            Some((thread, closer)) => {
                 shared.lock().counters.connections += 1;
-                links.push(link);
+                connections.add(standing, thread, closer);
             }
             None => shared.lock().counters.refused += 1,
         }
     }
-    links.into_iter().chain(ending).for_each(Link::end);
+    // It may be closed by the other side.
+    connections.end(|connection| drop(connection.shutdown(Shutdown::Both)));
 }
 
+/// Starts the thread of a connection. Answers it and what closes the connection.
 fn start(
     connection: TcpStream,
     serve: Serve,
     shared: &Arc<Shared>,
-    begun: Instant,
-) -> Option<Link> {
+    standing: &Arc<Standing>,
+) -> Option<(JoinHandle<()>, TcpStream)> {
     connection.set_nonblocking(false).ok()?;
     connection.set_read_timeout(Some(LOOK)).ok()?;
     connection.set_write_timeout(Some(WRITE)).ok()?;
     // An answer goes out at once.
     connection.set_nodelay(true).ok()?;
-    let heard = Arc::new(AtomicU64::new(begun.elapsed().as_millis() as u64));
     let own = connection.try_clone().ok()?;
-    let (shared, its_heard) = (Arc::clone(shared), Arc::clone(&heard));
-    let thread = spawn("connection", move || serve(own, &shared, &its_heard)).ok()?;
-    Some(Link {
-        connection,
-        heard,
-        thread,
-    })
+    let (shared, standing) = (Arc::clone(shared), Arc::clone(standing));
+    let thread = spawn("connection", move || serve(own, &shared, &standing)).ok()?;
+    Some((thread, connection))
 }
 
 /// Binds a UDP port. Gives its address.
@@ -259,6 +240,7 @@ pub fn udp(
 
 fn datagrams(socket: &UdpSocket, shared: &Shared) {
     let mut allowance = RateLimiter::new(shared.options.max_packets_per_s);
+    let standing = Standing::default();
     // One byte more than allowed, so that what is too long is seen to be.
     let mut datagram = [0; MAX_PACKET_BYTES + 1];
     while !shared.is_stopped() {
@@ -273,7 +255,7 @@ fn datagrams(socket: &UdpSocket, shared: &Shared) {
             }
         };
         let bytes = datagram.get(..length).unwrap_or_default();
-        message(bytes, shared, &mut allowance, |reply| {
+        message(bytes, shared, &standing, &mut allowance, |reply| {
             // A simulator that is gone needs no answer.
             let _ = socket.send_to(&reply, from);
             true
@@ -285,11 +267,13 @@ fn datagrams(socket: &UdpSocket, shared: &Shared) {
 pub fn message(
     bytes: &[u8],
     shared: &Shared,
+    standing: &Standing,
     allowance: &mut RateLimiter,
     mut send: impl FnMut(Vec<u8>) -> bool,
 ) -> bool {
     let mut splitter = Splitter::default();
     splitter.push(bytes);
+    let _waiting = standing.wait();
     while splitter.has_more() {
         if shared.is_stopped() {
             return false;
@@ -299,9 +283,11 @@ pub fn message(
             std::thread::sleep(allowance.pause());
             return true;
         }
-        if let Some(received) = splitter.finish()
-            && !shared.take(received, &mut send)
-        {
+        let Some(received) = splitter.finish() else {
+            continue;
+        };
+        note(&received, standing);
+        if !shared.take(received, &mut send) {
             return false;
         }
     }

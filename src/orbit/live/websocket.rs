@@ -1,10 +1,10 @@
 //! WebSocket connections (RFC 6455).
 
+use super::super::connections::Standing;
 use super::packet::MAX_PACKET_BYTES;
-use super::serve::{is_nothing, message};
+use super::serve::{Departure, is_nothing, message};
 use super::shared::{RateLimiter, Shared};
 use std::net::TcpStream;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use tungstenite::handshake::HandshakeError;
 use tungstenite::handshake::server::{ErrorResponse, Request, Response};
@@ -16,18 +16,25 @@ use tungstenite::{Error, Message, WebSocket, accept_hdr_with_config};
 const HANDSHAKE: Duration = Duration::from_secs(5);
 
 /// Serves one connection until it ends.
-pub fn serve(connection: TcpStream, shared: &Shared, heard: &AtomicU64) {
-    let begun = Instant::now();
-    let first = heard.load(Ordering::Relaxed);
-    let Some(mut socket) = handshake(connection, shared, begun) else {
-        shared.lock().counters.refused += 1;
+pub fn serve(connection: TcpStream, shared: &Shared, standing: &Standing) {
+    let Some(mut socket) = handshake(connection, shared, standing) else {
+        // One that was dismissed meanwhile is counted already.
+        if !standing.is_dismissed() {
+            shared.lock().counters.refused += 1;
+        }
         return;
     };
     let mut allowance = RateLimiter::new(shared.options.max_packets_per_s);
-    while !shared.is_stopped() {
+    let mut departure = Departure::default();
+    let mut has_begun = false;
+    while !shared.is_stopped() && !departure.is_due(standing, has_begun) {
         let received = match socket.read() {
             Ok(received) => received,
-            Err(Error::Io(error)) if is_nothing(error.kind()) => continue,
+            Err(Error::Io(error)) if is_nothing(error.kind()) => {
+                // A part of a message may have come, which cannot be seen from here.
+                has_begun = true;
+                continue;
+            }
             Err(Error::Capacity(_) | Error::Protocol(_) | Error::Utf8(_)) => {
                 // Its stream cannot be read on: the simulator connects anew.
                 let mut inner = shared.lock();
@@ -37,10 +44,7 @@ pub fn serve(connection: TcpStream, shared: &Shared, heard: &AtomicU64) {
             }
             Err(_) => return,
         };
-        heard.store(
-            first + begun.elapsed().as_millis() as u64,
-            Ordering::Relaxed,
-        );
+        has_begun = false;
         let is_text = received.is_text();
         let bytes = match received {
             Message::Text(text) => text.as_bytes().to_vec(),
@@ -56,7 +60,7 @@ pub fn serve(connection: TcpStream, shared: &Shared, heard: &AtomicU64) {
             };
             socket.send(reply).is_ok()
         };
-        if !message(&bytes, shared, &mut allowance, send) {
+        if !message(&bytes, shared, standing, &mut allowance, send) {
             return;
         }
     }
@@ -67,8 +71,9 @@ pub fn serve(connection: TcpStream, shared: &Shared, heard: &AtomicU64) {
 fn handshake(
     connection: TcpStream,
     shared: &Shared,
-    begun: Instant,
+    standing: &Standing,
 ) -> Option<WebSocket<TcpStream>> {
+    let begun = Instant::now();
     let config = WebSocketConfig::default()
         .read_buffer_size(8192)
         .write_buffer_size(0)
@@ -95,7 +100,9 @@ fn handshake(
         match result {
             Ok(socket) => return Some(socket),
             Err(HandshakeError::Interrupted(halfway))
-                if begun.elapsed() < HANDSHAKE && !shared.is_stopped() =>
+                if begun.elapsed() < HANDSHAKE
+                    && !shared.is_stopped()
+                    && !standing.is_dismissed() =>
             {
                 result = halfway.handshake();
             }

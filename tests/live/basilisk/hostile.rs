@@ -67,9 +67,7 @@ fn garbage_and_deaths_leave_it_as_it_was() {
     }
     let counters = simulation.counters();
     assert!(counters.bad > 50 && counters.steps > 20, "{counters:?}");
-    // The idle one may have been let go of for the strangers; it comes again as libzmq does.
-    drop(good);
-    let mut good = Peer::connect(address);
+    // The strangers have not displaced the one that was idle meanwhile.
     good.update(&messages::step(2, 20.0));
     assert_eq!(simulation.latest().expect("a step").frame_number, 2);
 }
@@ -122,20 +120,61 @@ fn a_flood_takes_no_memory_and_stops_nobody() {
     assert_eq!(simulation.latest().expect("a step").frame_number, 1000);
 }
 
+/// Whether the other side has closed the connection; waits a little for it.
+fn is_closed(peer: &mut Peer, patience: Duration) -> bool {
+    peer.0.set_read_timeout(Some(patience)).expect("sets");
+    matches!(peer.0.read(&mut [0]), Ok(0))
+}
+
 #[test]
-fn more_simulators_than_there_is_room_for_take_turns() {
+fn of_more_simulators_than_there_is_room_for_the_longest_silent_leaves() {
     let (simulation, address) = open(options());
     simulation.set_pace(StepPace::Free);
-    let idle: Vec<_> = (0..4).map(|_| Peer::connect(address)).collect();
-    until("all are there", || simulation.counters().connected == 4);
-    // A fifth comes again and again, as libzmq does, until one of the idle ones is let go of.
-    until("there is room", || {
-        let stream = TcpStream::connect(address).expect("connects");
-        stream
-            .set_read_timeout(Some(Duration::from_millis(200)))
-            .expect("sets");
-        let mut byte = [0];
-        matches!((&stream).read(&mut byte), Ok(1))
-    });
-    drop(idle);
+    let mut peers: Vec<_> = (0..5)
+        .map(|_| {
+            let mut peer = Peer::connect(address);
+            peer.ask(&[b"PING"]).expect("an answer");
+            std::thread::sleep(Duration::from_millis(5));
+            peer
+        })
+        .collect();
+    assert!(is_closed(&mut peers[0], PATIENCE), "the first is kept");
+    until("4 are there", || simulation.counters().connected == 4);
+    for (frame, peer) in (1..).zip(&mut peers[1..]) {
+        peer.update(&messages::step(frame, 10.0));
+    }
+}
+
+#[test]
+fn connections_that_ask_nothing_leave_a_simulator_alone() {
+    let (simulation, address) = open(options());
+    simulation.set_pace(StepPace::Drawn);
+    let mut simulator = Peer::connect(address);
+    simulator.ask(&[b"PING"]).expect("an answer");
+    // Six that say nothing, six that greet, six that ask what there is not: more than are kept of each.
+    let _silent: Vec<_> = (0..6).map(|_| TcpStream::connect(address)).collect();
+    let _greeted: Vec<_> = (0..6).map(|_| Peer::connect(address)).collect();
+    let _strangers: Vec<_> = (0..6)
+        .map(|_| {
+            let mut peer = Peer::connect(address);
+            peer.ask(&[b"WHAT"]).expect("an answer");
+            peer
+        })
+        .collect();
+    assert_eq!(
+        simulation.counters().connected,
+        1,
+        "who asks nothing counts"
+    );
+    // While it waits for its step more come, and while it waits for nothing.
+    simulator.send(&[b"", b"SIM_UPDATE", b"", b"", &messages::step(1, 10.0)]);
+    let step = simulation.next_step(PATIENCE).expect("a step");
+    let _more: Vec<_> = (0..6).map(|_| Peer::connect(address)).collect();
+    assert!(step.drawn());
+    assert_eq!(simulator.receive().expect("an answer")[1], b"OK");
+    let mut late = Peer::connect(address);
+    assert!(!is_closed(&mut simulator, Duration::from_millis(1500)));
+    simulation.set_pace(StepPace::Free);
+    simulator.update(&messages::step(2, 20.0));
+    late.update(&messages::step(3, 30.0));
 }

@@ -141,7 +141,8 @@ fn one_that_asks_on_is_answered_once_more_and_sees_the_end_with_the_answer() {
     ends.join().expect("no panic");
     // And one that asks nothing does not hold anybody up.
     let (simulation, address) = open(options());
-    let _idle = Peer::connect(address);
+    let mut idle = Peer::connect(address);
+    idle.ask(&[b"PING"]).expect("an answer");
     until("it is there", || simulation.counters().connected == 1);
     let begun = Instant::now();
     drop(simulation);
