@@ -1,19 +1,18 @@
 //! `terrella check`
 
-use super::{Common, load, print};
+use super::scene_args::{SatelliteArgs, SceneArgs, open_flight};
+use super::{Common, print};
 use clap::Args;
-use std::path::PathBuf;
 use terrella::frames::rfc3339;
 use terrella::internals::play::Flight;
 
 /// Arguments of `terrella check`.
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// The scene file
-    scene: PathBuf,
-    /// Refuse files of orbits in which anything is spoilt; else bad states and records are listed and passed over
-    #[arg(long)]
-    strict: bool,
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    satellites: SatelliteArgs,
     /// List every key that a scene can have, also those without a meaning in this one
     #[arg(long)]
     all: bool,
@@ -21,7 +20,9 @@ pub struct CheckArgs {
 
 /// Loads the scene with all that it names and prints a summary.
 pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
-    let flight = Flight::open_without_listening(load(&args.scene, args.strict)?)?;
+    let scene = args.scene.load(&args.satellites.satellite)?;
+    args.satellites.refuse_scenes(&scene);
+    let flight = open_flight(scene, Flight::open_without_listening)?;
     let dropped = flight.dropped_layers()?;
     if common.quiet {
         return Ok(());

@@ -2,7 +2,8 @@
 
 use super::progress::{Bars, stop_on_interrupt_with};
 use super::values;
-use super::{Common, load};
+use super::Common;
+use super::scene_args::load;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use terrella::basilisk::{Endpoint, Meeting};
@@ -35,7 +36,7 @@ pub fn simulation_scene(
     strict: bool,
 ) -> anyhow::Result<Scene> {
     let mut scene = match path {
-        Some(path) => load(path, strict)?,
+        Some(path) => load(Some(path), &[], strict)?,
         None => Scene::from_toml(BUILT_IN, Path::new("basilisk.toml"))?,
     };
     if let Some(endpoint) = listen {

@@ -11,7 +11,7 @@
 //! | `camera` | the four cameras, pure functions |
 //! | `camera_path`, `spline` | what a scene's keys make of its camera in the course of time |
 //! | `flight` | scene and orbit to moments |
-//! | `satellites` | the scene's sources of motion, opened |
+//! | `satellites`, `opening` | the scene's sources of motion, opened; which of them says when the scene begins |
 //! | `live`, `live_status` | the time of scenes whose simulator gives it; what the window reports of it |
 //! | `basilisk/` | the same of simulations of Basilisk, and the pictures of their cameras |
 //! | `simulator_time` | the window's time by either of them |
@@ -70,6 +70,7 @@ mod live_status;
 mod maps;
 #[cfg_attr(not(feature = "command"), allow(dead_code))]
 mod offscreen;
+mod opening;
 #[cfg_attr(not(feature = "command"), allow(dead_code))]
 mod output;
 #[cfg(feature = "command")]

@@ -11,6 +11,7 @@
 //! | `camera_keys.rs` | `[[camera.keys]]` |
 //! | `orbit_check.rs`, `orbit_summary.rs`, `live.rs`, `basilisk.rs` | the same of `[orbit]`, which has the most keys |
 //! | `relief.rs`, `surfaces.rs` | keys of `[earth]` that are about ground with relief |
+//! | `built_in.rs` | no key: the scene that comes with the program, and files of orbits in place of a scene |
 //! | `dated_maps.rs` | keys of `[earth]` that are about maps that change with the date |
 //! | `config/iss.toml` | its explanation for users: a test holds that every key stands there |
 //!
@@ -22,6 +23,7 @@
 //! comes to.
 
 mod basilisk;
+mod built_in;
 mod burns;
 mod camera;
 mod camera_keys;
@@ -48,7 +50,9 @@ mod text;
 mod time;
 mod tracks;
 
+use crate::frames::Epoch;
 use error::MAX_FILE_BYTES;
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -69,7 +73,7 @@ pub use orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters, Orbi
 pub use output::{Output, QualityTable};
 pub use relief::ReliefTable;
 pub use sky::SkyTable;
-pub use time::Time;
+pub use time::{StartSource, Time};
 pub use tracks::{Footprint, Track, TrackSpan};
 
 /// A checked scene: every value is in range and every default filled in.
@@ -95,10 +99,14 @@ pub struct Scene {
     pub quality: QualityTable,
     /// What is flown otherwise than the scene's defaults say, as satellites do not answer for those: a sentence each.
     pub notices: Vec<String>,
+    /// The instant that "now" stood for when the scene was read; `None` where the scene does not say it.
+    pub now: Option<Epoch>,
     /// Which keys the file gave, and where; of satellites, the first's.
     lines: KeyLines,
     /// The same of each satellite.
     orbit_lines: Vec<KeyLines>,
+    /// The text that it was made of, where that is no file's.
+    text: Option<String>,
 }
 
 impl Scene {
@@ -147,13 +155,18 @@ impl Scene {
     }
 
     /// Reads and checks the text of a scene; `path` is the file that messages name and whose folder the
-    /// paths in it are relative to. The empty text is a scene: every default.
+    /// paths in it are relative to. The empty text is a scene: every default. "now" is read off the system's clock here.
     ///
     /// # Errors
     /// Text that is not TOML, unknown tables and keys, values of the wrong type or out of range, values in
     /// conflict, files and folders that are not there: the first of them.
     pub fn from_toml(text: &str, path: &Path) -> Result<Self, SceneError> {
-        let scene = SceneText { path, text };
+        let now = OnceCell::new();
+        let scene = SceneText {
+            path,
+            text,
+            now: &now,
+        };
         check::check(scene, scene.parse()?)
     }
 
@@ -173,6 +186,11 @@ impl Scene {
             .filter(|((_, k), _)| *k == key)
             .map(|(_, line)| *line)
             .next()
+    }
+
+    /// The text that it was made of, where that is not its file's ([`Self::shipped`], [`Self::of_orbits`]).
+    pub fn own_text(&self) -> Option<&str> {
+        self.text.as_deref()
     }
 
     /// Whether a simulator gives the time.

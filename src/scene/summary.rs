@@ -1,9 +1,10 @@
 //! What a scene comes to: every value and where it is from, what will be used and what is left out.
 
 use super::camera_mode::CameraMode;
+use super::error::printable;
 use super::field::{KeyText, NO_ORBIT, UNKNOWN, written};
 use super::keys::{TABLES, Table};
-use super::time::utc;
+use super::time::{StartSource, utc};
 use super::{Scene, camera, earth, orbit_summary, output, sky, time};
 use crate::air::Atmosphere;
 use crate::globe::SurfaceSettings;
@@ -47,6 +48,10 @@ impl Scene {
                 let from = match self.line(table.name, key.name).or_else(common) {
                     Some(number) => format!("line {number} of the file"),
                     None => "default".to_owned(),
+                };
+                let from = match (table.name, key.name) {
+                    ("time", "start") => self.start_from(from),
+                    _ => from,
                 };
                 match self.value(table.name, key.name) {
                     Ok(value) => line(
@@ -97,6 +102,15 @@ impl Scene {
             );
         }
         out
+    }
+
+    /// What says when the scene begins; `place` is where its key stands.
+    fn start_from(&self, place: String) -> String {
+        match &self.time.start_from {
+            StartSource::Given | StartSource::Default => place,
+            StartSource::Clock => format!("{place}, \"now\""),
+            StartSource::Satellite(from) => printable(from),
+        }
     }
 
     /// Satellites after the first: only what they use.
