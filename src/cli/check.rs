@@ -4,7 +4,7 @@ use super::scene_args::{SatelliteArgs, SceneArgs, open_flight};
 use super::{Common, print};
 use clap::Args;
 use terrella::frames::rfc3339;
-use terrella::internals::play::Flight;
+use terrella::internals::play::{Flight, LightOutlook};
 
 /// Arguments of `terrella check`.
 #[derive(Debug, Args)]
@@ -74,6 +74,7 @@ pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
             text.push_str(&format!("  {:<14} {left_out} more\n", "passed over"));
         }
     }
+    text.push_str(&light(&flight));
     if let Some(table) = flight.earth_orientation() {
         let (first, last) = table.span();
         let measured = table.measured_until();
@@ -87,4 +88,18 @@ pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
         ));
     }
     print(&text)
+}
+
+/// What light the scene's film is in, where no simulator gives the time.
+fn light(flight: &Flight) -> String {
+    let scene = flight.scene();
+    if scene.is_live() {
+        return String::new();
+    }
+    let lines = match LightOutlook::of(flight, 0..scene.time.frame_count()) {
+        Ok(light) => light.sentences(),
+        Err(error) => vec![format!("not known: {error}")],
+    };
+    let lines = lines.iter().map(|line| format!("  {line}\n"));
+    format!("\nlight\n{}", lines.collect::<String>())
 }

@@ -11,7 +11,9 @@ use std::path::PathBuf;
 use terrella::frames::Epoch;
 use terrella::internals::gpu::ContextError;
 use terrella::internals::measure::reference::{ReferenceRequest, SAMPLES, write_reference_still};
-use terrella::internals::play::{Flight, PlayError, StillRequest, write_still};
+use terrella::internals::play::{
+    Flight, PlayError, Progress, StillRequest, night_note, write_still,
+};
 
 /// Rays along each side of a pixel where none are asked for.
 const DEFAULT_SAMPLES: u32 = 4;
@@ -76,6 +78,11 @@ pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
         stop_on_interrupt_with(Some(simulation.stopper()));
     }
     let bars = Bars::new(common.quiet);
+    if args.at.is_none()
+        && let Some(note) = night_note(&flight)
+    {
+        bars.say(&note);
+    }
     if args.renderer == Renderer::Gpu {
         let request = StillRequest {
             epoch: args.at,

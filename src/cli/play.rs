@@ -10,6 +10,7 @@ use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, ValueEnum};
 use std::path::PathBuf;
 use terrella::basilisk::Endpoint;
+use terrella::frames::Epoch;
 use terrella::internals::play::{
     EncoderChoice, Existing, ExportRequest, Flight, FrameRange, VideoCodec, VideoCoding,
     WindowRequest, export, play_in_window,
@@ -22,6 +23,9 @@ pub struct PlayArgs {
     scene: SceneArgs,
     #[command(flatten)]
     satellites: SatelliteArgs,
+    /// The first instant, for example 2026-11-25T05:00:00Z, or now, instead of the scene's start
+    #[arg(long, value_name = "UTC", value_parser = values::instant)]
+    start: Option<Epoch>,
     /// Simulations of Basilisk: where they connect, instead of the scene's; without a scene the built-in one, config/basilisk.toml
     #[arg(long, value_name = "tcp://ADDRESS:PORT")]
     listen: Option<Endpoint>,
@@ -93,7 +97,7 @@ impl Codec {
 pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
     refuse_conflicts(args);
     let names = &args.satellites.satellite;
-    let scene = match &args.listen {
+    let mut scene = match &args.listen {
         Some(listen) => {
             let path = args.scene.path.as_deref();
             simulation_scene(path, Some(listen), args.scene.strict)?
@@ -101,6 +105,15 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
         None => args.scene.load(names)?,
     };
     args.satellites.refuse_scenes(&scene);
+    if let Some(start) = args.start {
+        if scene.is_live() {
+            let message = "--start has no meaning in this scene, whose simulator gives the time";
+            Cli::command()
+                .error(ErrorKind::ArgumentConflict, message)
+                .exit();
+        }
+        scene.begin(start)?;
+    }
     let flight = open_flight(scene, Flight::open)?;
     // Whoever waits is answered before the program ends.
     if let Some(simulation) = flight.simulation() {

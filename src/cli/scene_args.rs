@@ -52,11 +52,7 @@ impl SceneArgs {
 }
 
 /// Reads a scene, or a file of orbits with these satellites; `strict` reads all of its files of orbits as `strict = true` does.
-pub fn load(
-    path: Option<&Path>,
-    satellites: &[String],
-    strict: bool,
-) -> Result<Scene, SceneError> {
+pub fn load(path: Option<&Path>, satellites: &[String], strict: bool) -> Result<Scene, SceneError> {
     let mut scene = match path {
         Some(path) => Scene::load_or_orbits(path, satellites)?,
         None => Scene::shipped()?,

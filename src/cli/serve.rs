@@ -1,9 +1,9 @@
 //! `terrella serve`
 
-use super::progress::{Bars, stop_on_interrupt_with};
-use super::values;
 use super::Common;
+use super::progress::{Bars, stop_on_interrupt_with};
 use super::scene_args::load;
+use super::values;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use terrella::basilisk::{Endpoint, Meeting};

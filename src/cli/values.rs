@@ -201,7 +201,8 @@ mod tests {
     fn instants_and_seconds() {
         assert!(instant("2018-01-15T12:00:00Z").is_ok());
         assert!(instant("yesterday").is_err() && instant("NOW").is_err());
-        let years = instant("now").expect("a clock") - instant("2018-01-15T12:00:00Z").expect("UTC");
+        let years =
+            instant("now").expect("a clock") - instant("2018-01-15T12:00:00Z").expect("UTC");
         assert!(years.to_seconds() > 5.0 * 365.25 * 86_400.0);
         assert_eq!(seconds("2.5"), Ok(2.5));
         for bad in ["0", "-1", "nan", "inf", "1e9", ""] {

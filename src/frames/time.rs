@@ -96,7 +96,9 @@ pub enum TimeError {
         text: String,
     },
     /// The system's clock shows a date that no program of today can be run at.
-    #[error("the system's clock shows no date of the years 1970 to 2099; set it, or write the date")]
+    #[error(
+        "the system's clock shows no date of the years 1970 to 2099; set it, or write the date"
+    )]
     Clock,
 }
 

@@ -139,14 +139,26 @@ mod tests {
         let set = "1 25544U 98067A   26329.50000000  .00016717  00000-0  10270-3 0  9993\n2 25544  51.6400 208.9163 0006703  69.9862  25.2906 15.50000000    13\n";
         let cases: &[(&str, Option<FileFormat>)] = &[
             (set, Some(Tle)),
-            (&format!("\u{feff}# by hand\r\n\r\nISS\r\n{}", set.replace('\n', "\r\n")), Some(Tle)),
+            (
+                &format!(
+                    "\u{feff}# by hand\r\n\r\nISS\r\n{}",
+                    set.replace('\n', "\r\n")
+                ),
+                Some(Tle),
+            ),
             ("CCSDS_OMM_VERS = 2.0\n", Some(Omm)),
             ("COMMENT x\nCCSDS_OEM_VERS = 2.0\n", Some(Oem)),
             ("CCSDS_OEM_VERS = 2.0\n", Some(Oem)),
-            ("<?xml version=\"1.0\"?>\n<ndm><omm id=\"CCSDS_OMM_VERS\">", Some(Omm)),
+            (
+                "<?xml version=\"1.0\"?>\n<ndm><omm id=\"CCSDS_OMM_VERS\">",
+                Some(Omm),
+            ),
             ("<ndm:oem id=\"CCSDS_OEM_VERS\">", Some(Oem)),
             ("<html><body>", None),
-            ("[{\"OBJECT_NAME\":\"ISS\",\"MEAN_MOTION\":15.5}]", Some(Omm)),
+            (
+                "[{\"OBJECT_NAME\":\"ISS\",\"MEAN_MOTION\":15.5}]",
+                Some(Omm),
+            ),
             ("[\n {\"id\":\"document\",\"version\":\"1.0\"}]", Some(Czml)),
             ("{\"name\":\"x\"}", None),
             ("OBJECT_NAME,OBJECT_ID,EPOCH,MEAN_MOTION\n", Some(Omm)),

@@ -5,8 +5,8 @@ use super::camera_path::CameraPath;
 use super::craft::CraftPose;
 use super::error::PlayError;
 use super::maps::{DroppedLayer, check_pack, dropped_layers, earth_options, earth_options_at};
-use super::place_text::GroundPlace;
 use super::opening::open_all;
+use super::place_text::GroundPlace;
 use super::satellites::{Listener, Satellite, orientation_at};
 use super::sky_parts::dropped_parts;
 use crate::frames::{

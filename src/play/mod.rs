@@ -26,6 +26,7 @@
 //! | `sky`, `sky_parts` | what is beyond the Earth |
 //! | `pictures` | a scene's pictures in memory, for programs that call us |
 //! | `offscreen`, `still`, `stats`, `export`, `video/` | the offscreen renderer; pictures, their numbers, films |
+//! | `outlook`, `export_words` | what light a film will be in; what is said of it before and after |
 //! | `film/` | films and their pictures: formats, averaged light, ranges, going on with a film, the page `frames.json` |
 //! | `radiance` | a picture's light as a file |
 //! | `truth`, `truth_manifest` | what is where its pixels look, as files |
@@ -54,6 +55,8 @@ mod error;
 mod event_table;
 #[cfg(feature = "command")]
 mod export;
+#[cfg(feature = "command")]
+mod export_words;
 #[cfg_attr(not(feature = "command"), allow(dead_code, unused_imports))]
 mod film;
 mod flight;
@@ -71,6 +74,7 @@ mod maps;
 #[cfg_attr(not(feature = "command"), allow(dead_code))]
 mod offscreen;
 mod opening;
+mod outlook;
 #[cfg_attr(not(feature = "command"), allow(dead_code))]
 mod output;
 #[cfg(feature = "command")]
@@ -128,6 +132,7 @@ pub use maps::{DroppedLayer, earth_options};
 #[cfg(feature = "command")]
 pub(crate) use offscreen::rgba_image;
 pub use offscreen::{OffscreenRenderer, TimedFrame};
+pub use outlook::{LightOutlook, LightTimes, night_note};
 pub use output::{OutputError, PendingFile};
 pub use pass_table::{PassRequest, PassTable};
 pub use pictures::{ScenePictures, Shot, take_starter_files};

@@ -12,8 +12,8 @@ use std::path::Path;
 const SHIPPED: &str = include_str!("../../config/iss.toml");
 /// What messages call it.
 const SHIPPED_NAME: &str = "config/iss.toml (built in)";
-/// Its keys that name the file of elements. The elements of that file are built in.
-const FILE_KEYS: &[(&str, &str)] = &[("orbit", "file"), ("orbit", "name")];
+/// Its keys that are about the file of elements. The elements of that file are built in.
+const FILE_KEYS: &[(&str, &str)] = &[("orbit", "file"), ("orbit", "name"), ("orbit", "strict")];
 /// Those, and the keys that are about that satellite alone.
 const OWN_KEYS: &[(&str, &str)] = &[
     ("orbit", "source"),
@@ -161,7 +161,10 @@ mod tests {
         let told = |scene: &Scene| {
             let summary = scene.full_summary();
             let lines = summary.lines().skip(1);
-            let lines = lines.filter(|line| !["file", "name"].contains(&line.split_whitespace().next().unwrap_or_default()));
+            let lines = lines.filter(|line| {
+                !["file", "name", "strict"]
+                    .contains(&line.split_whitespace().next().unwrap_or_default())
+            });
             lines.map(|line| line.to_owned() + "\n").collect::<String>()
         };
         assert_eq!(told(&shipped), told(&file));
@@ -171,6 +174,9 @@ mod tests {
     fn keys_are_left_out_of_their_own_table_alone() {
         let text = "[time]\nstart = 1\nfile = 2\n[orbit]\n# file = 3\nfile = 4\nfiles = 5\n";
         let left = without(text, &[("orbit", "file"), ("time", "start")]);
-        assert_eq!(left, "[time]\n\nfile = 2\n[orbit]\n# file = 3\n\nfiles = 5\n");
+        assert_eq!(
+            left,
+            "[time]\n\nfile = 2\n[orbit]\n# file = 3\n\nfiles = 5\n"
+        );
     }
 }

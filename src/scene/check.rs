@@ -97,7 +97,6 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         orbits: checked,
         orbit_lines,
         notices: Vec::new(),
-        now: source.now.get().copied(),
         track_px,
         output: source.output(&output, &camera, &earth, has_live)?,
         camera,

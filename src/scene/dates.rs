@@ -89,11 +89,23 @@ impl Scene {
     /// # Errors
     /// A time that no scene may reach.
     pub fn begin_at(&mut self, start: Epoch, from: String) -> Result<(), SceneError> {
-        if self.time.start_from != StartSource::Default {
-            return Ok(());
+        match self.time.start_from {
+            StartSource::Default => self.move_start(start, StartSource::Satellite(from)),
+            _ => Ok(()),
         }
+    }
+
+    /// Begins the scene at this instant, whatever it says itself. Motions that it describes without an epoch begin with it.
+    ///
+    /// # Errors
+    /// A time that no scene may reach.
+    pub fn begin(&mut self, start: Epoch) -> Result<(), SceneError> {
+        self.move_start(start, StartSource::Caller)
+    }
+
+    fn move_start(&mut self, start: Epoch, from: StartSource) -> Result<(), SceneError> {
         self.time.start = start;
-        self.time.start_from = StartSource::Satellite(from);
+        self.time.start_from = from;
         for index in 0..self.orbits.len() {
             if self.orbit_line(index, "epoch").is_none()
                 && let Some(motion) = self.orbits.get_mut(index).and_then(|o| o.motion.as_mut())

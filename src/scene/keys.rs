@@ -218,7 +218,7 @@ table_with_tracks!(RawOrbit = "orbit" {
     strict: bool = "true or false", default false;
     // Any value: both a string and TOML's own date-time are read.
     /// When the start of a motion holds; the start of the scene by default.
-    epoch: toml::Value = "a UTC instant like \"2018-01-15T12:00:00Z\", or \"now\"";
+    epoch: toml::Value = "a UTC instant like \"2018-01-15T12:00:00Z\"";
     /// The axes that the start is given in, "gcrf" by default.
     frame: String = "a string: \"teme\", \"pef\", \"itrf\", \"gcrf\" or \"eme2000\"";
     /// Semi-major axis; below 0 for hyperbolas.

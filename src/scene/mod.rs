@@ -50,9 +50,7 @@ mod text;
 mod time;
 mod tracks;
 
-use crate::frames::Epoch;
 use error::MAX_FILE_BYTES;
-use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -99,8 +97,6 @@ pub struct Scene {
     pub quality: QualityTable,
     /// What is flown otherwise than the scene's defaults say, as satellites do not answer for those: a sentence each.
     pub notices: Vec<String>,
-    /// The instant that "now" stood for when the scene was read; `None` where the scene does not say it.
-    pub now: Option<Epoch>,
     /// Which keys the file gave, and where; of satellites, the first's.
     lines: KeyLines,
     /// The same of each satellite.
@@ -155,18 +151,13 @@ impl Scene {
     }
 
     /// Reads and checks the text of a scene; `path` is the file that messages name and whose folder the
-    /// paths in it are relative to. The empty text is a scene: every default. "now" is read off the system's clock here.
+    /// paths in it are relative to. The empty text is a scene: every default. `start = "now"` is read off the system's clock here.
     ///
     /// # Errors
     /// Text that is not TOML, unknown tables and keys, values of the wrong type or out of range, values in
     /// conflict, files and folders that are not there: the first of them.
     pub fn from_toml(text: &str, path: &Path) -> Result<Self, SceneError> {
-        let now = OnceCell::new();
-        let scene = SceneText {
-            path,
-            text,
-            now: &now,
-        };
+        let scene = SceneText { path, text };
         check::check(scene, scene.parse()?)
     }
 

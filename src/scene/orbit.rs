@@ -3,10 +3,10 @@
 use super::tracks::Track;
 use crate::basilisk::SimulationOptions;
 use crate::frames::Epoch;
-use crate::orbit::{FileFormat, Frame};
 use crate::orbit::kepler::KeplerElements;
 use crate::orbit::live::LiveOptions;
 use crate::orbit::numerical::{AtmosphereModel, EventSelection, Solver, Spacecraft, Thrust};
+use crate::orbit::{FileFormat, Frame};
 use glam::DVec3;
 use std::path::PathBuf;
 

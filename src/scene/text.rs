@@ -1,8 +1,6 @@
 //! The text of a scene with the name of its file: places in it, excerpts of it, and the nearest of known words.
 
 use super::error::printable;
-use crate::frames::Epoch;
-use std::cell::OnceCell;
 use std::ops::Range;
 use std::path::Path;
 
@@ -11,8 +9,6 @@ use std::path::Path;
 pub(super) struct SceneText<'a> {
     pub(super) path: &'a Path,
     pub(super) text: &'a str,
-    /// What "now" means in it: the same instant wherever it is written, empty where it is not.
-    pub(super) now: &'a OnceCell<Epoch>,
 }
 
 impl SceneText<'_> {

@@ -34,6 +34,8 @@ pub enum StartSource {
     Given,
     /// The scene says "now": the system's clock when it was read.
     Clock,
+    /// The caller gives it in place of the scene ([`Scene::begin`](super::Scene::begin)).
+    Caller,
     /// The scene does not give it, and no satellite that has a time of its own is opened.
     #[default]
     Default,
@@ -71,7 +73,17 @@ impl SceneText<'_> {
         let start_field = time.start();
         let default_start =
             utc_from_rfc3339(DEFAULT_START).map_err(|error| self.refuse(&start_field, error))?;
-        let start = self.instant(&start_field, default_start)?;
+        let (start, start_from) = match start_field.given.map(Spanned::get_ref) {
+            None => (default_start, StartSource::Default),
+            Some(value) if is_now(value) => (
+                utc_now().map_err(|error| self.refuse(&start_field, error))?,
+                StartSource::Clock,
+            ),
+            Some(_) => (
+                self.instant(&start_field, default_start)?,
+                StartSource::Given,
+            ),
+        };
         let (duration, speed_field) = (time.duration_s(), time.speed());
         let most_s = *duration.rule.range.end();
         let duration_s = self.number(&duration, |_, _| {
@@ -91,11 +103,7 @@ impl SceneText<'_> {
         })?;
         let time = Time {
             start,
-            start_from: match &start_field.given {
-                Some(given) if is_now(given.get_ref()) => StartSource::Clock,
-                Some(_) => StartSource::Given,
-                None => StartSource::Default,
-            },
+            start_from,
             duration_s,
             speed,
             frame_rate_hz,
@@ -125,16 +133,15 @@ impl SceneText<'_> {
         Ok(time)
     }
 
-    /// Reads a UTC instant, given as a string or as a date-time of TOML, or "now".
+    /// Reads a UTC instant, given as a string or as a date-time of TOML.
     pub(super) fn instant(
         &self,
         field: &Field<'_, toml::Value>,
         default: Epoch,
     ) -> Result<Epoch, SceneError> {
-        const ADVICE: &str = "write UTC like \"2018-01-15T12:00:00Z\", or \"now\"";
+        const ADVICE: &str = "write UTC like \"2018-01-15T12:00:00Z\"";
         let text = match field.given.map(Spanned::get_ref) {
             None => return Ok(default),
-            Some(value) if is_now(value) => return self.now(field),
             Some(toml::Value::String(text)) => text.clone(),
             Some(toml::Value::Datetime(when)) => {
                 let mut when = *when;
@@ -155,19 +162,7 @@ impl SceneText<'_> {
                 );
             }
         };
-        utc_from_rfc3339(&text).map_err(|error| {
-            let advice = format!("{error}; or write \"now\", the time of the system's clock");
-            self.refuse(field, advice)
-        })
-    }
-
-    /// What the system's clock says, the same wherever a scene asks.
-    fn now(&self, field: &Field<'_, toml::Value>) -> Result<Epoch, SceneError> {
-        if let Some(now) = self.now.get() {
-            return Ok(*now);
-        }
-        let now = utc_now().map_err(|error| self.refuse(field, error))?;
-        Ok(*self.now.get_or_init(|| now))
+        utc_from_rfc3339(&text).map_err(|error| self.refuse(field, error))
     }
 }
 

@@ -15,7 +15,7 @@ use terrella::internals::play::{
     Existing, FilmFrames, FilmKey, FilmPainter, FilmRequest, Flight, FrameRange, FrameRecord,
     PictureFormat, PictureSettings, PlayError, SharedFolder, Shutter, checksum, take_starter_files,
 };
-use terrella::scene::Scene;
+use terrella::scene::{Scene, StartSource};
 
 /// How the pictures of a film are made and kept, as the command's options say.
 #[pyclass(frozen, from_py_object, name = "Pictures", module = "terrella")]
@@ -59,9 +59,21 @@ impl PyPictures {
     }
 }
 
+/// A scene that several processes draw, which each reads for itself.
+fn read(path: &Path) -> PyResult<Scene> {
+    let scene = Scene::load(path).map_err(|error| SceneError::new_err(error.to_string()))?;
+    match scene.time.start_from {
+        StartSource::Clock => Err(SceneError::new_err(format!(
+            "{}: [time] start = \"now\": each process would begin at another instant; write the instant",
+            path.display()
+        ))),
+        _ => Ok(scene),
+    }
+}
+
 /// A scene as its file says it, and the same made ready with the maps that came along.
 fn open(path: &Path, textures: &Path) -> PyResult<(Scene, Flight)> {
-    let read = Scene::load(path).map_err(|error| SceneError::new_err(error.to_string()))?;
+    let read = read(path)?;
     if let Some(live) = read.orbits.iter().find_map(|orbit| orbit.live.as_ref()) {
         return Err(of_play(PlayError::Live {
             scene: read.path.clone(),
@@ -301,7 +313,7 @@ impl PyFilmFolder {
 #[pyfunction]
 fn scene_key(py: Python<'_>, path: PathBuf) -> PyResult<String> {
     py.detach(|| {
-        let scene = Scene::load(&path).map_err(|error| SceneError::new_err(error.to_string()))?;
+        let scene = read(&path)?;
         let key = FilmKey::new(&scene, scene.output.size.into(), PictureSettings::default());
         serde_json::to_string(&key.map_err(|error| of_play(error.into()))?).map_err(of_any)
     })

@@ -2,7 +2,8 @@
 
 use super::error::FilmError;
 use super::settings::PictureSettings;
-use crate::scene::Scene;
+use crate::frames::{TimeScale, ccsds_time};
+use crate::scene::{Scene, StartSource};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io;
@@ -16,6 +17,9 @@ pub struct FilmKey {
     pub program: String,
     /// BLAKE3 of the scene's text.
     pub scene_blake3: String,
+    /// Its first instant, UTC, where that is not in the scene's text: a start of "now", or of the command line.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_utc: Option<String>,
     /// What the scene names.
     pub inputs: Vec<Input>,
     /// Width and height, pixels.
@@ -54,11 +58,17 @@ impl FilmKey {
         }
         Ok(Self {
             program: concat!("terrella ", env!("CARGO_PKG_VERSION")).to_owned(),
-            // The built-in scene has no file, and is the program's.
-            scene_blake3: match scene.path.is_file() {
-                true => checksum_of(&scene.path)?,
-                false => checksum(scene.full_summary().as_bytes()),
+            // Scenes that no file says have a text all the same.
+            scene_blake3: match scene.own_text() {
+                Some(text) => checksum(text.as_bytes()),
+                None if scene.path.is_file() => checksum_of(&scene.path)?,
+                None => checksum(scene.full_summary().as_bytes()),
             },
+            start_utc: matches!(
+                scene.time.start_from,
+                StartSource::Clock | StartSource::Caller
+            )
+            .then(|| ccsds_time(scene.time.start, TimeScale::Utc) + "Z"),
             inputs,
             size: size.into(),
             pictures,
@@ -76,6 +86,21 @@ impl FilmKey {
         }
         if self.scene_blake3 != found.scene_blake3 {
             words.push("the scene has changed".to_owned());
+        }
+        if self.start_utc != found.start_utc {
+            let start = |key: &Self| match &key.start_utc {
+                Some(utc) => format!("at {utc}"),
+                None => "where the scene says".to_owned(),
+            };
+            let remedy = match &found.start_utc {
+                Some(utc) => format!(" (--start {utc} goes on with it)"),
+                None => String::new(),
+            };
+            words.push(format!(
+                "it begins {}, this one {}{remedy}",
+                start(found),
+                start(self)
+            ));
         }
         let changed = self
             .inputs
@@ -192,6 +217,21 @@ mod tests {
         assert!(words((64, 36)).contains("(a.tle)"), "{}", words((64, 36)));
         std::fs::write(&path, format!("{text}# more\n")).expect("writes");
         assert!(words((64, 36)).contains("the scene has changed"));
+        std::fs::write(&path, text.replace("[time]", "[time]\nstart = \"now\"")).expect("writes");
+        let mut now = key((64, 36));
+        assert_eq!(now.differences(&now), None);
+        let began = now.start_utc.replace("2026-01-01T00:00:00.000Z".into());
+        let words = key((64, 36)).differences(&now).expect("another");
+        assert!(began.is_some_and(|utc| utc > "2026".to_owned()), "{now:?}");
+        assert!(
+            words.starts_with("it begins at 2026-01-01T00:00:00.000Z, this one at 20"),
+            "{words}"
+        );
+        assert!(
+            words.contains("--start 2026-01-01T00:00:00.000Z goes on"),
+            "{words}"
+        );
+        std::fs::write(&path, format!("{text}# more\n")).expect("writes");
         let older = FilmKey {
             program: "terrella 0.0.9".into(),
             ..key((64, 36))
