@@ -1,19 +1,18 @@
 //! `terrella check`
 
-use super::{Common, load, print};
+use super::scene_args::{SatelliteArgs, SceneArgs, open_flight};
+use super::{Common, print};
 use clap::Args;
-use std::path::PathBuf;
 use terrella::frames::rfc3339;
-use terrella::internals::play::Flight;
+use terrella::internals::play::{Flight, LightOutlook};
 
 /// Arguments of `terrella check`.
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// The scene file
-    scene: PathBuf,
-    /// Refuse files of orbits in which anything is spoilt; else bad states and records are listed and passed over
-    #[arg(long)]
-    strict: bool,
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    satellites: SatelliteArgs,
     /// List every key that a scene can have, also those without a meaning in this one
     #[arg(long)]
     all: bool,
@@ -21,7 +20,9 @@ pub struct CheckArgs {
 
 /// Loads the scene with all that it names and prints a summary.
 pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
-    let flight = Flight::open_without_listening(load(&args.scene, args.strict)?)?;
+    let scene = args.scene.load(&args.satellites.satellite)?;
+    args.satellites.refuse_scenes(&scene);
+    let flight = open_flight(scene, Flight::open_without_listening)?;
     let dropped = flight.dropped_layers()?;
     if common.quiet {
         return Ok(());
@@ -73,6 +74,7 @@ pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
             text.push_str(&format!("  {:<14} {left_out} more\n", "passed over"));
         }
     }
+    text.push_str(&light(&flight));
     if let Some(table) = flight.earth_orientation() {
         let (first, last) = table.span();
         let measured = table.measured_until();
@@ -86,4 +88,18 @@ pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
         ));
     }
     print(&text)
+}
+
+/// What light the scene's film is in, where no simulator gives the time.
+fn light(flight: &Flight) -> String {
+    let scene = flight.scene();
+    if scene.is_live() {
+        return String::new();
+    }
+    let lines = match LightOutlook::of(flight, 0..scene.time.frame_count()) {
+        Ok(light) => light.sentences(),
+        Err(error) => vec![format!("not known: {error}")],
+    };
+    let lines = lines.iter().map(|line| format!("  {line}\n"));
+    format!("\nlight\n{}", lines.collect::<String>())
 }

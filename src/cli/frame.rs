@@ -2,15 +2,18 @@
 
 use super::picture_args::PictureArgs;
 use super::progress::{Bars, stop_on_interrupt, stop_on_interrupt_with};
+use super::scene_args::{SatelliteArgs, SceneArgs, open_flight};
 use super::values;
-use super::{Cli, Common, load};
+use super::{Cli, Common};
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, ValueEnum};
 use std::path::PathBuf;
 use terrella::frames::Epoch;
 use terrella::internals::gpu::ContextError;
 use terrella::internals::measure::reference::{ReferenceRequest, SAMPLES, write_reference_still};
-use terrella::internals::play::{Flight, PlayError, StillRequest, write_still};
+use terrella::internals::play::{
+    Flight, PlayError, Progress, StillRequest, night_note, write_still,
+};
 
 /// Rays along each side of a pixel where none are asked for.
 const DEFAULT_SAMPLES: u32 = 4;
@@ -18,15 +21,14 @@ const DEFAULT_SAMPLES: u32 = 4;
 /// Arguments of `terrella frame`.
 #[derive(Debug, Args)]
 pub struct FrameArgs {
-    /// The scene file
-    scene: PathBuf,
-    /// Refuse files of orbits in which anything is spoilt; else bad states and records are listed and passed over
-    #[arg(long)]
-    strict: bool,
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    satellites: SatelliteArgs,
     /// The picture to write; with --format exr, OUT.exr
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
-    /// The instant, for example 2018-01-15T12:30:00Z, instead of the scene's start
+    /// The instant, for example 2018-01-15T12:30:00Z, or now, instead of the scene's start
     #[arg(long, value_name = "RFC3339", value_parser = values::instant)]
     at: Option<Epoch>,
     /// Width and height in pixels, instead of the scene's
@@ -69,11 +71,18 @@ enum Renderer {
 /// Draws the picture. Where there is no graphics adapter at all, and none was asked for by name, the reference draws.
 pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
     refuse_conflicts(args, common);
-    let flight = Flight::open(load(&args.scene, args.strict)?)?;
+    let scene = args.scene.load(&args.satellites.satellite)?;
+    args.satellites.refuse_scenes(&scene);
+    let flight = open_flight(scene, Flight::open)?;
     if let Some(simulation) = flight.simulation() {
         stop_on_interrupt_with(Some(simulation.stopper()));
     }
     let bars = Bars::new(common.quiet);
+    if args.at.is_none()
+        && let Some(note) = night_note(&flight)
+    {
+        bars.say(&note);
+    }
     if args.renderer == Renderer::Gpu {
         let request = StillRequest {
             epoch: args.at,

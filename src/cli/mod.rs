@@ -11,6 +11,7 @@ mod play;
 mod progress;
 mod quiet_driver;
 mod report;
+mod scene_args;
 mod serve;
 mod terrain;
 mod values;
@@ -21,7 +22,7 @@ use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 use terrella::internals::measure::bench::BenchError;
 use terrella::internals::play::PlayError;
-use terrella::scene::{Scene, SceneError};
+use terrella::scene::SceneError;
 
 /// Exit code of a bad scene, and of bad usage (clap's own).
 const BAD_SCENE: u8 = 2;
@@ -202,15 +203,6 @@ fn log_to_stderr(common: &Common) {
         .with_ansi(std::io::stderr().is_terminal())
         .without_time()
         .init();
-}
-
-/// Reads a scene; `strict` reads all of its files of orbits as `strict = true` does.
-fn load(path: &std::path::Path, strict: bool) -> Result<Scene, SceneError> {
-    let mut scene = Scene::load(path)?;
-    for orbit in &mut scene.orbits {
-        orbit.strict |= strict && orbit.file.is_some();
-    }
-    Ok(scene)
 }
 
 /// Prints to standard output; a reader that has gone away (`| head`) is not a failure.

@@ -1,6 +1,7 @@
 //! `terrella orbit`
 
-use super::{Common, load, print, values};
+use super::scene_args::{SceneArgs, open_flight};
+use super::{Common, print, values};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use terrella::frames::{Duration, Epoch, Geodetic, rfc3339};
@@ -13,12 +14,12 @@ use terrella::orbit::{Frame, Header};
 /// Arguments of `terrella orbit`.
 #[derive(Debug, Args)]
 pub struct OrbitArgs {
-    /// The scene file
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: SceneArgs,
     /// Seconds between states, from the scene's first instant to its last
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds, default_value = "60", conflicts_with = "at")]
     every: f64,
-    /// Print only the state at this instant
+    /// Print only the state at this instant, or now
     #[arg(long, value_name = "UTC", value_parser = values::instant)]
     at: Option<Epoch>,
     /// Frame of positions and velocities, or latitude, longitude and height
@@ -52,15 +53,12 @@ pub struct OrbitArgs {
     /// Print the events along motions that are integrated: those that `events` under [orbit] names, and impacts
     #[arg(long, conflicts_with_all = ["every", "at", "frame", "oem", "omm", "passes"])]
     events: bool,
-    /// Name of a satellite; may be given more than once [default: the one that cameras follow]
+    /// Name of a satellite; may be given more than once [default: the one that cameras follow, or the only one of a file of orbits]
     #[arg(long, value_name = "NAME")]
     satellite: Vec<String>,
     /// All satellites of the scene, each where it is known
     #[arg(long, conflicts_with = "satellite")]
     all: bool,
-    /// Refuse files of orbits in which anything is spoilt; else bad states and records are listed and passed over
-    #[arg(long)]
-    strict: bool,
 }
 
 /// Frames by name.
@@ -98,7 +96,8 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
     // Before anything is computed: a file that cannot be written is found at once.
     let oem_file = pending(args.oem.as_ref(), "ephemeris messages", "oem")?;
     let omm_file = pending(args.omm.as_ref(), "element messages", "omm")?;
-    let flight = Flight::open_without_listening(load(&args.scene, args.strict)?)?;
+    let scene = args.scene.load(&args.satellite)?;
+    let flight = open_flight(scene, Flight::open_without_listening)?;
     let layout = match (args.csv, args.json) {
         (true, _) => Layout::Csv,
         (_, true) => Layout::Json,

@@ -2,6 +2,7 @@
 
 use super::picture_args::PictureArgs;
 use super::progress::{Bars, stop_on_interrupt, stop_on_interrupt_with};
+use super::scene_args::{SatelliteArgs, SceneArgs, open_flight};
 use super::serve::simulation_scene;
 use super::values;
 use super::{Cli, Common};
@@ -9,6 +10,7 @@ use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, ValueEnum};
 use std::path::PathBuf;
 use terrella::basilisk::Endpoint;
+use terrella::frames::Epoch;
 use terrella::internals::play::{
     EncoderChoice, Existing, ExportRequest, Flight, FrameRange, VideoCodec, VideoCoding,
     WindowRequest, export, play_in_window,
@@ -17,15 +19,16 @@ use terrella::internals::play::{
 /// Arguments of `terrella play`.
 #[derive(Debug, Args)]
 pub struct PlayArgs {
-    /// The scene file
-    #[arg(required_unless_present = "listen")]
-    scene: Option<PathBuf>,
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    satellites: SatelliteArgs,
+    /// The first instant, for example 2026-11-25T05:00:00Z, or now, instead of the scene's start
+    #[arg(long, value_name = "UTC", value_parser = values::instant)]
+    start: Option<Epoch>,
     /// Simulations of Basilisk: where they connect, instead of the scene's; without a scene the built-in one, config/basilisk.toml
     #[arg(long, value_name = "tcp://ADDRESS:PORT")]
     listen: Option<Endpoint>,
-    /// Refuse files of orbits in which anything is spoilt; else bad states and records are listed and passed over
-    #[arg(long)]
-    strict: bool,
     /// Write every frame as a PNG into this folder instead of opening a window
     #[arg(long, value_name = "FOLDER")]
     frames: Option<PathBuf>,
@@ -93,8 +96,25 @@ impl Codec {
 /// Opens the window, or writes frames and video.
 pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
     refuse_conflicts(args);
-    let scene = simulation_scene(args.scene.as_deref(), args.listen.as_ref(), args.strict)?;
-    let flight = Flight::open(scene)?;
+    let names = &args.satellites.satellite;
+    let mut scene = match &args.listen {
+        Some(listen) => {
+            let path = args.scene.path.as_deref();
+            simulation_scene(path, Some(listen), args.scene.strict)?
+        }
+        None => args.scene.load(names)?,
+    };
+    args.satellites.refuse_scenes(&scene);
+    if let Some(start) = args.start {
+        if scene.is_live() {
+            let message = "--start has no meaning in this scene, whose simulator gives the time";
+            Cli::command()
+                .error(ErrorKind::ArgumentConflict, message)
+                .exit();
+        }
+        scene.begin(start)?;
+    }
+    let flight = open_flight(scene, Flight::open)?;
     // Whoever waits is answered before the program ends.
     if let Some(simulation) = flight.simulation() {
         stop_on_interrupt_with(Some(simulation.stopper()));

@@ -1,6 +1,7 @@
 //! Progress bars on standard error, where that is a terminal.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::Write;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -83,6 +84,13 @@ impl Progress for Bars {
                 bar.inc(1);
             }
         });
+    }
+
+    fn say(&self, line: &str) {
+        if !self.hidden {
+            // Nobody is left to tell if standard error is closed.
+            let _ = writeln!(std::io::stderr(), "{line}");
+        }
     }
 
     fn cancelled(&self) -> bool {

@@ -1,8 +1,9 @@
 //! `terrella serve`
 
+use super::Common;
 use super::progress::{Bars, stop_on_interrupt_with};
+use super::scene_args::load;
 use super::values;
-use super::{Common, load};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use terrella::basilisk::{Endpoint, Meeting};
@@ -35,7 +36,7 @@ pub fn simulation_scene(
     strict: bool,
 ) -> anyhow::Result<Scene> {
     let mut scene = match path {
-        Some(path) => load(path, strict)?,
+        Some(path) => load(Some(path), &[], strict)?,
         None => Scene::from_toml(BUILT_IN, Path::new("basilisk.toml"))?,
     };
     if let Some(endpoint) = listen {

@@ -1,7 +1,7 @@
 //! Values of options, read from their text. What clap is told here it reports with the option's name and exit code 2.
 
 use terrella::SurfaceKind;
-use terrella::frames::{Epoch, Geodetic, utc_from_rfc3339};
+use terrella::frames::{Epoch, Geodetic, utc_from_rfc3339, utc_now};
 use terrella::internals::measure::surfaces::{SurfacePath, SurfacesPart};
 use terrella::internals::play::{FrameRange, PictureSettings};
 use terrella::scene::{Camera, Output};
@@ -78,9 +78,13 @@ pub fn surface_path(text: &str) -> Result<SurfacePath, String> {
     })
 }
 
-/// An RFC 3339 instant.
+/// An RFC 3339 instant, or `now`.
 pub fn instant(text: &str) -> Result<Epoch, String> {
-    utc_from_rfc3339(text).map_err(|error| error.to_string())
+    let read = match text {
+        "now" => utc_now(),
+        text => utc_from_rfc3339(text),
+    };
+    read.map_err(|error| error.to_string())
 }
 
 /// Seconds of the wall clock, more than none and at most a day.
@@ -196,7 +200,10 @@ mod tests {
     #[test]
     fn instants_and_seconds() {
         assert!(instant("2018-01-15T12:00:00Z").is_ok());
-        assert!(instant("yesterday").is_err());
+        assert!(instant("yesterday").is_err() && instant("NOW").is_err());
+        let years =
+            instant("now").expect("a clock") - instant("2018-01-15T12:00:00Z").expect("UTC");
+        assert!(years.to_seconds() > 5.0 * 365.25 * 86_400.0);
         assert_eq!(seconds("2.5"), Ok(2.5));
         for bad in ["0", "-1", "nan", "inf", "1e9", ""] {
             assert!(seconds(bad).is_err(), "{bad}");

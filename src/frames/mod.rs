@@ -41,6 +41,6 @@ pub use rotation::{
     itrf_from_gcrf_with_ut1, itrf_from_pef, itrf_from_teme, itrf_from_teme_with_ut1, pef_from_teme,
 };
 pub use sun::{SUN_RADIUS_RAD, subsolar_point, sun_direction_itrf, sun_direction_itrf_oriented};
-pub use time::{TimeError, rfc3339, utc_from_rfc3339};
+pub use time::{TimeError, rfc3339, utc_from_rfc3339, utc_now};
 #[cfg(feature = "orbit")]
 pub(crate) use time::{tai_from_utc_day, utc_day};

@@ -17,6 +17,9 @@ pub(super) const NS_PER_SECOND: i64 = 1_000_000_000;
 pub(super) const NS_PER_DAY: i64 = 86_400 * NS_PER_SECOND;
 /// Modified Julian date of 1 January 1900, where `hifitime` counts TAI from.
 pub(super) const MJD_1900: i64 = 15_020;
+/// Modified Julian dates of 1 January 1970, where POSIX counts from, and of 1 January 2100.
+const MJD_1970: i64 = 40_587;
+const MJD_2100: i64 = 88_069;
 /// Longest date text looked at: all fields, nine decimals and an offset take 35 characters.
 const LONGEST_DATE: usize = 64;
 
@@ -92,6 +95,11 @@ pub enum TimeError {
         /// The text that was to be read as a date.
         text: String,
     },
+    /// The system's clock shows a date that no program of today can be run at.
+    #[error(
+        "the system's clock shows no date of the years 1970 to 2099; set it, or write the date"
+    )]
+    Clock,
 }
 
 /// First and last year that [`utc_from_rfc3339`] accepts: those in which the Sun is known to better than an arc second.
@@ -116,6 +124,22 @@ pub fn utc_from_rfc3339(text: &str) -> Result<Epoch, TimeError> {
         });
     }
     Ok(tai_from_utc_day(reading.mjd, reading.ns_of_day()))
+}
+
+/// What the system's clock says, in whole seconds of UTC, so that the instant can be written down and used again.
+///
+/// # Errors
+/// A clock that is not set: before 1970 or after 2099.
+pub fn utc_now() -> Result<Epoch, TimeError> {
+    let since_1970 = std::time::UNIX_EPOCH.elapsed();
+    let seconds = since_1970.map_err(|_| TimeError::Clock)?.as_secs();
+    let seconds = i64::try_from(seconds).map_err(|_| TimeError::Clock)?;
+    // POSIX counts days of 86 400 s: no leap second has a number of its own.
+    let (mjd, second) = (MJD_1970 + seconds / 86_400, seconds % 86_400);
+    match mjd < MJD_2100 {
+        true => Ok(tai_from_utc_day(mjd, second * NS_PER_SECOND)),
+        false => Err(TimeError::Clock),
+    }
 }
 
 /// What a clock shows, whatever scale it keeps.
@@ -396,6 +420,17 @@ mod tests {
                 assert_eq!(utc_day_from_tai_ns(tai.total_nanoseconds()), (mjd, ns));
             }
         }
+    }
+
+    #[test]
+    fn now_is_what_another_clock_says() {
+        assert_eq!(Calendar::from_mjd(MJD_1970).year, 1970);
+        assert_eq!(Calendar::from_mjd(MJD_2100).year, 2100);
+        assert_eq!(Calendar::from_mjd(MJD_2100 - 1).year, 2099);
+        let (now, other) = (utc_now().unwrap(), Epoch::now().unwrap());
+        let apart_s = (other - now).to_seconds();
+        assert!((0.0..10.0).contains(&apart_s), "{apart_s}");
+        assert!(rfc3339(now).ends_with(".000Z"), "{}", rfc3339(now));
     }
 
     #[test]

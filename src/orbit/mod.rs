@@ -9,6 +9,7 @@
 //! | take states that a simulator sends | [`live`] |
 //! | find passes over a place | `passes.rs` |
 //! | turn a state vector from frame to frame | `state.rs` |
+//! | tell what kind of orbits a file holds | `recognise.rs` |
 //! | see how long a feed answers | [`Feed::validity`], `validity.rs` |
 //!
 //! Time scales and leap seconds are in [`frames`](crate::frames). Why the readers of OEM and OMM and the
@@ -34,6 +35,7 @@ pub mod numerical;
 mod oem;
 mod omm;
 mod passes;
+mod recognise;
 mod sgp4_feed;
 mod start_error;
 mod state;
@@ -61,7 +63,7 @@ pub use state::{Frame, OrbitState};
 pub use write_ccsds::Header;
 pub use write_csv::{csv_field, csv_header, csv_row};
 
-/// Kinds of files of orbits.
+/// Kinds of files of orbits. What kind a file is: [`FileFormat::of_text`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileFormat {
     /// Two-line elements.

@@ -296,6 +296,7 @@ mod tests {
     fn time(speed: f64) -> Time {
         Time {
             start: utc_from_rfc3339("2018-01-15T12:00:00Z").expect("a date"),
+            start_from: crate::scene::StartSource::Given,
             duration_s: 100.0,
             speed,
             frame_rate_hz: 30.0,

@@ -3,11 +3,13 @@
 use super::basilisk::with_camera_service;
 use super::clock::frame_epoch;
 use super::error::PlayError;
+use super::export_words::{FilmWords, Written};
 use super::film::{
     Existing, FilmFrames, FilmKey, FilmPage, FilmPainter, FrameFolder, FrameRange, FrameRecord,
     KeptFrames, PageHead, PictureSettings, checksum,
 };
 use super::flight::Flight;
+use super::outlook::LightOutlook;
 use super::output::{OutputError, PendingFile};
 use super::progress::Progress;
 use super::video::{
@@ -20,6 +22,7 @@ use crate::orbit::live::Pacing;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::mpsc::sync_channel;
+use std::time::Instant;
 
 /// Frames that may wait to be written: one in the writer's hands, this many more drawn ahead of it.
 const FRAMES_AHEAD: usize = 2;
@@ -53,6 +56,7 @@ pub fn export(
     request: &ExportRequest<'_>,
     progress: &dyn Progress,
 ) -> Result<(), PlayError> {
+    let begun = Instant::now();
     let scene = flight.scene();
     let is_lockstep = match (flight.simulation(), flight.live_clock()) {
         (Some(simulation), _) => matches!(simulation.options().meeting, Meeting::Listen(_)),
@@ -80,6 +84,7 @@ pub fn export(
     }
     FilmPainter::check(flight, &request.pictures)?;
     let mut sinks: Vec<Box<dyn FrameSink>> = Vec::new();
+    let mut encoder = None;
     if request.video.is_some() {
         check_size(size)?;
     }
@@ -91,7 +96,9 @@ pub fn export(
             frame_rate_hz: scene.time.frame_rate_hz,
             coding: request.coding,
         };
-        sinks.push(open_video(file, format, request.encoder)?);
+        let (sink, name) = open_video(file, format, request.encoder)?;
+        sinks.push(sink);
+        encoder = Some(name);
     }
     let mut kept = KeptFrames::default();
     let mut folder = None;
@@ -116,7 +123,7 @@ pub fn export(
         .collect();
     let lacking = wanted.end - wanted.start - kept_frames.len() as u64;
     if lacking == 0 {
-        tracing::info!("all frames are there");
+        progress.say("all frames are there");
         if let Some((folder, film)) = folder.filter(|_| kept.is_cut) {
             let adapter = kept.adapter.unwrap_or_default();
             let head = PageHead::new(scene, frame_epoch(&scene.time, 0), film, adapter);
@@ -124,6 +131,19 @@ pub fn export(
         }
         return Ok(());
     }
+    let light = match is_lockstep {
+        true => None,
+        false => Some(LightOutlook::of(flight, wanted.clone())?),
+    };
+    let words = FilmWords {
+        request,
+        size,
+        frames: count.map(|_| (wanted.end - wanted.start, kept_frames.len() as u64)),
+        frame_rate_hz: scene.time.frame_rate_hz,
+        encoder: encoder.as_deref(),
+        light: light.as_ref(),
+    };
+    words.lines().iter().for_each(|line| progress.say(line));
 
     progress.begin("loading maps", None);
     let features = FilmPainter::features(&request.pictures);
@@ -144,6 +164,7 @@ pub fn export(
             page: FilmPage::begin(&folder, &head, kept.entries)?,
             folder,
             pictures: request.pictures,
+            written: (0, 0),
         }));
     }
     tracing::info!(
@@ -161,11 +182,13 @@ pub fn export(
     progress.begin("frames", count.map(|_| lacking));
     let mut missing_tiles = MissingTiles::default();
     if is_lockstep {
-        return with_camera_service(flight, request.adapter, || {
+        let (written, done) = with_camera_service(flight, request.adapter, || {
             export_lockstep(flight, sinks, frames.painter(), count, progress)
-        });
+        })?;
+        say_written(&written, done, begun, progress);
+        return Ok(());
     }
-    write_while_drawing(sinks, |push| {
+    let written = write_while_drawing(sinks, |push| {
         let mut done = 0;
         // Where exposure is metered a frame's hangs on those before, drawn or not.
         let is_metered = frames.painter().renderer().meters_exposure();
@@ -197,8 +220,16 @@ pub fn export(
         Ok(())
     })?;
     progress.end();
+    say_written(&written, lacking, begun, progress);
     missing_tiles.warn();
     Ok(())
+}
+
+/// Says of each file of a film of so many frames what it is.
+fn say_written(written: &[Written], frames: u64, begun: Instant, progress: &dyn Progress) {
+    for file in written {
+        progress.say(&file.line(frames, begun.elapsed()));
+    }
 }
 
 /// How many frames a film has. A simulation of Basilisk says itself when it ends: without a duration in the scene there is one
@@ -210,19 +241,19 @@ fn frames_wanted(flight: &Flight) -> Option<u64> {
 }
 
 /// One frame for each picture that a simulator asks for and gets: until the scene's number of frames, or until it is
-/// silent for as long as the scene waits, or its stream ends.
+/// silent for as long as the scene waits, or its stream ends. Answers what is written, and how many frames.
 fn export_lockstep(
     flight: &Flight,
     sinks: Vec<Box<dyn FrameSink>>,
     painter: &mut FilmPainter,
     wanted: Option<u64>,
     progress: &dyn Progress,
-) -> Result<(), PlayError> {
+) -> Result<(Vec<Written>, u64), PlayError> {
     let aspect = painter.aspect();
     let frame_s = 1.0 / flight.scene().time.frame_rate_hz;
     let mut missing_tiles = MissingTiles::default();
     let mut done = 0;
-    write_while_drawing(sinks, |push| {
+    let written = write_while_drawing(sinks, |push| {
         while wanted.is_none_or(|wanted| done < wanted) {
             let awaited = flight.await_moment(aspect, &|| progress.cancelled());
             if progress.cancelled() {
@@ -263,7 +294,7 @@ fn export_lockstep(
     progress.end();
     tracing::info!("{done} frames, as many as the simulator asked for");
     missing_tiles.warn();
-    Ok(())
+    Ok((written, done))
 }
 
 /// Frames that lack tiles.
@@ -300,7 +331,7 @@ impl MissingTiles {
 fn write_while_drawing(
     mut sinks: Vec<Box<dyn FrameSink>>,
     produce: impl FnOnce(&mut dyn FnMut(FilmFrame) -> bool) -> Result<(), PlayError>,
-) -> Result<(), PlayError> {
+) -> Result<Vec<Written>, PlayError> {
     let (sender, receiver) = sync_channel::<FilmFrame>(FRAMES_AHEAD);
     std::thread::scope(|scope| {
         let writer = scope.spawn(move || {
@@ -315,7 +346,7 @@ fn write_while_drawing(
         drop(sender);
         let sinks = writer.join().map_err(|_| PlayError::WriterBroke)??;
         produced?;
-        sinks.into_iter().try_for_each(|sink| sink.finish())
+        sinks.into_iter().map(|sink| sink.finish()).collect()
     })
 }
 
@@ -324,6 +355,8 @@ struct FrameFiles {
     folder: FrameFolder,
     page: FilmPage,
     pictures: PictureSettings,
+    /// How many pictures are written, and their bytes.
+    written: (u64, u64),
 }
 
 impl FrameSink for FrameFiles {
@@ -333,6 +366,8 @@ impl FrameSink for FrameFiles {
         let file = frame.picture.file(&self.pictures);
         let file = file.map_err(|source| OutputError::NotEncoded { path, source })?;
         self.folder.pending(index)?.write_whole(&file)?;
+        let (pictures, bytes) = self.written;
+        self.written = (pictures + 1, bytes + file.len() as u64);
         let record = FrameRecord {
             file: self.folder.name(index),
             bytes: file.len() as u64,
@@ -342,8 +377,14 @@ impl FrameSink for FrameFiles {
         self.page.add(&record)
     }
 
-    fn finish(self: Box<Self>) -> Result<(), PlayError> {
-        self.page.finish()
+    fn finish(self: Box<Self>) -> Result<Written, PlayError> {
+        self.page.finish()?;
+        let (pictures, bytes) = self.written;
+        Ok(Written {
+            path: self.folder.folder().to_owned(),
+            bytes,
+            pictures: Some(pictures),
+        })
     }
 }
 
@@ -374,9 +415,13 @@ mod tests {
             Ok(())
         }
 
-        fn finish(self: Box<Self>) -> Result<(), PlayError> {
+        fn finish(self: Box<Self>) -> Result<Written, PlayError> {
             self.finished.fetch_add(1, Ordering::Relaxed);
-            Ok(())
+            Ok(Written {
+                path: "probe".into(),
+                bytes: 0,
+                pictures: None,
+            })
         }
     }
 

@@ -5,8 +5,9 @@ use super::camera_path::CameraPath;
 use super::craft::CraftPose;
 use super::error::PlayError;
 use super::maps::{DroppedLayer, check_pack, dropped_layers, earth_options, earth_options_at};
+use super::opening::open_all;
 use super::place_text::GroundPlace;
-use super::satellites::{self, Listener, Satellite, orientation_at};
+use super::satellites::{Listener, Satellite, orientation_at};
 use super::sky_parts::dropped_parts;
 use crate::frames::{
     EarthOrientation, Ellipsoid, Epoch, Geodetic, Illumination, Orientation, illumination,
@@ -78,7 +79,8 @@ pub struct SatelliteState {
 
 impl Flight {
     /// Opens the scene's satellites and checks that the one that cameras fly with is known for all of the scene's dates,
-    /// and that its pack, if it has one, holds what it asks for. A duration that the scene does not give is shortened to what
+    /// and that its pack, if it has one, holds what it asks for. A scene that gives no start begins at its satellite's own time,
+    /// if that has one ([`Scene::begin_at`]). A duration that the scene does not give is shortened to what
     /// that satellite is known for; where the built-in satellite's elements do not reach, a stand-in flies
     /// ([`Scene::notices`]). Live satellites begin to listen; where there are any,
     /// their simulators give the time and the scene's dates are not checked.
@@ -93,30 +95,16 @@ impl Flight {
 
     fn open_with(mut scene: Scene, listener: Listener) -> Result<Self, PlayError> {
         check_pack(&scene)?;
-        satellites::stand_in(&mut scene)?;
         let orientation = match &scene.time.orientation {
             Some(file) => Some(EarthOrientation::from_file(file)?),
             None => None,
         };
-        if let Some(table) = &orientation
-            && !scene.is_live()
-        {
-            scene.check_orientation(table.span())?;
-        }
-        let orbits = scene.orbits.iter().enumerate();
-        let satellites = orbits
-            .map(|(index, orbit)| {
-                satellites::open(&scene, index, orbit, orientation.as_ref(), listener)
-            })
-            .collect::<Result<Vec<_>, _>>()?;
+        let satellites = open_all(&mut scene, orientation.as_ref(), listener)?;
         let names: Vec<_> = satellites.iter().map(Satellite::name).collect();
         let followed = scene.followed(&names)?;
         if let Some(satellite) = satellites.get(followed)
             && !scene.is_live()
         {
-            if let Some(recording) = satellite.recording() {
-                scene.begin_with(recording.validity());
-            }
             let ellipsoid = scene.earth.figure.ellipsoid();
             let impact = impact(satellite.feed(), orientation.as_ref(), &ellipsoid)
                 .map(|(_, place)| place.to_string());

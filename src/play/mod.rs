@@ -11,7 +11,7 @@
 //! | `camera` | the four cameras, pure functions |
 //! | `camera_path`, `spline` | what a scene's keys make of its camera in the course of time |
 //! | `flight` | scene and orbit to moments |
-//! | `satellites` | the scene's sources of motion, opened |
+//! | `satellites`, `opening` | the scene's sources of motion, opened; which of them says when the scene begins |
 //! | `live`, `live_status` | the time of scenes whose simulator gives it; what the window reports of it |
 //! | `basilisk/` | the same of simulations of Basilisk, and the pictures of their cameras |
 //! | `simulator_time` | the window's time by either of them |
@@ -27,6 +27,7 @@
 //! | `scene_files` | every file that its pictures come from |
 //! | `pictures` | a scene's pictures in memory, for programs that call us |
 //! | `offscreen`, `still`, `stats`, `export`, `video/` | the offscreen renderer; pictures, their numbers, films |
+//! | `outlook`, `export_words` | what light a film will be in; what is said of it before and after |
 //! | `film/` | films and their pictures: formats, averaged light, ranges, going on with a film, the page `frames.json` |
 //! | `radiance` | a picture's light as a file |
 //! | `truth`, `truth_manifest` | what is where its pixels look, as files |
@@ -55,6 +56,8 @@ mod error;
 mod event_table;
 #[cfg(feature = "command")]
 mod export;
+#[cfg(feature = "command")]
+mod export_words;
 #[cfg_attr(not(feature = "command"), allow(dead_code, unused_imports))]
 mod film;
 mod flight;
@@ -71,6 +74,8 @@ mod live_status;
 mod maps;
 #[cfg_attr(not(feature = "command"), allow(dead_code))]
 mod offscreen;
+mod opening;
+mod outlook;
 #[cfg_attr(not(feature = "command"), allow(dead_code))]
 mod output;
 #[cfg(feature = "command")]
@@ -129,6 +134,7 @@ pub use maps::{DroppedLayer, earth_options};
 #[cfg(feature = "command")]
 pub(crate) use offscreen::rgba_image;
 pub use offscreen::{OffscreenRenderer, TimedFrame};
+pub use outlook::{LightOutlook, LightTimes, night_note};
 pub use output::{OutputError, PendingFile};
 pub use pass_table::{PassRequest, PassTable};
 pub use pictures::{ScenePictures, Shot, take_starter_files};

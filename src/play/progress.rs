@@ -8,6 +8,10 @@ pub trait Progress: Sync {
     fn step(&self);
     /// The work that was begun last is over.
     fn end(&self);
+    /// A line about the work for whoever watches it, said before it or after it.
+    fn say(&self, line: &str) {
+        let _ = line;
+    }
     /// True once the work is no longer wanted: it stops at the next step and leaves nothing unfinished behind.
     fn cancelled(&self) -> bool {
         false

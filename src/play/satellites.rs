@@ -119,8 +119,7 @@ pub(super) fn orientation_at(
 
 /// Lets a stand-in fly for every satellite of the built-in elements where those do not reach to the scene's start.
 pub(super) fn stand_in(scene: &mut Scene) -> Result<(), PlayError> {
-    let is_built_in = |orbit: &Orbit| orbit.source == OrbitSource::Tle && orbit.file.is_none();
-    if scene.is_live() || !scene.orbits.iter().any(is_built_in) {
+    if scene.is_live() || !scene.orbits.iter().any(Orbit::is_built_in) {
         return Ok(());
     }
     let feed = Sgp4Feed::built_in_iss()?;
@@ -140,7 +139,7 @@ pub(super) fn stand_in(scene: &mut Scene) -> Result<(), PlayError> {
         anomaly: Anomaly::Mean(mean.mean_anomaly_deg.to_radians()),
     };
     for index in 0..scene.orbits.len() {
-        if scene.orbits.get(index).is_some_and(is_built_in) {
+        if scene.orbits.get(index).is_some_and(Orbit::is_built_in) {
             scene.stand_in(index, elements, (first, last));
         }
     }
@@ -189,9 +188,10 @@ pub(super) fn open(
     }
     match (&orbit.motion, &orbit.file) {
         (Some(motion), _) => {
-            let (start, default_name) = match motion {
-                Motion::Kepler { start, .. } => (start, "Kepler"),
-                Motion::Numerical { start, .. } => (start, "Numerical"),
+            let start = motion.start();
+            let default_name = match motion {
+                Motion::Kepler { .. } => "Kepler",
+                Motion::Numerical { .. } => "Numerical",
             };
             let orientation = orientation_at(table, start.epoch).ok_or_else(|| {
                 let remedy = "the table of [time] orientation does not reach to this epoch; take one that does, or start later";
@@ -264,7 +264,7 @@ fn from_file(
     file: &Path,
 ) -> Result<Satellite, PlayError> {
     let name = orbit.name.as_deref();
-    let check = |format| match source_of(format) {
+    let check = |format| match OrbitSource::of(format) {
         source if source == orbit.source => Ok(()),
         source => {
             let given = source_key(orbit.source);
@@ -325,16 +325,6 @@ fn from_file(
         faults_left_out,
         ..tracked
     })
-}
-
-fn source_of(format: FileFormat) -> OrbitSource {
-    match format {
-        FileFormat::Tle => OrbitSource::Tle,
-        FileFormat::Omm => OrbitSource::Omm,
-        FileFormat::Oem => OrbitSource::Oem,
-        FileFormat::Czml => OrbitSource::Czml,
-        FileFormat::Csv => OrbitSource::Csv,
-    }
 }
 
 fn source_key(source: OrbitSource) -> &'static str {

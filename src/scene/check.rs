@@ -104,5 +104,6 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         quality: source.quality(&quality)?,
         earth,
         lines,
+        text: None,
     })
 }

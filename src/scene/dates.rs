@@ -3,7 +3,7 @@
 use super::Scene;
 use super::error::{KeyLocation, SceneError};
 use super::orbit::{InitialState, Motion, Orbit, OrbitParameters, OrbitSource};
-use super::time::utc;
+use super::time::{StartSource, utc, year_advice};
 use crate::frames::Epoch;
 use crate::orbit::Frame;
 use crate::orbit::kepler::KeplerElements;
@@ -83,13 +83,39 @@ impl Scene {
         }
     }
 
-    /// Begins a scene that gives no start where its orbit does, `validity`: a recording has a time of its own.
-    pub fn begin_with(&mut self, validity: (Epoch, Epoch)) {
-        if self.line("time", "start").is_none() {
-            self.time.start = match self.time.speed > 0.0 {
-                true => validity.0,
-                false => validity.1,
-            };
+    /// Begins a scene that gives no start at a satellite's own time, which `from` describes in words. Motions that the scene
+    /// describes without an epoch begin with it. Changes nothing in a scene that gives its start.
+    ///
+    /// # Errors
+    /// A time that no scene may reach.
+    pub fn begin_at(&mut self, start: Epoch, from: String) -> Result<(), SceneError> {
+        match self.time.start_from {
+            StartSource::Default => self.move_start(start, StartSource::Satellite(from)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Begins the scene at this instant, whatever it says itself. Motions that it describes without an epoch begin with it.
+    ///
+    /// # Errors
+    /// A time that no scene may reach.
+    pub fn begin(&mut self, start: Epoch) -> Result<(), SceneError> {
+        self.move_start(start, StartSource::Caller)
+    }
+
+    fn move_start(&mut self, start: Epoch, from: StartSource) -> Result<(), SceneError> {
+        self.time.start = start;
+        self.time.start_from = from;
+        for index in 0..self.orbits.len() {
+            if self.orbit_line(index, "epoch").is_none()
+                && let Some(motion) = self.orbits.get_mut(index).and_then(|o| o.motion.as_mut())
+            {
+                motion.start_mut().epoch = start;
+            }
+        }
+        match self.time.bad_year() {
+            Some(year) => Err(self.refuse_time("start", utc(start), year_advice(year))),
+            None => Ok(()),
         }
     }
 

@@ -40,7 +40,7 @@ impl fmt::Display for KeyLocation {
 #[non_exhaustive]
 pub enum SceneError {
     /// The file could not be opened or read.
-    #[error("{}: cannot be read: {source}; give the path of a scene file such as config/iss.toml", path.display())]
+    #[error("{}: cannot be read: {source}; give the path of a scene file such as config/iss.toml, or of a file of orbits", path.display())]
     Read {
         /// The scene file.
         path: PathBuf,
@@ -92,6 +92,14 @@ pub enum SceneError {
         /// The nearest known name and all known names.
         remedy: String,
     },
+    /// A file that is no scene, and whose name does not say that it should be one.
+    #[error(
+        "{scene}; nor is it a file of orbits: two-line elements, OMM, OEM, CZML, or CSV with columns epoch_utc, x_km, y_km, z_km"
+    )]
+    Neither {
+        /// Why it is no scene.
+        scene: Box<SceneError>,
+    },
     /// A value of the wrong type, out of range, or in conflict with another.
     #[error("{place} = {value}: {remedy}")]
     Value {
@@ -114,6 +122,7 @@ impl SceneError {
             | Self::NotUtf8 { path, .. }
             | Self::Syntax { path, .. } => path,
             Self::Unknown { place, .. } | Self::Value { place, .. } => &place.path,
+            Self::Neither { scene } => scene.path(),
         }
     }
 
@@ -123,6 +132,7 @@ impl SceneError {
             Self::Read { .. } | Self::Folder { .. } | Self::TooLarge { .. } => None,
             Self::NotUtf8 { line, .. } | Self::Syntax { line, .. } => Some(*line),
             Self::Unknown { place, .. } | Self::Value { place, .. } => place.line,
+            Self::Neither { scene } => scene.line(),
         }
     }
 }

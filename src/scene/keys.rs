@@ -36,7 +36,7 @@ pub(super) const MAX_CAMERA_KEYS: usize = 10_000;
 /// Most files of heights.
 pub(super) const MAX_ELEVATION_FILES: usize = 1000;
 
-/// `[time] start` where a scene gives none.
+/// `[time] start` where a scene gives none and no satellite has a time of its own.
 pub(super) const DEFAULT_START: &str = "2018-01-15T12:00:00Z";
 /// `[output] size` where a scene gives none.
 pub(super) const DEFAULT_SIZE_PX: [u32; 2] = [1280, 720];
@@ -225,8 +225,8 @@ macro_rules! table_with_tracks {
 
 table!(RawTime = "time" {
     // Any value: both a string and TOML's own date-time are read.
-    /// UTC instant of the first frame, [`DEFAULT_START`] by default.
-    start: toml::Value = "a UTC instant like \"2018-01-15T12:00:00Z\"";
+    /// UTC instant of the first frame; by default the satellite's own time, [`DEFAULT_START`] where it has none.
+    start: toml::Value = "a UTC instant like \"2018-01-15T12:00:00Z\", or \"now\"";
     /// Simulated seconds that are played, about 32 years at most; by default a revolution of the space station.
     duration_s: f64 = "a number of simulated seconds", in f64::MIN_POSITIVE..=1e9, default 5580.0;
     /// Simulated seconds per second of playback; negative plays backwards, never 0.

@@ -11,6 +11,7 @@
 //! | `camera_keys.rs` | `[[camera.keys]]` |
 //! | `orbit_check.rs`, `orbit_summary.rs`, `live.rs`, `basilisk.rs` | the same of `[orbit]`, which has the most keys |
 //! | `relief.rs`, `surfaces.rs` | keys of `[earth]` that are about ground with relief |
+//! | `built_in.rs` | no key: the scene that comes with the program, and files of orbits in place of a scene |
 //! | `dated_maps.rs` | keys of `[earth]` that are about maps that change with the date |
 //! | `config/iss.toml` | its explanation for users: a test holds that every key stands there |
 //!
@@ -22,6 +23,7 @@
 //! comes to.
 
 mod basilisk;
+mod built_in;
 mod burns;
 mod camera;
 mod camera_keys;
@@ -69,7 +71,7 @@ pub use orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters, Orbi
 pub use output::{Output, QualityTable};
 pub use relief::ReliefTable;
 pub use sky::SkyTable;
-pub use time::Time;
+pub use time::{StartSource, Time};
 pub use tracks::{Footprint, Track, TrackSpan};
 
 /// A checked scene: every value is in range and every default filled in.
@@ -99,6 +101,8 @@ pub struct Scene {
     lines: KeyLines,
     /// The same of each satellite.
     orbit_lines: Vec<KeyLines>,
+    /// The text that it was made of, where that is no file's.
+    text: Option<String>,
 }
 
 impl Scene {
@@ -147,7 +151,7 @@ impl Scene {
     }
 
     /// Reads and checks the text of a scene; `path` is the file that messages name and whose folder the
-    /// paths in it are relative to. The empty text is a scene: every default.
+    /// paths in it are relative to. The empty text is a scene: every default. `start = "now"` is read off the system's clock here.
     ///
     /// # Errors
     /// Text that is not TOML, unknown tables and keys, values of the wrong type or out of range, values in
@@ -173,6 +177,11 @@ impl Scene {
             .filter(|((_, k), _)| *k == key)
             .map(|(_, line)| *line)
             .next()
+    }
+
+    /// The text that it was made of, where that is not its file's ([`Self::shipped`], [`Self::of_orbits`]).
+    pub fn own_text(&self) -> Option<&str> {
+        self.text.as_deref()
     }
 
     /// Whether a simulator gives the time.

@@ -3,10 +3,10 @@
 use super::tracks::Track;
 use crate::basilisk::SimulationOptions;
 use crate::frames::Epoch;
-use crate::orbit::Frame;
 use crate::orbit::kepler::KeplerElements;
 use crate::orbit::live::LiveOptions;
 use crate::orbit::numerical::{AtmosphereModel, EventSelection, Solver, Spacecraft, Thrust};
+use crate::orbit::{FileFormat, Frame};
 use glam::DVec3;
 use std::path::PathBuf;
 
@@ -47,6 +47,11 @@ impl Orbit {
             track: Track::default(),
         }
     }
+
+    /// Whether it flies by the elements of the space station that are built in.
+    pub fn is_built_in(&self) -> bool {
+        self.source == OrbitSource::Tle && self.file.is_none()
+    }
 }
 
 /// Kinds of source.
@@ -74,6 +79,17 @@ pub enum OrbitSource {
 }
 
 impl OrbitSource {
+    /// The source that a kind of file is of.
+    pub fn of(format: FileFormat) -> Self {
+        match format {
+            FileFormat::Tle => Self::Tle,
+            FileFormat::Omm => Self::Omm,
+            FileFormat::Oem => Self::Oem,
+            FileFormat::Czml => Self::Czml,
+            FileFormat::Csv => Self::Csv,
+        }
+    }
+
     /// Whether it is always read from a file.
     pub fn is_file(self) -> bool {
         !matches!(
@@ -105,6 +121,22 @@ pub enum Motion {
         /// Forces that are integrated.
         forces: ForceOptions,
     },
+}
+
+impl Motion {
+    /// From where.
+    pub fn start(&self) -> &InitialState {
+        match self {
+            Self::Kepler { start, .. } | Self::Numerical { start, .. } => start,
+        }
+    }
+
+    /// From where, to be changed.
+    pub(super) fn start_mut(&mut self) -> &mut InitialState {
+        match self {
+            Self::Kepler { start, .. } | Self::Numerical { start, .. } => start,
+        }
+    }
 }
 
 /// Where a motion starts.

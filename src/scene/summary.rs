@@ -1,9 +1,10 @@
 //! What a scene comes to: every value and where it is from, what will be used and what is left out.
 
 use super::camera_mode::CameraMode;
+use super::error::printable;
 use super::field::{KeyText, NO_ORBIT, UNKNOWN, written};
 use super::keys::{TABLES, Table};
-use super::time::utc;
+use super::time::{StartSource, utc};
 use super::{Scene, camera, earth, orbit_summary, output, sky, time};
 use crate::air::Atmosphere;
 use crate::globe::SurfaceSettings;
@@ -46,7 +47,11 @@ impl Scene {
                 };
                 let from = match self.line(table.name, key.name).or_else(common) {
                     Some(number) => format!("line {number} of the file"),
-                    None => "default".to_owned(),
+                    None => self.default_from(table.name, key.name).to_owned(),
+                };
+                let from = match (table.name, key.name) {
+                    ("time", "start") => self.start_from(from),
+                    _ => from,
                 };
                 match self.value(table.name, key.name) {
                     Ok(value) => line(
@@ -99,6 +104,27 @@ impl Scene {
         out
     }
 
+    /// What a value is from that the file does not give.
+    fn default_from(&self, table: &str, key: &str) -> &'static str {
+        match self.is_of_orbits() {
+            false => "default",
+            true if table == "orbit" && ["source", "file", "name", "strict"].contains(&key) => {
+                "the command line"
+            }
+            true => "the built-in scene",
+        }
+    }
+
+    /// What says when the scene begins; `place` is where its key stands.
+    fn start_from(&self, place: String) -> String {
+        match &self.time.start_from {
+            StartSource::Given | StartSource::Default => place,
+            StartSource::Clock => format!("{place}, \"now\""),
+            StartSource::Caller => "the command line".to_owned(),
+            StartSource::Satellite(from) => printable(from),
+        }
+    }
+
     /// Satellites after the first: only what they use.
     fn other_orbits(&self, out: &mut String, table: &Table) {
         for (index, orbit) in self.orbits.iter().enumerate().skip(1) {
@@ -107,7 +133,7 @@ impl Scene {
                 let line_of = self.orbit_line(index, key.name);
                 let from = match line_of.or_else(|| self.line("tracks", key.name)) {
                     Some(number) => format!("line {number} of the file"),
-                    None => "default".to_owned(),
+                    None => self.default_from(table.name, key.name).to_owned(),
                 };
                 if let Ok(value) = orbit_summary::value(orbit, key.name) {
                     line(out, format_args!("  {:<18} {value:<28} {from}", key.name));

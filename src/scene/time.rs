@@ -4,7 +4,7 @@ use super::error::SceneError;
 use super::field::{Field, KeyText, PathKind, UNKNOWN, quoted, range_text};
 use super::keys::{DEFAULT_START, MAX_FRAMES, RawTime, YEARS};
 use super::text::SceneText;
-use crate::frames::{Epoch, rfc3339, utc_from_rfc3339};
+use crate::frames::{Epoch, rfc3339, utc_from_rfc3339, utc_now};
 use hifitime::Unit;
 use std::path::PathBuf;
 use toml::Spanned;
@@ -12,8 +12,11 @@ use toml::Spanned;
 /// `[time]`: when the flight starts and how it is played.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Time {
-    /// UTC instant of the first frame.
+    /// UTC instant of the first frame. Where [`Self::start_from`] is [`StartSource::Default`] it is not final before the
+    /// satellites are opened: one of them may have a time of its own ([`Scene::begin_at`](super::Scene::begin_at)).
     pub start: Epoch,
+    /// Where `start` is from.
+    pub start_from: StartSource,
     /// Simulated seconds that are played, > 0.
     pub duration_s: f64,
     /// Simulated seconds per second of playback; negative plays backwards, never 0.
@@ -22,6 +25,22 @@ pub struct Time {
     pub frame_rate_hz: f64,
     /// Table of the Earth's orientation by date; `None` takes UT1 as UTC and leaves polar motion out.
     pub orientation: Option<PathBuf>,
+}
+
+/// Where the first instant of a scene is from.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum StartSource {
+    /// The scene gives it.
+    Given,
+    /// The scene says "now": the system's clock when it was read.
+    Clock,
+    /// The caller gives it in place of the scene ([`Scene::begin`](super::Scene::begin)).
+    Caller,
+    /// The scene does not give it, and no satellite that has a time of its own is opened.
+    #[default]
+    Default,
+    /// The scene does not give it, and a satellite has a time of its own; which, in words.
+    Satellite(String),
 }
 
 impl Time {
@@ -33,6 +52,12 @@ impl Time {
     /// duration_s · frame_rate_hz / |speed|, before it is made a whole number.
     pub(super) fn frames_exact(&self) -> f64 {
         self.duration_s * self.frame_rate_hz / self.speed.abs()
+    }
+
+    /// The year in which it would begin or end that no scene may reach.
+    pub(super) fn bad_year(&self) -> Option<i32> {
+        let years = [self.start, self.end()].map(|epoch| epoch.to_gregorian_utc().0);
+        years.into_iter().find(|year| !YEARS.contains(year))
     }
 
     /// Frames of one playback, at least one.
@@ -48,7 +73,17 @@ impl SceneText<'_> {
         let start_field = time.start();
         let default_start =
             utc_from_rfc3339(DEFAULT_START).map_err(|error| self.refuse(&start_field, error))?;
-        let start = self.instant(&start_field, default_start)?;
+        let (start, start_from) = match start_field.given.map(Spanned::get_ref) {
+            None => (default_start, StartSource::Default),
+            Some(value) if is_now(value) => (
+                utc_now().map_err(|error| self.refuse(&start_field, error))?,
+                StartSource::Clock,
+            ),
+            Some(_) => (
+                self.instant(&start_field, default_start)?,
+                StartSource::Given,
+            ),
+        };
         let (duration, speed_field) = (time.duration_s(), time.speed());
         let most_s = *duration.rule.range.end();
         let duration_s = self.number(&duration, |_, _| {
@@ -68,6 +103,7 @@ impl SceneText<'_> {
         })?;
         let time = Time {
             start,
+            start_from,
             duration_s,
             speed,
             frame_rate_hz,
@@ -87,12 +123,8 @@ impl SceneText<'_> {
             };
             return Err(self.refuse(guilty, advice));
         }
-        let (end_year, ..) = time.end().to_gregorian_utc();
-        if !YEARS.contains(&end_year) {
-            let advice = format!(
-                "the flight would end in {end_year}; it must stay in the years {}",
-                range_text(&YEARS)
-            );
+        if let Some(year) = time.bad_year() {
+            let advice = year_advice(year);
             return Err(match duration.is_given() {
                 true => self.refuse(&duration, advice),
                 false => self.refuse(&start_field, advice),
@@ -132,6 +164,17 @@ impl SceneText<'_> {
         };
         utc_from_rfc3339(&text).map_err(|error| self.refuse(field, error))
     }
+}
+
+fn is_now(value: &toml::Value) -> bool {
+    value.as_str() == Some("now")
+}
+
+pub(super) fn year_advice(year: i32) -> String {
+    format!(
+        "the flight would reach the year {year}; it must stay in the years {}",
+        range_text(&YEARS)
+    )
 }
 
 /// The value of a key as a scene would write it, or why it has none.

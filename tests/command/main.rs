@@ -21,6 +21,7 @@ mod report;
 mod several;
 mod shipped;
 mod simulators;
+mod start;
 mod terrain;
 mod truth;
 mod usage;

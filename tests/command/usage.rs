@@ -83,7 +83,7 @@ fn every_command_has_help() {
                 "--tolerances",
             ],
         ),
-        (&["check", "--help"], &["<SCENE>"]),
+        (&["check", "--help"], &["[SCENE]", "--satellite"]),
         (&["doctor", "--help"], &["adapters"]),
         (&["--version"], &[env!("CARGO_PKG_VERSION")]),
     ] {

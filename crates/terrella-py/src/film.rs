@@ -15,7 +15,7 @@ use terrella::internals::play::{
     Existing, FilmFrames, FilmKey, FilmPainter, FilmRequest, Flight, FrameRange, FrameRecord,
     PictureFormat, PictureSettings, PlayError, SharedFolder, Shutter, checksum, take_starter_files,
 };
-use terrella::scene::Scene;
+use terrella::scene::{Scene, StartSource};
 
 /// How the pictures of a film are made and kept, as the command's options say.
 #[pyclass(frozen, from_py_object, name = "Pictures", module = "terrella")]
@@ -59,9 +59,15 @@ impl PyPictures {
     }
 }
 
-/// A scene with the maps that came along.
+/// A scene that several processes draw, each of which reads it for itself, with the maps that came along.
 fn load(path: &Path, textures: &Path) -> PyResult<Scene> {
     let mut scene = Scene::load(path).map_err(|error| SceneError::new_err(error.to_string()))?;
+    if scene.time.start_from == StartSource::Clock {
+        return Err(SceneError::new_err(format!(
+            "{}: [time] start = \"now\": each process would begin at another instant; write the instant",
+            path.display()
+        )));
+    }
     take_starter_files(&mut scene, textures);
     Ok(scene)
 }

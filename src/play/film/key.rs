@@ -26,8 +26,8 @@ pub struct FilmKey {
     pub program: String,
     /// BLAKE3 of the scene's text.
     pub scene_blake3: String,
-    /// The instant of frame 0, TAI: a scene may leave it to the clock, or to the file of its satellite.
-    pub start_tai: String,
+    /// The instant of frame 0, UTC: a scene may leave it to the clock, to the command line, or to the file of its satellite.
+    pub start_utc: String,
     /// The files that its pictures come from.
     pub inputs: Vec<Input>,
     /// Width and height, pixels.
@@ -64,12 +64,13 @@ impl FilmKey {
             .collect::<Result<_, _>>()?;
         Ok(Self {
             program: concat!("terrella ", env!("CARGO_PKG_VERSION")).to_owned(),
-            // The built-in scene has no file, and is the program's.
-            scene_blake3: match scene.path.is_file() {
-                true => checksum_of(&scene.path)?,
-                false => checksum(scene.full_summary().as_bytes()),
+            // Scenes that no file says have a text all the same.
+            scene_blake3: match scene.own_text() {
+                Some(text) => checksum(text.as_bytes()),
+                None if scene.path.is_file() => checksum_of(&scene.path)?,
+                None => checksum(scene.full_summary().as_bytes()),
             },
-            start_tai: ccsds_time(scene.time.start, TimeScale::Tai),
+            start_utc: ccsds_time(scene.time.start, TimeScale::Utc) + "Z",
             inputs,
             size: size.into(),
             pictures,
@@ -83,9 +84,11 @@ impl FilmKey {
         if self.scene_blake3 != found.scene_blake3 {
             words.push("the scene has changed".to_owned());
         }
-        if self.start_tai != found.start_tai {
-            let (before, now) = (shown(&found.start_tai), &self.start_tai);
-            words.push(format!("it begins at {before} TAI, this at {now}"));
+        if self.start_utc != found.start_utc {
+            let (before, now) = (shown(&found.start_utc), &self.start_utc);
+            words.push(format!(
+                "it begins at {before}, this at {now} (--start {before} goes on with it)"
+            ));
         }
         words.extend(input_differences(&self.inputs, &found.inputs));
         if self.size != found.size {
@@ -215,13 +218,13 @@ mod tests {
         let changed = words((64, 36));
         assert_eq!(changed, "changed files: a.tle (orbit.file)");
         let later = FilmKey {
-            start_tai: "2030-01-01T00:00:37.000".into(),
+            start_utc: "2030-01-01T00:00:00.000Z".into(),
             ..key((64, 36))
         };
         let moved = later.differences(&key((64, 36))).expect("another");
         assert_eq!(
             moved,
-            "it begins at 2018-01-15T12:00:37.000 TAI, this at 2030-01-01T00:00:37.000"
+            "it begins at 2018-01-15T12:00:00.000Z, this at 2030-01-01T00:00:00.000Z (--start 2018-01-15T12:00:00.000Z goes on with it)"
         );
         std::fs::write(&path, format!("{text}# more\n")).expect("writes");
         assert!(words((64, 36)).contains("the scene has changed"));

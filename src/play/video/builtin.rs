@@ -6,6 +6,7 @@
 use super::yuv::YuvPlanes;
 use super::{FilmFrame, FrameSink, VideoFormat, write_error};
 use crate::play::error::{PlayError, VideoError};
+use crate::play::export_words::Written;
 use crate::play::output::PendingFile;
 use muxide::api::{Muxer, MuxerBuilder, VideoCodec};
 use openh264::OpenH264API;
@@ -127,7 +128,7 @@ impl FrameSink for BuiltinEncoder {
         Ok(())
     }
 
-    fn finish(mut self: Box<Self>) -> Result<(), PlayError> {
+    fn finish(mut self: Box<Self>) -> Result<Written, PlayError> {
         self.muxer
             .finish_in_place()
             .map_err(|error| self.failed(error))?;
@@ -136,7 +137,9 @@ impl FrameSink for BuiltinEncoder {
             .into_writer()
             .flush()
             .map_err(|source| write_error(&file, source))?;
-        Ok(file.commit()?)
+        let path = file.target().to_owned();
+        file.commit()?;
+        Ok(Written::file(path))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{FilmFrame, FrameSink, VideoCodec, VideoFormat, write_error};
 use crate::play::error::{PlayError, VideoError};
+use crate::play::export_words::Written;
 use crate::play::output::PendingFile;
 use std::io::{Read, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
@@ -63,7 +64,7 @@ impl Ffmpeg {
     pub fn start(file: PendingFile, format: VideoFormat) -> Result<Self, PlayError> {
         let (width, height) = format.size;
         let codec = format.coding.codec;
-        let crf = format.coding.crf.unwrap_or(codec.default_crf()).to_string();
+        let crf = format.coding.quality().to_string();
         // What encoders say of themselves, and how Apple's players know H.265.
         let own: &[&str] = match codec {
             VideoCodec::H264 => &["-preset", "medium"],
@@ -159,9 +160,11 @@ impl FrameSink for Ffmpeg {
         }
     }
 
-    fn finish(mut self: Box<Self>) -> Result<(), PlayError> {
+    fn finish(mut self: Box<Self>) -> Result<Written, PlayError> {
         self.wait()?;
-        Ok(self.file.commit()?)
+        let path = self.file.target().to_owned();
+        self.file.commit()?;
+        Ok(Written::file(path))
     }
 }
 

@@ -8,6 +8,7 @@ mod ffmpeg;
 mod yuv;
 
 use super::error::{PlayError, VideoError};
+use super::export_words::Written;
 use super::film::{FilmPicture, FrameRecord};
 use super::output::{OutputError, PendingFile};
 
@@ -23,9 +24,9 @@ pub struct FilmFrame {
 pub trait FrameSink: Send {
     /// Takes the next frame.
     fn push(&mut self, frame: &FilmFrame) -> Result<(), PlayError>;
-    /// All frames were given: completes what is written and gives it its name. A sink that is dropped without it
+    /// All frames were given: completes what is written, gives it its name and says what it is. A sink that is dropped without it
     /// leaves no incomplete file under a final name.
-    fn finish(self: Box<Self>) -> Result<(), PlayError>;
+    fn finish(self: Box<Self>) -> Result<Written, PlayError>;
 }
 
 /// What encodes a video.
@@ -98,6 +99,13 @@ pub struct VideoCoding {
     pub crf: Option<u32>,
 }
 
+impl VideoCoding {
+    /// The encoder's constant quality, by default that of the codec.
+    fn quality(self) -> u32 {
+        self.crf.unwrap_or(self.codec.default_crf())
+    }
+}
+
 /// Size, rate and coding of a video.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VideoFormat {
@@ -135,12 +143,12 @@ fn check_codec_size(format: VideoFormat) -> Result<(), VideoError> {
     }
 }
 
-/// Begins a video: chooses the encoder and starts it.
+/// Begins a video: chooses the encoder and starts it. Answers its name too.
 pub fn open_video(
     file: PendingFile,
     format: VideoFormat,
     choice: EncoderChoice,
-) -> Result<Box<dyn FrameSink>, PlayError> {
+) -> Result<(Box<dyn FrameSink>, String), PlayError> {
     check_size(format.size)?;
     check_codec_size(format)?;
     let encoder = format.coding.codec.encoder();
@@ -152,8 +160,8 @@ pub fn open_video(
     let needs_ffmpeg = format.coding != VideoCoding::default();
     match (choice, found) {
         (EncoderChoice::Ffmpeg | EncoderChoice::Auto, ffmpeg::FfmpegInstalled::WithEncoder) => {
-            tracing::info!("encoding with ffmpeg, {encoder}");
-            Ok(Box::new(ffmpeg::Ffmpeg::start(file, format)?))
+            let name = format!("ffmpeg, {encoder}, quality {}", format.coding.quality());
+            Ok((Box::new(ffmpeg::Ffmpeg::start(file, format)?), name))
         }
         (EncoderChoice::Builtin, _) if needs_ffmpeg => Err(VideoError::BuiltinCoding.into()),
         (EncoderChoice::Ffmpeg, ffmpeg::FfmpegInstalled::WithoutEncoder) => {
@@ -167,8 +175,11 @@ pub fn open_video(
             Err(VideoError::NoFfmpeg.into())
         }
         (EncoderChoice::Auto | EncoderChoice::Builtin, _) => {
-            tracing::info!("encoding with the built-in encoder, OpenH264");
-            Ok(Box::new(builtin::BuiltinEncoder::start(file, format)?))
+            let name = "the built-in encoder, OpenH264".to_owned();
+            Ok((
+                Box::new(builtin::BuiltinEncoder::start(file, format)?),
+                name,
+            ))
         }
     }
 }

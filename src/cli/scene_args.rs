@@ -1,0 +1,82 @@
+//! What a command flies: a scene file, a file of orbits, or the scene that comes with the program.
+
+use super::Cli;
+use clap::error::ErrorKind;
+use clap::{Args, CommandFactory};
+use std::path::{Path, PathBuf};
+use terrella::internals::play::{Flight, PlayError};
+use terrella::orbit::OrbitError;
+use terrella::scene::{Scene, SceneError};
+
+/// The scene of a command.
+#[derive(Debug, Args)]
+pub struct SceneArgs {
+    /// The scene file, or a file of orbits: two-line elements, OMM, OEM, CZML, CSV. Without one the built-in scene, config/iss.toml
+    #[arg(value_name = "SCENE")]
+    pub path: Option<PathBuf>,
+    /// Refuse files of orbits in which anything is spoilt; else bad states and records are listed and passed over
+    #[arg(long)]
+    pub strict: bool,
+}
+
+/// Which satellites of a file of orbits are flown.
+#[derive(Debug, Args)]
+pub struct SatelliteArgs {
+    /// Name or catalogue number of a satellite of a file of orbits; may be given more than once, cameras fly with the first
+    /// [default: the only one of the file]
+    #[arg(long, value_name = "NAME")]
+    pub satellite: Vec<String>,
+}
+
+impl SatelliteArgs {
+    /// Ends the program, as clap does, where satellites are chosen of what is no file of orbits.
+    pub fn refuse_scenes(&self, scene: &Scene) {
+        if self.satellite.is_empty() || scene.is_of_orbits() {
+            return;
+        }
+        let message = format!(
+            "--satellite is for files of orbits, and {} is a scene: write follow under [camera] in it",
+            scene.path.display()
+        );
+        Cli::command()
+            .error(ErrorKind::ArgumentConflict, message)
+            .exit()
+    }
+}
+
+impl SceneArgs {
+    /// Reads the scene. `satellites` are those of a file of orbits.
+    pub fn load(&self, satellites: &[String]) -> Result<Scene, SceneError> {
+        load(self.path.as_deref(), satellites, self.strict)
+    }
+}
+
+/// Reads a scene, or a file of orbits with these satellites; `strict` reads all of its files of orbits as `strict = true` does.
+pub fn load(path: Option<&Path>, satellites: &[String], strict: bool) -> Result<Scene, SceneError> {
+    let mut scene = match path {
+        Some(path) => Scene::load_or_orbits(path, satellites)?,
+        None => Scene::shipped()?,
+    };
+    for orbit in &mut scene.orbits {
+        orbit.strict |= strict && orbit.file.is_some();
+    }
+    Ok(scene)
+}
+
+/// Makes a scene ready by `open`, and says by which option one of several satellites of a file of orbits is chosen.
+pub fn open_flight(
+    scene: Scene,
+    open: impl FnOnce(Scene) -> Result<Flight, PlayError>,
+) -> anyhow::Result<Flight> {
+    let is_of_orbits = scene.is_of_orbits();
+    open(scene).map_err(|error| match &error {
+        // The others are sets of one satellite, of which no name chooses.
+        PlayError::Orbit(OrbitError::Ambiguous { remedy, .. })
+            if is_of_orbits && remedy.contains("catalogue number") =>
+        {
+            let text = format!("{error}, by --satellite");
+            anyhow::Error::from(error).context(text)
+        }
+        _ => error.into(),
+    })
+}
