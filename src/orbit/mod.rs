@@ -2,7 +2,7 @@
 //!
 //! | to | look in |
 //! |---|---|
-//! | propagate an orbit from mean elements (TLE, OMM) by SGP4 | `sgp4_feed.rs`; read them: `tle_text.rs`, `tle_fields.rs`, `omm/`, `catalogue.rs` |
+//! | propagate an orbit from mean elements (TLE, OMM) by SGP4 | `sgp4_feed.rs`; read them: `tle_text.rs`, `tle_fields.rs`, `omm/`, `catalogue.rs`; how long they fly: `decay.rs` |
 //! | propagate Keplerian elements, with J2 or without | [`kepler`] |
 //! | integrate under forces; eclipses, nodes, apsides and impact on the way | [`numerical`] |
 //! | interpolate an ephemeris (Lagrange, Hermite) | [`interpolated`]; read one: `oem/`, `czml.rs`, `ephemeris_csv.rs`, `ephemerides.rs`, `found.rs` |
@@ -17,6 +17,7 @@
 mod catalogue;
 pub mod constants;
 mod czml;
+mod decay;
 mod entry;
 mod ephemerides;
 mod ephemeris_csv;
@@ -91,6 +92,11 @@ pub trait Feed: Send + Sync {
     fn impact(&self) -> Option<Epoch> {
         None
     }
+    /// Last instants before and after the epoch of mean elements at which their theory still gives an orbit, where that ends within
+    /// the time that they hold for: the validity is cut there.
+    fn decay(&self) -> (Option<Epoch>, Option<Epoch>) {
+        (None, None)
+    }
     /// Whether what it says now is up to date; only live feeds can be late.
     fn freshness(&self) -> Freshness {
         Freshness::Settled
@@ -116,6 +122,10 @@ impl<F: Feed + ?Sized> Feed for std::sync::Arc<F> {
 
     fn impact(&self) -> Option<Epoch> {
         self.as_ref().impact()
+    }
+
+    fn decay(&self) -> (Option<Epoch>, Option<Epoch>) {
+        self.as_ref().decay()
     }
 
     fn freshness(&self) -> Freshness {
