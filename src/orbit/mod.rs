@@ -97,6 +97,10 @@ pub trait Feed: Send + Sync {
     fn decay(&self) -> (Option<Epoch>, Option<Epoch>) {
         (None, None)
     }
+    /// Times within the validity, in order, in which it has no state: from the last instant before to the first one after.
+    fn gaps(&self) -> Vec<(Epoch, Epoch)> {
+        Vec::new()
+    }
     /// Whether what it says now is up to date; only live feeds can be late.
     fn freshness(&self) -> Freshness {
         Freshness::Settled
@@ -126,6 +130,10 @@ impl<F: Feed + ?Sized> Feed for std::sync::Arc<F> {
 
     fn decay(&self) -> (Option<Epoch>, Option<Epoch>) {
         self.as_ref().decay()
+    }
+
+    fn gaps(&self) -> Vec<(Epoch, Epoch)> {
+        self.as_ref().gaps()
     }
 
     fn freshness(&self) -> Freshness {

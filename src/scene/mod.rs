@@ -58,6 +58,7 @@ use text::SceneText;
 pub use camera::Camera;
 pub use camera_keys::CameraKey;
 pub use camera_mode::{CameraMode, CameraUp};
+pub use dates::Ending;
 pub use dated_maps::{BetweenMaps, DatedLayer, DatedMaps, MapTimes};
 pub use earth::{EarthTable, Look, PackTable, StorageChoice, SurfaceLightTable};
 pub use error::{KeyLocation, SceneError};
