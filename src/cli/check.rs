@@ -5,6 +5,7 @@ use super::{Common, print};
 use clap::Args;
 use terrella::frames::rfc3339;
 use terrella::internals::play::{Flight, LightOutlook};
+use terrella::orbit::Feed;
 
 /// Arguments of `terrella check`.
 #[derive(Debug, Args)]
@@ -66,6 +67,7 @@ pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
             rfc3339(first),
             rfc3339(last)
         ));
+        text.push_str(&limits(satellite.feed()));
         let (faults, left_out) = satellite.faults();
         for fault in faults {
             text.push_str(&format!("  {:<14} {fault}\n", "passed over"));
@@ -102,4 +104,32 @@ fn light(flight: &Flight) -> String {
     };
     let lines = lines.iter().map(|line| format!("  {line}\n"));
     format!("\nlight\n{}", lines.collect::<String>())
+}
+
+/// How many gaps of an ephemeris are printed.
+const GAPS_TOLD: usize = 10;
+
+/// Where a satellite is not known within the time that its file speaks of.
+fn limits(feed: &dyn Feed) -> String {
+    let mut text = String::new();
+    let (before, after) = feed.decay();
+    for (side, end) in [("before", before), ("after", after)] {
+        if let Some(end) = end {
+            let end = rfc3339(end);
+            text.push_str(&format!(
+                "  {:<14} SGP4 has no orbit {side} {end}\n",
+                "decay"
+            ));
+        }
+    }
+    let gaps = feed.gaps();
+    for (from, to) in gaps.iter().take(GAPS_TOLD) {
+        let (from, to) = (rfc3339(*from), rfc3339(*to));
+        text.push_str(&format!("  {:<14} {from} to {to}\n", "not known"));
+    }
+    let more = gaps.len().saturating_sub(GAPS_TOLD);
+    if more > 0 {
+        text.push_str(&format!("  {:<14} in {more} more gaps\n", "not known"));
+    }
+    text
 }

@@ -103,6 +103,22 @@ pub enum OrbitError {
         /// How far below 6378.135 km from the Earth's centre, kilometres.
         depth_km: f64,
     },
+    /// SGP4 has failed, or put the satellite below the ground, nearer to the epoch of the elements: what it computes here is no orbit.
+    #[error("{}:{line}: {satellite} is not known at {epoch}: SGP4 has no orbit for it {side} {lost}; what its series gives beyond is not one. Take a date nearer to the elements' epoch, or elements of that time", path.display())]
+    Lost {
+        /// The file.
+        path: PathBuf,
+        /// Line of the set's line 1, from 1.
+        line: usize,
+        /// The satellite.
+        satellite: String,
+        /// When, UTC.
+        epoch: String,
+        /// Last instant with an orbit, UTC.
+        lost: String,
+        /// On which side of it there is none: `before` or `after`.
+        side: &'static str,
+    },
     /// A record of a CCSDS message, of a CZML document or of a table is wrong.
     #[error(transparent)]
     Record(#[from] RecordError),

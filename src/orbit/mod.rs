@@ -2,7 +2,7 @@
 //!
 //! | to | look in |
 //! |---|---|
-//! | propagate an orbit from mean elements (TLE, OMM) by SGP4 | `sgp4_feed.rs`; read them: `tle_text.rs`, `tle_fields.rs`, `omm/`, `catalogue.rs` |
+//! | propagate an orbit from mean elements (TLE, OMM) by SGP4 | `sgp4_feed.rs`; read them: `tle_text.rs`, `tle_fields.rs`, `omm/`, `catalogue.rs`; how long they fly: `decay.rs` |
 //! | propagate Keplerian elements, with J2 or without | [`kepler`] |
 //! | integrate under forces; eclipses, nodes, apsides and impact on the way | [`numerical`] |
 //! | interpolate an ephemeris (Lagrange, Hermite) | [`interpolated`]; read one: `oem/`, `czml.rs`, `ephemeris_csv.rs`, `ephemerides.rs`, `found.rs` |
@@ -20,6 +20,7 @@ mod catalogue;
 pub(crate) mod connections;
 pub mod constants;
 mod czml;
+mod decay;
 mod entry;
 mod ephemerides;
 mod ephemeris_csv;
@@ -95,6 +96,15 @@ pub trait Feed: Send + Sync {
     fn impact(&self) -> Option<Epoch> {
         None
     }
+    /// Last instants before and after the epoch of mean elements at which their theory still gives an orbit, where that ends within
+    /// the time that they hold for: the validity is cut there.
+    fn decay(&self) -> (Option<Epoch>, Option<Epoch>) {
+        (None, None)
+    }
+    /// Times within the validity, in order, in which it has no state: from the last instant before to the first one after.
+    fn gaps(&self) -> Vec<(Epoch, Epoch)> {
+        Vec::new()
+    }
     /// Whether what it says now is up to date; only live feeds can be late.
     fn freshness(&self) -> Freshness {
         Freshness::Settled
@@ -120,6 +130,14 @@ impl<F: Feed + ?Sized> Feed for std::sync::Arc<F> {
 
     fn impact(&self) -> Option<Epoch> {
         self.as_ref().impact()
+    }
+
+    fn decay(&self) -> (Option<Epoch>, Option<Epoch>) {
+        self.as_ref().decay()
+    }
+
+    fn gaps(&self) -> Vec<(Epoch, Epoch)> {
+        self.as_ref().gaps()
     }
 
     fn freshness(&self) -> Freshness {

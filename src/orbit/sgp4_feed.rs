@@ -1,14 +1,14 @@
 //! Orbit propagation by SGP4 (SDP4 for deep space) from mean elements.
 
+use super::decay::{DecaySearch, Osculating};
 use super::mean_elements::MeanElements;
 use super::tle_fields::elements;
 use super::tle_text::ElementSet;
-use super::validity::Validity;
 use super::{Feed, Frame, OrbitError, OrbitState};
 use crate::frames::{Duration, Epoch, rfc3339};
 use glam::DVec3;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// One satellite's mean elements, propagated by SGP4 with the constants WGS72 and in the mode that agrees with the
 /// operational code of the US Space Force ("AFSPC"), for which published elements are made.
@@ -18,12 +18,24 @@ use std::sync::Arc;
 ///
 /// Time runs in elapsed seconds: the satellite flies on through a leap second. Code that counts days of UTC instead
 /// lets it wait for that second.
+///
+/// It answers for 30 days before and after the epoch, and no farther than to the first instant, on either side, at which
+/// SGP4 fails or puts the satellite below the ground: what its series gives beyond that is no orbit, though it may look like one.
+/// That instant is found when it is first needed, in some tens of states.
 #[derive(Clone, Debug)]
 pub struct Sgp4Feed {
     elements: MeanElements,
     origin: Arc<Path>,
     line: usize,
     constants: sgp4::Constants,
+    reach: OnceLock<Reach>,
+}
+
+/// Last instants with an orbit before and after the epoch of the elements, where SGP4 ends it within the time that they hold.
+#[derive(Clone, Copy, Debug)]
+struct Reach {
+    before: Option<Epoch>,
+    after: Option<Epoch>,
 }
 
 /// Two-line elements are one of the forms that [`Sgp4Feed`] reads.
@@ -66,9 +78,10 @@ impl Sgp4Feed {
             origin,
             line,
             constants,
+            reach: OnceLock::new(),
         };
         // A set that does not even hold at its own epoch is refused here, not in the middle of a flight.
-        feed.state_at(feed.elements.epoch)?;
+        feed.propagated(feed.elements.epoch)?;
         Ok(feed)
     }
 
@@ -117,23 +130,9 @@ impl Sgp4Feed {
             cause,
         }
     }
-}
 
-impl Feed for Sgp4Feed {
-    fn name(&self) -> &str {
-        &self.elements.name
-    }
-
-    fn validity(&self) -> (Epoch, Epoch) {
-        (
-            self.elements.epoch - Self::VALIDITY,
-            self.elements.epoch + Self::VALIDITY,
-        )
-    }
-
-    fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
-        let (first, last) = self.validity();
-        Validity::between(first, last).check(&self.elements.name, epoch, |_| DVec3::ZERO)?;
+    /// What SGP4 says of an instant, however far away.
+    fn propagated(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
         // Both in TAI: elapsed time, leap seconds included.
         let elapsed = epoch.to_tai_duration() - self.elements.epoch.to_tai_duration();
         let minutes = sgp4::MinutesSinceEpoch(elapsed.to_seconds() / 60.0);
@@ -163,5 +162,96 @@ impl Feed for Sgp4Feed {
             position_m: position_km * 1000.0,
             velocity_m_s: velocity_km_s * 1000.0,
         })
+    }
+
+    /// So many milliseconds of elapsed time from the epoch of the elements.
+    fn after_epoch(&self, ms: i64) -> Epoch {
+        self.elements.epoch + Duration::from_total_nanoseconds(i128::from(ms) * 1_000_000)
+    }
+
+    fn reach(&self) -> Reach {
+        *self.reach.get_or_init(|| {
+            let orbit = |ms| {
+                let state = self.propagated(self.after_epoch(ms)).ok()?;
+                Some(Osculating::of(&state))
+            };
+            let at_epoch = orbit(0);
+            let orbit_at = |ms| {
+                let is_like = |orbit: &Osculating| at_epoch.is_some_and(|at| orbit.is_like(&at));
+                orbit(ms).filter(is_like)
+            };
+            let days_ms = Self::VALIDITY.to_seconds() as i64 * 1000;
+            let last_good = |until_ms| {
+                let search = DecaySearch {
+                    orbit_at: &orbit_at,
+                    ground_m: DECAYED_BELOW_KM * 1e3,
+                    until_ms,
+                };
+                search.last_good_ms().map(|ms| self.after_epoch(ms))
+            };
+            Reach {
+                before: last_good(-days_ms),
+                after: last_good(days_ms),
+            }
+        })
+    }
+
+    /// Refuses an epoch outside the validity.
+    fn check(&self, epoch: Epoch) -> Result<(), OrbitError> {
+        let (first, last) = self.validity();
+        if (first..=last).contains(&epoch) {
+            return Ok(());
+        }
+        let (reach, satellite) = (self.reach(), self.elements.name.clone());
+        let is_after = epoch > last;
+        let lost = if is_after { reach.after } else { reach.before };
+        let hold = Self::VALIDITY;
+        let is_near = (self.elements.epoch - hold..=self.elements.epoch + hold).contains(&epoch);
+        match lost.filter(|_| is_near) {
+            Some(lost) => Err(OrbitError::Lost {
+                path: self.origin.to_path_buf(),
+                line: self.line,
+                satellite,
+                epoch: rfc3339(epoch),
+                lost: rfc3339(lost),
+                side: if is_after { "after" } else { "before" },
+            }),
+            None => Err(OrbitError::OutsideValidity {
+                satellite,
+                epoch: rfc3339(epoch),
+                first: rfc3339(first),
+                last: rfc3339(last),
+            }),
+        }
+    }
+}
+
+impl Feed for Sgp4Feed {
+    fn name(&self) -> &str {
+        &self.elements.name
+    }
+
+    fn validity(&self) -> (Epoch, Epoch) {
+        let (epoch, reach) = (self.elements.epoch, self.reach());
+        (
+            reach.before.unwrap_or(epoch - Self::VALIDITY),
+            reach.after.unwrap_or(epoch + Self::VALIDITY),
+        )
+    }
+
+    fn decay(&self) -> (Option<Epoch>, Option<Epoch>) {
+        let reach = self.reach();
+        (reach.before, reach.after)
+    }
+
+    fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
+        match self.check(epoch) {
+            Ok(()) => self.propagated(epoch),
+            // Where SGP4 itself fails its reason says more.
+            Err(lost @ OrbitError::Lost { .. }) => {
+                Err(self.propagated(epoch).err().unwrap_or(lost))
+            }
+            Err(outside) => Err(outside),
+        }
     }
 }

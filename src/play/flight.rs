@@ -14,7 +14,7 @@ use crate::frames::{
 };
 use crate::gpu::BcSupport;
 use crate::orbit::{Feed, Frame, OrbitError, OrbitState};
-use crate::scene::{CameraMode, Scene};
+use crate::scene::{CameraMode, Ending, Scene};
 use crate::tracks::EarthTurn;
 use crate::{EarthOptions, EyeView, Sky};
 use glam::DVec3;
@@ -106,11 +106,15 @@ impl Flight {
             && !scene.is_live()
         {
             let ellipsoid = scene.earth.figure.ellipsoid();
-            let impact = impact(satellite.feed(), orientation.as_ref(), &ellipsoid)
-                .map(|(_, place)| place.to_string());
-            let validity = satellite.feed().validity();
-            scene.shorten(validity, impact.as_deref());
-            scene.check_dates(validity, impact.as_deref())?;
+            let impact = impact(satellite.feed(), orientation.as_ref(), &ellipsoid);
+            let (validity, gap) = known_around(satellite.feed(), scene.time.start);
+            let ending = impact
+                .map(|(_, place)| Ending::Impact(place.to_string()))
+                .filter(|_| gap.is_none())
+                .or(gap)
+                .or_else(|| decay(satellite.feed()));
+            scene.shorten(validity, ending.as_ref());
+            scene.check_dates(validity, ending.as_ref())?;
         }
         for notice in &scene.notices {
             tracing::warn!("{}: {notice}", scene.path.display());
@@ -363,6 +367,27 @@ fn impact(
         lon_deg: place.lon_rad.to_degrees(),
     };
     Some((epoch, place))
+}
+
+/// The time about `start` in which a satellite is known without a gap, and whether gaps bound it. That behind the gap if
+/// `start` lies in one.
+fn known_around(feed: &dyn Feed, start: Epoch) -> ((Epoch, Epoch), Option<Ending>) {
+    let (mut first, mut last) = feed.validity();
+    let mut ending = None;
+    for (from, to) in feed.gaps() {
+        ending = Some(Ending::Gap);
+        if start <= from {
+            last = from;
+            break;
+        }
+        first = to;
+    }
+    ((first, last), ending)
+}
+
+fn decay(feed: &dyn Feed) -> Option<Ending> {
+    let (before, after) = feed.decay();
+    before.or(after).map(|_| Ending::Decay)
 }
 
 fn motion(state: &OrbitState, orientation: &Orientation) -> OrbitalMotion {

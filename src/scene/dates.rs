@@ -11,11 +11,28 @@ use crate::orbit::kepler::KeplerElements;
 /// What flies where the built-in elements do not reach.
 const STAND_IN: &str = "ISS stand-in";
 
-fn validity_text(validity: (Epoch, Epoch), impact: Option<&str>) -> String {
+/// What ends the time that an orbit answers for, where that is not just how far its source reaches.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// The satellite meets the ground at this place.
+    Impact(String),
+    /// SGP4 has no orbit beyond: the satellite has decayed.
+    Decay,
+    /// An ephemeris has a gap there.
+    Gap,
+}
+
+fn validity_text(validity: (Epoch, Epoch), ending: Option<&Ending>) -> String {
     let (first, last) = (utc(validity.0), utc(validity.1));
-    match impact {
-        Some(place) => {
+    match ending {
+        Some(Ending::Impact(place)) => {
             format!("the satellite meets the ground at {last}, {place}; it is known from {first}")
+        }
+        Some(Ending::Decay) => {
+            format!("SGP4 has an orbit for the satellite from {first} to {last} and none beyond")
+        }
+        Some(Ending::Gap) => {
+            format!("the ephemeris has a gap; it is known without one from {first} to {last}")
         }
         None => format!("the orbit answers from {first} to {last}"),
     }
@@ -23,16 +40,16 @@ fn validity_text(validity: (Epoch, Epoch), impact: Option<&str>) -> String {
 
 impl Scene {
     /// Refuses a scene of which any part lies outside `validity`, the first and last epoch that its orbit
-    /// answers for ([`crate::orbit::Feed::validity`]). `impact` is where the satellite meets the ground, if that is what ends
-    /// its validity.
+    /// answers for without a gap ([`crate::orbit::Feed::validity`], [`crate::orbit::Feed::gaps`]). `ending` is what ends that time,
+    /// if it is known.
     pub fn check_dates(
         &self,
         validity: (Epoch, Epoch),
-        impact: Option<&str>,
+        ending: Option<&Ending>,
     ) -> Result<(), SceneError> {
         let (first, last) = validity;
         let inside = |epoch: Epoch| first <= epoch && epoch <= last;
-        let validity_text = validity_text(validity, impact);
+        let validity_text = validity_text(validity, ending);
         let (start, end) = (self.time.start, self.time.end());
         if !inside(start) {
             let is_file = self.orbits.iter().any(|orbit| orbit.source.is_file());
@@ -61,7 +78,7 @@ impl Scene {
     }
 
     /// Shortens a duration that the scene does not give to what the orbit answers for, with a notice.
-    pub fn shorten(&mut self, validity: (Epoch, Epoch), impact: Option<&str>) {
+    pub fn shorten(&mut self, validity: (Epoch, Epoch), ending: Option<&Ending>) {
         let (start, end) = (self.time.start, self.time.end());
         let inside = |epoch: Epoch| validity.0 <= epoch && epoch <= validity.1;
         if self.line("time", "duration_s").is_some() || !inside(start) || inside(end) {
@@ -77,7 +94,7 @@ impl Scene {
             self.notices.push(format!(
                 "[time] duration_s is shortened from its default, {}, to {room_s}: {}",
                 self.time.duration_s,
-                validity_text(validity, impact)
+                validity_text(validity, ending)
             ));
             self.time.duration_s = room_s;
         }

@@ -61,6 +61,7 @@ pub use camera::Camera;
 pub use camera_keys::CameraKey;
 pub use camera_mode::{CameraMode, CameraUp};
 pub use dated_maps::{BetweenMaps, DatedLayer, DatedMaps, MapTimes};
+pub use dates::Ending;
 pub use earth::{EarthTable, Look, PackTable, StorageChoice, SurfaceLightTable};
 pub use error::{KeyLocation, SceneError};
 #[cfg(feature = "playback")]

@@ -190,6 +190,42 @@ fn samples_are_met_bit_for_bit_and_neighbours_join() {
 }
 
 /// Positions only: the velocity is the polynomial's own.
+/// Degree 1 would be one state of a Hermite polynomial, and the position would jump half-way between two. CCSDS 502.0 leaves it
+/// open; Cesium takes two samples at least, Orekit as many as the degree and one. With two the polynomial is the cubic that
+/// two positions and two velocities give.
+#[test]
+fn hermite_of_degree_1_goes_from_sample_to_sample() {
+    let times = [0.0, 1800.0, 3600.0, 5400.0];
+    let states = sampled(&KeplerOrbit::LOW, &times, HERMITE(1));
+    let mut before: Option<DVec3> = None;
+    for second in 0..5400 {
+        let position = states
+            .state_at(start() + seconds(f64::from(second)))
+            .unwrap()
+            .position_m;
+        if let Some(before) = before.replace(position) {
+            // Not faster than 20 km/s anywhere: a jump would be thousands of kilometres.
+            assert!(before.distance(position) < 20_000.0, "{second}");
+        }
+    }
+    let (a, b) = (
+        sample(&KeplerOrbit::LOW, 0.0),
+        sample(&KeplerOrbit::LOW, 1800.0),
+    );
+    let (va, vb) = (a.velocity_m_s.unwrap(), b.velocity_m_s.unwrap());
+    // Hermite's cubic at a quarter of the step.
+    let s: f64 = 0.25;
+    let cubic = a.position_m * (2.0 * s.powi(3) - 3.0 * s.powi(2) + 1.0)
+        + va * 1800.0 * (s.powi(3) - 2.0 * s.powi(2) + s)
+        + b.position_m * (-2.0 * s.powi(3) + 3.0 * s.powi(2))
+        + vb * 1800.0 * (s.powi(3) - s.powi(2));
+    let found = states
+        .state_at(start() + seconds(450.0))
+        .unwrap()
+        .position_m;
+    assert!(found.distance(cubic) < 1e-6, "{}", found.distance(cubic));
+}
+
 #[test]
 fn velocities_come_from_positions() {
     let samples: Vec<_> = every(60.0, 100)

@@ -4,6 +4,7 @@
 mod bad_input;
 mod catalogue;
 mod czml;
+mod decay;
 mod eclipses;
 mod interpolated;
 mod oem;

@@ -160,6 +160,12 @@ impl Feed for EphemerisFeed {
         (first.unwrap_or_default(), last.unwrap_or_default())
     }
 
+    fn gaps(&self) -> Vec<(Epoch, Epoch)> {
+        let pairs = self.segments.iter().zip(self.segments.iter().skip(1));
+        let between = pairs.map(|(a, b)| (a.usable.1, b.usable.0));
+        between.filter(|(end, begin)| end < begin).collect()
+    }
+
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
         self.segment(epoch)
             .and_then(|segment| segment.samples.state_at(epoch))

@@ -29,7 +29,8 @@ pub enum Interpolation {
         /// 1…[`Interpolation::MAX_DEGREE`].
         degree: usize,
     },
-    /// The polynomial that has the samples' positions and velocities: (degree + 1)/2 samples, rounded up.
+    /// The polynomial that has the samples' positions and velocities: (degree + 1)/2 samples, rounded up, and no fewer than two, so
+    /// that it goes from sample to sample.
     Hermite {
         /// 1…[`Interpolation::MAX_DEGREE`].
         degree: usize,
@@ -52,7 +53,7 @@ impl Interpolation {
         match self {
             Self::Linear => 2,
             Self::Lagrange { degree } => degree + 1,
-            Self::Hermite { degree } => (degree + 2) / 2,
+            Self::Hermite { degree } => ((degree + 2) / 2).max(2),
         }
     }
 
