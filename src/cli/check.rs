@@ -70,7 +70,7 @@ pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
         text.push_str(&limits(satellite.feed()));
         let (faults, left_out) = satellite.faults();
         for fault in faults {
-            text.push_str(&format!("  {:<14} {fault}\n", "passed over"));
+            text.push_str(&format!("  {:<14} {}\n", fault.label, fault.text));
         }
         if left_out > 0 {
             text.push_str(&format!("  {:<14} {left_out} more\n", "passed over"));

@@ -48,6 +48,13 @@ impl Catalogue {
     /// As [`Self::from_file`], but for what is wrong with the file itself.
     pub fn from_text(text: &str, origin: &Path, is_strict: bool) -> Result<Self, OrbitError> {
         let mut faults = Faults::new(is_strict);
+        if let Some(cut) = omm::cut_off(text, origin) {
+            faults.note(cut.into())?;
+        }
+        Self::read(text, origin, faults)
+    }
+
+    fn read(text: &str, origin: &Path, mut faults: Faults<OrbitError>) -> Result<Self, OrbitError> {
         let mut feeds = Vec::new();
         let path: Arc<Path> = Arc::from(origin);
         let format = match omm::is_omm(text) {
@@ -129,7 +136,7 @@ impl Sgp4Feed {
     /// Says which line and column is wrong, how, and what to do.
     pub fn from_text(text: &str, origin: &Path, name: Option<&str>) -> Result<Self, OrbitError> {
         if omm::is_omm(text) {
-            return Catalogue::from_text(text, origin, true)?.into_one(origin, name);
+            return Catalogue::read(text, origin, Faults::new(true))?.into_one(origin, name);
         }
         let sets = element_sets(text, origin)?;
         let candidates: Vec<_> = sets

@@ -18,6 +18,11 @@ pub enum CutOff {
         "the file may have been cut off here: there is no line feed behind its last line, which is used as it is written as finely as the others; end it with a line feed if it is whole"
     )]
     LineFeed,
+    /// Its last line may have lost digits, and nothing shows whether it has.
+    #[error(
+        "the file may have been cut off here: there is no line feed behind its last line, which is used; compare it with its source, and end it with a line feed if it is whole"
+    )]
+    Unended,
     /// States are missing at the end.
     #[error(
         "the file has been cut off, or states are missing: the last one is of {last}, before {key} = {stop}; fetch or write the file anew"
@@ -45,9 +50,46 @@ impl CutOff {
     }
 }
 
+/// Watches the rows of a text for the one without a line feed behind it.
+pub(super) struct LastLine {
+    open_line: Option<usize>,
+    width: usize,
+    fineness: Fineness,
+}
+
+impl LastLine {
+    /// For the rows of a text.
+    pub fn of(text: &str) -> Self {
+        Self {
+            open_line: open_line(text),
+            width: 0,
+            fineness: Fineness::default(),
+        }
+    }
+
+    /// How the text was cut off at a row of so many fields of which the last is `number`: `None` in all rows but one without
+    /// a line feed behind it.
+    pub fn cut(&mut self, line: usize, width: usize, number: &str) -> Option<CutOff> {
+        if self.open_line == Some(line) {
+            let is_whole = width == self.width && self.fineness.is_met_by(number);
+            return Some(if is_whole {
+                CutOff::LineFeed
+            } else {
+                CutOff::Line
+            });
+        }
+        self.width = width;
+        self.fineness.add(number);
+        None
+    }
+}
+
 /// The number, from 1, of the last line if no line feed stands behind it.
 pub(super) fn open_line(text: &str) -> Option<usize> {
-    let last = text.lines().next_back().filter(|line| !line.trim().is_empty());
+    let last = text
+        .lines()
+        .next_back()
+        .filter(|line| !line.trim().is_empty());
     let is_open = last.is_some() && !text.ends_with(['\n', '\r']);
     is_open.then(|| text.lines().count())
 }
@@ -93,7 +135,9 @@ impl Fineness {
 /// Digits behind the point, and characters behind the `e` of an exponent.
 fn written(number: &str) -> (usize, usize) {
     let (mantissa, exponent) = number.split_once(['e', 'E']).unwrap_or((number, ""));
-    let digits = mantissa.split_once('.').map_or(0, |(_, digits)| digits.len());
+    let digits = mantissa
+        .split_once('.')
+        .map_or(0, |(_, digits)| digits.len());
     (digits, exponent.len())
 }
 
@@ -116,14 +160,22 @@ mod tests {
             (&["6.100", "-5.250"], "4.619", "4"),
             // As many as it takes.
             (&["6.1192", "4.6073213286"], "4.37", "4"),
-            (&["6.11917185863", "4.607321328555045"], "4.3711223341", "4.37112"),
+            (
+                &["6.11917185863", "4.607321328555045"],
+                "4.3711223341",
+                "4.37112",
+            ),
             // Whole numbers among them.
             (&["0", "4.607321328555045"], "4.371122334412", "4"),
             (&["7001", "-6999"], "-6999", "-69"),
             // Exponents.
             (&["6.119E+00", "-4.607E-01"], "4.371E-02", "4.371E-0"),
             (&["6.119E+00", "-4.607E-01"], "4.371E-02", "4.371"),
-            (&["6.1191718586e-5", "0.46073213285"], "0.46073213285", "4.3711223341"),
+            (
+                &["6.1191718586e-5", "0.46073213285"],
+                "0.46073213285",
+                "4.3711223341",
+            ),
         ] {
             assert!(is_met(column, whole), "{column:?} {whole}");
             assert!(!is_met(column, cut), "{column:?} {cut}");

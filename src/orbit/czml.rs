@@ -5,7 +5,7 @@ use super::entry::{RecordError, RecordFault, number, printable, shortened};
 use super::found::{Each, Found};
 use super::interpolated::{
     EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, InterpolationError,
-    StateSample, sift,
+    StateSample, doubts, sift,
 };
 use super::text::json::{Document, Object};
 use crate::frames::{Duration, Epoch, TimeScale, epoch_from_ccsds, utc_from_rfc3339};
@@ -161,6 +161,16 @@ fn from_position<'t>(
         Some(value) => Some(interval(document, value)?),
         None => None,
     };
+    for key in ["forwardExtrapolationType", "backwardExtrapolationType"] {
+        if let Some(value) = object.get(key).filter(|value| value.get() != "\"NONE\"") {
+            let fault = RecordFault::NotFollowed {
+                key,
+                text: shortened(value.get()),
+                why: "the object is known from its first sample to its last one",
+            };
+            each(Found::BadState(document.error(value, fault)))?;
+        }
+    }
     let runs = samples(document, numbers, epoch, with_velocity, each)?;
     let mut pieces = Vec::new();
     for run in runs {
@@ -173,6 +183,15 @@ fn from_position<'t>(
             )
         };
         let kept = sift(&run, |error| each(Found::BadState(at_its_place(error))))?;
+        for doubt in doubts(frame, &kept) {
+            let sample = kept.get(doubt.index());
+            let at = run.iter().position(|one| Some(one) == sample);
+            let place = at.and_then(|at| places.get(at)).copied();
+            let fault = RecordFault::Doubt(doubt);
+            each(Found::BadState(
+                document.error(place.unwrap_or(numbers), fault),
+            ))?;
+        }
         if !kept.is_empty() {
             let sampled = InterpolatedStates::new(frame, &kept, interpolation);
             pieces.push((sampled.map_err(at_its_place)?, interval));

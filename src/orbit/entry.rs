@@ -1,7 +1,8 @@
 //! Entries of messages of the CCSDS, of CZML documents and of tables (a key, its value, where they stand), and errors that name
 //! file, line and column.
 
-use super::interpolated::{InterpolationError, SegmentError};
+use super::cut::CutOff;
+use super::interpolated::{Doubt, InterpolationError, SegmentError};
 use crate::frames::{Epoch, TimeError, TimeScale, epoch_from_ccsds};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -21,6 +22,24 @@ pub struct RecordError {
     pub column: usize,
     /// What is wrong with it, and what to do.
     pub fault: Box<RecordFault>,
+}
+
+impl RecordError {
+    /// Whether the file is as its format wants it, so that reading it strictly does not change that.
+    pub(super) fn is_of_good_form(&self) -> bool {
+        matches!(
+            &*self.fault,
+            RecordFault::Doubt(_) | RecordFault::NotFollowed { .. }
+        )
+    }
+
+    /// Whether all that the file holds is used all the same.
+    pub fn is_notice(&self) -> bool {
+        match &*self.fault {
+            RecordFault::CutOff(cut) => !cut.leaves_out(),
+            _ => self.is_of_good_form(),
+        }
+    }
 }
 
 /// What can be wrong with a record.
@@ -105,6 +124,22 @@ pub enum RecordFault {
     /// The segments are no ephemeris.
     #[error(transparent)]
     Segments(SegmentError),
+    /// The file ends before its text does, or may do.
+    #[error(transparent)]
+    CutOff(CutOff),
+    /// States that can be used and are not likely to be meant.
+    #[error(transparent)]
+    Doubt(Doubt),
+    /// A value that says something which is not followed.
+    #[error("{key} = {text} is not followed: {why}")]
+    NotFollowed {
+        /// The field's name.
+        key: &'static str,
+        /// What stands there.
+        text: String,
+        /// What happens instead.
+        why: &'static str,
+    },
     /// More than anyone needs.
     #[error("more than {limit} {what}; cut out what you need")]
     TooMany {
@@ -335,11 +370,16 @@ impl<E> Faults<E> {
         if self.is_strict {
             return Err(error);
         }
+        self.keep(error);
+        Ok(())
+    }
+
+    /// Keeps it, however the file is read.
+    pub fn keep(&mut self, error: E) {
         match self.kept.len() < Self::KEPT {
             true => self.kept.push(error),
             false => self.left_out += 1,
         }
-        Ok(())
     }
 }
 

@@ -68,6 +68,10 @@ impl Ephemerides {
                 spoilt.get_or_insert_with(|| error.clone());
                 faults.note(error)
             }
+            Found::BadState(error) if error.is_of_good_form() => {
+                faults.keep(error);
+                Ok(())
+            }
             Found::BadState(error) => faults.note(error),
         };
         let format = match text.trim_start() {

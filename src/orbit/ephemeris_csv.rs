@@ -1,6 +1,7 @@
 //! Ephemerides as CSV with a header that says what the columns are.
 
 use super::Frame;
+use super::cut::{CutOff, LastLine};
 use super::entry::{
     Entry, Fields, Keys, RecordError, RecordFault, TextPosition, printable, scaled_number,
     shortened,
@@ -8,7 +9,7 @@ use super::entry::{
 use super::found::{Each, Found};
 use super::interpolated::{
     EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, InterpolationError,
-    StateSample, sift,
+    StateSample, doubts, sift,
 };
 use super::text::csv;
 use crate::frames::TimeScale;
@@ -92,6 +93,7 @@ pub(super) fn each_object(
     let mut objects: Vec<Rows> = Vec::new();
     let mut by_name: HashMap<String, usize> = HashMap::new();
     let mut count = 0;
+    let mut last_line = LastLine::of(text);
     for (line, text) in lines(text) {
         let place = TextPosition { line, column: 1 };
         if let Some(comment) = text.strip_prefix('#') {
@@ -117,6 +119,16 @@ pub(super) fn each_object(
             return Err(place.error(origin, RecordFault::TooMany { what, limit }));
         }
         let read = row.and_then(|row| {
+            let last = row.last().map_or("", |field| field.text.trim());
+            if let Some(cut) = last_line.cut(line, row.len(), last) {
+                let is_left_out = cut == CutOff::Line;
+                each(Found::BadState(
+                    place.error(origin, RecordFault::CutOff(cut)),
+                ))?;
+                if is_left_out {
+                    return Ok(());
+                }
+            }
             let sample = sample(&table.columns, &row, line, origin)?;
             let error_m = match error_m(&table.columns, &row, line, origin) {
                 Ok(error_m) => error_m,
@@ -189,6 +201,18 @@ impl Rows {
         let samples = sift(&self.samples, |error| {
             each(Found::BadState(at_its_line(error)))
         })?;
+        for doubt in doubts(self.frame, &samples) {
+            let sample = samples.get(doubt.index());
+            let at = self.samples.iter().position(|one| Some(one) == sample);
+            let line = at.and_then(|at| self.lines.get(at)).copied();
+            let place = TextPosition {
+                line: line.unwrap_or(first),
+                column: 1,
+            };
+            each(Found::BadState(
+                place.error(origin, RecordFault::Doubt(doubt)),
+            ))?;
+        }
         // Of the states that are kept, which are in their order.
         let mut rows = self.samples.iter().zip(&self.errors_m);
         let sigma_m = samples.iter().filter_map(|kept| {

@@ -274,6 +274,11 @@ pub enum LineFault {
 }
 
 impl OrbitError {
+    /// Whether it only remarks on a file of which everything is used.
+    pub fn is_notice(&self) -> bool {
+        matches!(self, Self::Record(record) if record.is_notice())
+    }
+
     pub(super) fn line(
         origin: &Path,
         line: usize,

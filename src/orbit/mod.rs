@@ -6,6 +6,7 @@
 //! | propagate Keplerian elements, with J2 or without | [`kepler`] |
 //! | integrate under forces; eclipses, nodes, apsides and impact on the way | [`numerical`] |
 //! | interpolate an ephemeris (Lagrange, Hermite) | [`interpolated`]; read one: `oem/`, `czml.rs`, `ephemeris_csv.rs`, `ephemerides.rs`, `found.rs` |
+//! | notice a file that was cut off | `cut.rs` |
 //! | take states that a simulator sends | [`live`] |
 //! | find passes over a place | `passes.rs` |
 //! | turn a state vector from frame to frame | `state.rs` |
@@ -19,6 +20,7 @@ mod catalogue;
 #[cfg(any(feature = "basilisk", feature = "live"))]
 pub(crate) mod connections;
 pub mod constants;
+mod cut;
 mod czml;
 mod decay;
 mod entry;
@@ -50,6 +52,7 @@ mod write_csv;
 use crate::frames::Epoch;
 
 pub use catalogue::Catalogue;
+pub use cut::CutOff;
 pub use entry::{RecordError, RecordFault};
 pub use ephemerides::Ephemerides;
 pub use error::{LineFault, OrbitError};

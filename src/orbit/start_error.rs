@@ -1,5 +1,8 @@
 //! Why no motion can start.
 
+/// What a user has most often done who gives a state that cannot be meant.
+pub(super) const METRES_FOR_KILOMETRES: &str = "metres may have been taken for kilometres";
+
 /// Why no motion can start from a state or from elements, whether on a conic or integrated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -21,9 +24,7 @@ pub enum StartError {
         expected: &'static str,
     },
     /// Under the ground at the epoch.
-    #[error(
-        "at its epoch {satellite} is {depth_m:.0} m below {surface}; metres may have been taken for kilometres"
-    )]
+    #[error("at its epoch {satellite} is {depth_m:.0} m below {surface}; {METRES_FOR_KILOMETRES}")]
     BelowGround {
         /// The satellite.
         satellite: String,

@@ -142,7 +142,7 @@ pub use place_text::GroundPlace;
 pub use progress::Progress;
 pub use quality_control::{HeldQuality, QualityControl, scene_quality};
 pub use relief::read_ground;
-pub use satellites::Satellite;
+pub use satellites::{FileRemark, Satellite};
 pub use scene_files::{SceneFile, scene_files};
 pub use stats::{EyePosition, PictureStats, SatelliteLight, SubsolarPoint};
 #[cfg(feature = "command")]

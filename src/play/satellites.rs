@@ -29,7 +29,7 @@ pub struct Satellite {
     simulation: Option<Arc<Simulation>>,
     recording: Option<Arc<Recording>>,
     events: Option<Vec<Event>>,
-    faults: Vec<String>,
+    faults: Vec<FileRemark>,
     faults_left_out: usize,
 }
 
@@ -95,8 +95,29 @@ impl Satellite {
     }
 
     /// The errors of other records of its file, and how many more there are that are not kept.
-    pub fn faults(&self) -> (&[String], usize) {
+    pub fn faults(&self) -> (&[FileRemark], usize) {
         (&self.faults, self.faults_left_out)
+    }
+}
+
+/// What a reader says of a file that is flown all the same.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileRemark {
+    /// "passed over" where something in the file is not used, else "noticed".
+    pub label: &'static str,
+    /// Where, what, and what to do.
+    pub text: String,
+}
+
+impl FileRemark {
+    fn of(error: &OrbitError) -> Self {
+        Self {
+            label: match error.is_notice() {
+                true => "noticed",
+                false => "passed over",
+            },
+            text: error.to_string(),
+        }
     }
 }
 
@@ -309,9 +330,9 @@ fn from_file(
             )
         }
     };
-    let faults: Vec<String> = faults.iter().map(OrbitError::to_string).collect();
-    for fault in faults.iter().take(FAULTS_TOLD) {
-        tracing::warn!("passed over: {fault}");
+    let faults: Vec<_> = faults.iter().map(FileRemark::of).collect();
+    for FileRemark { label, text } in faults.iter().take(FAULTS_TOLD) {
+        tracing::warn!("{label}: {text}");
     }
     match faults.len().saturating_sub(FAULTS_TOLD) + faults_left_out {
         0 => {}

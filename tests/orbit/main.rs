@@ -3,6 +3,7 @@
 
 mod bad_input;
 mod catalogue;
+mod cut_off;
 mod czml;
 mod decay;
 mod eclipses;

@@ -109,7 +109,7 @@ fn speed_m_s(frame: Frame, before: Option<&StateSample>, sample: &StateSample) -
 
 /// How far below the ellipsoid; the poles of all frames are its axis, to the 50 m that precession makes.
 fn depth_m(position_m: DVec3) -> f64 {
-    match position_m.length() > Ellipsoid::WGS84.semi_major_m {
+    match position_m.length() > Ellipsoid::WGS84.equatorial_radius_m {
         true => 0.0,
         false => -Ellipsoid::WGS84.geodetic_from_itrf(position_m).height_m,
     }

@@ -3,6 +3,7 @@
 //! crates for these files `ccsds-ndm` (0.0) parses only and `lox-odm` is in alpha.
 
 mod basis;
+mod doubt;
 mod feed;
 mod interpolation_error;
 mod segment_error;
@@ -13,6 +14,8 @@ use crate::frames::{Epoch, rfc3339};
 use basis::{Basis, MAX_NODES};
 use glam::DVec3;
 
+pub use doubt::Doubt;
+pub(super) use doubt::doubts;
 pub use feed::{EphemerisFeed, EphemerisSegment};
 pub use interpolation_error::{KeplerOrbit, WorstDifference, interpolation_error};
 pub use segment_error::SegmentError;

@@ -1,18 +1,21 @@
 //! A message while it is read: what KVN and XML have in common.
 
+use super::super::cut::CutOff;
 use super::super::entry::{Entry, Fields, Keys, RecordError, RecordFault, TextPosition, printable};
 use super::super::found::{Each, Found};
 use super::super::interpolated::{
     EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, InterpolationError,
-    StateSample, sift,
+    StateSample, doubts, sift,
 };
-use crate::frames::{Epoch, TimeScale};
+use crate::frames::{Epoch, TimeScale, rfc3339};
 use crate::orbit::Frame;
 use glam::DVec3;
 use std::path::Path;
 
 /// Most states of a message.
 const MAX_STATES: usize = 2_000_000;
+/// Instants that are written to a millisecond may differ by as much, seconds.
+const STOP_TOLERANCE_S: f64 = 0.002;
 /// Most segments of a message.
 const MAX_SEGMENTS: usize = 100_000;
 
@@ -54,6 +57,7 @@ struct OpenSegment {
     frame: Frame,
     scale: TimeScale,
     usable: (Epoch, Epoch),
+    stop: Epoch,
     interpolation: Option<Interpolation>,
     samples: Vec<StateSample>,
     /// Lines of the samples.
@@ -143,6 +147,7 @@ impl<'o> Draft<'o> {
                 date("USEABLE_START_TIME", start)?,
                 date("USEABLE_STOP_TIME", stop)?,
             ),
+            stop,
             interpolation: interpolation(meta, origin)?,
             samples: Vec::new(),
             lines: Vec::new(),
@@ -250,6 +255,30 @@ impl<'o> Draft<'o> {
         let samples = sift(&open.samples, |error| {
             each(Found::BadState(at_its_line(error)))
         })?;
+        let line_of = |sample: Option<&StateSample>| {
+            let at = open.samples.iter().rposition(|one| Some(one) == sample);
+            let line = at.and_then(|at| open.lines.get(at));
+            line.map_or(open.place, |&line| TextPosition { line, column: 1 })
+        };
+        if let Some(last) = samples.last()
+            && (open.stop - last.epoch).to_seconds() > STOP_TOLERANCE_S
+        {
+            let cut = CutOff::Stop {
+                last: rfc3339(last.epoch),
+                key: "STOP_TIME",
+                stop: rfc3339(open.stop),
+            };
+            let place = line_of(Some(last));
+            each(Found::BadState(
+                place.error(self.origin, RecordFault::CutOff(cut)),
+            ))?;
+        }
+        for doubt in doubts(open.frame, &samples) {
+            let place = line_of(samples.get(doubt.index()));
+            each(Found::BadState(
+                place.error(self.origin, RecordFault::Doubt(doubt)),
+            ))?;
+        }
         let samples = InterpolatedStates::new(open.frame, &samples, interpolation)
             .map_err(|error| open.place.error(self.origin, RecordFault::Samples(error)))?;
         let mut segment = EphemerisSegment::whole(samples);

@@ -1,5 +1,6 @@
 //! OEM in KVN: blocks of metadata, rows of states, blocks of covariances.
 
+use super::super::cut::{CutOff, LastLine};
 use super::super::entry::{
     Entry, Fields, RecordError, RecordFault, TextPosition, number, scaled_number, shortened,
 };
@@ -25,7 +26,7 @@ pub fn read(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), Record
                 each(object.into())?;
             }
             match entry.value.split('.').next() {
-                Some("1" | "2" | "3") => message = Some(Message::new(origin, entry.place)),
+                Some("1" | "2" | "3") => message = Some(Message::new(text, origin, entry.place)),
                 _ => {
                     let error = entry.unsupported(origin, "versions 1 to 3 are read");
                     each(Found::Spoilt(error))?;
@@ -60,6 +61,7 @@ struct Message<'o> {
     origin: &'o Path,
     draft: Draft<'o>,
     block: Block,
+    last_line: LastLine,
 }
 
 /// Between which marks the reader is.
@@ -74,8 +76,9 @@ enum Block {
 }
 
 impl<'o> Message<'o> {
-    fn new(origin: &'o Path, place: TextPosition) -> Self {
+    fn new(text: &str, origin: &'o Path, place: TextPosition) -> Self {
         Self {
+            last_line: LastLine::of(text),
             origin,
             draft: Draft::new(origin, place),
             block: Block::None,
@@ -145,7 +148,7 @@ impl<'o> Message<'o> {
                 self.block = Block::None;
                 Ok(())
             }
-            (_, Block::None) => match self.state(text, place) {
+            (_, Block::None) => match self.whole_state(text, place, each) {
                 // A mark out of place, or a state that belongs to no metadata: nothing says what the others are.
                 Err(error) if MARKS.contains(&text) || self.draft.scale(place).is_err() => {
                     Err(error)
@@ -170,6 +173,31 @@ impl<'o> Message<'o> {
                 Err(self.unexpected(text, place, "KEY = value, or META_STOP"))
             }
         }
+    }
+
+    /// A state, unless the file ends within its line.
+    fn whole_state(
+        &mut self,
+        text: &str,
+        place: TextPosition,
+        each: &mut Each<'_>,
+    ) -> Result<(), RecordError> {
+        let width = text.split_whitespace().count();
+        let last = text.split_whitespace().next_back().unwrap_or_default();
+        let cut = match MARKS.contains(&text) {
+            true => None,
+            false => self.last_line.cut(place.line, width, last),
+        };
+        if let Some(cut) = cut {
+            let is_left_out = cut == CutOff::Line;
+            each(Found::BadState(
+                place.error(self.origin, RecordFault::CutOff(cut)),
+            ))?;
+            if is_left_out {
+                return Ok(());
+            }
+        }
+        self.state(text, place)
     }
 
     /// Epoch, three kilometres, three kilometres per second, and perhaps three accelerations, which are not used.

@@ -6,6 +6,7 @@
 mod fields;
 mod write;
 
+use super::cut::{CutOff, open_line};
 use super::entry::{Entry, MAX_ENTRIES, RecordError, RecordFault, TextPosition, shortened};
 use super::text::json::Document;
 use super::text::xml::XmlItem;
@@ -47,6 +48,14 @@ const VERSION: &str = "CCSDS_OMM_VERS";
 /// Whether a text is an OMM rather than two-line elements.
 pub(super) fn is_omm(text: &str) -> bool {
     notation(text).is_some()
+}
+
+/// What shows that a message in KVN or CSV may have been cut off: XML and JSON are closed or are none.
+pub(super) fn cut_off(text: &str, origin: &Path) -> Option<RecordError> {
+    let is_of_lines = matches!(notation(text)?, OmmNotation::Kvn | OmmNotation::Csv);
+    let line = open_line(text).filter(|_| is_of_lines)?;
+    let fault = RecordFault::CutOff(CutOff::Unended);
+    Some(TextPosition { line, column: 1 }.error(origin, fault))
 }
 
 /// Calls `each` for every satellite of a message in any form.
