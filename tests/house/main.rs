@@ -5,12 +5,13 @@
 mod circles;
 mod licences;
 mod modules;
+mod packages;
 mod pages;
 mod repository;
 mod rules;
 mod source;
 
-use repository::Repository;
+use repository::{Page, Repository};
 use rules::Rule;
 
 /// Fails with one line for each violation.
@@ -201,4 +202,89 @@ fn code_in_the_readme_is_that_of_an_example() {
             .flat_map(|page| pages::lines_of_no_example(page, &examples))
             .collect(),
     );
+}
+
+#[test]
+fn pages_install_our_own_distribution() {
+    let repository = Repository::open();
+    let distribution = repository.text("pyproject.toml");
+    let distribution = packages::string(&distribution, "project", "name");
+    assert_ne!(distribution, "terrella", "another project has that name");
+    let mut pages = repository.pages();
+    pages.extend(repository.texts("crates/terrella-py/python", "py"));
+    none(
+        pages
+            .iter()
+            .flat_map(|page| packages::other_distributions(page, distribution))
+            .collect(),
+    );
+}
+
+#[test]
+fn one_address_of_the_source_is_told() {
+    let repository = Repository::open();
+    let manifest = repository.text("Cargo.toml");
+    let address = packages::string(&manifest, "workspace.package", "repository");
+    let mut pages = repository.pages();
+    for file in ["Cargo.toml", "pyproject.toml"] {
+        pages.extend(repository.text_if_there(file).map(|text| Page {
+            path: file.into(),
+            text,
+        }));
+    }
+    none(
+        pages
+            .iter()
+            .flat_map(|page| packages::other_sources(page, address, &repository))
+            .collect(),
+    );
+}
+
+/// crates.io makes links of a package's page lead to the source, PyPI does not.
+#[test]
+fn pages_of_registries_show_their_pictures() {
+    let repository = Repository::open();
+    let manifest = repository.text("Cargo.toml");
+    assert_eq!(
+        packages::value(&manifest, "package", "repository.workspace"),
+        Some("true")
+    );
+    let address = packages::string(&manifest, "workspace.package", "repository");
+    assert!(address.starts_with("https://github.com/") && !address.ends_with('/'));
+    let project = repository.text("pyproject.toml");
+    assert_eq!(
+        packages::string(&project, "project", "readme"),
+        packages::PYPI_PAGE
+    );
+    let page = repository.text(packages::PYPI_PAGE);
+    let relative = rules::targets(&page)
+        .into_iter()
+        .filter(|target| !target.starts_with("https://"));
+    none(relative.map(str::to_owned).collect());
+}
+
+#[test]
+fn docs_rs_documents_every_feature() {
+    none(packages::undocumented_features(
+        &Repository::open().text("Cargo.toml"),
+    ));
+}
+
+#[test]
+fn the_first_page_says_how_to_have_the_command() {
+    let repository = Repository::open();
+    let manifest = repository.text("Cargo.toml");
+    let rust = packages::string(&manifest, "workspace.package", "rust-version");
+    let first = repository.text("README.md");
+    for (page, told) in [
+        ("README.md", format!("Rust {rust} or later")),
+        ("docs/embedding/python.md", format!("Rust {rust} or later")),
+        ("docs/embedding/bevy.md", format!("is built by {rust} too")),
+    ] {
+        assert!(repository.text(page).contains(&told), "{page}: {told}");
+    }
+    let install = first.find("cargo install --path . --locked");
+    let used = first.find("\nterrella ");
+    assert!(install.is_some() && used.is_some() && install < used);
+    assert!(first.contains("~/.cargo/bin") && first.contains("PATH"));
 }

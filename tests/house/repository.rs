@@ -76,6 +76,18 @@ impl Repository {
         }
     }
 
+    /// The texts of all files below a folder that end so, as pages.
+    pub fn texts(&self, folder: &str, extension: &str) -> Vec<Page> {
+        let mut paths = Vec::new();
+        self.collect(Path::new(folder), &mut paths);
+        paths.retain(|path| Path::new(path).extension().is_some_and(|e| e == extension));
+        let pages = paths.into_iter().map(|path| Page {
+            text: self.text(&path),
+            path,
+        });
+        pages.collect()
+    }
+
     /// Names of the files directly in a folder that end so. At least one must be there.
     pub fn file_names(&self, folder: &str, extension: &str) -> Vec<String> {
         let entries = fs::read_dir(self.root.join(folder));
@@ -101,6 +113,7 @@ impl Repository {
             .map(|name| format!("docs/embedding/{name}"));
         let folders = [
             "config/README.md",
+            "crates/terrella-py/README.md",
             "fuzz/README.md",
             "textures/SOURCES.md",
             "tests/goldens/README.md",

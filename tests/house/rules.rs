@@ -200,7 +200,7 @@ pub fn dead_links(page: &Page, repository: &Repository) -> Vec<String> {
 }
 
 /// Where the links and pictures of a Markdown text lead.
-fn targets(text: &str) -> Vec<&str> {
+pub fn targets(text: &str) -> Vec<&str> {
     let after = |opening: &'static str, closing: [char; 2]| {
         let parts = text.split(opening).skip(1);
         parts

@@ -1,5 +1,6 @@
-"""An Earth in a notebook that turns under the mouse. Needs the extra ``terrella[notebook]`` (jupyter_rfb).
+"""An Earth in a notebook that turns under the mouse. Needs jupyter_rfb: ``pip install 'terrella-earth[notebook]'``.
 
+>>> import terrella
 >>> from terrella.notebook import View
 >>> View(terrella.Earth((640, 360)), "2018-06-21T08:00:00Z")
 """

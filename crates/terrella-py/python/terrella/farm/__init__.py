@@ -1,7 +1,7 @@
 """Many pictures on many workers: films, labelled data sets and imagery packs.
 
 >>> from terrella import farm
->>> print(farm.film("config/iss.toml", "frames", video="iss.mp4", workers=2))
+>>> print(farm.film("config/iss.toml", "frames", video="iss.mp4", frames=range(30), workers=2))
 
 Workers are processes of this machine, or those of a Dask cluster by its address. Each keeps its renderer warm, writes files itself and answers
 with names. A file appears under its name when it is whole; a run that was ended by anything goes on where it was when it is called again.

@@ -73,5 +73,5 @@ def open_engine(workers: int | None, address: Any) -> Engine:
     try:
         from ._dask import Dask
     except ImportError as error:
-        raise FarmError(f"address: {address!r} asks for a Dask cluster, and {error}; pip install 'terrella[farm]'") from None
+        raise FarmError(f"address: {address!r} asks for a Dask cluster, and {error}; pip install 'terrella-earth[farm]'") from None
     return Dask(address, workers or 2)
