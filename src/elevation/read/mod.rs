@@ -13,6 +13,7 @@
 
 mod error;
 mod geo_keys;
+mod missing;
 mod netcdf;
 mod png;
 mod sidecar;
@@ -25,6 +26,7 @@ pub use sidecar::{ByteOrder, HeightUnit, MAX_SIDECAR_BYTES, Sidecar, SidecarGeor
 
 use super::{Denoise, Denoised, Georeference, GridError, GridLimits, HeightGrid};
 use error::FileContext;
+use missing::Missing;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
@@ -50,7 +52,7 @@ struct Header {
     unit: Option<HeightUnit>,
     scale: Option<f64>,
     offset: Option<f64>,
-    no_data: Option<f64>,
+    missing: Missing,
 }
 
 /// From stored numbers to metres.
@@ -58,16 +60,12 @@ struct Header {
 pub(super) struct Conversion {
     scale_m: f64,
     offset_m: f64,
-    no_data: Option<f64>,
+    missing: Missing,
 }
 
 impl Conversion {
     fn metres(&self, stored: f64) -> f32 {
-        // A value in the file's own precision may have been written with more digits.
-        let is_hole = self
-            .no_data
-            .is_some_and(|no_data| stored == no_data || stored == f64::from(no_data as f32));
-        if is_hole {
+        if self.missing.has(stored) {
             f32::NAN
         } else {
             (self.offset_m + self.scale_m * stored) as f32
@@ -367,7 +365,10 @@ fn conversion(
     Ok(Conversion {
         scale_m: said.scale.or(header.scale).unwrap_or(1.0) * unit_m,
         offset_m: said.offset.or(header.offset).unwrap_or(0.0) * unit_m,
-        no_data: said.no_data.or(header.no_data),
+        missing: match said.no_data {
+            Some(no_data) => header.missing.but(no_data),
+            None => header.missing,
+        },
     })
 }
 

@@ -4,6 +4,7 @@
 //! to four bytes.
 
 use super::error::FileContext;
+use super::missing::Missing;
 use super::sidecar::HeightUnit;
 use super::{Conversion, Header, HeightFileError};
 use crate::elevation::{Georeference, GridError, MAX_SIDE, Registration};
@@ -18,19 +19,23 @@ const TEXT_BYTES: u32 = 256;
 /// How far coordinates may lie from equal steps, in steps: those of single precision stray that far.
 const UNEVEN: f64 = 0.05;
 
-/// An attribute's values: a text or its first number.
+/// An attribute's values: a text or numbers, as many as are kept.
 enum AttributeValue {
     Text(String),
-    Number(f64),
+    Numbers(NumberType, Vec<f64>),
 }
 
 type Attributes = Vec<(String, AttributeValue)>;
 
-fn number(attributes: &Attributes, name: &str) -> Option<f64> {
+fn numbers<'a>(attributes: &'a Attributes, name: &str) -> Option<(NumberType, &'a [f64])> {
     attributes.iter().find_map(|(n, value)| match value {
-        AttributeValue::Number(number) if n == name => Some(*number),
+        AttributeValue::Numbers(kind, numbers) if n == name => Some((*kind, numbers.as_slice())),
         _ => None,
     })
+}
+
+fn number(attributes: &Attributes, name: &str) -> Option<f64> {
+    numbers(attributes, name).and_then(|(_, numbers)| numbers.first().copied())
 }
 
 fn text<'a>(attributes: &'a Attributes, name: &str) -> Option<&'a str> {
@@ -59,6 +64,11 @@ impl NumberType {
         all.get((code as usize).checked_sub(1)?).copied()
     }
 
+    /// Its place in the order of width.
+    fn rank(self) -> u32 {
+        self as u32
+    }
+
     fn bytes(self) -> usize {
         match self {
             Self::Byte | Self::Char => 1,
@@ -80,6 +90,16 @@ impl NumberType {
         })
     }
 
+    /// Numbers of whole, signed kinds that are meant as unsigned, and no others: what a negative one stands for.
+    fn unsigned(self, number: f64) -> f64 {
+        match self {
+            Self::Byte | Self::Short | Self::Int if number < 0.0 => {
+                number + (8.0 * self.bytes() as f64).exp2()
+            }
+            _ => number,
+        }
+    }
+
     /// What the library fills unwritten values with.
     fn default_fill(self) -> Option<f64> {
         match self {
@@ -97,6 +117,86 @@ struct Variable {
     attributes: Attributes,
     kind: NumberType,
     begin: u64,
+}
+
+impl Variable {
+    /// Whether its whole numbers are meant as unsigned, which the classic format has no types for (NetCDF Users Guide, `_Unsigned`).
+    fn is_unsigned(&self) -> bool {
+        text(&self.attributes, "_Unsigned").is_some_and(|word| word.eq_ignore_ascii_case("true"))
+    }
+
+    /// Numbers of an attribute as those of the variable are read.
+    fn as_stored(&self, kind: NumberType, number: f64) -> f64 {
+        match self.is_unsigned() && kind == self.kind {
+            true => kind.unsigned(number),
+            false => number,
+        }
+    }
+
+    /// Stored numbers that mean no data (NetCDF Users Guide, appendix A); `None` for more than can be kept.
+    fn missing(&self) -> Option<Missing> {
+        let mut values = Vec::new();
+        for name in ["_FillValue", "missing_value"] {
+            if let Some((kind, numbers)) = numbers(&self.attributes, name) {
+                values.extend(numbers.iter().map(|number| self.as_stored(kind, *number)));
+            }
+        }
+        if number(&self.attributes, "_FillValue").is_none() {
+            let fill = self.kind.default_fill();
+            values.extend(fill.map(|fill| self.as_stored(self.kind, fill)));
+        }
+        values.dedup();
+        let (lowest, highest) = self.valid();
+        Some(Missing::of_all(&values)?.outside(lowest, highest))
+    }
+
+    /// Lowest and highest stored number that are data.
+    fn valid(&self) -> (f64, f64) {
+        let first = |name| numbers(&self.attributes, name).map(|(kind, of)| (kind, of.first()));
+        let (lowest, highest) = match numbers(&self.attributes, "valid_range") {
+            Some((kind, [lowest, highest, ..])) => (Some((kind, lowest)), Some((kind, highest))),
+            _ => {
+                let bound = |name| first(name).and_then(|(kind, of)| Some((kind, of?)));
+                (bound("valid_min"), bound("valid_max"))
+            }
+        };
+        let scale = number(&self.attributes, "scale_factor").unwrap_or(1.0);
+        let bound = |bound: Option<(NumberType, &f64)>, outwards: f64| match bound {
+            Some((kind, number)) => {
+                let stored = self.stored_bound(kind, *number);
+                // A bound in one precision must not cut off the same number in another.
+                stored + outwards * 1e-6 * (1.0 + stored.abs())
+            }
+            None => outwards * f64::INFINITY,
+        };
+        // Unpacked, a negative scale turns the range round.
+        let is_turned = scale < 0.0
+            && [lowest, highest]
+                .iter()
+                .flatten()
+                .all(|(kind, _)| self.is_unpacked(*kind));
+        match is_turned {
+            true => (bound(highest, -1.0), bound(lowest, 1.0)),
+            false => (bound(lowest, -1.0), bound(highest, 1.0)),
+        }
+    }
+
+    fn stored_bound(&self, kind: NumberType, bound: f64) -> f64 {
+        if !self.is_unpacked(kind) {
+            return self.as_stored(kind, bound);
+        }
+        let scale = number(&self.attributes, "scale_factor").unwrap_or(1.0);
+        let offset = number(&self.attributes, "add_offset").unwrap_or(0.0);
+        (bound - offset) / scale
+    }
+
+    /// Whether a bound is one of unpacked numbers: it is of the type of scale and offset, and that is wider than the variable's.
+    fn is_unpacked(&self, kind: NumberType) -> bool {
+        let of = |name| numbers(&self.attributes, name).map(|(kind, _)| kind);
+        let packing = [of("scale_factor"), of("add_offset")];
+        let widest = packing.into_iter().flatten().max_by_key(|kind| kind.rank());
+        widest.is_some_and(|widest| kind == widest && widest.rank() > self.kind.rank())
+    }
 }
 
 /// Reads the header, byte by byte within its bound.
@@ -164,9 +264,17 @@ impl<R: Read> HeaderReader<'_, R> {
             let kind = self.kind()?;
             let count = u64::from(self.word()?);
             let bytes = self.run(count * kind.bytes() as u64)?;
-            let value = match kind.number(&bytes) {
-                Some(number) => AttributeValue::Number(number),
-                None => AttributeValue::Text(String::from_utf8_lossy(&bytes).into_owned()),
+            let value = match kind {
+                NumberType::Char => {
+                    AttributeValue::Text(String::from_utf8_lossy(&bytes).into_owned())
+                }
+                // What follows the last number pads it to four bytes.
+                kind => {
+                    let numbers = bytes.chunks_exact(kind.bytes());
+                    let numbers = numbers.filter_map(|bytes| kind.number(bytes));
+                    let count = usize::try_from(count).unwrap_or(usize::MAX);
+                    AttributeValue::Numbers(kind, numbers.take(count).collect())
+                }
             };
             attributes.push((name, value));
         }
@@ -214,6 +322,7 @@ pub(super) struct NetCdf<R: BufRead + Seek> {
     columns: usize,
     rows: usize,
     kind: NumberType,
+    is_unsigned: bool,
     begin: u64,
 }
 
@@ -304,16 +413,26 @@ impl<R: BufRead + Seek> NetCdf<R> {
             unit,
             scale: number(&chosen.attributes, "scale_factor"),
             offset: number(&chosen.attributes, "add_offset"),
-            no_data: number(&chosen.attributes, "_FillValue")
-                .or_else(|| number(&chosen.attributes, "missing_value"))
-                .or_else(|| chosen.kind.default_fill()),
+            missing: chosen.missing().ok_or_else(|| {
+                context.refused(
+                    "names more than 4 missing values",
+                    "a fill value, and few others",
+                    format!(
+                        "`ncatted -a missing_value,{},d,, {}` and nodata in a sidecar",
+                        chosen.name,
+                        context.path().display()
+                    ),
+                )
+            })?,
         };
         let (kind, begin) = (chosen.kind, chosen.begin);
+        let is_unsigned = chosen.is_unsigned();
         let file = Self {
             reader,
             columns: columns as usize,
             rows: rows as usize,
             kind,
+            is_unsigned,
             begin,
         };
         Ok((file, header))
@@ -340,10 +459,12 @@ impl<R: BufRead + Seek> NetCdf<R> {
             let read = self.reader.read_exact(&mut row);
             read.map_err(|error| context.reading(error))?;
             for (height_m, value) in heights_m.iter_mut().zip(row.chunks_exact(bytes)) {
-                *height_m = match self.kind.number(value) {
-                    Some(stored) => conversion.metres(stored),
-                    None => f32::NAN,
-                };
+                let stored = self.kind.number(value);
+                let stored = stored.map(|stored| match self.is_unsigned {
+                    true => self.kind.unsigned(stored),
+                    false => stored,
+                });
+                *height_m = stored.map_or(f32::NAN, |stored| conversion.metres(stored));
             }
             put(number, 0, &mut heights_m)?;
         }

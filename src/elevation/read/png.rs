@@ -1,6 +1,7 @@
 //! PNG: grey of 8 or 16 bits; everything else about it stands in the sidecar.
 
 use super::error::FileContext;
+use super::missing::Missing;
 use super::sidecar::ByteOrder;
 use super::{Conversion, Header, HeightFileError};
 use png::{BitDepth, ColorType, DecodingError, Limits, Reader, Transformations};
@@ -60,6 +61,14 @@ impl<R: BufRead + Seek> Png<R> {
                 ),
             ));
         }
+        let is_little = is_short.then_some(byte_order == Some(ByteOrder::Little));
+        // The one level that a grey PNG may call transparent.
+        let transparent = info.trns.as_deref().and_then(|level| match (level, is_little) {
+            ([low, high, ..], Some(true)) => Some(f64::from(u16::from_le_bytes([*low, *high]))),
+            ([high, low, ..], Some(false)) => Some(f64::from(u16::from_be_bytes([*high, *low]))),
+            ([level], None) => Some(f64::from(*level)),
+            _ => None,
+        });
         let header = Header {
             columns,
             rows,
@@ -68,9 +77,8 @@ impl<R: BufRead + Seek> Png<R> {
             unit: None,
             scale: None,
             offset: None,
-            no_data: None,
+            missing: Missing::of(transparent),
         };
-        let is_little = is_short.then_some(byte_order == Some(ByteOrder::Little));
         let png = Self {
             reader,
             columns: columns as usize,

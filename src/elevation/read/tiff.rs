@@ -2,8 +2,10 @@
 
 use super::error::FileContext;
 use super::geo_keys::HeightTags;
+use super::missing::Missing;
 use super::{Conversion, Header, HeightFileError};
 use crate::elevation::geo_tags::GeoTags;
+use crate::elevation::tiff_gaps::{TiffGapError, TiffMask, absent_chunks};
 use crate::elevation::{GridError, MAX_SIDE};
 use std::io::{BufRead, Seek};
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
@@ -24,6 +26,9 @@ pub(super) struct Tiff<R: BufRead + Seek> {
     chunk_columns: usize,
     chunk_rows: usize,
     sample_bytes: u64,
+    /// Strips or tiles that the file leaves out.
+    absent: Option<Vec<bool>>,
+    mask: Option<TiffMask>,
 }
 
 impl<R: BufRead + Seek> Tiff<R> {
@@ -83,7 +88,7 @@ impl<R: BufRead + Seek> Tiff<R> {
             unit: tags.unit(context)?,
             scale: tags.gdal_item("scale").and_then(number),
             offset: tags.gdal_item("offset").and_then(number),
-            no_data,
+            missing: Missing::of(no_data),
         };
 
         let (chunk_columns, chunk_rows) = decoder.chunk_dimensions();
@@ -114,8 +119,13 @@ impl<R: BufRead + Seek> Tiff<R> {
         limits.intermediate_buffer_size = chunk_bytes as usize * 2 + 4096;
         // Places and lengths of the tiles of the largest grid, 16 bytes for each.
         limits.ifd_value_size = 64 << 20;
+        let mut decoder = decoder.with_limits(limits);
+        let absent = absent_chunks(&mut decoder);
+        let mask = TiffMask::find(&mut decoder, (columns, rows));
         let tiff = Self {
-            decoder: decoder.with_limits(limits),
+            absent: absent.map_err(|error| gap_error(context, error))?,
+            mask: mask.map_err(|error| gap_error(context, error))?,
+            decoder,
             columns: columns as usize,
             rows: rows as usize,
             chunk_columns: chunk_columns as usize,
@@ -125,12 +135,14 @@ impl<R: BufRead + Seek> Tiff<R> {
         Ok((tiff, header))
     }
 
-    /// Bytes that reading holds at most: a strip or tile decoded, its data, places and lengths of all.
+    /// Bytes that reading holds at most: a strip or tile decoded, its data, places and lengths of all, and as much of a mask.
     pub(super) fn working_bytes(&self) -> u64 {
         let chunk = (self.chunk_columns * self.chunk_rows) as u64 * self.sample_bytes;
         let across = self.columns.div_ceil(self.chunk_columns) as u64;
         let down = self.rows.div_ceil(self.chunk_rows) as u64;
-        2 * chunk + across * down * 16 + self.columns as u64 * 4 + (1 << 20)
+        let mask = |mask: &TiffMask| mask.working_bytes(self.chunk_rows);
+        let of_mask = self.mask.as_ref().map_or(0, mask);
+        2 * chunk + across * down * 17 + self.columns as u64 * 5 + (1 << 20) + of_mask
     }
 
     /// Hands over all samples, strip by strip or tile by tile, each row by row.
@@ -144,27 +156,37 @@ impl<R: BufRead + Seek> Tiff<R> {
         let down = self.rows.div_ceil(self.chunk_rows);
         let mut heights_m = vec![0.0; self.chunk_columns.min(self.columns)];
         for number in 0..across * down {
-            let (first_row, first_column) = (
+            let first = (
                 number / across * self.chunk_rows,
                 number % across * self.chunk_columns,
             );
-            // Below 2^32: chunks hold a sample at least.
-            let index = number as u32;
-            let chunk = self.decoder.read_chunk(index);
-            let chunk = chunk.map_err(|error| tiff_error(context, error))?;
-            let (width, height) = self.decoder.chunk_data_dimensions(index);
-            let width = (width as usize).min(self.columns - first_column);
-            let height = (height as usize).min(self.rows - first_row);
-            if width == 0
-                || width < self.chunk_columns.min(self.columns - first_column)
-                || height < self.chunk_rows.min(self.rows - first_row)
-            {
-                let cause = "a strip or tile of the wrong size";
-                return Err(context.damaged(cause).into());
+            // Tiles may reach beyond the image.
+            let size = (
+                self.chunk_columns.min(self.columns - first.1),
+                self.chunk_rows.min(self.rows - first.0),
+            );
+            let row = &mut heights_m[..size.0];
+            let is_absent = |absent: &Vec<bool>| absent.get(number).is_some_and(|absent| *absent);
+            if self.absent.as_ref().is_some_and(is_absent) {
+                for of_chunk in 0..size.1 {
+                    row.fill(f32::NAN);
+                    put(first.0 + of_chunk, first.1, row)?;
+                }
+                continue;
             }
-            let mut put_row =
-                |row: usize, heights_m: &mut [f32]| put(first_row + row, first_column, heights_m);
-            let (size, row) = ((width, height), &mut heights_m[..width]);
+            let chunk = self.chunk(number, size, context)?;
+            let mut gaps = Gaps {
+                decoder: &mut self.decoder,
+                mask: self.mask.as_mut(),
+                is_there: vec![true; size.0],
+            };
+            gaps.begin(first.0);
+            let mut put_row = |of_chunk: usize, heights_m: &mut [f32]| {
+                let row = first.0 + of_chunk;
+                gaps.cut(row, first.1, heights_m)
+                    .map_err(|error| gap_error(context, error))?;
+                put(row, first.1, heights_m)
+            };
             let is_whole = match &chunk {
                 DecodingResult::U8(of) => convert_rows(of, size, conversion, row, &mut put_row),
                 DecodingResult::I8(of) => convert_rows(of, size, conversion, row, &mut put_row),
@@ -182,6 +204,59 @@ impl<R: BufRead + Seek> Tiff<R> {
             if !is_whole {
                 let cause = "a strip or tile of too few samples";
                 return Err(context.damaged(cause).into());
+            }
+        }
+        Ok(())
+    }
+
+    /// Decodes a strip or tile, of which so many columns and rows lie in the image.
+    fn chunk(
+        &mut self,
+        number: usize,
+        (columns, rows): (usize, usize),
+        context: &FileContext,
+    ) -> Result<DecodingResult, HeightFileError> {
+        // Below 2^32: chunks hold a sample at least.
+        let index = number as u32;
+        let chunk = self.decoder.read_chunk(index);
+        let chunk = chunk.map_err(|error| tiff_error(context, error))?;
+        let (width, height) = self.decoder.chunk_data_dimensions(index);
+        match width as usize == columns && height as usize >= rows && columns > 0 {
+            true => Ok(chunk),
+            false => Err(context.damaged("a strip or tile of the wrong size")),
+        }
+    }
+}
+
+/// What is taken away from the rows of a strip or tile.
+struct Gaps<'a, R: BufRead + Seek> {
+    decoder: &'a mut Decoder<R>,
+    mask: Option<&'a mut TiffMask>,
+    is_there: Vec<bool>,
+}
+
+impl<R: BufRead + Seek> Gaps<'_, R> {
+    /// No row above this one follows.
+    fn begin(&mut self, row: usize) {
+        if let Some(mask) = &mut self.mask {
+            mask.forget_above(row);
+        }
+    }
+
+    /// Makes holes of what the mask takes from a row.
+    fn cut(
+        &mut self,
+        row: usize,
+        first_column: usize,
+        heights_m: &mut [f32],
+    ) -> Result<(), TiffGapError> {
+        let Some(mask) = &mut self.mask else {
+            return Ok(());
+        };
+        mask.row(self.decoder, row, first_column, &mut self.is_there)?;
+        for (height_m, is_there) in heights_m.iter_mut().zip(&self.is_there) {
+            if !is_there {
+                *height_m = f32::NAN;
             }
         }
         Ok(())
@@ -214,6 +289,29 @@ fn unsupported(context: &FileContext, cause: String) -> HeightFileError {
         "one channel of whole numbers of 8 to 32 bits or of floats of 32 or 64, uncompressed or by LZW, deflate or PackBits",
         format!(
             "`gdal_translate -b 1 -ot Float32 -co COMPRESS=DEFLATE {} OUT.tif`",
+            context.path().display()
+        ),
+    )
+}
+
+fn gap_error(context: &FileContext, error: TiffGapError) -> HeightFileError {
+    match error {
+        TiffGapError::Tiff(TiffError::UnsupportedError(error)) => mask_refused(
+            context,
+            format!("a mask that is not read: {}", in_short(&error.to_string())),
+        ),
+        TiffGapError::Tiff(error) => tiff_error(context, error),
+        TiffGapError::Damaged(cause) => context.damaged(cause),
+        TiffGapError::Mask(cause) => mask_refused(context, cause),
+    }
+}
+
+fn mask_refused(context: &FileContext, cause: String) -> HeightFileError {
+    context.refused(
+        format!("has {cause}"),
+        "a mask of 1 or 8 bits as large as the image, uncompressed or by LZW, deflate or PackBits",
+        format!(
+            "write what it masks as no data: `gdalwarp -dstnodata -32768 {} OUT.tif`",
             context.path().display()
         ),
     )

@@ -8,7 +8,7 @@ use crate::imagery::srgb::{LINEAR_FROM_SRGB, SrgbEncoder, linear_from_encoded};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Encoding {
-    /// Metres are red × 256 + green + blue / 256 − 32 768 (Tilezen's Joerd, `docs/formats.md`).
+    /// Metres are red × 256 + green + blue / 256 − 32 768 (Tilezen's Joerd, `docs/formats.md`). Black has no height.
     Terrarium,
 }
 
@@ -120,6 +120,10 @@ impl Reader {
                 continue;
             }
             match self.encoding {
+                // Black would be -32 768 m: tiles without heights are black.
+                Some(Encoding::Terrarium) if (0..3).all(|channel| at(channel) == 0.0) => {
+                    texel[0] = f32::NAN;
+                }
                 Some(Encoding::Terrarium) => {
                     texel[0] = at(0) * 256.0 + at(1) + at(2) / 256.0 - 32_768.0;
                 }
@@ -283,8 +287,11 @@ mod tests {
         };
         let reader = Reader::new(COLOUR, heights, Some(Encoding::Terrarium), None, [1.0; 3]);
         // The example of the format's own page: 2523.265625 m.
-        let (values, _) = read(&reader, &[137, 219, 68, 128, 0, 0], &[255, 255], 1);
-        assert_eq!(values, [2_523.265_6, 0.0]);
+        let texels = [137, 219, 68, 128, 0, 0, 0, 0, 0];
+        let (values, weights) = read(&reader, &texels, &[255; 3], 1);
+        assert_eq!(values, [2_523.265_6, 0.0, 0.0]);
+        // Black is a tile without heights, not one 32 768 m deep.
+        assert_eq!(weights, [1.0, 1.0, 0.0]);
     }
 
     #[test]
