@@ -20,6 +20,7 @@ mod samples;
 #[cfg_attr(not(feature = "pack-build"), allow(dead_code, unused_imports))]
 pub(crate) mod spool;
 mod stream;
+pub(crate) mod tiff_gaps;
 mod tiles;
 
 pub use change::{COARSEST_STEP_RAD, HeightChange};
