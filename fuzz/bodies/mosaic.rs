@@ -24,7 +24,7 @@ pub fn run(data: &[u8]) {
             assert!(said.starts_with("m.toml: ") && said.len() < 4000, "{said}");
         }
     }
-    if let Err(said) = world_place(text) {
+    if let Err(said) = world_place(text, None) {
         assert!(said.len() < 200, "{said}");
     }
 }

@@ -1,4 +1,4 @@
-//! What the tags of a GeoTIFF say of its place, as they stand (OGC 19-008r4).
+//! What the tags of a GeoTIFF say of its place, as they stand (OGC 19-008r4), and in which systems heights and maps may lie.
 
 use std::io::{Read, Seek};
 use tiff::decoder::Decoder;
@@ -8,6 +8,67 @@ use tiff::tags::Tag;
 pub(crate) const MODEL_TYPE: u16 = 1024;
 /// The key of the raster: 1 has areas, 2 points.
 pub(crate) const RASTER_TYPE: u16 = 1025;
+/// The key of the geographic coordinate system, an EPSG code.
+pub(crate) const GEOGRAPHIC_TYPE: u16 = 2048;
+const DATUM: u16 = 2050;
+const PRIME_MERIDIAN: u16 = 2051;
+const ANGULAR_UNITS: u16 = 2054;
+const ANGULAR_UNIT_SIZE: u16 = 2055;
+const ELLIPSOID: u16 = 2056;
+const SEMI_MAJOR_AXIS: u16 = 2057;
+const PRIME_MERIDIAN_LONGITUDE: u16 = 2061;
+const PROJECTED_TYPE: u16 = 3072;
+const LINEAR_UNITS: u16 = 3076;
+const USER_DEFINED: u16 = 32_767;
+
+/// Geographic coordinate systems (EPSG) that lie within a few metres of WGS84.
+const NEAR_WGS84: &[u16] = &[
+    4326, // WGS84
+    4979, // WGS84 with height
+    9057, 9755, // WGS84 G1762, G2139
+    4322, // WGS72
+    4269, 4617, 4152, 4759, 6318, // NAD83: original, CSRS, HARN, NSRS2007, 2011
+    4258, // ETRS89
+    4283, 7844, // GDA94, GDA2020
+    4167, // NZGD2000
+    4612, 6668, // JGD2000, JGD2011
+    4674, // SIRGAS2000
+    4490, // CGCS2000
+    4148, // Hartebeesthoek94
+    4171, 4624, // RGF93, RGFG95
+    4737, // Korea 2000
+    7789, 9000, 8999, // ITRF2014, ITRF2008
+];
+
+/// WGS84 and WGS72, NAD83, ETRS89 as datums: where no system is named.
+const DATUMS: &[u16] = &[6326, 6322, 6269, 6258];
+
+/// Ellipsoids of these: WGS84, GRS80, WGS72, CGCS2000.
+const ELLIPSOIDS: &[u16] = &[7030, 7019, 7043, 1024];
+
+/// Their half axes differ by two metres; those of older surveys by 70 m and more.
+const EQUATOR_M: f64 = 6_378_137.0;
+const EQUATOR_TOLERANCE_M: f64 = 10.0;
+
+/// A coordinate system that heights or maps are taken in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum System {
+    /// Latitudes and longitudes of WGS84 or nearly that.
+    Geographic {
+        /// Radians of one unit.
+        unit_rad: f64,
+        /// The system is named by its code; else nothing speaks against it.
+        is_named: bool,
+    },
+    /// Web Mercator, EPSG:3857, in metres.
+    WebMercator,
+}
+
+/// Whether a geographic system (EPSG) lies within a few metres of WGS84.
+#[cfg(feature = "pack-build")]
+pub(crate) fn is_near_wgs84(code: u32) -> bool {
+    u16::try_from(code).is_ok_and(|code| NEAR_WGS84.contains(&code))
+}
 
 /// What the tags say, as far as they are there.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,8 +79,10 @@ pub(crate) struct GeoTags {
     pub tie: Option<Vec<f64>>,
     /// The affine map from columns and rows, 4 × 4 row-major.
     pub matrix: Option<Vec<f64>>,
-    /// Pairs of (key, value) of the keys whose value is a number.
+    /// Pairs of (key, value) of the keys whose value is a whole number.
     pub keys: Vec<(u16, u16)>,
+    /// The same of those whose value is a double.
+    pub doubles: Vec<(u16, f64)>,
 }
 
 impl GeoTags {
@@ -29,12 +92,15 @@ impl GeoTags {
         let scale = numbers(Tag::ModelPixelScaleTag);
         let tie = numbers(Tag::ModelTiepointTag);
         let matrix = numbers(Tag::ModelTransformationTag);
+        let doubles = numbers(Tag::GeoDoubleParamsTag).unwrap_or_default();
         let keys = decoder.get_tag_u16_vec(Tag::GeoKeyDirectoryTag);
+        let keys = keys.unwrap_or_default();
         Self {
             scale,
             tie,
             matrix,
-            keys: keys.map(|keys| Self::read_keys(&keys)).unwrap_or_default(),
+            keys: Self::read_keys(&keys),
+            doubles: Self::read_doubles(&keys, &doubles),
         }
     }
 
@@ -48,9 +114,109 @@ impl GeoTags {
             .collect()
     }
 
+    /// The keys whose value stands among the doubles.
+    fn read_doubles(directory: &[u16], doubles: &[f64]) -> Vec<(u16, f64)> {
+        let tag = Tag::GeoDoubleParamsTag.to_u16();
+        let (entries, _) = directory.get(4..).unwrap_or(&[]).as_chunks::<4>();
+        entries
+            .iter()
+            .filter(|[_, place, count, _]| *place == tag && *count == 1)
+            .filter_map(|[key, _, _, at]| Some((*key, *doubles.get(usize::from(*at))?)))
+            .collect()
+    }
+
     /// The value of a key that has one.
     pub(crate) fn key(&self, key: u16) -> Option<u16> {
         self.keys.iter().find(|(k, _)| *k == key).map(|(_, v)| *v)
+    }
+
+    fn double(&self, key: u16) -> Option<f64> {
+        let found = self.doubles.iter().find(|(k, _)| *k == key);
+        found.map(|(_, value)| *value)
+    }
+
+    /// The coordinate system; `None` where no key says it.
+    ///
+    /// # Errors
+    /// What a system is called that is neither Web Mercator nor within a few metres of WGS84 in degrees or radians.
+    pub(crate) fn system(&self) -> Result<Option<System>, String> {
+        let projected = self.key(PROJECTED_TYPE);
+        let geographic = self.key(GEOGRAPHIC_TYPE);
+        match self.key(MODEL_TYPE) {
+            Some(2) => self.geographic().map(Some),
+            Some(1) => self.projected(projected).map(Some),
+            Some(3) => Err("geocentric coordinates".to_string()),
+            Some(other) => Err(format!("coordinates of the unknown model {other}")),
+            None if projected.is_some() => self.projected(projected).map(Some),
+            None if geographic.is_some() => self.geographic().map(Some),
+            None => Ok(None),
+        }
+    }
+
+    fn projected(&self, code: Option<u16>) -> Result<System, String> {
+        match (code, self.key(LINEAR_UNITS)) {
+            (Some(3857), None | Some(9001)) => Ok(System::WebMercator),
+            (Some(3857), Some(unit)) => Err(format!("lengths of the unit EPSG:{unit}")),
+            (code, _) => Err(named("the projected coordinates", code)),
+        }
+    }
+
+    /// A code of a system near WGS84, or none and nothing that speaks of another.
+    fn geographic(&self) -> Result<System, String> {
+        let code = self.key(GEOGRAPHIC_TYPE);
+        if code.is_some_and(|code| !NEAR_WGS84.contains(&code)) {
+            return Err(named("the geographic coordinates", code));
+        }
+        self.check_figure()?;
+        let unit_rad = match self.key(ANGULAR_UNITS) {
+            None | Some(9102 | 9122) => 1f64.to_radians(),
+            Some(9101) => 1.0,
+            Some(unit) => return Err(format!("angles of the unit EPSG:{unit}")),
+        };
+        let size = self.double(ANGULAR_UNIT_SIZE).unwrap_or(unit_rad);
+        if (size - unit_rad).abs() > 1e-9 {
+            return Err(format!("angles of a unit of {size} radians"));
+        }
+        Ok(System::Geographic {
+            unit_rad,
+            is_named: code.is_some(),
+        })
+    }
+
+    /// Keys of datum, ellipsoid and prime meridian may say what the system's code says, or contradict it.
+    fn check_figure(&self) -> Result<(), String> {
+        let other = |key: u16, known: &[u16]| self.key(key).filter(|code| !known.contains(code));
+        if self.key(GEOGRAPHIC_TYPE).is_none()
+            && let Some(datum) = other(DATUM, DATUMS)
+        {
+            return Err(named("the datum", Some(datum)));
+        }
+        if let Some(ellipsoid) = other(ELLIPSOID, ELLIPSOIDS) {
+            return Err(named("the ellipsoid", Some(ellipsoid)));
+        }
+        let equator_m = self.double(SEMI_MAJOR_AXIS).unwrap_or(EQUATOR_M);
+        if !((equator_m - EQUATOR_M).abs() <= EQUATOR_TOLERANCE_M) {
+            return Err(format!("an ellipsoid of {equator_m} m"));
+        }
+        if let Some(meridian) = other(PRIME_MERIDIAN, &[GREENWICH]) {
+            return Err(named("longitudes from the meridian", Some(meridian)));
+        }
+        let longitude = self.double(PRIME_MERIDIAN_LONGITUDE).unwrap_or(0.0);
+        match longitude == 0.0 {
+            true => Ok(()),
+            false => Err(format!("longitudes from a meridian at {longitude}")),
+        }
+    }
+}
+
+/// Greenwich among the meridians that longitudes begin at.
+const GREENWICH: u16 = 8901;
+
+/// What a thing with an EPSG code is called.
+fn named(kind: &str, code: Option<u16>) -> String {
+    match code {
+        Some(code) if code != USER_DEFINED && code != 0 => format!("{kind} EPSG:{code}"),
+        _ => format!("{kind} of its own making"),
     }
 }
 
@@ -63,5 +229,56 @@ mod tests {
         let directory = [1, 1, 0, 2, 1024, 0, 1, 2, 2049, 34737, 7, 0, 1025, 0];
         assert_eq!(GeoTags::read_keys(&directory), [(1024, 2)]);
         assert_eq!(GeoTags::read_keys(&[1]), []);
+        let directory = [
+            1, 1, 0, 2, 2057, 34_736, 1, 1, 2059, 34_736, 1, 9, 2048, 0, 1, 4326,
+        ];
+        let doubles = GeoTags::read_doubles(&directory, &[298.257, 6_378_137.0]);
+        assert_eq!(doubles, [(2057, 6_378_137.0)]);
+    }
+
+    /// Codes and constants of the EPSG registry.
+    #[test]
+    fn systems_near_wgs84_are_taken_and_others_are_named() {
+        let system = |keys: &[(u16, u16)], doubles: &[(u16, f64)]| {
+            GeoTags {
+                keys: keys.to_vec(),
+                doubles: doubles.to_vec(),
+                ..GeoTags::default()
+            }
+            .system()
+        };
+        let degrees = |is_named| {
+            Ok(Some(System::Geographic {
+                unit_rad: 1f64.to_radians(),
+                is_named,
+            }))
+        };
+        let wgs84: &[(u16, u16)] = &[(1024, 2), (2048, 4326), (2054, 9102)];
+        assert_eq!(system(wgs84, &[(2057, 6_378_137.0)]), degrees(true));
+        assert_eq!(system(&[(2048, 4269)], &[(2061, 0.0)]), degrees(true));
+        assert_eq!(system(&[(1024, 2)], &[]), degrees(false));
+        assert_eq!(system(&[], &[]), Ok(None));
+        assert_eq!(system(&[(1024, 1), (3072, 3857)], &[]), Ok(Some(System::WebMercator)));
+        let all: &[(&[(u16, u16)], &[(u16, f64)], &str)] = &[
+            (&[(1024, 2), (2048, 4267)], &[], "EPSG:4267"),
+            (&[(1024, 2), (2048, 4807), (2054, 9105)], &[], "EPSG:4807"),
+            (wgs84, &[(2057, 6_378_206.4)], "6378206.4 m"),
+            (&[(1024, 2), (2048, 32_767)], &[(2057, 1_737_400.0)], "of its own making"),
+            (&[(1024, 2)], &[(2057, 1_737_400.0)], "1737400 m"),
+            (&[(1024, 2), (2050, 6267)], &[], "the datum EPSG:6267"),
+            (&[(1024, 2), (2056, 7008)], &[], "the ellipsoid EPSG:7008"),
+            (&[(1024, 2), (2048, 4326), (2051, 8903)], &[], "meridian EPSG:8903"),
+            (&[(1024, 2), (2048, 4326)], &[(2061, 2.337_229_17)], "at 2.33722917"),
+            (&[(1024, 2), (2048, 4326), (2054, 9105)], &[], "unit EPSG:9105"),
+            (&[(1024, 2), (2054, 9102)], &[(2055, 0.015_707_963)], "0.015707963 radians"),
+            (&[(1024, 1), (3072, 32_633)], &[], "EPSG:32633"),
+            (&[(3072, 32_633)], &[], "EPSG:32633"),
+            (&[(1024, 1), (3072, 3857), (3076, 9002)], &[], "lengths of the unit EPSG:9002"),
+            (&[(1024, 3)], &[], "geocentric"),
+        ];
+        for (keys, doubles, words) in all {
+            let said = system(keys, doubles).expect_err(words);
+            assert!(said.contains(words), "{words}: {said}");
+        }
     }
 }

@@ -50,8 +50,8 @@ pub(crate) fn absent_chunks<R: Read + Seek>(
 }
 
 /// Offset and length of each strip or tile.
-fn places<R: Read + Seek>(
-    tags: &mut IfdDecoder<'_, R>,
+fn places(
+    tags: &mut IfdDecoder<'_>,
     offsets: Tag,
     lengths: Tag,
 ) -> Result<Vec<(u64, u64)>, TiffGapError> {
@@ -105,8 +105,8 @@ impl TiffMask {
         Ok(None)
     }
 
-    fn new<R: Read + Seek>(
-        tags: &mut IfdDecoder<'_, R>,
+    fn new(
+        tags: &mut IfdDecoder<'_>,
         (columns, rows): (u32, u32),
     ) -> Result<Self, TiffGapError> {
         let refused = |what: String| Err(TiffGapError::Mask(what));

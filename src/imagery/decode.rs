@@ -1,6 +1,8 @@
 //! PNG and JPEG files as texels, by the decoders that the `image` crate uses. Used without that crate, which would bring an engine
 //! for colour profiles.
 
+use super::colour::Said;
+use super::jpeg::{self, Fault};
 use std::fmt;
 use std::io::Cursor;
 use zune_jpeg::JpegDecoder;
@@ -102,6 +104,18 @@ impl<'a> Picture<'a> {
         }
     }
 
+    /// Walks a JPEG to its end, and gives what the file says of its colours. Its size must have been found good before.
+    pub fn check_whole(&self) -> Result<Said, String> {
+        match self {
+            // Its checksums are looked at as its texels are read.
+            Self::Png(reader) => Ok(Said::of_png(reader.info())),
+            Self::Jpeg { contents, .. } => jpeg::check(*contents).map_err(|fault| match fault {
+                Fault::Damaged(cause) => cause,
+                Fault::Read(error) => one_line(error),
+            }),
+        }
+    }
+
     /// Width and height, texels.
     pub fn size(&self) -> (u32, u32) {
         match self {
@@ -135,6 +149,8 @@ impl<'a> Picture<'a> {
         match self {
             Self::Png(mut reader) => {
                 reader.next_frame(&mut texels).map_err(one_line)?;
+                // What is left must be whole too: checksums and the end chunk.
+                reader.finish().map_err(one_line)?;
             }
             Self::Jpeg {
                 contents, color, ..
@@ -149,7 +165,8 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// As lenient as other readers; the size is checked by who opens a file, by limits of its own.
+/// A file that is not whole has been refused before by [`super::jpeg`]; the size is checked by who opens a file, by limits of its
+/// own.
 fn jpeg_options() -> DecoderOptions {
     DecoderOptions::default()
         .set_strict_mode(false)
@@ -171,29 +188,4 @@ pub(super) fn png_size(contents: &[u8]) -> Option<(u32, u32)> {
     let width = u32::from_be_bytes(*header.first_chunk()?);
     let height = u32::from_be_bytes(*header.get(4..)?.first_chunk()?);
     Some((width, height))
-}
-
-/// Whether JPEG data comes to an end-of-image marker after its first scan.
-///
-/// Segments before the scan are stepped over by their lengths, because a preview in one of them has an end marker of
-/// its own. Inside a scan a byte FF is always followed by 00 or a restart marker, so FF D9 can only be the end.
-pub(super) fn jpeg_ends(contents: &[u8]) -> bool {
-    const START_OF_SCAN: u8 = 0xDA;
-    let mut rest = contents.get(2..).unwrap_or_default();
-    while let [0xFF, marker, after @ ..] = rest {
-        if *marker == 0xFF {
-            // Fill byte.
-            rest = &rest[1..];
-            continue;
-        }
-        if *marker == START_OF_SCAN {
-            return after.windows(2).any(|pair| pair == [0xFF, 0xD9]);
-        }
-        let [high, low, ..] = after else {
-            return false;
-        };
-        let length = usize::from(u16::from_be_bytes([*high, *low]));
-        rest = after.get(length.max(2)..).unwrap_or_default();
-    }
-    false
 }

@@ -85,6 +85,19 @@ pub enum ImageryError {
         /// What is needed.
         needed: &'static str,
     },
+    /// Its texels do not lie as they are drawn.
+    #[error(
+        "{} is stored {how} (orientation {orientation}); turn its texels (`magick IN -auto-orient OUT`)",
+        path.display()
+    )]
+    Turned {
+        /// The file.
+        path: PathBuf,
+        /// How its texels lie.
+        how: &'static str,
+        /// The number in the file, 2…8.
+        orientation: u16,
+    },
     /// It began well and then broke.
     #[error("{} is truncated or damaged: {cause}; copy or make it again", path.display())]
     Damaged {

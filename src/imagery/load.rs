@@ -1,6 +1,7 @@
 //! A folder of maps, read from disk.
 
-use super::decode::{FileKind, Picture, TexelKind, jpeg_ends, png_size};
+use super::colour::Said;
+use super::decode::{FileKind, Picture, TexelKind, png_size};
 use super::error::ImageryError;
 use super::layer::{EarthLayers, LayerImage};
 use super::sea::{SeaFloor, grow_land};
@@ -103,8 +104,8 @@ impl Default for LayerSelection {
 /// | map | file | texels |
 /// |---|---|---|
 /// | day | `day.jpg`, else `day.png` | 8-bit colour or grey, sRGB |
-/// | clouds | `clouds.png` | 8-bit grey, cover 0…1 |
-/// | night lights | `night_lights.png` | 8-bit grey, intensity 0…1 |
+/// | clouds | `clouds.png` | 8-bit grey, cover 0…1, or with the cover in alpha |
+/// | night lights | `night_lights.png` | the same, intensity 0…1 |
 /// | normals | `elevation.png` | 16-bit grey, metres + [`ELEVATION_OFFSET_M`] |
 /// | water | `water.png`, which may be missing | 8-bit grey: open water 0…1, the coast where it is one half |
 ///
@@ -117,6 +118,30 @@ impl Default for LayerSelection {
 /// # Errors
 /// The first map that fails, in the order of the table, with its path, the cause and what to do.
 pub fn load_layers(dir: &Path, selection: LayerSelection) -> Result<EarthLayers, ImageryError> {
+    let (layers, damaged) = load_whole_layers(dir, selection)?;
+    match damaged.into_iter().next() {
+        None => Ok(layers),
+        Some(damaged) => Err(damaged.error),
+    }
+}
+
+/// A map that is left out because its file is damaged.
+#[derive(Debug)]
+pub struct DamagedLayer {
+    /// The map; the terrain's also where the sea alone is without its floor.
+    pub layer: MapLayer,
+    /// What is wrong with its file.
+    pub error: ImageryError,
+}
+
+/// The same without the maps whose files are damaged. The day map must be whole.
+///
+/// # Errors
+/// As [`load_layers`], but for damage of other maps than the day map.
+pub fn load_whole_layers(
+    dir: &Path,
+    selection: LayerSelection,
+) -> Result<(EarthLayers, Vec<DamagedLayer>), ImageryError> {
     std::thread::scope(|scope| {
         let start = |wanted: bool, load: fn(&Path) -> Result<LayerImage, ImageryError>| {
             wanted.then(|| scope.spawn(move || load(dir)))
@@ -128,17 +153,35 @@ pub fn load_layers(dir: &Path, selection: LayerSelection) -> Result<EarthLayers,
         let day = read_day(dir);
         let [clouds, night_lights] = [clouds, night_lights].map(|map| map.map(joined));
         let terrain = joined(terrain);
-        let (day, clouds) = (day?, clouds.transpose()?);
-        let night_lights = night_lights.transpose()?;
+        let (day, mut damaged) = (day?, Vec::new());
+        let clouds = whole(clouds, MapLayer::Clouds, &mut damaged)?;
+        let night_lights = whole(night_lights, MapLayer::NightLights, &mut damaged)?;
         let terrain = terrain?;
-        Ok(EarthLayers {
+        let layers = EarthLayers {
             day: day.image(&terrain)?,
             clouds,
             night_lights,
             normals: terrain.normals,
             water: terrain.water,
-        })
+        };
+        damaged.extend(terrain.damaged);
+        Ok((layers, damaged))
     })
+}
+
+/// What was read, unless its file is damaged.
+fn whole<T>(
+    read: Option<Result<T, ImageryError>>,
+    layer: MapLayer,
+    damaged: &mut Vec<DamagedLayer>,
+) -> Result<Option<T>, ImageryError> {
+    match read.transpose() {
+        Err(error @ ImageryError::Damaged { .. }) => {
+            damaged.push(DamagedLayer { layer, error });
+            Ok(None)
+        }
+        read => read,
+    }
 }
 
 fn joined<T>(thread: std::thread::ScopedJoinHandle<'_, T>) -> T {
@@ -173,10 +216,18 @@ fn read_color(path: &Path, layer: &'static str) -> Result<DayTexels, ImageryErro
     let file = MapFile::read(path, layer, "8-bit colour (sRGB)", |texels| {
         texels.bits == 8
     })?;
+    if let Some(note) = file.said.note() {
+        tracing::warn!("{} {note}", path.display());
+    }
     let rgba = match file.texel_kind.channels {
-        4 => file.bytes,
+        // What alpha says is not there is black.
+        4 => to_rgba(&file.bytes, |[red, green, blue, alpha]: &[u8; 4]| {
+            [*red, *green, *blue].map(|value| value * u8::from(*alpha > 0))
+        }),
         3 => to_rgba(&file.bytes, |rgb: &[u8; 3]| *rgb),
-        2 => to_rgba(&file.bytes, |la: &[u8; 2]| [la[0]; 3]),
+        2 => to_rgba(&file.bytes, |[grey, alpha]: &[u8; 2]| {
+            [grey * u8::from(*alpha > 0); 3]
+        }),
         _ => to_rgba(&file.bytes, |grey: &[u8; 1]| [grey[0]; 3]),
     };
     let (width, height) = (file.width, file.height);
@@ -229,7 +280,12 @@ pub fn load_day_map(
         normals: false,
         ..selection
     };
-    read_color(path, "day")?.image(&load_terrain(dir, sea)?)
+    let day = read_color(path, "day")?;
+    let mut terrain = load_terrain(dir, sea)?;
+    match terrain.damaged.pop() {
+        Some(damaged) => Err(damaged.error),
+        None => day.image(&terrain),
+    }
 }
 
 fn load_clouds(dir: &Path) -> Result<LayerImage, ImageryError> {
@@ -240,15 +296,41 @@ fn load_night_lights(dir: &Path) -> Result<LayerImage, ImageryError> {
     load_grey_map(&dir.join("night_lights.png"), "night lights")
 }
 
-/// Loads a map of cover or intensity (8-bit grey) of a whole round; `layer` is what messages call it.
+/// Loads a map of cover or intensity (8-bit grey) of a whole round; `layer` is what messages call it. Of a map with alpha it is what
+/// the map shows times its alpha: white with the cover in alpha, as most maps of clouds have it, or grey.
 ///
 /// # Errors
 /// A map that fails, with its path, the cause and what to do.
 pub fn load_grey_map(path: &Path, layer: &'static str) -> Result<LayerImage, ImageryError> {
-    let file = MapFile::read(path, layer, "8-bit grey", |texels| {
-        texels == TexelKind::grey(8)
+    let needed = "8-bit grey, or 8-bit grey or colour with alpha";
+    let file = MapFile::read(path, layer, needed, |texels| {
+        texels.bits == 8 && texels.channels != 3
     })?;
-    LayerImage::from_r8(file.width, file.height, file.bytes)
+    let amounts = match file.texel_kind.channels {
+        4 => amounts(&file.bytes, |[red, green, blue, alpha]: &[u8; 4]| {
+            (luminance([*red, *green, *blue]), *alpha)
+        }),
+        2 => amounts(&file.bytes, |[grey, alpha]: &[u8; 2]| {
+            (f32::from(*grey), *alpha)
+        }),
+        _ => file.bytes,
+    };
+    LayerImage::from_r8(file.width, file.height, amounts)
+}
+
+/// What is shown, 0…255, times alpha.
+fn amounts<const N: usize>(texels: &[u8], parts: impl Fn(&[u8; N]) -> (f32, u8)) -> Vec<u8> {
+    let (texels, _) = texels.as_chunks::<N>();
+    let amounts = texels.iter().map(|texel| {
+        let (shown, alpha) = parts(texel);
+        (shown * f32::from(alpha) / 255.0).round() as u8
+    });
+    amounts.collect()
+}
+
+/// Of values as they are stored, by the weights of ITU-R BT.709: as packs take it.
+fn luminance([red, green, blue]: [u8; 3]) -> f32 {
+    0.2126 * f32::from(red) + 0.7152 * f32::from(green) + 0.0722 * f32::from(blue)
 }
 
 /// What elevations and the water map give.
@@ -257,29 +339,29 @@ struct Terrain {
     normals: Option<LayerImage>,
     water: Option<LayerImage>,
     floor: Option<SeaFloor>,
+    damaged: Vec<DamagedLayer>,
 }
 
 fn load_terrain(dir: &Path, selection: LayerSelection) -> Result<Terrain, ImageryError> {
     let elevation = dir.join("elevation.png");
     // Normals that are asked for must be there; the sea does without its floor.
-    let elevation = match selection.normals || selection.water && elevation.exists() {
-        true => Some(Elevation::read(&elevation)?),
-        false => None,
-    };
+    let is_needed = selection.normals || selection.water && elevation.exists();
+    let mut damaged = Vec::new();
+    let elevation = is_needed.then(|| Elevation::read(&elevation));
+    let elevation = whole(elevation, MapLayer::Normals, &mut damaged)?;
     let normals = match elevation.as_ref().filter(|_| selection.normals) {
         Some(elevation) => Some(elevation.slopes()?),
         None => None,
     };
-    let water = match selection.water {
-        true => load_water(dir)?,
-        false => None,
-    };
+    let water = selection.water.then(|| load_water(dir));
+    let water = whole(water, MapLayer::Water, &mut damaged)?.flatten();
     let floor = water.as_ref().zip(elevation.as_ref());
     let floor = floor.map(|(water, elevation)| elevation.sea_floor(water));
     Ok(Terrain {
         normals,
         water,
         floor,
+        damaged,
     })
 }
 
@@ -344,6 +426,7 @@ struct MapFile {
     width: u32,
     height: u32,
     texel_kind: TexelKind,
+    said: Said,
     /// Row-major texels; 16-bit ones with the high byte first.
     bytes: Vec<u8>,
 }
@@ -373,10 +456,6 @@ impl MapFile {
                 "its first bytes are neither PNG's nor JPEG's".into(),
             ));
         };
-        if kind == FileKind::Jpeg && !jpeg_ends(&contents) {
-            // The decoder would fill what is missing with grey and say nothing.
-            return Err(damaged("the JPEG data has no end marker".into()));
-        }
         if let Some((width, height)) = png_size(&contents) {
             check_map_size(path, width, height)?;
         }
@@ -392,11 +471,21 @@ impl MapFile {
                 needed,
             });
         }
+        // The decoder would fill what is missing with grey and say nothing.
+        let said = picture.check_whole().map_err(damaged)?;
+        if let Some(how) = said.turned() {
+            return Err(ImageryError::Turned {
+                path: path.into(),
+                how,
+                orientation: said.orientation.unwrap_or_default(),
+            });
+        }
         let bytes = picture.texels().map_err(damaged)?;
         Ok(Self {
             width,
             height,
             texel_kind,
+            said,
             bytes,
         })
     }

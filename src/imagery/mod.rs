@@ -8,6 +8,8 @@
 //! | `albedo.rs` | what neighbourhoods reflect, for the air over them |
 //! | `load.rs` | a folder of maps read from disk, with limits before every allocation |
 //! | `decode.rs` | PNG and JPEG files |
+//! | `jpeg/` | whether a JPEG is whole |
+//! | `colour.rs` | what files say of their colours and of how they are turned |
 //! | `find.rs` | where the starter pack is |
 //! | `slopes.rs` | terrain slopes from elevations, and those of cloud tops |
 //! | `sea.rs` | the day map's land and the sea kept apart, where there is a water map |
@@ -23,9 +25,11 @@ mod albedo;
 mod between;
 #[cfg(feature = "pack-build")]
 pub mod build;
+mod colour;
 mod decode;
 mod error;
 mod find;
+mod jpeg;
 mod layer;
 mod load;
 mod mips;
@@ -45,7 +49,8 @@ pub use error::ImageryError;
 pub use find::{TEXTURES_VARIABLE, find_textures};
 pub use layer::{EarthLayers, LayerImage};
 pub use load::{
-    LayerSelection, MAX_FILE_BYTES, load_color_map, load_day_map, load_grey_map, load_layers,
+    DamagedLayer, LayerSelection, MAX_FILE_BYTES, load_color_map, load_day_map, load_grey_map,
+    load_layers, load_whole_layers,
 };
 pub use sea::FLOOR_SEEN_M;
 pub use slopes::{

@@ -8,7 +8,8 @@ use crate::gpu::BcSupport;
 use crate::imagery::pack::{MANIFEST_FILE, Pack, PackTiles};
 use crate::imagery::tile::{MapLayer, Storage};
 use crate::imagery::{
-    LayerSelection, SLOPE_EXAGGERATION, find_textures, load_layers, slopes_from_clouds,
+    DamagedLayer, EarthLayers, LayerSelection, SLOPE_EXAGGERATION, find_textures, load_layers,
+    load_whole_layers, slopes_from_clouds,
 };
 use crate::scene::{DatedLayer, PackTable, Scene, StorageChoice};
 use crate::{EarthOptions, SurfaceLight, TileOptions};
@@ -198,11 +199,28 @@ fn folder_options(scene: &Scene) -> Result<EarthOptions, PlayError> {
     let (selection, dropped) = selection_in(scene, &folder)?;
     warn_of(&dropped);
     tracing::info!("maps from {}", folder.display());
-    let mut options = EarthOptions::new(load_layers(&folder, selection)?);
+    let mut options = EarthOptions::new(whole_layers(scene, &folder, selection)?);
     if table.normals && is_paper {
         take_cloud_normals(&mut options)?;
     }
     Ok(options)
+}
+
+/// Reads the maps of a folder. One that is damaged is an error in a strict scene, else it is left out and told; the day map is
+/// needed.
+fn whole_layers(
+    scene: &Scene,
+    folder: &Path,
+    selection: LayerSelection,
+) -> Result<EarthLayers, PlayError> {
+    if scene.earth.strict {
+        return Ok(load_layers(folder, selection)?);
+    }
+    let (layers, damaged) = load_whole_layers(folder, selection)?;
+    for DamagedLayer { layer, error } in damaged {
+        tracing::warn!("{error}; {} is left out", layer.name());
+    }
+    Ok(layers)
 }
 
 /// The paper's third layer is a normal map of its clouds.

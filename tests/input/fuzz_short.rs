@@ -299,7 +299,7 @@ fn seeds_are_good() {
         for seed in &seeds[..3] {
             Description::from_toml(&text(seed), path).expect("a good mosaic");
         }
-        world_place(&text(&seeds[3])).expect("a good world file");
+        world_place(&text(&seeds[3]), None).expect("a good world file");
     }
     #[cfg(feature = "fetch")]
     for seed in fetch_source::seeds() {

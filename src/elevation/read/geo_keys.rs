@@ -3,31 +3,9 @@
 use super::HeightFileError;
 use super::error::FileContext;
 use super::sidecar::HeightUnit;
-use crate::elevation::geo_tags::{GeoTags, MODEL_TYPE, RASTER_TYPE};
+use crate::elevation::geo_tags::{GEOGRAPHIC_TYPE, GeoTags, MODEL_TYPE, RASTER_TYPE, System};
 use crate::elevation::{Georeference, Registration};
 
-/// Geographic coordinate systems (EPSG) that lie within a few metres of WGS84.
-const NEAR_WGS84: &[u16] = &[
-    4326, // WGS84
-    4979, // WGS84 with height
-    9057, 9755, // WGS84 G1762, G2139
-    4322, // WGS72
-    4269, 4617, 4152, 4759, 6318, // NAD83: original, CSRS, HARN, NSRS2007, 2011
-    4258, // ETRS89
-    4283, 7844, // GDA94, GDA2020
-    4167, // NZGD2000
-    4612, 6668, // JGD2000, JGD2011
-    4674, // SIRGAS2000
-    4490, // CGCS2000
-    4148, // Hartebeesthoek94
-    4171, 4624, // RGF93, RGFG95
-    4737, // Korea 2000
-    7789, 9000, 8999, // ITRF2014, ITRF2008
-];
-
-const GEOGRAPHIC_TYPE: u16 = 2048;
-const ANGULAR_UNITS: u16 = 2054;
-const PROJECTED_TYPE: u16 = 3072;
 const VERTICAL_TYPE: u16 = 4096;
 const VERTICAL_UNITS: u16 = 4099;
 const USER_DEFINED: u16 = 32_767;
@@ -136,48 +114,26 @@ impl HeightTags {
 
     /// Refuses what is not latitude and longitude of WGS84 or nearly that; radians of one unit.
     fn check_coordinates(&self, context: &FileContext) -> Result<f64, HeightFileError> {
-        let epsg = |kind: &str, code: Option<u16>| match code {
-            Some(code) if code != USER_DEFINED && code != 0 => format!("{kind} EPSG:{code}"),
-            _ => format!("{kind} of its own making"),
-        };
-        match self.geo.key(MODEL_TYPE) {
-            Some(2) => {}
-            Some(1) => {
-                let crs = epsg("the projected coordinates", self.geo.key(PROJECTED_TYPE));
-                return Err(context.other_coordinates(crs));
+        match self.geo.system() {
+            Ok(Some(System::Geographic {
+                unit_rad,
+                is_named: true,
+            })) => Ok(unit_rad),
+            Ok(Some(System::Geographic { .. })) => {
+                Err(context.other_coordinates("geographic coordinates without a name"))
             }
-            Some(3) => return Err(context.other_coordinates("geocentric coordinates")),
-            Some(other) => {
-                return Err(
-                    context.other_coordinates(format!("coordinates of the unknown model {other}"))
-                );
+            Ok(Some(System::WebMercator)) => {
+                Err(context.other_coordinates("the projected coordinates EPSG:3857"))
             }
-            None if self.geo.key(PROJECTED_TYPE).is_some() => {
-                let crs = epsg("the projected coordinates", self.geo.key(PROJECTED_TYPE));
-                return Err(context.other_coordinates(crs));
-            }
-            None if self.geo.key(GEOGRAPHIC_TYPE).is_some() => {}
-            None => {
-                return Err(context.refused(
-                    "does not say what coordinates it lies in",
-                    "GeoTIFF keys of latitude and longitude",
-                    format!(
-                        "if it is so, `gdal_translate -a_srs EPSG:4326 {} OUT.tif`",
-                        context.path().display()
-                    ),
-                ));
-            }
-        }
-        let code = self.geo.key(GEOGRAPHIC_TYPE);
-        if !code.is_some_and(|code| NEAR_WGS84.contains(&code)) {
-            return Err(context.other_coordinates(epsg("the geographic coordinates", code)));
-        }
-        match self.geo.key(ANGULAR_UNITS) {
-            None | Some(9102 | 9122) => Ok(1f64.to_radians()),
-            Some(9101) => Ok(1.0),
-            Some(other) => {
-                Err(context.other_coordinates(format!("angles of the unit EPSG:{other}")))
-            }
+            Err(crs) => Err(context.other_coordinates(crs)),
+            Ok(None) => Err(context.refused(
+                "does not say what coordinates it lies in",
+                "GeoTIFF keys of latitude and longitude",
+                format!(
+                    "if it is so, `gdal_translate -a_srs EPSG:4326 {} OUT.tif`",
+                    context.path().display()
+                ),
+            )),
         }
     }
 

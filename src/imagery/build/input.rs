@@ -1,8 +1,9 @@
 //! A map of the whole Earth that a pack is built from: one file, or a mosaic.
 
 use super::error::BuildError;
-use super::mosaic::Mosaic;
-use super::source::{self, FileContext, RowSource, SourceLimits};
+use super::mosaic::{Description, Mosaic, check_whole_earth};
+use super::source::{self, FileContext, RowSource, SourceInfo, SourceLimits};
+use super::values::Meaning;
 use crate::elevation::read::first_bytes;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -17,13 +18,51 @@ pub(super) enum MapInput {
 
 impl MapInput {
     /// A folder is a mosaic, and a file that ends in `.toml` and is no picture.
-    pub(super) fn open(path: &Path, limits: SourceLimits) -> Result<Self, BuildError> {
+    pub(super) fn open(
+        path: &Path,
+        meaning: Meaning,
+        limits: SourceLimits,
+    ) -> Result<Self, BuildError> {
         let is_mosaic = path.is_dir() || (is_named_toml(path) && !is_picture(path)?);
         if !is_mosaic {
             return Ok(Self::File(path.to_path_buf()));
         }
-        let mosaic = Mosaic::open(path, None, limits)?;
+        let mut description = Description::read(path)?;
+        if meaning == Meaning::Amount {
+            description = description.of_amounts();
+        }
+        let mosaic = Mosaic::of(description, path, None, limits)?;
         Ok(Self::Mosaic(Box::new(mosaic)))
+    }
+
+    /// Refuses a file that what lies beside it says to be no map of the whole Earth.
+    pub(super) fn check_place(&self, info: &SourceInfo) -> Result<(), BuildError> {
+        match self {
+            Self::File(path) => check_whole_earth(path, (info.width, info.height)),
+            Self::Mosaic(_) => Ok(()),
+        }
+    }
+
+    /// How its colours differ from sRGB, where `source`, its rows, or the files of its parts say so; a few of them.
+    pub(super) fn colour_notes(&self, source: &dyn RowSource) -> Vec<String> {
+        const MOST: usize = 8;
+        match self {
+            Self::File(path) => {
+                let note = source.colour_note();
+                note.map(|note| format!("{}: {note}", path.display()))
+                    .into_iter()
+                    .collect()
+            }
+            Self::Mosaic(mosaic) => {
+                let mut notes: Vec<_> = mosaic.colour_notes().collect();
+                if notes.len() > MOST {
+                    let more = notes.len() - MOST;
+                    notes.truncate(MOST);
+                    notes.push(format!("{more} more parts have other colours than sRGB"));
+                }
+                notes
+            }
+        }
     }
 
     /// Reads it from its first row.

@@ -55,7 +55,7 @@ use heights::BuiltHeights;
 use input::MapInput;
 use plan::{Means, Plan};
 use run::Job;
-use source::{SourceInfo, SourceLimits};
+use source::{Opacity, SourceInfo, SourceLimits};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use tile_name::TileName;
@@ -429,17 +429,30 @@ fn look<'a>(
     most_pixels: u32,
     progress: &dyn BuildProgress,
 ) -> Result<Map<'a>, BuildError> {
-    let input = MapInput::open(path, limits)?;
+    let input = MapInput::open(path, meaning, limits)?;
     for note in input.notes() {
         progress.note(note);
     }
     let source = input.rows(limits)?;
     let info = source.info();
+    input.check_place(&info)?;
+    if meaning == Meaning::Colour {
+        for note in input.colour_notes(&*source) {
+            progress.note(&note);
+        }
+    }
     // Refuses texels of the wrong kind.
     drop(ValueRows::new(source, meaning, path)?);
     if meaning == Meaning::Amount && info.channels >= 3 {
         progress.note(&format!(
             "{}: is in colour; its luminance is taken for the {} map",
+            path.display(),
+            layer.name()
+        ));
+    }
+    if meaning == Meaning::Amount && info.opacity == Some(Opacity::Alpha) {
+        progress.note(&format!(
+            "{}: has alpha; what it shows times its alpha is taken for the {} map",
             path.display(),
             layer.name()
         ));

@@ -146,6 +146,7 @@ mod tests {
             height: width / 2,
             channels: 3,
             sample: SampleKind::U8,
+            opacity: None,
             buffer_bytes: 4 << 20,
         }
     }

@@ -235,6 +235,24 @@ fn read_colour(info: &SourceInfo, bytes: &[u8], linear: &[f32], out: &mut [f32])
             *texel = of(&[at(0), at(1), at(2)]);
         }
     }
+    clear_nothing::<3>(info, bytes, out);
+}
+
+/// Makes 0 of the texels that alpha says are not there.
+fn clear_nothing<const C: usize>(info: &SourceInfo, bytes: &[u8], out: &mut [f32]) {
+    if info.opacity.is_some() {
+        let (texels, _) = out.as_chunks_mut::<C>();
+        for (x, texel) in texels.iter_mut().enumerate() {
+            if is_nothing(info, bytes, x) {
+                *texel = [0.0; C];
+            }
+        }
+    }
+}
+
+/// Whether alpha says that a texel is not there.
+fn is_nothing(info: &SourceInfo, bytes: &[u8], x: usize) -> bool {
+    info.opacity.is_some() && sample(info.sample, bytes, (x + 1) * info.channels - 1) == 0.0
 }
 
 /// One sample as a number: integers by their code.
@@ -248,6 +266,18 @@ pub(super) fn sample(kind: SampleKind, bytes: &[u8], index: usize) -> f32 {
             f32::from_ne_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
         }
     }
+}
+
+/// What alpha says, 0…1, in a sample.
+pub(super) fn opaque_part(kind: SampleKind, bytes: &[u8], index: usize) -> f32 {
+    let full = match kind {
+        SampleKind::U8 => 255.0,
+        SampleKind::U16 => 65_535.0,
+        SampleKind::I16 => 32_767.0,
+        SampleKind::F32 => 1.0,
+    };
+    let part = sample(kind, bytes, index) / full;
+    if part.is_nan() { 0.0 } else { part.clamp(0.0, 1.0) }
 }
 
 /// Luminance weights of ITU-R BT.709, on values as they are stored.
@@ -266,11 +296,16 @@ fn read_amount(info: &SourceInfo, bytes: &[u8], out: &mut [f32]) {
         } else {
             LUMINANCE[0] * at(0) + LUMINANCE[1] * at(1) + LUMINANCE[2] * at(2)
         };
+        // Alpha is how much of it there is.
+        let part = match info.opacity {
+            Some(_) => opaque_part(info.sample, bytes, (x + 1) * info.channels - 1),
+            None => 1.0,
+        };
         *value = if amount.is_nan() {
             // Where there are no data there is nothing.
             0.0
         } else {
-            amount.clamp(0.0, 1.0)
+            amount.clamp(0.0, 1.0) * part
         };
     }
 }
@@ -292,12 +327,13 @@ fn read_normals(info: &SourceInfo, bytes: &[u8], fade: f32, out: &mut [f32]) {
         let up = at(2).max(0.01);
         *texel = [0, 1].map(|channel| (-at(channel) / up).clamp(-1.0, 1.0) * fade);
     }
+    clear_nothing::<2>(info, bytes, out);
 }
 
 fn read_heights(info: &SourceInfo, bytes: &[u8], offset_m: f64, heights_m: &mut [f64]) {
     for (x, height_m) in heights_m.iter_mut().enumerate() {
         let value = f64::from(sample(info.sample, bytes, x * info.channels)) - offset_m;
-        *height_m = if value.abs() <= HIGHEST_M {
+        *height_m = if value.abs() <= HIGHEST_M && !is_nothing(info, bytes, x) {
             value
         } else {
             f64::NAN

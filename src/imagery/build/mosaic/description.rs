@@ -1,6 +1,8 @@
 //! What a mosaic is made of: a TOML file, or a folder of maps that say where they lie.
 
+use super::georeference::Stated;
 use super::place::{Bounds, Crs, Place};
+use super::row::AlphaMeans;
 use super::texels::Encoding;
 use super::tiles::{MAX_TILE_SIDE, TileSet};
 use crate::imagery::build::error::BuildError;
@@ -53,13 +55,15 @@ pub struct Part {
     pub no_data: Option<Vec<f64>>,
     /// How heights are written as colours.
     pub encoding: Option<Encoding>,
+    /// What alpha means.
+    pub(in crate::internals::imagery::build) alpha: AlphaMeans,
 }
 
 /// What a part is read from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PartSource {
-    /// A file, and where it lies if it does not say so itself.
-    File(PathBuf, Option<(Crs, Bounds)>),
+    /// A file, and what is said of where it lies.
+    File(PathBuf, Stated),
     /// Tiles, and where they lie.
     Tiles(TileSet, Place),
 }
@@ -165,7 +169,7 @@ impl Description {
     ///
     /// # Errors
     /// [`BuildError`] with the file.
-    pub(super) fn read(path: &Path) -> Result<Self, BuildError> {
+    pub(in crate::internals::imagery::build) fn read(path: &Path) -> Result<Self, BuildError> {
         let context = FileContext::new(path);
         let with_path = |error| context.unreadable(error);
         if path.is_dir() {
@@ -191,6 +195,14 @@ impl Description {
         Self::from_toml(&text, path)
     }
 
+    /// The same of cover or intensity: alpha is how much of it there is.
+    pub(in crate::internals::imagery::build) fn of_amounts(mut self) -> Self {
+        for part in &mut self.parts {
+            part.alpha = AlphaMeans::Amount;
+        }
+        self
+    }
+
     /// All maps in a folder, each of which must say where it lies.
     fn of_folder(dir: &Path) -> Result<Self, BuildError> {
         let context = FileContext::new(dir);
@@ -212,11 +224,12 @@ impl Description {
             ));
         }
         let parts = files.into_iter().map(|file| Part {
-            from: PartSource::File(file, None),
+            from: PartSource::File(file, Stated::default()),
             feather_deg: 0.0,
             is_matched: false,
             no_data: None,
             encoding: None,
+            alpha: AlphaMeans::Presence,
         });
         Ok(Self {
             parts: parts.collect(),
@@ -254,6 +267,7 @@ impl RawPart {
             is_matched: self.match_colour,
             no_data: self.no_data.clone(),
             encoding: self.encoding,
+            alpha: AlphaMeans::Presence,
         })
     }
 
@@ -267,12 +281,11 @@ impl RawPart {
         if let Some((key, _)) = of_tiles.iter().find(|(_, is_there)| *is_there) {
             return Err(format!("{key} belongs to tiles, and this is a file"));
         }
-        let bounds = self.bounds_deg.map(Bounds::new).transpose()?;
-        if bounds.is_none() && self.crs.is_some() {
-            return Err("crs without bounds_deg says nothing: give both".to_string());
-        }
-        let place = bounds.map(|bounds| (self.crs.unwrap_or_default(), bounds));
-        Ok(PartSource::File(path, place))
+        let stated = Stated {
+            crs: self.crs,
+            bounds: self.bounds_deg.map(Bounds::new).transpose()?,
+        };
+        Ok(PartSource::File(path, stated))
     }
 
     fn tiles(&self, path: PathBuf) -> Result<PartSource, String> {
@@ -281,10 +294,6 @@ impl RawPart {
                 "bounds_deg belongs to a file; tiles have tile_deg, columns and rows".to_string(),
             );
         }
-        let text = path.to_string_lossy();
-        if !(text.contains("{row}") && text.contains("{column}")) {
-            return Err("tiles must have {row} and {column} in its path".to_string());
-        }
         let side = self
             .tile_size
             .filter(|size| (1..=MAX_TILE_SIDE).contains(size));
@@ -292,6 +301,10 @@ impl RawPart {
         let crs = self.crs.unwrap_or_default();
         let tile_deg = self.tile_deg.filter(|deg| *deg > 1e-4 && *deg <= 360.0);
         let tile_deg = tile_deg.ok_or("tile_deg must be from 0.0001 to 360")?;
+        let grid_rows = 2.0 * crs.top_deg() / tile_deg;
+        if let Some(complaint) = TileSet::path_complaint(&path.to_string_lossy(), grid_rows) {
+            return Err(complaint);
+        }
         let range = |key: &str, given: Option<[u32; 2]>, whole_deg: f64| {
             let most = (whole_deg / tile_deg - 1e-9).ceil().max(1.0);
             let [first, end] = given.unwrap_or([0, most as u32]);
@@ -309,6 +322,8 @@ impl RawPart {
             width: (left_deg / tile_deg * f64::from(side)).round().max(1.0) as u32,
             columns,
             rows: range("rows", self.rows, 2.0 * crs.top_deg())?,
+            // At most 3 600 000: a tile has a ten-thousandth of a degree.
+            grid_rows: (grid_rows - 1e-9).ceil().max(1.0) as u32,
             path: path.clone(),
             tile_size: side,
         };
@@ -342,18 +357,26 @@ mod tests {
         assert_eq!(read.parts.len(), 3);
         assert_eq!(
             read.parts[0].from,
-            PartSource::File("maps/a.png".into(), None)
+            PartSource::File("maps/a.png".into(), Stated::default())
         );
-        let PartSource::File(_, Some((Crs::Geographic, bounds))) = &read.parts[1].from else {
+        let PartSource::File(_, stated) = &read.parts[1].from else {
             panic!("{:?}", read.parts[1]);
         };
-        assert_eq!(bounds.east_deg, 190.0);
+        assert_eq!(stated.crs, None);
+        assert_eq!(stated.bounds.map(|bounds| bounds.east_deg), Some(190.0));
         assert!(read.parts[1].is_matched && read.parts[1].no_data == Some(vec![0.0]));
         let PartSource::Tiles(set, place) = &read.parts[2].from else {
             panic!("{:?}", read.parts[2]);
         };
         assert_eq!((set.columns.clone(), set.rows.clone()), (0..8, 2..4));
         assert_eq!(set.file(3, 7), Path::new("maps/t/3/7.png"));
+        let south = TileSet {
+            path: "t/{x}/{-y}.png".into(),
+            ..set.clone()
+        };
+        // Eight rows, as TMS counts them.
+        assert_eq!(south.file(3, 7), Path::new("t/7/4.png"));
+        assert_eq!((south.file(0, 0), south.file(7, 1)), ("t/0/7.png".into(), "t/1/0.png".into()));
         assert_eq!((place.north_deg, place.column_deg), (90.0, 45.0 / 256.0));
         assert_eq!(set.size(), (2048, 512));
     }
@@ -374,10 +397,6 @@ mod tests {
                 "EPSG:32633",
             ),
             (
-                "[[part]]\nfile = \"a\"\ncrs = \"EPSG:3857\"\n".into(),
-                "crs without bounds_deg",
-            ),
-            (
                 "[[part]]\nfile = \"a\"\nrows = [0, 1]\n".into(),
                 "rows belongs to tiles",
             ),
@@ -390,7 +409,12 @@ mod tests {
                 "feather_deg",
             ),
             ("[[part]]\nfile = \"a\"\nno_data = []\n".into(), "no_data"),
-            ("[[part]]\ntiles = \"a/{row}\"\n".into(), "{column}"),
+            (tiles.replace("/{column}", ""), "{column}"),
+            (tiles.replace("{row}", "{z}"), "{-y}"),
+            (
+                tiles.replace("{row}", "{-y}").replace("45", "144"),
+                "tile_deg must divide",
+            ),
             (format!("{tiles}columns = [0, 9]\n"), "columns must be"),
             (format!("{tiles}rows = [2, 2]\n"), "rows must be"),
             (tiles.replace("256", "100000"), "tile_size"),

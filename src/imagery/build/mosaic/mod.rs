@@ -3,7 +3,7 @@
 //! | file | what |
 //! |---|---|
 //! | `description.rs` | what a mosaic is made of: a TOML file, or a folder |
-//! | `place.rs`, `georeference.rs` | where a part lies, and where files say it |
+//! | `place.rs`, `georeference.rs`, `wkt.rs` | where a part lies, where files say it, and in which coordinate system |
 //! | `target.rs`, `axis.rs` | the grid that is made, and what its texels are made of |
 //! | `raster.rs`, `tiles.rs`, `row.rs`, `texels.rs` | rows of a file or of tiles, and their texels as numbers |
 //! | `piece.rs`, `compose.rs` | a part on the grid; all of them over one another |
@@ -27,11 +27,13 @@ mod target;
 mod tests;
 mod texels;
 mod tiles;
+mod wkt;
 
 #[cfg(feature = "fetch")]
 pub(crate) use description::syntax_complaint;
 pub use description::{Description, MAX_DESCRIPTION_BYTES, MOSAIC_FILE, Part, PartSource};
-pub use georeference::world_place;
+pub(super) use georeference::check_whole_earth;
+pub use georeference::{Stated, world_place};
 pub use place::{Bounds, Crs, MERCATOR_END_DEG, Place};
 pub use target::Target;
 pub use texels::Encoding;
@@ -164,6 +166,7 @@ impl Mosaic {
                 height: target.rows,
                 channels: kind.channels,
                 sample,
+                opacity: None,
                 buffer_bytes,
             },
             path: path.to_path_buf(),
@@ -198,6 +201,14 @@ impl Mosaic {
     /// What was left out or changed when it was looked at.
     pub fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// How the colours of parts differ from sRGB, where their files say so.
+    pub(super) fn colour_notes(&self) -> impl Iterator<Item = String> + '_ {
+        self.pieces.iter().filter_map(|piece| {
+            let note = piece.colour_note.as_ref()?;
+            Some(format!("{}: {note}", piece.part.from.name().display()))
+        })
     }
 
     /// All files that it is made of; of tiles those that are there.

@@ -23,6 +23,8 @@ pub(super) struct Piece {
     pub part: Part,
     pub place: Place,
     pub info: SourceInfo,
+    /// How its colours differ from sRGB, where its file says so.
+    pub colour_note: Option<String>,
     /// Factors of its channels.
     pub gains: [f32; 3],
 }
@@ -34,9 +36,12 @@ impl Piece {
         description: &Path,
         limits: SourceLimits,
     ) -> Result<Self, BuildError> {
-        let info = open(part, description, limits)?.info();
+        let raster = open(part, description, limits)?;
+        let info = raster.info();
         let place = match &part.from {
-            PartSource::File(path, given) => place_of(path, *given, (info.width, info.height))?,
+            PartSource::File(path, stated) => {
+                place_of(path, *stated, (info.width, info.height))?
+            },
             PartSource::Tiles(_, place) => *place,
         };
         if part.encoding.is_some()
@@ -51,6 +56,7 @@ impl Piece {
             part: part.clone(),
             place,
             info,
+            colour_note: raster.colour_note(),
             gains: [1.0; 3],
         })
     }
@@ -91,15 +97,11 @@ fn open(part: &Part, description: &Path, limits: SourceLimits) -> Result<Raster,
             let context = FileContext::new(path);
             let file = File::open(path).map_err(|error| context.unreadable(error))?;
             let reader = BufReader::with_capacity(1 << 16, file);
-            Ok(Raster::file(read_extent(
-                reader,
-                path,
-                limits,
-                Extent::Piece,
-            )?))
+            let rows = read_extent(reader, path, limits, Extent::Piece)?;
+            Ok(Raster::file(rows, part.alpha))
         }
         PartSource::Tiles(set, _) => {
-            let tiles = TileRows::open(set, limits, description)?;
+            let tiles = TileRows::open(set, part.alpha, limits, description)?;
             Ok(Raster::Tiles(Box::new(tiles)))
         }
     }

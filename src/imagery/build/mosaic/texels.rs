@@ -112,9 +112,10 @@ impl Reader {
                     x * channels + channel.min(channels - 1),
                 )
             };
-            if let Some(no_data) = &self.no_data
-                && no_data.iter().enumerate().all(|(n, value)| at(n) == *value)
-            {
+            if self.no_data.as_ref().is_some_and(|no_data| {
+                let of = |n: usize| no_data.get(n).or(no_data.last());
+                (0..channels).all(|n| of(n) == Some(&at(n)))
+            }) {
                 *weight = 0.0;
                 texel.fill(0.0);
                 continue;

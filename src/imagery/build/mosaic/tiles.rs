@@ -1,6 +1,6 @@
 //! Tiles of one size that lie side by side, read as one raster: a row of tiles is decoded at a time.
 
-use super::row::{RasterRow, without_alpha};
+use super::row::{AlphaMeans, RasterRow, without_alpha};
 use crate::imagery::build::error::BuildError;
 use crate::imagery::build::source::{
     Extent, FileContext, SampleKind, SourceInfo, SourceLimits, read_extent,
@@ -18,10 +18,17 @@ pub const MAX_TILE_SIDE: u32 = 4096;
 /// Damaged and missing tiles that are named; more are counted.
 const MOST_NAMED: usize = 8;
 
+/// What stands for a tile's column and for its row in a path, as in the addresses of `pack fetch`.
+const COLUMN_WORDS: [&str; 3] = ["{column}", "{x}", "{TileCol}"];
+const ROW_WORDS: [&str; 3] = ["{row}", "{y}", "{TileRow}"];
+
+/// The row from the south, as TMS counts.
+const SOUTH_ROW_WORD: &str = "{-y}";
+
 /// Tiles of a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileSet {
-    /// Where a tile lies, with `{row}` and `{column}`.
+    /// Where a tile lies, with words for its row and column.
     pub path: PathBuf,
     /// Texels of a tile's side.
     pub tile_size: u32,
@@ -29,6 +36,8 @@ pub struct TileSet {
     pub columns: Range<u32>,
     /// Rows of the grid that are there, from the north.
     pub rows: Range<u32>,
+    /// Rows of the whole grid.
+    pub grid_rows: u32,
     /// Texels of all columns that lie on the Earth: the last tile of a row may reach beyond it.
     pub width: u32,
 }
@@ -36,10 +45,31 @@ pub struct TileSet {
 impl TileSet {
     /// The file of a tile.
     pub fn file(&self, row: u32, column: u32) -> PathBuf {
-        let text = self.path.to_string_lossy();
-        text.replace("{row}", &row.to_string())
-            .replace("{column}", &column.to_string())
-            .into()
+        let south_row = (self.grid_rows - 1).saturating_sub(row);
+        let fill = |text: String, words: &[&str], number: u32| {
+            let number = number.to_string();
+            words.iter().fold(text, |text, word| text.replace(word, &number))
+        };
+        let text = self.path.to_string_lossy().into_owned();
+        let text = fill(text, &COLUMN_WORDS, column);
+        let text = fill(text, &ROW_WORDS, row);
+        fill(text, &[SOUTH_ROW_WORD], south_row).into()
+    }
+
+    /// What is wrong with a path of tiles, of which so many rows make the whole grid, if anything is.
+    pub(super) fn path_complaint(path: &str, grid_rows: f64) -> Option<String> {
+        let has = |words: &[&str]| words.iter().any(|word| path.contains(word));
+        let is_south_row = path.contains(SOUTH_ROW_WORD);
+        if !has(&COLUMN_WORDS) || !(has(&ROW_WORDS) || is_south_row) {
+            return Some(
+                "tiles must have {row} and {column} in its path, or {y} and {x}, or {-y}, the row from the south, and {x}"
+                    .to_string(),
+            );
+        }
+        // Where the last row reaches beyond the pole, rows from the south would begin elsewhere.
+        (is_south_row && (grid_rows - grid_rows.round()).abs() > 1e-6).then(|| {
+            "{-y} counts rows from the south, which tile_deg must divide: give {y} and rows from the north".to_string()
+        })
     }
 
     /// Width and height of all tiles, texels.
@@ -66,6 +96,7 @@ impl TileSet {
 /// Rows of tiles.
 pub(super) struct TileRows {
     set: TileSet,
+    alpha: AlphaMeans,
     limits: SourceLimits,
     info: SourceInfo,
     /// Rows given or left out so far.
@@ -111,6 +142,7 @@ impl TileRows {
     /// Looks at the tiles; at least one must be readable.
     pub(super) fn open(
         set: &TileSet,
+        alpha: AlphaMeans,
         limits: SourceLimits,
         description: &Path,
     ) -> Result<Self, BuildError> {
@@ -150,9 +182,11 @@ impl TileRows {
                 height,
                 channels,
                 sample: first.sample,
+                opacity: None,
                 buffer_bytes: held,
             },
             set: set.clone(),
+            alpha,
             limits,
             given: 0,
             held: None,
@@ -264,7 +298,7 @@ impl TileRows {
         let (mut coded, mut row) = (vec![0; info.row_bytes()], RasterRow::default());
         for y in 0..side {
             source.next_row(&mut coded)?;
-            without_alpha(&info, &coded, &mut row);
+            without_alpha(&info, self.alpha, &coded, &mut row);
             let out = &mut self.bytes[y * row_bytes + start * texel..][..run * texel];
             let seen = row.bytes.len() / side * run;
             copy_channels(&row.bytes[..seen], out, texel, info.sample.bytes());

@@ -1,18 +1,57 @@
 //! Where a GeoTIFF says that it lies.
 
-use crate::elevation::geo_tags::{GeoTags, MODEL_TYPE, RASTER_TYPE};
+use crate::elevation::geo_tags::{GeoTags, RASTER_TYPE, System};
 
-/// The value of [`MODEL_TYPE`] for longitudes and latitudes.
-pub(in crate::internals::imagery::build) const MODEL_GEOGRAPHIC: u16 = 2;
 const RASTER_POINT: u16 = 2;
 
-/// Where a map's texels lie by its tags, in the unit of its model: the corner of the first, and their size to the east and to the
-/// south.
+/// Where a map's texels lie by its tags or its world file, in the unit of its system: the corner of the first, and their size to the
+/// east and to the south.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::internals::imagery::build) struct TagGrid {
     pub left: f64,
     pub top: f64,
     pub scale_x: f64,
     pub scale_y: f64,
+}
+
+impl TagGrid {
+    /// The same in another unit, of which so many of its own make one.
+    pub(in crate::internals::imagery::build) fn in_units_of(self, unit: f64) -> Self {
+        Self {
+            left: self.left / unit,
+            top: self.top / unit,
+            scale_x: self.scale_x / unit,
+            scale_y: self.scale_y / unit,
+        }
+    }
+
+    /// What is wrong if a map with this grid in degrees is not the whole globe with its left edge at 180° W, north up. `said_by` is
+    /// what says so.
+    ///
+    /// A texel of tolerance: maps whose texels stand on whole degrees (grid-registered, 21 601 × 10 801) are taken.
+    pub(in crate::internals::imagery::build) fn complaint(
+        &self,
+        width: u32,
+        height: u32,
+        said_by: &str,
+    ) -> Option<String> {
+        let Self { left, top, .. } = *self;
+        let (right, bottom) = (
+            left + self.scale_x * f64::from(width),
+            top - self.scale_y * f64::from(height),
+        );
+        let near = |value: f64, target: f64, texel: f64| (value - target).abs() <= texel * 1.001;
+        let (texel_x, texel_y) = (360.0 / f64::from(width), 180.0 / f64::from(height));
+        let fits = near(left, -180.0, texel_x)
+            && near(right, 180.0, texel_x)
+            && near(top, 90.0, texel_y)
+            && near(bottom, -90.0, texel_y);
+        (!fits).then(|| {
+            format!(
+                "covers longitudes {left:.4} to {right:.4} and latitudes {bottom:.4} to {top:.4} by {said_by}"
+            )
+        })
+    }
 }
 
 impl GeoTags {
@@ -47,57 +86,48 @@ impl GeoTags {
         }))
     }
 
-    /// What is wrong if the map is not the whole globe with its left edge at 180° W, north up. Without tags nothing is.
-    ///
-    /// A texel of tolerance: maps whose texels stand on whole degrees (grid-registered, 21 601 × 10 801) are taken.
+    /// What is wrong if the map is not the whole globe in degrees of WGS84, as [`TagGrid::complaint`]. Without tags nothing is.
     pub(in crate::internals::imagery::build) fn complaint(
         &self,
         width: u32,
         height: u32,
     ) -> Option<String> {
-        if let Some(model) = self.key(MODEL_TYPE)
-            && model != MODEL_GEOGRAPHIC
-        {
-            return Some("is projected (its GeoTIFF model is not geographic)".to_string());
-        }
-        let TagGrid {
-            left,
-            top,
-            scale_x,
-            scale_y,
-        } = match self.grid() {
-            Ok(Some(grid)) => grid,
-            Ok(None) => return None,
-            Err(complaint) => return Some(complaint),
+        let unit_rad = match self.system() {
+            Ok(Some(System::Geographic { unit_rad, .. })) => unit_rad,
+            Ok(Some(System::WebMercator)) => {
+                return Some("is projected (EPSG:3857 by its GeoTIFF keys)".to_string());
+            }
+            Ok(None) => 1f64.to_radians(),
+            Err(system) => return Some(in_other_system(&system)),
         };
-        let (right, bottom) = (
-            left + scale_x * f64::from(width),
-            top - scale_y * f64::from(height),
-        );
-        let near = |value: f64, target: f64, texel: f64| (value - target).abs() <= texel * 1.001;
-        let (texel_x, texel_y) = (360.0 / f64::from(width), 180.0 / f64::from(height));
-        let fits = near(left, -180.0, texel_x)
-            && near(right, 180.0, texel_x)
-            && near(top, 90.0, texel_y)
-            && near(bottom, -90.0, texel_y);
-        (!fits).then(|| {
-            format!(
-                "covers longitudes {left:.4} to {right:.4} and latitudes {bottom:.4} to {top:.4} by its GeoTIFF tags"
-            )
-        })
+        match self.grid() {
+            Ok(Some(grid)) => grid.in_units_of(1f64.to_radians() / unit_rad).complaint(
+                width,
+                height,
+                "its GeoTIFF tags",
+            ),
+            Ok(None) => None,
+            Err(complaint) => Some(complaint),
+        }
     }
+}
+
+/// That a map lies in a system that is not taken.
+pub(in crate::internals::imagery::build) fn in_other_system(system: &str) -> String {
+    format!("lies in {system} by its GeoTIFF keys")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elevation::geo_tags::MODEL_TYPE;
 
     fn tags(scale: [f64; 2], tie: [f64; 4]) -> GeoTags {
         GeoTags {
             scale: Some(vec![scale[0], scale[1], 0.0]),
             tie: Some(vec![tie[0], tie[1], 0.0, tie[2], tie[3], 0.0]),
-            matrix: None,
-            keys: vec![(MODEL_TYPE, MODEL_GEOGRAPHIC)],
+            keys: vec![(MODEL_TYPE, 2)],
+            ..GeoTags::default()
         }
     }
 

@@ -7,8 +7,9 @@ mod sof;
 mod tiff;
 
 use super::error::BuildError;
+use crate::imagery::colour::Said;
 use crate::elevation::read::first_bytes;
-pub(super) use geo::MODEL_GEOGRAPHIC;
+pub(super) use geo::{TagGrid, in_other_system};
 use std::fmt;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Seek};
@@ -69,6 +70,22 @@ pub enum FileKind {
     Tiff,
 }
 
+/// What a texel's last channel says of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Opacity {
+    /// How much of it is there, as the file stores it.
+    Alpha,
+    /// Whether there is anything: made here from numbers or masks that stand for nothing, and from parts that a file leaves out.
+    Mask,
+}
+
+impl Opacity {
+    /// Of files that store as many channels.
+    pub(super) fn of_channels(channels: usize) -> Option<Self> {
+        matches!(channels, 2 | 4).then_some(Self::Alpha)
+    }
+}
+
 /// Size and texels of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SourceInfo {
@@ -82,6 +99,8 @@ pub struct SourceInfo {
     pub channels: usize,
     /// What each sample is.
     pub sample: SampleKind,
+    /// What the last of two or four channels means.
+    pub opacity: Option<Opacity>,
     /// Bytes that reading holds beside the row that it gives.
     pub buffer_bytes: u64,
 }
@@ -106,6 +125,11 @@ pub(super) enum Extent {
 pub trait RowSource {
     /// Its size and texels.
     fn info(&self) -> SourceInfo;
+
+    /// How its colours differ from sRGB, where it says so.
+    fn colour_note(&self) -> Option<String> {
+        None
+    }
 
     /// What was left out so far and is to be told, each once.
     fn notes(&mut self) -> Vec<String> {
@@ -158,6 +182,17 @@ impl FileContext {
             path: self.0.clone(),
             cause: cause.into(),
             advice: advice.into(),
+        }
+    }
+
+    /// Refuses texels that do not lie as they are drawn.
+    fn check_turned(&self, said: &Said) -> Result<(), BuildError> {
+        match said.turned() {
+            None => Ok(()),
+            Some(how) => Err(self.refused(
+                format!("is stored {how} (orientation {})", said.orientation.unwrap_or_default()),
+                "turn its texels (`magick IN -auto-orient OUT`)",
+            )),
         }
     }
 

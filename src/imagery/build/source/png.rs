@@ -1,9 +1,10 @@
 //! PNG maps: grey, palette and colour of 8 or 16 bits.
 
 use super::{
-    Extent, FileContext, FileKind, RowSource, SampleKind, SourceInfo, SourceLimits, check_size,
+    Extent, FileContext, FileKind, Opacity, RowSource, SampleKind, SourceInfo, SourceLimits, check_size,
 };
 use crate::imagery::build::error::BuildError;
+use crate::imagery::colour::Said;
 use png::{BitDepth, DecodingError, Limits, Reader, Transformations};
 use std::io::{BufRead, Seek};
 
@@ -15,6 +16,7 @@ pub(super) struct PngRows<R: BufRead + Seek> {
     reader: Reader<R>,
     info: SourceInfo,
     context: FileContext,
+    said: Said,
     /// Rows given so far.
     given: u32,
     /// All texels of an interlaced map.
@@ -38,13 +40,14 @@ impl<R: BufRead + Seek> PngRows<R> {
         // Palettes become colour, few bits become eight, a transparent colour becomes alpha.
         decoder.set_transformations(Transformations::EXPAND);
         decoder.set_ignore_text_chunk(true);
-        decoder.set_ignore_iccp_chunk(true);
         let (width, height) = decoder.read_header_info().map_err(with_file)?.size();
         check_size(&context, width, height, extent)?;
         let mut reader = decoder.read_info().map_err(with_file)?;
         if reader.info().is_animated() {
             return Err(context.refused("is an animation", "give a PNG with one picture"));
         }
+        let said = Said::of_png(reader.info());
+        context.check_turned(&said)?;
         let (colour, depth) = reader.output_color_type();
         let sample = if depth == BitDepth::Sixteen {
             SampleKind::U16
@@ -57,6 +60,7 @@ impl<R: BufRead + Seek> PngRows<R> {
             height,
             channels: colour.samples(),
             sample,
+            opacity: Opacity::of_channels(colour.samples()),
             buffer_bytes: 1 << 20,
         };
         let mut whole = None;
@@ -75,12 +79,15 @@ impl<R: BufRead + Seek> PngRows<R> {
             // At most `limits.buffer_bytes`.
             let mut texels = vec![0; bytes as usize];
             reader.next_frame(&mut texels).map_err(with_file)?;
+            // What is left must be whole too: checksums and the end chunk.
+            reader.finish().map_err(with_file)?;
             whole = Some(texels);
         }
         Ok(Self {
             reader,
             info,
             context,
+            said,
             given: 0,
             whole,
         })
@@ -90,6 +97,10 @@ impl<R: BufRead + Seek> PngRows<R> {
 impl<R: BufRead + Seek> RowSource for PngRows<R> {
     fn info(&self) -> SourceInfo {
         self.info
+    }
+
+    fn colour_note(&self) -> Option<String> {
+        self.said.note()
     }
 
     fn next_row(&mut self, row: &mut [u8]) -> Result<(), BuildError> {
@@ -108,7 +119,6 @@ impl<R: BufRead + Seek> RowSource for PngRows<R> {
         }
         self.given += 1;
         if self.given == self.info.height && self.whole.is_none() {
-            // What is left must be whole too: checksums and the end chunk.
             self.reader
                 .finish()
                 .map_err(|error| decode_error(&self.context, error))?;

@@ -13,8 +13,6 @@ pub(super) struct Header {
     pub sampling: Vec<(u32, u32)>,
     /// One scan holds everything, row by row. Otherwise the coefficients of the whole map must be held.
     pub in_strips: bool,
-    /// Where the first scan's data begin, bytes.
-    pub scan_start: u64,
 }
 
 impl Header {
@@ -76,9 +74,6 @@ pub(super) fn read_header<R: BufRead + Seek>(
                 };
                 let components = scan.first().copied().map_or(0, usize::from);
                 header.in_strips = !is_progressive && components == header.sampling.len();
-                header.scan_start = reader
-                    .stream_position()
-                    .map_err(|error| context.unreadable(error))?;
                 return Ok(header);
             }
             _ => {
@@ -125,7 +120,6 @@ fn frame(segment: &[u8], context: &FileContext) -> Result<Header, BuildError> {
         height: u32::from(u16::from_be_bytes([*h0, *h1])),
         sampling,
         in_strips: false,
-        scan_start: 0,
     })
 }
 

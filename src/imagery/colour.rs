@@ -1,0 +1,211 @@
+//! What a file says of its colours and of how its texels lie, beside the texels: gamma, colour profiles, orientation.
+//!
+//! Colours are drawn as sRGB. Others are not converted; they are told, so that nobody takes them for what they are not.
+//! Sources: PNG (W3C, third edition) 11.3.2, ICC.1:2022 (7.2, 8.3, 10.6, 10.18), Exif 2.32 (4.5.4).
+
+/// What a file says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Said {
+    /// How its colours differ from sRGB, if they do.
+    pub colours: Option<String>,
+    /// How its texels lie: 1…8, 1 as they are drawn.
+    pub orientation: Option<u16>,
+}
+
+impl Said {
+    /// How the texels are turned, if they are, in words that follow "is stored".
+    pub fn turned(&self) -> Option<&'static str> {
+        Some(match self.orientation? {
+            2 => "mirrored",
+            3 => "upside down",
+            4 => "mirrored and upside down",
+            5..=8 => "on its side",
+            _ => return None,
+        })
+    }
+
+    /// The note on its colours.
+    pub fn note(&self) -> Option<String> {
+        let colours = self.colours.as_ref()?;
+        Some(format!(
+            "has {colours}; it is drawn as if it were sRGB: convert it (`magick IN -profile sRGB.icc OUT`) for true colours"
+        ))
+    }
+
+    /// Of a PNG, by the most exact of its chunks.
+    pub fn of_png(info: &png::Info<'_>) -> Self {
+        let exif = info.exif_metadata.as_deref();
+        Self {
+            colours: png_colours(info),
+            orientation: exif.and_then(exif_orientation),
+        }
+    }
+
+    /// Of the Exif data and the colour profile of a JPEG or TIFF.
+    pub fn of_parts(exif: Option<&[u8]>, profile: Option<&[u8]>) -> Self {
+        Self {
+            colours: profile.and_then(foreign_profile),
+            orientation: exif.and_then(exif_orientation),
+        }
+    }
+}
+
+fn png_colours(info: &png::Info<'_>) -> Option<String> {
+    if let Some(code) = &info.coding_independent_code_points {
+        let (primaries, transfer) = (code.color_primaries, code.transfer_function);
+        // BT.709 and sRGB (H.273, tables 2 and 3).
+        return ((primaries, transfer) != (1, 13))
+            .then(|| format!("colours of the code points {primaries} and {transfer}"));
+    }
+    if let Some(profile) = info.icc_profile.as_deref() {
+        return foreign_profile(profile);
+    }
+    if info.srgb.is_some() {
+        return None;
+    }
+    let gamma = info.gama_chunk.map(|gamma| gamma.into_value());
+    // sRGB is near a gamma of 1 / 2.2.
+    if let Some(gamma) = gamma.filter(|gamma| (gamma * 2.2 - 1.0).abs() > 0.05) {
+        return Some(format!("a gamma of {gamma:.3} where sRGB has about 0.455"));
+    }
+    let chromaticities = info.chrm_chunk?;
+    let far = |(x, y): (png::ScaledFloat, png::ScaledFloat), to: (f32, f32)| {
+        (x.into_value() - to.0).abs() > 0.01 || (y.into_value() - to.1).abs() > 0.01
+    };
+    let is_foreign = far(chromaticities.red, (0.64, 0.33))
+        || far(chromaticities.green, (0.30, 0.60))
+        || far(chromaticities.blue, (0.15, 0.06))
+        || far(chromaticities.white, (0.3127, 0.3290));
+    is_foreign.then(|| "primaries other than those of sRGB".to_string())
+}
+
+/// The name of a colour profile that is not sRGB's, in words.
+fn foreign_profile(profile: &[u8]) -> Option<String> {
+    let tags = Tags(profile);
+    let is_srgb = match profile.get(16..20) {
+        Some(b"GRAY") => tags.is_near_srgb_curve(b"kTRC"),
+        Some(b"RGB ") => {
+            // Red, green and blue of sRGB as a display profile has them, adapted to D50.
+            tags.is_near_colorant(b"rXYZ", [0.4361, 0.2225, 0.0139])
+                && tags.is_near_colorant(b"gXYZ", [0.3851, 0.7169, 0.0971])
+                && tags.is_near_colorant(b"bXYZ", [0.1431, 0.0606, 0.7141])
+                && [b"rTRC", b"gTRC", b"bTRC"].iter().all(|name| tags.is_near_srgb_curve(name))
+        }
+        _ => false,
+    };
+    (!is_srgb).then(|| match tags.description() {
+        Some(name) => format!("the colour profile {name:?}"),
+        None => "a colour profile without a name".to_string(),
+    })
+}
+
+/// Tags of a colour profile.
+struct Tags<'a>(&'a [u8]);
+
+impl<'a> Tags<'a> {
+    /// The contents of a tag.
+    fn find(&self, name: &[u8; 4]) -> Option<&'a [u8]> {
+        let number = |at: usize| Some(u32::from_be_bytes(*self.0.get(at..)?.first_chunk()?) as usize);
+        // A profile has some ten tags.
+        let count = number(128)?.min(256);
+        (0..count).find_map(|n| {
+            let entry = 132 + 12 * n;
+            let is_named = self.0.get(entry..entry + 4)? == name;
+            let (start, length) = (number(entry + 4)?, number(entry + 8)?);
+            is_named.then(|| self.0.get(start..start.checked_add(length)?))?
+        })
+    }
+
+    fn is_near_colorant(&self, name: &[u8; 4], known: [f64; 3]) -> bool {
+        let found = self.find(name).unwrap_or_default();
+        (0..3).zip(known).all(|(n, known)| {
+            fixed(found, 8 + 4 * n).is_some_and(|value| (value - known).abs() < 0.01)
+        })
+    }
+
+    /// Whether a curve takes one half to nearly what sRGB's takes it to.
+    fn is_near_srgb_curve(&self, name: &[u8; 4]) -> bool {
+        let half = self.find(name).and_then(light_of_half);
+        half.is_some_and(|light| (light - 0.214).abs() < 0.01)
+    }
+
+    /// What the profile calls itself, at most 60 characters.
+    fn description(&self) -> Option<String> {
+        let tag = self.find(b"desc")?;
+        let number = |at: usize| Some(u32::from_be_bytes(*tag.get(at..)?.first_chunk()?) as usize);
+        let text = match tag.first_chunk()? {
+            b"mluc" => {
+                let (length, start) = (number(20)?, number(24)?);
+                let (units, _) = tag.get(start..start.checked_add(length)?)?.as_chunks::<2>();
+                let units: Vec<u16> = units.iter().map(|unit| u16::from_be_bytes(*unit)).collect();
+                String::from_utf16_lossy(&units)
+            }
+            b"desc" => {
+                let length = number(8)?;
+                String::from_utf8_lossy(tag.get(12..12_usize.checked_add(length)?)?).into_owned()
+            }
+            _ => return None,
+        };
+        let name: String = text.trim_matches(['\0', ' ']).chars().take(60).collect();
+        (!name.is_empty()).then_some(name)
+    }
+}
+
+/// An s15Fixed16Number.
+fn fixed(bytes: &[u8], at: usize) -> Option<f64> {
+    let bits = i32::from_be_bytes(*bytes.get(at..)?.first_chunk()?);
+    Some(f64::from(bits) / 65_536.0)
+}
+
+/// The light, 0…1, that a curve gives one half.
+fn light_of_half(curve: &[u8]) -> Option<f64> {
+    let short = |at: usize| Some(u16::from_be_bytes(*curve.get(at..)?.first_chunk()?));
+    match curve.first_chunk()? {
+        b"curv" => {
+            let count = u32::from_be_bytes(*curve.get(8..)?.first_chunk()?) as usize;
+            match count {
+                0 => Some(0.5),
+                1 => Some(0.5_f64.powf(f64::from(short(12)?) / 256.0)),
+                // The entry in the middle, of an even number the one after it.
+                _ => Some(f64::from(short(12_usize.checked_add(count / 2 * 2)?)?) / 65_535.0),
+            }
+        }
+        // Y = (a X + b)^g, plus c or e in some forms, where X is not below d.
+        b"para" => {
+            let number = |n: usize| fixed(curve, 12 + 4 * n);
+            let (gamma, kind) = (number(0)?, short(8)?);
+            let (a, b) = match kind {
+                0 => (1.0, 0.0),
+                _ => (number(1)?, number(2)?),
+            };
+            let added = match kind {
+                2 => number(3)?,
+                4 => number(5)?,
+                _ => 0.0,
+            };
+            Some((a * 0.5 + b).powf(gamma) + added)
+        }
+        _ => None,
+    }
+}
+
+/// The orientation in Exif data, which are a TIFF without a picture.
+fn exif_orientation(exif: &[u8]) -> Option<u16> {
+    const ORIENTATION: u16 = 274;
+    let is_big = match exif.first_chunk()? {
+        b"MM\0\x2a" => true,
+        b"II\x2a\0" => false,
+        _ => return None,
+    };
+    let short = |at: usize| {
+        let bytes = *exif.get(at..)?.first_chunk()?;
+        Some(if is_big { u16::from_be_bytes(bytes) } else { u16::from_le_bytes(bytes) })
+    };
+    let bytes = *exif.get(4..)?.first_chunk()?;
+    let start = if is_big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) } as usize;
+    let count = usize::from(short(start)?);
+    (0..count).find_map(|n| {
+        let entry = start.checked_add(2 + 12 * n)?;
+        (short(entry)? == ORIENTATION).then(|| short(entry + 8))?
+    })
+}
