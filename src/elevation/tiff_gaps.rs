@@ -105,10 +105,7 @@ impl TiffMask {
         Ok(None)
     }
 
-    fn new(
-        tags: &mut IfdDecoder<'_>,
-        (columns, rows): (u32, u32),
-    ) -> Result<Self, TiffGapError> {
+    fn new(tags: &mut IfdDecoder<'_>, (columns, rows): (u32, u32)) -> Result<Self, TiffGapError> {
         let refused = |what: String| Err(TiffGapError::Mask(what));
         let mut number = |tag, usual: u32| -> Result<u32, TiffGapError> {
             Ok(tags.find_tag_unsigned::<u32>(tag)?.unwrap_or(usual))
@@ -287,9 +284,7 @@ impl TiffMask {
 }
 
 /// All directories behind the first, and those that the first names as its own.
-fn directories<R: Read + Seek>(
-    decoder: &mut Decoder<R>,
-) -> Result<Vec<IfdPointer>, TiffGapError> {
+fn directories<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Vec<IfdPointer>, TiffGapError> {
     let own = decoder.find_tag(Tag::SubIfd)?;
     // Of a kind that is no directory, they are not looked at: no reader would follow them.
     let mut found = own.map_or_else(Vec::new, |own| own.into_ifd_vec().unwrap_or_default());

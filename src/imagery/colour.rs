@@ -89,7 +89,9 @@ fn foreign_profile(profile: &[u8]) -> Option<String> {
             tags.is_near_colorant(b"rXYZ", [0.4361, 0.2225, 0.0139])
                 && tags.is_near_colorant(b"gXYZ", [0.3851, 0.7169, 0.0971])
                 && tags.is_near_colorant(b"bXYZ", [0.1431, 0.0606, 0.7141])
-                && [b"rTRC", b"gTRC", b"bTRC"].iter().all(|name| tags.is_near_srgb_curve(name))
+                && [b"rTRC", b"gTRC", b"bTRC"]
+                    .iter()
+                    .all(|name| tags.is_near_srgb_curve(name))
         }
         _ => false,
     };
@@ -105,7 +107,8 @@ struct Tags<'a>(&'a [u8]);
 impl<'a> Tags<'a> {
     /// The contents of a tag.
     fn find(&self, name: &[u8; 4]) -> Option<&'a [u8]> {
-        let number = |at: usize| Some(u32::from_be_bytes(*self.0.get(at..)?.first_chunk()?) as usize);
+        let number =
+            |at: usize| Some(u32::from_be_bytes(*self.0.get(at..)?.first_chunk()?) as usize);
         // A profile has some ten tags.
         let count = number(128)?.min(256);
         (0..count).find_map(|n| {
@@ -199,10 +202,18 @@ fn exif_orientation(exif: &[u8]) -> Option<u16> {
     };
     let short = |at: usize| {
         let bytes = *exif.get(at..)?.first_chunk()?;
-        Some(if is_big { u16::from_be_bytes(bytes) } else { u16::from_le_bytes(bytes) })
+        Some(if is_big {
+            u16::from_be_bytes(bytes)
+        } else {
+            u16::from_le_bytes(bytes)
+        })
     };
     let bytes = *exif.get(4..)?.first_chunk()?;
-    let start = if is_big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) } as usize;
+    let start = if is_big {
+        u32::from_be_bytes(bytes)
+    } else {
+        u32::from_le_bytes(bytes)
+    } as usize;
     let count = usize::from(short(start)?);
     (0..count).find_map(|n| {
         let entry = start.checked_add(2 + 12 * n)?;

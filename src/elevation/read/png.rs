@@ -63,12 +63,17 @@ impl<R: BufRead + Seek> Png<R> {
         }
         let is_little = is_short.then_some(byte_order == Some(ByteOrder::Little));
         // The one level that a grey PNG may call transparent.
-        let transparent = info.trns.as_deref().and_then(|level| match (level, is_little) {
-            ([low, high, ..], Some(true)) => Some(f64::from(u16::from_le_bytes([*low, *high]))),
-            ([high, low, ..], Some(false)) => Some(f64::from(u16::from_be_bytes([*high, *low]))),
-            ([level], None) => Some(f64::from(*level)),
-            _ => None,
-        });
+        let transparent = info
+            .trns
+            .as_deref()
+            .and_then(|level| match (level, is_little) {
+                ([low, high, ..], Some(true)) => Some(f64::from(u16::from_le_bytes([*low, *high]))),
+                ([high, low, ..], Some(false)) => {
+                    Some(f64::from(u16::from_be_bytes([*high, *low])))
+                }
+                ([level], None) => Some(f64::from(*level)),
+                _ => None,
+            });
         let header = Header {
             columns,
             rows,

@@ -277,7 +277,11 @@ pub(super) fn opaque_part(kind: SampleKind, bytes: &[u8], index: usize) -> f32 {
         SampleKind::F32 => 1.0,
     };
     let part = sample(kind, bytes, index) / full;
-    if part.is_nan() { 0.0 } else { part.clamp(0.0, 1.0) }
+    if part.is_nan() {
+        0.0
+    } else {
+        part.clamp(0.0, 1.0)
+    }
 }
 
 /// Luminance weights of ITU-R BT.709, on values as they are stored.

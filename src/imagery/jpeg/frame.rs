@@ -72,7 +72,10 @@ impl Frame {
             .map(|[_, factors, _]| (u32::from(factors >> 4), u32::from(factors & 15)))
             .collect::<Vec<_>>();
         let is_factor = |factor: u32| (1..=4).contains(&factor);
-        if sampling.iter().any(|(h, v)| !is_factor(*h) || !is_factor(*v)) {
+        if sampling
+            .iter()
+            .any(|(h, v)| !is_factor(*h) || !is_factor(*v))
+        {
             return Err(wrong());
         }
         let most = sampling
@@ -119,7 +122,9 @@ impl Component {
         let before = (band.high > 0).then_some(band.high);
         let bits = &mut self.low_bits[usize::from(band.first)..=usize::from(band.last)];
         if bits.iter().any(|bits| *bits != before) {
-            return Err(Fault::damaged("a scan comes twice, or before those it refines"));
+            return Err(Fault::damaged(
+                "a scan comes twice, or before those it refines",
+            ));
         }
         bits.fill(Some(band.low));
         Ok(())

@@ -138,7 +138,10 @@ impl Scan {
         let mut unit = 0_u32;
         for row in 0..units.1 {
             for column in 0..units.0 {
-                if self.restart_interval > 0 && unit > 0 && unit.is_multiple_of(self.restart_interval) {
+                if self.restart_interval > 0
+                    && unit > 0
+                    && unit.is_multiple_of(self.restart_interval)
+                {
                     cursor.restart(unit / self.restart_interval - 1)?;
                 }
                 unit += 1;

@@ -37,7 +37,9 @@ fn whole_pictures_pass() {
         assert_eq!(said(&[bytes, b"\0\0rubbish"].concat()), "");
     }
     for name in ["day.jpg", "moon.jpg", "milky_way.jpg"] {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("textures").join(name);
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("textures")
+            .join(name);
         assert_eq!(said(&std::fs::read(path).expect("a map")), "", "{name}");
     }
 }
@@ -78,13 +80,21 @@ fn a_progressive_picture_without_its_last_scans_is_found() {
 fn what_is_too_much_or_out_of_order_is_found() {
     let end = BASELINE.len() - 2;
     let more = [&BASELINE[..end], &[0x12, 0x34], &END].concat();
-    assert!(said(&more).contains("do not end with their last block"), "{}", said(&more));
+    assert!(
+        said(&more).contains("do not end with their last block"),
+        "{}",
+        said(&more)
+    );
     let first = (scan_start(RESTARTS)..RESTARTS.len())
         .find(|at| RESTARTS[*at..at + 2] == [0xFF, 0xD0])
         .expect("a restart marker");
     let mut other = RESTARTS.to_vec();
     other[first + 1] = 0xD3;
-    assert!(said(&other).contains("restart marker 0"), "{}", said(&other));
+    assert!(
+        said(&other).contains("restart marker 0"),
+        "{}",
+        said(&other)
+    );
     // The stretch between two markers is gone.
     let second = (first..RESTARTS.len())
         .find(|at| RESTARTS[*at..at + 2] == [0xFF, 0xD1])
@@ -108,7 +118,9 @@ fn no_bytes_make_it_panic_or_take_long() {
             for _ in 0..1 + next() % 4 {
                 let at = next() as usize % spoilt.len();
                 // The size in the header is checked before this.
-                let frame = bytes.windows(2).position(|pair| matches!(pair, [0xFF, 0xC0 | 0xC2]));
+                let frame = bytes
+                    .windows(2)
+                    .position(|pair| matches!(pair, [0xFF, 0xC0 | 0xC2]));
                 if frame.is_none_or(|frame| !(frame..frame + 9).contains(&at)) {
                     spoilt[at] = next() as u8;
                 }

@@ -376,7 +376,10 @@ mod tests {
         };
         // Eight rows, as TMS counts them.
         assert_eq!(south.file(3, 7), Path::new("t/7/4.png"));
-        assert_eq!((south.file(0, 0), south.file(7, 1)), ("t/0/7.png".into(), "t/1/0.png".into()));
+        assert_eq!(
+            (south.file(0, 0), south.file(7, 1)),
+            ("t/0/7.png".into(), "t/1/0.png".into())
+        );
         assert_eq!((place.north_deg, place.column_deg), (90.0, 45.0 / 256.0));
         assert_eq!(set.size(), (2048, 512));
     }

@@ -32,11 +32,7 @@ pub struct Stated {
 }
 
 /// Where a file of so many texels lies.
-pub(super) fn place_of(
-    path: &Path,
-    stated: Stated,
-    size: (u32, u32),
-) -> Result<Place, BuildError> {
+pub(super) fn place_of(path: &Path, stated: Stated, size: (u32, u32)) -> Result<Place, BuildError> {
     let context = FileContext::new(path);
     let found = match stated.bounds {
         Some(bounds) => {
@@ -91,7 +87,10 @@ fn of_file(
     let refused = |complaint: String| context.refused(complaint, ADVICE);
     let file = File::open(path).map_err(|error| context.unreadable(error))?;
     let tags = tags_of(BufReader::new(file));
-    let said = match tags.system().map_err(|system| refused(in_other_system(&system)))? {
+    let said = match tags
+        .system()
+        .map_err(|system| refused(in_other_system(&system)))?
+    {
         Some(system) => Some(system),
         None => of_text(path)?.map(system_of),
     };
@@ -213,7 +212,9 @@ fn of_text(path: &Path) -> Result<Option<Crs>, BuildError> {
         return Ok(None);
     }
     let text = text_of(&aux, 16 * MAX_WKT_BYTES)?;
-    let system = text.split_once("<SRS").and_then(|(_, rest)| rest.split_once('>'));
+    let system = text
+        .split_once("<SRS")
+        .and_then(|(_, rest)| rest.split_once('>'));
     let system = system.and_then(|(_, rest)| rest.split_once("</SRS>"));
     let system = system.map(|(text, _)| text.replace("&quot;", "\""));
     system.map(|text| crs_in(&aux, &text)).transpose()

@@ -39,9 +39,7 @@ impl Piece {
         let raster = open(part, description, limits)?;
         let info = raster.info();
         let place = match &part.from {
-            PartSource::File(path, stated) => {
-                place_of(path, *stated, (info.width, info.height))?
-            },
+            PartSource::File(path, stated) => place_of(path, *stated, (info.width, info.height))?,
             PartSource::Tiles(_, place) => *place,
         };
         if part.encoding.is_some()

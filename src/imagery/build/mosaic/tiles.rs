@@ -48,7 +48,9 @@ impl TileSet {
         let south_row = (self.grid_rows - 1).saturating_sub(row);
         let fill = |text: String, words: &[&str], number: u32| {
             let number = number.to_string();
-            words.iter().fold(text, |text, word| text.replace(word, &number))
+            words
+                .iter()
+                .fold(text, |text, word| text.replace(word, &number))
         };
         let text = self.path.to_string_lossy().into_owned();
         let text = fill(text, &COLUMN_WORDS, column);

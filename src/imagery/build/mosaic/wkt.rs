@@ -41,7 +41,9 @@ const WEB_MERCATOR_CODES: [u32; 5] = [3857, 3785, 900_913, 102_100, 102_113];
 /// # Errors
 /// What is wrong with it: no text of that kind, or another system than EPSG:4326 or its like and EPSG:3857.
 pub(super) fn crs_of(text: &str) -> Result<Crs, String> {
-    let root = Reader { rest: text }.node(0).ok_or("is no well-known text")?;
+    let root = Reader { rest: text }
+        .node(0)
+        .ok_or("is no well-known text")?;
     let other = || {
         let name: String = root.name().chars().take(NAME_CHARS).collect();
         format!("names the coordinate system {name:?}")
@@ -55,7 +57,8 @@ pub(super) fn crs_of(text: &str) -> Result<Crs, String> {
             is_mercator.then_some(Crs::WebMercator).ok_or_else(other)
         }
         "GEOGCS" | "GEOGCRS" | "GEOGRAPHICCRS" | "GEODCRS" | "GEODETICCRS" => {
-            root.check_geographic().map_err(|why| format!("{}, {why}", other()))?;
+            root.check_geographic()
+                .map_err(|why| format!("{}, {why}", other()))?;
             Ok(Crs::Geographic)
         }
         _ => Err(other()),
@@ -77,7 +80,9 @@ impl Node {
     }
 
     fn child(&self, words: &[&str]) -> Option<&Self> {
-        self.nodes.iter().find(|node| words.contains(&node.word.as_str()))
+        self.nodes
+            .iter()
+            .find(|node| words.contains(&node.word.as_str()))
     }
 
     /// Its own code in a registry.
@@ -104,7 +109,10 @@ impl Node {
         if meridian.is_some_and(|meridian| meridian.number(1) != Some(0.0)) {
             return Err("whose longitudes do not begin at Greenwich".to_string());
         }
-        let axes = self.nodes.iter().find_map(|node| node.child(&["ANGLEUNIT"]));
+        let axes = self
+            .nodes
+            .iter()
+            .find_map(|node| node.child(&["ANGLEUNIT"]));
         let unit = self.child(&["UNIT", "ANGLEUNIT"]).or(axes);
         let is_degree = |unit: &Self| {
             let size = unit.number(1);

@@ -7,8 +7,8 @@ mod sof;
 mod tiff;
 
 use super::error::BuildError;
-use crate::imagery::colour::Said;
 use crate::elevation::read::first_bytes;
+use crate::imagery::colour::Said;
 pub(super) use geo::{TagGrid, in_other_system};
 use std::fmt;
 use std::fs::File;
@@ -190,7 +190,10 @@ impl FileContext {
         match said.turned() {
             None => Ok(()),
             Some(how) => Err(self.refused(
-                format!("is stored {how} (orientation {})", said.orientation.unwrap_or_default()),
+                format!(
+                    "is stored {how} (orientation {})",
+                    said.orientation.unwrap_or_default()
+                ),
                 "turn its texels (`magick IN -auto-orient OUT`)",
             )),
         }

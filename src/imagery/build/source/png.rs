@@ -1,7 +1,8 @@
 //! PNG maps: grey, palette and colour of 8 or 16 bits.
 
 use super::{
-    Extent, FileContext, FileKind, Opacity, RowSource, SampleKind, SourceInfo, SourceLimits, check_size,
+    Extent, FileContext, FileKind, Opacity, RowSource, SampleKind, SourceInfo, SourceLimits,
+    check_size,
 };
 use crate::imagery::build::error::BuildError;
 use crate::imagery::colour::Said;

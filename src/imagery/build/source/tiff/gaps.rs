@@ -80,7 +80,13 @@ impl Gaps {
     }
 
     /// Takes away the texels all of whose colours are the no-data number.
-    pub fn take_no_data(&mut self, kind: SampleKind, stored: &[u8], channels: usize, colours: usize) {
+    pub fn take_no_data(
+        &mut self,
+        kind: SampleKind,
+        stored: &[u8],
+        channels: usize,
+        colours: usize,
+    ) {
         let Some(no_data) = self.no_data else {
             return;
         };
@@ -100,7 +106,9 @@ fn no_data<R: Read + Seek>(
     let Some(found) = found.map_err(|error| decode_error(context, error))? else {
         return Ok(None);
     };
-    let text = found.into_string().map_err(|error| decode_error(context, error))?;
+    let text = found
+        .into_string()
+        .map_err(|error| decode_error(context, error))?;
     let number = text.trim_matches(['\0', ' ', '\n']).parse::<f64>();
     match number {
         // Samples have at most 32 bits.

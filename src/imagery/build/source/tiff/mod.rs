@@ -71,7 +71,9 @@ impl Stored {
         let with_file = |error| decode_error(context, error);
         let colour = decoder.colortype().map_err(with_file)?;
         let extra = decoder.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples);
-        let extra = extra.map_err(with_file)?.and_then(|extra| extra.first().copied());
+        let extra = extra
+            .map_err(with_file)?
+            .and_then(|extra| extra.first().copied());
         let (channels, bits) = match colour {
             ColorType::Gray(bits) => (1, bits),
             ColorType::GrayA(bits) => (2, bits),
@@ -135,9 +137,15 @@ fn palette<R: BufRead + Seek>(
         return Err(context.damaged(format!("a palette of {} numbers", map.len())));
     }
     // Colours have 16 bits; some old writers gave 8.
-    let shift = if map.iter().all(|value| *value < 256) { 0 } else { 8 };
+    let shift = if map.iter().all(|value| *value < 256) {
+        0
+    } else {
+        8
+    };
     let at = |n: usize| (map[n] >> shift) as u8;
-    Ok((0..256).map(|n| [at(n), at(256 + n), at(512 + n)]).collect())
+    Ok((0..256)
+        .map(|n| [at(n), at(256 + n), at(512 + n)])
+        .collect())
 }
 
 impl Chunks {
@@ -191,7 +199,8 @@ impl<R: BufRead + Seek> TiffRows<R> {
             .saturating_mul(texel_bytes);
         let row_bytes = u64::from(width) * u64::from(chunks.rows.min(height)) * texel_bytes;
         let needed = row_bytes.saturating_add(chunk_bytes.saturating_mul(2));
-        let check = |needed: u64| match needed > limits.buffer_bytes {
+        let check = |needed: u64| {
+            match needed > limits.buffer_bytes {
             true => Err(context.too_large(
                 "a row of its strips or tiles",
                 needed,
@@ -199,6 +208,7 @@ impl<R: BufRead + Seek> TiffRows<R> {
                 "rewrite it with smaller ones (`gdal_translate -co TILED=YES` or `tiffcp -r 16`) or allow more --memory",
             )),
             false => Ok(()),
+        }
         };
         check(needed)?;
         let mut decoder_limits = Limits::default();
@@ -221,8 +231,8 @@ impl<R: BufRead + Seek> TiffRows<R> {
             (Some(_), _) => 3,
             (None, channels) => channels,
         };
-        let opacity = Opacity::of_channels(colours)
-            .or(gaps.are_possible().then_some(Opacity::Mask));
+        let opacity =
+            Opacity::of_channels(colours).or(gaps.are_possible().then_some(Opacity::Mask));
         Ok(Self {
             decoder,
             info: SourceInfo {
@@ -246,7 +256,11 @@ impl<R: BufRead + Seek> TiffRows<R> {
 
     /// Reads the row of strips or tiles from this row of texels on.
     fn read_chunks(&mut self, first_row: u32) -> Result<(), BuildError> {
-        let planes = if self.stored.is_planar { self.stored.channels } else { 1 };
+        let planes = if self.stored.is_planar {
+            self.stored.channels
+        } else {
+            1
+        };
         let first_chunk = first_row / self.chunks.rows * self.chunks.across;
         for place in 0..self.chunks.across {
             for plane in 0..planes {
@@ -321,7 +335,9 @@ impl<R: BufRead + Seek> TiffRows<R> {
             let place = (first_chunk, self.chunks.columns);
             self.gaps
                 .look(&mut self.decoder, self.given, place, &self.context)?;
-            let Stored { channels, sample, .. } = self.stored;
+            let Stored {
+                channels, sample, ..
+            } = self.stored;
             let colours = channels - usize::from(matches!(channels, 2 | 4));
             self.gaps.take_no_data(sample, stored, channels, colours);
         } else if self.stored.palette.is_none() {
@@ -398,9 +414,8 @@ fn short_chunk<R: BufRead + Seek>(
         *length < row_bytes * u64::from(rows) && !gaps.is_absent(*n)
     };
     let short = (0_u32..).zip(lengths.unwrap_or_default()).find(is_short);
-    Ok(short.map(|(n, length)| {
-        format!("strip or tile {n} has {length} bytes, fewer than its texels")
-    }))
+    Ok(short
+        .map(|(n, length)| format!("strip or tile {n} has {length} bytes, fewer than its texels")))
 }
 
 impl<R: BufRead + Seek> RowSource for TiffRows<R> {
