@@ -1,7 +1,8 @@
 //! `terrella frame`
 
+use super::interruption::do_first;
 use super::picture_args::PictureArgs;
-use super::progress::{Bars, stop_on_interrupt, stop_on_interrupt_with};
+use super::progress::Bars;
 use super::values;
 use super::{Cli, Common, load};
 use clap::error::ErrorKind;
@@ -71,7 +72,7 @@ pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
     refuse_conflicts(args, common);
     let flight = Flight::open(load(&args.scene, args.strict)?)?;
     if let Some(simulation) = flight.simulation() {
-        stop_on_interrupt_with(Some(simulation.stopper()));
+        do_first(simulation.stopper());
     }
     let bars = Bars::new(common.quiet);
     if args.renderer == Renderer::Gpu {
@@ -106,7 +107,6 @@ pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
         output: &args.output,
         stats: args.stats.as_deref(),
     };
-    stop_on_interrupt();
     Ok(write_reference_still(&flight, &request, &bars)?)
 }
 

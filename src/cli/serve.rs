@@ -1,6 +1,7 @@
 //! `terrella serve`
 
-use super::progress::{Bars, stop_on_interrupt_with};
+use super::interruption::{do_first, stop_by_itself};
+use super::progress::Bars;
 use super::values;
 use super::{Common, load};
 use clap::Args;
@@ -58,7 +59,11 @@ pub fn simulation_scene(
 pub fn run(args: &ServeArgs, common: &Common) -> anyhow::Result<()> {
     let scene = simulation_scene(args.scene.as_deref(), args.listen.as_ref(), false)?;
     let flight = Flight::open(scene)?;
-    stop_on_interrupt_with(flight.simulation().map(|one| one.stopper()));
+    // Whoever waits is answered before the program ends.
+    if let Some(simulation) = flight.simulation() {
+        do_first(simulation.stopper());
+    }
+    stop_by_itself();
     let bars = Bars::new(common.quiet);
     let request = ServeRequest {
         adapter: common.adapter.as_deref(),

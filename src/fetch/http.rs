@@ -5,6 +5,7 @@
 
 use super::address::{joined, may_follow};
 use super::error::FetchError;
+use crate::files;
 use std::io::{ErrorKind, Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -264,10 +265,8 @@ fn certificates(path: &Path) -> Result<Vec<Certificate<'static>>, FetchError> {
         option: "--ca",
         cause: format!("{}: {cause}", path.display()),
     };
-    let mut pem = Vec::new();
-    std::fs::File::open(path)
-        .and_then(|file| file.take(MAX_PEM_BYTES).read_to_end(&mut pem))
-        .map_err(|error| wrong(error.to_string()))?;
+    let pem = files::read(path, MAX_PEM_BYTES).map_err(|error| wrong(error.to_string()))?;
+    let pem = pem.ok_or_else(|| wrong(format!("has more than {MAX_PEM_BYTES} bytes")))?;
     let mut found = Vec::new();
     for item in parse_pem(&pem) {
         match item.map_err(|error| wrong(error.to_string()))? {

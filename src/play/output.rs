@@ -4,6 +4,7 @@
 //! never holds half of it, whatever stops the program. The temporary file is made before anything is drawn: a folder
 //! that cannot be written to is found at once and not after an hour.
 
+use crate::files::Unfinished;
 use image::{ImageEncoder, RgbaImage};
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -114,6 +115,7 @@ impl OutputError {
 pub struct PendingFile {
     temporary: TempPath,
     target: PathBuf,
+    _unfinished: Unfinished,
 }
 
 impl PendingFile {
@@ -174,15 +176,16 @@ impl PendingFile {
         }
         let mut builder = tempfile::Builder::new();
         builder.prefix(prefix).suffix(".part");
-        // Not the 0600 of a secret: what any new file gets under the user's mask.
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let temporary = builder
-            .tempfile_in(folder)
-            .map_err(|source| OutputError::write(target, source))?;
+        // Made by hand for the rights of any new file: those of the crate are for secrets.
+        let made = builder.make_in(folder, |path| {
+            Unfinished::create(path, |path| File::create_new(path))
+        });
+        let made = made.map_err(|source| OutputError::write(target, source))?;
+        let ((_, unfinished), temporary) = made.into_parts();
         Ok(Self {
-            temporary: temporary.into_temp_path(),
+            temporary,
             target: target.into(),
+            _unfinished: unfinished,
         })
     }
 
@@ -224,7 +227,11 @@ impl PendingFile {
 
     /// Gives the complete file its name, replacing what had it.
     pub fn commit(self) -> Result<(), OutputError> {
-        let Self { temporary, target } = self;
+        let Self {
+            temporary,
+            target,
+            _unfinished,
+        } = self;
         temporary
             .persist(&target)
             .map_err(|error| OutputError::write(&target, error.error))

@@ -48,9 +48,9 @@ mod text;
 mod time;
 mod tracks;
 
+use crate::files;
 use error::MAX_FILE_BYTES;
 use std::collections::BTreeMap;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use text::SceneText;
@@ -111,31 +111,20 @@ impl Scene {
     /// A file that cannot be read, has more than [`Self::MAX_FILE_BYTES`], is not UTF-8, or holds anything
     /// that [`Scene::from_toml`] refuses.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
-        let unreadable = |source| SceneError::Read {
-            path: path.to_owned(),
-            source,
+        let unreadable = |source: std::io::Error| match source.kind() {
+            std::io::ErrorKind::IsADirectory => SceneError::Folder {
+                path: path.to_owned(),
+            },
+            _ => SceneError::Read {
+                path: path.to_owned(),
+                source,
+            },
         };
         let too_large = || SceneError::TooLarge {
             path: path.to_owned(),
         };
-        let file = std::fs::File::open(path).map_err(unreadable)?;
-        let found = file.metadata().map_err(unreadable)?;
-        if found.is_dir() {
-            return Err(SceneError::Folder {
-                path: path.to_owned(),
-            });
-        }
-        if found.len() > MAX_FILE_BYTES {
-            return Err(too_large());
-        }
-        // The length is not to be trusted (a pipe has none, a file may grow), so the reading is bounded too.
-        let mut bytes = Vec::new();
-        file.take(MAX_FILE_BYTES + 1)
-            .read_to_end(&mut bytes)
-            .map_err(unreadable)?;
-        if bytes.len() as u64 > MAX_FILE_BYTES {
-            return Err(too_large());
-        }
+        let bytes = files::read(path, MAX_FILE_BYTES).map_err(unreadable)?;
+        let bytes = bytes.ok_or_else(too_large)?;
         let text = std::str::from_utf8(&bytes).map_err(|error| {
             let good = bytes.iter().take(error.valid_up_to());
             SceneError::NotUtf8 {

@@ -24,6 +24,7 @@ pub use error::HeightFileError;
 pub use sidecar::{ByteOrder, HeightUnit, MAX_SIDECAR_BYTES, Sidecar, SidecarGeoreference};
 
 use super::{Denoise, Denoised, Georeference, GridError, GridLimits, HeightGrid};
+use crate::files;
 use error::FileContext;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, ErrorKind, Read, Seek};
@@ -94,11 +95,7 @@ impl HeightReader<BufReader<File>> {
     /// Looks at a file, and at its sidecar if there is one.
     pub(super) fn open(path: &Path) -> Result<Self, HeightFileError> {
         let context = FileContext::new(path);
-        let file = File::open(path).map_err(|error| context.unreadable(error))?;
-        let metadata = file.metadata().map_err(|error| context.unreadable(error))?;
-        if !metadata.is_file() {
-            return Err(context.refused("is no file", "a GeoTIFF, PNG or NetCDF file", "give one"));
-        }
+        let file = files::open(path).map_err(|error| context.unreadable(error))?;
         let sidecar = read_sidecar(&path.with_extension("toml"))?;
         let reader = BufReader::with_capacity(1 << 16, file);
         Self::new(reader, sidecar.as_ref(), path)
@@ -128,7 +125,7 @@ pub fn open_heights_denoised(
 /// The sidecar at a path, if there is a file.
 fn read_sidecar(path: &Path) -> Result<Option<Sidecar>, HeightFileError> {
     let context = FileContext::new(path);
-    let file = match File::open(path) {
+    let file = match files::open(path) {
         Ok(file) => file,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(context.unreadable(error)),

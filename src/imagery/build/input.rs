@@ -4,7 +4,7 @@ use super::error::BuildError;
 use super::mosaic::Mosaic;
 use super::source::{self, FileContext, RowSource, SourceLimits};
 use crate::elevation::read::first_bytes;
-use std::fs::File;
+use crate::files;
 use std::path::{Path, PathBuf};
 
 /// A map that has been looked at.
@@ -71,7 +71,7 @@ fn is_named_toml(path: &Path) -> bool {
 }
 
 fn is_picture(path: &Path) -> Result<bool, BuildError> {
-    let magic = File::open(path).and_then(first_bytes);
+    let magic = files::open(path).and_then(first_bytes);
     let magic = magic.map_err(|error| FileContext::new(path).unreadable(error))?;
     Ok(matches!(
         magic.as_slice(),

@@ -2,9 +2,9 @@
 
 use super::error::FilmError;
 use super::settings::PictureSettings;
+use crate::files;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
-use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -154,7 +154,7 @@ fn files_in(folder: &Path) -> Result<Vec<PathBuf>, FilmError> {
 
 fn checksum_of(path: &Path) -> Result<String, FilmError> {
     let mut hasher = blake3::Hasher::new();
-    File::open(path)
+    files::open(path)
         .and_then(|mut file| io::copy(&mut file, &mut hasher))
         .map_err(|source| FilmError::Input {
             path: path.to_owned(),

@@ -8,6 +8,7 @@ use super::error::FilmError;
 use super::folder::FrameFolder;
 use super::key::{FilmKey, checksum};
 use super::record::FrameRecord;
+use crate::files;
 use crate::frames::{Epoch, TimeScale, ccsds_time};
 use crate::play::error::PlayError;
 use crate::play::output::{OutputError, PendingFile};
@@ -111,7 +112,7 @@ impl FilmPage {
         };
         let limit = MAX_HEAD_BYTES + frame_count.saturating_mul(MAX_ENTRY_BYTES);
         let mut text = String::new();
-        match File::open(&path) {
+        match files::open(&path) {
             Ok(file) => file
                 .take(limit + 1)
                 .read_to_string(&mut text)
@@ -184,7 +185,8 @@ impl FilmPage {
                 let path = folder.path(record.index);
                 match wanted.contains(&record.index) {
                     true => {
-                        std::fs::read(&path).is_ok_and(|bytes| checksum(&bytes) == record.blake3)
+                        let bytes = files::read(&path, record.bytes).ok().flatten();
+                        bytes.is_some_and(|bytes| checksum(&bytes) == record.blake3)
                     }
                     false => {
                         std::fs::metadata(&path).is_ok_and(|found| found.len() == record.bytes)
@@ -287,7 +289,7 @@ fn write_anew(
     let end_at = text.len() as u64;
     text.push_str(END);
     PendingFile::create(path, "pages of frames", "json")?.write_whole(text.as_bytes())?;
-    let file = File::options().write(true).open(path);
+    let file = files::open_with(File::options().write(true), path);
     let file = file.map_err(|source| OutputError::write(path, source))?;
     Ok((file, end_at))
 }

@@ -3,12 +3,11 @@
 use super::place::{Bounds, Crs, Place};
 use super::texels::Encoding;
 use super::tiles::{MAX_TILE_SIDE, TileSet};
+use crate::files;
 use crate::imagery::build::error::BuildError;
 use crate::imagery::build::source::{FileContext, MAX_PIECE_SIDE};
 use crate::imagery::pack::{MAX_ATTRIBUTION_LINES, MAX_TEXT_CHARS};
 use serde::Deserialize;
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Largest description, bytes.
@@ -175,17 +174,13 @@ impl Description {
             }
             return Self::of_folder(path);
         }
-        let mut bytes = Vec::new();
-        let file = File::open(path).map_err(with_path)?;
-        file.take(MAX_DESCRIPTION_BYTES + 1)
-            .read_to_end(&mut bytes)
-            .map_err(with_path)?;
-        if bytes.len() as u64 > MAX_DESCRIPTION_BYTES {
-            return Err(context.refused(
+        let bytes = files::read(path, MAX_DESCRIPTION_BYTES).map_err(with_path)?;
+        let bytes = bytes.ok_or_else(|| {
+            context.refused(
                 format!("has more than {MAX_DESCRIPTION_BYTES} bytes"),
                 "give a description of a mosaic",
-            ));
-        }
+            )
+        })?;
         let text = String::from_utf8(bytes)
             .map_err(|_| context.refused("is no text", "give a description of a mosaic"))?;
         Self::from_toml(&text, path)

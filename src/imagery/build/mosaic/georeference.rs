@@ -2,9 +2,9 @@
 
 use super::place::{Bounds, Crs, Place, place_in_name};
 use crate::elevation::geo_tags::{GeoTags, MODEL_TYPE};
+use crate::files;
 use crate::imagery::build::error::BuildError;
 use crate::imagery::build::source::{FileContext, MODEL_GEOGRAPHIC};
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 use tiff::decoder::Decoder;
@@ -56,7 +56,7 @@ pub(super) fn place_of(
 /// By the tags of a GeoTIFF; other files and TIFFs without tags have none.
 fn of_tags(path: &Path) -> Result<Option<Place>, BuildError> {
     let context = FileContext::new(path);
-    let file = File::open(path).map_err(|error| context.unreadable(error))?;
+    let file = files::open(path).map_err(|error| context.unreadable(error))?;
     tags_place(BufReader::new(file)).map_err(|complaint| context.refused(complaint, ADVICE))
 }
 
@@ -102,7 +102,7 @@ fn of_world_file(path: &Path) -> Result<Option<Place>, BuildError> {
     };
     let context = FileContext::new(&file);
     let mut text = String::new();
-    let opened = File::open(&file).map_err(|error| context.unreadable(error))?;
+    let opened = files::open(&file).map_err(|error| context.unreadable(error))?;
     opened
         .take(WORLD_FILE_BYTES)
         .read_to_string(&mut text)

@@ -8,9 +8,9 @@ mod tiff;
 
 use super::error::BuildError;
 use crate::elevation::read::first_bytes;
+use crate::files;
 pub(super) use geo::MODEL_GEOGRAPHIC;
 use std::fmt;
-use std::fs::File;
 use std::io::{BufRead, BufReader, Seek};
 use std::path::{Path, PathBuf};
 
@@ -187,11 +187,7 @@ impl FileContext {
 /// [`BuildError`] with the file and what to do, before anything large is allocated.
 pub fn open_source(path: &Path, limits: SourceLimits) -> Result<Box<dyn RowSource>, BuildError> {
     let context = FileContext::new(path);
-    let file = File::open(path).map_err(|error| context.unreadable(error))?;
-    let metadata = file.metadata().map_err(|error| context.unreadable(error))?;
-    if !metadata.is_file() {
-        return Err(context.refused("is no file", "give a PNG, JPEG or TIFF file"));
-    }
+    let file = files::open(path).map_err(|error| context.unreadable(error))?;
     read_source(BufReader::with_capacity(1 << 16, file), path, limits)
 }
 
