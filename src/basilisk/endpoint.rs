@@ -2,6 +2,7 @@
 
 #[cfg(unix)]
 use crate::files::Unfinished;
+use crate::files::excerpt;
 use std::fmt;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
@@ -52,7 +53,7 @@ impl FromStr for Endpoint {
 
     fn from_str(text: &str) -> Result<Self, BadEndpoint> {
         let bad = || BadEndpoint {
-            text: text.chars().take(200).collect(),
+            text: excerpt(text),
         };
         if let Some(address) = text.strip_prefix("tcp://") {
             let address = match address.strip_prefix("localhost:") {

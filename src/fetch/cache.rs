@@ -10,7 +10,7 @@
 //! A line that has no end, or is not understood, does not count: its file is fetched again.
 
 use super::error::FetchError;
-use crate::files::{self, Unfinished};
+use crate::files::{self, Unfinished, printable};
 use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Write};
@@ -103,12 +103,7 @@ impl Shelf {
             if found != address {
                 return Err(FetchError::OtherAddress {
                     path: dir.to_path_buf(),
-                    found: found
-                        .chars()
-                        .take(300)
-                        .collect::<String>()
-                        .escape_debug()
-                        .to_string(),
+                    found: printable(found),
                     wanted: address.to_string(),
                 });
             }

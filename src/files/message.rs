@@ -1,7 +1,12 @@
 //! Text from outside in messages: one bound on its length, and nothing in it that a terminal would obey.
 
+use std::fmt::Display;
+
 /// Most characters that a message quotes of one text from outside: a file, a server, a name, the words of a decoder.
 pub const MAX_QUOTED_CHARS: usize = 200;
+
+/// Most characters of a cause.
+const CAUSE_CHARS: usize = 600;
 
 /// Most characters of an excerpt.
 const EXCERPT_CHARS: usize = 60;
@@ -9,7 +14,17 @@ const EXCERPT_CHARS: usize = 60;
 /// Text from outside, fit for a message: [`MAX_QUOTED_CHARS`] at most, with the number of characters left out, and without
 /// line breaks, control characters or marks that reorder text.
 pub fn printable(text: &str) -> String {
-    let (mut quoted, left_out) = escaped(text, MAX_QUOTED_CHARS);
+    bounded(text, MAX_QUOTED_CHARS)
+}
+
+/// What is wrong with a file, in a sentence of ours that may hold several texts from outside: 600 characters at most, otherwise as
+/// [`printable`].
+pub fn cause(text: impl Display) -> String {
+    bounded(&text.to_string(), CAUSE_CHARS)
+}
+
+fn bounded(text: &str, max_chars: usize) -> String {
+    let (mut quoted, left_out) = escaped(text, max_chars);
     if left_out > 0 {
         quoted.push_str(&format!("… ({left_out} more characters)"));
     }
@@ -50,7 +65,7 @@ fn escaped(text: &str, max_chars: usize) -> (String, usize) {
 }
 
 /// Control characters, separators of lines, and marks that reorder text: a message must read as it is written.
-fn is_unprintable(c: char) -> bool {
+pub fn is_unprintable(c: char) -> bool {
     c.is_control()
         || matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }

@@ -1,6 +1,7 @@
 //! PNG and JPEG files as texels, by the decoders that the `image` crate uses. Used without that crate, which would bring an engine
 //! for colour profiles.
 
+use crate::files::printable;
 use std::fmt;
 use std::io::Cursor;
 use zune_jpeg::JpegDecoder;
@@ -160,7 +161,7 @@ fn jpeg_options() -> DecoderOptions {
 /// What a decoder says, in one line.
 fn one_line(error: impl fmt::Display) -> String {
     let text = error.to_string();
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    printable(&text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
 /// The size that a PNG declares, looked up in its header (always the first chunk) because the decoder's own answer to

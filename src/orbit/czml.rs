@@ -1,13 +1,14 @@
 //! CZML: the sampled positions of its packets (github.com/AnalyticalGraphicsInc/czml-writer, CZML guide).
 
 use super::Frame;
-use super::entry::{RecordError, RecordFault, number, printable, shortened};
+use super::entry::{RecordError, RecordFault, number, printable};
 use super::found::{Each, Found};
 use super::interpolated::{
     EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, InterpolationError,
     StateSample, sift,
 };
 use super::text::json::{Document, Object};
+use crate::files::excerpt;
 use crate::frames::{Duration, Epoch, TimeScale, epoch_from_ccsds, utc_from_rfc3339};
 use glam::DVec3;
 use serde_json::value::RawValue;
@@ -74,7 +75,7 @@ fn packet<'t>(
         return Ok(None);
     }
     if let Some(first) = seen.insert(id.clone(), place.line) {
-        let key = format!("id {:?}", shortened(&id));
+        let key = format!("id {:?}", excerpt(&id));
         return Err(document.error(value, RecordFault::Repeated { key, first }));
     }
     let available = match packet.get("availability") {
@@ -414,7 +415,7 @@ fn unsupported(
 ) -> RecordError {
     let fault = RecordFault::Unsupported {
         key: key.to_owned(),
-        text: shortened(value.get()),
+        text: excerpt(value.get()),
         remedy,
     };
     document.error(value, fault)

@@ -18,7 +18,7 @@ use crate::{Earth, EarthOptions, TruthView};
 use rayon::prelude::*;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The page that says what they are.
 const MANIFEST: &str = "truth.json";

@@ -53,7 +53,7 @@ use error::MAX_FILE_BYTES;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use text::SceneText;
+use text::{SceneText, line_starts};
 
 pub use camera::Camera;
 pub use camera_keys::CameraKey;
@@ -142,7 +142,11 @@ impl Scene {
     /// Text that is not TOML, unknown tables and keys, values of the wrong type or out of range, values in
     /// conflict, files and folders that are not there: the first of them.
     pub fn from_toml(text: &str, path: &Path) -> Result<Self, SceneError> {
-        let scene = SceneText { path, text };
+        let scene = SceneText {
+            path,
+            text,
+            line_starts: &line_starts(text),
+        };
         check::check(scene, scene.parse()?)
     }
 

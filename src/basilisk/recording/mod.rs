@@ -10,7 +10,7 @@ mod index;
 
 use super::message::Message;
 use super::world::{Place, Roster, Snapshot, UpdateFault, World, seconds};
-use crate::files;
+use crate::files::{self, printable};
 use crate::frames::{Epoch, rfc3339};
 use crate::orbit::{Feed, Frame, OrbitError, OrbitState};
 pub use error::RecordingError;
@@ -151,7 +151,7 @@ impl Recording {
         RecordingError::Message {
             path: self.path.clone(),
             offset,
-            cause: cause.to_owned(),
+            cause: printable(cause),
         }
     }
 

@@ -5,6 +5,7 @@ use super::error::FileContext;
 use super::sidecar::HeightUnit;
 use crate::elevation::geo_tags::{GeoTags, MODEL_TYPE, RASTER_TYPE};
 use crate::elevation::{Georeference, Registration};
+use crate::files::excerpt;
 
 /// Geographic coordinate systems (EPSG) that lie within a few metres of WGS84.
 const NEAR_WGS84: &[u16] = &[
@@ -201,7 +202,7 @@ impl HeightTags {
             Some(other) => return Err(unknown(format!("has heights of the unit EPSG:{other}"))),
         }
         if let Some(word) = self.gdal_item("unittype").filter(|word| !word.is_empty()) {
-            let shown: String = word.chars().take(40).collect();
+            let shown = excerpt(word);
             return HeightUnit::from_word(word)
                 .map(Some)
                 .ok_or_else(|| unknown(format!("has heights of the unit {shown:?}")));

@@ -122,6 +122,50 @@ pub fn open_heights_denoised(
     HeightReader::open(path)?.whole(limits, denoise)
 }
 
+/// Rejects a file of elevations that is read as a plain picture of metres, for all that [`open_heights`] rejects in its header or in its
+/// sidecar, and for numbers that by its own words are not metres. Whoever reads it knows where it lies, so what it does not say of
+/// place and unit is no error, and with `is_placed` neither is another system of coordinates.
+///
+/// # Errors
+/// As [`open_heights`].
+pub(crate) fn check_metres(path: &Path, is_placed: bool) -> Result<(), HeightFileError> {
+    let reader = match HeightReader::open(path) {
+        Err(HeightFileError::OtherCoordinates { .. }) if is_placed => return Ok(()),
+        reader => reader?,
+    };
+    match reader.georeference() {
+        Ok(_) | Err(HeightFileError::NoPlace { .. }) => {}
+        Err(error) => return Err(error),
+    }
+    match reader.conversion() {
+        Ok(_) | Err(HeightFileError::NoUnit { .. }) => {}
+        Err(error) => return Err(error),
+    }
+    let Header {
+        unit,
+        scale,
+        offset,
+        ..
+    } = reader.header;
+    let unit_m = unit.or(reader.said.unit).map_or(1.0, HeightUnit::metres);
+    if unit_m * scale.unwrap_or(1.0) == 1.0 && offset.unwrap_or(0.0) == 0.0 {
+        return Ok(());
+    }
+    let unit = unit.or(reader.said.unit).map_or("metres", HeightUnit::name);
+    Err(reader.context.refused(
+        format!(
+            "stores {unit}, times {} plus {}",
+            scale.unwrap_or(1.0),
+            offset.unwrap_or(0.0)
+        ),
+        "metres as they are stored",
+        format!(
+            "convert it: `gdal_translate -unscale -ot Float32 {} OUT.tif`, and of feet `gdal_calc.py` to metres",
+            path.display()
+        ),
+    ))
+}
+
 /// The sidecar at a path, if there is a file.
 fn read_sidecar(path: &Path) -> Result<Option<Sidecar>, HeightFileError> {
     let context = FileContext::new(path);

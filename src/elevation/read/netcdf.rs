@@ -7,6 +7,7 @@ use super::error::FileContext;
 use super::sidecar::HeightUnit;
 use super::{Conversion, Header, HeightFileError};
 use crate::elevation::{Georeference, GridError, MAX_SIDE, Registration};
+use crate::files::printable;
 use std::io::{BufRead, Read, Seek, SeekFrom};
 
 /// Largest header, bytes, and most dimensions, attributes or variables of one list.
@@ -365,8 +366,7 @@ fn select_variable<'a>(
             .filter(is_grid)
             .map(|v| v.name.as_str())
             .collect();
-        let names: String = names.join(", ").chars().take(300).collect();
-        names
+        printable(&names.join(", "))
     };
     let write = "write variable = \"NAME\" in the sidecar";
     match (wanted, grids.next(), grids.next()) {

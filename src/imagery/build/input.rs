@@ -3,7 +3,7 @@
 use super::error::BuildError;
 use super::mosaic::Mosaic;
 use super::source::{self, FileContext, RowSource, SourceLimits};
-use crate::elevation::read::first_bytes;
+use crate::elevation::read::{check_metres, first_bytes};
 use crate::files;
 use std::path::{Path, PathBuf};
 
@@ -32,6 +32,19 @@ impl MapInput {
             Self::File(path) => source::open_source(path, limits),
             Self::Mosaic(mosaic) => Ok(Box::new(mosaic.rows(limits))),
         }
+    }
+
+    /// Rejects elevations for what heights are rejected for, as far as its files are read as they are.
+    pub(super) fn check_metres(&self, path: &Path) -> Result<(), BuildError> {
+        match self {
+            Self::File(_) => check_metres(path, false)?,
+            Self::Mosaic(mosaic) => {
+                for path in mosaic.plain_files() {
+                    check_metres(path, true)?;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// What packs call it: its own name, or that of its file.

@@ -8,7 +8,7 @@ use super::error::FilmError;
 use super::folder::FrameFolder;
 use super::key::{FilmKey, checksum};
 use super::record::FrameRecord;
-use crate::files;
+use crate::files::{self, printable};
 use crate::frames::{Epoch, TimeScale, ccsds_time};
 use crate::play::error::PlayError;
 use crate::play::output::{OutputError, PendingFile};
@@ -116,11 +116,11 @@ impl FilmPage {
             Ok(file) => file
                 .take(limit + 1)
                 .read_to_string(&mut text)
-                .map_err(|error| bad(error.to_string()))?,
+                .map_err(|error| bad(printable(&error.to_string())))?,
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 // Nothing but our lock is nothing.
-                let mut entries =
-                    std::fs::read_dir(folder.folder()).map_err(|error| bad(error.to_string()))?;
+                let mut entries = std::fs::read_dir(folder.folder())
+                    .map_err(|error| bad(printable(&error.to_string())))?;
                 return match entries.any(|entry| {
                     entry.is_ok_and(|entry| {
                         !entry.file_name().to_string_lossy().starts_with(".terrella")
@@ -132,7 +132,7 @@ impl FilmPage {
                     false => Ok(KeptFrames::default()),
                 };
             }
-            Err(error) => return Err(bad(error.to_string())),
+            Err(error) => return Err(bad(printable(&error.to_string()))),
         };
         if text.len() as u64 > limit {
             return Err(bad(format!(
@@ -160,8 +160,8 @@ impl FilmPage {
             differences,
         };
         // The program first: another version may know other settings.
-        let found: serde_json::Value =
-            serde_json::from_str(of("film")?).map_err(|error| bad(error.to_string()))?;
+        let found: serde_json::Value = serde_json::from_str(of("film")?)
+            .map_err(|error| bad(printable(&error.to_string())))?;
         if let Some(program) = found["program"]
             .as_str()
             .filter(|program| *program != film.program)
@@ -172,12 +172,12 @@ impl FilmPage {
             )));
         }
         let found: FilmKey =
-            serde_json::from_value(found).map_err(|error| bad(error.to_string()))?;
+            serde_json::from_value(found).map_err(|error| bad(printable(&error.to_string())))?;
         if let Some(differences) = film.differences(&found) {
             return Err(other(differences));
         }
-        let entries: Vec<Box<RawValue>> =
-            serde_json::from_str(of("frames")?).map_err(|error| bad(error.to_string()))?;
+        let entries: Vec<Box<RawValue>> = serde_json::from_str(of("frames")?)
+            .map_err(|error| bad(printable(&error.to_string())))?;
         let kept = entries.par_iter().filter_map(|entry| {
             let record: FrameRecord = serde_json::from_str(entry.get()).ok()?;
             let is_ours = record.index < frame_count && record.file == folder.name(record.index);

@@ -145,18 +145,18 @@ impl FileContext {
     pub(super) fn damaged(&self, cause: impl fmt::Display) -> BuildError {
         BuildError::Damaged {
             path: self.0.clone(),
-            cause: cause.to_string(),
+            cause: files::cause(cause),
         }
     }
 
     pub(super) fn refused(
         &self,
-        cause: impl Into<String>,
+        cause: impl fmt::Display,
         advice: impl Into<String>,
     ) -> BuildError {
         BuildError::Source {
             path: self.0.clone(),
-            cause: cause.into(),
+            cause: files::cause(cause),
             advice: advice.into(),
         }
     }

@@ -4,6 +4,7 @@ use super::{
     Extent, FileContext, FileKind, RowSource, SampleKind, SourceInfo, SourceLimits, check_size,
 };
 use crate::elevation::geo_tags::GeoTags;
+use crate::files::printable;
 use crate::imagery::build::error::BuildError;
 use std::io::{BufRead, Seek};
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
@@ -209,14 +210,14 @@ fn decode_error(context: &FileContext, error: TiffError) -> BuildError {
                     | std::io::ErrorKind::Other
             ) =>
         {
-            context.damaged(error)
+            context.damaged(printable(&error.to_string()))
         }
         TiffError::IoError(error) => context.unreadable(error),
-        TiffError::UnsupportedError(error) => unfit(context, error.to_string()),
+        TiffError::UnsupportedError(error) => unfit(context, printable(&error.to_string())),
         TiffError::LimitsExceeded => context.refused(
             "has tags or strips beyond all measure",
             "rewrite it (`gdal_translate` or `tiffcp`)",
         ),
-        other => context.damaged(other),
+        other => context.damaged(printable(&other.to_string())),
     }
 }
