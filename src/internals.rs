@@ -8,6 +8,8 @@ pub mod earth;
 #[cfg(feature = "fetch")]
 #[path = "fetch/mod.rs"]
 pub mod fetch;
+#[path = "files/mod.rs"]
+pub mod files;
 #[path = "globe/mod.rs"]
 pub mod globe;
 #[path = "gpu/mod.rs"]

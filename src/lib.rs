@@ -36,6 +36,7 @@
 //!
 //! | module | knows | must not know |
 //! |---|---|---|
+//! | `files` | opening files from outside, files that are not finished, text from outside in messages | anything below |
 //! | [`frames`] | ellipsoid, time scales, Earth rotation, Sun; f64 | anything below |
 //! | `durable` | files that outlast a power failure: synced, then renamed | anything below |
 //! | `loaders` | threads that load tiles beside the frame | anything below |
@@ -95,7 +96,7 @@ pub(crate) use internals::measure;
 pub(crate) use internals::offscreen;
 #[cfg(feature = "playback")]
 pub(crate) use internals::play;
-pub(crate) use internals::{air, earth, globe, gpu, imagery, light};
+pub(crate) use internals::{air, earth, files, globe, gpu, imagery, light};
 
 pub use air::{AirOptions, Atmosphere};
 pub use earth::{

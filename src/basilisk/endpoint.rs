@@ -1,5 +1,8 @@
 //! Where simulators are met: addresses as Basilisk writes them, and the sockets under them.
 
+#[cfg(unix)]
+use crate::files::Unfinished;
+use crate::files::excerpt;
 use std::fmt;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
@@ -50,7 +53,7 @@ impl FromStr for Endpoint {
 
     fn from_str(text: &str) -> Result<Self, BadEndpoint> {
         let bad = || BadEndpoint {
-            text: text.chars().take(200).collect(),
+            text: excerpt(text),
         };
         if let Some(address) = text.strip_prefix("tcp://") {
             let address = match address.strip_prefix("localhost:") {
@@ -85,7 +88,7 @@ impl fmt::Display for Endpoint {
 pub enum Listener {
     Tcp(TcpListener),
     #[cfg(unix)]
-    Ipc(UnixListener, PathBuf),
+    Ipc(UnixListener, Unfinished),
 }
 
 impl Listener {
@@ -106,9 +109,10 @@ impl Listener {
                 if is_socket && UnixStream::connect(path).is_err_and(is_refused) {
                     std::fs::remove_file(path)?;
                 }
-                let listener = UnixListener::bind(path)?;
+                let (listener, unfinished) =
+                    Unfinished::create(path, |path| UnixListener::bind(path))?;
                 listener.set_nonblocking(true)?;
-                Ok(Self::Ipc(listener, path.clone()))
+                Ok(Self::Ipc(listener, unfinished))
             }
         }
     }
@@ -118,7 +122,7 @@ impl Listener {
         Ok(match self {
             Self::Tcp(listener) => Endpoint::Tcp(listener.local_addr()?),
             #[cfg(unix)]
-            Self::Ipc(_, path) => Endpoint::Ipc(path.clone()),
+            Self::Ipc(_, socket) => Endpoint::Ipc(socket.path().to_owned()),
         })
     }
 
@@ -147,9 +151,9 @@ impl Listener {
 impl Drop for Listener {
     fn drop(&mut self) {
         #[cfg(unix)]
-        if let Self::Ipc(_, path) = self {
+        if let Self::Ipc(_, socket) = self {
             // Somebody else's by now, or gone: nothing is left to do.
-            let _ = std::fs::remove_file(path);
+            let _ = std::fs::remove_file(socket.path());
         }
     }
 }

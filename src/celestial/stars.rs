@@ -1,5 +1,6 @@
 //! The stars, from a file.
 
+use crate::files;
 use glam::{DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
@@ -39,6 +40,12 @@ pub enum StarError {
         count: usize,
         /// Bytes after that number.
         bytes: usize,
+    },
+    /// A file larger than that of as many stars as are drawn.
+    #[error("it has more than {limit} bytes, those of {MAX_STARS} stars")]
+    TooLarge {
+        /// Most bytes.
+        limit: usize,
     },
     /// More stars than are drawn.
     #[error("{count} stars are more than {MAX_STARS}")]
@@ -108,13 +115,11 @@ impl StarCatalogue {
             path: path.to_owned(),
             cause: cause.to_string(),
         };
-        let bytes = std::fs::metadata(path).map_err(unreadable)?.len();
         let most = MAGIC.len() + 4 + RECORD * MAX_STARS;
-        if bytes > most as u64 {
-            let count = (bytes / RECORD as u64) as usize;
-            return Err(StarError::TooMany { count });
+        match files::read(path, most as u64).map_err(unreadable)? {
+            Some(bytes) => Self::from_bytes(&bytes),
+            None => Err(StarError::TooLarge { limit: most }),
         }
-        Self::from_bytes(&std::fs::read(path).map_err(unreadable)?)
     }
 
     /// The same of a file's bytes.

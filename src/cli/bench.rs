@@ -1,6 +1,7 @@
 //! `terrella bench`
 
-use super::progress::{Bars, stop_on_interrupt};
+use super::interruption::stop_by_itself;
+use super::progress::Bars;
 use super::values;
 use super::{Common, print};
 use clap::Args;
@@ -20,8 +21,9 @@ use terrella::scene::Scene;
     With --baseline a row is slower where all that noise leaves open, an interval of 95 % for all rows together, lies beyond \
     --smallest-effect. Frames are compared view by view; --repeats 3 or more on both sides lets the interval know how runs differ. A \
     baseline of another scene, size, number of frames or adapter is refused.\n\n\
-    Ctrl-C ends the run early: the files then hold the complete rows and say that they are partial.\n\n\
-    Exit codes: 0 done, 2 bad scene or bad usage, 3 slower than the baseline, 1 any other failure or interrupted."
+    Ctrl-C, SIGTERM or SIGHUP ends the run early: the files then hold the complete rows and say that they are partial.\n\n\
+    Exit codes: 0 done, 2 bad scene or bad usage, 3 slower than the baseline, 1 any other failure, 130, 143 or 129 \
+    interrupted by SIGINT, SIGTERM or SIGHUP."
 )]
 pub struct BenchArgs {
     /// The scene file
@@ -80,7 +82,7 @@ pub fn run(args: &BenchArgs, common: &Common) -> anyhow::Result<()> {
         baseline: args.baseline.as_deref(),
         smallest_effect: args.smallest_effect,
     };
-    stop_on_interrupt();
+    stop_by_itself();
     let run = run_bench(&flight, &request, &Bars::new(common.quiet))?;
     print(&run.to_table())?;
     Ok(run.verdict()?)

@@ -1,7 +1,8 @@
 //! `terrella frame`
 
+use super::interruption::do_first;
 use super::picture_args::PictureArgs;
-use super::progress::{Bars, stop_on_interrupt, stop_on_interrupt_with};
+use super::progress::Bars;
 use super::scene_args::{SatelliteArgs, SceneArgs, open_flight};
 use super::values;
 use super::{Cli, Common};
@@ -75,7 +76,7 @@ pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
     args.satellites.refuse_scenes(&scene);
     let flight = open_flight(scene, Flight::open)?;
     if let Some(simulation) = flight.simulation() {
-        stop_on_interrupt_with(Some(simulation.stopper()));
+        do_first(simulation.stopper());
     }
     let bars = Bars::new(common.quiet);
     if args.at.is_none()
@@ -115,7 +116,6 @@ pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
         output: &args.output,
         stats: args.stats.as_deref(),
     };
-    stop_on_interrupt();
     Ok(write_reference_still(&flight, &request, &bars)?)
 }
 

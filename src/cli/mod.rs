@@ -4,6 +4,7 @@ mod bench;
 mod check;
 mod doctor;
 mod frame;
+mod interruption;
 mod orbit;
 mod pack;
 mod picture_args;
@@ -35,7 +36,8 @@ const FAILED: u8 = 1;
 #[derive(Debug, Parser)]
 #[command(name = "terrella", version, about, max_term_width = 100)]
 #[command(
-    after_help = "Exit codes: 0 done, 2 bad scene or bad usage, 3 slower than the baseline (bench), 1 any other failure."
+    after_help = "Exit codes: 0 done, 2 bad scene or bad usage, 3 slower than the baseline (bench), 1 any other failure, \
+    130 interrupted by Ctrl-C (SIGINT), 143 by SIGTERM, 129 by SIGHUP."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -106,6 +108,7 @@ pub fn run() -> ExitCode {
     if cli.command.draws() {
         quiet_driver::quieten();
     }
+    interruption::listen();
     let common = &cli.common;
     let done = match &cli.command {
         Command::Play(args) => play::run(args, common),
@@ -119,13 +122,15 @@ pub fn run() -> ExitCode {
         Command::Terrain(args) => terrain::run(args, common),
         Command::Pack(args) => pack::run(args, common),
     };
+    interruption::wait_for_end();
+    let asked = interruption::exit_code();
     match done {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => asked.map_or(ExitCode::SUCCESS, ExitCode::from),
         Err(error) => {
             let mut stderr = std::io::stderr().lock();
             // Nobody is left to tell if standard error is closed.
             let _ = writeln!(stderr, "error: {}", message(&error));
-            ExitCode::from(exit_code(&error))
+            ExitCode::from(asked.unwrap_or_else(|| exit_code(&error)))
         }
     }
 }

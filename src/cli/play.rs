@@ -1,7 +1,8 @@
 //! `terrella play`
 
+use super::interruption::{do_first, stop_by_itself};
 use super::picture_args::PictureArgs;
-use super::progress::{Bars, stop_on_interrupt, stop_on_interrupt_with};
+use super::progress::Bars;
 use super::scene_args::{SatelliteArgs, SceneArgs, open_flight};
 use super::serve::simulation_scene;
 use super::values;
@@ -117,10 +118,9 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
     let flight = open_flight(scene, Flight::open)?;
     // Whoever waits is answered before the program ends.
     if let Some(simulation) = flight.simulation() {
-        stop_on_interrupt_with(Some(simulation.stopper()));
-    } else if args.frames.is_some() || args.video.is_some() {
-        stop_on_interrupt();
+        do_first(simulation.stopper());
     }
+    stop_by_itself();
     let bars = Bars::new(common.quiet);
     let adapter = common.adapter.as_deref();
     if args.frames.is_none() && args.video.is_none() {

@@ -1,34 +1,11 @@
 //! Progress bars on standard error, where that is a terminal.
 
+use super::interruption;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::Write;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use terrella::internals::play::Progress;
-
-/// Set by Ctrl-C or a request to terminate.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-
-/// From now on the first Ctrl-C (or request to terminate) asks work to stop, and the second ends the program at once.
-pub fn stop_on_interrupt() {
-    stop_on_interrupt_with(None::<fn()>);
-}
-
-/// The same; the first one also does this at once, whatever the program is busy with.
-pub fn stop_on_interrupt_with(first: Option<impl Fn() + Send + 'static>) {
-    let handler = move || {
-        if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-        if let Some(first) = &first {
-            first();
-        }
-    };
-    if let Err(error) = ctrlc::set_handler(handler) {
-        tracing::warn!("an interrupt will leave a hidden unfinished file behind: {error}");
-    }
-}
 
 /// One bar at a time.
 pub struct Bars {
@@ -94,7 +71,7 @@ impl Progress for Bars {
     }
 
     fn cancelled(&self) -> bool {
-        INTERRUPTED.load(Ordering::Relaxed)
+        interruption::is_asked()
     }
 
     fn end(&self) {

@@ -1,6 +1,7 @@
 //! `terrella report`
 
-use super::progress::{Bars, stop_on_interrupt};
+use super::interruption::stop_by_itself;
+use super::progress::Bars;
 use super::{Common, print, values};
 use clap::Args;
 use std::path::PathBuf;
@@ -93,7 +94,7 @@ pub fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
         heights_km: args.heights.clone(),
         adapter: common.adapter.as_deref(),
     };
-    stop_on_interrupt();
+    stop_by_itself();
     let print_line = |text: &str| {
         if !common.quiet {
             // A reader that has gone away is no reason to stop measuring.
@@ -121,7 +122,7 @@ fn quality(args: &ReportArgs, common: &Common, flight: &Flight) -> anyhow::Resul
         repeats: args.repeats.unwrap_or(9),
         adapter: common.adapter.as_deref(),
     };
-    stop_on_interrupt();
+    stop_by_itself();
     let study = match study_quality(flight, &request, &Bars::new(common.quiet)) {
         Ok(study) => study,
         // So that a bad scene has its own exit code.
@@ -155,7 +156,7 @@ fn surfaces(args: &ReportArgs, common: &Common, flight: &Flight) -> anyhow::Resu
         size: args.size.unwrap_or((1280, 720)),
         adapter: common.adapter.as_deref(),
     };
-    stop_on_interrupt();
+    stop_by_itself();
     let study = match compare_surfaces(flight, &request, &Bars::new(common.quiet)) {
         Ok(study) => study,
         // So that a bad scene has its own exit code.

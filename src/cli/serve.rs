@@ -1,7 +1,8 @@
 //! `terrella serve`
 
 use super::Common;
-use super::progress::{Bars, stop_on_interrupt_with};
+use super::interruption::{do_first, stop_by_itself};
+use super::progress::Bars;
 use super::scene_args::load;
 use super::values;
 use clap::Args;
@@ -59,7 +60,11 @@ pub fn simulation_scene(
 pub fn run(args: &ServeArgs, common: &Common) -> anyhow::Result<()> {
     let scene = simulation_scene(args.scene.as_deref(), args.listen.as_ref(), false)?;
     let flight = Flight::open(scene)?;
-    stop_on_interrupt_with(flight.simulation().map(|one| one.stopper()));
+    // Whoever waits is answered before the program ends.
+    if let Some(simulation) = flight.simulation() {
+        do_first(simulation.stopper());
+    }
+    stop_by_itself();
     let bars = Bars::new(common.quiet);
     let request = ServeRequest {
         adapter: common.adapter.as_deref(),

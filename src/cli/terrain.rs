@@ -1,6 +1,6 @@
 //! `terrella terrain`
 
-use super::progress::{Bars, stop_on_interrupt};
+use super::progress::Bars;
 use super::{Common, print};
 use clap::Args;
 use std::path::PathBuf;
@@ -58,7 +58,6 @@ pub fn run(args: &TerrainArgs, common: &Common) -> anyhow::Result<()> {
         output: args.output.as_deref(),
         adapter: common.adapter.as_deref(),
     };
-    stop_on_interrupt();
     let mut printed = Ok(());
     measure_terrain(&request, &Bars::new(common.quiet), &mut |table| {
         let text = match args.csv {

@@ -1,6 +1,7 @@
 //! Ladders of quality: what is given up, in which order, and what that was measured to save and to cost in error.
 
 use super::quality::{Quality, QualityReduction};
+use crate::files::excerpt;
 use std::fmt::Write;
 
 /// The ladder of software adapters, written by `terrella report SCENE --quality`.
@@ -215,7 +216,8 @@ impl QualityStep {
             let Some(one) = QualityReduction::of_key(key.trim()) else {
                 let known: Vec<_> = QualityReduction::ALL.iter().map(|one| one.key()).collect();
                 return Err(format!(
-                    "{key:?} cannot be given up; what can is {}",
+                    "{} cannot be given up; what can is {}",
+                    excerpt(key),
                     known.join(", ")
                 ));
             };
@@ -227,7 +229,10 @@ impl QualityStep {
         let number = |name: &str, text: &str| -> Result<f64, String> {
             let value = text.parse::<f64>().ok();
             let value = value.filter(|value| (0.0..=1.0).contains(value));
-            value.ok_or_else(|| format!("{name} is {text:?}; it must be a number from 0 to 1"))
+            value.ok_or_else(|| {
+                let text = excerpt(text);
+                format!("{name} is {text}; it must be a number from 0 to 1")
+            })
         };
         let (cost, error) = (number("cost", cost)?, number("error", error)?);
         if cost == 0.0 {

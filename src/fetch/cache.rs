@@ -11,6 +11,7 @@
 
 use super::error::FetchError;
 use crate::durable;
+use crate::files::{self, Unfinished, printable};
 use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Write};
@@ -51,6 +52,7 @@ struct State {
 /// A file that is being written, and its checksum so far.
 pub(super) struct Part {
     file: File,
+    _unfinished: Unfinished,
     path: PathBuf,
     hasher: blake3::Hasher,
     bytes: u64,
@@ -69,12 +71,8 @@ impl Shelf {
             source,
         })?;
         let mut options = OpenOptions::new();
-        let mut journal = options
-            .read(true)
-            .append(true)
-            .create(true)
-            .open(&path)
-            .map_err(fail)?;
+        options.read(true).append(true).create(true);
+        let mut journal = files::open_with(&options, &path).map_err(fail)?;
         match journal.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
@@ -108,12 +106,7 @@ impl Shelf {
             if found != address {
                 return Err(FetchError::OtherAddress {
                     path: dir.to_path_buf(),
-                    found: found
-                        .chars()
-                        .take(300)
-                        .collect::<String>()
-                        .escape_debug()
-                        .to_string(),
+                    found: printable(found),
                     wanted: address.to_string(),
                 });
             }
@@ -203,8 +196,11 @@ impl Part {
         durable::make_folders(folder).map_err(fail)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let part = folder.join(format!(".{name}.{PART}"));
+        let (file, unfinished) =
+            Unfinished::create(&part, |path| File::create(path)).map_err(fail)?;
         Ok(Self {
-            file: File::create(&part).map_err(fail)?,
+            file,
+            _unfinished: unfinished,
             path: part,
             hasher: blake3::Hasher::new(),
             bytes: 0,
@@ -261,7 +257,7 @@ fn line_of(line: &str) -> Option<(String, Kept)> {
 
 fn hash_of(path: &Path) -> io::Result<String> {
     let mut hasher = blake3::Hasher::new();
-    hasher.update_reader(File::open(path)?)?;
+    hasher.update_reader(files::open(path)?)?;
     Ok(hasher.finalize().to_hex().to_string())
 }
 

@@ -1,7 +1,7 @@
 //! What a picture must be before it is kept: of its kind, of its size, and whole to its end.
 
 use super::source::Media;
-use std::fs::File;
+use crate::files;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
@@ -15,7 +15,7 @@ pub(super) fn complaint(
     media: Media,
     size: Option<u32>,
 ) -> std::io::Result<Option<String>> {
-    let mut file = File::open(path)?;
+    let mut file = files::open(path)?;
     let length = file.metadata()?.len();
     let mut head = Vec::new();
     (&mut file).take(HEAD_BYTES).read_to_end(&mut head)?;

@@ -2,6 +2,7 @@
 
 use super::error::FetchError;
 use crate::durable;
+use crate::files::Unfinished;
 use crate::imagery::build::BuildProgress;
 use crate::imagery::build::mosaic::{Bounds, Mosaic};
 use crate::imagery::build::source::{RowSource, SampleKind, SourceLimits};
@@ -102,7 +103,8 @@ fn write(
     progress: &dyn BuildProgress,
 ) -> Result<(), Failure> {
     let (info, target) = (mosaic.info(), mosaic.target());
-    let mut file = BufWriter::new(File::create(path)?);
+    let (file, _unfinished) = Unfinished::create(path, |path| File::create(path))?;
+    let mut file = BufWriter::new(file);
     let mut encoder = TiffEncoder::new(&mut file)?;
     let mut image = encoder.new_image::<Gray32Float>(info.width, info.height)?;
     image.rows_per_strip(STRIP_ROWS)?;

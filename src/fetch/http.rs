@@ -5,6 +5,7 @@
 
 use super::address::{joined, may_follow};
 use super::error::FetchError;
+use crate::files::{self, printable};
 use std::io::{ErrorKind, Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -233,11 +234,13 @@ fn is_media(found: &str, wanted: &str) -> bool {
 fn told(error: Error, count: u64) -> GetError {
     match error {
         Error::Timeout(what) => GetError::Slow(what.to_string()),
-        Error::Tls(cause) => GetError::Certificate(cause.to_string()),
+        Error::Tls(cause) => GetError::Certificate(printable(&cause.to_string())),
         Error::Rustls(cause) => certificate_or_connection(&cause.to_string()),
         Error::Io(error) => match error.kind() {
             ErrorKind::UnexpectedEof => GetError::Truncated(count),
-            ErrorKind::TimedOut | ErrorKind::WouldBlock => GetError::Slow(error.to_string()),
+            ErrorKind::TimedOut | ErrorKind::WouldBlock => {
+                GetError::Slow(printable(&error.to_string()))
+            }
             _ => certificate_or_connection(&error.to_string()),
         },
         Error::Protocol(_) if count > 0 => GetError::Truncated(count),
@@ -253,24 +256,16 @@ fn certificate_or_connection(cause: &str) -> GetError {
     }
 }
 
-/// What a server says, fit for a message.
-fn printable(text: &str) -> String {
-    let text: String = text.chars().take(200).collect();
-    text.escape_debug().to_string()
-}
-
 fn certificates(path: &Path) -> Result<Vec<Certificate<'static>>, FetchError> {
     let wrong = |cause: String| FetchError::Option {
         option: "--ca",
         cause: format!("{}: {cause}", path.display()),
     };
-    let mut pem = Vec::new();
-    std::fs::File::open(path)
-        .and_then(|file| file.take(MAX_PEM_BYTES).read_to_end(&mut pem))
-        .map_err(|error| wrong(error.to_string()))?;
+    let pem = files::read(path, MAX_PEM_BYTES).map_err(|error| wrong(error.to_string()))?;
+    let pem = pem.ok_or_else(|| wrong(format!("has more than {MAX_PEM_BYTES} bytes")))?;
     let mut found = Vec::new();
     for item in parse_pem(&pem) {
-        match item.map_err(|error| wrong(error.to_string()))? {
+        match item.map_err(|error| wrong(printable(&error.to_string())))? {
             PemItem::Certificate(certificate) => found.push(certificate),
             _ => {
                 return Err(wrong(

@@ -2,8 +2,7 @@
 
 use super::error::FetchError;
 use super::source::{MAX_SOURCE_BYTES, Source};
-use std::fs::File;
-use std::io::Read;
+use crate::files;
 use std::path::Path;
 
 /// Descriptions, each by its name.
@@ -57,14 +56,9 @@ pub fn find_source(name: &str) -> Result<Source, FetchError> {
         path: path.to_path_buf(),
         cause,
     };
-    let mut bytes = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(MAX_SOURCE_BYTES + 1).read_to_end(&mut bytes))
-        .map_err(|error| wrong(error.to_string()))?;
-    if bytes.len() as u64 > MAX_SOURCE_BYTES {
-        return Err(wrong(format!("has more than {MAX_SOURCE_BYTES} bytes")));
-    }
-    let text = String::from_utf8(bytes).map_err(|_| wrong("is no text".to_string()))?;
+    let text =
+        files::read_text(path, MAX_SOURCE_BYTES).map_err(|error| wrong(error.to_string()))?;
+    let text = text.ok_or_else(|| wrong(format!("has more than {MAX_SOURCE_BYTES} bytes")))?;
     Source::from_toml(&text, path)
 }
 

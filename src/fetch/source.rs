@@ -2,6 +2,7 @@
 
 use super::address::{template_complaint, url_complaint};
 use super::error::FetchError;
+use crate::files;
 use crate::imagery::build::mosaic::{Bounds, Crs, Encoding, syntax_complaint};
 use crate::imagery::pack::{MAX_ATTRIBUTION_LINES, MAX_TEXT_CHARS};
 use serde::Deserialize;
@@ -241,10 +242,7 @@ impl Source {
             toml::from_str(text).map_err(|error| wrong(syntax_complaint(text, &error)))?;
         match source.complaint() {
             None => Ok(source),
-            Some((key, cause)) => {
-                let cause: String = cause.chars().take(1000).collect();
-                Err(wrong(format!("{key}: {}", cause.escape_debug())))
-            }
+            Some((key, cause)) => Err(wrong(format!("{key}: {}", files::cause(cause)))),
         }
     }
 

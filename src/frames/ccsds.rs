@@ -2,9 +2,10 @@
 
 use super::calendar::Calendar;
 use super::time::{
-    MJD_1900, NS_PER_DAY, NS_PER_SECOND, Reading, day_and_rest, shortened, utc_day_from_tai_ns,
+    MJD_1900, NS_PER_DAY, NS_PER_SECOND, Reading, day_and_rest, utc_day_from_tai_ns,
 };
 use super::{Duration, Epoch, TimeError, utc_from_rfc3339};
+use crate::files::excerpt;
 
 /// A scale that dates are written in. Others (UT1, TDB, Moon time…) are not TAI and a constant, or UTC, and are not read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +60,7 @@ impl TimeScale {
 /// Says what is wrong with the text and how to write it.
 pub fn epoch_from_ccsds(text: &str, scale: TimeScale) -> Result<Epoch, TimeError> {
     let form = || TimeError::CcsdsForm {
-        text: shortened(text),
+        text: excerpt(text),
     };
     let named = |error| match error {
         TimeError::Form { .. } => form(),
@@ -82,7 +83,7 @@ pub fn epoch_from_ccsds(text: &str, scale: TimeScale) -> Result<Epoch, TimeError
     let reading = Reading::of(&rfc3339).map_err(named)?;
     if reading.second == 60 {
         return Err(TimeError::NoLeapSecond {
-            text: shortened(text),
+            text: excerpt(text),
         });
     }
     let ns = i128::from(reading.mjd - MJD_1900) * i128::from(NS_PER_DAY)

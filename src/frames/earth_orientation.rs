@@ -3,8 +3,7 @@
 use super::calendar::Calendar;
 use super::time::{tai_from_utc_day, tai_minus_utc_s, utc_day_from_tai_ns};
 use super::{Epoch, Orientation};
-use std::fs::File;
-use std::io::Read;
+use crate::files;
 use std::path::{Path, PathBuf};
 
 /// UT1 − UTC and polar motion by date: `finals2000A.all` or `finals2000A.daily` of the IERS (Bulletin A), one row a day at
@@ -106,17 +105,11 @@ impl EarthOrientation {
             path: path.to_owned(),
             source,
         };
-        let file = File::open(path).map_err(read_error)?;
-        let mut bytes = Vec::new();
-        file.take(Self::LARGEST_FILE + 1)
-            .read_to_end(&mut bytes)
-            .map_err(read_error)?;
-        if bytes.len() as u64 > Self::LARGEST_FILE {
-            return Err(EarthOrientationError::TooLarge {
-                path: path.to_owned(),
-                limit_mib: Self::LARGEST_FILE >> 20,
-            });
-        }
+        let bytes = files::read(path, Self::LARGEST_FILE).map_err(read_error)?;
+        let bytes = bytes.ok_or_else(|| EarthOrientationError::TooLarge {
+            path: path.to_owned(),
+            limit_mib: Self::LARGEST_FILE >> 20,
+        })?;
         let text = std::str::from_utf8(&bytes).map_err(|_| EarthOrientationError::NotText {
             path: path.to_owned(),
         })?;

@@ -12,6 +12,7 @@
 
 use super::calendar::Calendar;
 use super::{Duration, Epoch};
+use crate::files::excerpt;
 
 pub(super) const NS_PER_SECOND: i64 = 1_000_000_000;
 pub(super) const NS_PER_DAY: i64 = 86_400 * NS_PER_SECOND;
@@ -120,7 +121,7 @@ pub fn utc_from_rfc3339(text: &str) -> Result<Epoch, TimeError> {
         && (reading.minute_of_day != 1439 || !ends_with_leap_second(reading.mjd))
     {
         return Err(TimeError::NoLeapSecond {
-            text: shortened(text),
+            text: excerpt(text),
         });
     }
     Ok(tai_from_utc_day(reading.mjd, reading.ns_of_day()))
@@ -158,14 +159,14 @@ impl Reading {
     /// Reads RFC 3339, the zone taken into account; second 60 is left for the caller to judge.
     pub fn of(text: &str) -> Result<Self, TimeError> {
         let form = || TimeError::Form {
-            text: shortened(text),
+            text: excerpt(text),
         };
         let check = |field, value: i64, least: i64, most: i64| {
             if (least..=most).contains(&value) {
                 Ok(value)
             } else {
                 Err(TimeError::Field {
-                    text: shortened(text),
+                    text: excerpt(text),
                     field,
                     value,
                     least,
@@ -384,13 +385,6 @@ fn number(text: &[u8], first: usize, len: usize) -> Option<i64> {
     text.get(first..first + len)?.iter().try_fold(0, |n, c| {
         c.is_ascii_digit().then(|| n * 10 + i64::from(c - b'0'))
     })
-}
-
-pub(super) fn shortened(text: &str) -> String {
-    match text.char_indices().nth(LONGEST_DATE) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_owned(),
-    }
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 
 use super::colour::Said;
 use super::jpeg::{self, Fault};
+use crate::files::printable;
 use std::fmt;
 use std::io::Cursor;
 use zune_jpeg::JpegDecoder;
@@ -177,7 +178,7 @@ fn jpeg_options() -> DecoderOptions {
 /// What a decoder says, in one line.
 fn one_line(error: impl fmt::Display) -> String {
     let text = error.to_string();
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    printable(&text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
 /// The size that a PNG declares, looked up in its header (always the first chunk) because the decoder's own answer to

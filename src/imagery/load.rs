@@ -8,7 +8,7 @@ use super::sea::{SeaFloor, grow_land};
 use super::slopes::{ELEVATION_OFFSET_M, SLOPE_EXAGGERATION, slopes_from_elevation};
 use super::texel::{MAX_HEIGHT, MIN_HEIGHT};
 use super::tile::MapLayer;
-use std::io::Read;
+use crate::files;
 use std::path::{Path, PathBuf};
 
 /// Largest map file, bytes.
@@ -518,28 +518,10 @@ fn read_file(path: &Path, layer: &'static str) -> Result<Vec<u8>, ImageryError> 
             }
         }
     };
-    // Looked at before opening: to open a pipe would wait for its writer.
-    let metadata = std::fs::metadata(path).map_err(unreadable)?;
-    if !metadata.is_file() {
-        let cause = std::io::Error::other("it is not a regular file");
-        return Err(unreadable(cause));
-    }
-    let too_large = |bytes: u64| ImageryError::FileTooLarge {
-        path: PathBuf::from(path),
-        bytes,
+    let contents = files::read(path, MAX_FILE_BYTES).map_err(unreadable)?;
+    contents.ok_or_else(|| ImageryError::FileTooLarge {
+        path: path.into(),
+        bytes: std::fs::metadata(path).map_or(MAX_FILE_BYTES, |found| found.len()),
         limit: MAX_FILE_BYTES,
-    };
-    if metadata.len() > MAX_FILE_BYTES {
-        return Err(too_large(metadata.len()));
-    }
-    let file = std::fs::File::open(path).map_err(unreadable)?;
-    let mut contents = Vec::with_capacity(metadata.len() as usize);
-    // A file that grows while it is read must not pass the limit either.
-    file.take(MAX_FILE_BYTES + 1)
-        .read_to_end(&mut contents)
-        .map_err(unreadable)?;
-    if contents.len() as u64 > MAX_FILE_BYTES {
-        return Err(too_large(contents.len() as u64));
-    }
-    Ok(contents)
+    })
 }

@@ -1,5 +1,6 @@
 //! On what machine, of what source and when something is measured. Plain `std`: `xtask` includes this file too.
 
+use crate::files;
 use std::path::Path;
 use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -44,7 +45,8 @@ pub fn date() -> String {
 }
 
 fn read(path: &str) -> String {
-    std::fs::read_to_string(path).unwrap_or_default()
+    let text = files::read_text(path.as_ref(), 1 << 20);
+    text.ok().flatten().unwrap_or_default()
 }
 
 fn cpu_of(cpuinfo: &str) -> String {

@@ -1,7 +1,7 @@
 //! Where measurements are written: a folder of tables, charts, pictures and a page.
 
+use crate::files;
 use crate::play::{OutputError, PendingFile};
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Largest table that is read back, bytes.
@@ -91,20 +91,12 @@ impl OutputFolder {
             path: path.clone(),
             source,
         };
-        let file = match std::fs::File::open(&path) {
-            Ok(file) => file,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            Err(error) => return Err(failed(error)),
-        };
-        let mut text = String::new();
-        file.take(MAX_READ + 1)
-            .read_to_string(&mut text)
-            .map_err(failed)?;
-        if text.len() as u64 > MAX_READ {
-            let large = format!("larger than {} MB", MAX_READ >> 20);
-            return Err(failed(std::io::Error::other(large)));
+        let large = || std::io::Error::other(format!("larger than {} MB", MAX_READ >> 20));
+        match files::read_text(&path, MAX_READ) {
+            Ok(text) => text.ok_or_else(|| failed(large())).map(Some),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(failed(error)),
         }
-        Ok(Some(text))
     }
 
     /// Writes a file, or leaves the one that is there.

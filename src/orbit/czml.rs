@@ -1,13 +1,14 @@
 //! CZML: the sampled positions of its packets (github.com/AnalyticalGraphicsInc/czml-writer, CZML guide).
 
 use super::Frame;
-use super::entry::{RecordError, RecordFault, number, printable, shortened};
+use super::entry::{RecordError, RecordFault, number, printable};
 use super::found::{Each, Found};
 use super::interpolated::{
     EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, InterpolationError,
     StateSample, doubts, sift,
 };
 use super::text::json::{Document, Object};
+use crate::files::excerpt;
 use crate::frames::{Duration, Epoch, TimeScale, epoch_from_ccsds, utc_from_rfc3339};
 use glam::DVec3;
 use serde_json::value::RawValue;
@@ -74,7 +75,7 @@ fn packet<'t>(
         return Ok(None);
     }
     if let Some(first) = seen.insert(id.clone(), place.line) {
-        let key = format!("id {:?}", shortened(&id));
+        let key = format!("id {:?}", excerpt(&id));
         return Err(document.error(value, RecordFault::Repeated { key, first }));
     }
     let available = match packet.get("availability") {
@@ -165,7 +166,7 @@ fn from_position<'t>(
         if let Some(value) = object.get(key).filter(|value| value.get() != "\"NONE\"") {
             let fault = RecordFault::NotFollowed {
                 key,
-                text: shortened(value.get()),
+                text: excerpt(value.get()),
                 why: "the object is known from its first sample to its last one",
             };
             each(Found::BadState(document.error(value, fault)))?;
@@ -433,7 +434,7 @@ fn unsupported(
 ) -> RecordError {
     let fault = RecordFault::Unsupported {
         key: key.to_owned(),
-        text: shortened(value.get()),
+        text: excerpt(value.get()),
         remedy,
     };
     document.error(value, fault)

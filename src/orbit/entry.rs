@@ -3,6 +3,7 @@
 
 use super::cut::CutOff;
 use super::interpolated::{Doubt, InterpolationError, SegmentError};
+use crate::files::excerpt;
 use crate::frames::{Epoch, TimeError, TimeScale, epoch_from_ccsds};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -183,8 +184,8 @@ impl Entry<'_> {
     /// The error that the value is not `expected`.
     pub fn wrong(&self, origin: &Path, expected: &'static str) -> RecordError {
         let fault = RecordFault::Field {
-            key: shortened(&self.key),
-            text: shortened(&self.value),
+            key: excerpt(&self.key),
+            text: excerpt(&self.value),
             expected,
         };
         self.place.error(origin, fault)
@@ -193,8 +194,8 @@ impl Entry<'_> {
     /// The error that the value cannot be used.
     pub fn unsupported(&self, origin: &Path, remedy: &'static str) -> RecordError {
         let fault = RecordFault::Unsupported {
-            key: shortened(&self.key),
-            text: shortened(&self.value),
+            key: excerpt(&self.key),
+            text: excerpt(&self.value),
             remedy,
         };
         self.place.error(origin, fault)
@@ -205,8 +206,8 @@ impl Entry<'_> {
         match &self.unit {
             Some(unit) if !unit.trim().eq_ignore_ascii_case(expected) => {
                 let fault = RecordFault::Unit {
-                    key: shortened(&self.key),
-                    unit: shortened(unit),
+                    key: excerpt(&self.key),
+                    unit: excerpt(unit),
                     expected,
                 };
                 Err(self.place.error(origin, fault))
@@ -218,7 +219,7 @@ impl Entry<'_> {
     /// A date as the CCSDS writes it.
     pub fn epoch(&self, origin: &Path, scale: TimeScale) -> Result<Epoch, RecordError> {
         epoch_from_ccsds(self.value.trim(), scale).map_err(|cause| {
-            let key = shortened(&self.key);
+            let key = excerpt(&self.key);
             self.place.error(origin, RecordFault::Time { key, cause })
         })
     }
@@ -334,15 +335,6 @@ pub(super) fn scaled_number(text: &str, power: i32) -> Option<f64> {
     };
     let exponent = exponent.checked_add(power)?;
     number(&format!("{mantissa}e{exponent}"))
-}
-
-/// Text from outside, short enough for a message.
-pub(super) fn shortened(text: &str) -> String {
-    const LONGEST: usize = 64;
-    match text.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}…", text.get(..end).unwrap_or_default()),
-        None => text.to_owned(),
-    }
 }
 
 /// Faults of records that were passed over, so many that a reader can see what is wrong with a file.

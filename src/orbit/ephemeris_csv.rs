@@ -4,7 +4,6 @@ use super::Frame;
 use super::cut::{CutOff, LastLine};
 use super::entry::{
     Entry, Fields, Keys, RecordError, RecordFault, TextPosition, printable, scaled_number,
-    shortened,
 };
 use super::found::{Each, Found};
 use super::interpolated::{
@@ -12,6 +11,7 @@ use super::interpolated::{
     StateSample, doubts, sift,
 };
 use super::text::csv;
+use crate::files::excerpt;
 use crate::frames::TimeScale;
 use glam::DVec3;
 use std::borrow::Cow;
@@ -320,7 +320,7 @@ fn header(row: &[csv::CsvField], line: usize, origin: &Path) -> Result<Columns, 
                 line,
                 column: field.column,
             };
-            let key = format!("column {:?}", shortened(&field.text));
+            let key = format!("column {:?}", excerpt(&field.text));
             return Err(place.error(origin, RecordFault::Repeated { key, first: line }));
         }
     }

@@ -16,6 +16,7 @@ use super::video::{
     EncoderChoice, FilmFrame, FrameSink, VideoCoding, VideoFormat, check_size, open_video,
 };
 use crate::basilisk::Meeting;
+use crate::files::printable;
 use crate::gpu::GpuContext;
 use crate::imagery::tile::TileKey;
 use crate::orbit::live::Pacing;
@@ -154,7 +155,8 @@ pub fn export(
     let adapter = frames.painter().renderer().adapter_info().name;
     if let Some(before) = kept.adapter.as_ref().filter(|name| **name != adapter) {
         tracing::warn!(
-            "the frames that are kept were drawn by {before}, the others will be by {adapter}: they may differ a little; --overwrite draws all anew"
+            "the frames that are kept were drawn by {}, the others will be by {adapter}: they may differ a little; --overwrite draws all anew",
+            printable(before)
         );
     }
     if let Some((folder, film)) = folder {

@@ -5,6 +5,7 @@
 //! that cannot be written to is found at once and not after an hour.
 
 use crate::durable;
+use crate::files::Unfinished;
 use image::{ImageEncoder, RgbaImage};
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -115,6 +116,7 @@ impl OutputError {
 pub struct PendingFile {
     temporary: TempPath,
     target: PathBuf,
+    _unfinished: Unfinished,
 }
 
 impl PendingFile {
@@ -175,15 +177,16 @@ impl PendingFile {
         }
         let mut builder = tempfile::Builder::new();
         builder.prefix(prefix).suffix(".part");
-        // Not the 0600 of a secret: what any new file gets under the user's mask.
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let temporary = builder
-            .tempfile_in(folder)
-            .map_err(|source| OutputError::write(target, source))?;
+        // Made by hand for the rights of any new file: those of the crate are for secrets.
+        let made = builder.make_in(folder, |path| {
+            Unfinished::create(path, |path| File::create_new(path))
+        });
+        let made = made.map_err(|source| OutputError::write(target, source))?;
+        let ((_, unfinished), temporary) = made.into_parts();
         Ok(Self {
-            temporary: temporary.into_temp_path(),
+            temporary,
             target: target.into(),
+            _unfinished: unfinished,
         })
     }
 
@@ -225,7 +228,11 @@ impl PendingFile {
 
     /// Gives the complete file its name, replacing what had it. It then outlasts a power failure.
     pub fn commit(self) -> Result<(), OutputError> {
-        let Self { temporary, target } = self;
+        let Self {
+            temporary,
+            target,
+            _unfinished,
+        } = self;
         let failed = |source| OutputError::write(&target, source);
         durable::sync_file(&temporary).map_err(failed)?;
         temporary

@@ -3,10 +3,9 @@
 use super::error::PlayError;
 use super::flight::Moment;
 use super::offscreen::OffscreenRenderer;
+use crate::files;
 use crate::scene::{QualityTable, Scene};
 use crate::{AdaptiveQuality, Quality, QualityLadder};
-use std::fs::File;
-use std::io::Read;
 
 /// Largest file of a ladder, bytes.
 const MAX_LADDER_BYTES: u64 = 1 << 16;
@@ -142,12 +141,8 @@ pub fn ladder_of(scene: &Scene) -> Result<QualityLadder, PlayError> {
         path: path.clone(),
         problem,
     };
-    let mut text = String::new();
-    File::open(path)
-        .and_then(|file| file.take(MAX_LADDER_BYTES + 1).read_to_string(&mut text))
-        .map_err(|error| wrong(error.to_string()))?;
-    if text.len() as u64 > MAX_LADDER_BYTES {
-        return Err(wrong(format!("more than {MAX_LADDER_BYTES} bytes")));
-    }
+    let text =
+        files::read_text(path, MAX_LADDER_BYTES).map_err(|error| wrong(error.to_string()))?;
+    let text = text.ok_or_else(|| wrong(format!("more than {MAX_LADDER_BYTES} bytes")))?;
     QualityLadder::parse(&text).map_err(|error| wrong(error.to_string()))
 }

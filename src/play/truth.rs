@@ -8,6 +8,7 @@ use super::flight::{Flight, Moment};
 use super::float_files::{write_exr_header, write_exr_line, write_npy_header};
 use super::output::{OutputError, PendingFile, make_folder};
 use super::truth_manifest::{PICTURE, TruthManifest};
+use crate::files::Unfinished;
 use crate::gpu::GpuContext;
 use crate::imagery::tile::TileKey;
 use crate::offscreen::{
@@ -17,7 +18,7 @@ use crate::{Earth, EarthOptions, TruthView};
 use rayon::prelude::*;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The page that says what they are.
 const MANIFEST: &str = "truth.json";
@@ -34,13 +35,31 @@ pub struct TruthFolder {
 
 /// Folders that were made for what comes into them: taken away again, as far as they are empty.
 #[derive(Debug, Default)]
-struct MadeFolders(Vec<PathBuf>);
+struct MadeFolders(Vec<Unfinished>);
+
+impl MadeFolders {
+    /// Makes a folder and those above it, where they are not there.
+    fn make(folder: &Path) -> Result<Self, OutputError> {
+        let missing = folder.ancestors().take_while(|path| !path.exists());
+        let missing: Vec<_> = missing
+            .filter(|path| !path.as_os_str().is_empty())
+            .collect();
+        let mut made = Self::default();
+        for path in missing.into_iter().rev() {
+            let ((), unfinished) = Unfinished::create(path, |path| std::fs::create_dir_all(path))
+                .map_err(|source| OutputError::write(path, source))?;
+            made.0.push(unfinished);
+        }
+        make_folder(folder)?;
+        Ok(made)
+    }
+}
 
 impl Drop for MadeFolders {
     fn drop(&mut self) {
-        for folder in &self.0 {
+        for folder in self.0.iter().rev() {
             // One that holds something stays.
-            let _ = std::fs::remove_dir(folder);
+            let _ = std::fs::remove_dir(folder.path());
         }
     }
 }
@@ -52,10 +71,7 @@ impl TruthFolder {
     /// A place that cannot be written to; a picture that takes more memory than this program does.
     pub fn create(folder: &Path, size: (u32, u32)) -> Result<Self, PlayError> {
         check_truth_memory(size)?;
-        let missing = folder.ancestors().take_while(|path| !path.exists());
-        let missing = missing.filter(|path| !path.as_os_str().is_empty());
-        let made = MadeFolders(missing.map(Path::to_owned).collect());
-        make_folder(folder)?;
+        let made = MadeFolders::make(folder)?;
         let file = |name: &str, ending| PendingFile::create(&folder.join(name), "layers", ending);
         Ok(Self {
             arrays: TRUTH_LAYERS

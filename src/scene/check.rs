@@ -17,6 +17,13 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     let sky = raw.sky.unwrap_or_default();
     let output = raw.output.unwrap_or_default();
     let quality = raw.quality.unwrap_or_default();
+    if let Some(orbit) = orbits.get(MAX_ORBITS) {
+        let advice = format!(
+            "a scene has at most {MAX_ORBITS} satellites and this one {}; leave some out",
+            orbits.len()
+        );
+        return Err(source.refuse(&orbit.source(), advice));
+    }
 
     let mut lines = KeyLines::default();
     for (table, given) in [
@@ -56,11 +63,6 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     let earth = source.earth(&earth)?;
     let sky = source.sky(&sky, &earth)?;
     let time = source.time(&time)?;
-    if let Some(orbit) = orbits.get(MAX_ORBITS) {
-        let advice = format!("a scene has at most {MAX_ORBITS} satellites; leave some out");
-        let field = orbit.source();
-        return Err(source.refuse(&field, advice));
-    }
     let mut checked = orbits
         .iter()
         .map(|orbit| source.orbit(orbit, &tracks, time.start))

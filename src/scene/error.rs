@@ -1,5 +1,6 @@
 //! Errors of scenes. Every message says where (file, line, key), what is wrong, and what to do.
 
+pub(super) use crate::files::excerpt as printable;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -135,26 +136,4 @@ impl SceneError {
             Self::Neither { scene } => scene.line(),
         }
     }
-}
-
-/// Longest excerpt of a scene in a message, characters.
-const EXCERPT_CHARS: usize = 60;
-
-/// An excerpt of a file for one line of a terminal: cut to its first line and a length, control characters escaped.
-pub(super) fn printable(text: &str) -> String {
-    let line = text.trim().lines().next().unwrap_or_default();
-    let mut out = String::new();
-    for c in line.chars().take(EXCERPT_CHARS) {
-        // Also the marks that reorder text: a message must read as it is written.
-        let reorders = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-        if c.is_control() || reorders {
-            out.extend(c.escape_unicode());
-        } else {
-            out.push(c);
-        }
-    }
-    if line.len() < text.trim().len() || line.chars().nth(EXCERPT_CHARS).is_some() {
-        out.push('…');
-    }
-    out
 }

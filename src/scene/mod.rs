@@ -50,12 +50,12 @@ mod text;
 mod time;
 mod tracks;
 
+use crate::files;
 use error::MAX_FILE_BYTES;
 use std::collections::BTreeMap;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use text::SceneText;
+use text::{SceneText, line_starts};
 
 pub use camera::Camera;
 pub use camera_keys::CameraKey;
@@ -116,31 +116,20 @@ impl Scene {
     /// A file that cannot be read, has more than [`Self::MAX_FILE_BYTES`], is not UTF-8, or holds anything
     /// that [`Scene::from_toml`] refuses.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
-        let unreadable = |source| SceneError::Read {
-            path: path.to_owned(),
-            source,
+        let unreadable = |source: std::io::Error| match source.kind() {
+            std::io::ErrorKind::IsADirectory => SceneError::Folder {
+                path: path.to_owned(),
+            },
+            _ => SceneError::Read {
+                path: path.to_owned(),
+                source,
+            },
         };
         let too_large = || SceneError::TooLarge {
             path: path.to_owned(),
         };
-        let file = std::fs::File::open(path).map_err(unreadable)?;
-        let found = file.metadata().map_err(unreadable)?;
-        if found.is_dir() {
-            return Err(SceneError::Folder {
-                path: path.to_owned(),
-            });
-        }
-        if found.len() > MAX_FILE_BYTES {
-            return Err(too_large());
-        }
-        // The length is not to be trusted (a pipe has none, a file may grow), so the reading is bounded too.
-        let mut bytes = Vec::new();
-        file.take(MAX_FILE_BYTES + 1)
-            .read_to_end(&mut bytes)
-            .map_err(unreadable)?;
-        if bytes.len() as u64 > MAX_FILE_BYTES {
-            return Err(too_large());
-        }
+        let bytes = files::read(path, MAX_FILE_BYTES).map_err(unreadable)?;
+        let bytes = bytes.ok_or_else(too_large)?;
         let text = std::str::from_utf8(&bytes).map_err(|error| {
             let good = bytes.iter().take(error.valid_up_to());
             SceneError::NotUtf8 {
@@ -158,7 +147,11 @@ impl Scene {
     /// Text that is not TOML, unknown tables and keys, values of the wrong type or out of range, values in
     /// conflict, files and folders that are not there: the first of them.
     pub fn from_toml(text: &str, path: &Path) -> Result<Self, SceneError> {
-        let scene = SceneText { path, text };
+        let scene = SceneText {
+            path,
+            text,
+            line_starts: &line_starts(text),
+        };
         check::check(scene, scene.parse()?)
     }
 

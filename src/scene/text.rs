@@ -9,13 +9,20 @@ use std::path::Path;
 pub(super) struct SceneText<'a> {
     pub(super) path: &'a Path,
     pub(super) text: &'a str,
+    /// Of [`line_starts`].
+    pub(super) line_starts: &'a [usize],
+}
+
+/// Byte offsets at which lines begin. A scene asks for the line of each of its keys, which may be some ten thousand.
+pub(super) fn line_starts(text: &str) -> Vec<usize> {
+    let after = text.match_indices('\n').map(|(at, _)| at + 1);
+    std::iter::once(0).chain(after).collect()
 }
 
 impl SceneText<'_> {
     /// Line of a byte offset, from 1.
     pub(super) fn line(&self, offset: usize) -> usize {
-        let before = self.text.as_bytes().iter().take(offset);
-        before.filter(|byte| **byte == b'\n').count() + 1
+        self.line_starts.partition_point(|start| *start <= offset)
     }
 
     /// Column of a byte offset, in characters, from 1.

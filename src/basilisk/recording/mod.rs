@@ -10,6 +10,7 @@ mod index;
 
 use super::message::Message;
 use super::world::{Place, Roster, Snapshot, UpdateFault, World, seconds};
+use crate::files::{self, printable};
 use crate::frames::{Epoch, rfc3339};
 use crate::orbit::{Feed, Frame, OrbitError, OrbitState};
 pub use error::RecordingError;
@@ -17,7 +18,6 @@ use glam::DVec3;
 use index::{Change, Index, Source, message_bytes};
 use std::collections::VecDeque;
 use std::fmt;
-use std::fs::File;
 use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -63,7 +63,7 @@ impl Recording {
             path: path.to_owned(),
             source,
         };
-        let file = File::open(path).map_err(unreadable)?;
+        let file = files::open(path).map_err(unreadable)?;
         Self::read(file, path, start, craft)
     }
 
@@ -151,7 +151,7 @@ impl Recording {
         RecordingError::Message {
             path: self.path.clone(),
             offset,
-            cause: cause.to_owned(),
+            cause: printable(cause),
         }
     }
 

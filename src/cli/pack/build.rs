@@ -2,7 +2,7 @@
 
 use super::options::{PackOptions, Shown};
 use crate::cli::Common;
-use crate::cli::progress::stop_on_interrupt;
+use crate::cli::interruption::stop_by_itself;
 use clap::Args;
 use std::path::PathBuf;
 use terrella::internals::imagery::SLOPE_EXAGGERATION;
@@ -71,7 +71,7 @@ pub fn run(args: &BuildArgs, common: &Common) -> anyhow::Result<()> {
         heights: args.heights.clone(),
         ..args.pack.build_options(&args.day, &args.output)
     };
-    stop_on_interrupt();
+    stop_by_itself();
     let shown = Shown::new(common.quiet);
     let manifest = build(&options, &shown)?;
     tracing::info!(pack = %args.output.display(), name = manifest.name, "built");

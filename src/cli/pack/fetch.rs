@@ -3,7 +3,7 @@
 use super::options::{PackOptions, Shown};
 use super::{bytes, print};
 use crate::cli::Common;
-use crate::cli::progress::stop_on_interrupt;
+use crate::cli::interruption::stop_by_itself;
 use anyhow::{Context, bail};
 use clap::Args;
 use std::fmt::Write;
@@ -165,7 +165,7 @@ pub fn run(args: &FetchArgs, common: &Common) -> anyhow::Result<()> {
             "--name, --attribution, --storage, --pixels, --restart: are for packs; give --output, or leave them out"
         );
     }
-    stop_on_interrupt();
+    stop_by_itself();
     let shown = Shown::new(common.quiet);
     let mut done = Vec::new();
     for layer in &layers {

@@ -1,6 +1,7 @@
 //! Why heights could not be read, said with the file, the cause, what was expected and what to do.
 
 use crate::elevation::GridError;
+use crate::files;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
@@ -146,28 +147,28 @@ impl FileContext {
     pub(super) fn damaged(&self, cause: impl Display) -> HeightFileError {
         HeightFileError::Damaged {
             path: self.0.clone(),
-            cause: cause.to_string(),
+            cause: files::cause(cause),
         }
     }
 
     pub(super) fn refused(
         &self,
-        cause: impl Into<String>,
+        cause: impl Display,
         expected: impl Into<String>,
         remedy: impl Into<String>,
     ) -> HeightFileError {
         HeightFileError::Refused {
             path: self.0.clone(),
-            cause: cause.into(),
+            cause: files::cause(cause),
             expected: expected.into(),
             remedy: remedy.into(),
         }
     }
 
-    pub(super) fn other_coordinates(&self, crs: impl Into<String>) -> HeightFileError {
+    pub(super) fn other_coordinates(&self, crs: impl Display) -> HeightFileError {
         HeightFileError::OtherCoordinates {
             path: self.0.clone(),
-            crs: crs.into(),
+            crs: files::cause(crs),
         }
     }
 

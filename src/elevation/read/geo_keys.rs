@@ -5,6 +5,7 @@ use super::error::FileContext;
 use super::sidecar::HeightUnit;
 use crate::elevation::geo_tags::{GEOGRAPHIC_TYPE, GeoTags, MODEL_TYPE, RASTER_TYPE, System};
 use crate::elevation::{Georeference, Registration};
+use crate::files::excerpt;
 
 const VERTICAL_TYPE: u16 = 4096;
 const VERTICAL_UNITS: u16 = 4099;
@@ -157,7 +158,7 @@ impl HeightTags {
             Some(other) => return Err(unknown(format!("has heights of the unit EPSG:{other}"))),
         }
         if let Some(word) = self.gdal_item("unittype").filter(|word| !word.is_empty()) {
-            let shown: String = word.chars().take(40).collect();
+            let shown = excerpt(word);
             return HeightUnit::from_word(word)
                 .map(Some)
                 .ok_or_else(|| unknown(format!("has heights of the unit {shown:?}")));

@@ -25,6 +25,7 @@ pub use error::HeightFileError;
 pub use sidecar::{ByteOrder, HeightUnit, MAX_SIDECAR_BYTES, Sidecar, SidecarGeoreference};
 
 use super::{Denoise, Denoised, Georeference, GridError, GridLimits, HeightGrid};
+use crate::files;
 use error::FileContext;
 use missing::Missing;
 use std::fs::File;
@@ -92,11 +93,7 @@ impl HeightReader<BufReader<File>> {
     /// Looks at a file, and at its sidecar if there is one.
     pub(super) fn open(path: &Path) -> Result<Self, HeightFileError> {
         let context = FileContext::new(path);
-        let file = File::open(path).map_err(|error| context.unreadable(error))?;
-        let metadata = file.metadata().map_err(|error| context.unreadable(error))?;
-        if !metadata.is_file() {
-            return Err(context.refused("is no file", "a GeoTIFF, PNG or NetCDF file", "give one"));
-        }
+        let file = files::open(path).map_err(|error| context.unreadable(error))?;
         let sidecar = read_sidecar(&sidecar_of(path))?;
         let reader = BufReader::with_capacity(1 << 16, file);
         Self::new(reader, sidecar.as_ref(), path)
@@ -129,10 +126,54 @@ pub fn height_files(path: &Path) -> Vec<PathBuf> {
     std::iter::once(path.to_owned()).chain(sidecar).collect()
 }
 
+/// Rejects a file of elevations that is read as a plain picture of metres, for all that [`open_heights`] rejects in its header or in its
+/// sidecar, and for numbers that by its own words are not metres. Whoever reads it knows where it lies, so what it does not say of
+/// place and unit is no error, and with `is_placed` neither is another system of coordinates.
+///
+/// # Errors
+/// As [`open_heights`].
+pub(crate) fn check_metres(path: &Path, is_placed: bool) -> Result<(), HeightFileError> {
+    let reader = match HeightReader::open(path) {
+        Err(HeightFileError::OtherCoordinates { .. }) if is_placed => return Ok(()),
+        reader => reader?,
+    };
+    match reader.georeference() {
+        Ok(_) | Err(HeightFileError::NoPlace { .. }) => {}
+        Err(error) => return Err(error),
+    }
+    match reader.conversion() {
+        Ok(_) | Err(HeightFileError::NoUnit { .. }) => {}
+        Err(error) => return Err(error),
+    }
+    let Header {
+        unit,
+        scale,
+        offset,
+        ..
+    } = reader.header;
+    let unit_m = unit.or(reader.said.unit).map_or(1.0, HeightUnit::metres);
+    if unit_m * scale.unwrap_or(1.0) == 1.0 && offset.unwrap_or(0.0) == 0.0 {
+        return Ok(());
+    }
+    let unit = unit.or(reader.said.unit).map_or("metres", HeightUnit::name);
+    Err(reader.context.refused(
+        format!(
+            "stores {unit}, times {} plus {}",
+            scale.unwrap_or(1.0),
+            offset.unwrap_or(0.0)
+        ),
+        "metres as they are stored",
+        format!(
+            "convert it: `gdal_translate -unscale -ot Float32 {} OUT.tif`, and of feet `gdal_calc.py` to metres",
+            path.display()
+        ),
+    ))
+}
+
 /// The sidecar at a path, if there is a file.
 fn read_sidecar(path: &Path) -> Result<Option<Sidecar>, HeightFileError> {
     let context = FileContext::new(path);
-    let file = match File::open(path) {
+    let file = match files::open(path) {
         Ok(file) => file,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(context.unreadable(error)),

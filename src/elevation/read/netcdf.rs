@@ -8,6 +8,7 @@ use super::missing::Missing;
 use super::sidecar::HeightUnit;
 use super::{Conversion, Header, HeightFileError};
 use crate::elevation::{Georeference, GridError, MAX_SIDE, Registration};
+use crate::files::printable;
 use std::io::{BufRead, Read, Seek, SeekFrom};
 
 /// Largest header, bytes, and most dimensions, attributes or variables of one list.
@@ -486,8 +487,7 @@ fn select_variable<'a>(
             .filter(is_grid)
             .map(|v| v.name.as_str())
             .collect();
-        let names: String = names.join(", ").chars().take(300).collect();
-        names
+        printable(&names.join(", "))
     };
     let write = "write variable = \"NAME\" in the sidecar";
     match (wanted, grids.next(), grids.next()) {

@@ -2,6 +2,7 @@
 
 use super::HeightFileError;
 use crate::elevation::{Bounds, Georeference, GridError, Registration};
+use crate::files::printable;
 use serde::Deserialize;
 use std::path::Path;
 use toml::Spanned;
@@ -225,9 +226,7 @@ impl Sidecar {
         }
         let raw: RawSidecar = toml::from_str(text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start);
-            // One line, of bounded length: it may quote the file.
-            let said: String = error.message().chars().take(300).collect();
-            source.wrong(start, said.replace('\n', " "))
+            source.wrong(start, printable(error.message()))
         })?;
         let finite = |value: &Option<Spanned<f64>>, key| {
             let value = value.as_ref();

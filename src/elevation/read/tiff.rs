@@ -7,6 +7,7 @@ use super::{Conversion, Header, HeightFileError};
 use crate::elevation::geo_tags::GeoTags;
 use crate::elevation::tiff_gaps::{TiffGapError, TiffMask, absent_chunks};
 use crate::elevation::{GridError, MAX_SIDE};
+use crate::files::{excerpt, printable};
 use std::io::{BufRead, Seek};
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
@@ -66,7 +67,7 @@ impl<R: BufRead + Seek> Tiff<R> {
         let no_data = match decoder.find_tag(Tag::GdalNodata).map_err(told)? {
             Some(value) => {
                 let text = value.into_string().map_err(told)?;
-                let shown: String = text.chars().take(40).collect();
+                let shown = excerpt(&text);
                 Some(number(&text).ok_or_else(|| {
                     context.refused(
                         format!("has the no-data value {shown:?}"),
@@ -298,7 +299,7 @@ fn gap_error(context: &FileContext, error: TiffGapError) -> HeightFileError {
     match error {
         TiffGapError::Tiff(TiffError::UnsupportedError(error)) => mask_refused(
             context,
-            format!("a mask that is not read: {}", in_short(&error.to_string())),
+            format!("a mask that is not read: {}", printable(&error.to_string())),
         ),
         TiffGapError::Tiff(error) => tiff_error(context, error),
         TiffGapError::Damaged(cause) => context.damaged(cause),
@@ -320,7 +321,7 @@ fn mask_refused(context: &FileContext, cause: String) -> HeightFileError {
 fn tiff_error(context: &FileContext, error: TiffError) -> HeightFileError {
     match error {
         TiffError::IoError(error) => context.reading(error),
-        TiffError::UnsupportedError(error) => unsupported(context, in_short(&error.to_string())),
+        TiffError::UnsupportedError(error) => unsupported(context, printable(&error.to_string())),
         TiffError::LimitsExceeded => context.refused(
             "has tags or strips beyond all measure",
             "those of a picture",
@@ -329,15 +330,6 @@ fn tiff_error(context: &FileContext, error: TiffError) -> HeightFileError {
                 context.path().display()
             ),
         ),
-        other => context.damaged(in_short(&other.to_string())),
-    }
-}
-
-/// The decoder's words, which may list thousands of the file's own numbers, as far as they can be read.
-fn in_short(words: &str) -> String {
-    const MOST: usize = 300;
-    match words.char_indices().nth(MOST) {
-        Some((end, _)) => format!("{}…", &words[..end]),
-        None => words.to_string(),
+        other => context.damaged(printable(&other.to_string())),
     }
 }

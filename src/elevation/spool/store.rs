@@ -1,7 +1,8 @@
 //! Rows of heights in a scratch file.
 
 use super::SpoolError;
-use std::fs::{File, OpenOptions};
+use crate::files::{self, Unfinished};
+use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::PathBuf;
 
@@ -33,6 +34,7 @@ pub(super) struct Store {
     columns: usize,
     rows: usize,
     kept: Kept,
+    _unfinished: Unfinished,
 }
 
 impl Store {
@@ -42,22 +44,22 @@ impl Store {
         (columns, rows): (usize, usize),
         kept: Kept,
     ) -> Result<Self, SpoolError> {
+        let bytes = Self::bytes_of((columns, rows), kept);
+        let error = |source| SpoolError::Scratch {
+            path: path.clone(),
+            source,
+        };
+        let (file, unfinished) =
+            Unfinished::create(&path, |path| File::create(path)).map_err(error)?;
         let store = Self {
             path,
             columns,
             rows,
             kept,
+            _unfinished: unfinished,
         };
-        let bytes = store.bytes();
-        File::create(&store.path)
-            .and_then(|file| file.set_len(bytes))
-            .map_err(|source| store.error(source))?;
+        file.set_len(bytes).map_err(|source| store.error(source))?;
         Ok(store)
-    }
-
-    /// Bytes of the file.
-    fn bytes(&self) -> u64 {
-        self.columns as u64 * self.rows as u64 * self.kept.bytes() as u64
     }
 
     /// Bytes of a file of so many heights.
@@ -67,7 +69,7 @@ impl Store {
 
     /// Opens the file; each thread does so for itself.
     pub(super) fn open(&self) -> Result<OpenStore<'_>, SpoolError> {
-        let opened = OpenOptions::new().read(true).write(true).open(&self.path);
+        let opened = files::open_with(File::options().read(true).write(true), &self.path);
         Ok(OpenStore {
             store: self,
             file: opened.map_err(|source| self.error(source))?,

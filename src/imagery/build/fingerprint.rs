@@ -5,8 +5,8 @@ use super::input::MapInput;
 use super::mosaic::Mosaic;
 use super::source::FileContext;
 use super::{BuildOptions, Map};
+use crate::files;
 use std::fmt::Write;
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 use std::time::UNIX_EPOCH;
@@ -64,7 +64,7 @@ fn of_mosaic(mosaic: &Mosaic) -> String {
 
 fn of_file(path: &Path) -> Result<String, BuildError> {
     let read = || -> std::io::Result<String> {
-        let mut file = File::open(path)?;
+        let mut file = files::open(path)?;
         let metadata = file.metadata()?;
         // A file system without times is recognised by the rest.
         let modified = metadata

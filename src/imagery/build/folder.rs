@@ -4,6 +4,7 @@ use super::error::BuildError;
 use super::journal::{JOURNAL_FILE, Journal, Noted, is_share_journal, share_journal_file};
 use super::tile_name::TileName;
 use crate::durable;
+use crate::files::{self, Unfinished};
 use crate::imagery::pack::{
     HEIGHTS_FOLDER, HeightPlace, HeightRecord, HeightsEntry, MANIFEST_FILE, Manifest, TileFile,
 };
@@ -44,8 +45,9 @@ impl Writer for Disk {
         name.push(".");
         name.push(PART);
         let part = path.with_file_name(name);
-        let written = File::create(&part)
-            .and_then(|mut file| file.write_all(contents))
+        let (mut file, _unfinished) = Unfinished::create(&part, |path| File::create(path))?;
+        let written = file
+            .write_all(contents)
             .and_then(|()| durable::replace(&part, path));
         if written.is_err() {
             // The error that counts is the one above.
@@ -67,18 +69,18 @@ impl Writer for Disk {
 }
 
 /// The folder of scratch files, removed with this.
-pub(super) struct ScratchFolder(PathBuf);
+pub(super) struct ScratchFolder(Unfinished);
 
 impl ScratchFolder {
     pub(super) fn path(&self) -> &Path {
-        &self.0
+        self.0.path()
     }
 }
 
 impl Drop for ScratchFolder {
     fn drop(&mut self) {
         // The next build in this folder removes what stays.
-        let _ = fs::remove_dir_all(&self.0);
+        let _ = fs::remove_dir_all(self.0.path());
     }
 }
 
@@ -272,8 +274,8 @@ impl<'a> BuildFolder<'a> {
     /// Makes the folder of scratch files.
     pub(super) fn scratch(&self) -> Result<ScratchFolder, BuildError> {
         let path = self.dir.join(SCRATCH);
-        match fs::create_dir(&path) {
-            Ok(()) => Ok(ScratchFolder(path)),
+        match Unfinished::create(&path, |path| fs::create_dir(path)) {
+            Ok(((), folder)) => Ok(ScratchFolder(folder)),
             Err(source) => Err(BuildError::Write { path, source }),
         }
     }
@@ -415,7 +417,7 @@ impl Present {
 /// Whether the file has this length and checksum.
 fn holds(path: &Path, file: TileFile) -> bool {
     let read = || -> io::Result<bool> {
-        let opened = File::open(path)?;
+        let opened = files::open(path)?;
         if opened.metadata()?.len() != file.bytes {
             return Ok(false);
         }

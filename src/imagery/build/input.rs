@@ -4,8 +4,8 @@ use super::error::BuildError;
 use super::mosaic::{Description, Mosaic, check_whole_earth};
 use super::source::{self, FileContext, RowSource, SourceInfo, SourceLimits};
 use super::values::Meaning;
-use crate::elevation::read::first_bytes;
-use std::fs::File;
+use crate::elevation::read::{check_metres, first_bytes};
+use crate::files;
 use std::path::{Path, PathBuf};
 
 /// A map that has been looked at.
@@ -73,6 +73,19 @@ impl MapInput {
         }
     }
 
+    /// Rejects elevations for what heights are rejected for, as far as its files are read as they are.
+    pub(super) fn check_metres(&self, path: &Path) -> Result<(), BuildError> {
+        match self {
+            Self::File(_) => check_metres(path, false)?,
+            Self::Mosaic(mosaic) => {
+                for path in mosaic.plain_files() {
+                    check_metres(path, true)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// What packs call it: its own name, or that of its file.
     pub(super) fn name(&self, path: &Path) -> String {
         match self {
@@ -110,7 +123,7 @@ fn is_named_toml(path: &Path) -> bool {
 }
 
 fn is_picture(path: &Path) -> Result<bool, BuildError> {
-    let magic = File::open(path).and_then(first_bytes);
+    let magic = files::open(path).and_then(first_bytes);
     let magic = magic.map_err(|error| FileContext::new(path).unreadable(error))?;
     Ok(matches!(
         magic.as_slice(),

@@ -15,6 +15,7 @@
 
 use super::error::BuildError;
 use super::tile_name::TileName;
+use crate::files;
 use crate::imagery::pack::{HeightPlace, HeightRecord, TileFile};
 use crate::imagery::tile::{MapLayer, Storage};
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -68,12 +69,8 @@ impl Journal {
             source,
         };
         let mut options = OpenOptions::new();
-        let mut file = options
-            .read(true)
-            .append(true)
-            .create(true)
-            .open(&path)
-            .map_err(fail)?;
+        options.read(true).append(true).create(true);
+        let mut file = files::open_with(&options, &path).map_err(fail)?;
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
@@ -96,7 +93,7 @@ impl Journal {
 
     /// The tiles noted in a journal that is another process's or of another run; none where it is of another build.
     pub(super) fn tiles_of(path: &Path, fingerprint: &str) -> Vec<Noted> {
-        match File::open(path).and_then(|mut file| read_text(&mut file)) {
+        match files::open(path).and_then(|mut file| read_text(&mut file)) {
             Ok((text, _)) if begins_with(&text, fingerprint) => parse_all(&text).0,
             _ => Vec::new(),
         }

@@ -443,6 +443,9 @@ fn look<'a>(
     }
     // Refuses texels of the wrong kind.
     drop(ValueRows::new(source, meaning, path)?);
+    if matches!(meaning, Meaning::Elevation { .. }) {
+        input.check_metres(path)?;
+    }
     if meaning == Meaning::Amount && info.channels >= 3 {
         progress.note(&format!(
             "{}: is in colour; its luminance is taken for the {} map",

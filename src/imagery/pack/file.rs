@@ -1,7 +1,7 @@
 //! A file of a pack: what it must be, and its bytes where it is that.
 
+use crate::files;
 use crate::imagery::tile::TileError;
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -53,11 +53,7 @@ pub(super) fn read_whole(
         cause,
     };
     unless(cancelled)?;
-    // Opening a pipe would wait for its writer.
-    if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
-        return Err(corrupt("it is not a file".into()));
-    }
-    let opened = File::open(path).map_err(unreadable)?;
+    let opened = files::open(path).map_err(unreadable)?;
     unless(cancelled)?;
     // One byte more shows that the file has grown.
     let mut bytes = Vec::with_capacity(file.bytes as usize + 1);

@@ -3,8 +3,9 @@
 use super::error::{MAX_MANIFEST_BYTES, PackError};
 use super::heights::HeightIndex;
 use super::manifest::{MANIFEST_FILE, Manifest, tile_path};
+use crate::files;
 use crate::imagery::tile::{Storage, TileKey};
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Name of the file in a pack's folder by which the building goes on after it was broken off. It is there from the
@@ -92,22 +93,8 @@ fn read_text(path: &Path) -> Result<String, PackError> {
         source,
     };
     let too_large = || PackError::TooLarge { path: path.into() };
-    let found = std::fs::metadata(path).map_err(unreadable)?;
-    if !found.is_file() {
-        // A pipe would be waited for.
-        return Err(unreadable(std::io::Error::other("it is not a file")));
-    }
-    if found.len() > MAX_MANIFEST_BYTES {
-        return Err(too_large());
-    }
-    // It may grow meanwhile, so the reading is bounded too.
-    let mut bytes = Vec::new();
-    std::fs::File::open(path)
-        .and_then(|file| file.take(MAX_MANIFEST_BYTES + 1).read_to_end(&mut bytes))
-        .map_err(unreadable)?;
-    if bytes.len() as u64 > MAX_MANIFEST_BYTES {
-        return Err(too_large());
-    }
+    let bytes = files::read(path, MAX_MANIFEST_BYTES).map_err(unreadable)?;
+    let bytes = bytes.ok_or_else(too_large)?;
     String::from_utf8(bytes).map_err(|error| {
         let good = error
             .as_bytes()

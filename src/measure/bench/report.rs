@@ -1,9 +1,9 @@
 //! What the harness writes as JSON, and reads again as a baseline.
 
 use super::error::BenchError;
+use crate::files::{self, printable};
 use crate::measure::{GroundPath, Quantiles, median};
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::Read;
 use std::path::Path;
 
 /// The layout of the file. A reader refuses others.
@@ -215,23 +215,13 @@ impl BenchReport {
             path: path.into(),
             source,
         };
-        let file = std::fs::File::open(path).map_err(unreadable)?;
-        // The length is not to be trusted (a pipe has none, a file may grow), so the reading is bounded.
-        let mut bytes = Vec::new();
-        file.take(MAX_BYTES + 1)
-            .read_to_end(&mut bytes)
-            .map_err(unreadable)?;
+        let bytes = files::read(path, MAX_BYTES).map_err(unreadable)?;
         let refused = |what: String| BenchError::NoBaseline {
             path: path.into(),
             what,
         };
-        if bytes.len() as u64 > MAX_BYTES {
-            return Err(refused(format!("it is larger than {MAX_BYTES} bytes")));
-        }
-        let unlike = |error: serde_json::Error| {
-            // It may quote the file: nothing of it reaches the terminal as a command.
-            refused(error.to_string().replace(char::is_control, "\u{fffd}"))
-        };
+        let bytes = bytes.ok_or_else(|| refused(format!("it is larger than {MAX_BYTES} bytes")))?;
+        let unlike = |error: serde_json::Error| refused(printable(&error.to_string()));
         // First, so that an older file is not told what its keys should be.
         let layout: Layout = serde_json::from_slice(&bytes).map_err(unlike)?;
         if layout.version != VERSION {

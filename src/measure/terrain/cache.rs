@@ -1,9 +1,9 @@
 //! Serialized trees in a folder: whole files with checksums, or none.
 
+use crate::files;
 use crate::play::{OutputError, PendingFile};
 use std::fmt::Display;
-use std::fs::File;
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Extension of the files.
@@ -69,19 +69,15 @@ impl Cache {
 
     /// What a file holds; `None` where there is none.
     fn bytes(&self, path: &Path) -> std::io::Result<Option<Vec<u8>>> {
-        let file = match File::open(path) {
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-            file => file?,
-        };
         let max = self.max_bytes;
-        if file.metadata()?.len() > max {
-            let what = format!("it has more than the {max} bytes that are allowed");
-            return Err(std::io::Error::other(what));
+        match files::read(path, max) {
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+            Ok(None) => {
+                let what = format!("it has more than the {max} bytes that are allowed");
+                Err(std::io::Error::other(what))
+            }
+            read => read,
         }
-        let mut bytes = Vec::new();
-        // It may have grown since.
-        file.take(max).read_to_end(&mut bytes)?;
-        Ok(Some(bytes))
     }
 
     /// Writes a tree under its name, in place of what was there.

@@ -82,8 +82,8 @@ pub use shared::PacketCounters;
 pub use split::{Received, Splitter};
 
 use super::connections::Standing;
-use super::entry::shortened;
 use super::{Feed, Freshness, OrbitError, OrbitState};
+use crate::files::printable;
 use crate::frames::{Epoch, rfc3339, utc_from_rfc3339};
 use buffer::later;
 use lockstep::Outcome;
@@ -243,7 +243,7 @@ impl LiveFeed {
 
     /// Tells the simulator why there is no picture. `false` where it waits no more.
     pub fn refuse(&self, request: &FrameRequest, reason: &str) -> bool {
-        let reason = shortened(reason);
+        let reason = printable(reason);
         self.shared.lockstep.end(request, Outcome::Refused(reason))
     }
 

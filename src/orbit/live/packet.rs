@@ -1,7 +1,7 @@
 //! One message of a simulator, as a JSON line or in binary.
 
-use super::super::entry::shortened;
 use super::super::{Frame, OrbitState};
+use crate::files::{excerpt, printable};
 use crate::frames::{Duration, Epoch, TimeScale, ccsds_time, utc_from_rfc3339};
 use glam::DVec3;
 use serde::Deserialize;
@@ -126,7 +126,7 @@ struct Line<'t> {
 fn field(key: &'static str, text: &str, expected: &'static str) -> PacketFault {
     PacketFault::Field {
         key,
-        text: shortened(text),
+        text: excerpt(text),
         expected,
     }
 }
@@ -142,7 +142,7 @@ impl Packet {
         }
         let line = std::str::from_utf8(line).map_err(|_| PacketFault::NotAPacket)?;
         let line: Line<'_> = serde_json::from_str(line).map_err(|e| PacketFault::Json {
-            cause: shortened(&e.to_string()),
+            cause: printable(&e.to_string()),
         })?;
         let kind = match line.message.as_deref() {
             None | Some("state") => PacketKind::State,

@@ -1,6 +1,5 @@
 //! What the threads that read and the player that draws share.
 
-use super::super::entry::shortened;
 use super::buffer::{Insertion, StateBuffer};
 use super::clock::PlaybackClock;
 use super::lockstep::{Lockstep, Outcome};
@@ -8,6 +7,7 @@ use super::options::{LiveOptions, Pacing};
 use super::packet::{Packet, PacketFault, PacketKind};
 use super::reply::Reply;
 use super::split::Received;
+use crate::files::printable;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
@@ -138,7 +138,7 @@ impl Shared {
         let reason = fault.to_string();
         let mut inner = self.lock();
         inner.counters.bad += 1;
-        inner.last_fault = Some(shortened(&reason));
+        inner.last_fault = Some(printable(&reason));
         drop(inner);
         // Somebody may wait for an answer.
         let is_waited_for = self.options.pacing == Pacing::Lockstep;
@@ -160,7 +160,7 @@ impl Shared {
             let reason = "nobody waits here: the feed was opened in broadcast mode; send states, or open it in lockstep";
             let mut inner = self.lock();
             inner.counters.bad += 1;
-            inner.last_fault = Some(shortened(reason));
+            inner.last_fault = Some(printable(reason));
             return Some(Reply::Error {
                 seq: Some(seq),
                 reason: reason.to_owned(),

@@ -2,13 +2,14 @@
 
 use super::super::cut::{CutOff, LastLine};
 use super::super::entry::{
-    Entry, Fields, RecordError, RecordFault, TextPosition, number, scaled_number, shortened,
+    Entry, Fields, RecordError, RecordFault, TextPosition, number, scaled_number,
 };
 use super::super::found::{Each, Found};
 use super::super::text::kvn::{KvnLine, lines};
 use super::super::text::offset;
 use super::VERSION;
 use super::draft::{Draft, metadata};
+use crate::files::excerpt;
 use crate::frames::Epoch;
 use glam::DVec3;
 use std::borrow::Cow;
@@ -223,7 +224,7 @@ impl<'o> Message<'o> {
             *slot = scaled_number(word, 3).ok_or_else(|| {
                 let fault = RecordFault::Field {
                     key: name.to_owned(),
-                    text: shortened(word),
+                    text: excerpt(word),
                     expected: "a number",
                 };
                 at(word).error(self.origin, fault)
@@ -267,7 +268,7 @@ impl<'o> Message<'o> {
     }
 
     fn unexpected(&self, text: &str, place: TextPosition, expected: &'static str) -> RecordError {
-        let text = shortened(text);
+        let text = excerpt(text);
         place.error(self.origin, RecordFault::Unexpected { text, expected })
     }
 

@@ -7,11 +7,12 @@ mod fields;
 mod write;
 
 use super::cut::{CutOff, open_line};
-use super::entry::{Entry, MAX_ENTRIES, RecordError, RecordFault, TextPosition, shortened};
+use super::entry::{Entry, MAX_ENTRIES, RecordError, RecordFault, TextPosition};
 use super::text::json::Document;
 use super::text::xml::XmlItem;
 use super::text::{csv, kvn, unmarked, xml};
 use super::{MeanElements, OrbitError};
+use crate::files::excerpt;
 use fields::{ElementEntries, OmmSource};
 use std::borrow::Cow;
 use std::path::Path;
@@ -107,7 +108,7 @@ fn from_kvn(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitE
             kvn::KvnLine::Other { text, place } => {
                 if record.take().is_some() {
                     let fault = RecordFault::Unexpected {
-                        text: shortened(text),
+                        text: excerpt(text),
                         expected: "KEY = value",
                     };
                     each(Err(place.error(origin, fault).into()))?;

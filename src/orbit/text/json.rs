@@ -1,7 +1,8 @@
 //! JSON objects as names and values with their places; numbers as they are written.
 
-use super::super::entry::{Entry, RecordError, RecordFault, TextPosition, shortened};
+use super::super::entry::{Entry, RecordError, RecordFault, TextPosition};
 use super::{Lines, offset};
+use crate::files::{excerpt, printable};
 use serde::de::{Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_json::value::RawValue;
@@ -43,8 +44,8 @@ impl<'t> Document<'t> {
     /// That `value` is not `expected`.
     pub fn wrong(&self, key: &str, value: &RawValue, expected: &'static str) -> RecordError {
         let fault = RecordFault::Field {
-            key: shortened(key),
-            text: shortened(value.get()),
+            key: excerpt(key),
+            text: excerpt(value.get()),
             expected,
         };
         self.error(value, fault)
@@ -101,7 +102,7 @@ impl<'t> Document<'t> {
         expected: &'static str,
     ) -> Result<Object<'t>, RecordError> {
         serde_json::from_str(value.get()).map_err(|_| {
-            let text = shortened(value.get());
+            let text = excerpt(value.get());
             self.error(value, RecordFault::Unexpected { text, expected })
         })
     }
@@ -137,7 +138,7 @@ impl<'t> Document<'t> {
         let cause = cause.split(" at line ").next().unwrap_or(&cause);
         let fault = RecordFault::Syntax {
             format: "JSON",
-            cause: cause.to_owned(),
+            cause: printable(cause),
         };
         place.error(self.origin, fault)
     }

@@ -1,7 +1,8 @@
 //! XML as a stream of elements: those with text are values, those with elements open and close.
 
-use super::super::entry::{Entry, RecordError, RecordFault, shortened};
+use super::super::entry::{Entry, RecordError, RecordFault};
 use super::Lines;
+use crate::files::printable;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 use std::borrow::Cow;
@@ -44,7 +45,7 @@ pub fn walk<E: From<RecordError>>(
     let syntax = |at: usize, cause: String| {
         let fault = RecordFault::Syntax {
             format: "XML",
-            cause: shortened(&cause),
+            cause: printable(&cause),
         };
         E::from(lines.place(at).error(origin, fault))
     };

@@ -1,6 +1,7 @@
 //! A folder of numbered frames: their names, and one run at a time that writes them.
 
 use super::error::FilmError;
+use crate::files::{self, Unfinished};
 use crate::play::error::PlayError;
 use crate::play::output::{OutputError, PendingFile, make_folder};
 use std::fs::{File, TryLockError};
@@ -35,14 +36,14 @@ pub struct FrameFolder {
 /// Held as long as it lives; then its file is taken away.
 #[derive(Debug)]
 struct FolderLock {
-    path: PathBuf,
-    _file: File,
+    file: Unfinished,
+    _lock: File,
 }
 
 impl Drop for FolderLock {
     fn drop(&mut self) {
         // One that stays is of no harm: who holds it is what counts.
-        let _ = std::fs::remove_file(&self.path);
+        let _ = std::fs::remove_file(self.file.path());
     }
 }
 
@@ -139,8 +140,9 @@ fn lock(folder: &Path) -> Result<FolderLock, PlayError> {
     let path = folder.join(LOCK);
     let refused = |source| OutputError::write(folder, source);
     let mut options = File::options();
-    let file = options.create(true).truncate(false).write(true).open(&path);
-    let file = file.map_err(refused)?;
+    options.create(true).truncate(false).write(true);
+    let made = Unfinished::create(&path, |path| files::open_with(&options, path));
+    let (file, unfinished) = made.map_err(refused)?;
     match file.try_lock() {
         Ok(()) => {}
         Err(TryLockError::WouldBlock) => {
@@ -155,7 +157,10 @@ fn lock(folder: &Path) -> Result<FolderLock, PlayError> {
             folder.display()
         ),
     }
-    Ok(FolderLock { path, _file: file })
+    Ok(FolderLock {
+        file: unfinished,
+        _lock: file,
+    })
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::error::FilmError;
 use super::settings::PictureSettings;
+use crate::files;
 use crate::frames::{TimeScale, ccsds_time};
 use crate::play::error::PlayError;
 use crate::play::scene_files::{SceneFile, scene_files};
@@ -9,8 +10,6 @@ use crate::scene::Scene;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io;
 use std::path::Path;
 
 /// Most files that a message names of each kind of change.
@@ -175,12 +174,8 @@ fn shown(text: &str) -> String {
 
 fn checksum_of(path: &Path) -> Result<String, FilmError> {
     let read = || {
-        // Opening a pipe would wait for its writer, and a device may have no end.
-        if !std::fs::metadata(path)?.is_file() {
-            return Err(io::Error::other("it is not a regular file"));
-        }
         let mut hasher = blake3::Hasher::new();
-        hasher.update_reader(File::open(path)?)?;
+        hasher.update_reader(files::open(path)?)?;
         Ok(hasher.finalize().to_hex().to_string())
     };
     read().map_err(|source| FilmError::Input {

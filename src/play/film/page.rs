@@ -9,6 +9,7 @@ use super::folder::FrameFolder;
 use super::key::{FilmKey, checksum};
 use super::page_text::{BEFORE_FRAMES, END, PageText};
 use super::record::FrameRecord;
+use crate::files::{self, printable};
 use crate::frames::{Epoch, TimeScale, ccsds_time};
 use crate::play::error::PlayError;
 use crate::play::output::{OutputError, PendingFile};
@@ -114,7 +115,7 @@ impl FilmPage {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 return nothing_kept(folder.folder());
             }
-            Err(error) => return Err(bad(error.to_string())),
+            Err(error) => return Err(bad(printable(&error.to_string()))),
         };
         let page = PageText::read(&text).map_err(|error| {
             bad(format!(
@@ -231,7 +232,7 @@ impl FilmPage {
 fn read_text(path: &Path, frame_count: u64) -> io::Result<String> {
     let limit = MAX_HEAD_BYTES + frame_count.saturating_mul(MAX_ENTRY_BYTES);
     let mut bytes = Vec::new();
-    File::open(path)?.take(limit + 1).read_to_end(&mut bytes)?;
+    files::open(path)?.take(limit + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > limit {
         let problem = format!("is longer than a film of {frame_count} frames needs");
         return Err(io::Error::other(problem));
@@ -307,7 +308,7 @@ fn write_anew(
     let end_at = text.len() as u64;
     text.push_str(END);
     PendingFile::create(path, "pages of frames", "json")?.write_whole(text.as_bytes())?;
-    let file = File::options().write(true).open(path);
+    let file = files::open_with(File::options().write(true), path);
     let file = file.map_err(|source| OutputError::write(path, source))?;
     Ok((file, end_at))
 }

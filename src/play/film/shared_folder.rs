@@ -6,6 +6,7 @@ use super::page::{FilmPage, KeptFrames, PageHead};
 use super::range::FrameRange;
 use super::record::FrameRecord;
 use super::settings::PictureSettings;
+use crate::files;
 use crate::play::clock::frame_epoch;
 use crate::play::error::PlayError;
 use crate::play::flight::Flight;
@@ -99,8 +100,8 @@ impl SharedFolder {
             && record.file == self.folder.name(record.index)
             && !self.kept.entries.contains_key(&record.index);
         let is_whole = is_ours
-            && std::fs::read(self.folder.path(record.index))
-                .is_ok_and(|bytes| checksum(&bytes) == record.blake3);
+            && files::read(&self.folder.path(record.index), record.bytes)
+                .is_ok_and(|bytes| bytes.is_some_and(|bytes| checksum(&bytes) == record.blake3));
         if is_whole {
             let entry = entry.trim().to_owned();
             self.kept.entries.insert(record.index, entry);

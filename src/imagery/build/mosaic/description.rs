@@ -5,12 +5,11 @@ use super::place::{Bounds, Crs, Place};
 use super::row::AlphaMeans;
 use super::texels::Encoding;
 use super::tiles::{MAX_TILE_SIDE, TileSet};
+use crate::files::{self, path_complaint, printable};
 use crate::imagery::build::error::BuildError;
 use crate::imagery::build::source::{FileContext, MAX_PIECE_SIDE};
 use crate::imagery::pack::{MAX_ATTRIBUTION_LINES, MAX_TEXT_CHARS};
 use serde::Deserialize;
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Largest description, bytes.
@@ -109,15 +108,14 @@ struct RawPart {
     encoding: Option<Encoding>,
 }
 
-/// What is wrong with the TOML of a description, and in which line; at most some hundred characters of one line.
+/// What is wrong with the TOML of a description, and in which line.
 pub(crate) fn syntax_complaint(text: &str, error: &toml::de::Error) -> String {
     let before = text
         .as_bytes()
         .iter()
         .take(error.span().map_or(0, |span| span.start));
     let line = before.filter(|byte| **byte == b'\n').count() + 1;
-    let message: String = error.message().chars().take(300).collect();
-    format!("line {line}: {}", message.escape_debug())
+    format!("line {line}: {}", printable(error.message()))
 }
 
 impl Description {
@@ -179,17 +177,13 @@ impl Description {
             }
             return Self::of_folder(path);
         }
-        let mut bytes = Vec::new();
-        let file = File::open(path).map_err(with_path)?;
-        file.take(MAX_DESCRIPTION_BYTES + 1)
-            .read_to_end(&mut bytes)
-            .map_err(with_path)?;
-        if bytes.len() as u64 > MAX_DESCRIPTION_BYTES {
-            return Err(context.refused(
+        let bytes = files::read(path, MAX_DESCRIPTION_BYTES).map_err(with_path)?;
+        let bytes = bytes.ok_or_else(|| {
+            context.refused(
                 format!("has more than {MAX_DESCRIPTION_BYTES} bytes"),
                 "give a description of a mosaic",
-            ));
-        }
+            )
+        })?;
         let text = String::from_utf8(bytes)
             .map_err(|_| context.refused("is no text", "give a description of a mosaic"))?;
         Self::from_toml(&text, path)
@@ -255,6 +249,10 @@ impl RawPart {
             .is_some_and(|values| !are_texel(values))
         {
             return Err("no_data: give 1 to 4 finite numbers".to_string());
+        }
+        let named = self.file.as_deref().or(self.tiles.as_deref());
+        if let Some(complaint) = named.and_then(path_complaint) {
+            return Err(complaint);
         }
         let from = match (&self.file, &self.tiles) {
             (Some(file), None) => self.file(folder.join(file))?,

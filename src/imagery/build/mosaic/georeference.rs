@@ -7,9 +7,9 @@
 use super::place::{Bounds, Crs, Place, place_in_name};
 use super::wkt::{MAX_WKT_BYTES, crs_of};
 use crate::elevation::geo_tags::{GeoTags, System};
+use crate::files;
 use crate::imagery::build::error::BuildError;
 use crate::imagery::build::source::{FileContext, TagGrid, in_other_system};
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 use tiff::decoder::Decoder;
@@ -85,7 +85,7 @@ fn of_file(
 ) -> Result<Option<Place>, BuildError> {
     let context = FileContext::new(path);
     let refused = |complaint: String| context.refused(complaint, ADVICE);
-    let file = File::open(path).map_err(|error| context.unreadable(error))?;
+    let file = files::open(path).map_err(|error| context.unreadable(error))?;
     let tags = tags_of(BufReader::new(file));
     let said = match tags
         .system()
@@ -242,7 +242,7 @@ fn of_world_file(path: &Path) -> Result<Option<TagGrid>, BuildError> {
 /// The text of a small file.
 fn text_of(file: &Path, most_bytes: u64) -> Result<String, BuildError> {
     let context = FileContext::new(file);
-    let opened = File::open(file).map_err(|error| context.unreadable(error))?;
+    let opened = files::open(file).map_err(|error| context.unreadable(error))?;
     let mut bytes = Vec::new();
     opened
         .take(most_bytes)

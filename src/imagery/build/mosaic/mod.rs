@@ -139,16 +139,7 @@ impl Mosaic {
             .map(|piece| piece.place.column_deg)
             .fold(360.0, f64::min);
         let target = target(&description, window, finest_deg, &context)?;
-        if window.is_none()
-            && description.width.is_none()
-            && 360.0 / finest_deg > 1.001 * f64::from(target.columns)
-        {
-            notes.push(format!(
-                "its finest part would make a map of {:.0} texels round the Earth; the widest that is taken has {}",
-                360.0 / finest_deg,
-                target.columns
-            ));
-        }
+        check_worth(&pieces, &target, &context)?;
         let buffer_bytes = most_bytes(&pieces, &target);
         if buffer_bytes > limits.buffer_bytes {
             return Err(context.too_large(
@@ -224,6 +215,16 @@ impl Mosaic {
         })
     }
 
+    /// The files of its parts whose numbers mean what they are, not a code of colours.
+    pub(super) fn plain_files(&self) -> impl Iterator<Item = &Path> {
+        self.pieces
+            .iter()
+            .filter_map(|piece| match &piece.part.from {
+                PartSource::File(path, _) if piece.part.encoding.is_none() => Some(path.as_path()),
+                _ => None,
+            })
+    }
+
     /// What it is made of, in words that differ for what gives other texels.
     pub(super) fn identity(&self) -> String {
         format!("{:?} {:?}", self.description, self.target)
@@ -246,6 +247,35 @@ impl Mosaic {
             told: false,
         }
     }
+}
+
+/// So many columns are made of any parts: that takes seconds.
+const UNPROVEN_COLUMNS: u32 = 8192;
+
+/// So many times as wide a map may be made as its finest part would make it. More is interpolation and nothing else.
+const MOST_ENLARGED: f64 = 8.0;
+
+/// So many texels may be made of each that the parts have. Small parts of a very fine map take hours and fill next to nothing of it.
+const MOST_MADE: u64 = 4096;
+
+/// Rejects a map that is out of all proportion to what it is made of.
+fn check_worth(pieces: &[Piece], target: &Target, context: &FileContext) -> Result<(), BuildError> {
+    let texels = |width: u32, height: u32| u64::from(width) * u64::from(height);
+    let given: u64 = pieces
+        .iter()
+        .map(|piece| texels(piece.info.width, piece.info.height))
+        .sum();
+    let made = texels(target.columns, target.rows);
+    if target.columns <= UNPROVEN_COLUMNS || made / MOST_MADE <= given {
+        return Ok(());
+    }
+    Err(context.refused(
+        format!(
+            "would be a map of {} x {} texels, and its parts have {given} in all",
+            target.columns, target.rows
+        ),
+        "give it a smaller width, or correct the parts' bounds, or lay them over a finer map of the whole Earth",
+    ))
 }
 
 /// The grid: the width asked for, or as fine as the finest part.
@@ -272,7 +302,29 @@ fn target(
         }
         None => finest_deg,
     };
+    let natural = 360.0 / finest_deg;
+    if let Some(width) = description.width
+        && width > UNPROVEN_COLUMNS
+        && f64::from(width) > MOST_ENLARGED * natural
+    {
+        return Err(context.refused(
+            format!(
+                "has a width of {width} texels, and its finest part would make a map of {natural:.0}"
+            ),
+            format!("give a width of {MOST_ENLARGED} times that at most, or leave it out"),
+        ));
+    }
     let Some(window) = window else {
+        if description.width.is_none() && natural > 1.001 * f64::from(2 * MAX_SOURCE_HEIGHT) {
+            return Err(context.refused(
+                format!("its finest part would make a map of {natural:.0} texels round the Earth"),
+                format!(
+                    "correct that part's bounds, or give a width of {} texels at most: \
+                     the part is then averaged",
+                    2 * MAX_SOURCE_HEIGHT
+                ),
+            ));
+        }
         return Ok(Target::earth_of(texel_deg));
     };
     let part = Target::part(window, texel_deg);

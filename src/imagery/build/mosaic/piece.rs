@@ -9,11 +9,11 @@ use super::row::RasterRow;
 use super::target::{Span, Target};
 use super::texels::{Reader, TexelKind};
 use super::tiles::TileRows;
+use crate::files;
 use crate::imagery::build::error::BuildError;
 use crate::imagery::build::resample::cubic;
 use crate::imagery::build::source::{Extent, FileContext, SourceInfo, SourceLimits, read_extent};
 use std::collections::VecDeque;
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -93,7 +93,7 @@ fn open(part: &Part, description: &Path, limits: SourceLimits) -> Result<Raster,
     match &part.from {
         PartSource::File(path, _) => {
             let context = FileContext::new(path);
-            let file = File::open(path).map_err(|error| context.unreadable(error))?;
+            let file = files::open(path).map_err(|error| context.unreadable(error))?;
             let reader = BufReader::with_capacity(1 << 16, file);
             let rows = read_extent(reader, path, limits, Extent::Piece)?;
             Ok(Raster::file(rows, part.alpha))

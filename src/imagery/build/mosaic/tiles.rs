@@ -1,6 +1,7 @@
 //! Tiles of one size that lie side by side, read as one raster: a row of tiles is decoded at a time.
 
 use super::row::{AlphaMeans, RasterRow, without_alpha};
+use crate::files;
 use crate::imagery::build::error::BuildError;
 use crate::imagery::build::source::{
     Extent, FileContext, SampleKind, SourceInfo, SourceLimits, read_extent,
@@ -335,7 +336,7 @@ fn copy_channels(from: &[u8], to: &mut [u8], texel: usize, sample: usize) {
 }
 
 fn read_file(path: &Path) -> std::io::Result<Vec<u8>> {
-    let file = std::fs::File::open(path)?;
+    let file = files::open(path)?;
     let mut bytes = Vec::new();
     // What is cut off here is damaged to its decoder.
     file.take(MAX_TILE_FILE_BYTES).read_to_end(&mut bytes)?;

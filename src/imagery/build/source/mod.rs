@@ -8,10 +8,10 @@ mod tiff;
 
 use super::error::BuildError;
 use crate::elevation::read::first_bytes;
+use crate::files;
 use crate::imagery::colour::Said;
 pub(super) use geo::{TagGrid, in_other_system};
 use std::fmt;
-use std::fs::File;
 use std::io::{BufRead, BufReader, Seek};
 use std::path::{Path, PathBuf};
 
@@ -169,18 +169,18 @@ impl FileContext {
     pub(super) fn damaged(&self, cause: impl fmt::Display) -> BuildError {
         BuildError::Damaged {
             path: self.0.clone(),
-            cause: cause.to_string(),
+            cause: files::cause(cause),
         }
     }
 
     pub(super) fn refused(
         &self,
-        cause: impl Into<String>,
+        cause: impl fmt::Display,
         advice: impl Into<String>,
     ) -> BuildError {
         BuildError::Source {
             path: self.0.clone(),
-            cause: cause.into(),
+            cause: files::cause(cause),
             advice: advice.into(),
         }
     }
@@ -225,11 +225,7 @@ impl FileContext {
 /// [`BuildError`] with the file and what to do, before anything large is allocated.
 pub fn open_source(path: &Path, limits: SourceLimits) -> Result<Box<dyn RowSource>, BuildError> {
     let context = FileContext::new(path);
-    let file = File::open(path).map_err(|error| context.unreadable(error))?;
-    let metadata = file.metadata().map_err(|error| context.unreadable(error))?;
-    if !metadata.is_file() {
-        return Err(context.refused("is no file", "give a PNG, JPEG or TIFF file"));
-    }
+    let file = files::open(path).map_err(|error| context.unreadable(error))?;
     read_source(BufReader::with_capacity(1 << 16, file), path, limits)
 }
 

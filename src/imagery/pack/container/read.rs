@@ -2,6 +2,7 @@
 
 use super::descriptor::{PLANE_SIZES, descriptor, vulkan_format};
 use super::{MAX_OVERHEAD_BYTES, SCHEME_ZSTD};
+use crate::files::printable;
 use crate::imagery::tile::{TILE_MIPS, Tile, TileFormat, TileShape};
 
 /// The tile of a KTX2 file, which must be of this format and shape.
@@ -38,7 +39,7 @@ pub fn read_ktx2(bytes: &[u8], format: TileFormat, shape: TileShape) -> Result<T
         let damaged = |cause: String| format!("mip level {mip} cannot be decompressed: {cause}");
         let count = decompressor
             .decompress_to_buffer(level, image)
-            .map_err(|error| damaged(error.to_string()))?;
+            .map_err(|error| damaged(printable(&error.to_string())))?;
         if count != image.len() {
             let needed = image.len();
             return Err(damaged(format!("it has {count} bytes instead of {needed}")));

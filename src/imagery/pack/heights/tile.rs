@@ -1,6 +1,7 @@
 //! The samples of a tile as bytes: differences from what neighbours let expect, compressed.
 
 use super::{HeightKind, HeightsEntry};
+use crate::files::printable;
 
 /// Zstandard's level: a third smaller than its usual one, decompressed as fast.
 const ZSTD_LEVEL: i32 = 12;
@@ -74,7 +75,7 @@ pub fn decode_heights(bytes: &[u8], entry: &HeightsEntry) -> Result<HeightValues
     let damaged = |cause: String| format!("it cannot be decompressed: {cause}");
     let found = zstd::bulk::Decompressor::new()
         .and_then(|mut decompressor| decompressor.decompress_to_buffer(bytes, &mut raw[..]))
-        .map_err(|error| damaged(error.to_string()))?;
+        .map_err(|error| damaged(printable(&error.to_string())))?;
     if found != raw.len() {
         let needed = raw.len();
         return Err(damaged(format!("it has {found} bytes instead of {needed}")));

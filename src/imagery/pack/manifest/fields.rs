@@ -1,14 +1,12 @@
 //! TOML tables and values with their places: what is missing, unknown or not as it must be is named with line and key.
 
+use crate::files::{self, excerpt, is_unprintable};
 use crate::imagery::pack::error::{ManifestPlace, PackError};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-
-/// Longest excerpt of a manifest in a message, characters.
-const EXCERPT_CHARS: usize = 60;
 
 /// A manifest's text and the name of its file.
 #[derive(Clone, Copy)]
@@ -22,14 +20,14 @@ impl<'a> Source<'a> {
     pub(super) fn parse(&self) -> Result<Spanned<DeTable<'a>>, PackError> {
         DeTable::parse(self.text).map_err(|error| {
             let span = error.span().unwrap_or(0..0);
-            let found = match printable(self.text.get(span.clone()).unwrap_or_default()) {
+            let found = match excerpt(self.text.get(span.clone()).unwrap_or_default()) {
                 text if text.is_empty() => "the end of the line or of the file".to_owned(),
                 text => format!("`{text}`"),
             };
             PackError::Syntax {
                 path: self.path.to_owned(),
                 line: self.line(span.start),
-                message: printable(error.message()),
+                message: excerpt(error.message()),
                 found,
             }
         })
@@ -46,9 +44,9 @@ impl<'a> Source<'a> {
             place: Box::new(ManifestPlace {
                 path: self.path.to_owned(),
                 line: offset.map(|offset| self.line(offset)),
-                key: printable(key),
+                key: excerpt(key),
             }),
-            cause: cause.to_string(),
+            cause: files::cause(cause),
         }
     }
 }
@@ -136,7 +134,7 @@ impl<'a> Value<'a> {
     /// The error that refuses this value, with its line.
     pub(super) fn refuse(&self, cause: impl Display) -> PackError {
         let span = self.value.span();
-        let excerpt = printable(self.source.text.get(span.clone()).unwrap_or_default());
+        let excerpt = excerpt(self.source.text.get(span.clone()).unwrap_or_default());
         let cause = format!("{cause} (found {excerpt})");
         self.source.refuse(Some(span.start), &self.key, cause)
     }
@@ -262,27 +260,4 @@ pub(super) fn nearest<'k>(word: &str, known: &[&'k str]) -> Option<&'k str> {
         .filter(|(likeness, _)| *likeness >= ALIKE)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, name)| name)
-}
-
-/// Control characters, and the marks that reorder text: a line of a terminal must read as it is written.
-fn is_unprintable(c: char) -> bool {
-    c.is_control()
-        || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-}
-
-/// An excerpt for one line of a terminal: its first line, cut to a length, control characters escaped.
-fn printable(text: &str) -> String {
-    let line = text.trim().lines().next().unwrap_or_default();
-    let mut out = String::new();
-    for c in line.chars().take(EXCERPT_CHARS) {
-        if is_unprintable(c) {
-            out.extend(c.escape_unicode());
-        } else {
-            out.push(c);
-        }
-    }
-    if line.len() < text.trim().len() || line.chars().nth(EXCERPT_CHARS).is_some() {
-        out.push('…');
-    }
-    out
 }

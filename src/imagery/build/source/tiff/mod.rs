@@ -13,6 +13,7 @@ use super::{
     check_size,
 };
 use crate::elevation::geo_tags::GeoTags;
+use crate::files::printable;
 use crate::imagery::build::error::BuildError;
 use crate::imagery::colour::Said;
 use gaps::Gaps;
@@ -462,14 +463,14 @@ fn decode_error(context: &FileContext, error: TiffError) -> BuildError {
                     | std::io::ErrorKind::Other
             ) =>
         {
-            context.damaged(error)
+            context.damaged(printable(&error.to_string()))
         }
         TiffError::IoError(error) => context.unreadable(error),
-        TiffError::UnsupportedError(error) => unfit(context, error.to_string()),
+        TiffError::UnsupportedError(error) => unfit(context, printable(&error.to_string())),
         TiffError::LimitsExceeded => context.refused(
             "has tags or strips beyond all measure",
             "rewrite it (`gdal_translate` or `tiffcp`)",
         ),
-        other => context.damaged(other),
+        other => context.damaged(printable(&other.to_string())),
     }
 }
