@@ -37,8 +37,8 @@
 //! | module | knows | must not know |
 //! |---|---|---|
 //! | `files` | opening files from outside, files that are not finished, text from outside in messages | anything below |
-//! | [`frames`] | ellipsoid, time scales, Earth rotation, Sun; f64 | anything below |
 //! | `durable` | files that outlast a power failure: synced, then renamed | anything below |
+//! | [`frames`] | ellipsoid, time scales, Earth rotation, Sun; f64 | anything below |
 //! | `loaders` | threads that load tiles beside the frame | anything below |
 //! | [`orbit`] | readers and propagators: a state at an epoch | GPU |
 //! | [`basilisk`] | simulations of Basilisk: their sockets, messages and files, what is kept of them | GPU |
@@ -113,11 +113,11 @@ pub use globe::{
     SurfaceKind, SurfaceSettings, clipmap::ClipmapOptions, contours::ContourOptions,
     contours::PageOptions, projected_grid::GridOptions, quadtree::QuadtreeOptions,
 };
-#[cfg(feature = "offscreen")]
-pub use gpu::GpuContext;
 pub use gpu::{
     FrameTargets, GpuMap, MapError, MapFade, ScaledTarget, ShaderError, TruthTargets, TruthTexel,
 };
+#[cfg(feature = "offscreen")]
+pub use gpu::{GpuContext, GpuFault, PictureError};
 #[cfg(all(feature = "packs", feature = "terrain"))]
 pub use imagery::pack::PackHeights;
 pub use imagery::{

@@ -3,6 +3,7 @@
 //! Lengths in the messages are metres, gravity parameters and radii of bodies aside, which are not used. Repeated numbers that
 //! are fewer than they should be are taken as absent, as proto3 leaves out what is zero.
 
+use super::undrawn::{Part, SKYBOX, Undrawn};
 use super::wire::{Field, Fields, Numbers, Value, Wholes, WireFault, put_varint};
 use glam::{DMat3, DVec3};
 
@@ -40,6 +41,8 @@ pub struct Message {
     pub ends_viewer: bool,
     /// Characters whose keys the script listens to; only where settings come.
     pub live_keys: Option<String>,
+    /// What the window's sky is, a word or a path; only where settings come.
+    pub skybox: Option<String>,
     /// What it holds that is not drawn.
     pub undrawn: Undrawn,
 }
@@ -93,6 +96,16 @@ pub struct Camera {
     pub skybox: String,
 }
 
+impl Camera {
+    /// Whether its pictures have no stars: by its own sky, or where it has none by that of the settings.
+    pub fn is_sky_black(&self, of_settings: bool) -> bool {
+        match self.skybox.is_empty() {
+            true => of_settings,
+            false => is_black(&self.skybox),
+        }
+    }
+}
+
 /// A place on the ground.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Location {
@@ -129,61 +142,11 @@ pub struct EpochDate {
     pub second: f64,
 }
 
-/// Parts of messages that are not drawn, as a set.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Undrawn(u32);
-
-/// Their names, as a user knows them, by their bit.
-const UNDRAWN: [&str; 17] = [
-    "maps on the ground (quadMaps)",
-    "dialogs (vizEventDialogs)",
-    "reaction wheels",
-    "thrusters",
-    "coarse sun sensors",
-    "generic sensors",
-    "sprites of spacecraft",
-    "transceivers",
-    "storage devices",
-    "lights of spacecraft",
-    "logos of spacecraft",
-    "shapes of spacecraft (multiShapes)",
-    "ellipsoids about spacecraft",
-    "spacecraft models by key",
-    "fields of view of ground locations",
-    "lines to targets",
-    "more parts than a message may have",
-];
-const QUAD_MAPS: u32 = 0;
-const DIALOGS: u32 = 1;
-const LOCATION_FIELDS: u32 = 14;
-const TARGET_LINES: u32 = 15;
-const TOO_MANY: u32 = 16;
-
-impl Undrawn {
-    fn add(&mut self, bit: u32) {
-        self.0 |= 1 << bit;
-    }
-
-    /// The names of what is in this set and not in the other.
-    pub fn names_beyond(self, known: Self) -> impl Iterator<Item = &'static str> {
-        let new = self.0 & !known.0;
-        let named = UNDRAWN.iter().enumerate();
-        named
-            .filter(move |(bit, _)| new & (1 << bit) != 0)
-            .map(|(_, name)| *name)
-    }
-
-    /// Adds all of another set.
-    pub fn join(&mut self, other: Self) {
-        self.0 |= other.0;
-    }
-}
-
 /// Adds one to a list, unless that has as many as it may.
 fn push<T>(list: &mut Vec<T>, most: usize, one: T, undrawn: &mut Undrawn) {
     match list.len() < most {
         true => list.push(one),
-        false => undrawn.add(TOO_MANY),
+        false => undrawn.add(Part::TooMany),
     }
 }
 
@@ -208,11 +171,14 @@ impl Message {
                     push(&mut message.craft, MAX_CRAFT, craft, &mut undrawn);
                 }
                 4 => {
-                    let camera = camera(field.bytes()?)?;
+                    let camera = camera(field.bytes()?, &mut undrawn)?;
                     push(&mut message.cameras, MAX_CAMERAS, camera, &mut undrawn);
                 }
-                5 => undrawn.add(QUAD_MAPS),
-                7 => message.live_keys = Some(live_keys(field.bytes()?)?),
+                5 => undrawn.add(Part::QuadMaps),
+                7 => {
+                    let (keys, skybox) = settings(field.bytes()?, &mut undrawn)?;
+                    (message.live_keys, message.skybox) = (Some(keys), Some(skybox));
+                }
                 8 => message.epoch = Some(epoch(field.bytes()?)?),
                 9 => {
                     let location = location(field.bytes()?, &mut undrawn)?;
@@ -224,7 +190,7 @@ impl Message {
                     );
                 }
                 10 => message.ends_viewer = live_settings(field.bytes()?, &mut undrawn)?,
-                11 => undrawn.add(DIALOGS),
+                11 => undrawn.add(Part::Dialogs),
                 _ => {}
             }
         }
@@ -304,18 +270,18 @@ fn craft(bytes: &[u8], undrawn: &mut Undrawn) -> Result<Craft, WireFault> {
             2 => position.add(&field)?,
             3 => velocity.add(&field)?,
             4 => mrp.add(&field)?,
-            5 => undrawn.add(2),
-            6 => undrawn.add(3),
-            7 => undrawn.add(4),
-            8 => undrawn.add(5),
-            9 if is_there => undrawn.add(6),
-            10 => undrawn.add(7),
-            11 => undrawn.add(8),
-            12 => undrawn.add(9),
-            16 if is_there => undrawn.add(10),
-            17 => undrawn.add(11),
-            18 => undrawn.add(12),
-            13 if is_there => undrawn.add(13),
+            5 => undrawn.add(Part::ReactionWheels),
+            6 => undrawn.add(Part::Thrusters),
+            7 => undrawn.add(Part::SunSensors),
+            8 => undrawn.add(Part::GenericSensors),
+            9 if is_there => undrawn.add(Part::Sprites),
+            10 => undrawn.add(Part::Transceivers),
+            11 => undrawn.add(Part::Storage),
+            12 => undrawn.add(Part::Lights),
+            16 if is_there => undrawn.add(Part::Logos),
+            17 => undrawn.add(Part::MultiShapes),
+            18 => undrawn.add(Part::Ellipsoids),
+            13 if is_there => undrawn.add(Part::CraftModels),
             _ => {}
         }
     }
@@ -325,7 +291,7 @@ fn craft(bytes: &[u8], undrawn: &mut Undrawn) -> Result<Craft, WireFault> {
     Ok(craft)
 }
 
-fn camera(bytes: &[u8]) -> Result<Camera, WireFault> {
+fn camera(bytes: &[u8], undrawn: &mut Undrawn) -> Result<Camera, WireFault> {
     let mut camera = Camera::default();
     let mut size = Wholes::<2>::default();
     let (mut position, mut mrp) = (Numbers::default(), Numbers::default());
@@ -339,7 +305,14 @@ fn camera(bytes: &[u8]) -> Result<Camera, WireFault> {
             4 => size.add(&field)?,
             7 => position.add(&field)?,
             8 => mrp.add(&field)?,
-            10 => camera.skybox = field.text(MAX_NAME_CHARS)?,
+            10 => {
+                camera.skybox = field.text(MAX_NAME_CHARS)?;
+                if !camera.skybox.is_empty() && !is_black(&camera.skybox) {
+                    undrawn.add(Part::CameraSkyBox);
+                }
+            }
+            11 if field.whole()? > 0 => undrawn.add(Part::PostProcessing),
+            18 if field.whole()? > 0 => undrawn.add(Part::CameraHud),
             16 => camera.is_depth = field.whole()? == 1,
             17 => clip.add(&field)?,
             _ => {}
@@ -358,7 +331,7 @@ fn location(bytes: &[u8], undrawn: &mut Undrawn) -> Result<Location, WireFault> 
         let above_zero = |field: &Field<'_>| field.number().is_ok_and(|value| value > 0.0);
         matches!(field.number, 5 | 7) && above_zero(&field)
     }) {
-        undrawn.add(LOCATION_FIELDS);
+        undrawn.add(Part::LocationFields);
     }
     Ok(place)
 }
@@ -398,7 +371,11 @@ fn live_settings(bytes: &[u8], undrawn: &mut Undrawn) -> Result<bool, WireFault>
     for field in Fields::of(bytes) {
         let field = field?;
         match field.number {
-            1 => undrawn.add(TARGET_LINES),
+            1 => undrawn.add(Part::TargetLines),
+            2 if !matches!(field.value, Value::Bytes([])) => undrawn.add(Part::RelativeOrbitChief),
+            4 if field.is_true()? => undrawn.add(Part::PlaybackPaused),
+            5 if field.whole()? > 0 => undrawn.add(Part::PlaybackInRealTime),
+            6 if field.whole()? > 1 => undrawn.add(Part::PlaybackMultiplier),
             3 => ends = field.is_true()?,
             _ => {}
         }
@@ -406,16 +383,28 @@ fn live_settings(bytes: &[u8], undrawn: &mut Undrawn) -> Result<bool, WireFault>
     Ok(ends)
 }
 
-/// The keys that a script listens to, of its settings.
-fn live_keys(bytes: &[u8]) -> Result<String, WireFault> {
-    let mut keys = String::new();
+/// The keys that a script listens to, and the sky, of its settings; what else they ask for is not drawn.
+fn settings(bytes: &[u8], undrawn: &mut Undrawn) -> Result<(String, String), WireFault> {
+    let (mut keys, mut skybox) = (String::new(), String::new());
     for field in Fields::of(bytes) {
         let field = field?;
-        if field.number == 52 {
-            keys = field.text(MAX_NAME_CHARS)?;
+        match field.number {
+            SKYBOX => {
+                skybox = field.text(MAX_NAME_CHARS)?;
+                if !is_black(&skybox) {
+                    undrawn.add_setting(&field);
+                }
+            }
+            52 => keys = field.text(MAX_NAME_CHARS)?,
+            _ => undrawn.add_setting(&field),
         }
     }
-    Ok(keys)
+    Ok((keys, skybox))
+}
+
+/// Whether a sky is one without stars.
+pub fn is_black(skybox: &str) -> bool {
+    skybox.trim().eq_ignore_ascii_case("black")
 }
 
 /// What the viewer answers to a request for input: the frame that it has, and the keys that were pressed.
@@ -432,4 +421,40 @@ pub fn viewer_input(frame_number: i64, keys: &str) -> Vec<u8> {
         bytes.extend(inner);
     }
     bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A field of bytes shorter than 128.
+    fn field(number: u8, bytes: &[u8]) -> Vec<u8> {
+        [&[number << 3 | 2, bytes.len() as u8], bytes].concat()
+    }
+
+    fn of_settings(settings: &[u8]) -> Message {
+        Message::read(&field(7, settings)).expect("a message")
+    }
+
+    #[test]
+    fn a_black_sky_is_followed_and_another_one_is_named() {
+        let names = |message: &Message| {
+            let names = message.undrawn.names_beyond(Undrawn::default());
+            names.collect::<Vec<_>>()
+        };
+        let black = of_settings(&field(11, b"black"));
+        assert!(black.skybox.as_deref().is_some_and(is_black));
+        assert_eq!(names(&black), [""; 0]);
+        let other = of_settings(&field(11, b"NASA_SVS"));
+        assert!(!other.skybox.as_deref().is_some_and(is_black));
+        assert_eq!(names(&other), ["a skyBox other than black"]);
+        // Two settings that are not drawn: ambient (1, a double) and showHillFrame (31, a whole number).
+        let ambient = [&[1 << 3 | 1][..], &0.5_f64.to_le_bytes()].concat();
+        let two = of_settings(&[ambient, vec![0xf8, 0x01, 1]].concat());
+        assert_eq!(names(&two), ["ambient", "showHillFrame"]);
+        let camera = Message::read(&field(4, &field(10, b"black"))).expect("a message");
+        assert!(camera.cameras[0].is_sky_black(false) && names(&camera).is_empty());
+        let none = Message::read(&field(4, &[])).expect("a message");
+        assert!(none.cameras[0].is_sky_black(true) && !none.cameras[0].is_sky_black(false));
+    }
 }

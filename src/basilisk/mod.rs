@@ -41,6 +41,7 @@ mod server;
 mod shared;
 mod simulation;
 mod subscriber;
+mod undrawn;
 mod wire;
 mod world;
 mod zmtp;
@@ -50,12 +51,13 @@ pub use endpoint::{BadEndpoint, Endpoint};
 pub use feeds::{CraftFeed, PlaceFeed};
 pub use message::{
     Body, Camera, Craft, EpochDate, Location, MAX_CAMERAS, MAX_CRAFT, MAX_LOCATIONS,
-    MAX_MESSAGE_BYTES, Message, Undrawn,
+    MAX_MESSAGE_BYTES, Message,
 };
 pub use options::{Meeting, SimulationError, SimulationOptions};
 pub use recording::{RecordedCraft, RecordedPlace, Recording, RecordingError};
 pub use shared::{Counters, StepPace};
 pub use simulation::{Painter, PictureRequest, Simulation, StepRequest};
+pub use undrawn::Undrawn;
 pub use wire::WireFault;
 pub use world::{CraftState, Place, Roster, Snapshot, UpdateFault, World};
 pub use zmtp::{Connection as ZmtpConnection, ZmtpError};

@@ -4,7 +4,8 @@
 //! centre by one subtraction in f64. Epoch and ground locations are sent when they are new, and kept.
 
 use super::attitude::rotation_of_mrp;
-use super::message::{Body, Camera, Craft, EpochDate, Location, MAX_LOCATIONS, Message, Undrawn};
+use super::message::{Body, Camera, Craft, EpochDate, Location, MAX_LOCATIONS, Message, is_black};
+use super::undrawn::Undrawn;
 use crate::frames::{
     Calendar, Duration, Epoch, moon_position_gcrf_m, rfc3339, sun_position_gcrf_m, tai_from_utc_day,
 };
@@ -48,6 +49,8 @@ pub struct Snapshot {
     pub cameras: Arc<[Camera]>,
     /// Places on the Earth.
     pub places: Arc<[Place]>,
+    /// Whether the script's settings ask for a sky without stars (`skyBox = "black"`).
+    pub is_sky_black: bool,
 }
 
 /// A spacecraft of a snapshot.
@@ -127,6 +130,7 @@ impl Snapshot {
             craft: craft.collect(),
             cameras: Arc::clone(&self.cameras),
             places: Arc::clone(&self.places),
+            is_sky_black: self.is_sky_black,
         }
     }
 }
@@ -176,6 +180,7 @@ pub struct World {
     places: Arc<[Place]>,
     cameras: Arc<[Camera]>,
     undrawn: Undrawn,
+    is_sky_black: bool,
     /// The bodies that are not drawn and have been told.
     bodies_told: BTreeSet<String>,
     notes: Vec<String>,
@@ -191,6 +196,7 @@ impl World {
             places: Arc::new([]),
             cameras: Arc::new([]),
             undrawn: Undrawn::default(),
+            is_sky_black: false,
             bodies_told: BTreeSet::new(),
             notes: Vec::new(),
         }
@@ -276,6 +282,9 @@ impl World {
             self.take_epoch(date);
         }
         self.take_locations(message.locations);
+        if let Some(skybox) = &message.skybox {
+            self.is_sky_black = is_black(skybox);
+        }
         self.tell_undrawn(message.undrawn);
         let elapsed_s = message.elapsed_ns * 1e-9;
         if !(0.0..=MAX_ELAPSED_S).contains(&elapsed_s) {
@@ -309,6 +318,7 @@ impl World {
             self.cameras = message.cameras.into();
         }
         Ok(Snapshot {
+            is_sky_black: self.is_sky_black,
             frame_number: message.frame_number,
             epoch,
             elapsed_s,

@@ -186,6 +186,7 @@ pub struct Celestial {
     drawable: CelestialDrawable,
     points: Vec<StarPoint>,
     is_shown: bool,
+    shows_stars: bool,
 }
 
 /// The pass it is drawn in, and the air before it.
@@ -248,6 +249,7 @@ impl Celestial {
             pass,
             points: Vec::new(),
             is_shown: false,
+            shows_stars: true,
         })
     }
 
@@ -263,7 +265,13 @@ impl Celestial {
             pass,
             points: Vec::new(),
             is_shown: false,
+            shows_stars: self.shows_stars,
         }
+    }
+
+    /// Whether stars and Milky Way are drawn from the next [`Self::prepare`] on, where the options have them; at first they are.
+    pub fn show_stars(&mut self, are_shown: bool) {
+        self.shows_stars = are_shown;
     }
 
     /// Follows an Earth to another quality. What was prepared must be prepared anew, and those for further views be made anew from it.
@@ -320,7 +328,7 @@ impl Celestial {
             moon.disc.covers = 1.0;
         }
         let gain = self.options.star_gain;
-        if let Some(catalogue) = &self.options.stars {
+        if let Some(catalogue) = self.options.stars.as_ref().filter(|_| self.shows_stars) {
             let years = (moment.epoch.to_jde_tt_days() - CATALOGUE_JD) / YEAR_DAYS;
             let shown = (catalogue.as_ref(), years, gain as f32);
             seen.stars(shown, &projection, &ellipsoid, &mut self.points);
@@ -351,6 +359,7 @@ impl Celestial {
         let is_drawn = |kind| match kind {
             CelestialKind::Sun => sun.radius_px >= POINT_PX && sun.is_in_picture && is_sun_up,
             CelestialKind::Moon => moon.radius_px >= POINT_PX && moon.is_in_picture,
+            CelestialKind::MilkyWay => self.shows_stars,
             CelestialKind::Glare => glare_bounds.is_some() && is_sun_up,
             _ => true,
         };

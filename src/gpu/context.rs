@@ -1,6 +1,7 @@
 //! An adapter and device for programs that have none of their own. A host that has a device does not need this.
 
-use super::{ShaderCapability, relief};
+use super::faults::{GpuFault, GpuFaults};
+use super::{PictureError, ShaderCapability, relief};
 
 /// Why no device could be opened.
 #[derive(Debug, thiserror::Error)]
@@ -55,6 +56,7 @@ pub struct GpuContext {
     pub device: wgpu::Device,
     /// Its queue.
     pub queue: wgpu::Queue,
+    faults: GpuFaults,
 }
 
 impl GpuContext {
@@ -143,11 +145,26 @@ impl GpuContext {
                 source,
             })?;
         Ok(Self {
+            faults: GpuFaults::of(&device),
             instance,
             adapter,
             device,
             queue,
         })
+    }
+
+    /// Whether the device has done all that it was asked for since the last time that this was asked.
+    ///
+    /// # Errors
+    /// The first thing that it has not done, outside of error scopes; that it was lost, each time.
+    pub fn check(&self) -> Result<(), GpuFault> {
+        self.faults.take().map_or(Ok(()), Err)
+    }
+
+    /// What was read back, unless the device has not done what came before: then that is the error.
+    pub(crate) fn checked<T>(&self, read: Result<T, PictureError>) -> Result<T, PictureError> {
+        self.check()?;
+        read
     }
 
     /// What the device does with compressed textures.

@@ -8,6 +8,7 @@ mod context;
 mod contours;
 #[cfg(feature = "terrain")]
 mod crossing;
+mod faults;
 #[cfg(feature = "terrain")]
 mod grid;
 #[cfg(feature = "terrain")]
@@ -39,6 +40,7 @@ mod uniforms;
 #[cfg(feature = "celestial")]
 pub use celestial::{CelestialUniforms, Disc};
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
+pub use faults::GpuFault;
 pub use map::{GpuMap, MapError, MapFade};
 pub use scaled::ScaledTarget;
 pub use shader::{

@@ -1,5 +1,6 @@
 //! Reading back what the device has written.
 
+use super::GpuFault;
 use std::ops::Range;
 use std::time::Duration;
 use wgpu::{MapMode, PollType, SubmissionIndex};
@@ -11,6 +12,9 @@ pub enum PictureError {
     /// The device was lost or the copy failed.
     #[error("the picture could not be read back from the device: {0}")]
     ReadBack(String),
+    /// What was to be read has not been drawn.
+    #[error(transparent)]
+    Fault(#[from] GpuFault),
 }
 
 /// The texels of a texture (usage `COPY_SRC`), rows without padding. Waits for the device, no longer than `patience`.

@@ -168,6 +168,7 @@ pub(super) fn moment(view: &EyeView, sky: &Sky) -> Moment {
         craft: None,
         eye_velocity_m_s: None,
         turn: None,
+        is_starless: false,
         exposure_ev: None,
     }
 }

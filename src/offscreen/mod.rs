@@ -148,9 +148,9 @@ impl OffscreenEarth {
         let (gpu, options) = (&self.gpu, &mut self.options);
         let shown = Self::of_kind(&mut self.shown, gpu, options, self.size, |_| ())?;
         let drawing = shown.draw(&self.gpu, view, sky, wait);
-        shown
-            .targets
-            .read_back_into(&self.gpu.device, &self.gpu.queue, rgba)?;
+        let targets = &shown.targets;
+        let read = targets.read_back_into(&self.gpu.device, &self.gpu.queue, rgba);
+        self.gpu.checked(read)?;
         Ok(drawing)
     }
 
@@ -184,9 +184,9 @@ impl OffscreenEarth {
             },
         )?;
         let drawing = drawn.draw(&self.gpu, view, sky, wait);
-        drawn
-            .targets
-            .read_light_into(&self.gpu.device, &self.gpu.queue, light)?;
+        let targets = &drawn.targets;
+        let read = targets.read_light_into(&self.gpu.device, &self.gpu.queue, light);
+        self.gpu.checked(read)?;
         Ok(drawing)
     }
 
@@ -218,7 +218,8 @@ impl OffscreenEarth {
         let drawn = self.truth.insert(targets);
         let drawing = drawn.draw(gpu, view, sky, wait);
         let lines = 0..size.1;
-        let texels = drawn.targets.read(&gpu.device, &gpu.queue, lines)?;
+        let read = drawn.targets.read(&gpu.device, &gpu.queue, lines);
+        let texels = gpu.checked(read)?;
         let has_water = self.options.layers.water.is_some();
         Ok((
             TruthPicture::new(truth_view, size, texels, has_water),

@@ -3,7 +3,7 @@
 use super::basilisk::with_camera_service;
 use super::clock::frame_epoch;
 use super::error::PlayError;
-use super::export_words::{FilmWords, Written};
+use super::export_words::FilmWords;
 use super::film::{
     Existing, FilmFrames, FilmKey, FilmPage, FilmPainter, FrameFolder, FrameRange, FrameRecord,
     KeptFrames, PageHead, PictureSettings, checksum,
@@ -15,6 +15,7 @@ use super::progress::Progress;
 use super::video::{
     EncoderChoice, FilmFrame, FrameSink, VideoCoding, VideoFormat, check_size, open_video,
 };
+use super::written::Written;
 use crate::basilisk::Meeting;
 use crate::files::printable;
 use crate::gpu::GpuContext;

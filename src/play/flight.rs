@@ -60,6 +60,8 @@ pub struct Moment {
     pub eye_velocity_m_s: Option<DVec3>,
     /// How the Earth stands and turns where a simulation says so and not the date.
     pub turn: Option<EarthTurn>,
+    /// Whether stars and Milky Way are left out, as a simulation may ask.
+    pub is_starless: bool,
     /// The exposure value of the instant, where the scene keys it.
     pub exposure_ev: Option<f64>,
 }
@@ -326,6 +328,7 @@ impl Flight {
                 }
             }),
             turn: None,
+            is_starless: false,
             exposure_ev: self.path.exposure_ev(epoch),
         }
     }

@@ -27,7 +27,7 @@
 //! | `scene_files` | every file that its pictures come from |
 //! | `pictures` | a scene's pictures in memory, for programs that call us |
 //! | `offscreen`, `still`, `stats`, `export`, `video/` | the offscreen renderer; pictures, their numbers, films |
-//! | `outlook`, `export_words` | what light a film will be in; what is said of it before and after |
+//! | `outlook`, `export_words`, `written` | what light a film will be in; what is said of it before, and of its files after |
 //! | `film/` | films and their pictures: formats, averaged light, ranges, going on with a film, the page `frames.json` |
 //! | `radiance` | a picture's light as a file |
 //! | `truth`, `truth_manifest` | what is where its pixels look, as files |
@@ -116,6 +116,8 @@ mod video;
 mod window;
 #[cfg(feature = "command")]
 mod window_renderer;
+#[cfg(feature = "command")]
+mod written;
 
 #[cfg(feature = "command")]
 pub use basilisk::{ServeRequest, serve};

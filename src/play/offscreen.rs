@@ -324,26 +324,30 @@ impl OffscreenRenderer {
 
     /// Reads back what was drawn last. Waits for the device.
     pub fn read(&self) -> Result<RgbaImage, PlayError> {
-        let texels = self.targets.read_back(&self.gpu.device, &self.gpu.queue)?;
+        let read = self.targets.read_back(&self.gpu.device, &self.gpu.queue);
+        let texels = self.gpu.checked(read)?;
         let (width, height) = self.targets.size();
         Ok(rgba_image(width, height, texels)?)
     }
 
     /// The same as light, of a renderer that is open for it: red, green, blue and what is no light, rows from the top.
     pub fn read_light(&self) -> Result<Vec<[f32; 4]>, PlayError> {
-        Ok(self.targets.read_light(&self.gpu.device, &self.gpu.queue)?)
+        let read = self.targets.read_light(&self.gpu.device, &self.gpu.queue);
+        Ok(self.gpu.checked(read)?)
     }
 
     /// Reads back what was drawn last to where it is wanted: four bytes a pixel. Waits for the device.
     pub fn read_into(&self, rgba: &mut [u8]) -> Result<(), PlayError> {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-        Ok(self.targets.read_back_into(device, queue, rgba)?)
+        let read = self.targets.read_back_into(device, queue, rgba);
+        Ok(self.gpu.checked(read)?)
     }
 
     /// The same as light, of a renderer that is open for it: four numbers a pixel.
     pub fn read_light_into(&self, light: &mut [f32]) -> Result<(), PlayError> {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-        Ok(self.targets.read_light_into(device, queue, light)?)
+        let read = self.targets.read_light_into(device, queue, light);
+        Ok(self.gpu.checked(read)?)
     }
 
     /// Draws an instant twice and times the second time: the first fills caches and compiles what drivers compile late.

@@ -146,6 +146,7 @@ impl ScenePictures {
                 craft: None,
                 eye_velocity_m_s: None,
                 turn: None,
+                is_starless: false,
                 exposure_ev: None,
             },
         };

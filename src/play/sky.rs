@@ -68,6 +68,7 @@ impl SkyLayer {
             target: size.into(),
             velocity_m_s: moment.eye_velocity_m_s,
         };
+        self.celestial.show_stars(!moment.is_starless);
         let own = self.celestial.prepare(&gpu.queue, earth, &when);
         stats.triangles += own.triangles;
         stats.draw_calls += own.draw_calls;

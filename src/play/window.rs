@@ -11,6 +11,7 @@ use super::timeline::{Coverage, PassSearch};
 use super::window_renderer::{Presented, WindowRenderer};
 use crate::EyeView;
 use crate::frames::Epoch;
+use crate::gpu::PictureError;
 use hifitime::Unit;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -247,13 +248,8 @@ impl ApplicationHandler for App<'_> {
             event_loop.exit();
             return;
         }
-        if self
-            .renderer
-            .as_ref()
-            .is_some_and(WindowRenderer::is_device_lost)
-        {
-            let error = PlayError::DeviceLost("the driver reset or removed it".into());
-            self.fail(event_loop, error);
+        if let Some(fault) = self.renderer.as_ref().and_then(WindowRenderer::fault) {
+            self.fail(event_loop, PictureError::from(fault).into());
             return;
         }
         if self.message_ends.is_some_and(|end| end <= now) {

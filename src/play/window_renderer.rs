@@ -18,12 +18,11 @@ use super::sky::SkyLayer;
 use super::surface::WindowSurface;
 use super::tracks::{TrackDetail, TracksLayer};
 use crate::frames::rfc3339;
-use crate::gpu::{GpuContext, read_texture};
+use crate::gpu::{GpuContext, GpuFault, read_texture};
 use crate::scene::EDGE_SAMPLES;
 use crate::{Adaptation, Earth, Exposure, EyeView, FrameStats, Quality};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use wgpu::CurrentSurfaceTexture;
 use winit::dpi::PhysicalSize;
@@ -45,7 +44,6 @@ pub struct WindowRenderer {
     tracks: Option<TracksLayer>,
     gpu: GpuContext,
     window: Arc<Window>,
-    device_lost: Arc<AtomicBool>,
     adapter: String,
     satellite: Option<String>,
     has_tiles: bool,
@@ -106,15 +104,6 @@ impl WindowRenderer {
             display,
             window.clone(),
         ))?;
-        let device_lost = Arc::new(AtomicBool::new(false));
-        let flag = device_lost.clone();
-        gpu.device.set_device_lost_callback(move |reason, message| {
-            // Also called when the device is dropped in good order.
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                tracing::error!("the graphics device was lost: {message}");
-                flag.store(true, Ordering::Relaxed);
-            }
-        });
         progress.begin("loading maps", None);
         let mut options = flight.earth_options(gpu.bc_support())?;
         progress.end();
@@ -153,7 +142,6 @@ impl WindowRenderer {
             earth,
             gpu,
             window,
-            device_lost,
             adapter: format!("{} ({})", info.name, info.backend),
             satellite: flight.feed().map(|feed| feed.name().to_owned()),
             has_tiles: options.tiles.is_some(),
@@ -174,8 +162,8 @@ impl WindowRenderer {
     }
 
     /// Whether the device has stopped for good.
-    pub fn is_device_lost(&self) -> bool {
-        self.device_lost.load(Ordering::Relaxed)
+    pub fn fault(&self) -> Option<GpuFault> {
+        self.gpu.check().err()
     }
 
     /// Width and height of the picture, pixels.

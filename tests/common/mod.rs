@@ -24,7 +24,14 @@ pub fn gpu() -> &'static GpuContext {
             Some(name) => open(Some(name)),
             None => open(Some("llvmpipe")).or_else(|_| open(None)),
         };
-        context.expect("picture tests need an adapter: `cargo xtask test` installs a software one")
+        let context = context
+            .expect("picture tests need an adapter: `cargo xtask test` installs a software one");
+        // Whatever a test asks of the device, it must be allowed.
+        let handler = |error: wgpu::Error| panic!("{error}");
+        context
+            .device
+            .on_uncaptured_error(std::sync::Arc::new(handler));
+        context
     })
 }
 

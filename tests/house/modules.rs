@@ -6,31 +6,32 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Each module with the modules that it may use. A module that is not here may not exist.
 #[rustfmt::skip]
 const MODULES: &[(&str, &[&str])] = &[
-    ("frames", &[]),
+    ("files", &[]),
     ("durable", &[]),
+    ("frames", &["files"]),
     ("loaders", &[]),
-    ("orbit", &["frames"]),
-    ("basilisk", &["frames", "orbit"]),
-    ("elevation", &["frames", "loaders"]),
+    ("orbit", &["files", "frames"]),
+    ("basilisk", &["files", "frames", "orbit"]),
+    ("elevation", &["files", "frames", "loaders"]),
     ("globe", &["frames", "elevation"]),
     ("air", &["frames"]),
     ("light", &["frames", "air"]),
     // Maps and drawables know nothing of satellites.
-    ("imagery", &["durable", "loaders", "elevation", "globe"]),
+    ("imagery", &["files", "durable", "loaders", "elevation", "globe"]),
     // Maps from the network, for packs.
-    ("fetch", &["durable", "imagery"]),
-    ("scene", &["frames", "orbit", "basilisk", "globe", "air", "light"]),
-    ("gpu", &["frames", "globe", "air", "light", "imagery"]),
-    ("earth", &["frames", "elevation", "globe", "air", "light", "imagery", "gpu"]),
+    ("fetch", &["files", "durable", "imagery"]),
+    ("scene", &["files", "frames", "orbit", "basilisk", "globe", "air", "light"]),
+    ("gpu", &["files", "frames", "globe", "air", "light", "imagery"]),
+    ("earth", &["files", "frames", "elevation", "globe", "air", "light", "imagery", "gpu"]),
     // Drawn into memory.
     ("offscreen", &["light", "imagery", "gpu", "earth"]),
     // Drawn behind the Earth.
-    ("celestial", &["frames", "air", "imagery", "gpu", "earth"]),
+    ("celestial", &["files", "frames", "air", "imagery", "gpu", "earth"]),
     // Drawn with the Earth, for any feed: knows no scene.
     ("tracks", &["frames", "orbit", "globe", "air", "gpu", "earth"]),
-    ("play", &["frames", "durable", "orbit", "basilisk", "elevation", "light", "imagery", "scene", "gpu", "earth", "offscreen", "celestial", "tracks"]),
-    ("measure", &["frames", "orbit", "elevation", "globe", "air", "light", "imagery", "scene", "gpu", "earth", "offscreen", "play"]),
-    ("cli", &["frames", "orbit", "basilisk", "globe", "imagery", "fetch", "scene", "gpu", "play", "measure"]),
+    ("play", &["files", "frames", "durable", "orbit", "basilisk", "elevation", "light", "imagery", "scene", "gpu", "earth", "offscreen", "celestial", "tracks"]),
+    ("measure", &["files", "frames", "orbit", "elevation", "globe", "air", "light", "imagery", "scene", "gpu", "earth", "offscreen", "play"]),
+    ("cli", &["files", "frames", "orbit", "basilisk", "globe", "imagery", "fetch", "scene", "gpu", "play", "measure"]),
 ];
 
 /// Names that `lib.rs` exports from modules, with their modules: `crate::Earth` is `earth`.

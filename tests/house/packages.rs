@@ -80,7 +80,7 @@ pub fn other_sources(page: &Page, address: &str, repository: &Repository) -> Vec
         let Some(path) = link.strip_prefix(address) else {
             return Some(format!("{}: {link} is not below {address}", page.path));
         };
-        let file = ["", "/blob/HEAD/", "/raw/HEAD/"]
+        let file = ["/blob/HEAD/", "/raw/HEAD/"]
             .iter()
             .find_map(|kind| path.strip_prefix(kind));
         let is_there = path.is_empty()

@@ -6,6 +6,8 @@ mod changes;
 mod common;
 mod detail;
 mod embedding;
+#[cfg(feature = "offscreen")]
+mod faults;
 mod light;
 mod night;
 mod picture;

@@ -115,14 +115,16 @@ impl<R: BufRead + Seek> Tiff<R> {
             ));
         }
         let mut limits = Limits::default();
+        // Places and lengths of the tiles of the largest grid, 16 bytes for each.
+        limits.ifd_value_size = 64 << 20;
+        limits.decoding_buffer_size = limits.ifd_value_size;
+        let mut decoder = decoder.with_limits(limits.clone());
+        let absent = absent_chunks(&mut decoder);
+        let mask = TiffMask::find(&mut decoder, (columns, rows));
         // At most `CHUNK_BYTES`. Compressed data are at most a little longer.
         limits.decoding_buffer_size = chunk_bytes as usize;
         limits.intermediate_buffer_size = chunk_bytes as usize * 2 + 4096;
-        // Places and lengths of the tiles of the largest grid, 16 bytes for each.
-        limits.ifd_value_size = 64 << 20;
-        let mut decoder = decoder.with_limits(limits);
-        let absent = absent_chunks(&mut decoder);
-        let mask = TiffMask::find(&mut decoder, (columns, rows));
+        let decoder = decoder.with_limits(limits);
         let tiff = Self {
             absent: absent.map_err(|error| gap_error(context, error))?,
             mask: mask.map_err(|error| gap_error(context, error))?,

@@ -1,7 +1,7 @@
 //! A map's texels as numbers that may be averaged: linear light, cover, slopes.
 
 use super::error::BuildError;
-use super::source::{FileContext, FileKind, RowSource, SampleKind, SourceInfo};
+use super::source::{FileContext, FileKind, RowSource, SampleKind, SourceInfo, sample};
 use crate::imagery::slopes::{ELEVATION_OFFSET_M, SlopeRows, pole_fade};
 use crate::imagery::srgb::linear_from_encoded;
 use std::path::Path;
@@ -253,19 +253,6 @@ fn clear_nothing<const C: usize>(info: &SourceInfo, bytes: &[u8], out: &mut [f32
 /// Whether alpha says that a texel is not there.
 fn is_nothing(info: &SourceInfo, bytes: &[u8], x: usize) -> bool {
     info.opacity.is_some() && sample(info.sample, bytes, (x + 1) * info.channels - 1) == 0.0
-}
-
-/// One sample as a number: integers by their code.
-pub(super) fn sample(kind: SampleKind, bytes: &[u8], index: usize) -> f32 {
-    let at = index * kind.bytes();
-    match kind {
-        SampleKind::U8 => f32::from(bytes[at]),
-        SampleKind::U16 => f32::from(u16::from_ne_bytes([bytes[at], bytes[at + 1]])),
-        SampleKind::I16 => f32::from(i16::from_ne_bytes([bytes[at], bytes[at + 1]])),
-        SampleKind::F32 => {
-            f32::from_ne_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
-        }
-    }
 }
 
 /// What alpha says, 0…1, in a sample.

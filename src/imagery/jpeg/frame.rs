@@ -4,7 +4,6 @@ use super::Fault;
 
 /// A picture's frame.
 pub(super) struct Frame {
-    pub width: u32,
     pub height: u32,
     pub is_progressive: bool,
     pub components: Vec<Component>,
@@ -96,7 +95,6 @@ impl Frame {
             }
         });
         Ok(Self {
-            width,
             height,
             is_progressive,
             components: components.collect(),

@@ -96,6 +96,7 @@ mod tests {
             craft: None,
             eye_velocity_m_s: None,
             turn: None,
+            is_starless: false,
             exposure_ev: None,
         };
         let size = (241, 161);

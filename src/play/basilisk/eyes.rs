@@ -79,6 +79,7 @@ impl Flight {
         Ok(Moment {
             view: pose.view(fov_deg.to_radians(), aspect),
             turn: Some(turn(snapshot)),
+            is_starless: camera.is_sky_black(snapshot.is_sky_black),
             craft: nearest.map(|one| {
                 let motion = OrbitalMotion {
                     position_itrf_m: itrf_from_gcrf * one.position_m,

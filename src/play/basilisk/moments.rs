@@ -101,6 +101,7 @@ impl Flight {
         let pose = self.pose(request.mode, state.as_ref())?;
         let mut moment = self.moment_under(snapshot.epoch, request, pose, state, sky(snapshot));
         moment.turn = Some(turn(snapshot));
+        moment.is_starless = snapshot.is_sky_black;
         if let (Some(drawn), Some(craft)) = (&mut moment.craft, craft) {
             drawn.itrf_from_craft = itrf_from_gcrf * DMat3::from_quat(craft.inertial_from_body);
         }

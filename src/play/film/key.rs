@@ -273,6 +273,6 @@ mod tests {
     fn what_is_no_regular_file_is_not_waited_for() {
         let root = tempfile::tempdir().expect("a folder");
         let error = checksum_of(root.path()).expect_err("a folder");
-        assert!(error.to_string().contains("regular file"), "{error}");
+        assert!(error.to_string().contains("not a file"), "{error}");
     }
 }

@@ -6,8 +6,8 @@
 use super::yuv::YuvPlanes;
 use super::{FilmFrame, FrameSink, VideoFormat, write_error};
 use crate::play::error::{PlayError, VideoError};
-use crate::play::export_words::Written;
 use crate::play::output::PendingFile;
+use crate::play::written::Written;
 use muxide::api::{Muxer, MuxerBuilder, VideoCodec};
 use openh264::OpenH264API;
 use openh264::encoder::{

@@ -2,8 +2,8 @@
 
 use super::{FilmFrame, FrameSink, VideoCodec, VideoFormat, write_error};
 use crate::play::error::{PlayError, VideoError};
-use crate::play::export_words::Written;
 use crate::play::output::PendingFile;
+use crate::play::written::Written;
 use std::io::{Read, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::thread::JoinHandle;

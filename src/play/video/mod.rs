@@ -8,9 +8,9 @@ mod ffmpeg;
 mod yuv;
 
 use super::error::{PlayError, VideoError};
-use super::export_words::Written;
 use super::film::{FilmPicture, FrameRecord};
 use super::output::{OutputError, PendingFile};
+use super::written::Written;
 
 /// A frame of a film, drawn.
 pub struct FilmFrame {

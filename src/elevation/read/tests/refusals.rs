@@ -320,5 +320,5 @@ fn files_that_are_not_there_are_told() {
     assert!(
         open(Path::new("nowhere/dem.tif")).contains("check that it is a file and its permissions")
     );
-    assert!(open(&data("")).contains("is no file"));
+    assert!(open(&data("")).contains("not a file"));
 }

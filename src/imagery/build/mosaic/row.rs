@@ -1,7 +1,8 @@
 //! A row of a raster: its texels, and which of them are there.
 
+use crate::imagery::build::source::sample;
 use crate::imagery::build::source::{Opacity, SampleKind, SourceInfo};
-use crate::imagery::build::values::{opaque_part, sample};
+use crate::imagery::build::values::opaque_part;
 
 /// A row of a raster.
 #[derive(Default)]

@@ -1,7 +1,7 @@
 //! Texels as numbers that may be averaged, and back: colour as linear light, everything else as it is stored.
 
+use crate::imagery::build::source::sample;
 use crate::imagery::build::source::{SampleKind, SourceInfo};
-use crate::imagery::build::values::sample;
 use crate::imagery::srgb::{LINEAR_FROM_SRGB, SrgbEncoder, linear_from_encoded};
 
 /// How heights are written as colours.

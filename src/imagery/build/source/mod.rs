@@ -3,6 +3,7 @@
 mod geo;
 mod jpeg;
 mod png;
+mod sample;
 mod sof;
 mod tiff;
 
@@ -11,6 +12,7 @@ use crate::elevation::read::first_bytes;
 use crate::files;
 use crate::imagery::colour::Said;
 pub(super) use geo::{TagGrid, in_other_system};
+pub(super) use sample::sample;
 use std::fmt;
 use std::io::{BufRead, BufReader, Seek};
 use std::path::{Path, PathBuf};

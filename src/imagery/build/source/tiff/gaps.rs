@@ -1,10 +1,10 @@
 //! Texels of a TIFF that stand for nothing: GDAL's no-data number, an internal mask, strips and tiles that the file leaves out.
 
+use super::super::sample::sample;
 use super::super::{FileContext, SampleKind};
 use super::decode_error;
 use crate::elevation::tiff_gaps::{TiffGapError, TiffMask, absent_chunks};
 use crate::imagery::build::error::BuildError;
-use crate::imagery::build::values::sample;
 use std::io::{Read, Seek};
 use tiff::TiffError;
 use tiff::decoder::Decoder;

@@ -1,0 +1,103 @@
+//! Errors of a device that no error scope takes.
+//!
+//! wgpu panics on them where nobody listens. A device that we open ourselves records the first, and the next call that draws or reads
+//! a picture returns it. A host's device is the host's: we listen there to nothing.
+
+use crate::files::cause;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What has gone wrong on a device outside all error scopes.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GpuFault {
+    /// The driver has reset or removed the device: nothing can be drawn with it any more.
+    #[error(
+        "the graphics device was lost: {0}; start again, and update the driver if it happens often"
+    )]
+    Lost(String),
+    /// It has no memory left for something.
+    #[error(
+        "the graphics device is out of memory: {0}; take a smaller picture, fewer samples, or less texture_mb"
+    )]
+    OutOfMemory(String),
+    /// It was asked for something that it does not allow.
+    #[error(
+        "the graphics device rejected a command: {0}; this is a fault of the program, please report it"
+    )]
+    Validation(String),
+    /// It failed without a reason that its interface knows.
+    #[error("the graphics driver failed: {0}; update it, or choose another adapter with --adapter")]
+    Internal(String),
+}
+
+impl From<wgpu::Error> for GpuFault {
+    fn from(error: wgpu::Error) -> Self {
+        match error {
+            wgpu::Error::OutOfMemory { source } => Self::OutOfMemory(cause(source)),
+            wgpu::Error::Validation { description, .. } => Self::Validation(cause(description)),
+            wgpu::Error::Internal { description, .. } => Self::Internal(cause(description)),
+        }
+    }
+}
+
+/// Listens to a device. Clones share what they have heard.
+#[derive(Clone, Debug, Default)]
+pub(super) struct GpuFaults(Arc<Mutex<Option<GpuFault>>>);
+
+impl GpuFaults {
+    /// Listens to a device from now on.
+    pub fn of(device: &wgpu::Device) -> Self {
+        let faults = Self::default();
+        let heard = faults.clone();
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| heard.note(error.into())));
+        let heard = faults.clone();
+        device.set_device_lost_callback(move |reason, message| {
+            // Also called when the device is dropped in good order.
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                heard.note(GpuFault::Lost(cause(message)));
+            }
+        });
+        faults
+    }
+
+    /// Keeps the first fault: those after it follow from it. A lost device is worse than any other.
+    fn note(&self, fault: GpuFault) {
+        tracing::debug!("{fault}");
+        let mut first = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if first.is_none() || matches!(fault, GpuFault::Lost(_)) {
+            *first = Some(fault);
+        }
+    }
+
+    /// Hands over what has gone wrong since the last time; that a device is lost, each time.
+    pub fn take(&self) -> Option<GpuFault> {
+        let mut first = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*first {
+            Some(GpuFault::Lost(_)) => first.clone(),
+            _ => first.take(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_fault_is_told_once_and_a_lost_device_for_good() {
+        let faults = GpuFaults::default();
+        assert_eq!(faults.take(), None);
+        faults.note(GpuFault::Validation("one".into()));
+        faults.note(GpuFault::Internal("two".into()));
+        assert_eq!(faults.take(), Some(GpuFault::Validation("one".into())));
+        assert_eq!(faults.take(), None);
+        faults.note(GpuFault::OutOfMemory("three".into()));
+        let lost = GpuFault::Lost("reset".into());
+        faults.note(lost.clone());
+        faults.note(GpuFault::Internal("four".into()));
+        assert_eq!(
+            (faults.take(), faults.take()),
+            (Some(lost.clone()), Some(lost))
+        );
+    }
+}
