@@ -1,5 +1,6 @@
 //! All heights of a scene: grids over one another, and beneath them the sea, or tiles of a source.
 
+use super::Joins;
 use super::tiles::TilePyramid;
 use super::{Bounds, Elevation, HeightGrid, HeightRange};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -17,8 +18,9 @@ const ROWS: usize = 36;
 /// given first. A grid that is not of the whole Earth is feathered: over its outermost
 /// samples, a sixteenth of its width and height and at least [`FEATHER_SAMPLES`](super::FEATHER_SAMPLES), it goes over
 /// smoothly into what lies beneath, and so around holes that are left to that. Heights are therefore continuous everywhere.
-/// Two grids that only touch leave a strip of what lies beneath between them: join such files first (`gdalbuildvrt`,
-/// `gdal_merge.py`), or let them overlap by an eighth.
+/// Where another grid of like spacing (within a factor of 2) goes on, a grid is not feathered: tiles that share their outermost
+/// posts, that touch, or that lie up to a sample apart are one ground. Of two that are registered by cells the nearer one says the
+/// height between their outermost samples.
 ///
 /// **Spacings**: each grid averages its own samples; an average does not reach over a grid's border.
 ///
@@ -27,6 +29,8 @@ const ROWS: usize = 36;
 pub struct Ground {
     /// From the top down.
     grids: Arc<[Arc<HeightGrid>]>,
+    /// What joins each of them to others.
+    joins: Arc<[Joins]>,
     /// Numbers of the grids that reach into each part, from the top down.
     parts: Arc<[Vec<u32>]>,
     /// Grids of the whole Earth are not below the sea.
@@ -51,6 +55,8 @@ impl Ground {
         let mut grids: Vec<_> = grids.into_iter().collect();
         // Stable: of equal ones the first stays first.
         grids.sort_by(|a, b| a.finest_spacing_rad().total_cmp(&b.finest_spacing_rad()));
+        let placements: Vec<_> = grids.iter().map(|grid| grid.placement()).collect();
+        let joins = Joins::of(&placements);
         let mut parts = vec![Vec::new(); COLUMNS * ROWS];
         for (number, grid) in grids.iter().enumerate() {
             let bounds = grid.bounds();
@@ -62,6 +68,7 @@ impl Ground {
         }
         Self {
             grids: grids.into(),
+            joins: joins.into(),
             parts: parts.into(),
             has_sea_surface: false,
             tiles: None,
@@ -119,12 +126,13 @@ impl Ground {
 
     /// The grids that may reach to a place, from the top down.
     #[inline]
-    fn at(&self, lat_rad: f64, lon_rad: f64) -> impl Iterator<Item = &HeightGrid> {
+    fn at(&self, lat_rad: f64, lon_rad: f64) -> impl Iterator<Item = (&HeightGrid, &Joins)> {
         let part = self.parts.get(part_of(lat_rad, lon_rad));
         let numbers = part.map_or(&[][..], Vec::as_slice);
         numbers
             .iter()
-            .map(|number| self.grids[*number as usize].as_ref())
+            .map(|number| *number as usize)
+            .map(|number| (self.grids[number].as_ref(), &self.joins[number]))
     }
 }
 
@@ -141,7 +149,7 @@ impl Elevation for Ground {
             return 0.0;
         }
         if let [grid] = &*self.grids {
-            return match grid.weighted(lat_rad, lon_rad, spacing_rad) {
+            return match grid.weighted(lat_rad, lon_rad, spacing_rad, &self.joins[0]) {
                 Some((height_m, weight)) if self.tiles.is_none() || weight >= 1.0 => {
                     weight * height_m.max(self.floor_m(grid))
                 }
@@ -157,8 +165,8 @@ impl Elevation for Ground {
             return 0.0 + self.beneath_m(lat_rad, lon_rad, spacing_rad);
         }
         let (mut height_m, mut beneath) = (0.0, 1.0);
-        for grid in self.at(lat_rad, lon_rad) {
-            if let Some((of_grid_m, weight)) = grid.weighted(lat_rad, lon_rad, spacing_rad) {
+        for (grid, joins) in self.at(lat_rad, lon_rad) {
+            if let Some((of_grid_m, weight)) = grid.weighted(lat_rad, lon_rad, spacing_rad, joins) {
                 height_m += beneath * weight * of_grid_m.max(self.floor_m(grid));
                 beneath *= 1.0 - weight;
                 if beneath <= 0.0 {
@@ -184,8 +192,8 @@ impl Elevation for Ground {
         if !(lat_rad.is_finite() && lon_rad.is_finite()) {
             return f64::INFINITY;
         }
-        for grid in self.at(lat_rad, lon_rad) {
-            let weight = grid.weight(lat_rad, lon_rad);
+        for (grid, joins) in self.at(lat_rad, lon_rad) {
+            let weight = grid.joined_weight(lat_rad, lon_rad, joins);
             if weight >= 1.0 {
                 return grid.detail_rad();
             }

@@ -30,6 +30,8 @@ pub use grid::{
     FEATHER_SAMPLES, Georeference, GridError, GridLimits, GridStats, HIGHEST_M, HeightGrid,
     LOWEST_M, MAX_SIDE, Registration,
 };
+#[cfg_attr(not(feature = "pack-build"), allow(unused_imports))]
+pub(crate) use grid::{joins::Joins, placement::Placement};
 pub use ground::Ground;
 pub use read::{HeightFile, HeightFileError, height_files, open_heights, open_heights_denoised};
 pub use samples::HeightSamples;
@@ -195,5 +197,7 @@ pub trait Elevation: Send + Sync {
     }
 }
 
+#[cfg(test)]
+mod joins_tests;
 #[cfg(test)]
 mod tests;

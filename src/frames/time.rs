@@ -12,7 +12,7 @@
 
 use super::calendar::Calendar;
 use super::{Duration, Epoch};
-use crate::files::excerpt;
+use crate::files::{excerpt, is_unprintable};
 
 pub(super) const NS_PER_SECOND: i64 = 1_000_000_000;
 pub(super) const NS_PER_DAY: i64 = 86_400 * NS_PER_SECOND;
@@ -120,9 +120,7 @@ pub fn utc_from_rfc3339(text: &str) -> Result<Epoch, TimeError> {
     if reading.second == 60
         && (reading.minute_of_day != 1439 || !ends_with_leap_second(reading.mjd))
     {
-        return Err(TimeError::NoLeapSecond {
-            text: excerpt(text),
-        });
+        return Err(TimeError::NoLeapSecond { text: quoted(text) });
     }
     Ok(tai_from_utc_day(reading.mjd, reading.ns_of_day()))
 }
@@ -158,15 +156,13 @@ pub(super) struct Reading {
 impl Reading {
     /// Reads RFC 3339, the zone taken into account; second 60 is left for the caller to judge.
     pub fn of(text: &str) -> Result<Self, TimeError> {
-        let form = || TimeError::Form {
-            text: excerpt(text),
-        };
+        let form = || TimeError::Form { text: quoted(text) };
         let check = |field, value: i64, least: i64, most: i64| {
             if (least..=most).contains(&value) {
                 Ok(value)
             } else {
                 Err(TimeError::Field {
-                    text: excerpt(text),
+                    text: quoted(text),
                     field,
                     value,
                     least,
@@ -385,6 +381,15 @@ fn number(text: &[u8], first: usize, len: usize) -> Option<i64> {
     text.get(first..first + len)?.iter().try_fold(0, |n, c| {
         c.is_ascii_digit().then(|| n * 10 + i64::from(c - b'0'))
     })
+}
+
+/// A text that is no date, as it stands if it is short: blanks around it may be what is wrong.
+fn quoted(text: &str) -> String {
+    const SHORT: usize = 40;
+    match text.len() <= SHORT && !text.contains(is_unprintable) {
+        true => text.to_owned(),
+        false => excerpt(text),
+    }
 }
 
 #[cfg(test)]

@@ -138,11 +138,13 @@ pub fn export(
         false => Some(LightOutlook::of(flight, wanted.clone())?),
     };
     let words = FilmWords {
-        request,
+        video: request.video.zip(encoder.as_deref()),
+        pictures: request
+            .frames
+            .map(|folder| (folder, request.pictures.format)),
         size,
         frames: count.map(|_| (wanted.end - wanted.start, kept_frames.len() as u64)),
         frame_rate_hz: scene.time.frame_rate_hz,
-        encoder: encoder.as_deref(),
         light: light.as_ref(),
     };
     words.lines().iter().for_each(|line| progress.say(line));

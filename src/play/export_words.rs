@@ -1,22 +1,22 @@
 //! What is said of a film before it is made.
 
-use super::export::ExportRequest;
 use super::film::PictureFormat;
 use super::outlook::LightOutlook;
 use super::written::counted;
+use std::path::Path;
 
 /// A film that is about to be made.
 pub(super) struct FilmWords<'w> {
-    /// What was asked for.
-    pub request: &'w ExportRequest<'w>,
+    /// The video to be written, and what encodes it.
+    pub video: Option<(&'w Path, &'w str)>,
+    /// The folder of pictures, and their format.
+    pub pictures: Option<(&'w Path, PictureFormat)>,
     /// Width and height, pixels.
     pub size: (u32, u32),
     /// Frames that are wanted, and those of them that are there; `None` where a simulator says how many there are.
     pub frames: Option<(u64, u64)>,
     /// Frames a second.
     pub frame_rate_hz: f64,
-    /// What encodes its video, if there is one.
-    pub encoder: Option<&'w str>,
     /// Its light; `None` where a simulator gives the time.
     pub light: Option<&'w LightOutlook>,
 }
@@ -42,11 +42,11 @@ impl FilmWords<'_> {
                 )
             }
         }];
-        if let (Some(path), Some(encoder)) = (self.request.video, self.encoder) {
+        if let Some((path, encoder)) = self.video {
             lines.push(format!("video: {}, encoded by {encoder}", path.display()));
         }
-        if let Some(folder) = self.request.frames {
-            let format = format_name(self.request.pictures.format);
+        if let Some((folder, format)) = self.pictures {
+            let format = format_name(format);
             lines.push(format!("pictures: in {}, {format}", folder.display()));
         }
         if let Some(light) = self.light {

@@ -287,11 +287,9 @@ fn seeds_are_good() {
         let limits = SourceLimits {
             buffer_bytes: 256 << 10,
         };
-        let good = |seed: &&Vec<u8>| {
-            read_source(std::io::Cursor::new(seed.to_vec()), path, limits).is_ok()
-        };
-        // All but the one of separate planes.
-        assert_eq!(source::seeds().iter().filter(good).count(), 8);
+        let good =
+            |seed: &Vec<u8>| read_source(std::io::Cursor::new(seed.clone()), path, limits).is_ok();
+        assert!(source::seeds().iter().all(good));
     }
     {
         use terrella::internals::imagery::build::mosaic::{Description, world_place};

@@ -3,6 +3,7 @@
 pub(super) mod build;
 mod georeference;
 pub(super) mod holes;
+pub(super) mod joins;
 pub(super) mod levels;
 pub(super) mod placement;
 mod ranges;
@@ -14,6 +15,7 @@ pub use georeference::{Georeference, MAX_SIDE, Registration};
 
 use super::samples::HeightSamples;
 use super::{Bounds, HeightRange};
+use joins::Joins;
 use levels::LevelShape;
 use placement::Placement;
 use ranges::Ranges;
@@ -217,8 +219,18 @@ impl HeightGrid {
     /// How much a place's height counts against that of what lies beneath, 0…1, continuous: 0 outside the grid and on
     /// its border, 1 from some samples inside on ([`FEATHER_SAMPLES`]), except in holes.
     pub fn weight(&self, lat_rad: f64, lon_rad: f64) -> f64 {
+        self.joined_weight(lat_rad, lon_rad, &Joins::default())
+    }
+
+    /// The same of a grid that others go on from.
+    pub(super) fn joined_weight(&self, lat_rad: f64, lon_rad: f64, joins: &Joins) -> f64 {
         let (row, column) = self.place.lattice.locate(lat_rad, lon_rad);
-        self.weight_at(row, column)
+        self.weight_at(row, column, joins)
+    }
+
+    /// Where the grid lies.
+    pub(crate) fn placement(&self) -> &Placement {
+        &self.place
     }
 
     /// Height and weight of a place; no height where the weight is 0.
@@ -228,15 +240,16 @@ impl HeightGrid {
         lat_rad: f64,
         lon_rad: f64,
         spacing_rad: f64,
+        joins: &Joins,
     ) -> Option<(f64, f64)> {
         let (row, column) = self.place.lattice.locate(lat_rad, lon_rad);
-        let weight = self.weight_at(row, column);
+        let weight = self.weight_at(row, column, joins);
         (weight > 0.0).then(|| (self.at(row, column, spacing_rad), weight))
     }
 
     #[inline]
-    fn weight_at(&self, row: f64, column: f64) -> f64 {
-        let inside = self.place.inside(row, column);
+    fn weight_at(&self, row: f64, column: f64, joins: &Joins) -> f64 {
+        let inside = joins.inside(&self.place, row, column);
         match &self.coverage {
             Some((coverage, poles)) if inside > 0.0 => {
                 let shape = &self.levels[0].shape;

@@ -7,13 +7,20 @@ use std::f64::consts::{PI, TAU};
 
 /// Place, spacing and feathered border of a grid, whatever holds its heights.
 #[derive(Clone, Debug)]
-pub(in crate::elevation) struct Placement {
-    pub lattice: SampleLattice,
+pub(crate) struct Placement {
+    pub(in crate::elevation) lattice: SampleLattice,
     pub bounds: Bounds,
     /// Angle between neighbouring samples, radians: along a column or along the row nearest to the equator, whichever is less.
     pub finest_rad: f64,
     /// What a row and a column from the border inwards add to the weight, before smoothing.
-    ramps: (f64, f64),
+    pub(super) ramps: (f64, f64),
+}
+
+/// From 0 to 1, level at both ends.
+#[inline]
+pub(super) fn smooth(part: f64) -> f64 {
+    let part = part.clamp(0.0, 1.0);
+    part * part * (3.0 - 2.0 * part)
 }
 
 impl Placement {
@@ -48,10 +55,7 @@ impl Placement {
             return 1.0;
         }
         let margin = self.lattice.margin();
-        let ramp = |from_border: f64, per_sample: f64| {
-            let part = (from_border * per_sample).clamp(0.0, 1.0);
-            part * part * (3.0 - 2.0 * part)
-        };
+        let ramp = |from_border: f64, per_sample: f64| smooth(from_border * per_sample);
         let mut weight = 1.0;
         if !is_periodic {
             let west = column + margin;

@@ -329,6 +329,11 @@ impl HeightSpool {
         Ok(false)
     }
 
+    /// Where its heights lie.
+    pub(crate) fn placement(&self) -> &Placement {
+        &self.place
+    }
+
     /// What the file covers.
     pub(crate) fn bounds(&self) -> Bounds {
         self.place.bounds

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::elevation::read::HeightFile;
-use crate::elevation::{GridError, GridLimits, open_heights};
+use crate::elevation::{GridError, GridLimits, Joins, open_heights};
 use image::{ImageBuffer, Luma};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -156,8 +156,8 @@ fn compare(file: &HeightFile, spool: &HeightSpool) -> (u32, u32) {
         let window = spool.window(&bounds).expect("reads");
         for (lat_rad, lon_rad) in places(&bounds) {
             let bits = |of: Option<(f64, f64)>| of.map(|(a, b)| (a.to_bits(), b.to_bits()));
-            let right = grid.weighted(lat_rad, lon_rad, 0.0);
-            let got = window.weighted(lat_rad, lon_rad);
+            let right = grid.weighted(lat_rad, lon_rad, 0.0, &Joins::default());
+            let got = window.weighted(lat_rad, lon_rad, &Joins::default());
             assert_eq!(
                 bits(got),
                 bits(right),

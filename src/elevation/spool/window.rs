@@ -4,6 +4,7 @@ use super::store::Store;
 use super::{HeightSpool, SpoolError};
 use crate::elevation::Bounds;
 use crate::elevation::grid::holes::{LEFT, believed, fill_row, steps_to_data};
+use crate::elevation::grid::joins::Joins;
 use crate::elevation::grid::levels::LevelShape;
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -80,7 +81,7 @@ impl HeightSpool {
 impl HeightWindow<'_> {
     /// Height and weight of a place inside the bounds, as of a grid at its finest spacing; no height where the weight is 0.
     #[inline]
-    pub(crate) fn weighted(&self, lat_rad: f64, lon_rad: f64) -> Option<(f64, f64)> {
+    pub(crate) fn weighted(&self, lat_rad: f64, lon_rad: f64, joins: &Joins) -> Option<(f64, f64)> {
         let HeightSpool {
             place,
             shape,
@@ -89,7 +90,7 @@ impl HeightWindow<'_> {
             ..
         } = self.spool;
         let (row, column) = place.lattice.locate(lat_rad, lon_rad);
-        let mut weight = place.inside(row, column);
+        let mut weight = joins.inside(place, row, column);
         if weight <= 0.0 {
             return None;
         }

@@ -4,7 +4,8 @@ use super::budget::Budget;
 use super::layout::{MOST_SIDE, is_finer, levels_for};
 use crate::elevation::spool::{HeightSpool, HeightWindow, SpoolHost};
 use crate::elevation::{
-    Bounds, GridError, GridLimits, HeightFileError, HeightGrid, HeightRange, open_heights,
+    Bounds, GridError, GridLimits, HeightFileError, HeightGrid, HeightRange, Joins, Placement,
+    open_heights,
 };
 use crate::imagery::build::folder::{BuildFolder, ScratchFolder};
 use crate::imagery::build::plan::Means;
@@ -50,6 +51,8 @@ pub(super) struct HeightFiles {
     sources: Vec<HeightSource>,
     /// Their numbers, from the top down.
     order: Vec<usize>,
+    /// What joins each to others, in that order.
+    joins: Vec<Joins>,
     /// Of those that are read part by part. Behind them: it is removed when they are.
     _scratch: Option<ScratchFolder>,
 }
@@ -102,9 +105,12 @@ impl HeightFiles {
         // Stable: of equal ones the first stays first.
         let finest_rad = |n: &usize| sources[*n].finest_rad;
         order.sort_by(|a, b| finest_rad(a).total_cmp(&finest_rad(b)));
+        let placements: Vec<_> = order.iter().map(|n| sources[*n].placement()).collect();
+        let joins = Joins::of(&placements);
         Ok(Self {
             threads: budget.threads,
             sources,
+            joins,
             order,
             _scratch: scratch,
         })
@@ -130,14 +136,16 @@ impl HeightFiles {
     /// What says the heights of places inside the bounds for samples so far apart. Files that are finer have finer tiles there.
     pub(super) fn view(&self, bounds: &Bounds, spacing_rad: f64) -> Result<View<'_>, BuildError> {
         let mut parts = Vec::new();
-        for file in self.order.iter().map(|n| &self.sources[*n]) {
+        let files = self.order.iter().map(|n| &self.sources[*n]);
+        for (file, joins) in files.zip(&self.joins) {
             if is_finer(file.step_rad, spacing_rad) || !file.bounds.overlaps(bounds) {
                 continue;
             }
-            parts.push(match &file.heights {
+            let heights = match &file.heights {
                 Heights::Held(grid) => Part::Held(grid),
                 Heights::Spooled(spool) => Part::Window(spool.window(bounds)?),
-            });
+            };
+            parts.push((heights, joins));
         }
         Ok(View(parts))
     }
@@ -215,6 +223,13 @@ fn held(
 }
 
 impl HeightSource {
+    fn placement(&self) -> &Placement {
+        match &self.heights {
+            Heights::Held(grid) => grid.placement(),
+            Heights::Spooled(spool) => spool.placement(),
+        }
+    }
+
     fn held(path: &Path, grid: HeightGrid, attribution: Option<String>) -> Self {
         let (stats, size) = (grid.stats(), grid.size());
         let flat_rad = grid.is_flat().then(|| grid.detail_rad());
@@ -291,7 +306,7 @@ impl SpoolHost for Host<'_> {
 }
 
 /// The files about a tile, from the top down, over a sea at height 0.
-pub(super) struct View<'a>(Vec<Part<'a>>);
+pub(super) struct View<'a>(Vec<(Part<'a>, &'a Joins)>);
 
 enum Part<'a> {
     Held(&'a HeightGrid),
@@ -302,10 +317,10 @@ impl View<'_> {
     /// The height of a place inside the bounds, metres, from the files' own samples.
     pub(super) fn height_m(&self, lat_rad: f64, lon_rad: f64) -> f64 {
         let (mut height_m, mut beneath) = (0.0, 1.0);
-        for part in &self.0 {
+        for (part, joins) in &self.0 {
             let weighted = match part {
-                Part::Held(grid) => grid.weighted(lat_rad, lon_rad, 0.0),
-                Part::Window(window) => window.weighted(lat_rad, lon_rad),
+                Part::Held(grid) => grid.weighted(lat_rad, lon_rad, 0.0, joins),
+                Part::Window(window) => window.weighted(lat_rad, lon_rad, joins),
             };
             if let Some((of_part_m, weight)) = weighted {
                 height_m += beneath * weight * of_part_m;

@@ -1,0 +1,285 @@
+//! Where the border of a grid is no border of the heights: another grid of like spacing goes on there.
+//!
+//! A grid is feathered along its border into what lies beneath. Where a neighbour touches it, both would fade into the sea along
+//! their seam. So the feather is measured from the open stretches of the border alone, those that no neighbour covers:
+//!
+//! ```text
+//!   weight = s(d_x) s(d_y),   d = the distance to the nearest open stretch, in widths of the feather
+//! ```
+//!
+//! with s smooth from 0 to 1. On a border without a neighbour that is the distance to the border. Grids that join have one width of
+//! feather, so that weights go on from one to the other.
+
+use super::placement::{Placement, smooth};
+use crate::elevation::Bounds;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Spacings that differ by more than this factor are not alike: the finer grid goes over into the coarser one.
+const LIKE: f64 = 2.0;
+/// How far two grids may be apart to touch, in samples of the coarser: the outermost posts of tiles that share none.
+const TOUCH: f64 = 1.01;
+
+const WEST: usize = 0;
+const EAST: usize = 1;
+const NORTH: usize = 2;
+const SOUTH: usize = 3;
+
+/// What joins a grid to others.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Joins(Option<Box<Joined>>);
+
+#[derive(Clone, Debug)]
+struct Joined {
+    /// Stretches of the western, eastern, northern and southern border without a neighbour: rows, or columns.
+    open: [Vec<(f64, f64)>; 4],
+    /// How far the grid is taken beyond a border with a neighbour, samples: half of what lies between them.
+    reach: [f64; 4],
+    /// What a row and a column inwards add to the weight, before smoothing.
+    ramps: (f64, f64),
+}
+
+impl Joins {
+    /// Of grids over one another, the uppermost first.
+    pub(crate) fn of(grids: &[&Placement]) -> Vec<Self> {
+        let mut all: Vec<Joined> = grids.iter().map(|grid| Joined::alone(grid)).collect();
+        let mut pairs = Vec::new();
+        for (n, grid) in grids.iter().enumerate() {
+            for (m, other) in grids.iter().enumerate() {
+                if n != m && is_like(grid, other) && all[n].join(grid, other, n < m) {
+                    pairs.push((n, m));
+                }
+            }
+        }
+        for joined in &mut all {
+            for open in &mut joined.open {
+                // Between two neighbours that touch.
+                open.retain(|(from, to)| to - from > 2.0 * TOUCH);
+            }
+        }
+        share_widths(grids, &pairs, &mut all);
+        let is_joined = |n: usize| pairs.iter().any(|(a, b)| *a == n || *b == n);
+        let joins = all.into_iter().enumerate();
+        joins
+            .map(|(n, joined)| Self(is_joined(n).then(|| Box::new(joined))))
+            .collect()
+    }
+
+    /// The part of the weight of a row and column that the border takes, 0…1.
+    #[inline]
+    pub(in crate::elevation) fn inside(&self, place: &Placement, row: f64, column: f64) -> f64 {
+        match &self.0 {
+            None => place.inside(row, column),
+            Some(joined) => joined.inside(place, row, column),
+        }
+    }
+}
+
+fn is_like(a: &Placement, b: &Placement) -> bool {
+    let ratio = a.finest_rad / b.finest_rad;
+    (1.0 / LIKE..=LIKE).contains(&ratio)
+}
+
+/// Grids that join have the narrowest feather of all of them.
+fn share_widths(grids: &[&Placement], pairs: &[(usize, usize)], all: &mut [Joined]) {
+    // A width goes one grid on in each round.
+    for _ in 0..grids.len() {
+        let mut is_done = true;
+        for &(n, m) in pairs {
+            let steps = |at: usize| {
+                (
+                    grids[at].lattice.lat_step_rad,
+                    grids[at].lattice.lon_step_rad,
+                )
+            };
+            // Weight a radian.
+            let of = |at: usize| (all[at].ramps.0 / steps(at).0, all[at].ramps.1 / steps(at).1);
+            let (one, two) = (of(n), of(m));
+            let steepest = (one.0.max(two.0), one.1.max(two.1));
+            for at in [n, m] {
+                let ramps = (steepest.0 * steps(at).0, steepest.1 * steps(at).1);
+                let old = all[at].ramps;
+                is_done &= ramps.0 <= old.0 * (1.0 + 1e-12) && ramps.1 <= old.1 * (1.0 + 1e-12);
+                all[at].ramps = ramps;
+            }
+        }
+        if is_done {
+            return;
+        }
+    }
+}
+
+impl Joined {
+    fn alone(place: &Placement) -> Self {
+        let lattice = &place.lattice;
+        let margin = lattice.margin();
+        let whole = |count: usize, is_border: bool| match is_border {
+            true => vec![(-margin, (count - 1) as f64 + margin)],
+            false => Vec::new(),
+        };
+        let sides = whole(lattice.rows, !lattice.is_periodic);
+        Self {
+            open: [
+                sides.clone(),
+                sides,
+                whole(lattice.columns, !lattice.reaches_north),
+                whole(lattice.columns, !lattice.reaches_south),
+            ],
+            reach: [0.0; 4],
+            ramps: place.ramps,
+        }
+    }
+
+    /// Takes the stretches off that a neighbour covers. Whether there is any.
+    fn join(&mut self, place: &Placement, other: &Placement, is_above: bool) -> bool {
+        let lattice = &place.lattice;
+        let (own, its) = (&place.bounds, &other.bounds);
+        let lat_near = TOUCH * lattice.lat_step_rad.max(other.lattice.lat_step_rad);
+        let lon_near = TOUCH * lattice.lon_step_rad.max(other.lattice.lon_step_rad);
+        let widths = (
+            lattice.lat_step_rad / place.ramps.0,
+            lattice.lon_step_rad / place.ramps.1,
+        );
+        let mut joins = false;
+        for side in [WEST, EAST, NORTH, SOUTH] {
+            if self.open[side].is_empty() {
+                continue;
+            }
+            let (overlap, near, step, width) = match side {
+                WEST | EAST => (
+                    overlap_along_parallel(own, its, side, lon_near),
+                    lon_near,
+                    lattice.lon_step_rad,
+                    widths.1,
+                ),
+                _ => (
+                    overlap_along_meridian(own, its, side, lat_near),
+                    lat_near,
+                    lattice.lat_step_rad,
+                    widths.0,
+                ),
+            };
+            let Some(overlap) = overlap.filter(|overlap| *overlap >= -near) else {
+                continue;
+            };
+            // The upper grid goes over into the lower one, where that reaches far enough beneath it.
+            if is_above && overlap >= width {
+                continue;
+            }
+            let covered = match side {
+                WEST | EAST => rows_of(place, its),
+                _ => columns_of(place, its),
+            };
+            let open = &mut self.open[side];
+            let before = open.clone();
+            for stretch in covered {
+                *open = open.iter().flat_map(|one| without(*one, stretch)).collect();
+            }
+            if *open != before {
+                joins = true;
+                let gap = 0.5 * (-overlap).max(0.0) / step + 1e-6;
+                self.reach[side] = self.reach[side].max(gap);
+            }
+        }
+        joins
+    }
+
+    fn inside(&self, place: &Placement, row: f64, column: f64) -> f64 {
+        let lattice = &place.lattice;
+        let margin = lattice.margin();
+        let (last_row, last_column) = ((lattice.rows - 1) as f64, (lattice.columns - 1) as f64);
+        // From each border inwards, samples.
+        let depths = [
+            column + margin,
+            last_column + margin - column,
+            row + margin,
+            last_row + margin - row,
+        ];
+        let is_border = [
+            !lattice.is_periodic,
+            !lattice.is_periodic,
+            !lattice.reaches_north,
+            !lattice.reaches_south,
+        ];
+        let mut nearest = [f64::INFINITY; 2];
+        for (side, depth) in depths.into_iter().enumerate() {
+            if !is_border[side] {
+                continue;
+            }
+            // Also of a place that is no number.
+            if !(depth >= -self.reach[side]) {
+                return 0.0;
+            }
+            let (along, across_ramp, along_ramp) = match side {
+                WEST | EAST => (row, self.ramps.1, self.ramps.0),
+                _ => (column, self.ramps.0, self.ramps.1),
+            };
+            for (from, to) in &self.open[side] {
+                let beside = (from - along).max(along - to).max(0.0);
+                // Beyond its border a grid is taken only beside a neighbour.
+                if beside <= 0.0 && depth <= 0.0 {
+                    return 0.0;
+                }
+                let distance = (depth.max(0.0) * across_ramp).hypot(beside * along_ramp);
+                let axis = &mut nearest[side / 2];
+                *axis = axis.min(distance);
+            }
+        }
+        smooth(nearest[0]) * smooth(nearest[1])
+    }
+}
+
+/// How far a neighbour that goes on beyond the western or eastern border of a grid reaches back inside it, radians; below 0 over a gap.
+fn overlap_along_parallel(own: &Bounds, its: &Bounds, side: usize, near: f64) -> Option<f64> {
+    if its.width_rad >= TAU - 1e-9 {
+        return Some(f64::INFINITY);
+    }
+    let inside = match side {
+        // From its far side to a place just beyond the border.
+        WEST => (its.west_rad + its.width_rad) - (own.west_rad - near),
+        _ => own.west_rad + own.width_rad + near - its.west_rad,
+    };
+    let inside = inside.rem_euclid(TAU);
+    (inside <= its.width_rad).then_some(inside - near)
+}
+
+/// The same of the northern or southern border.
+fn overlap_along_meridian(own: &Bounds, its: &Bounds, side: usize, near: f64) -> Option<f64> {
+    match side {
+        NORTH => {
+            let beyond = (own.north_rad + near).min(FRAC_PI_2);
+            (its.north_rad >= beyond - 1e-12).then_some(own.north_rad - its.south_rad)
+        }
+        _ => {
+            let beyond = (own.south_rad - near).max(-FRAC_PI_2);
+            (its.south_rad <= beyond + 1e-12).then_some(its.north_rad - own.south_rad)
+        }
+    }
+}
+
+/// Rows of a grid's border that a neighbour covers.
+fn rows_of(place: &Placement, its: &Bounds) -> Vec<(f64, f64)> {
+    let lattice = &place.lattice;
+    let row = |lat_rad: f64| (lattice.north_rad - lat_rad) / lattice.lat_step_rad;
+    vec![(row(its.north_rad), row(its.south_rad))]
+}
+
+/// Columns of a grid's border that a neighbour covers, in whichever turn.
+fn columns_of(place: &Placement, its: &Bounds) -> Vec<(f64, f64)> {
+    let lattice = &place.lattice;
+    let first = (its.west_rad - lattice.west_rad).rem_euclid(TAU);
+    let width = its.width_rad;
+    [first - TAU, first]
+        .map(|first| {
+            (
+                first / lattice.lon_step_rad,
+                (first + width) / lattice.lon_step_rad,
+            )
+        })
+        .to_vec()
+}
+
+/// What is left of a stretch without another.
+fn without((from, to): (f64, f64), (begin, end): (f64, f64)) -> impl Iterator<Item = (f64, f64)> {
+    let left = [(from, to.min(begin)), (from.max(end), to)];
+    left.into_iter().filter(|(from, to)| from < to)
+}
